@@ -1,0 +1,76 @@
+"""The tree of errors. Each says where, what came, what was wanted, and the way out; each knows its exit code.
+
+    EcumeError
+    ├── BadInput            exit 2   a scene, a table or an argument cannot be used
+    │   ├── SceneError               all faults of a scene at once, each with its path
+    │   ├── FloaterSinks             no equilibrium: the body is too heavy for the surface
+    │   └── RunExists                a run directory is in the way
+    ├── Diverged            exit 3   the physics left the range where it means anything
+    ├── StorageError        exit 4   disk full, unreadable or damaged files
+    └── Stopped             exit 75  stopped on request, with a checkpoint
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+
+class EcumeError(Exception):
+    """Whatever ecume says no to; `exit_code` is what the command line ends with."""
+
+    exit_code = 1
+
+
+class BadInput(EcumeError, ValueError):
+    """Something asked for cannot be done as asked."""
+
+    exit_code = 2
+
+
+class Fault(NamedTuple):
+    """One fault of a scene: its path (`floats[0].radius`), what is wrong with the way out, and where it stands in the file."""
+
+    path: str
+    message: str
+    line: int | None = None
+    column: int | None = None
+
+    def __str__(self) -> str:
+        place = f"line {self.line}, column {self.column}: " if self.line is not None else ""
+        return f"{place}{self.path}: {self.message}" if self.path else f"{place}{self.message}"
+
+
+class SceneError(BadInput):
+    """All the faults of one scene."""
+
+    def __init__(self, faults: Sequence[Fault], source: str = "scene") -> None:
+        self.faults = tuple(faults)
+        self.source = source
+        super().__init__("\n".join(f"{source}: {fault}" for fault in self.faults))
+
+
+class FloaterSinks(BadInput):
+    """The surface cannot carry this body: its density ratio is above the sinking limit."""
+
+
+class RunExists(BadInput):
+    """A run directory is in the way, or is used by another process."""
+
+
+class Diverged(EcumeError):
+    """The state left the range where it means anything; says the time, the particle and the cure."""
+
+    exit_code = 3
+
+
+class StorageError(EcumeError):
+    """Files that cannot be written, or cannot be read."""
+
+    exit_code = 4
+
+
+class Stopped(EcumeError):
+    """Stopped on request; a checkpoint was written."""
+
+    exit_code = 75

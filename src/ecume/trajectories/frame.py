@@ -1,0 +1,20 @@
+"""One instant of a run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+from numpy.typing import NDArray
+
+
+class Frame(NamedTuple):
+    """One instant: the time (s), named arrays, named numbers, and the unit of each. A frame owns its arrays.
+
+    `arrays["position"]` has the shape (N, d); every other array has N as its first axis too. All are float64 or int64.
+    """
+
+    time: float
+    arrays: Mapping[str, NDArray[Any]]
+    numbers: Mapping[str, float]
+    units: Mapping[str, str]
