@@ -37,5 +37,7 @@ class Model:
     """observe(parameters, state, workspace): the frame of this instant."""
     diagnosis: Callable[[Any, Any], str]
     """diagnosis(parameters, state): which particle, when, why, and what to do; for a state that came back DIVERGED."""
+    extended: Callable[[Any], Model]
+    """extended(extra_laws): the same model with the user's own pair laws compiled into it."""
     summary: Callable[[Any], list[tuple[str, str, str]]]
     """summary(scene): derived numbers for `ecume check`, as (name, value with unit, remark)."""

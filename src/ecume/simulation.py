@@ -1,0 +1,85 @@
+"""From a scene to its frames."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any, NamedTuple
+
+from ecume.errors import Diverged
+from ecume.models import MODELS
+from ecume.models.model import CROWDED, DIVERGED, Model
+from ecume.trajectories.frame import Frame
+
+ROOMIER = 1.6
+"""A workspace that overflowed is made anew with every capacity times this."""
+
+
+class Moment(NamedTuple):
+    """A pause of the march: always a whole state, and a frame where one is due."""
+
+    state: Any
+    frame: Frame | None
+    step: int
+    steps: int
+
+
+def simulate(scene: Any, *, extra_laws: Sequence[Callable[..., float]] = ()) -> Iterator[Frame]:
+    """The frames of a scene, the first at t = 0. Raises Diverged with the time, the particle and the cure."""
+    for moment in moments(scene, extra_laws=extra_laws):
+        if moment.frame is not None:
+            yield moment.frame
+
+
+def moments(
+    scene: Any, *, state: Any = None, extra_laws: Sequence[Callable[..., float]] = (), patience: float = 0.25
+) -> Iterator[Moment]:
+    """March through a scene and pause at every frame, and at least about every `patience` seconds of wall time.
+
+    With `state` (of a checkpoint) the march goes on from there. Where it pauses changes no bit of the result.
+    The state of a moment is moved on by the next one: copy it to keep it.
+    """
+    model = MODELS[scene.model]
+    parameters = model.parameters(scene)
+    if state is None:
+        state = model.start(scene, parameters)
+    if extra_laws:
+        model = model.extended(extra_laws)
+    march = _March(model, parameters, state, patience)
+    per_frame = parameters.steps_per_frame
+    total = round(scene.duration / (per_frame * parameters.time_step)) * per_frame
+    while True:
+        step = int(state.step[0])
+        due = step % per_frame == 0
+        yield Moment(state, march.observe() if due else None, step, total)
+        if step >= total:
+            return
+        march.go(min(per_frame - step % per_frame, total - step))
+
+
+class _March:
+    """The open loop of one simulation: a workspace that grows, and how many steps fit into the patience."""
+
+    def __init__(self, model: Model, parameters: Any, state: Any, patience: float) -> None:
+        self.model, self.parameters, self.state, self.patience = model, parameters, state, patience
+        self.room = 1.0
+        self.batch = 1
+        self.workspace = model.workspace(parameters, state, self.room)
+
+    def observe(self) -> Frame:
+        return self.model.observe(self.parameters, self.state, self.workspace)
+
+    def go(self, most: int) -> None:
+        """Advance by `most` steps, or by as many as the patience allows."""
+        steps = min(most, self.batch)
+        before, began = int(self.state.step[0]), time.perf_counter()
+        status = self.model.advance(self.parameters, self.state, self.workspace, steps)
+        if status == DIVERGED:
+            raise Diverged(self.model.diagnosis(self.parameters, self.state))
+        if status == CROWDED:
+            self.room *= ROOMIER
+            self.workspace = self.model.workspace(self.parameters, self.state, self.room)
+        took = time.perf_counter() - began
+        done = int(self.state.step[0]) - before
+        if done == steps:
+            self.batch = max(1, min(4 * self.batch, int(steps * self.patience / max(took, 1e-9))))
