@@ -1,0 +1,93 @@
+"""Particles sorted into square (cubic) cells, by counting: linear in their number, and stable, so that the order is always the same."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ecume._jit import compiled
+from ecume.units import Array
+
+Integers = np.ndarray[tuple[int, ...], np.dtype[np.int64]]
+
+
+class Cells(NamedTuple):
+    """Which cell each particle is in, and the particles cell by cell."""
+
+    low: Array
+    """(d,) the lowest coordinate of all particles"""
+    size: Array
+    """(1,) edge of a cell, at least the reach asked for"""
+    shape: Integers
+    """(d,) cells along each axis"""
+    cell: Integers
+    """(N,) the cell of a particle"""
+    start: Integers
+    """(cells + 1,) where a cell begins in `order`"""
+    order: Integers
+    """(N,) particles cell by cell, ascending inside a cell"""
+
+
+def make_cells(count: int, dimension: int) -> Cells:
+    """Room for `count` particles. There are never many more cells than particles: a sparse crowd gets larger cells."""
+    return Cells(
+        low=np.zeros(dimension),
+        size=np.ones(1),
+        shape=np.ones(dimension, np.int64),
+        cell=np.zeros(count, np.int64),
+        start=np.zeros(_most_cells(count) + 1, np.int64),
+        order=np.zeros(count, np.int64),
+    )
+
+
+def _most_cells(count: int) -> int:
+    return 4 * count + 64
+
+
+@compiled
+def _lay_out(cells: Cells, position: Array, reach: float) -> int:
+    """Choose origin, edge and shape of the cells; the number of cells."""
+    count, dimension = position.shape
+    most = len(cells.start) - 1
+    size = reach
+    while True:
+        total = 1.0
+        for axis in range(dimension):
+            low, high = position[0, axis], position[0, axis]
+            for i in range(count):
+                low, high = min(low, position[i, axis]), max(high, position[i, axis])
+            cells.low[axis] = low
+            along = np.floor((high - low) / size) + 1.0
+            total *= along
+            cells.shape[axis] = np.int64(min(along, float(most)))
+        if total <= most:
+            break
+        size *= 1.25
+    cells.size[0] = size
+    return np.int64(total)
+
+
+@compiled
+def sort_into_cells(cells: Cells, position: Array, reach: float) -> None:
+    """Two particles closer than `reach` end up in the same cell or in cells that touch."""
+    count, dimension = position.shape
+    total = _lay_out(cells, position, reach)
+    cells.start[: total + 1] = 0
+    for i in range(count):
+        cell = 0
+        for axis in range(dimension):
+            along = np.int64((position[i, axis] - cells.low[axis]) / cells.size[0])
+            cell = cell * cells.shape[axis] + min(along, cells.shape[axis] - 1)
+        cells.cell[i] = cell
+        cells.start[cell + 1] += 1
+    for cell in range(total):
+        cells.start[cell + 1] += cells.start[cell]
+    for i in range(count - 1, -1, -1):
+        cell = cells.cell[i]
+        cells.start[cell + 1] -= 1
+        cells.order[cells.start[cell + 1]] = i
+    # Every start was moved down by its own cell's particles: shift them back by one place.
+    for cell in range(total):
+        cells.start[cell] = cells.start[cell + 1]
+    cells.start[total] = count

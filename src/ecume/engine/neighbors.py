@@ -1,0 +1,144 @@
+"""Who is near whom: full lists with a skin, kept while nobody has moved by more than half of it.
+
+Each particle's list holds all its neighbors, so that one thread writes one particle's force: the sum has the same order and the
+same bits for any number of threads. Particles are renumbered cell by cell ("slots") so that neighbors lie close in memory.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ecume._jit import compiled, numba, threaded
+from ecume.engine.cells import Cells, Integers, make_cells, sort_into_cells
+from ecume.units import Array
+
+Slots = np.ndarray[tuple[int, ...], np.dtype[np.uint32]]
+
+THREADS_FROM = 2000
+"""Below this many particles starting threads takes longer than they save."""
+
+
+class NeighborLists(NamedTuple):
+    """Neighbors of slot s: `neighbor[first[s]:first[s + 1]]`, slots themselves; slot s is particle `cells.order[s]`."""
+
+    cells: Cells
+    first: Integers
+    neighbor: Slots
+    sorted_position: Array
+    """(d, N) by slots"""
+    valid: Integers
+    """(1,) whether the lists hold; a new workspace has none"""
+
+
+def make_lists(count: int, dimension: int, capacity: int) -> NeighborLists:
+    """Room for `capacity` neighbors in all."""
+    return NeighborLists(
+        cells=make_cells(count, dimension),
+        first=np.zeros(count + 1, np.int64),
+        neighbor=np.zeros(max(capacity, 16), np.uint32),
+        sorted_position=np.zeros((dimension, count)),
+        valid=np.zeros(1, np.int64),
+    )
+
+
+@compiled
+def sort_positions(lists: NeighborLists, position: Array) -> None:
+    """Copy the positions into the order of the slots."""
+    count, dimension = position.shape
+    for slot in range(count):
+        i = lists.cells.order[slot]
+        for axis in range(dimension):
+            lists.sorted_position[axis, slot] = position[i, axis]
+
+
+@compiled
+def _visit(lists: NeighborLists, slot: int, reach: float, write: bool) -> int:
+    """Count the neighbors of one slot, or write them down too."""
+    cells, x = lists.cells, lists.sorted_position
+    dimension = x.shape[0]
+    cell = cells.cell[cells.order[slot]]
+    around = 3**dimension
+    found = 0
+    place = lists.first[slot]
+    for number in range(around):
+        other, inside = _cell_beside(cells.shape, cell, number)
+        if not inside:
+            continue
+        for candidate in range(cells.start[other], cells.start[other + 1]):
+            square = 0.0
+            for axis in range(dimension):
+                apart = x[axis, candidate] - x[axis, slot]
+                square += apart * apart
+            if square < reach * reach and candidate != slot:
+                if write:
+                    lists.neighbor[place + found] = candidate
+                found += 1
+    return found
+
+
+@compiled
+def _cell_beside(shape: Integers, cell: int, number: int) -> tuple[int, bool]:
+    """The `number`-th of the 3^d cells around `cell`, and whether it is inside the grid."""
+    other, stride, inside = 0, 1, True
+    for axis in range(len(shape) - 1, -1, -1):
+        along = cell % shape[axis] + number % 3 - 1
+        cell //= shape[axis]
+        number //= 3
+        inside = inside and 0 <= along < shape[axis]
+        other += along * stride
+        stride *= shape[axis]
+    return other, inside
+
+
+@threaded
+def _count_in_threads(lists: NeighborLists, reach: float) -> None:
+    for slot in numba.prange(len(lists.first) - 1):
+        lists.first[slot + 1] = _visit(lists, slot, reach, False)
+
+
+@threaded
+def _write_in_threads(lists: NeighborLists, reach: float) -> None:
+    for slot in numba.prange(len(lists.first) - 1):
+        _visit(lists, slot, reach, True)
+
+
+@compiled
+def build(lists: NeighborLists, position: Array, reach: float) -> bool:
+    """List all neighbors nearer than `reach`. False when there is no room for them: the lists are then empty."""
+    count = position.shape[0]
+    sort_into_cells(lists.cells, position, reach)
+    sort_positions(lists, position)
+    lists.first[0] = 0
+    if count >= THREADS_FROM:
+        _count_in_threads(lists, reach)
+    else:
+        for slot in range(count):
+            lists.first[slot + 1] = _visit(lists, slot, reach, False)
+    for slot in range(count):
+        lists.first[slot + 1] += lists.first[slot]
+    lists.valid[0] = lists.first[count] <= len(lists.neighbor)
+    if not lists.valid[0]:
+        lists.first[:] = 0
+        return False
+    if count >= THREADS_FROM:
+        _write_in_threads(lists, reach)
+    else:
+        for slot in range(count):
+            _visit(lists, slot, reach, True)
+    return True
+
+
+@compiled
+def farthest_move(position: Array, reference: Array) -> float:
+    """The longest way any particle went since `reference`; NaN if a position is none."""
+    farthest = 0.0
+    for i in range(position.shape[0]):
+        square = 0.0
+        for axis in range(position.shape[1]):
+            moved = position[i, axis] - reference[i, axis]
+            square += moved * moved
+        if not square <= farthest:
+            farthest = square
+    return np.sqrt(farthest)
