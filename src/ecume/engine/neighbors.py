@@ -20,14 +20,20 @@ THREADS_FROM = 2000
 """Below this many particles starting threads takes longer than they save."""
 
 
-class NeighborLists(NamedTuple):
-    """Neighbors of slot s: `neighbor[first[s]:first[s + 1]]`, slots themselves; slot s is particle `cells.order[s]`."""
+class Rows(NamedTuple):
+    """Neighbors of slot s: `neighbor[first[s]:first[s + 1]]`, slots themselves. Flat, since Numba's threads take no nested tuples."""
 
-    cells: Cells
     first: Integers
     neighbor: Slots
     sorted_position: Array
     """(d, N) by slots"""
+
+
+class NeighborLists(NamedTuple):
+    """Slot s is particle `cells.order[s]`; its neighbors stand in `rows`."""
+
+    cells: Cells
+    rows: Rows
     valid: Integers
     """(1,) whether the lists hold; a new workspace has none"""
 
@@ -36,9 +42,11 @@ def make_lists(count: int, dimension: int, capacity: int) -> NeighborLists:
     """Room for `capacity` neighbors in all."""
     return NeighborLists(
         cells=make_cells(count, dimension),
-        first=np.zeros(count + 1, np.int64),
-        neighbor=np.zeros(max(capacity, 16), np.uint32),
-        sorted_position=np.zeros((dimension, count)),
+        rows=Rows(
+            first=np.zeros(count + 1, np.int64),
+            neighbor=np.zeros(max(capacity, 16), np.uint32),
+            sorted_position=np.zeros((dimension, count)),
+        ),
         valid=np.zeros(1, np.int64),
     )
 
@@ -50,19 +58,16 @@ def sort_positions(lists: NeighborLists, position: Array) -> None:
     for slot in range(count):
         i = lists.cells.order[slot]
         for axis in range(dimension):
-            lists.sorted_position[axis, slot] = position[i, axis]
+            lists.rows.sorted_position[axis, slot] = position[i, axis]
 
 
 @compiled
-def _visit(lists: NeighborLists, slot: int, reach: float, write: bool) -> int:
-    """Count the neighbors of one slot, or write them down too."""
-    cells, x = lists.cells, lists.sorted_position
+def _visit(cells: Cells, x: Array, slot: int, reach: float, found_slots: Slots) -> int:
+    """Count the neighbors of one slot, and write down as many as there is room for."""
     dimension = x.shape[0]
     cell = cells.cell[cells.order[slot]]
-    around = 3**dimension
     found = 0
-    place = lists.first[slot]
-    for number in range(around):
+    for number in range(3**dimension):
         other, inside = _cell_beside(cells.shape, cell, number)
         if not inside:
             continue
@@ -72,8 +77,8 @@ def _visit(lists: NeighborLists, slot: int, reach: float, write: bool) -> int:
                 apart = x[axis, candidate] - x[axis, slot]
                 square += apart * apart
             if square < reach * reach and candidate != slot:
-                if write:
-                    lists.neighbor[place + found] = candidate
+                if found < len(found_slots):
+                    found_slots[found] = candidate
                 found += 1
     return found
 
@@ -93,40 +98,44 @@ def _cell_beside(shape: Integers, cell: int, number: int) -> tuple[int, bool]:
 
 
 @threaded
-def _count_in_threads(lists: NeighborLists, reach: float) -> None:
-    for slot in numba.prange(len(lists.first) - 1):
-        lists.first[slot + 1] = _visit(lists, slot, reach, False)
+def _visit_in_threads(cells: Cells, x: Array, reach: float, first: Integers, neighbor: Slots) -> None:
+    # Inside a prange Numba writes to a copy of an array that is reached through a tuple: hence the bare arrays.
+    for slot in numba.prange(len(first) - 1):
+        if len(neighbor) == 0:
+            first[slot + 1] = _visit(cells, x, slot, reach, neighbor)
+        else:
+            _visit(cells, x, slot, reach, neighbor[first[slot] : first[slot + 1]])
 
 
-@threaded
-def _write_in_threads(lists: NeighborLists, reach: float) -> None:
-    for slot in numba.prange(len(lists.first) - 1):
-        _visit(lists, slot, reach, True)
+@compiled
+def _visit_all(cells: Cells, x: Array, reach: float, first: Integers, neighbor: Slots) -> None:
+    """Without room (`neighbor` empty) count into `first`, else write."""
+    if len(first) > THREADS_FROM:
+        _visit_in_threads(cells, x, reach, first, neighbor)
+        return
+    for slot in range(len(first) - 1):
+        if len(neighbor) == 0:
+            first[slot + 1] = _visit(cells, x, slot, reach, neighbor)
+        else:
+            _visit(cells, x, slot, reach, neighbor[first[slot] : first[slot + 1]])
 
 
 @compiled
 def build(lists: NeighborLists, position: Array, reach: float) -> bool:
     """List all neighbors nearer than `reach`. False when there is no room for them: the lists are then empty."""
-    count = position.shape[0]
+    rows = lists.rows
     sort_into_cells(lists.cells, position, reach)
     sort_positions(lists, position)
-    lists.first[0] = 0
-    if count >= THREADS_FROM:
-        _count_in_threads(lists, reach)
-    else:
-        for slot in range(count):
-            lists.first[slot + 1] = _visit(lists, slot, reach, False)
-    for slot in range(count):
-        lists.first[slot + 1] += lists.first[slot]
-    lists.valid[0] = lists.first[count] <= len(lists.neighbor)
-    if not lists.valid[0]:
-        lists.first[:] = 0
+    rows.first[0] = 0
+    _visit_all(lists.cells, rows.sorted_position, reach, rows.first, rows.neighbor[:0])
+    for slot in range(position.shape[0]):
+        rows.first[slot + 1] += rows.first[slot]
+    if rows.first[position.shape[0]] > len(rows.neighbor):
+        rows.first[:] = 0
+        lists.valid[0] = 0
         return False
-    if count >= THREADS_FROM:
-        _write_in_threads(lists, reach)
-    else:
-        for slot in range(count):
-            _visit(lists, slot, reach, True)
+    _visit_all(lists.cells, rows.sorted_position, reach, rows.first, rows.neighbor)
+    lists.valid[0] = 1
     return True
 
 
