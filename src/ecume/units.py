@@ -1,7 +1,7 @@
 """Units as part of an annotation, and the reading of `"2 mm"`.
 
-`radius: Length` says that a radius is a number of meters. The same annotation makes a scene accept `"2 mm"`, lets a test
-feed rescaled units through every law, and prints the unit in the documentation.
+`radius: Length` says that a radius is a number of meters. The same annotation makes a scene accept `"2 mm"`, lets a
+test feed rescaled units through every law, and prints the unit in the documentation.
 """
 
 from __future__ import annotations
@@ -10,7 +10,8 @@ import math
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
+from fractions import Fraction
+from functools import cache, lru_cache
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
@@ -23,9 +24,14 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Real = float | Array
 
-QUANTITY = re.compile(r"^\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d{1,3})?)\s*([A-Za-zµ°%][A-Za-z0-9µ°%*/^. ()-]*)?\s*$")
 LONGEST_TEXT = 40
-LARGEST_EXPONENT = 9
+QUANTITY = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]{1,3})?)\s*(.*?)\s*", re.DOTALL)
+# Pint's own parser would work out `m**9**9**9`; it is given only what this grammar lets through, one digit to a power.
+FACTOR = r"[A-Za-zµμ°%Ω_]+(?:(?:\^|\*\*)?-?[0-9])?"
+PRODUCT = rf"{FACTOR}(?:\s*[* ]\s*{FACTOR})*"
+UNIT = re.compile(rf"{PRODUCT}(?:\s*/\s*(?:{FACTOR}|\({PRODUCT}\)))*")
+POWER = re.compile(r"(?<=[A-Za-zµμ°%Ω_])(?:\^|\*\*)?(-?[0-9])")
+TYPOGRAPHY = str.maketrans({"·": "*", "⋅": "*", "²": "^2", "³": "^3"})
 
 
 @dataclass(frozen=True)
@@ -38,48 +44,99 @@ class Unit:
         """A scene's number may be written as text with its unit."""
         from pydantic_core import core_schema
 
-        def read(value: object) -> object:
-            return parse(value, self.symbol) if isinstance(value, str) else value
+        return core_schema.no_info_before_validator_function(self.number, handler(source))
 
-        return core_schema.no_info_before_validator_function(read, handler(source))
+    def number(self, value: object) -> float:
+        """A scene's value in SI: a number as it is, text through its unit, anything else refused."""
+        if isinstance(value, str):
+            return parse(value, self.symbol)
+        if isinstance(value, bool) or not isinstance(value, (int, float)):
+            raise ValueError(f"wanted a number, or text with a unit such as {example(self.symbol)!r}")
+        try:
+            return float(value)
+        except OverflowError:
+            raise ValueError("too large a number") from None
 
 
 def parse(text: str, symbol: str) -> float:
-    """The value of `text` in SI; `symbol` says which dimension is wanted.
+    """The value of `text` in SI, rounded once; `symbol` says which dimension is wanted.
 
-    >>> parse("2 mm", "m")
-    0.002
+    >>> parse("1.7 mm", "m")
+    0.0017
     """
-    match = QUANTITY.match(text) if len(text) <= LONGEST_TEXT else None
+    match = QUANTITY.fullmatch(text) if len(text) <= LONGEST_TEXT else None
     if match is None:
-        raise ValueError(f"{text[:LONGEST_TEXT]!r} is no quantity; write a number and a unit, such as {example(symbol)!r}")
-    number, unit = float(match[1]), (match[2] or "").strip()
-    if not math.isfinite(number):
-        raise ValueError(f"{text!r} is too large a number")
-    if any(int(power) > LARGEST_EXPONENT for power in re.findall(r"\d+", unit)) or unit.count("^") > 4 or "**" in unit:
-        raise ValueError(f"the unit {unit!r} has no physical meaning; write for example {example(symbol)!r}")
-    return number * factor(unit, symbol)
-
-
-@cache
-def factor(unit: str, symbol: str) -> float:
-    """How many SI units of `symbol` one `unit` is."""
-    import pint
-
-    registry = _registry()
-    try:
-        # An absolute temperature is the one unit with an offset; the others scale.
-        found: float = registry.Quantity(1.0, unit or "dimensionless").to(registry.Unit(symbol)).magnitude
-    except pint.DimensionalityError as error:
         raise ValueError(
-            f"{unit or 'a plain number'!r} measures {error.dim1 or 'nothing'}, wanted a unit like {symbol!r}"
-        ) from None
+            f"{text[:LONGEST_TEXT]!r} is no quantity; write a number and a unit, such as {example(symbol)!r}"
+        )
+    if not match[2]:
+        raise ValueError(
+            f"text without a unit; write the number without quotes, or with a unit as in {example(symbol)!r}"
+        )
+    if not math.isfinite(float(match[1])):
+        raise ValueError(f"{text!r} is too large a number")
+    scale = factor(match[2], symbol)
+    try:
+        # Through fractions, so that "1.7 mm" is the same float as 0.0017.
+        return float(Fraction(match[1]) * Fraction(repr(scale)))
+    except OverflowError:
+        raise ValueError(f"{text!r} is too large a number") from None
+
+
+@lru_cache(maxsize=256)
+def factor(unit: str, symbol: str) -> float:
+    """How many SI units of `symbol` one `unit` is.
+
+    >>> factor("mN/m", "N/m")
+    0.001
+    """
+    plain = unit.strip().translate(TYPOGRAPHY)
+    if len(plain) > LONGEST_TEXT or UNIT.fullmatch(plain) is None:
+        raise ValueError(f"{unit!r} is not how a unit is written; write for example {example(symbol)!r}")
+    found, wanted = _in_base_units(POWER.sub(r"**(\1)", plain), symbol), _in_base_units(symbol, symbol)
+    if found.units != wanted.units:
+        raise ValueError(
+            f"{unit!r} measures {_dimension(found)}, wanted {_dimension(wanted)} as in {example(symbol)!r}"
+        )
+    return _snapped(float(found.magnitude / wanted.magnitude))
+
+
+def _in_base_units(unit: str, symbol: str) -> Any:
+    """One `unit` as Pint knows it, in base units; radians stay apart from plain numbers."""
+    try:
+        one, none = (_registry().Quantity(value, unit).to_base_units() for value in (1.0, 0.0))
     except Exception:  # Pint leaks its tokenizer's and registry's errors; all of them mean an unknown unit.
         raise ValueError(f"no such unit as {unit!r}; write for example {example(symbol)!r}") from None
-    return found
+    if none.magnitude != 0.0:
+        raise ValueError(f"{unit!r} has an offset; write the value in {symbol}")
+    return one
 
 
-EXAMPLES = {"m": "4 mm", "rad": "70 deg", "s": "20 s", "kg/m^3": "1030 kg/m^3", "Pa*s": "2 mPa*s", "N/m": "45 mN/m"}
+def _dimension(quantity: Any) -> str:
+    """What a quantity measures, in words where there is one: `length`, `an angle`, `mass / length ** 3`."""
+    if quantity.dimensionless:
+        return "an angle" if str(quantity.units) == "radian" else "a plain number"
+    return str(quantity.dimensionality).replace("[", "").replace("]", "")
+
+
+def _snapped(scale: float) -> float:
+    """Without the last-digit noise of Pint's products: 0.001, not 0.0010000000000000002."""
+    short = float(f"{scale:.12g}")
+    return short if math.isclose(short, scale, rel_tol=1e-15) else scale
+
+
+EXAMPLES = {
+    "m": "4 mm",
+    "m/s": "2 mm/s",
+    "m/s^2": "9.81 m/s^2",
+    "rad": "70 deg",
+    "s": "20 s",
+    "kg/m^3": "1030 kg/m^3",
+    "Pa*s": "2 mPa*s",
+    "N/m": "45 mN/m",
+    "1": "20 %",
+    "1/s": "5 s^-1",
+}
 
 
 def example(symbol: str) -> str:

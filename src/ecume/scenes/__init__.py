@@ -1,0 +1,1 @@
+"""What a person asks for: read, checked and written without compiling anything."""

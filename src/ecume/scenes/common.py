@@ -1,0 +1,38 @@
+"""What the scenes of all models share."""
+
+from __future__ import annotations
+
+from typing import Self
+
+from pydantic import model_validator
+from pydantic.dataclasses import dataclass
+
+from ecume.scenes.faults import Inconsistent
+from ecume.scenes.quantities import MOST_FRAMES, STRICT, Duration, Seed, Text
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class Common:
+    """What is simulated for how long, and how often it is written down."""
+
+    model: str
+    """Which model: a key of `SCENES`."""
+    title: Text = ""
+    """One line, shown above movies and figures."""
+    duration: Duration
+    """The simulated time (s)."""
+    frame_every: Duration
+    """The simulated time between two frames (s); the duration is a whole number of these."""
+    seed: Seed = 0
+    """What all randomness starts from: equal scenes give equal runs."""
+
+    @model_validator(mode="after")
+    def _whole_frames(self) -> Self:
+        frames = self.duration / self.frame_every
+        if frames > MOST_FRAMES * (1 + 1e-9):
+            raise Inconsistent([(("frame_every",), f"gives {frames:.3g} frames, more than {MOST_FRAMES:.0e}")])
+        if frames < 1 - 1e-9 or abs(frames - round(frames)) > 1e-9 * frames:
+            fits = max(1, round(frames)) * self.frame_every
+            came = f"came {self.duration:g} s, no whole number of frames {self.frame_every:g} s apart"
+            raise Inconsistent([(("duration",), f"{came}; {fits:.9g} s would be")])
+        return self

@@ -1,0 +1,180 @@
+"""What is wrong with a scene, in the words of the one who wrote it."""
+
+from __future__ import annotations
+
+import dataclasses
+import difflib
+import re
+import types
+import typing
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+from pydantic import ValidationError
+from pydantic_core import ErrorDetails
+
+from ecume.errors import Fault
+
+Key = str | int
+Path = tuple[Key, ...]
+
+BARE = re.compile(r"[A-Za-z0-9_-]{1,60}")
+LONGEST_ECHO = 60
+MOST_FAULTS = 500
+
+
+class Inconsistent(ValueError):
+    """Values that are right one by one and do not fit together; each with its path below the piece that complains."""
+
+    def __init__(self, complaints: Sequence[tuple[Path, str]]) -> None:
+        self.complaints = tuple(complaints)
+        super().__init__("; ".join(message for _, message in complaints))
+
+
+def written(path: Path) -> str:
+    """`("floats", 0, "radius")` as `floats[0].radius`."""
+    parts = (f"[{key}]" if isinstance(key, int) else "." + (key if BARE.fullmatch(key) else echo(key)) for key in path)
+    return "".join(parts).removeprefix(".")
+
+
+def read_path(text: str) -> Path:
+    """`floats[0].radius` as `("floats", 0, "radius")`.
+
+    >>> read_path("floats[0].radius")
+    ('floats', 0, 'radius')
+    """
+    parts = re.findall(r"\[([0-9]+)\]|([A-Za-z0-9_-]+)", text)
+    return tuple(int(index) if index else name for index, name in parts)
+
+
+def echo(value: object) -> str:
+    """What came, short and harmless to print."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, Mapping):
+        return "a table"
+    if isinstance(value, (list, tuple)):
+        return f"a list of {len(value)}"
+    if isinstance(value, int) and value.bit_length() > 100:
+        return f"a whole number of {value.bit_length()} bits"
+    text = ascii(value) if isinstance(value, str) and not value.isprintable() else repr(value)
+    return text if len(text) <= LONGEST_ECHO else text[: LONGEST_ECHO - 3] + "..."
+
+
+def suggestion(word: str, choices: Iterable[str]) -> str:
+    """`did you mean radius?`, or all the choices where none is near."""
+    known = list(choices)
+    near = difflib.get_close_matches(word[:LONGEST_ECHO].lower(), known, n=1, cutoff=0.5)
+    if near:
+        return f"did you mean {near[0]}?"
+    return f"known: {', '.join(known)}" if known else "nothing can stand here"
+
+
+def faults_of(error: ValidationError, kind: type, raw: object, also: Sequence[str] = ()) -> list[tuple[Path, str]]:
+    """All faults that pydantic found in `raw`, which was to be a `kind`; `also` are further keys of its top."""
+    details = error.errors(include_url=False)
+    found = [fault for detail in details[:MOST_FAULTS] for fault in _described(detail, kind, raw, also)]
+    mistyped = {(*path[:-1], near) for path, message in found if (near := _meant(message)) is not None}
+    told = [(path, message) for path, message in found if not (path in mistyped and message.startswith(MISSING))]
+    left = len(details) - MOST_FAULTS
+    return told + ([((), f"and {left} more faults")] if left > 0 else [])
+
+
+MISSING = "is missing"
+
+
+def _meant(message: str) -> str | None:
+    match = re.fullmatch(r"no such key; did you mean (\w+)\?", message)
+    return match[1] if match else None
+
+
+def _described(detail: ErrorDetails, kind: type, raw: object, also: Sequence[str]) -> list[tuple[Path, str]]:
+    """One of pydantic's complaints as paths and messages."""
+    path = tuple(detail["loc"])
+    if detail["type"] == "unexpected_keyword_argument":
+        return [(path, f"no such key; {suggestion(str(path[-1]), _keys(kind, path[:-1], also))}")]
+    if detail["type"] == "missing" and isinstance(path[-1], int):
+        pair = value_at(raw, path[:-1], detail["input"])
+        return [(path[:-1], f"came {echo(pair)}; wanted a list of {len(typing.get_args(_kind_at(kind, path[:-1])))}")]
+    if detail["type"] == "missing":
+        return [(path, f"{MISSING}{_hint(kind, path)}")]
+    cause = detail.get("ctx", {}).get("error")
+    if isinstance(cause, Inconsistent):
+        return [(path + below, message) for below, message in cause.complaints]
+    came = f"came {echo(value_at(raw, path, detail['input']))}"
+    return [(path, f"{came}; {cause if cause is not None else _wanted(detail)}")]
+
+
+def _wanted(detail: ErrorDetails) -> str:
+    """What should have come, from the kind of complaint and its bounds."""
+    bounds = detail.get("ctx", {})
+    if detail["type"] == "literal_error":
+        choices = re.findall(r"'([^']*)'", str(bounds["expected"]))
+        near = suggestion(str(detail["input"]), choices)
+        return f"wanted one of {', '.join(choices)}" + ("" if near.startswith("known") else f"; {near}")
+    wording = WORDING.get(detail["type"], detail["msg"][:1].lower() + detail["msg"][1:])
+    return wording.format_map({key: _number(value) for key, value in bounds.items()})
+
+
+WORDING = {
+    "greater_than": "wanted more than {gt}",
+    "greater_than_equal": "wanted {ge} or more",
+    "less_than": "wanted less than {lt}",
+    "less_than_equal": "wanted {le} or less",
+    "finite_number": "wanted a finite number",
+    "int_type": "wanted a whole number",
+    "int_from_float": "wanted a whole number",
+    "bool_type": "wanted true or false",
+    "string_type": "wanted text",
+    "string_too_long": "wanted at most {max_length} characters",
+    "string_too_short": "wanted some text",
+    "string_pattern_mismatch": "such characters cannot stand here",
+    "dataclass_type": "wanted a table of keys and values",
+    "tuple_type": "wanted a list",
+    "too_long": "wanted a list of {max_length}",
+}
+
+
+def _number(value: object) -> object:
+    return f"{value:g}" if isinstance(value, float) else value
+
+
+def value_at(raw: object, path: Path, otherwise: object) -> object:
+    """What stands at `path`, as it was written."""
+    for key in path:
+        try:
+            raw = raw[key]  # type: ignore[index]  # whatever cannot be indexed so ends the search
+        except (KeyError, IndexError, TypeError):
+            return otherwise
+    return raw
+
+
+def _keys(kind: type, path: Path, also: Sequence[str]) -> list[str]:
+    """The keys that may stand in the piece at `path`."""
+    piece = _kind_at(kind, path)
+    known = [field.name for field in dataclasses.fields(piece)] if dataclasses.is_dataclass(piece) else []
+    return known + list(also) * (not path)
+
+
+def _hint(kind: type, path: Path) -> str:
+    """What a missing value would look like."""
+    from ecume.units import Unit, example
+
+    hints = typing.get_type_hints(_kind_at(kind, path[:-1]), include_extras=True)
+    marks = typing.get_args(hints.get(str(path[-1])))
+    units = [mark for mark in marks if isinstance(mark, Unit)]
+    return f"; wanted for example {example(units[0].symbol)!r}" if units else ""
+
+
+def _kind_at(kind: Any, path: Path) -> Any:
+    """The type of the piece at `path` of a `kind`."""
+    for key in path:
+        kind = typing.get_args(kind)[0] if isinstance(key, int) else typing.get_type_hints(kind)[key]
+        if isinstance(kind, types.UnionType):
+            kind = next(part for part in typing.get_args(kind) if part is not type(None))
+    return kind
+
+
+def as_faults(found: Iterable[tuple[Path, str]]) -> list[Fault]:
+    """Faults without a place in a file."""
+    return [Fault(written(path), message) for path, message in found]

@@ -1,0 +1,42 @@
+"""Opening the files that a scene names. A scene may come from anyone: it reads plain files of its own folder only."""
+
+from __future__ import annotations
+
+import stat
+from pathlib import Path
+
+
+def inside(folder: Path, name: str) -> Path:
+    """The file or folder `name`, which must lie inside `folder` when all links are followed. Raises ValueError."""
+    if not name or "\0" in name or len(name) > 1000:
+        raise ValueError("wanted the path of a file")
+    try:
+        home, target = folder.resolve(strict=True), (folder / name).resolve()
+    except (OSError, RuntimeError) as error:
+        raise ValueError(f"cannot be followed: {error}") from None
+    if target == home or not target.is_relative_to(home):
+        raise ValueError("lies outside the scene's folder; put it beside the scene")
+    return target
+
+
+def text_of(path: Path, most_bytes: int) -> str:
+    """The text of a plain file in UTF-8, at most so many bytes. Raises ValueError."""
+    try:
+        if not stat.S_ISREG(path.stat().st_mode):
+            raise ValueError("is no plain file")
+        with path.open("rb") as file:
+            data = file.read(most_bytes + 1)
+    except OSError as error:
+        raise ValueError(f"cannot be read: {error.strerror or error}") from None
+    if len(data) > most_bytes:
+        raise ValueError(f"is larger than {most_bytes / 2**20:g} MiB")
+    return decoded(data)
+
+
+def decoded(data: bytes) -> str:
+    """Strict UTF-8, with or without a byte-order mark. Raises ValueError."""
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        line = data.count(b"\n", 0, error.start) + 1
+        raise ValueError(f"line {line}: byte {data[error.start]:#04x} is not UTF-8 text") from None

@@ -1,0 +1,100 @@
+"""From a scene file to a scene, or to all that is wrong with it."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Sequence
+from pathlib import Path as File
+from typing import Any, NamedTuple
+
+from ecume.errors import Fault, SceneError
+from ecume.scenes.faults import Path, read_path, written
+from ecume.scenes.files import text_of
+from ecume.scenes.overrides import overridden
+from ecume.scenes.places import place_of, places
+from ecume.scenes.schema import Scene, examined
+from ecume.scenes.starts import SOURCES, rows_from
+
+MOST_BYTES = 2**20
+
+
+class Source(NamedTuple):
+    """A scene's text, what messages call it, and the folder in which it looks for tables and runs."""
+
+    text: str
+    name: str
+    folder: File
+
+
+def load_scene(path_or_text: str | File, overrides: Sequence[str] = ()) -> Scene:
+    """The scene of a file, or of TOML text. Raises SceneError with all faults at once, each with its line and column.
+
+    `overrides` are changes such as `floats[0].count=10` or `dish.radius=4 cm`. Tables and runs that the scene names are
+    looked for beside its file (beside nothing but the current folder when it is text).
+    """
+    source = source_of(path_or_text)
+    raw = _parsed(source)
+    changed, faults = overridden(raw, overrides)
+    rows = rows_from(raw, source.folder)
+    if rows.plain and not rows.faults:
+        raw["rows"] = rows.plain
+    scene, found = examined(raw, also=SOURCES)
+    # Without its rows a scene has nothing afloat, which is no fault of its own.
+    faults += rows.faults + rows.told([fault for fault in found if not (rows.faults and fault[0] == ("floats",))])
+    if scene is None or faults:
+        raise SceneError(_placed(source, faults, changed), source.name)
+    return scene
+
+
+def located(error: SceneError, path_or_text: str | File, overrides: Sequence[str] = ()) -> SceneError:
+    """The same error with the lines and columns of the file; for faults that a model found in a scene that was read."""
+    source = source_of(path_or_text)
+    changed = overridden(_parsed(source), overrides)[0]
+    bare = [(read_path(fault.path), fault.message) for fault in error.faults]
+    return SceneError(_placed(source, bare, changed), source.name)
+
+
+def source_of(path_or_text: str | File) -> Source:
+    """Whether it is a file or a text: a text has a line break or an equals sign, a file exists."""
+    if isinstance(path_or_text, str) and (not path_or_text.strip() or re.search(r"[\n=]", path_or_text)):
+        file = File(path_or_text) if "=" in path_or_text and "\n" not in path_or_text else None
+        if file is None or len(path_or_text) > 255 or not file.is_file():
+            return Source(_bounded(path_or_text), "scene", File())
+    path = File(path_or_text)
+    try:
+        return Source(text_of(path, MOST_BYTES), str(path), path.parent)
+    except ValueError as fault:
+        raise SceneError([Fault("", str(fault))], str(path)) from None
+
+
+def _bounded(text: str) -> str:
+    if len(text) > MOST_BYTES:
+        raise SceneError([Fault("", f"is longer than {MOST_BYTES / 2**20:g} MiB")])
+    return text
+
+
+def _parsed(source: Source) -> dict[str, Any]:
+    """The tables of a TOML text. Python's reader leaks three more exceptions than its own."""
+    try:
+        return tomllib.loads(source.text)
+    except tomllib.TOMLDecodeError as error:
+        match = re.fullmatch(r"(.*) \(at line (\d+), column (\d+)\)", str(error), re.DOTALL)
+        message, line, column = (match[1], int(match[2]), int(match[3])) if match else (str(error), None, None)
+        fault = Fault("", f"is not TOML: {message}", line, column)
+    except RecursionError:
+        fault = Fault("", "is nested too deeply")
+    except ValueError as error:
+        fault = Fault("", f"is not TOML: {error}")
+    raise SceneError([fault], source.name)
+
+
+def _placed(source: Source, faults: Sequence[tuple[Path, str]], changed: set[Path]) -> list[Fault]:
+    """Faults with their lines and columns; those that the command line brought in have none."""
+    known = places(source.text)
+    placed = []
+    for path, message in faults:
+        overridden_here = any(path[: len(start)] == start for start in changed)
+        line, column = (None, None) if overridden_here else place_of(path, known) or (None, None)
+        placed.append(Fault(written(path), message + " (from --set)" * overridden_here, line, column))
+    return sorted(placed, key=lambda fault: (fault.line is None, fault.line or 0, fault.column or 0))

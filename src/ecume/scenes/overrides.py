@@ -1,0 +1,69 @@
+"""Changes to a scene from the command line: `floats[0].count=10`, `dish.radius=4 cm`."""
+
+from __future__ import annotations
+
+import itertools
+import re
+import tomllib
+from collections.abc import Sequence
+from typing import Any
+
+from ecume.scenes.faults import Path, echo, read_path, written
+
+KEY = re.compile(r"[A-Za-z0-9_-]{1,60}(?:\[[0-9]{1,9}\])*(?:\.[A-Za-z0-9_-]{1,60}(?:\[[0-9]{1,9}\])*){0,9}")
+LONGEST = 10_000
+
+
+def overridden(raw: dict[str, Any], overrides: Sequence[str]) -> tuple[set[Path], list[tuple[Path, str]]]:
+    """Write the overrides into `raw`; the paths they set, and what is wrong with them."""
+    changed: set[Path] = set()
+    faults: list[tuple[Path, str]] = []
+    for override in overrides:
+        try:
+            path, value = split(override)
+            put(raw, path, value)
+            changed.add(path)
+        except ValueError as fault:
+            faults.append(((), f"--set {echo(override)}: {fault}"))
+    return changed, faults
+
+
+def split(override: str) -> tuple[Path, Any]:
+    """The path and the value of `key=value`.
+
+    >>> split("floats[0].count=10")
+    (('floats', 0, 'count'), 10)
+    """
+    key, equals, text = override.partition("=")
+    if not equals or KEY.fullmatch(key.strip()) is None:
+        raise ValueError("wanted key=value, such as floats[0].count=10")
+    return read_path(key), value_of(text.strip())
+
+
+def value_of(text: str) -> Any:
+    """A value as TOML writes it; what TOML cannot read is text, so that the shell needs no second pair of quotes."""
+    if len(text) > LONGEST:
+        raise ValueError(f"a value of {len(text)} characters is too long")
+    try:
+        document = tomllib.loads(f"value = {text}")
+    except (ValueError, RecursionError):
+        return text
+    return document["value"] if document.keys() == {"value"} else text
+
+
+def put(raw: Any, path: Path, value: Any) -> None:
+    """Set the value at `path`; tables on the way are made where there are none."""
+    for depth, (key, following) in enumerate(itertools.pairwise(path)):
+        if isinstance(key, str) and isinstance(raw, dict) and isinstance(following, str):
+            raw.setdefault(key, {})
+        raw = raw[_fitting(raw, key, path[: depth + 1])]
+    raw[_fitting(raw, path[-1], path, new=True)] = value
+
+
+def _fitting(raw: Any, key: str | int, path: Path, *, new: bool = False) -> Any:
+    """The key, if something stands there."""
+    if isinstance(key, str) and isinstance(raw, dict) and (new or key in raw):
+        return key
+    if isinstance(key, int) and isinstance(raw, list) and key < len(raw):
+        return key
+    raise ValueError(f"the scene has no {written(path)}")

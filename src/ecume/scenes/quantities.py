@@ -1,0 +1,101 @@
+"""The numbers of a scene: a unit, and the range outside which nothing physical lies.
+
+The upper ends are far beyond any experiment. They are there so that a product of legal numbers is never infinite.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from typing import Annotated
+
+from pydantic import ConfigDict, Field, PlainValidator
+
+from ecume.units import Acceleration, Angle, Density, Length, Number, Speed, SurfaceTension, Time, Unit, Viscosity
+
+STRICT = ConfigDict(extra="forbid", allow_inf_nan=False)
+"""What every piece of a scene is: no unknown keys, no infinities."""
+
+LONGEST_TITLE = 200
+LONGEST_NAME = 60
+MOST_PARTICLES = 100_000_000
+MOST_FRAMES = 10_000_000
+MOST_STEPS = 100_000_000_000
+
+Size = Annotated[Length, Field(gt=0.0, le=1e3)]
+Coordinate = Annotated[Length, Field(ge=-1e3, le=1e3)]
+Velocity = Annotated[Speed, Field(ge=-1e3, le=1e3)]
+Duration = Annotated[Time, Field(gt=0.0, le=1e10)]
+PositiveDensity = Annotated[Density, Field(gt=0.0, le=1e5)]
+GasDensity = Annotated[Density, Field(ge=0.0, le=1e5)]
+LiquidViscosity = Annotated[Viscosity, Field(ge=0.0, le=1e9)]
+PositiveTension = Annotated[SurfaceTension, Field(gt=0.0, le=1e3)]
+Tension = Annotated[SurfaceTension, Field(ge=0.0, le=1e3)]
+Gravity = Annotated[Acceleration, Field(gt=0.0, le=1e6)]
+Proportion = Annotated[Number, Field(ge=0.0, le=1.0)]
+
+Text = Annotated[str, Field(max_length=LONGEST_TITLE, pattern=r"^[^\x00-\x1f\x7f]*$")]
+Name = Annotated[str, Field(max_length=LONGEST_NAME, pattern=r"^[^\x00-\x1f\x7f]*$")]
+LawName = Annotated[str, Field(min_length=1, max_length=LONGEST_NAME, pattern=r"^[a-z0-9][a-z0-9-]*$")]
+"""The name of a law. Which names there are is for the model to say: it knows the laws' tables, a scene does not."""
+
+Count = Annotated[int, Field(strict=True, ge=1, le=MOST_PARTICLES)]
+Seed = Annotated[int, Field(strict=True, ge=0, le=2**63 - 1)]
+Switch = Annotated[bool, Field(strict=True)]
+
+ORIGINAL_CLOSURE = "original-closure"
+
+
+def wetting_angle(value: object) -> float:
+    """An angle between 0 and 180 degrees."""
+    angle = Unit("rad").number(value)
+    if not 0.0 <= angle <= math.pi:
+        raise ValueError("wanted an angle from 0 to 180 deg; plain numbers are radians")
+    return angle
+
+
+def contact_angle(value: object) -> float | str:
+    """An angle between 0 and 180 degrees, or the name of the closure that works one out."""
+    return ORIGINAL_CLOSURE if value == ORIGINAL_CLOSURE else wetting_angle(value)
+
+
+WettingAngle = Annotated[Angle, PlainValidator(wetting_angle)]
+ContactAngle = Annotated[float | str, PlainValidator(contact_angle)]
+
+
+COLORS = {
+    "black": "#000000",
+    "white": "#ffffff",
+    "gray": "#808080",
+    "silver": "#c0c0c0",
+    "red": "#d62728",
+    "orange": "#ff7f0e",
+    "gold": "#e0b000",
+    "yellow": "#f2e205",
+    "olive": "#8a8a1f",
+    "green": "#2ca02c",
+    "teal": "#008080",
+    "cyan": "#17becf",
+    "blue": "#1f77b4",
+    "navy": "#14305c",
+    "purple": "#9467bd",
+    "magenta": "#c837ab",
+    "pink": "#f2a0b5",
+    "brown": "#8c564b",
+    "tan": "#d2b48c",
+    "wheat": "#e8c583",
+}
+HEXADECIMAL = re.compile(r"#[0-9a-f]{6}")
+
+
+def color(value: object) -> str:
+    """A color as `#rrggbb`, whether it came so or by one of the names in `COLORS`."""
+    text = value.lower() if isinstance(value, str) else ""
+    if text in COLORS:
+        return COLORS[text]
+    if not HEXADECIMAL.fullmatch(text):
+        raise ValueError(f"wanted a color such as '#c8a165', or one of {', '.join(COLORS)}")
+    return text
+
+
+Color = Annotated[str, PlainValidator(color)]

@@ -1,0 +1,90 @@
+"""The table of scenes, and the ways between a scene and plain data.
+
+>>> scene = from_plain({"model": "floating", "duration": "1 s", "frame_every": "0.1 s",
+...     "floats": [{"radius": "1 mm", "density": 600, "contact_angle": "70 deg"}]})
+>>> from_plain(to_plain(scene)) == scene
+True
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from functools import cache
+from typing import Any, cast
+
+from pydantic import TypeAdapter, ValidationError
+
+from ecume.errors import SceneError
+from ecume.scenes.common import Common
+from ecume.scenes.faults import Path, as_faults, echo, faults_of, suggestion
+from ecume.scenes.floating import FloatingScene
+
+Scene = FloatingScene
+"""Any scene. Each model adds its own."""
+
+SCENES: dict[str, type[Common]] = {"floating": FloatingScene}
+
+
+def from_plain(plain: Mapping[str, Any]) -> Scene:
+    """The scene of plain data (tables, lists, text, numbers). Raises SceneError with all faults at once."""
+    scene, found = examined(plain)
+    if found:
+        raise SceneError(as_faults(found))
+    return cast(Scene, scene)
+
+
+def examined(plain: Mapping[str, Any], also: Sequence[str] = ()) -> tuple[Scene | None, list[tuple[Path, str]]]:
+    """The scene, or all that is wrong with it; `also` are the keys that its file may have besides."""
+    model = plain.get("model")
+    kind = SCENES.get(model) if isinstance(model, str) else None
+    if kind is None:
+        return None, [(("model",), _no_model(model))]
+    try:
+        return cast(Scene, _reader(kind).validate_python(dict(plain))), []
+    except ValidationError as error:
+        return None, faults_of(error, kind, plain, also)
+
+
+def _no_model(model: object) -> str:
+    choices = ", ".join(f'"{name}"' for name in SCENES)
+    if model is None:
+        return f"is missing; wanted one of {choices}"
+    return f"came {echo(model)}; wanted one of {choices}; {suggestion(str(model), SCENES)}"
+
+
+@cache
+def _reader(kind: type[Common]) -> TypeAdapter[Common]:
+    return TypeAdapter(kind)
+
+
+def to_plain(scene: Scene) -> dict[str, Any]:
+    """Tables, lists, text and numbers, every default filled in: JSON can hold them, `from_plain` takes them back."""
+    return cast(dict[str, Any], _listed(dataclasses.asdict(scene)))
+
+
+def _listed(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _listed(item) for key, item in value.items()}
+    return [_listed(item) for item in value] if isinstance(value, (list, tuple)) else value
+
+
+def to_toml(scene: Scene) -> str:
+    """The scene as the text of a scene file, every default filled in."""
+    import tomli_w
+
+    return tomli_w.dumps(_without_gaps(to_plain(scene)))
+
+
+def _without_gaps(value: Any) -> Any:
+    """What is None, or an empty list, is left out: TOML has no word for the first, and the second says nothing."""
+    if isinstance(value, dict):
+        return {key: _without_gaps(item) for key, item in value.items() if item is not None and item != []}
+    return [_without_gaps(item) for item in value] if isinstance(value, list) else value
+
+
+def scene_hash(scene: Scene) -> str:
+    """64 hexadecimal digits, the same for equal scenes only."""
+    return hashlib.sha256(json.dumps(to_plain(scene), sort_keys=True).encode()).hexdigest()
