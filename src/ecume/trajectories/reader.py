@@ -1,0 +1,167 @@
+"""Frames out of files."""
+
+from __future__ import annotations
+
+import bisect
+import contextlib
+import importlib
+import json
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, Self, overload
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ecume.errors import BadInput, StorageError
+from ecume.trajectories import schema
+from ecume.trajectories.durable import storing
+from ecume.trajectories.frame import Frame
+from ecume.trajectories.recorders import segment_files
+from ecume.trajectories.segments import Segment
+
+
+def open_trajectory(path: str | os.PathLike[str]) -> Trajectory:
+    """The frames of a run: a sequence, read from disk one by one as they are asked for, exact to the bit.
+
+        with ecume.open_trajectory("runs/bowl") as trajectory:
+            trajectory[-1].arrays["position"]
+
+    `path` is the run's directory, or the folder `traj` in it. A run that is being written can be read; `refresh` sees
+    what came since.
+    """
+    given = Path(path)
+    folder = given / "traj" if (given / "traj").is_dir() else given
+    if not segment_files(folder) and folder == given:
+        raise BadInput(f"{given}: no run is there; wanted a directory that `ecume run` made")
+    return Trajectory(folder)
+
+
+class Trajectory(Sequence[Frame]):
+    """A sequence of frames that remembers its scene."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.directory = folder.parent if folder.name == "traj" else folder
+        self._segments: list[Segment] = []
+        self.refresh()
+
+    def refresh(self) -> int:
+        """See what a run has written meanwhile; how many frames there are now."""
+        if self._segments:
+            self._segments[-1].refresh()
+        for path in segment_files(self.folder)[len(self._segments) :]:
+            self._segments.append(Segment(path))
+        return len(self)
+
+    @property
+    def scene(self) -> Any:
+        """The scene of the run, every default filled in."""
+        path = self.directory / "resolved.json"
+        with storing(path):
+            plain = json.loads(path.read_bytes())
+        # scenes stand above trajectories, so that a scene can start from a frame: looked up only when asked for
+        return importlib.import_module("ecume.scenes").from_plain(plain)
+
+    @property
+    def times(self) -> NDArray[np.float64]:
+        """The time of each frame, s."""
+        return self._column("log/time")
+
+    @property
+    def steps(self) -> NDArray[np.int64]:
+        """How many steps the march had made at each frame."""
+        return self._column("configuration/step").astype(np.int64)
+
+    @property
+    def units(self) -> dict[str, str]:
+        """The unit of each array and number."""
+        return dict(self._segments[-1].header.units) if self._segments else {}
+
+    def numbers(self, name: str) -> NDArray[np.float64]:
+        """One of the named numbers (`kinetic_energy`), of all frames."""
+        known = {known for segment in self._segments for known in segment.header.numbers}
+        if name not in known:
+            raise BadInput(f"{self.directory}: no number is called {name}; there are {', '.join(sorted(known))}")
+        return self._column(f"log/{name}")
+
+    def __len__(self) -> int:
+        """How many frames there are."""
+        return self._segments[-1].header.first + self._segments[-1].frames if self._segments else 0
+
+    @overload
+    def __getitem__(self, index: int) -> Frame: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> Sequence[Frame]: ...
+
+    def __getitem__(self, index: int | slice) -> Frame | Sequence[Frame]:
+        """A frame, counted from the end when negative; or some of them, which are read when they are asked for."""
+        if isinstance(index, slice):
+            return _Some(self, range(len(self))[index])
+        if not -len(self) <= index < len(self):
+            raise IndexError(f"{self.directory}: there is no frame {index}; the run has {len(self)}")
+        segment, local = self._located(index % len(self))
+        return schema.frame_of(segment.chunks(local), segment.header)
+
+    def close(self) -> None:
+        """Close the files."""
+        for segment in self._segments:
+            segment.close()
+        self._segments = []
+
+    def __enter__(self) -> Self:
+        """The trajectory itself."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Close the files."""
+        self.close()
+
+    def __del__(self) -> None:
+        """Close the files that nobody closed."""
+        with contextlib.suppress(AttributeError):  # where the construction failed half-way
+            self.close()
+
+    def _located(self, index: int) -> tuple[Segment, int]:
+        """Which segment holds a frame, and the frame's number there."""
+        place = bisect.bisect_right([segment.header.first for segment in self._segments], index) - 1
+        segment = self._segments[max(place, 0)]
+        local = index - segment.header.first
+        if place < 0 or local >= segment.frames:
+            raise StorageError(f"{segment.path}: frame {index} is missing: a segment was removed or lost its end")
+        return segment, local
+
+    def _column(self, name: str) -> NDArray[Any]:
+        """One number of all frames; NaN where a segment has none of this name."""
+        columns = [np.zeros(0)]
+        for segment in self._segments:
+            numbers = segment.numbers()
+            names = numbers.dtype.names or ()
+            columns.append(numbers[name] if name in names else np.full(segment.frames, np.nan))
+        column = np.concatenate(columns)
+        if len(column) != len(self):
+            raise StorageError(f"{self.directory}: {len(self) - len(column)} frames are missing")
+        return column
+
+
+class _Some(Sequence[Frame]):
+    """Some frames of a trajectory."""
+
+    def __init__(self, trajectory: Trajectory, which: range) -> None:
+        self._trajectory, self._which = trajectory, which
+
+    def __len__(self) -> int:
+        return len(self._which)
+
+    @overload
+    def __getitem__(self, index: int) -> Frame: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> Sequence[Frame]: ...
+
+    def __getitem__(self, index: int | slice) -> Frame | Sequence[Frame]:
+        if isinstance(index, slice):
+            return _Some(self._trajectory, self._which[index])
+        return self._trajectory[self._which[index]]

@@ -1,0 +1,55 @@
+"""What can be saved of a damaged trajectory."""
+
+from __future__ import annotations
+
+import contextlib
+from pathlib import Path
+from typing import NamedTuple
+
+from ecume.errors import StorageError
+from ecume.trajectories import segments
+from ecume.trajectories.durable import storing
+from ecume.trajectories.recorders import segment_files
+from ecume.trajectories.segments import Segment
+
+
+class Repaired(NamedTuple):
+    """How many frames are good, what is wrong with the others (a line each), and which files were of no use."""
+
+    good: int
+    faults: tuple[str, ...]
+    unusable: tuple[Path, ...]
+
+
+def repair(folder: Path) -> Repaired:
+    """Make the segments of a folder readable again: whole frames stay, what was half written goes.
+
+    Each damaged frame is named. A file without any whole frame is set aside, under a name that ends in `.damaged`.
+    """
+    good, faults, unusable = 0, [], []
+    for path in segment_files(folder):
+        try:
+            with contextlib.closing(Segment(path)) as segment:
+                found = damages(segment)
+                frames = segment.frames
+            segments.cut(path, frames)
+        except StorageError as error:
+            aside = path.with_suffix(".gsd.damaged")
+            with storing(path):
+                path.replace(aside)
+            unusable.append(aside)
+            found, frames = [str(error)], 0
+        good += frames - min(frames, len(found))
+        faults += found
+    return Repaired(good, tuple(faults), tuple(unusable))
+
+
+def damages(segment: Segment) -> list[str]:
+    """What is wrong with the frames of a segment, a line each."""
+    found = []
+    for frame in range(segment.frames):
+        try:
+            segment.chunks(frame)
+        except StorageError as error:
+            found.append(str(error))
+    return found

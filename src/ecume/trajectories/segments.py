@@ -1,0 +1,229 @@
+"""One file of a trajectory: read frame by frame, and grown by whole frames."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import zlib
+from collections.abc import Sequence
+from io import FileIO
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ecume.errors import StorageError
+from ecume.trajectories import layout, schema
+from ecume.trajectories.durable import replacing, settle, storing
+from ecume.trajectories.layout import CHECKSUM, CODES, ENTRY, NAME_UNIT, TYPES
+from ecume.trajectories.schema import Chunks
+
+FIRST_ROOM = 512
+"""Entries in the first block of an index."""
+
+
+class Segment:
+    """An open file of a trajectory, for reading; `frames` of them are whole."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        with storing(path):
+            self._file: FileIO = path.open("rb", buffering=0)  # a buffer would not see what a run writes meanwhile
+        try:
+            self.refresh()
+            self.first = self._at(0)
+            self.header = schema.read(self.first, path)
+        except BaseException:
+            self._file.close()
+            raise
+
+    def refresh(self) -> None:
+        """See what a run has written meanwhile."""
+        self.index = layout.read_index(self._file, self.path)
+        self.frames = self.index.frames
+        self._starts = np.searchsorted(self.index.entries["frame"], np.arange(self.frames + 1))
+
+    def chunks(self, frame: int) -> Chunks:
+        """All chunks of a frame, what never changes out of the first. Raises StorageError where the checksum is wrong."""
+        chunks = {**self.first, **self._at(frame)}
+        if int(chunks[CHECKSUM][0, 0]) != schema.checksum(chunks):
+            raise StorageError(self.damage(frame))
+        return chunks
+
+    def damage(self, frame: int) -> str:
+        """What to say of a frame whose bytes are not those that were written."""
+        return f"{self.path}: frame {self.header.first + frame} is damaged: its checksum does not fit its data"
+
+    def numbers(self) -> NDArray[np.void]:
+        """The numbers of all frames, a row a frame: the step as uint64, the time and the named numbers as float64."""
+        names = schema.number_names(self.header)
+        size = self._file.seek(0, os.SEEK_END)
+        data = np.memmap(self.path, np.uint8, "r", shape=(size,))
+        raw = np.concatenate([data[self._places(name)[:, None] + np.arange(8)] for name in names], axis=1)
+        sums = data[self._places(CHECKSUM)[:, None] + np.arange(4, 8)].view("<u4")[:, 0]
+        for frame, (row, wanted) in enumerate(zip(raw, sums, strict=True)):
+            if zlib.crc32(row.tobytes()) != wanted:
+                raise StorageError(self.damage(frame))
+        return raw.view([(name, "<u8" if row == 0 else "<f8") for row, name in enumerate(names)])[:, 0]
+
+    def _places(self, name: str) -> NDArray[np.int64]:
+        """Where the single number of this name stands in each frame; a frame without its own has that of the first."""
+        if name not in self.index.names:
+            raise StorageError(self.damage(0))
+        entries = self.index.entries[self.index.entries["name"] == self.index.names.index(name)]
+        if not len(entries) or entries["frame"][0] != 0:
+            raise StorageError(self.damage(0))
+        places = np.full(self.frames, entries["location"][0], np.int64)
+        places[entries["frame"].astype(np.int64)] = entries["location"]
+        return np.minimum(places, self._file.seek(0, os.SEEK_END) - 8)
+
+    def _at(self, frame: int) -> Chunks:
+        entries = self.index.entries[self._starts[frame] : self._starts[frame + 1]]
+        with storing(self.path):
+            return {self.index.names[entry["name"]]: self._chunk(entry) for entry in entries}
+
+    def _chunk(self, entry: Any) -> NDArray[Any]:
+        kind = TYPES[int(entry["type"])]
+        raw = np.empty(int(entry["rows"]) * int(entry["columns"]) * kind.itemsize, np.uint8)
+        self._file.seek(int(entry["location"]))
+        if self._file.readinto(raw.data) != len(raw):
+            raise OSError(f"{self.path}: ends too early")
+        return raw.view(kind).reshape(int(entry["rows"]), int(entry["columns"]))
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
+
+
+class GrowingSegment:
+    """An open file of a trajectory, for appending. A frame is on the disk when `append` returns; it is whole or absent.
+
+    `size` (bytes) is the same for the same frames, however often the run was interrupted.
+
+    The GSD library is not used for writing: on a full disk it can lose frames that were committed, since it goes on
+    after an index that could not grow.
+    """
+
+    def __init__(self, path: Path, frames: int) -> None:
+        """Go on after that many frames; whatever follows them is cut away."""
+        with contextlib.closing(Segment(path)) as segment:
+            self.path, self._first, self.header = path, segment.first, segment.header
+            index = segment.index
+        self.frames, self._names, self._location, self._room = frames, index.names, index.location, index.room
+        with storing(path):
+            self._file: FileIO = path.open("r+b", buffering=0)
+        self._mend(index.entries[index.entries["frame"] < frames], index.names_end)
+
+    def takes(self, chunks: Chunks) -> bool:
+        """Whether the frame has the same arrays and numbers as the frames before."""
+        return chunks.keys() == self._first.keys() and _same(chunks[schema.HEADER], self._first[schema.HEADER])
+
+    def append(self, chunks: Chunks) -> None:
+        """Commit one frame: its chunks that differ from those of the first."""
+        own = {name: chunk for name, chunk in chunks.items() if name == CHECKSUM or not _same(chunk, self._first[name])}
+        if self._used + len(own) > self._room:
+            self._grow()
+        entries, data = _packed(own, self._names, self.frames, self.size)
+        self._put(data, self.size)
+        self._put(entries.tobytes(), self._location + self._used * ENTRY.itemsize)
+        self.size += len(data)
+        self._used += len(entries)
+        self.frames += 1
+
+    def close(self) -> None:
+        """Close the file."""
+        self._file.close()
+
+    def _grow(self) -> None:
+        """A roomier block of entries at the end of the file; the header knows of it only when it is on the disk."""
+        room = 2 * max(self._room, FIRST_ROOM)
+        self._file.seek(self._location)
+        block = self._file.read(self._used * ENTRY.itemsize).ljust(room * ENTRY.itemsize, b"\0")
+        self._put(block, self.size)
+        self._put(_header(self.size, room, self._file), 0)
+        self._location, self._room = self.size, room
+        self.size += len(block)
+
+    def _mend(self, entries: NDArray[Any], names_end: int) -> None:
+        """Bring the file to just the frames that are kept, whatever a death or a damage left behind them."""
+        block = entries.tobytes().ljust(self._room * ENTRY.itemsize, b"\0")
+        self._used = len(entries)
+        self.size = max(names_end, self._location + len(block), _data_end(entries))
+        self._put(_header(self._location, self._room, self._file), 0)
+        self._put(block, self._location)
+        with storing(self.path):
+            self._file.truncate(self.size)
+            os.fsync(self._file.fileno())
+
+    def _put(self, data: bytes, place: int) -> None:
+        """Write all of it here and see it on the disk."""
+        with storing(self.path):
+            try:
+                self._file.seek(place)
+                left = memoryview(data)
+                while left:
+                    left = left[self._file.write(left) :]
+                os.fsync(self._file.fileno())
+            except OSError:
+                with contextlib.suppress(OSError):  # give back what room the attempt took
+                    self._file.truncate(self.size)
+                raise
+
+
+def create(path: Path, chunks: Chunks) -> None:
+    """A new file with its first frame: it comes into being whole."""
+    names = tuple(chunks)
+    listed = b"".join(name.encode() + b"\0" for name in names) + b"\0"
+    listed += b"\0" * (-len(listed) % NAME_UNIT)
+    names_location = layout.HEADER.itemsize + FIRST_ROOM * ENTRY.itemsize
+    entries, data = _packed(chunks, names, 0, names_location + len(listed))
+    header = np.zeros(1, layout.HEADER)
+    header["magic"], header["schema"], header["application"] = layout.MAGIC, b"hoomd", b"ecume"
+    header["schema_version"], header["gsd_version"] = 1 << 16 | 4, 2 << 16
+    header["index_location"], header["index_room"] = layout.HEADER.itemsize, FIRST_ROOM
+    header["names_location"], header["names_room"] = names_location, len(listed) // NAME_UNIT
+    block = entries.tobytes().ljust(FIRST_ROOM * ENTRY.itemsize, b"\0")
+    with replacing(path) as file:
+        file.write(header.tobytes() + block + listed + data)
+
+
+def cut(path: Path, frames: int) -> None:
+    """Leave only the first frames of a file; without any, no file."""
+    if frames:
+        GrowingSegment(path, frames).close()
+        return
+    with storing(path):
+        path.unlink()
+        settle(path.parent)
+
+
+def _packed(chunks: Chunks, names: Sequence[str], frame: int, start: int) -> tuple[NDArray[Any], bytes]:
+    """The entries of a frame in the order of its names, and its data, that will stand at `start`."""
+    numbers = {name: number for number, name in enumerate(names)}
+    entries = np.zeros(len(chunks), ENTRY)
+    for entry, name in zip(entries, sorted(chunks, key=numbers.__getitem__), strict=True):
+        chunk = chunks[name]
+        entry["frame"], entry["location"], entry["name"] = frame, start, numbers[name]
+        entry["rows"], entry["columns"], entry["type"] = *chunk.shape, CODES[chunk.dtype]
+        start += chunk.nbytes
+    return entries, b"".join(chunks[names[entry["name"]]].tobytes() for entry in entries)
+
+
+def _header(location: int, room: int, file: FileIO) -> bytes:
+    """The header that the file has, with this block of entries."""
+    file.seek(0)
+    header = np.frombuffer(file.read(layout.HEADER.itemsize), layout.HEADER).copy()
+    header["index_location"], header["index_room"] = location, room
+    return header.tobytes()
+
+
+def _data_end(entries: NDArray[Any]) -> int:
+    sizes = np.array([TYPES[int(kind)].itemsize for kind in entries["type"]], np.int64)
+    cells = entries["rows"].astype(np.int64) * entries["columns"].astype(np.int64)
+    return int((entries["location"] + cells * sizes).max(initial=0))
+
+
+def _same(one: NDArray[Any], other: NDArray[Any]) -> bool:
+    """The same bits: a NaN equals itself, and minus zero is not zero."""
+    return one.dtype == other.dtype and one.shape == other.shape and one.tobytes() == other.tobytes()
