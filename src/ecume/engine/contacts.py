@@ -1,0 +1,290 @@
+"""Contacts that last: impulses solved for all touching pairs at once, and overlaps removed without touching velocities.
+
+Moreau's and Jean's time stepping: the unknowns are the impulses p >= 0 of a step, the conditions are
+n.(w_j - w_i) >= bound where p > 0 only if it is an equality. `w` is the velocity with which particles will go through the step, so
+that with bound = -gap/dt nobody ends up inside another: contacts are seen before they happen. Solved by projected Gauss-Seidel
+sweeps, sped up by the nonsmooth conjugate gradient of Silcowitz-Hansen, Niebe & Erleben (2010), until the residual is small
+enough - however many sweeps that takes: a count of sweeps instead lets large rafts creep into themselves.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ecume._jit import compiled, compiled_inside
+from ecume.engine.cells import Integers
+from ecume.engine.walls import Walls, wall_count, wall_distance
+from ecume.units import Array
+
+MOST_SWEEPS = 20_000
+CONVERGED = 1e-7
+"""The residual wanted, as a fraction of the fastest approach that the contacts have to stop."""
+
+
+class Bodies(NamedTuple):
+    """What the solver must know of the particles and of the walls around them."""
+
+    radius: Array
+    walls: Walls
+    mobility: Array
+    """(N + walls,) velocity per impulse: 1/m, less where drag acts during the step; zero for what cannot be moved"""
+
+
+class Candidates(NamedTuple):
+    """Pairs (i < j) that may touch while the neighbor lists hold, ordered by i, then j."""
+
+    first: Integers
+    """(N + 1,)"""
+    partner: Integers
+    """(capacity,) the j of the pairs of i: partner[first[i]:first[i + 1]]"""
+
+
+class Contacts(NamedTuple):
+    """Contacts of one step. A wall number k stands as partner N + k."""
+
+    count: Integers
+    """(1,)"""
+    first: Integers
+    """(capacity,) i"""
+    second: Integers
+    """(capacity,) j, or N + wall"""
+    normal: Array
+    """(capacity, 2) from i to j, or from i into the wall"""
+    gap: Array
+    bound: Array
+    """the least n.(w_j - w_i) allowed"""
+    weight: Array
+    """impulse per relative velocity"""
+    impulse: Array
+    change: Array
+    """of the impulses, in the last sweep"""
+    direction: Array
+    """search direction of the conjugate gradient"""
+    scratch: Array
+
+
+class Memory(NamedTuple):
+    """Impulses that last from step to step: a part of the state, since warm starts change the last bits."""
+
+    count: Integers
+    pair: Integers
+    """(capacity, 2)"""
+    impulse: Array
+
+
+def make_candidates(count: int, capacity: int) -> Candidates:
+    """Room for `capacity` pairs."""
+    return Candidates(np.zeros(count + 1, np.int64), np.zeros(max(capacity, 16), np.int64))
+
+
+def make_contacts(capacity: int) -> Contacts:
+    """Room for `capacity` contacts."""
+    whole = [np.zeros(capacity, np.int64) for _ in range(2)]
+    real = [np.zeros(capacity) for _ in range(7)]
+    return Contacts(np.zeros(1, np.int64), whole[0], whole[1], np.zeros((capacity, 2)), *real)
+
+
+@compiled_inside
+def pair_gap(apart_x: float, apart_y: float, touching: float) -> tuple[float, float, float]:
+    """The gap of two discs whose centers lie (apart_x, apart_y) apart, and the direction from one to the other.
+
+    Two centers in one place have no direction: the first axis stands in, so that the overlap can be resolved at all.
+    """
+    distance = math.sqrt(apart_x * apart_x + apart_y * apart_y)
+    if distance == 0.0:
+        return -touching, 1.0, 0.0
+    return distance - touching, apart_x / distance, apart_y / distance
+
+
+@compiled
+def gather(contacts: Contacts, candidates: Candidates, position: Array, bodies: Bodies, reach: float) -> bool:
+    """Write down all contacts with a gap below `reach`, ordered by i, then j, walls last. False when there is no room."""
+    radius, walls, partner = bodies.radius, bodies.walls, candidates.partner
+    first, second, normal, gaps = contacts.first, contacts.second, contacts.normal, contacts.gap
+    count, walls_here, found = position.shape[0], wall_count(walls), 0
+    for i in range(count):
+        x, y = position[i, 0], position[i, 1]
+        pairs = candidates.first[i + 1] - candidates.first[i]
+        for place in range(pairs + walls_here):
+            if place < pairs:
+                j = partner[candidates.first[i] + place]
+                gap, to_x, to_y = pair_gap(position[j, 0] - x, position[j, 1] - y, radius[i] + radius[j])
+            else:
+                j = count + place - pairs
+                distance, in_x, in_y = wall_distance(walls, place - pairs, x, y)
+                gap, to_x, to_y = distance - radius[i], -in_x, -in_y
+            if gap < reach:
+                if found == len(first):
+                    return False
+                first[found], second[found], gaps[found] = i, j, gap
+                normal[found, 0], normal[found, 1] = to_x, to_y
+                found += 1
+    contacts.count[0] = found
+    return True
+
+
+@compiled
+def weigh(contacts: Contacts, mobility: Array) -> None:
+    """Impulse per relative velocity of each contact; zero where nothing can move."""
+    for row in range(contacts.count[0]):
+        give = mobility[contacts.first[row]] + mobility[contacts.second[row]]
+        contacts.weight[row] = 1.0 / give if give > 0.0 else 0.0
+
+
+@compiled
+def remember(contacts: Contacts, memory: Memory) -> None:
+    """Keep the impulses of contacts that push."""
+    kept = 0
+    for row in range(contacts.count[0]):
+        if contacts.impulse[row] > 0.0 and kept < len(memory.impulse):
+            memory.pair[kept, 0], memory.pair[kept, 1] = contacts.first[row], contacts.second[row]
+            memory.impulse[kept] = contacts.impulse[row]
+            kept += 1
+    memory.count[0] = kept
+
+
+@compiled
+def recall(contacts: Contacts, memory: Memory) -> None:
+    """Start from the impulses of the step before. Both lists are ordered alike, so that one walk finds all."""
+    place, last = 0, memory.count[0]
+    for row in range(contacts.count[0]):
+        i, j = contacts.first[row], contacts.second[row]
+        while place < last and (
+            memory.pair[place, 0] < i or (memory.pair[place, 0] == i and memory.pair[place, 1] < j)
+        ):
+            place += 1
+        found = place < last and memory.pair[place, 0] == i and memory.pair[place, 1] == j
+        contacts.impulse[row] = memory.impulse[place] if found else 0.0
+
+
+# In the loops below every array gets a name of its own, and none is handed to another function: Numba counts the references
+# of an array at each hand-over and at each look into a tuple, which makes such loops five to nine times slower. Indexes are
+# unsigned, since a signed one is tested for counting from the end.
+
+
+@compiled
+def approaches(contacts: Contacts, velocity: Array, speed: Array) -> None:
+    """n.(w_j - w_i) of every contact: negative where the two come closer."""
+    first, second, normal = contacts.first, contacts.second, contacts.normal
+    for row in range(contacts.count[0]):
+        i, j = np.uint64(first[row]), np.uint64(second[row])
+        along_x = normal[row, 0] * (velocity[j, 0] - velocity[i, 0])
+        speed[row] = along_x + normal[row, 1] * (velocity[j, 1] - velocity[i, 1])
+
+
+@compiled
+def _push_all(contacts: Contacts, impulse: Array, velocity: Array, mobility: Array) -> None:
+    """Push the two of every contact apart: equal and opposite impulses."""
+    first, second, normal = contacts.first, contacts.second, contacts.normal
+    for row in range(contacts.count[0]):
+        i, j = np.uint64(first[row]), np.uint64(second[row])
+        on_i, on_j = mobility[i] * impulse[row], mobility[j] * impulse[row]
+        velocity[i, 0] -= on_i * normal[row, 0]
+        velocity[i, 1] -= on_i * normal[row, 1]
+        velocity[j, 0] += on_j * normal[row, 0]
+        velocity[j, 1] += on_j * normal[row, 1]
+
+
+@compiled
+def _sweep(contacts: Contacts, velocity: Array, mobility: Array) -> float:
+    """One Gauss-Seidel sweep over all contacts; the largest change in it, as a relative velocity."""
+    first, second, normal = contacts.first, contacts.second, contacts.normal
+    impulse, bound, weight, change = contacts.impulse, contacts.bound, contacts.weight, contacts.change
+    largest = 0.0
+    for row in range(contacts.count[0]):
+        i, j = np.uint64(first[row]), np.uint64(second[row])
+        x, y = normal[row, 0], normal[row, 1]
+        speed = x * (velocity[j, 0] - velocity[i, 0]) + y * (velocity[j, 1] - velocity[i, 1])
+        new = max(impulse[row] + weight[row] * (bound[row] - speed), 0.0)
+        step = new - impulse[row]
+        impulse[row], change[row] = new, step
+        on_i, on_j = mobility[i] * step, mobility[j] * step
+        velocity[i, 0] -= on_i * x
+        velocity[i, 1] -= on_i * y
+        velocity[j, 0] += on_j * x
+        velocity[j, 1] += on_j * y
+        largest = max(largest, abs(on_i) + abs(on_j))
+    return largest
+
+
+@compiled
+def residual(contacts: Contacts, velocity: Array) -> float:
+    """By how much the worst contact breaks the conditions (m/s): it lets through, or pushes what leaves."""
+    speed, impulse, bound, weight = contacts.scratch, contacts.impulse, contacts.bound, contacts.weight
+    approaches(contacts, velocity, speed)
+    worst = 0.0
+    for row in range(contacts.count[0]):
+        if weight[row] > 0.0:
+            excess = speed[row] - bound[row]
+            worst = max(worst, -excess, min(excess, impulse[row] / weight[row]))
+    return worst
+
+
+@compiled
+def _accelerate(contacts: Contacts, velocity: Array, mobility: Array, ratio: float) -> None:
+    """Go on along the conjugate direction: p += ratio * d, kept positive; d = ratio * d + the change of the last sweep."""
+    impulse, change, direction, step = contacts.impulse, contacts.change, contacts.direction, contacts.scratch
+    for row in range(contacts.count[0]):
+        along, old = ratio * direction[row], impulse[row]
+        impulse[row] = max(old + along, 0.0)
+        step[row] = impulse[row] - old
+        direction[row] = along + change[row]
+    if ratio > 0.0:
+        _push_all(contacts, step, velocity, mobility)
+
+
+@compiled
+def solve(contacts: Contacts, velocity: Array, mobility: Array, tolerance: float) -> int:
+    """Change `velocity` by the contacts' impulses until no contact breaks its bound by more than `tolerance` (m/s).
+
+    The impulses that stand in the contacts are the start. Returns the number of sweeps, MOST_SWEEPS + 1 if they were not enough.
+    """
+    _push_all(contacts, contacts.impulse, velocity, mobility)
+    contacts.direction[:] = 0.0
+    square_before = 0.0
+    for sweep in range(MOST_SWEEPS):
+        largest = _sweep(contacts, velocity, mobility)
+        if largest <= tolerance and residual(contacts, velocity) <= tolerance:
+            return sweep + 1
+        square = 0.0
+        for row in range(contacts.count[0]):
+            square += contacts.change[row] ** 2
+        # A gradient that grows means that contacts opened or closed: forget the direction.
+        ratio = square / square_before if 0.0 < square <= square_before else 0.0
+        _accelerate(contacts, velocity, mobility, ratio)
+        square_before = square
+    return MOST_SWEEPS + 1
+
+
+@compiled
+def separate(contacts: Contacts, position: Array, bodies: Bodies, slop: float) -> int:
+    """Move overlapping bodies apart, each by its share, until none overlaps by more than `slop`; velocities stay as they are.
+
+    Returns the number of sweeps. The contacts' normals are those of the new places afterwards.
+    """
+    first, second, weight = contacts.first, contacts.second, contacts.weight
+    radius, mobility, count = bodies.radius, bodies.mobility, position.shape[0]
+    for sweep in range(MOST_SWEEPS):
+        deepest = 0.0
+        for row in range(contacts.count[0]):
+            i, j = first[row], second[row]
+            if j < count:
+                apart_x, apart_y = position[j, 0] - position[i, 0], position[j, 1] - position[i, 1]
+                gap, to_x, to_y = pair_gap(apart_x, apart_y, radius[i] + radius[j])
+            else:
+                distance, in_x, in_y = wall_distance(bodies.walls, j - count, position[i, 0], position[i, 1])
+                gap, to_x, to_y = distance - radius[i], -in_x, -in_y
+            deepest = max(deepest, -gap)
+            if gap < -0.5 * slop:
+                share = gap * weight[row]
+                position[i, 0] += mobility[i] * share * to_x
+                position[i, 1] += mobility[i] * share * to_y
+                if j < count:
+                    position[j, 0] -= mobility[j] * share * to_x
+                    position[j, 1] -= mobility[j] * share * to_y
+        if deepest <= slop:
+            return sweep
+    return MOST_SWEEPS
