@@ -1,0 +1,93 @@
+"""Particles on, in and between liquids.
+
+    import ecume
+    scene = ecume.load_scene("cereal-bowl.toml")
+    for frame in ecume.simulate(scene):
+        print(frame.time, frame.numbers["kinetic_energy"])
+
+Each name is imported when it is first asked for, so that `import ecume` costs nothing.
+"""
+
+from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from ecume.errors import BadInput, Diverged, EcumeError, FloaterSinks, RunExists, SceneError, Stopped, StorageError
+    from ecume.run import resume
+    from ecume.scenes.floating import (
+        ContactSpec,
+        DishSpec,
+        FloatingScene,
+        FloatRow,
+        FloatSpec,
+        InteractionSpec,
+        LiquidSpec,
+        MotionSpec,
+        SurfaceEnergies,
+    )
+    from ecume.scenes.load import load_scene
+    from ecume.scenes.schema import Scene, from_plain, scene_hash, to_plain, to_toml
+    from ecume.simulation import simulate
+    from ecume.trajectories.frame import Frame
+    from ecume.trajectories.reader import open_trajectory
+
+__version__ = "0.1.0"
+
+__all__ = [
+    "BadInput",
+    "ContactSpec",
+    "DishSpec",
+    "Diverged",
+    "EcumeError",
+    "FloatRow",
+    "FloatSpec",
+    "FloaterSinks",
+    "FloatingScene",
+    "Frame",
+    "InteractionSpec",
+    "LiquidSpec",
+    "MotionSpec",
+    "RunExists",
+    "Scene",
+    "SceneError",
+    "Stopped",
+    "StorageError",
+    "SurfaceEnergies",
+    "__version__",
+    "from_plain",
+    "load_scene",
+    "open_trajectory",
+    "resume",
+    "scene_hash",
+    "simulate",
+    "to_plain",
+    "to_toml",
+]
+
+_HOMES = {
+    "ecume.errors": "BadInput Diverged EcumeError FloaterSinks RunExists SceneError Stopped StorageError",
+    "ecume.run": "resume",
+    "ecume.scenes.floating": "ContactSpec DishSpec FloatRow FloatSpec FloatingScene InteractionSpec LiquidSpec MotionSpec "
+    "SurfaceEnergies",
+    "ecume.scenes.load": "load_scene",
+    "ecume.scenes.schema": "Scene from_plain scene_hash to_plain to_toml",
+    "ecume.simulation": "simulate",
+    "ecume.trajectories.frame": "Frame",
+    "ecume.trajectories.reader": "open_trajectory",
+}
+_HOME_OF = {name: home for home, names in _HOMES.items() for name in names.split()}
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name from its home. `ecume.run` is the module of that name: `ecume.run.run(scene, directory)`."""
+    if name == "run":
+        return importlib.import_module("ecume.run")
+    if name not in _HOME_OF:
+        raise AttributeError(f"ecume has no {name}")
+    return getattr(importlib.import_module(_HOME_OF[name]), name)
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

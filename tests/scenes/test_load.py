@@ -1,0 +1,243 @@
+"""From text to a scene, or to all that is wrong with it."""
+
+from __future__ import annotations
+
+import os
+import random
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from ecume.errors import Fault, SceneError
+from ecume.scenes.load import MOST_BYTES, load_scene, located
+from ecume.scenes.templates import copy_template, templates
+
+BOWL = """\
+model = "floating"
+duration = "20 s"
+frame_every = "50 ms"
+
+[liquid]
+density = 1030.0
+
+[[floats]]
+count = 40
+radius = "1.5 mm"
+density = 600.0
+contact_angle = "70 deg"
+
+[dish]
+radius = "3 cm"
+"""
+
+
+def faults_of(text: str | Path, overrides: tuple[str, ...] = ()) -> tuple[Fault, ...]:
+    with pytest.raises(SceneError) as caught:
+        load_scene(text, overrides)
+    return caught.value.faults
+
+
+def test_a_scene_is_read_in_si_with_its_defaults() -> None:
+    scene = load_scene(BOWL)
+    assert (scene.duration, scene.frame_every, scene.seed) == (20.0, 0.05, 0)
+    assert (scene.floats[0].name, scene.floats[0].count, scene.floats[0].radius) == ("float-1", 40, 0.0015)
+    assert scene.dish is not None
+    assert (scene.dish.radius, scene.dish.law) == (0.03, "meniscus")
+    assert scene.liquid.surface_tension == 0.0728
+
+
+def test_all_faults_are_told_at_once_with_their_places() -> None:
+    broken = BOWL.replace("1030.0", "-1").replace('"1.5 mm"', '"1.5 kg"').replace("[dish]\nradius", "[dish]\nradios")
+    told = [(fault.path, fault.line, fault.column) for fault in faults_of(broken)]
+    assert told == [("liquid.density", 6, 1), ("floats[0].radius", 10, 1), ("dish.radios", 15, 1)]
+
+
+def test_a_message_says_what_came_what_was_wanted_and_the_way_out() -> None:
+    (fault,) = faults_of(BOWL.replace("count", "cuont"))
+    assert str(fault) == "line 9, column 1: floats[0].cuont: no such key; did you mean count?"
+    (fault,) = faults_of(BOWL.replace('"1.5 mm"', '"1.5 kg"'))
+    assert fault.message == "came '1.5 kg'; 'kg' measures mass, wanted length as in '4 mm'"
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "path", "says"),
+    [
+        ('"1.5 mm"', "nan", "floats[0].radius", "came nan; wanted a finite number"),
+        ('"1.5 mm"', "1e999", "floats[0].radius", "came inf; wanted"),
+        ('"1.5 mm"', "0", "floats[0].radius", "came 0; wanted more than 0"),
+        ('"1.5 mm"', '"-1 mm"', "floats[0].radius", "came '-1 mm'; wanted more than 0"),
+        ('"1.5 mm"', "true", "floats[0].radius", "came true; wanted a number, or text with a unit"),
+        ('"1.5 mm"', '"7"', "floats[0].radius", "text without a unit"),
+        ('"1.5 mm"', "[1]", "floats[0].radius", "came a list of 1"),
+        ('"1.5 mm"', "1979-05-27", "floats[0].radius", "wanted a number"),
+        ('"1.5 mm"', "0x" + "f" * 5000, "floats[0].radius", "came a whole number of 20000 bits"),
+        ("= 40", "= 0", "floats[0].count", "wanted 1 or more"),
+        ("= 40", "= 1_000_000_000", "floats[0].count", "wanted 100000000 or less"),
+        ("= 40", "= 40.5", "floats[0].count", "wanted a whole number"),
+        ("= 40", '= "40"', "floats[0].count", "wanted a whole number"),
+        ('"70 deg"', "70", "floats[0].contact_angle", "plain numbers are radians"),
+        ('"70 deg"', '"200 deg"', "floats[0].contact_angle", "from 0 to 180 deg"),
+        ('contact_angle = "70 deg"', "", "floats[0]", "contact_angle or surface_energies; came neither"),
+        ('"20 s"', '"20.03 s"', "duration", "no whole number of frames"),
+        ('"20 s"', '"1 ms"', "duration", "0.05 s would be"),
+        ('"50 ms"', '"1 ns"', "frame_every", "more than 1e+07"),
+        ("1030.0", "1e300", "liquid.density", "wanted 100000 or less"),
+        ("[dish]", "[dish]\nsize = [1, 1]", "dish", "came both"),
+        ("[dish]", "[dish]\nlaw = 3", "dish.law", "came 3; wanted text"),
+        ("[dish]", "[dish]\nlaw = '\\u001b[31m'", "dish.law", "such characters cannot stand here"),
+        ("[dish]", "[motion]\ntime_step = 1\n[dish]", "motion.time_step", "longer than frame_every"),
+        ("[dish]", "[motion]\ntime_step = '1e-11 s'\n[dish]", "motion.time_step", "more than 1e+11"),
+        ("[dish]", "[contacts]\nrestitution = 1.1\n[dish]", "contacts.restitution", "wanted 1 or less"),
+        ("[dish]", "[interaction]\naccuracy = 0\n[dish]", "interaction.accuracy", "wanted 1e-12 or more"),
+        ('"floating"', '"floatin"', "model", 'wanted one of "floating"; did you mean floating?'),
+        ('model = "floating"', "", "model", "is missing"),
+        ("count = 40", 'placement = "rng"', "floats[0].placement", "did you mean ring?"),
+        ("count = 40", 'placement = "ring"', "floats[0].placement", "needs ring_radius"),
+        ("count = 40", "spacing = 1", "floats[0].spacing", 'only with placement = "lattice"'),
+        ("count = 40", "count = 3\npositions = [[0, 0]]", "floats[0].count", "came 3; there are 1 positions"),
+        ("count = 40", "positions = [[0, 0], [1]]", "floats[0].positions[1]", "came a list of 1; wanted a list of 2"),
+        ("count = 40", "positions = [[0, 0, 0]]", "floats[0].positions[0]", "wanted a list of 2"),
+        ("count = 40", 'color = "blu"', "floats[0].color", "wanted a color"),
+        ("count = 40", "surface_energies = {solid_gas = 1, solid_liquid = 1}", "floats[0]", "came both"),
+        ("density = 1030.0", "gas_density = 2000", "liquid.gas_density", "no denser"),
+    ],
+)
+def test_a_value_that_cannot_be_is_refused(before: str, after: str, path: str, says: str) -> None:
+    (fault,) = faults_of(BOWL.replace(before, after, 1))
+    assert fault.path == path
+    assert says in fault.message
+    assert fault.line is not None or path == "model"
+
+
+def test_a_scene_with_nothing_afloat_is_refused() -> None:
+    (fault,) = faults_of('model = "floating"\nduration = 1\nframe_every = 1')
+    assert "nothing afloat" in fault.message
+
+
+def test_two_species_cannot_have_one_name() -> None:
+    species = "[[floats]]\nname = 'a'\nradius = 1\ndensity = 1\ncontact_angle = 1\n"
+    (fault,) = faults_of('model = "floating"\nduration = 1\nframe_every = 1\n' + species * 2)
+    assert (fault.path, fault.line) == ("floats[1].name", 10)
+
+
+def test_the_three_ways_to_a_contact_angle_can_be_said() -> None:
+    assert load_scene(BOWL.replace("70 deg", "original-closure")).floats[0].contact_angle == "original-closure"
+    young = BOWL.replace('contact_angle = "70 deg"', 'surface_energies = {solid_gas = "40 mN/m", solid_liquid = 0.01}')
+    energies = load_scene(young).floats[0].surface_energies
+    assert energies is not None
+    assert (energies.solid_gas, energies.solid_liquid) == (0.04, 0.01)
+
+
+def test_left_out_a_count_is_the_number_of_positions_or_one() -> None:
+    assert load_scene(BOWL.replace("count = 40", "positions = [[0, 0], [1, 0]]")).floats[0].count == 2
+    assert load_scene(BOWL.replace("count = 40", "")).floats[0].count == 1
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [
+        ("model = ", "is not TOML"),
+        ("x = " + "[" * 5000, "nested too deeply"),
+        ("x = " + "{a=" * 3000, "nested too deeply"),
+        ("x = " + "9" * 5000, "is not TOML"),
+        ("a = 1\na = 2", "is not TOML"),
+        ("# " + "x" * MOST_BYTES + "\n", "longer than 1 MiB"),
+    ],
+)
+def test_text_that_is_no_toml_is_refused(text: str, says: str) -> None:
+    (fault,) = faults_of(text + "\n")
+    assert says in fault.message
+
+
+def test_a_syntax_fault_has_its_line_and_column() -> None:
+    (fault,) = faults_of('model = "floating"\nduration == 3\n')
+    assert (fault.line, fault.column) == (2, 11)
+
+
+def test_a_file_must_be_utf8(tmp_path: Path) -> None:
+    file = tmp_path / "scene.toml"
+    file.write_bytes(b"model = 'floating'\ntitle = '\xff'\n")
+    (fault,) = faults_of(file)
+    assert fault.message == "line 2: byte 0xff is not UTF-8 text"
+
+
+def test_a_byte_order_mark_and_windows_line_ends_are_welcome(tmp_path: Path) -> None:
+    file = tmp_path / "scene.toml"
+    file.write_bytes(b"\xef\xbb\xbf" + BOWL.replace("\n", "\r\n").encode())
+    assert load_scene(file) == load_scene(BOWL)
+
+
+def test_what_is_no_file_is_refused_with_its_name(tmp_path: Path) -> None:
+    for path, says in ((tmp_path / "none.toml", "No such file"), (tmp_path, "is no plain file")):
+        with pytest.raises(SceneError, match=says) as caught:
+            load_scene(str(path))
+        assert str(path) in str(caught.value)
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no named pipes here")
+def test_a_pipe_is_not_waited_for(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "scene.toml")
+    (fault,) = faults_of(tmp_path / "scene.toml")
+    assert "is no plain file" in fault.message
+
+
+def test_a_file_above_the_limit_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "scene.toml").write_text("#" * (MOST_BYTES + 1))
+    (fault,) = faults_of(tmp_path / "scene.toml")
+    assert fault.message == "is larger than 1 MiB"
+
+
+def test_faults_of_a_model_get_their_places_too(tmp_path: Path) -> None:
+    file = tmp_path / "bowl.toml"
+    file.write_text(BOWL)
+    found = SceneError([Fault("floats[0].density", "sinks"), Fault("dish.law", "no such law"), Fault("", "odd")])
+    told = located(found, file)
+    assert [fault.line for fault in told.faults] == [11, 14, None]
+    assert told.source == str(file)
+
+
+def corrupted(text: str, chance: random.Random) -> bytes:
+    """The text with a few bytes changed, lost, doubled or moved."""
+    data = bytearray(text.encode())
+    for _ in range(chance.randint(1, 6)):
+        at = chance.randrange(len(data))
+        piece = bytes(data[at : at + chance.randint(1, 30)])
+        kind = chance.randrange(5)
+        if kind == 0:
+            data[at] = chance.randrange(256)
+        elif kind == 1:
+            del data[at : at + len(piece)]
+        elif kind == 2:
+            data[at:at] = piece
+        elif kind == 3:
+            data[at:at] = chance.choice([b"[", b"{", b'"', b"=", b"\n", b"9" * 20, b"-", b"nan", b"inf", b"[[a]]", b"e9"])
+        else:
+            data += piece
+    return bytes(data)
+
+
+def test_corrupted_scenes_give_scenes_or_faults_and_nothing_else(tmp_path: Path) -> None:
+    chance = random.Random(2)
+    file = tmp_path / "scene.toml"
+    accepted = 0
+    for number in range(400):
+        template = list(templates())[number % len(templates())]
+        copies = copy_template(template, tmp_path / f"{number}.toml")
+        file.write_bytes(corrupted(copies[0].read_text(), chance))
+        try:
+            load_scene(file)
+            accepted += 1
+        except SceneError as error:
+            assert error.faults
+            assert all(fault.message for fault in error.faults)
+        for copy in copies:
+            copy.unlink()
+    assert accepted < 200
+
+
+def test_reading_a_scene_imports_no_compiler() -> None:
+    code = f"import sys, ecume; ecume.load_scene({BOWL!r}); print([name for name in ('numba', 'matplotlib', 'gsd') if name in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout == "[]\n"

@@ -1,0 +1,68 @@
+"""Changes from the command line."""
+
+from __future__ import annotations
+
+import pytest
+
+from ecume.errors import SceneError
+from ecume.scenes.load import load_scene
+from ecume.scenes.overrides import split
+
+SCENE = """\
+model = "floating"
+duration = 1
+frame_every = 0.1
+[[floats]]
+radius = "1 mm"
+density = 600
+contact_angle = 1
+"""
+
+
+@pytest.mark.parametrize(
+    ("override", "path", "value"),
+    [
+        ("seed=3", ("seed",), 3),
+        ("floats[0].count=10", ("floats", 0, "count"), 10),
+        ("dish.radius=4 cm", ("dish", "radius"), "4 cm"),
+        ('dish.radius="4 cm"', ("dish", "radius"), "4 cm"),
+        ("dish.size=[1, 2]", ("dish", "size"), [1, 2]),
+        ("motion.drag=false", ("motion", "drag"), False),
+        ("title=a=b", ("title",), "a=b"),
+        ("title=1\nmodel='x'", ("title",), "1\nmodel='x'"),
+        ("title=" + "[" * 5000, ("title",), "[" * 5000),
+        ("title=", ("title",), ""),
+    ],
+)
+def test_an_override_is_a_path_and_a_toml_value_or_text(override: str, path: object, value: object) -> None:
+    assert split(override) == (path, value)
+
+
+def test_overrides_change_the_scene_and_make_tables_on_the_way() -> None:
+    scene = load_scene(SCENE, ["floats[0].count=10", "dish.radius=4 cm", "floats[0].positions=[[0, 0]]", "floats[0].count=1"])
+    assert scene.floats[0].count == 1
+    assert scene.dish is not None
+    assert scene.dish.radius == 0.04
+
+
+@pytest.mark.parametrize(
+    ("override", "says"),
+    [
+        ("seed", "--set 'seed': wanted key=value"),
+        ("=3", "wanted key=value"),
+        ("floats[x].count=3", "wanted key=value"),
+        ("floats[1].count=3", "the scene has no floats[1]"),
+        ("floats.count=3", "the scene has no floats.count"),
+        ("flots[0].count=3", "the scene has no flots"),
+        ("duration.x=3", "the scene has no duration.x"),
+        ("title=" + "x" * 20_000, "too long"),
+        ("floats[0].cuont=3", "floats[0].cuont: no such key; did you mean count? (from --set)"),
+        ("floats[0].radius=-1", "floats[0].radius: came -1; wanted more than 0 (from --set)"),
+        ("dish.radius=4 kg", "dish.radius: came '4 kg'; 'kg' measures mass"),
+    ],
+)
+def test_an_override_that_cannot_be_is_a_fault_without_a_line(override: str, says: str) -> None:
+    with pytest.raises(SceneError) as caught:
+        load_scene(SCENE, [override])
+    assert says in str(caught.value)
+    assert "line" not in str(caught.value)

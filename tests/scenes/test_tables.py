@@ -1,0 +1,162 @@
+"""Floats from a table."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from ecume.errors import SceneError
+from ecume.scenes.floating import FloatingScene
+from ecume.scenes.load import load_scene
+from ecume.scenes.tables import TableFaults, lines_of
+
+SCENE = """\
+model = "floating"
+duration = 1
+frame_every = 0.1
+floats_from = "bowl.csv"
+"""
+DEFAULTS = """\
+[[floats]]
+radius = "2 mm"
+density = 600
+contact_angle = "60 deg"
+velocity = [0.5, 0]
+color = "red"
+"""
+
+
+def read(folder: Path, table: str, more: str = "") -> FloatingScene:
+    (folder / "bowl.csv").write_text(table)
+    (folder / "scene.toml").write_text(SCENE + more)
+    return load_scene(folder / "scene.toml")
+
+
+def faults_of(folder: Path, table: str, more: str = "") -> list[str]:
+    with pytest.raises(SceneError) as caught:
+        read(folder, table, more)
+    return [str(fault) for fault in caught.value.faults]
+
+
+def test_columns_are_read_in_the_units_of_their_heads(tmp_path: Path) -> None:
+    table = "name,x [mm],y,vx [cm/s],vy,radius [um],density [g/cm^3],contact_angle [deg]\nbig, 1 ,0.002,3,4,5,0.6,90\n"
+    (row,) = read(tmp_path, table).rows
+    assert (row.species_name, row.x, row.y, row.vx, row.vy) == ("big", 0.001, 0.002, 0.03, 4.0)
+    assert (row.radius, row.density) == pytest.approx((5e-6, 600.0), rel=1e-15)
+    assert row.contact_angle == pytest.approx(1.5707963267948966, rel=1e-15)
+
+
+def test_the_one_entry_of_floats_fills_what_the_table_leaves_out(tmp_path: Path) -> None:
+    scene = read(tmp_path, "x [mm],y [mm],radius [mm]\n0,0,1\n5,0,3\n", DEFAULTS)
+    assert scene.floats == ()
+    assert [row.radius for row in scene.rows] == [0.001, 0.003]
+    assert {(row.density, row.vx, row.species_name, row.color) for row in scene.rows} == {(600.0, 0.5, "float-1", "#d62728")}
+
+
+def test_a_scene_with_rows_stands_alone(tmp_path: Path) -> None:
+    from ecume.scenes.schema import to_toml
+
+    scene = read(tmp_path, "x,y\n0,0\n5,0\n", DEFAULTS)
+    (tmp_path / "bowl.csv").unlink()
+    assert load_scene(to_toml(scene)) == scene
+
+
+@pytest.mark.parametrize("table", ["x;y\n1.5;2\n", "x\ty\n1.5\t2\n", "# a remark\n\nx,y\n# another\n1.5,2\n\n", '"x","y"\n"1.5",2\n'])
+def test_semicolons_tabs_remarks_and_quotes_are_read(tmp_path: Path, table: str) -> None:
+    (row,) = read(tmp_path, table, DEFAULTS).rows
+    assert (row.x, row.y) == (1.5, 2.0)
+
+
+@pytest.mark.parametrize(
+    ("table", "says"),
+    [
+        ("x,y\n1,2\n3\n", "floats_from: bowl.csv, line 3: 1 cells, wanted 2 as in the head"),
+        ("x,y\n1,2,3\n", "line 2: 3 cells"),
+        ("x,y\n1,2\n\n3,abc\n", "line 4, column y: came 'abc'; wanted a number"),
+        ("x,y\n1,nan\n", "line 2, column y: came 'nan'"),
+        ("x,y\n1,inf\n", "line 2, column y: came 'inf'"),
+        ("x,y\n1,1_0\n", "line 2, column y: came '1_0'"),
+        ("x,y\n1,\n", "line 2, column y: came ''"),
+        ("x,y,radios\n1,2,3\n", "line 1, column 'radios': no such column; did you mean radius?"),
+        ("x [kg],y\n1,2\n", "line 1, column 'x [kg]': 'kg' measures mass, wanted length"),
+        ("x [m^9^9^9],y\n1,2\n", "is not how a unit is written"),
+        ("x [mm,y\n1,2\n", "wanted a name, or a name with its unit"),
+        ("name [m],x,y\na,1,2\n", "text has no unit"),
+        ("x,y,x\n1,2,3\n", "line 1: column x stands twice"),
+        ("x\n1\n", "line 1: there is no column y"),
+        ("x,y\n", "no lines below the head"),
+        ("", "there is no column x"),
+        ('x,y\n"1,2\n', "bowl.csv, line"),
+        ("x,y,radius [mm]\n1,2,3\n4,5,-6\n", "bowl.csv, line 3, radius: came -0.006; wanted more than 0"),
+        ("x,y\n1e9,2\n", "bowl.csv, line 2, x: came 1000000000.0; wanted 1000 or less"),
+    ],
+)
+def test_a_fault_of_a_table_is_told_with_its_line_and_column(tmp_path: Path, table: str, says: str) -> None:
+    faults = faults_of(tmp_path, table, DEFAULTS)
+    assert any(says in fault for fault in faults), faults
+    assert all(fault.startswith("line 4, column 1: floats_from") for fault in faults), faults
+
+
+def test_many_faults_of_a_table_are_cut_short(tmp_path: Path) -> None:
+    faults = faults_of(tmp_path, "x,y\n" + "a,b\n" * 100, DEFAULTS)
+    assert len(faults) == 21
+    assert "and 180 more like these" in faults[-1]
+
+
+@pytest.mark.parametrize(
+    ("more", "says"),
+    [
+        ("", "bowl.csv has no column radius, and no [[floats]] gives one"),
+        (DEFAULTS + "count = 3", "floats[0].count: has no meaning beside floats_from"),
+        (DEFAULTS + "colour = 3", "floats[0].colour: no such key; did you mean color?"),
+        (DEFAULTS.replace("600", "-1"), "floats[0].density: came -1; wanted more than 0"),
+        (DEFAULTS * 2, "floats: beside floats_from wanted one [[floats]] table"),
+        ("start_from = 'run'", "only one can stand in a scene"),
+        ("[[rows]]\nx = 1", "only one can stand in a scene"),
+    ],
+)
+def test_what_stands_beside_a_table_must_fit(tmp_path: Path, more: str, says: str) -> None:
+    faults = faults_of(tmp_path, "x,y\n1,2\n", more)
+    assert any(says in fault for fault in faults), faults
+    assert not any("nothing afloat" in fault for fault in faults)
+
+
+@pytest.mark.parametrize("name", ["../bowl.csv", "/etc/passwd", ".", "", "a/../../bowl.csv", "nowhere.csv", "x\\u0000y", "loop"])
+def test_a_table_outside_the_scenes_folder_is_not_read(tmp_path: Path, name: str) -> None:
+    folder = tmp_path / "scenes"
+    folder.mkdir()
+    (tmp_path / "bowl.csv").write_text("x,y\n1,2\n")
+    (folder / "loop").symlink_to("loop")
+    (folder / "scene.toml").write_text(SCENE.replace("bowl.csv", name) + DEFAULTS)
+    with pytest.raises(SceneError, match="floats_from"):
+        load_scene(folder / "scene.toml")
+
+
+def test_a_link_out_of_the_scenes_folder_is_not_followed(tmp_path: Path) -> None:
+    folder = tmp_path / "scenes"
+    folder.mkdir()
+    (tmp_path / "secret.csv").write_text("x,y\n1,2\n")
+    (folder / "bowl.csv").symlink_to(tmp_path / "secret.csv")
+    (folder / "scene.toml").write_text(SCENE + DEFAULTS)
+    with pytest.raises(SceneError, match="lies outside the scene's folder"):
+        load_scene(folder / "scene.toml")
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no named pipes here")
+def test_a_table_that_is_a_pipe_is_not_waited_for(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "bowl.csv")
+    (tmp_path / "scene.toml").write_text(SCENE + DEFAULTS)
+    with pytest.raises(SceneError, match="is no plain file"):
+        load_scene(tmp_path / "scene.toml")
+
+
+@given(st.text(alphabet='xy,;\t\n"[m]#1e9-. \0\r', max_size=60))
+def test_any_text_is_a_table_or_a_table_fault(text: str) -> None:
+    try:
+        assert lines_of("x,y\n" + text)
+    except TableFaults as faults:
+        assert faults.messages
