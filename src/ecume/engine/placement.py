@@ -1,0 +1,159 @@
+"""Where discs start: at random without overlap, on a triangular lattice, on a ring."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ecume._jit import compiled
+from ecume.engine.cells import Integers
+from ecume.engine.walls import Walls, wall_count, wall_distance
+from ecume.errors import BadInput
+from ecume.units import Array
+
+TRIES_PER_DISC = 2000
+CLEARANCE = 1e-6
+"""Discs placed at random keep this part of the smallest radius between them, so that rounding never makes them touch."""
+
+
+class Region(NamedTuple):
+    """A rectangle to place discs in, cut by walls."""
+
+    low: tuple[float, float]
+    high: tuple[float, float]
+    walls: Walls
+
+
+class _Grid(NamedTuple):
+    """The discs placed so far, in square cells at least as wide as two of them."""
+
+    low: Array
+    size: Array
+    shape: Integers
+    head: Integers
+    """(cells,) the last disc of a cell, -1 if none"""
+    below: Integers
+    """(N,) the next one in the same cell"""
+
+
+def place_at_random(radius: Array, region: Region, taken: tuple[Array, Array], seed: int) -> Array:
+    """Centers of discs that touch neither each other, nor the walls, nor those already there (`taken`: centers, radii).
+
+    The largest are placed first, each at a point drawn evenly from the region until it fits. Raises BadInput with the covered
+    fraction when that fails: random placement jams when a little more than half of the surface is covered.
+    """
+    centers = np.concatenate([taken[0].reshape(-1, 2), np.zeros((len(radius), 2))])
+    radii = np.concatenate([taken[1], np.sort(radius)[::-1]])
+    grid = _make_grid(region, radii)
+    start = len(taken[1])
+    for disc in range(start):
+        _put(grid, centers, disc)
+    generator = np.random.default_rng(seed)
+    low, span = np.array(region.low), np.array(region.high) - np.array(region.low)
+    placed, tries = start, 0
+    while placed < len(radii):
+        points = low + span * generator.random((max(64, 4 * (len(radii) - placed)), 2))
+        placed = _fill(points, grid, centers, radii, placed, region.walls)
+        tries += len(points)
+        if tries > TRIES_PER_DISC * len(radii):
+            raise BadInput(_jammed(radii, placed, region))
+    order = np.argsort(-radius, kind="stable")
+    found = np.empty((len(radius), 2))
+    found[order] = centers[start:]
+    return found
+
+
+def _jammed(radii: Array, placed: int, region: Region) -> str:
+    area = (region.high[0] - region.low[0]) * (region.high[1] - region.low[1])
+    area = min(area, math.pi * region.walls.disc_radius**2)
+    covered = math.pi * float(np.sum(radii**2)) / area
+    return (
+        f"only {placed} of {len(radii)} floats found a free place at random; together they cover {covered:.0%} of the surface. "
+        'Use fewer or smaller floats, a larger dish, or placement = "lattice"'
+    )
+
+
+def _make_grid(region: Region, radii: Array) -> _Grid:
+    span = np.array(region.high) - np.array(region.low)
+    size = max(2.0 * float(radii.max()), math.sqrt(float(np.prod(span)) / (4 * len(radii) + 64)))
+    shape = np.maximum(np.ceil(span / size), 1.0).astype(np.int64)
+    cells = int(np.prod(shape))
+    return _Grid(
+        np.array(region.low), np.array([size]), shape, np.full(cells, -1, np.int64), np.full(len(radii), -1, np.int64)
+    )
+
+
+@compiled
+def _cell_along(grid: _Grid, axis: int, coordinate: float) -> int:
+    along = np.int64((coordinate - grid.low[axis]) / grid.size[0])
+    return min(max(along, 0), grid.shape[axis] - 1)
+
+
+@compiled
+def _put(grid: _Grid, centers: Array, disc: int) -> None:
+    cell = _cell_along(grid, 0, centers[disc, 0]) * grid.shape[1] + _cell_along(grid, 1, centers[disc, 1])
+    grid.below[disc] = grid.head[cell]
+    grid.head[cell] = disc
+
+
+@compiled
+def _fits(grid: _Grid, centers: Array, radii: Array, disc: int, walls: Walls) -> bool:
+    """Whether the disc touches no wall and no disc before it."""
+    x, y, radius = centers[disc, 0], centers[disc, 1], radii[disc] * (1.0 + CLEARANCE)
+    for number in range(wall_count(walls)):
+        if wall_distance(walls, number, x, y)[0] < radius:
+            return False
+    column, row = _cell_along(grid, 0, x), _cell_along(grid, 1, y)
+    for beside in range(max(column - 1, 0), min(column + 2, grid.shape[0])):
+        for above in range(max(row - 1, 0), min(row + 2, grid.shape[1])):
+            other = grid.head[beside * grid.shape[1] + above]
+            while other >= 0:
+                apart = math.sqrt((centers[other, 0] - x) ** 2 + (centers[other, 1] - y) ** 2)
+                if apart < radius + radii[other]:
+                    return False
+                other = grid.below[other]
+    return True
+
+
+@compiled
+def _fill(points: Array, grid: _Grid, centers: Array, radii: Array, placed: int, walls: Walls) -> int:
+    """Place the next discs at the first of these points where they fit; how many are placed now."""
+    for k in range(len(points)):
+        if placed == len(radii):
+            break
+        centers[placed, 0], centers[placed, 1] = points[k, 0], points[k, 1]
+        if _fits(grid, centers, radii, placed, walls):
+            _put(grid, centers, placed)
+            placed += 1
+    return placed
+
+
+def place_on_lattice(count: int, spacing: float, center: Sequence[float]) -> Array:
+    """The `count` points of a triangular lattice that are nearest to its center.
+
+    >>> place_on_lattice(1, 1.0, (2.0, 3.0)).tolist()
+    [[2.0, 3.0]]
+    """
+    rings = math.ceil(math.sqrt(count)) + 1
+    first, second = np.meshgrid(np.arange(-rings, rings + 1), np.arange(-rings, rings + 1))
+    points = np.stack([(first + 0.5 * second).ravel(), (math.sqrt(0.75) * second).ravel()], axis=1)
+    # Rounded, so that points at equal distances keep one order on every machine.
+    distance = np.round(np.hypot(points[:, 0], points[:, 1]), 9)
+    angle = np.round(np.arctan2(points[:, 1], points[:, 0]), 9)
+    nearest = np.lexsort((angle, distance))[:count]
+    placed: Array = np.asarray(center) + spacing * points[nearest]
+    return placed
+
+
+def place_on_ring(count: int, radius: float, center: Sequence[float]) -> Array:
+    """Evenly around a circle, the first to the right of its center.
+
+    >>> place_on_ring(2, 1.0, (0.0, 0.0)).round(9).tolist()
+    [[1.0, 0.0], [-1.0, 0.0]]
+    """
+    angle = 2.0 * np.pi * np.arange(count) / count
+    placed: Array = np.asarray(center) + radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+    return placed

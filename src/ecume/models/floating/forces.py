@@ -1,0 +1,185 @@
+"""Forces on all floats: pairs through the neighbor lists, walls float by float."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ecume._jit import admit, compiled, inlined, numba, threaded
+from ecume.engine.neighbors import THREADS_FROM, NeighborLists, sort_positions
+from ecume.engine.walls import wall_count, wall_distance
+from ecume.laws import capillarity, screened, special
+from ecume.laws.capillarity import dish_force, plane_wall_force, two_point_legacy_force
+from ecume.laws.screened import k1_over_x
+from ecume.models.floating.parameters import (
+    CAPILLARY_LENGTH,
+    CUTOFF,
+    DISH,
+    NO_WALL_LAW,
+    PLANE,
+    STRENGTH,
+    SURFACE_TENSION,
+    PairParameters,
+    Parameters,
+    unpack_fit,
+)
+from ecume.units import Array
+
+admit(screened.k1_over_x, screened.decay, screened._tail, unpack_fit)
+admit(*(function for name, function in vars(special).items() if callable(function) and "bessel" in name))
+admit(capillarity.plane_wall_force, capillarity.plane_wall_energy, capillarity.pair_energy)
+for law in capillarity.WALLS.values():
+    admit(law.energy, law.force)
+
+ROWS_PER_TASK = 32
+PADDED = 4
+"""Neighbors are padded to a multiple of the vector width, since what is left over runs one by one."""
+
+
+def no_extra_pull(square: float, own: PairParameters) -> float:
+    """Where a user's own pair law goes: the pull (N) over the distance (m), from the distance's square."""
+    return 0.0
+
+
+admit(no_extra_pull)
+
+
+@inlined
+def pull_rows_with(
+    extra_pull: Callable[[float, PairParameters], float],
+    start: int,
+    stop: int,
+    rows: tuple[Any, Any, Any, Any],
+    floats: tuple[Array, Array],
+    pair: Array,
+    force: Array,
+) -> None:
+    """Pair forces on the slots from `start` to `stop`.
+
+    Three plain loops instead of one: gather the neighbors, work out all their forces (this one vectorizes, without changing a
+    bit), add them up in order.
+    """
+    first, neighbor, x, y = rows
+    charge, radius = floats
+    fit = unpack_fit(pair)
+    strength, length, cutoff, tension = pair[STRENGTH], pair[CAPILLARY_LENGTH], pair[CUTOFF], pair[SURFACE_TENSION]
+    inverse_square = 1.0 / (length * length)
+    longest = 0
+    for slot in range(start, stop):
+        longest = max(longest, first[slot + 1] - first[slot])
+    room = longest + PADDED
+    apart_x, apart_y, charges, radii = np.empty(room), np.empty(room), np.zeros(room), np.ones(room)
+    for slot in range(start, stop):
+        begin, found = np.uint64(first[slot]), np.uint64(first[slot + 1] - first[slot])
+        own_x, own_y, own_charge, own_radius = x[slot], y[slot], charge[slot], radius[slot]
+        for k in range(found):
+            j = np.uint64(neighbor[begin + k])
+            apart_x[k], apart_y[k], charges[k], radii[k] = x[j] - own_x, y[j] - own_y, charge[j], radius[j]
+        padded = (found + np.uint64(PADDED - 1)) // np.uint64(PADDED) * np.uint64(PADDED)
+        for k in range(found, padded):
+            apart_x[k], apart_y[k] = 2.0 * cutoff, 0.0
+        for k in range(padded):
+            square = apart_x[k] * apart_x[k] + apart_y[k] * apart_y[k]
+            # Towards the neighbor where the charges agree; the same factor for both of a pair, so that their forces cancel to the bit.
+            factor = strength * inverse_square * (own_charge * charges[k]) * k1_over_x(square * inverse_square, fit)
+            own = PairParameters(own_radius, radii[k], own_charge, charges[k], length, tension)
+            factor += extra_pull(square, own)
+            factor = factor if square < cutoff * cutoff else 0.0
+            apart_x[k] *= factor
+            apart_y[k] *= factor
+        total_x, total_y = 0.0, 0.0
+        for k in range(found):
+            total_x += apart_x[k]
+            total_y += apart_y[k]
+        force[0, slot], force[1, slot] = total_x, total_y
+
+
+@compiled
+def _pull_rows(start: int, stop: int, rows: Any, floats: Any, pair: Array, force: Array) -> None:
+    pull_rows_with(no_extra_pull, start, stop, rows, floats, pair, force)
+
+
+@threaded
+def _pull_in_threads(tasks: int, rows: Any, floats: Any, pair: Array, force: Array) -> None:
+    for task in numba.prange(tasks):
+        start = task * ROWS_PER_TASK
+        _pull_rows(start, min(start + ROWS_PER_TASK, force.shape[1]), rows, floats, pair, force)
+
+
+@compiled
+def pull(rows: Any, floats: Any, pair: Array, force: Array) -> None:
+    """Pair forces on all slots."""
+    count = force.shape[1]
+    if count >= THREADS_FROM:
+        _pull_in_threads((count + ROWS_PER_TASK - 1) // ROWS_PER_TASK, rows, floats, pair, force)
+    else:
+        _pull_rows(0, count, rows, floats, pair, force)
+
+
+class Sorted(NamedTuple):
+    """Scratch in the order of the slots."""
+
+    charge: Array
+    radius: Array
+    force: Array
+    """(2, N)"""
+
+
+@compiled
+def sort_floats(parameters: Parameters, lists: NeighborLists, sorted_floats: Sorted) -> None:
+    """Copy charges and radii into the order of the slots; after each new neighbor list."""
+    floats, order = parameters.floats, lists.cells.order
+    charge, radius = sorted_floats.charge, sorted_floats.radius
+    for slot in range(len(order)):
+        charge[slot], radius[slot] = floats.charge[order[slot]], floats.radius[order[slot]]
+
+
+@inlined
+def forces_with(
+    pull_all: Callable[..., None],
+    parameters: Parameters,
+    position: Array,
+    lists: NeighborLists,
+    scratch: tuple[Sorted, Array],
+) -> None:
+    """The forces on all floats at these positions; the neighbor lists must hold there."""
+    sorted_floats, force = scratch
+    sort_positions(lists, position)
+    rows, order = lists.rows, lists.cells.order
+    x, y = rows.sorted_position[0], rows.sorted_position[1]
+    sorted_force = sorted_floats.force
+    pull_all(
+        (rows.first, rows.neighbor, x, y), (sorted_floats.charge, sorted_floats.radius), parameters.pair, sorted_force
+    )
+    for slot in range(len(order)):
+        force[order[slot], 0], force[order[slot], 1] = sorted_force[0, slot], sorted_force[1, slot]
+    add_wall_forces(parameters, position, force)
+
+
+@compiled
+def add_wall_forces(parameters: Parameters, position: Array, force: Array) -> None:
+    """The meniscus at the walls pushes or pulls each float."""
+    walls, strength, length = parameters.walls, parameters.wall_strength, parameters.pair[CAPILLARY_LENGTH]
+    if parameters.wall_law == NO_WALL_LAW:
+        return
+    for i in range(position.shape[0]):
+        for number in range(wall_count(walls)):
+            x, y = position[i, 0], position[i, 1]
+            distance, inward_x, inward_y = wall_distance(walls, number, x, y)
+            if parameters.wall_law == PLANE:
+                away = plane_wall_force(distance, strength[number, i], length)
+            elif parameters.wall_law == DISH:
+                away = dish_force(math.sqrt(x * x + y * y), strength[number, i], length, walls.disc_radius)
+            else:
+                away = two_point_legacy_force(math.sqrt(x * x + y * y), strength[number, i], length, walls.disc_radius)
+            force[i, 0] += away * inward_x
+            force[i, 1] += away * inward_y
+
+
+@compiled
+def forces(parameters: Parameters, position: Array, lists: NeighborLists, scratch: tuple[Sorted, Array]) -> None:
+    """`forces_with` ecume's own pair law alone."""
+    forces_with(pull, parameters, position, lists, scratch)

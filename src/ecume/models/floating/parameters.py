@@ -1,0 +1,99 @@
+"""What never changes while floats drift: their radii, masses and charges, and every constant of the laws."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ecume.engine.cells import Integers
+from ecume.engine.walls import Walls
+from ecume.laws.screened import DEGREE, ScreenedFit
+from ecume.units import Array, Length, SurfaceTension
+
+SCHEMES = ("velocity-verlet", "explicit-euler", "stormer-verlet", "semi-implicit-euler", "rk4")
+VELOCITY_VERLET, EXPLICIT_EULER, STORMER_VERLET, SEMI_IMPLICIT_EULER, RK4 = range(5)
+
+CONTACT_LAWS = ("none", "impulse", "legacy")
+NO_CONTACTS, IMPULSE, LEGACY = range(3)
+
+NO_WALL_LAW, DISH, LEGACY_DISH, PLANE = range(4)
+
+
+class PairParameters(NamedTuple):
+    """What a user's own pair law may look at, beside the distance of the two centers."""
+
+    radius_i: Length
+    radius_j: Length
+    charge_i: Length
+    charge_j: Length
+    capillary_length: Length
+    surface_tension: SurfaceTension
+
+
+class Floats(NamedTuple):
+    """Float by float, all (N,)."""
+
+    radius: Array
+    mass: Array
+    charge: Array
+    """m: the far field's amplitude"""
+    relaxation_time: Array
+    """s: mass over friction; infinite without drag"""
+    density: Array
+    contact_angle: Array
+    species: Integers
+
+
+class Kick(NamedTuple):
+    """What one kick of the scheme does to a float, with drag solved exactly under a force that stays: v = decay v + gain F."""
+
+    decay: Array
+    gain: Array
+    mobility: Array
+    """(N + walls,) velocity per impulse over the kick: gain / time, 1/m without drag; zero for walls"""
+
+
+class Parameters(NamedTuple):
+    """See `ecume.models.model`."""
+
+    time_step: float
+    steps_per_frame: int
+    scheme: int
+    floats: Floats
+    kick: Kick
+    pair: Array
+    """constants of the pair law, packed: see `pack_pair`"""
+    cutoff: float
+    skin: float
+    walls: Walls
+    wall_law: int
+    wall_strength: Array
+    """(walls, N) J"""
+    contact_law: int
+    restitution: float
+    wall_restitution: float
+    slop: float
+    """overlaps up to this are left alone"""
+
+
+STRENGTH, CAPILLARY_LENGTH, CUTOFF, SURFACE_TENSION, FIT = 0, 1, 2, 3, 4
+
+
+def pack_pair(strength: float, capillary_length: float, cutoff: float, surface_tension: float, fit: ScreenedFit) -> Array:
+    """The pair law's constants as one array: Numba's threads take no nested tuples."""
+    return np.array(
+        [strength, capillary_length, cutoff, surface_tension, fit.lower, fit.upper, fit.shift, fit.slope, fit.offset, fit.error]
+        + list(fit.weights)
+    )
+
+
+def unpack_fit(pair: Array) -> ScreenedFit:
+    """The fit of K1 in packed constants."""
+    w = pair[FIT + 6 :]
+    weights = (
+        w[0], w[1], w[2], w[3], w[4], w[5], w[6], w[7], w[8], w[9], w[10], w[11], w[12], w[13], w[14], w[15], w[DEGREE]
+    )  # fmt: skip
+    return ScreenedFit(
+        pair[FIT], pair[FIT + 1], pair[FIT + 2], pair[FIT + 3], pair[FIT + 4], weights, pair[FIT + 5]
+    )

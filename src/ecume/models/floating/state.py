@@ -1,0 +1,96 @@
+"""What the physics moves, and the scratch beside it."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ecume.engine import contacts, neighbors
+from ecume.engine.cells import Integers
+from ecume.models.floating.forces import Sorted
+from ecume.models.floating.parameters import Parameters
+from ecume.units import Array
+
+COLLISIONS, SWEEPS, UNCONVERGED, DEEPEST = range(4)
+"""Places in `State.tally`."""
+
+
+class State(NamedTuple):
+    """Everything that can change a later bit."""
+
+    position: Array
+    """(N, 2) m"""
+    velocity: Array
+    """(N, 2) m/s"""
+    step: Integers
+    """(1,)"""
+    reference: Array
+    """(N, 2) where everyone was when the neighbor lists were made: their order decides the order of sums"""
+    touches: Integers
+    """(1,) how many contacts are remembered"""
+    touching: Integers
+    """(4 N + 16, 2) who touches whom; a wall number k stands as N + k"""
+    push: Array
+    """(4 N + 16,) impulses of these contacts: the next step starts from them"""
+    tally: Array
+    """collisions, contact sweeps, steps whose contacts did not converge, deepest overlap so far (m)"""
+
+
+class Workspace(NamedTuple):
+    """Scratch; a new one gives the same results."""
+
+    lists: neighbors.NeighborLists
+    candidates: contacts.Candidates
+    contacts: contacts.Contacts
+    sorted_floats: Sorted
+    force: Array
+    """(N, 2) N, at the present positions"""
+    passage: Array
+    """(N + walls, 2) m/s: the velocity with which everyone goes through this step; walls stand still"""
+    stages: Array
+    """(6, N, 2) of the Runge-Kutta scheme"""
+
+
+def make_state(position: Array, velocity: Array) -> State:
+    """At time 0."""
+    count = len(position)
+    return State(
+        position=np.array(position, dtype=np.float64),
+        velocity=np.array(velocity, dtype=np.float64),
+        step=np.zeros(1, np.int64),
+        reference=np.array(position, dtype=np.float64),
+        touches=np.zeros(1, np.int64),
+        touching=np.zeros((4 * count + 16, 2), np.int64),
+        push=np.zeros(4 * count + 16),
+        tally=np.zeros(4),
+    )
+
+
+def list_reach(parameters: Parameters) -> float:
+    """How far neighbor lists look: the cutoff or the widest touching pair, and the skin."""
+    return max(parameters.cutoff, 2.0 * float(parameters.floats.radius.max())) + parameters.skin
+
+
+def expected_neighbors(parameters: Parameters) -> float:
+    """Neighbors of a float amid a dense raft of the smallest floats."""
+    smallest = float(parameters.floats.radius.min())
+    packed = 0.92 * (list_reach(parameters) / smallest) ** 2
+    return min(packed, float(len(parameters.floats.radius)))
+
+
+def make_workspace(parameters: Parameters, state: State, room: float) -> Workspace:
+    """Room for a crowd about as dense as the present one; the march asks for more when that is too little."""
+    count = len(state.position)
+    neighbors_each = min(16.0 + 2.0 * expected_neighbors(parameters) ** 0.5 * 8.0, expected_neighbors(parameters))
+    walls = len(parameters.kick.mobility) - count
+    pairs = int(room * (24 * count + 64))
+    return Workspace(
+        lists=neighbors.make_lists(count, 2, int(room * neighbors_each * count)),
+        candidates=contacts.make_candidates(count, pairs),
+        contacts=contacts.make_contacts(pairs + count * walls),
+        sorted_floats=Sorted(np.zeros(count), np.zeros(count), np.zeros((2, count))),
+        force=np.zeros((count, 2)),
+        passage=np.zeros((count + walls, 2)),
+        stages=np.zeros((6, count, 2)),
+    )
