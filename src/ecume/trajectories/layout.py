@@ -1,8 +1,8 @@
 """How a GSD file is laid out, and how its index is read, also that of a damaged or a growing file.
 
 A GSD file (version 2) is a header, a block of index entries, a list of names, and chunks of data; a block that is full
-is copied to the end of the file at twice its size, and the old one stays where it was. So a file that lost its end still
-holds an older index. A frame is whole when its last chunk, the checksum, is in the index.
+is copied to the end of the file at twice its size, and the old one stays where it was. So a file that lost its end
+still holds an older index. A frame is whole when its last chunk, the checksum, is in the index.
 """
 
 from __future__ import annotations

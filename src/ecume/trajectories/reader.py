@@ -62,7 +62,17 @@ class Trajectory(Sequence[Frame]):
         with storing(path):
             plain = json.loads(path.read_bytes())
         # scenes stand above trajectories, so that a scene can start from a frame: looked up only when asked for
-        return importlib.import_module("ecume.scenes").from_plain(plain)
+        return importlib.import_module("ecume.scenes.schema").from_plain(plain)
+
+    @property
+    def intact(self) -> int:
+        """How many frames there are before the first that is missing, as when a segment lost its end."""
+        end = 0
+        for segment in self._segments:
+            if segment.header.first != end:
+                break
+            end += segment.frames
+        return end
 
     @property
     def times(self) -> NDArray[np.float64]:

@@ -66,7 +66,7 @@ class Recorder:
     def _attach(self) -> None:
         """Go on with the last segment, cut back to its whole frames."""
         files = segment_files(self.folder)
-        self._number, self.frames = len(files), 0
+        self._number, self.frames = int(files[-1].stem) + 1 if files else 0, 0
         if files:
             with contextlib.closing(Segment(files[-1])) as segment:
                 held = segment.frames

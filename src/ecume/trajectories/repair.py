@@ -29,19 +29,24 @@ def repair(folder: Path) -> Repaired:
     good, faults, unusable = 0, [], []
     for path in segment_files(folder):
         try:
-            with contextlib.closing(Segment(path)) as segment:
-                found = damages(segment)
-                frames = segment.frames
-            segments.cut(path, frames)
+            segment = Segment(path)
         except StorageError as error:
-            aside = path.with_suffix(".gsd.damaged")
-            with storing(path):
-                path.replace(aside)
-            unusable.append(aside)
-            found, frames = [str(error)], 0
-        good += frames - min(frames, len(found))
+            faults.append(str(error))
+            unusable.append(_set_aside(path))
+            continue
+        with contextlib.closing(segment):
+            found = damages(segment)
+        segments.cut(path, segment.frames)
+        good += segment.frames - len(found)
         faults += found
     return Repaired(good, tuple(faults), tuple(unusable))
+
+
+def _set_aside(path: Path) -> Path:
+    aside = path.with_suffix(".gsd.damaged")
+    with storing(path):
+        path.replace(aside)
+    return aside
 
 
 def damages(segment: Segment) -> list[str]:

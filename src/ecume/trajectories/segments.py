@@ -45,7 +45,7 @@ class Segment:
         self._starts = np.searchsorted(self.index.entries["frame"], np.arange(self.frames + 1))
 
     def chunks(self, frame: int) -> Chunks:
-        """All chunks of a frame, what never changes out of the first. Raises StorageError where the checksum is wrong."""
+        """All chunks of a frame, what never changes out of the first. Raises StorageError where it is damaged."""
         chunks = {**self.first, **self._at(frame)}
         if int(chunks[CHECKSUM][0, 0]) != schema.checksum(chunks):
             raise StorageError(self.damage(frame))
