@@ -74,7 +74,18 @@ def test_what_is_no_such_quantity_is_refused_with_its_reason(text: str, symbol: 
 
 
 @pytest.mark.parametrize(
-    "bomb", ["9**9**9 m", "1 m^99999", "1 m**9**9**9", "1 m^9^9^9", "1 m^(9^9)", "1 m*9**9**9", "1 (m^9)^9", "9e999 m^9", "1 m9999999"]
+    "bomb",
+    [
+        "9**9**9 m",
+        "1 m^99999",
+        "1 m**9**9**9",
+        "1 m^9^9^9",
+        "1 m^(9^9)",
+        "1 m*9**9**9",
+        "1 (m^9)^9",
+        "9e999 m^9",
+        "1 m9999999",
+    ],
 )
 def test_a_bomb_of_exponents_is_refused_at_once(bomb: str) -> None:
     parse("1 m", "m")  # Pint's registry is made

@@ -39,7 +39,9 @@ def test_an_override_is_a_path_and_a_toml_value_or_text(override: str, path: obj
 
 
 def test_overrides_change_the_scene_and_make_tables_on_the_way() -> None:
-    scene = load_scene(SCENE, ["floats[0].count=10", "dish.radius=4 cm", "floats[0].positions=[[0, 0]]", "floats[0].count=1"])
+    scene = load_scene(
+        SCENE, ["floats[0].count=10", "dish.radius=4 cm", "floats[0].positions=[[0, 0]]", "floats[0].count=1"]
+    )
     assert scene.floats[0].count == 1
     assert scene.dish is not None
     assert scene.dish.radius == 0.04

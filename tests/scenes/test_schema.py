@@ -21,20 +21,23 @@ speeds = st.tuples(st.floats(-1e3, 1e3), st.floats(-1e3, 1e3))
 names = st.text(st.characters(exclude_categories=["C", "Z"]), max_size=10)
 angles = st.one_of(
     st.fixed_dictionaries({"contact_angle": st.one_of(st.floats(0, math.pi), st.just("original-closure"))}),
-    st.fixed_dictionaries({"surface_energies": st.fixed_dictionaries({"solid_gas": st.floats(0, 1), "solid_liquid": st.floats(0, 1)})}),
+    st.fixed_dictionaries(
+        {"surface_energies": st.fixed_dictionaries({"solid_gas": st.floats(0, 1), "solid_liquid": st.floats(0, 1)})}
+    ),
 )
 bodies = st.fixed_dictionaries({"radius": lengths, "density": st.floats(1e-3, 1e5)}).flatmap(
     lambda body: angles.map(lambda angle: {**body, **angle})
 )
 species = bodies.flatmap(
     lambda body: st.fixed_dictionaries(
-        {}, optional={"positions": st.lists(places, min_size=1, max_size=3), "velocity": speeds, "color": st.just("red")}
+        {},
+        optional={"positions": st.lists(places, min_size=1, max_size=3), "velocity": speeds, "color": st.just("red")},
     ).map(lambda more: {**body, **more})
 )
 rows = bodies.flatmap(
-    lambda body: st.fixed_dictionaries({"x": lengths, "y": lengths}, optional={"vx": lengths, "species_name": names}).map(
-        lambda more: {**body, **more}
-    )
+    lambda body: st.fixed_dictionaries(
+        {"x": lengths, "y": lengths}, optional={"vx": lengths, "species_name": names}
+    ).map(lambda more: {**body, **more})
 )
 dishes = st.one_of(
     st.fixed_dictionaries({"radius": lengths}),
@@ -56,7 +59,9 @@ scenes = st.fixed_dictionaries(
     },
 )
 anything = st.recursive(
-    st.one_of(st.none(), st.booleans(), st.integers(), st.floats(), st.text(max_size=8), st.just("4 mm"), st.just(10**400)),
+    st.one_of(
+        st.none(), st.booleans(), st.integers(), st.floats(), st.text(max_size=8), st.just("4 mm"), st.just(10**400)
+    ),
     lambda inner: st.one_of(st.lists(inner, max_size=3), st.dictionaries(st.text(max_size=8), inner, max_size=3)),
     max_leaves=6,
 )

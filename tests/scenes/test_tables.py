@@ -54,7 +54,9 @@ def test_the_one_entry_of_floats_fills_what_the_table_leaves_out(tmp_path: Path)
     scene = read(tmp_path, "x [mm],y [mm],radius [mm]\n0,0,1\n5,0,3\n", DEFAULTS)
     assert scene.floats == ()
     assert [row.radius for row in scene.rows] == [0.001, 0.003]
-    assert {(row.density, row.vx, row.species_name, row.color) for row in scene.rows} == {(600.0, 0.5, "float-1", "#d62728")}
+    assert {(row.density, row.vx, row.species_name, row.color) for row in scene.rows} == {
+        (600.0, 0.5, "float-1", "#d62728")
+    }
 
 
 def test_a_scene_with_rows_stands_alone(tmp_path: Path) -> None:
@@ -65,7 +67,9 @@ def test_a_scene_with_rows_stands_alone(tmp_path: Path) -> None:
     assert load_scene(to_toml(scene)) == scene
 
 
-@pytest.mark.parametrize("table", ["x;y\n1.5;2\n", "x\ty\n1.5\t2\n", "# a remark\n\nx,y\n# another\n1.5,2\n\n", '"x","y"\n"1.5",2\n'])
+@pytest.mark.parametrize(
+    "table", ["x;y\n1.5;2\n", "x\ty\n1.5\t2\n", "# a remark\n\nx,y\n# another\n1.5,2\n\n", '"x","y"\n"1.5",2\n']
+)
 def test_semicolons_tabs_remarks_and_quotes_are_read(tmp_path: Path, table: str) -> None:
     (row,) = read(tmp_path, table, DEFAULTS).rows
     assert (row.x, row.y) == (1.5, 2.0)
@@ -125,7 +129,9 @@ def test_what_stands_beside_a_table_must_fit(tmp_path: Path, more: str, says: st
     assert not any("nothing afloat" in fault for fault in faults)
 
 
-@pytest.mark.parametrize("name", ["../bowl.csv", "/etc/passwd", ".", "", "a/../../bowl.csv", "nowhere.csv", "x\\u0000y", "loop"])
+@pytest.mark.parametrize(
+    "name", ["../bowl.csv", "/etc/passwd", ".", "", "a/../../bowl.csv", "nowhere.csv", "x\\u0000y", "loop"]
+)
 def test_a_table_outside_the_scenes_folder_is_not_read(tmp_path: Path, name: str) -> None:
     folder = tmp_path / "scenes"
     folder.mkdir()

@@ -28,7 +28,10 @@ def mistyped(text: str) -> list[tuple[str, str, str]]:
     """The text with one key mistyped, for each key and typo: (text, key, typo)."""
     keys = re.finditer(r"(?m)^(?:\[+)?([a-z_]{2,})(?= =|\]+$)", text)
     return [
-        (text[: key.start(1)] + typo + text[key.end(1) :], key[1], typo) for key in keys for typo in typos(key[1]) if typo != key[1]
+        (text[: key.start(1)] + typo + text[key.end(1) :], key[1], typo)
+        for key in keys
+        for typo in typos(key[1])
+        if typo != key[1]
     ]
 
 

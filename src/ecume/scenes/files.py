@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import codecs
 import stat
 from pathlib import Path
 
@@ -33,10 +34,21 @@ def text_of(path: Path, most_bytes: int) -> str:
     return decoded(data)
 
 
+class NotText(ValueError):
+    """Bytes that are not UTF-8, with the place of the first."""
+
+    def __init__(self, data: bytes, error: UnicodeDecodeError) -> None:
+        before = data[: error.start]
+        self.line = before.count(b"\n") + 1
+        self.column = len(before.rpartition(b"\n")[2].decode()) + 1
+        self.message = f"byte {data[error.start]:#04x} is not UTF-8 text"
+        super().__init__(f"line {self.line}, column {self.column}: {self.message}")
+
+
 def decoded(data: bytes) -> str:
-    """Strict UTF-8, with or without a byte-order mark. Raises ValueError."""
+    """Strict UTF-8, with or without a byte-order mark. Raises NotText."""
+    data = data.removeprefix(codecs.BOM_UTF8)
     try:
-        return data.decode("utf-8-sig")
+        return data.decode()
     except UnicodeDecodeError as error:
-        line = data.count(b"\n", 0, error.start) + 1
-        raise ValueError(f"line {line}: byte {data[error.start]:#04x} is not UTF-8 text") from None
+        raise NotText(data, error) from None

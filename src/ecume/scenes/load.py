@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 
 from ecume.errors import Fault, SceneError
 from ecume.scenes.faults import Path, read_path, written
-from ecume.scenes.files import text_of
+from ecume.scenes.files import NotText, text_of
 from ecume.scenes.overrides import overridden
 from ecume.scenes.places import place_of, places
 from ecume.scenes.schema import Scene, examined
@@ -64,6 +64,8 @@ def source_of(path_or_text: str | File) -> Source:
     path = File(path_or_text)
     try:
         return Source(text_of(path, MOST_BYTES), str(path), path.parent)
+    except NotText as fault:
+        raise SceneError([Fault("", fault.message, fault.line, fault.column)], str(path)) from None
     except ValueError as fault:
         raise SceneError([Fault("", str(fault))], str(path)) from None
 
@@ -75,18 +77,25 @@ def _bounded(text: str) -> str:
 
 
 def _parsed(source: Source) -> dict[str, Any]:
-    """The tables of a TOML text. Python's reader leaks three more exceptions than its own."""
+    """The tables of a TOML text. Python's reader leaks two more exceptions than its own."""
     try:
         return tomllib.loads(source.text)
     except tomllib.TOMLDecodeError as error:
-        match = re.fullmatch(r"(.*) \(at line (\d+), column (\d+)\)", str(error), re.DOTALL)
-        message, line, column = (match[1], int(match[2]), int(match[3])) if match else (str(error), None, None)
-        fault = Fault("", f"is not TOML: {message}", line, column)
+        fault = _syntax_fault(str(error), source.text)
     except RecursionError:
         fault = Fault("", "is nested too deeply")
     except ValueError as error:
         fault = Fault("", f"is not TOML: {error}")
     raise SceneError([fault], source.name)
+
+
+def _syntax_fault(told: str, text: str) -> Fault:
+    """What Python's reader says, with its place taken out of the words."""
+    message, _, place = told.rpartition(" (at ")
+    numbers = re.findall(r"\d+", place)
+    ending = text.rstrip("\n").split("\n")
+    line, column = map(int, numbers) if len(numbers) == 2 else (len(ending), len(ending[-1]) + 1)
+    return Fault("", f"is not TOML: {message or told}", line, column)
 
 
 def _placed(source: Source, faults: Sequence[tuple[Path, str]], changed: set[Path]) -> list[Fault]:
@@ -95,6 +104,6 @@ def _placed(source: Source, faults: Sequence[tuple[Path, str]], changed: set[Pat
     placed = []
     for path, message in faults:
         overridden_here = any(path[: len(start)] == start for start in changed)
-        line, column = (None, None) if overridden_here else place_of(path, known) or (None, None)
+        line, column = (None, None) if overridden_here else place_of(path, known)
         placed.append(Fault(written(path), message + " (from --set)" * overridden_here, line, column))
     return sorted(placed, key=lambda fault: (fault.line is None, fault.line or 0, fault.column or 0))

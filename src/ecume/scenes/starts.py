@@ -15,7 +15,6 @@ from ecume.scenes.faults import Path, echo, faults_of, written
 from ecume.scenes.files import inside, text_of
 from ecume.scenes.floating import SurfaceEnergies, species_of
 from ecume.scenes.quantities import STRICT, Color, ContactAngle, Name, PositiveDensity, Size, Velocity
-from ecume.scenes.schema import from_plain
 from ecume.scenes.tables import MOST_BYTES, TableFaults, lines_of
 
 TABLE, RUN = "floats_from", "start_from"
@@ -148,33 +147,24 @@ def _rows_of_frame(run: Folder, index: int) -> list[dict[str, Any]]:
     from ecume.trajectories.reader import open_trajectory
 
     try:
-        trajectory = open_trajectory(run)
-        frame = trajectory[index]
-        species = _species(trajectory.scene)
+        with open_trajectory(run) as trajectory:
+            frame, species = trajectory[index], species_of(trajectory.scene)
     except IndexError:
-        raise ValueError(f"has no frame {index}; it has {len(trajectory)}") from None
+        raise ValueError(f"has no frame {index}") from None
     except EcumeError as error:
         raise ValueError(f"cannot be opened: {error}") from None
     missing = [name for name in ARRAYS if name not in frame.arrays]
     if missing:
         raise ValueError(f"is a run of another model: its frames have no {missing[0]}")
     columns = [frame.arrays[name].tolist() for name in ARRAYS]
-    return [_row_of_float(*values, species[kind]) for *values, kind in zip(*columns, strict=True)]
+    return [_row_of_float(values, *species[kind]) for *values, kind in zip(*columns, strict=True)]
 
 
 ARRAYS = ("position", "velocity", "radius", "density", "contact_angle", "species")
 
 
-def _row_of_float(
-    position: Sequence[float], velocity: Sequence[float], radius: float, density: float, *rest: Any
-) -> dict[str, Any]:
+def _row_of_float(values: Sequence[Any], name: str, color: str | None) -> dict[str, Any]:
     """One float of a frame as a row; a contact angle that was worked out is an angle from here on."""
-    angle, (name, color) = rest
-    x, y, vx, vy = *position, *velocity
-    row = {"x": x, "y": y, "vx": vx, "vy": vy, "radius": radius, "density": density}
-    return {**row, "contact_angle": angle, "species_name": name, "color": color}
-
-
-def _species(plain: Mapping[str, Any]) -> list[tuple[str, str | None]]:
-    """The name and color of each species of a run, in the order of their numbers."""
-    return species_of(from_plain(plain))
+    (x, y), (vx, vy), radius, density, angle = values
+    row = {"x": x, "y": y, "vx": vx, "vy": vy, "radius": radius, "density": density, "contact_angle": angle}
+    return {**row, "species_name": name, "color": color}

@@ -1,0 +1,94 @@
+"""Floats from a frame of another run."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ecume.errors import SceneError
+from ecume.scenes.load import load_scene
+from ecume.scenes.schema import from_plain, to_plain
+from ecume.trajectories.frame import Frame
+from ecume.trajectories.recorders import Recorder
+
+SCENE = """\
+model = "floating"
+duration = 1
+frame_every = 0.1
+start_from = "runs/bowl{}"
+"""
+
+
+def frame(time: float) -> Frame:
+    arrays = {
+        "position": np.array([[time, 0.1], [0.2, 0.3]]),
+        "velocity": np.array([[0.0, -0.0], [1e-300, 0.1]]),
+        "radius": np.array([1e-3, 2e-3]),
+        "density": np.array([600.0, 1200.0]),
+        "contact_angle": np.array([1.0, 2.0]),
+        "species": np.array([1, 0]),
+    }
+    return Frame(time, arrays, {"kinetic_energy": 1.0}, {})
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """A folder with a run of three frames and two species."""
+    body = {"radius": 0.001, "density": 600, "contact_angle": 1.0}
+    species = [{**body, "name": "light", "color": "red"}, {**body, "name": "heavy"}]
+    scene = from_plain({"model": "floating", "duration": 1, "frame_every": 0.1, "floats": species})
+    run = tmp_path / "runs" / "bowl"
+    with Recorder(run / "traj") as recorder:
+        for step in range(3):
+            recorder.write(frame(step / 10), step)
+    (run / "resolved.json").write_text(json.dumps(to_plain(scene)))
+    return tmp_path
+
+
+def read(folder: Path, at: str = "", more: str = "") -> object:
+    (folder / "scene.toml").write_text(SCENE.format(at) + more)
+    return load_scene(folder / "scene.toml")
+
+
+@pytest.mark.parametrize(("at", "x"), [("", 0.2), ("@-1", 0.2), ("@0", 0.0), ("@-2", 0.1)])
+def test_a_scene_starts_from_a_frame_of_another_run(folder: Path, at: str, x: float) -> None:
+    first, second = read(folder, at).rows  # type: ignore[attr-defined]
+    assert (first.x, first.y, first.radius, first.species_name, first.color) == (x, 0.1, 1e-3, "heavy", None)
+    assert (second.vx, second.vy, second.density, second.contact_angle) == (1e-300, 0.1, 1200.0, 2.0)
+    assert (second.species_name, second.color) == ("light", "#d62728")
+
+
+@pytest.mark.parametrize(
+    ("at", "more", "says"),
+    [
+        ("@3", "", "'runs/bowl@3' has no frame 3"),
+        ("@x", "", "cannot be opened"),
+        ("2", "", "cannot be opened"),
+        ("@0", "[[floats]]\nradius = 1\ndensity = 1\ncontact_angle = 1", "brings all the floats"),
+    ],
+)
+def test_a_start_that_cannot_be_is_refused(folder: Path, at: str, more: str, says: str) -> None:
+    with pytest.raises(SceneError) as caught:
+        read(folder, at, more)
+    assert [says in str(fault) for fault in caught.value.faults] == [True]
+
+
+def test_a_run_outside_the_scenes_folder_is_not_opened(folder: Path) -> None:
+    (folder / "inner").mkdir()
+    (folder / "inner" / "scene.toml").write_text(SCENE.format("").replace("runs/", "../runs/"))
+    with pytest.raises(SceneError, match="lies outside the scene's folder"):
+        load_scene(folder / "inner" / "scene.toml")
+
+
+def test_a_run_without_densities_is_of_another_model(folder: Path) -> None:
+    other = frame(0.0)
+    arrays = {name: array for name, array in other.arrays.items() if name != "density"}
+    with Recorder(folder / "runs" / "other" / "traj") as recorder:
+        recorder.write(other._replace(arrays=arrays), 0)
+    (folder / "runs" / "other" / "resolved.json").write_bytes((folder / "runs" / "bowl" / "resolved.json").read_bytes())
+    (folder / "scene.toml").write_text(SCENE.format("").replace("bowl", "other"))
+    with pytest.raises(SceneError, match="another model: its frames have no density"):
+        load_scene(folder / "scene.toml")
