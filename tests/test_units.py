@@ -100,9 +100,10 @@ def test_a_bomb_of_exponents_is_refused_at_once(bomb: str) -> None:
 def test_any_text_is_a_finite_number_or_a_value_error(text: str) -> None:
     for symbol in ("m", "1"):
         try:
-            assert math.isfinite(parse(text, symbol))
-        except ValueError as refusal:
-            assert str(refusal)
+            value = parse(text, symbol)
+        except ValueError:
+            continue
+        assert math.isfinite(value)
 
 
 @given(st.floats(min_value=1e-6, max_value=1e6))

@@ -81,7 +81,7 @@ _HOME_OF = {name: home for home, names in _HOMES.items() for name in names.split
 
 
 def __getattr__(name: str) -> Any:
-    """Import a public name from its home. `ecume.run` is the module of that name: `ecume.run.run(scene, directory)`."""
+    """Import a public name from its home; `ecume.run` is the module with `run(scene, directory)`."""
     if name == "run":
         return importlib.import_module("ecume.run")
     if name not in _HOME_OF:

@@ -93,10 +93,9 @@ def test_whatever_stands_at_a_key_gives_a_scene_or_faults(key: str, inner: str, 
     for changed in ({**plain, key: value}, {**plain, "floats": [{**plain["floats"][0], inner: value}]}):  # type: ignore[index]
         try:
             scene = from_plain(changed)
-        except SceneError as error:
-            assert error.faults
-        else:
-            json.dumps(to_plain(scene), allow_nan=False)
+        except SceneError:
+            continue
+        assert json.dumps(to_plain(scene), allow_nan=False)
 
 
 @pytest.mark.parametrize("model", SCENES)

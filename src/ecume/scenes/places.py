@@ -36,7 +36,7 @@ def places(text: str) -> dict[Path, Place]:
 
 
 def place_of(path: Path, known: dict[Path, Place]) -> Place | tuple[None, None]:
-    """The place of a path, or of the nearest piece around it: the file's beginning for a missing key. Nowhere for none."""
+    """The place of a path, or of the nearest piece around it; the file's beginning for a missing key."""
     around = (known[path[:end]] for end in range(len(path), 0, -1) if path[:end] in known)
     return next(around, (1, 1) if path else (None, None))
 

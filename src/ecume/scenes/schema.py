@@ -43,7 +43,7 @@ def examined(plain: Mapping[str, Any], also: Sequence[str] = ()) -> tuple[Scene 
     if kind is None:
         return None, [(("model",), _no_model(model))]
     try:
-        return cast(Scene, _reader(kind).validate_python(dict(plain))), []
+        return cast(Scene, _reader(str(model)).validate_python(dict(plain))), []
     except ValidationError as error:
         return None, faults_of(error, kind, plain, also)
 
@@ -56,8 +56,8 @@ def _no_model(model: object) -> str:
 
 
 @cache
-def _reader(kind: type[Common]) -> TypeAdapter[Common]:
-    return TypeAdapter(kind)
+def _reader(model: str) -> TypeAdapter[Common]:
+    return TypeAdapter(SCENES[model])
 
 
 def to_plain(scene: Scene) -> dict[str, Any]:

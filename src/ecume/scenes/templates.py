@@ -17,7 +17,7 @@ def templates() -> dict[str, str]:
 
 
 def copy_template(name: str, to: Path) -> list[Path]:
-    """Write a template, and the table it reads if any, beside one another; nothing is overwritten. The files written."""
+    """Write a template and the table it reads, if any, side by side; nothing is overwritten. The files written."""
     if name not in templates():
         raise BadInput(f"there is no template {name!r}; {suggestion(name, templates())}")
     table = _folder() / f"{name}.csv"
