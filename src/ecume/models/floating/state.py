@@ -48,8 +48,12 @@ class Workspace(NamedTuple):
     """(N, 2) N, at the present positions"""
     passage: Array
     """(N + walls, 2) m/s: the velocity with which everyone goes through this step; walls stand still"""
+    before: Array
+    """(N + walls, 2) m/s: what the passage was before contacts"""
     stages: Array
-    """(6, N, 2) of the Runge-Kutta scheme"""
+    """(5, N, 2) of the Runge-Kutta scheme"""
+    ahead: Array
+    """(1,) m: how far anyone may go in this step"""
 
 
 def make_state(position: Array, velocity: Array) -> State:
@@ -72,25 +76,23 @@ def list_reach(parameters: Parameters) -> float:
     return max(parameters.cutoff, 2.0 * float(parameters.floats.radius.max())) + parameters.skin
 
 
-def expected_neighbors(parameters: Parameters) -> float:
-    """Neighbors of a float amid a dense raft of the smallest floats."""
-    smallest = float(parameters.floats.radius.min())
-    packed = 0.92 * (list_reach(parameters) / smallest) ** 2
-    return min(packed, float(len(parameters.floats.radius)))
+FIRST_GUESS = 64
+"""Neighbors of a float that a first workspace has room for."""
 
 
 def make_workspace(parameters: Parameters, state: State, room: float) -> Workspace:
     """Room for a crowd about as dense as the present one; the march asks for more when that is too little."""
     count = len(state.position)
-    neighbors_each = min(16.0 + 2.0 * expected_neighbors(parameters) ** 0.5 * 8.0, expected_neighbors(parameters))
     walls = len(parameters.kick.mobility) - count
     pairs = int(room * (24 * count + 64))
     return Workspace(
-        lists=neighbors.make_lists(count, 2, int(room * neighbors_each * count)),
+        lists=neighbors.make_lists(count, 2, int(room * count * min(count, FIRST_GUESS))),
         candidates=contacts.make_candidates(count, pairs),
         contacts=contacts.make_contacts(pairs + count * walls),
         sorted_floats=Sorted(np.zeros(count), np.zeros(count), np.zeros((2, count))),
         force=np.zeros((count, 2)),
         passage=np.zeros((count + walls, 2)),
-        stages=np.zeros((6, count, 2)),
+        before=np.zeros((count + walls, 2)),
+        stages=np.zeros((5, count, 2)),
+        ahead=np.zeros(1),
     )

@@ -1,0 +1,321 @@
+"""From a scene to parameters: equilibria, charges, drag, walls, and the time step."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ecume.engine import walls as wall_shapes
+from ecume.engine.walls import Walls
+from ecume.errors import BadInput, EcumeError, Fault, SceneError
+from ecume.laws import capillarity, drag, flotation, meniscus
+from ecume.laws.contact import legacy_restitution
+from ecume.laws.screened import fit_k1
+from ecume.models.floating.parameters import (
+    CONTACT_LAWS,
+    DISH,
+    LEGACY,
+    LEGACY_DISH,
+    NO_WALL_LAW,
+    PLANE,
+    RK4,
+    SCHEMES,
+    VELOCITY_VERLET,
+    Floats,
+    Kick,
+    Parameters,
+    pack_pair,
+)
+from ecume.models.floating.pace import LARGEST_OVER_CHOSEN, LOOSEST_OVER_CHOSEN, chosen_step
+from ecume.scenes.floating import FloatingScene, FloatRow, FloatSpec, species_of
+from ecume.units import Array
+
+DEEPEST_TOUCH = 0.9
+"""The pair law is fitted down to this part of the smallest touching distance."""
+SLOP = 1e-4
+"""Overlaps up to this part of the smallest radius are left alone."""
+
+
+class StepWarning(UserWarning):
+    """The time step is longer than is good for the result."""
+
+
+class Afloat(NamedTuple):
+    """One kind of float as it floats: what it is made of, and what the laws make of it."""
+
+    sphere: flotation.Sphere
+    equilibrium: flotation.Equilibrium
+    charge: float
+    mass: float
+    friction: float
+
+
+def liquid_of(scene: FloatingScene) -> flotation.Liquid:
+    """The scene's liquid."""
+    given = scene.liquid
+    return flotation.Liquid(
+        given.density, given.surface_tension, given.viscosity, gravity=given.gravity, gas_density=given.gas_density
+    )
+
+
+def contact_angle_of(given: FloatSpec | FloatRow, liquid: flotation.Liquid) -> float:
+    """The contact angle as a number: given, by Young's law, or by the original project's closure."""
+    if given.surface_energies is not None:
+        energies = given.surface_energies
+        return flotation.young_contact_angle(
+            solid_gas=energies.solid_gas, solid_liquid=energies.solid_liquid, liquid_gas=liquid.surface_tension
+        )
+    if isinstance(given.contact_angle, str):
+        bare = flotation.Sphere(given.radius, given.density, 0.5 * math.pi)
+        return flotation.closure_contact_angle(
+            bond_number=flotation.bond_number(bare, liquid), density_ratio=flotation.density_ratio(bare, liquid)
+        )
+    assert given.contact_angle is not None  # noqa: S101  # the schema asks for exactly one of the two
+    return given.contact_angle
+
+
+def afloat(given: FloatSpec | FloatRow, scene: FloatingScene) -> Afloat:
+    """How one kind of float floats. Raises BadInput where it does not."""
+    liquid = liquid_of(scene)
+    sphere = flotation.Sphere(given.radius, given.density, contact_angle_of(given, liquid))
+    balance = flotation.equilibrium(sphere, liquid)
+    charge = flotation.capillary_charge(sphere, liquid, scene.interaction.charge)
+    # The drag of a displaced contact line is that of the contact angle which would put it there on a flat surface.
+    factor = float(drag.immersion_factor(math.pi - balance.filling_angle))
+    mass = given.density * 4.0 / 3.0 * math.pi * given.radius**3
+    return Afloat(sphere, balance, charge, mass, drag.stokes_friction(given.radius, liquid.viscosity, factor))
+
+
+def kinds_afloat(scene: FloatingScene) -> list[Afloat]:
+    """Each of the scene's float tables and rows, afloat; all faults at once."""
+    faults: list[Fault] = []
+    found: list[Afloat] = []
+    known: dict[Any, Afloat | BadInput] = {}
+    for where, given in _given(scene):
+        key = (given.radius, given.density, given.contact_angle, given.surface_energies)
+        if key not in known:
+            try:
+                known[key] = afloat(given, scene)
+            except BadInput as error:
+                known[key] = error
+        kind = known[key]
+        if isinstance(kind, BadInput):
+            faults.append(Fault(where, str(kind)))
+        else:
+            found.append(kind)
+    if faults:
+        raise SceneError(faults)
+    return found
+
+
+def _given(scene: FloatingScene) -> list[tuple[str, FloatSpec | FloatRow]]:
+    tables = [(f"floats[{k}]", given) for k, given in enumerate(scene.floats)]
+    return [*tables, *((f"rows[{k}]", row) for k, row in enumerate(scene.rows))]
+
+
+def floats_of(scene: FloatingScene) -> Floats:
+    """Float by float: the tables' first, then the rows."""
+    kinds = kinds_afloat(scene)
+    counts = [given.count if isinstance(given, FloatSpec) else 1 for _, given in _given(scene)]
+    names = [name for name, _ in species_of(scene)]
+    species = [
+        names.index(given.name if isinstance(given, FloatSpec) else given.species_name) for _, given in _given(scene)
+    ]
+
+    def each(of: Callable[[Afloat], float]) -> Array:
+        return np.repeat(np.array([of(kind) for kind in kinds]), counts)
+
+    return Floats(
+        radius=each(lambda kind: kind.sphere.radius),
+        mass=each(lambda kind: kind.mass),
+        charge=each(lambda kind: kind.charge),
+        relaxation_time=each(lambda kind: drag.relaxation_time(kind.mass, kind.friction))
+        if scene.motion.drag
+        else np.full(sum(counts), np.inf),
+        density=each(lambda kind: kind.sphere.density),
+        contact_angle=each(lambda kind: kind.sphere.contact_angle),
+        species=np.repeat(np.array(species, dtype=np.int64), counts),
+    )
+
+
+def walls_of(scene: FloatingScene) -> Walls:
+    """The dish as walls that centers keep a radius away from."""
+    if scene.dish is None:
+        return wall_shapes.no_walls()
+    if scene.dish.radius is not None:
+        return wall_shapes.disc(scene.dish.radius)
+    assert scene.dish.size is not None  # noqa: S101  # the schema asks for exactly one of the two
+    width, height = scene.dish.size
+    return wall_shapes.box((-0.5 * width, -0.5 * height), (0.5 * width, 0.5 * height))
+
+
+def wall_law_of(scene: FloatingScene) -> int:
+    """Which compiled law the walls follow."""
+    if scene.dish is None or scene.dish.law == "none":
+        return NO_WALL_LAW
+    if scene.dish.radius is None:
+        if scene.dish.law != "meniscus":
+            raise _fault("dish.law", f"{scene.dish.law!r} is for round dishes; a rectangular one has 'meniscus' or 'none'")
+        return PLANE
+    return DISH if scene.dish.law == "meniscus" else LEGACY_DISH
+
+
+def wall_strengths(scene: FloatingScene, floats: Floats) -> Array:
+    """(walls, N) in J: how strongly each wall's meniscus acts on each float."""
+    law, liquid = wall_law_of(scene), liquid_of(scene)
+    count = wall_shapes.wall_count(walls_of(scene))
+    if law == NO_WALL_LAW or scene.dish is None:
+        return np.zeros((count, len(floats.radius)))
+    tension = liquid.surface_tension
+    if law == LEGACY_DISH:
+        bonds = (floats.radius / liquid.capillary_length) ** 2
+        ratios = (floats.density - liquid.gas_density) / liquid.density_difference
+        weights = [flotation.weight_number(ratio, scene.dish.contact_angle) for ratio in ratios]
+        rows = [
+            capillarity.legacy_wall_strength(tension, radius, bond, weight)
+            for radius, bond, weight in zip(floats.radius, bonds, weights, strict=True)
+        ]
+        return np.array([rows])
+    amplitudes = _amplitudes(scene, liquid)
+    return np.array([[capillarity.wall_strength(tension, charge, wall) for charge in floats.charge] for wall in amplitudes])
+
+
+def _amplitudes(scene: FloatingScene, liquid: flotation.Liquid) -> list[float]:
+    """Far amplitude of each wall's meniscus (m)."""
+    assert scene.dish is not None  # noqa: S101  # only asked with a dish
+    angle = scene.dish.contact_angle
+    if scene.dish.size is None:
+        return [meniscus.wall_amplitude(angle, liquid)]
+    width, height = scene.dish.size
+    across, along = (meniscus.facing_amplitude(side, angle, liquid) for side in (width, height))
+    return [across, along, across, along]
+
+
+def kick_of(scheme: int, time_step: float, floats: Floats, walls: int) -> Kick:
+    """One kick of the scheme: half a step for velocity Verlet, a whole one for the others."""
+    time = 0.5 * time_step if scheme == VELOCITY_VERLET else time_step
+    ratio = time / floats.relaxation_time
+    decay = np.exp(-ratio)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        held = np.where(ratio > 0.0, -np.expm1(-ratio) / ratio, 1.0)
+    gain = time / floats.mass * held
+    mobility = np.concatenate([gain / time, np.zeros(walls)])
+    return Kick(decay, gain, mobility)
+
+
+def parameters_of(scene: FloatingScene) -> Parameters:
+    """Everything a run needs and never changes. Raises SceneError."""
+    _check_names(scene)
+    floats, liquid = floats_of(scene), liquid_of(scene)
+    length, interacting = liquid.capillary_length, scene.interaction.law == "capillary"
+    cutoff = capillarity.truncation_radius(scene.interaction.accuracy) * length
+    smallest, largest = float(floats.radius.min()), float(floats.radius.max())
+    try:
+        fit = fit_k1(2.0 * DEEPEST_TOUCH * smallest / length, (cutoff + largest) / length)
+    except BadInput as error:
+        raise _fault("floats", str(error)) from None
+    tension = liquid.surface_tension if interacting else 0.0
+    walls, scheme = walls_of(scene), SCHEMES.index(scene.motion.integrator)
+    skin = max(0.2 * largest, min(0.4 * length, largest))
+    parameters = Parameters(
+        time_step=0.0,
+        steps_per_frame=1,
+        scheme=scheme,
+        floats=floats,
+        kick=kick_of(scheme, 1.0, floats, wall_shapes.wall_count(walls)),
+        pair=pack_pair(capillarity.pair_strength(tension, 1.0, 1.0), length, cutoff, liquid.surface_tension, fit),
+        cutoff=cutoff,
+        skin=skin,
+        walls=walls,
+        wall_law=wall_law_of(scene),
+        wall_strength=wall_strengths(scene, floats),
+        contact_law=_contact_law(scene),
+        restitution=_restitution(scene),
+        wall_restitution=scene.dish.restitution if scene.dish is not None else 0.0,
+        slop=SLOP * smallest,
+    )
+    return with_step(parameters, scene)
+
+
+def with_step(parameters: Parameters, scene: FloatingScene) -> Parameters:
+    """The time step: the scene's own, or the longest that is good, a whole number of times in the time between frames."""
+    good, frame = chosen_step(parameters, _speeds(scene)), scene.frame_every
+    asked = scene.motion.time_step
+    if asked is not None:
+        _judge(asked, good)
+    steps = max(1, math.ceil(frame / (asked if asked is not None else good) * (1.0 - 1e-9)))
+    if asked is not None and abs(steps * asked - frame) > 1e-9 * frame:
+        raise _fault(
+            "motion.time_step", f"{asked:g} s does not divide frame_every = {frame:g} s; {frame / steps:.9g} s would do"
+        )
+    time_step = frame / steps
+    kick = kick_of(parameters.scheme, time_step, parameters.floats, len(parameters.kick.mobility) - len(parameters.floats.mass))
+    stiffest = float(parameters.floats.relaxation_time.min())
+    if parameters.scheme == RK4 and time_step > 2.0 * stiffest:
+        raise _fault(
+            "motion.integrator", f"'rk4' needs a time step below {2.0 * stiffest:.3g} s in so viscous a liquid; "
+            f"it is {time_step:.3g} s. Set motion.time_step, or use 'velocity-verlet'"
+        )  # fmt: skip
+    return parameters._replace(time_step=time_step, steps_per_frame=steps, kick=kick)
+
+
+def _judge(asked: float, good: float) -> None:
+    """Refuse or warn of a step too large, with the number that would do."""
+    if asked > LARGEST_OVER_CHOSEN * good:
+        raise _fault(
+            "motion.time_step", f"{asked:.3g} s is unstable here; wanted at most {LARGEST_OVER_CHOSEN * good:.3g} s, "
+            f"{good:.3g} s is good"
+        )  # fmt: skip
+    if asked > LOOSEST_OVER_CHOSEN * good:
+        warnings.warn(f"motion.time_step: {asked:.3g} s is coarse; {good:.3g} s is good", StepWarning, stacklevel=2)
+
+
+def _speeds(scene: FloatingScene) -> float:
+    """The fastest start."""
+    speeds = [math.hypot(*species.velocity) for species in scene.floats]
+    return max([0.0, *speeds, *(math.hypot(row.vx, row.vy) for row in scene.rows)])
+
+
+def _contact_law(scene: FloatingScene) -> int:
+    if scene.contacts.law == "impulse" and scene.contacts.legacy_coefficient is not None:
+        return LEGACY
+    return CONTACT_LAWS.index(scene.contacts.law)
+
+
+def _restitution(scene: FloatingScene) -> float:
+    coefficient = scene.contacts.legacy_coefficient
+    return scene.contacts.restitution if coefficient is None else legacy_restitution(coefficient)
+
+
+def _check_names(scene: FloatingScene) -> None:
+    """The names of laws, against the laws' tables."""
+    choices = [
+        ("motion.integrator", scene.motion.integrator, SCHEMES),
+        ("contacts.law", scene.contacts.law, ("impulse", "none")),
+        ("interaction.law", scene.interaction.law, ("capillary", "none")),
+        ("interaction.charge", scene.interaction.charge, tuple(flotation.CHARGES)),
+    ]
+    if scene.dish is not None:
+        choices.append(("dish.law", scene.dish.law, tuple(capillarity.WALLS)))
+    faults = [
+        Fault(path, f"no such law as {name!r}; {_suggestion(name, known)}")
+        for path, name, known in choices
+        if name not in known
+    ]
+    if faults:
+        raise SceneError(faults)
+
+
+def _suggestion(name: str, known: tuple[str, ...]) -> str:
+    import difflib
+
+    close = difflib.get_close_matches(name, known, 1)
+    return f"did you mean {close[0]!r}?" if close else "there are " + ", ".join(repr(each) for each in known)
+
+
+def _fault(path: str, message: str) -> EcumeError:
+    return SceneError([Fault(path, message)])

@@ -1,0 +1,62 @@
+"""How long a time step may be: from the stiffness of the pull between touching floats, and from their speed."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ecume.laws.special import bessel_k0, bessel_k1
+from ecume.models.floating.parameters import CAPILLARY_LENGTH, STRENGTH, Floats, Parameters
+from ecume.units import Array
+
+GOOD = 0.05
+"""Time steps over the shortest time scale: the error of a step is then below a thousandth."""
+LOOSEST_OVER_CHOSEN = 4.0
+LARGEST_OVER_CHOSEN = 20.0
+"""Beyond this the scheme is unstable."""
+RAFT_NEIGHBORS = 6.0
+SKIN_PER_STEP = 0.1
+"""Nobody may go farther in a step, over the skin."""
+
+
+def pair_stiffness(parameters: Parameters, reach: float, charges: float) -> float:
+    """|dF/dl| = (S/L^2) (K0(x) + K1(x)/x) at the distance `reach` = x L, for a product of charges (N/m)."""
+    length = parameters.pair[CAPILLARY_LENGTH]
+    x = reach / length
+    strength = abs(parameters.pair[STRENGTH] * charges)
+    return float(strength / length**2 * (bessel_k0(x) + bessel_k1(x) / x))
+
+
+def stiffness_over_mass(parameters: Parameters) -> tuple[Array, Array]:
+    """Of each distinct kind of float in the crowd's worst place: stiffness (N/m) and mass (kg)."""
+    floats = parameters.floats
+    kinds = np.unique(np.stack([floats.radius, np.abs(floats.charge), floats.mass], axis=1), axis=0)
+    # The strongest partner of any kind bounds them all: a table of a thousand different floats costs a thousand evaluations.
+    strongest, smallest = float(np.max(kinds[:, 1])), float(np.min(kinds[:, 0]))
+    wall = float(np.max(np.abs(parameters.wall_strength), initial=0.0)) / parameters.pair[CAPILLARY_LENGTH] ** 2
+    stiffness = [
+        2.0 * RAFT_NEIGHBORS * pair_stiffness(parameters, radius + smallest, charge * strongest) + wall
+        for radius, charge, _ in kinds
+    ]
+    return np.array(stiffness), kinds[:, 2]
+
+
+def chosen_step(parameters: Parameters, speed: float) -> float:
+    """The longest good step (s).
+
+    A float on a spring k turns back after about sqrt(m/k), or relaxes in zeta/k where drag rules; the kick takes drag exactly, so
+    that the longer of the two counts: syrup needs no tinier step than water.
+    """
+    stiffness, mass = stiffness_over_mass(parameters)
+    friction = _least_friction(parameters.floats)
+    scales = [
+        max(math.sqrt(m / k), friction / k) if k > 0.0 else math.inf for k, m in zip(stiffness, mass, strict=True)
+    ]
+    step = GOOD * min(scales)
+    return min(step, SKIN_PER_STEP * parameters.skin / speed) if speed > 0.0 else step
+
+
+def _least_friction(floats: Floats) -> float:
+    """N s/m, of the float that drag slows least; zero without drag."""
+    return float(np.min(floats.mass / floats.relaxation_time))
