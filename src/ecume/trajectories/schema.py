@@ -93,13 +93,13 @@ def number_names(header: Header) -> list[str]:
     return ["configuration/step", "log/time", *(f"log/{name}" for name in header.numbers)]
 
 
-def checksum(chunks: Chunks) -> int:
-    """The CRC-32 over every chunk of a frame but the checksum itself: names, kinds, shapes and bytes."""
+def checksum(chunks: Mapping[str, NDArray[Any]]) -> int:
+    """The CRC-32 over named arrays, but for the checksum itself: names, kinds, shapes and bytes."""
     crc = 0
     for name in sorted(chunks.keys() - {CHECKSUM}):
         chunk = chunks[name]
         crc = zlib.crc32(f"{name} {chunk.dtype.str} {chunk.shape}".encode(), crc)
-        crc = zlib.crc32(np.ascontiguousarray(chunk).data.cast("B") if chunk.size else b"", crc)
+        crc = zlib.crc32(np.ascontiguousarray(chunk).reshape(-1).view(np.uint8).data, crc)
     return crc
 
 

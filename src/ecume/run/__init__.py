@@ -1,0 +1,13 @@
+"""A run: a scene that is simulated into a directory, and survives whatever happens to the process.
+
+ecume.run.run(scene, "runs/bowl")
+ecume.run.resume("runs/bowl")
+ecume.run.info("runs/bowl").frames
+"""
+
+from ecume.run.directory import RunDirectory
+from ecume.run.driving import RunResult, resume, run
+from ecume.run.progress import Progress
+from ecume.run.reports import Info, info, repair
+
+__all__ = ["Info", "Progress", "RunDirectory", "RunResult", "info", "repair", "resume", "run"]

@@ -1,0 +1,81 @@
+"""States on disk: enough to go on bit for bit."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ecume.run.directory import RunDirectory
+from ecume.trajectories.durable import replacing, settle, storing
+from ecume.trajectories.schema import checksum
+
+KEPT = 2
+"""How many checkpoints stay: if the newest is damaged, there is another."""
+FIELD = "state."
+
+
+class Checkpoint(NamedTuple):
+    """A state, and how many frames there were before it."""
+
+    state: Any
+    frames: int
+
+
+def save(home: RunDirectory, checkpoint: Checkpoint) -> Path:
+    """Write a checkpoint, and remove those that are too old."""
+    arrays: dict[str, NDArray[Any]] = {"frames": np.array([checkpoint.frames])}
+    arrays |= {FIELD + name: np.asarray(array) for name, array in checkpoint.state._asdict().items()}
+    step = int(checkpoint.state.step[0])
+    path = home.checkpoints / f"{step:012d}.npz"
+    with storing(path):
+        home.checkpoints.mkdir(exist_ok=True)
+    with replacing(path) as file:
+        np.savez(file, allow_pickle=False, crc32=np.array([checksum(arrays)]), **arrays)
+    for old in newest_first(home)[KEPT:]:
+        with storing(old):
+            old.unlink()
+    return path
+
+
+def newest_first(home: RunDirectory) -> list[Path]:
+    """The checkpoints of a run."""
+    return sorted((path for path in home.checkpoints.glob("*.npz") if path.stem.isdecimal()), reverse=True)
+
+
+def newest(home: RunDirectory, kind: type, frames: int, note: Callable[[Path, str], None]) -> Checkpoint | None:
+    """The newest good checkpoint for which all frames before it are on disk; others are set aside, and noted.
+
+    `kind` is the model's State; `frames` is how many frames are on disk.
+    """
+    for path in newest_first(home):
+        checkpoint, fault = _examined(path, kind)
+        if checkpoint is not None and checkpoint.frames > frames:
+            fault = f"{checkpoint.frames - frames} frames before it are missing"
+        if checkpoint is not None and not fault:
+            return checkpoint
+        with storing(path):
+            path.replace(path.with_suffix(".npz.damaged"))
+            settle(path.parent)
+        note(path, fault)
+    return None
+
+
+def _examined(path: Path, kind: type) -> tuple[Checkpoint | None, str]:
+    """The checkpoint of a file, or what is wrong with it."""
+    try:
+        return _loaded(path, kind), ""
+    except Exception as error:  # a damaged archive raises nearly anything; whatever it is, the file is not used
+        return None, f"{type(error).__name__}: {error}"
+
+
+def _loaded(path: Path, kind: type) -> Checkpoint:
+    with np.load(path, allow_pickle=False) as archive:
+        arrays = {name: archive[name] for name in archive.files}
+    if int(arrays.pop("crc32")[0]) != checksum(arrays):
+        raise ValueError("its checksum does not fit its data")
+    frames = int(arrays.pop("frames")[0])
+    return Checkpoint(kind(**{name.removeprefix(FIELD): array for name, array in arrays.items()}), frames)

@@ -1,0 +1,146 @@
+"""The directory of a run: what stands where, and whose it is."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ecume.errors import BadInput, RunExists, StorageError
+from ecume.trajectories.durable import storing, write_whole
+
+
+@dataclass(frozen=True)
+class RunDirectory:
+    """Where each file of a run is."""
+
+    path: Path
+
+    @property
+    def scene(self) -> Path:
+        """What was asked, byte for byte."""
+        return self.path / "scene.toml"
+
+    @property
+    def resolved(self) -> Path:
+        """What was asked, every default filled in."""
+        return self.path / "resolved.json"
+
+    @property
+    def manifest(self) -> Path:
+        """With which programs and on which machine; when, and for how long."""
+        return self.path / "manifest.json"
+
+    @property
+    def lock(self) -> Path:
+        """Held by the process that writes."""
+        return self.path / "lock"
+
+    @property
+    def checkpoints(self) -> Path:
+        """The newest two states."""
+        return self.path / "ckpt"
+
+    @property
+    def trajectory(self) -> Path:
+        """The frames."""
+        return self.path / "traj"
+
+    @property
+    def scalars(self) -> Path:
+        """The numbers of each frame, a line a frame."""
+        return self.path / "scalars.jsonl"
+
+    @property
+    def log(self) -> Path:
+        """What happened, a line an event."""
+        return self.path / "log.jsonl"
+
+    @property
+    def status(self) -> Path:
+        """How far it is."""
+        return self.path / "status.json"
+
+    @property
+    def done(self) -> Path:
+        """There when the run came to its end."""
+        return self.path / "DONE.json"
+
+    @property
+    def failed(self) -> Path:
+        """There when the physics failed."""
+        return self.path / "FAILED.json"
+
+    def parts(self) -> list[Path]:
+        """All that a run makes, in the order in which it is removed: what makes it a run directory is last, but the lock."""
+        contents = [self.trajectory, self.checkpoints, self.scalars, self.log, self.status, self.done, self.failed]
+        return [*contents, self.scene, self.resolved, self.manifest]
+
+
+def existing(path: str | os.PathLike[str]) -> RunDirectory:
+    """The directory of a run that was begun. Raises BadInput where there is none."""
+    home = RunDirectory(Path(path))
+    if not home.manifest.is_file():
+        killed = is_run_directory(home)
+        way_out = (
+            "it was killed before it began: run its scene again with --force" if killed else "`ecume run` makes one"
+        )
+        raise BadInput(f"{path}: no run is there; {way_out}")
+    return home
+
+
+def is_run_directory(home: RunDirectory) -> bool:
+    """Whether `ecume run` made this directory: it has a manifest, or nothing but what comes before one, with a lock."""
+    if home.manifest.is_file():
+        return "ecume" in json_of(home.manifest)
+    ours = {part.name for part in (*home.parts(), home.lock)}
+    found = {entry.name.removesuffix(".part") for entry in home.path.iterdir()}
+    return home.lock.is_file() and found <= ours
+
+
+def refuse_existing(home: RunDirectory, *, force: bool) -> None:
+    """Raise RunExists where a new run would stand in the way of anything that is there."""
+    path = home.path
+    if not path.exists() or (path.is_dir() and not any(path.iterdir())):
+        return
+    if not path.is_dir() or not is_run_directory(home):
+        raise RunExists(f"{path}: exists and is no run directory; it is left alone: choose another name")
+    if not force:
+        hint = f"go on with it (`ecume resume {path}`), choose another name, or replace it with --force"
+        raise RunExists(f"{path}: holds a run already; {hint}")
+
+
+def clear(home: RunDirectory) -> None:
+    """Remove a run from its directory, and nothing else that may lie there."""
+    for part in home.parts():
+        with storing(part):
+            if part.is_dir() and not part.is_symlink():
+                shutil.rmtree(part)
+            else:
+                part.unlink(missing_ok=True)
+
+
+def as_json(plain: Any) -> str:
+    """Plain data as text for people and machines; floats come back to the bit."""
+    return json.dumps(plain, indent=2) + "\n"
+
+
+def write_json(path: Path, plain: Any) -> None:
+    """Replace a file by plain data."""
+    write_whole(path, as_json(plain))
+
+
+def json_of(path: Path) -> dict[str, Any]:
+    """The plain data of a file. Raises StorageError where it is none."""
+    with storing(path):
+        text = path.read_bytes()
+    try:
+        plain = json.loads(text)
+    except ValueError as error:
+        raise StorageError(f"{path}: damaged: {error}") from error
+    if not isinstance(plain, dict):
+        raise StorageError(f"{path}: damaged: wanted a table")
+    return plain

@@ -1,0 +1,248 @@
+"""A run from its beginning, or from where it was left, to its end."""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+import os
+import time
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from ecume.errors import Diverged, Stopped, StorageError
+from ecume.run import checkpoints, manifest
+from ecume.run.checkpoints import Checkpoint
+from ecume.run.directory import RunDirectory, as_json, clear, existing, json_of, refuse_existing, write_json
+from ecume.run.locking import held
+from ecume.run.progress import Pace, Progress, StatusFile, note
+from ecume.run.recording import Recording
+from ecume.run.stopping import Wish, wish_to_stop
+from ecume.trajectories.durable import storing, write_whole
+from ecume.trajectories.reader import Trajectory
+from ecume.trajectories.repair import repair
+
+if TYPE_CHECKING:
+    from ecume.simulation import Moment
+
+
+class RunResult(NamedTuple):
+    """What a finished run came to."""
+
+    directory: Path
+    frames: int
+    steps: int
+    time: float
+    """Simulated, s."""
+    seconds: float
+    """Of wall time, in this session; 0 for a run that was done before."""
+
+
+@dataclass(frozen=True)
+class Habits:
+    """How a run is looked after; nothing of it changes a bit of the result."""
+
+    threads: int | None = None
+    progress: Callable[[Progress], None] | None = None
+    checkpoint_every: float = 60.0
+    """Seconds of wall time."""
+
+
+def run(
+    scene: Any,
+    directory: str | os.PathLike[str],
+    *,
+    source: bytes | None = None,
+    force: bool = False,
+    threads: int | None = None,
+    progress: Callable[[Progress], None] | None = None,
+    checkpoint_every: float = 60.0,
+) -> RunResult:
+    """Simulate a scene into a new directory; `source` is its file, byte for byte.
+
+    Raises RunExists where something is in the way (`force` replaces a run, and nothing but a run), Diverged, StorageError, and
+    Stopped after a signal: then a checkpoint is there, and `resume` goes on.
+    """
+    habits = Habits(threads, progress, checkpoint_every)
+    home = RunDirectory(Path(directory))
+    refuse_existing(home, force=force)
+    moments = _moments(scene, None, habits)
+    first = next(moments)  # a scene that cannot be run is refused before anything is written
+    with storing(home.path):
+        home.path.mkdir(parents=True, exist_ok=True)
+    with held(home):
+        refuse_existing(home, force=force)
+        clear(home)
+        _found(home, scene, source)
+        return _drive(home, scene, itertools.chain([first], moments), habits)
+
+
+def resume(
+    directory: str | os.PathLike[str],
+    *,
+    threads: int | None = None,
+    progress: Callable[[Progress], None] | None = None,
+    checkpoint_every: float = 60.0,
+) -> RunResult:
+    """Go on with a run that was stopped, killed, or ran out of disk; a finished run is done, and says so.
+
+    The end is the same, bit for bit, as if nothing had happened.
+    """
+    from ecume.scenes.schema import from_plain
+
+    habits = Habits(threads, progress, checkpoint_every)
+    home = existing(directory)
+    with held(home):
+        if home.done.exists():
+            done = json_of(home.done)
+            return RunResult(home.path, done["frames"], done["steps"], done["time"], 0.0)
+        scene = from_plain(json_of(home.resolved))
+        checkpoint = _checkpoint(home, scene)
+        with storing(home.failed):
+            home.failed.unlink(missing_ok=True)
+        moments = _moments(scene, checkpoint.state, habits)
+        return _drive(home, scene, moments, habits, checkpoint.frames)
+
+
+def _moments(scene: Any, state: Any, habits: Habits) -> Iterator[Moment]:
+    from ecume._jit import use_threads  # only who simulates waits for Numba: `ecume info` does not
+    from ecume.simulation import moments
+
+    use_threads(habits.threads)
+    return moments(scene, state=state)
+
+
+def _found(home: RunDirectory, scene: Any, source: bytes | None) -> None:
+    """What a run has before it begins; the manifest is last, and makes it one."""
+    from ecume.scenes.schema import to_plain, to_toml
+
+    plain = as_json(to_plain(scene))
+    write_whole(home.scene, to_toml(scene) if source is None else source)
+    write_whole(home.resolved, plain)
+    write_json(home.manifest, manifest.first_manifest(scene, plain))
+
+
+def _checkpoint(home: RunDirectory, scene: Any) -> Checkpoint:
+    """Where to go on: the newest good checkpoint, or the scene's own beginning."""
+    from ecume.models import MODELS
+
+    def refused(path: Path, fault: str) -> None:
+        note(home, "checkpoint set aside", name=path.name, why=fault)
+
+    kept = checkpoints.newest(home, MODELS[scene.model].state, _frames_on_disk(home), refused)
+    return kept or Checkpoint(None, 0)
+
+
+def _frames_on_disk(home: RunDirectory) -> int:
+    """How many frames there are without a gap; a damaged trajectory is repaired first."""
+    try:
+        with Trajectory(home.trajectory) as trajectory:
+            return trajectory.intact
+    except StorageError:
+        for fault in repair(home.trajectory).faults:
+            note(home, "trajectory repaired", why=fault)
+    with Trajectory(home.trajectory) as trajectory:
+        return trajectory.intact
+
+
+def _drive(home: RunDirectory, scene: Any, moments: Iterable[Moment], habits: Habits, frames: int = 0) -> RunResult:
+    """March to the end, and say how it ended, whichever way."""
+    session = _Session(home, scene, habits, frames)
+    try:
+        with wish_to_stop() as wish, contextlib.closing(session):
+            session.follow(moments, wish)
+        session.succeed()
+    except BaseException as error:
+        with contextlib.suppress(
+            StorageError
+        ):  # a full disk has no room for this either; the error itself matters more
+            session.fail(error)
+        raise
+    at = session.at
+    return RunResult(home.path, at.frames, at.steps, at.time, session.seconds)
+
+
+class _Session:
+    """What is open while one process works on a run."""
+
+    def __init__(self, home: RunDirectory, scene: Any, habits: Habits, frames: int) -> None:
+        self._home, self._habits = home, habits
+        self._recording = Recording(home, frames)
+        self._pace, self._status = Pace(scene.duration), StatusFile(home)
+        self._began = self._saved = time.monotonic()
+        self.at = Progress(0, 0, 0.0, scene.duration, frames, 0.0, 0.0, None)
+
+    @property
+    def seconds(self) -> float:
+        """How long this process has worked on it."""
+        return time.monotonic() - self._began
+
+    def follow(self, moments: Iterable[Moment], wish: Wish) -> None:
+        """March to the end, or until someone wishes to stop."""
+        begun = False
+        for moment in moments:
+            if not begun:
+                self._begin(moment)
+                begun = True
+            before = self._recording.frames
+            self._take(moment)
+            ended = moment.step >= moment.steps
+            if ended or wish or time.monotonic() - self._saved >= self._habits.checkpoint_every:
+                self._save(moment, before)
+            if wish and not ended:
+                name = wish.signal.name if wish.signal else ""
+                raise Stopped(
+                    f"stopped by {name} at step {moment.step} of {moment.steps}; go on: ecume resume {self._home.path}"
+                )
+
+    def succeed(self) -> None:
+        """The run is done."""
+        self._close_books("done")
+        told = {"reason": "done", "exit_code": 0, **self._reached(), "sha256": manifest.digests(self._home)}
+        write_json(self._home.done, told)
+        self._status.tell("done", self.at, last=True)
+
+    def fail(self, error: BaseException) -> None:
+        """The run is not done; what failed for good says so in a file."""
+        outcome = (
+            "stopped" if isinstance(error, Stopped) else "failed" if isinstance(error, Diverged) else "interrupted"
+        )
+        self._status.tell(outcome, self.at, last=True)
+        self._close_books(outcome, f"{type(error).__name__}: {error}")
+        if isinstance(error, Diverged):
+            told = {"reason": "diverged", "exit_code": error.exit_code, "message": str(error), **self._reached()}
+            write_json(self._home.failed, told | {"sha256": manifest.digests(self._home)})
+
+    def close(self) -> None:
+        """Close the files."""
+        self._recording.close()
+
+    def _begin(self, moment: Moment) -> None:
+        from ecume._jit import use_threads
+
+        manifest.open_session(self._home, use_threads(self._habits.threads), moment.step)
+        differences = manifest.changed(json_of(self._home.manifest))
+        note(self._home, "begun" if moment.step == 0 else "resumed", step=moment.step, changed=differences)
+
+    def _take(self, moment: Moment) -> None:
+        if moment.frame is not None:
+            self._recording.take(moment.frame, moment.step)
+        self.at = self._pace.progress(moment.step, moment.steps, self._recording.frames)
+        self._status.tell("running", self.at)
+        if self._habits.progress is not None:
+            self._habits.progress(self.at)
+
+    def _save(self, moment: Moment, before: int) -> None:
+        """A checkpoint of this moment, before which there were so many frames."""
+        self._recording.settle()
+        path = checkpoints.save(self._home, Checkpoint(moment.state, before))
+        self._saved, self._status.last_checkpoint = time.monotonic(), moment.step
+        note(self._home, "checkpoint", name=path.name)
+
+    def _reached(self) -> dict[str, Any]:
+        return {"step": self.at.step, "steps": self.at.steps, "time": self.at.time, "frames": self.at.frames}
+
+    def _close_books(self, outcome: str, why: str = "") -> None:
+        note(self._home, outcome, step=self.at.step, why=why)
+        manifest.close_session(self._home, outcome, self.at.step, self.seconds)

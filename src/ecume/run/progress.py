@@ -1,0 +1,76 @@
+"""How far a run is: for people, for machines, and for later."""
+
+from __future__ import annotations
+
+import json
+import time
+from typing import Any, NamedTuple
+
+from ecume.run.directory import RunDirectory, as_json
+from ecume.run.manifest import now
+from ecume.trajectories.durable import storing
+
+STATUS_EVERY = 1.0
+"""Seconds of wall time between two replacements of `status.json`, at least."""
+
+
+class Progress(NamedTuple):
+    """How far a run is: steps, simulated time (s) and frames; simulated seconds and steps a second of wall time; ETA (s)."""
+
+    step: int
+    steps: int
+    time: float
+    duration: float
+    frames: int
+    speed: float
+    steps_per_second: float
+    remaining: float | None
+    """Seconds of wall time; None while nothing is known."""
+
+
+class Pace:
+    """How fast the march goes, since this process joined it."""
+
+    def __init__(self, duration: float) -> None:
+        self._duration = duration
+        self._start: tuple[int, float] | None = None
+
+    def progress(self, step: int, steps: int, frames: int) -> Progress:
+        """How far we are at this step."""
+        clock = time.monotonic()
+        first, began = self._start = self._start or (step, clock)
+        rate = (step - first) / (clock - began) if step > first and clock > began else 0.0
+        done = step / steps if steps else 1.0
+        remaining = (steps - step) / rate if rate else (0.0 if step >= steps else None)
+        speed = rate * self._duration / steps if steps else 0.0
+        return Progress(step, steps, done * self._duration, self._duration, frames, speed, rate, remaining)
+
+
+class StatusFile:
+    """`status.json`: replaced as a whole, at most once a second, whatever its state but the last."""
+
+    def __init__(self, home: RunDirectory) -> None:
+        self._home, self._written = home, -STATUS_EVERY
+        self.last_checkpoint: int | None = None
+
+    def tell(self, state: str, progress: Progress, *, last: bool = False) -> None:
+        """Write how far the run is."""
+        clock = time.monotonic()
+        if not last and clock - self._written < STATUS_EVERY:
+            return
+        self._written = clock
+        told = {"state": state, **progress._asdict(), "last_checkpoint": self.last_checkpoint, "at": now()}
+        part = self._home.status.with_name("status.json.part")
+        with storing(self._home.status):
+            part.write_text(as_json(told))
+            try:
+                part.replace(self._home.status)
+            except PermissionError:  # Windows, while somebody reads it: the next second is soon enough
+                part.unlink(missing_ok=True)
+
+
+def note(home: RunDirectory, event: str, **details: Any) -> None:
+    """Add an event to the log."""
+    line = json.dumps({"at": now(), "event": event, **details}) + "\n"
+    with storing(home.log), home.log.open("a") as file:
+        file.write(line)

@@ -1,0 +1,99 @@
+"""What can be said of a run from outside, whatever became of it."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from ecume.errors import StorageError
+from ecume.run.directory import RunDirectory, existing, json_of
+from ecume.run.locking import held, is_alive, owner
+from ecume.trajectories.durable import storing
+from ecume.trajectories.reader import Trajectory
+from ecume.trajectories.repair import Repaired
+from ecume.trajectories.repair import repair as repair_trajectory
+
+
+class Info(NamedTuple):
+    """A run as it stands: `state` is running, killed, stopped, interrupted, failed or done."""
+
+    directory: Path
+    state: str
+    why: str
+    """What went wrong, and what cures it; or nothing."""
+    step: int
+    steps: int
+    time: float
+    """Simulated so far, s."""
+    duration: float
+    frames: int
+    """On disk."""
+    checkpoint: int | None
+    """The step of the newest checkpoint."""
+    size: int
+    """Bytes on disk."""
+    remaining: float | None
+    """Seconds of wall time until it is done, while it runs."""
+    manifest: dict[str, Any]
+
+
+def info(directory: str | os.PathLike[str]) -> Info:
+    """What a run is and how far it came; reads what there is, also while it is written and after it was killed."""
+    home = existing(directory)
+    status = _status(home)
+    frames, why = _frames(home)
+    state, reason = _state(home, status)
+    return Info(
+        directory=home.path,
+        state=state,
+        why=reason or why,
+        step=int(status.get("step", 0)),
+        steps=int(status.get("steps", 0)),
+        time=float(status.get("time", 0.0)),
+        duration=float(status.get("duration", 0.0)),
+        frames=frames,
+        checkpoint=_newest_step(home),
+        size=sum(path.stat().st_size for path in home.path.rglob("*") if path.is_file()),
+        remaining=status.get("remaining") if state == "running" else None,
+        manifest=json_of(home.manifest),
+    )
+
+
+def repair(directory: str | os.PathLike[str]) -> Repaired:
+    """Make what is left of a damaged trajectory readable: whole frames stay, each damaged one is named."""
+    home = existing(directory)
+    with held(home):
+        return repair_trajectory(home.trajectory)
+
+
+def _state(home: RunDirectory, status: dict[str, Any]) -> tuple[str, str]:
+    """How the run stands, and why."""
+    if home.done.exists():
+        return "done", ""
+    if home.failed.exists():
+        return "failed", str(json_of(home.failed).get("message", ""))
+    told = str(status.get("state", "running"))
+    if told == "running":
+        process = owner(home)
+        told = "running" if process is None or is_alive(process) else "killed"
+    return told, "" if told == "running" else f"go on: ecume resume {home.path}"
+
+
+def _status(home: RunDirectory) -> dict[str, Any]:
+    """How far the run said it was; a run that was killed at its very beginning said nothing."""
+    return json_of(home.status) if home.status.exists() else {}
+
+
+def _frames(home: RunDirectory) -> tuple[int, str]:
+    try:
+        with Trajectory(home.trajectory) as trajectory:
+            return len(trajectory), ""
+    except StorageError as error:
+        return 0, f"{error}; `ecume repair {home.path}` keeps what is whole"
+
+
+def _newest_step(home: RunDirectory) -> int | None:
+    with storing(home.checkpoints):
+        steps = [int(path.stem) for path in home.checkpoints.glob("*.npz") if path.stem.isdecimal()]
+    return max(steps, default=None)

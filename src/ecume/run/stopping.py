@@ -1,0 +1,43 @@
+"""Signals: a run that is asked to stop finishes its moment and leaves a checkpoint."""
+
+from __future__ import annotations
+
+import contextlib
+import signal
+import threading
+from collections.abc import Iterator
+from types import FrameType
+
+SIGNALS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGUSR1", "SIGBREAK") if hasattr(signal, name))
+"""Ctrl-C, the batch system's farewell, its warning beforehand, and Windows' own; not every system has each."""
+
+
+class Wish:
+    """Which signal asked for a stop, if any."""
+
+    def __init__(self) -> None:
+        self.signal: signal.Signals | None = None
+
+    def __bool__(self) -> bool:
+        return self.signal is not None
+
+    def take(self, number: int, _: FrameType | None) -> None:
+        """Note the signal. A second Ctrl-C stops at once."""
+        self.signal = signal.Signals(number)
+        if self.signal is signal.SIGINT:
+            signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+@contextlib.contextmanager
+def wish_to_stop() -> Iterator[Wish]:
+    """What signals have asked for inside of this block. Only the main thread hears signals; elsewhere nothing is ever asked."""
+    wish = Wish()
+    if threading.current_thread() is not threading.main_thread():
+        yield wish
+        return
+    before = {number: signal.signal(number, wish.take) for number in SIGNALS}
+    try:
+        yield wish
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
