@@ -1,0 +1,123 @@
+"""Pictures in, a movie file out.
+
+MP4 through ffmpeg where there is one; animated WebP and GIF need nothing, so that there is always a movie.
+"""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
+from typing import IO, Any, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ecume.errors import BadInput, StorageError
+
+Pixels = NDArray[np.uint8]
+CODECS = {
+    "libx264": ("-crf", "20", "-preset", "veryfast", "-pix_fmt", "yuv420p"),
+    "libopenh264": ("-b:v", "4M", "-pix_fmt", "yuv420p"),
+    "mpeg4": ("-q:v", "3", "-pix_fmt", "yuv420p"),
+}
+"""Video codecs, best first; the last one is part of every ffmpeg."""
+
+
+def ffmpeg() -> str | None:
+    """Where an ffmpeg is: the system's, or that of the imageio-ffmpeg package; None where there is neither."""
+    found = shutil.which("ffmpeg")
+    if found is not None:
+        return found
+    try:
+        from imageio_ffmpeg import get_ffmpeg_exe
+
+        path: str = get_ffmpeg_exe()
+    except (ImportError, RuntimeError):  # the package is optional, and has no program for every machine
+        return None
+    return path
+
+
+def writable(out: Path) -> Path:
+    """The file that will be written for `out`: for an MP4 without an ffmpeg, an animated WebP of the same name."""
+    if out.suffix.lower() not in ENCODERS:
+        raise BadInput(f"{out.name}: no such kind of movie as {out.suffix!r}; wanted one of {', '.join(ENCODERS)}")
+    return out.with_suffix(".webp") if out.suffix.lower() == ".mp4" and ffmpeg() is None else out
+
+
+def encode(pictures: Iterable[Pixels], out: Path, fps: int) -> Path:
+    """Write the pictures, each (height, width, 4), as a movie; the file that was written.
+
+    It appears under its name when it is whole. Raises StorageError where it cannot be written.
+    """
+    out = writable(out)
+    partial = out.with_name(f".{out.stem}.partial{out.suffix}")
+    try:
+        out.parent.mkdir(parents=True, exist_ok=True)
+        ENCODERS[out.suffix.lower()](iter(pictures), partial, fps)
+        partial.replace(out)
+    except OSError as error:
+        raise StorageError(f"{out}: cannot be written ({error.strerror or error})") from error
+    finally:
+        partial.unlink(missing_ok=True)
+    return out
+
+
+def _mp4(pictures: Iterator[Pixels], out: Path, fps: int) -> None:
+    program = ffmpeg() or "ffmpeg"
+    first = next(pictures)
+    # The codecs want even sides; a picture loses at most one row and one column.
+    height, width = first.shape[0] // 2 * 2, first.shape[1] // 2 * 2
+    given = ("-f", "rawvideo", "-pix_fmt", "rgba", "-s", f"{width}x{height}", "-r", str(fps), "-i", "-")
+    codec = _codec(program)
+    wanted = ("-an", "-c:v", codec, *CODECS[codec], "-movflags", "+faststart", "-f", "mp4", str(out))
+    command = [program, "-hide_banner", "-loglevel", "error", "-y", *given, *wanted]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE) as process:  # noqa: S603 - no shell; the names are ours
+        complaint = _feed(process, (picture[:height, :width] for picture in _again(first, pictures)))
+    if process.returncode != 0:
+        raise StorageError(f"{out}: ffmpeg gave up ({complaint or f'exit {process.returncode}'})")
+
+
+def _feed(process: subprocess.Popen[bytes], pictures: Iterator[Pixels]) -> str:
+    """Send the pictures; what ffmpeg said, its last line."""
+    entrance = cast(IO[bytes], process.stdin)
+    try:
+        for picture in pictures:
+            entrance.write(np.ascontiguousarray(picture).data)
+    except BrokenPipeError:
+        pass  # ffmpeg has ended early, and says why
+    except BaseException:
+        process.kill()
+        raise
+    said = process.communicate()[1].decode(errors="replace").strip()
+    return said.splitlines()[-1] if said else ""
+
+
+def _codec(program: str) -> str:
+    """The best codec that this ffmpeg has."""
+    listed = subprocess.run([program, "-hide_banner", "-encoders"], capture_output=True, text=True, check=False)  # noqa: S603 - as above
+    return next((codec for codec in CODECS if f" {codec} " in listed.stdout), "mpeg4")
+
+
+def _again(first: Pixels, rest: Iterator[Pixels]) -> Iterator[Pixels]:
+    yield first
+    yield from rest
+
+
+def _animated(pictures: Iterator[Pixels], out: Path, fps: int, **options: Any) -> None:
+    from PIL import Image
+
+    images = (Image.fromarray(picture[:, :, :3].copy()) for picture in pictures)
+    next(images).save(out, save_all=True, append_images=images, duration=round(1000 / fps), loop=0, **options)
+
+
+def _webp(pictures: Iterator[Pixels], out: Path, fps: int) -> None:
+    _animated(pictures, out, fps, quality=75, method=0)
+
+
+def _gif(pictures: Iterator[Pixels], out: Path, fps: int) -> None:
+    _animated(pictures, out, fps, optimize=False)
+
+
+ENCODERS: dict[str, Callable[[Iterator[Pixels], Path, int], None]] = {".mp4": _mp4, ".webp": _webp, ".gif": _gif}

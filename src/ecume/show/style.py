@@ -1,0 +1,118 @@
+"""One look for all pictures: fonts, lines, and colors that color-blind readers tell apart."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, NamedTuple, cast
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import LinearSegmentedColormap
+from matplotlib.figure import Figure
+
+from ecume.errors import BadInput, StorageError
+
+INK, MUTED, RIM = "#1d2733", "#6b7785", "#39444f"
+# Okabe and Ito's colors, in an order that also differs in brightness from one to the next.
+PALETTE = ("#e69f00", "#0072b2", "#009e73", "#cc79a7", "#d55e00", "#56b4e9", "#f0e442", "#5b6670")
+HEIGHT_COLORS = LinearSegmentedColormap.from_list(
+    "height", ["#8c4a1f", "#d99a63", "#f1d3b2", "#f6f7f5", "#b9d3e3", "#5d93bd", "#1f4e79"]
+)
+
+STYLE: dict[str, Any] = {
+    "font.family": "DejaVu Sans",
+    "font.size": 9.0,
+    "axes.titlesize": 10.0,
+    "axes.titlelocation": "left",
+    "axes.labelcolor": INK,
+    "axes.edgecolor": RIM,
+    "axes.linewidth": 0.7,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": "#e4e8ec",
+    "grid.linewidth": 0.6,
+    "text.color": INK,
+    "xtick.color": RIM,
+    "ytick.color": RIM,
+    "xtick.labelcolor": INK,
+    "ytick.labelcolor": INK,
+    "xtick.major.width": 0.7,
+    "ytick.major.width": 0.7,
+    "lines.linewidth": 1.6,
+    "lines.solid_capstyle": "round",
+    "legend.frameon": False,
+    "legend.fontsize": 8.5,
+    "axes.formatter.use_mathtext": True,
+    "axes.formatter.limits": (-3, 4),
+    # Text stays text in vector files, and the same figure gives the same file.
+    "pdf.fonttype": 42,
+    "svg.fonttype": "none",
+    "svg.hashsalt": "ecume",
+    "savefig.dpi": 200,
+}
+
+PREFIXES = ((-15, "f"), (-12, "p"), (-9, "n"), (-6, "µ"), (-3, "m"), (0, ""), (3, "k"), (6, "M"))
+
+
+class Scale(NamedTuple):
+    """How many of the shown unit one SI unit is, and what the shown unit is called."""
+
+    factor: float
+    unit: str
+
+
+def scale_for(largest: float, unit: str) -> Scale:
+    """The prefix that shows `largest` (in SI) as a number from 1 to 1000.
+
+    >>> scale_for(0.0042, "m")
+    Scale(factor=1000.0, unit='mm')
+    """
+    for power, prefix in PREFIXES:
+        if abs(largest) < 0.9995 * 10.0 ** (power + 3) and largest != 0:
+            return Scale(10.0**-power, prefix + unit)
+    return Scale(1.0, unit)
+
+
+def figure(width: float = 6.4, height: float = 4.0) -> Figure:
+    """An empty figure of that size (inches), bound to no screen and known to nobody else."""
+    made = Figure(figsize=(width, height), layout="constrained")
+    FigureCanvasAgg(made)
+    return made
+
+
+@contextmanager
+def style() -> Iterator[None]:
+    """What is drawn or written inside has the house's look, whatever the user's own settings are."""
+    with mpl.rc_context():
+        mpl.rcdefaults()
+        mpl.rcParams.update(cast(Any, STYLE))
+        yield
+
+
+def save(drawn: Figure, out: Path) -> Path:
+    """Write a figure in the format that its file name asks for."""
+    out = Path(out)
+    known = drawn.canvas.get_supported_filetypes()
+    if out.suffix[1:].lower() not in known:
+        raise BadInput(
+            f"{out.name}: no such kind of picture as {out.suffix!r}; wanted one of .{', .'.join(sorted(known))}"
+        )
+    # A date would make two equal figures unequal files.
+    undated: dict[str, dict[str, None]] = {".pdf": {"CreationDate": None}, ".svg": {"Date": None}}
+    try:
+        out.parent.mkdir(parents=True, exist_ok=True)
+        with style():
+            drawn.savefig(out, metadata=undated.get(out.suffix.lower()))
+    except OSError as error:
+        raise StorageError(f"{out}: cannot be written ({error.strerror or error})") from error
+    return out
+
+
+def legend_outside(axes: Axes) -> None:
+    """A legend right of the axes, where it hides no curve."""
+    axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0)

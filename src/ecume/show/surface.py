@@ -1,0 +1,111 @@
+"""The liquid's height around floats, on a grid of pixels: each float's own meniscus and the dish's, added up."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ecume.laws import flotation, meniscus
+from ecume.laws.special import bessel_k0
+from ecume.trajectories.frame import Frame
+from ecume.units import Array
+
+CUTOFF = 5.0
+"""In capillary lengths; there a float's meniscus is below one percent of what it is one capillary length away."""
+NODES = 8000
+
+Heights = NDArray[np.float32]
+
+
+class View(NamedTuple):
+    """The part of the surface that is shown (m): left, right, bottom, top."""
+
+    left: float
+    right: float
+    bottom: float
+    top: float
+
+    @property
+    def width(self) -> float:
+        """From left to right (m)."""
+        return self.right - self.left
+
+    @property
+    def height(self) -> float:
+        """From bottom to top (m)."""
+        return self.top - self.bottom
+
+
+class Sheet(NamedTuple):
+    """A grid over the surface, the height that the dish gives it, and one float's meniscus per charge as a table."""
+
+    x: Array
+    y: Array
+    still: Heights
+    closest: float
+    reach: float
+    menisci: Heights
+    """The height around a charge of one, at equal steps of distance from `closest` to `reach`, where it ends in a 0."""
+
+
+def liquid_of(scene: Any) -> flotation.Liquid:
+    """The liquid of a scene, as the laws know it."""
+    asked = scene.liquid
+    return flotation.Liquid(
+        density=asked.density,
+        surface_tension=asked.surface_tension,
+        viscosity=asked.viscosity,
+        gravity=asked.gravity,
+        gas_density=asked.gas_density,
+    )
+
+
+def sheet(scene: Any, view: View, *, cells: int, closest: float) -> Sheet:
+    """A grid of about `cells` by `cells` squares; `closest` is the smallest distance from a float's center (m)."""
+    liquid = liquid_of(scene)
+    cell = max(view.width, view.height) / cells
+    x = np.arange(view.left + cell / 2, view.right, cell)
+    y = np.arange(view.bottom + cell / 2, view.top, cell)
+    reach = max(CUTOFF * liquid.capillary_length, 1.01 * closest)
+    distances = np.linspace(closest, reach, NODES)
+    # The far field of a charge, which rafts are held together by; the table makes 60 menisci a frame cheap.
+    menisci = np.array([*(-bessel_k0(distance / liquid.capillary_length) for distance in distances), 0.0], np.float32)
+    return Sheet(x, y, dish_field(scene, x, y), closest, reach, menisci)
+
+
+def unit_meniscus(on: Sheet, distance: Array) -> Heights:
+    """The height around a charge of one (m/m), read from the table: to 0.1 % of what it is at the closest distance."""
+    per_meter = (NODES - 1) / (on.reach - on.closest)
+    index = ((distance - on.closest) * per_meter + 0.5).astype(np.int32)
+    return on.menisci[np.clip(index, 0, NODES)]
+
+
+def dish_field(scene: Any, x: Array, y: Array) -> Heights:
+    """The height that the dish alone gives the surface (m); shape (y, x)."""
+    dish = scene.dish
+    if dish is None:
+        return np.zeros((len(y), len(x)), dtype=np.float32)
+    liquid = liquid_of(scene)
+    across, along = np.meshgrid(x, y)
+    r = np.minimum(np.hypot(across, along), dish.radius)
+    height = meniscus.dish_height(r=r, dish_radius=dish.radius, contact_angle=dish.contact_angle, liquid=liquid)
+    return np.asarray(height, dtype=np.float32)
+
+
+def surface(frame: Frame, on: Sheet) -> Heights:
+    """The height of the surface (m) in one instant, shape (y, x); under a float, the height at its edge."""
+    height = on.still.copy()
+    arrays = frame.arrays
+    for (px, py), radius, charge in zip(arrays["position"], arrays["radius"], arrays["charge"], strict=True):
+        rows, columns = _near(on.y, py, on.reach), _near(on.x, px, on.reach)
+        r = np.sqrt((on.x[columns] - px) ** 2 + ((on.y[rows] - py) ** 2)[:, None])
+        height[rows, columns] += np.float32(charge) * unit_meniscus(on, np.maximum(r, radius))
+    return height
+
+
+def _near(nodes: Array, center: float, reach: float) -> slice:
+    """Which nodes lie within `reach` of `center`."""
+    first, last = np.searchsorted(nodes, (center - reach, center + reach))
+    return slice(int(first), int(last))
