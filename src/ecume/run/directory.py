@@ -75,7 +75,7 @@ class RunDirectory:
         return self.path / "FAILED.json"
 
     def parts(self) -> list[Path]:
-        """All that a run makes, in the order in which it is removed: what makes it a run directory is last, but the lock."""
+        """All that a run makes but the lock, in the order in which it is removed: the manifest last."""
         contents = [self.trajectory, self.checkpoints, self.scalars, self.log, self.status, self.done, self.failed]
         return [*contents, self.scene, self.resolved, self.manifest]
 
@@ -84,10 +84,8 @@ def existing(path: str | os.PathLike[str]) -> RunDirectory:
     """The directory of a run that was begun. Raises BadInput where there is none."""
     home = RunDirectory(Path(path))
     if not home.manifest.is_file():
-        killed = is_run_directory(home)
-        way_out = (
-            "it was killed before it began: run its scene again with --force" if killed else "`ecume run` makes one"
-        )
+        killed = home.path.is_dir() and is_run_directory(home)
+        way_out = "it was killed before it began: run it again with --force" if killed else "`ecume run` makes one"
         raise BadInput(f"{path}: no run is there; {way_out}")
     return home
 
@@ -95,16 +93,25 @@ def existing(path: str | os.PathLike[str]) -> RunDirectory:
 def is_run_directory(home: RunDirectory) -> bool:
     """Whether `ecume run` made this directory: it has a manifest, or nothing but what comes before one, with a lock."""
     if home.manifest.is_file():
-        return "ecume" in json_of(home.manifest)
-    ours = {part.name for part in (*home.parts(), home.lock)}
+        return b'"ecume"' in home.manifest.read_bytes()
     found = {entry.name.removesuffix(".part") for entry in home.path.iterdir()}
-    return home.lock.is_file() and found <= ours
+    return _is_locked_once(home) and found <= {part.name for part in (*home.parts(), home.lock)}
+
+
+def _is_locked_once(home: RunDirectory) -> bool:
+    """Whether the lock there is one of ours: a process of ecume wrote its number into it, or died before it could."""
+    try:
+        return home.lock.read_bytes()[:6] in (b"", b'{"pid"')
+    except PermissionError:  # Windows, while it is held
+        return True
+    except OSError:
+        return False
 
 
 def refuse_existing(home: RunDirectory, *, force: bool) -> None:
     """Raise RunExists where a new run would stand in the way of anything that is there."""
     path = home.path
-    if not path.exists() or (path.is_dir() and not any(path.iterdir())):
+    if not path.exists() or _is_vacant(home):
         return
     if not path.is_dir() or not is_run_directory(home):
         raise RunExists(f"{path}: exists and is no run directory; it is left alone: choose another name")
@@ -113,9 +120,15 @@ def refuse_existing(home: RunDirectory, *, force: bool) -> None:
         raise RunExists(f"{path}: holds a run already; {hint}")
 
 
+def _is_vacant(home: RunDirectory) -> bool:
+    """Whether nothing is there, or nothing but a lock of ours."""
+    found = {entry.name for entry in home.path.iterdir()} if home.path.is_dir() else {"a file"}
+    return not found or (found == {home.lock.name} and _is_locked_once(home))
+
+
 def clear(home: RunDirectory) -> None:
     """Remove a run from its directory, and nothing else that may lie there."""
-    for part in home.parts():
+    for part in [path.with_name(f"{path.name}.part") for path in home.parts()] + home.parts():
         with storing(part):
             if part.is_dir() and not part.is_symlink():
                 shutil.rmtree(part)

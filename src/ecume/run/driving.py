@@ -27,6 +27,10 @@ if TYPE_CHECKING:
     from ecume.simulation import Moment
 
 
+OUTCOMES = {Stopped: "stopped", Diverged: "failed"}
+"""How a run is said to have ended that is not done; whatever else happened interrupted it."""
+
+
 class RunResult(NamedTuple):
     """What a finished run came to."""
 
@@ -61,8 +65,8 @@ def run(
 ) -> RunResult:
     """Simulate a scene into a new directory; `source` is its file, byte for byte.
 
-    Raises RunExists where something is in the way (`force` replaces a run, and nothing but a run), Diverged, StorageError, and
-    Stopped after a signal: then a checkpoint is there, and `resume` goes on.
+    Raises RunExists where something is in the way (`force` replaces a run, and nothing but a run), Diverged,
+    StorageError, and Stopped after a signal: then a checkpoint is there, and `resume` goes on.
     """
     habits = Habits(threads, progress, checkpoint_every)
     home = RunDirectory(Path(directory))
@@ -154,9 +158,7 @@ def _drive(home: RunDirectory, scene: Any, moments: Iterable[Moment], habits: Ha
             session.follow(moments, wish)
         session.succeed()
     except BaseException as error:
-        with contextlib.suppress(
-            StorageError
-        ):  # a full disk has no room for this either; the error itself matters more
+        with contextlib.suppress(StorageError):  # a full disk has no room for this either
             session.fail(error)
         raise
     at = session.at
@@ -191,10 +193,8 @@ class _Session:
             if ended or wish or time.monotonic() - self._saved >= self._habits.checkpoint_every:
                 self._save(moment, before)
             if wish and not ended:
-                name = wish.signal.name if wish.signal else ""
-                raise Stopped(
-                    f"stopped by {name} at step {moment.step} of {moment.steps}; go on: ecume resume {self._home.path}"
-                )
+                where = f"at step {moment.step} of {moment.steps}"
+                raise Stopped(f"stopped by {wish.name} {where}; go on: ecume resume {self._home.path}")
 
     def succeed(self) -> None:
         """The run is done."""
@@ -205,9 +205,7 @@ class _Session:
 
     def fail(self, error: BaseException) -> None:
         """The run is not done; what failed for good says so in a file."""
-        outcome = (
-            "stopped" if isinstance(error, Stopped) else "failed" if isinstance(error, Diverged) else "interrupted"
-        )
+        outcome = next((told for kind, told in OUTCOMES.items() if isinstance(error, kind)), "interrupted")
         self._status.tell(outcome, self.at, last=True)
         self._close_books(outcome, f"{type(error).__name__}: {error}")
         if isinstance(error, Diverged):

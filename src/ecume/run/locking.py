@@ -7,6 +7,7 @@ import json
 import os
 import socket
 from collections.abc import Iterator
+from io import FileIO
 from typing import Any
 
 import portalocker
@@ -20,15 +21,21 @@ from ecume.trajectories.durable import storing
 @contextlib.contextmanager
 def held(home: RunDirectory) -> Iterator[None]:
     """Hold a run directory; RunExists when another process does. The system lets go of it however the process ends."""
-    with storing(home.lock), home.lock.open("a+b") as file:
-        try:
-            portalocker.lock(file, portalocker.LockFlags.EXCLUSIVE | portalocker.LockFlags.NON_BLOCKING)
-        except portalocker.exceptions.LockException as error:
-            raise RunExists(f"{home.path}: is being written by {_named(owner(home))}; wait, or stop it") from error
+    with storing(home.lock):
+        file = home.lock.open("a+b", buffering=0)
+    with file:
+        _take(home, file)
+        yield
+
+
+def _take(home: RunDirectory, file: FileIO) -> None:
+    try:
+        portalocker.lock(file, portalocker.LockFlags.EXCLUSIVE | portalocker.LockFlags.NON_BLOCKING)
+    except portalocker.exceptions.LockException as error:
+        raise RunExists(f"{home.path}: is being written by {_named(owner(home))}; wait, or stop it") from error
+    with storing(home.lock):
         file.truncate(0)
         file.write(json.dumps(_self()).encode())
-        file.flush()
-        yield
 
 
 def owner(home: RunDirectory) -> dict[str, Any] | None:
@@ -45,7 +52,7 @@ def is_alive(process: dict[str, Any]) -> bool:
     if process["host"] != socket.gethostname():
         return True
     try:
-        return abs(psutil.Process(process["pid"]).create_time() - process["began"]) < 2.0
+        return bool(abs(psutil.Process(process["pid"]).create_time() - process["began"]) < 2.0)
     except psutil.NoSuchProcess:
         return False
     except psutil.AccessDenied:  # it lives, and is somebody else's

@@ -48,10 +48,8 @@ def first_manifest(scene: Any, plain: str) -> dict[str, Any]:
 
 def changed(manifest: dict[str, Any]) -> list[str]:
     """What is not as it was when the run began."""
-    today = circumstances()
-    return [
-        f"{name} {manifest.get(name)} is now {value}" for name, value in today.items() if manifest.get(name) != value
-    ]
+    today = [(name, manifest.get(name), value) for name, value in circumstances().items()]
+    return [f"{name} {before} is now {value}" for name, before, value in today if before != value]
 
 
 def open_session(home: RunDirectory, threads: int, step: int) -> None:

@@ -15,7 +15,7 @@ STATUS_EVERY = 1.0
 
 
 class Progress(NamedTuple):
-    """How far a run is: steps, simulated time (s) and frames; simulated seconds and steps a second of wall time; ETA (s)."""
+    """How far a run is: in steps, in simulated time (s), in frames; `speed` is simulated time a second of wall time."""
 
     step: int
     steps: int

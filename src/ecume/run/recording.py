@@ -1,7 +1,7 @@
 """The frames of a run onto disk, also those of a run that was interrupted.
 
-What a killed run wrote after its last checkpoint is computed again, and compared bit for bit instead of being written again:
-each crash is a test of determinism.
+What a killed run wrote after its last checkpoint is computed again, and compared bit for bit instead of being written
+again: each crash is a test of determinism.
 """
 
 from __future__ import annotations
@@ -58,9 +58,7 @@ class Recording:
     def _compare(self, frame: Frame) -> None:
         try:
             former = self._former[self.frames]
-        except (
-            StorageError
-        ) as error:  # damaged, so that it is worth no comparison: this and what follows is written anew
+        except StorageError as error:  # damaged, so worth no comparison
             note(self._home, "frames are written anew", first=self.frames, why=str(error))
             self._former.close()
             self._recorder.cut(self.frames)

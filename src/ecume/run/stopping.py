@@ -21,6 +21,11 @@ class Wish:
     def __bool__(self) -> bool:
         return self.signal is not None
 
+    @property
+    def name(self) -> str:
+        """The name of the signal."""
+        return self.signal.name if self.signal else "nobody"
+
     def take(self, number: int, _: FrameType | None) -> None:
         """Note the signal. A second Ctrl-C stops at once."""
         self.signal = signal.Signals(number)
@@ -30,7 +35,7 @@ class Wish:
 
 @contextlib.contextmanager
 def wish_to_stop() -> Iterator[Wish]:
-    """What signals have asked for inside of this block. Only the main thread hears signals; elsewhere nothing is ever asked."""
+    """What signals have asked for inside of this block. Only the main thread hears signals."""
     wish = Wish()
     if threading.current_thread() is not threading.main_thread():
         yield wish
