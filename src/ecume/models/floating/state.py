@@ -54,6 +54,8 @@ class Workspace(NamedTuple):
     """(5, N, 2) of the Runge-Kutta scheme"""
     ahead: Array
     """(1,) m: how far anyone may go in this step"""
+    ready: Integers
+    """(1,) whether `force` holds at the present positions"""
 
 
 def make_state(position: Array, velocity: Array) -> State:
@@ -95,4 +97,5 @@ def make_workspace(parameters: Parameters, state: State, room: float) -> Workspa
         before=np.zeros((count + walls, 2)),
         stages=np.zeros((5, count, 2)),
         ahead=np.zeros(1),
+        ready=np.zeros(1, np.int64),
     )

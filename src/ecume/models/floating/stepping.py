@@ -316,12 +316,10 @@ def advance_with(
     evaluate: Callable[..., None], parameters: Parameters, state: State, workspace: Workspace, steps: int
 ) -> int:
     """March: see `ecume.models.model.Model.advance`. `evaluate` works out all forces at given positions."""
-    if workspace.lists.valid[0] == 0:
-        if not renew_lists(parameters, state, workspace):
-            return CROWDED
-        # Stoermer's scheme looks at no force between its steps.
-        if parameters.scheme != STORMER_VERLET:
-            evaluate(parameters, state.position, workspace.lists, (workspace.sorted_floats, workspace.force))
+    # Stoermer's scheme looks at no force between its steps.
+    if workspace.ready[0] == 0 and parameters.scheme != STORMER_VERLET:
+        evaluate(parameters, state.position, workspace.lists, (workspace.sorted_floats, workspace.force))
+    workspace.ready[0] = 1
     for _ in range(steps):
         status = keep_lists(parameters, state, workspace)
         if status != DONE:

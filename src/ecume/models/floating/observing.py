@@ -1,0 +1,193 @@
+"""From a state to a frame: copies of what floats are and do, and the numbers of the whole."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ecume._jit import compiled
+from ecume.engine.contacts import Candidates
+from ecume.engine.walls import Walls, wall_count, wall_distance
+from ecume.laws.capillarity import dish_energy, pair_energy, plane_wall_energy, two_point_legacy_energy
+from ecume.models.floating.parameters import (
+    CAPILLARY_LENGTH,
+    CUTOFF,
+    DISH,
+    NO_WALL_LAW,
+    PLANE,
+    STRENGTH,
+    Parameters,
+)
+from ecume.models.floating.state import COLLISIONS, DEEPEST, SWEEPS, UNCONVERGED, State, Workspace
+from ecume.trajectories.frame import Frame
+from ecume.units import Array
+
+ARRAY_UNITS = {
+    "position": "m",
+    "velocity": "m/s",
+    "radius": "m",
+    "mass": "kg",
+    "charge": "m",
+    "density": "kg/m^3",
+    "contact_angle": "rad",
+    "species": "1",
+}
+NUMBER_UNITS = {
+    "kinetic_energy": "J",
+    "pair_energy": "J",
+    "wall_energy": "J",
+    "total_energy": "J",
+    "momentum_x": "kg*m/s",
+    "momentum_y": "kg*m/s",
+    "angular_momentum": "kg*m^2/s",
+    "largest_speed": "m/s",
+    "clusters": "1",
+    "mean_cluster_size": "1",
+    "contacts": "1",
+    "largest_overlap": "m",
+    "deepest_overlap": "m",
+    "collisions": "1",
+    "contact_sweeps": "1",
+    "unconverged_steps": "1",
+}
+CONTACT_GAP = 1e-3
+"""Floats whose gap is below this part of the smaller radius count as touching."""
+
+
+@compiled
+def sum_of_pair_energies(position: Array, charge: Array, pair: Array, rows: tuple[Array, Array, Array]) -> float:
+    """Exact energies of all pairs within the cutoff, each less its value there, so that a pair that parts changes nothing."""
+    first, neighbor, order = rows
+    length, cutoff = pair[CAPILLARY_LENGTH], pair[CUTOFF]
+    total = 0.0
+    for slot in range(len(order)):
+        i = order[slot]
+        own = 0.0
+        for place in range(first[slot], first[slot + 1]):
+            j = order[neighbor[place]]
+            x, y = position[j, 0] - position[i, 0], position[j, 1] - position[i, 1]
+            distance = math.sqrt(x * x + y * y)
+            if i < j and 0.0 < distance < cutoff:
+                strength = pair[STRENGTH] * charge[i] * charge[j]
+                own += pair_energy(distance, strength, length) - pair_energy(cutoff, strength, length)
+        total += own
+    return total
+
+
+@compiled
+def sum_of_wall_energies(parameters: Parameters, position: Array) -> float:
+    """Energies of all floats in the walls' menisci."""
+    walls, strength, length = parameters.walls, parameters.wall_strength, parameters.pair[CAPILLARY_LENGTH]
+    total = 0.0
+    if parameters.wall_law == NO_WALL_LAW:
+        return total
+    for i in range(position.shape[0]):
+        for number in range(wall_count(walls)):
+            x, y = position[i, 0], position[i, 1]
+            out = math.sqrt(x * x + y * y)
+            if parameters.wall_law == PLANE:
+                total += plane_wall_energy(wall_distance(walls, number, x, y)[0], strength[number, i], length)
+            elif parameters.wall_law == DISH:
+                total += dish_energy(out, strength[number, i], length, walls.disc_radius)
+            else:
+                total += two_point_legacy_energy(out, strength[number, i], length, walls.disc_radius)
+    return total
+
+
+@compiled
+def touching_pairs(position: Array, radius: Array, candidates: Candidates, label: Array) -> tuple[int, float]:
+    """Label clusters by their lowest member; how many pairs touch, and the deepest overlap among them."""
+    first, partner = candidates.first, candidates.partner
+    contacts, deepest = 0, 0.0
+    for i in range(position.shape[0]):
+        label[i] = i
+    for i in range(position.shape[0]):
+        for place in range(first[i], first[i + 1]):
+            j = partner[place]
+            x, y = position[j, 0] - position[i, 0], position[j, 1] - position[i, 1]
+            gap = math.sqrt(x * x + y * y) - radius[i] - radius[j]
+            if gap < CONTACT_GAP * min(radius[i], radius[j]):
+                contacts += 1
+                deepest = max(deepest, -gap)
+                _join(label, i, j)
+    for i in range(position.shape[0]):
+        label[i] = _root(label, i)
+    return contacts, deepest
+
+
+@compiled
+def _root(label: Array, i: int) -> int:
+    while label[i] != i:
+        label[i] = label[label[i]]
+        i = label[i]
+    return i
+
+
+@compiled
+def _join(label: Array, i: int, j: int) -> None:
+    low, high = _root(label, i), _root(label, j)
+    label[max(low, high)] = min(low, high)
+
+
+@compiled
+def deepest_in_walls(walls: Walls, position: Array, radius: Array) -> float:
+    """How far the worst float is inside a wall."""
+    worst = 0.0
+    for i in range(position.shape[0]):
+        for number in range(wall_count(walls)):
+            worst = max(worst, radius[i] - wall_distance(walls, number, position[i, 0], position[i, 1])[0])
+    return worst
+
+
+def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame:
+    """The frame of this instant."""
+    floats = parameters.floats
+    arrays = {
+        "position": state.position.copy(),
+        "velocity": state.velocity.copy(),
+        **{name: getattr(floats, name).copy() for name in ARRAY_UNITS if hasattr(floats, name)},
+    }
+    numbers = {**energies(parameters, state, workspace), **motion(parameters, state), **crowd(parameters, state, workspace)}
+    numbers = {name: float(numbers[name]) for name in NUMBER_UNITS}
+    time = int(state.step[0]) * parameters.time_step
+    return Frame(time, arrays, numbers, {**ARRAY_UNITS, **NUMBER_UNITS})
+
+
+def energies(parameters: Parameters, state: State, workspace: Workspace) -> dict[str, float]:
+    """Kinetic, pair and wall energies (J), and their sum."""
+    rows = workspace.lists.rows.first, workspace.lists.rows.neighbor, workspace.lists.cells.order
+    kinetic = 0.5 * float(np.sum(parameters.floats.mass * np.sum(state.velocity**2, axis=1)))
+    pairs = sum_of_pair_energies(state.position, parameters.floats.charge, parameters.pair, rows)
+    walls = sum_of_wall_energies(parameters, state.position)
+    return {"kinetic_energy": kinetic, "pair_energy": pairs, "wall_energy": walls, "total_energy": kinetic + pairs + walls}
+
+
+def motion(parameters: Parameters, state: State) -> dict[str, float]:
+    """Momenta and the largest speed."""
+    mass, position, velocity = parameters.floats.mass, state.position, state.velocity
+    turning = position[:, 0] * velocity[:, 1] - position[:, 1] * velocity[:, 0]
+    return {
+        "momentum_x": float(np.sum(mass * velocity[:, 0])),
+        "momentum_y": float(np.sum(mass * velocity[:, 1])),
+        "angular_momentum": float(np.sum(mass * turning)),
+        "largest_speed": float(np.sqrt(np.max(np.sum(velocity**2, axis=1)))),
+    }
+
+
+def crowd(parameters: Parameters, state: State, workspace: Workspace) -> dict[str, float]:
+    """Clusters, contacts, overlaps, and what the contact solver did so far."""
+    radius = parameters.floats.radius
+    label = np.zeros(len(radius), np.int64)
+    contacts, deepest = touching_pairs(state.position, radius, workspace.candidates, label)
+    clusters = len(np.unique(label))
+    return {
+        "clusters": clusters,
+        "mean_cluster_size": len(radius) / clusters,
+        "contacts": contacts,
+        "largest_overlap": max(deepest, deepest_in_walls(parameters.walls, state.position, radius)),
+        "deepest_overlap": state.tally[DEEPEST],
+        "collisions": state.tally[COLLISIONS],
+        "contact_sweeps": state.tally[SWEEPS],
+        "unconverged_steps": state.tally[UNCONVERGED],
+    }

@@ -1,0 +1,130 @@
+"""Where floats start: at given places, on lattices and rings, at random; and whether they fit."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ecume.engine import contacts
+from ecume.engine.neighbors import build, make_lists
+from ecume.engine.placement import Region, place_at_random, place_on_lattice, place_on_ring
+from ecume.engine.walls import Walls, wall_count, wall_distance
+from ecume.errors import BadInput, Fault, SceneError
+from ecume.models.floating.parameters import Floats, Parameters
+from ecume.models.floating.state import State, make_state
+from ecume.models.floating.stepping import list_candidates
+from ecume.scenes.floating import FloatingScene, FloatSpec
+from ecume.units import Array
+
+OPEN_COVERAGE = 0.15
+"""Without a dish, floats are placed at random in a square that they cover to this part."""
+TOUCHING = 1e-9
+"""Overlaps up to this part of a radius are rounding: floats that touch."""
+MOST_FAULTS = 20
+
+
+class Places(NamedTuple):
+    """Where each float of the scene starts, and with which velocity; NaN where chance decides."""
+
+    position: Array
+    velocity: Array
+
+
+def start(scene: FloatingScene, parameters: Parameters) -> State:
+    """The state at time 0. Raises SceneError where floats overlap, lie outside, or find no room."""
+    places = given_places(scene)
+    free = np.isnan(places.position[:, 0])
+    _check(scene, parameters, places.position, np.flatnonzero(~free))
+    if np.any(free):
+        radius = parameters.floats.radius
+        taken = places.position[~free], radius[~free]
+        try:
+            places.position[free] = place_at_random(radius[free], region_of(parameters), taken, scene.seed)
+        except BadInput as error:
+            raise SceneError([Fault("floats", str(error))]) from None
+    return make_state(places.position, places.velocity)
+
+
+def given_places(scene: FloatingScene) -> Places:
+    """What the scene itself says: the tables' floats first, then the rows."""
+    positions = [_places_of(species) for species in scene.floats]
+    velocities = [np.tile(np.array(species.velocity), (species.count, 1)) for species in scene.floats]
+    if scene.rows:
+        positions.append(np.array([(row.x, row.y) for row in scene.rows]))
+        velocities.append(np.array([(row.vx, row.vy) for row in scene.rows]))
+    return Places(np.concatenate(positions), np.concatenate(velocities))
+
+
+def _places_of(species: FloatSpec) -> Array:
+    if species.positions:
+        return np.array(species.positions)
+    if species.placement == "lattice" and species.spacing is not None:
+        return place_on_lattice(species.count, species.spacing, species.center)
+    if species.placement == "ring" and species.ring_radius is not None:
+        return place_on_ring(species.count, species.ring_radius, species.center)
+    return np.full((species.count, 2), np.nan)
+
+
+def region_of(parameters: Parameters) -> Region:
+    """Where floats may be placed at random."""
+    walls = parameters.walls
+    if walls.disc_radius < math.inf:
+        half = (walls.disc_radius, walls.disc_radius)
+    elif len(walls.offset):
+        half = (-float(walls.offset[0]), -float(walls.offset[1]))
+    else:
+        side = 0.5 * math.sqrt(math.pi * float(np.sum(parameters.floats.radius**2)) / OPEN_COVERAGE)
+        half = (side, side)
+    return Region((-half[0], -half[1]), half, walls)
+
+
+def _check(scene: FloatingScene, parameters: Parameters, position: Array, which: Array) -> None:
+    """All floats with given places that overlap, or are not inside the dish."""
+    names = float_names(scene)
+    faults = [*_outside(parameters, position, which, names), *_overlapping(parameters.floats, position, which, names)]
+    if faults:
+        more = [Fault("", f"and {len(faults) - MOST_FAULTS} more of these")] if len(faults) > MOST_FAULTS else []
+        raise SceneError(faults[:MOST_FAULTS] + more)
+
+
+def float_names(scene: FloatingScene) -> list[str]:
+    """Each float's path in the scene."""
+    names = [f"floats[{k}].positions[{n}]" for k, species in enumerate(scene.floats) for n in range(species.count)]
+    return names + [f"rows[{k}]" for k in range(len(scene.rows))]
+
+
+def _outside(parameters: Parameters, position: Array, which: Array, names: list[str]) -> list[Fault]:
+    faults = []
+    for i in which:
+        sunk_in = _into_walls(parameters.walls, position[i], parameters.floats.radius[i])
+        if sunk_in > TOUCHING * parameters.floats.radius[i]:
+            x, y = position[i]
+            faults.append(
+                Fault(names[i], f"({x:g} m, {y:g} m) is not inside the dish: {sunk_in:.3g} m of the float are in the wall")
+            )
+    return faults
+
+
+def _into_walls(walls: Walls, place: Array, radius: float) -> float:
+    distances = [wall_distance(walls, number, place[0], place[1])[0] for number in range(wall_count(walls))]
+    return radius - min(distances, default=math.inf)
+
+
+def _overlapping(floats: Floats, position: Array, which: Array, names: list[str]) -> list[Fault]:
+    if len(which) < 2:
+        return []
+    places, radius = np.ascontiguousarray(position[which]), floats.radius[which]
+    capacity = 64 * len(which)
+    lists, candidates = make_lists(len(which), 2, capacity), contacts.make_candidates(len(which), capacity)
+    reach = 2.0 * float(radius.max())
+    if not (build(lists, places, reach) and list_candidates(candidates, lists, places, radius, 0.0)):
+        return [Fault("floats", f"more than {capacity} pairs of floats overlap")]
+    faults = []
+    for i in range(len(which)):
+        for j in candidates.partner[candidates.first[i] : candidates.first[i + 1]]:
+            overlap = radius[i] + radius[j] - math.dist(places[i], places[j])
+            if overlap > TOUCHING * min(radius[i], radius[j]):
+                faults.append(Fault(names[which[i]], f"overlaps {names[which[j]]} by {overlap:.3g} m"))
+    return faults
