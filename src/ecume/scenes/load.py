@@ -50,9 +50,11 @@ def load_scene(path_or_text: str | File, overrides: Sequence[str] = ()) -> Scene
 def located(error: SceneError, path_or_text: str | File, overrides: Sequence[str] = ()) -> SceneError:
     """The same error with the lines and columns of the file; for faults that a model found in a scene that was read."""
     source = source_of(path_or_text)
-    changed = overridden(_parsed(source), overrides)[0]
-    bare = [(read_path(fault.path), fault.message) for fault in error.faults]
-    return SceneError(_placed(source, bare, changed), source.name)
+    raw = _parsed(source)
+    changed = overridden(raw, overrides)[0]
+    rows = rows_from(raw, source.folder)
+    faults = rows.told([(read_path(fault.path), fault.message) for fault in error.faults])
+    return SceneError(_placed(source, faults, changed), source.name)
 
 
 def source_of(path_or_text: str | File) -> Source:

@@ -53,7 +53,8 @@ class Rows(NamedTuple):
         mine, others = [], []
         for path, text in faults:
             if self.origins and len(path) > 1 and path[0] == "rows":
-                mine.append(f"{self.origins[int(path[1])]}, {written(path[2:])}: {text}")
+                below = f", {written(path[2:])}" if path[2:] else ""
+                mine.append(f"{self.origins[int(path[1])]}{below}: {text}")
             else:
                 others.append((path, text))
         return others + [((self.key,), text) for text in _few(mine)]

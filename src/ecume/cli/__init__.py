@@ -1,0 +1,54 @@
+"""The command line: verbs, their help, and how each ends.
+
+Nothing heavy is imported before a verb runs, so that `ecume --help` answers at once.
+"""
+
+from __future__ import annotations
+
+import warnings
+from typing import Annotated
+
+import typer
+
+from ecume.cli import pictures, runs, scenes
+from ecume.cli.ends import Ending, warned
+
+app = typer.Typer(
+    name="ecume",
+    cls=Ending,
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    rich_markup_mode="markdown",
+    context_settings={"help_option_names": ["-h", "--help"]},
+    help="Particles on, in and between liquids: from a scene file to a movie.",
+    epilog="""A first run: `ecume new cereal-bowl`, `ecume run cereal-bowl.toml`, `ecume movie runs/cereal-bowl`.
+
+Ends with 0 when done, 2 for input that cannot be used, 3 when the physics diverged, 4 when files cannot be read or
+written, 75 when stopped with a checkpoint (go on with `ecume resume`).""",
+)
+
+for verb in (*scenes.VERBS, *runs.VERBS, *pictures.VERBS):
+    app.command(no_args_is_help=verb is not scenes.new)(verb)
+
+
+def _version(asked: bool) -> None:
+    if asked:
+        from ecume import __version__
+
+        typer.echo(f"ecume {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Show the version.")
+    ] = False,
+) -> None:
+    """Particles on, in and between liquids: from a scene file to a movie."""
+
+
+def main() -> None:
+    """Run the command line of this process."""
+    warnings.showwarning = warned
+    app(prog_name="ecume")

@@ -1,0 +1,78 @@
+"""How far a run is, for the one who waits: a bar on a terminal, a plain line now and then in a log."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import TYPE_CHECKING
+
+import typer
+
+if TYPE_CHECKING:
+    from ecume.run.progress import Progress
+
+LINE_EVERY = 10.0
+"""Seconds between two plain lines."""
+
+Told = Callable[["Progress"], None]
+
+
+@contextmanager
+def shown(*, quiet: bool) -> Iterator[Told | None]:
+    """What a run tells its progress to: nobody, a bar, or lines on stderr."""
+    if quiet:
+        yield None
+    elif sys.stderr.isatty():
+        with _bar() as told:
+            yield told
+    else:
+        yield Lines()
+
+
+@contextmanager
+def _bar() -> Iterator[Told]:
+    from rich.console import Console
+    from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
+    from rich.progress import Progress as Bars
+
+    columns = (BarColumn(), TextColumn("{task.description}"), TextColumn("ETA"), TimeRemainingColumn(compact=True))
+    with Bars(*columns, console=Console(stderr=True), transient=True) as bars:
+        bar = bars.add_task("compiling", total=None)
+        yield lambda progress: bars.update(
+            bar, total=progress.steps, completed=progress.step, description=place(progress)
+        )
+
+
+class Lines:
+    """A plain line every ten seconds."""
+
+    def __init__(self) -> None:
+        self._last = time.monotonic()
+
+    def __call__(self, progress: Progress) -> None:
+        """Say how far it is, if it is time to."""
+        now = time.monotonic()
+        if now - self._last >= LINE_EVERY:
+            self._last = now
+            typer.echo(f"{place(progress)}, {ahead(progress.remaining)}", err=True)
+
+
+def place(progress: Progress) -> str:
+    """Simulated time and speed: `12.35 s of 20 s, 3.1 x real time`."""
+    speed = f", {progress.speed:.3g} x real time" if progress.speed else ""
+    return f"{progress.time:.4g} s of {progress.duration:.4g} s{speed}"
+
+
+def ahead(remaining: float | None) -> str:
+    """How long it still takes: `4 min left`."""
+    return "time left unknown" if remaining is None else f"{lasting(remaining)} left"
+
+
+def lasting(seconds: float) -> str:
+    """A wall time for people: `12 s`, `4 min`, `3.5 h`."""
+    for unit, size, below in (("s", 1.0, 100.0), ("min", 60.0, 100.0), ("h", 3600.0, 48.0)):
+        if seconds < size * below:
+            return f"{seconds / size:.3g} {unit}"
+    return f"{seconds / 86400.0:.3g} days"

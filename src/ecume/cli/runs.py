@@ -1,0 +1,139 @@
+"""Verbs about runs: run, resume, info, repair."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from ecume.cli.progress import ahead, lasting, shown
+from ecume.cli.scenes import Overrides, SceneFile, placed
+
+if TYPE_CHECKING:
+    from ecume.run import Info, RunResult
+
+RUNS = Path("runs")
+"""Where runs go when nobody says: `runs/bowl` for `bowl.toml`."""
+
+RunFolder = Annotated[Path, typer.Argument(metavar="DIR", help="The directory of a run.", show_default=False)]
+Threads = Annotated[
+    int | None,
+    typer.Option(
+        "--threads",
+        min=1,
+        max=1024,
+        metavar="N",
+        help="How many threads; changes no bit of the result.",
+        show_default=False,
+    ),
+]
+Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Say nothing but errors.")]
+
+
+def run(
+    scene: SceneFile,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "-o",
+            "--out",
+            metavar="DIR",
+            help="The run's directory; left out, runs/NAME for NAME.toml.",
+            show_default=False,
+        ),
+    ] = None,
+    overrides: Overrides = None,
+    threads: Threads = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace a run that is there.")] = False,
+    quiet: Quiet = False,
+) -> None:
+    """Simulate a scene into a directory. Ctrl-C stops with a checkpoint.
+
+    Examples: `ecume run bowl.toml` · `ecume run bowl.toml -o runs/syrup --set "liquid.viscosity=1 Pa*s" --threads 2`
+    """
+    use_at_most(threads)
+    from ecume.run import run as simulate
+    from ecume.scenes.load import load_scene
+
+    changes = overrides or []
+    asked = load_scene(scene, changes)
+    # With changes from the command line the file is no longer what was asked; the resolved scene is.
+    source = None if changes else scene.read_bytes()
+    directory = out or RUNS / scene.stem
+    with placed(scene, changes), shown(quiet=quiet) as told:
+        done = simulate(asked, directory, source=source, force=force, threads=threads, progress=told)
+    if not quiet:
+        typer.echo(summary(done))
+
+
+def resume(directory: RunFolder, threads: Threads = None, quiet: Quiet = False) -> None:
+    """Go on with a run that was stopped or killed; the result is the same, bit for bit, as without the stop.
+
+    Examples: `ecume resume runs/bowl` · `ecume resume runs/bowl --threads 2 --quiet`
+    """
+    use_at_most(threads)
+    from ecume.run import resume as go_on
+
+    with shown(quiet=quiet) as told:
+        done = go_on(directory, threads=threads, progress=told)
+    if not quiet:
+        typer.echo(summary(done))
+
+
+def info(directory: RunFolder) -> None:
+    """Say what a run is and how far it came; also while it is written, and after it was killed.
+
+    Example: `ecume info runs/bowl`
+    """
+    from ecume.run import info as look
+
+    rows = described(look(directory))
+    width = max(len(name) for name, _ in rows)
+    for name, value in rows:
+        typer.echo(f"{name:<{width}}  {value}")
+
+
+def repair(directory: RunFolder) -> None:
+    """Make what is left of a damaged trajectory readable: whole frames stay, each damaged one is named.
+
+    Example: `ecume repair runs/bowl`
+    """
+    from ecume.run import repair as mend
+
+    mended = mend(directory)
+    for fault in (*mended.faults, *(f"{path}: set aside, no frame in it is whole" for path in mended.unusable)):
+        typer.echo(fault)
+    typer.echo(f"{mended.good} frames are good")
+
+
+def use_at_most(threads: int | None) -> None:
+    """Numba fixes the most threads it will ever use when it is first imported."""
+    if threads is not None and "numba" not in sys.modules:
+        os.environ["NUMBA_NUM_THREADS"] = str(max(threads, os.cpu_count() or 1))
+
+
+def summary(done: RunResult) -> str:
+    """What a run came to, in a line."""
+    reached = f"{done.directory}: {done.frames} frames, {done.time:.6g} s in {done.steps} steps"
+    return f"{reached}, {lasting(done.seconds)}" if done.seconds else f"{reached}; it was done before"
+
+
+def described(run: Info) -> list[tuple[str, str]]:
+    """What is known of a run, as names and values."""
+    rows = [
+        ("run", str(run.directory)),
+        ("state", f"{run.state}, {ahead(run.remaining)}" if run.remaining is not None else run.state),
+        ("simulated", f"{run.time:.6g} s of {run.duration:.6g} s"),
+        ("steps", f"{run.step} of {run.steps}"),
+        ("frames", str(run.frames)),
+        ("checkpoint", "none" if run.checkpoint is None else f"at step {run.checkpoint}"),
+        ("size", f"{run.size / 1e6:.3g} MB"),
+        ("remark", run.why),
+    ]
+    return [(name, value) for name, value in rows if value]
+
+
+VERBS = (run, resume, info, repair)

@@ -1,0 +1,96 @@
+"""Verbs about scenes: new, check."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="A scene file.", show_default=False)]
+Overrides = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set", metavar="KEY=VALUE", help="Change a value of the scene; may stand many times.", show_default=False
+    ),
+]
+
+
+def _names(incomplete: str) -> list[str]:
+    """Templates that begin so, for the shell's completion."""
+    from ecume.scenes.templates import templates
+
+    return [name for name in templates() if name.startswith(incomplete)]
+
+
+def new(
+    name: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="[NAME]", help="A template; left out, all are listed.", autocompletion=_names, show_default=False
+        ),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option("-o", "--out", metavar="FILE", help="Where to write it; left out, NAME.toml.", show_default=False),
+    ] = None,
+) -> None:
+    """Write a scene to start from, or list what there is.
+
+    Examples: `ecume new` · `ecume new cereal-bowl` · `ecume new two-spheres -o mine.toml`
+    """
+    from ecume.scenes.templates import copy_template, templates
+
+    if name is None:
+        width = max(map(len, templates()))
+        for known, says in templates().items():
+            typer.echo(f"{known:<{width}}  {says}")
+        return
+    for path in copy_template(name, out or Path(f"{name}.toml")):
+        typer.echo(f"wrote {path}")
+
+
+def check(scene: SceneFile, overrides: Overrides = None) -> None:
+    """Say all that is wrong with a scene, or what follows from it: lengths, charges, time step, memory, time.
+
+    Examples: `ecume check bowl.toml` · `ecume check bowl.toml --set "dish.radius=4 cm" --set floats[0].count=60`
+    """
+    from ecume.scenes.load import load_scene
+
+    changes = overrides or []
+    asked = load_scene(scene, changes)
+    from ecume.models import MODELS
+
+    with placed(scene, changes):
+        rows = MODELS[asked.model].summary(asked)
+    _print_table(rows)
+
+
+def _print_table(rows: Sequence[tuple[str, str, str]]) -> None:
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table("quantity", "value", "remark", box=None, pad_edge=False)
+    for row in rows:
+        table.add_row(*(Text(cell) for cell in row))
+    console = Console()
+    # Into a file or a pipe nothing is wrapped or cut off.
+    console.print(table, width=None if console.is_terminal else 1000, crop=console.is_terminal)
+
+
+@contextmanager
+def placed(file: Path, changes: Sequence[str]) -> Iterator[None]:
+    """Faults that a model finds in a scene get the lines of its file, as those of the reader have them."""
+    from ecume.errors import SceneError
+    from ecume.scenes.load import located
+
+    try:
+        yield
+    except SceneError as error:
+        raise located(error, file, changes) from None
+
+
+VERBS = (new, check)

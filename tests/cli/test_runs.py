@@ -1,0 +1,164 @@
+"""The verbs run, resume, info and repair."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+from typer.testing import CliRunner
+
+import ecume.run
+from ecume.cli import app
+from ecume.cli.progress import Lines, ahead, lasting, place, shown
+from ecume.cli.runs import use_at_most
+from ecume.run import Progress, RunResult
+from ecume.scenes.templates import copy_template
+
+cli = CliRunner()
+HALF = Progress(step=50, steps=100, time=1.0, duration=2.0, frames=3, speed=4.0, steps_per_second=200.0, remaining=0.25)
+
+
+@pytest.fixture(autouse=True)
+def _elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    copy_template("two-spheres", tmp_path / "beads.toml")
+
+
+@pytest.fixture
+def asked(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
+    """What `ecume.run.run` was asked, instead of a run."""
+    calls: list[Any] = []
+
+    def run(scene: Any, directory: Path, **options: Any) -> RunResult:
+        calls.append((scene, directory, options))
+        if options["progress"] is not None:
+            options["progress"](HALF)
+        return RunResult(directory, 301, 6000, 6.0, 90.0)
+
+    monkeypatch.setattr(ecume.run, "run", run)
+    return calls
+
+
+def test_a_run_goes_to_a_directory_of_its_scenes_name(asked: list[Any]) -> None:
+    done = cli.invoke(app, ["run", "beads.toml"])
+    ((scene, directory, options),) = asked
+    assert done.exit_code == 0
+    assert done.stdout == "runs/beads: 301 frames, 6 s in 6000 steps, 90 s\n".replace("/", os.sep)
+    assert (scene.title, directory) == ("Two spheres", Path("runs/beads"))
+    assert options["source"] == Path("beads.toml").read_bytes()
+    assert (options["force"], options["threads"]) == (False, None)
+
+
+def test_the_options_of_a_run_reach_it(asked: list[Any]) -> None:
+    words = [
+        "run",
+        "beads.toml",
+        "-o",
+        "here",
+        "--set",
+        "duration=1 s",
+        "--set",
+        "seed=3",
+        "--threads",
+        "2",
+        "--force",
+        "-q",
+    ]
+    done = cli.invoke(app, words)
+    ((scene, directory, options),) = asked
+    assert done.output == ""
+    assert (scene.duration, scene.seed, directory) == (1.0, 3, Path("here"))
+    assert options == {"source": None, "force": True, "threads": 2, "progress": None}
+
+
+@pytest.mark.parametrize(
+    "words", [["--threads", "0"], ["--threads", "x"], ["--set"], ["--set", "seed"], ["--set", "seed=-1"]]
+)
+def test_an_option_that_cannot_be_ends_with_two(words: list[str], asked: list[Any]) -> None:
+    assert cli.invoke(app, ["run", "beads.toml", *words]).exit_code == 2
+    assert not asked
+
+
+def test_the_most_threads_are_set_before_numba_is_imported(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("NUMBA_NUM_THREADS", "1")
+    monkeypatch.delitem(sys.modules, "numba", raising=False)
+    use_at_most(1000)
+    assert os.environ["NUMBA_NUM_THREADS"] == "1000"
+    use_at_most(None)
+    assert os.environ["NUMBA_NUM_THREADS"] == "1000"
+
+
+def test_a_log_gets_a_plain_line_now_and_then(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    clock = iter([0.0, 1.0, 10.5, 11.0])
+    monkeypatch.setattr("ecume.cli.progress.time.monotonic", lambda: next(clock))
+    lines = Lines()
+    for _ in range(3):
+        lines(HALF)
+    assert capsys.readouterr().err == "1 s of 2 s, 4 x real time, 0.25 s left\n"
+
+
+def test_a_terminal_gets_a_bar(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    with shown(quiet=False) as told:
+        assert told is not None
+        told(HALF)
+    assert "1 s of 2 s" in capsys.readouterr().err
+
+
+def test_who_wants_quiet_is_told_nothing() -> None:
+    with shown(quiet=True) as told:
+        assert told is None
+
+
+def test_wall_times_are_told_for_people() -> None:
+    assert [lasting(seconds) for seconds in (0.25, 99.0, 240.0, 7200.0, 4e5)] == [
+        "0.25 s",
+        "99 s",
+        "4 min",
+        "2 h",
+        "4.63 days",
+    ]
+    assert (ahead(None), ahead(240.0)) == ("time left unknown", "4 min left")
+    assert place(HALF._replace(speed=0.0)) == "1 s of 2 s"
+
+
+@pytest.mark.parametrize("verb", ["resume", "info", "repair", "movie", "plot"])
+def test_a_directory_without_a_run_is_refused(verb: str, tmp_path: Path) -> None:
+    (tmp_path / "empty").mkdir()
+    for directory in ("empty", "nowhere"):
+        done = cli.invoke(app, [verb, directory])
+        assert done.exit_code == 2, done
+        assert f"{directory}: no run is there" in done.stderr
+
+
+def test_a_bead_run_is_told_exported_and_not_replaced() -> None:
+    """The whole way, with the real model, for a few frames."""
+    words = ["run", "beads.toml", "-o", "beads", "--set", "duration=60 ms", "--quiet"]
+    done = cli.invoke(app, words)
+    assert done.exit_code == 0, done
+    told = cli.invoke(app, ["info", "beads"]).stdout
+    assert "state       done" in told
+    assert "frames      4" in told
+    again = cli.invoke(app, words)
+    assert again.exit_code == 2
+    assert "beads: holds a run already" in again.stderr
+    assert cli.invoke(app, [*words, "--force"]).exit_code == 0
+    assert cli.invoke(app, ["resume", "beads"]).stdout.endswith("it was done before\n")
+    assert cli.invoke(app, ["repair", "beads"]).stdout == "4 frames are good\n"
+    wrote = cli.invoke(app, ["export", "beads", "--to", "csv"])
+    assert wrote.exit_code == 0
+    assert len(Path(wrote.stdout.split()[1]).read_text().splitlines()) == 1 + 4 * 2
+
+
+def test_a_scene_starts_from_the_end_of_a_run() -> None:
+    assert cli.invoke(app, ["run", "beads.toml", "-o", "beads", "--set", "duration=60 ms", "-q"]).exit_code == 0
+    text = Path("beads.toml").read_text()
+    Path("more.toml").write_text('start_from = "beads@-1"\n' + text[: text.index("[[floats]]")])
+    done = cli.invoke(app, ["check", "more.toml"])
+    assert done.exit_code == 0, done.stderr

@@ -1,0 +1,84 @@
+"""The verbs new and check."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from ecume.cli import app
+from ecume.errors import Fault, SceneError
+from ecume.scenes.templates import templates
+
+cli = CliRunner()
+
+
+@pytest.fixture(autouse=True)
+def _elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+def test_new_lists_the_templates_with_what_they_show() -> None:
+    done = cli.invoke(app, ["new"])
+    assert [line.split()[0] for line in done.stdout.splitlines()] == list(templates())
+    assert "Forty cereals" in done.stdout
+
+
+def test_new_writes_a_template_and_its_table_once(tmp_path: Path) -> None:
+    assert (
+        cli.invoke(app, ["new", "raft-from-table", "-o", "mine.toml"]).stdout
+        == "wrote mine.toml\nwrote raft-from-table.csv\n"
+    )
+    again = cli.invoke(app, ["new", "raft-from-table", "-o", "mine.toml"])
+    assert (again.exit_code, again.stderr) == (2, "ecume: mine.toml exists already; name another file with -o\n")
+
+
+def test_new_into_a_folder_that_is_not_there_is_an_error_of_files() -> None:
+    done = cli.invoke(app, ["new", "two-spheres", "-o", "no/where.toml"])
+    assert (done.exit_code, done.stderr) == (4, "ecume: no/where.toml: No such file or directory\n")
+
+
+def test_check_tells_all_faults_and_ends_with_two() -> None:
+    Path("bad.toml").write_text('model = "floating"\nduration = 1\nframe_every = -1\n[liqid]\n')
+    done = cli.invoke(app, ["check", "bad.toml", "--set", "seed=x"])
+    assert done.exit_code == 2
+    assert done.stderr.splitlines() == [
+        "bad.toml: line 3, column 1: frame_every: came -1; wanted more than 0",
+        "bad.toml: line 4, column 1: liqid: no such key; did you mean liquid?",
+        "bad.toml: seed: came 'x'; wanted a whole number (from --set)",
+    ]
+
+
+@pytest.mark.parametrize("name", ["none.toml", ".", "x" * 5000])
+def test_check_of_what_is_no_file_ends_with_two(name: str) -> None:
+    done = cli.invoke(app, ["check", name])
+    assert done.exit_code == 2
+    assert "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize("name", templates())
+def test_check_derives_the_numbers_of_each_template(name: str) -> None:
+    cli.invoke(app, ["new", name])
+    done = cli.invoke(app, ["check", f"{name}.toml"])
+    assert done.exit_code == 0, done.stderr
+    assert "apillary length" in done.stdout
+    assert "Warning" not in done.stderr
+
+
+def test_what_a_model_refuses_is_told_with_its_line() -> None:
+    cli.invoke(app, ["new", "two-spheres"])
+    text = Path("two-spheres.toml").read_text().replace("1300.0", "70000.0")
+    Path("two-spheres.toml").write_text(text)
+    done = cli.invoke(app, ["check", "two-spheres.toml"])
+    assert done.exit_code == 2
+    assert f"line {text[: text.index('[[floats]]')].count(chr(10)) + 1}, column 1: floats[0]" in done.stderr
+
+
+def test_what_a_model_refuses_of_a_table_is_told_with_the_tables_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    from ecume.cli.scenes import placed
+
+    cli.invoke(app, ["new", "raft-from-table"])
+    with pytest.raises(SceneError) as caught, placed(Path("raft-from-table.toml"), []):
+        raise SceneError([Fault("rows[1]", "sinks")])
+    assert "floats_from: raft-from-table.csv, line 4: sinks" in str(caught.value)
