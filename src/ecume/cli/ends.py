@@ -36,7 +36,7 @@ class Ending(typer.core.TyperGroup):
 
 
 def say(message: str, *, named: bool = True) -> None:
-    """A message for the person, on stderr; names from files cannot steer the terminal. Faults of a file name the file."""
+    """A message for the person, on stderr; names from files cannot steer the terminal. A file's faults name it."""
     typer.echo(("ecume: " if named else "") + message.translate(CONTROL), err=True)
 
 

@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from ecume.cli.ends import say
 from ecume.cli.runs import RunFolder
 from ecume.errors import BadInput
 
@@ -29,6 +30,13 @@ class Format(StrEnum):
 ENDINGS = {Format.CSV: ".csv", Format.XYZ: ".xyz", Format.VTK: ".vtkhdf", Format.NPZ: ".npz"}
 
 
+def _figures(incomplete: str) -> list[str]:
+    """Figures that begin so, for the shell's completion."""
+    from ecume.show.figures import FIGURES
+
+    return [name for name in FIGURES if name.startswith(incomplete)]
+
+
 def movie(directory: RunFolder, out: Out = None) -> None:
     """Make a movie of a run: .mp4 or .gif, as the file is called.
 
@@ -45,7 +53,13 @@ def plot(
     ] = None,
     what: Annotated[
         list[str] | None,
-        typer.Option("--what", metavar="NAME", help="Which figure; may stand many times.", show_default=False),
+        typer.Option(
+            "--what",
+            metavar="NAME",
+            help="Which figure; may stand many times.",
+            autocompletion=_figures,
+            show_default=False,
+        ),
     ] = None,
     out: Out = None,
     integrators: Annotated[
@@ -54,17 +68,43 @@ def plot(
 ) -> None:
     """Draw figures of a run: energies, clusters, paths, the force law. Left to itself, all of them.
 
-    Examples: `ecume plot runs/bowl` · `ecume plot runs/bowl --what energy -o energy.pdf` · `ecume plot --integrators`
+    Examples: `ecume plot runs/bowl` · `ecume plot runs/bowl --what energies -o energies.pdf` · `ecume plot --integrators`
     """
-    from ecume.show import figures
-
     if (directory is None) != integrators:
         raise BadInput("wanted either the directory of a run or --integrators")
+    from ecume.show import figures
+
     if directory is None:
         typer.echo(f"wrote {figures.integrator_comparison(out or Path('integrators.png'))}")
-        return
-    for path in figures.plot(directory, what, out):
-        typer.echo(f"wrote {path}")
+    elif what:
+        _draw(directory, what, out)
+    else:
+        _draw_all(directory, out)
+
+
+def _draw(directory: Path, names: list[str], out: Path | None) -> None:
+    """The figures that were asked for."""
+    from ecume.show.figures import plot as draw
+
+    if out is not None and len(names) > 1:
+        raise BadInput(f"{len(names)} figures do not fit into {out}; give --what once, or leave -o out")
+    for name in names:
+        typer.echo(f"wrote {draw(directory, name, out)}")
+
+
+def _draw_all(directory: Path, out: Path | None) -> None:
+    """Every figure that this run has something for."""
+    from ecume.run.directory import existing
+    from ecume.show.figures import FIGURES
+
+    if out is not None:
+        raise BadInput(f"say with --what which figure goes into {out}: {', '.join(FIGURES)}")
+    existing(directory)
+    for name in FIGURES:
+        try:
+            _draw(directory, [name], None)
+        except BadInput as error:
+            say(f"{name} left out: {error}")
 
 
 def export(
