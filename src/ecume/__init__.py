@@ -69,8 +69,8 @@ __all__ = [
 _HOMES = {
     "ecume.errors": "BadInput Diverged EcumeError FloaterSinks RunExists SceneError Stopped StorageError",
     "ecume.run": "resume",
-    "ecume.scenes.floating": "ContactSpec DishSpec FloatRow FloatSpec FloatingScene InteractionSpec LiquidSpec MotionSpec "
-    "SurfaceEnergies",
+    "ecume.scenes.floating": "ContactSpec DishSpec FloatRow FloatSpec FloatingScene InteractionSpec LiquidSpec"
+    " MotionSpec SurfaceEnergies",
     "ecume.scenes.load": "load_scene",
     "ecume.scenes.schema": "Scene from_plain scene_hash to_plain to_toml",
     "ecume.simulation": "simulate",

@@ -68,7 +68,7 @@ def plot(
 ) -> None:
     """Draw figures of a run: energies, clusters, paths, the force law. Left to itself, all of them.
 
-    Examples: `ecume plot runs/bowl` · `ecume plot runs/bowl --what energies -o energies.pdf` · `ecume plot --integrators`
+    Examples: `ecume plot runs/bowl` · `ecume plot runs/bowl --what paths -o paths.pdf` · `ecume plot --integrators`
     """
     if (directory is None) != integrators:
         raise BadInput("wanted either the directory of a run or --integrators")
