@@ -73,7 +73,7 @@ def _examined(path: Path, kind: type) -> tuple[Checkpoint | None, str]:
 
 
 def _loaded(path: Path, kind: type) -> Checkpoint:
-    with np.load(path, allow_pickle=False) as archive:
+    with path.open("rb") as file, np.load(file, allow_pickle=False) as archive:
         arrays = {name: archive[name] for name in archive.files}
     if int(arrays.pop("crc32")[0]) != checksum(arrays):
         raise ValueError("its checksum does not fit its data")

@@ -136,6 +136,14 @@ def clear(home: RunDirectory) -> None:
                 part.unlink(missing_ok=True)
 
 
+def sweep(home: RunDirectory) -> None:
+    """Remove what a killed process left half written."""
+    for folder in (home.checkpoints, home.trajectory):
+        for part in folder.glob("*.part"):
+            with storing(part):
+                part.unlink()
+
+
 def as_json(plain: Any) -> str:
     """Plain data as text for people and machines; floats come back to the bit."""
     return json.dumps(plain, indent=2) + "\n"

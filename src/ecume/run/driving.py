@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from ecume.errors import Diverged, Stopped, StorageError
 from ecume.run import checkpoints, manifest
 from ecume.run.checkpoints import Checkpoint
-from ecume.run.directory import RunDirectory, as_json, clear, existing, json_of, refuse_existing, write_json
+from ecume.run.directory import RunDirectory, as_json, clear, existing, json_of, refuse_existing, sweep, write_json
 from ecume.run.locking import held
 from ecume.run.progress import Pace, Progress, StatusFile, note
 from ecume.run.recording import Recording
@@ -101,6 +101,7 @@ def resume(
         if home.done.exists():
             done = json_of(home.done)
             return RunResult(home.path, done["frames"], done["steps"], done["time"], 0.0)
+        sweep(home)
         scene = from_plain(json_of(home.resolved))
         checkpoint = _checkpoint(home, scene)
         with storing(home.failed):
