@@ -167,3 +167,11 @@ def test_any_text_is_a_table_or_a_table_fault(text: str) -> None:
     except TableFaults:
         return
     assert all(line.values.keys() == {"x", "y"} for line in lines)
+
+
+def test_a_tables_own_angle_overrules_the_surface_energies_of_the_defaults(tmp_path: Path) -> None:
+    young = DEFAULTS.replace('contact_angle = "60 deg"', "surface_energies = {solid_gas = 0.04, solid_liquid = 0.01}")
+    (row,) = read(tmp_path, "x,y,contact_angle\n1,2,1.5\n", young).rows
+    assert (row.contact_angle, row.surface_energies) == (1.5, None)
+    (row,) = read(tmp_path, "x,y\n1,2\n", young).rows
+    assert row.surface_energies is not None

@@ -31,7 +31,7 @@ class Common:
         frames = self.duration / self.frame_every
         if frames > MOST_FRAMES * (1 + 1e-9):
             raise Inconsistent([(("frame_every",), f"gives {frames:.3g} frames, more than {MOST_FRAMES:.0e}")])
-        if frames < 1 - 1e-9 or abs(frames - round(frames)) > 1e-9 * frames:
+        if abs(frames - round(frames)) > 1e-9 * frames:
             fits = max(1, round(frames)) * self.frame_every
             came = f"came {self.duration:g} s, no whole number of frames {self.frame_every:g} s apart"
             raise Inconsistent([(("duration",), f"{came}; {fits:.9g} s would be")])
