@@ -16,7 +16,7 @@ import platform
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
-from types import FunctionType
+from types import FunctionType, ModuleType
 from typing import Any, TypeVar
 
 import numba
@@ -101,11 +101,14 @@ def inlined(function: Function) -> Function:
     return made
 
 
-def admit(*laws: Callable[..., Any]) -> None:
-    """Let compiled code call these plain functions. A law itself never knows of Numba."""
-    if not numba.config.DISABLE_JIT:
-        for law in laws:
-            numba.extending.register_jitable(error_model="numpy", forceinline=True)(law)
+def admit(*modules: ModuleType) -> None:
+    """Let compiled code call the plain functions of these modules. A law itself never knows of Numba."""
+    if numba.config.DISABLE_JIT:
+        return
+    for module in modules:
+        for law in vars(module).values():
+            if isinstance(law, FunctionType) and law.__module__ == module.__name__:
+                numba.extending.register_jitable(error_model="numpy", forceinline=True)(law)
 
 
 @lower_builtin(math.sqrt, types.float64)  # type: ignore[untyped-decorator]
@@ -113,11 +116,6 @@ def _square_root(context: Any, builder: Any, signature: Any, arguments: Any) -> 
     """Numba calls the C library for `math.sqrt`, which keeps a loop from vectorizing; the processor's own gives the same bits."""
     intrinsic = builder.module.declare_intrinsic("llvm.sqrt", [arguments[0].type])
     return builder.call(intrinsic, arguments)
-
-
-def prange(*bounds: int) -> Any:
-    """Written in loops as `_jit.numba.prange`; here for the reader."""
-    return numba.prange(*bounds)
 
 
 def use_threads(count: int | None) -> int:

@@ -8,12 +8,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ecume._jit import admit, compiled, inlined, numba, threaded
+from ecume._jit import admit, compiled, compiled_inside, inlined, numba, threaded
 from ecume.engine.neighbors import THREADS_FROM, NeighborLists, sort_positions
 from ecume.engine.walls import wall_count, wall_distance
 from ecume.laws import capillarity, screened, special
 from ecume.laws.capillarity import dish_force, plane_wall_force, two_point_legacy_force
 from ecume.laws.screened import k1_over_x
+from ecume.models.floating import parameters as constants
 from ecume.models.floating.parameters import (
     CAPILLARY_LENGTH,
     CUTOFF,
@@ -28,23 +29,19 @@ from ecume.models.floating.parameters import (
 )
 from ecume.units import Array
 
-admit(screened.k1_over_x, screened.decay, screened._tail, unpack_fit)
-admit(*(function for name, function in vars(special).items() if callable(function) and "bessel" in name))
-admit(capillarity.plane_wall_force, capillarity.plane_wall_energy, capillarity.pair_energy)
-for law in capillarity.WALLS.values():
-    admit(law.energy, law.force)
+admit(screened, special, capillarity, constants)
 
 ROWS_PER_TASK = 32
 PADDED = 4
 """Neighbors are padded to a multiple of the vector width, since what is left over runs one by one."""
 
 
+@compiled_inside
 def no_extra_pull(square: float, own: PairParameters) -> float:
     """Where a user's own pair law goes: the pull (N) over the distance (m), from the distance's square."""
     return 0.0
 
 
-admit(no_extra_pull)
 
 
 @inlined
