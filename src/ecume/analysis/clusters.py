@@ -14,7 +14,7 @@ from scipy.spatial import cKDTree
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
-TOLERANCE = 0.01
+TOLERANCE = 1e-3
 """Two floats touch when the gap between them is below this part of the smaller one's radius."""
 
 Integers = NDArray[np.int64]

@@ -5,6 +5,7 @@ The parts that never change are drawn once; a movie then draws only the rest of 
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Sequence
 from typing import Any, NamedTuple, cast
 
@@ -21,7 +22,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Patch, Rectangle
 from numpy.typing import NDArray
 
-from ecume.show.style import HEIGHT_COLORS, INK, MUTED, PALETTE, RIM, Scale, scale_for, style
+from ecume.show.style import HEIGHT_COLORS, INK, MUTED, PALETTE, RIM, Scale, plain, scale_for, style
 from ecume.show.surface import Heights, Sheet, View, sheet, surface, unit_meniscus
 from ecume.trajectories.frame import Frame
 
@@ -30,6 +31,9 @@ MARGIN = 1.04
 """The shown part of the surface, in dish diameters."""
 HEADER, SIDE, BORDER = 46.0, 150.0, 22.0
 """Room above the surface, right of it and around all, in pixels of a picture of the usual size."""
+
+LONGEST_TITLE = 50
+"""In characters; more would run into the time."""
 
 Pixels = NDArray[np.uint8]
 
@@ -189,16 +193,18 @@ def _dish(axes: Axes, dish: Any, height: AxesImage) -> list[Artist]:
     """The dish's rim; nothing of the liquid is shown outside it."""
     if dish is None:
         return []
-    rim: Patch
-    if dish.radius is not None:
-        rim = Circle((0, 0), dish.radius)
-    else:
-        width, length = dish.size
-        rim = Rectangle((-width / 2, -length / 2), width, length)
-    rim.set(facecolor="none", edgecolor=RIM, linewidth=2.2)
-    axes.add_patch(rim)
+    rim = axes.add_patch(dish_outline(dish))
     height.set_clip_path(rim)
     return [rim]
+
+
+def dish_outline(dish: Any, scale: float = 1.0) -> Patch:
+    """A dish's rim, in meters or in `scale` times that."""
+    look: dict[str, Any] = {"facecolor": "none", "edgecolor": RIM, "linewidth": 1.8}
+    if dish.radius is not None:
+        return Circle((0.0, 0.0), scale * dish.radius, **look)
+    width, height = (scale * side for side in dish.size)
+    return Rectangle((-width / 2, -height / 2), width, height, **look)
 
 
 def _scale_bar(axes: Axes, view: View) -> list[Artist]:
@@ -254,11 +260,14 @@ def _ticks(norm: Any, shown: tuple[float, float], apart: float = 0.08) -> list[f
 
 def _labels(axes: Axes, title: str, kinds: Sequence[Species]) -> None:
     """The title, and the species where there are several."""
-    axes.text(1.0, 1.015, title, transform=axes.transAxes, ha="right", va="bottom", fontsize=11, color=MUTED)
-    if len(kinds) < 2:
-        return
-    dots = [
-        Line2D([], [], linestyle="", marker="o", markersize=8, color=kind.color, markeredgecolor=INK, label=kind.name)
-        for kind in kinds
-    ]
-    axes.legend(handles=dots, loc="upper left", bbox_to_anchor=(1.03, 1.0), borderaxespad=0.0, fontsize=10.5)
+    short = plain(textwrap.shorten(title, LONGEST_TITLE, placeholder=" …"))
+    axes.text(1.0, 1.015, short, transform=axes.transAxes, ha="right", va="bottom", fontsize=11, color=MUTED)
+    if len(kinds) > 1:
+        place: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (1.03, 1.0), "borderaxespad": 0.0}
+        axes.legend(handles=species_dots(kinds), fontsize=10.5, **place)
+
+
+def species_dots(kinds: Sequence[Species]) -> list[Line2D]:
+    """What a legend shows for each species."""
+    look: dict[str, Any] = {"linestyle": "", "marker": "o", "markersize": 8, "markeredgecolor": INK}
+    return [Line2D([], [], color=kind.color, label=plain(kind.name), **look) for kind in kinds]

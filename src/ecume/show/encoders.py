@@ -5,6 +5,7 @@ MP4 through ffmpeg where there is one; animated WebP and GIF need nothing, so th
 
 from __future__ import annotations
 
+import contextlib
 import shutil
 import subprocess
 from collections.abc import Callable, Iterable, Iterator
@@ -60,7 +61,8 @@ def encode(pictures: Iterable[Pixels], out: Path, fps: int) -> Path:
     except OSError as error:
         raise StorageError(f"{out}: cannot be written ({error.strerror or error})") from error
     finally:
-        partial.unlink(missing_ok=True)
+        with contextlib.suppress(OSError):  # what could not be made need not be removed
+            partial.unlink()
     return out
 
 

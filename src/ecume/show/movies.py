@@ -29,13 +29,13 @@ def movie(
     size: tuple[int, int] = USUAL,
     progress: Callable[[int, int], None] | None = None,
 ) -> Path:
-    """Make a movie of a run: `out` (.mp4, .webp or .gif), or `movie.mp4` in its directory. Returns the file written.
+    """Make a movie of a run: `out` (.mp4, .webp or .gif), or its `results/movie.mp4`. Returns what was written.
 
     Every `every`-th frame is shown, `fps` of them a second, on `size` pixels. Without an ffmpeg an MP4 becomes a WebP.
     `progress` is told how many pictures of how many are done.
     """
     with open_trajectory(directory) as trajectory:
-        target = Path(directory) / "movie.mp4" if out is None else Path(out)
+        target = Path(directory) / "results" / "movie.mp4" if out is None else Path(out)
         return film(trajectory, trajectory.scene, target, fps=fps, every=every, size=size, progress=progress)
 
 

@@ -17,7 +17,7 @@ from ecume.errors import BadInput, StorageError
 
 INK, MUTED, RIM = "#1d2733", "#6b7785", "#39444f"
 # Okabe and Ito's colors, in an order that also differs in brightness from one to the next.
-PALETTE = ("#e69f00", "#0072b2", "#009e73", "#cc79a7", "#d55e00", "#56b4e9", "#f0e442", "#5b6670")
+PALETTE = ("#d55e00", "#0072b2", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#f0e442", "#5b6670")
 HEIGHT_COLORS = LinearSegmentedColormap.from_list(
     "height", ["#8c4a1f", "#d99a63", "#f1d3b2", "#f6f7f5", "#b9d3e3", "#5d93bd", "#1f4e79"]
 )
@@ -76,6 +76,12 @@ def scale_for(largest: float, unit: str) -> Scale:
         if abs(largest) < 0.9995 * 10.0 ** (power + 3) and largest != 0:
             return Scale(10.0**-power, prefix + unit)
     return Scale(1.0, unit)
+
+
+def plain(text: str) -> str:
+    """A person's own words as they are: no formula between dollars, no label left out because of its underscore."""
+    shown = text.replace("$", r"\$")
+    return " " + shown if shown.startswith("_") else shown
 
 
 def figure(width: float = 6.4, height: float = 4.0) -> Figure:

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ecume.laws import flotation, meniscus
+from ecume.laws.capillarity import plane_wall_energy
 from ecume.laws.special import bessel_k0
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
@@ -69,10 +70,15 @@ def sheet(scene: Any, view: View, *, cells: int, closest: float) -> Sheet:
     x = np.arange(view.left + cell / 2, view.right, cell)
     y = np.arange(view.bottom + cell / 2, view.top, cell)
     reach = max(CUTOFF * liquid.capillary_length, 1.01 * closest)
-    distances = np.linspace(closest, reach, NODES)
-    # The far field of a charge, which rafts are held together by; the table makes 60 menisci a frame cheap.
-    menisci = np.array([*(-bessel_k0(distance / liquid.capillary_length) for distance in distances), 0.0], np.float32)
-    return Sheet(x, y, dish_field(scene, x, y), closest, reach, menisci)
+    return Sheet(x, y, dish_field(scene, x, y), closest, reach, _menisci(closest, reach, liquid.capillary_length))
+
+
+def _menisci(closest: float, reach: float, length: float) -> Heights:
+    """The far field of a charge of one, which is what holds rafts together; looked up, 60 of them a frame are cheap."""
+    # The law is evaluated where K0 is well met by straight lines, which is many times fewer points.
+    exact = np.geomspace(closest, reach, NODES // 16)
+    heights = [-bessel_k0(distance / length) for distance in exact]
+    return np.array([*np.interp(np.linspace(closest, reach, NODES), exact, heights), 0.0], np.float32)
 
 
 def unit_meniscus(on: Sheet, distance: Array) -> Heights:
@@ -84,14 +90,26 @@ def unit_meniscus(on: Sheet, distance: Array) -> Heights:
 
 def dish_field(scene: Any, x: Array, y: Array) -> Heights:
     """The height that the dish alone gives the surface (m); shape (y, x)."""
-    dish = scene.dish
-    if dish is None:
+    dish, liquid = scene.dish, liquid_of(scene)
+    if dish is None or dish.law == "none":
         return np.zeros((len(y), len(x)), dtype=np.float32)
-    liquid = liquid_of(scene)
-    across, along = np.meshgrid(x, y)
-    r = np.minimum(np.hypot(across, along), dish.radius)
+    if dish.radius is None:
+        across, along = (
+            _facing_walls(*side, dish.contact_angle, liquid) for side in zip((x, y), dish.size, strict=True)
+        )
+        return np.asarray(across + along[:, None], dtype=np.float32)
+    r = np.minimum(np.hypot(x, y[:, None]), dish.radius)
     height = meniscus.dish_height(r=r, dish_radius=dish.radius, contact_angle=dish.contact_angle, liquid=liquid)
     return np.asarray(height, dtype=np.float32)
+
+
+def _facing_walls(nodes: Array, side: float, contact_angle: float, liquid: flotation.Liquid) -> Array:
+    """The height between two walls that face each other: a charge of one in it has this as its energy."""
+    amplitude = meniscus.facing_amplitude(side, contact_angle, liquid)
+    apart = np.maximum(side / 2 + np.stack([nodes, -nodes]), 0.0)
+    heights = [plane_wall_energy(float(distance), amplitude, liquid.capillary_length) for distance in apart.ravel()]
+    left, right = np.reshape(np.array(heights), apart.shape)
+    return left + right
 
 
 def surface(frame: Frame, on: Sheet) -> Heights:

@@ -1,0 +1,130 @@
+"""The picture from above shows what is there, where it is, and as large as it is."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+from matplotlib.colors import to_rgba
+
+from ecume.scenes.floating import DishSpec
+from ecume.show.bowl import Bowl, Size, species, view_of
+from ecume.show.style import PALETTE
+
+SIZE = Size(800, 600)
+
+
+def pixel_of(bowl, x, y):
+    """The column and row (from above) at which a point of the surface is shown."""
+    axes = bowl.figure.axes[0]
+    column, row_from_below = axes.transData.transform((x, y))
+    return column, bowl.figure.bbox.height - row_from_below
+
+
+def per_meter(bowl):
+    return pixel_of(bowl, 1.0, 0.0)[0] - pixel_of(bowl, 0.0, 0.0)[0]
+
+
+def nearly(color, pixels):
+    return np.abs(pixels[..., :3].astype(int) - np.array(to_rgba(color)[:3]) * 255).max(axis=-1) < 40
+
+
+@pytest.mark.parametrize("index", [0, 1, 4, 5])
+def test_a_float_covers_the_pixels_of_its_circle_and_no_others(scene, frames, index):
+    bowl = Bowl(scene, frames, SIZE)
+    picture = bowl.pixels(frames[3])
+    arrays = frames[3].arrays
+    color = "#ff0000" if arrays["species"][index] == 0 else "#00ff00"
+    column, row = pixel_of(bowl, *arrays["position"][index])
+    rows, columns = np.indices(picture.shape[:2])
+    distance = np.hypot(columns + 0.5 - column, rows + 0.5 - row)
+    radius = arrays["radius"][index] * per_meter(bowl)
+    edge = 2.0
+    assert radius > 3 * edge
+    assert nearly(color, picture[distance < radius - edge]).all()
+    assert not nearly(color, picture[(distance > radius + edge) & (distance < radius + 3 * edge)]).any()
+
+
+def test_both_directions_have_one_scale(scene, frames):
+    bowl = Bowl(scene, frames, Size(900, 400))
+    (x0, y0), (x1, y1) = pixel_of(bowl, 0.0, 0.0), pixel_of(bowl, 1e-2, 1e-2)
+    assert x1 - x0 == pytest.approx(y0 - y1, rel=1e-9)
+
+
+def test_a_larger_picture_shows_the_same_larger(scene, frames):
+    small, large = Bowl(scene, frames, Size(480, 360)), Bowl(scene, frames, Size(960, 720))
+    assert np.array(pixel_of(large, 0.01, 0.02)) == pytest.approx(2 * np.array(pixel_of(small, 0.01, 0.02)))
+    assert large.pixels(frames[0]).shape == (720, 960, 4)
+
+
+def test_a_moved_float_leaves_no_trace(scene, frames):
+    one, other = Bowl(scene, frames, SIZE), Bowl(scene, frames, SIZE)
+    for frame in frames[:-1]:
+        one.pixels(frame)
+    assert np.array_equal(one.pixels(frames[-1]), other.pixels(frames[-1]))
+
+
+def test_the_liquid_ends_at_the_rim(scene, frames):
+    bowl = Bowl(scene, frames, SIZE)
+    picture = bowl.pixels(frames[0])
+    column, row = pixel_of(bowl, 0.0302, 0.0302)
+    assert picture[int(row), int(column), :3].tolist() == [255, 255, 255]
+    column, row = pixel_of(bowl, -0.0205, 0.0205)
+    assert picture[int(row), int(column), :3].tolist() != [255, 255, 255]
+
+
+def test_the_whole_of_a_rectangular_dish_is_shown(scene, frames):
+    wide = dataclasses.replace(scene, dish=DishSpec(size=(0.1, 0.05)))
+    view = view_of(wide, frames)
+    assert view.left < -0.05 < 0.05 < view.right
+    assert view.bottom < -0.025 < 0.025 < view.top
+    assert Bowl(wide, frames, SIZE).pixels(frames[0]).shape == (600, 800, 4)
+
+
+def test_without_a_dish_all_that_floats_ever_reach_is_shown(scene, frames):
+    view = view_of(dataclasses.replace(scene, dish=None), frames)
+    for frame in frames:
+        x, y = frame.arrays["position"].T
+        radius = frame.arrays["radius"]
+        assert (view.left <= x - radius).all()
+        assert (x + radius <= view.right).all()
+        assert (view.bottom <= y - radius).all()
+        assert (y + radius <= view.top).all()
+
+
+def test_colors_come_from_the_scene_and_else_from_the_palette(scene):
+    cereal, bead = scene.floats
+    found = species(dataclasses.replace(scene, floats=(dataclasses.replace(cereal, color=None), bead)))
+    assert found == [("cereal", PALETTE[0]), ("_bead", "#00ff00")]
+
+
+def test_the_color_bar_and_the_scale_bar_carry_units(scene, frames):
+    bowl = Bowl(scene, frames, SIZE)
+    surface, bar = bowl.figure.axes
+    assert bar.get_ylabel() == "height of the liquid (mm)"
+    assert "10 mm" in [text.get_text() for text in surface.texts]
+
+
+def test_the_scale_bar_is_as_long_as_it_says(scene, frames):
+    bowl = Bowl(scene, frames, SIZE)
+    left, right = bowl.figure.axes[0].lines[0].get_xdata()
+    assert right - left == pytest.approx(0.010)
+
+
+def test_the_time_is_the_frame_s(scene, frames):
+    bowl = Bowl(scene, frames, SIZE)
+    bowl.show(frames[7])
+    assert bowl.time.get_text() == "0.70 s"
+
+
+def test_no_words_run_out_of_the_picture(scene, frames):
+    bowl = Bowl(dataclasses.replace(scene, title="A very long title " * 9), frames, SIZE)
+    bowl.pixels(frames[0])
+    surface, bar = bowl.figure.axes
+    boxes = [text.get_window_extent() for text in surface.texts]
+    for box in [*boxes, bar.get_tightbbox(), surface.get_legend().get_window_extent()]:
+        assert box.x0 >= 0
+        assert box.y0 >= 0
+        assert box.x1 <= SIZE.width
+        assert box.y1 <= SIZE.height
+    times, titles = bowl.time.get_window_extent(), surface.texts[-1].get_window_extent()
+    assert not times.overlaps(titles)

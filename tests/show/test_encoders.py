@@ -1,0 +1,101 @@
+"""Movies have as many pictures as went in, of their size; there is always some way to write one."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from ecume.errors import BadInput, StorageError
+from ecume.show import encoders
+
+
+def pictures(count, height=64, width=96):
+    for n in range(count):
+        picture = np.full((height, width, 4), 255, dtype=np.uint8)
+        picture[:, : 8 * n, 0] = 0
+        yield picture
+
+
+def probe(path):
+    """The size and the number of pictures of a movie, as ffmpeg decodes it."""
+    command = [encoders.ffmpeg(), "-v", "error", "-i", str(path), "-f", "rawvideo", "-pix_fmt", "rgb24", "-"]
+    return subprocess.run(command, capture_output=True, check=True).stdout
+
+
+@pytest.mark.parametrize("count", [1, 7])
+def test_an_mp4_has_every_picture(tmp_path, count):
+    out = encoders.encode(pictures(count), tmp_path / "deep" / "film.mp4", 30)
+    raw = np.frombuffer(probe(out), dtype=np.uint8).reshape(-1, 64, 96, 3)
+    assert len(raw) == count
+    for n, picture in enumerate(raw):
+        assert picture[:, : max(8 * n - 4, 0), 0].mean() < 60 if n else picture.mean() > 220
+        assert picture[:, 8 * n + 4 :, 0].mean() > 220
+
+
+@pytest.mark.parametrize("suffix", [".gif", ".webp"])
+def test_animations_have_every_picture_and_their_pace(tmp_path, suffix):
+    out = encoders.encode(pictures(5), tmp_path / f"film{suffix}", 20)
+    with Image.open(out) as film:
+        assert (film.n_frames, film.size) == (5, (96, 64))
+        film.seek(3)
+        film.load()
+        assert film.info["duration"] == 50
+        assert film.info["loop"] == 0
+
+
+def test_odd_sides_lose_a_line_and_not_the_movie(tmp_path):
+    out = encoders.encode(pictures(3, height=65, width=97), tmp_path / "film.mp4", 30)
+    assert len(probe(out)) == 3 * 64 * 96 * 3
+
+
+def test_without_ffmpeg_an_mp4_becomes_a_webp(tmp_path, monkeypatch):
+    monkeypatch.setattr(encoders, "ffmpeg", lambda: None)
+    out = encoders.encode(pictures(3), tmp_path / "film.mp4", 30)
+    assert out == tmp_path / "film.webp"
+    with Image.open(out) as film:
+        assert film.n_frames == 3
+
+
+def test_ffmpeg_is_looked_for_on_the_path_first(monkeypatch):
+    monkeypatch.setattr(encoders.shutil, "which", lambda name: f"/somewhere/{name}")
+    assert encoders.ffmpeg() == "/somewhere/ffmpeg"
+
+
+def test_a_machine_without_the_package_has_no_ffmpeg(monkeypatch):
+    monkeypatch.setattr(encoders.shutil, "which", lambda name: None)
+    monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
+    assert encoders.ffmpeg() is None
+
+
+def test_an_unknown_kind_of_movie_is_refused_with_those_there_are(tmp_path):
+    with pytest.raises(BadInput, match=r"'.avi'; wanted one of .mp4, .webp, .gif"):
+        encoders.encode(pictures(1), tmp_path / "film.avi", 30)
+
+
+def test_a_movie_that_fails_half_way_leaves_the_old_one_alone(tmp_path):
+    def broken():
+        yield from pictures(2)
+        raise RuntimeError("the run is gone")
+
+    out = tmp_path / "film.mp4"
+    out.write_text("the old film")
+    with pytest.raises(RuntimeError, match="the run is gone"):
+        encoders.encode(broken(), out, 30)
+    assert [path.name for path in tmp_path.iterdir()] == ["film.mp4"]
+    assert out.read_text() == "the old film"
+
+
+def test_what_ffmpeg_complains_about_is_told(tmp_path, monkeypatch):
+    monkeypatch.setitem(encoders.CODECS, "libx264", ("-no-such-option", "1"))
+    monkeypatch.setattr(encoders, "_codec", lambda program: "libx264")
+    with pytest.raises(StorageError, match="ffmpeg gave up"):
+        encoders.encode(pictures(200), tmp_path / "film.mp4", 30)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_that_is_a_file_is_a_storage_error(tmp_path):
+    (tmp_path / "taken").write_text("")
+    with pytest.raises(StorageError, match="cannot be written"):
+        encoders.encode(pictures(1), tmp_path / "taken" / "film.gif", 30)

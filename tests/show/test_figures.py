@@ -1,0 +1,188 @@
+"""Figures say what they show, in units, and show what the frames hold."""
+
+import dataclasses
+import re
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+from ecume.errors import BadInput, StorageError
+from ecume.laws import flotation
+from ecume.scenes.floating import FloatSpec, InteractionSpec
+from ecume.show import figures
+from ecume.show.figures import FIGURES, plot
+from ecume.show.style import save, scale_for
+from ecume.show.surface import liquid_of
+
+WITH_UNIT = re.compile(r".* \((s|mm|µm|[pnµm]?J|[pnµm]?N)\)$")
+PURE_NUMBERS = {"number of clusters", "floats in a cluster"}
+
+
+def curve(axes, label):
+    (line,) = (line for line in axes.lines if line.get_label() == label)
+    return line.get_xdata(), line.get_ydata()
+
+
+@pytest.mark.parametrize("what", FIGURES)
+def test_every_axis_has_a_name_and_a_unit(what, scene, frames):
+    drawn = FIGURES[what](frames, scene)
+    labels = [label for axes in drawn.axes for label in (axes.get_xlabel(), axes.get_ylabel()) if label]
+    assert labels
+    for label in labels:
+        assert WITH_UNIT.match(label) or label in PURE_NUMBERS
+
+
+@pytest.mark.parametrize(
+    ("what", "kind", "start"), [("paths", "png", b"\x89PNG"), ("force-law", "pdf", b"%PDF"), ("bowl", "svg", b"<?xml")]
+)
+def test_the_name_of_a_file_says_its_format(what, kind, start, scene, frames, tmp_path):
+    assert save(FIGURES[what](frames, scene), tmp_path / f"{what}.{kind}").read_bytes().startswith(start)
+
+
+def test_equal_figures_are_equal_files(scene, frames, tmp_path):
+    one, other = (save(figures.energies(frames, scene), tmp_path / f"{n}.svg").read_bytes() for n in range(2))
+    assert one == other
+
+
+@pytest.mark.parametrize("what", FIGURES)
+def test_no_word_is_cut_off_or_lies_on_another(what, scene, frames):
+    drawn = FIGURES[what](frames, scene)
+    canvas = FigureCanvasAgg(drawn)
+    canvas.draw()
+    for axes in drawn.axes:
+        box = axes.get_tightbbox(canvas.get_renderer())
+        assert box.x0 >= -1
+        assert box.y0 >= -1
+        assert box.x1 <= drawn.bbox.width + 1
+        assert box.y1 <= drawn.bbox.height + 1
+
+
+def test_energies_add_up_and_what_is_lost_is_dissipated(scene, frames):
+    (axes,) = figures.energies(frames, scene).axes
+    unit = {"energy (nJ)": 1e9, "energy (µJ)": 1e6}[axes.get_ylabel()]
+    time, total = curve(axes, "total")
+    parts = [curve(axes, label)[1] for label in ("kinetic", "pair", "wall")]
+    assert total == pytest.approx(np.sum(parts, axis=0))
+    assert total == pytest.approx([unit * frame.numbers["total_energy"] for frame in frames])
+    assert curve(axes, "dissipated")[1] == pytest.approx(total[0] - total)
+    assert time == pytest.approx([frame.time for frame in frames])
+
+
+def test_the_kinetic_energy_of_a_bowl_at_rest_keeps_its_decades_in_bounds(scene, frames):
+    asleep = frames[-1]._replace(time=2.0, numbers={**frames[-1].numbers, "kinetic_energy": 1e-200})
+    still = frames[-1]._replace(time=3.0, numbers={**frames[-1].numbers, "kinetic_energy": 0.0})
+    (axes,) = figures.kinetic_energy([*frames, asleep, still], scene).axes
+    low, high = axes.get_ylim()
+    assert 0 < low < high < 1e18 * low
+
+
+@pytest.mark.parametrize("what", FIGURES)
+def test_a_run_of_one_frame_in_which_nothing_moves_can_be_drawn(what, scene, frames, tmp_path):
+    rest = [frames[0]._replace(numbers=dict.fromkeys(frames[0].numbers, 0.0))]
+    assert save(FIGURES[what](rest, scene), tmp_path / "one.png").exists()
+
+
+def test_clusters_are_counted_frame_by_frame(scene, frames):
+    above, below = figures.clusters(frames, scene).axes
+    counts, largest, mean = curve(above, "all")[1], curve(below, "largest")[1], curve(below, "mean")[1]
+    assert (counts[0], counts[-1]) == (6, 6)
+    together = frames[-1]._replace(
+        time=2.0,
+        arrays={**frames[-1].arrays, "position": np.array([[0.004 * k, 0.0] for k in range(4)] + [[1, 1], [2, 2]])},
+    )
+    above, below = figures.clusters([*frames, together], scene).axes
+    counts, largest, mean = curve(above, "all")[1], curve(below, "largest")[1], curve(below, "mean")[1]
+    assert (counts[-1], largest[-1], mean[-1]) == (3, 4, 2.0)
+
+
+def test_each_path_runs_from_where_a_float_was_to_where_it_is(scene, frames):
+    (axes,) = figures.paths(frames, scene).axes
+    discs, lines, starts = axes.collections
+    assert axes.get_xlabel() == "x (mm)"
+    assert len(lines.get_segments()) == 6
+    for float_path, first, last in zip(
+        lines.get_segments(), frames[0].arrays["position"], frames[-1].arrays["position"], strict=True
+    ):
+        assert float_path[0] == pytest.approx(1e3 * first)
+        assert float_path[-1] == pytest.approx(1e3 * last)
+    assert np.asarray(starts.get_offsets()) == pytest.approx(1e3 * frames[0].arrays["position"])
+    assert np.asarray(discs.get_offsets()) == pytest.approx(1e3 * frames[-1].arrays["position"])
+
+
+def test_the_force_law_begins_where_floats_touch_and_is_the_scene_s_own(scene, frames):
+    (axes,) = figures.force_law(frames, scene).axes
+    drawn = {line.get_label(): line for line in axes.lines if not line.get_label().startswith("_child")}
+    assert set(drawn) == {
+        "cereal – cereal: attract",
+        "cereal – _bead: repel",
+        "_bead – _bead: attract".replace("_b", " _b", 1),
+    }
+    length = liquid_of(scene).capillary_length
+    x, force = drawn["cereal – cereal: attract"].get_data()
+    unit = {"force (nN)": 1e9, "force (µN)": 1e6}[axes.get_ylabel()]
+    assert x[0] == pytest.approx(4.0)
+    strength = 2 * np.pi * scene.liquid.surface_tension * 1e-8 / length
+    ratio = force / (unit * strength)
+    sphere = flotation.Sphere(radius=1e-3, density=1200.0, contact_angle=1.5)
+    law = flotation.pair_force(sphere, sphere, 1e-3 * x, liquid_of(scene))
+    assert ratio / ratio[0] == pytest.approx(law / law[0], rel=1e-7)
+
+
+def test_floats_that_leave_the_surface_flat_have_no_force_law(scene, frames):
+    flat = [frame._replace(arrays={**frame.arrays, "charge": np.zeros(6)}) for frame in frames]
+    with pytest.raises(BadInput, match="leave the surface flat"):
+        figures.force_law(flat, scene)
+    with pytest.raises(BadInput, match="'none'"):
+        figures.force_law(frames, dataclasses.replace(scene, interaction=InteractionSpec(law="none")))
+
+
+def test_many_frames_are_thinned_and_the_last_one_stays(scene, frames):
+    many = [frames[n % 11]._replace(time=0.01 * n) for n in range(5000)]
+    (axes,) = figures.energies(many, scene).axes
+    time, _ = curve(axes, "total")
+    assert len(time) == figures.MOST_INSTANTS
+    assert (time[0], time[-1]) == (0.0, pytest.approx(49.99))
+
+
+def test_one_species_needs_no_legend_of_its_own(scene, frames):
+    single = dataclasses.replace(
+        scene, floats=(FloatSpec(name="a", count=6, radius=1e-3, density=600.0, contact_angle=1.2),)
+    )
+    alike = [frame._replace(arrays={**frame.arrays, "species": np.zeros(6, dtype=int)}) for frame in frames]
+    assert figures.paths(alike, single).axes[0].get_legend() is None
+    assert figures.paths(frames, scene).axes[0].get_legend() is not None
+
+
+def test_the_user_s_own_settings_change_no_figure_and_stay(scene, frames, tmp_path):
+    usual = save(figures.clusters(frames, scene), tmp_path / "usual.svg").read_bytes()
+    with mpl.rc_context({"font.size": 30, "axes.grid": False, "lines.linewidth": 9}):
+        assert save(figures.clusters(frames, scene), tmp_path / "mine.svg").read_bytes() == usual
+        assert mpl.rcParams["font.size"] == 30
+
+
+@pytest.mark.parametrize(
+    ("largest", "unit", "shown"),
+    [(0.0042, "m", "mm"), (1.0, "m", "m"), (0.9999, "m", "m"), (3e-10, "J", "pJ"), (2e-5, "N", "µN"), (0.0, "J", "J")],
+)
+def test_a_scale_shows_numbers_from_one_to_a_thousand(largest, unit, shown):
+    scale = scale_for(largest, unit)
+    assert scale.unit == shown
+    assert largest == 0 or 0.9 < largest * scale.factor < 1000
+
+
+def test_an_unknown_figure_is_refused_with_those_there_are(tmp_path):
+    with pytest.raises(BadInput, match="'energy'; there are energies, kinetic-energy, clusters"):
+        plot(tmp_path, "energy")
+
+
+def test_an_unknown_format_is_refused_with_those_there_are(scene, frames, tmp_path):
+    with pytest.raises(BadInput, match=r"'.docx'; wanted one of .*.pdf.*.png.*.svg"):
+        save(figures.clusters(frames, scene), tmp_path / "a.docx")
+
+
+def test_a_folder_that_is_a_file_is_a_storage_error(scene, frames, tmp_path):
+    (tmp_path / "taken").write_text("")
+    with pytest.raises(StorageError, match="cannot be written"):
+        save(figures.clusters(frames, scene), tmp_path / "taken" / "a.png")
