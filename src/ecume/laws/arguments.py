@@ -1,0 +1,72 @@
+"""What a law may be asked: arguments are checked here, and what is refused is refused with its value and the way
+out.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TypeVar
+
+import numpy as np
+
+from ecume.errors import BadInput
+from ecume.units import Array, Lengths, Real
+
+LARGEST_BOND_NUMBER = 1e3
+SMALLEST = 5e-324
+"""The least distance that is not zero: two centers in one place have neither an energy nor a direction."""
+Row = TypeVar("Row")
+
+
+def require_positive(name: str, value: float, hint: str = "wanted a positive number") -> None:
+    """Refuse what is not a positive, finite number."""
+    if not (value > 0.0 and math.isfinite(value)):
+        raise BadInput(f"the {name} is {value!r}; {hint}")
+
+
+def require_not_negative(name: str, value: float) -> None:
+    """Refuse what is negative or not finite."""
+    if not (value >= 0.0 and math.isfinite(value)):
+        raise BadInput(f"the {name} is {value!r}; wanted zero or a positive number")
+
+
+def require_angle(name: str, value: float) -> None:
+    """Refuse what is no contact angle."""
+    if not 0.0 <= value <= math.pi:
+        hint = f"; did you mean {value:g} degrees, {math.radians(value):.4g} rad?" if math.pi < value <= 180.0 else ""
+        raise BadInput(f"the {name} is {value!r}; wanted radians between 0 and pi{hint}")
+
+
+def require_numbers(bond_number: float, density_ratio: float, contact_angle: float) -> None:
+    """Refuse pure numbers that describe no floater."""
+    require_positive("bond number", bond_number)
+    if bond_number > LARGEST_BOND_NUMBER:
+        raise BadInput(
+            f"the bond number is {bond_number:g}: a radius of {math.sqrt(bond_number):.0f} capillary lengths; "
+            f"these laws are for floaters up to {LARGEST_BOND_NUMBER:g}"
+        )
+    if not math.isfinite(density_ratio):
+        raise BadInput(f"the density ratio is {density_ratio!r}; wanted a finite number")
+    require_angle("contact_angle", contact_angle)
+
+
+def chosen(table: Mapping[str, Row], name: str, what: str) -> Row:
+    """The row of a table of laws, or a BadInput that says which there are."""
+    if name not in table:
+        raise BadInput(f"no {what} is called {name!r}; there are {', '.join(table)}")
+    return table[name]
+
+
+def as_distances(name: str, value: Lengths, least: float = 0.0) -> Array:
+    """Distances as an array, refused below `least`."""
+    distances = np.asarray(value, dtype=np.float64)
+    if not bool(np.all((distances >= least) & np.isfinite(distances))):
+        wanted = "zero or more" if least == 0.0 else "positive numbers"
+        raise BadInput(f"{name} is {value!r}; wanted {wanted}, in meters")
+    return distances
+
+
+def as_given(values: Array) -> Real:
+    """A float for a float, an array for an array."""
+    return float(values) if np.ndim(values) == 0 else values

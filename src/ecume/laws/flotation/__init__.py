@@ -1,0 +1,61 @@
+"""Floating spheres: how they sit in the surface, and how they attract and repel through it."""
+
+from ecume.laws.flotation.balance import (
+    BALANCES,
+    CHARGES,
+    Balance,
+    closed_form_balance,
+    closed_form_charge,
+    linear_balance,
+    linear_charge,
+    neutral_density_ratio,
+    nonlinear_balance,
+    nonlinear_charge,
+    sinking_density_ratio,
+)
+from ecume.laws.flotation.bodies import (
+    Liquid,
+    Sphere,
+    bond_number,
+    density_ratio,
+    dimensionless_weight,
+    weight_number,
+    young_contact_angle,
+)
+from ecume.laws.flotation.closure import closure_contact_angle
+from ecume.laws.flotation.interaction import (
+    Equilibrium,
+    capillary_charge,
+    equilibrium,
+    pair_energy,
+    pair_force,
+    surface_height,
+)
+
+__all__ = [
+    "BALANCES",
+    "CHARGES",
+    "Balance",
+    "Equilibrium",
+    "Liquid",
+    "Sphere",
+    "bond_number",
+    "capillary_charge",
+    "closed_form_balance",
+    "closed_form_charge",
+    "closure_contact_angle",
+    "density_ratio",
+    "dimensionless_weight",
+    "equilibrium",
+    "linear_balance",
+    "linear_charge",
+    "neutral_density_ratio",
+    "nonlinear_balance",
+    "nonlinear_charge",
+    "pair_energy",
+    "pair_force",
+    "sinking_density_ratio",
+    "surface_height",
+    "weight_number",
+    "young_contact_angle",
+]

@@ -1,0 +1,130 @@
+"""A liquid, a sphere, and the pure numbers that decide how the one floats on the other."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from ecume.errors import BadInput
+from ecume.laws.arguments import require_angle, require_not_negative, require_positive
+from ecume.units import Acceleration, Angle, Density, Length, Number, SurfaceTension, Viscosity
+
+
+@dataclass(frozen=True)
+class Liquid:
+    """A liquid under a gas: density, surface tension, viscosity, gravity, and the gas's density.
+
+    >>> water = Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3)
+    >>> round(water.capillary_length * 1e3, 3)
+    2.709
+    """
+
+    density: Density
+    surface_tension: SurfaceTension
+    viscosity: Viscosity
+    gravity: Acceleration = 9.81
+    gas_density: Density = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("density", "surface_tension", "gravity"):
+            require_positive(f"liquid's {name}", getattr(self, name))
+        require_not_negative("liquid's viscosity", self.viscosity)
+        require_not_negative("liquid's gas_density", self.gas_density)
+        if self.gas_density >= self.density:
+            raise BadInput(
+                f"gas_density {self.gas_density:g} kg/m^3 is not below the liquid's density {self.density:g} kg/m^3; "
+                "the liquid is what lies below"
+            )
+
+    @property
+    def density_difference(self) -> Density:
+        """Density of the liquid less that of the gas above it; the one that gravity works on."""
+        return self.density - self.gas_density
+
+    @property
+    def capillary_length(self) -> Length:
+        """L = sqrt(gamma / (drho g)): how far a meniscus reaches."""
+        return math.sqrt(self.surface_tension / (self.density_difference * self.gravity))
+
+
+@dataclass(frozen=True)
+class Sphere:
+    """A sphere of one material; the contact angle is measured through the liquid, 0 when wetted, pi when not.
+
+    >>> Sphere(radius=1e-3, density=1300.0, contact_angle=1.5).radius
+    0.001
+    """
+
+    radius: Length
+    density: Density
+    contact_angle: Angle
+
+    def __post_init__(self) -> None:
+        require_positive("sphere's radius", self.radius)
+        require_positive("sphere's density", self.density, hint="a bubble has the density of its gas")
+        require_angle("sphere's contact_angle", self.contact_angle)
+
+
+def bond_number(sphere: Sphere, liquid: Liquid) -> Number:
+    """B = (R/L)^2: gravity against surface tension. [vella2005]; [canbraun2022, eq. 5], where it stands as an
+    approximation.
+
+    >>> water = Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3)
+    >>> round(bond_number(Sphere(1e-3, 1300.0, 1.57), water), 5)
+    0.13625
+    """
+    return (sphere.radius / liquid.capillary_length) ** 2
+
+
+def density_ratio(sphere: Sphere, liquid: Liquid) -> Number:
+    """D = (rho_s - rho_a) / (rho_l - rho_a), with s the sphere, l the liquid, a the gas.
+
+    Erratum: [canbraun2022, eq. 3] has rho_s on one side and rho_l - rho_a on the other; the gas buoys up the dry
+    part as well.
+
+    >>> water = Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3)
+    >>> density_ratio(Sphere(1e-3, 1300.0, 1.57), water)
+    1.3
+    """
+    return (sphere.density - liquid.gas_density) / liquid.density_difference
+
+
+def weight_number(density_ratio: Number, contact_angle: Angle) -> Number:
+    """Sigma = (2D - 1)/3 - cos(theta)/2 + cos(theta)^3/6: weight less the buoyancy of a flat surface.
+
+    2 pi gamma R B Sigma is the force that the surface has to carry. [vella2005]; [canbraun2022, eq. 4].
+
+    >>> weight_number(0.5, math.pi / 2) < 1e-15
+    True
+    """
+    cosine = math.cos(contact_angle)
+    return (2.0 * density_ratio - 1.0) / 3.0 - cosine / 2.0 + cosine**3 / 6.0
+
+
+def dimensionless_weight(sphere: Sphere, liquid: Liquid) -> Number:
+    """Sigma of a sphere on a liquid: positive presses the surface down, negative lifts it. See `weight_number`.
+
+    >>> water = Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3)
+    >>> round(dimensionless_weight(Sphere(1e-3, 1500.0, math.pi / 2), water), 12)
+    0.666666666667
+    """
+    return weight_number(density_ratio(sphere, liquid), sphere.contact_angle)
+
+
+def young_contact_angle(
+    *, solid_gas: SurfaceTension, solid_liquid: SurfaceTension, liquid_gas: SurfaceTension
+) -> Angle:
+    """Contact angle from the three surface tensions: cos(theta) = (gamma_sg - gamma_sl) / gamma_lg. [young1805].
+
+    >>> round(math.degrees(young_contact_angle(solid_gas=0.06, solid_liquid=0.024, liquid_gas=0.072)), 9)
+    60.0
+    """
+    require_positive("liquid_gas tension", liquid_gas)
+    cosine = (solid_gas - solid_liquid) / liquid_gas
+    if not -1.0 <= cosine <= 1.0:
+        state = "the liquid spreads, contact angle 0" if cosine > 1.0 else "the liquid draws back, contact angle pi"
+        raise BadInput(
+            f"no contact angle has the cosine {cosine:.4g} = ({solid_gas:g} - {solid_liquid:g}) / {liquid_gas:g}; "
+            f"{state if math.isfinite(cosine) else 'tensions are finite numbers of N/m'}"
+        )
+    return math.acos(cosine)
