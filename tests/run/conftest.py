@@ -8,7 +8,6 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
 import toy
@@ -28,24 +27,6 @@ def _toy_among_the_models(monkeypatch: pytest.MonkeyPatch) -> None:
 def scene() -> Callable[..., toy.ToyScene]:
     """Makes toy scenes: 50 frames of ten steps, unless told otherwise."""
     return lambda **changes: toy.ToyScene(**{"duration": 0.5, "frame_every": 0.01, "seed": 7, **changes})
-
-
-@pytest.fixture
-def process() -> Iterator[Callable[..., subprocess.Popen[str]]]:
-    """Starts the toy as a process of its own: process("run", directory, {"duration": 1.0}, 0.05)."""
-    started: list[subprocess.Popen[str]] = []
-
-    def begin(verb: str, directory: Path, *rest: Any) -> subprocess.Popen[str]:
-        words = [json.dumps(word) if isinstance(word, dict) else str(word) for word in rest]
-        environment = {**os.environ, "PYTHONPATH": os.pathsep.join(path for path in sys.path if path)}
-        command = [sys.executable, toy.__file__, verb, str(directory), *words]
-        started.append(subprocess.Popen(command, stderr=subprocess.PIPE, text=True, env=environment))
-        return started[-1]
-
-    yield begin
-    for one in started:
-        one.kill()
-        one.communicate()
 
 
 @pytest.fixture

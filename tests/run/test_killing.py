@@ -23,7 +23,6 @@ from ecume.trajectories.reader import open_trajectory
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="Windows knows no SIGKILL and no limit on the size of a file")
 
 Scenes = Callable[..., toy.ToyScene]
-Processes = Callable[..., Any]
 Results = Callable[[Path], dict[str, bytes]]
 ASKED = {"duration": 2.0, "frame_every": 0.01, "seed": 3, "rest": 0.004}
 
@@ -106,7 +105,7 @@ def test_a_process_that_is_asked_to_stop_ends_with_the_code_that_batch_systems_r
 
 
 def test_a_second_writer_is_refused_and_the_lock_of_a_dead_one_is_taken_over(
-    tmp_path: Path, server: Processes, scene: Scenes
+    tmp_path: Path, server: Callable[..., Any], scene: Scenes
 ) -> None:
     one = server("run", tmp_path / "run", {**ASKED, "duration": 10.0}, 0.05)
     until(lambda: frames_in(tmp_path / "run") > 5)
@@ -121,20 +120,20 @@ def test_a_second_writer_is_refused_and_the_lock_of_a_dead_one_is_taken_over(
     assert info(tmp_path / "run").state == "done"
 
 
-def test_whoever_reads_while_a_run_writes_sees_whole_frames_only(tmp_path: Path, process: Processes) -> None:
-    one = process("run", tmp_path / "run", {**ASKED, "duration": 0.8, "frame_every": 0.002}, 0.05)
-    until(lambda: frames_in(tmp_path / "run") > 0)
-    expected = 0.002
+def test_whoever_reads_while_a_run_writes_sees_whole_frames_only(tmp_path: Path, server: Callable[..., Any]) -> None:
+    home = RunDirectory(tmp_path / "run")
+    one = server("run", home.path, {**ASKED, "duration": 0.8, "frame_every": 0.002, "rest": 0.0}, 0.05)
+    until(lambda: frames_in(home.path) > 0)
     looks = 0
-    with open_trajectory(tmp_path / "run") as trajectory:
-        while one.poll() is None:
+    with open_trajectory(home.path) as trajectory:
+        while not home.done.exists():
             count = trajectory.refresh()
-            assert trajectory[count - 1].time == pytest.approx(expected * (count - 1))
+            assert trajectory[count - 1].time == pytest.approx(0.002 * (count - 1))
             assert len(trajectory.times) == count
             looks += 1
         assert trajectory.refresh() == 401
     assert looks > 20
-    assert one.returncode == 0
+    assert one.end() == 0
 
 
 @pytest.mark.parametrize("size", [100, 3_000, 20_000, 30_000, 40_000, 58_000])

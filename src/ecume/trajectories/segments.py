@@ -125,7 +125,8 @@ class GrowingSegment:
         if self._used + len(own) > self._room:
             self._grow()
         entries, data = _packed(own, self._names, self.frames, self.size)
-        self._put(data, self.size)
+        self._write(data, self.size)
+        # one wait for the disk is enough for both: should power fail between them, the checksum tells
         self._put(entries.tobytes(), self._location + self._used * ENTRY.itemsize)
         self.size += len(data)
         self._used += len(entries)
@@ -157,16 +158,21 @@ class GrowingSegment:
             os.fsync(self._file.fileno())
 
     def _put(self, data: bytes, place: int) -> None:
-        """Write all of it here and see it on the disk."""
+        """Write all of it here, and see everything on the disk."""
+        self._write(data, place)
+        with storing(self.path):
+            os.fsync(self._file.fileno())
+
+    def _write(self, data: bytes, place: int) -> None:
+        """Write all of it here; what a refused attempt took of the disk is given back."""
         with storing(self.path):
             try:
                 self._file.seek(place)
                 left = memoryview(data)
                 while left:
                     left = left[self._file.write(left) :]
-                os.fsync(self._file.fileno())
             except OSError:
-                with contextlib.suppress(OSError):  # give back what room the attempt took
+                with contextlib.suppress(OSError):  # the refusal is what matters
                     self._file.truncate(self.size)
                 raise
 

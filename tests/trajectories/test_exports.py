@@ -1,0 +1,135 @@
+"""Trajectories for the programs of others."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import resource
+from collections.abc import Callable
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pytest
+
+from ecume.errors import BadInput, StorageError
+from ecume.trajectories.exports import EXPORTS, export
+from ecume.trajectories.frame import Frame
+from ecume.trajectories.recorders import Recorder
+
+Frames = Callable[..., list[Frame]]
+Recorded = Callable[..., Path]
+
+
+def test_csv_is_one_long_table_with_units(recorded: Recorded, frames: Frames, tmp_path: Path) -> None:
+    with export(recorded(4).parent, "csv", tmp_path / "bowl.csv").open(newline="") as file:
+        heading, *rows = list(csv.reader(file))
+    components = ["x [m]", "y [m]", "vx [m/s]", "vy [m/s]", "radius [m]", "mass [kg]", "species", "neighbors"]
+    assert heading == ["frame", "time [s]", "particle", *components]
+    assert len(rows) == 4 * 6
+    frame = frames(4)[2]
+    row = rows[2 * 6 + 3]
+    assert row[:3] == ["2", repr(frame.time), "3"]
+    assert [float(word) for word in row[3:7]] == [*frame.arrays["position"][3], *frame.arrays["velocity"][3]]
+    assert int(row[-1]) == frame.arrays["neighbors"][3]
+
+
+def test_xyz_says_what_its_columns_are(recorded: Recorded, frames: Frames, tmp_path: Path) -> None:
+    lines = export(recorded(3).parent, "xyz", tmp_path / "bowl.xyz").read_text().splitlines()
+    assert len(lines) == 3 * (2 + 6)
+    head = lines[8 + 1]
+    assert head.startswith(
+        "Properties=species:S:1:pos:R:3:velo:R:3:radius:R:1:mass:R:1:kind:I:1:neighbors:I:1 Time=0.1 "
+    )
+    assert f"kinetic_energy={frames(3)[1].numbers['kinetic_energy']!r}" in head
+    words = lines[8 + 2 + 5].split()
+    assert words[0] == "Li"
+    assert [float(word) for word in words[1:4]] == [*frames(3)[1].arrays["position"][5], 0.0]
+
+
+def test_npz_has_the_frames_as_first_axis(recorded: Recorded, frames: Frames, tmp_path: Path) -> None:
+    with np.load(export(recorded(5).parent, "npz", tmp_path / "bowl.npz"), allow_pickle=False) as archive:
+        for name, array in frames(5)[3].arrays.items():
+            np.testing.assert_array_equal(archive[name][3], array, strict=True)
+        assert archive["kinetic_energy"].tolist() == [frame.numbers["kinetic_energy"] for frame in frames(5)]
+        assert archive["time"].shape == (5,)
+        assert json.loads(str(archive["units"]))["velocity"] == "m/s"
+
+
+def test_npz_refuses_particles_that_come_and_go(tmp_path: Path, frames: Frames) -> None:
+    with Recorder(tmp_path / "traj") as recorder:
+        recorder.write(frames(1, particles=3)[0], 0)
+        recorder.write(frames(2, particles=4)[1], 1)
+    with pytest.raises(BadInput, match="frame 1 has others; take csv"):
+        export(tmp_path, "npz", tmp_path / "bowl.npz")
+    assert not (tmp_path / "bowl.npz").exists()
+
+
+@pytest.mark.parametrize("dimensions", [2, 3])
+def test_vtk_holds_every_frame(recorded: Recorded, frames: Frames, tmp_path: Path, dimensions: int) -> None:
+    path = export(recorded(5, dimensions=dimensions).parent, "vtk", tmp_path / "bowl.vtkhdf")
+    with h5py.File(path) as file:
+        root, steps = file["VTKHDF"], file["VTKHDF/Steps"]
+        assert root.attrs["Type"] == b"PolyData"
+        assert steps.attrs["NSteps"] == len(steps["Values"]) == 5
+        assert len(root["PointData/radius"]) == 6, "what never changes is written once"
+        for number, frame in enumerate(frames(5, dimensions=dimensions)):
+            start = steps["PointOffsets"][number]
+            points = root["Points"][start : start + root["NumberOfPoints"][number]]
+            np.testing.assert_array_equal(points[:, :dimensions], frame.arrays["position"])
+            start = steps["PointDataOffsets/neighbors"][number]
+            np.testing.assert_array_equal(root["PointData/neighbors"][start : start + 6], frame.arrays["neighbors"])
+
+
+def test_vtk_is_read_by_vtk(tmp_path: Path, frames: Frames) -> None:
+    hdf = pytest.importorskip("vtkmodules.vtkIOHDF")
+    support = pytest.importorskip("vtkmodules.util.numpy_support")
+    written = [frames(1, particles=4)[0], *(frame for frame in frames(4, particles=7)[1:])]
+    with Recorder(tmp_path / "traj") as recorder:
+        for number, frame in enumerate(written):
+            recorder.write(frame, number)
+    reader = hdf.vtkHDFReader()
+    reader.SetFileName(str(export(tmp_path, "vtk", tmp_path / "bowl.vtkhdf")))
+    reader.UpdateInformation()
+    assert reader.GetNumberOfSteps() == 4
+    for number, frame in enumerate(written):
+        reader.SetStep(number)
+        reader.Update()
+        shown = reader.GetOutputDataObject(0)
+        points = support.vtk_to_numpy(shown.GetPoints().GetData())
+        np.testing.assert_array_equal(points[:, :2], frame.arrays["position"])
+        assert shown.GetNumberOfVerts() == len(points)
+        data = support.vtk_to_numpy(shown.GetPointData().GetArray("species"))
+        np.testing.assert_array_equal(data, frame.arrays["species"])
+        energy = shown.GetFieldData().GetArray("kinetic_energy")
+        assert energy.GetValue(0) == frame.numbers["kinetic_energy"]
+
+
+def test_a_kind_that_nobody_knows_is_refused_with_those_that_are(recorded: Recorded, tmp_path: Path) -> None:
+    with pytest.raises(BadInput, match="csv, xyz, vtk, npz"):
+        export(recorded(1).parent, "xlsx", tmp_path / "bowl.xlsx")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows knows no limit on the size of a file")
+@pytest.mark.parametrize("kind", EXPORTS)
+@pytest.mark.parametrize("size", [0, 3_000, 9_000])
+def test_a_full_disk_leaves_the_former_export_and_no_half_one(
+    recorded: Recorded, tmp_path: Path, kind: str, size: int
+) -> None:
+    folder, out = recorded(60).parent, tmp_path / "out" / "bowl"
+    out.parent.mkdir()
+    out.write_text("former")
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (size, before[1]))
+    try:
+        with pytest.raises(StorageError, match=f"{out}: no room left"):
+            export(folder, kind, out)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert [path.read_text() for path in out.parent.iterdir()] == ["former"]
+
+
+def test_an_export_into_a_folder_that_is_not_there_is_refused(recorded: Recorded, tmp_path: Path) -> None:
+    with pytest.raises(StorageError, match="No such file or directory"):
+        export(recorded(1).parent, "csv", tmp_path / "nowhere" / "bowl.csv")
