@@ -37,6 +37,9 @@ from ecume.units import Array
 STEADY = 2.0
 """An approach faster than this many kicks is a collision; a slower one is a contact that lasts."""
 
+TOLERABLE = 1e-3
+"""What a contact may err by in one step, over the overlap that is left alone."""
+
 
 @compiled
 def list_candidates(candidates: Candidates, lists: NeighborLists, reference: Array, radius: Array, skin: float) -> bool:
@@ -213,8 +216,8 @@ def solve_contacts(parameters: Parameters, state: State, contacts: Contacts, vel
     fastest = 0.0
     for row in range(contacts.count[0]):
         fastest = max(fastest, contacts.bound[row] - contacts.scratch[row])
-    tolerance = touching.CONVERGED * fastest
-    sweeps = touching.solve(contacts, velocity, mobility, tolerance) if fastest > 0.0 else 0
+    goal = touching.Goal(touching.CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
+    sweeps = touching.solve(contacts, velocity, mobility, goal) if fastest > 0.0 else 0
     if fastest <= 0.0:
         contacts.impulse[: contacts.count[0]] = 0.0
     state.tally[SWEEPS] += sweeps
