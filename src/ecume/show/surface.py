@@ -108,8 +108,8 @@ def _facing_walls(nodes: Array, side: float, contact_angle: float, liquid: flota
     amplitude = meniscus.facing_amplitude(side, contact_angle, liquid)
     apart = np.maximum(side / 2 + np.stack([nodes, -nodes]), 0.0)
     heights = [plane_wall_energy(float(distance), amplitude, liquid.capillary_length) for distance in apart.ravel()]
-    left, right = np.reshape(np.array(heights), apart.shape)
-    return left + right
+    both: Array = np.reshape(heights, apart.shape)
+    return np.asarray(both[0] + both[1])
 
 
 def surface(frame: Frame, on: Sheet) -> Heights:
