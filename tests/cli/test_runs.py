@@ -124,7 +124,7 @@ def test_wall_times_are_told_for_people() -> None:
         "2 h",
         "4.63 days",
     ]
-    assert (ahead(None), ahead(240.0)) == ("time left unknown", "4 min left")
+    assert (ahead(None), ahead(240.0)) == ("compiling", "4 min left")
     assert place(HALF._replace(speed=0.0)) == "1 s of 2 s"
 
 
@@ -162,3 +162,13 @@ def test_a_scene_starts_from_the_end_of_a_run() -> None:
     Path("more.toml").write_text('start_from = "beads@-1"\n' + text[: text.index("[[floats]]")])
     done = cli.invoke(app, ["check", "more.toml"])
     assert done.exit_code == 0, done.stderr
+
+
+def test_compilation_does_not_count_for_the_time_that_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
+    from ecume.run.progress import Pace
+
+    clock = iter([0.0, 60.0, 61.0])
+    monkeypatch.setattr("ecume.run.progress.time.monotonic", lambda: next(clock))
+    pace = Pace(duration=10.0)
+    told = [pace.progress(step, 1001, 1) for step in (0, 1, 101)]
+    assert [progress.remaining for progress in told] == [None, None, 9.0]

@@ -66,8 +66,8 @@ def place(progress: Progress) -> str:
 
 
 def ahead(remaining: float | None) -> str:
-    """How long it still takes: `4 min left`."""
-    return "time left unknown" if remaining is None else f"{lasting(remaining)} left"
+    """How long it still takes, `4 min left`; what is not known yet waits for the compiler."""
+    return "compiling" if remaining is None else f"{lasting(remaining)} left"
 
 
 def lasting(seconds: float) -> str:

@@ -29,16 +29,20 @@ class Progress(NamedTuple):
 
 
 class Pace:
-    """How fast the march goes, since this process joined it."""
+    """How fast the march goes since the first steps of this process; their wait for the compiler does not count."""
 
     def __init__(self, duration: float) -> None:
         self._duration = duration
-        self._start: tuple[int, float] | None = None
+        self._start = (0, 0.0)
+        self._heard = 0
 
     def progress(self, step: int, steps: int, frames: int) -> Progress:
         """How far we are at this step."""
         clock = time.monotonic()
-        first, began = self._start = self._start or (step, clock)
+        self._heard += 1
+        if self._heard <= 2:
+            self._start = (step, clock)
+        first, began = self._start
         rate = (step - first) / (clock - began) if step > first and clock > began else 0.0
         done = step / steps if steps else 1.0
         remaining = (steps - step) / rate if rate else (0.0 if step >= steps else None)
