@@ -148,6 +148,7 @@ def farthest_move(position: Array, reference: Array) -> float:
         for axis in range(position.shape[1]):
             moved = position[i, axis] - reference[i, axis]
             square += moved * moved
-        if not square <= farthest:
+        # Written so that a NaN is taken, and kept.
+        if farthest == farthest and not square <= farthest:
             farthest = square
     return np.sqrt(farthest)

@@ -84,8 +84,7 @@ def afloat(given: FloatSpec | FloatRow, scene: FloatingScene) -> Afloat:
     sphere = flotation.Sphere(given.radius, given.density, contact_angle_of(given, liquid))
     balance = flotation.equilibrium(sphere, liquid)
     charge = flotation.capillary_charge(sphere, liquid, scene.interaction.charge)
-    # The drag of a displaced contact line is that of the contact angle which would put it there on a flat surface.
-    factor = float(drag.immersion_factor(math.pi - balance.filling_angle))
+    factor = float(drag.factor_at_filling(balance.filling_angle))
     mass = given.density * 4.0 / 3.0 * math.pi * given.radius**3
     return Afloat(sphere, balance, charge, mass, drag.stokes_friction(given.radius, liquid.viscosity, factor))
 

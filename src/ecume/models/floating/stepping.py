@@ -91,7 +91,8 @@ def farthest_ahead(kick: Kick, velocity: Array, force: Array) -> float:
     for i in range(velocity.shape[0]):
         speed = math.sqrt(velocity[i, 0] ** 2 + velocity[i, 1] ** 2)
         speed += kick.gain[i] * math.sqrt(force[i, 0] ** 2 + force[i, 1] ** 2)
-        if not speed <= fastest:
+        # Written so that a NaN is taken, and kept.
+        if fastest == fastest and not speed <= fastest:
             fastest = speed
     return fastest
 
@@ -192,17 +193,29 @@ def set_bounds(parameters: Parameters, contacts: Contacts, passage: Array, befor
     collisions = 0
     for row in range(contacts.count[0]):
         restitution = parameters.restitution if contacts.second[row] < count else parameters.wall_restitution
-        meeting = -max(gap[row], 0.0) / parameters.time_step
-        kicked = abs(speed[row] - before[row])
-        bound[row] = meeting
+        bound[row] = -max(gap[row], 0.0) / parameters.time_step
         if parameters.contact_law == LEGACY and contacts.second[row] < count:
             # A negative restitution leaves the pair approaching: it acts on what overlaps already, as in the original.
             bound[row] = -restitution * speed[row] if gap[row] <= 0.0 and speed[row] < 0.0 else -np.inf
             collisions += 1 if bound[row] > -np.inf else 0
-        elif speed[row] < meeting and before[row] < -STEADY * kicked:
-            bound[row] = max(meeting, -restitution * speed[row])
-            collisions += 1
+        elif speed[row] < bound[row] and before[row] < -STEADY * abs(speed[row] - before[row]):
+            # Without restitution the pair goes on until it touches, and is stopped there in the next step.
+            bound[row] = -restitution * speed[row] if restitution > 0.0 else bound[row]
+            collisions += 1 if restitution > 0.0 or gap[row] < parameters.slop else 0
     return collisions
+
+
+@compiled
+def set_resting_bounds(parameters: Parameters, contacts: Contacts, velocity: Array, before: Array) -> None:
+    """What each contact demands of the velocity at the end of a step: to close no gap at once, if only the kick would close it.
+
+    Whoever comes faster than a kick can make it is left alone: the next step sees a collision.
+    """
+    speed, bound, gap = contacts.scratch, contacts.bound, contacts.gap
+    touching.approaches(contacts, velocity, speed)
+    for row in range(contacts.count[0]):
+        lasting = before[row] >= -STEADY * abs(speed[row] - before[row])
+        bound[row] = -max(gap[row], 0.0) / parameters.time_step if lasting else -np.inf
 
 
 @compiled
@@ -265,10 +278,13 @@ def settle(parameters: Parameters, state: State, workspace: Workspace) -> None:
 @compiled
 def rest(parameters: Parameters, state: State, workspace: Workspace) -> None:
     """The second contact solve: on the velocity at the end of the step, so that what touches and is pressed together rests."""
-    contacts, passage = workspace.contacts, workspace.passage
+    contacts, passage, before, decay = workspace.contacts, workspace.passage, workspace.before, parameters.kick.decay
+    for i in range(len(state.position)):
+        before[i, 0] = decay[i] * passage[i, 0]
+        before[i, 1] = decay[i] * passage[i, 1]
     copy_rows(passage, state.velocity)
-    for row in range(contacts.count[0]):
-        contacts.bound[row] = -max(contacts.gap[row], 0.0) / parameters.time_step
+    touching.approaches(contacts, before, contacts.change)
+    set_resting_bounds(parameters, contacts, passage, contacts.change)
     solve_contacts(parameters, state, contacts, passage)
     copy_rows(state.velocity, passage)
 

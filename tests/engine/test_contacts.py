@@ -1,0 +1,138 @@
+import numpy as np
+import pytest
+
+from ecume.engine import contacts as touching
+from ecume.engine.contacts import Bodies, Goal
+from ecume.engine.placement import place_on_lattice
+from ecume.engine.walls import disc, no_walls
+
+
+def all_candidates(position):
+    count = len(position)
+    candidates = touching.make_candidates(count, count * count)
+    partners = [list(range(i + 1, count)) for i in range(count)]
+    candidates.first[1:] = np.cumsum([len(row) for row in partners])
+    candidates.partner[: candidates.first[-1]] = sum(partners, [])
+    return candidates
+
+
+def gathered(position, radius, walls, mobility, reach=1e-6):
+    contacts = touching.make_contacts(8 * len(position) + 16)
+    assert touching.gather(contacts, all_candidates(position), position, Bodies(radius, walls, mobility), reach)
+    touching.weigh(contacts, mobility)
+    return contacts
+
+
+def a_raft(count=37, seed=0):
+    """A raft that is pushed together, with some disorder in the pushing."""
+    position = place_on_lattice(count, 2.0, (0.0, 0.0))
+    velocity = -0.3 * position + 0.05 * np.random.default_rng(seed).normal(size=position.shape)
+    return position, velocity
+
+
+def test_solved_contacts_let_nobody_through_and_pull_nobody():
+    position, velocity = a_raft()
+    mobility = np.random.default_rng(1).uniform(0.5, 2.0, len(position))
+    contacts = gathered(position, np.ones(len(position)), no_walls(), mobility)
+    touching.solve(contacts, velocity, mobility, Goal(1e-10, 0.0))
+    speed, rows = np.zeros(len(contacts.gap)), contacts.count[0]
+    touching.approaches(contacts, velocity, speed)
+    assert np.min(speed[:rows]) > -1e-10
+    assert np.min(contacts.impulse[:rows]) >= 0.0
+    assert np.max(contacts.impulse[:rows] * speed[:rows]) < 1e-9
+
+
+def test_impulses_conserve_momentum_to_rounding_however_unlike_the_masses():
+    position, velocity = a_raft()
+    mass = 10.0 ** np.random.default_rng(2).uniform(-2, 2, len(position))
+    before = mass @ velocity
+    contacts = gathered(position, np.ones(len(position)), no_walls(), 1.0 / mass)
+    touching.solve(contacts, velocity, 1.0 / mass, Goal(1e-9, 0.0))
+    assert mass @ velocity == pytest.approx(before, abs=1e-13 * np.sum(mass * np.abs(velocity[:, 0])))
+
+
+def test_plastic_contacts_never_add_kinetic_energy():
+    position, velocity = a_raft()
+    before = np.sum(velocity**2)
+    contacts = gathered(position, np.ones(len(position)), no_walls(), np.ones(len(position)))
+    touching.solve(contacts, velocity, np.ones(len(position)), Goal(1e-10, 0.0))
+    assert np.sum(velocity**2) < before
+
+
+def test_the_solution_is_that_of_a_general_quadratic_solver():
+    from scipy.optimize import nnls
+
+    position, velocity = a_raft(7)
+    mobility = np.ones(7)
+    contacts = gathered(position, np.ones(7), no_walls(), mobility)
+    rows = contacts.count[0]
+    jacobian = np.zeros((rows, 14))
+    for row in range(rows):
+        i, j = contacts.first[row], contacts.second[row]
+        jacobian[row, 2 * i : 2 * i + 2] -= contacts.normal[row]
+        jacobian[row, 2 * j : 2 * j + 2] += contacts.normal[row]
+    impulses, _ = nnls(jacobian.T, -velocity.ravel(), maxiter=1000)
+    expected = velocity.ravel() + jacobian.T @ impulses
+    touching.solve(contacts, velocity, mobility, Goal(1e-12, 0.0))
+    assert velocity.ravel() == pytest.approx(expected, abs=1e-9)
+
+
+def test_a_wall_stops_what_leans_on_it_through_others():
+    position = np.array([[0.0, 0.0], [2.0, 0.0], [4.0, 0.0]])
+    velocity = np.array([[1.0, 0.0], [1.0, 0.0], [1.0, 0.0], [0.0, 0.0]])
+    mobility = np.array([1.0, 1.0, 1.0, 0.0])
+    contacts = gathered(position, np.ones(3), disc(5.0), mobility)
+    touching.solve(contacts, velocity, mobility, Goal(1e-12, 0.0))
+    assert velocity[:, 0] == pytest.approx(np.zeros(4), abs=1e-11)
+
+
+def test_a_warm_start_from_the_solution_needs_one_sweep():
+    position, velocity = a_raft()
+    mobility = np.ones(len(position))
+    contacts = gathered(position, np.ones(len(position)), no_walls(), mobility)
+    memory = touching.Memory(np.zeros(1, np.int64), np.zeros((300, 2), np.int64), np.zeros(300))
+    cold = touching.solve(contacts, velocity.copy(), mobility, Goal(1e-9, 0.0))
+    touching.remember(contacts, memory)
+    contacts.impulse[:] = 0.0
+    touching.recall(contacts, memory)
+    assert touching.solve(contacts, velocity.copy(), mobility, Goal(1e-9, 0.0)) == 1 < cold
+
+
+def test_impulses_are_recalled_for_the_pairs_they_belong_to():
+    position, _ = a_raft()
+    contacts = gathered(position, np.ones(len(position)), no_walls(), np.ones(len(position)))
+    memory = touching.Memory(np.zeros(1, np.int64), np.zeros((300, 2), np.int64), np.zeros(300))
+    rows = contacts.count[0]
+    contacts.impulse[:rows] = 100.0 * contacts.first[:rows] + contacts.second[:rows]
+    touching.remember(contacts, memory)
+    fewer = np.delete(np.arange(rows), np.arange(0, rows, 3))
+    contacts.first[: len(fewer)], contacts.second[: len(fewer)] = contacts.first[fewer], contacts.second[fewer]
+    contacts.count[0] = len(fewer)
+    touching.recall(contacts, memory)
+    expected = 100.0 * contacts.first[: len(fewer)] + contacts.second[: len(fewer)]
+    assert np.array_equal(contacts.impulse[: len(fewer)], expected)
+
+
+def test_overlaps_are_undone_without_moving_the_center_of_mass():
+    position = 0.95 * place_on_lattice(19, 2.0, (0.0, 0.0))
+    mobility = np.random.default_rng(4).uniform(0.5, 2.0, 19)
+    before = position.T @ (1.0 / mobility)
+    contacts = gathered(position, np.ones(19), no_walls(), mobility, reach=0.5)
+    touching.separate(contacts, position, Bodies(np.ones(19), no_walls(), mobility), 1e-6)
+    apart = gathered(position, np.ones(19), no_walls(), mobility, reach=0.5)
+    assert np.min(apart.gap[: apart.count[0]]) > -1e-6
+    assert position.T @ (1.0 / mobility) == pytest.approx(before, abs=1e-12)
+
+
+def test_two_centers_in_one_place_are_moved_apart_all_the_same():
+    position = np.zeros((2, 2))
+    contacts = gathered(position, np.ones(2), no_walls(), np.ones(2))
+    touching.separate(contacts, position, Bodies(np.ones(2), no_walls(), np.ones(2)), 1e-6)
+    assert np.hypot(*(position[1] - position[0])) == pytest.approx(2.0, abs=1e-6)
+
+
+def test_contacts_without_room_say_so():
+    position, _ = a_raft()
+    contacts = touching.make_contacts(3)
+    bodies = Bodies(np.ones(len(position)), no_walls(), np.ones(len(position)))
+    assert not touching.gather(contacts, all_candidates(position), position, bodies, 1e-6)

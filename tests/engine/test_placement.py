@@ -1,0 +1,62 @@
+import math
+
+import numpy as np
+import pytest
+from scipy.spatial.distance import pdist
+
+from ecume.engine.placement import Region, place_at_random, place_on_lattice, place_on_ring
+from ecume.engine.walls import disc, no_walls
+from ecume.errors import BadInput
+
+NONE = np.zeros((0, 2)), np.zeros(0)
+BOWL = Region((-1.0, -1.0), (1.0, 1.0), disc(1.0))
+
+
+def least_gap(position, radius):
+    touching = np.add.outer(radius, radius)[np.triu_indices(len(radius), 1)]
+    return np.min(pdist(position) - touching)
+
+
+def test_random_discs_touch_neither_each_other_nor_the_wall():
+    radius = np.random.default_rng(0).uniform(0.02, 0.08, 60)
+    position = place_at_random(radius, BOWL, NONE, seed=1)
+    assert least_gap(position, radius) > 0.0
+    assert np.all(np.hypot(*position.T) + radius < 1.0)
+
+
+def test_random_discs_keep_clear_of_those_already_there():
+    taken = np.array([[0.0, 0.0]]), np.array([0.6])
+    position = place_at_random(np.full(20, 0.05), BOWL, taken, seed=1)
+    assert np.all(np.hypot(*position.T) > 0.65)
+
+
+def test_one_seed_gives_one_placement():
+    radius = np.full(30, 0.05)
+    assert np.array_equal(place_at_random(radius, BOWL, NONE, 7), place_at_random(radius, BOWL, NONE, 7))
+    assert not np.array_equal(place_at_random(radius, BOWL, NONE, 7), place_at_random(radius, BOWL, NONE, 8))
+
+
+def test_random_places_cover_the_region_evenly():
+    region = Region((0.0, 0.0), (2.0, 1.0), no_walls())
+    position = place_at_random(np.full(1000, 1e-3), region, NONE, seed=3)
+    # The mean of 1,000 even draws is known to 1/sqrt(12 000) of the side: four times that is a 1-in-16,000 event.
+    assert np.mean(position, axis=0) == pytest.approx([1.0, 0.5], abs=4 * 2.0 / math.sqrt(12_000))
+
+
+def test_a_crowd_that_jams_is_told_how_much_it_covers():
+    with pytest.raises(BadInput, match=r"cover 81% .*lattice"):
+        place_at_random(np.full(90, 0.095), BOWL, NONE, seed=1)
+
+
+def test_a_lattice_is_triangular_and_grows_around_its_center():
+    seven = place_on_lattice(7, 2.0, (1.0, -1.0))
+    assert seven[0].tolist() == [1.0, -1.0]
+    assert np.hypot(*(seven[1:] - seven[0]).T) == pytest.approx(np.full(6, 2.0))
+    assert np.min(pdist(place_on_lattice(100, 2.0, (0.0, 0.0)))) == pytest.approx(2.0)
+
+
+def test_a_ring_has_equal_steps():
+    ring = place_on_ring(5, 3.0, (1.0, 2.0))
+    assert np.hypot(*(ring - [1.0, 2.0]).T) == pytest.approx(np.full(5, 3.0))
+    steps = np.hypot(*(ring - np.roll(ring, 1, axis=0)).T)
+    assert steps == pytest.approx(np.full(5, 6.0 * math.sin(math.pi / 5)))

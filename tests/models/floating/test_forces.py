@@ -1,0 +1,95 @@
+import numpy as np
+import pytest
+
+from ecume import _jit
+from ecume.engine.neighbors import THREADS_FROM
+from ecume.laws import flotation
+from ecume.models import MODELS
+from ecume.models.floating.forces import forces
+from ecume.models.floating.observing import observe
+from ecume.models.floating.parameters import SURFACE_TENSION, pack_pair, unpack_fit
+from ecume.models.floating.state import make_state
+from ecume.laws.screened import fit_k1
+from tests.models.floating.bowls import HEAVY, LIGHT, WATER, bowl, scene_of
+
+FLOATING = MODELS["floating"]
+
+
+def forces_at(parameters, position):
+    state = make_state(position, np.zeros_like(position))
+    workspace = FLOATING.workspace(parameters, state, 1.0)
+    forces(parameters, state.position, workspace.lists, (workspace.sorted_floats, workspace.force))
+    return workspace.force
+
+
+def a_mixed_crowd(count=40):
+    floats = f'[[floats]]\nname = "heavy"\ncount = {count // 2}\n{HEAVY}[[floats]]\nname = "light"\ncount = {count // 2}\n{LIGHT}'
+    return scene_of(WATER + floats)
+
+
+def test_compiled_pair_forces_are_the_exact_law_to_1e_7():
+    scene = a_mixed_crowd(2)
+    parameters = FLOATING.parameters(scene)
+    liquid = flotation.Liquid(1000.0, 0.0728, 1e-3)
+    heavy, light = (flotation.Sphere(1e-3, density, 1.5707963) for density in (1300.0, 200.0))
+    for distance in np.geomspace(2e-3, 0.99 * parameters.cutoff, 25):
+        found = forces_at(parameters, np.array([[0.0, 0.0], [distance, 0.0]]))
+        wanted = flotation.pair_force(heavy, light, distance, liquid, theory="nonlinear")
+        assert found[1, 0] == pytest.approx(wanted, rel=1e-7)
+        assert found[0, 0] == -found[1, 0]
+
+
+def test_force_is_minus_the_slope_of_the_energy_that_frames_record():
+    scene = a_mixed_crowd(10)
+    parameters = FLOATING.parameters(scene)
+    position = FLOATING.start(scene, parameters).position
+    found, step = forces_at(parameters, position), 1e-7
+    for i in (0, 7):
+        energies = []
+        for moved in (-step, step):
+            shifted = position.copy()
+            shifted[i, 1] += moved
+            state = make_state(shifted, np.zeros_like(shifted))
+            frame = observe(parameters, state, FLOATING.workspace(parameters, state, 1.0))
+            energies.append(frame.numbers["total_energy"])
+        assert found[i, 1] == pytest.approx((energies[0] - energies[1]) / (2 * step), rel=1e-5)
+
+
+def test_pair_forces_of_a_crowd_cancel_to_rounding():
+    scene = a_mixed_crowd(60)
+    parameters = FLOATING.parameters(scene)
+    found = forces_at(parameters, FLOATING.start(scene, parameters).position)
+    assert np.abs(found.sum(axis=0)) == pytest.approx(np.zeros(2), abs=1e-14 * np.abs(found).sum())
+
+
+def test_a_dish_pushes_along_the_slope_of_its_energy():
+    scene = bowl(8)
+    parameters = FLOATING.parameters(scene)
+    position = FLOATING.start(scene, parameters).position
+    found, step = forces_at(parameters, position), 1e-7
+    energies = []
+    for moved in (-step, step):
+        shifted = position + np.array([[moved, 0.0]] + 7 * [[0.0, 0.0]])
+        state = make_state(shifted, np.zeros_like(shifted))
+        energies.append(observe(parameters, state, FLOATING.workspace(parameters, state, 1.0)).numbers["total_energy"])
+    assert found[0, 0] == pytest.approx((energies[0] - energies[1]) / (2 * step), rel=1e-5)
+
+
+@pytest.mark.compiled
+def test_forces_have_the_same_bits_for_any_number_of_threads():
+    count = THREADS_FROM + 96
+    scene = scene_of(f"{WATER}[[floats]]\n{HEAVY}count = {count}\n")
+    parameters = FLOATING.parameters(scene)
+    position = FLOATING.start(scene, parameters).position
+    found = []
+    for threads in (1, 2):
+        _jit.use_threads(threads)
+        found.append(forces_at(parameters, position).copy())
+    assert np.array_equal(found[0], found[1])
+
+
+def test_packed_constants_come_out_as_they_went_in():
+    fit = fit_k1(0.3, 9.0)
+    pair = pack_pair(1.0, 2.0, 3.0, 4.0, fit)
+    assert unpack_fit(pair) == fit
+    assert pair[SURFACE_TENSION] == 4.0
