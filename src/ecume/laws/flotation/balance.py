@@ -104,7 +104,7 @@ def closed_form_balance(bond_number: Number, density_ratio: Number, contact_angl
     """Linear meniscus, but depth and filling kept: r_c sin(psi)/R = B Sigma / [1 + (a^2/2)(1 + K0(a)/(a K1(a)))].
 
     The angles then follow from sin(phi_c) sin(psi) = that, phi_c = pi - theta + psi, exactly. It has no root when
-    the sphere is too heavy for a small one. Derived as `closed_form_charge`.
+    the sphere is too heavy for a small one. Derived as `closed_form_charge` is, from [vella2005].
 
     >>> round(math.degrees(closed_form_balance(0.1, 1.5, math.pi / 2).slope_angle), 2)
     3.41

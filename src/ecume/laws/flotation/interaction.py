@@ -12,7 +12,7 @@ from ecume.laws.arguments import SMALLEST, as_distances, as_given, chosen, requi
 from ecume.laws.capillarity import pair_strength
 from ecume.laws.flotation.balance import BALANCES, CHARGES, nonlinear_balance
 from ecume.laws.flotation.bodies import Liquid, Sphere, bond_number, density_ratio
-from ecume.laws.flotation.young_laplace import outer_meniscus
+from ecume.laws.flotation.young_laplace import outer_meniscus, refined
 from ecume.units import Angle, Array, Energies, Forces, Length, Lengths
 
 POINT = 0.01
@@ -118,7 +118,7 @@ def surface_height(sphere: Sphere, distance: Lengths, liquid: Liquid, theory: st
     """Height of the surface around one floating sphere, at a distance from its axis; negative around a heavy one.
 
     "closed-form" and "linear": h = -A K0(r/L), the contact line at R sin(theta) (R/100 at least). "nonlinear": the
-    Young–Laplace profile, interpolated to 1e-6 of the charge. Inside the contact line there is no surface: the
+    Young–Laplace profile, interpolated to 1e-7 of the charge (1e-2 at an upright neck). Inside the contact line there is no surface: the
     height of the contact line stands for it (where the meniscus overhangs, that of its neck), so that a picture has
     no hole. [vella2005].
 
@@ -152,9 +152,9 @@ def _profile(r: Array, bond: float, ratio: float, angle: float) -> Array:
 
 @lru_cache(maxsize=1024)
 def _outer_branch(radius: float, slope_angle: float) -> tuple[Array, Array]:
-    surface = outer_meniscus(radius, slope_angle)
-    first = int(np.argmin(surface.radii))
-    return surface.radii[first:], surface.amplitudes[first:]
+    radii, amplitudes = refined(outer_meniscus(radius, slope_angle))
+    first = int(np.argmin(radii))
+    return radii[first:], amplitudes[first:]
 
 
 def _strength(a: Sphere, b: Sphere, liquid: Liquid, theory: str) -> float:

@@ -112,6 +112,18 @@ def _newton(unknowns: Array, change: Array, scale: float, half: float) -> tuple[
     raise ArithmeticError(f"the meniscus of a contact line of radius {scale:g} capillary lengths was not found")
 
 
+def refined(surface: OuterMeniscus, points: int = 401) -> tuple[Array, Array]:
+    """Radii and amplitudes of a meniscus at more points than it was solved at, as exact: both are polynomials in tau."""
+    from numpy.polynomial import chebyshev
+    from scipy.special import wrightomega
+
+    x, _ = _collocation(len(surface.radii) - 1)
+    q, amplitudes = surface.radii + np.log(surface.radii), surface.amplitudes
+    weights = chebyshev.chebfit(x, np.stack([q, amplitudes], axis=1), len(x) - 1)
+    finer = chebyshev.chebval(-np.cos(np.linspace(0.0, np.pi, points)), weights)
+    return np.asarray(wrightomega(finer[0])), finer[1]
+
+
 def outer_meniscus(radius: Number, slope_angle: Angle, radius_change: Number = 0.0) -> OuterMeniscus:
     """The surface outside a contact line of this radius that it leaves with this slope angle (not zero); positive
     rises outward.

@@ -1,0 +1,156 @@
+"""What holds for every law: its units, its papers, its examples, and that compiling changes nothing."""
+
+import doctest
+import importlib
+import inspect
+import pkgutil
+import re
+import typing
+from dataclasses import fields, is_dataclass, replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pint
+import pytest
+
+import ecume.laws
+from ecume import _jit
+from ecume.laws import capillarity, contact, drag, flotation, meniscus, special
+from ecume.units import Unit
+
+ROOT = Path(__file__).parents[2]
+MODULES = sorted(module.name for module in pkgutil.walk_packages(ecume.laws.__path__, "ecume.laws."))
+COMPILED = (special, capillarity, contact)
+RESCALED = (
+    capillarity, contact, drag, meniscus, flotation.bodies, flotation.balance, flotation.closure, flotation.interaction,
+)  # fmt: skip
+LIQUID = flotation.Liquid(density=3.0, surface_tension=0.7, viscosity=0.2, gravity=1.9, gas_density=0.4)
+SAMPLES = {
+    "distance": 0.83, "center_distance": 0.31, "r": 0.31, "dish_radius": 0.97, "width": 1.7, "position": (0.2, -0.3),
+    "size": (1.7, 1.1), "capillary_length": 0.52, "strength": 0.37, "surface_tension": 0.61, "charge": 0.11,
+    "charge_i": 0.13, "charge_j": -0.07, "wall_amplitude": 0.23, "radius": 0.21, "bond_number": 0.4, "wall_weight": 0.8,
+    "density_ratio": 0.6, "contact_angle": 0.9, "filling_angle": 2.0, "slope_angle": 0.3, "cutoff": 3.0,
+    "accuracy": 1e-4, "approach_speed": 0.9, "mass": 0.8, "mass_i": 0.8, "mass_j": 1.7, "restitution": 0.4,
+    "coefficient": 0.6, "viscosity": 0.3, "factor": 0.5, "friction": 0.2, "solid_gas": 0.3, "solid_liquid": 0.2,
+    "liquid_gas": 0.5, "x": 1.7, "coefficients": (0.5, -1.5, 2.5), "liquid": LIQUID,
+    "sphere": flotation.Sphere(0.21, 4.0, 1.2), "a": flotation.Sphere(0.21, 4.0, 1.2), "b": flotation.Sphere(0.17, 1.0, 0.7),
+}  # fmt: skip
+ODD = {"[length]": 7.3, "[mass]": 0.31, "[time]": 1.9}
+"""Base units that no law has heard of."""
+
+
+def public(module):
+    return {
+        name: law for name, law in vars(module).items()
+        if inspect.isfunction(law) and law.__module__ == module.__name__ and not name.startswith("_")
+    }  # fmt: skip
+
+
+def arguments(law):
+    """A sample for each argument that has no default. A KeyError: give the new argument a sample."""
+    return {
+        name: SAMPLES[name] for name, given in inspect.signature(law).parameters.items() if given.default is given.empty
+    }
+
+
+REGISTRY = pint.UnitRegistry(cache_folder=None)
+
+
+@cache
+def scale(symbol):
+    """How many odd units one SI unit is."""
+    dimensions = REGISTRY.Quantity(1.0, symbol).dimensionality
+    return float(np.prod([ODD[name] ** float(power) for name, power in dimensions.items()]))
+
+
+def rescaled(value, hint):
+    """The same physical thing in odd units."""
+    if is_dataclass(value):
+        hints = typing.get_type_hints(type(value), include_extras=True)
+        return replace(value, **{f.name: rescaled(getattr(value, f.name), hints[f.name]) for f in fields(value)})
+    if typing.get_origin(hint) is tuple and isinstance(value, tuple) and Ellipsis not in typing.get_args(hint):
+        return tuple(rescaled(v, h) for v, h in zip(value, typing.get_args(hint), strict=True))
+    units = [extra for extra in getattr(hint, "__metadata__", ()) if isinstance(extra, Unit)]
+    return value * scale(units[0].symbol) if units else value
+
+
+LAWS = [law for module in RESCALED for law in public(module).values()]
+SCALARS = [law for module in COMPILED for law in public(module).values() if law is not capillarity.truncation_radius]
+
+
+@pytest.mark.parametrize("law", LAWS, ids=lambda law: f"{law.__module__.rsplit('.', 1)[-1]}.{law.__name__}")
+def test_a_law_comes_out_in_the_unit_that_it_says(law):
+    hints = typing.get_type_hints(law, include_extras=True)
+    given = arguments(law)
+    expected = rescaled(law(**given), hints["return"])
+    found = law(**{name: rescaled(value, hints[name]) for name, value in given.items()})
+    pairs = zip(numbers(found), numbers(expected), strict=True)
+    assert all(a == pytest.approx(b, rel=1e-8, abs=1e-300) for a, b in pairs)
+
+
+def numbers(result):
+    """Every number in a result."""
+    if is_dataclass(result):
+        return [float(getattr(result, f.name)) for f in fields(result)]
+    if isinstance(result, flotation.balance.Load):
+        return [result.slope_angle, result.density_ratio, result.change]
+    return [float(value) for value in np.ravel(np.asarray(result, dtype=float))]
+
+
+@pytest.mark.parametrize("law", LAWS + SCALARS, ids=lambda law: law.__name__)
+def test_every_argument_and_result_of_a_law_says_its_unit(law):
+    hints = typing.get_type_hints(law, include_extras=True)
+    for name, hint in hints.items():
+        plain = hint in (float, typing.Any) or hint is np.ndarray
+        assert not plain, f"{law.__name__}: {name} is a plain number; annotate it with its unit"
+
+
+@cache
+def numba_ready():
+    _jit.admit(*COMPILED)
+
+
+@pytest.mark.parametrize("law", SCALARS, ids=lambda law: law.__name__)
+def test_a_compiled_law_gives_what_the_plain_one_gives(law):
+    numba_ready()
+    given = tuple(arguments(law).values())
+    assert _jit.compiled(law)(*given) == pytest.approx(law(*given), rel=1e-14, abs=1e-300)
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_the_examples_of_a_law_are_true(name):
+    assert doctest.testmod(importlib.import_module(name)).failed == 0
+
+
+def bibliography():
+    return set(re.findall(r"^@\w+\{(\w+),", (ROOT / "references.bib").read_text(encoding="utf-8"), re.MULTILINE))
+
+
+def cited(text):
+    return {key for group in re.findall(r"\[([^\]]*)\]", text or "") for key in re.findall(r"\b[a-z]+\d{4}\b", group)}
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_every_paper_that_a_law_cites_is_in_the_bibliography(name):
+    assert cited(inspect.getsource(importlib.import_module(name))) <= bibliography()
+
+
+TABLES = {
+    "walls": [law for row in capillarity.WALLS.values() for law in row],
+    "pairs": [
+        capillarity.pair_energy,
+        capillarity.pair_force,
+        capillarity.plane_wall_energy,
+        capillarity.plane_wall_force,
+    ],
+    "charges": list(flotation.CHARGES.values()),
+    "balances": list(flotation.BALANCES.values()),
+}
+UNCITED = {"no_wall_energy", "no_wall_force", "nonlinear_charge"}
+"""No physics of their own."""
+
+
+@pytest.mark.parametrize("law", [law for table in TABLES.values() for law in table], ids=lambda law: law.__name__)
+def test_a_law_of_a_table_names_its_paper(law):
+    assert cited(law.__doc__) or law.__name__ in UNCITED
