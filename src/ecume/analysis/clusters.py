@@ -77,6 +77,6 @@ def touching_clusters(frame: Frame, *, tolerance: float = TOLERANCE, period: Seq
 def _components(pairs: Integers, count: int) -> Clusters:
     """Pairs are the edges of a graph, and clusters its connected parts."""
     edges: Any = coo_array((np.ones(len(pairs), dtype=np.int8), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
-    clusters, labels = connected_components(edges, directed=False)
-    labels = labels.astype(np.int64)
+    clusters, found = connected_components(edges, directed=False)
+    labels: Integers = np.asarray(found, dtype=np.int64)
     return Clusters(labels, np.bincount(labels, minlength=clusters).astype(np.int64))
