@@ -118,9 +118,9 @@ def surface_height(sphere: Sphere, distance: Lengths, liquid: Liquid, theory: st
     """Height of the surface around one floating sphere, at a distance from its axis; negative around a heavy one.
 
     "closed-form" and "linear": h = -A K0(r/L), the contact line at R sin(theta) (R/100 at least). "nonlinear": the
-    Young–Laplace profile, interpolated to 1e-7 of the charge (1e-2 at an upright neck). Inside the contact line there is no surface: the
-    height of the contact line stands for it (where the meniscus overhangs, that of its neck), so that a picture has
-    no hole. [vella2005].
+    Young–Laplace profile, interpolated to 1e-7 of the charge (1e-2 at an upright neck). Inside the contact line
+    there is no surface: the height of the contact line stands for it (where the meniscus overhangs, that of its
+    neck), so that a picture has no hole. [vella2005].
 
     >>> water = Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3)
     >>> surface_height(Sphere(1e-3, 1300.0, 1.5708), 3e-3, water) < 0
