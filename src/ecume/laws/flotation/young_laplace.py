@@ -103,7 +103,7 @@ def _linearized(unknowns: Array, scale: float, half: float) -> tuple[Array, Arra
 def _solved(jacobian: Array, right: Array) -> Array:
     """The linear solution, with q eliminated first.
 
-    LAPACK starts its threads at 100 unknowns, and waiting for them costs a hundred times the arithmetic on a busy machine.
+    LAPACK starts its threads at 100 unknowns; on a busy machine waiting for them costs a hundred times the arithmetic.
     """
     n = len(jacobian) // 3
     ab, q = slice(0, 2 * n), slice(2 * n, 3 * n)
