@@ -8,7 +8,7 @@ import numpy as np
 
 from ecume.trajectories.frame import Frame
 
-UNITS = {"position": "m", "velocity": "m/s", "radius": "m", "mass": "kg", "kinetic_energy": "J"}
+UNITS = {"position": "m", "velocity": "m/s", "radius": "m", "mass": "kg", "species": "1", "kinetic_energy": "J"}
 
 
 def frame_at(number: int, particles: int = 6, dimensions: int = 2) -> Frame:

@@ -122,6 +122,8 @@ def test_a_trajectory_that_is_cut_and_written_again_is_the_same(recorded: Record
         recorder.cut(kept)
         assert recorder.frames == kept
         assert len(Trajectory(folder)) == kept
+        left = sum(path.stat().st_size for path in folder.iterdir())
+        assert left < sum(map(len, before.values())), "what was cut away takes no room"
         for number in range(kept, 60):
             recorder.write(frames(60)[number], 10 * number)
     assert {path.name: path.read_bytes() for path in folder.iterdir()} == before

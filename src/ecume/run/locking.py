@@ -17,12 +17,16 @@ from ecume.errors import RunExists
 from ecume.run.directory import RunDirectory
 from ecume.trajectories.durable import storing
 
+WIDTH = 512
+"""Bytes of the lock: more than any process needs to say who it is."""
+
 
 @contextlib.contextmanager
 def held(home: RunDirectory) -> Iterator[None]:
     """Hold a run directory; RunExists when another process does. The system lets go of it however the process ends."""
     with storing(home.lock):
-        file = home.lock.open("a+b", buffering=0)
+        home.lock.touch()
+        file = home.lock.open("r+b", buffering=0)
     with file:
         _take(home, file)
         yield
@@ -34,8 +38,7 @@ def _take(home: RunDirectory, file: FileIO) -> None:
     except portalocker.exceptions.LockException as error:
         raise RunExists(f"{home.path}: is being written by {_named(owner(home))}; wait, or stop it") from error
     with storing(home.lock):
-        file.truncate(0)
-        file.write(json.dumps(_self()).encode())
+        file.write(json.dumps(_self()).encode().ljust(WIDTH))  # over the former owner in one go: never half a name
 
 
 def owner(home: RunDirectory) -> dict[str, Any] | None:
@@ -47,12 +50,18 @@ def owner(home: RunDirectory) -> dict[str, Any] | None:
     return plain if isinstance(plain, dict) and {"pid", "host", "began"} <= plain.keys() else None
 
 
-def is_alive(process: dict[str, Any]) -> bool:
-    """Whether that process still runs; one on another machine is believed to."""
-    if process["host"] != socket.gethostname():
-        return True
+def is_held(home: RunDirectory) -> bool:
+    """Whether the process that locked the directory last still runs; one on another machine is believed to."""
+    if (process := owner(home)) is None:
+        return os.name == "nt" and home.lock.exists()
+    return process["host"] != socket.gethostname() or _is_alive(process)
+
+
+def _is_alive(process: dict[str, Any]) -> bool:
     try:
-        return bool(abs(psutil.Process(process["pid"]).create_time() - process["began"]) < 2.0)
+        found = psutil.Process(process["pid"])
+        same = abs(found.create_time() - process["began"]) < 2.0
+        return bool(same and found.status() != psutil.STATUS_ZOMBIE)
     except psutil.NoSuchProcess:
         return False
     except psutil.AccessDenied:  # it lives, and is somebody else's

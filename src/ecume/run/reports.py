@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from ecume.errors import StorageError
 from ecume.run.directory import RunDirectory, existing, json_of
-from ecume.run.locking import held, is_alive, owner
+from ecume.run.locking import held, is_held
 from ecume.trajectories.durable import storing
 from ecume.trajectories.reader import Trajectory
 from ecume.trajectories.repair import Repaired
@@ -75,8 +75,7 @@ def _state(home: RunDirectory, status: dict[str, Any]) -> tuple[str, str]:
         return "failed", str(json_of(home.failed).get("message", ""))
     told = str(status.get("state", "running"))
     if told == "running":
-        process = owner(home)
-        told = "running" if process is None or is_alive(process) else "killed"
+        told = "running" if is_held(home) else "killed"
     return told, "" if told == "running" else f"go on: ecume resume {home.path}"
 
 

@@ -91,7 +91,7 @@ def _headings(frame: Frame, names: Sequence[str], units: Any) -> Iterator[str]:
     """`x [m]`, `vx [m/s]`, `radius [m]`: the headings that a table of floats is read with, too."""
     short = {"position": "", "velocity": "v"}
     for name in names:
-        unit = f" [{units[name]}]" if units.get(name) else ""
+        unit = f" [{units[name]}]" if units.get(name, "1") != "1" else ""
         shape = frame.arrays[name].shape[1:]
         if not shape:
             yield f"{name}{unit}"
