@@ -1,0 +1,209 @@
+import math
+import warnings
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.special import k1
+
+from ecume.errors import Diverged, SceneError
+from ecume.laws import drag, flotation
+from ecume.models import MODELS
+from ecume.models.floating.building import StepWarning, afloat
+from ecume.simulation import simulate
+from tests.models.floating.bowls import HEAVY, LIGHT, WATER, lone_float_in_a_dish, scene_of, two_floats
+
+FLOATING = MODELS["floating"]
+ORDERS = {"velocity-verlet": 2, "explicit-euler": 1, "stormer-verlet": 2, "semi-implicit-euler": 1, "rk4": 4}
+
+
+def meeting_time(apart, drag_on):
+    """When two floats released at rest touch: the equation of motion, by an integrator of order 8."""
+    scene = two_floats(apart, motion=f"drag = {str(drag_on).lower()}")
+    kind = afloat(scene.floats[0], scene)
+    length = flotation.Liquid(1000.0, 0.0728, 1e-3).capillary_length
+    strength = 2.0 * math.pi * 0.0728 * kind.charge**2 / length
+    friction = kind.friction if drag_on else 0.0
+
+    def rate(_, y):
+        return [y[1], 2.0 * (-strength * k1(y[0] / length) - friction * 0.5 * y[1]) / kind.mass]
+
+    def touching(_, y):
+        return y[0] - 2.0 * kind.sphere.radius
+
+    touching.terminal = True
+    found = solve_ivp(rate, (0, 60), [apart, 0.0], "DOP853", events=touching, rtol=1e-10, atol=1e-14)
+    return found.t_events[0][0]
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize("drag_on", [False, True])
+def test_two_floats_meet_when_the_equation_of_motion_says_so(drag_on):
+    apart, expected = 6e-3, meeting_time(6e-3, drag_on)
+    every = expected / 2000
+    motion = f"drag = {str(drag_on).lower()}"
+    scene = two_floats(apart, motion=motion, duration=2100 * every, frame_every=every)
+    for frame in simulate(scene):
+        gap = np.diff(frame.arrays["position"][:, 0])[0] - 2e-3
+        if gap < 1e-9:
+            break
+    # The gap closes between two frames, which lie a twentieth of a per cent apart.
+    assert frame.time == pytest.approx(expected, rel=1e-3)
+
+
+@pytest.fixture
+def coarse_steps_allowed():
+    """These tests take long steps on purpose."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", StepWarning)
+        yield
+
+
+def final_position(integrator, step):
+    motion = f'drag = false\nintegrator = "{integrator}"\ntime_step = {step!r}'
+    scene = lone_float_in_a_dish(HEAVY, motion=motion, duration=0.32, frame_every=0.32)
+    return list(simulate(scene))[-1].arrays["position"][0, 0]
+
+
+@pytest.mark.compiled
+@pytest.mark.usefixtures("coarse_steps_allowed")
+@pytest.mark.parametrize("integrator", ORDERS)
+def test_each_scheme_has_its_order(integrator):
+    exact = final_position("rk4", 0.32 / 1024)
+    errors = [abs(final_position(integrator, 0.32 / steps) - exact) for steps in (64, 128)]
+    order = math.log2(errors[0] / errors[1])
+    assert order == pytest.approx(ORDERS[integrator], abs=0.25)
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize("integrator", ["velocity-verlet", "stormer-verlet"])
+def test_symmetric_schemes_go_back_to_the_start_in_reversed_time(integrator):
+    scene = lone_float_in_a_dish(HEAVY, motion=f'drag = false\nintegrator = "{integrator}"', duration=2.0, frame_every=0.1)
+    parameters = FLOATING.parameters(scene)
+    state = FLOATING.start(scene, parameters)
+    began = state.position.copy()
+    for _ in range(2):
+        FLOATING.advance(parameters, state, FLOATING.workspace(parameters, state, 1.0), 500)
+        state.velocity[:] *= -1.0
+    assert state.position == pytest.approx(began, abs=1e-12 * 4e-3 * 1000)
+
+
+def energy_drift(integrator, steps=1_000_000):
+    """Relative change of the energy of one float that swings in a dish, over the whole run, and the largest on the way."""
+    every = 20_000
+    motion = f'drag = false\nintegrator = "{integrator}"\ntime_step = 4e-3'
+    scene = lone_float_in_a_dish(HEAVY, motion=motion, duration=steps * 4e-3, frame_every=every * 4e-3)
+    energies = np.array([frame.numbers["total_energy"] for frame in simulate(scene)])
+    swing = abs(energies[0] - lowest_energy())
+    return np.max(np.abs(energies - energies[0])) / swing
+
+
+def lowest_energy():
+    scene = lone_float_in_a_dish(HEAVY, place=(0.0, 0.0))
+    return next(iter(simulate(scene))).numbers["total_energy"]
+
+
+@pytest.mark.compiled
+@pytest.mark.usefixtures("coarse_steps_allowed")
+def test_verlet_keeps_the_energy_for_a_million_steps():
+    assert energy_drift("velocity-verlet") < 1e-3
+
+
+@pytest.mark.compiled
+@pytest.mark.usefixtures("coarse_steps_allowed")
+def test_explicit_euler_does_not_keep_the_energy():
+    try:
+        drift = energy_drift("explicit-euler", steps=100_000)
+    except Diverged:
+        drift = math.inf
+    assert drift > 0.1
+
+
+@pytest.mark.parametrize("per_relaxation", [0.01, 1.0, 100.0])
+def test_a_steady_force_gives_the_exact_terminal_speed_however_long_the_step(per_relaxation):
+    scene = two_floats(8e-3, motion="drag = true", contacts='law = "none"')
+    parameters = FLOATING.parameters(scene)
+    relaxation, mass = parameters.floats.relaxation_time[0], parameters.floats.mass[0]
+    from ecume.models.floating.building import kick_of
+    from ecume.models.floating.stepping import give_kick
+
+    kick = kick_of(0, 2.0 * per_relaxation * relaxation, parameters.floats, 0)
+    force = np.array([[3e-7, 0.0], [0.0, -2e-7]])
+    velocity = force * relaxation / mass
+    give_kick(kick, velocity, force)
+    assert velocity == pytest.approx(force * relaxation / mass, rel=1e-13)
+
+
+@pytest.mark.compiled
+def test_drag_takes_away_a_velocity_exponentially():
+    scene = scene_of(
+        f"{WATER}[[floats]]\n{HEAVY}positions = [[0.0, 0.0]]\nvelocity = [0.01, 0.0]\n", duration=0.2, frame_every=0.1
+    )
+    kind = afloat(scene.floats[0], scene)
+    frames = list(simulate(scene))
+    relaxation = drag.relaxation_time(kind.mass, kind.friction)
+    # Kicks take drag exactly; the drift in between adds an error of second order in the step.
+    assert frames[-1].arrays["velocity"][0, 0] == pytest.approx(0.01 * math.exp(-0.2 / relaxation), rel=1e-12)
+    assert frames[-1].arrays["position"][0, 0] == pytest.approx(
+        0.01 * relaxation * -math.expm1(-0.2 / relaxation), rel=1e-3
+    )
+
+
+def test_syrup_needs_no_tinier_step_than_water():
+    steps = []
+    for viscosity in (1e-3, 0.1, 10.0):
+        text = WATER.replace('"1 mPa*s"', str(viscosity))
+        scene = scene_of(f"{text}[[floats]]\n{HEAVY}count = 5\n", duration=100.0, frame_every=100.0)
+        steps.append(FLOATING.parameters(scene).time_step)
+    assert steps[0] <= steps[1] <= steps[2]
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize(
+    ("kind", "wall_angle", "leaves"),
+    [(HEAVY, "45 deg", True), (LIGHT, "45 deg", False), (HEAVY, "135 deg", False), (LIGHT, "135 deg", True)],
+)
+def test_heavy_floats_leave_a_wetting_wall_and_light_ones_climb_it(kind, wall_angle, leaves):
+    scene = lone_float_in_a_dish(kind, wall_angle=wall_angle, place=(6e-3, 0.0), motion="drag = true", duration=0.2)
+    frames = list(simulate(scene))
+    moved = frames[-1].arrays["position"][0, 0] - 6e-3
+    assert bool(moved < 0) == leaves
+    assert abs(moved) > 1e-5
+
+
+def test_a_step_that_is_unstable_is_refused_with_the_number_that_would_do():
+    with pytest.raises(SceneError, match=r"motion.time_step: .* is unstable here; wanted at most .* s is good"):
+        FLOATING.parameters(two_floats(6e-3, motion="time_step = 1.0", duration=10.0, frame_every=1.0))
+
+
+def test_a_coarse_step_is_warned_of():
+    good = FLOATING.parameters(two_floats(6e-3, duration=100.0, frame_every=100.0)).time_step
+    step = 8.0 * good
+    scene = two_floats(6e-3, motion=f"time_step = {step!r}", duration=10 * step, frame_every=step)
+    with pytest.warns(StepWarning, match="coarse"):
+        FLOATING.parameters(scene)
+
+
+def test_a_step_that_does_not_divide_the_frames_is_refused():
+    with pytest.raises(SceneError, match="does not divide frame_every"):
+        FLOATING.parameters(two_floats(6e-3, motion="time_step = 0.0037"))
+
+
+def test_runge_kutta_refuses_a_liquid_too_viscous_for_it():
+    text = WATER.replace('"1 mPa*s"', "10.0")
+    scene = scene_of(f'{text}[[floats]]\n{HEAVY}count = 2\n[motion]\nintegrator = "rk4"\n')
+    with pytest.raises(SceneError, match="rk4"):
+        FLOATING.parameters(scene)
+
+
+def test_a_run_that_leaves_its_range_says_when_who_and_what_to_do():
+    scene = two_floats(6e-3, duration=1.0)
+    parameters = FLOATING.parameters(scene)
+    state = FLOATING.start(scene, parameters)
+    state.velocity[1, 0] = 50.0
+    workspace = FLOATING.workspace(parameters, state, 1.0)
+    assert FLOATING.advance(parameters, state, workspace, 10) == 2
+    assert "float 1 goes 50 m/s" in FLOATING.diagnosis(parameters, state)
+    state.position[0, 1] = np.nan
+    assert FLOATING.advance(parameters, state, workspace, 10) == 2
+    assert "float 0 has no finite position" in FLOATING.diagnosis(parameters, state)

@@ -1,0 +1,97 @@
+import hashlib
+
+import numpy as np
+import pytest
+
+from ecume import _jit
+from ecume.models import MODELS
+from ecume.simulation import moments, simulate
+from tests.models.floating.bowls import HEAVY, WATER, bowl, scene_of
+
+FLOATING = MODELS["floating"]
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize(("viscosity", "radius", "seed"), [("2 mPa*s", "3 cm", 1), ("0.2 Pa*s", "2.2 cm", 5)])
+def test_sixty_cereals_rest_after_ten_minutes_and_no_energy_was_created(viscosity, radius, seed):
+    scene = bowl(60, viscosity=viscosity, radius=radius, seed=seed, duration=600.0, frame_every=0.5)
+    frames = list(simulate(scene))
+    energies = np.array([frame.numbers["total_energy"] for frame in frames])
+    rises = np.diff(energies)
+    last = frames[-1].numbers
+    assert np.all(np.isfinite(frames[-1].arrays["position"]))
+    assert last["deepest_overlap"] < 1e-3 * 1.5e-3
+    assert np.sum(rises[rises > 0]) < 1e-6 * abs(energies[-1])
+    assert last["largest_speed"] < 1e-6
+    assert last["clusters"] == 1
+    assert last["unconverged_steps"] == 0
+
+
+def digest(state):
+    return hashlib.sha256(b"".join(np.ascontiguousarray(array).tobytes() for array in state)).hexdigest()
+
+
+def copied(state):
+    return type(state)(*[array.copy() for array in state])
+
+
+def end_of(scene, **how):
+    moment = None
+    for moment in moments(scene, **how):  # noqa: B007  # the last one counts
+        pass
+    return digest(moment.state)
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize(
+    "integrator", ["velocity-verlet", "explicit-euler", "stormer-verlet", "semi-implicit-euler", "rk4"]
+)
+def test_half_a_run_and_half_a_run_are_a_run_bit_for_bit(integrator):
+    scene = scene_of(
+        f'{WATER}[[floats]]\ncount = 30\n{HEAVY}[dish]\nradius = 0.012\n[motion]\nintegrator = "{integrator}"\n',
+        duration=1.0,
+        frame_every=0.05,
+    )
+    whole = end_of(scene)
+    halves = [copied(moment.state) for moment in moments(scene, patience=1e-3) if moment.step % 37 == 1]
+    assert len(halves) > 0
+    for half in halves[:: max(1, len(halves) // 4)]:
+        assert end_of(scene, state=half) == whole
+
+
+@pytest.mark.compiled
+def test_where_the_march_pauses_changes_no_bit():
+    scene = bowl(40, duration=1.0, frame_every=0.25)
+    assert end_of(scene, patience=1e-5) == end_of(scene, patience=10.0)
+
+
+@pytest.mark.compiled
+def test_a_large_raft_has_the_same_bits_for_any_number_of_threads():
+    scene = scene_of(f"{WATER}[[floats]]\ncount = 2100\n{HEAVY}", duration=0.02, frame_every=0.02)
+    ends = []
+    for threads in (1, 2):
+        _jit.use_threads(threads)
+        ends.append(end_of(scene))
+    assert ends[0] == ends[1]
+
+
+@pytest.mark.compiled
+def test_a_crowd_that_outgrows_its_workspace_gets_a_larger_one_and_the_same_bits():
+    scene = bowl(60, duration=1.0, frame_every=0.5)
+    parameters = FLOATING.parameters(scene)
+    state = FLOATING.start(scene, parameters)
+    tight = FLOATING.workspace(parameters, state, 0.05)
+    steps = 2 * parameters.steps_per_frame
+    while state.step[0] < steps:
+        FLOATING.advance(parameters, state, tight, steps - int(state.step[0]))
+        tight = FLOATING.workspace(parameters, state, 0.05)
+    assert digest(state) == end_of(scene)
+
+
+@pytest.mark.compiled
+def test_contacts_of_a_settled_raft_carry_the_pull_and_nothing_moves():
+    scene = bowl(19, radius="1.2 cm", duration=120.0, frame_every=10.0)
+    frames = list(simulate(scene))
+    before, after = frames[-2].arrays["position"], frames[-1].arrays["position"]
+    assert np.max(np.abs(after - before)) < 1e-9
+    assert frames[-1].numbers["clusters"] == 1

@@ -1,0 +1,112 @@
+import numpy as np
+import pytest
+
+from ecume.errors import SceneError
+from ecume.models import MODELS
+from tests.models.floating.bowls import HEAVY, LIGHT, WATER, bowl, scene_of
+
+FLOATING = MODELS["floating"]
+
+
+def started(scene):
+    parameters = FLOATING.parameters(scene)
+    return FLOATING.start(scene, parameters), parameters
+
+
+def test_random_floats_start_inside_the_dish_without_touching():
+    state, parameters = started(bowl(60))
+    assert np.all(np.hypot(*state.position.T) + 1.5e-3 < 0.03)
+    apart = np.hypot(*(state.position[:, None] - state.position[None]).T)
+    assert np.min(apart[np.triu_indices(60, 1)]) > 3e-3
+
+
+def test_lattices_rings_and_rows_stand_where_the_scene_says():
+    text = (
+        f'[[floats]]\nname = "raft"\ncount = 7\n{HEAVY}placement = "lattice"\nspacing = 2.1e-3\ncenter = [0.02, 0.0]\n'
+        f'[[floats]]\nname = "ring"\ncount = 4\n{LIGHT}placement = "ring"\nring_radius = 8e-3\n'
+    )
+    state, _ = started(scene_of(WATER + text))
+    assert state.position[0] == pytest.approx([0.02, 0.0])
+    assert np.hypot(*state.position[7:].T) == pytest.approx(np.full(4, 8e-3))
+
+
+def test_overlapping_floats_are_all_told_with_their_overlap():
+    text = f"[[floats]]\n{HEAVY}positions = [[0.0, 0.0], [0.0015, 0.0], [0.0, 0.0019]]\n"
+    with pytest.raises(SceneError) as caught:
+        started(scene_of(WATER + text))
+    assert [fault.path for fault in caught.value.faults] == ["floats[0].positions[0]", "floats[0].positions[0]"]
+    assert "overlaps floats[0].positions[1] by 0.0005 m" in str(caught.value)
+
+
+def test_floats_outside_the_dish_are_told():
+    text = f"[[floats]]\n{HEAVY}positions = [[0.0095, 0.0]]\n[dish]\nradius = 0.01\n"
+    with pytest.raises(SceneError, match=r"floats\[0\].positions\[0\]: .* not inside the dish"):
+        started(scene_of(WATER + text))
+
+
+def test_floats_that_just_touch_may_start():
+    text = f"[[floats]]\n{HEAVY}positions = [[0.0, 0.0], [0.002, 0.0]]\n"
+    state, _ = started(scene_of(WATER + text))
+    assert len(state.position) == 2
+
+
+def test_a_crowd_that_finds_no_room_is_told():
+    with pytest.raises(SceneError, match="placement"):
+        started(bowl(600))
+
+
+def test_a_sphere_that_must_sink_is_refused_with_the_limit():
+    text = "[[floats]]\nradius = 2e-3\ndensity = 7800.0\ncontact_angle = 1.57\n"
+    with pytest.raises(SceneError, match=r"floats\[0\]: .*7\.8.*"):
+        FLOATING.parameters(scene_of(WATER + text))
+
+
+def test_absurd_counts_are_refused_before_anything_is_laid_out():
+    with pytest.raises(SceneError, match="GB"):
+        FLOATING.parameters(scene_of(f"{WATER}[[floats]]\ncount = 90000000\n{HEAVY}"))
+
+
+@pytest.mark.parametrize(
+    ("table", "path"),
+    [
+        ('[motion]\nintegrator = "velocity-verle"', "motion.integrator"),
+        ('[contacts]\nlaw = "impulses"', "contacts.law"),
+        ('[interaction]\ncharge = "nonlinaer"', "interaction.charge"),
+        ('[dish]\nradius = 0.05\nlaw = "meniskus"', "dish.law"),
+    ],
+)
+def test_a_law_that_does_not_exist_gets_a_suggestion(table, path):
+    with pytest.raises(SceneError, match=f"{path}: .*did you mean"):
+        FLOATING.parameters(scene_of(f"{WATER}[[floats]]\n{HEAVY}{table}\n"))
+
+
+def test_contact_angles_come_from_young_and_from_the_closure():
+    energies = "[[floats]]\nradius = 1e-3\ndensity = 1100.0\nsurface_energies = { solid_gas = 0.0364, solid_liquid = 0.0 }\n"
+    parameters = FLOATING.parameters(scene_of(WATER + energies))
+    assert parameters.floats.contact_angle[0] == pytest.approx(np.pi / 3)
+    closure = '[[floats]]\nradius = 2e-3\ndensity = 1000.0\ncontact_angle = "original-closure"\n'
+    parameters = FLOATING.parameters(scene_of(WATER + closure))
+    assert parameters.floats.contact_angle[0] > np.pi / 2
+
+
+def test_a_rectangular_dish_pushes_heavy_floats_to_its_middle():
+    from ecume.simulation import simulate
+
+    text = f"[[floats]]\n{HEAVY}positions = [[0.006, 0.003]]\n[dish]\nsize = [0.02, 0.012]\n"
+    frames = list(simulate(scene_of(WATER + text, duration=0.3)))
+    assert np.all(np.abs(frames[-1].arrays["position"][0]) < np.array([0.006, 0.003]))
+
+
+def test_the_two_point_wall_draws_a_heavy_float_to_the_wall():
+    from ecume.simulation import simulate
+
+    text = f'[[floats]]\n{HEAVY}positions = [[0.006, 0.0]]\n[dish]\nradius = 0.01\nlaw = "two-point-legacy"\n'
+    frames = list(simulate(scene_of(WATER + text, duration=0.1)))
+    assert frames[-1].arrays["position"][0, 0] > 0.006
+
+
+def test_the_summary_names_every_number_a_user_needs():
+    rows = {name: (value, remark) for name, value, remark in FLOATING.summary(bowl(40))}
+    for name in ("capillary length", "float-1: Bond number", "time step", "steps", "memory", "time on this machine"):
+        assert name in rows
+    assert rows["capillary length"][0].endswith("mm")
