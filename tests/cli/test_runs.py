@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import os
+import signal
+import subprocess
 import sys
+import time
 from pathlib import Path
 from typing import Any
 
@@ -137,6 +140,7 @@ def test_a_directory_without_a_run_is_refused(verb: str, tmp_path: Path) -> None
         assert f"{directory}: no run is there" in done.stderr
 
 
+@pytest.mark.compiled
 def test_a_bead_run_is_told_exported_and_not_replaced() -> None:
     """The whole way, with the real model, for a few frames."""
     words = ["run", "beads.toml", "-o", "beads", "--set", "duration=60 ms", "--quiet"]
@@ -156,6 +160,7 @@ def test_a_bead_run_is_told_exported_and_not_replaced() -> None:
     assert len(Path(wrote.stdout.split()[1]).read_text().splitlines()) == 1 + 4 * 2
 
 
+@pytest.mark.compiled
 def test_a_scene_starts_from_the_end_of_a_run() -> None:
     assert cli.invoke(app, ["run", "beads.toml", "-o", "beads", "--set", "duration=60 ms", "-q"]).exit_code == 0
     text = Path("beads.toml").read_text()
@@ -172,3 +177,19 @@ def test_compilation_does_not_count_for_the_time_that_is_left(monkeypatch: pytes
     pace = Pace(duration=10.0)
     told = [pace.progress(step, 1001, 1) for step in (0, 1, 101)]
     assert [progress.remaining for progress in told] == [None, None, 9.0]
+
+
+@pytest.mark.compiled
+@pytest.mark.skipif(os.name == "nt", reason="Ctrl-C cannot be sent to one process alone there")
+def test_ctrl_c_stops_with_a_checkpoint_and_says_how_to_go_on(tmp_path: Path) -> None:
+    words = [sys.executable, "-m", "ecume", "run", "beads.toml", "-o", "long", "--set", "duration=60000 s", "-q"]
+    process = subprocess.Popen(words, cwd=tmp_path, stderr=subprocess.PIPE, text=True)
+    patience = time.monotonic() + 200
+    while not list(tmp_path.glob("long/scalars.jsonl")) and time.monotonic() < patience:
+        time.sleep(0.05)
+    process.send_signal(signal.SIGINT)
+    _, told = process.communicate(timeout=200)
+    assert process.returncode == 75
+    assert told.startswith("ecume: stopped by SIGINT at step")
+    assert told.endswith("go on: ecume resume long\n")
+    assert list(tmp_path.glob("long/ckpt/*.npz"))

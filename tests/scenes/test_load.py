@@ -66,8 +66,8 @@ def test_a_message_says_what_came_what_was_wanted_and_the_way_out() -> None:
     [
         ('"1.5 mm"', "nan", "floats[0].radius", "came nan; wanted a finite number"),
         ('"1.5 mm"', "1e999", "floats[0].radius", "came inf; wanted"),
-        ('"1.5 mm"', "0", "floats[0].radius", "came 0; wanted more than 0"),
-        ('"1.5 mm"', '"-1 mm"', "floats[0].radius", "came '-1 mm'; wanted more than 0"),
+        ('"1.5 mm"', "0", "floats[0].radius", "came 0; wanted 1e-08 or more"),
+        ('"1.5 mm"', '"-1 mm"', "floats[0].radius", "came '-1 mm'; wanted 1e-08 or more"),
         ('"1.5 mm"', "true", "floats[0].radius", "came true; wanted a number, or text with a unit"),
         ('"1.5 mm"', '"7"', "floats[0].radius", "text without a unit"),
         ('"1.5 mm"', "[1]", "floats[0].radius", "came a list of 1"),

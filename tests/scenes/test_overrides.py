@@ -59,7 +59,7 @@ def test_overrides_change_the_scene_and_make_tables_on_the_way() -> None:
         ("duration.x=3", "the scene has no duration.x"),
         ("title=" + "x" * 20_000, "too long"),
         ("floats[0].cuont=3", "floats[0].cuont: no such key; did you mean count? (from --set)"),
-        ("floats[0].radius=-1", "floats[0].radius: came -1; wanted more than 0 (from --set)"),
+        ("floats[0].radius=-1", "floats[0].radius: came -1; wanted 1e-08 or more (from --set)"),
         ("dish.radius=4 kg", "dish.radius: came '4 kg'; 'kg' measures mass"),
     ],
 )

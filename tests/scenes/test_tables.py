@@ -95,7 +95,7 @@ def test_semicolons_tabs_remarks_and_quotes_are_read(tmp_path: Path, table: str)
         ("x,y\n", "no lines below the head"),
         ("", "there is no column x"),
         ('x,y\n"1,2\n', "bowl.csv, line"),
-        ("x,y,radius [mm]\n1,2,3\n4,5,-6\n", "bowl.csv, line 3, radius: came -0.006; wanted more than 0"),
+        ("x,y,radius [mm]\n1,2,3\n4,5,-6\n", "bowl.csv, line 3, radius: came -0.006; wanted 1e-08 or more"),
         ("x,y\n1e9,2\n", "bowl.csv, line 2, x: came 1000000000.0; wanted 1000 or less"),
     ],
 )
@@ -117,7 +117,7 @@ def test_many_faults_of_a_table_are_cut_short(tmp_path: Path) -> None:
         ("", "bowl.csv has no column radius, and no [[floats]] gives one"),
         (DEFAULTS + "count = 3", "floats[0].count: has no meaning beside floats_from"),
         (DEFAULTS + "colour = 3", "floats[0].colour: no such key; did you mean color?"),
-        (DEFAULTS.replace("600", "-1"), "floats[0].density: came -1; wanted more than 0"),
+        (DEFAULTS.replace("600", "-1"), "floats[0].density: came -1; wanted 0.001 or more"),
         (DEFAULTS * 2, "floats: beside floats_from wanted one [[floats]] table"),
         ("start_from = 'run'", "only one can stand in a scene"),
         ("[[rows]]\nx = 1", "only one can stand in a scene"),

@@ -27,6 +27,7 @@ from ecume.scenes.quantities import (
     PositiveDensity,
     PositiveTension,
     Proportion,
+    Radius,
     Size,
     Switch,
     Tension,
@@ -77,7 +78,7 @@ class FloatSpec:
     """What this species is called; `float-1` and so on when empty."""
     count: Count = 0
     """How many; left out, one or as many as there are positions."""
-    radius: Size
+    radius: Radius
     """m"""
     density: PositiveDensity
     """kg/m^3"""
@@ -122,7 +123,7 @@ class FloatRow:
     """m/s"""
     vy: Velocity = 0.0
     """m/s"""
-    radius: Size
+    radius: Radius
     """m"""
     density: PositiveDensity
     """kg/m^3"""

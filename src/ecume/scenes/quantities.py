@@ -1,6 +1,6 @@
 """The numbers of a scene: a unit, and the range outside which nothing physical lies.
 
-The upper ends are far beyond any experiment. They are there so that a product of legal numbers is never infinite.
+Both ends are far beyond any experiment. They are there so that no product of legal numbers is infinite or vanishes.
 """
 
 from __future__ import annotations
@@ -23,15 +23,16 @@ MOST_FRAMES = 10_000_000
 MOST_STEPS = 100_000_000_000
 
 Size = Annotated[Length, Field(gt=0.0, le=1e3)]
+Radius = Annotated[Length, Field(ge=1e-8, le=1e3)]
 Coordinate = Annotated[Length, Field(ge=-1e3, le=1e3)]
 Velocity = Annotated[Speed, Field(ge=-1e3, le=1e3)]
 Duration = Annotated[Time, Field(gt=0.0, le=1e10)]
-PositiveDensity = Annotated[Density, Field(gt=0.0, le=1e5)]
+PositiveDensity = Annotated[Density, Field(ge=1e-3, le=1e5)]
 GasDensity = Annotated[Density, Field(ge=0.0, le=1e5)]
 LiquidViscosity = Annotated[Viscosity, Field(ge=0.0, le=1e9)]
-PositiveTension = Annotated[SurfaceTension, Field(gt=0.0, le=1e3)]
+PositiveTension = Annotated[SurfaceTension, Field(ge=1e-9, le=1e3)]
 Tension = Annotated[SurfaceTension, Field(ge=0.0, le=1e3)]
-Gravity = Annotated[Acceleration, Field(gt=0.0, le=1e6)]
+Gravity = Annotated[Acceleration, Field(ge=1e-6, le=1e6)]
 Proportion = Annotated[Number, Field(ge=0.0, le=1.0)]
 
 Text = Annotated[str, Field(max_length=LONGEST_TITLE, pattern=r"^[^\x00-\x1f\x7f]*$")]

@@ -14,7 +14,7 @@ from ecume.errors import EcumeError
 from ecume.scenes.faults import Path, echo, faults_of, written
 from ecume.scenes.files import inside, text_of
 from ecume.scenes.floating import SurfaceEnergies, species_of
-from ecume.scenes.quantities import STRICT, Color, ContactAngle, Name, PositiveDensity, Size, Velocity
+from ecume.scenes.quantities import STRICT, Color, ContactAngle, Name, PositiveDensity, Radius, Velocity
 from ecume.scenes.tables import MOST_BYTES, TableFaults, lines_of
 
 TABLE, RUN = "floats_from", "start_from"
@@ -29,7 +29,7 @@ class RowDefaults:
     """The one [[floats]] entry beside `floats_from`: it fills the columns that the table does not have."""
 
     name: Name = ""
-    radius: Size | None = None
+    radius: Radius | None = None
     density: PositiveDensity | None = None
     contact_angle: ContactAngle | None = None
     surface_energies: SurfaceEnergies | None = None
