@@ -125,7 +125,7 @@ def test_a_scene_cannot_be_changed() -> None:
 
 
 def test_a_scene_made_in_python_is_checked_as_well() -> None:
-    with pytest.raises(ValueError, match="greater than or equal to 0.00000001"):
+    with pytest.raises(ValueError, match=r"greater than or equal to 0\.00000001"):
         FloatSpec(radius=-1.0, density=600.0, contact_angle=1.0)
     assert FloatSpec(radius="2 mm", density=600.0, contact_angle="90 deg").radius == 0.002  # type: ignore[arg-type]
 
