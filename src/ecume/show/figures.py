@@ -19,11 +19,14 @@ from ecume.analysis.series import number, series, times, tracks
 from ecume.errors import BadInput
 from ecume.laws.capillarity import pair_force, pair_strength
 from ecume.show.bowl import Bowl, dish_outline, species, species_dots, view_of
+from ecume.show.integrators import integrator_comparison
 from ecume.show.style import INK, MUTED, PALETTE, figure, legend_outside, plain, save, scale_for, style
 from ecume.show.surface import liquid_of
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import open_trajectory
 from ecume.units import Array
+
+__all__ = ["FIGURES", "integrator_comparison", "plot"]
 
 MOST_INSTANTS = 400
 """A curve or a path of more frames than this looks no different, and takes longer to read and to draw."""
