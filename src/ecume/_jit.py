@@ -1,9 +1,9 @@
 """How loops are compiled: the only file that imports Numba.
 
-Numba's disk cache has three traps, all closed here. It hashes only the file of the function itself, so that an edited law in
-another file silently gives the old result: the cache folder is named by a hash of the whole package's text. A truncated cache
-file raises from inside the unpickler: it is thrown away and compiled anew. A folder that cannot be written is an error at import:
-a temporary folder stands in.
+Numba's disk cache has three traps, all closed here. It hashes only the file of the function itself, so that an edited
+law in another file silently gives the old result: the cache folder is named by a hash of the whole package's text. A
+truncated cache file raises from inside the unpickler: it is thrown away and compiled anew. A folder that cannot be
+written is an error at import: a temporary folder stands in.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ def cache_folder() -> Path:
         return Path(tempfile.mkdtemp(prefix="ecume-"))
 
 
-class HealingCache(FunctionCache):  # type: ignore[misc]  # Numba has no types
+class HealingCache(FunctionCache):  # type: ignore[misc]  # Numba's types are left out: they are half there
     """A disk cache that treats whatever it cannot read as absent."""
 
     def load_overload(self, *arguments: Any) -> Any:
@@ -74,14 +74,21 @@ class HealingCache(FunctionCache):  # type: ignore[misc]  # Numba has no types
 
 numba.config.CACHE_DIR = str(cache_folder())
 
+prange = numba.prange
+"""A loop over threads; only inside a function that is `threaded`."""
+
 
 def compiled(function: Function) -> Function:
-    """Compile at the first call, keep the result on disk. No fastmath: a NaN must be seen, and the bits must be the same everywhere."""
+    """Compile at the first call, keep the result on disk. No fastmath: a NaN must be seen, and the bits must be the
+    same everywhere.
+    """
     return _dispatcher(function, cache=True)
 
 
 def compiled_inside(function: Function) -> Function:
-    """For a few lines called from an inner loop: their machine code is put into the caller's, which saves counting references."""
+    """For a few lines called from an inner loop: their machine code is put into the caller's, which saves counting
+    references.
+    """
     return _dispatcher(function, cache=True, forceinline=True)
 
 
@@ -96,7 +103,9 @@ def compiled_once(function: Function) -> Function:
 
 
 def inlined(function: Function) -> Function:
-    """A loop that takes functions: it is written out inside its caller, which names them and can be found in the cache."""
+    """A loop that takes functions: it is written out inside its caller, which names them and can be found in the
+    cache.
+    """
     made: Function = numba.njit(inline="always", error_model="numpy")(function)
     return made
 
@@ -113,7 +122,9 @@ def admit(*modules: ModuleType) -> None:
 
 @lower_builtin(math.sqrt, types.float64)  # type: ignore[untyped-decorator]
 def _square_root(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-    """Numba calls the C library for `math.sqrt`, which keeps a loop from vectorizing; the processor's own gives the same bits."""
+    """Numba calls the C library for `math.sqrt`, which keeps a loop from vectorizing; the processor's own gives the
+    same bits.
+    """
     intrinsic = builder.module.declare_intrinsic("llvm.sqrt", [arguments[0].type])
     return builder.call(intrinsic, arguments)
 

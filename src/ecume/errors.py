@@ -1,13 +1,13 @@
 """The tree of errors. Each says where, what came, what was wanted, and the way out; each knows its exit code.
 
-    EcumeError
-    ├── BadInput            exit 2   a scene, a table or an argument cannot be used
-    │   ├── SceneError               all faults of a scene at once, each with its path
-    │   ├── FloaterSinks             no equilibrium: the body is too heavy for the surface
-    │   └── RunExists                a run directory is in the way
-    ├── Diverged            exit 3   the physics left the range where it means anything
-    ├── StorageError        exit 4   disk full, unreadable or damaged files
-    └── Stopped             exit 75  stopped on request, with a checkpoint
+EcumeError
+├── BadInput            exit 2   a scene, a table or an argument cannot be used
+│   ├── SceneError               all faults of a scene at once, each with its path
+│   ├── FloaterSinks             no equilibrium: the body is too heavy for the surface
+│   └── RunExists                a run directory is in the way
+├── Diverged            exit 3   the physics left the range where it means anything
+├── StorageError        exit 4   disk full, unreadable or damaged files
+└── Stopped             exit 75  stopped on request, with a checkpoint
 """
 
 from __future__ import annotations
@@ -29,7 +29,9 @@ class BadInput(EcumeError, ValueError):
 
 
 class Fault(NamedTuple):
-    """One fault of a scene: its path (`floats[0].radius`), what is wrong with the way out, and where it stands in the file."""
+    """One fault of a scene: its path (`floats[0].radius`), what is wrong with the way out, and where it stands in the
+    file.
+    """
 
     path: str
     message: str

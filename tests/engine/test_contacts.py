@@ -12,7 +12,7 @@ def all_candidates(position):
     candidates = touching.make_candidates(count, count * count)
     partners = [list(range(i + 1, count)) for i in range(count)]
     candidates.first[1:] = np.cumsum([len(row) for row in partners])
-    candidates.partner[: candidates.first[-1]] = sum(partners, [])
+    candidates.partner[: candidates.first[-1]] = [j for row in partners for j in row]
     return candidates
 
 
@@ -35,7 +35,7 @@ def test_solved_contacts_let_nobody_through_and_pull_nobody():
     mobility = np.random.default_rng(1).uniform(0.5, 2.0, len(position))
     contacts = gathered(position, np.ones(len(position)), no_walls(), mobility)
     touching.solve(contacts, velocity, mobility, Goal(1e-10, 0.0))
-    speed, rows = np.zeros(len(contacts.gap)), contacts.count[0]
+    speed, rows = np.zeros(len(contacts.gap)), contacts.total[0]
     touching.approaches(contacts, velocity, speed)
     assert np.min(speed[:rows]) > -1e-10
     assert np.min(contacts.impulse[:rows]) >= 0.0
@@ -65,7 +65,7 @@ def test_the_solution_is_that_of_a_general_quadratic_solver():
     position, velocity = a_raft(7)
     mobility = np.ones(7)
     contacts = gathered(position, np.ones(7), no_walls(), mobility)
-    rows = contacts.count[0]
+    rows = contacts.total[0]
     jacobian = np.zeros((rows, 14))
     for row in range(rows):
         i, j = contacts.first[row], contacts.second[row]
@@ -102,12 +102,12 @@ def test_impulses_are_recalled_for_the_pairs_they_belong_to():
     position, _ = a_raft()
     contacts = gathered(position, np.ones(len(position)), no_walls(), np.ones(len(position)))
     memory = touching.Memory(np.zeros(1, np.int64), np.zeros((300, 2), np.int64), np.zeros(300))
-    rows = contacts.count[0]
+    rows = contacts.total[0]
     contacts.impulse[:rows] = 100.0 * contacts.first[:rows] + contacts.second[:rows]
     touching.remember(contacts, memory)
     fewer = np.delete(np.arange(rows), np.arange(0, rows, 3))
     contacts.first[: len(fewer)], contacts.second[: len(fewer)] = contacts.first[fewer], contacts.second[fewer]
-    contacts.count[0] = len(fewer)
+    contacts.total[0] = len(fewer)
     touching.recall(contacts, memory)
     expected = 100.0 * contacts.first[: len(fewer)] + contacts.second[: len(fewer)]
     assert np.array_equal(contacts.impulse[: len(fewer)], expected)
@@ -120,7 +120,7 @@ def test_overlaps_are_undone_without_moving_the_center_of_mass():
     contacts = gathered(position, np.ones(19), no_walls(), mobility, reach=0.5)
     touching.separate(contacts, position, Bodies(np.ones(19), no_walls(), mobility), 1e-6)
     apart = gathered(position, np.ones(19), no_walls(), mobility, reach=0.5)
-    assert np.min(apart.gap[: apart.count[0]]) > -1e-6
+    assert np.min(apart.gap[: apart.total[0]]) > -1e-6
     assert position.T @ (1.0 / mobility) == pytest.approx(before, abs=1e-12)
 
 

@@ -1,4 +1,6 @@
-"""Particles sorted into square (cubic) cells, by counting: linear in their number, and stable, so that the order is always the same."""
+"""Particles sorted into square (cubic) cells, by counting: linear in their number, and stable, so that the order is
+always the same.
+"""
 
 from __future__ import annotations
 
@@ -65,7 +67,7 @@ def _lay_out(cells: Cells, position: Array, reach: float) -> int:
             break
         size *= 1.25
     cells.size[0] = size
-    return np.int64(total)
+    return int(total)
 
 
 @compiled

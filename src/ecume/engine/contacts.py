@@ -1,10 +1,11 @@
 """Contacts that last: impulses solved for all touching pairs at once, and overlaps removed without touching velocities.
 
 Moreau's and Jean's time stepping: the unknowns are the impulses p >= 0 of a step, the conditions are
-n.(w_j - w_i) >= bound where p > 0 only if it is an equality. `w` is the velocity with which particles will go through the step, so
-that with bound = -gap/dt nobody ends up inside another: contacts are seen before they happen. Solved by projected Gauss-Seidel
-sweeps, sped up by the nonsmooth conjugate gradient of Silcowitz-Hansen, Niebe & Erleben (2010), until the residual is small
-enough - however many sweeps that takes: a count of sweeps instead lets large rafts creep into themselves.
+n.(w_j - w_i) >= bound where p > 0 only if it is an equality. `w` is the velocity with which particles will go through
+the step, so that with bound = -gap/dt nobody ends up inside another: contacts are seen before they happen. Solved by
+projected Gauss-Seidel sweeps, sped up by the nonsmooth conjugate gradient of Silcowitz-Hansen, Niebe & Erleben (2010),
+until the residual is small enough - however many sweeps that takes: a count of sweeps instead lets large rafts creep
+into themselves.
 """
 
 from __future__ import annotations
@@ -47,8 +48,8 @@ class Candidates(NamedTuple):
 class Contacts(NamedTuple):
     """Contacts of one step. A wall number k stands as partner N + k."""
 
-    count: Integers
-    """(1,)"""
+    total: Integers
+    """(1,) how many there are"""
     first: Integers
     """(capacity,) i"""
     second: Integers
@@ -71,7 +72,7 @@ class Contacts(NamedTuple):
 class Memory(NamedTuple):
     """Impulses that last from step to step: a part of the state, since warm starts change the last bits."""
 
-    count: Integers
+    total: Integers
     pair: Integers
     """(capacity, 2)"""
     impulse: Array
@@ -103,7 +104,9 @@ def pair_gap(apart_x: float, apart_y: float, touching: float) -> tuple[float, fl
 
 @compiled
 def gather(contacts: Contacts, candidates: Candidates, position: Array, bodies: Bodies, reach: float) -> bool:
-    """Write down all contacts with a gap below `reach`, ordered by i, then j, walls last. False when there is no room."""
+    """Write down all contacts with a gap below `reach`, ordered by i, then j, walls last. False when there is no
+    room.
+    """
     radius, walls, partner = bodies.radius, bodies.walls, candidates.partner
     first, second, normal, gaps = contacts.first, contacts.second, contacts.normal, contacts.gap
     count, walls_here, found = position.shape[0], wall_count(walls), 0
@@ -124,14 +127,14 @@ def gather(contacts: Contacts, candidates: Candidates, position: Array, bodies: 
                 first[found], second[found], gaps[found] = i, j, gap
                 normal[found, 0], normal[found, 1] = to_x, to_y
                 found += 1
-    contacts.count[0] = found
+    contacts.total[0] = found
     return True
 
 
 @compiled
 def weigh(contacts: Contacts, mobility: Array) -> None:
     """Impulse per relative velocity of each contact; zero where nothing can move."""
-    for row in range(contacts.count[0]):
+    for row in range(contacts.total[0]):
         give = mobility[contacts.first[row]] + mobility[contacts.second[row]]
         contacts.weight[row] = 1.0 / give if give > 0.0 else 0.0
 
@@ -140,19 +143,19 @@ def weigh(contacts: Contacts, mobility: Array) -> None:
 def remember(contacts: Contacts, memory: Memory) -> None:
     """Keep the impulses of contacts that push."""
     kept = 0
-    for row in range(contacts.count[0]):
+    for row in range(contacts.total[0]):
         if contacts.impulse[row] > 0.0 and kept < len(memory.impulse):
             memory.pair[kept, 0], memory.pair[kept, 1] = contacts.first[row], contacts.second[row]
             memory.impulse[kept] = contacts.impulse[row]
             kept += 1
-    memory.count[0] = kept
+    memory.total[0] = kept
 
 
 @compiled
 def recall(contacts: Contacts, memory: Memory) -> None:
     """Start from the impulses of the step before. Both lists are ordered alike, so that one walk finds all."""
-    place, last = 0, memory.count[0]
-    for row in range(contacts.count[0]):
+    place, last = 0, memory.total[0]
+    for row in range(contacts.total[0]):
         i, j = contacts.first[row], contacts.second[row]
         while place < last and (
             memory.pair[place, 0] < i or (memory.pair[place, 0] == i and memory.pair[place, 1] < j)
@@ -162,16 +165,16 @@ def recall(contacts: Contacts, memory: Memory) -> None:
         contacts.impulse[row] = memory.impulse[place] if found else 0.0
 
 
-# In the loops below every array gets a name of its own, and none is handed to another function: Numba counts the references
-# of an array at each hand-over and at each look into a tuple, which makes such loops five to nine times slower. Indexes are
-# unsigned, since a signed one is tested for counting from the end.
+# In the loops below every array gets a name of its own, and none is handed to another function: Numba counts the
+# references of an array at each hand-over and at each look into a tuple, which makes such loops five to nine times
+# slower. Indexes are unsigned, since a signed one is tested for counting from the end.
 
 
 @compiled
 def approaches(contacts: Contacts, velocity: Array, speed: Array) -> None:
     """n.(w_j - w_i) of every contact: negative where the two come closer."""
     first, second, normal = contacts.first, contacts.second, contacts.normal
-    for row in range(contacts.count[0]):
+    for row in range(contacts.total[0]):
         i, j = np.uint64(first[row]), np.uint64(second[row])
         along_x = normal[row, 0] * (velocity[j, 0] - velocity[i, 0])
         speed[row] = along_x + normal[row, 1] * (velocity[j, 1] - velocity[i, 1])
@@ -181,7 +184,7 @@ def approaches(contacts: Contacts, velocity: Array, speed: Array) -> None:
 def _push_all(contacts: Contacts, impulse: Array, velocity: Array, mobility: Array) -> None:
     """Push the two of every contact apart: equal and opposite impulses."""
     first, second, normal = contacts.first, contacts.second, contacts.normal
-    for row in range(contacts.count[0]):
+    for row in range(contacts.total[0]):
         i, j = np.uint64(first[row]), np.uint64(second[row])
         on_i, on_j = mobility[i] * impulse[row], mobility[j] * impulse[row]
         velocity[i, 0] -= on_i * normal[row, 0]
@@ -196,7 +199,7 @@ def _sweep(contacts: Contacts, velocity: Array, mobility: Array) -> float:
     first, second, normal = contacts.first, contacts.second, contacts.normal
     impulse, bound, weight, change = contacts.impulse, contacts.bound, contacts.weight, contacts.change
     largest = 0.0
-    for row in range(contacts.count[0]):
+    for row in range(contacts.total[0]):
         i, j = np.uint64(first[row]), np.uint64(second[row])
         x, y = normal[row, 0], normal[row, 1]
         speed = x * (velocity[j, 0] - velocity[i, 0]) + y * (velocity[j, 1] - velocity[i, 1])
@@ -218,7 +221,7 @@ def residual(contacts: Contacts, velocity: Array) -> float:
     speed, impulse, bound, weight = contacts.scratch, contacts.impulse, contacts.bound, contacts.weight
     approaches(contacts, velocity, speed)
     worst = 0.0
-    for row in range(contacts.count[0]):
+    for row in range(contacts.total[0]):
         if weight[row] > 0.0:
             excess = speed[row] - bound[row]
             worst = max(worst, -excess, min(excess, impulse[row] / weight[row]))
@@ -227,9 +230,11 @@ def residual(contacts: Contacts, velocity: Array) -> float:
 
 @compiled
 def _accelerate(contacts: Contacts, velocity: Array, mobility: Array, ratio: float) -> None:
-    """Go on along the conjugate direction: p += ratio * d, kept positive; d = ratio * d + the change of the last sweep."""
+    """Go on along the conjugate direction: p += ratio * d, kept positive; d = ratio * d + the change of the last
+    sweep.
+    """
     impulse, change, direction, step = contacts.impulse, contacts.change, contacts.direction, contacts.scratch
-    for row in range(contacts.count[0]):
+    for row in range(contacts.total[0]):
         along, old = ratio * direction[row], impulse[row]
         impulse[row] = max(old + along, 0.0)
         step[row] = impulse[row] - old
@@ -250,7 +255,8 @@ class Goal(NamedTuple):
 def solve(contacts: Contacts, velocity: Array, mobility: Array, goal: Goal) -> int:
     """Change `velocity` by the contacts' impulses until the residual is as wanted.
 
-    The impulses that stand in the contacts are the start. Returns the number of sweeps, MOST_SWEEPS + 1 if they were not enough.
+    The impulses that stand in the contacts are the start. Returns the number of sweeps, MOST_SWEEPS + 1 if they were
+    not enough.
     """
     _push_all(contacts, contacts.impulse, velocity, mobility)
     contacts.direction[:] = 0.0
@@ -260,14 +266,14 @@ def solve(contacts: Contacts, velocity: Array, mobility: Array, goal: Goal) -> i
         if largest <= goal.wanted and residual(contacts, velocity) <= goal.wanted:
             return sweep
         if sweep % PATIENCE == 0:
-            # In a raft braced more than it needs, gaps that disagree in the last digits leave impulses that creep for ever along a
-            # direction in which no velocity changes.
+            # In a raft braced more than it needs, gaps that disagree in the last digits leave impulses that creep for
+            # ever along a direction in which no velocity changes.
             left = residual(contacts, velocity)
             if left <= goal.tolerable and left > 0.5 * residual_before:
                 return sweep
             residual_before = left
         square = 0.0
-        for row in range(contacts.count[0]):
+        for row in range(contacts.total[0]):
             square += contacts.change[row] ** 2
         # A gradient that grows means that contacts opened or closed: forget the direction.
         ratio = square / square_before if 0.0 < square <= square_before else 0.0
@@ -278,7 +284,8 @@ def solve(contacts: Contacts, velocity: Array, mobility: Array, goal: Goal) -> i
 
 @compiled
 def separate(contacts: Contacts, position: Array, bodies: Bodies, slop: float) -> int:
-    """Move overlapping bodies apart, each by its share, until none overlaps by more than `slop`; velocities stay as they are.
+    """Move overlapping bodies apart, each by its share, until none overlaps by more than `slop`; velocities stay as
+    they are.
 
     Returns the number of sweeps. The contacts' normals are those of the new places afterwards.
     """
@@ -286,7 +293,7 @@ def separate(contacts: Contacts, position: Array, bodies: Bodies, slop: float) -
     radius, mobility, count = bodies.radius, bodies.mobility, position.shape[0]
     for sweep in range(MOST_SWEEPS):
         deepest = 0.0
-        for row in range(contacts.count[0]):
+        for row in range(contacts.total[0]):
             i, j = first[row], second[row]
             if j < count:
                 apart_x, apart_y = position[j, 0] - position[i, 0], position[j, 1] - position[i, 1]

@@ -1,16 +1,18 @@
 """Who is near whom: full lists with a skin, kept while nobody has moved by more than half of it.
 
-Each particle's list holds all its neighbors, so that one thread writes one particle's force: the sum has the same order and the
-same bits for any number of threads. Particles are renumbered cell by cell ("slots") so that neighbors lie close in memory.
+Each particle's list holds all its neighbors, so that one thread writes one particle's force: the sum has the same order
+and the same bits for any number of threads. Particles are renumbered cell by cell ("slots") so that neighbors lie close
+in memory.
 """
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 
-from ecume._jit import compiled, numba, threaded
+from ecume._jit import compiled, prange, threaded
 from ecume.engine.cells import Cells, Integers, make_cells, sort_into_cells
 from ecume.units import Array
 
@@ -21,7 +23,9 @@ THREADS_FROM = 2000
 
 
 class Rows(NamedTuple):
-    """Neighbors of slot s: `neighbor[first[s]:first[s + 1]]`, slots themselves. Flat, since Numba's threads take no nested tuples."""
+    """Neighbors of slot s: `neighbor[first[s]:first[s + 1]]`, slots themselves. Flat, since Numba's threads take no
+    nested tuples.
+    """
 
     first: Integers
     neighbor: Slots
@@ -100,7 +104,7 @@ def _cell_beside(shape: Integers, cell: int, number: int) -> tuple[int, bool]:
 @threaded
 def _visit_in_threads(cells: Cells, x: Array, reach: float, first: Integers, neighbor: Slots) -> None:
     # Inside a prange Numba writes to a copy of an array that is reached through a tuple: hence the bare arrays.
-    for slot in numba.prange(len(first) - 1):
+    for slot in prange(len(first) - 1):
         if len(neighbor) == 0:
             first[slot + 1] = _visit(cells, x, slot, reach, neighbor)
         else:
@@ -151,4 +155,4 @@ def farthest_move(position: Array, reference: Array) -> float:
         # Written so that a NaN is taken, and kept.
         if farthest == farthest and not square <= farthest:
             farthest = square
-    return np.sqrt(farthest)
+    return math.sqrt(farthest)

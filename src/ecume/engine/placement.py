@@ -16,7 +16,9 @@ from ecume.units import Array
 
 TRIES_PER_DISC = 2000
 CLEARANCE = 1e-6
-"""Discs placed at random keep this part of the smallest radius between them, so that rounding never makes them touch."""
+"""Discs placed at random keep this part of the smallest radius between them, so that rounding never makes them
+touch.
+"""
 
 
 class Region(NamedTuple):
@@ -42,8 +44,8 @@ class _Grid(NamedTuple):
 def place_at_random(radius: Array, region: Region, taken: tuple[Array, Array], seed: int) -> Array:
     """Centers of discs that touch neither each other, nor the walls, nor those already there (`taken`: centers, radii).
 
-    The largest are placed first, each at a point drawn evenly from the region until it fits. Raises BadInput with the covered
-    fraction when that fails: random placement jams when a little more than half of the surface is covered.
+    The largest are placed first, each at a point drawn evenly from the region until it fits. Raises BadInput with the
+    covered fraction when that fails: random placement jams when a little more than half of the surface is covered.
     """
     centers = np.concatenate([taken[0].reshape(-1, 2), np.zeros((len(radius), 2))])
     radii = np.concatenate([taken[1], np.sort(radius)[::-1]])
@@ -71,7 +73,8 @@ def _jammed(radii: Array, placed: int, region: Region) -> str:
     area = min(area, math.pi * region.walls.disc_radius**2)
     covered = math.pi * float(np.sum(radii**2)) / area
     return (
-        f"only {placed} of {len(radii)} floats found a free place at random; together they cover {covered:.0%} of the surface. "
+        f"only {placed} of {len(radii)} floats found a free place at random; "
+        f"together they cover {covered:.0%} of the surface. "
         'Use fewer or smaller floats, a larger dish, or placement = "lattice"'
     )
 
@@ -88,8 +91,8 @@ def _make_grid(region: Region, radii: Array) -> _Grid:
 
 @compiled
 def _cell_along(grid: _Grid, axis: int, coordinate: float) -> int:
-    along = np.int64((coordinate - grid.low[axis]) / grid.size[0])
-    return min(max(along, 0), grid.shape[axis] - 1)
+    along = int((coordinate - grid.low[axis]) / grid.size[0])
+    return min(max(along, 0), int(grid.shape[axis]) - 1)
 
 
 @compiled

@@ -29,8 +29,8 @@ class ScreenedFit(NamedTuple):
 def fit_k1(lower: float, upper: float) -> ScreenedFit:
     """Fit K1 on [lower, upper] (in capillary lengths) and measure the fit's largest relative error.
 
-    K1(x) = exp(-x) sqrt(1 + pi x / 2) / x * Q(s), where Q stays between 0.8 and 1.1: 1/x is K1's pole, and the root its tail.
-    Q is a polynomial in s, a shifted and scaled 1/(x + c); the best c depends on how close pairs come.
+    K1(x) = exp(-x) sqrt(1 + pi x / 2) / x * Q(s), where Q stays between 0.8 and 1.1: 1/x is K1's pole, and the root its
+    tail. Q is a polynomial in s, a shifted and scaled 1/(x + c); the best c depends on how close pairs come.
 
     >>> fit_k1(0.2, 10.0).error < 1e-9
     True
@@ -87,8 +87,8 @@ def _tail(y: Number) -> Number:
 def k1_over_x(x_squared: Number, fit: ScreenedFit) -> Number:
     """K1(x) / x from the square of x, within `fit.error` on [fit.lower, fit.upper]; below, as at fit.lower.
 
-    That is what a pair force needs: F times the direction is proportional to K1(x)/x times the displacement. One division and
-    two roots; the bound keeps an overlapping pair from a force without limit.
+    That is what a pair force needs: F times the direction is proportional to K1(x)/x times the displacement. One
+    division and two roots; the bound keeps an overlapping pair from a force without limit.
     """
     x_squared = max(x_squared, fit.lower * fit.lower)
     x = math.sqrt(x_squared)

@@ -15,13 +15,16 @@ DONE, CROWDED, DIVERGED = 0, 1, 2
 class Model:
     """A physical system. Scenes go in, frames come out.
 
-    Parameters, State and Workspace are NamedTuples of the model's own: what never changes during a run, what the physics
-    moves (and whatever else can change a later bit), and scratch. Scene and State together are enough to go on bit for bit.
+    Parameters, State and Workspace are NamedTuples of the model's own: what never changes during a run, what the
+    physics moves (and whatever else can change a later bit), and scratch. Scene and State together are enough to go on
+    bit for bit.
     """
 
     name: str
     state: type
-    """The NamedTuple type of the state: every field a NumPy array, `position` (N, d) first, `step` (1,) int64 among them."""
+    """The NamedTuple type of the state: every field a NumPy array, `position` (N, d) first, `step` (1,) int64 among
+    them.
+    """
     parameters: Callable[[Any], Any]
     """parameters(scene): frozen, with `time_step` (s) and `steps_per_frame` among its fields. Raises SceneError."""
     start: Callable[[Any, Any], Any]
@@ -29,7 +32,8 @@ class Model:
     workspace: Callable[[Any, Any, float], Any]
     """workspace(parameters, state, room): scratch; `room` >= 1 multiplies every capacity."""
     advance: Callable[[Any, Any, Any, int], int]
-    """advance(parameters, state, workspace, steps): moves the state in place by that many steps; DONE, CROWDED or DIVERGED.
+    """advance(parameters, state, workspace, steps): moves the state in place by that many steps; DONE, CROWDED or
+    DIVERGED.
 
     A state that comes back CROWDED is whole: make a roomier workspace and go on with the steps that are left.
     """

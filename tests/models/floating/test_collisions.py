@@ -13,7 +13,9 @@ def last_and_first(scene):
 
 @pytest.mark.parametrize("restitution", [0.0, 0.3, 1.0])
 def test_a_collision_exchanges_the_impulse_of_the_law(restitution):
-    scene = colliding((0.05, -0.02), densities=(1300.0, 1100.0), radii=(1e-3, 0.7e-3), contacts=f"restitution = {restitution}")
+    scene = colliding(
+        (0.05, -0.02), densities=(1300.0, 1100.0), radii=(1e-3, 0.7e-3), contacts=f"restitution = {restitution}"
+    )
     after, before = last_and_first(scene)
     mass = before.arrays["mass"]
     exchanged = impulse(0.07, mass[0], mass[1], restitution)
@@ -66,7 +68,8 @@ def test_without_contacts_floats_pass_through_each_other():
 def test_momentum_is_conserved_to_1e_12_over_a_run_with_many_collisions():
     floats = (
         f'[[floats]]\nname = "a"\ncount = 30\n{HEAVY}'
-        '[[floats]]\nname = "b"\ncount = 30\nradius = 0.7e-3\ndensity = 1100.0\ncontact_angle = 1.5707963\nvelocity = [0.01, 0.0]\n'
+        '[[floats]]\nname = "b"\ncount = 30\nradius = 0.7e-3\ndensity = 1100.0\ncontact_angle = 1.5707963\n'
+        "velocity = [0.01, 0.0]\n"
     )
     scene = scene_of(f"{WATER}{floats}[motion]\ndrag = false\n[contacts]\nrestitution = 0.7\n", duration=3.0)
     frames = list(simulate(scene))

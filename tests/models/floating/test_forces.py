@@ -4,12 +4,12 @@ import pytest
 from ecume import _jit
 from ecume.engine.neighbors import THREADS_FROM
 from ecume.laws import flotation
+from ecume.laws.screened import fit_k1
 from ecume.models import MODELS
 from ecume.models.floating.forces import forces
 from ecume.models.floating.observing import observe
 from ecume.models.floating.parameters import SURFACE_TENSION, pack_pair, unpack_fit
 from ecume.models.floating.state import make_state
-from ecume.laws.screened import fit_k1
 from tests.models.floating.bowls import HEAVY, LIGHT, WATER, bowl, scene_of
 
 FLOATING = MODELS["floating"]
@@ -23,7 +23,8 @@ def forces_at(parameters, position):
 
 
 def a_mixed_crowd(count=40):
-    floats = f'[[floats]]\nname = "heavy"\ncount = {count // 2}\n{HEAVY}[[floats]]\nname = "light"\ncount = {count // 2}\n{LIGHT}'
+    floats = f'[[floats]]\nname = "heavy"\ncount = {count // 2}\n{HEAVY}'
+    floats += f'[[floats]]\nname = "light"\ncount = {count // 2}\n{LIGHT}'
     return scene_of(WATER + floats)
 
 

@@ -78,7 +78,9 @@ def test_each_scheme_has_its_order(integrator):
 @pytest.mark.compiled
 @pytest.mark.parametrize("integrator", ["velocity-verlet", "stormer-verlet"])
 def test_symmetric_schemes_go_back_to_the_start_in_reversed_time(integrator):
-    scene = lone_float_in_a_dish(HEAVY, motion=f'drag = false\nintegrator = "{integrator}"', duration=2.0, frame_every=0.1)
+    scene = lone_float_in_a_dish(
+        HEAVY, motion=f'drag = false\nintegrator = "{integrator}"', duration=2.0, frame_every=0.1
+    )
     parameters = FLOATING.parameters(scene)
     state = FLOATING.start(scene, parameters)
     began = state.position.copy()
@@ -89,7 +91,7 @@ def test_symmetric_schemes_go_back_to_the_start_in_reversed_time(integrator):
 
 
 def energy_drift(integrator, steps=1_000_000):
-    """Relative change of the energy of one float that swings in a dish, over the whole run, and the largest on the way."""
+    """The largest change of the energy of one float that swings in a dish, over the energy of the swing."""
     every = 20_000
     motion = f'drag = false\nintegrator = "{integrator}"\ntime_step = 4e-3'
     scene = lone_float_in_a_dish(HEAVY, motion=motion, duration=steps * 4e-3, frame_every=every * 4e-3)

@@ -14,7 +14,7 @@ def started(scene):
 
 
 def test_random_floats_start_inside_the_dish_without_touching():
-    state, parameters = started(bowl(60))
+    state, _ = started(bowl(60))
     assert np.all(np.hypot(*state.position.T) + 1.5e-3 < 0.03)
     apart = np.hypot(*(state.position[:, None] - state.position[None]).T)
     assert np.min(apart[np.triu_indices(60, 1)]) > 3e-3
@@ -81,7 +81,9 @@ def test_a_law_that_does_not_exist_gets_a_suggestion(table, path):
 
 
 def test_contact_angles_come_from_young_and_from_the_closure():
-    energies = "[[floats]]\nradius = 1e-3\ndensity = 1100.0\nsurface_energies = { solid_gas = 0.0364, solid_liquid = 0.0 }\n"
+    energies = (
+        "[[floats]]\nradius = 1e-3\ndensity = 1100.0\nsurface_energies = { solid_gas = 0.0364, solid_liquid = 0.0 }\n"
+    )
     parameters = FLOATING.parameters(scene_of(WATER + energies))
     assert parameters.floats.contact_angle[0] == pytest.approx(np.pi / 3)
     closure = '[[floats]]\nradius = 2e-3\ndensity = 1000.0\ncontact_angle = "original-closure"\n'

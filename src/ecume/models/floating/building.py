@@ -15,6 +15,7 @@ from ecume.errors import BadInput, EcumeError, Fault, SceneError
 from ecume.laws import capillarity, drag, flotation, meniscus
 from ecume.laws.contact import legacy_restitution
 from ecume.laws.screened import fit_k1
+from ecume.models.floating.pace import LARGEST_OVER_CHOSEN, LOOSEST_OVER_CHOSEN, chosen_step
 from ecume.models.floating.parameters import (
     CONTACT_LAWS,
     DISH,
@@ -30,7 +31,6 @@ from ecume.models.floating.parameters import (
     Parameters,
     pack_pair,
 )
-from ecume.models.floating.pace import LARGEST_OVER_CHOSEN, LOOSEST_OVER_CHOSEN, chosen_step
 from ecume.scenes.floating import FloatingScene, FloatRow, FloatSpec, species_of
 from ecume.units import Array
 
@@ -158,7 +158,9 @@ def wall_law_of(scene: FloatingScene) -> int:
         return NO_WALL_LAW
     if scene.dish.radius is None:
         if scene.dish.law != "meniscus":
-            raise _fault("dish.law", f"{scene.dish.law!r} is for round dishes; a rectangular one has 'meniscus' or 'none'")
+            raise _fault(
+                "dish.law", f"{scene.dish.law!r} is for round dishes; a rectangular one has 'meniscus' or 'none'"
+            )
         return PLANE
     return DISH if scene.dish.law == "meniscus" else LEGACY_DISH
 
@@ -180,7 +182,9 @@ def wall_strengths(scene: FloatingScene, floats: Floats) -> Array:
         ]
         return np.array([rows])
     amplitudes = _amplitudes(scene, liquid)
-    return np.array([[capillarity.wall_strength(tension, charge, wall) for charge in floats.charge] for wall in amplitudes])
+    return np.array(
+        [[capillarity.wall_strength(tension, charge, wall) for charge in floats.charge] for wall in amplitudes]
+    )
 
 
 def _amplitudes(scene: FloatingScene, liquid: flotation.Liquid) -> list[float]:
@@ -241,7 +245,9 @@ def parameters_of(scene: FloatingScene) -> Parameters:
 
 
 def with_step(parameters: Parameters, scene: FloatingScene) -> Parameters:
-    """The time step: the scene's own, or the longest that is good, a whole number of times in the time between frames."""
+    """The time step: the scene's own, or the longest that is good, a whole number of times in the time between
+    frames.
+    """
     good, frame = chosen_step(parameters, _speeds(scene)), scene.frame_every
     asked = scene.motion.time_step
     if asked is not None:
@@ -252,7 +258,9 @@ def with_step(parameters: Parameters, scene: FloatingScene) -> Parameters:
             "motion.time_step", f"{asked:g} s does not divide frame_every = {frame:g} s; {frame / steps:.9g} s would do"
         )
     time_step = frame / steps
-    kick = kick_of(parameters.scheme, time_step, parameters.floats, len(parameters.kick.mobility) - len(parameters.floats.mass))
+    kick = kick_of(
+        parameters.scheme, time_step, parameters.floats, len(parameters.kick.mobility) - len(parameters.floats.mass)
+    )
     stiffest = float(parameters.floats.relaxation_time.min())
     if parameters.scheme == RK4 and time_step > 2.0 * stiffest:
         raise _fault(

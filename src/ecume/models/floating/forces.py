@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ecume._jit import admit, compiled, compiled_inside, inlined, numba, threaded
+from ecume._jit import admit, compiled, compiled_inside, inlined, prange, threaded
 from ecume.engine.neighbors import THREADS_FROM, NeighborLists, sort_positions
 from ecume.engine.walls import wall_count, wall_distance
 from ecume.laws import capillarity, screened, special
@@ -42,8 +42,6 @@ def no_extra_pull(square: float, own: PairParameters) -> float:
     return 0.0
 
 
-
-
 @inlined
 def pull_rows_with(
     extra_pull: Callable[[float, PairParameters], float],
@@ -56,8 +54,8 @@ def pull_rows_with(
 ) -> None:
     """Pair forces on the slots from `start` to `stop`.
 
-    Three plain loops instead of one: gather the neighbors, work out all their forces (this one vectorizes, without changing a
-    bit), add them up in order.
+    Three plain loops instead of one: gather the neighbors, work out all their forces (this one vectorizes, without
+    changing a bit), add them up in order.
     """
     first, neighbor, x, y = rows
     charge, radius = floats
@@ -80,7 +78,8 @@ def pull_rows_with(
             apart_x[k], apart_y[k] = 2.0 * cutoff, 0.0
         for k in range(padded):
             square = apart_x[k] * apart_x[k] + apart_y[k] * apart_y[k]
-            # Towards the neighbor where the charges agree; the same factor for both of a pair, so that their forces cancel to the bit.
+            # Towards the neighbor where the charges agree; the same factor for both of a pair, so that their forces
+            # cancel to the bit.
             factor = strength * inverse_square * (own_charge * charges[k]) * k1_over_x(square * inverse_square, fit)
             own = PairParameters(own_radius, radii[k], own_charge, charges[k], length, tension)
             factor += extra_pull(square, own)
@@ -101,7 +100,7 @@ def _pull_rows(start: int, stop: int, rows: Any, floats: Any, pair: Array, force
 
 @threaded
 def _pull_in_threads(tasks: int, rows: Any, floats: Any, pair: Array, force: Array) -> None:
-    for task in numba.prange(tasks):
+    for task in prange(tasks):
         start = task * ROWS_PER_TASK
         _pull_rows(start, min(start + ROWS_PER_TASK, force.shape[1]), rows, floats, pair, force)
 

@@ -7,7 +7,9 @@ import math
 import numpy as np
 
 from ecume._jit import compiled
+from ecume.engine.cells import Integers
 from ecume.engine.contacts import Candidates
+from ecume.engine.neighbors import Slots
 from ecume.engine.walls import Walls, wall_count, wall_distance
 from ecume.laws.capillarity import dish_energy, pair_energy, plane_wall_energy, two_point_legacy_energy
 from ecume.models.floating.parameters import (
@@ -56,8 +58,10 @@ CONTACT_GAP = 1e-3
 
 
 @compiled
-def sum_of_pair_energies(position: Array, charge: Array, pair: Array, rows: tuple[Array, Array, Array]) -> float:
-    """Exact energies of all pairs within the cutoff, each less its value there, so that a pair that parts changes nothing."""
+def sum_of_pair_energies(position: Array, charge: Array, pair: Array, rows: tuple[Integers, Slots, Integers]) -> float:
+    """Exact energies of all pairs within the cutoff, each less its value there, so that a pair that parts changes
+    nothing.
+    """
     first, neighbor, order = rows
     length, cutoff = pair[CAPILLARY_LENGTH], pair[CUTOFF]
     total = 0.0
@@ -96,7 +100,7 @@ def sum_of_wall_energies(parameters: Parameters, position: Array) -> float:
 
 
 @compiled
-def touching_pairs(position: Array, radius: Array, candidates: Candidates, label: Array) -> tuple[int, float]:
+def touching_pairs(position: Array, radius: Array, candidates: Candidates, label: Integers) -> tuple[int, float]:
     """Label clusters by their lowest member; how many pairs touch, and the deepest overlap among them."""
     first, partner = candidates.first, candidates.partner
     contacts, deepest = 0, 0.0
@@ -117,7 +121,7 @@ def touching_pairs(position: Array, radius: Array, candidates: Candidates, label
 
 
 @compiled
-def _root(label: Array, i: int) -> int:
+def _root(label: Integers, i: int) -> int:
     while label[i] != i:
         label[i] = label[label[i]]
         i = label[i]
@@ -125,7 +129,7 @@ def _root(label: Array, i: int) -> int:
 
 
 @compiled
-def _join(label: Array, i: int, j: int) -> None:
+def _join(label: Integers, i: int, j: int) -> None:
     low, high = _root(label, i), _root(label, j)
     label[max(low, high)] = min(low, high)
 
@@ -148,7 +152,11 @@ def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame
         "velocity": state.velocity.copy(),
         **{name: getattr(floats, name).copy() for name in ARRAY_UNITS if hasattr(floats, name)},
     }
-    numbers = {**energies(parameters, state, workspace), **motion(parameters, state), **crowd(parameters, state, workspace)}
+    numbers = {
+        **energies(parameters, state, workspace),
+        **motion(parameters, state),
+        **crowd(parameters, state, workspace),
+    }
     numbers = {name: float(numbers[name]) for name in NUMBER_UNITS}
     time = int(state.step[0]) * parameters.time_step
     return Frame(time, arrays, numbers, {**ARRAY_UNITS, **NUMBER_UNITS})
@@ -160,7 +168,12 @@ def energies(parameters: Parameters, state: State, workspace: Workspace) -> dict
     kinetic = 0.5 * float(np.sum(parameters.floats.mass * np.sum(state.velocity**2, axis=1)))
     pairs = sum_of_pair_energies(state.position, parameters.floats.charge, parameters.pair, rows)
     walls = sum_of_wall_energies(parameters, state.position)
-    return {"kinetic_energy": kinetic, "pair_energy": pairs, "wall_energy": walls, "total_energy": kinetic + pairs + walls}
+    return {
+        "kinetic_energy": kinetic,
+        "pair_energy": pairs,
+        "wall_energy": walls,
+        "total_energy": kinetic + pairs + walls,
+    }
 
 
 def motion(parameters: Parameters, state: State) -> dict[str, float]:

@@ -32,7 +32,8 @@ def stiffness_over_mass(parameters: Parameters) -> tuple[Array, Array]:
     """Of each distinct kind of float in the crowd's worst place: stiffness (N/m) and mass (kg)."""
     floats = parameters.floats
     kinds = np.unique(np.stack([floats.radius, np.abs(floats.charge), floats.mass], axis=1), axis=0)
-    # The strongest partner of any kind bounds them all: a table of a thousand different floats costs a thousand evaluations.
+    # The strongest partner of any kind bounds them all: a table of a thousand different floats costs a thousand
+    # evaluations.
     strongest, smallest = float(np.max(kinds[:, 1])), float(np.min(kinds[:, 0]))
     wall = float(np.max(np.abs(parameters.wall_strength), initial=0.0)) / parameters.pair[CAPILLARY_LENGTH] ** 2
     stiffness = [
@@ -45,8 +46,8 @@ def stiffness_over_mass(parameters: Parameters) -> tuple[Array, Array]:
 def chosen_step(parameters: Parameters, speed: float) -> float:
     """The longest good step (s).
 
-    A float on a spring k turns back after about sqrt(m/k), or relaxes in zeta/k where drag rules; the kick takes drag exactly, so
-    that the longer of the two counts: syrup needs no tinier step than water.
+    A float on a spring k turns back after about sqrt(m/k), or relaxes in zeta/k where drag rules; the kick takes drag
+    exactly, so that the longer of the two counts: syrup needs no tinier step than water.
     """
     stiffness, mass = stiffness_over_mass(parameters)
     friction = _least_friction(parameters.floats)

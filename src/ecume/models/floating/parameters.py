@@ -46,7 +46,9 @@ class Floats(NamedTuple):
 
 
 class Kick(NamedTuple):
-    """What one kick of the scheme does to a float, with drag solved exactly under a force that stays: v = decay v + gain F."""
+    """What one kick of the scheme does to a float, with drag solved exactly under a force that stays: v = decay v +
+    gain F.
+    """
 
     decay: Array
     gain: Array
@@ -80,12 +82,12 @@ class Parameters(NamedTuple):
 STRENGTH, CAPILLARY_LENGTH, CUTOFF, SURFACE_TENSION, FIT = 0, 1, 2, 3, 4
 
 
-def pack_pair(strength: float, capillary_length: float, cutoff: float, surface_tension: float, fit: ScreenedFit) -> Array:
+def pack_pair(
+    strength: float, capillary_length: float, cutoff: float, surface_tension: float, fit: ScreenedFit
+) -> Array:
     """The pair law's constants as one array: Numba's threads take no nested tuples."""
-    return np.array(
-        [strength, capillary_length, cutoff, surface_tension, fit.lower, fit.upper, fit.shift, fit.slope, fit.offset, fit.error]
-        + list(fit.weights)
-    )
+    of_fit = (fit.lower, fit.upper, fit.shift, fit.slope, fit.offset, fit.error)
+    return np.array([strength, capillary_length, cutoff, surface_tension, *of_fit, *fit.weights])
 
 
 def unpack_fit(pair: Array) -> ScreenedFit:
@@ -94,6 +96,4 @@ def unpack_fit(pair: Array) -> ScreenedFit:
     weights = (
         w[0], w[1], w[2], w[3], w[4], w[5], w[6], w[7], w[8], w[9], w[10], w[11], w[12], w[13], w[14], w[15], w[DEGREE]
     )  # fmt: skip
-    return ScreenedFit(
-        pair[FIT], pair[FIT + 1], pair[FIT + 2], pair[FIT + 3], pair[FIT + 4], weights, pair[FIT + 5]
-    )
+    return ScreenedFit(pair[FIT], pair[FIT + 1], pair[FIT + 2], pair[FIT + 3], pair[FIT + 4], weights, pair[FIT + 5])

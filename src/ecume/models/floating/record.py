@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import psutil
 
-from ecume._jit import compiled_once, numba
+from ecume._jit import compiled_once
 from ecume.errors import Fault, SceneError
 from ecume.laws import capillarity, flotation
 from ecume.models.floating.building import afloat, liquid_of, parameters_of
@@ -80,20 +80,24 @@ def diagnosis(parameters: Parameters, state: State) -> str:
     x, y = state.position[worst]
     return (
         f"at t = {time:.6g} s float {worst} {what} (at {x:.4g} m, {y:.4g} m): too far for one time step of "
-        f"{parameters.time_step:.3g} s. Set motion.time_step = {0.25 * parameters.time_step:.2g}, or look for overlapping floats"
+        f"{parameters.time_step:.3g} s. Set motion.time_step = {0.25 * parameters.time_step:.2g}, "
+        "or look for overlapping floats"
     )
 
 
 def extended(extra_laws: Sequence[Callable[..., float]]) -> Model:
     """The floating model with a user's own pair laws: functions (distance, parameters) -> force (N, positive repels).
 
-    `parameters` is a `PairParameters`. They are compiled like our own, once a process, and act up to the scene's cutoff.
+    `parameters` is a `PairParameters`. They are compiled like our own, once a process, and act up to the scene's
+    cutoff.
     """
     return dataclasses.replace(FLOATING, advance=_advance_with_extra(tuple(extra_laws)))
 
 
 def _advance_with_extra(laws: tuple[Callable[..., float], ...]) -> Callable[..., int]:
-    """The march with the laws' sum compiled in. A function a law: a tuple of functions is no value for compiled code."""
+    """The march with the laws' sum compiled in. A function a law: a tuple of functions is no value for compiled
+    code.
+    """
     extra = _no_law
     for law in laws:
         extra = _sum_of(compiled_once(law), extra)
@@ -145,9 +149,17 @@ def summary(scene: FloatingScene) -> list[tuple[str, str, str]]:
     left = capillarity.neglected_fraction(cutoff)
     return [
         *rows,
-        ("cutoff", f"{parameters.cutoff * 1e3:.4g} mm", f"{cutoff:.3g} capillary lengths; {left:.1e} of a raft's pull is left out"),
+        (
+            "cutoff",
+            f"{parameters.cutoff * 1e3:.4g} mm",
+            f"{cutoff:.3g} capillary lengths; {left:.1e} of a raft's pull is left out",
+        ),
         ("floats", str(count), f"{len({given.name for given in scene.floats}) or 1} species"),
-        ("time step", f"{parameters.time_step * 1e3:.4g} ms", f"unstable above {LARGEST_OVER_CHOSEN:g} times the good one"),
+        (
+            "time step",
+            f"{parameters.time_step * 1e3:.4g} ms",
+            f"unstable above {LARGEST_OVER_CHOSEN:g} times the good one",
+        ),
         ("steps", str(steps), f"{frames} frames of {parameters.steps_per_frame} steps"),
         ("memory", f"{memory_estimate(parameters) / 1e6:.3g} MB", "when packed to rafts"),
         ("time on this machine", _duration(seconds_per_step(count) * steps), "roughly, after compilation"),
@@ -163,9 +175,17 @@ def _summary_of(kind: Any, name: str, liquid: flotation.Liquid) -> list[tuple[st
     return [
         (f"{name}: Bond number", f"{bond:.4g}", "(R / capillary length)^2"),
         (f"{name}: density ratio", f"{flotation.density_ratio(sphere, liquid):.4g}", f"sinks above {limit:.4g}"),
-        (f"{name}: dimensionless weight", f"{weight:.4g}", "presses the surface down" if weight > 0 else "lifts the surface"),
+        (
+            f"{name}: dimensionless weight",
+            f"{weight:.4g}",
+            "presses the surface down" if weight > 0 else "lifts the surface",
+        ),
         (f"{name}: slope at the contact line", f"{slope:.3g} deg", _slope_remark(balance.slope_angle)),
-        (f"{name}: capillary charge", f"{kind.charge * 1e6:.4g} um", "heavy: attracts the heavy" if kind.charge > 0 else "light: attracts the light"),
+        (
+            f"{name}: capillary charge",
+            f"{kind.charge * 1e6:.4g} um",
+            "heavy: attracts the heavy" if kind.charge > 0 else "light: attracts the light",
+        ),
     ]
 
 
@@ -179,7 +199,13 @@ def seconds_per_step(count: int) -> float:
 
 
 def _duration(seconds: float) -> str:
-    return f"{seconds:.2g} s" if seconds < 100 else f"{seconds / 60:.2g} min" if seconds < 6000 else f"{seconds / 3600:.2g} h"
+    return (
+        f"{seconds:.2g} s"
+        if seconds < 100
+        else f"{seconds / 60:.2g} min"
+        if seconds < 6000
+        else f"{seconds / 3600:.2g} h"
+    )
 
 
 FLOATING = Model(

@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ecume.engine import contacts
+from ecume.engine.cells import Integers
 from ecume.engine.neighbors import build, make_lists
 from ecume.engine.placement import Region, place_at_random, place_on_lattice, place_on_ring
 from ecume.engine.walls import Walls, wall_count, wall_distance
@@ -36,7 +37,7 @@ def start(scene: FloatingScene, parameters: Parameters) -> State:
     """The state at time 0. Raises SceneError where floats overlap, lie outside, or find no room."""
     places = given_places(scene)
     free = np.isnan(places.position[:, 0])
-    _check(scene, parameters, places.position, np.flatnonzero(~free))
+    _check(scene, parameters, places.position, np.flatnonzero(~free).astype(np.int64))
     if np.any(free):
         radius = parameters.floats.radius
         taken = places.position[~free], radius[~free]
@@ -80,7 +81,7 @@ def region_of(parameters: Parameters) -> Region:
     return Region((-half[0], -half[1]), half, walls)
 
 
-def _check(scene: FloatingScene, parameters: Parameters, position: Array, which: Array) -> None:
+def _check(scene: FloatingScene, parameters: Parameters, position: Array, which: Integers) -> None:
     """All floats with given places that overlap, or are not inside the dish."""
     names = float_names(scene)
     faults = [*_outside(parameters, position, which, names), *_overlapping(parameters.floats, position, which, names)]
@@ -95,14 +96,16 @@ def float_names(scene: FloatingScene) -> list[str]:
     return names + [f"rows[{k}]" for k in range(len(scene.rows))]
 
 
-def _outside(parameters: Parameters, position: Array, which: Array, names: list[str]) -> list[Fault]:
+def _outside(parameters: Parameters, position: Array, which: Integers, names: list[str]) -> list[Fault]:
     faults = []
     for i in which:
         sunk_in = _into_walls(parameters.walls, position[i], parameters.floats.radius[i])
         if sunk_in > TOUCHING * parameters.floats.radius[i]:
             x, y = position[i]
             faults.append(
-                Fault(names[i], f"({x:g} m, {y:g} m) is not inside the dish: {sunk_in:.3g} m of the float are in the wall")
+                Fault(
+                    names[i], f"({x:g} m, {y:g} m) is not inside the dish: {sunk_in:.3g} m of the float are in the wall"
+                )
             )
     return faults
 
@@ -112,7 +115,7 @@ def _into_walls(walls: Walls, place: Array, radius: float) -> float:
     return radius - min(distances, default=math.inf)
 
 
-def _overlapping(floats: Floats, position: Array, which: Array, names: list[str]) -> list[Fault]:
+def _overlapping(floats: Floats, position: Array, which: Integers, names: list[str]) -> list[Fault]:
     if len(which) < 2:
         return []
     places, radius = np.ascontiguousarray(position[which]), floats.radius[which]

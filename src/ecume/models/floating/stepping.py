@@ -1,16 +1,15 @@
 """One step of floating bodies, and the march of many.
 
-Kick, stop at contacts, drift, kick, rest: the velocity Verlet scheme with unilateral constraints, as RATTLE is with bilateral
-ones. The first contact solve acts on the velocity with which everyone goes through the step, so that nobody ends inside another;
-the second on the velocity at its end, so that touching floats are at rest when nothing moves them. Other schemes put their own
-passage and their own kick in place of Verlet's.
+Kick, stop at contacts, drift, kick, rest: the velocity Verlet scheme with unilateral constraints, as RATTLE is with
+bilateral ones. The first contact solve acts on the velocity with which everyone goes through the step, so that nobody
+ends inside another; the second on the velocity at its end, so that touching floats are at rest when nothing moves them.
+Other schemes put their own passage and their own kick in place of Verlet's.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
@@ -132,7 +131,9 @@ def accelerate(parameters: Parameters, velocity: Array, force: Array, accelerati
 
 @inlined
 def runge_kutta_with(evaluate: Callable[..., None], parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """The classical scheme of fourth order, drag included: passage and velocity change by the weighted means of four stages."""
+    """The classical scheme of fourth order, drag included: passage and velocity change by the weighted means of four
+    stages.
+    """
     time, passage, stages = parameters.time_step, workspace.passage, workspace.stages
     position, velocity, rate, slope, push = stages[0], stages[1], stages[2], stages[3], stages[4]
     passage[: len(position)] = 0.0
@@ -185,13 +186,13 @@ def predict_with(evaluate: Callable[..., None], parameters: Parameters, state: S
 def set_bounds(parameters: Parameters, contacts: Contacts, passage: Array, before: Array) -> int:
     """What each contact demands of the passage; how many of them are collisions.
 
-    A pair that would be inside one another at the end of the step either bounces (it came faster than a kick can make it) or just
-    meets. `before` are the approach speeds before the kick.
+    A pair that would be inside one another at the end of the step either bounces (it came faster than a kick can make
+    it) or just meets. `before` are the approach speeds before the kick.
     """
     count, speed, bound, gap = parameters.floats.radius.shape[0], contacts.scratch, contacts.bound, contacts.gap
     touching.approaches(contacts, passage, speed)
     collisions = 0
-    for row in range(contacts.count[0]):
+    for row in range(contacts.total[0]):
         restitution = parameters.restitution if contacts.second[row] < count else parameters.wall_restitution
         bound[row] = -max(gap[row], 0.0) / parameters.time_step
         if parameters.contact_law == LEGACY and contacts.second[row] < count:
@@ -207,13 +208,14 @@ def set_bounds(parameters: Parameters, contacts: Contacts, passage: Array, befor
 
 @compiled
 def set_resting_bounds(parameters: Parameters, contacts: Contacts, velocity: Array, before: Array) -> None:
-    """What each contact demands of the velocity at the end of a step: to close no gap at once, if only the kick would close it.
+    """What each contact demands of the velocity at the end of a step: to close no gap at once, if only the kick would
+    close it.
 
     Whoever comes faster than a kick can make it is left alone: the next step sees a collision.
     """
     speed, bound, gap = contacts.scratch, contacts.bound, contacts.gap
     touching.approaches(contacts, velocity, speed)
-    for row in range(contacts.count[0]):
+    for row in range(contacts.total[0]):
         lasting = before[row] >= -STEADY * abs(speed[row] - before[row])
         bound[row] = -max(gap[row], 0.0) / parameters.time_step if lasting else -np.inf
 
@@ -227,12 +229,12 @@ def solve_contacts(parameters: Parameters, state: State, contacts: Contacts, vel
     touching.weigh(contacts, mobility)
     touching.approaches(contacts, velocity, contacts.scratch)
     fastest = 0.0
-    for row in range(contacts.count[0]):
+    for row in range(contacts.total[0]):
         fastest = max(fastest, contacts.bound[row] - contacts.scratch[row])
     goal = touching.Goal(touching.CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
     sweeps = touching.solve(contacts, velocity, mobility, goal) if fastest > 0.0 else 0
     if fastest <= 0.0:
-        contacts.impulse[: contacts.count[0]] = 0.0
+        contacts.impulse[: contacts.total[0]] = 0.0
     state.tally[SWEEPS] += sweeps
     state.tally[UNCONVERGED] += 1.0 if sweeps > touching.MOST_SWEEPS else 0.0
     touching.remember(contacts, memory)
@@ -240,7 +242,9 @@ def solve_contacts(parameters: Parameters, state: State, contacts: Contacts, vel
 
 @compiled
 def meet(parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """The first contact solve: on the passage; the velocity changes with it. `before` holds the velocities before the kick."""
+    """The first contact solve: on the passage; the velocity changes with it. `before` holds the velocities before the
+    kick.
+    """
     contacts, passage, before, decay = workspace.contacts, workspace.passage, workspace.before, parameters.kick.decay
     count = len(state.position)
     # Twice the pace for a pair that meets head on, and twice again for those whom others push.
@@ -266,7 +270,7 @@ def settle(parameters: Parameters, state: State, workspace: Workspace) -> None:
     reach = 2.0 * workspace.ahead[0] + parameters.slop
     touching.gather(contacts, workspace.candidates, state.position, bodies, reach)
     deepest = 0.0
-    for row in range(contacts.count[0]):
+    for row in range(contacts.total[0]):
         deepest = max(deepest, -contacts.gap[row])
     state.tally[DEEPEST] = max(state.tally[DEEPEST], deepest)
     if deepest > parameters.slop:
@@ -277,7 +281,9 @@ def settle(parameters: Parameters, state: State, workspace: Workspace) -> None:
 
 @compiled
 def rest(parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """The second contact solve: on the velocity at the end of the step, so that what touches and is pressed together rests."""
+    """The second contact solve: on the velocity at the end of the step, so that what touches and is pressed together
+    rests.
+    """
     contacts, passage, before, decay = workspace.contacts, workspace.passage, workspace.before, parameters.kick.decay
     for i in range(len(state.position)):
         before[i, 0] = decay[i] * passage[i, 0]
