@@ -320,3 +320,14 @@ def test_a_law_is_imported_without_compiler_or_solver():
     code = "import sys; from ecume.laws import flotation, meniscus, drag, capillarity, contact; "
     code += "assert not {'numba', 'scipy', 'pint', 'pydantic'} & set(sys.modules)"
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+@pytest.mark.parametrize(("bond", "ratio", "angle"), [(1e-20, 1.2, 1.5), (1e-3, 0.5, 1e-13), (1e-3, 0.9, 1e-13)])
+def test_extreme_numbers_give_finite_balances(bond, ratio, angle):
+    found = flotation.nonlinear_balance(bond, ratio, angle)
+    assert all(math.isfinite(number) for number in found)
+
+
+def test_a_sphere_smaller_than_an_atom_is_refused():
+    with pytest.raises(BadInput, match="atom"):
+        flotation.nonlinear_balance(1e-30, 1.2, 1.5)

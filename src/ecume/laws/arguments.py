@@ -13,6 +13,8 @@ import numpy as np
 from ecume.errors import BadInput
 from ecume.units import Array, Lengths, Real
 
+LEAST_BOND_NUMBER = 1e-20
+"""A radius of 1e-10 capillary lengths: less than an atom's."""
 LARGEST_BOND_NUMBER = 1e3
 SMALLEST = 5e-324
 """The least distance that is not zero: two centers in one place have neither an energy nor a direction."""
@@ -45,6 +47,11 @@ def require_numbers(bond_number: float, density_ratio: float, contact_angle: flo
         raise BadInput(
             f"the bond number is {bond_number:g}: a radius of {math.sqrt(bond_number):.0f} capillary lengths; "
             f"these laws are for floaters up to {LARGEST_BOND_NUMBER:g}"
+        )
+    if bond_number < LEAST_BOND_NUMBER:
+        raise BadInput(
+            f"the bond number is {bond_number:g}: a radius of {math.sqrt(bond_number):.1e} capillary lengths "
+            "is less than an atom's; wanted a larger one"
         )
     if not math.isfinite(density_ratio):
         raise BadInput(f"the density ratio is {density_ratio!r}; wanted a finite number")

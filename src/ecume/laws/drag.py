@@ -59,12 +59,12 @@ def stokes_friction(radius: Length, viscosity: Viscosity, factor: Number) -> Fri
 
 
 def relaxation_time(mass: Mass, friction: Friction) -> Time:
-    """Relaxation time tau = m / zeta: how long a floater coasts. [stokes1851].
+    """Relaxation time tau = m / zeta: how long a floater coasts; for ever without friction. [stokes1851].
 
     >>> relaxation_time(2.0, 4.0)
     0.5
     """
-    return mass / friction
+    return mass / friction if friction > 0.0 else math.inf
 
 
 @cache

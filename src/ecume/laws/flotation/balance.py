@@ -213,9 +213,10 @@ def _stable_load(bond_number: float, density_ratio: float, contact_angle: float)
         if not crossed and abs(outer - inner) <= NARROW * abs(outer):
             break
         carried = load(bond_number, contact_angle, psi)
-        step = (carried.density_ratio - density_ratio) / carried.change
         rising = carried.change > 0.0
-        enough = EXACT * abs(psi) + ROUNDING * (1.0 + abs(density_ratio)) / carried.change
+        # Where the load no longer rises the bracket is halved, and no step is asked for.
+        step = (carried.density_ratio - density_ratio) / carried.change if rising else 0.0
+        enough = EXACT * abs(psi) + ROUNDING * (1.0 + abs(density_ratio)) / carried.change if rising else 0.0
         if rising and (abs(step) <= enough or last <= abs(step) <= STALLED * abs(psi)):
             return carried
         last = abs(step)

@@ -22,7 +22,7 @@ from ecume.models.floating.starting import start
 from ecume.models.floating.state import State, Workspace, list_reach, make_workspace
 from ecume.models.floating.stepping import advance, advance_with, renew_lists
 from ecume.models.model import Model
-from ecume.scenes.floating import FloatingScene
+from ecume.scenes.floating import FloatingScene, FloatRow, FloatSpec, species_of
 
 ROOMIER = 1.6
 BYTES_PER_FLOAT = 1200
@@ -140,9 +140,11 @@ def summary(scene: FloatingScene) -> list[tuple[str, str, str]]:
     parameters = checked_parameters(scene)
     liquid = liquid_of(scene)
     length = liquid.capillary_length
+    kinds: dict[str, FloatSpec | FloatRow] = {given.name: given for given in scene.floats}
+    kinds |= {row.species_name: row for row in reversed(scene.rows)}
     rows = [("capillary length", f"{length * 1e3:.4g} mm", "how far a meniscus reaches")]
-    for given in scene.floats:
-        rows += _summary_of(afloat(given, scene), given.name, liquid)
+    for name, _ in species_of(scene):
+        rows += _summary_of(afloat(kinds[name], scene), name, liquid)
     frames = round(scene.duration / scene.frame_every)
     steps, count = frames * parameters.steps_per_frame, len(parameters.floats.radius)
     cutoff = parameters.cutoff / length
@@ -154,7 +156,7 @@ def summary(scene: FloatingScene) -> list[tuple[str, str, str]]:
             f"{parameters.cutoff * 1e3:.4g} mm",
             f"{cutoff:.3g} capillary lengths; {left:.1e} of a raft's pull is left out",
         ),
-        ("floats", str(count), f"{len({given.name for given in scene.floats}) or 1} species"),
+        ("floats", str(count), f"{len(kinds)} species"),
         (
             "time step",
             f"{parameters.time_step * 1e3:.4g} ms",
