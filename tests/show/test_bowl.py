@@ -30,7 +30,7 @@ def nearly(color, pixels):
 
 @pytest.mark.parametrize("index", [0, 1, 4, 5])
 def test_a_float_covers_the_pixels_of_its_circle_and_no_others(scene, frames, index):
-    bowl = Bowl(scene, frames, SIZE)
+    bowl = Bowl(scene, frames, Size(2400, 1800))
     picture = bowl.pixels(frames[3])
     arrays = frames[3].arrays
     color = "#ff0000" if arrays["species"][index] == 0 else "#00ff00"
@@ -38,8 +38,8 @@ def test_a_float_covers_the_pixels_of_its_circle_and_no_others(scene, frames, in
     rows, columns = np.indices(picture.shape[:2])
     distance = np.hypot(columns + 0.5 - column, rows + 0.5 - row)
     radius = arrays["radius"][index] * per_meter(bowl)
-    edge = 2.0
-    assert radius > 3 * edge
+    edge = 1.5
+    assert radius > 15 * edge
     assert nearly(color, picture[distance < radius - edge]).all()
     assert not nearly(color, picture[(distance > radius + edge) & (distance < radius + 3 * edge)]).any()
 

@@ -33,6 +33,16 @@ def test_menisci_add_up_to_the_sum_of_k0(scene, frames):
     assert allowed < 0.03 * np.abs(wanted[wet]).max()
 
 
+def test_under_a_float_the_surface_stands_as_high_as_at_its_edge(scene, frames):
+    grid = sheet(dataclasses.replace(scene, dish=None), VIEW, cells=61, closest=CLOSEST)
+    arrays = {name: array[:1] for name, array in frames[0].arrays.items()}
+    alone = frames[0]._replace(arrays={**arrays, "position": np.zeros((1, 2))})
+    height, length = surface(alone, grid), liquid_of(scene).capillary_length
+    middle = height[30, 30]
+    assert middle == pytest.approx(1e-4 * k0(2e-3 / length), rel=2e-3)
+    assert height[30, 31] == middle
+
+
 def test_light_floats_lift_the_surface_and_heavy_ones_press_it_down(scene, frames):
     grid = sheet(dataclasses.replace(scene, dish=None), VIEW, cells=60, closest=CLOSEST)
     height = surface(frames[0], grid)
