@@ -22,7 +22,7 @@ def _elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 def test_new_lists_the_templates_with_what_they_show() -> None:
     done = cli.invoke(app, ["new"])
     assert [line.split()[0] for line in done.stdout.splitlines()] == list(templates())
-    assert "Forty cereals" in done.stdout
+    assert "Sixty cereals" in done.stdout
 
 
 def test_new_writes_a_template_and_its_table_once(tmp_path: Path) -> None:

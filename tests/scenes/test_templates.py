@@ -65,9 +65,9 @@ def test_the_first_line_of_a_template_says_what_it_shows() -> None:
         assert says.endswith((".", ")"))
 
 
-def test_the_cereal_bowl_holds_forty_cereals(tmp_path: Path) -> None:
+def test_the_cereal_bowl_holds_sixty_cereals(tmp_path: Path) -> None:
     raw = tomllib.loads(copy_template("cereal-bowl", tmp_path / "bowl.toml")[0].read_text())
-    assert raw["floats"][0]["count"] == 40
+    assert raw["floats"][0]["count"] == 60
 
 
 def test_nothing_is_overwritten(tmp_path: Path) -> None:
