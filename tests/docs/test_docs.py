@@ -1,0 +1,231 @@
+"""What the documentation says is so: its code runs, its links lead somewhere, its options and papers exist."""
+
+import dataclasses
+import math
+import re
+import tomllib
+import typing
+from pathlib import Path
+from urllib.parse import unquote
+
+import pytest
+
+from ecume.cli import app
+from ecume.laws import drag, flotation
+from ecume.laws.capillarity import truncation_radius
+from ecume.scenes import floating
+from ecume.scenes.load import load_scene
+from ecume.scenes.starts import SOURCES
+from ecume.units import Unit
+
+ROOT = Path(__file__).parents[2]
+PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
+PHYSICS = ROOT / "docs" / "physics" / "floating.md"
+SECTIONS = {
+    "scene": floating.FloatingScene,
+    "[liquid]": floating.LiquidSpec,
+    "[[floats]]": floating.FloatSpec,
+    "[floats.surface_energies]": floating.SurfaceEnergies,
+    "[[rows]]": floating.FloatRow,
+    "[dish]": floating.DishSpec,
+    "[motion]": floating.MotionSpec,
+    "[contacts]": floating.ContactSpec,
+    "[interaction]": floating.InteractionSpec,
+}
+"""The tables of options, and the part of the schema that each describes."""
+EITHER_ANGLE = {"contact_angle": "rad"}
+"""An angle or a name: the schema reads it itself."""
+
+
+def name_of(page):
+    return page.relative_to(ROOT).as_posix()
+
+
+each_page = pytest.mark.parametrize("page", PAGES, ids=name_of)
+
+
+def blocks(page, language):
+    """The fenced blocks of a language; those marked `no-run` are only shown."""
+    return re.findall(rf"^```{language}\n(.*?)^```", page.read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
+
+
+def prose(page):
+    """A page without its blocks of code."""
+    return re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
+
+
+@pytest.fixture
+def beside_a_run(tmp_path, monkeypatch):
+    """A folder with what the examples name: the cereal bowl and its run, both short."""
+    from ecume.run import run
+    from ecume.scenes.templates import copy_template
+
+    monkeypatch.chdir(tmp_path)
+    (scene,) = copy_template("cereal-bowl", Path("cereal-bowl.toml"))
+    text = scene.read_text(encoding="utf-8")
+    short = re.sub(r"^(duration|frame_every) = .*$", r'\1 = "50 ms"', text, flags=re.MULTILINE)
+    scene.write_text(short, encoding="utf-8")
+    run(load_scene(scene), "bowl")
+
+
+@pytest.mark.compiled
+@pytest.mark.usefixtures("beside_a_run")
+@pytest.mark.parametrize("page", [page for page in PAGES if blocks(page, "python")], ids=name_of)
+def test_the_python_of_a_page_runs(page):
+    names = {"__name__": "page"}
+    for number, code in enumerate(blocks(page, "python")):
+        exec(compile(code, f"{page.name}, block {number}", "exec"), names)
+
+
+@each_page
+def test_the_scenes_of_a_page_are_scenes(page):
+    for text in blocks(page, "toml"):
+        if "model" in tomllib.loads(text):
+            assert load_scene(text)
+
+
+@each_page
+def test_the_links_of_a_page_lead_somewhere(page):
+    for target in re.findall(r"\]\(([^)\s]+)\)", prose(page)):
+        if re.match(r"[a-z]+:", target):
+            continue
+        path, _, anchor = target.partition("#")
+        file = (page.parent / unquote(path)).resolve() if path else page
+        assert file.exists(), target
+        assert not anchor or anchor in anchors(file), target
+
+
+def anchors(page):
+    """The names that headings get on a page."""
+    headings = re.findall(r"^#+ (.*)$", prose(page), re.MULTILINE)
+    return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
+
+
+@each_page
+def test_the_papers_of_a_page_are_in_the_bibliography(page):
+    known = re.findall(r"^@\w+\{(\w+),", (ROOT / "references.bib").read_text(encoding="utf-8"), re.MULTILINE)
+    cited = {key for group in re.findall(r"\[([^\]]*)\]", prose(page)) for key in re.findall(r"\b[a-z]+\d{4}\b", group)}
+    assert cited <= set(known)
+
+
+@each_page
+def test_every_option_that_a_page_names_exists(page):
+    parts = {title.strip("[]"): kind for title, kind in SECTIONS.items() if title != "scene"}
+    named = re.findall(r"`(\w+)(?:\[\d+\])?\.(\w+)(?: = [^`]*)?`", prose(page))
+    for part, key in named:
+        if part in parts:
+            assert key in {field.name for field in dataclasses.fields(parts[part])}, f"{part}.{key}"
+
+
+def test_the_scene_of_the_readme_is_the_template():
+    (text,) = blocks(ROOT / "README.md", "toml")
+    shown, template = load_scene(text), load_scene(ROOT / "src" / "ecume" / "templates" / "cereal-bowl.toml")
+    looks = {"name": shown.floats[0].name, "color": None}
+    bare = [dataclasses.replace(species, **looks) for species in template.floats]
+    assert dataclasses.replace(template, title="", floats=tuple(bare)) == shown
+
+
+@each_page
+def test_every_file_of_ours_that_a_page_names_exists(page):
+    for path in re.findall(r"`([\w/]+\.py)`", prose(page)):
+        if "mine" not in path:
+            assert [found for found in ROOT.glob(f"**/{path}") if ".venv" not in found.parts], path
+
+
+@each_page
+def test_every_command_that_a_page_names_exists(page):
+    verbs = {command.callback.__name__ for command in app.registered_commands}
+    text = "\n".join([*blocks(page, "sh"), *re.findall(r"`(ecume [^`]*)`", prose(page))])
+    assert set(re.findall(r"^(?:\$ )?ecume (\w+)", text, re.MULTILINE)) <= verbs
+
+
+def unit_of(hint):
+    """The unit somewhere inside an annotation."""
+    units = [extra.symbol for extra in getattr(hint, "__metadata__", ()) if isinstance(extra, Unit)]
+    return next((found for found in [*units, *map(unit_of, typing.get_args(hint))] if found), "")
+
+
+def facts(kind):
+    """What a table of options has to say of each key: its name, unit and default."""
+    hints = typing.get_type_hints(kind, include_extras=True)
+    for field in dataclasses.fields(kind):
+        unit = unit_of(hints[field.name]) or EITHER_ANGLE.get(field.name, "")
+        yield field.name, "–" if unit in ("", "1") else unit, written(field.default)
+
+
+def written(default):
+    if default is dataclasses.MISSING:
+        return "needed"
+    if default is None or default in ("", ()) or dataclasses.is_dataclass(default):
+        return "–"
+    if isinstance(default, bool):
+        return str(default).lower()
+    if isinstance(default, tuple):
+        return str(list(default))
+    return f"`{default}`" if isinstance(default, str) else f"{default:.4g}"
+
+
+def rows_below(title):
+    """The first three cells of a table's rows below a heading of the page on floating."""
+    heading = "### The scene itself" if title == "scene" else f"### `{title}`"
+    section = re.split(r"^#", PHYSICS.read_text(encoding="utf-8").split(f"{heading}\n")[1], flags=re.MULTILINE)[0]
+    rows = [line.strip("|").split("|") for line in section.splitlines() if line.startswith("| `")]
+    return [(row[0].strip(" `"), row[1].strip(), row[2].strip()) for row in rows]
+
+
+@pytest.mark.parametrize("title", SECTIONS)
+def test_the_table_of_options_is_the_schema(title):
+    assert rows_below(title) == list(facts(SECTIONS[title]))
+
+
+def test_the_tables_of_options_leave_no_part_of_a_scene_out():
+    parts = {part for part in vars(floating).values() if dataclasses.is_dataclass(part)}
+    assert {part for part in parts if part.__module__ == floating.__name__} == set(SECTIONS.values())
+    text = PHYSICS.read_text(encoding="utf-8")
+    assert all(f"`{source} = " in text for source in SOURCES)
+
+
+def numbers_below(title):
+    """The first table below a heading whose first row begins with `title`: its first row over its second."""
+    lines = PHYSICS.read_text(encoding="utf-8").splitlines()
+    head = next(number for number, line in enumerate(lines) if line.startswith(f"| {title} |"))
+    return [
+        [float(re.sub(r"[^\d.e-]", "", cell.split("(")[0])) for cell in lines[row].strip("|").split("|")[1:]]
+        for row in (head, head + 2)
+    ]
+
+
+def test_the_cutoffs_in_the_table_are_the_laws():
+    for accuracy, cutoff in zip(*numbers_below("accuracy"), strict=True):
+        assert cutoff == pytest.approx(truncation_radius(accuracy), abs=0.05)
+
+
+def test_the_drag_factors_in_the_table_are_the_laws():
+    for degrees, factor in zip(*numbers_below("θ"), strict=True):
+        assert factor == pytest.approx(drag.immersion_factor(math.radians(degrees)), abs=5e-5)
+
+
+def test_the_errors_of_the_simpler_theories_are_those_of_the_table():
+    text = PHYSICS.read_text(encoding="utf-8").replace("−", "-")
+    rows = re.findall(r"^\| ([\d.]+) \|((?: *-?[\d.]+ % *\|){6})$", text, re.MULTILINE)
+    assert len(rows) == 4
+    for bond, cells in rows:
+        told = [float(cell) for cell in re.findall(r"(-?[\d.]+) %", cells)]
+        assert told == pytest.approx(errors_of_theories(float(bond)), rel=0.04, abs=0.06)
+
+
+def errors_of_theories(bond):
+    """In percent: the linear slope of two spheres, their linear charge, their charge in closed form."""
+    spheres = [(bond, 0.2, math.radians(60.0)), (bond, 1.5, math.radians(90.0))]
+    exact = [flotation.nonlinear_balance(*sphere) for sphere in spheres]
+    linear = [flotation.linear_balance(*sphere) for sphere in spheres]
+    closed = [flotation.closed_form_balance(*sphere) for sphere in spheres]
+    slopes = [math.tan(a.slope_angle) / math.tan(b.slope_angle) for a, b in zip(linear, exact, strict=True)]
+    charges = [a.charge / b.charge for a, b in zip([*linear, *closed], exact * 2, strict=True)]
+    return [100.0 * (ratio - 1.0) for ratio in (*slopes, *charges)]
+
+
+def test_pictures_are_small():
+    pictures = [path for path in (ROOT / "docs").rglob("*") if path.suffix in (".png", ".svg")]
+    assert pictures
+    assert all(picture.stat().st_size < 150_000 for picture in pictures)
