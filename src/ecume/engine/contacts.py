@@ -181,7 +181,7 @@ def approaches(contacts: Contacts, velocity: Array, speed: Array) -> None:
 
 
 @compiled
-def _push_all(contacts: Contacts, impulse: Array, velocity: Array, mobility: Array) -> None:
+def push_all(contacts: Contacts, impulse: Array, velocity: Array, mobility: Array) -> None:
     """Push the two of every contact apart: equal and opposite impulses."""
     first, second, normal = contacts.first, contacts.second, contacts.normal
     for row in range(contacts.total[0]):
@@ -240,7 +240,7 @@ def _accelerate(contacts: Contacts, velocity: Array, mobility: Array, ratio: flo
         step[row] = impulse[row] - old
         direction[row] = along + change[row]
     if ratio > 0.0:
-        _push_all(contacts, step, velocity, mobility)
+        push_all(contacts, step, velocity, mobility)
 
 
 class Goal(NamedTuple):
@@ -258,7 +258,7 @@ def solve(contacts: Contacts, velocity: Array, mobility: Array, goal: Goal) -> i
     The impulses that stand in the contacts are the start. Returns the number of sweeps, MOST_SWEEPS + 1 if they were
     not enough.
     """
-    _push_all(contacts, contacts.impulse, velocity, mobility)
+    push_all(contacts, contacts.impulse, velocity, mobility)
     contacts.direction[:] = 0.0
     square_before, residual_before = 0.0, np.inf
     for sweep in range(1, MOST_SWEEPS + 1):

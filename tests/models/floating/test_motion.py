@@ -90,7 +90,7 @@ def test_symmetric_schemes_go_back_to_the_start_in_reversed_time(integrator):
     assert state.position == pytest.approx(began, abs=1e-12 * 4e-3 * 1000)
 
 
-def energy_drift(integrator, steps=1_000_000):
+def energy_drift(integrator, steps):
     """The largest change of the energy of one float that swings in a dish, over the energy of the swing."""
     every = 20_000
     motion = f'drag = false\nintegrator = "{integrator}"\ntime_step = 4e-3'
@@ -107,8 +107,9 @@ def lowest_energy():
 
 @pytest.mark.compiled
 @pytest.mark.usefixtures("coarse_steps_allowed")
-def test_verlet_keeps_the_energy_for_a_million_steps():
-    assert energy_drift("velocity-verlet") < 1e-3
+def test_verlet_keeps_the_energy_for_a_hundred_thousand_steps():
+    # A million are among the validations.
+    assert energy_drift("velocity-verlet", steps=100_000) < 1e-3
 
 
 @pytest.mark.compiled

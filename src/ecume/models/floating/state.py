@@ -50,6 +50,8 @@ class Workspace(NamedTuple):
     """(N + walls, 2) m/s: the velocity with which everyone goes through this step; walls stand still"""
     before: Array
     """(N + walls, 2) m/s: what the passage was before contacts"""
+    restitution: Array
+    """(N,) of each float in a collision"""
     stages: Array
     """(5, N, 2) of the Runge-Kutta scheme"""
     ahead: Array
@@ -95,6 +97,7 @@ def make_workspace(parameters: Parameters, state: State, room: float) -> Workspa
         force=np.zeros((count, 2)),
         passage=np.zeros((count + walls, 2)),
         before=np.zeros((count + walls, 2)),
+        restitution=np.zeros(count),
         stages=np.zeros((5, count, 2)),
         ahead=np.zeros(1),
         ready=np.zeros(1, np.int64),

@@ -1,6 +1,6 @@
 """One step of floating bodies, and the march of many.
 
-Kick, stop at contacts, drift, kick, rest: the velocity Verlet scheme with unilateral constraints, as RATTLE is with
+Kick, meet, drift, kick, rest: the velocity Verlet scheme with unilateral constraints, as RATTLE is with
 bilateral ones. The first contact solve acts on the velocity with which everyone goes through the step, so that nobody
 ends inside another; the second on the velocity at its end, so that touching floats are at rest when nothing moves them.
 Other schemes put their own passage and their own kick in place of Verlet's.
@@ -11,17 +11,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-import numpy as np
-
 from ecume._jit import compiled, inlined
-from ecume.engine import contacts as touching
-from ecume.engine.contacts import Bodies, Candidates, Contacts, Memory
+from ecume.engine.contacts import Candidates
 from ecume.engine.neighbors import NeighborLists, build, farthest_move
 from ecume.models.floating.forces import forces, sort_floats
+from ecume.models.floating.meeting import meet, rest, settle
 from ecume.models.floating.parameters import (
     EXPLICIT_EULER,
     IMPULSE,
-    LEGACY,
     NO_CONTACTS,
     RK4,
     STORMER_VERLET,
@@ -29,15 +26,9 @@ from ecume.models.floating.parameters import (
     Kick,
     Parameters,
 )
-from ecume.models.floating.state import COLLISIONS, DEEPEST, SWEEPS, UNCONVERGED, State, Workspace
+from ecume.models.floating.state import State, Workspace
 from ecume.models.model import CROWDED, DIVERGED, DONE
 from ecume.units import Array
-
-STEADY = 2.0
-"""An approach faster than this many kicks is a collision; a slower one is a contact that lasts."""
-
-TOLERABLE = 1e-3
-"""What a contact may err by in one step, over the overlap that is left alone."""
 
 
 @compiled
@@ -180,124 +171,6 @@ def predict_with(evaluate: Callable[..., None], parameters: Parameters, state: S
     else:
         give_kick(kick, state.velocity, workspace.force)
         copy_rows(passage, state.velocity)
-
-
-@compiled
-def set_bounds(parameters: Parameters, contacts: Contacts, passage: Array, before: Array) -> int:
-    """What each contact demands of the passage; how many of them are collisions.
-
-    A pair that would be inside one another at the end of the step either bounces (it came faster than a kick can make
-    it) or just meets. `before` are the approach speeds before the kick.
-    """
-    count, speed, bound, gap = parameters.floats.radius.shape[0], contacts.scratch, contacts.bound, contacts.gap
-    touching.approaches(contacts, passage, speed)
-    collisions = 0
-    for row in range(contacts.total[0]):
-        restitution = parameters.restitution if contacts.second[row] < count else parameters.wall_restitution
-        bound[row] = -max(gap[row], 0.0) / parameters.time_step
-        if parameters.contact_law == LEGACY and contacts.second[row] < count:
-            # A negative restitution leaves the pair approaching: it acts on what overlaps already, as in the original.
-            bound[row] = -restitution * speed[row] if gap[row] <= 0.0 and speed[row] < 0.0 else -np.inf
-            collisions += 1 if bound[row] > -np.inf else 0
-        elif speed[row] < bound[row] and before[row] < -STEADY * abs(speed[row] - before[row]):
-            # Without restitution the pair goes on until it touches, and is stopped there in the next step.
-            bound[row] = -restitution * speed[row] if restitution > 0.0 else bound[row]
-            collisions += 1 if restitution > 0.0 or gap[row] < parameters.slop else 0
-    return collisions
-
-
-@compiled
-def set_resting_bounds(parameters: Parameters, contacts: Contacts, velocity: Array, before: Array) -> None:
-    """What each contact demands of the velocity at the end of a step: to close no gap at once, if only the kick would
-    close it.
-
-    Whoever comes faster than a kick can make it is left alone: the next step sees a collision.
-    """
-    speed, bound, gap = contacts.scratch, contacts.bound, contacts.gap
-    touching.approaches(contacts, velocity, speed)
-    for row in range(contacts.total[0]):
-        lasting = before[row] >= -STEADY * abs(speed[row] - before[row])
-        bound[row] = -max(gap[row], 0.0) / parameters.time_step if lasting else -np.inf
-
-
-@compiled
-def solve_contacts(parameters: Parameters, state: State, contacts: Contacts, velocity: Array) -> None:
-    """Impulses on `velocity`, from those remembered; remembered in turn."""
-    memory = Memory(state.touches, state.touching, state.push)
-    mobility = parameters.kick.mobility
-    touching.recall(contacts, memory)
-    touching.weigh(contacts, mobility)
-    touching.approaches(contacts, velocity, contacts.scratch)
-    fastest = 0.0
-    for row in range(contacts.total[0]):
-        fastest = max(fastest, contacts.bound[row] - contacts.scratch[row])
-    goal = touching.Goal(touching.CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
-    sweeps = touching.solve(contacts, velocity, mobility, goal) if fastest > 0.0 else 0
-    if fastest <= 0.0:
-        contacts.impulse[: contacts.total[0]] = 0.0
-    state.tally[SWEEPS] += sweeps
-    state.tally[UNCONVERGED] += 1.0 if sweeps > touching.MOST_SWEEPS else 0.0
-    touching.remember(contacts, memory)
-
-
-@compiled
-def meet(parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """The first contact solve: on the passage; the velocity changes with it. `before` holds the velocities before the
-    kick.
-    """
-    contacts, passage, before, decay = workspace.contacts, workspace.passage, workspace.before, parameters.kick.decay
-    count = len(state.position)
-    # Twice the pace for a pair that meets head on, and twice again for those whom others push.
-    reach = 4.0 * workspace.ahead[0] + parameters.slop
-    touching.gather(contacts, workspace.candidates, state.position, _bodies(parameters), reach)
-    for i in range(count):
-        # Only what drag leaves of a velocity can bounce: in syrup nothing does.
-        before[i, 0] *= decay[i]
-        before[i, 1] *= decay[i]
-    touching.approaches(contacts, before, contacts.change)
-    state.tally[COLLISIONS] += set_bounds(parameters, contacts, passage, contacts.change)
-    copy_rows(before, passage)
-    solve_contacts(parameters, state, contacts, passage)
-    for i in range(count):
-        state.velocity[i, 0] += passage[i, 0] - before[i, 0]
-        state.velocity[i, 1] += passage[i, 1] - before[i, 1]
-
-
-@compiled
-def settle(parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """Find who touches whom at the new places, and undo deep overlaps, which changes no velocity."""
-    contacts, bodies = workspace.contacts, _bodies(parameters)
-    reach = 2.0 * workspace.ahead[0] + parameters.slop
-    touching.gather(contacts, workspace.candidates, state.position, bodies, reach)
-    deepest = 0.0
-    for row in range(contacts.total[0]):
-        deepest = max(deepest, -contacts.gap[row])
-    state.tally[DEEPEST] = max(state.tally[DEEPEST], deepest)
-    if deepest > parameters.slop:
-        touching.weigh(contacts, bodies.mobility)
-        touching.separate(contacts, state.position, bodies, parameters.slop)
-        touching.gather(contacts, workspace.candidates, state.position, bodies, reach)
-
-
-@compiled
-def rest(parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """The second contact solve: on the velocity at the end of the step, so that what touches and is pressed together
-    rests.
-    """
-    contacts, passage, before, decay = workspace.contacts, workspace.passage, workspace.before, parameters.kick.decay
-    for i in range(len(state.position)):
-        before[i, 0] = decay[i] * passage[i, 0]
-        before[i, 1] = decay[i] * passage[i, 1]
-    copy_rows(passage, state.velocity)
-    touching.approaches(contacts, before, contacts.change)
-    set_resting_bounds(parameters, contacts, passage, contacts.change)
-    solve_contacts(parameters, state, contacts, passage)
-    copy_rows(state.velocity, passage)
-
-
-@compiled
-def _bodies(parameters: Parameters) -> Bodies:
-    return Bodies(parameters.floats.radius, parameters.walls, parameters.kick.mobility)
 
 
 @compiled

@@ -1,0 +1,193 @@
+"""What contacts do to floats in one step: they bounce, they meet, they settle, they rest.
+
+Bouncing acts on what the velocities were before the kick, less what drag takes of them: the impulses that would just
+stop everyone who comes together, times 1 + e. All other solves are plastic, on velocities that have their kick. Either
+way kinetic energy can only fall, for any number of simultaneous contacts: a plastic solve is a projection on a convex
+set that holds rest, and a bounce mirrors part of what the projection takes away. Restitution of single contacts amid
+others that last has no such bound (Kane's paradox), and made floats between two neighbors rattle for ever.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ecume._jit import compiled
+from ecume.engine import contacts as touching
+from ecume.engine.contacts import Bodies, Contacts, Memory
+from ecume.models.floating.parameters import LEGACY, Parameters
+from ecume.models.floating.state import COLLISIONS, DEEPEST, SWEEPS, UNCONVERGED, State, Workspace
+from ecume.units import Array
+
+STEADY = 2.0
+"""At the end of a step, an approach faster than this many kicks is left for the next step to bounce."""
+TOLERABLE = 1e-3
+"""What a contact may err by in one step, over the overlap that is left alone; a slower approach does not bounce."""
+
+
+@compiled
+def bodies_of(parameters: Parameters) -> Bodies:
+    """What the contact solver must know of floats and walls."""
+    return Bodies(parameters.floats.radius, parameters.walls, parameters.kick.mobility)
+
+
+@compiled
+def restitution_of(parameters: Parameters, partner: int) -> float:
+    """Of a contact with that partner: a float, or a wall beyond the last of them."""
+    return parameters.restitution if partner < len(parameters.floats.radius) else parameters.wall_restitution
+
+
+@compiled
+def demand_stops(parameters: Parameters, contacts: Contacts, before: Array) -> float:
+    """Ask everyone to stop who comes together in this step and can bounce; the fastest of these approaches.
+
+    Without restitution a pair goes on until it touches, and is stopped there in the next step.
+    """
+    speed, bound, gap, second = contacts.scratch, contacts.bound, contacts.gap, contacts.second
+    touching.approaches(contacts, before, speed)
+    slowest = TOLERABLE * parameters.slop / parameters.time_step
+    fastest = 0.0
+    for row in range(contacts.total[0]):
+        comes = speed[row] < -slowest and gap[row] + parameters.time_step * speed[row] < 0.0
+        among_floats = second[row] < len(parameters.floats.radius)
+        if parameters.contact_law == LEGACY and among_floats:
+            # As in the original, which acts on what overlaps already.
+            comes = speed[row] < 0.0 and gap[row] <= 0.0
+        elif restitution_of(parameters, second[row]) == 0.0:
+            comes = comes and gap[row] < parameters.slop
+        bound[row] = 0.0 if comes else -np.inf
+        if comes:
+            fastest = max(fastest, -speed[row])
+    return fastest
+
+
+@compiled
+def share_restitution(parameters: Parameters, contacts: Contacts, of_float: Array) -> None:
+    """The restitution of each float: the least among all who bounce together, since unlike ones could create energy."""
+    first, second, impulse, count = contacts.first, contacts.second, contacts.impulse, len(parameters.floats.radius)
+    of_float[:] = np.inf
+    changed = True
+    while changed:
+        changed = False
+        for row in range(contacts.total[0]):
+            if impulse[row] > 0.0:
+                i, j = first[row], second[row]
+                least = min(of_float[i], restitution_of(parameters, j))
+                if j < count:
+                    least = min(least, of_float[j])
+                    changed = changed or of_float[j] > least
+                    of_float[j] = least
+                changed = changed or of_float[i] > least
+                of_float[i] = least
+
+
+@compiled
+def bounce(parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """Collisions: impulses on the passage, (1 + e) times those that stop everyone."""
+    contacts, before, passage, of_float = workspace.contacts, workspace.before, workspace.passage, workspace.restitution
+    fastest = demand_stops(parameters, contacts, before)
+    if fastest <= 0.0:
+        return
+    mobility, impulse, total = parameters.kick.mobility, contacts.impulse, contacts.total[0]
+    impulse[:total] = 0.0
+    touching.weigh(contacts, mobility)
+    goal = touching.Goal(touching.CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
+    state.tally[SWEEPS] += touching.solve(contacts, before, mobility, goal)
+    share_restitution(parameters, contacts, of_float)
+    for row in range(total):
+        if impulse[row] > 0.0:
+            state.tally[COLLISIONS] += 1.0
+            impulse[row] *= 1.0 + of_float[contacts.first[row]]
+    touching.push_all(contacts, impulse, passage, mobility)
+
+
+@compiled
+def solve_contacts(parameters: Parameters, state: State, contacts: Contacts, velocity: Array) -> None:
+    """Impulses on `velocity`, from those remembered; remembered in turn."""
+    memory = Memory(state.touches, state.touching, state.push)
+    mobility = parameters.kick.mobility
+    touching.recall(contacts, memory)
+    touching.weigh(contacts, mobility)
+    touching.approaches(contacts, velocity, contacts.scratch)
+    fastest = 0.0
+    for row in range(contacts.total[0]):
+        fastest = max(fastest, contacts.bound[row] - contacts.scratch[row])
+    goal = touching.Goal(touching.CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
+    sweeps = touching.solve(contacts, velocity, mobility, goal) if fastest > 0.0 else 0
+    if fastest <= 0.0:
+        contacts.impulse[: contacts.total[0]] = 0.0
+    state.tally[SWEEPS] += sweeps
+    state.tally[UNCONVERGED] += 1.0 if sweeps > touching.MOST_SWEEPS else 0.0
+    touching.remember(contacts, memory)
+
+
+@compiled
+def meet(parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """The first contact solves: bounces, then a plastic one on the passage, so that nobody ends the step inside
+    another.
+
+    The velocity changes with the passage. `before` holds the velocities before the kick, and is used up.
+    """
+    contacts, passage, before, decay = workspace.contacts, workspace.passage, workspace.before, parameters.kick.decay
+    velocity = state.velocity
+    # Twice the pace for a pair that meets head on, and twice again for those whom others push.
+    reach = 4.0 * workspace.ahead[0] + parameters.slop
+    touching.gather(contacts, workspace.candidates, state.position, bodies_of(parameters), reach)
+    for i in range(len(velocity)):
+        # Only what drag leaves of a velocity can bounce: in syrup nothing does.
+        before[i, 0] *= decay[i]
+        before[i, 1] *= decay[i]
+        # What the velocity has beside the passage is kept, and the passage's own changes are added to it.
+        velocity[i, 0] -= passage[i, 0]
+        velocity[i, 1] -= passage[i, 1]
+    bounce(parameters, state, workspace)
+    for row in range(contacts.total[0]):
+        free = parameters.contact_law == LEGACY and contacts.second[row] < len(velocity)
+        contacts.bound[row] = -np.inf if free else -max(contacts.gap[row], 0.0) / parameters.time_step
+    solve_contacts(parameters, state, contacts, passage)
+    for i in range(len(velocity)):
+        velocity[i, 0] += passage[i, 0]
+        velocity[i, 1] += passage[i, 1]
+
+
+@compiled
+def settle(parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """Find who touches whom at the new places, and undo deep overlaps, which changes no velocity."""
+    contacts, bodies = workspace.contacts, bodies_of(parameters)
+    reach = 2.0 * workspace.ahead[0] + parameters.slop
+    touching.gather(contacts, workspace.candidates, state.position, bodies, reach)
+    deepest = 0.0
+    for row in range(contacts.total[0]):
+        deepest = max(deepest, -contacts.gap[row])
+    state.tally[DEEPEST] = max(state.tally[DEEPEST], deepest)
+    if deepest > parameters.slop:
+        touching.weigh(contacts, bodies.mobility)
+        touching.separate(contacts, state.position, bodies, parameters.slop)
+        touching.gather(contacts, workspace.candidates, state.position, bodies, reach)
+
+
+@compiled
+def demand_rest(parameters: Parameters, contacts: Contacts, velocity: Array, before: Array) -> None:
+    """Ask every pair that only the kick brings together to close no gap at once; `before` are the speeds without it.
+
+    Whoever comes faster is left alone: the next step sees a collision.
+    """
+    speed, bound, gap = contacts.scratch, contacts.bound, contacts.gap
+    touching.approaches(contacts, velocity, speed)
+    for row in range(contacts.total[0]):
+        lasting = before[row] >= -STEADY * abs(speed[row] - before[row])
+        bound[row] = -max(gap[row], 0.0) / parameters.time_step if lasting else -np.inf
+
+
+@compiled
+def rest(parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """The last contact solve: on the velocity at the end of the step, so that what is pressed together rests."""
+    contacts, passage, before, decay = workspace.contacts, workspace.passage, workspace.before, parameters.kick.decay
+    count = len(state.position)
+    for i in range(count):
+        before[i, 0] = decay[i] * passage[i, 0]
+        before[i, 1] = decay[i] * passage[i, 1]
+    passage[:count] = state.velocity
+    touching.approaches(contacts, before, contacts.change)
+    demand_rest(parameters, contacts, passage, contacts.change)
+    solve_contacts(parameters, state, contacts, passage)
+    state.velocity[:] = passage[:count]
