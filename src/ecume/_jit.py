@@ -23,8 +23,11 @@ import numba
 import numba.extending
 import platformdirs
 from numba.core import types
-from numba.core.caching import FunctionCache
+from numba.core.caching import CompileResultCacheImpl, FunctionCache
+from numba.core.codegen import JITCodeLibrary
+from numba.core.compiler import Compiler
 from numba.core.imputils import lower_builtin
+from numba.core.registry import CPUDispatcher
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 log = logging.getLogger(__name__)
@@ -70,6 +73,100 @@ class HealingCache(FunctionCache):  # type: ignore[misc]  # Numba's types are le
         except Exception as error:  # the index is a pickle too
             log.warning("the compilation cache of %s was damaged (%s)", self._name, error)
             self.flush()
+
+
+# Numba optimizes and emits every function, and again inside each of its callers, and theirs: with calls nested eight
+# deep most of a compilation was the same work done over. Here what compiled code calls is a part: typed and lowered
+# once, and optimized where it ends up, in the whole that Python calls.
+
+
+class PartLibrary(JITCodeLibrary):  # type: ignore[misc]
+    """Code that is never run where it stands, only linked into wholes: it is left as it was lowered."""
+
+    def _optimize_functions(self, module: Any) -> None:
+        module.data_layout = self._codegen._data_layout
+
+    def _optimize_final_module(self) -> None:
+        pass
+
+    def _finalize_final_module(self) -> None:
+        # No search for addresses of this process, which keep code from the disk: most are gone once a whole is
+        # optimized, and the whole looks for those that are left.
+        self._finalized = True
+
+    def get_pointer_to_function(self, name: str) -> int:
+        """Nowhere: Python does not call a part."""
+        self._ensure_finalized()
+        return 0
+
+    @property
+    def codegen(self) -> Any:
+        """Is told where the environment lies, and a part's lies in the wholes."""
+        return Nowhere
+
+    def serialize_using_object_code(self) -> Any:
+        """There is no object code."""
+        return self.serialize_using_bitcode()
+
+
+class Nowhere:
+    """Takes no environment."""
+
+    @staticmethod
+    def set_env(name: str, environment: Any) -> None:
+        """Do nothing."""
+
+
+class Part(Compiler):  # type: ignore[misc]
+    """Compiles for compiled code."""
+
+    def __init__(self, typing: Any, target: Any, library: Any, *rest: Any) -> None:
+        super().__init__(typing, target, library or PartLibrary(target.codegen(), "part"), *rest)
+
+
+class Whole(Compiler):  # type: ignore[misc]
+    """Compiles for Python, all parts included."""
+
+    def compile_extra(self, function: Any) -> Any:
+        """As ever; and the parts get their environments."""
+        result = super().compile_extra(function)
+        for environment in result._find_referenced_environments():
+            result.codegen.set_env(environment.env_name, environment)
+        return result
+
+
+class PartFiles(CompileResultCacheImpl):  # type: ignore[misc]
+    """Files of their own: the same function's whole has other code."""
+
+    def get_filename_base(self, name: str, flags: str) -> str:
+        """The beginning of the files' names."""
+        return f"part-{super().get_filename_base(name, flags)}"
+
+
+class PartCache(HealingCache):
+    """The disk cache of parts: a whole made later, such as a march with a user's laws, finds them there."""
+
+    _impl_class = PartFiles
+
+
+class Dispatcher(CPUDispatcher):  # type: ignore[misc]
+    """A compiled function: a whole where Python calls it, a part where compiled code does."""
+
+    def __init__(self, function: FunctionType, options: dict[str, bool], cache: bool) -> None:
+        options = {"nopython": True, "nogil": True, "no_cfunc_wrapper": True, **options}
+        whole, part = ({**options, "error_model": "numpy", "no_cpython_wrapper": inner} for inner in (False, True))
+        super().__init__(function, targetoptions=whole, pipeline_class=Whole)
+        self.part = CPUDispatcher(function, targetoptions=part, pipeline_class=Part)
+        if cache:
+            self._cache, self.part._cache = HealingCache(function), PartCache(function)
+
+    def get_call_template(self, arguments: Any, keywords: Any) -> Any:
+        """How compiled code calls it."""
+        return self.part.get_call_template(arguments, keywords)
+
+    def get_overload(self, signature: Any) -> Any:
+        """What compiled code calls."""
+        return self.part.get_overload(signature)
 
 
 numba.config.CACHE_DIR = str(cache_folder())
@@ -137,8 +234,8 @@ def use_threads(count: int | None) -> int:
 
 
 def _dispatcher(function: Function, *, cache: bool, **options: bool) -> Function:
-    made = numba.njit(error_model="numpy", nogil=True, **options)(function)
-    if cache and isinstance(function, FunctionType) and not numba.config.DISABLE_JIT:
-        made._cache = HealingCache(function)
+    if not isinstance(function, FunctionType) or numba.config.DISABLE_JIT:
+        return function
+    made: Any = Dispatcher(function, options, cache)
     kept: Function = made
     return kept

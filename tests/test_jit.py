@@ -1,0 +1,100 @@
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from ecume import _jit
+
+pytestmark = pytest.mark.compiled
+
+MODULE = """
+import logging
+import numpy as np
+from ecume import _jit
+
+logging.basicConfig(format="%(message)s")
+
+@_jit.compiled
+def inner(x):
+    return 2.0 * x + 1.0
+
+@_jit.compiled
+def middle(values):
+    for i in range(len(values)):
+        values[i] = inner(values[i])
+
+@_jit.compiled
+def outer(values):
+    middle(values)
+    middle(values)
+
+values = np.ones(5)
+outer(values)
+print(values[0], sum(outer.stats.cache_hits.values()), sum(middle.part.stats.cache_hits.values()))
+"""
+
+
+@pytest.fixture
+def nested(tmp_path):
+    """Runs three functions that call one another in a fresh process: the result, and how many came from the disk."""
+    script = tmp_path / "nested.py"
+    script.write_text(MODULE)
+    folder = tmp_path / "cache"
+
+    def run():
+        places = {"ECUME_CACHE_DIR": str(folder), "PYTHONPATH": str(Path(_jit.__file__).parents[1])}
+        return subprocess.run(
+            [sys.executable, str(script)], env={**os.environ, **places}, capture_output=True, text=True, check=True
+        )
+
+    return run, folder
+
+
+def test_a_second_process_finds_the_whole_on_the_disk_and_needs_no_part(nested):
+    run, _ = nested
+    assert run().stdout.split() == ["7.0", "0", "0"]
+    assert run().stdout.split() == ["7.0", "1", "0"]
+
+
+def test_a_lost_whole_is_made_anew_from_the_parts_on_the_disk(nested):
+    run, folder = nested
+    run()
+    for path in folder.rglob("nested.outer*"):
+        path.unlink()
+    assert run().stdout.split() == ["7.0", "0", "1"]
+
+
+@pytest.mark.parametrize("suffix", ["nbc", "nbi"])
+def test_truncated_files_are_compiled_anew(nested, suffix):
+    run, folder = nested
+    run()
+    damaged = [path for path in folder.rglob(f"*.{suffix}") if "nested." in path.name]
+    assert {path.name.startswith("part-") for path in damaged} == {True, False}
+    for path in damaged:
+        path.write_bytes(path.read_bytes()[:40])
+    healed = run()
+    assert healed.stdout.split() == ["7.0", "0", "0"]
+    assert "damaged" in healed.stderr
+    assert run().stdout.split() == ["7.0", "1", "0"]
+
+
+@_jit.compiled
+def _square(x: float) -> float:
+    return x * x
+
+
+@_jit.compiled
+def _squares(values: np.ndarray, many: np.ndarray) -> float:
+    for i in range(len(values)):
+        many[i] = _square(values[i])
+    return _square(many[0])
+
+
+def test_one_function_serves_python_and_compiled_code():
+    many = np.zeros(3)
+    assert _squares(np.array([2.0, 3.0, 4.0]), many) == 16.0
+    assert many.tolist() == [4.0, 9.0, 16.0]
+    assert _square(3.0) == 9.0
