@@ -75,6 +75,24 @@ def test_what_a_model_refuses_is_told_with_its_line() -> None:
     assert f"line {text[: text.index('[[floats]]')].count(chr(10)) + 1}, column 1: floats[0]" in done.stderr
 
 
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ("positions=[[0, 0], [0.001, 0]]", "floats[0].positions[0]: overlaps floats[0].positions[1] by 0.001 m"),
+        ("positions=[[0, 0], [1, 0]]", "floats[0].positions[1]: (1 m, 0 m) is not inside the dish"),
+        ("count=5000", "floats: only "),
+    ],
+)
+def test_check_tells_what_would_keep_a_run_from_starting(change: str, says: str) -> None:
+    Path("dish.toml").write_text(
+        'model = "floating"\nduration = 1\nframe_every = 0.1\n[dish]\nradius = "2 cm"\n'
+        '[[floats]]\nradius = "1 mm"\ndensity = 600\ncontact_angle = "70 deg"\n'
+    )
+    done = cli.invoke(app, ["check", "dish.toml", "--set", f"floats[0].{change}"])
+    assert done.exit_code == 2
+    assert says in done.stderr
+
+
 def test_what_a_model_refuses_of_a_table_is_told_with_the_tables_line(monkeypatch: pytest.MonkeyPatch) -> None:
     from ecume.cli.scenes import placed
 

@@ -36,6 +36,7 @@ k = [{q = "é", r = 1}]
         ("a.b.c", (2, 1)),
         ("liquid", (3, 1)),
         ("liquid.density", (4, 1)),
+        ("floats", (5, 1)),
         ("floats[0]", (5, 1)),
         ("floats[0].positions[0][1]", (7, 7)),
         ("floats[0].positions[1][1]", (8, 7)),

@@ -36,7 +36,12 @@ def places(text: str) -> dict[Path, Place]:
 
 
 def place_of(path: Path, known: dict[Path, Place]) -> Place | tuple[None, None]:
-    """The place of a path, or of the nearest piece around it; the file's beginning for a missing key."""
+    """The place of a path, or of the nearest piece around it; the file's beginning for a missing key.
+
+    A list of tables as a whole is where its first one is.
+    """
+    if path not in known and (*path, 0) in known:
+        return known[*path, 0]
     around = (known[path[:end]] for end in range(len(path), 0, -1) if path[:end] in known)
     return next(around, (1, 1) if path else (None, None))
 

@@ -136,8 +136,9 @@ def _sum_of(one: Callable[..., float], other: Callable[..., float]) -> Callable[
 
 
 def summary(scene: FloatingScene) -> list[tuple[str, str, str]]:
-    """Derived numbers: name, value with unit, remark."""
+    """Derived numbers: name, value with unit, remark. Raises SceneError for whatever would keep a run from starting."""
     parameters = checked_parameters(scene)
+    start(scene, parameters)
     liquid = liquid_of(scene)
     length = liquid.capillary_length
     kinds: dict[str, FloatSpec | FloatRow] = {given.name: given for given in scene.floats}
