@@ -44,6 +44,16 @@ def test_a_float_covers_the_pixels_of_its_circle_and_no_others(scene, frames, in
     assert not nearly(color, picture[(distance > radius + edge) & (distance < radius + 3 * edge)]).any()
 
 
+def test_the_rim_hides_no_float_that_touches_it(scene, frames):
+    touching = frames[0].arrays["position"].copy()
+    touching[4] = (0.029, 0.0)
+    frame = frames[0]._replace(arrays=frames[0].arrays | {"position": touching})
+    bowl = Bowl(scene, [frame], Size(2400, 1800))
+    picture = bowl.pixels(frame)
+    column, row = pixel_of(bowl, 0.03, 0.0)
+    assert nearly("#00ff00", picture[int(row), int(column) - 3])
+
+
 def test_both_directions_have_one_scale(scene, frames):
     bowl = Bowl(scene, frames, Size(900, 400))
     (x0, y0), (x1, y1) = pixel_of(bowl, 0.0, 0.0), pixel_of(bowl, 1e-2, 1e-2)

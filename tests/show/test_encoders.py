@@ -45,6 +45,26 @@ def test_animations_have_every_picture_and_their_pace(tmp_path, suffix):
         assert film.info["loop"] == 0
 
 
+def test_a_gif_keeps_the_colors_that_come_later_and_pays_for_what_moves_only(tmp_path):
+    shades = np.linspace(0, 255, 64 * 96).reshape(64, 96, 1).repeat(4, axis=2).astype(np.uint8)
+
+    def moving():
+        for n in range(30):
+            picture = shades.copy()
+            picture[8:16, 2 * n : 2 * n + 8] = (255, 0, 0, 255) if n else shades[8:16, :8]
+            yield picture
+
+    out = encoders.encode(moving(), tmp_path / "film.gif", 20)
+    with Image.open(out) as film:
+        film.seek(20)
+        seen = np.asarray(film.convert("RGB")).astype(int)
+    assert tuple(seen[12, 44]) == (255, 0, 0)
+    # Pillow looks for the nearest color of a palette in boxes of four shades.
+    assert np.abs(seen[20:] - shades[20:, :, :3]).max() < 4
+    alone = encoders.encode(iter([shades]), tmp_path / "still.gif", 20)
+    assert out.stat().st_size < 0.5 * 30 * alone.stat().st_size
+
+
 def test_odd_sides_lose_a_line_and_not_the_movie(tmp_path):
     out = encoders.encode(pictures(3, height=65, width=97), tmp_path / "film.mp4", 30)
     assert len(probe(out)) == 3 * 64 * 96 * 3

@@ -111,7 +111,8 @@ class Bowl:
             self.height = _height_image(axes, self.view, self._painted(heights[0]))
             self.floats = _circles(axes, sample[0], kinds)
             self.time = axes.text(0.0, 1.015, "", transform=axes.transAxes, fontsize=14, va="bottom", color=INK)
-            self._moving: list[Artist] = [self.height, self.floats, *_dish(axes, scene.dish, self.height)]
+            # The floats stand above the rim: half of its line would hide where they touch it.
+            self._moving: list[Artist] = [self.height, *_dish(axes, scene.dish, self.height), self.floats]
             self._moving += [*_scale_bar(axes, self.view), self.time]
             lowest, highest = float(np.min(heights)), float(np.max(heights))
             shown = min(lowest, 0.0) * self.scale.factor, max(highest, 0.0) * self.scale.factor
@@ -184,6 +185,7 @@ def _circles(axes: Axes, frame: Frame, kinds: Sequence[Species]) -> EllipseColle
         facecolors=[kinds[kind].color for kind in frame.arrays["species"]],
         edgecolors=INK,
         linewidths=0.6,
+        zorder=2,
     )
     axes.add_collection(circles, autolim=False)
     return circles

@@ -6,6 +6,7 @@ MP4 through ffmpeg where there is one; animated WebP and GIF need nothing, so th
 from __future__ import annotations
 
 import contextlib
+import itertools
 import shutil
 import subprocess
 from collections.abc import Callable, Iterable, Iterator
@@ -76,7 +77,7 @@ def _mp4(pictures: Iterator[Pixels], out: Path, fps: int) -> None:
     wanted = ("-an", "-c:v", codec, *CODECS[codec], "-movflags", "+faststart", "-f", "mp4", str(out))
     command = [program, "-hide_banner", "-loglevel", "error", "-y", *given, *wanted]
     with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE) as process:  # noqa: S603 - no shell; the names are ours
-        complaint = _feed(process, (picture[:height, :width] for picture in _again(first, pictures)))
+        complaint = _feed(process, (picture[:height, :width] for picture in itertools.chain([first], pictures)))
     if process.returncode != 0:
         raise StorageError(f"{out}: ffmpeg gave up ({complaint or f'exit {process.returncode}'})")
 
@@ -102,24 +103,39 @@ def _codec(program: str) -> str:
     return next((codec for codec in CODECS if f" {codec} " in listed.stdout), "mpeg4")
 
 
-def _again(first: Pixels, rest: Iterator[Pixels]) -> Iterator[Pixels]:
-    yield first
-    yield from rest
-
-
-def _animated(pictures: Iterator[Pixels], out: Path, fps: int, **options: Any) -> None:
+def _images(pictures: Iterator[Pixels]) -> Iterator[Any]:
     from PIL import Image
 
-    images = (Image.fromarray(picture[:, :, :3].copy()) for picture in pictures)
+    return (Image.fromarray(picture[:, :, :3].copy()) for picture in pictures)
+
+
+def _animated(images: Iterator[Any], out: Path, fps: int, **options: Any) -> None:
     next(images).save(out, save_all=True, append_images=images, duration=round(1000 / fps), loop=0, **options)
 
 
 def _webp(pictures: Iterator[Pixels], out: Path, fps: int) -> None:
-    _animated(pictures, out, fps, quality=75, method=0)
+    _animated(_images(pictures), out, fps, quality=75, method=0)
 
 
 def _gif(pictures: Iterator[Pixels], out: Path, fps: int) -> None:
-    _animated(pictures, out, fps, optimize=False)
+    """One palette for all pictures, without dithering: what stands still then costs nothing."""
+    images = _images(pictures)
+    first = next(images)
+    palette = _palette(first)
+    few = (image.quantize(palette=palette, dither=0) for image in itertools.chain([first], images))
+    _animated(few, out, fps, optimize=False)
+
+
+def _palette(first: Any) -> Any:
+    """The colors of the first picture, and a coarse cube of all others for what comes later."""
+    from PIL import Image
+
+    shades = (0, 85, 170, 255)
+    cube = [shade for color in itertools.product(shades, repeat=3) for shade in color]
+    own = first.quantize(256 - len(cube) // 3, dither=0).getpalette()
+    made = Image.new("P", (1, 1))
+    made.putpalette(own + cube)
+    return made
 
 
 ENCODERS: dict[str, Callable[[Iterator[Pixels], Path, int], None]] = {".mp4": _mp4, ".webp": _webp, ".gif": _gif}

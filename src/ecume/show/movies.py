@@ -16,6 +16,8 @@ from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import open_trajectory
 
 FPS = 30
+SMALL = Size(640, 480)
+"""Of a GIF, which stores nearly every pixel."""
 SAMPLES = 5
 """How many frames of a run decide the range of the colors."""
 
@@ -26,13 +28,14 @@ def movie(
     *,
     fps: int = FPS,
     every: int = 1,
-    size: tuple[int, int] = USUAL,
+    size: tuple[int, int] | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Path:
     """Make a movie of a run: `out` (.mp4, .webp or .gif), or its `results/movie.mp4`. Returns what was written.
 
-    Every `every`-th frame is shown, `fps` of them a second, on `size` pixels. Without an ffmpeg an MP4 becomes a WebP.
-    `progress` is told how many pictures of how many are done.
+    Every `every`-th frame is shown, `fps` of them a second, on `size` pixels: left out, 960 x 720, and 640 x 480 for a
+    GIF, whose every pixel costs. Without an ffmpeg an MP4 becomes a WebP. `progress` is told how many pictures of how
+    many are done.
     """
     with open_trajectory(directory) as trajectory:
         target = Path(directory) / "results" / "movie.mp4" if out is None else Path(out)
@@ -46,14 +49,15 @@ def film(
     *,
     fps: int = FPS,
     every: int = 1,
-    size: tuple[int, int] = USUAL,
+    size: tuple[int, int] | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> Path:
     """Make a movie of frames that need not come from a run, as `movie` does of those that do."""
     target = writable(Path(out))
-    _require(frames, fps, every, size)
+    shape = Size(*size) if size is not None else SMALL if target.suffix.lower() == ".gif" else USUAL
+    _require(frames, fps, every, shape)
     shown = range(0, len(frames), every)
-    bowl = Bowl(scene, _sample(frames), Size(*size))
+    bowl = Bowl(scene, _sample(frames), shape)
 
     def pictures() -> Iterator[Pixels]:
         for done, index in enumerate(shown, 1):
@@ -69,7 +73,7 @@ def _sample(frames: Sequence[Frame]) -> list[Frame]:
     return [frames[int(index)] for index in np.unique(np.linspace(0, len(frames) - 1, SAMPLES).round())]
 
 
-def _require(frames: Sequence[Frame], fps: int, every: int, size: tuple[int, int]) -> None:
+def _require(frames: Sequence[Frame], fps: int, every: int, size: Size) -> None:
     if not len(frames):
         raise BadInput("the run has no frames yet; there is nothing to show")
     if not 1 <= fps <= 240:
