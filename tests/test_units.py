@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import math
+import subprocess
+import sys
 import time
 import typing
+from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ecume import units
-from ecume.units import EXAMPLES, Unit, example, factor, parse
+from ecume.scenes.templates import copy_template
+from ecume.units import COMMON, EXAMPLES, Unit, example, factor, parse
 
 READINGS = [
     ("4 mm", "m", 0.004),
@@ -140,3 +144,15 @@ def test_a_scenes_number_is_a_number_or_text(value: object) -> None:
 def test_a_whole_number_beyond_all_floats_is_refused() -> None:
     with pytest.raises(ValueError, match="too large"):
         Unit("m").number(10**400)
+
+
+@pytest.mark.parametrize(("unit", "symbol"), COMMON)
+def test_a_common_unit_is_what_pint_makes_of_it(unit: str, symbol: str) -> None:
+    # A blank more is not in the table, and goes the long way.
+    assert factor(unit, symbol) == factor(unit + " ", symbol)
+
+
+def test_a_template_is_read_without_waiting_for_pint(tmp_path: Path) -> None:
+    reads = "import sys, ecume; ecume.load_scene(sys.argv[1]); sys.exit('pint' in sys.modules)"
+    (scene,) = copy_template("cereal-bowl", tmp_path / "bowl.toml")
+    subprocess.run([sys.executable, "-c", reads, str(scene)], check=True, timeout=60)

@@ -90,6 +90,8 @@ def factor(unit: str, symbol: str) -> float:
     >>> factor("mN/m", "N/m")
     0.001
     """
+    if (unit, symbol) in COMMON:
+        return COMMON[unit, symbol]
     plain = unit.strip().translate(TYPOGRAPHY)
     if len(plain) > LONGEST_TEXT or UNIT.fullmatch(plain) is None:
         raise ValueError(f"{unit!r} is not how a unit is written; write for example {example(symbol)!r}")
@@ -99,6 +101,31 @@ def factor(unit: str, symbol: str) -> float:
             f"{unit!r} measures {_dimension(found)}, wanted {_dimension(wanted)} as in {example(symbol)!r}"
         )
     return _snapped(float(found.magnitude / wanted.magnitude))
+
+
+COMMON = {
+    ("m", "m"): 1.0,
+    ("cm", "m"): 1e-2,
+    ("mm", "m"): 1e-3,
+    ("um", "m"): 1e-6,
+    ("s", "s"): 1.0,
+    ("ms", "s"): 1e-3,
+    ("us", "s"): 1e-6,
+    ("min", "s"): 60.0,
+    ("m/s", "m/s"): 1.0,
+    ("cm/s", "m/s"): 1e-2,
+    ("mm/s", "m/s"): 1e-3,
+    ("m/s^2", "m/s^2"): 1.0,
+    ("deg", "rad"): math.pi / 180.0,
+    ("rad", "rad"): 1.0,
+    ("kg/m^3", "kg/m^3"): 1.0,
+    ("g/cm^3", "kg/m^3"): 1e3,
+    ("Pa*s", "Pa*s"): 1.0,
+    ("mPa*s", "Pa*s"): 1e-3,
+    ("N/m", "N/m"): 1.0,
+    ("mN/m", "N/m"): 1e-3,
+}
+"""What most scenes are written in: to read these needs no Pint, whose start takes most of a second."""
 
 
 def _in_base_units(unit: str, symbol: str) -> Any:
