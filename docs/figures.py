@@ -171,8 +171,7 @@ def _wall_laws(ball: flotation.Sphere, dish: float) -> list[tuple[str, Callable[
 
     return [
         ("meniscus", lambda r: capillarity.dish_force(r, right, length, dish), "-", PALETTE[1]),
-        ("two-point-legacy", legacy(flotation.density_ratio(ball, WATER)), "-", PALETTE[0]),
-        ("the same, a wall of glass", legacy(2.5), "--", PALETTE[0]),
+        ("two-point-legacy (a wall of glass)", legacy(2.5), "-", PALETTE[0]),
     ]
 
 

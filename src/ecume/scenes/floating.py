@@ -156,6 +156,8 @@ class DishSpec:
     """Of the liquid on the wall (rad): below 90 degrees it climbs."""
     law: LawName = "meniscus"
     """How the wall's meniscus pulls: `meniscus`, `two-point-legacy` or `none`."""
+    density: PositiveDensity = 2500.0
+    """Of the wall (kg/m^3), glass if left out; only `two-point-legacy` asks for it."""
     restitution: Proportion = 0.2
     """What is left of a normal velocity after a bounce off the wall."""
 

@@ -112,3 +112,11 @@ def test_the_summary_names_every_number_a_user_needs():
     for name in ("capillary length", "float-1: Bond number", "time step", "steps", "memory", "time on this machine"):
         assert name in rows
     assert rows["capillary length"][0].endswith("mm")
+
+
+def test_the_two_point_wall_pulls_with_the_weight_of_the_wall_whatever_the_float():
+    strengths = []
+    for kind in (HEAVY, LIGHT):
+        text = f'[[floats]]\n{kind}positions = [[0.0, 0.0]]\n[dish]\nradius = 0.01\nlaw = "two-point-legacy"\n'
+        strengths.append(FLOATING.parameters(scene_of(WATER + text)).wall_strength[0, 0])
+    assert strengths[0] == strengths[1] > 0.0
