@@ -174,11 +174,11 @@ def wall_strengths(scene: FloatingScene, floats: Floats) -> Array:
     tension = liquid.surface_tension
     if law == LEGACY_DISH:
         bonds = (floats.radius / liquid.capillary_length) ** 2
-        ratios = (floats.density - liquid.gas_density) / liquid.density_difference
-        weights = [flotation.weight_number(ratio, scene.dish.contact_angle) for ratio in ratios]
+        wall_ratio = (scene.dish.density - liquid.gas_density) / liquid.density_difference
+        weight = flotation.weight_number(wall_ratio, scene.dish.contact_angle)
         rows = [
             capillarity.legacy_wall_strength(tension, radius, bond, weight)
-            for radius, bond, weight in zip(floats.radius, bonds, weights, strict=True)
+            for radius, bond in zip(floats.radius, bonds, strict=True)
         ]
         return np.array([rows])
     amplitudes = _amplitudes(scene, liquid)
@@ -244,11 +244,16 @@ def parameters_of(scene: FloatingScene) -> Parameters:
     return with_step(parameters, scene)
 
 
+def good_step(parameters: Parameters, scene: FloatingScene) -> float:
+    """The longest time step that is good (s)."""
+    return chosen_step(parameters, _speeds(scene))
+
+
 def with_step(parameters: Parameters, scene: FloatingScene) -> Parameters:
     """The time step: the scene's own, or the longest that is good, a whole number of times in the time between
     frames.
     """
-    good, frame = chosen_step(parameters, _speeds(scene)), scene.frame_every
+    good, frame = good_step(parameters, scene), scene.frame_every
     asked = scene.motion.time_step
     if asked is not None:
         _judge(asked, good)
