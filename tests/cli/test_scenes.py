@@ -98,5 +98,6 @@ def test_what_a_model_refuses_of_a_table_is_told_with_the_tables_line(monkeypatc
 
     cli.invoke(app, ["new", "raft-from-table"])
     with pytest.raises(SceneError) as caught, placed(Path("raft-from-table.toml"), []):
-        raise SceneError([Fault("rows[1]", "sinks")])
-    assert "floats_from: raft-from-table.csv, line 4: sinks" in str(caught.value)
+        raise SceneError([Fault("rows[1]", "overlaps rows[0]")])
+    beads = "raft-from-table.csv, line"
+    assert f"floats_from: {beads} 4: overlaps {beads} 3" in str(caught.value)

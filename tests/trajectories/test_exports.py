@@ -133,3 +133,23 @@ def test_a_full_disk_leaves_the_former_export_and_no_half_one(
 def test_an_export_into_a_folder_that_is_not_there_is_refused(recorded: Recorded, tmp_path: Path) -> None:
     with pytest.raises(StorageError, match="No such file or directory"):
         export(recorded(1).parent, "csv", tmp_path / "nowhere" / "bowl.csv")
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="only where pipes have names")
+def test_a_pipe_or_a_device_is_left_alone(recorded: Recorded, tmp_path: Path) -> None:
+    run = recorded(2).parent
+    os.mkfifo(tmp_path / "pipe.csv")
+    (tmp_path / "link.csv").symlink_to(tmp_path / "pipe.csv")
+    for name in ("pipe.csv", "link.csv"):
+        with pytest.raises(StorageError, match="is no plain file, and is left alone"):
+            export(run, "csv", tmp_path / name)
+    assert (tmp_path / "pipe.csv").is_fifo()
+    assert (tmp_path / "link.csv").is_symlink()
+
+
+def test_a_link_stays_a_link_to_the_new_content(recorded: Recorded, tmp_path: Path) -> None:
+    (tmp_path / "there.csv").write_text("old")
+    (tmp_path / "link.csv").symlink_to(tmp_path / "there.csv")
+    export(recorded(2).parent, "csv", tmp_path / "link.csv")
+    assert (tmp_path / "link.csv").is_symlink()
+    assert (tmp_path / "there.csv").read_text().startswith("frame,time")

@@ -54,10 +54,14 @@ class Rows(NamedTuple):
         for path, text in faults:
             if self.origins and len(path) > 1 and path[0] == "rows":
                 below = f", {written(path[2:])}" if path[2:] else ""
-                mine.append(f"{self.origins[int(path[1])]}{below}: {text}")
+                mine.append(f"{self.origins[int(path[1])]}{below}: {self._named(text)}")
             else:
                 others.append((path, text))
         return others + [((self.key,), text) for text in _few(mine)]
+
+    def _named(self, text: str) -> str:
+        """A message with its `rows[3]` by their origins."""
+        return re.sub(r"\brows\[([0-9]+)\]", lambda found: self.origins[int(found[1])], text)
 
 
 def failed(key: str, messages: Sequence[str], path: Path = ()) -> Rows:

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ecume.errors import BadInput, StorageError
+from ecume.trajectories.durable import replaceable
 
 Pixels = NDArray[np.uint8]
 CODECS = {
@@ -53,7 +54,7 @@ def encode(pictures: Iterable[Pixels], out: Path, fps: int) -> Path:
 
     It appears under its name when it is whole. Raises StorageError where it cannot be written.
     """
-    out = writable(out)
+    out = replaceable(writable(out))
     partial = out.with_name(f".{out.stem}.partial{out.suffix}")
     try:
         out.parent.mkdir(parents=True, exist_ok=True)

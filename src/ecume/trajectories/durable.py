@@ -30,9 +30,20 @@ def _explanation(error: OSError, path: Path) -> str:
     return f"{path}: {error.strerror or error}"
 
 
+def replaceable(path: Path) -> Path:
+    """The plain file that `path` means, links followed. Raises StorageError for a device or a pipe: to put a file in
+    the place of `/dev/stdout` would break the machine.
+    """
+    there = Path(os.path.realpath(path))
+    if there.exists() and not there.is_file() and not there.is_dir():
+        raise StorageError(f"{path}: is no plain file, and is left alone")
+    return there
+
+
 @contextlib.contextmanager
 def replacing(path: Path) -> Iterator[BinaryIO]:
     """A new content of a file: it takes the place of the old one in one instant, and only if the block ends well."""
+    path = replaceable(path)
     part = path.with_name(f"{path.name}.part")
     try:
         with storing(path):
