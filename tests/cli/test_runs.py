@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 
 import ecume.run
 from ecume.cli import app
-from ecume.cli.progress import Lines, ahead, lasting, place, shown
+from ecume.cli.progress import Lines, ahead, lasting, line, place, shown
 from ecume.cli.runs import use_at_most
 from ecume.run import Progress, RunResult
 from ecume.scenes.templates import copy_template
@@ -172,11 +172,13 @@ def test_a_scene_starts_from_the_end_of_a_run() -> None:
 def test_compilation_does_not_count_for_the_time_that_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
     from ecume.run.progress import Pace
 
-    clock = iter([0.0, 60.0, 61.0])
+    clock = iter([0.0, 60.0, 60.5, 61.0])
     monkeypatch.setattr("ecume.run.progress.time.monotonic", lambda: next(clock))
     pace = Pace(duration=10.0)
-    told = [pace.progress(step, 1001, 1) for step in (0, 1, 101)]
-    assert [progress.remaining for progress in told] == [None, None, 9.0]
+    told = [pace.progress(step, 1001, 1) for step in (0, 1, 2, 101)]
+    # A first half second of small steps would say a quarter of an hour.
+    assert [progress.remaining for progress in told] == [None, None, None, 9.0]
+    assert line(told[2]).endswith(", compiling")
 
 
 @pytest.mark.compiled

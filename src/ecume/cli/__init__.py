@@ -10,7 +10,7 @@ from typing import Annotated
 
 import typer
 
-from ecume.cli import pictures, runs, scenes
+from ecume.cli import pictures, runs, scenes, validation
 from ecume.cli.ends import Ending, warned
 
 app = typer.Typer(
@@ -23,12 +23,15 @@ app = typer.Typer(
     help="Particles on, in and between liquids: from a scene file to a movie.",
     epilog="""A first run: `ecume new cereal-bowl`, `ecume run cereal-bowl.toml`, `ecume movie runs/cereal-bowl`.
 
-Ends with 0 when done, 2 for input that cannot be used, 3 when the physics diverged, 4 when files cannot be read or
-written, 75 when stopped with a checkpoint (go on with `ecume resume`).""",
+Ends with 0 when done, 1 when a validation is not met, 2 for input that cannot be used, 3 when the physics diverged,
+4 when files cannot be read or written, 75 when stopped with a checkpoint (go on with `ecume resume`).""",
 )
 
-for verb in (*scenes.VERBS, *runs.VERBS, *pictures.VERBS):
-    app.command(no_args_is_help=verb is not scenes.new)(verb)
+LISTING = (scenes.new, validation.validate)
+"""Verbs that, left to themselves, list what there is."""
+
+for verb in (*scenes.VERBS, *runs.VERBS, *pictures.VERBS, *validation.VERBS):
+    app.command(no_args_is_help=verb not in LISTING)(verb)
 
 
 def _version(asked: bool) -> None:

@@ -9,6 +9,8 @@ from typing import Annotated
 
 import typer
 
+from ecume.cli.tables import print_table
+
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="A scene file.", show_default=False)]
 Overrides = Annotated[
     list[str] | None,
@@ -65,20 +67,7 @@ def check(scene: SceneFile, overrides: Overrides = None) -> None:
 
     with placed(scene, changes):
         rows = MODELS[asked.model].summary(asked)
-    _print_table(rows)
-
-
-def _print_table(rows: Sequence[tuple[str, str, str]]) -> None:
-    from rich.console import Console
-    from rich.table import Table
-    from rich.text import Text
-
-    table = Table("quantity", "value", "remark", box=None, pad_edge=False)
-    for row in rows:
-        table.add_row(*(Text(cell) for cell in row))
-    console = Console()
-    # Into a file or a pipe nothing is wrapped or cut off.
-    console.print(table, width=None if console.is_terminal else 1000, crop=console.is_terminal)
+    print_table(("quantity", "value", "remark"), rows)
 
 
 @contextmanager

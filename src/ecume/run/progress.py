@@ -10,6 +10,8 @@ from ecume.run.directory import RunDirectory, as_json
 from ecume.run.manifest import now
 from ecume.trajectories.durable import storing
 
+SETTLED = 1.0
+"""Seconds of marching after which its speed tells how long the rest takes."""
 STATUS_EVERY = 1.0
 """Seconds of wall time between two replacements of `status.json`, at least."""
 
@@ -45,7 +47,8 @@ class Pace:
         first, began = self._start
         rate = (step - first) / (clock - began) if step > first and clock > began else 0.0
         done = step / steps if steps else 1.0
-        remaining = (steps - step) / rate if rate else (0.0 if step >= steps else None)
+        known = rate and clock - began >= SETTLED
+        remaining = 0.0 if step >= steps else (steps - step) / rate if known else None
         speed = rate * self._duration / steps if steps else 0.0
         return Progress(step, steps, done * self._duration, self._duration, frames, speed, rate, remaining)
 

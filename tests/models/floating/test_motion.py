@@ -1,4 +1,5 @@
 import math
+import re
 import warnings
 
 import numpy as np
@@ -185,6 +186,22 @@ def test_a_coarse_step_is_warned_of():
     scene = two_floats(6e-3, motion=f"time_step = {step!r}", duration=10 * step, frame_every=step)
     with pytest.warns(StepWarning, match="coarse"):
         FLOATING.parameters(scene)
+
+
+def test_the_summary_says_what_a_longer_step_would_be():
+    def told(**changes):
+        rows = {name: (value, remark) for name, value, remark in FLOATING.summary(two_floats(6e-3, **changes))}
+        return rows["time step"]
+
+    value, remark = told(duration=100.0, frame_every=100.0)
+    good = float(value.split()[0])
+    coarse, refused = (float(word) for word in re.findall(r"above ([0-9.]+) ms", remark))
+    assert remark.startswith("good; coarse above ")
+    assert (coarse / good, refused / good) == (pytest.approx(4.0, rel=0.01), pytest.approx(20.0, rel=0.01))
+    step = 8e-3 * good
+    with pytest.warns(StepWarning):
+        value, remark = told(motion=f"time_step = {step!r}", duration=10 * step, frame_every=step)
+    assert re.fullmatch(r"coarse; [0-9.]+ ms is good, refused above [0-9.]+ ms", remark)
 
 
 def test_a_step_that_does_not_divide_the_frames_is_refused():

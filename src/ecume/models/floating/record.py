@@ -13,10 +13,10 @@ import psutil
 from ecume._jit import compiled_once
 from ecume.errors import Fault, SceneError
 from ecume.laws import capillarity, flotation
-from ecume.models.floating.building import afloat, liquid_of, parameters_of
+from ecume.models.floating.building import afloat, good_step, liquid_of, parameters_of
 from ecume.models.floating.forces import forces_with, pull_rows_with
 from ecume.models.floating.observing import observe
-from ecume.models.floating.pace import LARGEST_OVER_CHOSEN
+from ecume.models.floating.pace import LARGEST_OVER_CHOSEN, LOOSEST_OVER_CHOSEN
 from ecume.models.floating.parameters import PairParameters, Parameters
 from ecume.models.floating.starting import start
 from ecume.models.floating.state import State, Workspace, list_reach, make_workspace
@@ -161,12 +161,20 @@ def summary(scene: FloatingScene) -> list[tuple[str, str, str]]:
         (
             "time step",
             f"{parameters.time_step * 1e3:.4g} ms",
-            f"unstable above {LARGEST_OVER_CHOSEN:g} times the good one",
+            _step_remark(parameters.time_step, good_step(parameters, scene)),
         ),
         ("steps", str(steps), f"{frames} frames of {parameters.steps_per_frame} steps"),
         ("memory", f"{memory_estimate(parameters) / 1e6:.3g} MB", "when packed to rafts"),
         ("time on this machine", _duration(seconds_per_step(count) * steps), "roughly, after compilation"),
     ]
+
+
+def _step_remark(time_step: float, good: float) -> str:
+    """What a longer step than this one would be; `good` is the longest good one."""
+    coarse, refused = 1e3 * LOOSEST_OVER_CHOSEN * good, 1e3 * LARGEST_OVER_CHOSEN * good
+    if time_step > LOOSEST_OVER_CHOSEN * good:
+        return f"coarse; {1e3 * good:.3g} ms is good, refused above {refused:.3g} ms"
+    return f"good; coarse above {coarse:.3g} ms, refused above {refused:.3g} ms"
 
 
 def _summary_of(kind: Any, name: str, liquid: flotation.Liquid) -> list[tuple[str, str, str]]:

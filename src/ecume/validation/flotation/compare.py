@@ -1,19 +1,17 @@
-"""Compare floating spheres and menisci with an independent computation; exit 1 when a number is off."""
+"""Floating spheres and menisci beside an independent computation."""
 
 from __future__ import annotations
 
 import csv
 import math
-import sys
 from pathlib import Path
 
 from ecume.laws import flotation, meniscus
+from ecume.validation.rows import Row, within
 
 PUBLISHED = Path(__file__).with_name("published.csv")
 # A liquid whose capillary length is one meter, so that heights come out in capillary lengths.
 LIQUID = flotation.Liquid(density=1000.0, surface_tension=1000.0, viscosity=1e-3, gravity=1.0)
-
-Row = tuple[str, float, float, float]
 
 
 def equilibrium(case: dict[str, str]) -> float:
@@ -56,10 +54,10 @@ TABLES = {"equilibrium": equilibrium, "sinking": sinking, "wall": wall, "dish": 
 
 
 def rows() -> list[Row]:
-    """(name, computed, expected, tolerance) of every published number."""
+    """Every published number."""
     with PUBLISHED.open(encoding="utf-8") as file:
         return [
-            (_name(case), TABLES[case["table"]](case), float(case["value"]), float(case["tolerance"]))
+            within(_name(case), TABLES[case["table"]](case), float(case["value"]), float(case["tolerance"]))
             for case in csv.DictReader(file)
         ]
 
@@ -73,18 +71,3 @@ def _name(case: dict[str, str]) -> str:
     given = {"B": "bond_number", "D": "density_ratio", "theta": "contact_angle_deg", "a/L": "dish_radius_over_L"}
     where = " ".join(f"{letter}={case[key]}" for letter, key in given.items() if case[key])
     return f"{case['table']} {case['quantity']} {case['theory']} {where}"
-
-
-def main() -> int:
-    """Print the comparison."""
-    found = rows()
-    wrong = [row for row in found if not abs(row[1] - row[2]) <= row[3]]
-    for name, computed, expected, tolerance in found:
-        verdict = "ok" if abs(computed - expected) <= tolerance else "OFF"
-        print(f"{verdict:4}{name:75}{computed:22.14g}{expected:22.14g}{tolerance:9.0e}")
-    print(f"{len(found) - len(wrong)} of {len(found)} within tolerance")
-    return 1 if wrong else 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

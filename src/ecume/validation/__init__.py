@@ -1,0 +1,40 @@
+"""What ecume computes beside what others computed: one folder a subject, and `CASES`, the table of them."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Callable
+from typing import NamedTuple
+
+from ecume.validation.rows import Row
+
+
+class Case(NamedTuple):
+    """A subject to compare."""
+
+    name: str
+    summary: str
+    long: bool
+    """minutes rather than seconds"""
+    rows: Callable[[], list[Row]]
+
+
+def _case(name: str, summary: str, *, long: bool = False) -> Case:
+    def rows() -> list[Row]:
+        # Imported when asked for: the table is read by `ecume --help`, which must not wait for a compiler.
+        found: list[Row] = importlib.import_module(f"ecume.validation.{name}.compare").rows()
+        return found
+
+    return Case(name, summary, long, rows)
+
+
+CASES: dict[str, Case] = {
+    case.name: case
+    for case in (
+        _case("flotation", "Floating spheres, sinking limits and menisci, against an independent computation"),
+        _case("meeting", "When two floats released at rest meet, against SciPy's DOP853"),
+        _case("walls", "How floats leave and climb the wall of a dish, against SciPy's DOP853"),
+        _case("integrators", "The orders of the integrators, and the energy over a million steps"),
+        _case("rest", "Sixty cereals rest after ten minutes, in milk and in syrup", long=True),
+    )
+}
