@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from ecume.errors import BadInput
 from ecume.models import MODELS
 from ecume.models.floating import PairParameters
 from ecume.simulation import simulate
@@ -42,3 +43,18 @@ def test_a_law_that_adds_nothing_changes_no_bit():
     plain = list(simulate(scene))[-1].arrays["position"]
     with_nothing = list(simulate(scene, extra_laws=[nothing]))[-1].arrays["position"]
     assert np.array_equal(plain, with_nothing)
+
+
+@pytest.mark.parametrize(
+    ("law", "says"),
+    [
+        (lambda distance: 1.0, "expected 1, got 2"),
+        (lambda distance, parameters: parameters.color, "Unknown attribute 'color'"),
+        (lambda distance, parameters: None, "came None; wanted a force in N"),
+        (3, "extra_laws: 3: cannot be used"),
+    ],
+)
+def test_a_law_that_is_none_is_refused_in_a_line(law, says):
+    with pytest.raises(BadInput, match=says) as caught:
+        MODELS["floating"].extended([law])
+    assert "\n" not in str(caught.value)

@@ -11,7 +11,7 @@ import numpy as np
 import psutil
 
 from ecume._jit import compiled_once
-from ecume.errors import Fault, SceneError
+from ecume.errors import BadInput, Fault, SceneError
 from ecume.laws import capillarity, flotation
 from ecume.models.floating.building import afloat, good_step, liquid_of, parameters_of
 from ecume.models.floating.forces import forces_with, pull_rows_with
@@ -91,7 +91,26 @@ def extended(extra_laws: Sequence[Callable[..., float]]) -> Model:
     `parameters` is a `PairParameters`. They are compiled like our own, once a process, and act up to the scene's
     cutoff.
     """
+    for law in extra_laws:
+        _require_force(law)
     return dataclasses.replace(FLOATING, advance=_advance_with_extra(tuple(extra_laws)))
+
+
+def _require_force(law: Callable[..., float]) -> None:
+    """Try a user's law on two likely spheres: what is wrong with it is told before the march is compiled around it."""
+    likely = PairParameters(1e-3, 1e-3, 1e-4, 1e-4, 2.7e-3, 0.07)
+    name = getattr(law, "__name__", repr(law))
+    try:
+        force: object = compiled_once(law)(3e-3, likely)
+    except Exception as error:  # a user's function may raise anything, and so may its compilation
+        said = [line for line in str(error).splitlines() if line.strip() and not line.startswith("Failed in nopython")]
+        why = said[0].strip() if said else type(error).__name__
+        raise BadInput(
+            f"extra_laws: {name}: cannot be used: {why}; wanted a plain function (distance, parameters) -> force, of "
+            "numbers and the functions of math"
+        ) from error
+    if isinstance(force, bool) or not isinstance(force, (int, float)):
+        raise BadInput(f"extra_laws: {name}: came {force!r}; wanted a force in N")
 
 
 def _advance_with_extra(laws: tuple[Callable[..., float], ...]) -> Callable[..., int]:
