@@ -81,6 +81,46 @@ def test_truncated_files_are_compiled_anew(nested, suffix):
     assert run().stdout.split() == ["7.0", "1", "0"]
 
 
+THREADED = """
+import sys
+import numpy as np
+from ecume import _jit
+
+@_jit.threaded
+def fill(values):
+    for i in _jit.prange(len(values)):
+        values[i] = 3.0
+
+@_jit.compiled
+def one(values):
+    fill(values)
+
+@_jit.compiled
+def other(values):
+    fill(values)
+
+values = np.ones(5)
+(one if sys.argv[1] == "one" else other)(values)
+print(values.sum(), sum(other.stats.cache_hits.values()), sum(fill.part.stats.cache_hits.values()))
+"""
+
+
+def test_a_whole_from_the_disk_finds_its_threads_though_its_parts_came_from_there_too(tmp_path):
+    script = tmp_path / "in_threads.py"
+    script.write_text(THREADED)
+    places = {"ECUME_CACHE_DIR": str(tmp_path / "cache"), "PYTHONPATH": str(Path(_jit.__file__).parents[1])}
+
+    def run(which):
+        words = [sys.executable, str(script), which]
+        return subprocess.run(words, env={**os.environ, **places}, capture_output=True, text=True, check=True).stdout
+
+    assert [run(which).split() for which in ("one", "other", "other")] == [
+        ["15.0", "0", "0"],
+        ["15.0", "0", "1"],
+        ["15.0", "1", "0"],
+    ]
+
+
 @_jit.compiled
 def _square(x: float) -> float:
     return x * x

@@ -1,9 +1,10 @@
 """How loops are compiled: the only file that imports Numba.
 
-Numba's disk cache has three traps, all closed here. It hashes only the file of the function itself, so that an edited
+Numba's disk cache has four traps, all closed here. It hashes only the file of the function itself, so that an edited
 law in another file silently gives the old result: the cache folder is named by a hash of the whole package's text. A
 truncated cache file raises from inside the unpickler: it is thrown away and compiled anew. A folder that cannot be
-written is an error at import: a temporary folder stands in.
+written is an error at import: a temporary folder stands in. A function loaded from it may call threads that nobody
+started: they are started before anything is loaded.
 """
 
 from __future__ import annotations
@@ -58,6 +59,9 @@ class HealingCache(FunctionCache):  # type: ignore[misc]  # Numba's types are le
     """A disk cache that treats whatever it cannot read as absent."""
 
     def load_overload(self, *arguments: Any) -> Any:
+        # Threads must run before code that calls them is linked. Numba sees to that where a function was compiled
+        # together with its threaded parts; one made from parts of the disk would jump to nowhere.
+        numba.get_num_threads()
         try:
             return super().load_overload(*arguments)
         except Exception as error:  # a damaged pickle raises nearly anything
