@@ -48,12 +48,9 @@ def main() -> None:
     steps = round(DRIFT / march.parameters.time_step)
     rates["settled"] = steps / min(seconds(lambda: march.go(steps)) for _ in range(TRIES))
     print(f"time step {march.parameters.time_step * 1e3:.3g} ms")
-    print(
-        f"settled after {march.time:.0f} s: speed {numbers['largest_speed']:.1e} m/s, {numbers['contacts']:.0f} contacts,"
-    )
-    print(
-        f"  {numbers['clusters']:.0f} clusters, overlap {numbers['largest_overlap'] / march.parameters.floats.radius[0]:.1e} R"
-    )
+    overlap = numbers["largest_overlap"] / march.parameters.floats.radius[0]
+    print(f"settled after {march.time:.0f} s: speed {numbers['largest_speed']:.1e} m/s,")
+    print(f"  {numbers['contacts']:.0f} contacts, {numbers['clusters']:.0f} clusters, overlap {overlap:.1e} R")
     print(f"on the way there: {marched / took:,.0f} steps/s")
     for name, rate in rates.items():
         print(f"{name}: {rate:,.0f} steps/s (wanted: {WANTED[name]:,})")
