@@ -16,12 +16,12 @@ import pytest
 
 import ecume.laws
 from ecume import _jit
-from ecume.laws import capillarity, contact, drag, flotation, meniscus, special
+from ecume.laws import capillarity, contact, drag, flotation, kernels, meniscus, special
 from ecume.units import Unit
 
 ROOT = Path(__file__).parents[2]
 MODULES = sorted(module.name for module in pkgutil.walk_packages(ecume.laws.__path__, "ecume.laws."))
-COMPILED = (special, capillarity, contact)
+COMPILED = (special, capillarity, contact, kernels.shapes, kernels.lines)
 RESCALED = (
     capillarity, contact, drag, meniscus, flotation.bodies, flotation.balance, flotation.closure, flotation.interaction,
 )  # fmt: skip
@@ -35,7 +35,7 @@ SAMPLES = {
     "coefficient": 0.6, "viscosity": 0.3, "factor": 0.5, "friction": 0.2, "solid_gas": 0.3, "solid_liquid": 0.2,
     "liquid_gas": 0.5, "x": 1.7, "coefficients": (0.5, -1.5, 2.5), "liquid": LIQUID,
     "sphere": flotation.Sphere(0.21, 4.0, 1.2), "a": flotation.Sphere(0.21, 4.0, 1.2),
-    "b": flotation.Sphere(0.17, 1.0, 0.7),
+    "b": flotation.Sphere(0.17, 1.0, 0.7), "q": 0.7,
 }  # fmt: skip
 ODD = {"[length]": 7.3, "[mass]": 0.31, "[time]": 1.9}
 """Base units that no law has heard of."""
@@ -147,6 +147,7 @@ TABLES = {
     ],
     "charges": list(flotation.CHARGES.values()),
     "balances": list(flotation.BALANCES.values()),
+    "kernels": [law for form in kernels.KERNELS.values() for law in (form.value, form.slope, *(form.line or ()))],
 }
 UNCITED = {"no_wall_energy", "no_wall_force", "nonlinear_charge"}
 """No physics of their own."""
