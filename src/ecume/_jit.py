@@ -1,28 +1,25 @@
 """How loops are compiled: the only file that imports Numba.
 
 Numba's disk cache has four traps, all closed here. It hashes only the file of the function itself, so that an edited
-law in another file silently gives the old result: the cache folder is named by a hash of the whole package's text. A
-truncated cache file raises from inside the unpickler: it is thrown away and compiled anew. A folder that cannot be
-written is an error at import: a temporary folder stands in. A function loaded from it may call threads that nobody
-started: they are started before anything is loaded.
+law in another file silently gives the old result: folders are named by all text that goes into a module's code (see
+`_cache`). A truncated cache file raises from inside the unpickler: it is thrown away and compiled anew. A folder that
+cannot be written is an error at import: a temporary folder stands in. A function loaded from it may call threads that
+nobody started: they are started before anything is loaded.
 """
 
 from __future__ import annotations
 
-import hashlib
 import logging
 import math
-import os
 import platform
-import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from types import FunctionType, ModuleType
 from typing import Any, TypeVar
 
+import llvmlite
 import numba
 import numba.extending
-import platformdirs
 from numba.core import types
 from numba.core.caching import CompileResultCacheImpl, FunctionCache
 from numba.core.codegen import JITCodeLibrary
@@ -30,33 +27,54 @@ from numba.core.compiler import Compiler
 from numba.core.imputils import lower_builtin
 from numba.core.registry import CPUDispatcher
 
+from ecume import _cache
+
 Function = TypeVar("Function", bound=Callable[..., Any])
 log = logging.getLogger(__name__)
 
 
-def package_digest() -> str:
-    """Changes whenever a line of the package, Numba's version or the processor changes."""
-    digest = hashlib.sha256(f"{numba.__version__} {platform.python_version()} {platform.processor()}".encode())
-    for path in sorted(Path(__file__).parent.rglob("*.py")):
-        digest.update(path.as_posix().encode())
-        digest.update(path.read_bytes())
-    return digest.hexdigest()[:16]
+COMPILER = f"Numba {numba.__version__}, LLVM {llvmlite.__version__}, Python {platform.python_version()}"
 
 
-def cache_folder() -> Path:
-    """Where compiled code is kept: private to the user, since whoever writes there can make us run anything."""
-    asked = os.environ.get("ECUME_CACHE_DIR")
-    folder = (Path(asked) if asked else Path(platformdirs.user_cache_dir("ecume"))) / package_digest()
-    try:
-        folder.mkdir(parents=True, exist_ok=True, mode=0o700)
-        with tempfile.TemporaryFile(dir=folder):
-            return folder
-    except OSError:
-        return Path(tempfile.mkdtemp(prefix="ecume-"))
+class Place:
+    """Where the code of a function lies on the disk, and the stamp that it must bear: Numba's locator."""
+
+    def __init__(self, function: FunctionType, path: str) -> None:
+        self._line = function.__code__.co_firstlineno
+        self._folder = _cache.folder(Path(path).absolute(), COMPILER)
+
+    @classmethod
+    def from_function(cls, function: FunctionType, path: str) -> Place | None:
+        """None where there is no file."""
+        return cls(function, path) if Path(path).is_file() else None
+
+    def ensure_cache_path(self) -> None:
+        """There is a folder to write into."""
+        self._folder.mkdir(parents=True, exist_ok=True)
+
+    def get_cache_path(self) -> str:
+        """The folder."""
+        return str(self._folder)
+
+    def get_source_stamp(self) -> str:
+        """Of the text that the code comes from; part of the folder's name."""
+        return self._folder.name
+
+    def get_disambiguator(self) -> str:
+        """Functions of one name differ in their lines."""
+        return str(self._line)
 
 
-class HealingCache(FunctionCache):  # type: ignore[misc]  # Numba's types are left out: they are half there
+class WholeFiles(CompileResultCacheImpl):  # type: ignore[misc]  # Numba's types are left out: they are half there
+    """Files in our folders."""
+
+    _locator_classes = [Place]  # noqa: RUF012  # Numba's name
+
+
+class HealingCache(FunctionCache):  # type: ignore[misc]
     """A disk cache that treats whatever it cannot read as absent."""
+
+    _impl_class = WholeFiles
 
     def load_overload(self, *arguments: Any) -> Any:
         # Threads must run before code that calls them is linked. Numba sees to that where a function was compiled
@@ -139,7 +157,7 @@ class Whole(Compiler):  # type: ignore[misc]
         return result
 
 
-class PartFiles(CompileResultCacheImpl):  # type: ignore[misc]
+class PartFiles(WholeFiles):
     """Files of their own: the same function's whole has other code."""
 
     def get_filename_base(self, name: str, flags: str) -> str:
@@ -172,8 +190,6 @@ class Dispatcher(CPUDispatcher):  # type: ignore[misc]
         """What compiled code calls."""
         return self.part.get_overload(signature)
 
-
-numba.config.CACHE_DIR = str(cache_folder())
 
 prange = numba.prange
 """A loop over threads; only inside a function that is `threaded`."""
