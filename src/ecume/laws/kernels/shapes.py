@@ -8,18 +8,17 @@ large terms, and exactly zero beyond the support.
 
 from __future__ import annotations
 
-from typing import Annotated, TypeVar
+from typing import Annotated
 
 import numpy as np
 
-from ecume.units import Array, Unit
+from ecume.units import Unit, Value
 
-Real = TypeVar("Real", float, Array)
-Pure = Annotated[Real, Unit("1")]
+Pure = Annotated[Value, Unit("1")]
 GAUSSIAN_SUPPORT = 3.0
 
 
-def positive(x: Pure[Real]) -> Pure[Real]:
+def positive(x: Pure[Value]) -> Pure[Value]:
     """Whatever of x is positive, else zero; exact.
 
     >>> positive(2.5), positive(-2.5)
@@ -28,7 +27,7 @@ def positive(x: Pure[Real]) -> Pure[Real]:
     return 0.5 * (x + abs(x))
 
 
-def cubic_spline_value(q: Pure[Real]) -> Pure[Real]:
+def cubic_spline_value(q: Pure[Value]) -> Pure[Value]:
     """((2-q)+^3 - 4 (1-q)+^3) / 6, the cubic B-spline M4, support 2: 2/3 - q^2 + q^3/2 below 1. [monaghan1985].
 
     One branch alone is no kernel: the inner one on q < 1 holds 11/14 of the mass in 2D, and used up to q = 2 it sums
@@ -41,7 +40,7 @@ def cubic_spline_value(q: Pure[Real]) -> Pure[Real]:
     return (outer * outer * outer - 4.0 * (inner * inner * inner)) / 6.0
 
 
-def cubic_spline_slope(q: Pure[Real]) -> Pure[Real]:
+def cubic_spline_slope(q: Pure[Value]) -> Pure[Value]:
     """f'(q)/q of the cubic spline: 3q/2 - 2 below 1, -(2-q)^2/(2q) up to 2. [monaghan1985].
 
     >>> cubic_spline_slope(0.0), cubic_spline_slope(1.0)
@@ -52,7 +51,7 @@ def cubic_spline_slope(q: Pure[Real]) -> Pure[Real]:
     return -1.5 * inside - 0.5 * left * left / (2.0 - left)
 
 
-def quartic_spline_value(q: Pure[Real]) -> Pure[Real]:
+def quartic_spline_value(q: Pure[Value]) -> Pure[Value]:
     """(5/2-q)+^4 - 5 (3/2-q)+^4 + 10 (1/2-q)+^4, the quartic B-spline M5, support 5/2. [price2012].
 
     >>> quartic_spline_value(0.0) * 8.0
@@ -63,7 +62,7 @@ def quartic_spline_value(q: Pure[Real]) -> Pure[Real]:
     return a * a - 5.0 * (b * b) + 10.0 * (c * c)
 
 
-def quartic_spline_slope(q: Pure[Real]) -> Pure[Real]:
+def quartic_spline_slope(q: Pure[Value]) -> Pure[Value]:
     """f'(q)/q of the quartic B-spline: 24 q^2 - 30 below 1/2. [price2012].
 
     >>> quartic_spline_slope(0.0), quartic_spline_slope(0.5)
@@ -76,7 +75,7 @@ def quartic_spline_slope(q: Pure[Real]) -> Pure[Real]:
     return 24.0 * (near * near) - 6.0 + outer / (2.5 - left)
 
 
-def quintic_spline_value(q: Pure[Real]) -> Pure[Real]:
+def quintic_spline_value(q: Pure[Value]) -> Pure[Value]:
     """(3-q)+^5 - 6 (2-q)+^5 + 15 (1-q)+^5, the quintic B-spline M6, support 3. [morris1997].
 
     With all three terms kept up to q = 3 the bracket is -474 at 2.75 instead of 0.001, and the kernel sums to -11.6.
@@ -88,7 +87,7 @@ def quintic_spline_value(q: Pure[Real]) -> Pure[Real]:
     return _fifth(a) - 6.0 * _fifth(b) + 15.0 * _fifth(c)
 
 
-def quintic_spline_slope(q: Pure[Real]) -> Pure[Real]:
+def quintic_spline_slope(q: Pure[Value]) -> Pure[Value]:
     """f'(q)/q of the quintic B-spline: -120 + 120 q^2 - 50 q^3 below 1. [morris1997].
 
     >>> quintic_spline_slope(0.0), quintic_spline_slope(1.0)
@@ -101,7 +100,7 @@ def quintic_spline_slope(q: Pure[Real]) -> Pure[Real]:
     return (120.0 - 50.0 * near) * (near * near) - 70.0 + outer / (3.0 - left)
 
 
-def liu_quartic_value(q: Pure[Real]) -> Pure[Real]:
+def liu_quartic_value(q: Pure[Value]) -> Pure[Value]:
     """2/3 - 9q^2/8 + 19q^3/24 - 5q^4/32, the quartic of Liu, Liu and Lam, support 2. [liu2003].
 
     Its one branch is smooth, but it is negative for 1.6957 < q < 2, and its slope positive from 1.8: particles out
@@ -114,7 +113,7 @@ def liu_quartic_value(q: Pure[Real]) -> Pure[Real]:
     return (left * left) * (1.0 / 6.0 + q * (1.0 / 6.0 - 0.15625 * q))
 
 
-def liu_quartic_slope(q: Pure[Real]) -> Pure[Real]:
+def liu_quartic_slope(q: Pure[Value]) -> Pure[Value]:
     """f'(q)/q of the quartic of Liu, Liu and Lam, -(2-q)(9-5q)/8. [liu2003].
 
     >>> liu_quartic_slope(1.9) > 0.0
@@ -123,7 +122,7 @@ def liu_quartic_slope(q: Pure[Real]) -> Pure[Real]:
     return -0.125 * positive(2.0 - q) * (9.0 - 5.0 * q)
 
 
-def lucy_value(q: Pure[Real]) -> Pure[Real]:
+def lucy_value(q: Pure[Value]) -> Pure[Value]:
     """(1+3q)(1-q)^3, the first kernel of all, support 1. [lucy1977].
 
     >>> lucy_value(0.0)
@@ -133,7 +132,7 @@ def lucy_value(q: Pure[Real]) -> Pure[Real]:
     return (1.0 + 3.0 * q) * (left * left * left)
 
 
-def lucy_slope(q: Pure[Real]) -> Pure[Real]:
+def lucy_slope(q: Pure[Value]) -> Pure[Value]:
     """f'(q)/q of Lucy's kernel, -12 (1-q)^2. [lucy1977].
 
     >>> lucy_slope(0.5)
@@ -143,7 +142,7 @@ def lucy_slope(q: Pure[Real]) -> Pure[Real]:
     return -12.0 * (left * left)
 
 
-def wendland_c2_value(q: Pure[Real]) -> Pure[Real]:
+def wendland_c2_value(q: Pure[Value]) -> Pure[Value]:
     """(1-q/2)^4 (1+2q), in 2D and 3D, support 2. No negative wave: particles never pair. [wendland1995, dehnen2012].
 
     >>> wendland_c2_value(1.0)
@@ -154,7 +153,7 @@ def wendland_c2_value(q: Pure[Real]) -> Pure[Real]:
     return (left * left) * (1.0 + 2.0 * q)
 
 
-def wendland_c2_slope(q: Pure[Real]) -> Pure[Real]:
+def wendland_c2_slope(q: Pure[Value]) -> Pure[Value]:
     """f'(q)/q of Wendland's C2, -5 (1-q/2)^3. [wendland1995, dehnen2012].
 
     >>> wendland_c2_slope(0.0), wendland_c2_slope(1.0)
@@ -164,7 +163,7 @@ def wendland_c2_slope(q: Pure[Real]) -> Pure[Real]:
     return -5.0 * (left * left * left)
 
 
-def wendland_c4_value(q: Pure[Real]) -> Pure[Real]:
+def wendland_c4_value(q: Pure[Value]) -> Pure[Value]:
     """(1-q/2)^6 (1 + 3q + 35q^2/12), in 2D and 3D, support 2. [wendland1995, dehnen2012].
 
     >>> wendland_c4_value(0.0)
@@ -175,7 +174,7 @@ def wendland_c4_value(q: Pure[Real]) -> Pure[Real]:
     return (left * left * left) * (1.0 + q * (3.0 + q * (35.0 / 12.0)))
 
 
-def wendland_c4_slope(q: Pure[Real]) -> Pure[Real]:
+def wendland_c4_slope(q: Pure[Value]) -> Pure[Value]:
     """f'(q)/q of Wendland's C4, -(7/3)(2+5q)(1-q/2)^5. [wendland1995, dehnen2012].
 
     >>> round(wendland_c4_slope(0.0), 12)
@@ -184,7 +183,7 @@ def wendland_c4_slope(q: Pure[Real]) -> Pure[Real]:
     return -(7.0 / 3.0) * (2.0 + 5.0 * q) * _fifth(positive(1.0 - 0.5 * q))
 
 
-def wendland_c6_value(q: Pure[Real]) -> Pure[Real]:
+def wendland_c6_value(q: Pure[Value]) -> Pure[Value]:
     """(1-q/2)^8 (1 + 4q + 25q^2/4 + 4q^3), in 2D and 3D, support 2. [wendland1995, dehnen2012].
 
     >>> wendland_c6_value(0.0)
@@ -196,7 +195,7 @@ def wendland_c6_value(q: Pure[Real]) -> Pure[Real]:
     return (left * left) * (1.0 + q * (4.0 + q * (6.25 + 4.0 * q)))
 
 
-def wendland_c6_slope(q: Pure[Real]) -> Pure[Real]:
+def wendland_c6_slope(q: Pure[Value]) -> Pure[Value]:
     """f'(q)/q of Wendland's C6, -(11/4)(2 + 7q + 8q^2)(1-q/2)^7. [wendland1995, dehnen2012].
 
     >>> wendland_c6_slope(0.0)
@@ -206,17 +205,17 @@ def wendland_c6_slope(q: Pure[Real]) -> Pure[Real]:
     return -2.75 * (2.0 + q * (7.0 + 8.0 * q)) * _fifth(left) * (left * left)
 
 
-def gaussian_value(q: Pure[Real]) -> Pure[Real]:
+def gaussian_value(q: Pure[Value]) -> Pure[Value]:
     """exp(-q^2) below 3, zero from there on. [gingold1977].
 
     >>> float(gaussian_value(0.0)), float(gaussian_value(3.0))
     (1.0, 0.0)
     """
-    found: Real = np.exp(-q * q) * (q < GAUSSIAN_SUPPORT)
+    found: Value = np.exp(-q * q) * (q < GAUSSIAN_SUPPORT)
     return found
 
 
-def gaussian_slope(q: Pure[Real]) -> Pure[Real]:
+def gaussian_slope(q: Pure[Value]) -> Pure[Value]:
     """f'(q)/q of the Gaussian, -2 exp(-q^2) below 3. [gingold1977].
 
     >>> float(gaussian_slope(0.0))
@@ -225,5 +224,5 @@ def gaussian_slope(q: Pure[Real]) -> Pure[Real]:
     return -2.0 * gaussian_value(q)
 
 
-def _fifth(x: Pure[Real]) -> Pure[Real]:
+def _fifth(x: Pure[Value]) -> Pure[Value]:
     return (x * x) * (x * x) * x

@@ -1,0 +1,207 @@
+"""Equations of state: what pressure a density stands for, and which part of it is the weight of the liquid above.
+
+`pressure` here is gauge pressure, zero at the reference density: the pressure above that of the air. The hydrostatic
+part is rho_0 g (H - y). An equation of state in a liquid that feels its weight builds that part by itself; whoever
+adds it again counts it twice. `absolute_pressure` tells when.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated
+
+from ecume.errors import BadInput
+from ecume.laws.arguments import require_not_negative, require_positive
+from ecume.units import Acceleration, Density, Length, Number, Pressure, Speed, Unit, Value
+
+WATER_EXPONENT = 7.0
+Densities = Annotated[Value, Unit("kg/m^3")]
+Pressures = Annotated[Value, Unit("Pa")]
+Speeds = Annotated[Value, Unit("m/s")]
+Heights = Annotated[Value, Unit("m")]
+
+
+def tait_pressure(
+    density: Densities[Value], reference_density: Density, sound_speed: Speed, exponent: Number = WATER_EXPONENT
+) -> Pressures[Value]:
+    """Gauge pressure p = b ((rho/rho_0)^gamma - 1), b = rho_0 c_0^2 / gamma; positive when compressed.
+
+    rho_0: reference_density; c_0: sound_speed at rho_0; gamma: exponent, 7 for water, 1 for the linear law.
+    [monaghan1994], after [cole1948]. Texts that print (rho/rho_0) gamma - 1 have lost the exponent's place:
+    that has pressure b (gamma - 1) at rest. Some call it absolute: it is zero at rho_0, and so gauge.
+
+    >>> round(tait_pressure(1010.0, 1000.0, 10.0, 7.0), 6)
+    1030.50503
+    """
+    power: Value = (density / reference_density) ** exponent
+    return reference_density * sound_speed * sound_speed / exponent * (power - 1.0)
+
+
+def tait_density(
+    pressure: Pressures[Value], reference_density: Density, sound_speed: Speed, exponent: Number = WATER_EXPONENT
+) -> Densities[Value]:
+    """The density rho = rho_0 (1 + p/b)^(1/gamma) that has a gauge pressure; the inverse of `tait_pressure`.
+
+    For p > -b: the liquid cannot be pulled harder. [monaghan1994].
+
+    >>> round(tait_density(tait_pressure(1010.0, 1000.0, 10.0), 1000.0, 10.0), 9)
+    1010.0
+    """
+    stiff = reference_density * sound_speed * sound_speed / exponent
+    root: Value = (1.0 + pressure / stiff) ** (1.0 / exponent)
+    return reference_density * root
+
+
+def tait_sound_speed(
+    density: Densities[Value], reference_density: Density, sound_speed: Speed, exponent: Number = WATER_EXPONENT
+) -> Speeds[Value]:
+    """Sound speed at a density, c = c_0 (rho/rho_0)^((gamma-1)/2), from c^2 = dp/drho. [monaghan1994].
+
+    >>> tait_sound_speed(1000.0, 1000.0, 10.0)
+    10.0
+    """
+    power: Value = (density / reference_density) ** (0.5 * (exponent - 1.0))
+    return sound_speed * power
+
+
+def linear_pressure(density: Densities[Value], reference_density: Density, sound_speed: Speed) -> Pressures[Value]:
+    """Gauge pressure p = c_0^2 (rho - rho_0): Tait with the exponent 1, preferred at low Reynolds numbers.
+
+    [morris1997].
+
+    >>> linear_pressure(1010.0, 1000.0, 10.0)
+    1000.0
+    """
+    return sound_speed * sound_speed * (density - reference_density)
+
+
+def linear_density(pressure: Pressures[Value], reference_density: Density, sound_speed: Speed) -> Densities[Value]:
+    """The density rho_0 + p/c_0^2 that has a gauge pressure under the linear law. [morris1997].
+
+    >>> linear_density(1000.0, 1000.0, 10.0)
+    1010.0
+    """
+    return reference_density + pressure / (sound_speed * sound_speed)
+
+
+def stiffness(reference_density: Density, sound_speed: Speed, exponent: Number = WATER_EXPONENT) -> Pressure:
+    """Tait's b = rho_0 c_0^2 / gamma. [monaghan1994].
+
+    >>> stiffness(1000.0, 14.0, 7.0)
+    28000.0
+    """
+    return reference_density * sound_speed * sound_speed / exponent
+
+
+def speed_of_stiffness(stiff: Pressure, reference_density: Density, exponent: Number = WATER_EXPONENT) -> Speed:
+    """Sound speed c_0 = sqrt(gamma b / rho_0) at the reference density. [monaghan1994].
+
+    >>> speed_of_stiffness(28000.0, 1000.0, 7.0)
+    14.0
+    """
+    return math.sqrt(exponent * stiff / reference_density)
+
+
+def numerical_sound_speed(depth: Length, largest_speed: Speed, gravity: Acceleration) -> Speed:
+    """Sound speed 10 max(sqrt(g H), u) that keeps changes of density below 1 %. [monaghan1994].
+
+    Sound this slow allows long time steps, and the flow still hardly notices that it can be compressed: the change of
+    density is the square of the Mach number. A column of the depth H is 0.49 % shorter than H.
+
+    >>> numerical_sound_speed(1.0, 2.0, 9.0)
+    30.0
+    """
+    return 10.0 * max(math.sqrt(gravity * depth), largest_speed)
+
+
+def hydrostatic_pressure(
+    height: Heights[Value], surface_height: Length, reference_density: Density, gravity: Acceleration
+) -> Pressures[Value]:
+    """rho_0 g (H - y): what the liquid between the height y and a surface at H weighs; negative above H.
+
+    Its gradient cancels the weight of a liquid of density rho_0 exactly, which that of rho_i g (H - y) does not.
+    [batchelor1967].
+
+    >>> round(hydrostatic_pressure(0.25, 1.0, 1000.0, 9.81), 6)
+    7357.5
+    """
+    return reference_density * gravity * (surface_height - height)
+
+
+def absolute_pressure(
+    density: Densities[Value],
+    height: Heights[Value],
+    surface_height: Length,
+    *,
+    reference_density: Density = 1000.0,
+    sound_speed: Speed | None = None,
+    stiffness: Pressure | None = None,
+    exponent: Number = WATER_EXPONENT,
+    gravity: Acceleration = 9.81,
+    atmospheric_pressure: Pressure = 0.0,
+) -> Pressures[Value]:
+    """Pressure b ((rho/rho_0)^gamma - 1) + rho g (H - y) + p_atm of a particle, as texts on reservoirs write it.
+
+    rho, y: the particle's own density and height; H: surface_height; b from stiffness, or from sound_speed. Without
+    p_atm it is no absolute pressure but a gauge one. Which forces moved the particles decides whether the sum means
+    anything [batchelor1967]:
+
+    1. Gravity acts, forces come from Tait's part alone (the usual scheme): at rest Tait's part is rho_0 g (H - y)
+       already, and this sum counts it TWICE: 2 rho_0 g H at the bottom. Take `tait_pressure`.
+    2. No gravity acts, forces come from Tait's part alone: the sum is the pressure, in tanks that are closed or full,
+       where no surface moves. On a free surface it lets no wave fall and no dam break.
+    3. Gravity acts, forces come from the whole sum: right while the surface stays at H, wrong where it leaves it.
+
+    In 2 and 3 the second term should have rho_0, see `hydrostatic_pressure`; with rho, as here, the forces at rest are
+    off by drho/rho_0. `hydrostatic_fault` says which case a run is.
+
+    >>> round(absolute_pressure(1000.0, 0.0, 1.0, sound_speed=40.0, atmospheric_pressure=101325.0), 6)
+    111135.0
+    """
+    c0 = _sound_speed(sound_speed, stiffness, reference_density, exponent)
+    require_not_negative("atmospheric_pressure", atmospheric_pressure)
+    compressed = tait_pressure(density, reference_density, c0, exponent)
+    return compressed + density * gravity * (surface_height - height) + atmospheric_pressure
+
+
+def hydrostatic_fault(*, added: bool, gravity_acts: bool, in_forces: bool, free_surface: bool) -> str:
+    """Why a run that adds rho_0 g (H - y) to Tait's pressure would be wrong; empty when it would be right.
+
+    added: the term is part of the pressure reported; gravity_acts: particles feel their weight; in_forces: the term is
+    part of the pressure that pushes them; free_surface: some of the liquid's surface can move. The cases are those of
+    `absolute_pressure`.
+
+    >>> hydrostatic_fault(added=True, gravity_acts=False, in_forces=False, free_surface=False)
+    ''
+    """
+    if not added:
+        return ""
+    if gravity_acts and not in_forces:
+        return (
+            "the particles feel gravity, so that Tait's pressure at rest is rho_0 g (H - y) already: adding the "
+            "hydrostatic part counts it twice; leave it out"
+        )
+    if not gravity_acts and in_forces:
+        return (
+            "the hydrostatic part would push particles up that feel no gravity; let gravity act, or keep it out of "
+            "the forces"
+        )
+    if free_surface:
+        return (
+            "a hydrostatic part measured from a level H is right only where the surface stays at H: on a moving "
+            "surface waves would feel no gravity; leave it out, or close the tank"
+        )
+    return ""
+
+
+def _sound_speed(speed: Speed | None, stiff: Pressure | None, reference_density: Density, exponent: Number) -> Speed:
+    require_positive("reference_density", reference_density)
+    require_positive("exponent", exponent)
+    if (speed is None) == (stiff is None):
+        raise BadInput("give either sound_speed or stiffness: each follows from the other")
+    if speed is not None:
+        require_positive("sound_speed", speed)
+        return speed
+    assert stiff is not None  # noqa: S101  # for the type checker: one of the two is there
+    require_positive("stiffness", stiff)
+    return speed_of_stiffness(stiff, reference_density, exponent)
