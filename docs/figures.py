@@ -23,7 +23,8 @@ from ecume.analysis.series import number, series, times
 from ecume.laws import capillarity, drag, flotation, meniscus
 from ecume.laws.screened import fit_k1, k1_over_x
 from ecume.scenes.load import load_scene
-from ecume.show.bowl import Bowl, Size
+from ecume.show.floating.bowl import Bowl
+from ecume.show.picture import Size
 from ecume.show.style import INK, MUTED, PALETTE, figure, legend_outside, style
 from ecume.trajectories.frame import Frame
 
@@ -222,7 +223,7 @@ def bowl_energies() -> Figure:
 
 def integrators() -> Figure:
     """The schemes beside one another."""
-    from ecume.show.integrators import comparison, integrators_beside_one_another
+    from ecume.show.floating.integrators import comparison, integrators_beside_one_another
 
     return integrators_beside_one_another(comparison())
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 from typer.testing import CliRunner
@@ -10,6 +11,7 @@ from typer.testing import CliRunner
 import ecume.trajectories.exports
 from ecume.cli import app
 from ecume.cli.pictures import ENDINGS, Format
+from ecume.cli.progress import counted
 from ecume.errors import BadInput
 
 cli = CliRunner()
@@ -20,33 +22,92 @@ def test_export_offers_what_trajectories_can_be_written_as() -> None:
     assert set(ENDINGS) == set(Format)
 
 
-def test_export_writes_into_the_directory_or_where_it_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.fixture(autouse=True)
+def _a_run(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """A directory that looks like that of a run, with nothing in it."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "bowl").mkdir()
+    (tmp_path / "bowl" / "manifest.json").write_text('{"ecume": "0"}')
+
+
+def test_export_writes_among_the_results_or_where_it_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
         ecume.trajectories.exports, "export", lambda directory, kind, out: f"{directory} {kind} {out.as_posix()}"
     )
-    assert cli.invoke(app, ["export", "bowl", "--to", "xyz"]).stdout == "wrote bowl xyz bowl/frames.xyz\n"
+    assert cli.invoke(app, ["export", "bowl", "--to", "xyz"]).stdout == "wrote bowl xyz bowl/results/frames.xyz\n"
     assert cli.invoke(app, ["export", "bowl", "--to", "csv", "-o", "a.csv"]).stdout == "wrote bowl csv a.csv\n"
+    assert cli.invoke(app, ["export", "bowl", "--to", "csv", "-q"]).output == ""
     assert cli.invoke(app, ["export", "bowl", "--to", "doc"]).exit_code == 2
 
 
-def test_movie_says_what_it_wrote(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.fixture
+def cuts(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
+    """Which cuts movies were asked for, instead of movies."""
     import ecume.show.movies
 
-    monkeypatch.setattr(ecume.show.movies, "movie", lambda directory, out: out or directory / "movie.mp4")
+    noted: list[Any] = []
+
+    def movie(directory: Path, out: Path | None, cut: Any, *, progress: Any) -> Path:
+        noted.append((cut, progress))
+        return out or directory / "results" / "movie.mp4"
+
+    monkeypatch.setattr(ecume.show.movies, "movie", movie)
+    return noted
+
+
+def test_movie_says_what_it_wrote(cuts: list[Any]) -> None:
     assert cli.invoke(app, ["movie", "bowl", "-o", "bowl.gif"]).stdout == "wrote bowl.gif\n"
-    assert cli.invoke(app, ["movie", "bowl"]).stdout == f"wrote {Path('bowl/movie.mp4')}\n"
+    assert cli.invoke(app, ["movie", "bowl"]).stdout == f"wrote {Path('bowl/results/movie.mp4')}\n"
+    assert cli.invoke(app, ["movie", "bowl", "-q"]).output == ""
+    assert [(cut.fps, cut.every, cut.size, progress) for cut, progress in cuts] == 3 * [(30, 1, None, None)]
+
+
+def test_the_options_of_a_movie_reach_it(cuts: list[Any]) -> None:
+    words = ["--fps", "10", "--every", "3", "--size", "640x480", "--from", "1500 ms", "--to", "2"]
+    assert cli.invoke(app, ["movie", "bowl", *words]).exit_code == 0
+    ((cut, _),) = cuts
+    assert (cut.fps, cut.every, cut.size, cut.start, cut.end) == (10, 3, (640, 480), 1.5, 2.0)
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["--from", "2 mm"], "measures length"),
+        (["--from", "soon"], "'20 s'"),
+        (["--size", "640"], "wanted WIDTHxHEIGHT"),
+        (["--fps", "0"], "from 1 to 240"),
+        (["--from", "3 s", "--to", "2 s"], "there is no time"),
+    ],
+)
+def test_an_option_of_a_movie_that_cannot_be_is_told_in_words(words: list[str], says: str, cuts: list[Any]) -> None:
+    done = cli.invoke(app, ["movie", "bowl", *words])
+    assert (done.exit_code, cuts) == (2, [])
+    assert says in " ".join(done.stderr.replace("│", " ").split())
+
+
+def test_pictures_are_counted_on_a_terminal(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True)
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    with counted("pictures", quiet=False) as told:
+        assert told is not None
+        told(12, 300)
+    assert "12 of 300 pictures" in capsys.readouterr().err
+    with counted("pictures", quiet=True) as told:
+        assert told is None
 
 
 def test_plot_wants_a_run_or_the_integrators() -> None:
-    for words in ([], ["bowl", "--integrators"]):
-        done = cli.invoke(app, ["plot", "--what", "energy", *words])
-        assert done.exit_code == 2
-        assert "wanted either the directory of a run or --integrators" in done.stderr
+    both = cli.invoke(app, ["plot", "bowl", "--integrators"])
+    assert (both.exit_code, "needs no run" in both.stderr) == (2, True)
+    neither = cli.invoke(app, ["plot"])
+    assert (neither.exit_code, "the current directory holds no run" in neither.stderr) == (2, True)
 
 
 @pytest.fixture
-def drawn(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> list[str]:
-    """A run with nothing in it, and figures that only note their names; one of them cannot be drawn."""
+def drawn(monkeypatch: pytest.MonkeyPatch) -> list[str]:
+    """Figures that only note their names; one of them cannot be drawn."""
     import ecume.show.figures
 
     noted: list[str] = []
@@ -57,19 +118,21 @@ def drawn(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> list[str]:
         noted.append(what)
         return out or Path(what)
 
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "bowl").mkdir()
-    (tmp_path / "bowl" / "manifest.json").write_text('{"ecume": "0"}')
     monkeypatch.setattr(ecume.show.figures, "plot", plot)
+    monkeypatch.setattr(ecume.show.figures, "figures_of_run", lambda directory: ["paths", "force-law", "energies"])
     return noted
 
 
-def test_plot_draws_every_figure_that_can_be_drawn(drawn: list[str]) -> None:
-    from ecume.show.figures import FIGURES
+def test_plot_means_the_run_in_the_current_directory(drawn: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir("bowl")
+    assert cli.invoke(app, ["plot"]).exit_code == 0
+    assert drawn == ["paths", "energies"]
 
+
+def test_plot_draws_every_figure_that_can_be_drawn(drawn: list[str]) -> None:
     done = cli.invoke(app, ["plot", "bowl"])
     assert done.exit_code == 0
-    assert drawn == [name for name in FIGURES if name != "force-law"]
+    assert drawn == ["paths", "energies"]
     assert done.stderr == "ecume: force-law left out: there is no force to draw\n"
 
 

@@ -44,3 +44,23 @@ def _frame(time):
     kinetic, pair, wall = 1e-9 * time * np.exp(-time), -3e-9 * time, 2e-9 - 1e-9 * time
     values = (kinetic, pair, wall, kinetic + pair + wall, 6.0)
     return Frame(time, arrays, dict(zip(UNITS, values, strict=True)), UNITS)
+
+
+class Run(list):
+    """A trajectory in memory."""
+
+    def __init__(self, frames, scene):
+        super().__init__(frames)
+        self.scene = scene
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *error):
+        return None
+
+
+@pytest.fixture
+def opened(frames, scene):
+    """What opening a run with these frames gives."""
+    return Run(frames, scene)

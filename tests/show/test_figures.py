@@ -10,11 +10,13 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from ecume.errors import BadInput, StorageError
 from ecume.laws import flotation
+from ecume.models.liquids import liquid_of
 from ecume.scenes.floating import FloatSpec, InteractionSpec
-from ecume.show import figures
-from ecume.show.figures import FIGURES, plot
+from ecume.show import curves
+from ecume.show.figures import plot
+from ecume.show.floating import figures
+from ecume.show.floating.figures import FLOATING_FIGURES as FIGURES
 from ecume.show.style import save, scale_for
-from ecume.show.surface import liquid_of
 
 WITH_UNIT = re.compile(r".* \((s|mm|µm|[pnµm]?J|[pnµm]?N)\)$")
 PURE_NUMBERS = {"number of clusters", "floats in a cluster"}
@@ -42,7 +44,7 @@ def test_the_name_of_a_file_says_its_format(what, kind, start, scene, frames, tm
 
 
 def test_equal_figures_are_equal_files(scene, frames, tmp_path):
-    one, other = (save(figures.energies(frames, scene), tmp_path / f"{n}.svg").read_bytes() for n in range(2))
+    one, other = (save(curves.energies(frames, scene), tmp_path / f"{n}.svg").read_bytes() for n in range(2))
     assert one == other
 
 
@@ -60,7 +62,7 @@ def test_no_word_is_cut_off_or_lies_on_another(what, scene, frames):
 
 
 def test_energies_add_up_and_what_is_lost_is_dissipated(scene, frames):
-    (axes,) = figures.energies(frames, scene).axes
+    (axes,) = curves.energies(frames, scene).axes
     unit = {"energy (nJ)": 1e9, "energy (µJ)": 1e6}[axes.get_ylabel()]
     time, total = curve(axes, "total")
     parts = [curve(axes, label)[1] for label in ("kinetic", "pair", "wall")]
@@ -73,7 +75,7 @@ def test_energies_add_up_and_what_is_lost_is_dissipated(scene, frames):
 def test_the_kinetic_energy_of_a_bowl_at_rest_keeps_its_decades_in_bounds(scene, frames):
     asleep = frames[-1]._replace(time=2.0, numbers={**frames[-1].numbers, "kinetic_energy": 1e-200})
     still = frames[-1]._replace(time=3.0, numbers={**frames[-1].numbers, "kinetic_energy": 0.0})
-    (axes,) = figures.kinetic_energy([*frames, asleep, still], scene).axes
+    (axes,) = curves.kinetic_energy([*frames, asleep, still], scene).axes
     low, high = axes.get_ylim()
     assert 0 < low < high < 1e18 * low
 
@@ -85,14 +87,14 @@ def test_a_run_of_one_frame_in_which_nothing_moves_can_be_drawn(what, scene, fra
 
 
 def test_clusters_are_counted_frame_by_frame(scene, frames):
-    above, below = figures.clusters(frames, scene).axes
+    above, below = curves.clusters(frames, scene).axes
     counts, largest, mean = curve(above, "all")[1], curve(below, "largest")[1], curve(below, "mean")[1]
     assert (counts[0], counts[-1]) == (6, 6)
     together = frames[-1]._replace(
         time=2.0,
         arrays={**frames[-1].arrays, "position": np.array([[0.004 * k, 0.0] for k in range(4)] + [[1, 1], [2, 2]])},
     )
-    above, below = figures.clusters([*frames, together], scene).axes
+    above, below = curves.clusters([*frames, together], scene).axes
     counts, largest, mean = curve(above, "all")[1], curve(below, "largest")[1], curve(below, "mean")[1]
     assert (counts[-1], largest[-1], mean[-1]) == (3, 4, 2.0)
 
@@ -140,9 +142,9 @@ def test_floats_that_leave_the_surface_flat_have_no_force_law(scene, frames):
 
 def test_many_frames_are_thinned_and_the_last_one_stays(scene, frames):
     many = [frames[n % 11]._replace(time=0.01 * n) for n in range(5000)]
-    (axes,) = figures.energies(many, scene).axes
+    (axes,) = curves.energies(many, scene).axes
     time, _ = curve(axes, "total")
-    assert len(time) == figures.MOST_INSTANTS
+    assert len(time) == curves.MOST_INSTANTS
     assert (time[0], time[-1]) == (0.0, pytest.approx(49.99))
 
 
@@ -156,9 +158,9 @@ def test_one_species_needs_no_legend_of_its_own(scene, frames):
 
 
 def test_the_user_s_own_settings_change_no_figure_and_stay(scene, frames, tmp_path):
-    usual = save(figures.clusters(frames, scene), tmp_path / "usual.svg").read_bytes()
+    usual = save(curves.clusters(frames, scene), tmp_path / "usual.svg").read_bytes()
     with mpl.rc_context({"font.size": 30, "axes.grid": False, "lines.linewidth": 9}):
-        assert save(figures.clusters(frames, scene), tmp_path / "mine.svg").read_bytes() == usual
+        assert save(curves.clusters(frames, scene), tmp_path / "mine.svg").read_bytes() == usual
         assert mpl.rcParams["font.size"] == 30
 
 
@@ -172,17 +174,20 @@ def test_a_scale_shows_numbers_from_one_to_a_thousand(largest, unit, shown):
     assert largest == 0 or 0.9 < largest * scale.factor < 1000
 
 
-def test_an_unknown_figure_is_refused_with_those_there_are(tmp_path):
-    with pytest.raises(BadInput, match="'energy'; there are energies, kinetic-energy, clusters"):
+def test_an_unknown_figure_is_refused_with_those_there_are(opened, tmp_path, monkeypatch):
+    monkeypatch.setattr("ecume.show.figures.open_trajectory", lambda directory: opened)
+    with pytest.raises(BadInput, match="'energy'; did you mean energies"):
         plot(tmp_path, "energy")
+    with pytest.raises(BadInput, match="'xyz'; known: energies, kinetic-energy, clusters"):
+        plot(tmp_path, "xyz")
 
 
 def test_an_unknown_format_is_refused_with_those_there_are(scene, frames, tmp_path):
     with pytest.raises(BadInput, match=r"'.docx'; wanted one of .*.pdf.*.png.*.svg"):
-        save(figures.clusters(frames, scene), tmp_path / "a.docx")
+        save(curves.clusters(frames, scene), tmp_path / "a.docx")
 
 
 def test_a_folder_that_is_a_file_is_a_storage_error(scene, frames, tmp_path):
     (tmp_path / "taken").write_text("")
     with pytest.raises(StorageError, match="cannot be written"):
-        save(figures.clusters(frames, scene), tmp_path / "taken" / "a.png")
+        save(curves.clusters(frames, scene), tmp_path / "taken" / "a.png")

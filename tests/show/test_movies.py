@@ -1,44 +1,33 @@
 """A movie of frames has the pictures that were asked for."""
 
+import types
+
 import pytest
 from PIL import Image
 
 from ecume.errors import BadInput
 from ecume.show import movies
-from ecume.show.movies import film, movie
+from ecume.show.movies import Cut, film, movie
 
 
 @pytest.mark.parametrize(("every", "count"), [(1, 11), (2, 6), (5, 3), (100, 1)])
 def test_every_nth_frame_is_shown(scene, frames, tmp_path, every, count):
-    with Image.open(film(frames, scene, tmp_path / "film.gif", every=every, size=(160, 120))) as made:
+    with Image.open(film(frames, scene, tmp_path / "film.gif", Cut(every=every, size=(160, 120)))) as made:
         assert (getattr(made, "n_frames", 1), made.size) == (count, (160, 120))
 
 
 def test_progress_hears_of_every_picture(scene, frames, tmp_path):
     heard = []
-    film(frames, scene, tmp_path / "film.gif", every=5, size=(96, 72), progress=lambda *now: heard.append(now))
+    cut = Cut(every=5, size=(96, 72))
+    film(frames, scene, tmp_path / "film.gif", cut, progress=lambda *now: heard.append(now))
     assert heard == [(1, 3), (2, 3), (3, 3)]
 
 
-def test_a_movie_of_a_run_stands_among_its_results(scene, frames, tmp_path, monkeypatch):
-    monkeypatch.setattr(movies, "open_trajectory", lambda directory: Run(frames, scene))
-    made = movie(tmp_path, size=(96, 72), every=5)
+def test_a_movie_of_a_run_stands_among_its_results(opened, tmp_path, monkeypatch):
+    monkeypatch.setattr(movies, "open_trajectory", lambda directory: opened)
+    made = movie(tmp_path, cut=Cut(size=(96, 72), every=5))
     assert made == tmp_path / "results" / "movie.mp4"
     assert made.stat().st_size > 500
-
-
-class Run(list):
-    """A trajectory in memory."""
-
-    def __init__(self, frames, scene):
-        super().__init__(frames)
-        self.scene = scene
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *error):
-        return None
 
 
 @pytest.mark.parametrize(
@@ -47,11 +36,37 @@ class Run(list):
         ({"fps": 0}, "fps is 0; wanted from 1 to 240"),
         ({"every": 0}, "every is 0; wanted 1"),
         ({"size": (10, 10)}, "size is 10 x 10; wanted from 64"),
+        ({"start": 2.0, "end": 1.0}, "from 2 s to 1 s there is no time"),
     ],
 )
 def test_what_cannot_be_shown_is_refused(scene, frames, tmp_path, asked, says):
     with pytest.raises(BadInput, match=says):
-        film(frames, scene, tmp_path / "film.gif", **asked)
+        film(frames, scene, tmp_path / "film.gif", Cut(**asked))
+
+
+@pytest.mark.parametrize(
+    ("cut", "times"),
+    [
+        (Cut(start=0.3), (0.3, 1.0, 8)),
+        (Cut(end=0.3), (0.0, 0.3, 4)),
+        (Cut(start=0.25, end=0.75), (0.3, 0.7, 5)),
+        (Cut(start=0.3, every=2), (0.3, 0.9, 4)),
+        (Cut(end=100.0), (0.0, 1.0, 11)),
+    ],
+)
+def test_a_movie_begins_and_ends_with_the_frames_of_its_times(frames, cut, times):
+    shown = cut.shown(frames)
+    assert (shown[0].time, shown[-1].time, len(shown)) == pytest.approx(times)
+
+
+def test_a_time_in_which_there_is_no_frame_is_refused_with_those_there_are(frames):
+    with pytest.raises(BadInput, match="from 2 s to inf s there is no frame; the run has frames from 0 s to 1 s"):
+        Cut(start=2.0).shown(frames)
+
+
+def test_a_model_without_pictures_is_refused_by_name(frames, tmp_path):
+    with pytest.raises(BadInput, match="no pictures of the model 'toy'; there are of floating"):
+        film(frames, types.SimpleNamespace(model="toy"), tmp_path / "film.gif")
 
 
 def test_a_run_without_frames_is_refused(scene, tmp_path):

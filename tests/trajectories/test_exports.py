@@ -130,9 +130,11 @@ def test_a_full_disk_leaves_the_former_export_and_no_half_one(
     assert [path.read_text() for path in out.parent.iterdir()] == ["former"]
 
 
-def test_an_export_into_a_folder_that_is_not_there_is_refused(recorded: Recorded, tmp_path: Path) -> None:
-    with pytest.raises(StorageError, match="No such file or directory"):
-        export(recorded(1).parent, "csv", tmp_path / "nowhere" / "bowl.csv")
+def test_an_export_makes_the_folder_it_goes_into_unless_a_file_is_there(recorded: Recorded, tmp_path: Path) -> None:
+    run = recorded(1).parent
+    assert export(run, "csv", tmp_path / "deep" / "bowl.csv").is_file()
+    with pytest.raises(StorageError, match=r"bowl\.csv: File exists"):
+        export(run, "csv", tmp_path / "deep" / "bowl.csv" / "again.csv")
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="only where pipes have names")

@@ -27,11 +27,11 @@ Ends with 0 when done, 1 when a validation is not met, 2 for input that cannot b
 4 when files cannot be read or written, 75 when stopped with a checkpoint (go on with `ecume resume`).""",
 )
 
-LISTING = (scenes.new, validation.validate)
-"""Verbs that, left to themselves, list what there is."""
+ALONE = (scenes.new, validation.validate, runs.resume, runs.info, runs.repair, pictures.movie, pictures.plot)
+"""Verbs that make sense by themselves: they list what there is, or mean the run in the current directory."""
 
 for verb in (*scenes.VERBS, *runs.VERBS, *pictures.VERBS, *validation.VERBS):
-    app.command(no_args_is_help=verb not in LISTING)(verb)
+    app.command(no_args_is_help=verb not in ALONE)(verb)
 
 
 def _version(asked: bool) -> None:

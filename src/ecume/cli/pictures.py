@@ -2,20 +2,27 @@
 
 from __future__ import annotations
 
+import re
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from ecume.cli.ends import say
-from ecume.cli.runs import RunFolder
+from ecume.cli.progress import counted
+from ecume.cli.runs import HERE, Quiet, RunFolder
 from ecume.errors import BadInput
 
 Out = Annotated[
     Path | None,
-    typer.Option("-o", "--out", metavar="FILE", help="Where to write it; left out, in DIR.", show_default=False),
+    typer.Option(
+        "-o", "--out", metavar="FILE", help="Where to write it; left out, in DIR/results.", show_default=False
+    ),
 ]
+NUMBER = re.compile(r"\s*[+-]?[0-9]+\.?[0-9]*(?:[eE][+-]?[0-9]+)?\s*")
+RESULTS = "results"
+"""The folder in a run's directory for what is made of it: movies, figures, exports."""
 
 
 class Format(StrEnum):
@@ -34,23 +41,73 @@ def _figures(incomplete: str) -> list[str]:
     """Figures that begin so, for the shell's completion."""
     from ecume.show.figures import FIGURES
 
-    return [name for name in FIGURES if name.startswith(incomplete)]
+    known = dict.fromkeys(name for figures in FIGURES.values() for name in figures)
+    return [name for name in known if name.startswith(incomplete)]
 
 
-def movie(directory: RunFolder, out: Out = None) -> None:
-    """Make a movie of a run: .mp4 or .gif, as the file is called.
+def seconds(text: str) -> float:
+    """A time from the command line: `2.5`, `2 s`, `3 min`."""
+    from ecume.units import parse
 
-    Examples: `ecume movie runs/bowl` · `ecume movie runs/bowl -o bowl.gif`
+    try:
+        return float(text) if NUMBER.fullmatch(text) else parse(text, "s")
+    except ValueError as fault:
+        raise typer.BadParameter(str(fault)) from None
+
+
+def pixels(text: str) -> tuple[int, int]:
+    """A size from the command line: `1280x960`."""
+    match = re.fullmatch(r"\s*([0-9]{1,6})\s*[x×]\s*([0-9]{1,6})\s*", text)
+    if match is None:
+        raise typer.BadParameter(f"{text!r} is no size; wanted WIDTHxHEIGHT in pixels, such as 1280x960")
+    return int(match[1]), int(match[2])
+
+
+def movie(
+    directory: RunFolder = HERE,
+    out: Out = None,
+    fps: Annotated[int, typer.Option("--fps", metavar="N", help="Pictures a second.")] = 30,
+    every: Annotated[int, typer.Option("--every", metavar="N", help="Show each N-th frame only.")] = 1,
+    size: Annotated[
+        Any,
+        typer.Option(
+            "--size",
+            parser=pixels,
+            metavar="WxH",
+            help="Of the picture, in pixels; left out, 960x720, and 640x480 for a GIF.",
+            show_default=False,
+        ),
+    ] = None,
+    start: Annotated[
+        Any,
+        typer.Option(
+            "--from", parser=seconds, metavar="TIME", help="Where to begin: 2.5 or '2.5 s'.", show_default=False
+        ),
+    ] = None,
+    end: Annotated[
+        Any, typer.Option("--to", parser=seconds, metavar="TIME", help="Where to end.", show_default=False)
+    ] = None,
+    quiet: Quiet = False,
+) -> None:
+    """Make a movie of a run: .mp4, .webp or .gif, as the file is called.
+
+    Examples: `ecume movie runs/bowl` · `ecume movie runs/bowl -o bowl.gif --every 2 --fps 20 --size 480x360`
+    · `ecume movie runs/bowl --from "1 s" --to "3 s"`
     """
+    from ecume.run.directory import existing
+    from ecume.show.movies import Cut
     from ecume.show.movies import movie as make
 
-    typer.echo(f"wrote {make(directory, out)}")
+    existing(directory)
+    asked: dict[str, Any] = {"start": start, "end": end, "size": size}
+    cut = Cut(fps=fps, every=every, **{name: value for name, value in asked.items() if value is not None})
+    with counted("pictures", quiet=quiet) as told:
+        made = make(directory, out, cut, progress=told)
+    wrote(made, quiet=quiet)
 
 
 def plot(
-    directory: Annotated[
-        Path | None, typer.Argument(metavar="[DIR]", help="The directory of a run.", show_default=False)
-    ] = None,
+    directory: RunFolder = HERE,
     what: Annotated[
         list[str] | None,
         typer.Option(
@@ -63,65 +120,82 @@ def plot(
     ] = None,
     out: Out = None,
     integrators: Annotated[
-        bool, typer.Option("--integrators", help="Compare the integrators instead; needs no run.")
+        bool,
+        typer.Option("--integrators", help="Compare the integrators instead, into integrators.png; needs no run."),
     ] = False,
+    quiet: Quiet = False,
 ) -> None:
-    """Draw figures of a run: energies, clusters, paths, the force law. Left to itself, all of them.
+    """Draw figures of a run, such as energies, clusters, paths, the force law. Left to itself, all of them.
+
+    The name of the file says the format: .png, .pdf, .svg.
 
     Examples: `ecume plot runs/bowl` · `ecume plot runs/bowl --what paths -o paths.pdf` · `ecume plot --integrators`
     """
-    if (directory is None) != integrators:
-        raise BadInput("wanted either the directory of a run or --integrators")
-    from ecume.show import figures
+    if integrators:
+        if directory != HERE or what:
+            raise BadInput("--integrators needs no run and no --what; it draws two spheres of its own")
+        from ecume.show.floating.integrators import integrator_comparison
 
-    if directory is None:
-        typer.echo(f"wrote {figures.integrator_comparison(out or Path('integrators.png'))}")
-    elif what:
-        _draw(directory, what, out)
+        wrote(integrator_comparison(out or Path("integrators.png")), quiet=quiet)
+        return
+    from ecume.run.directory import existing
+
+    existing(directory)
+    if what:
+        _draw(directory, what, out, quiet=quiet)
     else:
-        _draw_all(directory, out)
+        _draw_all(directory, out, quiet=quiet)
 
 
-def _draw(directory: Path, names: list[str], out: Path | None) -> None:
+def _draw(directory: Path, names: list[str], out: Path | None, *, quiet: bool) -> None:
     """The figures that were asked for."""
     from ecume.show.figures import plot as draw
 
     if out is not None and len(names) > 1:
         raise BadInput(f"{len(names)} figures do not fit into {out}; give --what once, or leave -o out")
     for name in names:
-        typer.echo(f"wrote {draw(directory, name, out)}")
+        wrote(draw(directory, name, out), quiet=quiet)
 
 
-def _draw_all(directory: Path, out: Path | None) -> None:
+def _draw_all(directory: Path, out: Path | None, *, quiet: bool) -> None:
     """Every figure that this run has something for."""
-    from ecume.run.directory import existing
-    from ecume.show.figures import FIGURES
+    from ecume.show.figures import figures_of_run
 
+    names = figures_of_run(directory)
     if out is not None:
-        raise BadInput(f"say with --what which figure goes into {out}: {', '.join(FIGURES)}")
-    existing(directory)
-    for name in FIGURES:
+        raise BadInput(f"say with --what which figure goes into {out}: {', '.join(names)}")
+    for name in names:
         try:
-            _draw(directory, [name], None)
+            _draw(directory, [name], None, quiet=quiet)
         except BadInput as error:
             say(f"{name} left out: {error}")
 
 
 def export(
-    directory: RunFolder,
+    directory: RunFolder = HERE,
+    *,
     to: Annotated[
         Format,
         typer.Option("--to", help="csv and xyz are text; vtk is for ParaView, npz for NumPy.", show_default=False),
     ],
     out: Out = None,
+    quiet: Quiet = False,
 ) -> None:
     """Write the frames of a run in another format.
 
     Examples: `ecume export runs/bowl --to csv` · `ecume export runs/bowl --to vtk -o bowl.vtkhdf`
     """
+    from ecume.run.directory import existing
     from ecume.trajectories.exports import export as write
 
-    typer.echo(f"wrote {write(directory, to.value, out or directory / f'frames{ENDINGS[to]}')}")
+    existing(directory)
+    wrote(write(directory, to.value, out or directory / RESULTS / f"frames{ENDINGS[to]}"), quiet=quiet)
+
+
+def wrote(path: Path, *, quiet: bool) -> None:
+    """Say which file there is now."""
+    if not quiet:
+        typer.echo(f"wrote {path}")
 
 
 VERBS = (movie, plot, export)

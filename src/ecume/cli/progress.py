@@ -45,6 +45,24 @@ def _bar() -> Iterator[Told]:
         )
 
 
+@contextmanager
+def counted(what: str, *, quiet: bool) -> Iterator[Callable[[int, int], None] | None]:
+    """What counts things that are done, `12 of 300 pictures`, on a terminal; elsewhere it is soon enough to be told
+    the end.
+    """
+    if quiet or not sys.stderr.isatty():
+        yield None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
+    from rich.progress import Progress as Bars
+
+    columns = (BarColumn(), TextColumn("{task.completed} of {task.total} {task.description},"), TimeRemainingColumn())
+    with Bars(*columns, TextColumn("left"), console=Console(stderr=True), transient=True) as bars:
+        bar = bars.add_task(what, total=None)
+        yield lambda done, all_of_them: bars.update(bar, total=all_of_them, completed=done)
+
+
 class Lines:
     """A plain line every ten seconds."""
 

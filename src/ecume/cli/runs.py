@@ -18,7 +18,11 @@ if TYPE_CHECKING:
 RUNS = Path("runs")
 """Where runs go when nobody says: `runs/bowl` for `bowl.toml`."""
 
-RunFolder = Annotated[Path, typer.Argument(metavar="DIR", help="The directory of a run.", show_default=False)]
+HERE = Path()
+RunFolder = Annotated[
+    Path,
+    typer.Argument(metavar="DIR", help="The directory of a run; left out, the current one.", show_default=False),
+]
 Threads = Annotated[
     int | None,
     typer.Option(
@@ -69,7 +73,7 @@ def run(
         typer.echo(summary(done))
 
 
-def resume(directory: RunFolder, threads: Threads = None, quiet: Quiet = False) -> None:
+def resume(directory: RunFolder = HERE, threads: Threads = None, quiet: Quiet = False) -> None:
     """Go on with a run that was stopped or killed; the result is the same, bit for bit, as without the stop.
 
     Examples: `ecume resume runs/bowl` · `ecume resume runs/bowl --threads 2 --quiet`
@@ -83,7 +87,7 @@ def resume(directory: RunFolder, threads: Threads = None, quiet: Quiet = False) 
         typer.echo(summary(done))
 
 
-def info(directory: RunFolder) -> None:
+def info(directory: RunFolder = HERE) -> None:
     """Say what a run is and how far it came; also while it is written, and after it was killed.
 
     Example: `ecume info runs/bowl`
@@ -96,7 +100,7 @@ def info(directory: RunFolder) -> None:
         typer.echo(f"{name:<{width}}  {value}")
 
 
-def repair(directory: RunFolder) -> None:
+def repair(directory: RunFolder = HERE) -> None:
     """Make what is left of a damaged trajectory readable: whole frames stay, each damaged one is named.
 
     Example: `ecume repair runs/bowl`

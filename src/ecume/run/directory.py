@@ -85,8 +85,13 @@ def existing(path: str | os.PathLike[str]) -> RunDirectory:
     home = RunDirectory(Path(path))
     if not home.manifest.is_file():
         killed = home.path.is_dir() and is_run_directory(home)
-        way_out = "it was killed before it began: run it again with --force" if killed else "`ecume run` makes one"
-        raise BadInput(f"{path}: no run is there; {way_out}")
+        way_out = (
+            "it was killed before it began: run it again with --force"
+            if killed
+            else "name the directory of one, as in runs/bowl; `ecume run` makes them"
+        )
+        where = "the current directory holds no run" if home.path == Path() else f"{path}: no run is there"
+        raise BadInput(f"{where}; {way_out}")
     return home
 
 

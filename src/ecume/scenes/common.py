@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
-from typing import Self
+from typing import NamedTuple, Self
 
 from pydantic import model_validator
 from pydantic.dataclasses import dataclass
 
 from ecume.scenes.faults import Inconsistent
 from ecume.scenes.quantities import MOST_FRAMES, STRICT, Duration, Seed, Text
+
+
+class Kind(NamedTuple):
+    """What a species of particles is called, and its color if the scene gives one."""
+
+    name: str
+    color: str | None
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -25,6 +32,11 @@ class Common:
     """The simulated time between two frames (s); the duration is a whole number of these."""
     seed: Seed = 0
     """What all randomness starts from: equal scenes give equal runs."""
+
+    @property
+    def kinds(self) -> tuple[Kind, ...]:
+        """The species, each in the place that is its number in frames; none where a model knows no species."""
+        return ()
 
     @model_validator(mode="after")
     def _whole_frames(self) -> Self:

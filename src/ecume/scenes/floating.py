@@ -8,7 +8,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 from pydantic.dataclasses import dataclass
 
-from ecume.scenes.common import Common
+from ecume.scenes.common import Common, Kind
 from ecume.scenes.faults import Inconsistent, Path
 from ecume.scenes.quantities import (
     MOST_PARTICLES,
@@ -229,6 +229,11 @@ class FloatingScene(Common):
     """The collisions."""
     interaction: InteractionSpec = InteractionSpec()
     """The pair force."""
+
+    @property
+    def kinds(self) -> tuple[Kind, ...]:
+        """The species, those of `floats` first."""
+        return tuple(Kind(*named) for named in species_of(self))
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:

@@ -1,19 +1,25 @@
-"""Movies of a run."""
+"""Movies of a run, and the table of the pictures that they are made of."""
 
 from __future__ import annotations
 
+import bisect
 import os
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ecume.errors import BadInput
-from ecume.show.bowl import USUAL, Bowl, Pixels, Size
 from ecume.show.encoders import encode, writable
+from ecume.show.floating.bowl import Bowl
+from ecume.show.picture import USUAL, Picture, Pixels, Size
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import open_trajectory
+
+FILMS: dict[str, Callable[[Any, Sequence[Frame], Size], Picture]] = {"floating": Bowl}
+"""By model: what makes a picture of (scene, some frames of the run, size)."""
 
 FPS = 30
 SMALL = Size(640, 480)
@@ -21,51 +27,95 @@ SMALL = Size(640, 480)
 SAMPLES = 5
 """How many frames of a run decide the range of the colors."""
 
+Told = Callable[[int, int], None]
+"""Is told how many pictures of how many are done."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Cut:
+    """Which frames of a run a movie shows, how fast, and how large."""
+
+    fps: int = FPS
+    """Pictures a second."""
+    every: int = 1
+    """2 for each second frame, and so on."""
+    size: tuple[int, int] | None = None
+    """Pixels; left out, 960 x 720, and 640 x 480 for a GIF, whose every pixel costs."""
+    start: float = 0.0
+    """Of the scene's time, s."""
+    end: float = float("inf")
+    """Of the scene's time, s."""
+
+    def __post_init__(self) -> None:
+        if not 1 <= self.fps <= 240:
+            raise BadInput(f"fps is {self.fps}; wanted from 1 to 240 pictures a second")
+        if self.every < 1:
+            raise BadInput(f"every is {self.every}; wanted 1 for each frame, 2 for each second one, and so on")
+        if self.size is not None and not all(64 <= side <= 8192 for side in self.size):
+            raise BadInput(f"size is {self.size[0]} x {self.size[1]}; wanted from 64 to 8192 pixels a side")
+        if not self.start <= self.end:
+            raise BadInput(f"from {self.start:g} s to {self.end:g} s there is no time")
+
+    def shown(self, frames: Sequence[Frame]) -> Sequence[Frame]:
+        """The frames that are shown."""
+        if not len(frames):
+            raise BadInput("the run has no frames yet; there is nothing to show")
+        first, last = frames[0].time, frames[-1].time
+        begin = bisect.bisect_left(frames, self.start - _rounding(self.start), key=_time)
+        end = bisect.bisect_right(frames, self.end + _rounding(self.end), key=_time)
+        if begin >= end:
+            asked = f"from {self.start:g} s to {self.end:g} s there is no frame"
+            raise BadInput(f"{asked}; the run has frames from {first:g} s to {last:g} s")
+        return frames[begin : end : self.every]
+
+    def pixels(self, out: Path) -> Size:
+        """How large the pictures of this file are."""
+        if self.size is not None:
+            return Size(*self.size)
+        return SMALL if out.suffix.lower() == ".gif" else USUAL
+
+
+WHOLE = Cut()
+
 
 def movie(
     directory: str | os.PathLike[str],
     out: str | os.PathLike[str] | None = None,
+    cut: Cut = WHOLE,
     *,
-    fps: int = FPS,
-    every: int = 1,
-    size: tuple[int, int] | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Told | None = None,
 ) -> Path:
     """Make a movie of a run: `out` (.mp4, .webp or .gif), or its `results/movie.mp4`. Returns what was written.
 
-    Every `every`-th frame is shown, `fps` of them a second, on `size` pixels: left out, 960 x 720, and 640 x 480 for a
-    GIF, whose every pixel costs. Without an ffmpeg an MP4 becomes a WebP. `progress` is told how many pictures of how
-    many are done.
+    Without an ffmpeg an MP4 becomes a WebP.
     """
     with open_trajectory(directory) as trajectory:
         target = Path(directory) / "results" / "movie.mp4" if out is None else Path(out)
-        return film(trajectory, trajectory.scene, target, fps=fps, every=every, size=size, progress=progress)
+        return film(trajectory, trajectory.scene, target, cut, progress=progress)
 
 
 def film(
     frames: Sequence[Frame],
     scene: Any,
     out: str | os.PathLike[str],
+    cut: Cut = WHOLE,
     *,
-    fps: int = FPS,
-    every: int = 1,
-    size: tuple[int, int] | None = None,
-    progress: Callable[[int, int], None] | None = None,
+    progress: Told | None = None,
 ) -> Path:
     """Make a movie of frames that need not come from a run, as `movie` does of those that do."""
+    if scene.model not in FILMS:
+        raise BadInput(f"there are no pictures of the model {scene.model!r}; there are of {', '.join(FILMS)}")
     target = writable(Path(out))
-    shape = Size(*size) if size is not None else SMALL if target.suffix.lower() == ".gif" else USUAL
-    _require(frames, fps, every, shape)
-    shown = range(0, len(frames), every)
-    bowl = Bowl(scene, _sample(frames), shape)
+    shown = cut.shown(frames)
+    picture = FILMS[scene.model](scene, _sample(shown), cut.pixels(target))
+    return encode(_told(picture, shown, progress), target, cut.fps)
 
-    def pictures() -> Iterator[Pixels]:
-        for done, index in enumerate(shown, 1):
-            yield bowl.pixels(frames[index])
-            if progress is not None:
-                progress(done, len(shown))
 
-    return encode(pictures(), target, fps)
+def _told(picture: Picture, shown: Sequence[Frame], progress: Told | None) -> Iterator[Pixels]:
+    for done, frame in enumerate(shown, 1):
+        yield picture.pixels(frame)
+        if progress is not None:
+            progress(done, len(shown))
 
 
 def _sample(frames: Sequence[Frame]) -> list[Frame]:
@@ -73,12 +123,10 @@ def _sample(frames: Sequence[Frame]) -> list[Frame]:
     return [frames[int(index)] for index in np.unique(np.linspace(0, len(frames) - 1, SAMPLES).round())]
 
 
-def _require(frames: Sequence[Frame], fps: int, every: int, size: Size) -> None:
-    if not len(frames):
-        raise BadInput("the run has no frames yet; there is nothing to show")
-    if not 1 <= fps <= 240:
-        raise BadInput(f"fps is {fps}; wanted from 1 to 240 pictures a second")
-    if every < 1:
-        raise BadInput(f"every is {every}; wanted 1 for each frame, 2 for each second one, and so on")
-    if not all(64 <= side <= 8192 for side in size):
-        raise BadInput(f"size is {size[0]} x {size[1]}; wanted from 64 to 8192 pixels a side")
+def _time(frame: Frame) -> float:
+    return frame.time
+
+
+def _rounding(time: float) -> float:
+    """The time of a frame is a number of steps, and may miss the decimal that was asked for by a bit."""
+    return 1e-9 * abs(time) if time < float("inf") else 0.0

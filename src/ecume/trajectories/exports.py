@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ecume.errors import BadInput
-from ecume.trajectories.durable import replacing
+from ecume.trajectories.durable import replacing, storing
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import Trajectory, open_trajectory
 from ecume.trajectories.vtkhdf import write_vtk
@@ -41,6 +41,8 @@ def export(directory: str | os.PathLike[str], kind: str, out: str | os.PathLike[
     with open_trajectory(directory) as trajectory:
         if not len(trajectory):
             raise BadInput(f"{directory}: the run has no frames yet")
+        with storing(path.parent):
+            path.parent.mkdir(parents=True, exist_ok=True)
         with replacing(path) as file:
             EXPORTS[kind](trajectory, file)
     return path

@@ -15,6 +15,7 @@ from scipy.integrate import solve_ivp
 from scipy.special import i1, k1
 
 from ecume.laws import drag, flotation
+from ecume.models.liquids import liquid_of
 from ecume.scenes.floating import FloatingScene
 from ecume.units import Array
 
@@ -31,12 +32,6 @@ class Body(NamedTuple):
     mass: float
     charge: float
     friction: float
-
-
-def liquid_of(scene: FloatingScene) -> flotation.Liquid:
-    """The scene's liquid."""
-    given = scene.liquid
-    return flotation.Liquid(given.density, given.surface_tension, given.viscosity, gravity=given.gravity)
 
 
 def bodies_of(scene: FloatingScene) -> list[Body]:

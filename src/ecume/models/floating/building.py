@@ -31,6 +31,7 @@ from ecume.models.floating.parameters import (
     Parameters,
     pack_pair,
 )
+from ecume.models.liquids import liquid_of
 from ecume.scenes.floating import FloatingScene, FloatRow, FloatSpec, species_of
 from ecume.units import Array
 
@@ -52,14 +53,6 @@ class Afloat(NamedTuple):
     charge: float
     mass: float
     friction: float
-
-
-def liquid_of(scene: FloatingScene) -> flotation.Liquid:
-    """The scene's liquid."""
-    given = scene.liquid
-    return flotation.Liquid(
-        given.density, given.surface_tension, given.viscosity, gravity=given.gravity, gas_density=given.gas_density
-    )
 
 
 def contact_angle_of(given: FloatSpec | FloatRow, liquid: flotation.Liquid) -> float:

@@ -13,7 +13,7 @@ import psutil
 from ecume._jit import compiled_once
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.laws import capillarity, flotation
-from ecume.models.floating.building import afloat, good_step, liquid_of, parameters_of
+from ecume.models.floating.building import afloat, good_step, parameters_of
 from ecume.models.floating.forces import forces_with, pull_rows_with
 from ecume.models.floating.observing import observe
 from ecume.models.floating.pace import LARGEST_OVER_CHOSEN, LOOSEST_OVER_CHOSEN
@@ -21,6 +21,7 @@ from ecume.models.floating.parameters import PairParameters, Parameters
 from ecume.models.floating.starting import start
 from ecume.models.floating.state import State, Workspace, list_reach, make_workspace
 from ecume.models.floating.stepping import advance, advance_with, renew_lists
+from ecume.models.liquids import liquid_of
 from ecume.models.model import Model
 from ecume.scenes.floating import FloatingScene, FloatRow, FloatSpec, species_of
 

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from ecume.errors import Diverged
 from ecume.models.floating.building import StepWarning
+from ecume.models.liquids import liquid_of
 from ecume.scenes.floating import FloatingScene
 from ecume.scenes.load import load_scene
 from ecume.simulation import simulate
@@ -43,7 +44,7 @@ def order(integrator: str) -> Row:
     assert scene.dish is not None  # noqa: S101  # the scene has one
     assert scene.dish.radius is not None  # noqa: S101  # and it is round
     start = scene.floats[0].positions[0][0]
-    bowl = motion.Bowl(scene.dish.radius, scene.dish.contact_angle, motion.liquid_of(scene))
+    bowl = motion.Bowl(scene.dish.radius, scene.dish.contact_angle, liquid_of(scene))
     (body,) = motion.bodies_of(scene)
     exact = motion.place_in_bowl(body, start, scene.duration, bowl)
     errors = [abs(_end(_scene(integrator, scene.duration / steps, scene.duration)) - exact) for steps in STEPS]

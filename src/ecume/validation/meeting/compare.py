@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ecume.models.liquids import liquid_of
 from ecume.scenes.floating import FloatingScene
 from ecume.scenes.load import load_scene
 from ecume.simulation import simulate
@@ -32,7 +33,7 @@ def rows() -> list[Row]:
 def meeting(sizes: tuple[float, float], distance: float, *, drag: bool) -> Row:
     """One pair's time of meeting, in seconds."""
     scene = _scene(sizes, distance, drag, 1.0)
-    expected = motion.meeting_time(motion.bodies_of(scene), 1e-3 * distance, motion.liquid_of(scene))
+    expected = motion.meeting_time(motion.bodies_of(scene), 1e-3 * distance, liquid_of(scene))
     computed = _met_after(_scene(sizes, distance, drag, expected / FRAMES))
     name = f"R = {sizes[0]:g} and {sizes[1]:g} mm, {distance:g} mm apart, {'drag' if drag else 'no drag'}: time (s)"
     return within(name, computed, expected, TOLERANCE * expected)

@@ -6,6 +6,7 @@ import math
 from itertools import product
 from pathlib import Path
 
+from ecume.models.liquids import liquid_of
 from ecume.scenes.load import load_scene
 from ecume.simulation import simulate
 from ecume.validation import motion
@@ -42,7 +43,7 @@ def drift(kind: str, glass: str, dish: float, drag: bool) -> Row:
         f"motion.drag={str(drag).lower()}",
     ]
     scene = load_scene(SCENE, changes)
-    bowl = motion.Bowl(1e-3 * dish, math.radians(GLASSES[glass]), motion.liquid_of(scene))
+    bowl = motion.Bowl(1e-3 * dish, math.radians(GLASSES[glass]), liquid_of(scene))
     (body,) = motion.bodies_of(scene)
     time = motion.time_in_bowl(body, start, 1e-3 * WAY, bowl)
     expected = 1e3 * (motion.place_in_bowl(body, start, time, bowl) - start)

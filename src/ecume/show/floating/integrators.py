@@ -20,9 +20,9 @@ from matplotlib.figure import Figure
 from ecume.analysis.series import number, series
 from ecume.laws.capillarity import pair_force, pair_strength
 from ecume.laws.flotation import Sphere, capillary_charge
+from ecume.models.liquids import liquid_of
 from ecume.scenes.floating import ContactSpec, FloatingScene, FloatSpec, InteractionSpec, MotionSpec
 from ecume.show.style import PALETTE, figure, save, scale_for, style
-from ecume.show.surface import liquid_of
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
 from ecume.units import Array

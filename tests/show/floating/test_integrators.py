@@ -2,8 +2,13 @@
 
 import pytest
 
-from ecume.show.figures import integrator_comparison
-from ecume.show.integrators import INTEGRATORS, comparison, integrators_beside_one_another, orders
+from ecume.show.floating.integrators import (
+    INTEGRATORS,
+    comparison,
+    integrator_comparison,
+    integrators_beside_one_another,
+    orders,
+)
 
 pytestmark = pytest.mark.compiled
 
@@ -42,7 +47,7 @@ def test_the_figure_names_every_integrator_with_its_order(found, tmp_path):
 
 
 def test_the_comparison_is_written_where_it_is_wanted(found, tmp_path, monkeypatch):
-    monkeypatch.setattr("ecume.show.integrators.comparison", lambda: found)
+    monkeypatch.setattr("ecume.show.floating.integrators.comparison", lambda: found)
     out = integrator_comparison(tmp_path / "deep" / "integrators.pdf")
     assert out == tmp_path / "deep" / "integrators.pdf"
     assert out.read_bytes().startswith(b"%PDF")

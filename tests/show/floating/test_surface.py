@@ -7,8 +7,9 @@ import pytest
 from scipy.special import k0
 
 from ecume.laws import meniscus
+from ecume.models.liquids import liquid_of
 from ecume.scenes.floating import DishSpec
-from ecume.show.surface import CUTOFF, View, liquid_of, sheet, surface
+from ecume.show.floating.surface import CUTOFF, View, sheet, surface
 
 VIEW = View(-0.03, 0.03, -0.03, 0.03)
 CLOSEST = 1e-3

@@ -1,79 +1,55 @@
-"""A picture of one instant as seen from above: floats to scale, the height of the liquid, the dish, time and scale bar.
-
-The parts that never change are drawn once; a movie then draws only the rest of each frame.
-"""
+"""One instant as seen from above: floats to scale, the height of the liquid, the dish, time and scale bar."""
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Sequence
-from typing import Any, NamedTuple, cast
+from typing import Any, cast
 
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
-from matplotlib.collections import EllipseCollection
 from matplotlib.colors import AsinhNorm
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
-from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Patch, Rectangle
-from numpy.typing import NDArray
 
-from ecume.show.style import HEIGHT_COLORS, INK, MUTED, PALETTE, RIM, Scale, plain, scale_for, style
-from ecume.show.surface import Heights, Sheet, View, sheet, surface, unit_meniscus
+from ecume.show.floating.surface import Heights, Sheet, sheet, surface, unit_meniscus
+from ecume.show.picture import (
+    DPI,
+    USUAL,
+    Layers,
+    Pixels,
+    Size,
+    View,
+    blank,
+    clock,
+    discs,
+    labels,
+    scale_bar,
+    species,
+    view_around,
+)
+from ecume.show.style import HEIGHT_COLORS, RIM, Scale, scale_for, style
 from ecume.trajectories.frame import Frame
 
-DPI = 100
 MARGIN = 1.04
 """The shown part of the surface, in dish diameters."""
 HEADER, SIDE, BORDER = 46.0, 150.0, 22.0
 """Room above the surface, right of it and around all, in pixels of a picture of the usual size."""
-
-LONGEST_TITLE = 50
-"""In characters; more would run into the time."""
-
-Pixels = NDArray[np.uint8]
-
-
-class Species(NamedTuple):
-    """What a species is called and which color it has."""
-
-    name: str
-    color: str
-
-
-class Size(NamedTuple):
-    """Of a picture, in pixels."""
-
-    width: int
-    height: int
-
-
-USUAL = Size(960, 720)
-
-
-def species(scene: Any) -> list[Species]:
-    """The species of a scene, in the order of their numbers; those without a color take the palette's next."""
-    from ecume.scenes.floating import species_of
-
-    palette = iter(PALETTE * (1 + len(species_of(scene)) // len(PALETTE)))
-    return [Species(name, color or next(palette)) for name, color in species_of(scene)]
 
 
 def view_of(scene: Any, frames: Sequence[Frame]) -> View:
     """The whole dish, or on an endless surface all that the floats of these frames ever reach."""
     if scene.dish is not None:
         width, height = _extent(scene.dish)
-        return _around(0.0, 0.0, MARGIN * width, MARGIN * height)
+        return view_around(0.0, 0.0, MARGIN * width, MARGIN * height)
     low = np.min([(f.arrays["position"] - f.arrays["radius"][:, None]).min(axis=0) for f in frames], axis=0)
     high = np.max([(f.arrays["position"] + f.arrays["radius"][:, None]).max(axis=0) for f in frames], axis=0)
     radius = max(float(f.arrays["radius"].max()) for f in frames)
     side = float((high - low).max()) + 4 * radius
     x, y = (low + high) / 2
-    return _around(float(x), float(y), side, side)
+    return view_around(float(x), float(y), side, side)
 
 
 def _extent(dish: Any) -> tuple[float, float]:
@@ -81,10 +57,6 @@ def _extent(dish: Any) -> tuple[float, float]:
         return 2 * dish.radius, 2 * dish.radius
     width, height = dish.size
     return width, height
-
-
-def _around(x: float, y: float, width: float, height: float) -> View:
-    return View(x - width / 2, x + width / 2, y - height / 2, y + height / 2)
 
 
 class Bowl:
@@ -95,10 +67,7 @@ class Bowl:
 
     def __init__(self, scene: Any, sample: Sequence[Frame], size: Size = USUAL, *, cells: int = 200) -> None:
         self.view = view_of(scene, sample)
-        # All but the surface grows with the picture, so that a large movie is a small one with more pixels.
-        dpi = DPI * min(size.width / USUAL.width, size.height / USUAL.height)
-        self.figure = Figure(figsize=(size.width / dpi, size.height / dpi), dpi=dpi, facecolor="white")
-        self.canvas: Any = FigureCanvasAgg(self.figure)  # Matplotlib leaves its canvases without types
+        self.figure = blank(size)
         closest = min(float(frame.arrays["radius"].min()) for frame in sample)
         self.sheet = sheet(scene, self.view, cells=cells, closest=closest)
         heights = [surface(frame, self.sheet) for frame in sample]
@@ -109,16 +78,16 @@ class Bowl:
             largest, typical = float(np.abs(heights).max()), _typical_meniscus(sample[0], self.sheet)
             self.colors = _height_colors(largest * self.scale.factor, typical * self.scale.factor)
             self.height = _height_image(axes, self.view, self._painted(heights[0]))
-            self.floats = _circles(axes, sample[0], kinds)
-            self.time = axes.text(0.0, 1.015, "", transform=axes.transAxes, fontsize=14, va="bottom", color=INK)
+            self.floats = discs(axes, sample[0], kinds)
+            self.time = clock(axes)
             # The floats stand above the rim: half of its line would hide where they touch it.
-            self._moving: list[Artist] = [self.height, *_dish(axes, scene.dish, self.height), self.floats]
-            self._moving += [*_scale_bar(axes, self.view), self.time]
+            moving: list[Artist] = [self.height, *_dish(axes, scene.dish, self.height), self.floats]
+            moving += [*scale_bar(axes, self.view), self.time]
             lowest, highest = float(np.min(heights)), float(np.max(heights))
             shown = min(lowest, 0.0) * self.scale.factor, max(highest, 0.0) * self.scale.factor
             _height_bar(axes, self.colors, shown, self.scale)
-            _labels(axes, scene.title, kinds)
-        self._still: Any = None
+            labels(axes, scene.title, kinds)
+        self._layers = Layers(self.figure, moving)
         self.show(sample[0])
 
     def show(self, frame: Frame) -> None:
@@ -134,19 +103,7 @@ class Bowl:
     def pixels(self, frame: Frame) -> Pixels:
         """The picture of a frame, shape (height, width, 4); good until the next one is asked for."""
         self.show(frame)
-        if self._still is None:
-            self._still = self._unmoving()
-        self.canvas.restore_region(self._still)
-        for artist in self._moving:
-            self.figure.draw_artist(artist)
-        return np.asarray(self.canvas.buffer_rgba())
-
-    def _unmoving(self) -> Any:
-        """Draw once what never changes, and keep it."""
-        for artist in self._moving:
-            artist.set_animated(True)
-        self.canvas.draw()
-        return self.canvas.copy_from_bbox(self.figure.bbox)
+        return self._layers.pixels()
 
 
 def _surface_axes(figure: Figure, view: View) -> Axes:
@@ -172,25 +129,6 @@ def _height_colors(largest: float, typical: float) -> ScalarMappable:
     return ScalarMappable(AsinhNorm(linear_width=linear, vmin=-largest, vmax=largest), HEIGHT_COLORS)
 
 
-def _circles(axes: Axes, frame: Frame, kinds: Sequence[Species]) -> EllipseCollection:
-    """The floats, to scale whatever the picture's size."""
-    diameter = 2 * frame.arrays["radius"]
-    circles = EllipseCollection(
-        diameter,
-        diameter,
-        np.zeros_like(diameter),
-        units="xy",
-        offsets=frame.arrays["position"],
-        offset_transform=axes.transData,
-        facecolors=[kinds[kind].color for kind in frame.arrays["species"]],
-        edgecolors=INK,
-        linewidths=0.6,
-        zorder=2,
-    )
-    axes.add_collection(circles, autolim=False)
-    return circles
-
-
 def _dish(axes: Axes, dish: Any, height: AxesImage) -> list[Artist]:
     """The dish's rim; nothing of the liquid is shown outside it."""
     if dish is None:
@@ -207,23 +145,6 @@ def dish_outline(dish: Any, scale: float = 1.0) -> Patch:
         return Circle((0.0, 0.0), scale * dish.radius, **look)
     width, height = (scale * side for side in dish.size)
     return Rectangle((-width / 2, -height / 2), width, height, **look)
-
-
-def _scale_bar(axes: Axes, view: View) -> list[Artist]:
-    """A bar of a round length in the lower left corner."""
-    length = _round_length(view.width / 5)
-    left, bottom = view.left + 0.01 * view.width, view.bottom + 0.02 * view.height
-    (bar,) = axes.plot([left, left + length], [bottom] * 2, color=INK, linewidth=2.5, solid_capstyle="butt")
-    scale = scale_for(length, "m")
-    label = f"{length * scale.factor:g} {scale.unit}"
-    text = axes.text(left + length / 2, bottom + 0.012 * view.height, label, ha="center", va="bottom", fontsize=10)
-    return [bar, text]
-
-
-def _round_length(most: float) -> float:
-    """The largest of 1, 2, 5, 10 ... below `most`."""
-    power = 10.0 ** np.floor(np.log10(most))
-    return float(max(step * power for step in (1, 2, 5) if step * power <= most * (1 + 1e-12)))
 
 
 def _typical_meniscus(frame: Frame, on: Sheet) -> float:
@@ -258,18 +179,3 @@ def _ticks(norm: Any, shown: tuple[float, float], apart: float = 0.08) -> list[f
                 if low <= place <= high and shown[0] <= value <= shown[1] and not near:
                     chosen.append(value)
     return sorted(chosen)
-
-
-def _labels(axes: Axes, title: str, kinds: Sequence[Species]) -> None:
-    """The title, and the species where there are several."""
-    short = plain(textwrap.shorten(title, LONGEST_TITLE, placeholder=" …"))
-    axes.text(1.0, 1.015, short, transform=axes.transAxes, ha="right", va="bottom", fontsize=11, color=MUTED)
-    if len(kinds) > 1:
-        place: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (1.03, 1.0), "borderaxespad": 0.0}
-        axes.legend(handles=species_dots(kinds), fontsize=10.5, **place)
-
-
-def species_dots(kinds: Sequence[Species]) -> list[Line2D]:
-    """What a legend shows for each species."""
-    look: dict[str, Any] = {"linestyle": "", "marker": "o", "markersize": 8, "markeredgecolor": INK}
-    return [Line2D([], [], color=kind.color, label=plain(kind.name), **look) for kind in kinds]

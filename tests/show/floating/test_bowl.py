@@ -7,7 +7,8 @@ import pytest
 from matplotlib.colors import to_rgba
 
 from ecume.scenes.floating import DishSpec
-from ecume.show.bowl import Bowl, Size, species, view_of
+from ecume.show.floating.bowl import Bowl, view_of
+from ecume.show.picture import Size, species
 from ecume.show.style import PALETTE
 
 SIZE = Size(800, 600)

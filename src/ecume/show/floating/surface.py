@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 from ecume.laws import flotation, meniscus
 from ecume.laws.capillarity import plane_wall_energy
 from ecume.laws.special import bessel_k0
+from ecume.models.liquids import liquid_of
+from ecume.show.picture import View
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
@@ -18,25 +20,6 @@ CUTOFF = 5.0
 NODES = 8000
 
 Heights = NDArray[np.float32]
-
-
-class View(NamedTuple):
-    """The part of the surface that is shown (m): left, right, bottom, top."""
-
-    left: float
-    right: float
-    bottom: float
-    top: float
-
-    @property
-    def width(self) -> float:
-        """From left to right (m)."""
-        return self.right - self.left
-
-    @property
-    def height(self) -> float:
-        """From bottom to top (m)."""
-        return self.top - self.bottom
 
 
 class Sheet(NamedTuple):
@@ -49,18 +32,6 @@ class Sheet(NamedTuple):
     reach: float
     menisci: Heights
     """The height around a charge of one, at equal steps of distance from `closest` to `reach`, where it ends in a 0."""
-
-
-def liquid_of(scene: Any) -> flotation.Liquid:
-    """The liquid of a scene, as the laws know it."""
-    asked = scene.liquid
-    return flotation.Liquid(
-        density=asked.density,
-        surface_tension=asked.surface_tension,
-        viscosity=asked.viscosity,
-        gravity=asked.gravity,
-        gas_density=asked.gas_density,
-    )
 
 
 def sheet(scene: Any, view: View, *, cells: int, closest: float) -> Sheet:

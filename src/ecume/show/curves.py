@@ -1,0 +1,103 @@
+"""Figures that any model can have: its numbers over time, clusters of what touches, paths. And what figures share."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+
+from ecume.analysis.clusters import touching_clusters
+from ecume.analysis.series import number, series, times
+from ecume.show.style import INK, PALETTE, figure, legend_outside, plain, scale_for, style
+from ecume.trajectories.frame import Frame
+from ecume.units import Array
+
+MOST_INSTANTS = 400
+"""A curve or a path of more frames than this looks no different, and takes longer to read and to draw."""
+LEAST = 1e-15
+"""The part of its largest value below which the kinetic energy is not drawn."""
+
+Frames = Sequence[Frame]
+
+
+def energies(frames: Frames, scene: Any) -> Figure:
+    """Kinetic and potential energies, their sum, and what the run has lost of it since it began."""
+    shown = thinned(frames)
+    names = [name for name, unit in shown[0].units.items() if unit == "J" and name != "total_energy"]
+    *parts, total = series(shown, *map(number, [*names, "total_energy"]))
+    labels = [name.removesuffix("_energy") for name in names]
+    curves = [*zip(labels, parts, strict=True), ("total", total), ("dissipated", total[0] - total)]
+    scale = scale_for(max(float(np.abs(values).max()) for _, values in curves), "J")
+    with style():
+        drawn = figure()
+        axes = over_time(drawn, scene)
+        for (label, values), color in zip(curves, itertools.cycle(PALETTE), strict=False):
+            dashes = "--" if label == "dissipated" else "-"
+            axes.plot(
+                times(shown), scale.factor * values, dashes, color=INK if label == "total" else color, label=label
+            )
+        axes.set_ylabel(f"energy ({scale.unit})")
+        legend_outside(axes)
+    return drawn
+
+
+def kinetic_energy(frames: Frames, scene: Any) -> Figure:
+    """The kinetic energy on a logarithmic scale: how a bowl comes to rest."""
+    shown = thinned(frames)
+    (kinetic,) = series(shown, number("kinetic_energy"))
+    scale = scale_for(float(kinetic.max()), "J")
+    with style():
+        drawn = figure()
+        axes = over_time(drawn, scene)
+        # A bowl at rest goes on losing decades that nobody could see.
+        seen = np.where(kinetic > LEAST * kinetic.max(), kinetic, np.nan)
+        axes.plot(times(shown), scale.factor * seen, color=PALETTE[1])
+        axes.set(yscale="log", xlim=span(times(shown)))
+        axes.set_ylabel(f"kinetic energy ({scale.unit})")
+    return drawn
+
+
+def clusters(frames: Frames, scene: Any) -> Figure:
+    """How many clusters there are, and how large they are: single floats count as clusters of one."""
+    shown = thinned(frames)
+    found = [touching_clusters(frame) for frame in shown]
+    with style():
+        drawn = figure(6.4, 4.8)
+        above, below = drawn.subplots(2, 1, sharex=True)
+        steps(above, times(shown), [len(each.sizes) for each in found], "all", PALETTE[1])
+        steps(below, times(shown), [each.largest for each in found], "largest", PALETTE[0])
+        steps(below, times(shown), [each.mean_size for each in found], "mean", PALETTE[2])
+        above.set(ylabel="number of clusters", title=plain(scene.title))
+        below.set(ylabel="floats in a cluster", xlabel="time (s)", xlim=span(times(shown)))
+        legend_outside(below)
+    return drawn
+
+
+def steps(axes: Axes, instants: Array, counts: Sequence[float], label: str, color: str) -> None:
+    """Counts over time, from zero, on whole numbers."""
+    axes.plot(instants, counts, color=color, label=label, drawstyle="steps-post")
+    axes.set_ylim(bottom=0)
+    axes.yaxis.set_major_locator(MaxNLocator(integer=True, nbins=6))
+
+
+def thinned(frames: Frames) -> list[Frame]:
+    """Frames from the first to the last, evenly, not too many."""
+    chosen = np.linspace(0, len(frames) - 1, min(len(frames), MOST_INSTANTS)).round()
+    return [frames[int(index)] for index in chosen]
+
+
+def span(instants: Array) -> tuple[float, float] | None:
+    """From the first to the last, if there are two."""
+    return (float(instants[0]), float(instants[-1])) if instants[-1] > instants[0] else None
+
+
+def over_time(drawn: Figure, scene: Any) -> Axes:
+    """Axes over time, with the title of the scene."""
+    axes = drawn.add_subplot(xlabel="time (s)", title=plain(scene.title))
+    axes.margins(x=0)
+    return axes

@@ -1,0 +1,1 @@
+"""How the floating model is shown."""

@@ -1,0 +1,178 @@
+"""What pictures of every model share: their size, the part of the world they show, scale bar, legend; drawn fast.
+
+What never changes is drawn once; a movie then draws only the rest of each frame.
+"""
+
+from __future__ import annotations
+
+import itertools
+import textwrap
+from collections.abc import Sequence
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import EllipseCollection
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from numpy.typing import NDArray
+
+from ecume.show.style import INK, MUTED, PALETTE, plain, scale_for
+from ecume.trajectories.frame import Frame
+
+DPI = 100
+LONGEST_TITLE = 50
+"""In characters; more would run into the time."""
+
+Pixels = NDArray[np.uint8]
+
+
+class Picture(Protocol):
+    """An open picture of a model's frames: what a row of `FILMS` makes of (scene, sample, size).
+
+    `sample` are frames of the run: from them a picture takes its extent, and the range of its colors.
+    """
+
+    figure: Figure
+
+    def show(self, frame: Frame) -> None:
+        """Put a frame into the picture."""
+
+    def pixels(self, frame: Frame) -> Pixels:
+        """The picture of a frame, shape (height, width, 4); good until the next one is asked for."""
+        ...
+
+
+class Size(NamedTuple):
+    """Of a picture, in pixels."""
+
+    width: int
+    height: int
+
+
+USUAL = Size(960, 720)
+
+
+class View(NamedTuple):
+    """The part of the world that is shown (m): left, right, bottom, top."""
+
+    left: float
+    right: float
+    bottom: float
+    top: float
+
+    @property
+    def width(self) -> float:
+        """From left to right (m)."""
+        return self.right - self.left
+
+    @property
+    def height(self) -> float:
+        """From bottom to top (m)."""
+        return self.top - self.bottom
+
+
+def view_around(x: float, y: float, width: float, height: float) -> View:
+    """What lies around a point."""
+    return View(x - width / 2, x + width / 2, y - height / 2, y + height / 2)
+
+
+class Species(NamedTuple):
+    """What a species is called and which color it has."""
+
+    name: str
+    color: str
+
+
+def species(scene: Any) -> list[Species]:
+    """The species of a scene, in the order of their numbers; those without a color take the palette's next."""
+    palette = itertools.cycle(PALETTE)
+    return [Species(kind.name, kind.color or next(palette)) for kind in scene.kinds]
+
+
+class Layers:
+    """A figure of which most never changes: that is drawn once, and then only what moves, from the lowest up."""
+
+    def __init__(self, figure: Figure, moving: Sequence[Artist]) -> None:
+        self._figure, self._moving = figure, moving
+        self._canvas: Any = FigureCanvasAgg(figure)  # Matplotlib leaves its canvases without types
+        self._still: Any = None
+
+    def pixels(self) -> Pixels:
+        """What is seen now, shape (height, width, 4); good until the next time."""
+        if self._still is None:
+            self._still = self._unmoving()
+        self._canvas.restore_region(self._still)
+        for artist in self._moving:
+            self._figure.draw_artist(artist)
+        return np.asarray(self._canvas.buffer_rgba())
+
+    def _unmoving(self) -> Any:
+        for artist in self._moving:
+            artist.set_animated(True)
+        self._canvas.draw()
+        return self._canvas.copy_from_bbox(self._figure.bbox)
+
+
+def blank(size: Size) -> Figure:
+    """An empty figure of that size. All grows with it, so that a large movie is a small one with more pixels."""
+    dpi = DPI * min(size.width / USUAL.width, size.height / USUAL.height)
+    return Figure(figsize=(size.width / dpi, size.height / dpi), dpi=dpi, facecolor="white")
+
+
+def discs(axes: Axes, frame: Frame, kinds: Sequence[Species]) -> EllipseCollection:
+    """The particles of a frame, to scale whatever the picture's size."""
+    diameter = 2 * frame.arrays["radius"]
+    circles = EllipseCollection(
+        diameter,
+        diameter,
+        np.zeros_like(diameter),
+        units="xy",
+        offsets=frame.arrays["position"][:, :2],
+        offset_transform=axes.transData,
+        facecolors=[kinds[kind].color for kind in frame.arrays["species"]],
+        edgecolors=INK,
+        linewidths=0.6,
+        zorder=2,
+    )
+    axes.add_collection(circles, autolim=False)
+    return circles
+
+
+def clock(axes: Axes) -> Any:
+    """Where the time stands: above the left corner."""
+    return axes.text(0.0, 1.015, "", transform=axes.transAxes, fontsize=14, va="bottom", color=INK)
+
+
+def scale_bar(axes: Axes, view: View) -> list[Artist]:
+    """A bar of a round length in the lower left corner."""
+    length = _round_length(view.width / 5)
+    left, bottom = view.left + 0.01 * view.width, view.bottom + 0.02 * view.height
+    (bar,) = axes.plot([left, left + length], [bottom] * 2, color=INK, linewidth=2.5, solid_capstyle="butt")
+    scale = scale_for(length, "m")
+    label = f"{length * scale.factor:g} {scale.unit}"
+    text = axes.text(left + length / 2, bottom + 0.012 * view.height, label, ha="center", va="bottom", fontsize=10)
+    return [bar, text]
+
+
+def _round_length(most: float) -> float:
+    """The largest of 1, 2, 5, 10 ... below `most`."""
+    power = 10.0 ** np.floor(np.log10(most))
+    return float(max(step * power for step in (1, 2, 5) if step * power <= most * (1 + 1e-12)))
+
+
+def labels(axes: Axes, title: str, kinds: Sequence[Species]) -> None:
+    """The title, and the species where there are several."""
+    short = plain(textwrap.shorten(title, LONGEST_TITLE, placeholder=" …"))
+    axes.text(1.0, 1.015, short, transform=axes.transAxes, ha="right", va="bottom", fontsize=11, color=MUTED)
+    if len(kinds) > 1:
+        place: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (1.03, 1.0), "borderaxespad": 0.0}
+        axes.legend(handles=species_dots(kinds), fontsize=10.5, **place)
+
+
+def species_dots(kinds: Sequence[Species]) -> list[Line2D]:
+    """What a legend shows for each species."""
+    look: dict[str, Any] = {"linestyle": "", "marker": "o", "markersize": 8, "markeredgecolor": INK}
+    return [Line2D([], [], color=kind.color, label=plain(kind.name), **look) for kind in kinds]
