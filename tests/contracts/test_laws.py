@@ -16,15 +16,41 @@ import pytest
 
 import ecume.laws
 from ecume import _jit
-from ecume.laws import capillarity, column, contact, drag, flotation, kernels, meniscus, special, states
+from ecume.laws import (
+    capillarity,
+    column,
+    contact,
+    diffusion,
+    drag,
+    flotation,
+    kernels,
+    meniscus,
+    pace,
+    special,
+    states,
+    tension,
+    viscous,
+)  # fmt: skip
 from ecume.units import Unit
 
 ROOT = Path(__file__).parents[2]
 MODULES = sorted(module.name for module in pkgutil.walk_packages(ecume.laws.__path__, "ecume.laws."))
-COMPILED = (special, capillarity, contact, kernels.shapes, kernels.lines, states, column)
+COMPILED = (
+    special,
+    capillarity,
+    contact,
+    kernels.shapes,
+    kernels.lines,
+    states,
+    column,
+    viscous,
+    diffusion,
+    tension,
+    pace,
+)
 RESCALED = (
     capillarity, contact, drag, meniscus, flotation.bodies, flotation.balance, flotation.closure, flotation.interaction,
-    states, column,
+    states, column, viscous, diffusion, tension, pace,
 )  # fmt: skip
 LIQUID = flotation.Liquid(density=3.0, surface_tension=0.7, viscosity=0.2, gravity=1.9, gas_density=0.4)
 SAMPLES = {
@@ -39,6 +65,12 @@ SAMPLES = {
     "b": flotation.Sphere(0.17, 1.0, 0.7),
     "q": 0.7, "density": 3.1, "reference_density": 3.0, "sound_speed": 11.0, "pressure": 2.7, "stiff": 50.0,
     "gravity": 1.9, "height": 0.3, "surface_height": 0.9, "depth": 0.6, "largest_speed": 0.4, "load": 1.7,
+    "approach": -0.8, "distance_squared": 0.4, "smoothing_length": 0.6, "alpha": 0.1,
+    "dimensions": 3.0, "viscosity_i": 0.3, "viscosity_j": 0.7, "volume_i": 0.02, "volume_j": 0.03, "strain_rate": 5.0,
+    "spacing": 0.4, "strain_component": 1.3, "divergence": 0.2, "diagonal": 1.0, "excess": 0.3, "delta": 0.1,
+    "slope": -2.5, "density_i": 3.0, "density_j": 3.2, "rise_i": 0.05, "rise_j": 0.11, "potential": 0.7,
+    "sound_speed_i": 11.5, "exponent": 7.0, "head": 0.01, "support": 1.1, "color_gradient": 3.0, "curvature": 0.9,
+    "mode": 2.0, "speed": 0.8, "acceleration": 2.3,
 }  # fmt: skip
 ODD = {"[length]": 7.3, "[mass]": 0.31, "[time]": 1.9}
 """Base units that no law has heard of."""
@@ -155,6 +187,8 @@ TABLES = {
     "charges": list(flotation.CHARGES.values()),
     "balances": list(flotation.BALANCES.values()),
     "kernels": [law for form in kernels.KERNELS.values() for law in (form.value, form.slope, *(form.line or ()))],
+    "laminar": list(viscous.LAMINAR.values()),
+    "excesses": list(diffusion.EXCESSES.values()),
 }
 UNCITED = {"no_wall_energy", "no_wall_force", "nonlinear_charge"}
 """No physics of their own."""

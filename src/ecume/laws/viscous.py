@@ -1,0 +1,129 @@
+"""Viscous forces between particles of a liquid: artificial, laminar, and by eddies smaller than particles.
+
+Pairs are (i, j) with x = x_i - x_j, v = v_i - v_j and the kernel's slope over the distance F = (1/r) dW/dr, never
+positive. A friction Z pulls i by the force Z F v, against its motion past j; a pressure term P pushes i by the
+acceleration -m_j P F x: positive repels.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Annotated
+
+from ecume.units import Density, KinematicViscosity, Length, Number, Speed, Unit, Viscosity, Volume
+
+SOFTENING = 0.01
+"""Keeps a pair that nearly coincides from a division by zero; a part of h^2."""
+SMAGORINSKY = 0.12
+YOSHIZAWA = 0.0066
+Rate = Annotated[float, Unit("1/s")]
+Approach = Annotated[float, Unit("m^2/s")]
+PairFriction = Annotated[float, Unit("Pa*s*m^6")]
+PairPressure = Annotated[float, Unit("Pa*m^6/kg^2")]
+SpecificStress = Annotated[float, Unit("m^2/s^2")]
+LengthSquared = Annotated[float, Unit("m^2")]
+
+
+def approach_speed(approach: Approach, distance_squared: LengthSquared, smoothing_length: Length) -> Speed:
+    """Monaghan's mu = h v.x / (r^2 + 0.01 h^2) for a pair that comes nearer, negative; 0 for one that parts.
+
+    approach: v.x; h: smoothing_length. [monaghan1992, eq. 4.2].
+
+    >>> approach_speed(1.0, 1.0, 1.0), approach_speed(-1.01, 1.0, 1.0)
+    (0.0, -1.0)
+    """
+    return smoothing_length * min(0.0, approach) / (distance_squared + SOFTENING * smoothing_length * smoothing_length)
+
+
+def artificial_viscosity(
+    approach_speed: Speed, density: Density, sound_speed: Speed, alpha: Number, beta: Number = 0.0
+) -> PairPressure:
+    """Pressure term Pi = (-alpha c mu + beta mu^2) / rho of a pair that approaches; positive repels.
+
+    mu: approach_speed, not positive; rho, c: density and sound_speed, means of the pair. alpha damps noise, beta keeps
+    particles apart in shocks, which liquids have not. [monaghan1992, eq. 4.1].
+
+    >>> artificial_viscosity(-2.0, 1000.0, 10.0, 0.05)
+    0.001
+    """
+    return approach_speed * (beta * approach_speed - alpha * sound_speed) / density
+
+
+def viscosity_of_alpha(
+    alpha: Number, smoothing_length: Length, sound_speed: Speed, dimensions: Number
+) -> KinematicViscosity:
+    """The kinematic viscosity nu = alpha h c / (2 (dim + 2)) that artificial viscosity amounts to.
+
+    When it acts on pairs that part, too; on approaching pairs only, about half. [monaghan2005].
+
+    >>> round(viscosity_of_alpha(0.08, 0.1, 10.0, 2), 9)
+    0.01
+    """
+    return alpha * smoothing_length * sound_speed / (2.0 * (dimensions + 2.0))
+
+
+def morris_friction(
+    viscosity_i: Viscosity, viscosity_j: Viscosity, volume_i: Volume, volume_j: Volume
+) -> PairFriction:  # fmt: skip
+    """Friction Z = (eta_i + eta_j) V_i V_j of a pair. [morris1997, eq. 22].
+
+    Keeps linear, not angular momentum. The paper softens r^2 by 0.01 h^2, which F makes needless. In two dimensions
+    volumes are areas, and forces are per meter.
+
+    >>> morris_friction(1.0, 3.0, 2.0, 0.5)
+    4.0
+    """
+    return (viscosity_i + viscosity_j) * volume_i * volume_j
+
+
+def adami_friction(viscosity_i: Viscosity, viscosity_j: Viscosity, volume_i: Volume, volume_j: Volume) -> PairFriction:
+    """Friction Z = (V_i^2 + V_j^2) 2 eta_i eta_j / (eta_i + eta_j): the harmonic mean keeps shear stress continuous
+    where two liquids meet; zero when either has no viscosity. [hu2006, adami2012].
+
+    >>> adami_friction(1.0, 3.0, 2.0, 1.0)
+    7.5
+    """
+    total = max(viscosity_i + viscosity_j, 5e-324)
+    return (volume_i * volume_i + volume_j * volume_j) * 2.0 * viscosity_i * (viscosity_j / total)
+
+
+def eddy_viscosity(strain_rate: Rate, spacing: Length, coefficient: Number = SMAGORINSKY) -> KinematicViscosity:
+    """Smagorinsky's nu_t = (C_s Delta)^2 |S| of the eddies that are smaller than particles.
+
+    |S| = sqrt(2 S_ij S_ij), strain_rate: from the symmetric part of the velocity's gradient; Delta: the spacing of the
+    particles; C_s: coefficient, 0.12 as used in SPH [dalrymple2006]; 0.17 follows from the inertial range [lilly1967].
+
+    >>> round(eddy_viscosity(2.0, 0.5), 12)
+    0.0072
+    """
+    mixing = coefficient * spacing
+    return mixing * mixing * strain_rate
+
+
+def subparticle_stress(
+    strain_component: Rate, divergence: Rate, strain_rate: Rate, spacing: Length, diagonal: Number
+) -> SpecificStress:
+    """Stress over density tau/rho = nu_t (2 S_ij - (2/3) S_kk d_ij) - (2/3) C_I Delta^2 |S|^2 d_ij of small eddies.
+
+    S_ij: strain_component; S_kk: divergence; d_ij: diagonal, 1 for i = j and 0 otherwise; C_I = 0.0066. The
+    acceleration is the divergence of tau over rho. [dalrymple2006].
+
+    >>> round(subparticle_stress(1.0, 0.0, 2.0, 0.5, 0.0), 12)
+    0.0144
+    """
+    shear = eddy_viscosity(strain_rate, spacing) * (2.0 * strain_component - 2.0 / 3.0 * divergence * diagonal)
+    squeezed = spacing * strain_rate
+    return shear - 2.0 / 3.0 * YOSHIZAWA * squeezed * squeezed * diagonal
+
+
+def inertial_range_coefficient(kolmogorov: Number = 1.5) -> Number:
+    """Lilly's C_s = (1/pi) (2 / (3 C_K))^(3/4) from a spectrum C_K eps^(2/3) k^(-5/3). [lilly1967].
+
+    >>> round(inertial_range_coefficient(), 3)
+    0.173
+    """
+    return math.pow(2.0 / (3.0 * kolmogorov), 0.75) / math.pi
+
+
+LAMINAR = {"morris": morris_friction, "adami": adami_friction}
+"""Frictions of a pair by name."""
