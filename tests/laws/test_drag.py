@@ -54,3 +54,12 @@ def test_terminal_speed_is_force_over_friction():
 def test_an_impossible_angle_is_refused(angle):
     with pytest.raises(BadInput, match="contact_angle"):
         drag.immersion_factor(angle)
+
+
+def test_the_spline_of_the_table_is_scipys_clamped_one():
+    from scipy.interpolate import CubicSpline
+
+    ends = ((1, 0.0), (1, drag.THIN_CAP))
+    wanted = CubicSpline(np.linspace(0.0, math.pi, len(drag.IMMERSION_FACTORS)), drag.IMMERSION_FACTORS, bc_type=ends)
+    angles = np.linspace(0.0, math.pi, 1001)
+    assert drag.immersion_factor(angles) == pytest.approx(np.maximum(wanted(angles), 0.0), abs=1e-15)
