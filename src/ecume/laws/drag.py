@@ -89,4 +89,4 @@ def _slopes() -> Array:
     right[1:-1] = 3.0 / STEP * (values[2:] - values[:-2])
     matrix[0], matrix[-1] = np.eye(count)[0], np.eye(count)[-1]
     right[0], right[-1] = 0.0, THIN_CAP
-    return np.linalg.solve(matrix, right)
+    return np.asarray(np.linalg.solve(matrix, right), dtype=np.float64)
