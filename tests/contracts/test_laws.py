@@ -22,10 +22,14 @@ from ecume.laws import (
     contact,
     diffusion,
     drag,
+    elasticity,
     flotation,
     kernels,
+    lubrication,
     meniscus,
     pace,
+    remote,
+    soft_pair,
     special,
     states,
     tension,
@@ -47,10 +51,12 @@ COMPILED = (
     diffusion,
     tension,
     pace,
+    lubrication,
+    remote,
 )
 RESCALED = (
     capillarity, contact, drag, meniscus, flotation.bodies, flotation.balance, flotation.closure, flotation.interaction,
-    states, column, viscous, diffusion, tension, pace,
+    states, column, viscous, diffusion, tension, pace, lubrication, elasticity, remote, soft_pair,
 )  # fmt: skip
 LIQUID = flotation.Liquid(density=3.0, surface_tension=0.7, viscosity=0.2, gravity=1.9, gas_density=0.4)
 SAMPLES = {
@@ -71,6 +77,11 @@ SAMPLES = {
     "slope": -2.5, "density_i": 3.0, "density_j": 3.2, "rise_i": 0.05, "rise_j": 0.11, "potential": 0.7,
     "sound_speed_i": 11.5, "exponent": 7.0, "head": 0.01, "support": 1.1, "color_gradient": 3.0, "curvature": 0.9,
     "mode": 2.0, "speed": 0.8, "acceleration": 2.3,
+    "contact_size": 0.3, "gap": 0.02, "prefactor": 1.3, "radius_i": 0.4, "radius_j": 0.7, "modulus": 5.0,
+    "modulus_i": 5.0, "modulus_j": 3.0, "reduced_radius": 0.25, "deflection": 0.01, "compression": 0.01,
+    "gap_weight": 1.2, "deflection_weight": 0.6, "prefactors": elasticity.Prefactors(), "steric_length": 0.05,
+    "hamaker": 0.3, "layer_strength": 0.2, "debye_length": 0.04, "force": 0.7, "gap_from": 0.01, "gap_to": 0.2,
+    "clearance": 0.05, "deflection_from": 0.04, "deflection_to": 0.03, "pair": soft_pair.SoftPair(0.21, 9.0, 0.3),
 }  # fmt: skip
 ODD = {"[length]": 7.3, "[mass]": 0.31, "[time]": 1.9}
 """Base units that no law has heard of."""
@@ -189,8 +200,9 @@ TABLES = {
     "kernels": [law for form in kernels.KERNELS.values() for law in (form.value, form.slope, *(form.line or ()))],
     "laminar": list(viscous.LAMINAR.values()),
     "excesses": list(diffusion.EXCESSES.values()),
+    "remote": [law for row in remote.REMOTE.values() for law in row],
 }
-UNCITED = {"no_wall_energy", "no_wall_force", "nonlinear_charge"}
+UNCITED = {"no_wall_energy", "no_wall_force", "nonlinear_charge", *(law.__name__ for law in remote.REMOTE["none"])}
 """No physics of their own."""
 
 

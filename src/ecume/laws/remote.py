@@ -1,0 +1,127 @@
+"""Forces between surfaces that do not touch, across the gap: steric repulsion, and DLVO. A positive force repels.
+
+Each comes as energy, force, and the force's slope over the gap, which an implicit step asks for.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Annotated, Any, NamedTuple
+
+from ecume.units import Energy, Force, Length, Unit
+
+ForceSlope = Annotated[float, Unit("N/m")]
+
+
+def no_remote_energy(gap: Length) -> Energy:
+    """Nothing: U = 0.
+
+    >>> no_remote_energy(1e-9)
+    0.0
+    """
+    return 0.0 * gap
+
+
+def no_remote_force(gap: Length) -> Force:
+    """Nothing: F = 0.
+
+    >>> no_remote_force(1e-9)
+    0.0
+    """
+    return 0.0 * gap
+
+
+def no_remote_slope(gap: Length) -> ForceSlope:
+    """Nothing: dF/dh = 0.
+
+    >>> no_remote_slope(1e-9)
+    0.0
+    """
+    return 0.0 * gap
+
+
+def steric_energy(gap: Length, strength: Force, steric_length: Length) -> Energy:
+    """U = K (s^2/h - h - 2 s ln(s/h)) below the steric length s, zero beyond: the integral of `steric_force`.
+
+    K is the strength, h the gap. A stand-in for the sharp repulsion of [rognon2010], which names no formula.
+
+    >>> steric_energy(2.0, 1.0, 1.0)
+    0.0
+    """
+    if gap >= steric_length:
+        return 0.0 * strength * gap
+    return strength * (steric_length**2 / gap - gap - 2.0 * steric_length * math.log(steric_length / gap))
+
+
+def steric_force(gap: Length, strength: Force, steric_length: Length) -> Force:
+    """F = K (s/h - 1)^2 below the steric length s, zero beyond; smooth at s, without bound at contact; repels.
+
+    K is the strength, h the gap. A stand-in for the sharp repulsion of [rognon2010], which names no formula.
+
+    >>> steric_force(0.5, 3.0, 1.0)
+    3.0
+    """
+    return strength * max(steric_length / gap - 1.0, 0.0) ** 2
+
+
+def steric_slope(gap: Length, strength: Force, steric_length: Length) -> ForceSlope:
+    """dF/dh of `steric_force`; negative. [rognon2010].
+
+    >>> steric_slope(0.5, 3.0, 1.0)
+    -24.0
+    """
+    return -2.0 * strength * max(steric_length / gap - 1.0, 0.0) * steric_length / gap**2
+
+
+def dlvo_energy(
+    gap: Length, reduced_radius: Length, hamaker: Energy, layer_strength: Force, debye_length: Length
+) -> Energy:
+    """U = R* Z exp(-h/l) - A R* / (6 h): the electric double layer repels, van der Waals attracts.
+
+    h is the gap, much smaller than the reduced radius R*; A Hamaker's constant, Z the strength of the double layer
+    (energy over length), l the Debye length. [israelachvili2011, eq. 13.11a and 14.52].
+
+    >>> dlvo_energy(1.0, 1.0, 6.0, 0.0, 1.0)
+    -1.0
+    """
+    return reduced_radius * (layer_strength * math.exp(-gap / debye_length) - hamaker / (6.0 * gap))
+
+
+def dlvo_force(
+    gap: Length, reduced_radius: Length, hamaker: Energy, layer_strength: Force, debye_length: Length
+) -> Force:
+    """F = R* Z exp(-h/l) / l - A R* / (6 h^2); positive repels. [israelachvili2011, eq. 13.11a and 14.52].
+
+    >>> dlvo_force(1.0, 1.0, 6.0, 0.0, 1.0)
+    -1.0
+    """
+    layer = layer_strength * math.exp(-gap / debye_length) / debye_length
+    return reduced_radius * (layer - hamaker / (6.0 * gap**2))
+
+
+def dlvo_slope(
+    gap: Length, reduced_radius: Length, hamaker: Energy, layer_strength: Force, debye_length: Length
+) -> ForceSlope:
+    """dF/dh of `dlvo_force`. [israelachvili2011, eq. 13.11a and 14.52].
+
+    >>> dlvo_slope(1.0, 1.0, 6.0, 0.0, 1.0)
+    2.0
+    """
+    layer = layer_strength * math.exp(-gap / debye_length) / debye_length**2
+    return reduced_radius * (hamaker / (3.0 * gap**3) - layer)
+
+
+class Remote(NamedTuple):
+    """A law: its energy, its force, and the force's slope over the gap."""
+
+    energy: Callable[..., Any]
+    force: Callable[..., Any]
+    slope: Callable[..., Any]
+
+
+REMOTE = {
+    "none": Remote(no_remote_energy, no_remote_force, no_remote_slope),
+    "steric": Remote(steric_energy, steric_force, steric_slope),
+    "dlvo": Remote(dlvo_energy, dlvo_force, dlvo_slope),
+}
