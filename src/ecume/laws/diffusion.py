@@ -84,7 +84,7 @@ def fourtakas_excess(
 def hydrostatic_gain(head: Number, exponent: Number) -> Number:
     """(1 + a u)^(1/a) - 1 with a = gamma - 1: how much denser a liquid at rest is by the head u = g d/c^2 deeper.
 
-    The binomial series to the seventh order: neither powers nor branches, so that loops vectorize. For gamma = 1 exp(u) - 1.
+    The binomial series to the seventh order, without powers and branches: loops vectorize. For gamma = 1 exp(u) - 1.
     Relative error below 1e-7 for |a u| < 0.1, below 1e-14 for |a u| < 0.01. [monaghan1994].
 
     >>> abs(hydrostatic_gain(0.001, 7.0) / (1.006 ** (1 / 6) - 1) - 1) < 1e-12
