@@ -131,12 +131,13 @@ def main(verb: str, directory: str = "", *rest: str) -> int:
         return serve()
     stand_alone()
     driving = importlib.import_module("ecume.run")
+    habits = driving.Habits(checkpoint_every=float(rest[-1]))
     errors = importlib.import_module("ecume.errors")
     try:
         if verb == "run":
-            driving.run(ToyScene(**json.loads(rest[0])), directory, checkpoint_every=float(rest[1]))
+            driving.run(ToyScene(**json.loads(rest[0])), directory, habits=habits)
         else:
-            driving.resume(directory, checkpoint_every=float(rest[0]))
+            driving.resume(directory, habits=habits)
     except errors.EcumeError as error:
         print(error, file=sys.stderr)
         return int(error.exit_code)

@@ -59,6 +59,7 @@ def run(
     Examples: `ecume run bowl.toml` · `ecume run bowl.toml -o runs/syrup --set "liquid.viscosity=1 Pa*s" --threads 2`
     """
     use_at_most(threads)
+    from ecume.run import Habits
     from ecume.run import run as simulate
     from ecume.scenes.load import load_scene
 
@@ -68,7 +69,7 @@ def run(
     source = None if changes else scene.read_bytes()
     directory = out or RUNS / scene.stem
     with placed(scene, changes), shown(quiet=quiet) as told:
-        done = simulate(asked, directory, source=source, force=force, threads=threads, progress=told)
+        done = simulate(asked, directory, force=force, habits=Habits(threads=threads, progress=told, source=source))
     if not quiet:
         typer.echo(summary(done))
 
@@ -79,10 +80,11 @@ def resume(directory: RunFolder = HERE, threads: Threads = None, quiet: Quiet = 
     Examples: `ecume resume runs/bowl` · `ecume resume runs/bowl --threads 2 --quiet`
     """
     use_at_most(threads)
+    from ecume.run import Habits
     from ecume.run import resume as go_on
 
     with shown(quiet=quiet) as told:
-        done = go_on(directory, threads=threads, progress=told)
+        done = go_on(directory, habits=Habits(threads=threads, progress=told))
     if not quiet:
         typer.echo(summary(done))
 

@@ -6,7 +6,7 @@ import contextlib
 import itertools
 import os
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -15,6 +15,7 @@ from ecume.errors import Diverged, Stopped, StorageError
 from ecume.run import checkpoints, manifest
 from ecume.run.checkpoints import Checkpoint
 from ecume.run.directory import RunDirectory, as_json, clear, existing, json_of, refuse_existing, sweep, write_json
+from ecume.run.lawbook import Law, entries, require_same
 from ecume.run.locking import held
 from ecume.run.progress import Pace, Progress, StatusFile, note
 from ecume.run.recording import Recording
@@ -43,89 +44,88 @@ class RunResult(NamedTuple):
     """Of wall time, in this session; 0 for a run that was done before."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Habits:
     """How a run is looked after; nothing of it changes a bit of the result."""
 
     threads: int | None = None
+    """Left out, as many as the machine has cores."""
     progress: Callable[[Progress], None] | None = None
+    """Is told several times a second how far the run is."""
     checkpoint_every: float = 60.0
     """Seconds of wall time."""
+    source: bytes | None = None
+    """The scene's file, byte for byte, to be kept beside what became of it."""
+
+
+USUAL = Habits()
 
 
 def run(
     scene: Any,
     directory: str | os.PathLike[str],
     *,
-    source: bytes | None = None,
+    extra_laws: Sequence[Law] = (),
     force: bool = False,
-    threads: int | None = None,
-    progress: Callable[[Progress], None] | None = None,
-    checkpoint_every: float = 60.0,
+    habits: Habits = USUAL,
 ) -> RunResult:
-    """Simulate a scene into a new directory; `source` is its file, byte for byte.
+    """Simulate a scene into a new directory, with the user's own pair laws if there are any, as `simulate` takes them.
 
     Raises RunExists where something is in the way (`force` replaces a run, and nothing but a run), Diverged,
     StorageError, and Stopped after a signal: then a checkpoint is there, and `resume` goes on.
     """
-    habits = Habits(threads, progress, checkpoint_every)
     home = RunDirectory(Path(directory))
     refuse_existing(home, force=force)
-    moments = _moments(scene, None, habits)
+    moments = _moments(scene, None, extra_laws, habits)
     first = next(moments)  # a scene that cannot be run is refused before anything is written
     with storing(home.path):
         home.path.mkdir(parents=True, exist_ok=True)
     with held(home):
         refuse_existing(home, force=force)
         clear(home)
-        _found(home, scene, source)
+        _found(home, scene, extra_laws, habits.source)
         return _drive(home, scene, itertools.chain([first], moments), habits)
 
 
-def resume(
-    directory: str | os.PathLike[str],
-    *,
-    threads: int | None = None,
-    progress: Callable[[Progress], None] | None = None,
-    checkpoint_every: float = 60.0,
-) -> RunResult:
+def resume(directory: str | os.PathLike[str], *, extra_laws: Sequence[Law] = (), habits: Habits = USUAL) -> RunResult:
     """Go on with a run that was stopped, killed, or ran out of disk; a finished run is done, and says so.
 
-    The end is the same, bit for bit, as if nothing had happened.
+    The end is the same, bit for bit, as if nothing had happened. A run with laws of the user's own wants the same
+    `extra_laws` again: their text, and the numbers they use, are compared with those it was begun with.
     """
     from ecume.scenes.schema import from_plain
 
-    habits = Habits(threads, progress, checkpoint_every)
     home = existing(directory)
     with held(home):
         if home.done.exists():
             done = json_of(home.done)
             return RunResult(home.path, done["frames"], done["steps"], done["time"], 0.0)
+        require_same(home, extra_laws)
         sweep(home)
         scene = from_plain(json_of(home.resolved))
         checkpoint = _checkpoint(home, scene)
         with storing(home.failed):
             home.failed.unlink(missing_ok=True)
-        moments = _moments(scene, checkpoint.state, habits)
+        moments = _moments(scene, checkpoint.state, extra_laws, habits)
         return _drive(home, scene, moments, habits, checkpoint.frames)
 
 
-def _moments(scene: Any, state: Any, habits: Habits) -> Iterator[Moment]:
+def _moments(scene: Any, state: Any, extra_laws: Sequence[Law], habits: Habits) -> Iterator[Moment]:
     from ecume._jit import use_threads  # only who simulates waits for Numba: `ecume info` does not
     from ecume.simulation import moments
 
     use_threads(habits.threads)
-    return moments(scene, state=state)
+    return moments(scene, state=state, extra_laws=extra_laws)
 
 
-def _found(home: RunDirectory, scene: Any, source: bytes | None) -> None:
+def _found(home: RunDirectory, scene: Any, extra_laws: Sequence[Law], source: bytes | None) -> None:
     """What a run has before it begins; the manifest is last, and makes it one."""
     from ecume.scenes.schema import to_plain, to_toml
 
     plain = as_json(to_plain(scene))
     write_whole(home.scene, to_toml(scene) if source is None else source)
     write_whole(home.resolved, plain)
-    write_json(home.manifest, manifest.first_manifest(scene, plain))
+    write_json(home.manifest, manifest.first_manifest(scene, plain) | {"extra_laws": entries(extra_laws)})
 
 
 def _checkpoint(home: RunDirectory, scene: Any) -> Checkpoint:

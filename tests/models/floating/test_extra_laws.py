@@ -1,3 +1,5 @@
+import math
+
 import numpy as np
 import pytest
 
@@ -16,7 +18,7 @@ def magnetic(distance: float, parameters: PairParameters) -> float:
 
 
 def falling(distance: float, parameters: PairParameters) -> float:
-    return 1e-6 * parameters.radius_i / distance
+    return 1e-3 * parameters.radius_i * parameters.radius_j / distance
 
 
 def first_kick(laws):
@@ -50,7 +52,10 @@ def test_a_law_that_adds_nothing_changes_no_bit():
     [
         (lambda distance: 1.0, "expected 1, got 2"),
         (lambda distance, parameters: parameters.color, "Unknown attribute 'color'"),
-        (lambda distance, parameters: None, "came None; wanted a force in N"),
+        (lambda distance, parameters: None, "came None at 0.0032 m; wanted a force in N"),
+        (lambda distance, parameters: math.nan, "came nan"),
+        (lambda distance, parameters: parameters.radius_i / distance, "would create momentum"),
+        (lambda distance, parameters: parameters.charge_i - parameters.charge_j, "would create momentum"),
         (3, "extra_laws: 3: cannot be used"),
     ],
 )

@@ -1,0 +1,154 @@
+"""What `ecume check` says of a floating scene: what follows from it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+
+from ecume.laws import capillarity, flotation
+from ecume.models.floating.building import Afloat, good_step, kinds_afloat
+from ecume.models.floating.pace import LARGEST_OVER_CHOSEN, LOOSEST_OVER_CHOSEN
+from ecume.models.floating.parameters import Parameters
+from ecume.models.floating.room import checked_parameters, memory_estimate
+from ecume.models.floating.starting import start
+from ecume.models.liquids import liquid_of
+from ecume.scenes.floating import FloatingScene
+
+STEEP = 0.3
+"""Slopes (rad) above which menisci no longer add up."""
+PER_STEP, PER_FLOAT = 5e-6, 1.2e-6
+"""Seconds of a step, and for each float of it, while floats drift: measured on one core of a small cloud machine."""
+PER_MEETING, MOST_MET = 7e-8, 300
+"""Seconds more for each pair of floats while they gather to rafts, whose contacts are solved together; up to rafts of
+so many. Measured with 60, 150, 300 and 1,000 floats that cover a third of their dish; rafts at rest cost less again.
+"""
+
+Row = tuple[str, str, str]
+
+
+def summary(scene: FloatingScene) -> list[Row]:
+    """Derived numbers: name, value with unit, remark. Raises SceneError for whatever would keep a run from starting."""
+    parameters = checked_parameters(scene)
+    start(scene, parameters)
+    length = liquid_of(scene).capillary_length
+    cutoff, count = parameters.cutoff / length, len(parameters.floats.radius)
+    left = capillarity.neglected_fraction(cutoff)
+    return [
+        ("capillary length", f"{length * 1e3:.4g} mm", "how far a meniscus reaches"),
+        *_summary_of_species(scene),
+        (
+            "cutoff",
+            f"{parameters.cutoff * 1e3:.4g} mm",
+            f"{cutoff:.3g} capillary lengths; {left:.1e} of a raft's pull is left out",
+        ),
+        ("floats", str(count), f"{len(scene.kinds)} species"),
+        *_summary_of_steps(parameters, scene),
+        ("memory", f"{memory_estimate(parameters) / 1e6:.3g} MB", "when packed to rafts"),
+    ]
+
+
+def _summary_of_steps(parameters: Parameters, scene: FloatingScene) -> list[Row]:
+    frames, good = round(scene.duration / scene.frame_every), good_step(parameters, scene)
+    steps = frames * parameters.steps_per_frame
+    drifting, gathering = (cost * steps for cost in seconds_per_step(len(parameters.floats.radius)))
+    return [
+        ("time step", f"{parameters.time_step * 1e3:.4g} ms", _step_remark(parameters.time_step, good)),
+        ("steps", str(steps), f"{frames} frames of {parameters.steps_per_frame} steps"),
+        (
+            "time to run it",
+            _span((_duration(drifting), _duration(gathering))),
+            "roughly: from all adrift to rafts that gather all the time; compilation is not counted",
+        ),
+    ]
+
+
+def _step_remark(time_step: float, good: float) -> str:
+    """What a longer step than this one would be; `good` is the longest good one."""
+    coarse, refused = 1e3 * LOOSEST_OVER_CHOSEN * good, 1e3 * LARGEST_OVER_CHOSEN * good
+    if time_step > LOOSEST_OVER_CHOSEN * good:
+        return f"coarse; {1e3 * good:.3g} ms is good, refused above {refused:.3g} ms"
+    return f"good; coarse above {coarse:.3g} ms, refused above {refused:.3g} ms"
+
+
+def _summary_of_species(scene: FloatingScene) -> list[Row]:
+    """What follows for each species; those of a table may differ from row to row."""
+    members: dict[str, dict[Afloat, int]] = {name: {} for name, _ in scene.kinds}
+    owners = [(species.name, species.count) for species in scene.floats]
+    owners += [(row.species_name, 1) for row in scene.rows]
+    for (name, count), kind in zip(owners, kinds_afloat(scene), strict=True):
+        members[name][kind] = members[name].get(kind, 0) + count
+    liquid = liquid_of(scene)
+    return [row for name, found in members.items() for row in _summary_of(name, found, liquid)]
+
+
+def _summary_of(name: str, members: dict[Afloat, int], liquid: flotation.Liquid) -> list[Row]:
+    """One species: a number where all are alike, from the least to the greatest where they are not."""
+    spheres = [kind.sphere for kind in members]
+    weights = [flotation.dimensionless_weight(sphere, liquid) for sphere in spheres]
+    slopes = [kind.equilibrium.slope_angle for kind in members]
+    charges = [kind.charge for kind in members]
+    rows = [
+        ("Bond number", _numbers(flotation.bond_number(each, liquid) for each in spheres), "(R / capillary length)^2"),
+        (
+            "density ratio",
+            _numbers(flotation.density_ratio(each, liquid) for each in spheres),
+            f"sinks above {_sinking_ratio(spheres[0], liquid):.4g}" if len(members) == 1 else "",
+        ),
+        ("dimensionless weight", _numbers(weights), _by_sign(weights, "press the surface down", "lift the surface")),
+        ("slope at the contact line", f"{_numbers(map(math.degrees, slopes), 3)} deg", _slope_remark(slopes)),
+        (
+            "capillary charge",
+            f"{_numbers(1e6 * charge for charge in charges)} um",
+            _by_sign(charges, "heavy: attract the heavy", "light: attract the light"),
+        ),
+    ]
+    if len(members) > 1:
+        radii = _numbers(1e3 * sphere.radius for sphere in spheres)
+        rows.insert(0, ("radius", f"{radii} mm", f"{sum(members.values())} floats of {len(members)} kinds"))
+    return [(f"{name}: {what}", value, remark) for what, value, remark in rows]
+
+
+def _sinking_ratio(sphere: flotation.Sphere, liquid: flotation.Liquid) -> float:
+    bond = flotation.bond_number(sphere, liquid)
+    return flotation.sinking_density_ratio(bond_number=bond, contact_angle=sphere.contact_angle)
+
+
+def _by_sign(values: Sequence[float], positive: str, negative: str) -> str:
+    """What those do that are positive, and those that are not."""
+    above = sum(value > 0 for value in values)
+    if above in (0, len(values)):
+        return positive if above else negative
+    return f"some {positive}, some {negative}"
+
+
+def _slope_remark(slopes: Sequence[float]) -> str:
+    steepest = max(abs(slope) for slope in slopes)
+    return "steep: two of them close together pull harder than the sum says" if steepest > STEEP else "gentle"
+
+
+def _numbers(values: Iterable[float], digits: int = 4) -> str:
+    """The least and the greatest of some values, or the one they all are."""
+    ordered = sorted(values)
+    return _span((f"{ordered[0]:.{digits}g}", f"{ordered[-1]:.{digits}g}"))
+
+
+def _span(ends: tuple[str, str]) -> str:
+    """From one to the other, if they are not the same.
+
+    >>> _span(("3.1", "4.2")), _span(("4", "4"))
+    ('3.1 to 4.2', '4')
+    """
+    return ends[0] if ends[0] == ends[1] else f"{ends[0]} to {ends[1]}"
+
+
+def seconds_per_step(count: int) -> tuple[float, float]:
+    """Rough figures of a step on one core: while so many floats drift, and while they gather to rafts."""
+    drifting = PER_STEP + PER_FLOAT * count
+    return drifting, drifting + PER_MEETING * count * min(count, MOST_MET)
+
+
+def _duration(seconds: float) -> str:
+    for unit, size, below in (("s", 1.0, 100.0), ("min", 60.0, 100.0), ("h", 3600.0, 48.0)):
+        if seconds < size * below:
+            return f"{seconds / size:.2g} {unit}"
+    return f"{seconds / 86400.0:.2g} days"

@@ -1,0 +1,91 @@
+"""A run with laws of the user's own goes on with just those laws, or not at all."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+import toy
+
+from ecume.errors import BadInput, StorageError
+from ecume.run import Habits, Progress, lawbook, resume, run
+
+Scenes = Callable[..., toy.ToyScene]
+STIFFNESS = 3.0
+
+
+def springy(distance: float, parameters: Any) -> float:
+    return STIFFNESS * halved(distance)
+
+
+def halved(distance: float) -> float:
+    return distance / 2.0
+
+
+def slack(distance: float, parameters: Any) -> float:
+    return 0.0
+
+
+@pytest.fixture
+def broken_off(tmp_path: Path, scene: Scenes) -> Path:
+    """A run with a law of the user's own, that the disk refused in its middle."""
+
+    def refuse(progress: Progress) -> None:
+        if progress.step > 200:
+            raise StorageError("no room")
+
+    habits = Habits(progress=refuse, checkpoint_every=0.0)
+    with pytest.raises(StorageError, match="no room"):
+        run(scene(), tmp_path / "run", extra_laws=[springy], habits=habits)
+    return tmp_path / "run"
+
+
+def test_the_manifest_names_the_laws_and_the_same_laws_go_on(broken_off: Path) -> None:
+    (law,) = json.loads((broken_off / "manifest.json").read_text())["extra_laws"]
+    assert (law["name"], len(law["sha256"])) == ("springy", 64)
+    assert resume(broken_off, extra_laws=[springy]).frames == 51
+
+
+@pytest.mark.parametrize(
+    ("laws", "says"),
+    [
+        ([], r"begun with laws of your own, springy; go on from Python: ecume\.resume\(.*extra_laws=\[springy\]\)"),
+        ([slack], "came slack; the run was begun with springy"),
+        ([springy, slack], "came springy, slack; the run was begun with springy"),
+    ],
+)
+def test_other_laws_are_refused_and_the_run_stays_as_it_is(laws: Any, says: str, broken_off: Path) -> None:
+    before = {path: path.read_bytes() for path in broken_off.rglob("*") if path.is_file() and path.name != "lock"}
+    with pytest.raises(BadInput, match=says):
+        resume(broken_off, extra_laws=laws)
+    assert before == {path: path.read_bytes() for path in before}
+
+
+def test_a_run_without_laws_of_the_users_own_takes_none_later(tmp_path: Path, scene: Scenes) -> None:
+    run(scene(), tmp_path / "run")
+    (tmp_path / "run" / "DONE.json").unlink()
+    with pytest.raises(BadInput, match="came springy; the run was begun with no laws of your own"):
+        resume(tmp_path / "run", extra_laws=[springy])
+
+
+def test_a_law_whose_numbers_or_helpers_changed_is_another_law(
+    broken_off: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name, value in (("STIFFNESS", 3.5), ("halved", slack)):
+        with monkeypatch.context() as changed:
+            changed.setitem(globals(), name, value)
+            with pytest.raises(BadInput, match="springy: not what it was when the run began"):
+                resume(broken_off, extra_laws=[springy])
+    assert resume(broken_off, extra_laws=[springy]).frames == 51
+
+
+def test_a_law_without_a_file_is_known_by_its_instructions() -> None:
+    typed: dict[str, Any] = {}
+    for name, text in (("one", "distance"), ("same", "distance"), ("other", "2 * distance")):
+        exec(f"def law(distance, parameters): return {text}", typed)
+        typed[name] = typed.pop("law")
+    one, same, other = (lawbook.entries([typed[name]])[0] for name in ("one", "same", "other"))
+    assert one == same != other
