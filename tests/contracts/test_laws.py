@@ -34,6 +34,7 @@ from ecume.laws import (
     states,
     tension,
     viscous,
+    waves,
 )  # fmt: skip
 from ecume.units import Unit
 
@@ -56,7 +57,7 @@ COMPILED = (
 )
 RESCALED = (
     capillarity, contact, drag, meniscus, flotation.bodies, flotation.balance, flotation.closure, flotation.interaction,
-    states, column, viscous, diffusion, tension, pace, lubrication, elasticity, remote, soft_pair,
+    states, column, viscous, diffusion, tension, pace, waves, lubrication, elasticity, remote, soft_pair,
 )  # fmt: skip
 LIQUID = flotation.Liquid(density=3.0, surface_tension=0.7, viscosity=0.2, gravity=1.9, gas_density=0.4)
 SAMPLES = {
@@ -77,6 +78,7 @@ SAMPLES = {
     "slope": -2.5, "density_i": 3.0, "density_j": 3.2, "rise_i": 0.05, "rise_j": 0.11, "potential": 0.7,
     "sound_speed_i": 11.5, "exponent": 7.0, "head": 0.01, "support": 1.1, "color_gradient": 3.0, "curvature": 0.9,
     "mode": 2.0, "speed": 0.8, "acceleration": 2.3,
+    "wavenumber": 1.7, "time": 0.3, "dam_depth": 1.1, "downstream_depth": 0.2, "kinematic_viscosity": 0.01,
     "contact_size": 0.3, "gap": 0.02, "prefactor": 1.3, "radius_i": 0.4, "radius_j": 0.7, "modulus": 5.0,
     "modulus_i": 5.0, "modulus_j": 3.0, "reduced_radius": 0.25, "deflection": 0.01, "compression": 0.01,
     "gap_weight": 1.2, "deflection_weight": 0.6, "prefactors": elasticity.Prefactors(), "steric_length": 0.05,
@@ -124,8 +126,8 @@ def rescaled(value, hint):
 
 PLAIN = {capillarity.truncation_radius, states.absolute_pressure, states.hydrostatic_fault}
 """What compiled code does not call."""
-UNSCALED = {states.absolute_pressure, states.hydrostatic_fault}
-"""Defaults in SI, or words: they cannot be asked in other units."""
+UNSCALED = {states.absolute_pressure, states.hydrostatic_fault, waves.viscous_decay, waves.stoker_bore}
+"""Defaults in SI, words, or results of several units: they cannot be asked in other units."""
 LAWS = [law for module in RESCALED for law in public(module).values() if law not in UNSCALED]
 SCALARS = [law for module in COMPILED for law in public(module).values() if law not in PLAIN]
 

@@ -1,0 +1,162 @@
+"""Exact waves to hold a simulated liquid against: frequency, viscous decay, and the dam breaks of shallow water."""
+
+from __future__ import annotations
+
+import cmath
+import math
+from typing import Annotated, NamedTuple
+
+from ecume.errors import BadInput
+from ecume.laws.arguments import require_not_negative, require_positive
+from ecume.units import Acceleration, KinematicViscosity, Length, Speed, Time, Unit
+
+Wavenumber = Annotated[float, Unit("1/m")]
+Rate = Annotated[float, Unit("1/s")]
+SpecificTension = Annotated[float, Unit("m^3/s^2")]
+"""Surface tension over density."""
+
+
+class Decay(NamedTuple):
+    """A wave that dies away as exp(-rate t) cos(frequency t)."""
+
+    rate: Rate
+    frequency: Rate
+
+
+class Bore(NamedTuple):
+    """The step of water that runs ahead of a dam break over a wet bed."""
+
+    middle_depth: Length
+    middle_speed: Speed
+    bore_speed: Speed
+
+
+def wave_frequency(
+    wavenumber: Wavenumber, depth: Length, gravity: Acceleration, tension: SpecificTension = 0.0
+) -> Rate:  # fmt: skip
+    """Angular frequency, omega^2 = (g k + (sigma/rho) k^3) tanh(k H), of small waves without viscosity.
+
+    k: wavenumber, n pi / L for the n-th standing wave in a tank of the length L; H: depth; sigma/rho: tension.
+    [lamb1932, art. 228, 267].
+
+    >>> round(wave_frequency(math.pi / 2.0, 1.0, 9.81), 6)
+    3.759371
+    """
+    restoring = gravity * wavenumber + tension * wavenumber**3
+    return math.sqrt(restoring * math.tanh(wavenumber * depth))
+
+
+def viscous_decay(
+    wavenumber: Wavenumber,
+    depth: Length,
+    gravity: Acceleration,
+    kinematic_viscosity: KinematicViscosity,
+    tension: SpecificTension = 0.0,
+) -> Decay:
+    """Decay and frequency of a small wave in a viscous liquid that slips freely on its bottom.
+
+    The root s = -rate + i frequency of (s + 2 nu k^2)^2 + omega_0^2 = 4 nu^2 k^3 m tanh(k H)/tanh(m H), where
+    m^2 = k^2 + s/nu: the linear Navier-Stokes equations with no stress on the surface, at every Reynolds number as long
+    as the wave swings. In deep water it is [lamb1932, art. 349]. The common 2 nu k^2 is its limit for thin liquids,
+    and a third too fast at Re = sqrt(g H) H/nu = 50.
+
+    >>> found = viscous_decay(math.pi, 1.0, 1.0, 0.02)
+    >>> round(found.rate, 7), round(found.frequency, 7)
+    (0.2966515, 1.6817676)
+    """
+    require_positive("wavenumber", wavenumber)
+    require_not_negative("kinematic_viscosity", kinematic_viscosity)
+    swing = wave_frequency(wavenumber, depth, gravity, tension)
+    if kinematic_viscosity == 0.0:
+        return Decay(0.0, swing)
+    k, nu = wavenumber, kinematic_viscosity
+    root = complex(-2.0 * nu * k * k, swing)
+    for _ in range(60):
+        step = _newton_step(root, k, depth, nu, swing)
+        root -= step
+        if abs(step) < 1e-14 * abs(root):
+            break
+    if not (root.imag > 1e-9 * swing and abs(step) < 1e-9 * abs(root)):
+        raise BadInput(f"a wave of the wavenumber {k:g} /m does not swing in a liquid of {nu:g} m^2/s: it creeps back")
+    return Decay(-root.real, root.imag)
+
+
+def ritter_depth(
+    x: Length, time: Time, dam_depth: Length, gravity: Acceleration
+) -> Length:  # fmt: skip
+    """Depth of shallow water at x, a time t after a dam at x = 0 broke, over a dry bed: (2 c - x/t)^2 / (9 g).
+
+    Between x = -c t and 2 c t with c^2 = g H; at the dam 4/9 of H. Not for what is near the tip, nor for early times:
+    there the water is not shallow. [ritter1892].
+
+    >>> round(ritter_depth(0.0, 1.0, 1.0, 9.81), 12) == round(4.0 / 9.0, 12)
+    True
+    """
+    celerity = math.sqrt(gravity * dam_depth)
+    along = min(max(x / time, -celerity), 2.0 * celerity)
+    return (2.0 * celerity - along) ** 2 / (9.0 * gravity)
+
+
+def ritter_speed(x: Length, time: Time, dam_depth: Length, gravity: Acceleration) -> Speed:
+    """Speed of the water of `ritter_depth`, 2 (c + x/t)/3; zero before the wave has come and where the bed is dry.
+
+    [ritter1892].
+
+    >>> round(ritter_speed(0.0, 1.0, 1.0, 9.0), 12)
+    2.0
+    """
+    celerity = math.sqrt(gravity * dam_depth)
+    along = x / time
+    return 2.0 / 3.0 * (celerity + along) if -celerity < along < 2.0 * celerity else 0.0
+
+
+def stoker_bore(dam_depth: Length, downstream_depth: Length, gravity: Acceleration) -> Bore:
+    """The bore of a dam break over a bed with water h_1: the depth and speed behind it, and its own speed.
+
+    The depth h between the fan and the bore solves 2 (sqrt(g H) - sqrt(g h)) = (h - h_1) sqrt(g (h + h_1)/(2 h h_1)).
+    [stoker1957, sec. 10.8].
+
+    >>> round(stoker_bore(1.0, 0.1, 1.0).middle_depth, 7)
+    0.3961748
+    """
+    require_positive("downstream_depth", downstream_depth)
+    if not downstream_depth < dam_depth:
+        raise BadInput(f"downstream_depth is {downstream_depth!r}; wanted less than behind the dam, {dam_depth!r}")
+    low, high = downstream_depth, dam_depth
+    while high - low > 4e-16 * dam_depth:
+        middle = 0.5 * (low + high)
+        if middle in (low, high):
+            break
+        low, high = (middle, high) if _fan_is_faster(middle, dam_depth, downstream_depth) else (low, middle)
+    speed = 2.0 * (math.sqrt(gravity * dam_depth) - math.sqrt(gravity * low))
+    return Bore(low, speed, speed * low / (low - downstream_depth))
+
+
+def stoker_depth(
+    x: Length, time: Time, dam_depth: Length, downstream_depth: Length, gravity: Acceleration
+) -> Length:  # fmt: skip
+    """Depth of shallow water at x, a time t after a dam at x = 0 broke over a wet bed: fan, shelf, bore.
+
+    [stoker1957, sec. 10.8].
+
+    >>> stoker_depth(10.0, 1.0, 1.0, 0.1, 9.81)
+    0.1
+    """
+    bore = stoker_bore(dam_depth, downstream_depth, gravity)
+    if x >= bore.bore_speed * time:
+        return downstream_depth
+    return max(ritter_depth(x, time, dam_depth, gravity), bore.middle_depth)
+
+
+def _fan_is_faster(depth: float, dam_depth: float, downstream: float) -> bool:
+    fan = 2.0 * (math.sqrt(dam_depth) - math.sqrt(depth))
+    return fan > (depth - downstream) * math.sqrt((depth + downstream) / (2.0 * depth * downstream))
+
+
+def _newton_step(s: complex, k: float, depth: float, nu: float, swing: float) -> complex:
+    m = cmath.sqrt(k * k + s / nu)
+    cotangent = 1.0 / cmath.tanh(m * depth)
+    weight = 4.0 * nu * nu * k**3 * math.tanh(k * depth)
+    value = (s + 2.0 * nu * k * k) ** 2 + swing * swing - weight * m * cotangent
+    change = cotangent - m * depth * (cotangent * cotangent - 1.0)
+    return value / (2.0 * (s + 2.0 * nu * k * k) - weight * change / (2.0 * nu * m))
