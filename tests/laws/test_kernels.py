@@ -10,9 +10,10 @@ import pytest
 
 from ecume.errors import BadInput
 from ecume.laws.kernels import KERNEL_CODES, KERNELS, gaussian_deficit, kernel, lines, shapes
+from ecume.validation import kernels as validation
 
 DIMENSIONS = (1, 2, 3)
-VALUES = Path(__file__).with_name("kernel_values.csv")
+VALUES = Path(validation.__file__).with_name("reference.csv")
 Q = np.linspace(0.013, 3.3, 101)
 
 

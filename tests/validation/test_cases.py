@@ -55,6 +55,12 @@ def test_every_published_number_of_floating_spheres_is_met_within_its_digits():
     assert not missed(rows)
 
 
+def test_every_kernel_is_one_and_has_the_tabled_values():
+    rows = CASES["kernels"].rows()
+    assert len(rows) == 3 * 30 + 392 + 20
+    assert not missed(rows)
+
+
 @pytest.mark.compiled
 def test_two_floats_meet_when_the_equation_of_motion_says_so():
     rows = CASES["meeting"].rows()
