@@ -64,9 +64,12 @@ def test_a_scene_starts_from_a_frame_of_another_run(folder: Path, at: str, x: fl
 @pytest.mark.parametrize(
     ("at", "more", "says"),
     [
-        ("@3", "", "'runs/bowl@3' has no frame 3"),
-        ("@x", "", "cannot be opened"),
-        ("2", "", "cannot be opened"),
+        ("@3", "", "'runs/bowl@3' has no frame 3; there are 0 to 2, and -1 for the last"),
+        ("@-4", "", "has no frame -4"),
+        ("@x", "", "'runs/bowl@x' 'x' is no number of a frame; wanted RUN@FRAME"),
+        ("@", "", "'' is no number of a frame"),
+        ("@1.5", "", "'1.5' is no number of a frame"),
+        ("2", "", "is not there; it is looked for from the scene's folder, /"),
         ("@0", "[[floats]]\nradius = 1\ndensity = 1\ncontact_angle = 1", "brings all the floats"),
     ],
 )
@@ -76,11 +79,18 @@ def test_a_start_that_cannot_be_is_refused(folder: Path, at: str, more: str, say
     assert [says in str(fault) for fault in caught.value.faults] == [True]
 
 
-def test_a_run_outside_the_scenes_folder_is_not_opened(folder: Path) -> None:
+@pytest.mark.parametrize("absolute", [True, False])
+def test_a_run_may_lie_anywhere(folder: Path, absolute: bool) -> None:
     (folder / "inner").mkdir()
-    (folder / "inner" / "scene.toml").write_text(SCENE.format("").replace("runs/", "../runs/"))
-    with pytest.raises(SceneError, match="lies outside the scene's folder"):
-        load_scene(folder / "inner" / "scene.toml")
+    runs = f"{folder.as_posix()}/runs/" if absolute else "../runs/"
+    (folder / "inner" / "scene.toml").write_text(SCENE.format("@0").replace("runs/", runs))
+    assert load_scene(folder / "inner" / "scene.toml").rows[0].x == 0.0
+
+
+def test_a_run_may_have_an_at_in_its_name(folder: Path) -> None:
+    (folder / "runs" / "bowl").rename(folder / "runs" / "bowl@home")
+    assert read(folder, "@home").rows[0].x == 0.2  # type: ignore[attr-defined]
+    assert read(folder, "@home@0").rows[0].x == 0.0  # type: ignore[attr-defined]
 
 
 def test_a_run_without_densities_is_of_another_model(folder: Path) -> None:

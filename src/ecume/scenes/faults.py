@@ -17,6 +17,8 @@ from ecume.errors import Fault
 
 Key = str | int
 Path = tuple[Key, ...]
+Complaints = list[tuple[Path, str]]
+"""What does not fit together, each with its path below the piece that complains."""
 
 BARE = re.compile(r"[A-Za-z0-9_-]{1,60}")
 LONGEST_ECHO = 60

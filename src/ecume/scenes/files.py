@@ -1,23 +1,32 @@
-"""Opening the files that a scene names. A scene may come from anyone: it reads plain files of its own folder only."""
+"""Opening the files that a scene names. A scene may come from anyone: of what it names, plain text is read."""
 
 from __future__ import annotations
 
 import codecs
+import os
 import stat
 from pathlib import Path
 
 
-def inside(folder: Path, name: str) -> Path:
-    """The file or folder `name`, which must lie inside `folder` when all links are followed. Raises ValueError."""
+def beside(folder: Path, name: str) -> Path:
+    """The file or folder `name` as seen from `folder`; absolute paths, `..` and `~` mean what they always mean.
+
+    Raises ValueError.
+    """
     if not name or "\0" in name or len(name) > 1000:
         raise ValueError("wanted the path of a file")
     try:
-        home, target = folder.resolve(strict=True), (folder / name).resolve()
-    except (OSError, RuntimeError) as error:
+        path = folder / Path(name).expanduser()
+    except RuntimeError as error:
         raise ValueError(f"cannot be followed: {error}") from None
-    if target == home or not target.is_relative_to(home):
-        raise ValueError("lies outside the scene's folder; put it beside the scene")
-    return target
+    return path
+
+
+def require_there(path: Path, folder: Path) -> None:
+    """Raise ValueError, with where it was looked for, unless something is there."""
+    # Unlike Path.exists, this takes no offence at names that cannot be.
+    if not os.path.exists(path):  # noqa: PTH110
+        raise ValueError(f"is not there; it is looked for from the scene's folder, {folder.resolve()}")
 
 
 def text_of(path: Path, most_bytes: int) -> str:

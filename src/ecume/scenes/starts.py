@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path as Folder
@@ -12,8 +13,8 @@ from pydantic.dataclasses import dataclass
 
 from ecume.errors import EcumeError
 from ecume.scenes.faults import Path, echo, faults_of, written
-from ecume.scenes.files import inside, text_of
-from ecume.scenes.floating import SurfaceEnergies, species_of
+from ecume.scenes.files import beside, require_there, text_of
+from ecume.scenes.floating import SurfaceEnergies
 from ecume.scenes.quantities import STRICT, Color, ContactAngle, Name, PositiveDensity, Radius, Velocity
 from ecume.scenes.tables import MOST_BYTES, TableFaults, lines_of
 
@@ -94,7 +95,9 @@ def _few(messages: Sequence[str]) -> list[str]:
 
 
 def _from_table(raw: dict[str, Any], folder: Folder, name: str) -> Rows:
-    lines = lines_of(text_of(inside(folder, name), MOST_BYTES))
+    table = beside(folder, name)
+    require_there(table, folder)
+    lines = lines_of(text_of(table, MOST_BYTES))
     defaults, faults = _defaults(raw.pop("floats", []))
     plain = [_row(line.values, defaults) for line in lines]
     missing = [key for key in ("radius", "density", "contact_angle") if not _has(plain[0], key)]
@@ -139,12 +142,25 @@ LAYOUT = ("count", "placement", "positions", "spacing", "ring_radius", "center")
 def _from_run(raw: dict[str, Any], folder: Folder, name: str) -> Rows:
     if raw.get("floats"):
         return failed(RUN, ["start_from brings all the floats; leave [[floats]] out"], ("floats",))
-    match = re.fullmatch(r"(.+?)(?:@(-?[0-9]{1,9}))?", name)
-    if match is None:
-        raise ValueError("wanted RUN@FRAME, such as runs/bowl@-1")
-    index = int(match[2] or -1)
-    plain = _rows_of_frame(inside(folder, match[1]), index)
+    run, index = _run_and_frame(folder, name)
+    plain = _rows_of_frame(run, index)
     return Rows(RUN, plain, [f"{name}, float {number}" for number in range(1, len(plain) + 1)], [])
+
+
+def _run_and_frame(folder: Folder, name: str) -> tuple[Folder, int]:
+    """The run and the frame that `RUN@FRAME` means; the last frame, where none is named. Raises ValueError."""
+    whole = beside(folder, name)
+    run, at, frame = name.rpartition("@")
+    if not at or os.path.isdir(whole):  # noqa: PTH112  # a directory may have an @ in its name, or none can have this one
+        require_there(whole, folder)
+        return whole, -1
+    if re.fullmatch(r"-?[0-9]{1,9}", frame) is None:
+        raise ValueError(
+            f"{echo(frame)} is no number of a frame; wanted RUN@FRAME, such as runs/bowl@0 or runs/bowl@-1"
+        )
+    whole = beside(folder, run)
+    require_there(whole, folder)
+    return whole, int(frame)
 
 
 def _rows_of_frame(run: Folder, index: int) -> list[dict[str, Any]]:
@@ -153,9 +169,9 @@ def _rows_of_frame(run: Folder, index: int) -> list[dict[str, Any]]:
 
     try:
         with open_trajectory(run) as trajectory:
-            frame, species = trajectory[index], species_of(trajectory.scene)
-    except IndexError:
-        raise ValueError(f"has no frame {index}") from None
+            if not -len(trajectory) <= index < len(trajectory):
+                raise ValueError(f"has no frame {index}; {_numbered(len(trajectory))}")
+            frame, species = trajectory[index], trajectory.scene.kinds
     except EcumeError as error:
         raise ValueError(f"cannot be opened: {error}") from None
     missing = [name for name in ARRAYS if name not in frame.arrays]
@@ -163,6 +179,11 @@ def _rows_of_frame(run: Folder, index: int) -> list[dict[str, Any]]:
         raise ValueError(f"is a run of another model: its frames have no {missing[0]}")
     columns = [frame.arrays[name].tolist() for name in ARRAYS]
     return [_row_of_float(values, *species[kind]) for *values, kind in zip(*columns, strict=True)]
+
+
+def _numbered(frames: int) -> str:
+    """Which frames there are."""
+    return f"there are 0 to {frames - 1}, and -1 for the last" if frames else "the run has no frames yet"
 
 
 ARRAYS = ("position", "velocity", "radius", "density", "contact_angle", "species")

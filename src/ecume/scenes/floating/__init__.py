@@ -1,0 +1,18 @@
+"""The scene of the floating model: liquid, floats, dish, and which laws rule them."""
+
+from ecume.scenes.floating.bodies import FloatRow, FloatSpec, SurfaceEnergies
+from ecume.scenes.floating.scene import FloatingScene, species_of
+from ecume.scenes.floating.surroundings import ContactSpec, DishSpec, InteractionSpec, LiquidSpec, MotionSpec
+
+__all__ = [
+    "ContactSpec",
+    "DishSpec",
+    "FloatRow",
+    "FloatSpec",
+    "FloatingScene",
+    "InteractionSpec",
+    "LiquidSpec",
+    "MotionSpec",
+    "SurfaceEnergies",
+    "species_of",
+]

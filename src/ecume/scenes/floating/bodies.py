@@ -1,0 +1,131 @@
+"""Floats, as a scene describes them: a species at once, or one by one."""
+
+from __future__ import annotations
+
+from typing import Literal, Self
+
+from pydantic import model_validator
+from pydantic.dataclasses import dataclass
+
+from ecume.scenes.faults import Complaints, Inconsistent
+from ecume.scenes.quantities import (
+    STRICT,
+    Color,
+    ContactAngle,
+    Coordinate,
+    Count,
+    Name,
+    PositiveDensity,
+    Radius,
+    Size,
+    Tension,
+    Velocity,
+)
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class SurfaceEnergies:
+    """What a float's surface costs against the gas and the liquid: Young's law makes the contact angle of them."""
+
+    solid_gas: Tension
+    """J/m^2 = N/m"""
+    solid_liquid: Tension
+    """J/m^2 = N/m"""
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class FloatSpec:
+    """Equal spheres, and where they start."""
+
+    name: Name = ""
+    """What this species is called; `float-1` and so on when empty."""
+    count: Count = 0
+    """How many; left out, one or as many as there are positions."""
+    radius: Radius
+    """m"""
+    density: PositiveDensity
+    """kg/m^3"""
+    contact_angle: ContactAngle | None = None
+    """rad, through the liquid; or `original-closure`; or left out for `surface_energies`"""
+    surface_energies: SurfaceEnergies | None = None
+    """instead of a contact angle"""
+    placement: Literal["random", "lattice", "ring"] = "random"
+    """How they are laid out: at random without overlap, on a triangular lattice, evenly on a ring."""
+    positions: tuple[tuple[Coordinate, Coordinate], ...] = ()
+    """Where each starts (m); overrules the placement."""
+    velocity: tuple[Velocity, Velocity] = (0.0, 0.0)
+    """What each starts with (m/s)."""
+    spacing: Size | None = None
+    """The lattice's distance between neighbors (m)."""
+    ring_radius: Size | None = None
+    """The ring's (m)."""
+    center: tuple[Coordinate, Coordinate] = (0.0, 0.0)
+    """The lattice's or ring's (m)."""
+    color: Color | None = None
+    """`#rrggbb`, or a plain English name."""
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        complaints = [*_wetting(self), *_layout(self)]
+        if complaints:
+            raise Inconsistent(complaints)
+        if not self.count:
+            object.__setattr__(self, "count", len(self.positions) or 1)
+        return self
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class FloatRow:
+    """One float of a table, or of another run's frame."""
+
+    x: Coordinate
+    """m"""
+    y: Coordinate
+    """m"""
+    vx: Velocity = 0.0
+    """m/s"""
+    vy: Velocity = 0.0
+    """m/s"""
+    radius: Radius
+    """m"""
+    density: PositiveDensity
+    """kg/m^3"""
+    contact_angle: ContactAngle | None = None
+    """as in FloatSpec"""
+    surface_energies: SurfaceEnergies | None = None
+    """as in FloatSpec"""
+    species_name: Name = "float-1"
+    """Rows of one name are one species."""
+    color: Color | None = None
+    """as in FloatSpec"""
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        complaints = _wetting(self)
+        if complaints:
+            raise Inconsistent(complaints)
+        return self
+
+
+def _wetting(body: FloatSpec | FloatRow) -> Complaints:
+    """A contact angle comes from exactly one place."""
+    given = [body.contact_angle is not None, body.surface_energies is not None]
+    if sum(given) == 1:
+        return []
+    came = "both" if all(given) else "neither"
+    return [((), f"wanted either contact_angle or surface_energies; came {came}")]
+
+
+def _layout(species: FloatSpec) -> Complaints:
+    """Positions are as many as the count; lattices and rings have their length, and nothing else has it."""
+    if species.positions:
+        fits = species.count in (0, len(species.positions))
+        return [] if fits else [(("count",), f"came {species.count}; there are {len(species.positions)} positions")]
+    complaints: Complaints = []
+    for placement, key in (("lattice", "spacing"), ("ring", "ring_radius")):
+        given = getattr(species, key) is not None
+        if given and species.placement != placement:
+            complaints.append(((key,), f'means something only with placement = "{placement}"'))
+        if not given and species.placement == placement:
+            complaints.append((("placement",), f'"{placement}" needs {key} as well'))
+    return complaints

@@ -1,0 +1,100 @@
+"""The scene of the floating model as a whole."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Literal, Self
+
+from pydantic import model_validator
+from pydantic.dataclasses import dataclass
+
+from ecume.scenes.common import Common, Kind
+from ecume.scenes.faults import Complaints, Inconsistent
+from ecume.scenes.floating.bodies import FloatRow, FloatSpec
+from ecume.scenes.floating.surroundings import ContactSpec, DishSpec, InteractionSpec, LiquidSpec, MotionSpec
+from ecume.scenes.quantities import MOST_PARTICLES, MOST_STEPS, STRICT
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class FloatingScene(Common):
+    """Spheres on a liquid surface, with or without a dish around them.
+
+    A file may also say `floats_from = "table.csv"` or `start_from = "RUN@-1"`: reading it turns either into `rows`, so
+    that a scene that was read stands alone.
+    """
+
+    model: Literal["floating"] = "floating"
+    """Which model."""
+    liquid: LiquidSpec = LiquidSpec()
+    """What they float on."""
+    floats: tuple[FloatSpec, ...] = ()
+    """The species."""
+    rows: tuple[FloatRow, ...] = ()
+    """Floats given one by one, beside those of `floats`."""
+    dish: DishSpec | None = None
+    """The wall around them, if any."""
+    motion: MotionSpec = MotionSpec()
+    """The time stepping."""
+    contacts: ContactSpec = ContactSpec()
+    """The collisions."""
+    interaction: InteractionSpec = InteractionSpec()
+    """The pair force."""
+
+    @property
+    def kinds(self) -> tuple[Kind, ...]:
+        """The species, those of `floats` first."""
+        return tuple(Kind(*named) for named in species_of(self))
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        named = tuple(
+            dataclasses.replace(species, name=species.name or f"float-{index}")
+            for index, species in enumerate(self.floats, 1)
+        )
+        object.__setattr__(self, "floats", named)
+        complaints = [*_population(self), *_steps(self), *_doubles(self)]
+        if complaints:
+            raise Inconsistent(complaints)
+        return self
+
+
+def species_of(scene: FloatingScene) -> list[tuple[str, str | None]]:
+    """The name and color of each species; its place in the list is its number in frames."""
+    found: dict[str, str | None] = {species.name: species.color for species in scene.floats}
+    for row in scene.rows:
+        found[row.species_name] = found.get(row.species_name) or row.color
+    return list(found.items())
+
+
+def _population(scene: FloatingScene) -> Complaints:
+    total = len(scene.rows) + sum(species.count for species in scene.floats)
+    if total == 0:
+        return [
+            (("floats",), "there is nothing afloat; write a [[floats]] table with radius, density and contact_angle")
+        ]
+    if total > MOST_PARTICLES:
+        return [(("floats",), f"{total} floats are more than {MOST_PARTICLES:.0e}")]
+    return []
+
+
+def _steps(scene: FloatingScene) -> Complaints:
+    step = scene.motion.time_step
+    if step is None:
+        return []
+    if step > scene.frame_every * (1 + 1e-9):
+        return [(("motion", "time_step"), f"came {step:g} s, longer than frame_every, {scene.frame_every:g} s")]
+    steps = scene.duration / step
+    return (
+        [(("motion", "time_step"), f"gives {steps:.3g} steps, more than {MOST_STEPS:.0e}")]
+        if steps > MOST_STEPS
+        else []
+    )
+
+
+def _doubles(scene: FloatingScene) -> Complaints:
+    names = [species.name for species in scene.floats]
+    return [
+        (("floats", index, "name"), f"came {name!r} for the second time; each species has its own name")
+        for index, name in enumerate(names)
+        if name in names[:index]
+    ]

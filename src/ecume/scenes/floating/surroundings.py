@@ -1,0 +1,109 @@
+"""What is around the floats, and the laws that rule them."""
+
+from __future__ import annotations
+
+from typing import Annotated, Self
+
+from pydantic import Field, model_validator
+from pydantic.dataclasses import dataclass
+
+from ecume.scenes.faults import Inconsistent
+from ecume.scenes.quantities import (
+    STRICT,
+    Duration,
+    GasDensity,
+    Gravity,
+    LawName,
+    LiquidViscosity,
+    PositiveDensity,
+    PositiveTension,
+    Proportion,
+    Size,
+    Switch,
+    WettingAngle,
+)
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class LiquidSpec:
+    """The liquid, and the gas above it. The defaults are water and air at 20 degrees Celsius."""
+
+    density: PositiveDensity = 1000.0
+    """kg/m^3"""
+    viscosity: LiquidViscosity = 1e-3
+    """Pa s"""
+    surface_tension: PositiveTension = 0.0728
+    """N/m"""
+    gravity: Gravity = 9.81
+    """m/s^2, downwards"""
+    gas_density: GasDensity = 0.0
+    """kg/m^3; smaller than the liquid's"""
+
+    @model_validator(mode="after")
+    def _gas_above_liquid(self) -> Self:
+        if self.gas_density >= self.density:
+            raise Inconsistent(
+                [(("gas_density",), f"came {self.gas_density:g}; the liquid, {self.density:g} kg/m^3, is no denser")]
+            )
+        return self
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class DishSpec:
+    """A round or rectangular dish around the origin. A scene without one is an endless surface."""
+
+    radius: Size | None = None
+    """m; or else `size`"""
+    size: tuple[Size, Size] | None = None
+    """Width and height as seen from above (m)."""
+    contact_angle: WettingAngle = 0.7853981633974483
+    """Of the liquid on the wall (rad): below 90 degrees it climbs."""
+    law: LawName = "meniscus"
+    """How the wall's meniscus pulls: `meniscus`, `two-point-legacy` or `none`."""
+    density: PositiveDensity = 2500.0
+    """Of the wall (kg/m^3), glass if left out; only `two-point-legacy` asks for it."""
+    restitution: Proportion = 0.2
+    """What is left of a normal velocity after a bounce off the wall."""
+
+    @model_validator(mode="after")
+    def _one_shape(self) -> Self:
+        if (self.radius is None) == (self.size is None):
+            came = "neither" if self.radius is None else "both"
+            raise Inconsistent([((), f"wanted either radius or size; came {came}")])
+        return self
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class MotionSpec:
+    """How the equation of motion is stepped."""
+
+    integrator: LawName = "velocity-verlet"
+    """`velocity-verlet`, `explicit-euler`, `stormer-verlet`, `semi-implicit-euler` or `rk4`."""
+    time_step: Duration | None = None
+    """s; left out, the model chooses"""
+    drag: Switch = True
+    """Whether the liquid's viscosity slows the floats down."""
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class ContactSpec:
+    """What happens when two floats touch."""
+
+    restitution: Proportion = 0.2
+    """What is left of the approach velocity after a bounce."""
+    legacy_coefficient: Proportion | None = None
+    """The original's C, which means a restitution of 2C - 1; overrules `restitution`."""
+    law: LawName = "impulse"
+    """`impulse` or `none`"""
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class InteractionSpec:
+    """How the floats' menisci pull at one another."""
+
+    law: LawName = "capillary"
+    """`capillary` or `none`"""
+    charge: LawName = "nonlinear"
+    """Where the capillary charge comes from: `nonlinear`, `closed-form` or `linear`."""
+    accuracy: Annotated[Proportion, Field(ge=1e-12, le=1e-1)] = 1e-4
+    """The part of the force at a raft's edge that may be cut off."""
