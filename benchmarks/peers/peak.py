@@ -1,0 +1,46 @@
+"""What one core could do at most, measured: multiply-adds of numbers that never leave it.
+
+python peak.py
+"""
+
+from __future__ import annotations
+
+import json
+import time
+
+import numba
+import numpy as np
+
+CHAIN = 32
+"""Multiply-adds of one number in a row; as many numbers as the vectors take stand side by side."""
+WIDTH = 1024
+"""Numbers: they stay in the first cache."""
+REPEATS = 500
+TRIES = 200
+"""Short ones, so that some of them have the processor to themselves."""
+
+
+@numba.njit(fastmath={"contract"}, error_model="numpy")
+def _multiply_and_add(x: np.ndarray, factor: float, add: float, repeats: int) -> None:
+    for _ in range(repeats):
+        for k in range(x.shape[0]):
+            y = x[k]
+            for _ in range(CHAIN):
+                y = y * factor + add
+            x[k] = y
+
+
+def peak(dtype: type) -> float:
+    """Floating-point operations a second of one core: the best of many tries."""
+    x, factor, add = np.ones(WIDTH, dtype), dtype(0.5), dtype(0.25)
+    _multiply_and_add(x, factor, add, 10)
+    best = float("inf")
+    for _ in range(TRIES):
+        began = time.perf_counter()
+        _multiply_and_add(x, factor, add, REPEATS)
+        best = min(best, time.perf_counter() - began)
+    return 2.0 * CHAIN * WIDTH * REPEATS / best
+
+
+if __name__ == "__main__":
+    print("RESULT " + json.dumps({dtype.__name__: peak(dtype) for dtype in (np.float64, np.float32)}))

@@ -1,0 +1,169 @@
+"""The same cube of water in several SPH packages, side by side: whole steps, in turns, each in a process of its own.
+
+    sh benchmarks/peers/install.sh FOLDER
+    python benchmarks/sph_peers.py FOLDER [--edge 46] [--steps 30] [--rounds 3]
+
+All march the same equations: Tait's equation of state, the continuity equation, pressure and artificial viscosity; no
+walls, no gravity, no diffusion of density. Kernels differ (LAMMPS has only Lucy's), the radius of the support does not,
+except in SPlisHSPlasH, which ties it to the spacing.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import statistics
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import llvmlite.binding
+from marching import machine
+from scipy.spatial import cKDTree
+
+HERE = Path(__file__).parent / "peers"
+sys.path.insert(0, str(HERE))
+from cube import REACH, Cube, cube  # noqa: E402
+
+LONGEST = 900.0
+"""Seconds that one process may take."""
+FLOPS_OF_A_PAIR = 41
+"""Difference vectors 6, their two products 11, root and distance 2, slope of a Wendland kernel 6, continuity 2,
+viscosity 5, pressure 3, acceleration 6. Pairs of the list's skin are not counted: they are waste.
+"""
+
+
+class Peer(NamedTuple):
+    """Who runs, and how."""
+
+    name: str
+    environment: str
+    """Under the folder of the installation; none for our own"""
+    script: str
+    ranks: bool
+    """Whether its threads are MPI ranks"""
+    slowness: int
+    """It marches the fewer steps"""
+
+
+PEERS = (
+    Peer("LAMMPS sph/taitwater, float64", "lammps", "in_lammps.py", ranks=True, slowness=1),
+    Peer("PySPH WCSPH, float64", "pysph", "in_pysph.py", ranks=False, slowness=3),
+    Peer("SPlisHSPlasH WCSPH, float32", "splishsplash", "in_splishsplash.py", ranks=False, slowness=1),
+)
+
+
+class Run(NamedTuple):
+    """What one process measured."""
+
+    rate: float
+    """Particle-steps a second: of processor time with one thread, of wall time with several"""
+    neighbors: float | None
+    """Of a particle, where it has others than the cube's"""
+
+
+def neighbors(water: Cube) -> float:
+    """Of a particle inside the support, on average, itself not counted."""
+    tree = cKDTree(water.position)
+    return float(tree.count_neighbors(tree, water.support) / water.count - 1.0)
+
+
+def result_of(command: list[str], environment: dict[str, str]) -> dict[str, Any]:
+    """The line with the result of a process; empty when it failed, which is said."""
+    try:
+        run = subprocess.run(
+            command, cwd=HERE, env={**os.environ, **environment}, capture_output=True, text=True, timeout=LONGEST,
+            check=False,
+        )  # fmt: skip
+    except (OSError, subprocess.TimeoutExpired) as error:
+        print(f"  {error}")
+        return {}
+    for line in run.stdout.splitlines():
+        if line.startswith("RESULT "):
+            found: dict[str, Any] = json.loads(line.removeprefix("RESULT "))
+            return found
+    print(f"  {' '.join(command[:3])} ended with {run.returncode}: {(run.stderr or run.stdout)[-300:].strip()}")
+    return {}
+
+
+def timed(peer: Peer, folder: Path, edge: int, steps: int, threads: int) -> Run | None:
+    """One process of a package."""
+    programs = folder / peer.environment / "bin"
+    arguments = [peer.script, str(edge), str(max(steps // peer.slowness, 5)), str(threads)]
+    start = [str(programs / "mpiexec"), "-n", str(threads)] if peer.ranks else []
+    count = {"OMP_NUM_THREADS": "1" if peer.ranks else str(threads)}
+    result = result_of([*start, str(programs / "python"), *arguments], count)
+    if not result:
+        return None
+    # Other work on the machine disturbs processor time less; with several threads it says nothing.
+    seconds = result["processor"] if threads == 1 else result["wall"]
+    return Run(result["count"] * result["steps"] / seconds, result.get("neighbors"))
+
+
+def peak_of_a_core() -> dict[str, float]:
+    """Operations a second, by precision: as Numba compiles by itself, or with vectors as wide as there are."""
+    features = llvmlite.binding.get_host_cpu_features().flatten()
+    wide = {"NUMBA_CPU_NAME": llvmlite.binding.get_host_cpu_name(), "NUMBA_CPU_FEATURES": f"{features},-prefer-256-bit"}
+    tries = [result_of([sys.executable, "peak.py"], choice) for choice in ({}, wide)]
+    return {name: max(found[name] for found in tries if found) for name in tries[0]}
+
+
+def installed(folder: Path) -> list[Peer]:
+    """Those that are there; says which are not."""
+    there = [peer for peer in PEERS if (folder / peer.environment / "bin" / "python").exists()]
+    for peer in PEERS:
+        if peer not in there:
+            print(f"{peer.name}: NOT INSTALLED in {folder} (sh benchmarks/peers/install.sh {folder})")
+    return there
+
+
+def measure(peers: list[Peer], asked: argparse.Namespace) -> dict[tuple[str, int], list[Run]]:
+    """Rounds in turns, with one thread and with all."""
+    runs: dict[tuple[str, int], list[Run]] = {}
+    for _ in range(asked.rounds):
+        for threads in sorted({1, asked.threads}):
+            for peer in peers:
+                run = timed(peer, asked.folder, asked.edge, asked.steps, threads)
+                if run is not None:
+                    runs.setdefault((peer.name, threads), []).append(run)
+    return runs
+
+
+def show(runs: dict[tuple[str, int], list[Run]], around: float, first: str, peak: dict[str, float]) -> None:
+    """The table: medians, spread, ratios over the first package."""
+    print("\n| package | threads | Mparticle-steps/s | of the runs | neighbors | Mpairs/s | over LAMMPS | of peak |")
+    print("|---|---|---|---|---|---|---|---|")
+    for (name, threads), several in sorted(runs.items(), key=lambda row: row[0][1]):
+        rates = [run.rate for run in several]
+        rate, near = statistics.median(rates), several[0].neighbors or around
+        base = (
+            statistics.median([run.rate for run in runs[first, threads]]) if (first, threads) in runs else float("nan")
+        )
+        share = rate * near * FLOPS_OF_A_PAIR / (peak[name.split()[-1]] * threads)
+        print(
+            f"| {name} | {threads} | {rate / 1e6:.3g} | {min(rates) / 1e6:.3g}-{max(rates) / 1e6:.3g} | {near:.0f} "
+            f"| {rate * near / 1e6:.0f} | {rate / base:.2f} | {share:.1%} |"
+        )
+
+
+def main() -> int:
+    """Measure, and print the table."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=Path, help="where peers/install.sh put the packages")
+    for name, number in (("edge", 46), ("steps", 30), ("rounds", 3), ("threads", os.cpu_count() or 1)):
+        parser.add_argument(f"--{name}", type=int, default=number)
+    asked = parser.parse_args()
+    asked.folder = asked.folder.resolve()
+    water = cube(asked.edge)
+    around = neighbors(water)
+    print(f"{machine()}\n{water.count:,} particles, support {REACH} spacings, {around:.1f} neighbors")
+    peak = peak_of_a_core()
+    print(", ".join(f"{name}: {value / 1e9:.0f} GFLOP/s a core" for name, value in peak.items()) + " at most")
+    show(measure(installed(asked.folder), asked), around, PEERS[0].name, peak)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
