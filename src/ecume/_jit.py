@@ -183,8 +183,11 @@ class Dispatcher(CPUDispatcher):  # type: ignore[misc]
             self._cache, self.part._cache = HealingCache(function), PartCache(function)
 
     def get_call_template(self, arguments: Any, keywords: Any) -> Any:
-        """How compiled code calls it."""
-        return self.part.get_call_template(arguments, keywords)
+        """How compiled code calls it. A 0 that stands in the caller is a number like any other, not a type of its own
+        with a compilation of its own.
+        """
+        plain = tuple(types.unliteral(argument) for argument in arguments)
+        return self.part.get_call_template(plain, {name: types.unliteral(kind) for name, kind in keywords.items()})
 
     def get_overload(self, signature: Any) -> Any:
         """What compiled code calls."""

@@ -75,7 +75,8 @@ def sort_into_cells(cells: Cells, position: Array, reach: float) -> None:
     """Two particles closer than `reach` end up in the same cell or in cells that touch."""
     count, dimension = position.shape
     total = _lay_out(cells, position, reach)
-    cells.start[: total + 1] = 0
+    for cell in range(total + 1):
+        cells.start[cell] = 0
     for i in range(count):
         cell = 0
         for axis in range(dimension):

@@ -259,7 +259,8 @@ def solve(contacts: Contacts, velocity: Array, mobility: Array, goal: Goal) -> i
     not enough.
     """
     push_all(contacts, contacts.impulse, velocity, mobility)
-    contacts.direction[:] = 0.0
+    for row in range(contacts.total[0]):
+        contacts.direction[row] = 0.0
     square_before, residual_before = 0.0, np.inf
     for sweep in range(1, MOST_SWEEPS + 1):
         largest = _sweep(contacts, velocity, mobility)

@@ -104,7 +104,9 @@ def _cell_beside(shape: Integers, cell: int, number: int) -> tuple[int, bool]:
 @threaded
 def _visit_in_threads(cells: Cells, x: Array, reach: float, first: Integers, neighbor: Slots) -> None:
     # Inside a prange Numba writes to a copy of an array that is reached through a tuple: hence the bare arrays.
-    for slot in prange(len(first) - 1):
+    for row in prange(len(first) - 1):
+        # Signed as outside of threads, so that one compilation serves both.
+        slot = int(np.int64(row))
         if len(neighbor) == 0:
             first[slot + 1] = _visit(cells, x, slot, reach, neighbor)
         else:
@@ -135,7 +137,8 @@ def build(lists: NeighborLists, position: Array, reach: float) -> bool:
     for slot in range(position.shape[0]):
         rows.first[slot + 1] += rows.first[slot]
     if rows.first[position.shape[0]] > len(rows.neighbor):
-        rows.first[:] = 0
+        for slot in range(len(rows.first)):
+            rows.first[slot] = 0
         lists.valid[0] = 0
         return False
     _visit_all(lists.cells, rows.sorted_position, reach, rows.first, rows.neighbor)

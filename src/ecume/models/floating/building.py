@@ -226,6 +226,7 @@ def parameters_of(scene: FloatingScene) -> Parameters:
         pair=pack_pair(capillarity.pair_strength(tension, 1.0, 1.0), length, cutoff, liquid.surface_tension, fit),
         cutoff=cutoff,
         skin=skin,
+        reach=max(cutoff, 2.0 * largest) + skin,
         walls=walls,
         wall_law=wall_law_of(scene),
         wall_strength=wall_strengths(scene, floats),

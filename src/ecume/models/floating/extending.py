@@ -9,8 +9,10 @@ from typing import Any
 from ecume._jit import compiled_once
 from ecume.errors import BadInput
 from ecume.models.floating.forces import forces_with, pull_rows_with
-from ecume.models.floating.parameters import PairParameters
-from ecume.models.floating.stepping import advance_with
+from ecume.models.floating.parameters import RARE, PairParameters, Parameters
+from ecume.models.floating.schemes import predict, predict_rarely_with
+from ecume.models.floating.state import State, Workspace
+from ecume.models.floating.stepping import march_with
 
 LEAST_DISTANCE = 1e-300
 ROUNDING = 1e-12
@@ -18,7 +20,7 @@ ROUNDING = 1e-12
 
 
 def advance_extended(extra_laws: Sequence[Callable[..., float]]) -> Callable[..., int]:
-    """The `advance` of floats with a user's own pair laws compiled into it, which takes about half a minute a process.
+    """The `advance` of floats with a user's own pair laws compiled into it, which takes seconds a process.
 
     A law is a function (distance, parameters) -> force (N, positive repels) of a `PairParameters`, the same when i and
     j are swapped. It acts up to the scene's cutoff. Raises BadInput for what is no such law.
@@ -91,10 +93,21 @@ def _advance_with_extra(laws: tuple[Callable[..., float], ...]) -> Callable[...,
         forces_with(pull, parameters, position, lists, scratch)
 
     @compiled_once
-    def march(parameters: Any, state: Any, scratch: Any, steps: int) -> int:
-        return advance_with(forces, parameters, state, scratch, steps)
+    def predict_rarely(parameters: Any, state: Any, scratch: Any) -> None:
+        predict_rarely_with(forces, parameters, state, scratch)
 
-    return march
+    @compiled_once
+    def march(parameters: Any, state: Any, scratch: Any, steps: int) -> int:
+        return march_with(predict, forces, parameters, state, scratch, steps)
+
+    @compiled_once
+    def march_rarely(parameters: Any, state: Any, scratch: Any, steps: int) -> int:
+        return march_with(predict_rarely, forces, parameters, state, scratch, steps)
+
+    def advance(parameters: Parameters, state: State, scratch: Workspace, steps: int) -> int:
+        return (march_rarely if parameters.scheme in RARE else march)(parameters, state, scratch, steps)
+
+    return advance
 
 
 @compiled_once

@@ -101,7 +101,8 @@ def _pull_rows(start: int, stop: int, rows: Any, floats: Any, pair: Array, force
 @threaded
 def _pull_in_threads(tasks: int, rows: Any, floats: Any, pair: Array, force: Array) -> None:
     for task in prange(tasks):
-        start = task * ROWS_PER_TASK
+        # Signed as outside of threads, so that one compilation serves both.
+        start = int(np.int64(task)) * ROWS_PER_TASK
         _pull_rows(start, min(start + ROWS_PER_TASK, force.shape[1]), rows, floats, pair, force)
 
 

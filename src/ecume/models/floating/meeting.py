@@ -15,6 +15,7 @@ from ecume._jit import compiled
 from ecume.engine import contacts as touching
 from ecume.engine.contacts import Bodies, Contacts, Memory
 from ecume.models.floating.parameters import LEGACY, Parameters
+from ecume.models.floating.schemes import copy_rows
 from ecume.models.floating.state import COLLISIONS, DEEPEST, SWEEPS, UNCONVERGED, State, Workspace
 from ecume.units import Array
 
@@ -64,7 +65,8 @@ def demand_stops(parameters: Parameters, contacts: Contacts, before: Array) -> f
 def share_restitution(parameters: Parameters, contacts: Contacts, of_float: Array) -> None:
     """The restitution of each float: the least among all who bounce together, since unlike ones could create energy."""
     first, second, impulse, count = contacts.first, contacts.second, contacts.impulse, len(parameters.floats.radius)
-    of_float[:] = np.inf
+    for i in range(count):
+        of_float[i] = np.inf
     changed = True
     while changed:
         changed = False
@@ -88,7 +90,8 @@ def bounce(parameters: Parameters, state: State, workspace: Workspace) -> None:
     if fastest <= 0.0:
         return
     mobility, impulse, total = parameters.kick.mobility, contacts.impulse, contacts.total[0]
-    impulse[:total] = 0.0
+    for row in range(total):
+        impulse[row] = 0.0
     touching.weigh(contacts, mobility)
     goal = touching.Goal(touching.CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
     state.tally[SWEEPS] += touching.solve(contacts, before, mobility, goal)
@@ -114,7 +117,8 @@ def solve_contacts(parameters: Parameters, state: State, contacts: Contacts, vel
     goal = touching.Goal(touching.CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
     sweeps = touching.solve(contacts, velocity, mobility, goal) if fastest > 0.0 else 0
     if fastest <= 0.0:
-        contacts.impulse[: contacts.total[0]] = 0.0
+        for row in range(contacts.total[0]):
+            contacts.impulse[row] = 0.0
     state.tally[SWEEPS] += sweeps
     state.tally[UNCONVERGED] += 1.0 if sweeps > touching.MOST_SWEEPS else 0.0
     touching.remember(contacts, memory)
@@ -186,8 +190,8 @@ def rest(parameters: Parameters, state: State, workspace: Workspace) -> None:
     for i in range(count):
         before[i, 0] = decay[i] * passage[i, 0]
         before[i, 1] = decay[i] * passage[i, 1]
-    passage[:count] = state.velocity
+    copy_rows(passage, state.velocity)
     touching.approaches(contacts, before, contacts.change)
     demand_rest(parameters, contacts, passage, contacts.change)
     solve_contacts(parameters, state, contacts, passage)
-    state.velocity[:] = passage[:count]
+    copy_rows(state.velocity, passage)

@@ -13,6 +13,8 @@ from ecume.units import Array, Length, SurfaceTension
 
 SCHEMES = ("velocity-verlet", "explicit-euler", "stormer-verlet", "semi-implicit-euler", "rk4")
 VELOCITY_VERLET, EXPLICIT_EULER, STORMER_VERLET, SEMI_IMPLICIT_EULER, RK4 = range(5)
+RARE = (STORMER_VERLET, RK4)
+"""Schemes that ask for forces on the way; their march is compiled when one of them is used."""
 
 CONTACT_LAWS = ("none", "impulse", "legacy")
 NO_CONTACTS, IMPULSE, LEGACY = range(3)
@@ -68,6 +70,8 @@ class Parameters(NamedTuple):
     """constants of the pair law, packed: see `pack_pair`"""
     cutoff: float
     skin: float
+    reach: float
+    """how far neighbor lists look: the cutoff or the widest touching pair, and the skin"""
     walls: Walls
     wall_law: int
     wall_strength: Array

@@ -22,7 +22,7 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
     """Scratch with neighbor lists that hold at the state's reference positions."""
     while True:
         made = make_workspace(parameters, state, room)
-        if renew_lists(parameters, state, made):
+        if renew_lists(parameters, state.reference, made.lists, made.candidates, made.sorted_floats):
             return made
         room *= ROOMIER
 

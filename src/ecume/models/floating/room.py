@@ -7,7 +7,6 @@ import psutil
 from ecume.errors import Fault, SceneError
 from ecume.models.floating.building import parameters_of
 from ecume.models.floating.parameters import Parameters
-from ecume.models.floating.state import list_reach
 from ecume.scenes.floating import FloatingScene
 
 ROOMIER = 1.6
@@ -29,7 +28,7 @@ def checked_parameters(scene: FloatingScene) -> Parameters:
 def memory_estimate(parameters: Parameters) -> float:
     """Bytes of a run, when the floats are packed to rafts."""
     count = len(parameters.floats.radius)
-    packed = 0.92 * (list_reach(parameters) / float(parameters.floats.radius.min())) ** 2
+    packed = 0.92 * (parameters.reach / float(parameters.floats.radius.min())) ** 2
     return count * (BYTES_PER_FLOAT + BYTES_PER_NEIGHBOR * ROOMIER * min(packed, count))
 
 

@@ -75,11 +75,6 @@ def make_state(position: Array, velocity: Array) -> State:
     )
 
 
-def list_reach(parameters: Parameters) -> float:
-    """How far neighbor lists look: the cutoff or the widest touching pair, and the skin."""
-    return max(parameters.cutoff, 2.0 * float(parameters.floats.radius.max())) + parameters.skin
-
-
 FIRST_GUESS = 64
 """Neighbors of a float that a first workspace has room for."""
 

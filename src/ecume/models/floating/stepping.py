@@ -14,18 +14,18 @@ from collections.abc import Callable
 from ecume._jit import compiled, inlined
 from ecume.engine.contacts import Candidates
 from ecume.engine.neighbors import NeighborLists, build, farthest_move
-from ecume.models.floating.forces import forces, sort_floats
+from ecume.models.floating.forces import Sorted, forces, sort_floats
 from ecume.models.floating.meeting import meet, rest, settle
 from ecume.models.floating.parameters import (
-    EXPLICIT_EULER,
     IMPULSE,
     NO_CONTACTS,
-    RK4,
+    RARE,
     STORMER_VERLET,
     VELOCITY_VERLET,
     Kick,
     Parameters,
 )
+from ecume.models.floating.schemes import clear, copy_rows, drift, give_kick, predict, predict_rarely_with
 from ecume.models.floating.state import State, Workspace
 from ecume.models.model import CROWDED, DIVERGED, DONE
 from ecume.units import Array
@@ -60,17 +60,16 @@ def list_candidates(candidates: Candidates, lists: NeighborLists, reference: Arr
 
 
 @compiled
-def renew_lists(parameters: Parameters, state: State, workspace: Workspace) -> bool:
+def renew_lists(
+    parameters: Parameters, reference: Array, lists: NeighborLists, candidates: Candidates, sorted_floats: Sorted
+) -> bool:
     """Neighbor lists and candidates at the reference positions. False when there is no room."""
-    radius = parameters.floats.radius
-    reach = max(parameters.cutoff, 2.0 * radius.max()) + parameters.skin
-    lists = workspace.lists
-    if not build(lists, state.reference, reach):
+    if not build(lists, reference, parameters.reach):
         return False
-    if not list_candidates(workspace.candidates, lists, state.reference, radius, parameters.skin):
+    if not list_candidates(candidates, lists, reference, parameters.floats.radius, parameters.skin):
         lists.valid[0] = 0
         return False
-    sort_floats(parameters, lists, workspace.sorted_floats)
+    sort_floats(parameters, lists, sorted_floats)
     return True
 
 
@@ -88,92 +87,6 @@ def farthest_ahead(kick: Kick, velocity: Array, force: Array) -> float:
 
 
 @compiled
-def give_kick(kick: Kick, velocity: Array, force: Array) -> None:
-    """Drag and a force that stays for the kick's time, solved exactly."""
-    decay, gain = kick.decay, kick.gain
-    for i in range(force.shape[0]):
-        velocity[i, 0] = decay[i] * velocity[i, 0] + gain[i] * force[i, 0]
-        velocity[i, 1] = decay[i] * velocity[i, 1] + gain[i] * force[i, 1]
-
-
-@compiled
-def drift(position: Array, velocity: Array, time: float) -> None:
-    """Straight on."""
-    for i in range(position.shape[0]):
-        position[i, 0] += time * velocity[i, 0]
-        position[i, 1] += time * velocity[i, 1]
-
-
-@compiled
-def copy_rows(target: Array, source: Array) -> None:
-    """The first rows of one become those of the other."""
-    for i in range(min(target.shape[0], source.shape[0])):
-        target[i, 0], target[i, 1] = source[i, 0], source[i, 1]
-
-
-@compiled
-def accelerate(parameters: Parameters, velocity: Array, force: Array, acceleration: Array) -> None:
-    """F/m - v/tau."""
-    mass, relaxation = parameters.floats.mass, parameters.floats.relaxation_time
-    for i in range(force.shape[0]):
-        acceleration[i, 0] = force[i, 0] / mass[i] - velocity[i, 0] / relaxation[i]
-        acceleration[i, 1] = force[i, 1] / mass[i] - velocity[i, 1] / relaxation[i]
-
-
-@inlined
-def runge_kutta_with(evaluate: Callable[..., None], parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """The classical scheme of fourth order, drag included: passage and velocity change by the weighted means of four
-    stages.
-    """
-    time, passage, stages = parameters.time_step, workspace.passage, workspace.stages
-    position, velocity, rate, slope, push = stages[0], stages[1], stages[2], stages[3], stages[4]
-    passage[: len(position)] = 0.0
-    rate[:] = 0.0
-    copy_rows(push, workspace.force)
-    copy_rows(velocity, state.velocity)
-    for stage in range(4):
-        if stage > 0:
-            ahead = time if stage == 3 else 0.5 * time
-            copy_rows(position, state.position)
-            drift(position, velocity, ahead)
-            copy_rows(velocity, state.velocity)
-            drift(velocity, slope, ahead)
-            evaluate(parameters, position, workspace.lists, (workspace.sorted_floats, push))
-        accelerate(parameters, velocity, push, slope)
-        weight = 1.0 / 6.0 if stage in (0, 3) else 1.0 / 3.0
-        drift(passage[: len(position)], velocity, weight)
-        drift(rate, slope, weight)
-    drift(state.velocity, rate, time)
-
-
-@inlined
-def predict_with(evaluate: Callable[..., None], parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """The smooth part up to the drift: `passage` is the displacement over the time step, and the velocity has its kick.
-
-    Stoermer's scheme is the drift-kick-drift form, whose midpoints obey x(t+dt) = 2 x(t) - x(t-dt) + dt^2 a.
-    """
-    scheme, passage, kick = parameters.scheme, workspace.passage, parameters.kick
-    if scheme == RK4:
-        runge_kutta_with(evaluate, parameters, state, workspace)
-    elif scheme == STORMER_VERLET:
-        middle = workspace.stages[0]
-        copy_rows(passage, state.velocity)
-        copy_rows(middle, state.position)
-        drift(middle, state.velocity, 0.5 * parameters.time_step)
-        evaluate(parameters, middle, workspace.lists, (workspace.sorted_floats, workspace.force))
-        give_kick(kick, state.velocity, workspace.force)
-        for i in range(len(middle)):
-            passage[i, 0] = 0.5 * (passage[i, 0] + state.velocity[i, 0])
-            passage[i, 1] = 0.5 * (passage[i, 1] + state.velocity[i, 1])
-    elif scheme == EXPLICIT_EULER:
-        copy_rows(passage, state.velocity)
-        give_kick(kick, state.velocity, workspace.force)
-    else:
-        give_kick(kick, state.velocity, workspace.force)
-        copy_rows(passage, state.velocity)
-
-
-@compiled
 def keep_lists(parameters: Parameters, state: State, workspace: Workspace) -> int:
     """New lists before anyone leaves the old ones' reach; nothing but the reference positions changes in the state."""
     ahead = parameters.time_step * farthest_ahead(parameters.kick, state.velocity, workspace.force)
@@ -184,17 +97,24 @@ def keep_lists(parameters: Parameters, state: State, workspace: Workspace) -> in
     if moved + ahead > 0.25 * parameters.skin:
         copy_rows(workspace.stages[0], state.reference)
         copy_rows(state.reference, state.position)
-        if not renew_lists(parameters, state, workspace):
+        lists, candidates, sorted_floats = workspace.lists, workspace.candidates, workspace.sorted_floats
+        if not renew_lists(parameters, state.reference, lists, candidates, sorted_floats):
             copy_rows(state.reference, workspace.stages[0])
             return CROWDED
     return DONE
 
 
 @inlined
-def step_with(evaluate: Callable[..., None], parameters: Parameters, state: State, workspace: Workspace) -> None:
+def step_with(
+    predict: Callable[..., None],
+    evaluate: Callable[..., None],
+    parameters: Parameters,
+    state: State,
+    workspace: Workspace,
+) -> None:
     """One time step."""
     copy_rows(workspace.before, state.velocity)
-    predict_with(evaluate, parameters, state, workspace)
+    predict(parameters, state, workspace)
     if parameters.contact_law != NO_CONTACTS:
         meet(parameters, state, workspace)
     drift(state.position, workspace.passage, parameters.time_step)
@@ -210,8 +130,13 @@ def step_with(evaluate: Callable[..., None], parameters: Parameters, state: Stat
 
 
 @inlined
-def advance_with(
-    evaluate: Callable[..., None], parameters: Parameters, state: State, workspace: Workspace, steps: int
+def march_with(
+    predict: Callable[..., None],
+    evaluate: Callable[..., None],
+    parameters: Parameters,
+    state: State,
+    workspace: Workspace,
+    steps: int,
 ) -> int:
     """March: see `ecume.models.model.Model.advance`. `evaluate` works out all forces at given positions."""
     # Stoermer's scheme looks at no force between its steps.
@@ -222,15 +147,32 @@ def advance_with(
         status = keep_lists(parameters, state, workspace)
         if status != DONE:
             return status
-        step_with(evaluate, parameters, state, workspace)
+        step_with(predict, evaluate, parameters, state, workspace)
         if parameters.scheme == STORMER_VERLET:
-            workspace.force[:] = 0.0
+            clear(workspace.force)
         if not farthest_move(state.position, state.reference) <= 0.5 * parameters.skin:
             return DIVERGED
     return DONE
 
 
 @compiled
+def march(parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
+    """`march_with` ecume's own laws alone."""
+    return march_with(predict, forces, parameters, state, workspace, steps)
+
+
+@compiled
+def predict_rarely(parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """`predict_rarely_with` ecume's own laws alone."""
+    predict_rarely_with(forces, parameters, state, workspace)
+
+
+@compiled
+def march_rarely(parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
+    """The march for schemes that are seldom asked for: compiled when one is."""
+    return march_with(predict_rarely, forces, parameters, state, workspace, steps)
+
+
 def advance(parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
-    """`advance_with` ecume's own laws alone."""
-    return advance_with(forces, parameters, state, workspace, steps)
+    """See `ecume.models.model.Model.advance`."""
+    return (march_rarely if parameters.scheme in RARE else march)(parameters, state, workspace, steps)

@@ -1,0 +1,111 @@
+"""The smooth part of a time step, scheme by scheme: what kick, drag and drift do when nothing touches."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from ecume._jit import compiled, inlined
+from ecume.models.floating.parameters import EXPLICIT_EULER, RK4, Kick, Parameters
+from ecume.models.floating.state import State, Workspace
+from ecume.units import Array
+
+
+@compiled
+def give_kick(kick: Kick, velocity: Array, force: Array) -> None:
+    """Drag and a force that stays for the kick's time, solved exactly."""
+    decay, gain = kick.decay, kick.gain
+    for i in range(force.shape[0]):
+        velocity[i, 0] = decay[i] * velocity[i, 0] + gain[i] * force[i, 0]
+        velocity[i, 1] = decay[i] * velocity[i, 1] + gain[i] * force[i, 1]
+
+
+@compiled
+def drift(position: Array, velocity: Array, time: float) -> None:
+    """Straight on."""
+    for i in range(position.shape[0]):
+        position[i, 0] += time * velocity[i, 0]
+        position[i, 1] += time * velocity[i, 1]
+
+
+@compiled
+def copy_rows(target: Array, source: Array) -> None:
+    """The first rows of one become those of the other."""
+    for i in range(min(target.shape[0], source.shape[0])):
+        target[i, 0], target[i, 1] = source[i, 0], source[i, 1]
+
+
+@compiled
+def clear(rows: Array) -> None:
+    """All zero."""
+    for i in range(rows.shape[0]):
+        rows[i, 0], rows[i, 1] = 0.0, 0.0
+
+
+@compiled
+def accelerate(parameters: Parameters, velocity: Array, force: Array, acceleration: Array) -> None:
+    """F/m - v/tau."""
+    mass, relaxation = parameters.floats.mass, parameters.floats.relaxation_time
+    for i in range(force.shape[0]):
+        acceleration[i, 0] = force[i, 0] / mass[i] - velocity[i, 0] / relaxation[i]
+        acceleration[i, 1] = force[i, 1] / mass[i] - velocity[i, 1] / relaxation[i]
+
+
+@compiled
+def predict(parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """The smooth part up to the drift: `passage` is the displacement over the time step, and the velocity has its
+    kick.
+    """
+    if parameters.scheme == EXPLICIT_EULER:
+        copy_rows(workspace.passage, state.velocity)
+        give_kick(parameters.kick, state.velocity, workspace.force)
+    else:
+        give_kick(parameters.kick, state.velocity, workspace.force)
+        copy_rows(workspace.passage, state.velocity)
+
+
+@inlined
+def runge_kutta_with(evaluate: Callable[..., None], parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """The classical scheme of fourth order, drag included: passage and velocity change by the weighted means of four
+    stages.
+    """
+    time, passage, stages = parameters.time_step, workspace.passage, workspace.stages
+    position, velocity, rate, slope, push = stages[0], stages[1], stages[2], stages[3], stages[4]
+    clear(passage)
+    clear(rate)
+    copy_rows(push, workspace.force)
+    copy_rows(velocity, state.velocity)
+    for stage in range(4):
+        if stage > 0:
+            ahead = time if stage == 3 else 0.5 * time
+            copy_rows(position, state.position)
+            drift(position, velocity, ahead)
+            copy_rows(velocity, state.velocity)
+            drift(velocity, slope, ahead)
+            evaluate(parameters, position, workspace.lists, (workspace.sorted_floats, push))
+        accelerate(parameters, velocity, push, slope)
+        weight = 1.0 / 6.0 if stage in (0, 3) else 1.0 / 3.0
+        drift(passage, velocity, weight)
+        drift(rate, slope, weight)
+    drift(state.velocity, rate, time)
+
+
+@inlined
+def predict_rarely_with(
+    evaluate: Callable[..., None], parameters: Parameters, state: State, workspace: Workspace
+) -> None:
+    """`predict` for the schemes that ask for forces on the way.
+
+    Stoermer's scheme is the drift-kick-drift form, whose midpoints obey x(t+dt) = 2 x(t) - x(t-dt) + dt^2 a.
+    """
+    if parameters.scheme == RK4:
+        runge_kutta_with(evaluate, parameters, state, workspace)
+        return
+    passage, middle = workspace.passage, workspace.stages[0]
+    copy_rows(passage, state.velocity)
+    copy_rows(middle, state.position)
+    drift(middle, state.velocity, 0.5 * parameters.time_step)
+    evaluate(parameters, middle, workspace.lists, (workspace.sorted_floats, workspace.force))
+    give_kick(parameters.kick, state.velocity, workspace.force)
+    for i in range(len(middle)):
+        passage[i, 0] = 0.5 * (passage[i, 0] + state.velocity[i, 0])
+        passage[i, 1] = 0.5 * (passage[i, 1] + state.velocity[i, 1])
