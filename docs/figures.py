@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from figures_sph import FIGURES as SPH_FIGURES
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
@@ -246,6 +247,7 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     "bowl-energies": bowl_energies,
     "integrators": integrators,
     "cereal-bowl": cereal_bowl,
+    **SPH_FIGURES,
 }
 
 

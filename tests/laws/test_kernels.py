@@ -156,12 +156,20 @@ def test_a_gaussian_cut_at_three_lengths_loses_this_much():
     assert [gaussian_deficit(dim) for dim in DIMENSIONS] == pytest.approx([2.2090e-5, 1.23410e-4, 4.39850e-4], rel=1e-4)
 
 
-def test_the_inner_branch_alone_is_no_kernel():
-    sigma = kernel("cubic-spline", 2).normalization
-    for end, expected in ((1.0, 11 / 14), (2.0, 16 / 7)):
-        q = (np.arange(20000) + 0.5) * end / 20000
-        inner = 2 / 3 - q**2 + q**3 / 2
-        assert sigma * np.sum(2 * math.pi * q * inner) * end / 20000 == pytest.approx(expected, abs=1e-7)
+INNER = {
+    "cubic-spline": (lambda q: 2 / 3 - q**2 + q**3 / 2, {1.0: 11 / 14, 2.0: 16 / 7}),
+    "quintic-spline": (lambda q: (3 - q) ** 5 - 6 * (2 - q) ** 5 + 15 * (1 - q) ** 5, {1.0: 0.631799, 3.0: -11.6360}),
+}
+
+
+@pytest.mark.parametrize(("name", "inner"), INNER.items())
+def test_the_inner_branch_alone_is_no_kernel(name, inner):
+    branch, sums = inner
+    nodes, weights = np.polynomial.legendre.leggauss(12)
+    for end, expected in sums.items():
+        q = 0.5 * end * (nodes + 1.0)
+        mass = kernel(name, 2).normalization * np.sum(2 * math.pi * q * branch(q) * weights) * 0.5 * end
+        assert mass == pytest.approx(expected, rel=5e-6)
 
 
 def test_numbers_give_numbers_and_arrays_arrays():

@@ -1,0 +1,113 @@
+"""The figures of the page on liquids made of particles; `docs/figures.py` draws them with the others."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from ecume.laws import column, states
+from ecume.laws.kernels import Kernel, kernel
+from ecume.show.style import INK, MUTED, PALETTE, figure
+from ecume.units import Array
+
+DRAWN = {
+    "cubic-spline": ("-", PALETTE[0]), "quartic-spline": ("-", PALETTE[4]), "quintic-spline": ("-", PALETTE[3]),
+    "liu-quartic": ("--", PALETTE[0]), "wendland-c2": ("-", PALETTE[1]), "wendland-c4": ("--", PALETTE[1]),
+    "wendland-c6": (":", PALETTE[1]), "gaussian": ("-", PALETTE[2]),
+}  # fmt: skip
+"""Lucy's has a support of one h, and would be off the scale."""
+
+
+def kernels() -> Figure:
+    """Kernels in a plane, and their slopes."""
+    drawn = figure(9.0, 3.8)
+    left, right = drawn.subplots(1, 2)
+    q = np.linspace(0.0, 3.0, 601)
+    for name, (dashes, color) in DRAWN.items():
+        one = quiet(name)
+        left.plot(q, one.value(q, 1.0), dashes, color=color, label=name)
+        right.plot(q, one.slope(q, 1.0), dashes, color=color)
+    left.set(xlabel="distance / h", ylabel="W h²", xlim=(0, 3), ylim=(-0.02, 0.92))
+    left.set_title("In a plane")
+    left.legend()
+    right.set(xlabel="distance / h", ylabel="dW/dr h³", xlim=(0, 3))
+    right.set_title("Their slopes: zero at the center")
+    return drawn
+
+
+def branches() -> Figure:
+    """What is left of a spline when its innermost branch is used everywhere; and a quartic that turns negative."""
+    drawn = figure(9.4, 3.4)
+    axes = drawn.subplots(1, 3)
+    q = np.linspace(0.0, 3.0, 601)
+    _beside(axes[0], "cubic-spline", q[q <= 2.0], 2.0 / 3.0 - q**2 + 0.5 * q**3)
+    axes[0].set_title("Cubic: sums to 16/7")
+    axes[0].set_ylim(-0.02, 0.6)
+    _beside(axes[1], "quintic-spline", q, (3.0 - q) ** 5 - 6.0 * (2.0 - q) ** 5 + 15.0 * (1.0 - q) ** 5)
+    axes[1].set_title("Quintic: sums to −11.6")
+    axes[1].set_ylim(-0.45, 0.45)
+    tail = np.linspace(1.5, 2.05, 200)
+    for name in ("liu-quartic", "cubic-spline", "wendland-c2"):
+        dashes, color = DRAWN[name]
+        axes[2].plot(tail, quiet(name).value(tail, 1.0), dashes, color=color, label=name)
+    axes[2].axhline(0.0, color=MUTED, linewidth=0.8)
+    axes[2].set(xlabel="distance / h", ylim=(-0.0015, 0.012))
+    axes[2].set_title("Liu, Liu and Lam: negative")
+    axes[2].legend()
+    return drawn
+
+
+def _beside(axes: Axes, name: str, q: Array, bracket: Array) -> None:
+    one = quiet(name)
+    axes.plot(q, one.normalization * bracket[: len(q)], "--", color=PALETTE[0], label="innermost branch alone")
+    axes.plot(q, one.value(q, 1.0), color=PALETTE[1], label=name)
+    axes.axhline(0.0, color=MUTED, linewidth=0.8)
+    axes.set(xlabel="distance / h", ylabel="W h²")
+    axes.legend()
+
+
+def pressure() -> Figure:
+    """A tank at rest: what Tait's law gives, what the sum with the hydrostatic part gives; and how short it is."""
+    drawn = figure(9.0, 3.6)
+    left, right = drawn.subplots(1, 2)
+    height = np.linspace(0.0, 1.0, 101)
+    top = column.column_height(1.0, 1.0, 1.0, 10.0)
+    depth = [max(top - y, 0.0) for y in height]
+    density = np.array([column.hydrostatic_density(d, 1.0, 1.0, 10.0) for d in depth])
+    tait = states.tait_pressure(density, 1.0, 10.0)
+    both = states.absolute_pressure(density, height, 1.0, reference_density=1.0, sound_speed=10.0, gravity=1.0)
+    left.plot(tait, height, color=PALETTE[1], label="Tait's law alone")
+    left.plot(both, height, "--", color=PALETTE[0], label="with ρ g (H − y) added")
+    exact = states.hydrostatic_pressure(height, 1.0, 1.0, 1.0)
+    left.plot(exact, height, ":", color=INK, linewidth=2.2, label="ρ₀ g (H − y)")
+    left.set(xlabel="pressure / ρ₀ g H", ylabel="height / H", xlim=(0, 2.05), ylim=(0, 1))
+    left.set_title("Particles that feel gravity, at rest")
+    left.legend()
+    speeds = np.geomspace(5.0, 50.0, 60)
+    for exponent, dashes in ((7.0, "-"), (1.0, "--")):
+        short = [100.0 * (1.0 - column.column_height(1.0, 1.0, 1.0, c, exponent)) for c in speeds]
+        right.plot(speeds, short, dashes, color=PALETTE[1], label=f"γ = {exponent:g}")
+    right.set(xscale="log", yscale="log", xlabel="c₀ / √(gH)", ylabel="shorter than H by (%)")
+    right.set_xticks([5, 10, 20, 50], labels=["5", "10", "20", "50"])
+    right.minorticks_off()
+    right.set_title("A column of this liquid is compressed")
+    right.legend()
+    return drawn
+
+
+def quiet(name: str) -> Kernel:
+    """The kernel in a plane, without the warning that `liu-quartic` gives."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return kernel(name, 2)
+
+
+FIGURES: dict[str, Callable[[], Figure]] = {
+    "sph-kernels": kernels,
+    "sph-branches": branches,
+    "sph-pressure": pressure,
+}
