@@ -4,7 +4,7 @@ import pytest
 from ecume.engine import contacts as touching
 from ecume.engine.contacts import Bodies, Goal
 from ecume.engine.placement import place_on_lattice
-from ecume.engine.walls import disc, no_walls
+from ecume.engine.walls.dishes import disc, no_walls
 
 
 def all_candidates(position):

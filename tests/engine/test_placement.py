@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial.distance import pdist
 
 from ecume.engine.placement import Region, place_at_random, place_on_lattice, place_on_ring
-from ecume.engine.walls import disc, no_walls
+from ecume.engine.walls.dishes import disc, no_walls
 from ecume.errors import BadInput
 
 NONE = np.zeros((0, 2)), np.zeros(0)

@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ecume.engine import walls as wall_shapes
 from ecume.engine.walls import Walls
+from ecume.engine.walls import dishes as wall_shapes
 from ecume.errors import BadInput, EcumeError, Fault, SceneError
 from ecume.laws import capillarity, drag, flotation, meniscus
 from ecume.laws.contact import legacy_restitution

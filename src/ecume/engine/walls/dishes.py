@@ -1,4 +1,4 @@
-"""Walls in the plane that a center may not pass: a disc seen from inside, and straight lines.
+"""The walls of a floating raft, which a center may not pass: a disc seen from inside, and straight lines.
 
 Distance is positive inside; the normal points inward and is the slope of the distance.
 """

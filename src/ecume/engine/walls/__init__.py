@@ -1,0 +1,56 @@
+"""Walls: surfaces that turn particles back within a step (`reflect`), and the walls of a floating raft (`Walls`)."""
+
+from __future__ import annotations
+
+from ecume.engine.walls.dishes import Walls, no_walls, wall_count, wall_distance
+from ecume.engine.walls.flight import CAPPED, MOST_EVENTS, STARTED_OUTSIDE, STAYED
+from ecume.engine.walls.passage import reflect_all
+from ecume.engine.walls.reflecting import Trace, clearance, gaps, reflect, trace
+from ecume.engine.walls.sheets import Sheet, sheet
+from ecume.engine.walls.surfaces import (
+    Surfaces,
+    box,
+    described,
+    disc,
+    moved,
+    moving,
+    opening,
+    outside,
+    planes,
+    polygon,
+    polyhedron,
+    together,
+    wedge,
+)
+
+__all__ = [
+    "CAPPED",
+    "MOST_EVENTS",
+    "STARTED_OUTSIDE",
+    "STAYED",
+    "Sheet",
+    "Surfaces",
+    "Trace",
+    "Walls",
+    "box",
+    "clearance",
+    "described",
+    "disc",
+    "gaps",
+    "moved",
+    "moving",
+    "no_walls",
+    "opening",
+    "outside",
+    "planes",
+    "polygon",
+    "polyhedron",
+    "reflect",
+    "reflect_all",
+    "sheet",
+    "together",
+    "trace",
+    "wall_count",
+    "wall_distance",
+    "wedge",
+]

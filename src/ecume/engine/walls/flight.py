@@ -1,0 +1,252 @@
+"""One particle's flight through one step, from surface to surface until the time is used up."""
+
+from __future__ import annotations
+
+import math
+
+from ecume._jit import compiled, compiled_inside
+from ecume.engine.cells import Integers
+from ecume.engine.walls.roots import NEVER, time_to_plane, time_to_sphere
+from ecume.engine.walls.sheets import (
+    RESTITUTION,
+    SIZE,
+    TANGENTIAL,
+    from_center,
+    gap_to,
+    grain_at,
+    inward_normal,
+    place_of,
+    wall_velocity,
+)
+from ecume.engine.walls.surfaces import PLANE
+from ecume.engine.walls.vectors import Vector, dot, eased, flown, length, plus, scaled
+from ecume.units import Array
+
+STAYED, CAPPED, STARTED_OUTSIDE = 0, -1, -2
+"""Fates; a particle that left through opening m has the fate m + 1."""
+MOST_EVENTS = 10_000
+"""Events in one step, after which a particle is left where it is, and flagged."""
+CALM = 1e-8
+"""A rebound slower than this part of the step's own speeds is rest: bounces end, as Zeno's do, in a finite time."""
+ULPS = 1e-15
+"""What rounding may do to a velocity's part."""
+ARC = 0.02
+"""Along a curved wall a particle slides in pieces of this angle, or this part of sqrt(radius / acceleration)."""
+NOTHING = -1
+Held = tuple[int, int, int]
+Course = tuple[Vector, Vector, Vector]
+"""Position, velocity and acceleration."""
+Moment = tuple[float, float, float]
+"""The time since the step began, what is left of the step, and the particle's radius."""
+State = tuple[Vector, Vector, Vector, float, Held]
+"""Position, velocity, the push from outside, time, and what it rests on."""
+NOBODY = (-1, -1, -1)
+
+
+@compiled_inside
+def undisturbed(course: Course, moment: Moment, kind: Integers, number: Array) -> bool:
+    """Whether nothing can be met: a bound that needs no roots, for nearly everyone."""
+    k = 0
+    while k < kind.shape[0]:
+        free, stop = False, max(int(kind[k, 2]), k + 1)
+        for other in range(k, stop):
+            free = free or least_gap(course, moment, kind, number, other) > 0.0
+        if not free:
+            return False
+        k = stop
+    return True
+
+
+@compiled_inside
+def least_gap(course: Course, moment: Moment, kind: Integers, number: Array, k: int) -> float:
+    """A lower bound of the gap to surface k during the rest of the step."""
+    x, v, a = course
+    time, left, radius = moment
+    gap = gap_to(kind, number, k, x, time) - radius
+    q = plus(v, -1.0, wall_velocity(number, k))
+    if kind[k, 0] == PLANE:
+        n = place_of(number, k)
+        return gap + left * (min(dot(q, n), 0.0) + 0.5 * left * min(dot(a, n), 0.0))
+    return gap - left * (length(q) + 0.5 * left * length(a))
+
+
+@compiled_inside
+def time_to_surface(course: Course, moment: Moment, kind: Integers, number: Array, k: int) -> float:
+    """When surface k is crossed from inside to outside, from now."""
+    x, v, a = course
+    time, left, radius = moment
+    q = plus(v, -1.0, wall_velocity(number, k))
+    if kind[k, 0] == PLANE:
+        n = place_of(number, k)
+        gap = gap_to(kind, number, k, x, time) - radius
+        if kind[k, 2] == 0 or gap > -grain_at(number, k, x):
+            gap = max(gap, 0.0)
+        return time_to_plane(gap, dot(q, n), dot(a, n))
+    side = float(kind[k, 0])
+    shape = (number[k, SIZE] - side * radius, side, left)
+    return time_to_sphere(from_center(number, k, x, time), q, a, shape)
+
+
+@compiled_inside
+def on_face(course: Course, moment: Moment, kind: Integers, number: Array, k: int) -> bool:
+    """Whether a point of the plane is on the obstacle's face: inside of its other planes, and not just leaving."""
+    x, v, a = course
+    time, _, radius = moment
+    for j in range(kind[k, 1], kind[k, 2]):
+        gap, grain = gap_to(kind, number, j, x, time) - radius, grain_at(number, j, x)
+        n = place_of(number, j)
+        away = dot(plus(v, -1.0, wall_velocity(number, j)), n)
+        if j != k and (gap > grain or (gap > -grain and (away > 0.0 or (away == 0.0 and dot(a, n) > 0.0)))):
+            return False
+    return True
+
+
+@compiled_inside
+def time_to_rim(course: Course, moment: Moment, kind: Integers, number: Array, k: int) -> float:
+    """When what slides on an obstacle's face k leaves it."""
+    x, v, a = course
+    time, _, radius = moment
+    soonest = NEVER
+    for j in range(kind[k, 1], kind[k, 2]):
+        if j != k:
+            n = place_of(number, j)
+            depth = radius - gap_to(kind, number, j, x, time)
+            away = dot(plus(v, -1.0, wall_velocity(number, j)), n)
+            soonest = min(soonest, time_to_plane(max(depth, 0.0), -away, -dot(a, n)))
+    return soonest
+
+
+@compiled
+def next_event(course: Course, moment: Moment, held: Held, kind: Integers, number: Array) -> tuple[float, int]:
+    """What comes first in the rest of the step: the surface hit, or -2 - k where it slides off the face k.
+
+    What is hit at once with another, up to rounding, is hit right after it; the lower number goes first.
+    """
+    time, left, radius = moment
+    soonest, what = left, NOTHING
+    for k in range(kind.shape[0]):
+        on = k == held[0] or k == held[1] or k == held[2]
+        wait = time_to_rim(course, moment, kind, number, k) if on else time_to_surface(course, moment, kind, number, k)
+        if wait < soonest - 4e-16 * left:
+            x, v, a = flown(course[0], course[1], course[2], wait), plus(course[1], wait, course[2]), course[2]
+            if on:
+                soonest, what = wait, -2 - k
+            elif kind[k, 2] == 0 or on_face((x, v, a), (time + wait, 0.0, radius), kind, number, k):
+                soonest, what = wait, k
+    return soonest, what
+
+
+@compiled_inside
+def supports(held: Held, kind: Integers, number: Array, x: Vector, time: float) -> tuple[Vector, Vector, Vector]:
+    """The normals of what a particle rests on; 0 for nothing."""
+    none = (0.0, 0.0, 0.0)
+    first = inward_normal(kind, number, held[0], x, time) if held[0] >= 0 else none
+    second = inward_normal(kind, number, held[1], x, time) if held[1] >= 0 else none
+    third = inward_normal(kind, number, held[2], x, time) if held[2] >= 0 else none
+    return first, second, third
+
+
+@compiled_inside
+def without(held: Held, k: int) -> Held:
+    """All but k."""
+    return (
+        held[0] if held[0] != k else -1,
+        held[1] if held[1] != k else -1,
+        held[2] if held[2] != k else -1,
+    )
+
+
+@compiled_inside
+def holding(held: Held, k: int) -> Held:
+    """k, and the two latest others."""
+    rest = without(held, k)
+    return k, rest[0] if rest[0] >= 0 else rest[1], rest[2] if rest[0] < 0 else (rest[1] if rest[1] >= 0 else rest[2])
+
+
+@compiled_inside
+def curved_one(held: Held, kind: Integers) -> int:
+    """The sphere a particle rests on, or -1."""
+    for k in held:
+        if k >= 0 and kind[k, 0] != PLANE:
+            return k
+    return -1
+
+
+@compiled_inside
+def snapped(x: Vector, moment: Moment, kind: Integers, number: Array, k: int) -> Vector:
+    """Onto the surface: a hit point is off by rounding, which must not add up to a leak."""
+    time, _, radius = moment
+    gap = gap_to(kind, number, k, x, time) - radius
+    return plus(x, -gap, inward_normal(kind, number, k, x, time))
+
+
+@compiled_inside
+def curvature(kind: Integers, number: Array, k: int, radius: float) -> float:
+    """1 over the radius on which a center slides along the surface; negative over a ball, 0 on a plane."""
+    return 0.0 if kind[k, 0] == PLANE else kind[k, 0] / (number[k, SIZE] - kind[k, 0] * radius)
+
+
+@compiled_inside
+def met(state: State, moment: Moment, kind: Integers, number: Array, k: int) -> tuple[Vector, Held, bool]:
+    """The velocity after surface k has been met, what supports the particle then, and whether it was a real hit.
+
+    In the wall's frame the normal velocity turns, v_n -> -C_R v_n, and the tangential one becomes C_T v_t. What would
+    rebound slower than `calm` while pressed on stays on the surface, and slides without friction.
+    """
+    x, v, push, calm, held = state
+    n = inward_normal(kind, number, k, x, moment[0])
+    w = wall_velocity(number, k)
+    relative = plus(v, -1.0, w)
+    normal = dot(relative, n)
+    along = plus(relative, -normal, n)
+    back, real = -number[k, RESTITUTION] * normal, normal < -calm
+    if real:
+        along = scaled(number[k, TANGENTIAL], along)
+    bend = curvature(kind, number, k, moment[2])
+    if back <= calm and bend * dot(along, along) >= dot(push, n):
+        held = holding(held, k)
+        on = supports(held, kind, number, x, moment[0])
+        return plus(w, 1.0, eased(along, on[0], on[1], on[2])), held, real
+    # Rounding must not leave it going on through the wall, or it would meet it for ever at once.
+    return plus(plus(w, 1.0, along), max(back, ULPS * length(relative)), n), NOBODY, real
+
+
+@compiled_inside
+def calm_speed(v: Vector, push: Vector, span: float, bounce: tuple[float, float]) -> float:
+    """Rebounds slower than this are rest; bounce = (restitution, grain of a position).
+
+    Without loss only a push makes small bounces; with loss any speed dies out. A fall through the rounding of a
+    position makes a speed, too.
+    """
+    strength = length(push)
+    lost = length(v) if bounce[0] < 1.0 else 0.0
+    return CALM * (span * strength + lost) + math.sqrt(1e-2 * bounce[1] * strength)
+
+
+@compiled_inside
+def rolled(state: State, moment: Moment, kind: Integers, number: Array, k: int) -> tuple[Vector, Vector, float]:
+    """Slide along the curved wall k for a piece of the step: position, velocity, and how long it took.
+
+    Velocity Verlet on the sphere: half a kick, a great circle, half a kick; exact without a push.
+    """
+    x, v, push, _, held = state
+    time, left, radius = moment
+    w = wall_velocity(number, k)
+    rho = number[k, SIZE] - kind[k, 0] * radius
+    on = supports(held, kind, number, x, time)
+    pull = eased(push, on[0], on[1], on[2])
+    speed, strength = length(plus(v, -1.0, w)), length(push)
+    piece = min(left, ARC * rho / speed) if speed > 0.0 else left
+    piece = min(piece, ARC * math.sqrt(rho / strength)) if strength > 0.0 else piece
+    half = plus(plus(v, -1.0, w), 0.5 * piece, pull)
+    pace = length(half)
+    if pace == 0.0:
+        return plus(x, left, w), v, left
+    out, ahead = scaled(1.0 / rho, from_center(number, k, x, time)), scaled(1.0 / pace, half)
+    cosine, sine = math.cos(pace * piece / rho), math.sin(pace * piece / rho)
+    new = plus(scaled(cosine, out), sine, ahead)
+    x = plus(plus(plus(x, rho, new), -rho, out), piece, w)
+    half = scaled(pace, plus(scaled(cosine, ahead), -sine, out))
+    on = supports(held, kind, number, x, time + piece)
+    half = plus(half, 0.5 * piece, eased(push, on[0], on[1], on[2]))
+    return x, plus(w, 1.0, eased(half, on[0], on[1], on[2])), piece

@@ -1,0 +1,181 @@
+"""Reflection as a function of arrays: `reflect`, and `trace` with every hit."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ecume.engine.cells import Integers
+from ecume.engine.walls.flight import CAPPED, MOST_EVENTS
+from ecume.engine.walls.passage import fly_all, reflect_all
+from ecume.engine.walls.sheets import GRAIN, SCALE, Sheet, sheet
+from ecume.engine.walls.surfaces import PLANE, Surfaces, described
+from ecume.errors import BadInput
+from ecume.units import Array
+
+
+class Trace(NamedTuple):
+    """One step with every hit of every particle; the hits stand particle by particle, in the order of time."""
+
+    position: Array
+    """(N, d) m"""
+    velocity: Array
+    """(N, d) m/s"""
+    hits: Integers
+    """(N,)"""
+    particle: Integers
+    """(M,) who"""
+    surface: Integers
+    """(M,) hit which surface"""
+    time: Array
+    """(M,) s, since the step began"""
+    place: Array
+    """(M, d) m"""
+    left: Integers
+    """(N,) the opening through which a particle left, or -1; it stays where it went through"""
+    capped: np.ndarray[Any, np.dtype[np.bool_]]
+    """(N,) True where the step had more events than a step may have; the rest of the flight is missing"""
+
+
+def reflect(
+    position: Any,
+    velocity: Any,
+    dt: float,
+    walls: Surfaces,
+    restitution: Any = 1.0,
+    tangential: Any = 1.0,
+    acceleration: Any = None,
+    radius: Any = 0.0,
+) -> tuple[Array, Array, Integers]:
+    """Fly particles through one step of `dt` seconds: new positions (N, d), velocities (N, d), hits (N,).
+
+    At a surface the normal velocity turns, v_n -> -restitution v_n, and the tangential one becomes tangential v_t, in
+    the frame of the surface, as often as it is met; between hits the flight is straight, or a parabola under a constant
+    acceleration, (d,) or (N, d). A particle of a radius touches before its center does. Coefficients are one number,
+    or one for each surface. What rebounds more slowly than 1e-8 of the step's speeds, pressed on, slides. Moving walls
+    are where they are when the step begins. Raises BadInput for a particle that starts outside, or that would need
+    more than 10,000 events; `trace` flags the latter instead.
+
+    >>> from ecume.engine.walls import box
+    >>> position, velocity, hits = reflect([(0.5, 0.9)], [(0.0, 1.0)], 0.5, box((0, 0), (1, 1)))
+    >>> print(position.round(12), velocity, hits)
+    [[0.5 0.6]] [[ 0. -1.]] [1]
+    """
+    new, fast, pushed, width = _prepared(position, velocity, acceleration, radius)
+    packed = sheet(walls, restitution, tangential)
+    _require_inside(new, width, walls, packed)
+    hits, fate = np.zeros(len(new), np.int64), np.zeros(len(new), np.int64)
+    tally = (hits, fate, np.zeros(len(walls.kind), np.int64))
+    if reflect_all(new, fast, pushed, float(dt), packed, width, tally):
+        worst = int(np.argmin(fate))
+        raise BadInput(
+            f"reflect: particle {worst} met walls more than {MOST_EVENTS} times within {dt:g} s; take a shorter step"
+        )
+    return new, fast, hits
+
+
+def trace(
+    position: Any,
+    velocity: Any,
+    dt: float,
+    walls: Surfaces,
+    restitution: Any = 1.0,
+    tangential: Any = 1.0,
+    acceleration: Any = None,
+    radius: Any = 0.0,
+) -> Trace:
+    """The same step as `reflect`, with every hit: which surface (the original's plane_col, plane_col2 and on), when,
+    where.
+
+    >>> from ecume.engine.walls import box
+    >>> trace([(0.9, 0.8)], [(1.0, 1.0)], 0.5, box((0, 0), (1, 1))).surface
+    array([2, 3])
+    """
+    started = _prepared(position, velocity, acceleration, radius)
+    packed = sheet(walls, restitution, tangential)
+    _require_inside(started[0], started[3], walls, packed)
+    count, dimension = started[0].shape
+    hits = np.zeros(count, np.int64)
+    none = np.zeros(0, np.int64)
+    _flown(started, float(dt), packed, (none, none, np.zeros(0), np.zeros((0, dimension))), hits)
+    first = np.concatenate([[0], np.cumsum(hits)])
+    total = int(first[-1])
+    log = (first, np.zeros(total, np.int64), np.zeros(total), np.zeros((total, dimension)))
+    again = _prepared(position, velocity, acceleration, radius)
+    fate = _flown(again, float(dt), packed, log, np.zeros_like(hits))
+    who = np.repeat(np.arange(count), hits)
+    return Trace(again[0], again[1], hits, who, *log[1:], np.maximum(fate, 0) - 1, fate == CAPPED)
+
+
+Prepared = tuple[Array, Array, Array, Array]
+
+
+def _flown(started: Prepared, dt: float, packed: Sheet, log: Any, hits: Integers) -> Integers:
+    fate = np.zeros(len(hits), np.int64)
+    per_surface = np.zeros(len(packed.kind), np.int64)
+    counts: Any = (hits, fate, per_surface)
+    fly_all(*started, dt, *packed, *log, *counts)
+    return fate
+
+
+def _prepared(position: Any, velocity: Any, acceleration: Any, radius: Any) -> Prepared:
+    """Copies in the layout that compiled code wants."""
+    new, fast = np.array(position, np.float64, order="C"), np.array(velocity, np.float64, order="C")
+    if new.ndim != 2 or new.shape[1] not in (2, 3) or fast.shape != new.shape:
+        raise BadInput(f"position, velocity: came shapes {new.shape}, {fast.shape}; wanted (N, 2) or (N, 3) for both")
+    pushed = np.zeros((1, new.shape[1])) if acceleration is None else np.array(acceleration, np.float64, order="C")
+    pushed = np.atleast_2d(pushed)
+    if pushed.shape not in ((1, new.shape[1]), new.shape):
+        raise BadInput(f"acceleration: came shape {pushed.shape}; wanted ({new.shape[1]},) or {new.shape}")
+    width = np.atleast_1d(np.array(radius, np.float64))
+    if width.shape not in ((1,), (len(new),)) or not np.all(width >= 0.0):
+        raise BadInput(f"radius: came {radius!r}; wanted a length, or one for each of {len(new)} particles")
+    for name, array in (("position", new), ("velocity", fast), ("acceleration", pushed)):
+        if not np.all(np.isfinite(array)):
+            worst = int(np.flatnonzero(~np.isfinite(array).all(axis=1))[0])
+            raise BadInput(f"{name}: row {worst} is {array[worst].tolist()}; wanted finite numbers")
+    return new, fast, pushed, width
+
+
+def gaps(position: Array, walls: Surfaces) -> Array:
+    """(N, K) how far inside each surface each point is (m)."""
+    wide = np.pad(position, ((0, 0), (0, 3 - position.shape[1])))
+    flat = wide @ walls.place.T - walls.size
+    away = np.linalg.norm(wide[:, None, :] - walls.place[None], axis=2)
+    found: Array = np.where(walls.kind == PLANE, flat, walls.kind * (walls.size - away))
+    return found
+
+
+def clearance(position: Array, walls: Surfaces) -> tuple[Array, Integers]:
+    """How far inside of everything each point is (m; negative: outside), and the surface that says so.
+
+    An obstacle is as far as the farthest of its faces.
+    """
+    found = gaps(position, walls)
+    nearest = np.tile(np.arange(found.shape[1]), (len(found), 1))
+    for start, stop in {(int(a), int(b)) for a, b in walls.face if b > 0}:
+        best = start + np.argmax(found[:, start:stop], axis=1)
+        nearest[:, start:stop] = best[:, None]
+        found[:, start:stop] = np.take_along_axis(found, best[:, None], axis=1)
+    if not found.shape[1]:
+        return np.full(len(position), np.inf), np.full(len(position), -1)
+    worst = np.argmin(found, axis=1)[:, None]
+    return np.take_along_axis(found, worst, axis=1)[:, 0], np.take_along_axis(nearest, worst, axis=1)[:, 0]
+
+
+def _require_inside(position: Array, radius: Array, walls: Surfaces, packed: Sheet) -> None:
+    if position.shape[1] != walls.dimension:
+        raise BadInput(f"position: came {position.shape[1]} coordinates; the walls have {walls.dimension}")
+    clear, which = clearance(position, walls)
+    scale = float(packed.number[:, SCALE].max(initial=0.0))
+    grain = GRAIN * (scale + np.linalg.norm(position, axis=1))
+    out = np.flatnonzero(clear - radius < -grain)
+    if len(out):
+        i = int(out[0])
+        point = ", ".join(f"{value:.9g}" for value in position[i])
+        others = f" ({len(out)} of {len(position)} particles do)" if len(out) > 1 else ""
+        raise BadInput(
+            f"position: particle {i} at ({point}) starts outside: {radius[i % len(radius)] - clear[i]:.3g} m beyond "
+            f"{described(walls, int(which[i]))}{others}; wanted every particle inside, its radius included"
+        )

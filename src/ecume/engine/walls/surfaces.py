@@ -1,0 +1,223 @@
+"""What a particle is turned back by: planes and spheres (lines and circles in two dimensions), each with its inside.
+
+Every shape is a list of surfaces; `together` joins lists. A particle must be on the inner side of all of them, except
+that of a convex obstacle it must be outside one of the faces.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ecume.engine.cells import Integers
+from ecume.errors import BadInput
+from ecume.units import Array
+
+PLANE, INSIDE, OUTSIDE = 0, 1, -1
+"""Kinds: a plane, a sphere seen from inside, a sphere seen from outside."""
+
+
+class Surfaces(NamedTuple):
+    """K surfaces, and M openings in them. Rows have three columns; z is 0 in two dimensions."""
+
+    dimension: int
+    kind: Integers
+    """(K,)"""
+    place: Array
+    """(K, 3) a plane's unit normal towards the particles; a sphere's center, m"""
+    size: Array
+    """(K,) m: a plane is n.x = size; a sphere's radius"""
+    velocity: Array
+    """(K, 3) m/s"""
+    face: Integers
+    """(K, 2) for the face of an obstacle the range of the obstacle's planes; (0, 0) otherwise"""
+    hole: Integers
+    """(M,) the surface an opening is in"""
+    low: Array
+    """(M, 3) m: an opening is the part of its surface inside a box"""
+    high: Array
+    """(M, 3)"""
+
+
+def planes(points: Any, normals: Any, velocities: Any = None) -> Surfaces:
+    """Planes through points; the normals, of any length, point to the particles. Velocities if they move."""
+    through, normal = _rows(points, "points"), _rows(normals, "normals")
+    _require_shape(normal, through, "normals", "points")
+    lengths = np.linalg.norm(normal, axis=1)
+    if not np.all(lengths > 0.0):
+        raise BadInput(f"planes: normal {int(np.argmin(lengths))} has no direction; wanted one that points inside")
+    unit = normal / lengths[:, None]
+    velocity = np.zeros_like(unit) if velocities is None else _rows(velocities, "velocities")
+    _require_shape(velocity, through, "velocities", "points")
+    return _made(through.shape[1], PLANE, unit, np.einsum("kd,kd->k", unit, through), velocity)
+
+
+def box(low: Sequence[float], high: Sequence[float]) -> Surfaces:
+    """The inside of a rectangle, or of a box: lower sides of all axes, then the upper ones."""
+    bottom, top = np.asarray(low, np.float64), np.asarray(high, np.float64)
+    if bottom.shape != top.shape or bottom.shape not in ((2,), (3,)) or not np.all(bottom < top):
+        raise BadInput(f"box: came {low!r} and {high!r}; wanted two corners, the lower one first")
+    axes = np.eye(len(bottom))
+    return planes([bottom] * len(axes) + [top] * len(axes), np.concatenate([axes, -axes]))
+
+
+def polygon(vertices: Any) -> Surfaces:
+    """The inside of a convex polygon, its corners in order, either way round: one line a side."""
+    corners = _rows(vertices, "vertices")
+    sides = np.roll(corners, -1, axis=0) - corners
+    after = np.roll(sides, -1, axis=0)
+    if corners.shape[1] != 2 or len(corners) < 3:
+        raise BadInput(f"polygon: came {len(corners)} vertices; wanted three or more points (x, y)")
+    turns = sides[:, 0] * after[:, 1] - sides[:, 1] * after[:, 0]
+    way = math.copysign(1.0, float(turns.sum()))
+    once = abs(abs(float(np.arctan2(turns, (sides * after).sum(axis=1)).sum())) - 2.0 * math.pi) < 1e-6
+    if not np.all(way * turns >= 0.0) or not once:
+        worst = (int(np.argmin(way * turns)) + 1) % len(corners)
+        raise BadInput(
+            f"polygon: not convex at vertex {worst} {tuple(corners[worst].tolist())}; "
+            "put it together of a convex outline and outside(...) of convex obstacles"
+        )
+    return planes(corners, way * np.column_stack([-sides[:, 1], sides[:, 0]]))
+
+
+def polyhedron(vertices: Any) -> Surfaces:
+    """The inside of the convex hull of points in space: one plane a face."""
+    from scipy.spatial import ConvexHull, QhullError
+
+    corners = _rows(vertices, "vertices")
+    try:
+        faces = np.asarray(ConvexHull(corners).equations)
+    except (QhullError, ValueError) as error:
+        raise BadInput(f"polyhedron: came {len(corners)} points without a volume; wanted four or more") from error
+    # A face of more than three corners comes as several triangles.
+    apart = np.unique(np.round(faces, 9), axis=0, return_index=True)[1]
+    normal, offset = -faces[np.sort(apart), :-1], faces[np.sort(apart), -1]
+    return planes(offset[:, None] * normal, normal)
+
+
+def disc(center: Sequence[float], radius: float) -> Surfaces:
+    """The inside of a circle; of a sphere when the center has three coordinates."""
+    middle = _rows([center], "center")
+    if not radius > 0.0:
+        raise BadInput(f"disc: came radius {radius!r}; wanted one above 0")
+    return _made(middle.shape[1], INSIDE, middle, np.array([float(radius)]), np.zeros_like(middle))
+
+
+def wedge(apex: Sequence[float], direction: Sequence[float], angle: float) -> Surfaces:
+    """The inside of a corner: two lines that meet at the apex with the opening angle (rad) around the direction."""
+    if not 0.0 < angle < math.pi:
+        raise BadInput(f"wedge: came angle {angle!r}; wanted radians between 0 and pi")
+    middle = math.atan2(direction[1], direction[0])
+    low, high = middle - 0.5 * angle, middle + 0.5 * angle
+    return planes([apex, apex], [(-math.sin(low), math.cos(low)), (math.sin(high), -math.cos(high))])
+
+
+def outside(shape: Surfaces) -> Surfaces:
+    """A convex shape as an obstacle: the same surfaces seen from outside."""
+    if np.any(shape.face) or len(shape.hole) or (np.any(shape.kind != PLANE) and len(shape.kind) > 1):
+        raise BadInput("outside: wanted one convex shape without openings: a box, polygon, polyhedron, disc or plane")
+    count = len(shape.kind)
+    if shape.kind[0] != PLANE:
+        return shape._replace(kind=-shape.kind)
+    face = np.tile(np.array([0, count], np.int64), (count, 1))
+    return shape._replace(place=-shape.place, size=-shape.size, face=face)
+
+
+def opening(walls: Surfaces, number: int, low: Sequence[float], high: Sequence[float]) -> Surfaces:
+    """The same walls with a hole in surface `number`: its part between two corners. Who flies through has left."""
+    if not 0 <= number < len(walls.kind):
+        raise BadInput(f"opening: came surface {number}; there are {len(walls.kind)}, from 0")
+    corners = _rows([low, high], "low, high")
+    if corners.shape[1] != walls.dimension or not np.all(corners[0] <= corners[1]):
+        raise BadInput(f"opening: came {low!r} and {high!r}; wanted two corners, the lower one first")
+    wide = _padded(corners)
+    return walls._replace(
+        hole=np.append(walls.hole, np.int64(number)),
+        low=np.vstack([walls.low, wide[:1]]),
+        high=np.vstack([walls.high, wide[1:]]),
+    )
+
+
+def together(*shapes: Surfaces) -> Surfaces:
+    """All of them at once, numbered one after the other."""
+    if len({shape.dimension for shape in shapes}) != 1:
+        raise BadInput("together: wanted shapes of one dimension")
+    starts = np.cumsum([0] + [len(shape.kind) for shape in shapes])
+    faces = [shape.face + start * (shape.face[:, 1:] > 0) for shape, start in zip(shapes, starts, strict=False)]
+    holes = [shape.hole + start for shape, start in zip(shapes, starts, strict=False)]
+    return Surfaces(
+        shapes[0].dimension,
+        np.concatenate([shape.kind for shape in shapes]),
+        np.concatenate([shape.place for shape in shapes]),
+        np.concatenate([shape.size for shape in shapes]),
+        np.concatenate([shape.velocity for shape in shapes]),
+        np.concatenate(faces),
+        np.concatenate(holes),
+        np.concatenate([shape.low for shape in shapes]),
+        np.concatenate([shape.high for shape in shapes]),
+    )
+
+
+def moving(walls: Surfaces, velocity: Sequence[float]) -> Surfaces:
+    """The same walls, all with one velocity (m/s)."""
+    return walls._replace(velocity=np.tile(_padded(_rows([velocity], "velocity")), (len(walls.kind), 1)))
+
+
+def moved(walls: Surfaces, time: float) -> Surfaces:
+    """Where moving walls are after a time (s), their openings with them."""
+    way = time * walls.velocity
+    flat = walls.kind == PLANE
+    carried = way[walls.hole]
+    return walls._replace(
+        place=np.where(flat[:, None], walls.place, walls.place + way),
+        size=walls.size + np.where(flat, np.einsum("kd,kd->k", walls.place, way), 0.0),
+        low=walls.low + carried,
+        high=walls.high + carried,
+    )
+
+
+def described(walls: Surfaces, number: int) -> str:
+    """A surface in words."""
+    if number < 0:
+        return "no surface"
+    place = ", ".join(f"{value:.6g}" for value in walls.place[number, : walls.dimension])
+    if walls.kind[number] == PLANE:
+        return f"plane {number} (normal ({place}))"
+    return (
+        f"{'circle' if walls.dimension == 2 else 'sphere'} {number} (center ({place}), radius {walls.size[number]:.6g})"
+    )
+
+
+def _made(dimension: int, kind: int, place: Array, size: Array, velocity: Array) -> Surfaces:
+    count = len(size)
+    none = np.zeros((0, 3))
+    return Surfaces(
+        dimension,
+        np.full(count, kind, np.int64),
+        _padded(place),
+        size,
+        _padded(velocity),
+        np.zeros((count, 2), np.int64),
+        np.zeros(0, np.int64),
+        none,
+        none.copy(),
+    )
+
+
+def _rows(given: Any, name: str) -> Array:
+    array = np.atleast_2d(np.array(given, np.float64))
+    if array.ndim != 2 or array.shape[1] not in (2, 3) or not np.all(np.isfinite(array)):
+        raise BadInput(f"{name}: came an array of shape {array.shape}; wanted finite numbers, (K, 2) or (K, 3)")
+    return array
+
+
+def _require_shape(array: Array, other: Array, name: str, its: str) -> None:
+    if array.shape != other.shape:
+        raise BadInput(f"{name}: came shape {array.shape}; wanted {other.shape}, as the {its} have")
+
+
+def _padded(array: Array) -> Array:
+    return np.ascontiguousarray(np.pad(array, ((0, 0), (0, 3 - array.shape[1]))))
