@@ -117,6 +117,13 @@ def test_cohesion_attracts_far_neighbors_and_keeps_off_near_ones():
     assert middle[0] == pytest.approx(middle[1], rel=1e-6)
 
 
+def test_pairs_at_the_surface_hold_harder():
+    assert tension.surface_deficiency(1000.0, 1000.0, 1000.0) == 1.0
+    assert tension.surface_deficiency(500.0, 700.0, 1200.0) == pytest.approx(2.0)
+    assert tension.normal_is_reliable(0.2, 0.1)
+    assert not tension.normal_is_reliable(0.05, 0.1)
+
+
 def test_the_surface_force_presses_a_disc_as_laplace_says():
     h, radius, sigma = 0.01, 0.1, 0.07
     one = kernel("wendland-c2", 1)

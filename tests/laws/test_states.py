@@ -56,6 +56,11 @@ def test_in_a_liquid_that_feels_its_weight_the_sum_counts_the_weight_twice():
     assert right == pytest.approx(states.hydrostatic_pressure(0.0, 1.0, 1000.0, 9.81), rel=2e-3)
 
 
+def test_the_hydrostatic_part_falls_by_the_weight_and_ends_at_the_surface():
+    found = states.hydrostatic_pressure(np.array([0.0, 0.4, 1.0, 1.2]), 1.0, 1000.0, 10.0)
+    assert found == pytest.approx([10000.0, 6000.0, 0.0, -2000.0])
+
+
 @pytest.mark.parametrize(
     ("added", "gravity_acts", "in_forces", "free_surface", "reason"),
     [

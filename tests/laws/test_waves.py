@@ -92,6 +92,13 @@ def test_ritters_water_is_neither_made_nor_lost():
     assert waves.ritter_speed(-4.0, 1.0, 1.0, 9.81) == 0.0
 
 
+def test_ritters_water_flows_as_its_characteristics_say():
+    for x in (-5.0, -1.0, 0.0, 3.0, 9.0):
+        depth, speed = waves.ritter_depth(x, 2.0, 1.3, 9.81), waves.ritter_speed(x, 2.0, 1.3, 9.81)
+        assert speed + 2.0 * math.sqrt(9.81 * depth) == pytest.approx(2.0 * math.sqrt(9.81 * 1.3))
+        assert speed - math.sqrt(9.81 * depth) == pytest.approx(x / 2.0)
+
+
 @pytest.mark.parametrize(
     ("wet", "depth", "speed", "bore"),
     [(0.01, 0.1711789, 1.1725245, 1.2452713), (0.1, 0.3961748, 0.7411516, 0.9913929),
