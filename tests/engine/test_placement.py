@@ -1,4 +1,5 @@
 import math
+import re
 
 import numpy as np
 import pytest
@@ -43,9 +44,45 @@ def test_random_places_cover_the_region_evenly():
     assert np.mean(position, axis=0) == pytest.approx([1.0, 0.5], abs=4 * 2.0 / math.sqrt(12_000))
 
 
+def advice_on(radius, region=BOWL, taken=NONE):
+    with pytest.raises(BadInput) as caught:
+        place_at_random(radius, region, taken, seed=1)
+    return str(caught.value)
+
+
 def test_a_crowd_that_jams_is_told_how_much_it_covers():
-    with pytest.raises(BadInput, match=r"cover 81% .*lattice"):
-        place_at_random(np.full(90, 0.095), BOWL, NONE, seed=1)
+    told = advice_on(np.full(90, 0.095))
+    assert "together they would cover 81% of the surface" in told
+
+
+@pytest.mark.parametrize("radius", [np.full(90, 0.095), np.linspace(0.04, 0.13, 90)])
+def test_what_is_said_to_fit_at_random_fits(radius):
+    told = advice_on(radius)
+    smaller, wider = (
+        float(re.search(pattern, told)[1])
+        for pattern in (r"radii up to ([\d.]+) times", r"a dish ([\d.]+) times as wide")
+    )
+    if radius.min() == radius.max():
+        count = int(re.search(r"at most (\d+) floats", told)[1])
+        place_at_random(radius[:count], BOWL, NONE, seed=2)
+    place_at_random(smaller * radius, BOWL, NONE, seed=2)
+    place_at_random(radius, Region((-wider, -wider), (wider, wider), disc(wider)), NONE, seed=2)
+
+
+def test_a_float_larger_than_the_dish_is_told_in_the_same_words():
+    assert advice_on(np.array([1.1])).endswith("cover 121% of the surface; a larger dish would do")
+
+
+def test_a_lattice_is_recommended_only_where_all_fit_on_it():
+    told = advice_on(np.full(70, 0.1))
+    assert 'placement = "lattice" with spacing = 0.2001, on which all of them fit' in told
+    lattice = place_on_lattice(70, 0.2001, (0.0, 0.0))
+    assert np.hypot(*lattice.T).max() + 0.1 < 1.0
+    too_many = advice_on(np.full(85, 0.1))
+    fit = int(re.search(r'(\d+) floats with placement = "lattice"', too_many)[1])
+    reach = np.hypot(*place_on_lattice(fit + 1, 0.2001, (0.0, 0.0)).T) + 0.1
+    assert reach[:fit].max() < 1.0 < reach[fit]
+    assert "lattice" not in advice_on(np.linspace(0.04, 0.13, 90))
 
 
 def test_a_lattice_is_triangular_and_grows_around_its_center():

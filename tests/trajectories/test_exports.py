@@ -48,6 +48,13 @@ def test_xyz_says_what_its_columns_are(recorded: Recorded, frames: Frames, tmp_p
     assert [float(word) for word in words[1:4]] == [*frames(3)[1].arrays["position"][5], 0.0]
 
 
+def test_xyz_says_which_element_stands_for_which_species(frames: Frames, tmp_path: Path) -> None:
+    with Recorder(tmp_path / "traj", species=["big 'un", 'a "b"']) as recorder:
+        recorder.write(frames(1)[0], 0)
+    head = export(tmp_path, "xyz", tmp_path / "bowl.xyz").read_text().splitlines()[1]
+    assert """ Species="H: big 'un, He: a 'b'" pbc""" in head
+
+
 def test_npz_has_the_frames_as_first_axis(recorded: Recorded, frames: Frames, tmp_path: Path) -> None:
     with np.load(export(recorded(5).parent, "npz", tmp_path / "bowl.npz"), allow_pickle=False) as archive:
         for name, array in frames(5)[3].arrays.items():

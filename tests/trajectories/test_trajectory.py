@@ -105,6 +105,17 @@ def test_the_readers_of_hoomd_see_the_same_particles(recorded: Recorded, frames:
             assert seen.log["time"] == frame.time
 
 
+def test_the_readers_of_hoomd_see_the_names_of_the_species(frames: Frames, tmp_path: Path) -> None:
+    names = ["céréale", "big bead"]
+    with Recorder(tmp_path, species=names) as recorder:
+        recorder.write(frames(1)[0], 0)
+    with Recorder(tmp_path, species=names) as recorder:
+        recorder.write(frames(2)[1], 10)
+    with gsd.hoomd.open(tmp_path / "0000.gsd") as file:
+        assert [frame.particles.types for frame in file] == 2 * [[*names, "species 2"]]
+    assert Trajectory(tmp_path).species == tuple(names)
+
+
 def test_a_recorder_goes_on_where_another_ended(recorded: Recorded, frames: Frames, tmp_path: Path) -> None:
     folder = recorded(70)
     for number, frame in enumerate(frames(70)):

@@ -21,6 +21,10 @@ touch.
 """
 
 
+SURE = 0.95
+"""How much smaller still discs are to be, since another draw of places may jam a little earlier."""
+
+
 class Region(NamedTuple):
     """A rectangle to place discs in, cut by walls."""
 
@@ -44,8 +48,8 @@ class _Grid(NamedTuple):
 def place_at_random(radius: Array, region: Region, taken: tuple[Array, Array], seed: int) -> Array:
     """Centers of discs that touch neither each other, nor the walls, nor those already there (`taken`: centers, radii).
 
-    The largest are placed first, each at a point drawn evenly from the region until it fits. Raises BadInput with the
-    covered fraction when that fails: random placement jams when a little more than half of the surface is covered.
+    The largest are placed first, each at a point drawn evenly from the region until it fits. Raises BadInput with
+    what would fit when that fails: random placement jams when a little more than half of the surface is covered.
     """
     centers = np.concatenate([taken[0].reshape(-1, 2), np.zeros((len(radius), 2))])
     radii = np.concatenate([taken[1], np.sort(radius)[::-1]])
@@ -61,22 +65,57 @@ def place_at_random(radius: Array, region: Region, taken: tuple[Array, Array], s
         placed = _fill(points, grid, centers, radii, placed, region.walls)
         tries += len(points)
         if tries > TRIES_PER_DISC * len(radii):
-            raise BadInput(_jammed(radii, placed, region))
+            raise BadInput(_jammed(radii, start, placed, region))
     order = np.argsort(-radius, kind="stable")
     found = np.empty((len(radius), 2))
     found[order] = centers[start:]
     return found
 
 
-def _jammed(radii: Array, placed: int, region: Region) -> str:
+def _jammed(radii: Array, start: int, placed: int, region: Region) -> str:
+    """What went wrong, and what would fit: as many as were placed, or all of them smaller, or on a lattice."""
     area = (region.high[0] - region.low[0]) * (region.high[1] - region.low[1])
     area = min(area, math.pi * region.walls.disc_radius**2)
-    covered = math.pi * float(np.sum(radii**2)) / area
+    squares = np.cumsum(radii**2)
+    covered = math.pi * float(squares[-1]) / area
+    advice = []
+    if placed > start:
+        smaller = math.floor(SURE * 100.0 * math.sqrt(squares[placed - 1] / squares[-1])) / 100.0
+        advice.append(f"radii up to {smaller:g} times these; or a dish {1.0 / smaller:.3g} times as wide")
+    if start == 0 and radii.min() == radii.max():
+        advice += _advice_on_equal_discs(len(radii), float(radii[0]), placed, region)
+    advised = f". What fits: {'; or '.join(advice)}" if advice else "; a larger dish would do"
     return (
-        f"only {placed} of {len(radii)} floats found a free place at random; "
-        f"together they cover {covered:.0%} of the surface. "
-        'Use fewer or smaller floats, a larger dish, or placement = "lattice"'
+        f"only {placed - start} of {len(radii) - start} floats found a free place at random; together they would cover "
+        f"{covered:.0%} of the surface{advised}"
     )
+
+
+def _advice_on_equal_discs(count: int, radius: float, placed: int, region: Region) -> list[str]:
+    """How many fit, at random and on a lattice."""
+    advice = [f"at most {math.ceil(SURE**2 * placed)} floats"] if placed else []
+    spacing = _rounded_up(2.0 * radius * (1.0 + CLEARANCE))
+    room = lattice_room(count, spacing, radius, region)
+    if room == count:
+        advice.append(f'placement = "lattice" with spacing = {spacing:g}, on which all of them fit')
+    elif room > placed:
+        advice.append(f'{room} floats with placement = "lattice" and spacing = {spacing:g}')
+    return advice
+
+
+def _rounded_up(length: float) -> float:
+    """To four digits."""
+    digit = 10.0 ** (math.floor(math.log10(length)) - 3)
+    return float(f"{math.ceil(length / digit) * digit:.4g}")
+
+
+def lattice_room(count: int, spacing: float, radius: float, region: Region) -> int:
+    """How many discs, up to `count`, fit on a lattice around the middle of a region without touching its walls."""
+    middle = (0.5 * (region.low[0] + region.high[0]), 0.5 * (region.low[1] + region.high[1]))
+    for number, (x, y) in enumerate(place_on_lattice(count, spacing, middle)):
+        if any(wall_distance(region.walls, wall, x, y)[0] < radius for wall in range(wall_count(region.walls))):
+            return number
+    return count
 
 
 def _make_grid(region: Region, radii: Array) -> _Grid:

@@ -171,7 +171,7 @@ class _Session:
 
     def __init__(self, home: RunDirectory, scene: Any, habits: Habits, frames: int) -> None:
         self._home, self._habits = home, habits
-        self._recording = Recording(home, frames)
+        self._recording = Recording(home, frames, species=[kind.name for kind in scene.kinds])
         self._pace, self._status = Pace(scene.duration), StatusFile(home)
         self._began = self._saved = time.monotonic()
         self.at = Progress(0, 0, 0.0, scene.duration, frames, 0.0, 0.0, None)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 from ecume.errors import StorageError
 from ecume.run.directory import RunDirectory, json_of
@@ -24,9 +24,9 @@ from ecume.trajectories.recorders import LARGEST, Recorder
 class Recording:
     """The open trajectory and the open table of numbers of a run; `frames` of them are behind us."""
 
-    def __init__(self, home: RunDirectory, frames: int, largest: int = LARGEST) -> None:
+    def __init__(self, home: RunDirectory, frames: int, *, species: Sequence[str] = (), largest: int = LARGEST) -> None:
         self._home, self.frames = home, frames
-        self._recorder = Recorder(home.trajectory, largest=largest)
+        self._recorder = Recorder(home.trajectory, species=species, largest=largest)
         self._former = Trajectory(home.trajectory)
         with storing(home.scalars):
             _cut_scalars(home, self._former, frames)

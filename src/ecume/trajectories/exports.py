@@ -26,7 +26,8 @@ from ecume.trajectories.vtkhdf import write_vtk
 
 AXES = "xyz"
 SYMBOLS = ("H", "He", "Li", "Be", "B", "C", "N", "O", "F", "Ne", "Na", "Mg", "Al", "Si", "P", "S", "Cl", "Ar")
-"""Extended XYZ names each particle by a chemical element, and readers know their colors: one element a species."""
+"""Extended XYZ names each particle by a chemical element, and readers know their colors, and no other names: one
+element a species."""
 
 
 def export(directory: str | os.PathLike[str], kind: str, out: str | os.PathLike[str]) -> Path:
@@ -60,11 +61,15 @@ def write_csv(trajectory: Trajectory, file: BinaryIO) -> None:
 
 
 def write_xyz(trajectory: Trajectory, file: BinaryIO) -> None:
-    """Extended XYZ: SI numbers; positions and velocities with three components; the particles' species as elements."""
+    """Extended XYZ: SI numbers; positions and velocities with three components; the particles' species as elements,
+    and in the comment what each element stands for: `Species="H: cereal, He: bead"`.
+    """
+    legend = _legend(trajectory.species)
     for frame in trajectory:
         properties, columns = _xyz_columns(frame)
         numbers = "".join(f"{name}={value!r} " for name, value in frame.numbers.items())
-        head = f'{len(frame.arrays["position"])}\nProperties={properties} Time={frame.time!r} {numbers}pbc="F F F"\n'
+        comment = f'Properties={properties} Time={frame.time!r} {numbers}{legend}pbc="F F F"'
+        head = f"{len(frame.arrays['position'])}\n{comment}\n"
         rows = "".join(" ".join(map(_plain, row)) + "\n" for row in zip(*columns, strict=True))
         file.write((head + rows).encode())
 
@@ -111,7 +116,7 @@ def _xyz_columns(frame: Frame) -> tuple[str, list[list[Any]]]:
     """What the columns are, and the columns."""
     count = len(frame.arrays["position"])
     species = frame.arrays.get("species", np.zeros(count, np.int64)).tolist()
-    properties, columns = ["species:S:1"], [[SYMBOLS[kind] if kind < len(SYMBOLS) else "X" for kind in species]]
+    properties, columns = ["species:S:1"], [[_symbol(kind) for kind in species]]
     for name, array in frame.arrays.items():
         vector = name in ("position", "velocity")
         parts = _components(array)
@@ -121,6 +126,16 @@ def _xyz_columns(frame: Frame) -> tuple[str, list[list[Any]]]:
         properties.append(f"{shown}:{'I' if array.dtype.kind == 'i' else 'R'}:{len(parts)}")
         columns += [part.tolist() for part in parts]
     return ":".join(properties), columns
+
+
+def _legend(species: Sequence[str]) -> str:
+    """Which element stands for which species."""
+    named = ", ".join(f"{_symbol(kind)}: {name}" for kind, name in enumerate(species)).replace('"', "'")
+    return f'Species="{named}" ' if named else ""
+
+
+def _symbol(kind: int) -> str:
+    return SYMBOLS[kind] if kind < len(SYMBOLS) else "X"
 
 
 def _plain(value: Any) -> str:

@@ -89,6 +89,11 @@ class Trajectory(Sequence[Frame]):
         """The unit of each array and number."""
         return dict(self._segments[-1].header.units) if self._segments else {}
 
+    @property
+    def species(self) -> tuple[str, ...]:
+        """What the species are called, in the order of their numbers, as far as they have names."""
+        return self._segments[-1].header.species if self._segments else ()
+
     def numbers(self, name: str) -> NDArray[np.float64]:
         """One of the named numbers (`kinetic_energy`), of all frames."""
         known = {known for segment in self._segments for known in segment.header.numbers}

@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import math
 import zlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -33,9 +33,11 @@ class Header(NamedTuple):
     arrays: Mapping[str, tuple[str, tuple[int, ...]]]
     numbers: tuple[str, ...]
     units: Mapping[str, str]
+    species: tuple[str, ...] = ()
+    """What the species are called, in the order of their numbers, as far as they have names."""
 
 
-def header_of(frame: Frame, first: int) -> Header:
+def header_of(frame: Frame, first: int, species: Sequence[str] = ()) -> Header:
     """The header of a segment that begins with this frame."""
     arrays = {name: (array.dtype.str, array.shape[1:]) for name, array in frame.arrays.items()}
     for name, (kind, shape) in arrays.items():
@@ -43,7 +45,7 @@ def header_of(frame: Frame, first: int) -> Header:
             raise BadInput(f"the array {name} of a frame is {np.dtype(kind)} {shape}; wanted float64 or int64")
     if "time" in frame.numbers:
         raise BadInput("a number of a frame is called time; the time is what a frame has besides")
-    return Header(first, arrays, tuple(frame.numbers), dict(frame.units))
+    return Header(first, arrays, tuple(frame.numbers), dict(frame.units), tuple(species))
 
 
 def written(header: Header) -> NDArray[Any]:
@@ -59,6 +61,7 @@ def read(chunks: Chunks, source: object) -> Header:
         found = plain["format"]
         arrays = {name: (str(kind), tuple(shape)) for name, (kind, shape) in plain["arrays"].items()}
         header = Header(int(plain["first"]), arrays, tuple(plain["numbers"]), plain["units"])
+        header = header._replace(species=tuple(map(str, plain.get("species", ()))))
     except (KeyError, ValueError, TypeError, AttributeError) as error:
         raise StorageError(f"{source}: not written by ecume, or its header is damaged") from error
     if found != FORMAT:
@@ -69,7 +72,7 @@ def read(chunks: Chunks, source: object) -> Header:
 def chunks_of(frame: Frame, step: int, header: Header) -> Chunks:
     """All chunks of a frame; its checksum is the last, so that whatever is cut short lacks it."""
     chunks = {HEADER: written(header), "configuration/step": _column(np.array([step], np.uint64))}
-    chunks |= _shown(frame)
+    chunks |= _shown(frame, header.species)
     for name in header.arrays:
         chunks[f"log/particles/{name}"] = _table(frame.arrays[name])
     for name, value in (("time", frame.time), *frame.numbers.items()):
@@ -108,7 +111,7 @@ def numbers_checksum(chunks: Chunks, header: Header) -> int:
     return zlib.crc32(b"".join(chunks[name].tobytes() for name in number_names(header)))
 
 
-def _shown(frame: Frame) -> Chunks:
+def _shown(frame: Frame, species: Sequence[str]) -> Chunks:
     """What HOOMD's schema knows, in single precision."""
     position = frame.arrays["position"]
     shown = {
@@ -123,14 +126,16 @@ def _shown(frame: Frame) -> Chunks:
         shown["particles/diameter"] = _column((2.0 * frame.arrays["radius"]).astype(np.float32))
     if "mass" in frame.arrays:
         shown["particles/mass"] = _column(frame.arrays["mass"].astype(np.float32))
-    return shown | _types(frame)
+    return shown | _types(frame, species)
 
 
-def _types(frame: Frame) -> Chunks:
+def _types(frame: Frame, named: Sequence[str]) -> Chunks:
+    """The species of each particle, and their names: those given, and `species 3` for what has none."""
     if "species" not in frame.arrays or not len(frame.arrays["species"]):
         return {}
     species = frame.arrays["species"]
-    names = [f"species {kind}".encode() for kind in range(int(species.max()) + 1)]
+    unnamed = range(len(named), int(species.max()) + 1)
+    names = [name.encode() for name in (*named, *(f"species {kind}" for kind in unnamed))]
     wide = np.array(names, dtype=f"S{max(map(len, names)) + 1}")
     return {
         "particles/typeid": _column(species.astype(np.uint32)),
