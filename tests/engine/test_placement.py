@@ -50,11 +50,13 @@ def advice_on(radius, region=BOWL, taken=NONE):
     return str(caught.value)
 
 
+@pytest.mark.compiled
 def test_a_crowd_that_jams_is_told_how_much_it_covers():
     told = advice_on(np.full(90, 0.095))
     assert "together they would cover 81% of the surface" in told
 
 
+@pytest.mark.compiled
 @pytest.mark.parametrize("radius", [np.full(90, 0.095), np.linspace(0.04, 0.13, 90)])
 def test_what_is_said_to_fit_at_random_fits(radius):
     told = advice_on(radius)
@@ -73,6 +75,7 @@ def test_a_float_larger_than_the_dish_is_told_in_the_same_words():
     assert advice_on(np.array([1.1])).endswith("cover 121% of the surface; a larger dish would do")
 
 
+@pytest.mark.compiled
 def test_a_lattice_is_recommended_only_where_all_fit_on_it():
     told = advice_on(np.full(70, 0.1))
     assert 'placement = "lattice" with spacing = 0.2001, on which all of them fit' in told

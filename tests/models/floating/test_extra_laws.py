@@ -1,3 +1,4 @@
+import dataclasses
 import math
 
 import numpy as np
@@ -12,38 +13,49 @@ from tests.models.floating.bowls import bowl, two_floats
 pytestmark = pytest.mark.compiled
 
 
-def magnetic(distance: float, parameters: PairParameters) -> float:
+SMALL = 1.1e-6
+"""m^2: the laws below act among floats of 1 mm, and add nothing among cereals of 1.5 mm."""
+
+
+def small_magnets(distance: float, parameters: PairParameters) -> float:
     """Dipoles that stand upright repel as the fourth power."""
-    return 3e-17 / distance**4
+    return 3e-17 / distance**4 if parameters.radius_i * parameters.radius_j < SMALL else 0.0
 
 
-def falling(distance: float, parameters: PairParameters) -> float:
-    return 1e-3 * parameters.radius_i * parameters.radius_j / distance
+def small_falling(distance: float, parameters: PairParameters) -> float:
+    squared = parameters.radius_i * parameters.radius_j
+    return 1e-3 * squared / distance if squared < SMALL else 0.0
 
 
-def first_kick(laws):
-    """The speed that one step gives the second of two floats, and what turns it into a force."""
-    scene, model = two_floats(6e-3, duration=0.2), MODELS["floating"]
+@pytest.fixture(scope="module")
+def extended():
+    """Compiling a march takes seconds: one for all tests, with both laws."""
+    return MODELS["floating"].extended([small_magnets, small_falling])
+
+
+def first_kick(model):
+    """The force that one step of a model lets the second of two floats feel, taken from its speed."""
+    scene = two_floats(6e-3, duration=0.2)
     parameters = model.parameters(scene)
     state = model.start(scene, parameters)
-    used = model.extended(laws) if laws else model
-    assert used.advance(parameters, state, used.workspace(parameters, state, 1.0), 1) == 0
+    assert model.advance(parameters, state, model.workspace(parameters, state, 1.0), 1) == 0
     return state.velocity[1, 0] * parameters.floats.mass[0] / parameters.time_step
 
 
-def test_users_forces_are_added_to_our_own():
-    # Compiling a march takes seconds, so both laws go into one.
-    wanted = magnetic(6e-3, None) + 1e-9 / 6e-3
-    assert first_kick([magnetic, falling]) - first_kick([]) == pytest.approx(wanted, rel=1e-4)
+def test_users_forces_are_added_to_our_own(extended):
+    wanted = 3e-17 / 6e-3**4 + 1e-9 / 6e-3
+    assert first_kick(extended) - first_kick(MODELS["floating"]) == pytest.approx(wanted, rel=1e-4)
 
 
-def test_a_law_that_adds_nothing_changes_no_bit():
-    def nothing(distance, parameters):
-        return 0.0
-
-    scene = bowl(20, duration=0.5)
+def test_laws_that_add_nothing_change_no_bit(extended, monkeypatch):
+    laws, scene = [small_magnets, small_falling], bowl(20, duration=0.5)
     plain = list(simulate(scene))[-1].arrays["position"]
-    with_nothing = list(simulate(scene, extra_laws=[nothing]))[-1].arrays["position"]
+    asked = []
+    monkeypatch.setitem(
+        MODELS, "floating", dataclasses.replace(extended, extended=lambda given: asked.append(given) or extended)
+    )
+    with_nothing = list(simulate(scene, extra_laws=laws))[-1].arrays["position"]
+    assert asked == [laws]
     assert np.array_equal(plain, with_nothing)
 
 

@@ -50,6 +50,7 @@ def test_floats_that_just_touch_may_start():
     assert len(state.position) == 2
 
 
+@pytest.mark.compiled
 def test_a_crowd_that_finds_no_room_is_told():
     with pytest.raises(SceneError, match="placement"):
         started(bowl(600))
