@@ -61,6 +61,12 @@ def test_between_two_liquids_the_thinner_one_rules_the_friction():
     assert viscous.adami_friction(0.0, 0.0, 1.0, 1.0) == viscous.adami_friction(0.0, 1.0, 1.0, 1.0) == 0.0
 
 
+def test_eddies_grow_with_the_square_of_what_they_span():
+    assert viscous.eddy_viscosity(6.0, 0.2) == pytest.approx(4.0 * viscous.eddy_viscosity(6.0, 0.1))
+    assert viscous.eddy_viscosity(6.0, 0.1) == pytest.approx((0.12 * 0.1) ** 2 * 6.0)
+    assert viscous.inertial_range_coefficient(1.5) == pytest.approx(0.1733, abs=5e-5)
+
+
 def test_eddies_drain_a_shear_and_press_on_all_sides():
     assert (
         viscous.subparticle_stress(3.0, 0.0, 6.0, 0.1, 0.0) > 0.0 > viscous.subparticle_stress(0.0, 0.0, 6.0, 0.1, 1.0)
@@ -113,6 +119,8 @@ def test_cohesion_attracts_far_neighbors_and_keeps_off_near_ones():
     assert np.all(found[q > 1.0] == 0.0)
     assert np.all(found[(q > 0.5) & (q < 1.0)] > 0.0)
     assert found[0] == pytest.approx(-32.0 / (math.pi * 0.3**3) / 64.0, rel=1e-3)
+    assert tension.cohesion_kernel(0.52, 1.0) == pytest.approx(32.0 / math.pi * (0.48 * 0.52) ** 3)
+    assert tension.cohesion_kernel(0.48, 1.0) == pytest.approx(32.0 / math.pi * (2.0 * (0.48 * 0.52) ** 3 - 1.0 / 64.0))
     middle = [tension.cohesion_kernel(0.15 * factor, 0.3) for factor in (1 - 1e-9, 1 + 1e-9)]
     assert middle[0] == pytest.approx(middle[1], rel=1e-6)
 
