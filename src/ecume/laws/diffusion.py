@@ -92,9 +92,10 @@ def hydrostatic_gain(head: Number, exponent: Number) -> Number:
     """
     a = exponent - 1.0
     u = head
-    far = 1.0 + (1.0 - 4.0 * a) * u / 5.0 * (1.0 + (1.0 - 5.0 * a) * u / 6.0 * (1.0 + (1.0 - 6.0 * a) * u / 7.0))
-    near = 1.0 + (1.0 - 2.0 * a) * u / 3.0 * (1.0 + (1.0 - 3.0 * a) * u / 4.0 * far)
-    return u * (1.0 + (1.0 - a) * u / 2.0 * near)
+    # Constants are multiplied, not divided by: a division takes as long as all the rest of a term.
+    sixth = 1.0 + (1.0 - 5.0 * a) * (1.0 / 6.0) * u * (1.0 + (1.0 - 6.0 * a) * (1.0 / 7.0) * u)
+    fourth = 1.0 + (1.0 - 3.0 * a) * 0.25 * u * (1.0 + (1.0 - 4.0 * a) * 0.2 * u * sixth)
+    return u * (1.0 + (1.0 - a) * 0.5 * u * (1.0 + (1.0 - 2.0 * a) * (1.0 / 3.0) * u * fourth))
 
 
 EXCESSES = {
