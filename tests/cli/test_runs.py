@@ -140,6 +140,16 @@ def test_a_directory_without_a_run_is_refused(verb: str, tmp_path: Path) -> None
         assert f"{directory}: no run is there" in done.stderr
 
 
+def test_whoever_names_the_scene_or_the_folder_around_is_told_where_runs_are() -> None:
+    assert "beads.toml: no run is there; that is a scene" in cli.invoke(app, ["info", "beads.toml"]).stderr
+    for name in ("bowl", "beads"):
+        Path("runs", name).mkdir(parents=True)
+        Path("runs", name, "manifest.json").touch()
+    for words, says in ((["info"], "the current directory holds no run"), (["info", "runs"], "runs: no run is there")):
+        told = cli.invoke(app, words).stderr
+        assert told == f"ecume: {says}; there is {Path('runs/beads')}, {Path('runs/bowl')}\n"
+
+
 @pytest.mark.compiled
 def test_a_bead_run_is_told_exported_and_not_replaced() -> None:
     """The whole way, with the real model, for a few frames."""
@@ -149,6 +159,7 @@ def test_a_bead_run_is_told_exported_and_not_replaced() -> None:
     told = cli.invoke(app, ["info", "beads"]).stdout
     assert "state       done" in told
     assert "frames      4" in told
+    assert "model       floating" in told
     again = cli.invoke(app, words)
     assert again.exit_code == 2
     assert "beads: holds a run already" in again.stderr

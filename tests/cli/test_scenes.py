@@ -34,9 +34,21 @@ def test_new_writes_a_template_and_its_table_once(tmp_path: Path) -> None:
     assert (again.exit_code, again.stderr) == (2, "ecume: mine.toml exists already; name another file with -o\n")
 
 
-def test_new_into_a_folder_that_is_not_there_is_an_error_of_files() -> None:
-    done = cli.invoke(app, ["new", "two-spheres", "-o", "no/where.toml"])
-    assert (done.exit_code, done.stderr) == (4, "ecume: no/where.toml: No such file or directory\n")
+def test_new_makes_the_folder_it_writes_into_unless_a_file_is_there() -> None:
+    assert cli.invoke(app, ["new", "two-spheres", "-o", "some/where.toml"]).exit_code == 0
+    assert Path("some/where.toml").is_file()
+    done = cli.invoke(app, ["new", "two-spheres", "-o", "some/where.toml/else.toml"])
+    assert (done.exit_code, done.stderr.startswith("ecume: some/where.toml")) == (4, True)
+
+
+def test_whoever_leaves_out_the_ending_or_means_a_template_is_told_so() -> None:
+    absent = cli.invoke(app, ["check", "two-spheres.toml"]).stderr
+    assert absent.endswith("No such file or directory; `ecume new two-spheres` writes it\n")
+    cli.invoke(app, ["new", "two-spheres"])
+    assert cli.invoke(app, ["check", "two-spheres"]).stderr.endswith("; did you mean two-spheres.toml?\n")
+    Path("run").mkdir()
+    Path("run/scene.toml").touch()
+    assert "the scene of that run is run" in cli.invoke(app, ["check", "run"]).stderr
 
 
 def test_check_tells_all_faults_and_ends_with_two() -> None:

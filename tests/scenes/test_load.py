@@ -172,7 +172,7 @@ def test_a_byte_order_mark_and_windows_line_ends_are_welcome(tmp_path: Path) -> 
 
 
 def test_what_is_no_file_is_refused_with_its_name(tmp_path: Path) -> None:
-    for path, says in ((tmp_path / "none.toml", "No such file"), (tmp_path, "is no plain file")):
+    for path, says in ((tmp_path / "none.toml", "No such file"), (tmp_path, "is a folder")):
         with pytest.raises(SceneError, match=says) as caught:
             load_scene(str(path))
         assert str(path) in str(caught.value)

@@ -132,7 +132,7 @@ def test_what_stands_beside_a_table_must_fit(tmp_path: Path, more: str, says: st
 @pytest.mark.parametrize(
     ("name", "says"),
     [
-        (".", "is no plain file"),
+        (".", "is a folder; wanted a file"),
         ("", "wanted the path of a file"),
         ("x\\u0000y", "wanted the path of a file"),
         ("nowhere.csv", "is not there; it is looked for from the scene's folder"),

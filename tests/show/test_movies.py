@@ -60,7 +60,7 @@ def test_a_movie_begins_and_ends_with_the_frames_of_its_times(frames, cut, times
 
 
 def test_a_time_in_which_there_is_no_frame_is_refused_with_those_there_are(frames):
-    with pytest.raises(BadInput, match="from 2 s to inf s there is no frame; the run has frames from 0 s to 1 s"):
+    with pytest.raises(BadInput, match="from 2 s on there is no frame; the run has frames from 0 s to 1 s"):
         Cut(start=2.0).shown(frames)
 
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -131,15 +132,25 @@ def described(run: Info) -> list[tuple[str, str]]:
     """What is known of a run, as names and values."""
     rows = [
         ("run", str(run.directory)),
+        ("model", str(run.manifest.get("model", ""))),
+        ("own laws", ", ".join(law["name"] for law in run.manifest.get("extra_laws", []))),
         ("state", f"{run.state}, {ahead(run.remaining)}" if run.remaining is not None else run.state),
         ("simulated", f"{run.time:.6g} s of {run.duration:.6g} s"),
         ("steps", f"{run.step} of {run.steps}"),
         ("frames", str(run.frames)),
         ("checkpoint", "none" if run.checkpoint is None else f"at step {run.checkpoint}"),
+        ("worked on", _worked(run.manifest.get("sessions", []))),
         ("size", f"{run.size / 1e6:.3g} MB"),
         ("remark", run.why),
     ]
     return [(name, value) for name, value in rows if value]
+
+
+def _worked(sessions: Sequence[dict[str, Any]]) -> str:
+    """How long, and in how many sessions: a killed one did not say how long it took."""
+    seconds = sum(session.get("seconds", 0.0) for session in sessions)
+    told = f"for {lasting(seconds)}"
+    return f"{told}, in {len(sessions)} sessions" if len(sessions) > 1 else told if seconds else ""
 
 
 VERBS = (run, resume, info, repair)

@@ -12,6 +12,9 @@ from typing import Any
 from ecume.errors import BadInput, RunExists, StorageError
 from ecume.trajectories.durable import storing, write_whole
 
+MOST_NAMED = 5
+"""Runs that are offered to whoever named none."""
+
 
 @dataclass(frozen=True)
 class RunDirectory:
@@ -84,15 +87,22 @@ def existing(path: str | os.PathLike[str]) -> RunDirectory:
     """The directory of a run that was begun. Raises BadInput where there is none."""
     home = RunDirectory(Path(path))
     if not home.manifest.is_file():
-        killed = home.path.is_dir() and is_run_directory(home)
-        way_out = (
-            "it was killed before it began: run it again with --force"
-            if killed
-            else "name the directory of one, as in runs/bowl; `ecume run` makes them"
-        )
         where = "the current directory holds no run" if home.path == Path() else f"{path}: no run is there"
-        raise BadInput(f"{where}; {way_out}")
+        raise BadInput(f"{where}; {_way_out(home)}")
     return home
+
+
+def _way_out(home: RunDirectory) -> str:
+    """What whoever looked for a run here may have meant."""
+    if not home.path.is_dir():
+        scene = home.path.suffix == ".toml" and home.path.is_file()
+        return "that is a scene: name the directory of its run" if scene else "`ecume run` makes them"
+    if is_run_directory(home):
+        return "it was killed before it began: run it again with --force"
+    found = [path.parent for pattern in ("*", "runs/*") for path in home.path.glob(f"{pattern}/manifest.json")]
+    if not found:
+        return "name the directory of one, as in runs/bowl"
+    return f"there is {', '.join(map(str, sorted(found)[:MOST_NAMED]))}{', ...' if len(found) > MOST_NAMED else ''}"
 
 
 def is_run_directory(home: RunDirectory) -> bool:

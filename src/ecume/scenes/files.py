@@ -32,6 +32,8 @@ def require_there(path: Path, folder: Path) -> None:
 def text_of(path: Path, most_bytes: int) -> str:
     """The text of a plain file in UTF-8, at most so many bytes. Raises ValueError."""
     try:
+        if path.is_dir():
+            raise ValueError("is a folder; wanted a file")
         if not stat.S_ISREG(path.stat().st_mode):
             raise ValueError("is no plain file")
         with path.open("rb") as file:

@@ -15,8 +15,11 @@ from ecume.scenes.overrides import overridden
 from ecume.scenes.places import place_of, places
 from ecume.scenes.schema import Scene, examined
 from ecume.scenes.starts import SOURCES, rows_from
+from ecume.scenes.templates import templates
 
 MOST_BYTES = 2**20
+LONGEST_NAME = 200
+"""Of a file: about a longer one the system would rather not be asked."""
 
 
 class Source(NamedTuple):
@@ -69,7 +72,18 @@ def source_of(path_or_text: str | File) -> Source:
     except NotText as fault:
         raise SceneError([Fault("", fault.message, fault.line, fault.column)], str(path)) from None
     except ValueError as fault:
-        raise SceneError([Fault("", str(fault))], str(path)) from None
+        raise SceneError([Fault("", f"{fault}{_meant(path)}")], str(path)) from None
+
+
+def _meant(path: File) -> str:
+    """What whoever named a file that is not there may have meant."""
+    if len(path.name) > LONGEST_NAME:
+        return ""
+    if path.is_dir():
+        return f"; the scene of that run is {path / 'scene.toml'}" if (path / "scene.toml").is_file() else ""
+    if not path.suffix and path.with_suffix(".toml").is_file():
+        return f"; did you mean {path.with_suffix('.toml')}?"
+    return f"; `ecume new {path.stem}` writes it" if not path.exists() and path.stem in templates() else ""
 
 
 def _bounded(text: str) -> str:

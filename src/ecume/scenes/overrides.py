@@ -66,4 +66,8 @@ def _fitting(raw: Any, key: str | int, path: Path, *, new: bool = False) -> Any:
         return key
     if isinstance(key, int) and isinstance(raw, list) and key < len(raw):
         return key
+    if isinstance(raw, list):
+        whole = written(path[:-1])
+        held = f"{whole}[0]" if len(raw) == 1 else f"{whole}[0] to {whole}[{len(raw) - 1}]"
+        raise ValueError(f"{whole} is a list; wanted one of it: {held}" if raw else f"{whole} is an empty list")
     raise ValueError(f"the scene has no {written(path)}")

@@ -28,6 +28,7 @@ def copy_template(name: str, to: Path) -> list[Path]:
         if path.exists():
             raise BadInput(f"{path} exists already; name another file with -o")
     for path, text in texts.items():
+        path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8", newline="\n")
     return list(texts)
 

@@ -54,12 +54,13 @@ def encode(pictures: Iterable[Pixels], out: Path, fps: int) -> Path:
 
     It appears under its name when it is whole. Raises StorageError where it cannot be written.
     """
-    out = replaceable(writable(out))
-    partial = out.with_name(f".{out.stem}.partial{out.suffix}")
+    out = writable(out)
+    there = replaceable(out)
+    partial = there.with_name(f".{there.stem}.partial{out.suffix}")
     try:
-        out.parent.mkdir(parents=True, exist_ok=True)
+        there.parent.mkdir(parents=True, exist_ok=True)
         ENCODERS[out.suffix.lower()](iter(pictures), partial, fps)
-        partial.replace(out)
+        partial.replace(there)
     except OSError as error:
         raise StorageError(f"{out}: cannot be written ({error.strerror or error})") from error
     finally:

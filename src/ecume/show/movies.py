@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import bisect
+import math
 import os
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -43,7 +44,7 @@ class Cut:
     """Pixels; left out, 960 x 720, and 640 x 480 for a GIF, whose every pixel costs."""
     start: float = 0.0
     """Of the scene's time, s."""
-    end: float = float("inf")
+    end: float = math.inf
     """Of the scene's time, s."""
 
     def __post_init__(self) -> None:
@@ -54,7 +55,7 @@ class Cut:
         if self.size is not None and not all(64 <= side <= 8192 for side in self.size):
             raise BadInput(f"size is {self.size[0]} x {self.size[1]}; wanted from 64 to 8192 pixels a side")
         if not self.start <= self.end:
-            raise BadInput(f"from {self.start:g} s to {self.end:g} s there is no time")
+            raise BadInput(f"{self._span()} there is no time")
 
     def shown(self, frames: Sequence[Frame]) -> Sequence[Frame]:
         """The frames that are shown."""
@@ -64,9 +65,11 @@ class Cut:
         begin = bisect.bisect_left(frames, self.start - _rounding(self.start), key=_time)
         end = bisect.bisect_right(frames, self.end + _rounding(self.end), key=_time)
         if begin >= end:
-            asked = f"from {self.start:g} s to {self.end:g} s there is no frame"
-            raise BadInput(f"{asked}; the run has frames from {first:g} s to {last:g} s")
+            raise BadInput(f"{self._span()} there is no frame; the run has frames from {first:g} s to {last:g} s")
         return frames[begin : end : self.every]
+
+    def _span(self) -> str:
+        return f"from {self.start:g} s {f'to {self.end:g} s' if math.isfinite(self.end) else 'on'}"
 
     def pixels(self, out: Path) -> Size:
         """How large the pictures of this file are."""
@@ -129,4 +132,4 @@ def _time(frame: Frame) -> float:
 
 def _rounding(time: float) -> float:
     """The time of a frame is a number of steps, and may miss the decimal that was asked for by a bit."""
-    return 1e-9 * abs(time) if time < float("inf") else 0.0
+    return 1e-9 * abs(time) if time < math.inf else 0.0
