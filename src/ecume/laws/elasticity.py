@@ -114,6 +114,18 @@ def surface_energy(
     film = prefactors.gap_weight * gap
     ratio = prefactors.deflection_weight * abs(compression) / film
     stiffness = prefactors.normal * modulus * math.sqrt(2.0 * reduced_radius * film)
+    return bent_energy(compression, stiffness, ratio)
+
+
+def bent_energy(deflection: Length, stiffness: Stiffness, ratio: Number) -> Energy:
+    """U = 2/15 k delta^2 (3 s^3 + 6 s^2 + 4 s + 2) / (s + 1)^2 with s^2 = 1 + ratio: a surface that stiffens.
+
+    k is its stiffness undeflected; at delta it is k sqrt(1 + ratio), with a ratio that grows in proportion to |delta|.
+    From [rognon2009, eq. 12 to 14].
+
+    >>> bent_energy(2.0, 3.0, 0.0)
+    6.0
+    """
     root = math.sqrt(1.0 + ratio)
     shape = (((3.0 * root + 6.0) * root + 4.0) * root + 2.0) / (7.5 * (root + 1.0) ** 2)
-    return stiffness * compression**2 * shape
+    return stiffness * deflection**2 * shape

@@ -21,11 +21,12 @@ from ecume.errors import SceneError
 from ecume.scenes.common import Common
 from ecume.scenes.faults import Path, as_faults, echo, faults_of, suggestion
 from ecume.scenes.floating import FloatingScene
+from ecume.scenes.soft import SoftScene
 
-Scene = FloatingScene
+Scene = FloatingScene | SoftScene
 """Any scene. Each model adds its own."""
 
-SCENES: dict[str, type[Common]] = {"floating": FloatingScene}
+SCENES: dict[str, type[Common]] = {"floating": FloatingScene, "soft": SoftScene}
 
 
 def from_plain(plain: Mapping[str, Any]) -> Scene:

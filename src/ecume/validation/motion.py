@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -17,6 +18,7 @@ from scipy.special import i1, k1
 from ecume.laws import drag, flotation
 from ecume.models.liquids import liquid_of
 from ecume.scenes.floating import FloatingScene
+from ecume.scenes.load import load_scene
 from ecume.units import Array
 
 ACCURACY = 1e-12
@@ -32,6 +34,13 @@ class Body(NamedTuple):
     mass: float
     charge: float
     friction: float
+
+
+def floating_scene(path: Path, changes: Sequence[str]) -> FloatingScene:
+    """A case's scene, changed: of the floating model, as all of these are."""
+    scene = load_scene(path, changes)
+    assert isinstance(scene, FloatingScene)  # noqa: S101  # the cases' scenes are
+    return scene
 
 
 def bodies_of(scene: FloatingScene) -> list[Body]:

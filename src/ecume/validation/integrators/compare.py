@@ -99,7 +99,7 @@ def _end(scene: FloatingScene) -> float:
 
 
 def _scene(integrator: str, step: float, frame_every: float, frames: int = 1) -> FloatingScene:
-    return load_scene(
+    return motion.floating_scene(
         SCENE,
         [
             f"motion.integrator={integrator}",

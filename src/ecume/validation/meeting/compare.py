@@ -9,7 +9,6 @@ import numpy as np
 
 from ecume.models.liquids import liquid_of
 from ecume.scenes.floating import FloatingScene
-from ecume.scenes.load import load_scene
 from ecume.simulation import simulate
 from ecume.validation import motion
 from ecume.validation.rows import Row, within
@@ -40,7 +39,7 @@ def meeting(sizes: tuple[float, float], distance: float, *, drag: bool) -> Row:
 
 
 def _scene(sizes: tuple[float, float], distance: float, drag: bool, frame_every: float) -> FloatingScene:
-    return load_scene(
+    return motion.floating_scene(
         SCENE,
         [
             *(f"floats[{k}].radius={size} mm" for k, size in enumerate(sizes)),

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ecume.scenes.load import load_scene
 from ecume.simulation import simulate
+from ecume.validation import motion
 from ecume.validation.rows import Row, below, within
 
 SCENE = Path(__file__).with_name("scene.toml")
@@ -31,7 +31,7 @@ def rows() -> list[Row]:
 
 def bowl(name: str, changes: Sequence[str]) -> list[Row]:
     """What one bowl came to."""
-    scene = load_scene(SCENE, changes)
+    scene = motion.floating_scene(SCENE, changes)
     radius = scene.floats[0].radius
     frames = list(simulate(scene))
     energy = np.array([frame.numbers["total_energy"] for frame in frames])

@@ -42,7 +42,7 @@ def drift(kind: str, glass: str, dish: float, drag: bool) -> Row:
         f"dish.contact_angle={GLASSES[glass]} deg",
         f"motion.drag={str(drag).lower()}",
     ]
-    scene = load_scene(SCENE, changes)
+    scene = motion.floating_scene(SCENE, changes)
     bowl = motion.Bowl(1e-3 * dish, math.radians(GLASSES[glass]), liquid_of(scene))
     (body,) = motion.bodies_of(scene)
     time = motion.time_in_bowl(body, start, 1e-3 * WAY, bowl)

@@ -1,0 +1,197 @@
+"""From a scene to parameters and the first state."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from ecume.errors import BadInput, Fault, SceneError
+from ecume.laws.arguments import chosen
+from ecume.laws.drag import stokes_friction
+from ecume.laws.elasticity import PREFACTORS, Prefactors
+from ecume.laws.remote import REMOTE
+from ecume.models.soft.meeting import open_all, pieces
+from ecume.models.soft.parameters import Contacts, Parameters, Protocol, drive_at
+from ecume.models.soft.schemes import SCHEMES
+from ecume.models.soft.solving import balance
+from ecume.models.soft.state import LENGTH, State, make_state, workspace
+from ecume.scenes.soft import FilmSpec, SoftScene, StageSpec, dimensions_of
+from ecume.units import Array
+
+TICKS = 2**20
+"""Steps of the march between two frames, by which its progress is told; the steps of time are far fewer."""
+FADE = 1.25
+"""A film fades from the reach to this many reaches."""
+ROUNDING = 1e-12
+"""Of the smallest radius: deflections below it have a smooth magnitude."""
+FIRST_STEP = 1e-6
+"""Of the time between frames, or between moments of the protocol."""
+UNBALANCED = 1e-9
+"""Of the largest force: what the sum of all forces may be where nothing holds the spheres."""
+ROOM = {2: 16, 3: 40}
+"""Contacts a sphere that a state has room for, in each dimension."""
+
+
+def parameters_of(scene: SoftScene) -> Parameters:
+    """What never changes in a run. Raises SceneError."""
+    faults = _unknown_names(scene)
+    if faults:
+        raise SceneError(faults)
+    counts = [species.count or len(species.positions) for species in scene.spheres]
+    dimensions = dimensions_of(scene)
+    radius = np.repeat([species.radius for species in scene.spheres], counts)
+    force = np.repeat([species.force or (0.0,) * dimensions for species in scene.spheres], counts, axis=0)
+    drag = np.array([stokes_friction(r, scene.liquid.viscosity, 1.0) * scene.liquid.drag for r in radius])
+    box = np.zeros(3)
+    if scene.box is not None:
+        box[:dimensions] = scene.box.size
+    parameters = Parameters(
+        time_step=scene.frame_every / TICKS,
+        steps_per_frame=TICKS,
+        dimensions=dimensions,
+        radius=radius,
+        modulus=np.repeat([species.modulus for species in scene.spheres], counts),
+        species=np.repeat(np.arange(len(counts)), counts),
+        drag=drag,
+        force=np.ascontiguousarray(force, np.float64),
+        box=box,
+        contacts=_contacts(scene, float(radius.min())),
+        protocol=_protocol(scene.protocol),
+        scheme=scene.stepping.scheme,
+        tolerance=scene.stepping.tolerance,
+        solver=scene.stepping.solver,
+    )
+    _require_balance(parameters)
+    return parameters
+
+
+def start(scene: SoftScene, parameters: Parameters) -> State:
+    """The state at time 0: spheres in place, films without flow, and the first forces balanced by deflections."""
+    position = np.array([place for species in scene.spheres for place in species.positions], np.float64)
+    _require_gaps(parameters, position)
+    count = len(position)
+    room = min(ROOM[parameters.dimensions] * count, count * (count - 1) // 2)
+    if parameters.box.any() or math.isinf(parameters.contacts.fade_to):
+        room = ROOM[parameters.dimensions] * count if parameters.box.any() else count * (count - 1) // 2
+    state = make_state(parameters, position, room)
+    open_all(parameters, state)
+    state.pace[LENGTH] = FIRST_STEP * min(scene.frame_every, *_spans(parameters.protocol, scene.frame_every))
+    if not parameters.drag.any():
+        _require_one_piece(state)
+        _balance(parameters, state)
+    return state
+
+
+def _balance(parameters: Parameters, state: State) -> None:
+    drive = drive_at(parameters.protocol, 0.0)
+    scratch = workspace(parameters, state, 1.0)
+    if not balance(parameters, scratch.step, drive):
+        raise SceneError([Fault("spheres", "these forces are more than the surfaces can balance; make them smaller")])
+    state.position[:] = scratch.step.bodies.position
+
+
+def _spans(protocol: Protocol, otherwise: float) -> list[float]:
+    spans = [float(span) for span in np.diff(protocol.times) if span > 0.0]
+    return spans or [otherwise]
+
+
+def prefactors_of(films: FilmSpec) -> Prefactors:
+    """The set that a scene names, and what it overrules."""
+    known = chosen(PREFACTORS, films.prefactors, "set of prefactors")
+    given = {name: getattr(films, name) for name in Prefactors._fields}
+    return known._replace(**{name: value for name, value in given.items() if value is not None})
+
+
+def _contacts(scene: SoftScene, smallest: float) -> Contacts:
+    remote, reach = scene.remote, math.inf if scene.films.reach is None else scene.films.reach
+    return Contacts(
+        scene.liquid.viscosity,
+        *prefactors_of(scene.films),
+        fade_from=reach,
+        fade_to=FADE * reach,
+        rounding=ROUNDING * smallest,
+        remote=list(REMOTE).index(remote.law),
+        steric_strength=remote.strength,
+        steric_length=remote.length,
+        hamaker=remote.hamaker,
+        layer_strength=remote.layer_strength,
+        debye_length=remote.debye_length,
+    )
+
+
+def _protocol(stages: tuple[StageSpec, ...]) -> Protocol:
+    stages = stages or (StageSpec(time=0.0),)
+    courses = np.array([[stage.load, stage.strain, stage.scale] for stage in stages], np.float64)
+    return Protocol(np.array([stage.time for stage in stages]), np.ascontiguousarray(courses.T))
+
+
+def _unknown_names(scene: SoftScene) -> list[Fault]:
+    """Laws and schemes that there are none of."""
+    asked: list[tuple[str, Any, str, str]] = [
+        ("films.prefactors", PREFACTORS, scene.films.prefactors, "set of prefactors"),
+        ("remote.law", REMOTE, scene.remote.law, "remote law"),
+        ("stepping.scheme", SCHEMES, scene.stepping.scheme, "scheme"),
+    ]
+    faults = []
+    for path, table, name, what in asked:
+        try:
+            chosen(table, name, what)
+        except BadInput as error:
+            faults.append(Fault(path, str(error)))
+    return faults
+
+
+def _require_balance(parameters: Parameters) -> None:
+    """Forces that nothing balances would push all spheres away together."""
+    if parameters.drag.any():
+        return
+    total, largest = np.abs(parameters.force.sum(axis=0)).max(), np.abs(parameters.force).max()
+    if total > UNBALANCED * largest * len(parameters.force):
+        raise SceneError(
+            [
+                Fault(
+                    "spheres",
+                    f"the forces on all spheres sum to {total:.3g} N, and nothing holds them; "
+                    "wanted a sum of zero, or liquid.drag = true",
+                )
+            ]
+        )
+
+
+def _require_gaps(parameters: Parameters, position: Array) -> None:
+    """Undeformed spheres that overlap have no film between them."""
+    from scipy.spatial import cKDTree
+
+    radius = parameters.radius
+    near = cKDTree(position).query_pairs(2.0 * float(radius.max()), output_type="ndarray")
+    distance = np.linalg.norm(position[near[:, 0]] - position[near[:, 1]], axis=1)
+    gap = distance - radius[near].sum(axis=1)
+    bad = near[gap <= 0.0]
+    if len(bad):
+        first, second = sorted(bad[0])
+        raise SceneError(
+            [
+                Fault(
+                    "spheres",
+                    f"spheres {first} and {second} overlap before they are deformed; wanted a gap for the film",
+                )
+            ]
+        )
+
+
+def _require_one_piece(state: State) -> None:
+    """Without drag, what no film ties to the rest is nowhere in particular."""
+    piece = pieces(state)
+    if piece.max() > 0:
+        alone = int(np.flatnonzero(piece != piece[0])[0])
+        raise SceneError(
+            [
+                Fault(
+                    "spheres",
+                    f"sphere {alone} is tied to sphere 0 by no film, and nothing else holds it; "
+                    "set films.reach higher, or liquid.drag = true",
+                )
+            ]
+        )

@@ -1,0 +1,158 @@
+"""Who is in contact: contacts appear without force when gaps fall below the reach, and vanish with a faded film."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from ecume.engine.cells import Integers
+from ecume.errors import Diverged
+from ecume.models.soft.parameters import Drive, Parameters, drive_at
+from ecume.models.soft.state import CLOCK, State
+from ecume.units import Array
+
+Found = tuple[Integers, Integers, Array]
+"""Pairs, images, and the vectors between their centers."""
+
+
+def renew_contacts(parameters: Parameters, state: State) -> bool:
+    """Open and close contacts at the present places; whether there was anything to do."""
+    if np.isinf(parameters.contacts.fade_to):
+        return False
+    kept = _kept(parameters, state)
+    pair, image, between = neighbors(parameters, state.position, drive_at(parameters.protocol, state.pace[CLOCK]))
+    known = _keys(state.pair[: state.contacts[0]], state.image[: state.contacts[0]])
+    fresh = ~np.isin(_keys(pair, image), known)
+    if kept.all() and not fresh.any():
+        return False
+    _keep(state, np.flatnonzero(kept))
+    _open(parameters, state, (pair[fresh], image[fresh], between[fresh]))
+    return True
+
+
+def open_all(parameters: Parameters, state: State) -> None:
+    """The first contacts."""
+    drive = drive_at(parameters.protocol, 0.0)
+    if np.isinf(parameters.contacts.fade_to):
+        pair = np.stack(np.triu_indices(len(state.position), 1), axis=1).astype(np.int64)
+        between = state.position[pair[:, 1]] - state.position[pair[:, 0]]
+        found: Found = pair, np.zeros(between.shape, np.int64), between
+    else:
+        found = neighbors(parameters, state.position, drive)
+    _open(parameters, state, found)
+
+
+def neighbors(parameters: Parameters, position: Array, drive: Drive) -> Found:
+    """All pairs whose gap, without deflection, is below the reach; across periodic borders too."""
+    radius, dimensions = parameters.radius, position.shape[1]
+    far = 2.0 * float(radius.max()) + parameters.contacts.fade_from
+    place, owner, copy = _copies(position, parameters.box[:dimensions] * drive.scale, drive.strain, far)
+    found = cKDTree(place).query_pairs(far, output_type="ndarray")
+    found = found[(copy[found] == 0).all(axis=2).any(axis=1)]
+    pair, image = owner[found], copy[found[:, 1]] - copy[found[:, 0]]
+    between = place[found[:, 1]] - place[found[:, 0]]
+    gap = np.linalg.norm(between, axis=1) - radius[pair].sum(axis=1)
+    image += _home(position, pair[:, 1], parameters, drive) - _home(position, pair[:, 0], parameters, drive)
+    turned = (pair[:, 0] > pair[:, 1]) | ((pair[:, 0] == pair[:, 1]) & _negative(image))
+    pair[turned], image[turned], between[turned] = pair[turned, ::-1], -image[turned], -between[turned]
+    near = np.flatnonzero(gap < parameters.contacts.fade_from)
+    _, unique = np.unique(_keys(pair[near], image[near]), return_index=True)
+    chosen = near[unique]
+    return pair[chosen], image[chosen], between[chosen]
+
+
+def _home(position: Array, chosen: Integers, parameters: Parameters, drive: Drive) -> Integers:
+    """How many boxes away from its home a sphere's own place is, counted against the one that is looked at."""
+    dimensions = position.shape[1]
+    return -wraps(position[chosen], parameters.box[:dimensions] * drive.scale, drive.strain)
+
+
+def wraps(position: Array, box: Array, strain: float) -> Integers:
+    """In which copy of the box each place lies."""
+    away = np.zeros(position.shape, np.int64)
+    if not box.any():
+        return away
+    away[:, 1:] = np.floor(position[:, 1:] / box[1:])
+    away[:, 0] = np.floor((position[:, 0] - strain * box[1] * away[:, 1]) / box[0])
+    return away
+
+
+def _copies(position: Array, box: Array, strain: float, far: float) -> tuple[Array, Integers, Integers]:
+    """The spheres in their box, and copies of those near its borders: places, owners, and which copy each is."""
+    count, dimensions = position.shape
+    home = np.zeros((count, dimensions), np.int64)
+    if not box.any():
+        return position, np.arange(count), home
+    away = wraps(position, box, strain)
+    places = position - away * box
+    places[:, 0] -= strain * box[1] * away[:, 1]
+    every, owners, copies = [places], [np.arange(count)], [home]
+    for shift in np.ndindex(*(3,) * dimensions):
+        move = np.array(shift) - 1
+        if not move.any():
+            continue
+        # Sheared copies above and below are looked for among those that lie beside the box now.
+        move[0] -= round(strain * box[1] * move[1] / box[0])
+        moved = places + move * box
+        moved[:, 0] += strain * box[1] * move[1]
+        seen = ((moved > -far) & (moved < box + far)).all(axis=1)
+        every.append(moved[seen])
+        owners.append(np.flatnonzero(seen))
+        copies.append(np.broadcast_to(move, (int(seen.sum()), dimensions)))
+    return np.concatenate(every), np.concatenate(owners), np.concatenate(copies)
+
+
+def _negative(image: Integers) -> NDArray[np.bool_]:
+    """Whether the first component that is not zero is negative: of the two ways to name a copy of oneself, one."""
+    first = np.argmax(image != 0, axis=1)
+    return np.asarray(image[np.arange(len(image)), first] < 0)
+
+
+def _keys(pair: Integers, image: Integers) -> NDArray[np.void]:
+    """A pair and its image as one value each, in the order of pairs."""
+    rows = np.ascontiguousarray(np.concatenate([pair, image], axis=1).astype(">i8"))
+    rows[:, 2:] += 2**62  # so that negative images sort, too
+    return rows.view(np.dtype((np.void, rows.itemsize * rows.shape[1]))).ravel()
+
+
+def _kept(parameters: Parameters, state: State) -> NDArray[np.bool_]:
+    """Which contacts have not faded."""
+    return np.asarray(np.exp(state.log_gap[: state.contacts[0]]) < parameters.contacts.fade_to)
+
+
+def _keep(state: State, kept: Integers) -> None:
+    for array in (state.pair, state.image, state.log_gap, state.direction):
+        array[: len(kept)] = array[kept]
+    state.contacts[0] = len(kept)
+
+
+def _open(parameters: Parameters, state: State, found: Found) -> None:
+    """Add contacts that carry no force: the gap vector is that between the centers. All stay in the order of pairs."""
+    pair, image, between = found
+    here = int(state.contacts[0])
+    total = here + len(pair)
+    if total > len(state.pair):
+        raise Diverged(f"{total} contacts are more than there is room for, {len(state.pair)}; set films.reach lower")
+    length = np.linalg.norm(between, axis=1)
+    gap = length - parameters.radius[pair].sum(axis=1)
+    if not (gap > 0.0).all():
+        first, second = pair[np.argmin(gap)]
+        raise Diverged(f"spheres {first} and {second} met without a film between them; set films.reach higher")
+    state.pair[here:total], state.image[here:total] = pair, image
+    state.log_gap[here:total] = np.log(gap)
+    state.direction[here:total] = between / length[:, None]
+    order = np.argsort(_keys(state.pair[:total], state.image[:total]), kind="stable")
+    state.contacts[0] = total
+    _keep(state, order)
+    state.generation[0] += 1
+
+
+def pieces(state: State) -> Integers:
+    """The connected piece of the contact graph that each sphere belongs to."""
+    count, pair = len(state.position), state.pair[: state.contacts[0]]
+    graph = coo_array((np.ones(len(pair)), (pair[:, 0], pair[:, 1])), shape=(count, count))
+    found: Integers = connected_components(graph, directed=False)[1].astype(np.int64)
+    return found

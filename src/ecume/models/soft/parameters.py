@@ -1,0 +1,96 @@
+"""What never changes during a run."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ecume.units import Array
+
+ALWAYS = 1e300
+"""A reach that no gap exceeds."""
+
+
+class Contacts(NamedTuple):
+    """What all contacts share: numbers for compiled code."""
+
+    viscosity: float
+    """Pa s"""
+    squeeze: float
+    shear: float
+    normal: float
+    tangential: float
+    gap_weight: float
+    deflection_weight: float
+    """the six of `ecume.laws.elasticity.Prefactors`"""
+    fade_from: float
+    """m: the gap above which a film fades"""
+    fade_to: float
+    """m: the gap at which a film is gone, and its contact with it"""
+    rounding: float
+    """m: below this a deflection's magnitude is rounded off, so that the force has a slope at zero"""
+    remote: int
+    """which law of `ecume.laws.remote`: a place in its table"""
+    steric_strength: float
+    steric_length: float
+    hamaker: float
+    layer_strength: float
+    debye_length: float
+
+
+class Protocol(NamedTuple):
+    """How the load on the spheres and the box change: straight lines between moments."""
+
+    times: Array
+    """s"""
+    courses: Array
+    """(3, T) load, strain and scale at these times"""
+
+
+class Drive(NamedTuple):
+    """What is imposed at one time."""
+
+    load: float
+    """what the external forces are multiplied by"""
+    strain: float
+    """of the box, along x from bottom to top"""
+    scale: float
+    """what the box's sides are multiplied by"""
+
+
+class Parameters(NamedTuple):
+    """Everything about a scene that compiled code and the march need."""
+
+    time_step: float
+    """s: a tick; steps of the march are as long as accuracy allows and end on ticks where frames are due"""
+    steps_per_frame: int
+    dimensions: int
+    radius: Array
+    modulus: Array
+    """Pa"""
+    species: Array
+    drag: Array
+    """(N,) N s/m on each sphere; zero without drag on the liquid"""
+    force: Array
+    """(N, d) N external, at load 1"""
+    box: Array
+    """(3,) m: sides of the periodic box at scale 1; zero where there is none"""
+    contacts: Contacts
+    protocol: Protocol
+    scheme: str
+    tolerance: float
+    """of ln(gap), and of directions (rad), in a step"""
+    solver: str
+
+
+def drive_at(protocol: Protocol, time: float) -> Drive:
+    """What is imposed at a time."""
+    return Drive(*(float(np.interp(time, protocol.times, course)) for course in protocol.courses))
+
+
+def next_turn(protocol: Protocol, time: float) -> float:
+    """When the protocol next changes its course: no step goes across."""
+    later = protocol.times[protocol.times > time * (1.0 + 1e-12)]
+    return float(later[0]) if len(later) else math.inf

@@ -1,0 +1,294 @@
+"""A step of time: implicit stages, each solved by Newton's method for all spheres and contacts at once."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from ecume._jit import compiled, compiled_inside, inlined
+from ecume.engine import sparse
+from ecume.engine.sparse import Matrix
+from ecume.models.soft.films import Answers, Films, Pairs, answer, place_images
+from ecume.models.soft.parameters import Contacts, Drive
+from ecume.models.soft.schemes import Scheme
+from ecume.units import Array
+
+MOST_ITERATIONS = 12
+BALANCE = 1e-9
+"""The largest force that may be left on a sphere, over the largest there is."""
+LONGEST_CHANGE = 0.7
+"""Of ln(gap) in one iteration: beyond it the linear answer means nothing, and the update is shortened."""
+ROUNDING = 2e-15
+"""What rounding leaves of a force, over stiffness times distance."""
+FAILED = -1.0
+
+
+class Bodies(NamedTuple):
+    """The spheres in a step."""
+
+    position: Array
+    """(N, d) m, of the stage"""
+    before: Array
+    """(N, d) at the step's beginning"""
+    start: Array
+    """(N, d) where the stage starts from; means something with drag only"""
+    slope: Array
+    """(S, N, d) m/s of the stages, with drag only"""
+    drag: Array
+    """(N,) N s/m"""
+    force: Array
+    """(N, d) N external, at factor 1"""
+    right: Array
+    """(N, d) N that is left on each"""
+    change: Array
+    """(N, d) m"""
+    diagonal: Array
+    """(N,) N/m"""
+
+
+class During(NamedTuple):
+    """What a step is to do."""
+
+    length: float
+    """s"""
+    start: Drive
+    end: Drive
+    tolerance: float
+
+
+class Step(NamedTuple):
+    """All that a step works with."""
+
+    pairs: Pairs
+    films: Films
+    answers: Answers
+    slope: Array
+    """(S, C, 4) of the stages"""
+    log_gap: Array
+    direction: Array
+    """where the contacts are at the step's beginning"""
+    bodies: Bodies
+    matrix: Matrix
+    box: Array
+    """(3,) m at scale 1"""
+
+
+@compiled
+def imbalance(step: Step, factor: float, span: float, corrected: bool) -> tuple[float, float, float]:
+    """What is left on each sphere, into `right`; the largest, the largest force there is, and what rounding leaves."""
+    bodies, answers, first, second = step.bodies, step.answers, step.pairs.first, step.pairs.second
+    right, force, correction, stiffness = bodies.right, answers.force, answers.correction, answers.stiffness
+    external, drag, position, start = bodies.force, bodies.drag, bodies.position, bodies.start
+    radius_sum = step.pairs.radius_sum
+    count, dimensions = right.shape
+    largest, stiffest, worst = 0.0, 0.0, 0.0
+    for i in range(count):
+        for k in range(dimensions):
+            right[i, k] = factor * external[i, k]
+            largest = max(largest, abs(right[i, k]))
+            if drag[i] > 0.0:
+                right[i, k] -= drag[i] * (position[i, k] - start[i, k]) / span
+                stiffest = max(stiffest, drag[i] / span * abs(position[i, k]))
+    for c in range(len(first)):
+        i, j = first[c], second[c]
+        for k in range(dimensions):
+            value = force[c, k]
+            largest = max(largest, abs(value))
+            stiffest = max(stiffest, stiffness[c, k, k] * radius_sum[c])
+            if corrected:
+                value += correction[c, k]
+            right[i, k] += value
+            right[j, k] -= value
+    for i in range(count):
+        for k in range(dimensions):
+            worst = max(worst, abs(right[i, k]))
+    return worst, largest, ROUNDING * stiffest
+
+
+@compiled
+def move(step: Step) -> float:
+    """Add the solved change to spheres and contacts, shortened where it is too long; how large it was."""
+    films, answers, bodies = step.films, step.answers, step.bodies
+    first, second = step.pairs.first, step.pairs.second
+    shift, response, change, position = answers.shift, answers.response, bodies.change, bodies.position
+    log_gap, direction = films.log_gap, films.direction
+    dimensions = position.shape[1]
+    largest = 0.0
+    for c in range(len(first)):
+        i, j = first[c], second[c]
+        for k in range(4):
+            value = shift[c, k]
+            for m in range(dimensions):
+                value += response[c, k, m] * (change[j, m] - change[i, m])
+            shift[c, k] = value
+            largest = max(largest, abs(value))
+    if not math.isfinite(largest):
+        return math.inf
+    part = min(1.0, LONGEST_CHANGE / max(largest, 1e-300))
+    for i in range(len(position)):
+        for k in range(dimensions):
+            position[i, k] += part * change[i, k]
+    for c in range(len(first)):
+        log_gap[c] += part * shift[c, 0]
+        length = 0.0
+        for k in range(3):
+            direction[c, k] += part * shift[c, 1 + k]
+            length += direction[c, k] ** 2
+        length = math.sqrt(length)
+        for k in range(3):
+            direction[c, k] /= length
+    return largest
+
+
+@inlined
+def newton_with(
+    solve: Callable[..., bool], contacts: Contacts, step: Step, at: tuple[Drive, float], fine: float
+) -> bool:
+    """Solve a stage; `at` is what is imposed in it, and the span of time that it treats implicitly.
+
+    Whether the forces balance and the last change was below `fine`.
+    """
+    drive, span = at
+    place_images(step.pairs, step.box, drive)
+    bodies = step.bodies
+    anchored = not np.any(bodies.drag > 0.0)
+    last = math.inf
+    for _ in range(MOST_ITERATIONS):
+        answer(contacts, step.pairs, step.films, bodies.position, span, step.answers)
+        worst, largest, rounding = imbalance(step, drive.load, span, False)
+        if last <= fine and worst <= BALANCE * largest + rounding:
+            return True
+        imbalance(step, drive.load, span, True)
+        for i in range(len(bodies.drag)):
+            bodies.diagonal[i] = bodies.drag[i] / span if span > 0.0 else 0.0
+        sparse.assemble(step.matrix, step.answers.stiffness, bodies.diagonal)
+        if not solve(step.matrix, bodies.right, bodies.change, anchored):
+            return False
+        last = move(step)
+        if not math.isfinite(last):
+            return False
+    return False
+
+
+@compiled
+def newton_dense(contacts: Contacts, step: Step, at: tuple[Drive, float], fine: float) -> bool:
+    """A stage of few spheres."""
+    return newton_with(sparse.eliminate, contacts, step, at, fine)
+
+
+@compiled
+def begin_stage(step: Step, scheme: Scheme, stage: int, time_step: float) -> None:
+    """Where a stage starts from: the beginning, and the slopes of the stages before."""
+    films, slope, bodies = step.films, step.slope, step.bodies
+    log_gap, direction, rows = step.log_gap, step.direction, scheme.rows
+    for c in range(len(log_gap)):
+        films.log_gap_start[c] = log_gap[c]
+        for k in range(3):
+            films.direction_start[c, k] = direction[c, k]
+        for earlier in range(stage):
+            weight = time_step * rows[stage, earlier]
+            films.log_gap_start[c] += weight * slope[earlier, c, 0]
+            for k in range(3):
+                films.direction_start[c, k] += weight * slope[earlier, c, 1 + k]
+    for i in range(len(bodies.drag)):
+        if bodies.drag[i] > 0.0:
+            for k in range(bodies.start.shape[1]):
+                value = bodies.before[i, k]
+                for earlier in range(stage):
+                    value += time_step * rows[stage, earlier] * bodies.slope[earlier, i, k]
+                bodies.start[i, k] = value
+
+
+@compiled
+def end_stage(step: Step, stage: int, span: float) -> None:
+    """The slopes of a solved stage, from what it added to its start: nothing is amplified so."""
+    films, slope, bodies = step.films, step.slope, step.bodies
+    for c in range(len(step.log_gap)):
+        slope[stage, c, 0] = (films.log_gap[c] - films.log_gap_start[c]) / span
+        lean = 0.0
+        for k in range(3):
+            lean += films.direction[c, k] * films.direction_start[c, k]
+        for k in range(3):
+            slope[stage, c, 1 + k] = (lean * films.direction[c, k] - films.direction_start[c, k]) / span
+    for i in range(len(bodies.drag)):
+        if bodies.drag[i] > 0.0:
+            for k in range(bodies.start.shape[1]):
+                bodies.slope[stage, i, k] = (bodies.position[i, k] - bodies.start[i, k]) / span
+
+
+@compiled
+def first_stage(contacts: Contacts, step: Step, drive: Drive) -> None:
+    """The slopes at the step's beginning."""
+    films, bodies, slope = step.films, step.bodies, step.slope
+    films.log_gap[:] = step.log_gap
+    films.direction[:] = step.direction
+    films.log_gap_start[:] = step.log_gap
+    films.direction_start[:] = step.direction
+    bodies.position[:] = bodies.before
+    place_images(step.pairs, step.box, drive)
+    answer(contacts, step.pairs, films, bodies.position, 0.0, step.answers)
+    slope[0] = step.answers.slope
+    bodies.start[:] = bodies.position
+    imbalance(step, drive.load, 1.0, False)
+    for i in range(len(bodies.drag)):
+        if bodies.drag[i] > 0.0:
+            for k in range(bodies.start.shape[1]):
+                bodies.slope[0, i, k] = bodies.right[i, k] / bodies.drag[i]
+
+
+@compiled
+def error_of(step: Step, scheme: Scheme, time_step: float) -> float:
+    """The largest difference from the embedded scheme, of ln(gap) or of a direction."""
+    slope, weights = step.slope, scheme.error
+    largest = 0.0
+    for c in range(slope.shape[1]):
+        for k in range(4):
+            value = 0.0
+            for stage in range(len(weights)):
+                value += weights[stage] * slope[stage, c, k]
+            largest = max(largest, abs(time_step * value))
+    return largest
+
+
+@compiled_inside
+def between(start: Drive, end: Drive, part: float) -> Drive:
+    """What is imposed a part of the way on."""
+    return Drive(
+        start.load + part * (end.load - start.load),
+        start.strain + part * (end.strain - start.strain),
+        start.scale + part * (end.scale - start.scale),
+    )
+
+
+@inlined
+def attempt_with(newton: Callable[..., bool], contacts: Contacts, step: Step, scheme: Scheme, during: During) -> float:
+    """Try a step: the estimated error, or FAILED.
+
+    The new places are in `step.films` and `step.bodies.position`.
+    """
+    span = scheme.diagonal * during.length
+    first_stage(contacts, step, during.start)
+    for stage in range(1, len(scheme.times)):
+        begin_stage(step, scheme, stage, during.length)
+        drive = between(during.start, during.end, scheme.times[stage])
+        if not newton(contacts, step, (drive, span), 1e-3 * during.tolerance):
+            return FAILED
+        end_stage(step, stage, span)
+    return error_of(step, scheme, during.length)
+
+
+@compiled
+def attempt_dense(contacts: Contacts, step: Step, scheme: Scheme, during: During) -> float:
+    """A step of few spheres."""
+    return attempt_with(newton_dense, contacts, step, scheme, during)
+
+
+@compiled
+def accept(step: Step) -> None:
+    """The end of a step is the next one's beginning."""
+    step.log_gap[:] = step.films.log_gap
+    step.direction[:] = step.films.direction
+    step.bodies.before[:] = step.bodies.position

@@ -1,0 +1,129 @@
+"""What the physics moves, and the scratch beside it."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ecume.engine import sparse
+from ecume.engine.cells import Integers
+from ecume.laws import elasticity
+from ecume.models.soft.films import Pairs, make_answers, make_films
+from ecume.models.soft.parameters import Parameters
+from ecume.models.soft.schemes import SCHEMES
+from ecume.models.soft.stages import Bodies, Step
+from ecume.units import Array
+
+LENGTH, PAST_ERROR, CLOCK = range(3)
+"""Places in `State.pace`: the next step (s), the last error over the tolerance, and the time (s)."""
+ACCEPTED, REJECTED, FAILED = range(3)
+"""Places in `State.tally`."""
+
+
+class State(NamedTuple):
+    """Everything that can change a later bit."""
+
+    position: Array
+    """(N, d) m; across periodic borders they go on counting"""
+    velocity: Array
+    """(N, d) m/s on the average of the last step"""
+    step: Integers
+    """(1,) ticks"""
+    contacts: Integers
+    """(1,) how many contacts there are: the arrays of contacts have room for more"""
+    generation: Integers
+    """(1,) how often contacts came or went"""
+    pair: Integers
+    """(room, 2) who is in contact"""
+    image: Integers
+    """(room, d) how many boxes the second is away, in the copy that is met"""
+    log_gap: Array
+    """(room,)"""
+    direction: Array
+    """(room, d) of the gap vector"""
+    pace: Array
+    """(3,)"""
+    tally: Integers
+    """(3,) steps accepted, rejected for their error, and given up"""
+
+
+class Workspace(NamedTuple):
+    """Scratch; a new one gives the same results."""
+
+    step: Step
+    generation: int
+    """of the contacts that it was made for"""
+
+
+def make_state(parameters: Parameters, position: Array, room: int) -> State:
+    """At time 0, without contacts."""
+    count, dimensions = position.shape
+    return State(
+        position=np.array(position, np.float64),
+        velocity=np.zeros((count, dimensions)),
+        step=np.zeros(1, np.int64),
+        contacts=np.zeros(1, np.int64),
+        generation=np.zeros(1, np.int64),
+        pair=np.zeros((room, 2), np.int64),
+        image=np.zeros((room, dimensions), np.int64),
+        log_gap=np.zeros(room),
+        direction=np.zeros((room, dimensions)),
+        pace=np.zeros(3),
+        tally=np.zeros(3, np.int64),
+    )
+
+
+def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
+    """Scratch for the present contacts."""
+    count, dimensions = state.position.shape
+    contacts = int(state.contacts[0])
+    pairs = pairs_of(parameters, state)
+    stages = len(SCHEMES[parameters.scheme].times)
+    pattern = sparse.make_pattern(count, pairs.first, pairs.second)
+    bodies = Bodies(
+        position=state.position.copy(),
+        before=state.position.copy(),
+        start=state.position.copy(),
+        slope=np.zeros((stages, count, dimensions)),
+        drag=parameters.drag,
+        force=parameters.force,
+        right=np.zeros((count, dimensions)),
+        change=np.zeros((count, dimensions)),
+        diagonal=np.zeros(count),
+    )
+    step = Step(
+        pairs=pairs,
+        films=make_films(contacts),
+        answers=make_answers(contacts),
+        slope=np.zeros((stages, contacts, 4)),
+        log_gap=state.log_gap[:contacts].copy(),
+        direction=in_space(state.direction[:contacts]),
+        bodies=bodies,
+        matrix=sparse.make_matrix(pattern, dimensions),
+        box=parameters.box,
+    )
+    return Workspace(step, int(state.generation[0]))
+
+
+def pairs_of(parameters: Parameters, state: State) -> Pairs:
+    """The constants of the present contacts."""
+    contacts = int(state.contacts[0])
+    first, second = np.ascontiguousarray(state.pair[:contacts].T)
+    radius, modulus = parameters.radius, parameters.modulus
+    return Pairs(
+        first=first,
+        second=second,
+        image=in_space(state.image[:contacts].astype(np.float64)),
+        offset=np.zeros((contacts, 3)),
+        radius_sum=radius[first] + radius[second],
+        reduced_radius=np.asarray(elasticity.reduced_radius(radius[first], radius[second])),
+        modulus=np.asarray(elasticity.pair_modulus(modulus[first], modulus[second])),
+    )
+
+
+def in_space(vectors: Array) -> Array:
+    """Three components, the missing ones zero."""
+    space = np.zeros((len(vectors), 3))
+    space[:, : vectors.shape[1]] = vectors
+    return space

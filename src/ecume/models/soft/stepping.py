@@ -1,0 +1,108 @@
+"""The march: steps as long as the accuracy allows, ending where a frame is due or the protocol turns."""
+
+from __future__ import annotations
+
+import math
+
+from ecume.models.model import CROWDED, DIVERGED, DONE
+from ecume.models.soft.meeting import renew_contacts
+from ecume.models.soft.parameters import Parameters, drive_at, next_turn
+from ecume.models.soft.schemes import SCHEMES, Scheme
+from ecume.models.soft.solving import attempt
+from ecume.models.soft.stages import FAILED as NOT_SOLVED
+from ecume.models.soft.stages import During, accept
+from ecume.models.soft.state import ACCEPTED, CLOCK, FAILED, LENGTH, PAST_ERROR, REJECTED, State, Workspace
+
+SAFETY = 0.9
+MOST_GROWTH, MOST_SHRINK = 5.0, 0.2
+AFTER_FAILURE = 0.25
+"""What a step is multiplied by when its equations were not solved."""
+LEAST_ERROR = 1e-8
+MOST_TRIES = 60
+"""A step that is not good after so many, each shorter than the last, is given up, and with it the run."""
+NEARLY = 1e-9
+"""A step that would leave less than this part of itself to a frame or turn takes it along."""
+
+
+def advance(parameters: Parameters, state: State, scratch: Workspace, steps: int) -> int:
+    """Move on by that many ticks at least, never past a frame; CROWDED when contacts came or went."""
+    if scratch.generation != state.generation[0]:
+        return CROWDED
+    until = int(state.step[0]) + steps
+    while state.step[0] < until:
+        length = one_step(parameters, state, scratch)
+        if not length > 0.0:
+            return DIVERGED
+        if renew_contacts(parameters, state):
+            return CROWDED
+        if state.step[0] % parameters.steps_per_frame == 0:
+            return DONE
+    return DONE
+
+
+def one_step(parameters: Parameters, state: State, scratch: Workspace) -> float:
+    """Try until a step is good, and take it; its length (s), zero when there is none."""
+    scheme = SCHEMES[parameters.scheme]
+    for _ in range(MOST_TRIES):
+        length, end = _next(parameters, state)
+        begin, finish = drive_at(parameters.protocol, state.pace[CLOCK]), drive_at(parameters.protocol, end)
+        error = attempt(parameters, scratch.step, scheme, During(length, begin, finish, parameters.tolerance))
+        ratio = max(error / parameters.tolerance, LEAST_ERROR)
+        if error == NOT_SOLVED or not math.isfinite(error):
+            state.pace[LENGTH] = AFTER_FAILURE * length
+            state.tally[FAILED] += 1
+        elif ratio > 1.0:
+            state.pace[LENGTH] = length * max(MOST_SHRINK, SAFETY * ratio ** (-1.0 / scheme.order))
+            state.tally[REJECTED] += 1
+        else:
+            _take(parameters, state, scratch, end)
+            # A step that was cut short for a frame says little about how long the next may be.
+            state.pace[LENGTH] = max(
+                _grown(state, length, ratio, scheme), state.pace[LENGTH] * (length < state.pace[LENGTH])
+            )
+            state.pace[PAST_ERROR] = ratio
+            return length
+    return 0.0
+
+
+def _grown(state: State, length: float, ratio: float, scheme: Scheme) -> float:
+    """The next step, from this one's error and the last one's."""
+    past = float(state.pace[PAST_ERROR]) or 1.0
+    growth = SAFETY * ratio ** (-0.7 / scheme.order) * past ** (0.4 / scheme.order)
+    return length * float(min(MOST_GROWTH, max(MOST_SHRINK, growth)))
+
+
+def _take(parameters: Parameters, state: State, scratch: Workspace, end: float) -> None:
+    """The step's end becomes the state."""
+    accept(scratch.step)
+    contacts, dimensions = int(state.contacts[0]), state.position.shape[1]
+    length = end - float(state.pace[CLOCK])
+    state.velocity[:] = (scratch.step.bodies.before - state.position) / length
+    state.position[:] = scratch.step.bodies.before
+    state.log_gap[:contacts] = scratch.step.log_gap
+    state.direction[:contacts] = scratch.step.direction[:, :dimensions]
+    state.pace[CLOCK] = end
+    state.tally[ACCEPTED] += 1
+    state.step[0] = _tick(parameters, int(state.step[0]), end)
+
+
+def _tick(parameters: Parameters, before: int, time: float) -> int:
+    """The tick of a time; between two frames, never a frame's own."""
+    frame = before // parameters.steps_per_frame
+    due = (frame + 1) * parameters.steps_per_frame * parameters.time_step
+    if time == due:
+        return (frame + 1) * parameters.steps_per_frame
+    ticks = int(time / parameters.time_step)
+    return min(max(ticks, before, frame * parameters.steps_per_frame + 1), (frame + 1) * parameters.steps_per_frame - 1)
+
+
+def _next(parameters: Parameters, state: State) -> tuple[float, float]:
+    """How long the next step may be, and when it ends: not past the next frame, nor past a turn of the protocol."""
+    now = float(state.pace[CLOCK])
+    frame = parameters.steps_per_frame * parameters.time_step
+    due = (int(state.step[0]) // parameters.steps_per_frame + 1) * frame
+    stop = min(due, next_turn(parameters.protocol, now))
+    length = float(state.pace[LENGTH])
+    if now + length * (1.0 + NEARLY) >= stop:
+        return stop - now, stop
+    return length, now + length

@@ -1,0 +1,283 @@
+"""The T1 process: four spheres swap neighbors under a pull. [rognon2009].
+
+Spheres 0 and 1 lie left and right, 2 and 3 above and below; the horizontal pair parts, and the vertical pair meets.
+Lengths are in radii and forces in E R^2; times are in eta R^2 / F_N, where F_N = |F_h - F_v/sqrt(3)| is the tension
+that the film of the horizontal pair is to resist. Tension is positive.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from ecume.errors import BadInput, Diverged
+from ecume.laws.arguments import require_positive
+from ecume.laws.soft_pair import SoftPair, passage_time
+from ecume.models.soft.building import parameters_of, prefactors_of, start
+from ecume.models.soft.parameters import Parameters, drive_at
+from ecume.models.soft.schemes import SCHEMES
+from ecume.models.soft.solving import attempt
+from ecume.models.soft.stages import During, first_stage
+from ecume.models.soft.state import ACCEPTED, CLOCK, REJECTED, State, Workspace, workspace
+from ecume.models.soft.stepping import one_step
+from ecume.scenes.soft import FilmSpec, SoftLiquid, SoftScene, SphereSpec, StageSpec, SteppingSpec
+from ecume.units import Array
+
+APART, MET = 1.0, 0.2
+"""A diagonal gap of a radius: the cluster has dissociated. If the vertical pair came as close as this before, it had
+swapped neighbors nevertheless, and was pulled apart afterwards."""
+PATIENCE = 30.0
+"""A process that takes this many times the closed-form time to part the horizontal pair, and 60 units, is blocked."""
+SQRT3 = math.sqrt(3.0)
+CLOSE = 1e-13
+"""Of a step: how closely the moment is found at which a threshold is crossed."""
+
+
+class Instant(NamedTuple):
+    """The cluster at one time; diagonal is the bond from sphere 0 to sphere 2."""
+
+    time: float
+    angle: float
+    """of the diagonal from the horizontal (rad)"""
+    gap_horizontal: float
+    gap_vertical: float
+    gap_diagonal: float
+    tension_horizontal: float
+    tension_vertical: float
+    tension_diagonal: float
+    sliding_force: float
+    """along the diagonals' surfaces: positive holds the swap back"""
+
+
+@dataclass(frozen=True)
+class T1:
+    """What became of a cluster."""
+
+    duration: float
+    """until the vertical pair carries its part; infinite where it never does"""
+    completed: bool
+    """whether it ever did"""
+    outcome: str
+    """`t1`, `blocked` or `dissociated`; `t1` also where the cluster swapped neighbors and was torn before it completed
+    """
+    durations: dict[float, float]
+    """for every threshold that was asked for"""
+    reduced_force: float
+    """kappa = F_N / (E R^2)"""
+    steps: int
+    rejected: int
+    series: tuple[Instant, ...]
+
+    @property
+    def time(self) -> Array:
+        """Times of the series."""
+        return self.curve("time")
+
+    def curve(self, name: str) -> Array:
+        """A field of `Instant` over time: forces in F_N, gaps in radii."""
+        return np.array([getattr(instant, name) for instant in self.series])
+
+
+def t1_process(
+    *,
+    gap: float,
+    reduced_force: float | None = None,
+    forces: tuple[float, float] | None = None,
+    prefactors: str = "paper",
+    force_ratio: float = 0.0,
+    ramp: float = 0.01,
+    threshold: float | Sequence[float] = 0.9,
+    rtol: float = 1e-8,
+    method: str = "implicit",
+) -> T1:
+    """Let four spheres swap neighbors, and time it.
+
+    `gap` is that of the five close pairs at the start; either `reduced_force` (kappa) with `force_ratio` (F_h/F_v), or
+    `forces` (F_h, F_v), both inward. The pull grows over `ramp`. The process is complete when the vertical pair carries
+    the part `threshold` of F_v - F_h/sqrt(3); of several thresholds the last one reached is the duration.
+    """
+    thresholds = (threshold,) if isinstance(threshold, (int, float)) else tuple(threshold)
+    pull = _forces(reduced_force, force_ratio, forces)
+    for name, value in (("gap", gap), ("ramp", ramp), *(("threshold", one) for one in thresholds)):
+        require_positive(name, value)
+    if method not in METHODS:
+        raise BadInput(f"no method is called {method!r}; there are {', '.join(METHODS)}")
+    scene = t1_scene(gap, pull, prefactors, ramp, rtol)
+    return METHODS[method](scene, pull, sorted(thresholds))
+
+
+def _forces(reduced: float | None, ratio: float, forces: tuple[float, float] | None) -> tuple[float, float]:
+    """(F_h, F_v) in E R^2."""
+    if (reduced is None) == (forces is None):
+        raise BadInput("wanted either reduced_force or forces; came " + ("both" if forces else "neither"))
+    if forces is None:
+        require_positive("reduced_force", reduced or 0.0)
+        if ratio == 1.0 / SQRT3:
+            raise BadInput("force_ratio is 1/sqrt(3): nothing pulls at the horizontal film; wanted another")
+        vertical = (reduced or 0.0) / abs(ratio - 1.0 / SQRT3)
+        return ratio * vertical, vertical
+    if not all(map(math.isfinite, forces)) or forces[0] == forces[1] / SQRT3:
+        raise BadInput(f"forces are {forces!r}; wanted two finite ones with F_h different from F_v/sqrt(3)")
+    return forces
+
+
+def t1_scene(gap: float, forces: tuple[float, float], prefactors: str, ramp: float, rtol: float) -> SoftScene:
+    """The cluster in units of radius, modulus and eta R^2 / F_N."""
+    horizontal, vertical = forces
+    kappa = abs(horizontal - vertical / SQRT3)
+    side = 2.0 + gap
+    pulls = ((horizontal, 0.0), (-horizontal, 0.0), (0.0, -vertical), (0.0, vertical))
+    places = ((-side / 2, 0.0), (side / 2, 0.0), (0.0, side * SQRT3 / 2), (0.0, -side * SQRT3 / 2))
+    films = FilmSpec(prefactors=prefactors)
+    # A scene keeps its numbers within what is physical: forces and viscosity are in proportion, so that E is 1.
+    parting = passage_time(SoftPair(1.0, 1.0, kappa, prefactors_of(films)), kappa, gap, max(1.0, 2.0 * gap))
+    horizon = min(PATIENCE * parting + 60.0 + ramp, 1e10)
+    return SoftScene(
+        title="A T1 process",
+        duration=horizon,
+        frame_every=horizon,
+        liquid=SoftLiquid(viscosity=kappa),
+        spheres=tuple(
+            SphereSpec(name=f"{name}", radius=1.0, modulus=1.0, positions=(place,), force=pull)
+            for name, place, pull in zip(("left", "right", "top", "bottom"), places, pulls, strict=True)
+        ),
+        films=films,
+        protocol=(StageSpec(time=0.0, load=0.0), StageSpec(time=ramp, load=1.0)),
+        stepping=SteppingSpec(tolerance=rtol),
+    )
+
+
+class Units(NamedTuple):
+    """What the series is told in (m, N)."""
+
+    length: float
+    force: float
+
+
+def follow(
+    scene: SoftScene, forces: tuple[float, float], thresholds: Sequence[float], units: tuple[float, float] = (1.0, 1.0)
+) -> T1:
+    """March a cluster until it has swapped, dissociated, or stood still for too long.
+
+    `forces` are the pulls in E R^2, `units` the lengths and forces (E R^2) that the scene is written in.
+    """
+    horizontal, vertical = forces
+    parameters = parameters_of(scene)
+    state = start(scene, parameters)
+    kappa = abs(horizontal - vertical / SQRT3)
+    unit = Units(units[0], units[1] * kappa)
+    goals = [one * (vertical - horizontal / SQRT3) / kappa for one in thresholds]
+    scratch = workspace(parameters, state, 1.0)
+    series, found = [_first(parameters, scratch, unit)], list[float]()
+    for span in _march(parameters, state, scratch, unit):
+        series.append(span.end)
+        while len(found) < len(goals) and _reached(span.end, goals[len(found)]):
+            found.append(_crossing(parameters, span, scratch, unit, goals[len(found)]))
+        if len(found) == len(goals) or span.end.gap_diagonal > APART:
+            break
+    done = len(found) == len(goals)
+    durations = dict(zip(thresholds, found + [math.inf] * (len(goals) - len(found)), strict=True))
+    outcome = "t1" if done else _end(series)
+    tally = state.tally
+    last = durations[thresholds[-1]]
+    return T1(last, done, outcome, durations, kappa, int(tally[ACCEPTED]), int(tally[REJECTED]), tuple(series))
+
+
+def _end(series: Sequence[Instant]) -> str:
+    """What became of a cluster whose vertical pair never carried its part."""
+    if series[-1].gap_diagonal <= APART:
+        return "blocked"
+    return "t1" if min(instant.gap_vertical for instant in series) < MET else "dissociated"
+
+
+class Span(NamedTuple):
+    """A step: its beginning, to which one can go back, and its end."""
+
+    begin: Instant
+    end: Instant
+    position: Array
+    log_gap: Array
+    direction: Array
+
+
+def _march(parameters: Parameters, state: State, scratch: Workspace, unit: Units) -> Iterator[Span]:
+    """Step after step, to the horizon."""
+    step, instant = scratch.step, _first(parameters, scratch, unit)
+    while state.step[0] < parameters.steps_per_frame:
+        begin, kept = instant, (step.bodies.before.copy(), step.log_gap.copy(), step.direction.copy())
+        if not one_step(parameters, state, scratch) > 0.0:
+            raise Diverged(f"at t = {begin.time:g} no step is short enough; look at the gap and the forces")
+        instant = _instant(scratch, float(state.pace[CLOCK]), unit)
+        yield Span(begin, instant, *kept)
+
+
+def _first(parameters: Parameters, scratch: Workspace, unit: Units) -> Instant:
+    """The cluster at rest."""
+    first_stage(parameters.contacts, scratch.step, drive_at(parameters.protocol, 0.0))
+    return _instant(scratch, 0.0, unit)
+
+
+HORIZONTAL, DIAGONAL, VERTICAL = 0, 1, 5
+"""Places of the contacts (0, 1), (0, 2) and (2, 3) among the six."""
+
+
+def _instant(scratch: Workspace, time: float, unit: Units) -> Instant:
+    """The step's end as numbers: what the last solution left in `films` and `answers`."""
+    films, force = scratch.step.films, scratch.step.answers.force
+    gap, tension = np.exp(films.log_gap) / unit.length, (force * films.direction).sum(axis=1) / unit.force
+    x, y, _ = films.direction[DIAGONAL]
+    return Instant(
+        time=time,
+        angle=_diagonal_angle(scratch),
+        gap_horizontal=float(gap[HORIZONTAL]),
+        gap_vertical=float(gap[VERTICAL]),
+        gap_diagonal=float(gap[DIAGONAL]),
+        tension_horizontal=float(tension[HORIZONTAL]),
+        tension_vertical=float(tension[VERTICAL]),
+        tension_diagonal=float(tension[DIAGONAL]),
+        sliding_force=float(force[DIAGONAL] @ (y, -x, 0.0)) / unit.force,
+    )
+
+
+def _diagonal_angle(scratch: Workspace) -> float:
+    """Between the diagonal and the horizontal pair, by their centers."""
+    place = scratch.step.bodies.position
+    across, along = place[1] - place[0], place[2] - place[0]
+    return math.atan2(float(across[0] * along[1] - across[1] * along[0]), float(across @ along))
+
+
+def _reached(instant: Instant, goal: float) -> bool:
+    """Whether the vertical pair, once it is the closer one, carries that much; a goal below zero is none.
+
+    At first the far vertical pair carries a spike: a wide film has a large contact, and its surface is stiff.
+    """
+    swapped = instant.gap_vertical < instant.gap_horizontal
+    return goal > 0.0 and swapped and -instant.tension_vertical >= goal
+
+
+def _crossing(parameters: Parameters, span: Span, scratch: Workspace, unit: Units, goal: float) -> float:
+    """When within the last step the vertical pair came to carry that much, by taking shorter ones."""
+    from scipy.optimize import brentq
+
+    step, scheme = scratch.step, SCHEMES[parameters.scheme]
+    kept = step.bodies.before.copy(), step.log_gap.copy(), step.direction.copy()
+    begin = drive_at(parameters.protocol, span.begin.time)
+
+    def missing(length: float) -> float:
+        step.bodies.before[:], step.log_gap[:], step.direction[:] = span.position, span.log_gap, span.direction
+        end = drive_at(parameters.protocol, span.begin.time + length)
+        attempt(parameters, step, scheme, During(length, begin, end, parameters.tolerance))
+        return goal + _instant(scratch, span.begin.time + length, unit).tension_vertical
+
+    length = span.end.time - span.begin.time
+    if goal + span.begin.tension_vertical > 0.0 > missing(length):
+        length = float(brentq(missing, 1e-9 * length, length, xtol=CLOSE * length))
+    step.bodies.before[:], step.log_gap[:], step.direction[:] = kept
+    return span.begin.time + length
+
+
+METHODS = {"implicit": follow}

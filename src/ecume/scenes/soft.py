@@ -1,0 +1,236 @@
+"""The scene of the soft model: elastic spheres close together in a viscous liquid, and the forces on them."""
+
+from __future__ import annotations
+
+import itertools
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+from pydantic.dataclasses import dataclass
+
+from ecume.scenes.common import Common
+from ecume.scenes.faults import Inconsistent, Path
+from ecume.scenes.quantities import (
+    STRICT,
+    Color,
+    Coordinate,
+    Count,
+    LawName,
+    Name,
+    Radius,
+    Size,
+    Switch,
+)
+from ecume.units import Energy, Force, Number, Pressure, Time, Viscosity
+
+MOST_SPHERES = 1_000_000
+
+Modulus = Annotated[Pressure, Field(ge=1e-9, le=1e15)]
+ThickViscosity = Annotated[Viscosity, Field(ge=1e-12, le=1e12)]
+Load = Annotated[Force, Field(ge=-1e9, le=1e9)]
+Strength = Annotated[Force, Field(ge=0.0, le=1e9)]
+Hamaker = Annotated[Energy, Field(ge=0.0, le=1e9)]
+Prefactor = Annotated[Number, Field(gt=1e-6, le=1e6)]
+Weight = Annotated[Number, Field(ge=1e-6, le=1e6)]
+Instant = Annotated[Time, Field(ge=0.0, le=1e10)]
+Factor = Annotated[Number, Field(ge=-1e9, le=1e9)]
+Scale = Annotated[Number, Field(ge=1e-3, le=1e3)]
+Tolerance = Annotated[Number, Field(ge=1e-11, le=1e-2)]
+Position = Annotated[tuple[Coordinate, ...], Field(min_length=2, max_length=3)]
+"""Two coordinates in a layer, three in space."""
+ForceVector = Annotated[tuple[Load, ...], Field(min_length=2, max_length=3)]
+Sides = Annotated[tuple[Size, ...], Field(min_length=2, max_length=3)]
+
+Complaints = list[tuple[Path, str]]
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class SoftLiquid:
+    """The liquid between the spheres."""
+
+    viscosity: ThickViscosity
+    """Pa s"""
+    drag: Switch = False
+    """Whether the liquid far away drags on each sphere, with Stokes's 6 pi eta R."""
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class SphereSpec:
+    """Equal spheres, where they start, and what pulls at each."""
+
+    name: Name = ""
+    """What this species is called; `sphere-1` and so on when empty."""
+    radius: Radius
+    """m, undeformed"""
+    modulus: Modulus
+    """Young's modulus of the material (Pa)"""
+    positions: tuple[Position, ...] = ()
+    """Where each starts (m): two coordinates in a layer, three in space."""
+    count: Count | None = None
+    """How many are placed at random in the box, for lack of positions."""
+    force: ForceVector | None = None
+    """What pulls at each of them (N), at load 1."""
+    color: Color | None = None
+    """`#rrggbb`, or a plain English name"""
+
+    @model_validator(mode="after")
+    def _placed(self) -> Self:
+        if bool(self.positions) == (self.count is not None):
+            came = "both" if self.positions else "neither"
+            raise Inconsistent([((), f"wanted either positions or count; came {came}")])
+        return self
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class FilmSpec:
+    """Contacts: a film of liquid in series with the surfaces' elasticity."""
+
+    prefactors: LawName = "paper"
+    """Where the six numbers come from that follow: `paper` or `physical`."""
+    squeeze: Prefactor | None = None
+    """c_n: friction c_n eta a^4/h^3 of squeezing; overrules the set"""
+    shear: Prefactor | None = None
+    """c_t: friction c_t eta a^2/h of sliding; overrules the set"""
+    normal: Prefactor | None = None
+    """alpha_n: stiffness alpha_n E a along the normal; overrules the set"""
+    tangential: Prefactor | None = None
+    """alpha_t: stiffness alpha_t E a along the surface; overrules the set"""
+    gap_weight: Weight | None = None
+    """c_h in a^2 = R (c_h h + c_d |delta|); overrules the set"""
+    deflection_weight: Weight | None = None
+    """c_d in the same; overrules the set"""
+    reach: Size | None = None
+    """The gap up to which spheres have a film between them (m); left out, all spheres have, always."""
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class RemoteSpec:
+    """What acts between the surfaces across the film."""
+
+    law: LawName = "none"
+    """`none`, `steric` or `dlvo`"""
+    strength: Strength = 0.0
+    """of the steric repulsion (N): that at half its length"""
+    length: Size = 1e-8
+    """of the steric repulsion (m)"""
+    hamaker: Hamaker = 0.0
+    """Hamaker's constant of van der Waals's attraction (J)"""
+    layer_strength: Strength = 0.0
+    """of the electric double layer (J/m = N)"""
+    debye_length: Size = 1e-8
+    """of the electric double layer (m)"""
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class BoxSpec:
+    """A periodic box; Lees and Edwards's shear moves its copies above and below."""
+
+    size: Sides
+    """Its sides (m), as many as there are dimensions."""
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class StageSpec:
+    """A moment of the protocol: between two, everything changes evenly; before the first and after the last, not."""
+
+    time: Instant
+    """s"""
+    load: Factor = 1.0
+    """what the spheres' forces are multiplied by"""
+    strain: Factor = 0.0
+    """shear strain of the box, along x from bottom to top"""
+    scale: Scale = 1.0
+    """what the sides of the box are multiplied by"""
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class SteppingSpec:
+    """How time is stepped: implicitly, with steps as long as the tolerance allows."""
+
+    scheme: LawName = "esdirk4"
+    """`esdirk4` of order 4 or `tr-bdf2` of order 2, both L-stable"""
+    tolerance: Tolerance = 1e-6
+    """the error of ln(gap), and of directions in radians, that a step may make"""
+    solver: LawName = "auto"
+    """`auto`, `dense`, `direct` or `gradients`: how a step's linear systems are solved"""
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class SoftScene(Common):
+    """Soft spheres in a viscous liquid, so slow that inertia plays no part."""
+
+    model: Literal["soft"] = "soft"
+    """Which model."""
+    liquid: SoftLiquid
+    """What is between them."""
+    spheres: Annotated[tuple[SphereSpec, ...], Field(min_length=1)]
+    """The species."""
+    films: FilmSpec = FilmSpec()
+    """The contacts."""
+    remote: RemoteSpec = RemoteSpec()
+    """What acts across the films."""
+    box: BoxSpec | None = None
+    """The periodic box, if any."""
+    protocol: tuple[StageSpec, ...] = ()
+    """How load and box change over time."""
+    stepping: SteppingSpec = SteppingSpec()
+    """The time stepping."""
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        complaints = [*_dimensions(self), *_protocol(self), *_crowd(self)]
+        if complaints:
+            raise Inconsistent(complaints)
+        return self
+
+
+def dimensions_of(scene: SoftScene) -> int:
+    """2 for a layer, 3 for a packing in space: as many as the box, or the first position, has."""
+    if scene.box is not None:
+        return len(scene.box.size)
+    return next((len(position) for species in scene.spheres for position in species.positions), 2)
+
+
+def species_of(scene: SoftScene) -> list[tuple[str, str | None]]:
+    """The name and color of each species; its place in the list is its number in frames."""
+    return [(species.name or f"sphere-{index}", species.color) for index, species in enumerate(scene.spheres, 1)]
+
+
+def _dimensions(scene: SoftScene) -> Complaints:
+    """All positions and forces have as many components."""
+    wanted = dimensions_of(scene)
+    found: Complaints = []
+    for index, species in enumerate(scene.spheres):
+        path: Path = ("spheres", index)
+        found += [
+            ((*path, "positions", place), f"came {len(position)} coordinates; wanted {wanted} as elsewhere")
+            for place, position in enumerate(species.positions)
+            if len(position) != wanted
+        ]
+        if species.force is not None and len(species.force) != wanted:
+            found.append(((*path, "force"), f"came {len(species.force)} components; wanted {wanted}"))
+        if species.count is not None and scene.box is None:
+            found.append(((*path, "count"), "spheres are placed at random in a [box]; there is none"))
+    return found
+
+
+def _protocol(scene: SoftScene) -> Complaints:
+    times = [stage.time for stage in scene.protocol]
+    found: Complaints = [
+        (("protocol", index, "time"), f"came {later:g} s, not after {earlier:g} s")
+        for index, (earlier, later) in enumerate(itertools.pairwise(times), 1)
+        if later <= earlier
+    ]
+    for index, stage in enumerate(scene.protocol):
+        if scene.box is None and (stage.strain != 0.0 or stage.scale != 1.0):
+            found.append((("protocol", index), "strain and scale are those of a [box]; there is none"))
+    return found
+
+
+def _crowd(scene: SoftScene) -> Complaints:
+    total = sum(species.count or len(species.positions) for species in scene.spheres)
+    if total < 2:
+        return [(("spheres",), "a single sphere has no film; wanted two or more")]
+    if total > MOST_SPHERES:
+        return [(("spheres",), f"{total} spheres are more than {MOST_SPHERES:.0e}")]
+    return []
