@@ -11,11 +11,12 @@ from __future__ import annotations
 
 import logging
 import math
+import os
 import platform
 from collections.abc import Callable
 from pathlib import Path
 from types import FunctionType, ModuleType
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 import llvmlite
 import numba
@@ -28,6 +29,10 @@ from numba.core.imputils import lower_builtin
 from numba.core.registry import CPUDispatcher
 
 from ecume import _cache
+
+# Threads that wait for their next loop by spinning keep whoever else computes here from going on, and are kept from it
+# themselves: on a busy machine loops over a few thousand particles took five times as long. Read when they start.
+os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 log = logging.getLogger(__name__)
@@ -171,10 +176,24 @@ class PartCache(HealingCache):
     _impl_class = PartFiles
 
 
+class AloneFiles(WholeFiles):
+    """The same function without threads."""
+
+    def get_filename_base(self, name: str, flags: str) -> str:
+        """The beginning of the files' names."""
+        return f"alone-{super().get_filename_base(name, flags)}"
+
+
+class AloneCache(HealingCache):
+    """The disk cache of loops that are compiled for threads as well."""
+
+    _impl_class = AloneFiles
+
+
 class Dispatcher(CPUDispatcher):  # type: ignore[misc]
     """A compiled function: a whole where Python calls it, a part where compiled code does."""
 
-    def __init__(self, function: FunctionType, options: dict[str, bool], cache: bool) -> None:
+    def __init__(self, function: FunctionType, options: dict[str, Any], cache: bool) -> None:
         options = {"nopython": True, "nogil": True, "no_cfunc_wrapper": True, **options}
         whole, part = ({**options, "error_model": "numpy", "no_cpython_wrapper": inner} for inner in (False, True))
         super().__init__(function, targetoptions=whole, pipeline_class=Whole)
@@ -217,6 +236,45 @@ def threaded(function: Function) -> Function:
     return _dispatcher(function, cache=True, parallel=True)
 
 
+FEW = 4000
+"""Loops over fewer particles than this end sooner than a second thread wakes up."""
+ANY_ORDER = {"reassoc", "contract", "nsz", "arcp"}
+"""What sums may do to be taken eight terms at a time. NaN and infinity stay what they are."""
+
+
+class Spread:
+    """A loop that Python calls, compiled twice: for threads, and for crowds too small for them.
+
+    The last axis of the first argument says how large the crowd is, so that the choice, and with it the order of sums,
+    does not depend on how many threads there are.
+    """
+
+    def __init__(self, function: FunctionType, **options: Any) -> None:
+        self.alone = _dispatcher(function, cache=True, **options)
+        if isinstance(self.alone, Dispatcher):
+            self.alone._cache = AloneCache(function)
+        self.together = _dispatcher(function, cache=True, parallel=True, **options)
+        self.__doc__, self.__name__ = function.__doc__, function.__name__
+
+    def __call__(self, crowd: Any, *arguments: Any) -> Any:
+        """Run the one or the other."""
+        return (self.alone if crowd.shape[-1] < FEW else self.together)(crowd, *arguments)
+
+
+def spread(function: Function) -> Function:
+    """A loop with `prange` over the particles of its first argument, for Python to call."""
+    made: Any = Spread(cast(FunctionType, function))
+    kept: Function = made
+    return kept
+
+
+def summing(function: Function) -> Function:
+    """The same; sums inside may be taken in any order, always the same one."""
+    made: Any = Spread(cast(FunctionType, function), fastmath=ANY_ORDER)
+    kept: Function = made
+    return kept
+
+
 def compiled_once(function: Function) -> Function:
     """Compile for this process alone: for what a user hands over, which no file of ours can name."""
     return _dispatcher(function, cache=False)
@@ -256,7 +314,7 @@ def use_threads(count: int | None) -> int:
     return int(numba.get_num_threads())
 
 
-def _dispatcher(function: Function, *, cache: bool, **options: bool) -> Function:
+def _dispatcher(function: Function, *, cache: bool, **options: Any) -> Function:
     if not isinstance(function, FunctionType) or numba.config.DISABLE_JIT:
         return function
     made: Any = Dispatcher(function, options, cache)

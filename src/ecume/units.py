@@ -203,6 +203,7 @@ SurfaceTension = Annotated[float, Unit("N/m")]
 Friction = Annotated[float, Unit("N*s/m")]
 Angle = Annotated[float, Unit("rad")]
 Number = Annotated[float, Unit("1")]
+Rate = Annotated[float, Unit("1/s")]
 
 # The same for functions that welcome arrays where a float is.
 Lengths = Annotated[Real, Unit("m")]

@@ -11,7 +11,7 @@ class _Models(MutableMapping[str, Model]):
     """A table whose own rows are imported late: a scene is checked without Numba."""
 
     def __init__(self) -> None:
-        self._known: dict[str, Model | None] = {"floating": None, "soft": None}
+        self._known: dict[str, Model | None] = {"floating": None, "soft": None, "sph": None}
 
     def __getitem__(self, name: str) -> Model:
         found = self._known[name]
@@ -41,6 +41,10 @@ def _imported(name: str) -> Model:
         from ecume.models.soft import SOFT
 
         return SOFT
+    if name == "sph":
+        from ecume.models.sph import SPH
+
+        return SPH
     raise KeyError(name)
 
 

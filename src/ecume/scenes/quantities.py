@@ -7,11 +7,24 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Callable
 from typing import Annotated
 
 from pydantic import ConfigDict, Field, PlainValidator
 
-from ecume.units import Acceleration, Angle, Density, Length, Number, Speed, SurfaceTension, Time, Unit, Viscosity
+from ecume.units import (
+    Acceleration,
+    Angle,
+    Density,
+    Length,
+    Number,
+    Speed,
+    SurfaceTension,
+    Time,
+    Unit,
+    Viscosity,
+    example,
+)
 
 STRICT = ConfigDict(extra="forbid", allow_inf_nan=False)
 """What every piece of a scene is: no unknown keys, no infinities."""
@@ -100,3 +113,22 @@ def color(value: object) -> str:
 
 
 Color = Annotated[str, PlainValidator(color)]
+
+
+def vector(symbol: str, most: float) -> Callable[[object], tuple[float, ...]]:
+    """Reads two or three quantities of one unit, none larger than `most`."""
+
+    def read(value: object) -> tuple[float, ...]:
+        if not isinstance(value, (list, tuple)) or len(value) not in (2, 3):
+            raise ValueError(f"wanted two or three numbers, or texts such as {example(symbol)!r}")
+        numbers = tuple(Unit(symbol).number(item) for item in value)
+        if not all(abs(number) <= most for number in numbers):
+            raise ValueError(f"wanted numbers between {-most:g} and {most:g} {symbol}")
+        return numbers
+
+    return read
+
+
+Place = Annotated[tuple[float, ...], PlainValidator(vector("m", 1e3))]
+Motion = Annotated[tuple[float, ...], PlainValidator(vector("m/s", 1e3))]
+Pull = Annotated[tuple[float, ...], PlainValidator(vector("m/s^2", 1e6))]

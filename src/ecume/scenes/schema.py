@@ -22,11 +22,12 @@ from ecume.scenes.common import Common
 from ecume.scenes.faults import Path, as_faults, echo, faults_of, suggestion
 from ecume.scenes.floating import FloatingScene
 from ecume.scenes.soft import SoftScene
+from ecume.scenes.sph import SphScene
 
-Scene = FloatingScene | SoftScene
+Scene = FloatingScene | SoftScene | SphScene
 """Any scene. Each model adds its own."""
 
-SCENES: dict[str, type[Common]] = {"floating": FloatingScene, "soft": SoftScene}
+SCENES: dict[str, type[Common]] = {"floating": FloatingScene, "soft": SoftScene, "sph": SphScene}
 
 
 def from_plain(plain: Mapping[str, Any]) -> Scene:

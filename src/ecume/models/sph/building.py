@@ -1,0 +1,278 @@
+"""From a scene to parameters: the material, the walls, the liquid's particles, the time step."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, cast
+
+import numpy as np
+
+from ecume.engine.shapes import Ball, Box, Polygon, Shape, apart, lattice_in
+from ecume.errors import Fault, SceneError
+from ecume.laws.enthalpy import density_at_enthalpy
+from ecume.laws.kernels import KERNEL_CODES, Kernel, kernel
+from ecume.models.sph.boundaries import boundary_of
+from ecume.models.sph.fields import (
+    ALPHA,
+    CHOICES,
+    DELTA,
+    DIFFUSION,
+    DIMENSION,
+    FRICTION,
+    G0,
+    INVERSE,
+    KERNEL,
+    LAMINAR,
+    NO_FRICTION,
+    NUMBERS,
+    ONE,
+    REFERENCE,
+    SCALE,
+    SOFT,
+    STRESS,
+    H,
+)
+from ecume.models.sph.parameters import INTEGRATORS, SHIFTINGS, Liquid, Material, Parameters
+from ecume.scenes.faults import suggestion
+from ecume.scenes.sph import RegionSpec, SphScene
+from ecume.units import Array
+
+SKIN = 0.10
+"""How far beyond the support lists look, in supports."""
+NUMERICAL_MACH = 0.1
+SMOOTHING = {
+    "wendland-c2": (2.0, 1.6),
+    "wendland-c4": (2.0, 1.8),
+    "wendland-c6": (2.2, 2.0),
+    "quintic-spline": (1.3, 1.2),
+    "quartic-spline": (1.3, 1.2),
+    "lucy": (2.6, 2.4),
+}
+"""Smoothing lengths in spacings that suit a kernel, in two and in three dimensions; 1.3 and 1.2 for all others."""
+DIFFUSIONS = ("none", "molteni", "antuono", "linear", "hydrostatic")
+STRESSES = ("sum", "monaghan", "transport")
+TAYLOR_GREEN = "taylor-green"
+
+
+def chosen(name: str, names: Any, path: str) -> str:
+    """A law's name, if there is such a law."""
+    if name not in names:
+        wanted = ", ".join(names)
+        raise SceneError([Fault(path, f"came {name!r}; wanted one of {wanted}; {suggestion(name, names)}")])
+    return name
+
+
+def kernel_of(scene: SphScene) -> Kernel:
+    """The scene's kernel in its dimension."""
+    return kernel(chosen(scene.method.kernel, tuple(KERNEL_CODES), "method.kernel"), dim=len(scene.tank.low))
+
+
+def smoothing_of(scene: SphScene) -> float:
+    """The smoothing length (m)."""
+    given = scene.method.smoothing
+    usual = SMOOTHING.get(scene.method.kernel, (1.3, 1.2))[len(scene.tank.low) - 2]
+    return scene.spacing * (usual if given is None else given)
+
+
+def gravity_of(scene: SphScene) -> Array:
+    """(d,) m/s^2."""
+    return np.array(scene.gravity, dtype=np.float64)
+
+
+def shape_of(region: RegionSpec) -> Shape:
+    """A region of the scene as a part of space."""
+    if region.vertices:
+        return Polygon(np.array(region.vertices))
+    if region.radius is not None:
+        return Ball(np.array(region.center), region.radius)
+    return Box(np.array(region.low), np.array(region.high))
+
+
+def material_of(scene: SphScene) -> Material:
+    """The liquid, with a sound speed for the numerics."""
+    given = scene.liquid
+    fastest = given.fastest or fastest_of(scene)
+    sound = given.sound_speed or fastest / NUMERICAL_MACH
+    return Material(
+        density=1000.0 if given.density is None else given.density,
+        sound_speed=sound,
+        exponent=given.exponent,
+        viscosity=given.viscosity or 0.0,
+        surface_tension=given.surface_tension or 0.0,
+        atmospheric_pressure=given.atmospheric_pressure,
+        fastest=fastest,
+    )
+
+
+def fastest_of(scene: SphScene) -> float:
+    """The fastest speed to be expected: of what moves at the start, and of a free fall through the liquid's depth."""
+    pull = gravity_of(scene)
+    bounds = [shape_of(region).bounds() for region in scene.fluid]
+    low, high = np.min([b[0] for b in bounds], axis=0), np.max([b[1] for b in bounds], axis=0)
+    depth = float(np.abs(pull) @ (high - low))
+    speeds = [math.sqrt(2.0 * depth)]
+    for region in scene.fluid:
+        points = np.stack(shape_of(region).bounds())
+        speeds.append(float(np.linalg.norm(velocity_in(region, scene, points), axis=1).max()))
+        speeds.append(region.flow_speed if region.flow else 0.0)
+    speeds += [math.hypot(*side.velocity) for side in sides_of(scene) if side.velocity]
+    fastest = max(speeds)
+    if fastest == 0.0:
+        raise SceneError(
+            [Fault("liquid.fastest", "nothing moves and nothing pulls: say which speed is to be expected")]
+        )
+    return fastest
+
+
+def sides_of(scene: SphScene) -> list[Any]:
+    """The tank's sides, low and high along each axis."""
+    tank = scene.tank
+    return [tank.left, tank.right, tank.bottom, tank.top, tank.front, tank.back][: 2 * len(tank.low)]
+
+
+def velocity_in(region: RegionSpec, scene: SphScene, points: Array) -> Array:
+    """(N, d) the velocity with which a region starts."""
+    dimension = points.shape[1]
+    velocity = np.zeros_like(points)
+    if region.velocity is not None:
+        velocity += np.array(region.velocity)
+    if region.velocity_gradient:
+        center = np.zeros(dimension) if region.center is None else np.array(region.center)
+        velocity += (points - center) @ np.array(region.velocity_gradient).T
+    if region.flow == TAYLOR_GREEN:
+        size = np.array(scene.tank.high) - np.array(scene.tank.low)
+        phase = 2.0 * math.pi * (points - np.array(scene.tank.low)) / size
+        velocity[:, 0] -= region.flow_speed * np.cos(phase[:, 0]) * np.sin(phase[:, 1])
+        velocity[:, 1] += region.flow_speed * np.sin(phase[:, 0]) * np.cos(phase[:, 1])
+    return velocity
+
+
+def liquid_of(scene: SphScene, material: Material) -> Liquid:
+    """The particles at the start, with the pressure of their depth."""
+    pull = np.zeros(len(scene.tank.low)) if modified(scene) else gravity_of(scene)
+    tank = Box(np.array(scene.tank.low), np.array(scene.tank.high))
+    pieces: list[tuple[Array, Array, Array]] = []
+    earlier: list[Shape] = []
+    for index, region in enumerate(scene.fluid):
+        shape = shape_of(region)
+        points = lattice_in(shape, scene.spacing)
+        points = points[apart(points, earlier)]
+        outside = ~tank.inside(points)
+        if outside.any():
+            where = tuple(float(f"{x:.4g}") for x in points[outside][0])
+            raise SceneError([Fault(f"fluid[{index}]", f"reaches out of the tank, at {where}")])
+        earlier.append(shape)
+        depth = shape.way_out(points, -pull / np.linalg.norm(pull)) if pull.any() else np.zeros(len(points))
+        pieces.append((points, velocity_in(region, scene, points), depth))
+    return _particles(scene, material, pieces, float(np.linalg.norm(pull)))
+
+
+def _particles(scene: SphScene, material: Material, pieces: list[tuple[Array, Array, Array]], pull: float) -> Liquid:
+    """Densities and masses of points whose depths are known, then jittered."""
+    points, velocity, depth = (np.concatenate(parts) for parts in zip(*pieces, strict=True))
+    if len(points) == 0:
+        raise SceneError([Fault("spacing", f"came {scene.spacing:g} m: no particle fits into the liquid")])
+    if scene.method.start == "rest":
+        depth = np.zeros_like(depth)
+    laws = material.density, material.sound_speed, material.exponent
+    density = np.array([density_at_enthalpy(pull * down, *laws) for down in depth])
+    mass = density * scene.spacing ** points.shape[1]
+    generator = np.random.default_rng(scene.seed)
+    points = points + scene.method.jitter * scene.spacing * generator.uniform(-1.0, 1.0, points.shape)
+    region = np.repeat(np.arange(len(pieces)), [len(piece[0]) for piece in pieces])
+    return Liquid(np.ascontiguousarray(points.T), np.ascontiguousarray(velocity.T), density, mass, region)
+
+
+def modified(scene: SphScene) -> bool:
+    """Whether gravity is left out of the motion, and the hydrostatic pressure added for output."""
+    return scene.method.pressure_split == "modified"
+
+
+def parameters_of(scene: SphScene) -> Parameters:
+    """Everything that does not move."""
+    material, method = material_of(scene), scene.method
+    shape, smoothing = kernel_of(scene), smoothing_of(scene)
+    dimension = len(scene.tank.low)
+    gravity = gravity_of(scene)
+    pull = np.zeros(dimension) if modified(scene) else gravity
+    time_step, per_frame = steps_of(scene, material, smoothing)
+    transports = chosen(method.pressure_force, STRESSES, "method.pressure_force") == "transport"
+    usual = material.density * material.sound_speed**2
+    support = shape.support * smoothing
+    return Parameters(
+        time_step=time_step,
+        steps_per_frame=per_frame,
+        dimension=dimension,
+        spacing=scene.spacing,
+        material=material,
+        constants=np.array([material.sound_speed, material.exponent, material.density]),
+        gravity=pull,
+        hydrostatic=gravity - pull,
+        surface=max(float(shape_of(region).bounds()[1][1]) for region in scene.fluid),
+        numbers=numbers_of(scene, material, pull),
+        choices=choices_of(scene, pull),
+        support=support,
+        skin=SKIN * support,
+        boundary=boundary_of(scene, material, support),
+        integrator=INTEGRATORS.index(chosen(method.integrator, INTEGRATORS, "method.integrator")),
+        shifting=SHIFTINGS.index(chosen(method.shifting, SHIFTINGS, "method.shifting")),
+        background=(usual if method.background_pressure is None else method.background_pressure) * transports,
+        courant=method.courant,
+        walls_clip=method.walls_clip,
+        precision=method.precision,
+    )
+
+
+def numbers_of(scene: SphScene, material: Material, pull: Array) -> Array:
+    """The table of numbers that sums read."""
+    shape, smoothing, dimension = kernel_of(scene), smoothing_of(scene), len(pull)
+    alpha = scene.method.artificial_viscosity * (material.viscosity == 0.0)
+    spring = material.density / material.sound_speed**2
+    diffusion = diffusion_of(scene, pull)
+    numbers = np.zeros(NUMBERS)
+    numbers[ONE], numbers[H], numbers[INVERSE] = 1.0, smoothing, 1.0 / smoothing
+    numbers[SCALE] = shape.normalization / smoothing ** (dimension + 2)
+    numbers[SOFT] = 0.01 * smoothing**2
+    # Two particles share the damping; by mass it is per density squared.
+    per = 1.0 / material.density if scene.method.pressure_force == "monaghan" else material.density
+    numbers[ALPHA] = alpha * material.sound_speed * smoothing * per
+    numbers[DELTA] = 2.0 * scene.method.diffusion * smoothing * material.sound_speed * (diffusion != "none")
+    if diffusion == "hydrostatic":
+        numbers[DELTA] *= spring
+        numbers[G0 : G0 + dimension] = pull
+    elif diffusion == "linear":
+        numbers[G0 : G0 + dimension] = spring * pull
+    shifts = scene.method.shifting == "delta-plus"
+    numbers[REFERENCE] = float(cast(float, shape.shape(scene.spacing / smoothing))) if shifts else 0.0
+    return numbers
+
+
+def diffusion_of(scene: SphScene, pull: Array) -> str:
+    """The density diffusion by its name."""
+    name = scene.method.density_diffusion
+    if name == "automatic":
+        return "hydrostatic" if pull.any() else "antuono"
+    return chosen(name, DIFFUSIONS, "method.density_diffusion")
+
+
+def choices_of(scene: SphScene, pull: Array) -> Any:
+    """The table of choices that sums read."""
+    choices = np.zeros(CHOICES, np.int64)
+    choices[DIMENSION] = len(scene.tank.low)
+    choices[KERNEL] = KERNEL_CODES[scene.method.kernel]
+    choices[DIFFUSION] = DIFFUSIONS.index(diffusion_of(scene, pull))
+    choices[STRESS] = STRESSES.index(scene.method.pressure_force)
+    choices[FRICTION] = LAMINAR if (scene.liquid.viscosity or 0.0) > 0.0 else NO_FRICTION
+    return choices
+
+
+def steps_of(scene: SphScene, material: Material, smoothing: float) -> tuple[float, int]:
+    """The time step and how many fit between two frames: sound and viscosity set it [monaghan1992, morris1997]."""
+    longest = scene.method.courant * smoothing / (material.sound_speed + material.fastest)
+    if material.viscosity > 0.0:
+        longest = min(longest, 0.125 * smoothing**2 * material.density / material.viscosity)
+    wanted = scene.method.time_step or longest
+    if wanted > 4.0 * longest:
+        raise SceneError([Fault("method.time_step", f"came {wanted:g} s; sound and viscosity allow {longest:.3g} s")])
+    per_frame = max(1, math.ceil(scene.frame_every / wanted * (1.0 - 1e-9)))
+    return scene.frame_every / per_frame, per_frame

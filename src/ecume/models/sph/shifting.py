@@ -1,0 +1,108 @@
+"""What particles move with beside the liquid's velocity, so that they stay evenly spread."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from ecume._jit import prange, spread, summing
+from ecume.models.sph.fields import CROWD, DIMENSION, INVERSE, KERNEL, REFERENCE, SCALE, SPACE, VOLUME, H, X
+from ecume.models.sph.parameters import DELTA_PLUS, Parameters
+from ecume.models.sph.state import State, Workspace
+from ecume.models.sph.weights import slope_of, value_of
+from ecume.units import Array
+
+INDEX = np.uint64
+
+SURFACE = 0.75
+"""Below this part of the full divergence of position a particle is at the surface."""
+MOST = 0.5
+"""The fastest shift, in fastest speeds."""
+
+
+def shift(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
+    """Set the transport for the next drift."""
+    lists = workspace.lists
+    numbers, choices = parameters.numbers, parameters.choices
+    sum_crowd(workspace.fields, lists.counts, lists.neighbor, numbers, choices, workspace.rates)
+    crowd = workspace.rates[CROWD : CROWD + parameters.dimension]
+    if parameters.shifting == DELTA_PLUS:
+        transport = delta_plus(parameters, crowd)
+        calm = near_surface(parameters, workspace)
+        transport[:, calm] = 0.0
+    else:
+        transport = of_background(parameters, state, crowd, time)
+    state.transport[...] = transport
+
+
+def of_background(parameters: Parameters, state: State, crowd: Array, time: float) -> Array:
+    """Half a step's velocity from a background pressure p_b: (dt/2) (2 p_b / rho) sum_j V_j F x_ij (Adami et al. 2013,
+    eq. 13, with equal volumes).
+    """
+    return time * parameters.background / state.density * crowd
+
+
+def delta_plus(parameters: Parameters, crowd: Array) -> Array:
+    """4 h u sum_j (1 + R (W/W(dx))^4) V_j F x_ij, no faster than half the fastest speed u (Sun et al. 2017)."""
+    fastest = parameters.material.fastest
+    transport = 4.0 * parameters.numbers[H] * fastest * crowd
+    speed = np.sqrt((transport**2).sum(axis=0))
+    limited: Array = transport * np.minimum(1.0, MOST * fastest / np.maximum(speed, 1e-300))
+    return limited
+
+
+def near_surface(parameters: Parameters, workspace: Workspace) -> Any:
+    """Flags of the particles at the surface, and of all that have one of them in their support."""
+    lists, images = workspace.lists, workspace.images
+    liquid = workspace.rates.shape[1]
+    real = len(lists.counts)
+    at_surface = np.zeros(real + len(images.source), np.bool_)
+    at_surface[:liquid] = workspace.rates[SPACE] < SURFACE * parameters.dimension
+    for k, source in enumerate(images.source):
+        at_surface[real + k] = at_surface[source]
+    near = at_surface[:liquid].copy()
+    spread_flags(near, at_surface, lists.counts, lists.neighbor)
+    return near
+
+
+@summing
+def sum_crowd(fields: Any, count: Any, neighbor: Any, numbers: Any, choices: Any, rates: Any) -> None:
+    """Where the crowd is not: sum_j V_j F x_ij, zero amid a lattice; and how full it is here, -sum_j V_j F r^2.
+
+    With a reference value each neighbor counts 1 + 0.2 (W/W(dx))^4 times in the first (Sun et al. 2017, eq. 6).
+    """
+    kernel, deep, inverse, scale = choices[KERNEL], choices[DIMENSION] == 3, numbers[INVERSE], numbers[SCALE]
+    tensile = 1.0 / numbers[REFERENCE] if numbers[REFERENCE] > 0.0 else 0.0
+    for particle in prange(rates.shape[1]):
+        i = INDEX(particle)
+        x, y, z = fields[X, i], fields[X + 1, i], fields[X + 2, i]
+        ax, ay, az, space = 0.0, 0.0, 0.0, 0.0
+        for k in range(INDEX(count[i])):
+            j = INDEX(neighbor[i, k])
+            dx, dy, dz, volume = fields[X, j] - x, fields[X + 1, j] - y, fields[X + 2, j] - z, fields[VOLUME, j]
+            square = dx * dx + dy * dy
+            if deep:
+                square += dz * dz
+            q = math.sqrt(square) * inverse
+            pull = slope_of(q, kernel) * volume
+            space -= pull * square
+            ratio = value_of(q, kernel) * tensile
+            pull *= 1.0 + 0.2 * ratio * ratio * ratio * ratio
+            ax += pull * dx
+            ay += pull * dy
+            az += pull * dz
+        rates[SPACE, i] = scale * space
+        rates[CROWD, i] = scale * ax
+        rates[CROWD + 1, i] = scale * ay
+        rates[CROWD + 2, i] = scale * az
+
+
+@spread
+def spread_flags(near: Any, flags: Any, count: Any, neighbor: Any) -> None:
+    """Whoever has a flagged neighbor is flagged."""
+    for i in prange(len(near)):
+        for k in range(count[i]):
+            if flags[neighbor[i, k]]:
+                near[i] = True

@@ -1,0 +1,139 @@
+"""What the physics moves, and the scratch beside it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ecume.engine.cells import Integers
+from ecume.engine.images import Images, images_of, positions_of_images
+from ecume.engine.lists import Lists, cell_order, grid_around, neighbor_lists
+from ecume.models.sph.fields import FIELDS, MU, RATES, VOLUME, U, V, X
+from ecume.models.sph.parameters import Liquid, Parameters
+from ecume.units import Array
+
+SUBSTEPS, GUARD_HITS, RENEWALS, MOST_SUBSTEPS = range(4)
+"""Places in `State.tally`."""
+SORT_EVERY = 16
+"""Particles are put into cell order at every so many-th renewal of the lists."""
+
+
+class State(NamedTuple):
+    """Everything that can change a later bit. Particles stand in cell order; `identity` says who is who."""
+
+    position: Array
+    """(d, N) m: axis by axis, so that loops over neighbors read along contiguous rows"""
+    velocity: Array
+    """(d, N) m/s"""
+    acceleration: Array
+    """(d, N) m/s^2, at the end of the last step"""
+    transport: Array
+    """(d, N) m/s: what particles move with beside the velocity"""
+    density: Array
+    """(N,) kg/m^3"""
+    thickening: Array
+    """(N,) kg/(m^3 s): the rate of density, of the Verlet scheme alone"""
+    mass: Array
+    """(N,) kg"""
+    identity: Integers
+    """(N,) the particle's number at the start"""
+    region: Integers
+    """(N,)"""
+    reference: Array
+    """(d, N) where everyone was when the lists were made: their order decides the order of sums"""
+    step: Integers
+    """(1,)"""
+    ready: Integers
+    """(1,) whether `acceleration` holds at the present positions"""
+    tally: Array
+    """substeps, hits of the guard, renewals of the lists, most substeps in a step"""
+
+
+@dataclass
+class Workspace:
+    """Scratch of one set of lists; renewed lists take its place."""
+
+    images: Images
+    lists: Lists
+    fields: NDArray[np.floating]
+    rates: Array
+
+    def take(self, other: Workspace) -> None:
+        """Become the other."""
+        self.images, self.lists, self.fields, self.rates = other.images, other.lists, other.fields, other.rates
+
+
+def make_state(liquid: Liquid) -> State:
+    """At time 0, in cell order."""
+    none = np.zeros_like(liquid.position)
+    count = liquid.position.shape[1]
+    return State(
+        position=liquid.position.copy(),
+        velocity=liquid.velocity.copy(),
+        acceleration=none,
+        transport=none.copy(),
+        density=liquid.density.copy(),
+        thickening=np.zeros(count),
+        mass=liquid.mass.copy(),
+        identity=np.arange(count),
+        region=liquid.region.copy(),
+        reference=liquid.position.copy(),
+        step=np.zeros(1, np.int64),
+        ready=np.zeros(1, np.int64),
+        tally=np.zeros(4),
+    )
+
+
+PER_PARTICLE = (
+    "position",
+    "velocity",
+    "acceleration",
+    "transport",
+    "density",
+    "thickening",
+    "mass",
+    "identity",
+    "region",
+)
+
+
+def sort_state(parameters: Parameters, state: State) -> None:
+    """Neighbors in space become neighbors in memory."""
+    order, _ = cell_order(state.position, grid_around(state.position, parameters.support))
+    for name in PER_PARTICLE:
+        array = getattr(state, name)
+        array[...] = np.take(array, order, axis=-1)
+
+
+def workspace_at(parameters: Parameters, state: State, room: int = 0) -> Workspace:
+    """Lists and tables for the crowd at the state's reference positions."""
+    boundary, reach = parameters.boundary, parameters.support + parameters.skin
+    real = np.concatenate([state.reference, boundary.dummies.position], axis=1)
+    images = images_of(real, boundary.sides, reach)
+    fields = np.zeros((FIELDS, real.shape[1] + len(images.source)))
+    everyone = np.concatenate([real, positions_of_images(real, images, boundary.sides)], axis=1)
+    liquid, count = state.reference.shape[1], real.shape[1]
+    guess = room or likely_neighbors(parameters.dimension, reach / parameters.spacing)
+    lists = neighbor_lists(everyone, count, (liquid, count), reach, guess)
+    put_dummies(parameters, fields, liquid)
+    return Workspace(images, lists, fields, np.zeros((RATES, liquid)))
+
+
+def put_dummies(parameters: Parameters, fields: NDArray[np.floating], first: int) -> None:
+    """What stands fast about the walls' particles."""
+    dummies, dimension = parameters.boundary.dummies, parameters.dimension
+    here = slice(first, first + dummies.position.shape[1])
+    fields[X : X + dimension, here] = dummies.position
+    fields[V : V + dimension, here] = dummies.velocity
+    fields[U : U + dimension, here] = dummies.velocity
+    fields[VOLUME, here] = parameters.spacing**dimension
+    fields[MU, here] = dummies.viscosity
+
+
+def likely_neighbors(dimension: int, reach: float) -> int:
+    """In a full lattice, and some more; `reach` in spacings."""
+    spheres = np.pi * reach**2 * (4.0 / 3.0 * reach if dimension == 3 else 1.0)
+    return int(1.15 * spheres) + 8

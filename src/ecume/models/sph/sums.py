@@ -1,0 +1,265 @@
+"""The sums over neighbors that move the liquid: continuity with density diffusion, and pressure with damping.
+
+Each particle's sum is one loop over its row of neighbors with nothing stored inside, so that it is done eight pairs at
+a time; all that a pair needs is gathered at its top. The loop is written once for all kernels and dimensions, and
+closed below by name for the two kernels most in use; the others share a blend. Sums may be taken in any order inside a
+row, always the same one; a NaN stays a NaN.
+
+Signs: `displacement` is from i to j, F = (1/r) dW/dr is negative, and the gradient of W at i is -F displacement.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ecume._jit import admit, compiled_inside, inlined, prange, summing
+from ecume.laws.kernels import KERNEL_CODES, shapes
+from ecume.models.sph.fields import (
+    ACC,
+    ALPHA,
+    DELTA,
+    DIFFUSED,
+    DIMENSION,
+    DRHO,
+    G0,
+    INVERSE,
+    KERNEL,
+    LIQUID,
+    PUSH,
+    SCALE,
+    SOFT,
+    WEIGHT,
+    ZERO,
+    V,
+    X,
+)
+from ecume.models.sph.weights import slope_of
+
+admit(shapes)
+INDEX = np.uint64
+"""Of all indexes: a signed one would be tested for being negative, pair by pair."""
+
+
+@inlined
+def stretch_with(
+    slope: Any, kernel: int, deep: bool, fields: Any, count: Any, neighbor: Any, numbers: Any, soft: int, rates: Any
+) -> None:
+    """Continuity and diffusion: sum_j w_j F (v_j - v_i).x_ij, and sum_j w_j (-F) (s_j - s_i - g.x_ij).
+
+    The first is -div v (Monaghan 1994); in the second s is density or enthalpy, and g what s changes by along x when
+    the liquid is at rest (Antuono et al. 2010, Fourtakas et al. 2019; see `ecume.laws.diffusion`). Dummies do not take
+    part in it.
+    """
+    for particle in prange(rates.shape[1]):
+        i = INDEX(particle)
+        x, y, z = fields[X, i], fields[X + 1, i], fields[X + 2, i]
+        u, v, w = fields[V, i], fields[V + 1, i], fields[V + 2, i]
+        own = fields[soft, i]
+        inverse, zero = numbers[INVERSE], numbers[ZERO]
+        gx, gy, gz = numbers[G0], numbers[G0 + 1], numbers[G0 + 2]
+        stretching, diffusing = zero, zero
+        for k in range(INDEX(count[i])):
+            j = INDEX(neighbor[i, k])
+            dx, dy = fields[X, j] - x, fields[X + 1, j] - y
+            du, dv = fields[V, j] - u, fields[V + 1, j] - v
+            weight, liquid, more = fields[WEIGHT, j], fields[LIQUID, j], fields[soft, j] - own
+            square, radial = dx * dx + dy * dy, du * dx + dv * dy
+            more = more - gx * dx - gy * dy
+            if deep:
+                dz, dw = fields[X + 2, j] - z, fields[V + 2, j] - w
+                square, radial = square + dz * dz, radial + dw * dz
+                more = more - gz * dz
+            pull = slope(math.sqrt(square) * inverse, kernel) * weight
+            stretching += pull * radial
+            diffusing -= pull * more * liquid
+        rates[DRHO, i] = numbers[SCALE] * stretching
+        rates[DIFFUSED, i] = numbers[SCALE] * numbers[DELTA] * diffusing
+
+
+@inlined
+def push_with(
+    slope: Any, kernel: int, deep: bool, fields: Any, count: Any, neighbor: Any, numbers: Any, rates: Any
+) -> None:
+    """Pressure and damping: sum_j w_j (P_i + P_j + damping) F x_ij; see `PUSH` and `WEIGHT`.
+
+    The damping is Monaghan's artificial viscosity in the form of delta-SPH, alpha c0 h rho0 min(v.x, 0)/(r^2 + 0.01
+    h^2), positive for two that approach (Monaghan 1992, Antuono et al. 2012). Dummies do not damp.
+    """
+    for particle in prange(rates.shape[1]):
+        i = INDEX(particle)
+        x, y, z = fields[X, i], fields[X + 1, i], fields[X + 2, i]
+        u, v, w = fields[V, i], fields[V + 1, i], fields[V + 2, i]
+        own = fields[PUSH, i]
+        inverse, zero, soft, alpha = numbers[INVERSE], numbers[ZERO], numbers[SOFT], numbers[ALPHA]
+        ax, ay, az = zero, zero, zero
+        for k in range(INDEX(count[i])):
+            j = INDEX(neighbor[i, k])
+            dx, dy = fields[X, j] - x, fields[X + 1, j] - y
+            du, dv = fields[V, j] - u, fields[V + 1, j] - v
+            weight, liquid, push = fields[WEIGHT, j], fields[LIQUID, j], fields[PUSH, j]
+            square, radial, dz = dx * dx + dy * dy, du * dx + dv * dy, zero
+            if deep:
+                dz = fields[X + 2, j] - z
+                square, radial = square + dz * dz, radial + (fields[V + 2, j] - w) * dz
+            pull = slope(math.sqrt(square) * inverse, kernel) * weight
+            pull *= own + push - alpha * liquid * min(radial, zero) / (square + soft)
+            ax += pull * dx
+            ay += pull * dy
+            if deep:
+                az += pull * dz
+        rates[ACC, i] = numbers[SCALE] * ax
+        rates[ACC + 1, i] = numbers[SCALE] * ay
+        rates[ACC + 2, i] = numbers[SCALE] * az
+
+
+@inlined
+def stretch_and_push_with(
+    slope: Any, kernel: int, deep: bool, fields: Any, count: Any, neighbor: Any, numbers: Any, rates: Any
+) -> None:
+    """Both at once, without diffusion and dummies: each field is gathered once."""
+    for particle in prange(rates.shape[1]):
+        i = INDEX(particle)
+        x, y, z = fields[X, i], fields[X + 1, i], fields[X + 2, i]
+        u, v, w = fields[V, i], fields[V + 1, i], fields[V + 2, i]
+        own = fields[PUSH, i]
+        inverse, zero, soft, alpha = numbers[INVERSE], numbers[ZERO], numbers[SOFT], numbers[ALPHA]
+        stretching, ax, ay, az = zero, zero, zero, zero
+        for k in range(INDEX(count[i])):
+            j = INDEX(neighbor[i, k])
+            dx, dy = fields[X, j] - x, fields[X + 1, j] - y
+            du, dv = fields[V, j] - u, fields[V + 1, j] - v
+            weight, push = fields[WEIGHT, j], fields[PUSH, j]
+            square, radial, dz = dx * dx + dy * dy, du * dx + dv * dy, zero
+            if deep:
+                dz = fields[X + 2, j] - z
+                square, radial = square + dz * dz, radial + (fields[V + 2, j] - w) * dz
+            pull = slope(math.sqrt(square) * inverse, kernel) * weight
+            stretching += pull * radial
+            pull *= own + push - alpha * min(radial, zero) / (square + soft)
+            ax += pull * dx
+            ay += pull * dy
+            if deep:
+                az += pull * dz
+        rates[DRHO, i] = numbers[SCALE] * stretching
+        rates[DIFFUSED, i] = zero
+        rates[ACC, i] = numbers[SCALE] * ax
+        rates[ACC + 1, i] = numbers[SCALE] * ay
+        rates[ACC + 2, i] = numbers[SCALE] * az
+
+
+@compiled_inside
+def wendland(q: Any, kernel: int) -> Any:
+    """The kernel most in use."""
+    return shapes.wendland_c2_slope(q)
+
+
+@compiled_inside
+def cubic(q: Any, kernel: int) -> Any:
+    """The second."""
+    return shapes.cubic_spline_slope(q)
+
+
+@summing
+def stretch_wendland(fields: Any, count: Any, neighbor: Any, numbers: Any, choices: Any, soft: int, rates: Any) -> None:
+    """`stretch_with` Wendland's C2."""
+    if choices[DIMENSION] == 3:
+        stretch_with(wendland, 0, True, fields, count, neighbor, numbers, soft, rates)
+    else:
+        stretch_with(wendland, 0, False, fields, count, neighbor, numbers, soft, rates)
+
+
+@summing
+def stretch_cubic(fields: Any, count: Any, neighbor: Any, numbers: Any, choices: Any, soft: int, rates: Any) -> None:
+    """`stretch_with` the cubic spline."""
+    if choices[DIMENSION] == 3:
+        stretch_with(cubic, 0, True, fields, count, neighbor, numbers, soft, rates)
+    else:
+        stretch_with(cubic, 0, False, fields, count, neighbor, numbers, soft, rates)
+
+
+@summing
+def stretch_any(fields: Any, count: Any, neighbor: Any, numbers: Any, choices: Any, soft: int, rates: Any) -> None:
+    """`stretch_with` any kernel."""
+    kernel = choices[KERNEL]
+    if choices[DIMENSION] == 3:
+        stretch_with(slope_of, kernel, True, fields, count, neighbor, numbers, soft, rates)
+    else:
+        stretch_with(slope_of, kernel, False, fields, count, neighbor, numbers, soft, rates)
+
+
+@summing
+def push_wendland(fields: Any, count: Any, neighbor: Any, numbers: Any, choices: Any, rates: Any) -> None:
+    """`push_with` Wendland's C2."""
+    if choices[DIMENSION] == 3:
+        push_with(wendland, 0, True, fields, count, neighbor, numbers, rates)
+    else:
+        push_with(wendland, 0, False, fields, count, neighbor, numbers, rates)
+
+
+@summing
+def push_cubic(fields: Any, count: Any, neighbor: Any, numbers: Any, choices: Any, rates: Any) -> None:
+    """`push_with` the cubic spline."""
+    if choices[DIMENSION] == 3:
+        push_with(cubic, 0, True, fields, count, neighbor, numbers, rates)
+    else:
+        push_with(cubic, 0, False, fields, count, neighbor, numbers, rates)
+
+
+@summing
+def push_any(fields: Any, count: Any, neighbor: Any, numbers: Any, choices: Any, rates: Any) -> None:
+    """`push_with` any kernel."""
+    kernel = choices[KERNEL]
+    if choices[DIMENSION] == 3:
+        push_with(slope_of, kernel, True, fields, count, neighbor, numbers, rates)
+    else:
+        push_with(slope_of, kernel, False, fields, count, neighbor, numbers, rates)
+
+
+@summing
+def both_wendland(fields: Any, count: Any, neighbor: Any, numbers: Any, choices: Any, rates: Any) -> None:
+    """`stretch_and_push_with` Wendland's C2."""
+    if choices[DIMENSION] == 3:
+        stretch_and_push_with(wendland, 0, True, fields, count, neighbor, numbers, rates)
+    else:
+        stretch_and_push_with(wendland, 0, False, fields, count, neighbor, numbers, rates)
+
+
+@summing
+def both_cubic(fields: Any, count: Any, neighbor: Any, numbers: Any, choices: Any, rates: Any) -> None:
+    """`stretch_and_push_with` the cubic spline."""
+    if choices[DIMENSION] == 3:
+        stretch_and_push_with(cubic, 0, True, fields, count, neighbor, numbers, rates)
+    else:
+        stretch_and_push_with(cubic, 0, False, fields, count, neighbor, numbers, rates)
+
+
+@summing
+def both_any(fields: Any, count: Any, neighbor: Any, numbers: Any, choices: Any, rates: Any) -> None:
+    """`stretch_and_push_with` any kernel."""
+    kernel = choices[KERNEL]
+    if choices[DIMENSION] == 3:
+        stretch_and_push_with(slope_of, kernel, True, fields, count, neighbor, numbers, rates)
+    else:
+        stretch_and_push_with(slope_of, kernel, False, fields, count, neighbor, numbers, rates)
+
+
+class Sums(NamedTuple):
+    """The three sums with one kernel."""
+
+    stretch: Any
+    push: Any
+    both: Any
+
+
+WENDLAND = Sums(stretch_wendland, push_wendland, both_wendland)
+CUBIC = Sums(stretch_cubic, push_cubic, both_cubic)
+ANY = Sums(stretch_any, push_any, both_any)
+
+
+def sums_of(choices: Any) -> Sums:
+    """The sums with the kernel of a scene."""
+    named = {KERNEL_CODES["wendland-c2"]: WENDLAND, KERNEL_CODES["cubic-spline"]: CUBIC}
+    return named.get(int(choices[KERNEL]), ANY)

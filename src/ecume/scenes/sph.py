@@ -1,0 +1,254 @@
+"""The scene of the SPH model: a liquid in a tank, and how it is computed."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, Self
+
+from pydantic import Field, model_validator
+from pydantic.dataclasses import dataclass
+
+from ecume.scenes.common import Common
+from ecume.scenes.faults import Inconsistent, Path
+from ecume.scenes.quantities import (
+    MOST_STEPS,
+    STRICT,
+    Color,
+    Coordinate,
+    Duration,
+    LawName,
+    LiquidViscosity,
+    Motion,
+    Name,
+    Place,
+    PositiveDensity,
+    Proportion,
+    Pull,
+    Size,
+    Switch,
+    Tension,
+)
+from ecume.units import Number, Rate, Speed
+
+Gradient = Annotated[Rate, Field(ge=-1e6, le=1e6)]
+PositiveNumber = Annotated[Number, Field(gt=0.0, le=1e6)]
+PositiveSpeed = Annotated[Speed, Field(gt=0.0, le=1e5)]
+Exponent = Annotated[Number, Field(ge=1.0, le=20.0)]
+
+SIDES = ("left", "right", "bottom", "top", "front", "back")
+"""Of a tank: low and high x, low and high y, low and high z."""
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class FluidSpec:
+    """The liquid as a material. What is left out comes from `name` and `temperature`, or else is that of water."""
+
+    name: Name = ""
+    """A liquid of the table in `ecume.laws.liquids`, such as `water`; it fills whatever is left out below."""
+    temperature: float | str | None = None
+    """of a named liquid: `"20 degC"`, or kelvin"""
+    density: PositiveDensity | None = None
+    """kg/m^3, where the gauge pressure is zero"""
+    viscosity: LiquidViscosity | None = None
+    """Pa s; zero if left out without a name"""
+    surface_tension: Tension | None = None
+    """N/m; zero if left out"""
+    sound_speed: PositiveSpeed | None = None
+    """m/s of the *numerical* liquid; left out, ten times the fastest speed to be expected"""
+    fastest: PositiveSpeed | None = None
+    """m/s, the fastest speed to be expected; left out, that of a free fall through the liquid's depth"""
+    exponent: Exponent = 7.0
+    """gamma of Tait's equation; 1 is a linear law"""
+    atmospheric_pressure: Annotated[Number, Field(ge=0.0, le=1e9)] = 0.0
+    """Pa, added where a pressure is called absolute"""
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class RegionSpec:
+    """A part of space that is full of liquid at the start. Exactly one shape."""
+
+    low: Place | None = None
+    """of a box, together with `high` (m)"""
+    high: Place | None = None
+    """of a box (m)"""
+    vertices: tuple[tuple[Coordinate, Coordinate], ...] = ()
+    """of a polygon, two dimensions only (m)"""
+    center: Place | None = None
+    """of a disc or sphere, together with `radius` (m)"""
+    radius: Size | None = None
+    """of a disc or sphere (m)"""
+    velocity: Motion | None = None
+    """m/s of all its liquid"""
+    velocity_gradient: tuple[tuple[Gradient, ...], ...] = ()
+    """d velocity_a / d x_b (1/s), a matrix, about `center` or the origin: rotation, strain, shear"""
+    flow: Literal["", "taylor-green"] = ""
+    """A velocity field by name: `taylor-green` has one vortex pair a tank length, of speed `flow_speed`."""
+    flow_speed: PositiveSpeed = 1.0
+    """m/s"""
+    color: Color | None = None
+    """`#rrggbb`, or a plain English name"""
+
+    @model_validator(mode="after")
+    def _one_shape(self) -> Self:
+        shapes = [self.low is not None or self.high is not None, bool(self.vertices), self.radius is not None]
+        if sum(shapes) != 1:
+            raise Inconsistent([((), "wanted exactly one shape: low and high, or vertices, or center and radius")])
+        if shapes[0] and (self.low is None or self.high is None or len(self.low) != len(self.high)):
+            raise Inconsistent([((), "a box needs low and high, of the same dimension")])
+        if shapes[2] and self.center is None:
+            raise Inconsistent([((), "a disc needs its center as well")])
+        if shapes[1] and len(self.vertices) < 3:
+            raise Inconsistent([(("vertices",), f"came {len(self.vertices)}; a polygon has at least 3")])
+        return self
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class SideSpec:
+    """What one side of the tank is."""
+
+    kind: Literal["wall", "open", "periodic"] = "wall"
+    """`wall`, `open` (nothing there: the liquid may leave) or `periodic` (the opposite side must be so too)"""
+    slip: Literal["free", "no-slip"] | None = None
+    """of a wall; left out, no-slip where the liquid has a viscosity, free otherwise"""
+    velocity: Motion | None = None
+    """of a wall along itself: a lid that drives the liquid (m/s)"""
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class TankSpec:
+    """A rectangular tank."""
+
+    low: Place
+    """its lowest corner (m)"""
+    high: Place
+    """its highest corner (m)"""
+    walls: Literal["mirror", "dummy", "reflect"] = "mirror"
+    """How walls act: `mirror` images, layers of `dummy` particles (Adami et al. 2012), or `reflect` alone, which is
+    what the original text does: the liquid collapses at such walls.
+    """
+    restitution: Proportion = 0.5
+    """of a particle's velocity normal to a wall, when the guard behind the walls has to turn it back"""
+    left: SideSpec = SideSpec()
+    """at low x"""
+    right: SideSpec = SideSpec()
+    """at high x"""
+    bottom: SideSpec = SideSpec()
+    """at low y"""
+    top: SideSpec = SideSpec()
+    """at high y"""
+    front: SideSpec = SideSpec()
+    """at low z"""
+    back: SideSpec = SideSpec()
+    """at high z"""
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        complaints: list[tuple[Path, str]] = []
+        if len(self.low) != len(self.high) or any(b <= a for a, b in zip(self.low, self.high, strict=False)):
+            complaints.append((("high",), "wanted a corner above low in each direction"))
+        for axis in range(len(self.low)):
+            pair = SIDES[2 * axis : 2 * axis + 2]
+            periodic = [getattr(self, side).kind == "periodic" for side in pair]
+            if any(periodic) and not all(periodic):
+                complaints.append(((pair[periodic.index(False)], "kind"), "its opposite is periodic; both must be"))
+        if complaints:
+            raise Inconsistent(complaints)
+        return self
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class MethodSpec:
+    """How the equations are solved. The defaults are those that keep a tank at rest best."""
+
+    kernel: LawName = "wendland-c2"
+    """a name of `ecume.laws.kernels.KERNELS`"""
+    smoothing: PositiveNumber | None = None
+    """smoothing length in spacings; left out, what suits the kernel"""
+    walls_clip: Switch = True
+    """whether dummies push only, never pull"""
+    density_diffusion: LawName = "automatic"
+    """`hydrostatic` (exact for a Tait liquid at rest; the default under gravity), `antuono` (the default without),
+    `linear`, `molteni` (for comparison: it lifts the surface) or `none`
+    """
+    diffusion: Annotated[Number, Field(ge=0.0, le=1.0)] = 0.1
+    """delta of the density diffusion"""
+    artificial_viscosity: Annotated[Number, Field(ge=0.0, le=10.0)] = 0.02
+    """alpha; zero where the liquid has a viscosity, unless given"""
+    pressure_force: LawName = "sum"
+    """`sum` (p_i + p_j), `monaghan` (p/rho^2) or `transport` (density-weighted, with the transport velocity)"""
+    pressure_split: Literal["none", "modified"] = "none"
+    """`modified`: gravity is left out and the hydrostatic pressure added for output; closed, full tanks only"""
+    start: Literal["hydrostatic", "rest"] = "hydrostatic"
+    """whether the liquid starts with the pressure of its depth, or with none"""
+    jitter: Annotated[Number, Field(ge=0.0, le=0.5)] = 0.0
+    """how far particles start from their lattice, at most, in spacings"""
+    shifting: LawName = "none"
+    """`delta-plus` shifts particles towards even spacing, away from the surface; `none`"""
+    background_pressure: Annotated[Number, Field(ge=0.0)] | None = None
+    """Pa, of the transport velocity; left out, rho0 c0^2"""
+    integrator: LawName = "symplectic"
+    """`symplectic` (density at mid-step) or `verlet` (one sum a step)"""
+    courant: Annotated[Number, Field(gt=0.0, le=2.0)] = 0.25
+    """time step over smoothing length / (sound speed + fastest speed)"""
+    time_step: Duration | None = None
+    """s; left out, the largest that the Courant number and the viscosity allow"""
+    precision: Literal["double", "single"] = "double"
+    """of the sums over neighbors; states are always double"""
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class SphScene(Common):
+    """A liquid in a tank, in two or three dimensions (as many as the tank's corners have coordinates)."""
+
+    model: Literal["sph"] = "sph"
+    """Which model."""
+    spacing: Size
+    """between particles at the start (m)"""
+    liquid: FluidSpec = FluidSpec()
+    """The material."""
+    fluid: tuple[RegionSpec, ...] = ()
+    """Where there is liquid at the start."""
+    tank: TankSpec
+    """What holds it."""
+    gravity: Pull | None = None
+    """m/s^2; left out, 9.81 downwards (along y)"""
+    method: MethodSpec = MethodSpec()
+    """How it is computed."""
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        dimension = len(self.tank.low)
+        down = (0.0, -9.81) if dimension == 2 else (0.0, -9.81, 0.0)
+        if self.gravity is None:
+            object.__setattr__(self, "gravity", down)
+        complaints = [*_dimensions(self, dimension), *_steps(self)]
+        if complaints:
+            raise Inconsistent(complaints)
+        return self
+
+
+Complaints = list[tuple[Path, str]]
+
+
+def _dimensions(scene: SphScene, dimension: int) -> Complaints:
+    found: Complaints = []
+    if scene.gravity is not None and len(scene.gravity) != dimension:
+        found.append((("gravity",), f"came {len(scene.gravity)} numbers; the tank has {dimension} dimensions"))
+    if not scene.fluid:
+        found.append((("fluid",), "there is no liquid; write a [[fluid]] table with low and high"))
+    for index, region in enumerate(scene.fluid):
+        for key in ("low", "center", "velocity", "velocity_gradient"):
+            value = getattr(region, key)
+            if value and len(value) != dimension:
+                found.append((("fluid", index, key), f"came {len(value)} numbers; the tank has {dimension} dimensions"))
+        if region.vertices and dimension == 3:
+            found.append((("fluid", index, "vertices"), "a polygon is for tanks in two dimensions"))
+    return found
+
+
+def _steps(scene: SphScene) -> Complaints:
+    step = scene.method.time_step
+    if step is not None and step > scene.frame_every * (1 + 1e-9):
+        return [(("method", "time_step"), f"came {step:g} s, longer than frame_every, {scene.frame_every:g} s")]
+    if step is not None and scene.duration / step > MOST_STEPS:
+        return [(("method", "time_step"), f"gives more than {MOST_STEPS:.0e} steps")]
+    return []

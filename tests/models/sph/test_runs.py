@@ -1,0 +1,84 @@
+"""Whole runs of the SPH model: the same bits whatever stands between."""
+
+import numpy as np
+import pytest
+
+import ecume
+from ecume._jit import use_threads
+from ecume.models.sph.record import SPH
+from ecume.simulation import moments
+from tests.models.sph.scenes import tank
+
+
+def marched(scene, steps):
+    parameters = SPH.parameters(scene)
+    state = SPH.start(scene, parameters)
+    SPH.advance(parameters, state, SPH.workspace(parameters, state, 1.0), steps)
+    return parameters, state
+
+
+def copy_of(state):
+    return type(state)(*(array.copy() for array in state))
+
+
+@pytest.mark.parametrize("integrator", ["symplectic", "verlet"])
+def test_half_a_run_and_half_a_run_are_a_run(integrator):
+    scene = tank(integrator=integrator)
+    parameters, whole = marched(scene, 60)
+    _, half = marched(scene, 30)
+    again = copy_of(half)
+    SPH.advance(parameters, again, SPH.workspace(parameters, again, 1.0), 30)
+    for name, one, other in zip(whole._fields, whole, again, strict=True):
+        assert np.array_equal(one, other), name
+
+
+def test_frames_keep_every_particle_at_its_place():
+    frames = list(ecume.simulate(tank()))
+    first, last = frames[0].arrays, frames[-1].arrays
+    assert np.array_equal(first["mass"], last["mass"])
+    moved = np.abs(first["position"] - last["position"]).max()
+    assert 0.0 < moved < 0.2
+
+
+def test_threads_change_no_bit():
+    scene = tank(deep=72)
+    before = use_threads(None)
+    try:
+        use_threads(1)
+        _, one = marched(scene, 3)
+        use_threads(2)
+        _, two = marched(scene, 3)
+    finally:
+        use_threads(before)
+    assert one.position.shape[1] > 4000
+    assert np.array_equal(one.velocity, two.velocity)
+    assert np.array_equal(one.density, two.density)
+
+
+@pytest.mark.parametrize("walls", ["mirror", "dummy"])
+def test_a_tank_at_rest_stays_so(walls):
+    (*_, last) = ecume.simulate(tank(walls=walls, jitter=0.0))
+    pressure = last.arrays["pressure"]
+    depth = 1.0 - last.arrays["position"][:, 1]
+    assert np.sqrt(np.mean((pressure - depth) ** 2)) < 0.03
+    assert last.numbers["guard_hits"] == 0
+    assert last.numbers["largest_speed"] < 0.05
+
+
+def test_a_run_that_diverges_says_when_who_and_what_to_do():
+    scene = tank()
+    parameters = SPH.parameters(scene)
+    state = SPH.start(scene, parameters)
+    state.velocity[0, 3] = np.nan
+    from ecume.models.model import DIVERGED
+
+    assert SPH.advance(parameters, state, SPH.workspace(parameters, state, 1.0), 1) == DIVERGED
+    said = SPH.diagnosis(parameters, state)
+    assert "t = 0 s" in said
+    assert "particle 3" in said
+    assert "courant" in said
+
+
+def test_a_moment_is_a_whole_state():
+    first = next(iter(moments(tank())))
+    assert first.state.position.shape == (2, 64)

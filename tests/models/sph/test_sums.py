@@ -1,0 +1,124 @@
+"""What the sums over neighbors must keep."""
+
+import numpy as np
+import pytest
+
+from ecume.models.sph.fields import ACC, DIFFUSED, DRHO, RHO, VOLUME
+from ecume.models.sph.record import SPH
+from ecume.models.sph.stepping import fill, take_both, take_forces, take_thickening
+from tests.models.sph.scenes import free_blob, tank
+
+
+def at_start(scene):
+    parameters = SPH.parameters(scene)
+    state = SPH.start(scene, parameters)
+    workspace = SPH.workspace(parameters, state, 1.0)
+    return parameters, state, workspace
+
+
+@pytest.mark.parametrize("force", ["sum", "monaghan", "transport"])
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_forces_between_particles_change_no_momentum(force, dimension):
+    parameters, state, workspace = at_start(free_blob(dimension, pressure_force=force))
+    state.density[...] *= 1.0 + 0.01 * np.sin(7.0 * state.position[0])
+    take_forces(parameters, state, workspace, parameters.time_step)
+    momentum = state.acceleration @ state.mass
+    assert np.abs(state.acceleration).max() > 1.0
+    np.testing.assert_allclose(momentum, 0.0, atol=1e-12 * np.abs(state.acceleration * state.mass).sum())
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_a_central_force_turns_nothing(dimension):
+    parameters, state, workspace = at_start(free_blob(dimension))
+    state.density[...] *= 1.0 + 0.01 * np.sin(7.0 * state.position[0])
+    take_forces(parameters, state, workspace, parameters.time_step)
+    x, a = state.position, state.acceleration
+    torque = np.sum(state.mass * (x[0] * a[1] - x[1] * a[0]))
+    assert abs(torque) < 1e-12 * np.sum(state.mass * np.abs(a).max())
+
+
+def test_an_expanding_lattice_thins_by_its_divergence():
+    scene = free_blob(jitter=0.0, density_diffusion="none", kernel="wendland-c2")
+    parameters, state, workspace = at_start(scene)
+    state.velocity[...] = 0.3 * state.position
+    take_thickening(parameters, state, workspace)
+    middle = np.argmin((state.position**2).sum(axis=0))
+    # The lattice's own quadrature of the kernel is what differs from -rho div v.
+    assert state.thickening[middle] / (-2.0 * 0.3 * state.density[middle]) == pytest.approx(1.0, abs=0.02)
+
+
+def test_a_rigid_rotation_thickens_nothing():
+    parameters, state, workspace = at_start(free_blob(density_diffusion="none"))
+    state.velocity[0], state.velocity[1] = -state.position[1], state.position[0]
+    take_thickening(parameters, state, workspace)
+    np.testing.assert_allclose(state.thickening, 0.0, atol=1e-10)
+
+
+@pytest.mark.parametrize("walls", ["mirror", "dummy"])
+def test_diffusion_leaves_a_tait_column_at_rest_alone(walls):
+    parameters, state, workspace = at_start(tank(jitter=0.0, walls=walls))
+    state.position[...] += 0.03 * np.sin(37.0 * state.position[::-1])
+    depth = 1.0 - state.position[1]
+    ratio = 1.0 + 6.0 * depth / 100.0
+    state.density[...] = ratio ** (1.0 / 6.0)
+    state.reference[...] = state.position
+    workspace.take(SPH.workspace(parameters, state, 1.0))
+    take_thickening(parameters, state, workspace)
+    # A density error of a hundredth of the whole range would diffuse at a rate of about one.
+    assert np.abs(workspace.rates[DIFFUSED]).max() < 1e-12
+    state.density[5] *= 1.001
+    take_thickening(parameters, state, workspace)
+    assert workspace.rates[DIFFUSED, 5] < -1e-3
+
+
+def test_diffusion_moves_density_and_makes_none():
+    parameters, state, workspace = at_start(free_blob(density_diffusion="molteni"))
+    state.density[...] *= 1.0 + 0.01 * np.sin(7.0 * state.position[0])
+    take_thickening(parameters, state, workspace)
+    flow = workspace.rates[DIFFUSED] * workspace.fields[VOLUME, : state.position.shape[1]]
+    assert abs(flow.sum()) < 1e-12 * np.abs(flow).sum()
+
+
+def test_antuono_does_not_touch_a_density_that_grows_linearly():
+    parameters, state, workspace = at_start(free_blob(density_diffusion="antuono"))
+    state.density[...] = 1000.0 + 5.0 * state.position[0] - 3.0 * state.position[1]
+    take_thickening(parameters, state, workspace)
+    assert np.abs(workspace.rates[DIFFUSED]).max() < 1e-9
+
+
+@pytest.mark.parametrize("force", ["sum", "monaghan"])
+def test_one_sum_gives_what_two_give(force):
+    parameters, state, workspace = at_start(free_blob(3, density_diffusion="none", pressure_force=force))
+    state.density[...] *= 1.0 + 0.01 * np.sin(7.0 * state.position[0])
+    take_thickening(parameters, state, workspace)
+    take_forces(parameters, state, workspace, parameters.time_step)
+    apart = state.thickening.copy(), state.acceleration.copy()
+    take_both(parameters, state, workspace, parameters.time_step)
+    np.testing.assert_allclose(state.thickening, apart[0], rtol=1e-12, atol=1e-9)
+    np.testing.assert_allclose(state.acceleration, apart[1], rtol=1e-12, atol=1e-9)
+
+
+def test_the_sums_are_those_of_the_laws_pair_by_pair():
+    parameters, state, workspace = at_start(free_blob(kernel="quintic-spline", density_diffusion="none"))
+    state.density[...] *= 1.0 + 0.01 * np.sin(7.0 * state.position[0])
+    fill(parameters, state, workspace)
+    take_thickening(parameters, state, workspace)
+    take_forces(parameters, state, workspace, parameters.time_step)
+    from ecume.laws.kernels import kernel
+
+    shape, h, i = kernel("quintic-spline", dim=2), parameters.numbers[10], 17
+    apart = state.position - state.position[:, i : i + 1]
+    distance = np.sqrt((apart**2).sum(axis=0))
+    gradient = -shape.slope(distance, h) * apart / np.maximum(distance, 1e-300)
+    pressure = workspace.fields[16, : len(distance)]
+    volume = state.mass / state.density
+    difference = state.velocity - state.velocity[:, i : i + 1]
+    thickening = -state.density[i] * np.sum(volume * difference * gradient)
+    assert state.thickening[i] == pytest.approx(thickening, rel=1e-10)
+    approach = np.minimum((difference * apart).sum(axis=0), 0.0) / (distance**2 + 0.01 * h * h)
+    damping = -0.02 * 10.0 * h * 1000.0 * approach
+    force = -np.sum(volume * (pressure + pressure[i] + damping) * gradient, axis=1) / state.density[i]
+    np.testing.assert_allclose(state.acceleration[:, i], force, rtol=1e-9)
+    assert workspace.rates[DRHO, i] != 0.0
+    assert workspace.rates[ACC, i] != 0.0
+    assert workspace.fields[RHO, i] == state.density[i]
