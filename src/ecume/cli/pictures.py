@@ -131,17 +131,13 @@ def plot(
 
     Examples: `ecume plot runs/bowl` · `ecume plot runs/bowl --what paths -o paths.pdf` · `ecume plot --integrators`
     """
+    if integrators and (directory != HERE or what):
+        raise BadInput("--integrators needs no run and no --what; it draws two spheres of its own")
     if integrators:
-        if directory != HERE or what:
-            raise BadInput("--integrators needs no run and no --what; it draws two spheres of its own")
         from ecume.show.floating.integrators import integrator_comparison
 
         wrote(integrator_comparison(out or Path("integrators.png")), quiet=quiet)
-        return
-    from ecume.run.directory import existing
-
-    existing(directory)
-    if what:
+    elif what:
         _draw(directory, what, out, quiet=quiet)
     else:
         _draw_all(directory, out, quiet=quiet)
@@ -149,8 +145,10 @@ def plot(
 
 def _draw(directory: Path, names: list[str], out: Path | None, *, quiet: bool) -> None:
     """The figures that were asked for."""
+    from ecume.run.directory import existing
     from ecume.show.figures import plot as draw
 
+    existing(directory)
     if out is not None and len(names) > 1:
         raise BadInput(f"{len(names)} figures do not fit into {out}; give --what once, or leave -o out")
     for name in names:
@@ -159,8 +157,10 @@ def _draw(directory: Path, names: list[str], out: Path | None, *, quiet: bool) -
 
 def _draw_all(directory: Path, out: Path | None, *, quiet: bool) -> None:
     """Every figure that this run has something for."""
+    from ecume.run.directory import existing
     from ecume.show.figures import figures_of_run
 
+    existing(directory)
     names = figures_of_run(directory)
     if out is not None:
         raise BadInput(f"say with --what which figure goes into {out}: {', '.join(names)}")

@@ -57,10 +57,10 @@ def counted(what: str, *, quiet: bool) -> Iterator[Callable[[int, int], None] | 
     from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
     from rich.progress import Progress as Bars
 
-    columns = (BarColumn(), TextColumn("{task.completed} of {task.total} {task.description},"), TimeRemainingColumn())
-    with Bars(*columns, TextColumn("left"), console=Console(stderr=True), transient=True) as bars:
+    columns = (BarColumn(), TextColumn("{task.description}"), TimeRemainingColumn())
+    with Bars(*columns, console=Console(stderr=True), transient=True) as bars:
         bar = bars.add_task(what, total=None)
-        yield lambda done, all_of_them: bars.update(bar, total=all_of_them, completed=done)
+        yield lambda done, of: bars.update(bar, total=of, completed=done, description=f"{done} of {of} {what}, left:")
 
 
 class Lines:

@@ -59,6 +59,7 @@ def encode(pictures: Iterable[Pixels], out: Path, fps: int) -> Path:
     partial = there.with_name(f".{there.stem}.partial{out.suffix}")
     try:
         there.parent.mkdir(parents=True, exist_ok=True)
+        partial.touch()  # what cannot be written is told before anything is drawn
         ENCODERS[out.suffix.lower()](iter(pictures), partial, fps)
         partial.replace(there)
     except OSError as error:

@@ -43,10 +43,10 @@ def replaceable(path: Path) -> Path:
 @contextlib.contextmanager
 def replacing(path: Path) -> Iterator[BinaryIO]:
     """A new content of a file: it takes the place of the old one in one instant, and only if the block ends well."""
-    path = replaceable(path)
+    named, path = path, replaceable(path)
     part = path.with_name(f"{path.name}.part")
     try:
-        with storing(path):
+        with storing(named):
             with part.open("w+b") as file:
                 yield file
                 file.flush()

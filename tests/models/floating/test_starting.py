@@ -3,6 +3,8 @@ import pytest
 
 from ecume.errors import SceneError
 from ecume.models import MODELS
+from ecume.scenes.schema import from_plain, to_plain
+from ecume.simulation import simulate
 from tests.models.floating.bowls import HEAVY, LIGHT, WATER, bowl, scene_of
 
 FLOATING = MODELS["floating"]
@@ -28,6 +30,20 @@ def test_lattices_rings_and_rows_stand_where_the_scene_says():
     state, _ = started(scene_of(WATER + text))
     assert state.position[0] == pytest.approx([0.02, 0.0])
     assert np.hypot(*state.position[7:].T) == pytest.approx(np.full(4, 8e-3))
+
+
+@pytest.mark.compiled
+def test_a_scene_starts_from_a_raft_as_a_run_leaves_it():
+    (*_, last) = simulate(bowl(20, radius="12 mm", duration=2.0))
+    assert last.numbers["largest_overlap"] > 0.0
+    columns = (last.arrays[name].tolist() for name in ("position", "radius", "density", "contact_angle"))
+    rows = [
+        {"x": x, "y": y, "radius": radius, "density": density, "contact_angle": angle}
+        for (x, y), radius, density, angle in zip(*columns, strict=True)
+    ]
+    plain = {**to_plain(bowl(20, radius="12 mm")), "floats": [], "rows": rows}
+    first, *_ = simulate(from_plain(plain))
+    assert np.array_equal(first.arrays["position"], last.arrays["position"])
 
 
 def test_overlapping_floats_are_all_told_with_their_overlap():

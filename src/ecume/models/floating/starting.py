@@ -21,8 +21,10 @@ from ecume.units import Array
 
 OPEN_COVERAGE = 0.15
 """Without a dish, floats are placed at random in a square that they cover to this part."""
-TOUCHING = 1e-9
-"""Overlaps up to this part of a radius are rounding: floats that touch."""
+TOUCHING = 1e-3
+"""Overlaps up to this part of a radius are floats that touch: a raft of another run, from which a scene may start, is
+as deep in itself as a run leaves it.
+"""
 MOST_FAULTS = 20
 
 
