@@ -190,14 +190,16 @@ class AloneCache(HealingCache):
     _impl_class = AloneFiles
 
 
+WHOLE = {"nopython": True, "nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
+PART = {**WHOLE, "no_cpython_wrapper": True}
+
+
 class Dispatcher(CPUDispatcher):  # type: ignore[misc]
     """A compiled function: a whole where Python calls it, a part where compiled code does."""
 
     def __init__(self, function: FunctionType, options: dict[str, Any], cache: bool) -> None:
-        options = {"nopython": True, "nogil": True, "no_cfunc_wrapper": True, **options}
-        whole, part = ({**options, "error_model": "numpy", "no_cpython_wrapper": inner} for inner in (False, True))
-        super().__init__(function, targetoptions=whole, pipeline_class=Whole)
-        self.part = CPUDispatcher(function, targetoptions=part, pipeline_class=Part)
+        super().__init__(function, targetoptions={**WHOLE, **options}, pipeline_class=Whole)
+        self.part = CPUDispatcher(function, targetoptions={**PART, **options}, pipeline_class=Part)
         if cache:
             self._cache, self.part._cache = HealingCache(function), PartCache(function)
 
@@ -295,7 +297,7 @@ def admit(*modules: ModuleType) -> None:
     for module in modules:
         for law in vars(module).values():
             if isinstance(law, FunctionType) and law.__module__ == module.__name__:
-                numba.extending.register_jitable(error_model="numpy", forceinline=True)(law)
+                numba.extending.register_jitable(**PART, forceinline=True, pipeline_class=Part)(law)
 
 
 @lower_builtin(math.sqrt, types.float64)  # type: ignore[untyped-decorator]
