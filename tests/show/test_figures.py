@@ -2,6 +2,7 @@
 
 import dataclasses
 import re
+import types
 
 import matplotlib as mpl
 import numpy as np
@@ -180,6 +181,13 @@ def test_an_unknown_figure_is_refused_with_those_there_are(opened, tmp_path, mon
         plot(tmp_path, "energy")
     with pytest.raises(BadInput, match="'xyz'; known: energies, kinetic-energy, clusters"):
         plot(tmp_path, "xyz")
+
+
+def test_a_model_without_figures_is_refused_by_name(opened, tmp_path, monkeypatch):
+    opened.scene = types.SimpleNamespace(model="toy")
+    monkeypatch.setattr("ecume.show.figures.open_trajectory", lambda directory: opened)
+    with pytest.raises(BadInput, match="no figures of the model 'toy'; there are of floating"):
+        plot(tmp_path, "energies")
 
 
 def test_an_unknown_format_is_refused_with_those_there_are(scene, frames, tmp_path):

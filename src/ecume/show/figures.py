@@ -37,8 +37,10 @@ def plot(directory: str | os.PathLike[str], what: str, out: str | os.PathLike[st
 
 
 def figures_of(scene: Any) -> Mapping[str, Callable[[Frames, Any], Figure]]:
-    """The figures there are of runs of this scene."""
-    return FIGURES.get(scene.model, {})
+    """The figures there are of runs of this scene. Raises BadInput where its model has none."""
+    if scene.model not in FIGURES:
+        raise BadInput(f"there are no figures of the model {scene.model!r}; there are of {', '.join(FIGURES)}")
+    return FIGURES[scene.model]
 
 
 def figures_of_run(directory: str | os.PathLike[str]) -> list[str]:
