@@ -135,7 +135,8 @@ def _palette(first: Any) -> Any:
 
     shades = (0, 85, 170, 255)
     cube = [shade for color in itertools.product(shades, repeat=3) for shade in color]
-    own = first.quantize(256 - len(cube) // 3, dither=0).getpalette()
+    # The usual median cut spends all on large areas; a color bar shows what is yet to come, and would lose its ends.
+    own = first.quantize(256 - len(cube) // 3, method=Image.Quantize.MAXCOVERAGE, dither=0).getpalette()
     made = Image.new("P", (1, 1))
     made.putpalette(own + cube)
     return made
