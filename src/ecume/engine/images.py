@@ -37,11 +37,16 @@ class Images(NamedTuple):
 
 
 def images_of(position: Array, sides: Sides, reach: float) -> Images:
-    """The images that stand closer than `reach` behind each side, of particles at `position`, (d, N)."""
+    """The images that stand closer than `reach` behind each side, of particles at `position`, (d, N).
+
+    What stands behind a side already has none there: the images of a periodic side would come back onto their sources
+    through the opposite one.
+    """
     found, start = [np.empty(0, np.int64)], [0]
     here = position
     for side in range(len(sides.normal)):
-        near = np.flatnonzero(distance_before(here, sides, side) < reach)
+        distance = distance_before(here, sides, side)
+        near = np.flatnonzero((distance >= 0.0) & (distance < reach))
         found.append(near)
         start.append(start[-1] + len(near))
         here = np.concatenate([here, behind(here[:, near], sides, side)], axis=1)
