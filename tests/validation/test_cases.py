@@ -22,22 +22,29 @@ HOME = Path(ecume.validation.__file__).parent
 ROOT = Path(__file__).parents[2]
 
 
+def folder(name):
+    """Where a case lies."""
+    return name.replace("-", "_")
+
+
 def missed(rows):
     return [row for row in rows if not row.met]
 
 
 def test_every_folder_is_a_case_and_says_where_its_numbers_are_from():
     folders = {path.name for path in HOME.iterdir() if path.is_dir() and path.name != "__pycache__"}
-    assert folders == set(CASES)
+    assert folders == {folder(name) for name in CASES}
     for name, case in CASES.items():
         assert case.name == name
-        assert (HOME / name / "README.md").read_text(encoding="utf-8").startswith("# ")
+        assert (HOME / folder(name) / "README.md").read_text(encoding="utf-8").startswith("# ")
 
 
 def test_every_paper_that_a_case_cites_is_in_the_bibliography():
     known = set(re.findall(r"^@\w+\{(\w+),", (ROOT / "references.bib").read_text(encoding="utf-8"), re.MULTILINE))
     for name in CASES:
-        cited = set(re.findall(r"\[([a-z]+[0-9]{4})\b", (HOME / name / "README.md").read_text(encoding="utf-8")))
+        cited = set(
+            re.findall(r"\[([a-z]+[0-9]{4})\b", (HOME / folder(name) / "README.md").read_text(encoding="utf-8"))
+        )
         assert cited <= known
 
 

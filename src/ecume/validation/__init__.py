@@ -22,7 +22,7 @@ class Case(NamedTuple):
 def _case(name: str, summary: str, *, long: bool = False) -> Case:
     def rows() -> list[Row]:
         # Imported when asked for: the table is read by `ecume --help`, which must not wait for a compiler.
-        found: list[Row] = importlib.import_module(f"ecume.validation.{name}.compare").rows()
+        found: list[Row] = importlib.import_module(f"ecume.validation.{name.replace('-', '_')}.compare").rows()
         return found
 
     return Case(name, summary, long, rows)
@@ -36,6 +36,8 @@ CASES: dict[str, Case] = {
         _case("meeting", "When two floats released at rest meet, against SciPy's DOP853"),
         _case("walls", "How floats leave and climb the wall of a dish, against SciPy's DOP853"),
         _case("integrators", "The orders of the integrators, and the energy over a million steps"),
+        _case("two-spheres", "Two soft spheres opening and closing, against the closed form"),
+        _case("t1", "Four soft spheres that swap neighbors, against an independent solution"),
         _case("rest", "Sixty cereals rest after ten minutes, in milk and in syrup", long=True),
     )
 }

@@ -129,6 +129,18 @@ def test_pulling_narrow_gaps_harder_takes_longer():
     assert strained > eased
 
 
+@pytest.mark.parametrize(("method", "order", "error"), [("paper", 2, 3e-3), ("rk2", 2, 2e-3), ("rk4", 4, 1e-4)])
+def test_the_papers_own_way_converges_with_its_order_and_leaves_the_balance(method, order, error):
+    steps = (2.5e-3, 1.25e-3) if method == "paper" else (5e-3, 2.5e-3)
+    given = {"gap": 1e-2, "reduced_force": 1e-3}
+    exact = t1_process(**given).duration
+    coarse, fine = (t1_process(**given, method=method, time_step=step) for step in steps)
+    errors = [abs(one.duration / exact - 1) for one in (coarse, fine)]
+    assert errors[0] < error
+    assert math.log2(errors[0] / errors[1]) == pytest.approx(order, abs=0.4)
+    assert coarse.imbalance > 1e-5 > 1e-9 > t1_process(**given).imbalance
+
+
 @pytest.mark.parametrize(
     ("given", "says"),
     [

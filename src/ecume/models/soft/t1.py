@@ -9,77 +9,39 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from ecume.errors import BadInput, Diverged
-from ecume.laws.arguments import require_positive
-from ecume.laws.soft_pair import SoftPair, passage_time
-from ecume.models.soft.building import parameters_of, prefactors_of, start
+from ecume.laws.arguments import chosen, require_positive
+from ecume.models.soft import classic
+from ecume.models.soft.building import parameters_of, start
+from ecume.models.soft.cluster import (
+    APART,
+    DIAGONAL,
+    HORIZONTAL,
+    SQRT3,
+    T1,
+    VERTICAL,
+    Effort,
+    Instant,
+    Units,
+    reached,
+    t1_scene,
+    told,
+)
 from ecume.models.soft.parameters import Parameters, drive_at
 from ecume.models.soft.schemes import SCHEMES
 from ecume.models.soft.solving import attempt
-from ecume.models.soft.stages import During, first_stage
+from ecume.models.soft.stages import During, first_stage, imbalance
 from ecume.models.soft.state import ACCEPTED, CLOCK, REJECTED, State, Workspace, workspace
 from ecume.models.soft.stepping import one_step
-from ecume.scenes.soft import FilmSpec, SoftLiquid, SoftScene, SphereSpec, StageSpec, SteppingSpec
+from ecume.scenes.soft import SoftScene
 from ecume.units import Array
 
-APART, MET = 1.0, 0.2
-"""A diagonal gap of a radius: the cluster has dissociated. If the vertical pair came as close as this before, it had
-swapped neighbors nevertheless, and was pulled apart afterwards."""
-PATIENCE = 30.0
-"""A process that takes this many times the closed-form time to part the horizontal pair, and 60 units, is blocked."""
-SQRT3 = math.sqrt(3.0)
 CLOSE = 1e-13
 """Of a step: how closely the moment is found at which a threshold is crossed."""
-
-
-class Instant(NamedTuple):
-    """The cluster at one time; diagonal is the bond from sphere 0 to sphere 2."""
-
-    time: float
-    angle: float
-    """of the diagonal from the horizontal (rad)"""
-    gap_horizontal: float
-    gap_vertical: float
-    gap_diagonal: float
-    tension_horizontal: float
-    tension_vertical: float
-    tension_diagonal: float
-    sliding_force: float
-    """along the diagonals' surfaces: positive holds the swap back"""
-
-
-@dataclass(frozen=True)
-class T1:
-    """What became of a cluster."""
-
-    duration: float
-    """until the vertical pair carries its part; infinite where it never does"""
-    completed: bool
-    """whether it ever did"""
-    outcome: str
-    """`t1`, `blocked` or `dissociated`; `t1` also where the cluster swapped neighbors and was torn before it completed
-    """
-    durations: dict[float, float]
-    """for every threshold that was asked for"""
-    reduced_force: float
-    """kappa = F_N / (E R^2)"""
-    steps: int
-    rejected: int
-    series: tuple[Instant, ...]
-
-    @property
-    def time(self) -> Array:
-        """Times of the series."""
-        return self.curve("time")
-
-    def curve(self, name: str) -> Array:
-        """A field of `Instant` over time: forces in F_N, gaps in radii."""
-        return np.array([getattr(instant, name) for instant in self.series])
 
 
 def t1_process(
@@ -93,21 +55,26 @@ def t1_process(
     threshold: float | Sequence[float] = 0.9,
     rtol: float = 1e-8,
     method: str = "implicit",
+    time_step: float | None = None,
 ) -> T1:
     """Let four spheres swap neighbors, and time it.
 
-    `gap` is that of the five close pairs at the start; either `reduced_force` (kappa) with `force_ratio` (F_h/F_v), or
+    `gap` is that of the five close pairs at the start. Either `reduced_force` (kappa) with `force_ratio` (F_h/F_v), or
     `forces` (F_h, F_v), both inward. The pull grows over `ramp`. The process is complete when the vertical pair carries
-    the part `threshold` of F_v - F_h/sqrt(3); of several thresholds the last one reached is the duration.
+    the part `threshold` of F_v - F_h/sqrt(3); of several thresholds the last one is the duration.
+
+    `method` is `implicit`, with steps as long as the tolerance `rtol` of ln(gap) allows; the paper's own, `paper`; or
+    that with Runge-Kutta steps, `rk2` and `rk4`: fixed ones of about `time_step`, or eta/E; whole ones fit the ramp.
     """
     thresholds = (threshold,) if isinstance(threshold, (int, float)) else tuple(threshold)
     pull = _forces(reduced_force, force_ratio, forces)
     for name, value in (("gap", gap), ("ramp", ramp), *(("threshold", one) for one in thresholds)):
         require_positive(name, value)
-    if method not in METHODS:
-        raise BadInput(f"no method is called {method!r}; there are {', '.join(METHODS)}")
+    chosen(dict.fromkeys(("implicit", *classic.SCHEMES)), method, "method")
     scene = t1_scene(gap, pull, prefactors, ramp, rtol)
-    return METHODS[method](scene, pull, sorted(thresholds))
+    if method != "implicit":
+        return classic.follow(scene, pull, sorted(thresholds), (method, time_step))
+    return follow(scene, pull, sorted(thresholds))
 
 
 def _forces(reduced: float | None, ratio: float, forces: tuple[float, float] | None) -> tuple[float, float]:
@@ -125,39 +92,6 @@ def _forces(reduced: float | None, ratio: float, forces: tuple[float, float] | N
     return forces
 
 
-def t1_scene(gap: float, forces: tuple[float, float], prefactors: str, ramp: float, rtol: float) -> SoftScene:
-    """The cluster in units of radius, modulus and eta R^2 / F_N."""
-    horizontal, vertical = forces
-    kappa = abs(horizontal - vertical / SQRT3)
-    side = 2.0 + gap
-    pulls = ((horizontal, 0.0), (-horizontal, 0.0), (0.0, -vertical), (0.0, vertical))
-    places = ((-side / 2, 0.0), (side / 2, 0.0), (0.0, side * SQRT3 / 2), (0.0, -side * SQRT3 / 2))
-    films = FilmSpec(prefactors=prefactors)
-    # A scene keeps its numbers within what is physical: forces and viscosity are in proportion, so that E is 1.
-    parting = passage_time(SoftPair(1.0, 1.0, kappa, prefactors_of(films)), kappa, gap, max(1.0, 2.0 * gap))
-    horizon = min(PATIENCE * parting + 60.0 + ramp, 1e10)
-    return SoftScene(
-        title="A T1 process",
-        duration=horizon,
-        frame_every=horizon,
-        liquid=SoftLiquid(viscosity=kappa),
-        spheres=tuple(
-            SphereSpec(name=f"{name}", radius=1.0, modulus=1.0, positions=(place,), force=pull)
-            for name, place, pull in zip(("left", "right", "top", "bottom"), places, pulls, strict=True)
-        ),
-        films=films,
-        protocol=(StageSpec(time=0.0, load=0.0), StageSpec(time=ramp, load=1.0)),
-        stepping=SteppingSpec(tolerance=rtol),
-    )
-
-
-class Units(NamedTuple):
-    """What the series is told in (m, N)."""
-
-    length: float
-    force: float
-
-
 def follow(
     scene: SoftScene, forces: tuple[float, float], thresholds: Sequence[float], units: tuple[float, float] = (1.0, 1.0)
 ) -> T1:
@@ -172,26 +106,21 @@ def follow(
     unit = Units(units[0], units[1] * kappa)
     goals = [one * (vertical - horizontal / SQRT3) / kappa for one in thresholds]
     scratch = workspace(parameters, state, 1.0)
-    series, found = [_first(parameters, scratch, unit)], list[float]()
+    series, found, drift = [_first(parameters, scratch, unit)], list[float](), 0.0
     for span in _march(parameters, state, scratch, unit):
         series.append(span.end)
-        while len(found) < len(goals) and _reached(span.end, goals[len(found)]):
+        drift = max(drift, _left(parameters, scratch, span.end.time) / unit.force)
+        while len(found) < len(goals) and reached(span.end, goals[len(found)]):
             found.append(_crossing(parameters, span, scratch, unit, goals[len(found)]))
         if len(found) == len(goals) or span.end.gap_diagonal > APART:
             break
-    done = len(found) == len(goals)
-    durations = dict(zip(thresholds, found + [math.inf] * (len(goals) - len(found)), strict=True))
-    outcome = "t1" if done else _end(series)
-    tally = state.tally
-    last = durations[thresholds[-1]]
-    return T1(last, done, outcome, durations, kappa, int(tally[ACCEPTED]), int(tally[REJECTED]), tuple(series))
+    effort = Effort(int(state.tally[ACCEPTED]), int(state.tally[REJECTED]), drift)
+    return told(series, found, thresholds, kappa, effort)
 
 
-def _end(series: Sequence[Instant]) -> str:
-    """What became of a cluster whose vertical pair never carried its part."""
-    if series[-1].gap_diagonal <= APART:
-        return "blocked"
-    return "t1" if min(instant.gap_vertical for instant in series) < MET else "dissociated"
+def _left(parameters: Parameters, scratch: Workspace, time: float) -> float:
+    """The largest force that is left on a sphere at the end of a step (N)."""
+    return float(imbalance(scratch.step, drive_at(parameters.protocol, time).load, 1.0, False)[0])
 
 
 class Span(NamedTuple):
@@ -221,10 +150,6 @@ def _first(parameters: Parameters, scratch: Workspace, unit: Units) -> Instant:
     return _instant(scratch, 0.0, unit)
 
 
-HORIZONTAL, DIAGONAL, VERTICAL = 0, 1, 5
-"""Places of the contacts (0, 1), (0, 2) and (2, 3) among the six."""
-
-
 def _instant(scratch: Workspace, time: float, unit: Units) -> Instant:
     """The step's end as numbers: what the last solution left in `films` and `answers`."""
     films, force = scratch.step.films, scratch.step.answers.force
@@ -250,15 +175,6 @@ def _diagonal_angle(scratch: Workspace) -> float:
     return math.atan2(float(across[0] * along[1] - across[1] * along[0]), float(across @ along))
 
 
-def _reached(instant: Instant, goal: float) -> bool:
-    """Whether the vertical pair, once it is the closer one, carries that much; a goal below zero is none.
-
-    At first the far vertical pair carries a spike: a wide film has a large contact, and its surface is stiff.
-    """
-    swapped = instant.gap_vertical < instant.gap_horizontal
-    return goal > 0.0 and swapped and -instant.tension_vertical >= goal
-
-
 def _crossing(parameters: Parameters, span: Span, scratch: Workspace, unit: Units, goal: float) -> float:
     """When within the last step the vertical pair came to carry that much, by taking shorter ones."""
     from scipy.optimize import brentq
@@ -278,6 +194,3 @@ def _crossing(parameters: Parameters, span: Span, scratch: Workspace, unit: Unit
         length = float(brentq(missing, 1e-9 * length, length, xtol=CLOSE * length))
     step.bodies.before[:], step.log_gap[:], step.direction[:] = kept
     return span.begin.time + length
-
-
-METHODS = {"implicit": follow}
