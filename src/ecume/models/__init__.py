@@ -11,7 +11,7 @@ class _Models(MutableMapping[str, Model]):
     """A table whose own rows are imported late: a scene is checked without Numba."""
 
     def __init__(self) -> None:
-        self._known: dict[str, Model | None] = {"floating": None, "soft": None, "sph": None}
+        self._known: dict[str, Model | None] = {"floating": None, "soft": None, "sph": None, "tracers": None}
 
     def __getitem__(self, name: str) -> Model:
         found = self._known[name]
@@ -45,6 +45,10 @@ def _imported(name: str) -> Model:
         from ecume.models.sph import SPH
 
         return SPH
+    if name == "tracers":
+        from ecume.models.tracers import TRACERS
+
+        return TRACERS
     raise KeyError(name)
 
 

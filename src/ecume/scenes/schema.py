@@ -23,11 +23,17 @@ from ecume.scenes.faults import Path, as_faults, echo, faults_of, suggestion
 from ecume.scenes.floating import FloatingScene
 from ecume.scenes.soft import SoftScene
 from ecume.scenes.sph import SphScene
+from ecume.scenes.tracers import TracersScene
 
-Scene = FloatingScene | SoftScene | SphScene
+Scene = FloatingScene | SoftScene | SphScene | TracersScene
 """Any scene. Each model adds its own."""
 
-SCENES: dict[str, type[Common]] = {"floating": FloatingScene, "soft": SoftScene, "sph": SphScene}
+SCENES: dict[str, type[Common]] = {
+    "floating": FloatingScene,
+    "soft": SoftScene,
+    "sph": SphScene,
+    "tracers": TracersScene,
+}
 
 
 def from_plain(plain: Mapping[str, Any]) -> Scene:

@@ -14,9 +14,13 @@ from ecume.scenes.faults import suggestion
 from ecume.show.curves import Frames
 from ecume.show.floating.figures import FLOATING_FIGURES
 from ecume.show.style import save
+from ecume.show.tracers import TRACER_FIGURES
 from ecume.trajectories.reader import open_trajectory
 
-FIGURES: dict[str, Mapping[str, Callable[[Frames, Any], Figure]]] = {"floating": FLOATING_FIGURES}
+FIGURES: dict[str, Mapping[str, Callable[[Frames, Any], Figure]]] = {
+    "floating": FLOATING_FIGURES,
+    "tracers": TRACER_FIGURES,
+}
 """By model, then by the name that `ecume plot --what` takes."""
 
 

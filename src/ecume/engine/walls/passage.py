@@ -28,13 +28,15 @@ from ecume.engine.walls.flight import (
     undisturbed,
     without,
 )
-from ecume.engine.walls.sheets import RESTITUTION, Sheet, grain_at, hole_at, wall_velocity, worst_gap
+from ecume.engine.walls.sheets import RESTITUTION, Sheet, grain_at, hole_at, inward_normal, wall_velocity, worst_gap
 from ecume.engine.walls.surfaces import PLANE
 from ecume.engine.walls.vectors import Vector, dot, eased, flown, length, plus, put, row
 from ecume.units import Array
 
 CHUNK = 256
 """Particles that one thread takes at a time."""
+FEW = 2000
+"""Starting threads for fewer particles takes longer than they save."""
 SETTLED = 64
 """In a corner rounding keeps a particle astir: after so many events with next to no speed it is at rest."""
 Log = tuple[Integers, Integers, Array, Array]
@@ -139,7 +141,8 @@ def flight(
             held = without(held, -2 - what)
         elif what >= 0:
             x = snapped(x, (time, dt - time, radius), kind, number, what)
-            through = hole_at(hole, part, number, what, (x, time))
+            touch = plus(x, -radius, inward_normal(kind, number, what, x, time))
+            through = hole_at(hole, part, number, what, (touch, time))
             if through >= 0:
                 return x, v, hits, through + 1
             moment = (time, dt - time, radius)
@@ -156,6 +159,44 @@ def flight(
                 x, well = kept(plus(x, dt - time, wall), course[0], (dt, 0.0, radius), (kind, number))
                 return x, wall, hits, STAYED if well else CAPPED
     return x, v, hits, CAPPED
+
+
+@compiled
+def fly_some(
+    start: int,
+    stop: int,
+    position: Array,
+    velocity: Array,
+    acceleration: Array,
+    radius: Array,
+    dt: float,
+    kind: Integers,
+    number: Array,
+    hole: Integers,
+    part: Array,
+    log: Log,
+    hits: Integers,
+    fate: Integers,
+    per_surface: Integers,
+) -> None:
+    """Particles `start` to `stop` through one step, in place."""
+    for i in range(start, stop):
+        if fate[i] != STAYED:
+            continue
+        push = row(acceleration, i if acceleration.shape[0] > 1 else 0)
+        course = (row(position, i), row(velocity, i), push)
+        own_radius = radius[i if radius.shape[0] > 1 else 0]
+        if undisturbed(course, (0.0, dt, own_radius), kind, number):
+            put(position, i, flown(course[0], course[1], push, dt))
+            put(velocity, i, plus(course[1], dt, push))
+            continue
+        gap, k = worst_gap(kind, number, course[0], 0.0)
+        if not gap - own_radius >= -grain_at(number, k, course[0]):
+            fate[i] = STARTED_OUTSIDE
+            continue
+        x, v, hits[i], fate[i] = flight(course, (dt, own_radius), (kind, number, hole, part), log, (i, per_surface))
+        put(position, i, x)
+        put(velocity, i, v)
 
 
 @threaded
@@ -177,35 +218,20 @@ def fly_all(
     fate: Integers,
     per_surface: Integers,
 ) -> None:
-    """Everyone through one step, in place; bare arrays, since threads write to copies of what is in a tuple."""
-    count = position.shape[0]
+    """Everyone, over threads; bare arrays, since threads write to copies of what is in a tuple."""
+    count, surfaces = position.shape[0], kind.shape[0]
     chunks = (count + CHUNK - 1) // CHUNK
-    counted = np.zeros((chunks, kind.shape[0]), np.int64)
+    counted = np.zeros((chunks, surfaces), np.int64)
     for chunk in prange(chunks):
-        mine = np.zeros(kind.shape[0], np.int64)
-        for i in range(chunk * CHUNK, min(count, (chunk + 1) * CHUNK)):
-            if fate[i] != STAYED:
-                continue
-            push = row(acceleration, i if acceleration.shape[0] > 1 else 0)
-            course = (row(position, i), row(velocity, i), push)
-            own_radius = radius[i if radius.shape[0] > 1 else 0]
-            if undisturbed(course, (0.0, dt, own_radius), kind, number):
-                put(position, i, flown(course[0], course[1], push, dt))
-                put(velocity, i, plus(course[1], dt, push))
-                continue
-            gap, k = worst_gap(kind, number, course[0], 0.0)
-            if not gap - own_radius >= -grain_at(number, k, course[0]):
-                fate[i] = STARTED_OUTSIDE
-                continue
-            x, v, hits[i], fate[i] = flight(
-                course, (dt, own_radius), (kind, number, hole, part), (first, which, when, where), (i, mine)
-            )
-            put(position, i, x)
-            put(velocity, i, v)
-        for k in range(kind.shape[0]):
+        mine = np.zeros(surfaces, np.int64)
+        fly_some(
+            chunk * CHUNK, min(count, (chunk + 1) * CHUNK), position, velocity, acceleration, radius, dt,
+            kind, number, hole, part, (first, which, when, where), hits, fate, mine,
+        )  # fmt: skip
+        for k in range(surfaces):
             counted[chunk, k] = mine[k]
     for chunk in range(chunks):
-        for k in range(kind.shape[0]):
+        for k in range(surfaces):
             per_surface[k] += counted[chunk, k]
 
 
@@ -227,12 +253,19 @@ def reflect_all(
     started outside and was not moved; hits per surface (K,) are added. Returns how many have a negative fate.
     """
     hits, fate, per_surface = tally
-    nothing, nowhere = np.zeros(0, np.int64), np.zeros((0, position.shape[1]))
+    kind, number, hole, part = sheet.kind, sheet.number, sheet.hole, sheet.part
+    nothing, nowhen, nowhere = np.zeros(0, np.int64), np.zeros(0), np.zeros((0, position.shape[1]))
     hits[:] = 0
-    fly_all(
-        position, velocity, acceleration, radius, dt, sheet.kind, sheet.number, sheet.hole, sheet.part,
-        nothing, nothing, nowhere[:, 0].copy(), nowhere, hits, fate, per_surface,
-    )  # fmt: skip
+    if position.shape[0] < FEW:
+        fly_some(
+            0, position.shape[0], position, velocity, acceleration, radius, dt,
+            kind, number, hole, part, (nothing, nothing, nowhen, nowhere), hits, fate, per_surface,
+        )  # fmt: skip
+    else:
+        fly_all(
+            position, velocity, acceleration, radius, dt,
+            kind, number, hole, part, nothing, nothing, nowhen, nowhere, hits, fate, per_surface,
+        )  # fmt: skip
     troubled = 0
     for i in range(fate.shape[0]):
         troubled += fate[i] < 0

@@ -1,0 +1,163 @@
+"""What a step would be without walls: exact for linear drag, a constant push and the liquid's kicks, however long."""
+
+from __future__ import annotations
+
+import math
+
+from ecume._jit import admit, compiled, compiled_inside
+from ecume.engine.cells import Integers
+from ecume.engine.philox import counter_of, normals
+from ecume.laws import brownian, drag
+from ecume.models.tracers.parameters import SCHILLER_NAUMANN
+from ecume.units import Array
+
+admit(brownian, drag)
+
+
+@compiled_inside
+def slowed(speed: float, own: tuple[float, float], liquid: tuple[int, float, float]) -> float:
+    """The friction at a speed; own = (radius, Stokes's friction), liquid = (drag law, density, viscosity)."""
+    law, density, viscosity = liquid
+    if law != SCHILLER_NAUMANN:
+        return own[1]
+    return own[1] * drag.schiller_naumann_factor(drag.particle_reynolds(speed, own[0], density, viscosity))
+
+
+@compiled_inside
+def relative_speed(velocity: Array, i: int, flow: tuple[float, float, float], change: tuple[float, float]) -> float:
+    """Against the liquid, after v - u has shrunk to a part and the fall has gained a speed; change = (part, gain)."""
+    square, last = 0.0, velocity.shape[1] - 1
+    for axis in range(last + 1):
+        own = change[0] * (velocity[i, axis] - flow[axis])
+        if axis == last:
+            own -= change[1]
+        square += own * own
+    return math.sqrt(square)
+
+
+@compiled_inside
+def midway_friction(
+    velocity: Array,
+    i: int,
+    flow: tuple[float, float, float],
+    body: tuple[float, float, float, float],
+    liquid: tuple[int, float, float],
+) -> float:
+    """The friction at the speed in the middle of the step, so that a drag that is no line is of second order.
+
+    body = (radius, Stokes's friction, mass over half a step, push times half a step).
+    """
+    radius, stokes, inertia, fall = body
+    friction = slowed(relative_speed(velocity, i, flow, (1.0, 0.0)), (radius, stokes), liquid)
+    if liquid[0] == SCHILLER_NAUMANN:
+        ratio = friction / inertia
+        change = (math.exp(-ratio), fall * brownian.velocity_gain(ratio))
+        friction = slowed(relative_speed(velocity, i, flow, change), (radius, stokes), liquid)
+    return friction
+
+
+@compiled
+def plan_flights(
+    position: Array,
+    velocity: Array,
+    mass: Array,
+    weight: Array,
+    stokes: Array,
+    radius: Array,
+    fate: Integers,
+    push: Array,
+    kick: Array,
+    noise: Array,
+    numbers: tuple[float, int, int, int, float, float, float, float, float, float, float],
+) -> None:
+    """The parabola of each particle with inertia: it ends where the exact motion ends.
+
+    numbers = (time step, step, seed, drag law, liquid's density, viscosity, thermal energy, flow x, y, z, shear rate).
+    """
+    h, step, seed, law, density, viscosity, thermal, flow_x, flow_y, flow_z, shear = numbers
+    last = position.shape[1] - 1
+    for i in range(position.shape[0]):
+        if fate[i] != 0:
+            continue
+        height = position[i, last] + 0.5 * h * velocity[i, last]
+        flow = (flow_x + shear * height, flow_y, flow_z)
+        body = (radius[i], stokes[i], 2.0 * mass[i] / h, 0.5 * h * weight[i])
+        friction = midway_friction(velocity, i, flow, body, (law, density, viscosity)) if stokes[i] > 0.0 else 0.0
+        ratio = h * friction / mass[i]
+        gain, way = brownian.velocity_gain(ratio), brownian.displacement_gain(ratio)
+        fast, far, both = 0.0, 0.0, 0.0
+        if thermal > 0.0 and friction > 0.0:
+            fast = math.sqrt(thermal / mass[i] * brownian.velocity_variance(ratio))
+            both = thermal / friction * brownian.covariance(ratio) / fast
+            far = thermal * mass[i] / (friction * friction) * brownian.displacement_variance(ratio) - both * both
+            far = math.sqrt(max(far, 0.0))
+        for axis in range(last + 1):
+            start = (flow[axis] - velocity[i, axis]) * friction / mass[i]
+            if axis == last:
+                start -= weight[i]
+            push[i, axis] = start * way
+            kick[i, axis] = start * (gain - way) * h
+            noise[i, axis] = 0.0
+            if fast > 0.0:
+                one, other = normals(counter_of(i, step, axis), seed)
+                shift = both * one + far * other
+                push[i, axis] += 2.0 * shift / (h * h)
+                noise[i, axis] = fast * one - 2.0 * shift / h
+
+
+@compiled
+def land(
+    position: Array,
+    velocity: Array,
+    origin: Array,
+    travel: Array,
+    push: Array,
+    kick: Array,
+    noise: Array,
+    fate: Integers,
+    time: float,
+) -> None:
+    """After the flights: who met nothing has the exact velocity; who met a wall keeps what it was left with."""
+    for i in range(position.shape[0]):
+        if fate[i] != 0:
+            continue
+        off, scale = 0.0, 0.0
+        for axis in range(position.shape[1]):
+            free = origin[i, axis] + time * travel[i, axis] + 0.5 * time * time * push[i, axis]
+            off = max(off, abs(position[i, axis] - free))
+            scale = max(scale, abs(position[i, axis]) + abs(time * travel[i, axis]))
+        for axis in range(position.shape[1]):
+            velocity[i, axis] += noise[i, axis]
+            if off <= 1e-13 * scale:
+                velocity[i, axis] += kick[i, axis]
+
+
+@compiled
+def plan_drifts(
+    position: Array,
+    settling: Array,
+    fate: Integers,
+    time: float,
+    flow: tuple[float, float, float, float],
+    velocity: Array,
+) -> None:
+    """The velocity of what has no inertia: with the liquid, and down at the terminal speed."""
+    last = position.shape[1] - 1
+    for i in range(position.shape[0]):
+        if fate[i] == 0:
+            height = position[i, last] - 0.5 * time * settling[i]
+            for axis in range(last + 1):
+                velocity[i, axis] = flow[axis]
+            velocity[i, 0] += flow[3] * height
+            velocity[i, last] -= settling[i]
+
+
+@compiled
+def plan_steps(friction: Array, fate: Integers, chance: tuple[int, int, float], time: float, velocity: Array) -> None:
+    """Diffusion as a velocity: a normal displacement of variance 2 D t along each axis; chance = (seed, step, kT)."""
+    seed, step, thermal = chance
+    for i in range(velocity.shape[0]):
+        if fate[i] == 0:
+            far = math.sqrt(2.0 * brownian.diffusivity(thermal, friction[i]) / time)
+            for axis in range(velocity.shape[1]):
+                velocity[i, axis] = far * normals(counter_of(i, step, axis), seed)[0]

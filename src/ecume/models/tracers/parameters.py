@@ -1,0 +1,241 @@
+"""What never changes during a run of tracers."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ecume.engine.cells import Integers
+from ecume.engine.walls import Sheet, Surfaces, sheet
+from ecume.errors import BadInput, Fault, SceneError
+from ecume.laws import brownian, drag
+from ecume.laws.liquids import liquid
+from ecume.models.tracers.tank import surfaces_of
+from ecume.scenes.faults import suggestion
+from ecume.scenes.tracers import TracersScene
+from ecume.units import Array
+
+NO_DRAG, STOKES, SCHILLER_NAUMANN = range(3)
+DRAGS = {"none": NO_DRAG, "stokes": STOKES, "schiller-naumann": SCHILLER_NAUMANN}
+REGIMES = ("auto", "inertial", "overdamped")
+ADDED_MASS = 0.5
+"""Of a sphere in an ideal liquid: half of the displaced mass."""
+SHORTEST = 4.0
+"""Steps in a relaxation time, when the model chooses."""
+LONGEST = 0.5
+"""A step of the inertial regime, in relaxation times."""
+MOST_STEPS = 1_000_000
+"""Of a run whose step the model chooses; what relaxes faster is overdamped."""
+FINENESS = 0.05
+"""How much of the tank, or of the sedimentation length, an overdamped step may cross."""
+
+
+class Fluid(NamedTuple):
+    """The liquid: its properties, and its velocity, flow + shear_rate z along x at the height z."""
+
+    density: float
+    viscosity: float
+    gravity: float
+    thermal: float
+    """kT (J); 0 without Brownian motion"""
+    flow: tuple[float, float, float]
+    shear_rate: float
+
+
+class Bodies(NamedTuple):
+    """The particles, one row each."""
+
+    radius: Array
+    mass: Array
+    """kg, with the liquid that goes along"""
+    push: Array
+    """m/s^2, downwards: weight less buoyancy, over that mass"""
+    friction: Array
+    """N s/m, Stokes's"""
+    settling: Array
+    """m/s, downwards: the terminal speed"""
+    overdamped: Integers
+    """1 where inertia is left out"""
+    density: Array
+    species: Integers
+
+
+class Parameters(NamedTuple):
+    """Everything a step needs."""
+
+    time_step: float
+    steps_per_frame: int
+    seed: int
+    dimensions: int
+    drag: int
+    fluid: Fluid
+    bodies: Bodies
+    bouncing: Sheet
+    """the walls with the tank's coefficients"""
+    stopping: Sheet
+    """the same without restitution: an overdamped particle that is pulled against a wall stays there"""
+    mirroring: Sheet
+    """the same with all of it: what diffuses is turned back whole"""
+
+
+def parameters_of(scene: TracersScene) -> Parameters:
+    """Raises SceneError with what is wrong."""
+    _require_names(scene)
+    surfaces, fluid = surfaces_of(scene), fluid_of(scene)
+    bodies = bodies_of(scene, fluid)
+    step = time_step_of(scene, surfaces, fluid, bodies)
+    late = np.where(bodies.friction > 0.0, bodies.mass / np.maximum(bodies.friction, 1e-300), math.inf) * LONGEST < step
+    regime = scene.motion.regime
+    overdamped = (
+        np.zeros(len(late), bool)
+        if regime == "inertial"
+        else (bodies.friction > 0.0) & (late | (regime == "overdamped"))
+    )
+    if regime == "inertial" and late.any():
+        raise SceneError([Fault("motion.time_step", f"{step:g} s is longer than half a relaxation time; shorten it, or "
+                                'set motion.regime = "auto"')])  # fmt: skip
+    tank = scene.tank
+    coefficients = (tank.restitution, tank.tangential) if tank is not None else (1.0, 1.0)
+    return Parameters(
+        step,
+        round(scene.frame_every / step),
+        scene.seed,
+        scene.dimensions,
+        DRAGS[scene.motion.drag],
+        fluid,
+        bodies._replace(overdamped=overdamped.astype(np.int64)),
+        sheet(surfaces, *coefficients),
+        sheet(surfaces, 0.0, 1.0),
+        sheet(surfaces),
+    )
+
+
+def fluid_of(scene: TracersScene) -> Fluid:
+    """The liquid's numbers: given, or those of the liquid named at its temperature."""
+    given = scene.liquid
+    density, viscosity = 1000.0, 1e-3
+    if given.name:
+        try:
+            named = liquid(given.name, given.temperature)
+        except BadInput as error:
+            raise SceneError([Fault("liquid.name", str(error))]) from None
+        density, viscosity = named.density, named.viscosity
+    flow = (*(given.flow or ()), 0.0, 0.0, 0.0)
+    return Fluid(
+        density if given.density is None else given.density,
+        viscosity if given.viscosity is None else given.viscosity,
+        given.gravity,
+        brownian.thermal_energy(given.temperature) if scene.motion.brownian else 0.0,
+        (flow[0], flow[1], flow[2]),
+        given.shear_rate,
+    )
+
+
+def bodies_of(scene: TracersScene, fluid: Fluid) -> Bodies:
+    """Masses, weights, frictions and terminal speeds, species by species."""
+    counts = [species.count for species in scene.particles]
+    radius = np.repeat([species.radius for species in scene.particles], counts)
+    density = np.repeat([species.density for species in scene.particles], counts)
+    along = ADDED_MASS * fluid.density if scene.motion.added_mass else 0.0
+    settling = np.repeat([settling_speed(scene, fluid, species) for species in scene.particles], counts)
+    dragged = 0.0 if scene.motion.drag == "none" else 1.0
+    return Bodies(
+        radius=radius,
+        mass=4.0 / 3.0 * math.pi * radius**3 * (density + along),
+        push=fluid.gravity * (density - fluid.density) / (density + along),
+        friction=dragged * np.array([drag.stokes_friction(a, fluid.viscosity, 1.0) for a in radius]),
+        settling=settling,
+        overdamped=np.zeros(len(radius), np.int64),
+        density=density,
+        species=np.repeat(np.arange(len(counts)), counts),
+    )
+
+
+def settling_speed(scene: TracersScene, fluid: Fluid, species: object) -> float:
+    """The terminal speed of a species (m/s), downwards; infinite without drag."""
+    radius, excess = species.radius, species.density - fluid.density  # type: ignore[attr-defined]
+    if scene.motion.drag == "none" or fluid.viscosity == 0.0:
+        return math.copysign(math.inf, excess) if excess and fluid.gravity else 0.0
+    slow = drag.stokes_settling_speed(radius, excess, fluid.viscosity, fluid.gravity)
+    if scene.motion.drag == "stokes" or slow == 0.0:
+        return slow
+    reynolds = drag.particle_reynolds(abs(slow), radius, fluid.density, fluid.viscosity)
+    return slow * drag.settling_reynolds(reynolds) / reynolds
+
+
+def time_step_of(scene: TracersScene, surfaces: Surfaces, fluid: Fluid, bodies: Bodies) -> float:
+    """The step (s): asked for, or as short as the relaxation and the walls need. A whole number of steps is a frame."""
+    asked = scene.motion.time_step
+    if asked is not None:
+        steps = scene.frame_every / asked
+        if abs(steps - round(steps)) > 1e-9 * steps or round(steps) < 1:
+            fits = scene.frame_every / max(1, math.ceil(steps))
+            came = f"came {asked:g} s; frame_every, {scene.frame_every:g} s, is no whole number of such steps"
+            raise SceneError([Fault("motion.time_step", f"{came}; {fits:.9g} s would fit")])
+        return scene.frame_every / round(steps)
+    longest = min(scene.frame_every, 0.1 / abs(fluid.shear_rate) if fluid.shear_rate else math.inf)
+    shortest = scene.frame_every / max(1, MOST_STEPS // max(1, round(scene.duration / scene.frame_every)))
+    for mass, friction, speed, push, radius in kinds_of(bodies):
+        if friction > 0.0:
+            inertial = mass / friction / SHORTEST
+            late = scene.motion.regime == "overdamped" or inertial < shortest
+            body = (friction, speed, mass * push, radius)
+            longest = min(longest, overdamped_step(body, surfaces, fluid) if late else inertial)
+    return scene.frame_every / math.ceil(scene.frame_every / max(longest, shortest) * (1 - 1e-12))
+
+
+def kinds_of(bodies: Bodies) -> set[tuple[float, ...]]:
+    """Mass, friction, terminal speed, push and radius of each kind there is."""
+    columns = (bodies.mass, bodies.friction, bodies.settling, bodies.push, bodies.radius)
+    return set(zip(*(column.tolist() for column in columns), strict=True))
+
+
+def overdamped_step(body: tuple[float, float, float, float], surfaces: Surfaces, fluid: Fluid) -> float:
+    """How long a step may be of what has no inertia, so that it crosses little of the tank or of its own layer."""
+    friction, speed, weight, radius = body
+    room = (
+        float(np.ptp(surfaces.size)) if len(surfaces.size) > 1 else float(np.abs(surfaces.size).max(initial=math.inf))
+    )
+    layer = room
+    if fluid.thermal > 0.0 and weight != 0.0:
+        # A layer thinner than its grains is a floor with grains on it.
+        layer = min(room, max(radius, brownian.sedimentation_length(fluid.thermal, abs(weight))))
+    limit = FINENESS * room / abs(speed) if speed else math.inf
+    if fluid.thermal > 0.0:
+        limit = min(limit, FINENESS * layer * layer / brownian.diffusivity(fluid.thermal, friction))
+    return limit
+
+
+def _require_names(scene: TracersScene) -> None:
+    faults = []
+    for key, known in (("drag", DRAGS), ("regime", REGIMES)):
+        came = getattr(scene.motion, key)
+        if came not in known:
+            faults.append(Fault(f"motion.{key}", f"came {came!r}; {suggestion(came, known)}"))
+    if scene.motion.brownian and scene.motion.drag == "none":
+        faults.append(Fault("motion.brownian", "needs drag: what the liquid kicks, it also slows down"))
+    if faults:
+        raise SceneError(faults)    sizes = surfaces.size
+    room = float(np.ptp(sizes) if len(sizes) > 1 else np.abs(sizes).sum() or math.inf)
+    layer = room
+    if fluid.thermal > 0.0 and weight != 0.0:
+        # A layer thinner than its grains is a floor with grains on it.
+        layer = min(room, max(radius, brownian.sedimentation_length(fluid.thermal, abs(weight))))
+    limit = FINENESS * room / abs(speed) if speed else math.inf
+    if fluid.thermal > 0.0:
+        limit = min(limit, FINENESS * layer * layer / brownian.diffusivity(fluid.thermal, friction))
+    return limit
+
+
+def _require_names(scene: TracersScene) -> None:
+    faults = []
+    for key, known in (("drag", DRAGS), ("regime", REGIMES)):
+        came = getattr(scene.motion, key)
+        if came not in known:
+            faults.append(Fault(f"motion.{key}", f"came {came!r}; {suggestion(came, known)}"))
+    if scene.motion.brownian and scene.motion.drag == "none":
+        faults.append(Fault("motion.brownian", "needs drag: what the liquid kicks, it also slows down"))
+    if faults:
+        raise SceneError(faults)

@@ -1,0 +1,134 @@
+"""The tracers, as the driver sees them: observing, diagnosis, summary."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from ecume.errors import BadInput
+from ecume.laws import brownian, drag
+from ecume.models.model import Model
+from ecume.models.tracers.parameters import Parameters, parameters_of
+from ecume.models.tracers.starting import start
+from ecume.models.tracers.state import CAPPED, State, Workspace, workspace
+from ecume.models.tracers.stepping import advance
+from ecume.scenes.tracers import TracersScene
+from ecume.trajectories.frame import Frame
+
+ARRAY_UNITS = {
+    "position": "m",
+    "velocity": "m/s",
+    "speed": "m/s",
+    "radius": "m",
+    "density": "kg/m^3",
+    "species": "1",
+    "left": "1",
+}
+SECONDS_PER_STEP = 2e-5
+SECONDS_PER_PARTICLE = 2e-7
+
+
+def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
+    """The frame of this instant. Who has left stays where it went out, and counts for nothing."""
+    bodies, inside = parameters.bodies, state.left < 0
+    speed = np.sqrt((state.velocity**2).sum(axis=1))
+    mass, height = bodies.mass[inside], state.position[inside, -1]
+    kinetic = 0.5 * float(np.sum(mass * speed[inside] ** 2))
+    potential = float(np.sum(mass * bodies.push[inside] * height))
+    arrays = {
+        "position": state.position.copy(),
+        "velocity": state.velocity.copy(),
+        "speed": speed,
+        "radius": bodies.radius.copy(),
+        "density": bodies.density.copy(),
+        "species": bodies.species.copy(),
+        "left": state.left.copy(),
+    }
+    holes = len(parameters.bouncing.hole)
+    numbers = {
+        "kinetic_energy": kinetic,
+        "potential_energy": potential,
+        "total_energy": kinetic + potential,
+        "mean_height": float(height.mean()) if len(height) else 0.0,
+        "largest_speed": float(speed[inside].max(initial=0.0)),
+        "particles_inside": float(inside.sum()),
+        "hits": float(state.hits.sum()),
+        **{f"hits_on_wall_{k}": float(count) for k, count in enumerate(state.hits)},
+        **{f"left_through_opening_{m}": float((state.left == m).sum()) for m in range(holes)},
+        "flights_cut_short": float(state.tally[CAPPED]),
+    }
+    units = {name: "J" if name.endswith("energy") else "1" for name in numbers}
+    units |= {"mean_height": "m", "largest_speed": "m/s"}
+    return Frame(int(state.step[0]) * parameters.time_step, arrays, numbers, {**ARRAY_UNITS, **units})
+
+
+def diagnosis(parameters: Parameters, state: State) -> str:
+    """Who is nowhere, when, and what to do."""
+    broken = ~np.isfinite(state.position).all(axis=1) | ~np.isfinite(state.velocity).all(axis=1)
+    worst = int(np.argmax(broken)) if broken.any() else int(np.argmax((state.velocity**2).sum(axis=1)))
+    time = int(state.step[0]) * parameters.time_step
+    what = "has no finite position any more" if broken.any() else f"is outside, at {state.position[worst].tolist()}"
+    return (
+        f"at t = {time:.6g} s particle {worst} {what}: its step of {parameters.time_step:.3g} s was too long. Set "
+        f"motion.time_step = {0.25 * parameters.time_step:.2g}"
+    )
+
+
+def extended(extra_laws: Sequence[Callable[..., float]]) -> Model:
+    """Tracers do not feel one another."""
+    raise BadInput("extra_laws: tracers have no pair laws; wanted none")
+
+
+def summary(scene: TracersScene) -> list[tuple[str, str, str]]:
+    """Derived numbers: name, value with unit, remark. Raises SceneError for whatever would keep a run from starting."""
+    parameters = parameters_of(scene)
+    start(scene, parameters)
+    fluid, frames = parameters.fluid, round(scene.duration / scene.frame_every)
+    steps, count = frames * parameters.steps_per_frame, len(parameters.bodies.radius)
+    return [
+        ("liquid", f"{fluid.density:.4g} kg/m^3, {1e3 * fluid.viscosity:.4g} mPa s", scene.liquid.name),
+        *(row for index in range(len(scene.particles)) for row in summary_of(scene, parameters, index)),
+        ("walls", str(len(parameters.bouncing.kind)), f"{len(scene.openings)} openings"),
+        ("time step", f"{1e3 * parameters.time_step:.4g} ms", "exact between walls for linear drag"),
+        ("steps", str(steps), f"{frames} frames of {parameters.steps_per_frame} steps"),
+        ("memory", f"{count * 400 / 1e6:.3g} MB", f"{count} particles"),
+        ("time on this machine", f"{steps * (SECONDS_PER_STEP + SECONDS_PER_PARTICLE * count):.2g} s", "roughly"),
+    ]
+
+
+def summary_of(scene: TracersScene, parameters: Parameters, index: int) -> list[tuple[str, str, str]]:
+    """What follows for one species."""
+    fluid, bodies, species = parameters.fluid, parameters.bodies, scene.particles[index]
+    first = int(np.argmax(bodies.species == index))
+    mass, friction, speed = (float(values[first]) for values in (bodies.mass, bodies.friction, bodies.settling))
+    name, rows = species.name, []
+    if friction > 0.0:
+        reynolds = drag.particle_reynolds(abs(speed), species.radius, fluid.density, fluid.viscosity)
+        way = "sinks" if speed > 0.0 else "rises" if speed < 0.0 else "floats about"
+        regime = "overdamped: inertia is left out" if bodies.overdamped[first] else "inertial"
+        rows += [
+            (f"{name}: terminal speed", f"{1e3 * abs(speed):.4g} mm/s", f"{way}; Reynolds number {reynolds:.3g}"),
+            (f"{name}: relaxation time", f"{1e3 * drag.relaxation_time(mass, friction):.4g} ms", regime),
+        ]
+    if fluid.thermal > 0.0 and friction > 0.0:
+        spread, weight = brownian.diffusivity(fluid.thermal, friction), abs(mass * float(bodies.push[first]))
+        rows.append((f"{name}: diffusion coefficient", f"{1e12 * spread:.4g} um^2/s", "along each axis <x^2> = 2 D t"))
+        if weight > 0.0:
+            layer = 1e6 * brownian.sedimentation_length(fluid.thermal, weight)
+            rows.append((f"{name}: sedimentation length", f"{layer:.4g} um", "the layer's height in equilibrium"))
+    return rows
+
+
+TRACERS = Model(
+    name="tracers",
+    state=State,
+    parameters=parameters_of,
+    start=start,
+    workspace=workspace,
+    advance=advance,
+    observe=observe,
+    diagnosis=diagnosis,
+    extended=extended,
+    summary=summary,
+)

@@ -1,0 +1,93 @@
+"""Where the tracers start: at given places, or at random in the tank or a part of it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ecume.engine.walls import Surfaces, clearance, described
+from ecume.errors import Fault, SceneError
+from ecume.models.tracers.parameters import Parameters
+from ecume.models.tracers.state import State, make_state
+from ecume.models.tracers.tank import surfaces_of
+from ecume.scenes.tracers import ParticleSpec, TracersScene
+from ecume.units import Array
+
+TRIES = 2000
+"""Rounds of dice after which there is no room."""
+
+
+def start(scene: TracersScene, parameters: Parameters) -> State:
+    """The state at time 0. Raises SceneError where a particle starts outside, or finds no room."""
+    surfaces = surfaces_of(scene)
+    dice = np.random.default_rng(scene.seed)
+    faults: list[Fault] = []
+    places: list[Array] = []
+    for index, species in enumerate(scene.particles):
+        if species.positions:
+            placed = np.array(species.positions, np.float64)
+            faults += outside(placed, species, surfaces, index)
+        else:
+            placed = scattered(species, surfaces, dice, faults, index, scene)
+        places.append(placed)
+    if faults:
+        raise SceneError(faults)
+    velocity = np.concatenate(
+        [np.tile(species.velocity or (0.0,) * scene.dimensions, (species.count, 1)) for species in scene.particles]
+    )
+    return make_state(np.concatenate(places), velocity.astype(np.float64), len(surfaces.kind))
+
+
+def outside(placed: Array, species: ParticleSpec, surfaces: Surfaces, index: int) -> list[Fault]:
+    """A fault for each position that is not in the tank, its radius included."""
+    clear, which = clearance(placed, surfaces)
+    return [
+        Fault(
+            f"particles[{index}].positions[{i}]",
+            f"{tuple(placed[i].tolist())} is {species.radius - clear[i]:.3g} m beyond "
+            f"{described(surfaces, int(which[i]))}; wanted it inside, its radius included",
+        )
+        for i in np.flatnonzero(clear < species.radius * (1.0 - 1e-9))[:20]
+    ]
+
+
+def scattered(
+    species: ParticleSpec,
+    surfaces: Surfaces,
+    dice: np.random.Generator,
+    faults: list[Fault],
+    index: int,
+    scene: TracersScene,
+) -> Array:
+    """Places at random, evenly over the tank or the part asked for."""
+    low, high = (np.array(corner) for corner in corners(species, scene))
+    found = np.zeros((0, scene.dimensions))
+    for _ in range(TRIES):
+        thrown = dice.uniform(low, np.maximum(low, high), (2 * species.count, scene.dimensions))
+        found = np.concatenate([found, thrown[clearance(thrown, surfaces)[0] >= species.radius]])
+        if len(found) >= species.count:
+            return found[: species.count]
+    faults.append(Fault(f"particles[{index}]", f"no room for {species.count} of radius {species.radius:g} m"))
+    return found
+
+
+def corners(species: ParticleSpec, scene: TracersScene) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """The box in which a species is thrown."""
+    low, high = bounds(scene)
+    a = species.radius
+    return (
+        species.low or tuple(value + a for value in low),
+        species.high or tuple(value - a for value in high),
+    )
+
+
+def bounds(scene: TracersScene) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """The box around the tank; a unit box without one."""
+    tank, d = scene.tank, scene.dimensions
+    if tank is None:
+        return (0.0,) * d, (1.0,) * d
+    if tank.size is not None:
+        return (0.0,) * d, tank.size
+    if tank.radius is not None:
+        return (-tank.radius,) * d, (tank.radius,) * d
+    corner = np.array(tank.vertices)
+    return tuple(corner.min(axis=0).tolist()), tuple(corner.max(axis=0).tolist())

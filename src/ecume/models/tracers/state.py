@@ -1,0 +1,71 @@
+"""What the physics moves, and the scratch beside it."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ecume.engine.cells import Integers
+from ecume.models.tracers.parameters import Parameters
+from ecume.units import Array
+
+CAPPED = 0
+"""The place in `State.tally` of flights cut short."""
+
+
+class State(NamedTuple):
+    """Everything that can change a later bit: randomness follows from the seed, the particle and the step."""
+
+    position: Array
+    """(N, d) m"""
+    velocity: Array
+    """(N, d) m/s"""
+    step: Integers
+    """(1,)"""
+    left: Integers
+    """(N,) the opening through which a particle left, or -1"""
+    hits: Integers
+    """(K,) how often each wall was hit"""
+    tally: Integers
+    """(1,) flights with more bounces than a step may have"""
+
+
+class Workspace(NamedTuple):
+    """Scratch of one step."""
+
+    origin: Array
+    """(N, d) where everyone was"""
+    travel: Array
+    """(N, d) the velocity with which the step begins"""
+    push: Array
+    """(N, d) the acceleration of the parabola that ends where the exact motion does"""
+    kick: Array
+    """(N, d) what the exact velocity has more than the parabola's, as long as no wall is met"""
+    noise: Array
+    """(N, d) the part of that which is chance, and stays"""
+    radius: Array
+    hits: Integers
+    """(N,)"""
+    fate: Integers
+    """(N,)"""
+
+
+def make_state(position: Array, velocity: Array, surfaces: int) -> State:
+    """The state at time 0."""
+    count = len(position)
+    return State(
+        np.ascontiguousarray(position),
+        np.ascontiguousarray(velocity),
+        np.zeros(1, np.int64),
+        np.full(count, -1, np.int64),
+        np.zeros(surfaces, np.int64),
+        np.zeros(1, np.int64),
+    )
+
+
+def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
+    """Nothing here can overflow."""
+    count, shape = len(state.position), state.position.shape
+    a, b, c, d, e = (np.zeros(shape) for _ in range(5))
+    return Workspace(a, b, c, d, e, parameters.bodies.radius, np.zeros(count, np.int64), np.zeros(count, np.int64))

@@ -1,0 +1,54 @@
+"""From a scene's tank to surfaces; compiles nothing new, so that pictures may ask, too."""
+
+from __future__ import annotations
+
+from ecume.engine import walls
+from ecume.engine.walls import Surfaces
+from ecume.errors import BadInput, Fault, SceneError
+from ecume.scenes.tracers import ObstacleSpec, TankSpec, TracersScene
+
+
+def surfaces_of(scene: TracersScene) -> Surfaces:
+    """The tank's walls, then the obstacles', with the openings. Raises SceneError where a shape is none."""
+    faults: list[Fault] = []
+    shapes: list[Surfaces] = []
+    for path, given in (("tank", scene.tank), *((f"obstacles[{k}]", body) for k, body in enumerate(scene.obstacles))):
+        try:
+            if given is not None:
+                shapes.append(inside_of(given) if isinstance(given, TankSpec) else walls.outside(body_of(given)))
+        except BadInput as error:
+            faults.append(Fault(path, str(error)))
+    made = walls.together(*shapes) if shapes else nothing(scene.dimensions)
+    for k, hole in enumerate(scene.openings):
+        try:
+            made = walls.opening(made, hole.wall, hole.low, hole.high)
+        except BadInput as error:
+            faults.append(Fault(f"openings[{k}]", str(error)))
+    if faults:
+        raise SceneError(faults)
+    return made
+
+
+def inside_of(tank: TankSpec) -> Surfaces:
+    """The walls of a tank."""
+    if tank.size is not None:
+        return walls.box([0.0] * len(tank.size), tank.size)
+    if tank.radius is not None:
+        return walls.disc([0.0] * tank.dimensions, tank.radius)
+    return walls.polygon(tank.vertices) if len(tank.vertices[0]) == 2 else walls.polyhedron(tank.vertices)
+
+
+def body_of(body: ObstacleSpec) -> Surfaces:
+    """An obstacle, seen from inside."""
+    if body.low is not None and body.high is not None:
+        return walls.box(body.low, body.high)
+    if body.center is not None and body.radius is not None:
+        return walls.disc(body.center, body.radius)
+    return walls.polygon(body.vertices) if len(body.vertices[0]) == 2 else walls.polyhedron(body.vertices)
+
+
+def nothing(dimensions: int) -> Surfaces:
+    """No walls at all."""
+    one = walls.planes([[0.0] * dimensions], [[1.0] + [0.0] * (dimensions - 1)])
+    return one._replace(kind=one.kind[:0], place=one.place[:0], size=one.size[:0], velocity=one.velocity[:0],
+                        face=one.face[:0])  # fmt: skip

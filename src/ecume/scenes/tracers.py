@@ -1,0 +1,260 @@
+"""The scene of the tracers: spheres deep in a liquid, in a tank whose walls turn them back."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Annotated, Any, Self
+
+from pydantic import Field, PlainValidator, model_validator
+from pydantic.dataclasses import dataclass
+
+from ecume.scenes.common import Common, Kind
+from ecume.scenes.faults import Inconsistent, Path
+from ecume.scenes.quantities import (
+    MOST_PARTICLES,
+    STRICT,
+    Color,
+    Coordinate,
+    Count,
+    Duration,
+    LawName,
+    LiquidViscosity,
+    Name,
+    PositiveDensity,
+    Proportion,
+    Radius,
+    Size,
+    Switch,
+    Velocity,
+)
+from ecume.units import Acceleration, Unit
+
+ICE_POINT = 273.15
+
+
+def absolute_temperature(value: object) -> float:
+    """A temperature in kelvin; text may be in degrees Celsius."""
+    text = value.strip() if isinstance(value, str) else ""
+    for ending in ("degC", "°C"):
+        if text.endswith(ending):
+            kelvin = ICE_POINT + Unit("1").number(float(text.removesuffix(ending)))
+            break
+    else:
+        kelvin = Unit("K").number(value)
+    if not 0.0 <= kelvin <= 1e4:
+        raise ValueError("wanted a temperature from 0 to 10,000 K; write '20 degC' or kelvin")
+    return kelvin
+
+
+Temperature = Annotated[float, PlainValidator(absolute_temperature)]
+Point = Annotated[tuple[Coordinate, ...], Field(min_length=2, max_length=3)]
+Speeds = Annotated[tuple[Velocity, ...], Field(min_length=2, max_length=3)]
+Extent = Annotated[tuple[Size, ...], Field(min_length=2, max_length=3)]
+Pull = Annotated[Acceleration, Field(ge=0.0, le=1e6)]
+ShearRate = Annotated[float, Unit("1/s"), Field(ge=-1e6, le=1e6)]
+Complaints = list[tuple[Path, str]]
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class FluidSpec:
+    """The liquid that carries the particles."""
+
+    name: Name = ""
+    """`water`, `seawater`, `ethanol`, `glycerol` or `mercury`: density and viscosity at the temperature."""
+    temperature: Temperature = 293.15
+    """K, or text such as `20 degC`"""
+    density: PositiveDensity | None = None
+    """kg/m^3; that of the liquid named, or 1000"""
+    viscosity: LiquidViscosity | None = None
+    """Pa s; that of the liquid named, or 0.001; 0 is no drag"""
+    gravity: Pull = 9.81
+    """m/s^2, down the last axis"""
+    flow: Speeds | None = None
+    """The liquid's velocity (m/s); at rest if left out."""
+    shear_rate: ShearRate = 0.0
+    """How much faster the liquid flows along x for each meter up (1/s)."""
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class ParticleSpec:
+    """Equal spheres, and where they start."""
+
+    name: Name = ""
+    """What this species is called; `particle-1` and so on when empty."""
+    count: Count = 0
+    """How many; left out, one or as many as there are positions."""
+    radius: Radius
+    """m"""
+    density: PositiveDensity
+    """kg/m^3"""
+    positions: tuple[Point, ...] = ()
+    """Where each starts (m); left out, at random in the tank."""
+    low: Point | None = None
+    """The lower corner of the part of the tank where they start at random (m)."""
+    high: Point | None = None
+    """The upper one."""
+    velocity: Speeds | None = None
+    """What each starts with (m/s)."""
+    color: Color | None = None
+    """`#rrggbb`, or a plain English name."""
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        if self.positions and self.count not in (0, len(self.positions)):
+            raise Inconsistent([(("count",), f"came {self.count}; there are {len(self.positions)} positions")])
+        if not self.count:
+            object.__setattr__(self, "count", len(self.positions) or 1)
+        return self
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class TankSpec:
+    """The walls: a box from the origin, or a disc or sphere around it, or a convex polygon."""
+
+    size: Extent | None = None
+    """Width and height, or width, depth and height (m)."""
+    radius: Size | None = None
+    """m"""
+    dimensions: Annotated[int, Field(strict=True, ge=2, le=3)] = 2
+    """Of a round tank: 2 or 3."""
+    vertices: tuple[Point, ...] = ()
+    """The corners in order (m)."""
+    restitution: Proportion = 1.0
+    """C_R: what is left of the normal velocity after a hit."""
+    tangential: Proportion = 1.0
+    """C_T: what is left of the tangential one."""
+
+    @model_validator(mode="after")
+    def _one_shape(self) -> Self:
+        if sum((self.size is not None, self.radius is not None, bool(self.vertices))) != 1:
+            raise Inconsistent([((), "wanted one of size, radius and vertices")])
+        return self
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class ObstacleSpec:
+    """A convex body in the tank: a box between two corners, a disc or sphere, a polygon."""
+
+    low: Point | None = None
+    """m"""
+    high: Point | None = None
+    """m"""
+    center: Point | None = None
+    """m"""
+    radius: Size | None = None
+    """m"""
+    vertices: tuple[Point, ...] = ()
+    """m"""
+
+    @model_validator(mode="after")
+    def _one_shape(self) -> Self:
+        box = self.low is not None and self.high is not None
+        round_one = self.center is not None and self.radius is not None
+        if sum((box, round_one, bool(self.vertices))) != 1:
+            raise Inconsistent([((), "wanted low and high, or center and radius, or vertices")])
+        return self
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class OpeningSpec:
+    """A part of a wall through which particles leave; those that left may come in again."""
+
+    wall: Annotated[int, Field(strict=True, ge=0, le=10_000)]
+    """The number of the wall: of a box 0 is left, 1 the bottom (in space the front), then upwards, then the others."""
+    low: Point
+    """Its lower corner (m)."""
+    high: Point
+    """Its upper corner (m)."""
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class TracerMotionSpec:
+    """Which forces act, and how the equation of motion is stepped."""
+
+    drag: LawName = "schiller-naumann"
+    """`stokes`, `schiller-naumann` or `none`"""
+    added_mass: Switch = True
+    """Whether half of the displaced liquid's mass is moved along."""
+    brownian: Switch = False
+    """Whether the liquid's heat kicks the particles."""
+    regime: LawName = "auto"
+    """`inertial`, `overdamped`, or `auto`: overdamped where a step is longer than half a relaxation time."""
+    time_step: Duration | None = None
+    """s; left out, the model chooses"""
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class TracersScene(Common):
+    """Spheres in a liquid: they fly, bounce, disperse and settle, and do not feel one another."""
+
+    model: Annotated[str, Field(pattern="^tracers$")] = "tracers"
+    """Which model."""
+    liquid: FluidSpec = FluidSpec()
+    """What they are in."""
+    particles: tuple[ParticleSpec, ...] = ()
+    """The species."""
+    tank: TankSpec | None = None
+    """The walls around them, if any."""
+    obstacles: tuple[ObstacleSpec, ...] = ()
+    """Bodies in the tank."""
+    openings: tuple[OpeningSpec, ...] = ()
+    """Holes in its walls."""
+    motion: TracerMotionSpec = TracerMotionSpec()
+    """The forces and the time stepping."""
+
+    @property
+    def kinds(self) -> tuple[Kind, ...]:
+        """The species."""
+        return tuple(Kind(species.name, species.color) for species in self.particles)
+
+    @property
+    def dimensions(self) -> int:
+        """2 or 3: as many as the tank has, or else the first position."""
+        if self.tank is not None:
+            return len(self.tank.size or (self.tank.vertices or ((0.0,) * self.tank.dimensions,))[0])
+        placed = [species.positions[0] for species in self.particles if species.positions]
+        return len(placed[0]) if placed else 2
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        named = tuple(
+            dataclasses.replace(species, name=species.name or f"particle-{index}")
+            for index, species in enumerate(self.particles, 1)
+        )
+        object.__setattr__(self, "particles", named)
+        complaints = [*_population(self), *_coordinates(self)]
+        if complaints:
+            raise Inconsistent(complaints)
+        return self
+
+
+def _population(scene: TracersScene) -> Complaints:
+    total = sum(species.count for species in scene.particles)
+    if total == 0:
+        return [(("particles",), "there are none; write a [[particles]] table with radius and density")]
+    if total > MOST_PARTICLES:
+        return [(("particles",), f"{total} particles are more than {MOST_PARTICLES:.0e}")]
+    complaints: Complaints = []
+    for index, species in enumerate(scene.particles):
+        if scene.tank is None and not species.positions and (species.low is None or species.high is None):
+            where = ("particles", index, "positions")
+            complaints.append((where, "is missing; without a tank wanted positions, or low and high"))
+    return complaints
+
+
+def _coordinates(scene: TracersScene) -> Complaints:
+    """Every point has as many coordinates as the tank."""
+    wanted = scene.dimensions
+    points: list[tuple[Path, Any]] = [(("liquid", "flow"), scene.liquid.flow)]
+    for index, species in enumerate(scene.particles):
+        points += [(("particles", index, key), getattr(species, key)) for key in ("low", "high", "velocity")]
+        points += [(("particles", index, "positions", place), point) for place, point in enumerate(species.positions)]
+    for index, body in enumerate(scene.obstacles):
+        points += [(("obstacles", index, key), getattr(body, key)) for key in ("low", "high", "center")]
+    for index, hole in enumerate(scene.openings):
+        points += [(("openings", index, key), getattr(hole, key)) for key in ("low", "high")]
+    return [
+        (path, f"came {len(point)} coordinates; wanted {wanted}")
+        for path, point in points
+        if point is not None and len(point) != wanted
+    ]

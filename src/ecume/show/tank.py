@@ -1,0 +1,209 @@
+"""Tanks as seen from the side: walls, obstacles, and particles to scale, colored by species or by a quantity.
+
+Any model with a two-dimensional tank can have its pictures here; of one in space the first and the last axis are seen.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import EllipseCollection
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Circle, Polygon
+
+from ecume.show.picture import (
+    DPI,
+    USUAL,
+    Layers,
+    Pixels,
+    Size,
+    Species,
+    View,
+    blank,
+    clock,
+    labels,
+    scale_bar,
+)
+from ecume.show.style import INK, MUTED, RIM, scale_for, style
+from ecume.trajectories.frame import Frame
+from ecume.units import Array
+
+MARGIN = 0.04
+"""Room around the tank, in parts of its larger side."""
+HEADER, SIDE, BORDER = 46.0, 150.0, 22.0
+"""Room above the tank, right of it and around all, in pixels of a picture of the usual size."""
+LEAST_PIXELS = 2.0
+"""What would be smaller is drawn so large: it would not be seen."""
+LIQUID, BODY = "#eef5fa", "#d8d3c8"
+
+
+class Round(NamedTuple):
+    """A circle (m)."""
+
+    x: float
+    y: float
+    radius: float
+
+
+Shape = Array | Round
+"""A polygon's corners (K, 2), or a circle, in meters."""
+
+
+class Setting(NamedTuple):
+    """What stands around the particles."""
+
+    title: str
+    outline: Shape | None
+    """the tank"""
+    bodies: Sequence[Shape] = ()
+    """obstacles, rigid bodies"""
+    gaps: Sequence[Array] = ()
+    """openings: (2, 2), both ends of each"""
+    kinds: Sequence[Species] = ()
+    """for particles colored by species"""
+
+
+class Coloring(NamedTuple):
+    """An array of the frames as colors, with a bar that says what they mean."""
+
+    array: str
+    label: str
+    unit: str
+    colors: str = "viridis"
+
+
+class Tank:
+    """An open picture: `show` puts a frame into it, `pixels` gives what is then seen.
+
+    `sample` are frames of the run: from them the picture takes its extent, and its colors' range.
+    """
+
+    def __init__(
+        self, setting: Setting, sample: Sequence[Frame], size: Size = USUAL, coloring: Coloring | None = None
+    ) -> None:
+        self.setting, self.coloring = setting, coloring
+        self.view = view_of(setting, sample)
+        self.figure = blank(size)
+        with style():
+            axes = tank_axes(self.figure, self.view)
+            draw_setting(axes, setting)
+            self.mapping = color_bar(axes, coloring, sample) if coloring is not None else None
+            self.particles = self._spheres(axes, sample[0])
+            self.time = clock(axes)
+            labels(axes, setting.title, setting.kinds if coloring is None else ())
+            moving: list[Artist] = [self.particles, *scale_bar(axes, self.view), self.time]
+        self._layers = Layers(self.figure, moving)
+        self.show(sample[0])
+
+    def _spheres(self, axes: Axes, frame: Frame) -> EllipseCollection:
+        across = axes.get_position().width * float(self.figure.get_size_inches()[0]) * self.figure.dpi
+        pixel = self.view.width / across
+        diameter = np.maximum(2.0 * frame.arrays["radius"], LEAST_PIXELS * pixel)
+        circles = EllipseCollection(
+            diameter, diameter, np.zeros_like(diameter), units="xy", offsets=seen(frame.arrays["position"]),
+            offset_transform=axes.transData, facecolors=self._colors(frame), edgecolors=INK,
+            linewidths=0.4 if diameter.max() > 8.0 * pixel else 0.0, zorder=3,
+        )  # fmt: skip
+        axes.add_collection(circles, autolim=False)
+        return circles
+
+    def _colors(self, frame: Frame) -> Any:
+        if self.coloring is not None and self.mapping is not None:
+            return self.mapping.to_rgba(frame.arrays[self.coloring.array])
+        kinds = self.setting.kinds
+        return [kinds[kind].color for kind in frame.arrays["species"]]
+
+    def show(self, frame: Frame) -> None:
+        """Put a frame into the picture."""
+        self.particles.set_offsets(seen(frame.arrays["position"]))
+        if self.coloring is not None:
+            self.particles.set_facecolor(self._colors(frame))
+        self.time.set_text(time_text(frame.time))
+
+    def pixels(self, frame: Frame) -> Pixels:
+        """The picture of a frame, shape (height, width, 4); good until the next one is asked for."""
+        self.show(frame)
+        return self._layers.pixels()
+
+
+def seen(position: Array) -> Array:
+    """The first axis and the last: the last points up."""
+    return np.column_stack([position[:, 0], position[:, -1]])
+
+
+def time_text(time: float) -> str:
+    """The time with its unit, to two decimals."""
+    return f"{time:.2f} s" if time < 600.0 else f"{time / 60.0:.1f} min"
+
+
+def view_of(setting: Setting, frames: Sequence[Frame]) -> View:
+    """The whole tank; without one, all that the particles of these frames ever reach."""
+    if setting.outline is not None:
+        low, high = extent(setting.outline)
+    else:
+        places = [seen(frame.arrays["position"]) for frame in frames]
+        reach = max(float(frame.arrays["radius"].max()) for frame in frames)
+        low = np.min([place.min(axis=0) for place in places], axis=0) - 2.0 * reach
+        high = np.max([place.max(axis=0) for place in places], axis=0) + 2.0 * reach
+    room = MARGIN * float((high - low).max())
+    return View(float(low[0]) - room, float(high[0]) + room, float(low[1]) - room, float(high[1]) + room)
+
+
+def extent(shape: Shape) -> tuple[Array, Array]:
+    """The lowest and the highest corner of what is around a shape."""
+    if isinstance(shape, Round):
+        middle = np.array([shape.x, shape.y])
+        return middle - shape.radius, middle + shape.radius
+    return shape.min(axis=0), shape.max(axis=0)
+
+
+def tank_axes(figure: Figure, view: View) -> Axes:
+    """Axes with both directions to one scale, without ticks: a scale bar says the lengths."""
+    width, height = DPI * figure.get_size_inches()
+    per_meter = min((width - SIDE - 2 * BORDER) / view.width, (height - HEADER - 2 * BORDER) / view.height)
+    across, along = view.width * per_meter, view.height * per_meter
+    left, bottom = (width - across - SIDE) / 2, (height - HEADER - along) / 2
+    axes = figure.add_axes((left / width, bottom / height, across / width, along / height))
+    axes.set(xlim=(view.left, view.right), ylim=(view.bottom, view.top))
+    axes.set_axis_off()
+    return axes
+
+
+def draw_setting(axes: Axes, setting: Setting) -> None:
+    """The tank with its liquid, the bodies in it, and the openings as gaps in the walls."""
+    if setting.outline is not None:
+        axes.add_patch(_patch(setting.outline, facecolor=LIQUID, edgecolor="none", zorder=0))
+        axes.add_patch(_patch(setting.outline, facecolor="none", edgecolor=RIM, linewidth=2.0, zorder=2))
+    for body in setting.bodies:
+        axes.add_patch(_patch(body, facecolor=BODY, edgecolor=RIM, linewidth=1.5, zorder=2))
+    for ends in setting.gaps:
+        axes.add_line(Line2D(ends[:, 0], ends[:, 1], color="white", linewidth=3.0, solid_capstyle="butt", zorder=2.5))
+
+
+def _patch(shape: Shape, **look: Any) -> Circle | Polygon:
+    if isinstance(shape, Round):
+        return Circle((shape.x, shape.y), shape.radius, **look)
+    return Polygon(shape, closed=True, **look)
+
+
+def color_bar(axes: Axes, coloring: Coloring, sample: Sequence[Frame]) -> ScalarMappable:
+    """The colors' range is that of the sampled frames; the bar stands right of the tank."""
+    low = min(float(frame.arrays[coloring.array].min()) for frame in sample)
+    high = max(float(frame.arrays[coloring.array].max()) for frame in sample)
+    mapping = ScalarMappable(Normalize(low, high if high > low else low + 1.0), coloring.colors)
+    scale = scale_for(max(abs(low), abs(high)), coloring.unit)
+    room = axes.get_position()
+    pane = axes.figure.add_axes((room.x1 + 0.02, room.y0 + 0.1 * room.height, 0.018, 0.8 * room.height))
+    least, most = mapping.get_clim()
+    shown = ScalarMappable(Normalize(scale.factor * least, scale.factor * most), coloring.colors)
+    bar = axes.figure.colorbar(shown, cax=pane)
+    bar.set_label(f"{coloring.label} ({scale.unit})")
+    bar.outline.set_edgecolor(MUTED)
+    return mapping

@@ -1,0 +1,116 @@
+"""Pictures and figures of tracers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from ecume.analysis.series import number, series, times
+from ecume.errors import BadInput
+from ecume.show.curves import Frames, energies, over_time, thinned
+from ecume.show.picture import USUAL, Size, species
+from ecume.show.style import PALETTE, figure, legend_outside, plain, scale_for, style
+from ecume.show.tank import Round, Setting, Shape, Tank, seen
+from ecume.trajectories.frame import Frame
+from ecume.units import Array
+
+SLICES = 30
+"""Of a profile."""
+
+
+def setting_of(scene: Any) -> Setting:
+    """The tank, obstacles and openings of a scene; of one in space what is seen from the side."""
+    bodies = [_outline(body) for body in scene.obstacles]
+    gaps = [seen(np.array([hole.low, hole.high])) for hole in scene.openings]
+    outline = _outline(scene.tank) if scene.tank is not None else None
+    return Setting(scene.title, outline, [body for body in bodies if body is not None], gaps, species(scene))
+
+
+def _outline(shape: Any) -> Shape | None:
+    size, low = getattr(shape, "size", None), getattr(shape, "low", None)
+    if size is not None:
+        return _rectangle(np.zeros(len(size)), np.array(size))
+    if low is not None:
+        return _rectangle(np.array(low), np.array(shape.high))
+    if shape.vertices:
+        corners: Array = np.array(shape.vertices)
+        return corners if corners.shape[1] == 2 else _rectangle(corners.min(axis=0), corners.max(axis=0))
+    center = getattr(shape, "center", None) or (0.0, 0.0)
+    return Round(center[0], center[-1], shape.radius)
+
+
+def _rectangle(low: Array, high: Array) -> Array:
+    (left, bottom), (right, top) = seen(low[None])[0], seen(high[None])[0]
+    return np.array([(left, bottom), (right, bottom), (right, top), (left, top)])
+
+
+def tracers_picture(scene: Any, sample: Sequence[Frame], size: Size = USUAL) -> Tank:
+    """The tank from the side, each species in its color."""
+    return Tank(setting_of(scene), sample, size)
+
+
+def heights(frames: Frames, scene: Any) -> Figure:
+    """The mean height of each species: how fast it settles."""
+    shown = thinned(frames)
+    kinds = species(scene)
+    members = [shown[0].arrays["species"] == index for index in range(len(kinds))]
+    curves = [[float(frame.arrays["position"][mine, -1].mean()) for frame in shown] for mine in members]
+    scale = scale_for(float(np.abs(curves).max()), "m")
+    with style():
+        drawn = figure()
+        axes = over_time(drawn, scene)
+        for kind, curve in zip(kinds, curves, strict=True):
+            axes.plot(times(shown), scale.factor * np.array(curve), color=kind.color, label=plain(kind.name))
+        axes.set_ylabel(f"mean height ({scale.unit})")
+        axes.set_ylim(bottom=0.0)
+        legend_outside(axes)
+    return drawn
+
+
+def profile(frames: Frames, scene: Any) -> Figure:
+    """How many particles are at each height at the beginning, in the middle and at the end."""
+    instants = [frames[0], frames[len(frames) // 2], frames[-1]]
+    places = [frame.arrays["position"][frame.arrays["left"] < 0, -1] for frame in instants]
+    everyone = np.concatenate(places)
+    if not len(everyone):
+        raise BadInput("all particles have left the tank; there is no profile to draw")
+    scale = scale_for(float(np.abs(everyone).max()), "m")
+    edges = np.linspace(everyone.min(), max(everyone.max(), everyone.min() + 1e-12), SLICES + 1)
+    with style():
+        drawn = figure()
+        axes = drawn.add_subplot(xlabel="particles in a slice", title=plain(scene.title))
+        for frame, place, color in zip(instants, places, PALETTE, strict=False):
+            counts, _ = np.histogram(place, edges)
+            axes.stairs(counts, scale.factor * edges, orientation="horizontal", color=color, label=f"{frame.time:g} s")
+        axes.set_ylabel(f"height ({scale.unit})")
+        legend_outside(axes)
+    return drawn
+
+
+def wall_hits(frames: Frames, scene: Any) -> Figure:
+    """How often each wall has been hit so far."""
+    shown = thinned(frames)
+    names = [name for name in shown[0].numbers if name.startswith("hits_on_wall_")]
+    if not names:
+        raise BadInput("the scene has no walls; there is nothing that could be hit")
+    with style():
+        drawn = figure()
+        axes = over_time(drawn, scene)
+        for index, (name, counts) in enumerate(zip(names, series(shown, *map(number, names)), strict=True)):
+            color = PALETTE[index % len(PALETTE)]
+            axes.plot(times(shown), counts, color=color, drawstyle="steps-post", label=name.removeprefix("hits_on_"))
+        axes.set_ylabel("hits")
+        axes.set_ylim(bottom=0.0)
+        legend_outside(axes)
+    return drawn
+
+
+TRACER_FIGURES: Mapping[str, Any] = {
+    "energies": energies,
+    "heights": heights,
+    "profile": profile,
+    "hits": wall_hits,
+}

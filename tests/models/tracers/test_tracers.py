@@ -1,0 +1,205 @@
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+import ecume
+from ecume.errors import SceneError
+from ecume.laws import brownian, drag
+from ecume.models import MODELS
+from ecume.scenes.tracers import (
+    FluidSpec,
+    ObstacleSpec,
+    OpeningSpec,
+    ParticleSpec,
+    TankSpec,
+    TracerMotionSpec,
+    TracersScene,
+)
+from ecume.simulation import moments
+
+QUARTZ = ParticleSpec(radius=1e-4, density=2500.0, positions=((0.5, 0.9),))
+STILL = {"duration": 0.2, "frame_every": 0.1}
+WEIGHTLESS = FluidSpec(gravity=0.0)
+
+
+def last(scene):
+    *_, frame = ecume.simulate(scene)
+    return frame
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize(
+    ("diameter", "stokes", "schiller_naumann"),
+    [
+        (20e-6, 3.2700e-4, 3.254636e-4),
+        (50e-6, 2.04375e-3, 1.982957e-3),
+        (100e-6, 8.175e-3, 7.294103e-3),
+        (200e-6, 3.27e-2, 2.291683e-2),
+    ],
+)
+def test_quartz_reaches_its_terminal_speed_in_water_whatever_the_step(diameter, stokes, schiller_naumann):
+    for law, expected in (("stokes", stokes), ("schiller-naumann", schiller_naumann)):
+        grain = ParticleSpec(radius=diameter / 2, density=2500.0, positions=((0.0, 0.0),))
+        scene = TracersScene(particles=(grain,), motion=TracerMotionSpec(drag=law), **STILL)
+        velocity = last(scene).arrays["velocity"][0]
+        assert velocity[1] == pytest.approx(-expected, rel=2e-6)
+        assert velocity[0] == 0.0
+
+
+def test_a_ball_in_a_vacuum_falls_and_bounces_as_it_should_however_long_the_steps():
+    ball = ParticleSpec(radius=0.1, density=1.0, positions=((0.0, 1.1),))
+    scene = TracersScene(
+        duration=2.0,
+        frame_every=0.5,
+        liquid=FluidSpec(density=1e-3, viscosity=0.0),
+        particles=(ball,),
+        tank=TankSpec(vertices=((-1.0, 0.0), (1.0, 0.0), (1.0, 9.0), (-1.0, 9.0)), restitution=0.8),
+        motion=TracerMotionSpec(drag="none", added_mass=False),
+    )
+    frames = list(ecume.simulate(scene))
+    g = 9.81 * (1.0 - 1e-3)
+    first = math.sqrt(2.0 / g)
+    for frame in frames:
+        height, speed, since = 1.0, 0.0, frame.time
+        bounce = 0
+        while since > (first if bounce == 0 else 2.0 * first * 0.8**bounce):
+            since -= first if bounce == 0 else 2.0 * first * 0.8**bounce
+            bounce += 1
+        height, speed = (1.0, 0.0) if bounce == 0 else (0.0, g * first * 0.8**bounce)
+        expected = height + speed * since - 0.5 * g * since**2 + 0.1
+        assert frame.arrays["position"][0, 1] == pytest.approx(expected, abs=1e-12)
+    assert frames[-1].numbers["hits_on_wall_0"] == 3.0
+    assert frames[-1].numbers["hits"] == 3.0
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize("regime", ["inertial", "overdamped"])
+def test_grains_diffuse_by_twice_d_t_along_each_axis_whatever_the_regime(regime):
+    grain = ParticleSpec(radius=1e-6, density=2000.0, positions=((0.0, 0.0, 0.0),) * 1500)
+    relaxation = drag.relaxation_time(4 / 3 * math.pi * 1e-18 * 2500.0, drag.stokes_friction(1e-6, 1e-3, 1.0))
+    motion = TracerMotionSpec(drag="stokes", brownian=True, regime=regime, time_step=relaxation / 4)
+    scene = TracersScene(
+        duration=100 * relaxation, frame_every=50 * relaxation, liquid=WEIGHTLESS, particles=(grain,), motion=motion
+    )
+    frame = last(scene)
+    thermal = brownian.thermal_energy(293.15)
+    spread = brownian.diffusivity(thermal, drag.stokes_friction(1e-6, 1e-3, 1.0))
+    # From rest it takes three halves of a relaxation time to get going.
+    late = 1.5 * relaxation if regime == "inertial" else 0.0
+    expected = 2.0 * spread * (frame.time - late)
+    assert (frame.arrays["position"] ** 2).mean() == pytest.approx(expected, rel=5.0 * math.sqrt(2.0 / 4500))
+    assert abs(frame.arrays["position"].mean()) < 5.0 * math.sqrt(expected / 4500)
+    if regime == "inertial":
+        kinetic = frame.numbers["kinetic_energy"] / 1500
+        assert kinetic == pytest.approx(1.5 * thermal, rel=5.0 * math.sqrt(2.0 / 4500))
+
+
+@pytest.mark.compiled
+def test_in_equilibrium_a_suspension_thins_upwards_by_its_weight_over_kt():
+    radius, excess, thermal = 0.5e-6, 100.0, brownian.thermal_energy(293.15)
+    layer = brownian.sedimentation_length(thermal, 4 / 3 * math.pi * radius**3 * excess * 9.81)
+    tall = 3.0 * layer
+    grains = ParticleSpec(radius=radius, density=1000.0 + excess, count=2000)
+    settled = tall**2 / brownian.diffusivity(thermal, drag.stokes_friction(radius, 1e-3, 1.0))
+    scene = TracersScene(
+        duration=3 * settled,
+        frame_every=settled,
+        particles=(grains,),
+        tank=TankSpec(size=(tall, tall + 2 * radius)),
+        motion=TracerMotionSpec(brownian=True),
+    )
+    height = last(scene).arrays["position"][:, 1] - radius
+    x = tall / layer
+    mean = layer * (1.0 - x / math.expm1(x))
+    assert height.min() >= 0.0
+    assert height.max() <= tall
+    assert height.mean() == pytest.approx(mean, rel=5.0 / math.sqrt(2000))
+    # The lowest tenth of the height holds its share.
+    share = math.expm1(-0.1 * x) / math.expm1(-x)
+    assert (height < 0.1 * tall).mean() == pytest.approx(share, abs=5.0 * math.sqrt(share / 2000))
+
+
+@pytest.mark.compiled
+def test_what_has_settled_lies_on_the_floor():
+    grain = ParticleSpec(radius=1e-5, density=2500.0, positions=((0.5e-3, 0.3e-3),))
+    for regime in ("inertial", "overdamped"):
+        scene = TracersScene(
+            duration=2.0,
+            frame_every=1.0,
+            particles=(grain,),
+            tank=TankSpec(size=(1e-3, 1e-3), restitution=0.5),
+            motion=TracerMotionSpec(regime=regime),
+        )
+        frame = last(scene)
+        assert frame.arrays["position"][0] == pytest.approx((0.5e-3, 1e-5), abs=1e-12)
+
+
+@pytest.mark.compiled
+def test_in_a_shear_flow_a_light_particle_goes_with_the_liquid():
+    grain = ParticleSpec(radius=1e-6, density=1000.0, positions=((0.0, 2.0),))
+    liquid = FluidSpec(gravity=0.0, flow=(0.5, 0.0), shear_rate=0.25)
+    scene = TracersScene(duration=3.0, frame_every=1.0, particles=(grain,), liquid=liquid)
+    assert last(scene).arrays["position"][0] == pytest.approx((3.0, 2.0))
+
+
+@pytest.mark.compiled
+def test_who_leaves_through_an_opening_is_counted_and_stays_out():
+    grains = ParticleSpec(radius=1e-5, density=2500.0, count=50, low=(4e-4, 5e-4), high=(6e-4, 9e-4))
+    scene = TracersScene(
+        duration=4.0,
+        frame_every=2.0,
+        motion=TracerMotionSpec(regime="overdamped"),
+        particles=(grains, dataclasses.replace(grains, low=(1e-4, 5e-4), high=(2e-4, 9e-4))),
+        tank=TankSpec(size=(1e-3, 1e-3)),
+        openings=(OpeningSpec(wall=1, low=(3e-4, 0.0), high=(7e-4, 0.0)),),
+    )
+    numbers = last(scene).numbers
+    assert numbers["left_through_opening_0"] == 50.0
+    assert numbers["particles_inside"] == 50.0
+
+
+@pytest.mark.compiled
+def test_half_a_run_and_half_a_run_are_a_run_bit_for_bit():
+    grains = ParticleSpec(radius=2e-6, density=2500.0, count=300)
+    scene = TracersScene(
+        duration=0.1,
+        frame_every=0.025,
+        particles=(grains, dataclasses.replace(grains, radius=1e-5)),
+        tank=TankSpec(size=(1e-4, 1e-4), restitution=0.5),
+        obstacles=(ObstacleSpec(center=(5e-5, 5e-5), radius=2e-5),),
+        motion=TracerMotionSpec(brownian=True, time_step=1e-4),
+        seed=4,
+    )
+    whole, kept = None, None
+    for moment in moments(scene):
+        whole = moment.state
+        if moment.step == 250 or (kept is None and moment.frame is not None and moment.step > 0):
+            kept = type(whole)(*(array.copy() for array in whole))
+    for moment in moments(scene, state=kept):
+        again = moment.state
+    assert all(np.array_equal(one, other) for one, other in zip(whole, again, strict=True))
+
+
+def test_what_makes_no_sense_is_refused_with_its_place():
+    def told(**changes):
+        scene = TracersScene(**{"duration": 1.0, "frame_every": 0.1, "particles": (QUARTZ,), **changes})
+        with pytest.raises(SceneError) as error:
+            MODELS["tracers"].summary(scene)
+        return str(error.value)
+
+    assert "did you mean stokes?" in told(motion=TracerMotionSpec(drag="stoke"))
+    assert "particles[0].positions[0]: (0.5, 0.9) is" in told(tank=TankSpec(size=(0.6, 0.5)))
+    assert "needs drag" in told(motion=TracerMotionSpec(drag="none", brownian=True))
+    assert "longer than half a relaxation time" in told(motion=TracerMotionSpec(regime="inertial", time_step=0.1))
+    assert "would fit" in told(motion=TracerMotionSpec(time_step=0.03))
+    assert "tank: polygon: not convex" in told(tank=TankSpec(vertices=((0, 0), (2, 0), (1, 0.2), (1, 2))))
+    assert "openings[0]: opening: came surface 7" in told(
+        tank=TankSpec(size=(1.0, 1.0)), openings=(OpeningSpec(wall=7, low=(0.0, 0.0), high=(1.0, 0.0)),)
+    )
+
+
+@pytest.mark.parametrize(("text", "kelvin"), [("20 degC", 293.15), ("300 K", 300.0), (280.0, 280.0), ("-5 °C", 268.15)])
+def test_a_temperature_may_be_in_degrees(text, kelvin):
+    assert FluidSpec(temperature=text).temperature == pytest.approx(kelvin)
