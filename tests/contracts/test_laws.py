@@ -17,6 +17,7 @@ import pytest
 import ecume.laws
 from ecume import _jit
 from ecume.laws import (
+    brownian,
     capillarity,
     column,
     contact,
@@ -42,6 +43,7 @@ ROOT = Path(__file__).parents[2]
 MODULES = sorted(module.name for module in pkgutil.walk_packages(ecume.laws.__path__, "ecume.laws."))
 COMPILED = (
     special,
+    brownian,
     capillarity,
     contact,
     kernels.shapes,
@@ -56,6 +58,7 @@ COMPILED = (
     remote,
 )
 RESCALED = (
+    brownian,
     capillarity, contact, drag, meniscus, flotation.bodies, flotation.balance, flotation.closure, flotation.interaction,
     states, column, viscous, diffusion, tension, pace, waves, lubrication, elasticity, remote, soft_pair,
 )  # fmt: skip
@@ -83,6 +86,8 @@ SAMPLES = {
     "modulus_i": 5.0, "modulus_j": 3.0, "reduced_radius": 0.25, "deflection": 0.01, "compression": 0.01,
     "gap_weight": 1.2, "deflection_weight": 0.6, "prefactors": elasticity.Prefactors(), "steric_length": 0.05,
     "hamaker": 0.3, "layer_strength": 0.2, "debye_length": 0.04, "force": 0.7, "gap_from": 0.01, "gap_to": 0.2,
+    "reynolds": 30.0, "stokes_reynolds": 3.0, "excess_density": 1.2,
+    "temperature": 300.0, "thermal": 0.4, "weight": 0.6,
     "clearance": 0.05, "stiffness": 4.0, "ratio": 0.7, "deflection_from": 0.04, "deflection_to": 0.03,
     "pair": soft_pair.SoftPair(0.21, 9.0, 0.3),
 }  # fmt: skip
@@ -127,7 +132,13 @@ def rescaled(value, hint):
 
 PLAIN = {capillarity.truncation_radius, states.absolute_pressure, states.hydrostatic_fault}
 """What compiled code does not call."""
-UNSCALED = {states.absolute_pressure, states.hydrostatic_fault, waves.viscous_decay, waves.stoker_bore}
+UNSCALED = {
+    brownian.thermal_energy,
+    states.absolute_pressure,
+    states.hydrostatic_fault,
+    waves.viscous_decay,
+    waves.stoker_bore,
+}
 """Defaults in SI, words, or results of several units: they cannot be asked in other units."""
 LAWS = [law for module in RESCALED for law in public(module).values() if law not in UNSCALED]
 SCALARS = [law for module in COMPILED for law in public(module).values() if law not in PLAIN]

@@ -91,7 +91,12 @@ def test_a_message_says_what_came_what_was_wanted_and_the_way_out() -> None:
         ("[dish]", "[motion]\ntime_step = '1e-11 s'\n[dish]", "motion.time_step", "more than 1e+11"),
         ("[dish]", "[contacts]\nrestitution = 1.1\n[dish]", "contacts.restitution", "wanted 1 or less"),
         ("[dish]", "[interaction]\naccuracy = 0\n[dish]", "interaction.accuracy", "wanted 1e-12 or more"),
-        ('"floating"', '"floatin"', "model", 'wanted one of "floating", "soft", "sph"; did you mean floating?'),
+        (
+            '"floating"',
+            '"floatin"',
+            "model",
+            'wanted one of "floating", "soft", "sph", "tracers"; did you mean floating?',
+        ),
         ('model = "floating"', "", "model", "is missing"),
         ("count = 40", 'placement = "rng"', "floats[0].placement", "did you mean ring?"),
         ("count = 40", 'placement = "ring"', "floats[0].placement", "needs ring_radius"),

@@ -195,29 +195,7 @@ def kinds_of(bodies: Bodies) -> set[tuple[float, ...]]:
 def overdamped_step(body: tuple[float, float, float, float], surfaces: Surfaces, fluid: Fluid) -> float:
     """How long a step may be of what has no inertia, so that it crosses little of the tank or of its own layer."""
     friction, speed, weight, radius = body
-    room = (
-        float(np.ptp(surfaces.size)) if len(surfaces.size) > 1 else float(np.abs(surfaces.size).max(initial=math.inf))
-    )
-    layer = room
-    if fluid.thermal > 0.0 and weight != 0.0:
-        # A layer thinner than its grains is a floor with grains on it.
-        layer = min(room, max(radius, brownian.sedimentation_length(fluid.thermal, abs(weight))))
-    limit = FINENESS * room / abs(speed) if speed else math.inf
-    if fluid.thermal > 0.0:
-        limit = min(limit, FINENESS * layer * layer / brownian.diffusivity(fluid.thermal, friction))
-    return limit
-
-
-def _require_names(scene: TracersScene) -> None:
-    faults = []
-    for key, known in (("drag", DRAGS), ("regime", REGIMES)):
-        came = getattr(scene.motion, key)
-        if came not in known:
-            faults.append(Fault(f"motion.{key}", f"came {came!r}; {suggestion(came, known)}"))
-    if scene.motion.brownian and scene.motion.drag == "none":
-        faults.append(Fault("motion.brownian", "needs drag: what the liquid kicks, it also slows down"))
-    if faults:
-        raise SceneError(faults)    sizes = surfaces.size
+    sizes = surfaces.size
     room = float(np.ptp(sizes) if len(sizes) > 1 else np.abs(sizes).sum() or math.inf)
     layer = room
     if fluid.thermal > 0.0 and weight != 0.0:
