@@ -2,6 +2,9 @@
 
 Arrays of many particles stand axis by axis, (d, N), so that a loop over neighbors reads along one contiguous row. Lists
 are made by threads and are the same for any number of them.
+
+Cells are as wide as the reach, but only a quarter of it along the last axis: a row of cells is one run of sorted
+particles, and of each neighboring row the part is searched that a sphere around the particle cuts out of it.
 """
 
 from __future__ import annotations
@@ -12,24 +15,33 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ecume._jit import compiled, prange, threaded
+from ecume._jit import FEW, compiled_inside, prange, spread
 from ecume.engine.cells import Integers
 from ecume.units import Array
 
 Slots = NDArray[np.uint32]
+INDEX = np.uint64
 CHUNK = 128
 """Particles that one thread takes at a time."""
-ROOMIER = 1.3
+BLOCKS = 16
+"""Parts of a crowd that are counted each by itself; how many must not depend on the threads."""
+SLICES = 4
+"""Cells in a reach along the last axis."""
+STRIDE = 8
+"""Rows of neighbors go on to a multiple of this with the particle itself, so that whole vectors can be read."""
+ROOMIER = 1.1
+OUTLIERS = 0.02
 
 
 class Grid(NamedTuple):
-    """Cubic cells, at least `reach` wide, around a crowd, with a border of empty ones: bounds need no tests."""
+    """Cells around a crowd. Who is outside counts to the nearest cell."""
 
     low: Array
     """(d,)"""
-    size: float
+    edge: Array
+    """(d,) at least the reach, along the last axis a quarter of it"""
     shape: Integers
-    """(d,) cells along each axis, the border included"""
+    """(d,) cells along each axis"""
 
 
 class Lists(NamedTuple):
@@ -41,111 +53,192 @@ class Lists(NamedTuple):
     """(n, room)"""
 
 
+def room_for(centers: int, neighbors: int) -> Lists:
+    """Lists of nothing; `neighbors` is a guess of the most that anybody has."""
+    room = STRIDE * math.ceil(max(neighbors, 1) / STRIDE)
+    return Lists(np.zeros(centers, np.int32), np.empty((centers, room), np.uint32))
+
+
 def grid_around(position: Array, reach: float) -> Grid:
-    """The cells of a crowd, (d, N); larger ones where it is so sparse that there would be many more than particles."""
-    low, high = position.min(axis=1), position.max(axis=1)
-    size = reach
-    most = 4.0 * position.shape[1] + 64.0
-    while np.prod(np.floor((high - low) / size) + 3.0) > most and size < 1e6 * reach:
-        size *= 1.25
-    shape = (np.floor((high - low) / size) + 3.0).astype(np.int64)
-    return Grid(low - size, size, shape)
+    """The cells of a crowd, (d, N).
 
-
-@threaded
-def _cells_of(position: Array, low: Array, size: float, shape: Integers, cell: Integers) -> None:
-    dimension, count = position.shape
-    for i in prange(count):
-        number = 0
-        for axis in range(dimension):
-            number = number * shape[axis] + int((position[axis, i] - low[axis]) / size)
-        cell[i] = number
-
-
-def cell_order(position: Array, grid: Grid) -> tuple[Integers, Integers]:
-    """The particles cell by cell, ascending inside a cell, and where each cell begins."""
-    cell = np.empty(position.shape[1], np.int64)
-    _cells_of(position, grid.low, grid.size, grid.shape, cell)
-    start = np.zeros(int(np.prod(grid.shape)) + 1, np.int64)
-    order = np.empty(len(cell), np.int64)
-    _counting_sort(cell, start, order)
-    return order, start
-
-
-@compiled
-def _counting_sort(cell: Integers, start: Integers, order: Integers) -> None:
-    """Linear and stable."""
-    for i in range(len(cell)):
-        start[cell[i] + 1] += 1
-    for number in range(len(start) - 1):
-        start[number + 1] += start[number]
-    place = start[:-1].copy()
-    for i in range(len(cell)):
-        order[place[cell[i]]] = i
-        place[cell[i]] += 1
-
-
-def neighbor_lists(position: Array, centers: int, passive: tuple[int, int], reach: float, room: int) -> Lists:
-    """All neighbors closer than `reach` of the first `centers` particles of a crowd, (d, N); nobody is its own.
-
-    Particles from `passive[0]` up to `passive[1]` are not neighbors of one another: walls do not act on walls.
-    `room` is a guess of the most neighbors; where it is too small the lists are made anew with more.
+    There are never many more of them than particles: where some are far out, the grid is laid around the others, and
+    the cells of a sparse crowd are larger.
     """
+    most = 2.0 * position.shape[1] + 64.0
+    low, high = position.min(axis=1), position.max(axis=1)
+    if not np.isfinite(high - low).all() or np.prod((high - low) / reach + 1.0) > most:
+        known = np.where(np.isfinite(position), position, 0.0)
+        low, high = (np.quantile(known, part, axis=1) for part in (OUTLIERS, 1.0 - OUTLIERS))
+    size = reach
+    while np.prod((high - low) / size + 1.0) > most:
+        size *= 1.25
+    edge = np.full(len(low), size)
+    edge[-1] /= SLICES
+    return Grid(low, edge, ((high - low) / edge).astype(np.int64) + 1)
+
+
+class Sorted(NamedTuple):
+    """A crowd cell by cell, ascending inside a cell."""
+
+    position: Array
+    """(d, N)"""
+    order: Slots
+    """(N,) who stands here"""
+    start: Integers
+    """(cells + 1,) where each cell begins"""
+
+
+def sorted_crowd(position: Array, grid: Grid) -> Sorted:
+    """The particles, (d, N), in the order of their cells."""
+    count, cells = position.shape[1], int(np.prod(grid.shape))
+    crowd = Sorted(np.empty_like(position), np.empty(count, np.uint32), np.empty(cells + 1, np.int64))
+    tally = np.empty((BLOCKS if count >= FEW else 1, cells), np.int64)
+    _counting_sort(position, *grid, np.empty(count, np.int64), tally, *crowd)
+    return crowd
+
+
+@spread
+def _counting_sort(
+    position: Array, low: Array, edge: Array, shape: Integers, cell: Integers, tally: Integers, there: Array,
+    order: Slots, start: Integers,
+) -> None:  # fmt: skip
+    """Linear and stable. Each block of particles is counted, told where it writes in each cell, and written."""
+    dimension, count = position.shape
+    blocks, cells = tally.shape
+    each = (count + blocks - 1) // blocks
+    for block in prange(blocks):
+        for number in range(cells):
+            tally[block, number] = 0
+        for i in range(block * each, min(count, (block + 1) * each)):
+            number = 0
+            for axis in range(dimension):
+                number = number * shape[axis] + _cell_at((position[axis, i] - low[axis]) / edge[axis], shape[axis])
+            cell[i] = number
+            tally[block, number] += 1
+    total = 0
+    for number in range(cells):
+        start[number] = total
+        for block in range(blocks):
+            here = tally[block, number]
+            tally[block, number] = total
+            total += here
+    start[cells] = total
+    for block in prange(blocks):
+        for i in range(block * each, min(count, (block + 1) * each)):
+            place = tally[block, cell[i]]
+            tally[block, cell[i]] += 1
+            order[place] = i
+            for axis in range(dimension):
+                there[axis, place] = position[axis, i]
+
+
+def neighbor_lists(position: Array, passive: tuple[int, int], reach: float, before: Lists) -> Lists:
+    """All neighbors closer than `reach` of the first particles of a crowd, (d, N); nobody is its own.
+
+    Particles from `passive[0]` up to `passive[1]` are not neighbors of one another: walls do not act on walls. The
+    lists take the place of those before, which were of as many particles, or are roomier.
+    """
+    if not position.shape[1]:
+        return before
     grid = grid_around(position, reach)
-    order, start = cell_order(position, grid)
-    sorted_position = np.ascontiguousarray(position[:, order])
-    runs = _runs(grid.shape)
+    crowd = sorted_crowd(position, grid)
+    limits = np.array([*passive, _longest_run(crowd.start, 2 * math.ceil(reach / grid.edge[-1]) + 2)])
+    lists = before
     while True:
-        lists = Lists(np.zeros(centers, np.int32), np.empty((centers, room), np.uint32))
-        _fill(sorted_position, order, start, grid.shape, runs, np.array(passive), reach * reach, *lists)
+        _fill(*crowd, *grid, reach, limits, *lists)
         most = int(lists.counts.max(initial=0))
-        if most <= room:
+        if most <= lists.neighbor.shape[1]:
             return lists
-        room = math.ceil(ROOMIER * most)
+        lists = room_for(len(lists.counts), math.ceil(ROOMIER * most))
 
 
-def _runs(shape: Integers) -> Integers:
-    """Neighboring cells as runs of three along the last axis: how far each run's middle is from one's own cell."""
-    offsets = [0]
-    for axis in range(len(shape) - 1):
-        stride = int(np.prod(shape[axis + 1 :]))
-        offsets = [offset + step * stride for offset in offsets for step in (-1, 0, 1)]
-    return np.sort(np.array(offsets, np.int64))
+def _longest_run(start: Integers, cells: int) -> int:
+    """The most particles in so many cells that follow one another."""
+    if len(start) <= cells:
+        return int(start[-1])
+    return int((start[cells:] - start[:-cells]).max())
 
 
-@threaded
+@spread
 def _fill(
-    position: Array,
-    order: Integers,
-    start: Integers,
-    shape: Integers,
-    runs: Integers,
-    passive: Integers,
-    square: float,
-    count: NDArray[np.int32],
-    neighbor: Slots,
-) -> None:
-    """One row a particle, in the order of cells; counts go on where a row is full."""
-    dimension, room = position.shape[0], neighbor.shape[1]
-    cells = len(start) - 1
-    first, last = passive[0], passive[1]
-    for cell in prange(cells):
-        for place in range(start[cell], start[cell + 1]):
+    position: Array, order: Slots, start: Integers, low: Array, edge: Array, shape: Integers, reach: float,
+    limits: Integers, count: NDArray[np.int32], neighbor: Slots,
+) -> None:  # fmt: skip
+    """One row a particle; counts go on where a row is full.
+
+    Distances of a run first, then its indexes, each written over the last one that was too far: two loops without a
+    branch.
+    """
+    dimension, everyone = position.shape
+    centers, room = neighbor.shape
+    first, last, longest = limits[0], limits[1], limits[2]
+    deep = dimension == 3
+    x, y, z = position[dimension - 1], position[dimension - 2], position[0]
+    slices, rows, layers = shape[dimension - 1], shape[dimension - 2], shape[0] if deep else 1
+    x_low, y_low, z_low = low[dimension - 1], low[dimension - 2], low[0]
+    y_edge, z_edge = edge[dimension - 2], edge[0]
+    inverse, square = 1.0 / edge[dimension - 1], reach * reach
+    for chunk in prange((everyone + CHUNK - 1) // CHUNK):
+        distance = np.empty(longest, np.float64)
+        found = np.empty(9 * longest + STRIDE, np.uint32)
+        for place in range(INDEX(chunk * CHUNK), INDEX(min(everyone, (chunk + 1) * CHUNK))):
             i = order[place]
-            if i >= len(count):
+            if i >= centers:
                 continue
-            is_passive = first <= i < last
-            found = 0
-            for run in range(len(runs)):
-                middle = cell + runs[run]
-                for other in range(start[middle - 1], start[middle + 2]):
-                    distance = 0.0
-                    for axis in range(dimension):
-                        along = position[axis, other] - position[axis, place]
-                        distance += along * along
-                    j = order[other]
-                    if distance < square and j != i and not (is_passive and first <= j < last):
-                        if found < room:
-                            neighbor[i, found] = j
-                        found += 1
-            count[i] = found
+            xi, yi, zi = x[place], y[place], z[place]
+            row = _cell_at((yi - y_low) / y_edge, rows)
+            layer = _cell_at((zi - z_low) / z_edge, layers) if deep else 0
+            at = INDEX(0)
+            for k in range(max(layer - 1, 0), min(layer + 2, layers)):
+                over = _gap_to(zi, z_low, z_edge, k, layer)
+                above = square - over * over
+                for m in range(max(row - 1, 0), min(row + 2, rows)):
+                    over = _gap_to(yi, y_low, y_edge, m, row)
+                    left = above - over * over
+                    if left <= 0.0:
+                        continue
+                    chord = math.sqrt(left)
+                    line = (k * rows + m) * slices
+                    begin = INDEX(start[line + _cell_at((xi - chord - x_low) * inverse, slices)])
+                    end = INDEX(start[line + _cell_at((xi + chord - x_low) * inverse, slices) + 1])
+                    length = end - begin
+                    if deep:
+                        for n in range(length):
+                            dx, dy, dz = x[begin + n] - xi, y[begin + n] - yi, z[begin + n] - zi
+                            distance[n] = dx * dx + dy * dy + dz * dz
+                    else:
+                        for n in range(length):
+                            dx, dy = x[begin + n] - xi, y[begin + n] - yi
+                            distance[n] = dx * dx + dy * dy
+                    if begin <= place < end:
+                        distance[place - begin] = math.inf
+                    for n in range(length):
+                        found[at] = order[begin + n]
+                        at += INDEX(distance[n] < square)
+            if first <= i < last:
+                kept = INDEX(0)
+                for n in range(at):
+                    found[kept] = found[n]
+                    kept += INDEX(not first <= found[n] < last)
+                at = kept
+            count[i] = at
+            while at % STRIDE != 0:
+                found[at] = i
+                at += INDEX(1)
+            for n in range(min(at, INDEX(room))):
+                neighbor[i, n] = found[n]
+
+
+@compiled_inside
+def _cell_at(along: float, cells: int) -> int:
+    """The number of the cell so many edges along; what is not a number is in the first."""
+    return int(min(along, cells - 1.0)) if along > 0.0 else 0
+
+
+@compiled_inside
+def _gap_to(x: float, low: float, edge: float, cell: int, own: int) -> float:
+    """How far a neighboring cell is."""
+    if cell == own:
+        return 0.0
+    return max(max(low + cell * edge - x, x - (low + (cell + 1) * edge)), 0.0)

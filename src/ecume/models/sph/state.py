@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ecume.engine.cells import Integers
 from ecume.engine.images import Images, images_of, positions_of_images
-from ecume.engine.lists import Lists, cell_order, grid_around, neighbor_lists
+from ecume.engine.lists import Lists, grid_around, neighbor_lists, room_for, sorted_crowd
 from ecume.models.sph.fields import FIELDS, MU, RATES, VOLUME, U, V, X
 from ecume.models.sph.parameters import Liquid, Parameters
 from ecume.units import Array
@@ -102,22 +102,23 @@ PER_PARTICLE = (
 
 def sort_state(parameters: Parameters, state: State) -> None:
     """Neighbors in space become neighbors in memory."""
-    order, _ = cell_order(state.position, grid_around(state.position, parameters.support))
+    order = sorted_crowd(state.position, grid_around(state.position, parameters.support)).order
     for name in PER_PARTICLE:
         array = getattr(state, name)
         array[...] = np.take(array, order, axis=-1)
 
 
-def workspace_at(parameters: Parameters, state: State, room: int = 0) -> Workspace:
-    """Lists and tables for the crowd at the state's reference positions."""
+def workspace_at(parameters: Parameters, state: State, before: Lists | None = None) -> Workspace:
+    """Lists and tables for the crowd at the state's reference positions; lists lie where those before lay."""
     boundary, reach = parameters.boundary, parameters.support + parameters.skin
     real = np.concatenate([state.reference, boundary.dummies.position], axis=1)
     images = images_of(real, boundary.sides, reach)
     fields = np.zeros((FIELDS, real.shape[1] + len(images.source)))
     everyone = np.concatenate([real, positions_of_images(real, images, boundary.sides)], axis=1)
     liquid, count = state.reference.shape[1], real.shape[1]
-    guess = room or likely_neighbors(parameters.dimension, reach / parameters.spacing)
-    lists = neighbor_lists(everyone, count, (liquid, count), reach, guess)
+    if before is None or len(before.counts) != count:
+        before = room_for(count, likely_neighbors(parameters.dimension, reach / parameters.spacing))
+    lists = neighbor_lists(everyone, (liquid, count), reach, before)
     put_dummies(parameters, fields, liquid)
     return Workspace(images, lists, fields, np.zeros((RATES, liquid)))
 

@@ -135,7 +135,7 @@ def renew(parameters: Parameters, state: State, workspace: Workspace) -> None:
         sort_state(parameters, state)
     state.tally[RENEWALS] += 1
     state.reference[...] = state.position
-    workspace.take(workspace_at(parameters, state, workspace.lists.neighbor.shape[1]))
+    workspace.take(workspace_at(parameters, state, workspace.lists))
 
 
 def wrap(parameters: Parameters, state: State) -> None:
