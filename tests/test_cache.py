@@ -1,3 +1,4 @@
+import ast
 import os
 import shutil
 import subprocess
@@ -68,6 +69,29 @@ def test_every_form_of_import_counts(tmp_path, line, reaches):
     names = {path.relative_to(PACKAGE).as_posix() for path in sources if path.is_relative_to(PACKAGE)}
     assert reaches <= names
     assert ("show/movies.py" in names) == ("show/movies.py" in reaches)
+
+
+def imports(statements):
+    return [ast.dump(node) for node in statements if isinstance(node, ast.Import | ast.ImportFrom)]
+
+
+def test_no_import_of_the_package_is_overlooked():
+    for path in PACKAGE.rglob("*.py"):
+        text = path.read_text(encoding="utf-8")
+        assert set(imports(ast.walk(ast.parse(text)))) <= set(imports(_cache._statements(text))), path
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "if True: import math",
+        "x = 1; import math",
+        "from math import \\\n    pi",
+        '"""\nfrom a to b.\n"""\nimport math',
+    ],
+)
+def test_imports_that_hide_are_found(text):
+    assert imports(_cache._statements(text)) == imports(ast.walk(ast.parse(text))) != []
 
 
 def test_a_relative_import_counts_in_the_package():
