@@ -8,7 +8,7 @@ from typing import Annotated, Literal, Self
 from pydantic import Field, model_validator
 from pydantic.dataclasses import dataclass
 
-from ecume.scenes.common import Common
+from ecume.scenes.common import Common, Kind
 from ecume.scenes.faults import Inconsistent, Path
 from ecume.scenes.quantities import (
     STRICT,
@@ -176,6 +176,11 @@ class SoftScene(Common):
     stepping: SteppingSpec = SteppingSpec()
     """The time stepping."""
 
+    @property
+    def kinds(self) -> tuple[Kind, ...]:
+        """The species, each in the place that is its number in frames."""
+        return tuple(Kind(one.name or f"sphere-{index}", one.color) for index, one in enumerate(self.spheres, 1))
+
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         complaints = [*_dimensions(self), *_protocol(self), *_crowd(self)]
@@ -189,11 +194,6 @@ def dimensions_of(scene: SoftScene) -> int:
     if scene.box is not None:
         return len(scene.box.size)
     return next((len(position) for species in scene.spheres for position in species.positions), 2)
-
-
-def species_of(scene: SoftScene) -> list[tuple[str, str | None]]:
-    """The name and color of each species; its place in the list is its number in frames."""
-    return [(species.name or f"sphere-{index}", species.color) for index, species in enumerate(scene.spheres, 1)]
 
 
 def _dimensions(scene: SoftScene) -> Complaints:

@@ -13,6 +13,7 @@ from ecume.errors import BadInput
 from ecume.scenes.faults import suggestion
 from ecume.show.curves import Frames
 from ecume.show.floating.figures import FLOATING_FIGURES
+from ecume.show.soft.figures import SOFT_FIGURES
 from ecume.show.style import save
 from ecume.show.tracers import TRACER_FIGURES
 from ecume.trajectories.reader import open_trajectory
@@ -20,6 +21,7 @@ from ecume.trajectories.reader import open_trajectory
 FIGURES: dict[str, Mapping[str, Callable[[Frames, Any], Figure]]] = {
     "floating": FLOATING_FIGURES,
     "tracers": TRACER_FIGURES,
+    "soft": SOFT_FIGURES,
 }
 """By model, then by the name that `ecume plot --what` takes."""
 

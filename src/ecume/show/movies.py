@@ -16,11 +16,16 @@ from ecume.errors import BadInput
 from ecume.show.encoders import encode, writable
 from ecume.show.floating.bowl import Bowl
 from ecume.show.picture import USUAL, Picture, Pixels, Size
+from ecume.show.soft.packing import Packing
 from ecume.show.tracers import tracers_picture
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import open_trajectory
 
-FILMS: dict[str, Callable[[Any, Sequence[Frame], Size], Picture]] = {"floating": Bowl, "tracers": tracers_picture}
+FILMS: dict[str, Callable[[Any, Sequence[Frame], Size], Picture]] = {
+    "floating": Bowl,
+    "soft": Packing,
+    "tracers": tracers_picture,
+}
 """By model: what makes a picture of (scene, some frames of the run, size)."""
 
 FPS = 30

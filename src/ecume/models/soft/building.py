@@ -20,7 +20,7 @@ from ecume.models.soft.state import LENGTH, State, make_state, workspace
 from ecume.scenes.soft import FilmSpec, SoftScene, StageSpec, dimensions_of
 from ecume.units import Array
 
-TICKS = 2**20
+TICKS = 1024
 """Steps of the march between two frames, by which its progress is told; the steps of time are far fewer."""
 FADE = 1.25
 """A film fades from the reach to this many reaches."""

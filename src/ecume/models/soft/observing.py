@@ -56,6 +56,7 @@ def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
     if parameters.box.any():
         numbers |= _box_numbers(parameters, step, drive)
         units = UNITS | dict.fromkeys(("pressure", "shear_stress", "normal_stress"), "Pa")
+        units |= dict.fromkeys(("box_width", "box_height"), "m")
     return Frame(float(state.pace[CLOCK]), arrays, numbers, units)
 
 
@@ -86,6 +87,8 @@ def _box_numbers(parameters: Parameters, step: Step, drive: Drive) -> dict[str, 
         "shear_stress": float(tensor[0, 1] + tensor[1, 0]) / 2.0,
         "normal_stress": -float(tensor[1, 1]),
         "strain": drive.strain,
+        "box_width": float(sides[0]),
+        "box_height": float(sides[1]),
         "volume_fraction": float(filled.sum() / np.prod(sides)),
     }
 

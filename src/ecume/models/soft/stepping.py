@@ -86,11 +86,15 @@ def _take(parameters: Parameters, state: State, scratch: Workspace, end: float) 
     state.step[0] = _tick(parameters, int(state.step[0]), end)
 
 
+def _due(parameters: Parameters, frame: int) -> float:
+    """When a frame is due (s)."""
+    return frame * parameters.steps_per_frame * parameters.time_step
+
+
 def _tick(parameters: Parameters, before: int, time: float) -> int:
     """The tick of a time; between two frames, never a frame's own."""
     frame = before // parameters.steps_per_frame
-    due = (frame + 1) * parameters.steps_per_frame * parameters.time_step
-    if time == due:
+    if time == _due(parameters, frame + 1):
         return (frame + 1) * parameters.steps_per_frame
     ticks = int(time / parameters.time_step)
     return min(max(ticks, before, frame * parameters.steps_per_frame + 1), (frame + 1) * parameters.steps_per_frame - 1)
@@ -99,8 +103,7 @@ def _tick(parameters: Parameters, before: int, time: float) -> int:
 def _next(parameters: Parameters, state: State) -> tuple[float, float]:
     """How long the next step may be, and when it ends: not past the next frame, nor past a turn of the protocol."""
     now = float(state.pace[CLOCK])
-    frame = parameters.steps_per_frame * parameters.time_step
-    due = (int(state.step[0]) // parameters.steps_per_frame + 1) * frame
+    due = _due(parameters, int(state.step[0]) // parameters.steps_per_frame + 1)
     stop = min(due, next_turn(parameters.protocol, now))
     length = float(state.pace[LENGTH])
     if now + length * (1.0 + NEARLY) >= stop:

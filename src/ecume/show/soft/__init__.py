@@ -1,0 +1,1 @@
+"""How the soft model is shown."""

@@ -1,0 +1,119 @@
+"""The figures of the soft model: gaps, forces, stresses and steps over time, and the last instant."""
+
+from __future__ import annotations
+
+import itertools
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from ecume.analysis.series import number, series, times
+from ecume.errors import BadInput
+from ecume.show.curves import Frames, over_time, span, thinned
+from ecume.show.soft.packing import Packing
+from ecume.show.style import INK, PALETTE, figure, legend_outside, scale_for, style
+from ecume.trajectories.frame import Frame
+from ecume.units import Array
+
+MOST_CURVES = 12
+"""Contacts that are drawn one by one; of more, the spread."""
+SPREAD = (5, 25, 50, 75, 95)
+"""Per cent."""
+
+Key = tuple[int, int]
+
+
+def gaps(frames: Frames, scene: Any) -> Figure:
+    """The gap of every contact over time, or their spread where there are many."""
+    return _of_contacts(frames, scene, "gap", "m", "log")
+
+
+def forces(frames: Frames, scene: Any) -> Figure:
+    """The normal force of every contact over time, or their spread; tension is positive."""
+    return _of_contacts(frames, scene, "tension", "N", "linear")
+
+
+def _of_contacts(frames: Frames, scene: Any, name: str, unit: str, yscale: str) -> Figure:
+    shown = thinned(frames)
+    values = [_contacts(frame, name) for frame in shown]
+    keys = sorted({key for instant in values for key in instant})
+    largest = max((abs(value) for instant in values for value in instant.values()), default=0.0)
+    scale = scale_for(largest, unit)
+    with style():
+        drawn = figure(6.8, 4.0)
+        axes = over_time(drawn, scene)
+        if len(keys) <= MOST_CURVES:
+            for key, color in zip(keys, itertools.cycle(PALETTE), strict=False):
+                curve = [scale.factor * instant.get(key, np.nan) for instant in values]
+                axes.plot(times(shown), curve, color=color, label=f"{key[0]} – {key[1]}")
+            legend_outside(axes)
+        else:
+            _spread(axes, times(shown), [scale.factor * np.array(list(instant.values())) for instant in values])
+        axes.set(yscale=yscale, ylabel=f"{name} ({scale.unit})", xlim=span(times(shown)))
+    return drawn
+
+
+def _contacts(frame: Frame, name: str) -> dict[Key, float]:
+    """Each contact's value, by the numbers of its spheres."""
+    first, slot = np.nonzero(frame.arrays["neighbor"] >= 0)
+    second = frame.arrays["neighbor"][first, slot]
+    return dict(zip(zip(first.tolist(), second.tolist(), strict=True), frame.arrays[name][first, slot], strict=True))
+
+
+def _spread(axes: Axes, instants: Array, values: list[Array]) -> None:
+    """Percentiles as nested bands around the median."""
+    low, lower, median, upper, high = np.array([np.percentile(one, SPREAD) for one in values]).T
+    axes.fill_between(instants, low, high, color=PALETTE[1], alpha=0.2, linewidth=0, label="5 to 95 %")
+    axes.fill_between(instants, lower, upper, color=PALETTE[1], alpha=0.4, linewidth=0, label="25 to 75 %")
+    axes.plot(instants, median, color=INK, label="median")
+    legend_outside(axes)
+
+
+def elastic_energy(frames: Frames, scene: Any) -> Figure:
+    """What the deflections of all surfaces hold."""
+    shown = thinned(frames)
+    (energy,) = series(shown, number("elastic_energy"))
+    scale = scale_for(float(energy.max()), "J")
+    with style():
+        drawn = figure()
+        axes = over_time(drawn, scene)
+        axes.plot(times(shown), scale.factor * energy, color=PALETTE[1])
+        axes.set(ylabel=f"elastic energy ({scale.unit})", xlim=span(times(shown)))
+    return drawn
+
+
+def stress(frames: Frames, scene: Any) -> Figure:
+    """Shear stress and normal stress of a periodic box over time."""
+    if scene.box is None:
+        raise BadInput("there is no box whose stress could be drawn")
+    shown = thinned(frames)
+    shear, normal, pressure = series(shown, *map(number, ("shear_stress", "normal_stress", "pressure")))
+    scale = scale_for(float(np.abs([shear, normal, pressure]).max()), "Pa")
+    with style():
+        drawn = figure()
+        axes = over_time(drawn, scene)
+        for label, values, color in zip(
+            ("shear", "normal", "pressure"), (shear, normal, pressure), PALETTE, strict=False
+        ):
+            axes.plot(times(shown), scale.factor * values, color=color, label=label)
+        axes.set(ylabel=f"stress ({scale.unit})", xlim=span(times(shown)))
+        legend_outside(axes)
+    return drawn
+
+
+def picture(frames: Frames, scene: Any) -> Figure:
+    """The last frame: spheres, films and forces."""
+    shown = Packing(scene, [frames[0], frames[len(frames) // 2], frames[-1]])
+    shown.show(frames[-1])
+    return shown.figure
+
+
+SOFT_FIGURES = {
+    "gaps": gaps,
+    "forces": forces,
+    "elastic-energy": elastic_energy,
+    "stress": stress,
+    "packing": picture,
+}

@@ -1,0 +1,189 @@
+"""One instant of soft spheres, to scale: films colored by their gap, forces by their sign."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from numpy.typing import NDArray
+
+from ecume.show.picture import (
+    DPI,
+    USUAL,
+    Layers,
+    Pixels,
+    Size,
+    View,
+    blank,
+    clock,
+    discs,
+    labels,
+    scale_bar,
+    species,
+    view_around,
+)
+from ecume.show.style import INK, scale_for, style
+from ecume.trajectories.frame import Frame
+from ecume.units import Array
+
+HEADER, SIDE, BORDER = 46.0, 170.0, 22.0
+"""Room above the spheres, right of them and around all, in pixels of a picture of the usual size."""
+PULL, PUSH = "#b2182b", "#2166ac"
+WIDEST = 7.0
+"""Of the line of the largest force, in points."""
+FILM, WIDE = 0.28, 0.5
+"""Half of a film's line, and the gap from which on none is drawn, in radii of the smaller sphere."""
+GAP_COLORS = "viridis"
+
+
+class Links(NamedTuple):
+    """The contacts of a frame, as numbers in the plane of the picture."""
+
+    first: Array
+    """(C, 2) m: the center of one sphere"""
+    along: Array
+    """(C, 2) m: from there to the other's"""
+    radius: Array
+    """(C, 2) m: of both"""
+    gap: Array
+    tension: Array
+
+
+def links_of(frame: Frame) -> Links:
+    """The contacts that a frame tells of; across a periodic border to the nearest copy."""
+    arrays = frame.arrays
+    first, slot = np.nonzero(arrays["neighbor"] >= 0)
+    second = arrays["neighbor"][first, slot]
+    position, radius = arrays["position"][:, :2], arrays["radius"]
+    along = position[second] - position[first]
+    if "box_width" in frame.numbers:
+        along = _nearest(along, frame)
+    radii = np.stack([radius[first], radius[second]], axis=1)
+    return Links(position[first], along, radii, arrays["gap"][first, slot], arrays["tension"][first, slot])
+
+
+def _nearest(along: Array, frame: Frame) -> Array:
+    width, height = frame.numbers["box_width"], frame.numbers["box_height"]
+    boxes = np.round(along[:, 1] / height)
+    moved = along - np.stack([boxes * height * frame.numbers["strain"], boxes * height], axis=1)
+    moved[:, 0] -= width * np.round(moved[:, 0] / width)
+    return moved
+
+
+def view_of(frames: Sequence[Frame]) -> View:
+    """The periodic box, or all that the spheres of these frames ever reach."""
+    if "box_width" in frames[0].numbers:
+        width = max(frame.numbers["box_width"] for frame in frames)
+        height = max(frame.numbers["box_height"] for frame in frames)
+        return view_around(width / 2, height / 2, 1.04 * width, 1.04 * height)
+    edge = [frame.arrays["radius"][:, None] for frame in frames]
+    place = [frame.arrays["position"][:, :2] for frame in frames]
+    low = np.min([(x - r).min(axis=0) for x, r in zip(place, edge, strict=True)], axis=0)
+    high = np.max([(x + r).max(axis=0) for x, r in zip(place, edge, strict=True)], axis=0)
+    x, y = (low + high) / 2
+    margin = float(max(r.max() for r in edge))
+    return view_around(float(x), float(y), float(high[0] - low[0]) + margin, float(high[1] - low[1]) + margin)
+
+
+class Packing:
+    """An open picture: `show` puts a frame into it, `pixels` gives what is then seen."""
+
+    def __init__(self, scene: Any, sample: Sequence[Frame], size: Size = USUAL) -> None:
+        self.view = view_of(sample)
+        self.figure = blank(size)
+        links = [links_of(frame) for frame in sample]
+        self.largest = max((float(np.abs(one.tension).max(initial=0.0)) for one in links), default=0.0)
+        gaps = np.concatenate([one.gap[one.gap < WIDE * one.radius.min(axis=1)] for one in links])
+        low, high = (float(gaps.min()), float(gaps.max())) if len(gaps) else (1e-6, 1e-3)
+        self.norm = LogNorm(0.5 * low, 2.0 * high)
+        kinds = species(scene)
+        with style():
+            axes = _axes(self.figure, self.view)
+            self.spheres = discs(axes, sample[0], kinds)
+            self.forces = LineCollection([], capstyle="round", zorder=3)
+            self.films = LineCollection([], cmap=GAP_COLORS, norm=self.norm, linewidths=3.0, zorder=4)
+            for lines in (self.forces, self.films):
+                axes.add_collection(lines, autolim=False)
+            self.time = clock(axes)
+            bar = scale_bar(axes, self.view)
+            _gap_bar(axes, self.films)
+            labels(axes, scene.title, kinds)
+            _force_legend(axes, self.largest)
+        moving: list[Artist] = [self.spheres, self.forces, self.films, *bar, self.time]
+        self._layers = Layers(self.figure, moving)
+        self.show(sample[0])
+
+    def show(self, frame: Frame) -> None:
+        """Put a frame into the picture."""
+        links = links_of(frame)
+        self.spheres.set_offsets(frame.arrays["position"][:, :2])
+        self.forces.set_segments(list(np.stack([links.first, links.first + links.along], axis=1)))
+        self.forces.set_linewidth(list(WIDEST * np.abs(links.tension) / max(self.largest, 1e-300)))
+        self.forces.set_color([PULL if tension > 0.0 else PUSH for tension in links.tension])
+        narrow = links.gap < WIDE * links.radius.min(axis=1)
+        self.films.set_segments(list(_film_lines(links)[narrow]))
+        self.films.set_array(links.gap[narrow])
+        self.time.set_text(f"{frame.time:.4g} s")
+
+    def pixels(self, frame: Frame) -> Pixels:
+        """The picture of a frame, shape (height, width, 4); good until the next one is asked for."""
+        self.show(frame)
+        return self._layers.pixels()
+
+
+def _film_lines(links: Links) -> NDArray[np.float64]:
+    """Across each line of centers, where the surfaces face each other."""
+    length = np.linalg.norm(links.along, axis=1, keepdims=True)
+    unit = links.along / np.maximum(length, 1e-300)
+    middle = links.first + unit * (links.radius[:, :1] + 0.5 * links.gap[:, None])
+    across = FILM * links.radius.min(axis=1, keepdims=True) * np.stack([-unit[:, 1], unit[:, 0]], axis=1)
+    return np.stack([middle - across, middle + across], axis=1)
+
+
+def _axes(figure: Figure, view: View) -> Axes:
+    """Axes without ticks, both directions to one scale."""
+    width, height = DPI * figure.get_size_inches()
+    per_meter = min((width - SIDE - 2 * BORDER) / view.width, (height - HEADER - 2 * BORDER) / view.height)
+    across, along = view.width * per_meter, view.height * per_meter
+    left, bottom = (width - across - SIDE) / 2, (height - HEADER - along) / 2
+    axes = figure.add_axes((left / width, bottom / height, across / width, along / height))
+    axes.set(xlim=(view.left, view.right), ylim=(view.bottom, view.top))
+    axes.set_axis_off()
+    return axes
+
+
+def _gap_bar(axes: Axes, films: LineCollection) -> None:
+    """What the films' colors mean."""
+    figure: Any = axes.get_figure(root=True)
+    box, width = axes.get_position(), DPI * figure.get_size_inches()[0]
+    place = figure.add_axes((box.x1 + 40 / width, box.y0 + 0.06 * box.height, 16 / width, 0.42 * box.height))
+    bar = figure.colorbar(films, cax=place)
+    place.tick_params(labelsize=9)
+    place.grid(visible=False)
+    bar.set_label("gap (m)", fontsize=10)
+
+
+def _force_legend(axes: Axes, largest: float) -> None:
+    """How wide the largest force is, and which color pulls."""
+    scale = scale_for(largest, "N")
+    told = f"{largest * scale.factor:.3g} {scale.unit}"
+    handles = [
+        Line2D([], [], color=PULL, linewidth=0.6 * WIDEST, label="tension"),
+        Line2D([], [], color=PUSH, linewidth=0.6 * WIDEST, label=f"compression\n(widest: {told})"),
+    ]
+    kept = axes.get_legend()
+    second = axes.legend(
+        handles=handles, loc="upper left", bbox_to_anchor=(1.03, 0.74), fontsize=9.5, borderaxespad=0.0
+    )
+    second.set_clip_on(False)
+    for text in second.get_texts():
+        text.set_color(INK)
+    if kept is not None:
+        axes.add_artist(kept)
