@@ -153,7 +153,8 @@ def view_of(setting: Setting, frames: Sequence[Frame]) -> View:
         low = np.min([place.min(axis=0) for place in places], axis=0) - 2.0 * reach
         high = np.max([place.max(axis=0) for place in places], axis=0) + 2.0 * reach
     room = MARGIN * float((high - low).max())
-    return View(float(low[0]) - room, float(high[0]) + room, float(low[1]) - room, float(high[1]) + room)
+    # Below there is more, for the scale bar.
+    return View(float(low[0]) - room, float(high[0]) + room, float(low[1]) - 2.0 * room, float(high[1]) + room)
 
 
 def extent(shape: Shape) -> tuple[Array, Array]:

@@ -101,8 +101,11 @@ def wall_hits(frames: Frames, scene: Any) -> Figure:
         axes = over_time(drawn, scene)
         for index, (name, counts) in enumerate(zip(names, series(shown, *map(number, names)), strict=True)):
             color = PALETTE[index % len(PALETTE)]
-            axes.plot(times(shown), counts, color=color, drawstyle="steps-post", label=name.removeprefix("hits_on_"))
+            label = name.removeprefix("hits_on_").replace("_", " ")
+            axes.plot(times(shown), counts, color=color, drawstyle="steps-post", label=label)
         axes.set_ylabel("hits")
+        # From one hit to thousands of small bounces: linear up to ten, then logarithmic.
+        axes.set_yscale("symlog", linthresh=10.0)
         axes.set_ylim(bottom=0.0)
         legend_outside(axes)
     return drawn

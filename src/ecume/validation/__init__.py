@@ -33,6 +33,10 @@ CASES: dict[str, Case] = {
     for case in (
         _case("flotation", "Floating spheres, sinking limits and menisci, against an independent computation"),
         _case("kernels", "Smoothing kernels: what a kernel must be, an independent computation, published numbers"),
+        _case(
+            "reflection", "Walls that reflect: billiards, bouncing balls, wedges, circles, nobody outside", long=True
+        ),
+        _case("settling", "Grains in water: terminal speeds, diffusion, and the equilibrium of both"),
         _case("meeting", "When two floats released at rest meet, against SciPy's DOP853"),
         _case("walls", "How floats leave and climb the wall of a dish, against SciPy's DOP853"),
         _case("integrators", "The orders of the integrators, and the energy over a million steps"),

@@ -179,7 +179,8 @@ def time_step_of(scene: TracersScene, surfaces: Surfaces, fluid: Fluid, bodies: 
     shortest = scene.frame_every / max(1, MOST_STEPS // max(1, round(scene.duration / scene.frame_every)))
     for mass, friction, speed, push, radius in kinds_of(bodies):
         if friction > 0.0:
-            inertial = mass / friction / SHORTEST
+            # Where drag is more than Stokes's it also slows down sooner.
+            inertial = min(mass / friction, abs(speed / push) if push and speed else math.inf) / SHORTEST
             late = scene.motion.regime == "overdamped" or inertial < shortest
             body = (friction, speed, mass * push, radius)
             longest = min(longest, overdamped_step(body, surfaces, fluid) if late else inertial)
