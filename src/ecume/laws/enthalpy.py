@@ -57,7 +57,7 @@ def tait_energy(
     (c0^2/2)(x - 1)^2. From Tait's equation [cole1948].
 
     >>> round(float(tait_energy(1010.0, 1000.0, 10.0, 7.0)) / 0.005, 3)
-    1.02
+    1.007
     """
     ratio = density / reference_density
     square = sound_speed * sound_speed
