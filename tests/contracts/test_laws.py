@@ -25,6 +25,7 @@ from ecume.laws import (
     drag,
     elasticity,
     flotation,
+    flows,
     kernels,
     lubrication,
     meniscus,
@@ -60,7 +61,8 @@ COMPILED = (
 RESCALED = (
     brownian,
     capillarity, contact, drag, meniscus, flotation.bodies, flotation.balance, flotation.closure, flotation.interaction,
-    states, column, viscous, diffusion, tension, pace, waves, lubrication, elasticity, remote, soft_pair,
+    states, column, viscous, diffusion, tension, pace, waves, flows, lubrication, elasticity,
+    remote, soft_pair,
 )  # fmt: skip
 LIQUID = flotation.Liquid(density=3.0, surface_tension=0.7, viscosity=0.2, gravity=1.9, gas_density=0.4)
 SAMPLES = {
@@ -89,6 +91,8 @@ SAMPLES = {
     "reynolds": 30.0, "stokes_reynolds": 3.0, "excess_density": 1.2,
     "temperature": 300.0, "thermal": 0.4, "weight": 0.6,
     "clearance": 0.05, "stiffness": 4.0, "ratio": 0.7, "deflection_from": 0.04, "deflection_to": 0.03,
+    "phase_along": 0.4, "phase_across": 0.9, "phase_x": 0.4, "phase_y": 0.9, "speed_x": 0.8, "speed_y": 0.6,
+    "wavenumber_x": 1.7, "wavenumber_y": 1.1, "across": 0.4, "along": 0.3, "rate": 1.1, "pull_rate": 0.9,
     "pair": soft_pair.SoftPair(0.21, 9.0, 0.3),
 }  # fmt: skip
 ODD = {"[length]": 7.3, "[mass]": 0.31, "[time]": 1.9}

@@ -10,6 +10,7 @@ import numpy as np
 from ecume.engine.shapes import Ball, Box, Polygon, Shape, apart, lattice_in
 from ecume.errors import Fault, SceneError
 from ecume.laws.enthalpy import density_at_enthalpy
+from ecume.laws.flows import taylor_green_pressure, taylor_green_velocity
 from ecume.laws.kernels import KERNEL_CODES, Kernel, kernel
 from ecume.models.sph.boundaries import boundary_of
 from ecume.models.sph.fields import (
@@ -88,6 +89,15 @@ def shape_of(region: RegionSpec) -> Shape:
     return Box(np.array(region.low), np.array(region.high))
 
 
+def held_pull(scene: SphScene) -> Array:
+    """(d,) the part of gravity that pressure balances at rest: none along periodic sides, where all flows on and on."""
+    pull = gravity_of(scene)
+    for number, side in enumerate(sides_of(scene)):
+        if side.kind == "periodic":
+            pull[number // 2] = 0.0
+    return pull
+
+
 def material_of(scene: SphScene) -> Material:
     """The liquid, with a sound speed for the numerics."""
     given = scene.liquid
@@ -141,16 +151,39 @@ def velocity_in(region: RegionSpec, scene: SphScene, points: Array) -> Array:
         velocity += (points - center) @ np.array(region.velocity_gradient).T
     if region.flow == TAYLOR_GREEN:
         size = np.array(scene.tank.high) - np.array(scene.tank.low)
-        phase = 2.0 * math.pi * (points - np.array(scene.tank.low)) / size
-        velocity[:, 0] -= region.flow_speed * np.cos(phase[:, 0]) * np.sin(phase[:, 1])
-        velocity[:, 1] += region.flow_speed * np.sin(phase[:, 0]) * np.cos(phase[:, 1])
+        x, y = vortex_phases(scene, points)
+        velocity[:, 0] += taylor_green_velocity(x, y, region.flow_speed)
+        velocity[:, 1] += taylor_green_velocity(y, x, -region.flow_speed * size[1] / size[0])
     return velocity
+
+
+def pressure_in(region: RegionSpec, scene: SphScene, points: Array) -> Array:
+    """(N,) the gauge pressure that keeps a region's flow as it is (Pa), beside that of its depth.
+
+    Started without it, a weakly compressible liquid rings: sound goes to and fro that only viscosity damps.
+    """
+    if region.flow != TAYLOR_GREEN:
+        return np.zeros(len(points))
+    size = np.array(scene.tank.high) - np.array(scene.tank.low)
+    x, y = vortex_phases(scene, points)
+    speed = region.flow_speed
+    density = material_of(scene).density
+    pressure: Array = np.asarray(taylor_green_pressure(x, y, speed, speed * size[1] / size[0], density))
+    return pressure
+
+
+def vortex_phases(scene: SphScene, points: Array) -> tuple[Array, Array]:
+    """Of a vortex pair a tank length."""
+    size = np.array(scene.tank.high) - np.array(scene.tank.low)
+    phase = 2.0 * math.pi * (points - np.array(scene.tank.low)) / size
+    return phase[:, 0], phase[:, 1]
 
 
 def liquid_of(scene: SphScene, material: Material) -> Liquid:
     """The particles at the start, with the pressure of their depth."""
-    pull = np.zeros(len(scene.tank.low)) if modified(scene) else gravity_of(scene)
+    pull = np.zeros(len(scene.tank.low)) if modified(scene) else held_pull(scene)
     tank = Box(np.array(scene.tank.low), np.array(scene.tank.high))
+    generator = np.random.default_rng(scene.seed)
     pieces: list[tuple[Array, Array, Array]] = []
     earlier: list[Shape] = []
     for index, region in enumerate(scene.fluid):
@@ -162,23 +195,23 @@ def liquid_of(scene: SphScene, material: Material) -> Liquid:
             where = tuple(float(f"{x:.4g}") for x in points[outside][0])
             raise SceneError([Fault(f"fluid[{index}]", f"reaches out of the tank, at {where}")])
         earlier.append(shape)
-        depth = shape.way_out(points, -pull / np.linalg.norm(pull)) if pull.any() else np.zeros(len(points))
-        pieces.append((points, velocity_in(region, scene, points), depth))
-    return _particles(scene, material, pieces, float(np.linalg.norm(pull)))
+        head = np.zeros(len(points))
+        if pull.any() and scene.method.start == "hydrostatic":
+            head = np.linalg.norm(pull) * shape.way_out(points, -pull / np.linalg.norm(pull))
+        points = points + scene.method.jitter * scene.spacing * generator.uniform(-1.0, 1.0, points.shape)
+        head += pressure_in(region, scene, points) / material.density
+        pieces.append((points, velocity_in(region, scene, points), head))
+    return _particles(scene, material, pieces)
 
 
-def _particles(scene: SphScene, material: Material, pieces: list[tuple[Array, Array, Array]], pull: float) -> Liquid:
-    """Densities and masses of points whose depths are known, then jittered."""
-    points, velocity, depth = (np.concatenate(parts) for parts in zip(*pieces, strict=True))
+def _particles(scene: SphScene, material: Material, pieces: list[tuple[Array, Array, Array]]) -> Liquid:
+    """Densities and masses of points where the enthalpy (J/kg) is known."""
+    points, velocity, head = (np.concatenate(parts) for parts in zip(*pieces, strict=True))
     if len(points) == 0:
         raise SceneError([Fault("spacing", f"came {scene.spacing:g} m: no particle fits into the liquid")])
-    if scene.method.start == "rest":
-        depth = np.zeros_like(depth)
     laws = material.density, material.sound_speed, material.exponent
-    density = np.array([density_at_enthalpy(pull * down, *laws) for down in depth])
+    density = np.array([density_at_enthalpy(each, *laws) for each in head])
     mass = density * scene.spacing ** points.shape[1]
-    generator = np.random.default_rng(scene.seed)
-    points = points + scene.method.jitter * scene.spacing * generator.uniform(-1.0, 1.0, points.shape)
     region = np.repeat(np.arange(len(pieces)), [len(piece[0]) for piece in pieces])
     return Liquid(np.ascontiguousarray(points.T), np.ascontiguousarray(velocity.T), density, mass, region)
 
@@ -194,7 +227,9 @@ def parameters_of(scene: SphScene) -> Parameters:
     shape, smoothing = kernel_of(scene), smoothing_of(scene)
     dimension = len(scene.tank.low)
     gravity = gravity_of(scene)
-    pull = np.zeros(dimension) if modified(scene) else gravity
+    pull, held = gravity, held_pull(scene)
+    if modified(scene):
+        pull = held = np.zeros(dimension)
     time_step, per_frame = steps_of(scene, material, smoothing)
     transports = chosen(method.pressure_force, STRESSES, "method.pressure_force") == "transport"
     usual = material.density * material.sound_speed**2
@@ -209,8 +244,8 @@ def parameters_of(scene: SphScene) -> Parameters:
         gravity=pull,
         hydrostatic=gravity - pull,
         surface=max(float(shape_of(region).bounds()[1][1]) for region in scene.fluid),
-        numbers=numbers_of(scene, material, pull),
-        choices=choices_of(scene, pull),
+        numbers=numbers_of(scene, material, held),
+        choices=choices_of(scene, held),
         support=support,
         skin=SKIN * support,
         boundary=boundary_of(scene, material, support),

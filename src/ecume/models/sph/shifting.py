@@ -9,6 +9,7 @@ import numpy as np
 
 from ecume._jit import prange, spread, summing
 from ecume.models.sph.fields import CROWD, DIMENSION, INVERSE, KERNEL, REFERENCE, SCALE, SPACE, VOLUME, H, X
+from ecume.models.sph.motion import largest
 from ecume.models.sph.parameters import DELTA_PLUS, Parameters
 from ecume.models.sph.state import State, Workspace
 from ecume.models.sph.weights import slope_of, value_of
@@ -29,7 +30,8 @@ def shift(parameters: Parameters, state: State, workspace: Workspace, time: floa
     sum_crowd(workspace.fields, lists.counts, lists.neighbor, numbers, choices, workspace.rates)
     crowd = workspace.rates[CROWD : CROWD + parameters.dimension]
     if parameters.shifting == DELTA_PLUS:
-        transport = delta_plus(parameters, crowd)
+        fastest = min(parameters.material.fastest, largest(state.velocity))
+        transport = delta_plus(parameters, crowd, fastest)
         calm = near_surface(parameters, workspace)
         transport[:, calm] = 0.0
     else:
@@ -44,9 +46,8 @@ def of_background(parameters: Parameters, state: State, crowd: Array, time: floa
     return time * parameters.background / state.density * crowd
 
 
-def delta_plus(parameters: Parameters, crowd: Array) -> Array:
+def delta_plus(parameters: Parameters, crowd: Array, fastest: float) -> Array:
     """4 h u sum_j (1 + R (W/W(dx))^4) V_j F x_ij, no faster than half the fastest speed u (Sun et al. 2017)."""
-    fastest = parameters.material.fastest
     transport = 4.0 * parameters.numbers[H] * fastest * crowd
     speed = np.sqrt((transport**2).sum(axis=0))
     limited: Array = transport * np.minimum(1.0, MOST * fastest / np.maximum(speed, 1e-300))
