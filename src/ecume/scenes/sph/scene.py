@@ -13,29 +13,25 @@ from ecume.scenes.quantities import (
     MOST_STEPS,
     STRICT,
     Color,
-    Coordinate,
     Duration,
     LawName,
     LiquidViscosity,
     Motion,
     Name,
-    Place,
     PositiveDensity,
-    Proportion,
     Pull,
     Size,
     Switch,
     Tension,
 )
+from ecume.scenes.sph.solids import BodySpec, ObstacleSpec, ShapeSpec
+from ecume.scenes.sph.tank import TankSpec
 from ecume.units import Number, Rate, Speed
 
 Gradient = Annotated[Rate, Field(ge=-1e6, le=1e6)]
 PositiveNumber = Annotated[Number, Field(gt=0.0, le=1e6)]
 PositiveSpeed = Annotated[Speed, Field(gt=0.0, le=1e5)]
 Exponent = Annotated[Number, Field(ge=1.0, le=20.0)]
-
-SIDES = ("left", "right", "bottom", "top", "front", "back")
-"""Of a tank: low and high x, low and high y, low and high z."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -63,19 +59,9 @@ class FluidSpec:
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
-class RegionSpec:
+class RegionSpec(ShapeSpec):
     """A part of space that is full of liquid at the start. Exactly one shape."""
 
-    low: Place | None = None
-    """of a box, together with `high` (m)"""
-    high: Place | None = None
-    """of a box (m)"""
-    vertices: tuple[tuple[Coordinate, Coordinate], ...] = ()
-    """of a polygon, two dimensions only (m)"""
-    center: Place | None = None
-    """of a disc or sphere, together with `radius` (m)"""
-    radius: Size | None = None
-    """of a disc or sphere (m)"""
     velocity: Motion | None = None
     """m/s of all its liquid"""
     velocity_gradient: tuple[tuple[Gradient, ...], ...] = ()
@@ -86,73 +72,6 @@ class RegionSpec:
     """m/s"""
     color: Color | None = None
     """`#rrggbb`, or a plain English name"""
-
-    @model_validator(mode="after")
-    def _one_shape(self) -> Self:
-        shapes = [self.low is not None or self.high is not None, bool(self.vertices), self.radius is not None]
-        if sum(shapes) != 1:
-            raise Inconsistent([((), "wanted exactly one shape: low and high, or vertices, or center and radius")])
-        if shapes[0] and (self.low is None or self.high is None or len(self.low) != len(self.high)):
-            raise Inconsistent([((), "a box needs low and high, of the same dimension")])
-        if shapes[2] and self.center is None:
-            raise Inconsistent([((), "a disc needs its center as well")])
-        if shapes[1] and len(self.vertices) < 3:
-            raise Inconsistent([(("vertices",), f"came {len(self.vertices)}; a polygon has at least 3")])
-        return self
-
-
-@dataclass(frozen=True, kw_only=True, config=STRICT)
-class SideSpec:
-    """What one side of the tank is."""
-
-    kind: Literal["wall", "open", "periodic"] = "wall"
-    """`wall`, `open` (nothing there: the liquid may leave) or `periodic` (the opposite side must be so too)"""
-    slip: Literal["free", "no-slip"] | None = None
-    """of a wall; left out, no-slip where the liquid has a viscosity, free otherwise"""
-    velocity: Motion | None = None
-    """of a wall along itself: a lid that drives the liquid (m/s)"""
-
-
-@dataclass(frozen=True, kw_only=True, config=STRICT)
-class TankSpec:
-    """A rectangular tank."""
-
-    low: Place
-    """its lowest corner (m)"""
-    high: Place
-    """its highest corner (m)"""
-    walls: Literal["mirror", "dummy", "reflect"] = "mirror"
-    """How walls act: `mirror` images, layers of `dummy` particles (Adami et al. 2012), or `reflect` alone, which is
-    what the original text does: the liquid collapses at such walls.
-    """
-    restitution: Proportion = 0.5
-    """of a particle's velocity normal to a wall, when the guard behind the walls has to turn it back"""
-    left: SideSpec = SideSpec()
-    """at low x"""
-    right: SideSpec = SideSpec()
-    """at high x"""
-    bottom: SideSpec = SideSpec()
-    """at low y"""
-    top: SideSpec = SideSpec()
-    """at high y"""
-    front: SideSpec = SideSpec()
-    """at low z"""
-    back: SideSpec = SideSpec()
-    """at high z"""
-
-    @model_validator(mode="after")
-    def _consistent(self) -> Self:
-        complaints: list[tuple[Path, str]] = []
-        if len(self.low) != len(self.high) or any(b <= a for a, b in zip(self.low, self.high, strict=False)):
-            complaints.append((("high",), "wanted a corner above low in each direction"))
-        for axis in range(len(self.low)):
-            pair = SIDES[2 * axis : 2 * axis + 2]
-            periodic = [getattr(self, side).kind == "periodic" for side in pair]
-            if any(periodic) and not all(periodic):
-                complaints.append(((pair[periodic.index(False)], "kind"), "its opposite is periodic; both must be"))
-        if complaints:
-            raise Inconsistent(complaints)
-        return self
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -209,6 +128,10 @@ class SphScene(Common):
     """Where there is liquid at the start."""
     tank: TankSpec
     """What holds it."""
+    obstacles: tuple[ObstacleSpec, ...] = ()
+    """What stands in it."""
+    bodies: tuple[BodySpec, ...] = ()
+    """What moves in it."""
     gravity: Pull | None = None
     """m/s^2; left out, 9.81 downwards (along y)"""
     method: MethodSpec = MethodSpec()
@@ -235,13 +158,23 @@ def _dimensions(scene: SphScene, dimension: int) -> Complaints:
         found.append((("gravity",), f"came {len(scene.gravity)} numbers; the tank has {dimension} dimensions"))
     if not scene.fluid:
         found.append((("fluid",), "there is no liquid; write a [[fluid]] table with low and high"))
-    for index, region in enumerate(scene.fluid):
-        for key in ("low", "center", "velocity", "velocity_gradient"):
-            value = getattr(region, key)
-            if value and len(value) != dimension:
-                found.append((("fluid", index, key), f"came {len(value)} numbers; the tank has {dimension} dimensions"))
-        if region.vertices and dimension == 3:
-            found.append((("fluid", index, "vertices"), "a polygon is for tanks in two dimensions"))
+    pieces = (("fluid", scene.fluid), ("obstacles", scene.obstacles), ("bodies", scene.bodies))
+    for table, specs in pieces:
+        for index, spec in enumerate(specs):
+            found += [((table, index, *path), message) for path, message in _of_shape(spec, dimension)]
+    return found
+
+
+def _of_shape(spec: ShapeSpec, dimension: int) -> Complaints:
+    found: Complaints = []
+    for key in ("low", "center", "velocity", "velocity_gradient"):
+        value = getattr(spec, key, None)
+        if value and len(value) != dimension:
+            found.append(((key,), f"came {len(value)} numbers; the tank has {dimension} dimensions"))
+    if spec.vertices and dimension == 3:
+        found.append((("vertices",), "a polygon is for tanks in two dimensions"))
+    if isinstance(spec, BodySpec) and isinstance(spec.spin, tuple) and dimension == 2:
+        found.append((("spin",), "came 3 numbers; in two dimensions a body turns about z alone: one number"))
     return found
 
 

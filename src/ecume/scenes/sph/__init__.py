@@ -1,0 +1,18 @@
+"""The scene of the SPH model: a liquid, the tank that holds it, what stands and moves in it, and how it is computed."""
+
+from ecume.scenes.sph.scene import FluidSpec, MethodSpec, RegionSpec, SphScene
+from ecume.scenes.sph.solids import BodySpec, ObstacleSpec, ShapeSpec
+from ecume.scenes.sph.tank import SIDES, SideSpec, TankSpec
+
+__all__ = [
+    "SIDES",
+    "BodySpec",
+    "FluidSpec",
+    "MethodSpec",
+    "ObstacleSpec",
+    "RegionSpec",
+    "ShapeSpec",
+    "SideSpec",
+    "SphScene",
+    "TankSpec",
+]
