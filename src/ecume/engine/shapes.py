@@ -28,6 +28,24 @@ class Shape(Protocol):
     def anchor(self) -> Array:
         """A corner of the lattice that fits it best, (d,)."""
 
+    def nearest(self, points: Array) -> tuple[Array, Array]:
+        """(N,) how far outside each point is (negative: inside), and (N, d) the slope of that: the way out."""
+
+    def rim(self, spacing: float) -> Array:
+        """(S, d) points of the boundary, its corners among them, no farther apart than the spacing."""
+
+    def middle(self) -> Array:
+        """(d,) the center of mass."""
+
+    def volume(self) -> float:
+        """An area in the plane."""
+
+    def inertia(self) -> Array:
+        """(3,) moments about the axes through the middle, of a unit mass; in the plane the last alone counts."""
+
+    def carried(self, way: Array) -> Shape:
+        """The same shape, moved by (d,)."""
+
 
 class Box(NamedTuple):
     """Between two corners."""
@@ -54,6 +72,43 @@ class Box(NamedTuple):
     def anchor(self) -> Array:
         """Its lowest corner."""
         return self.low
+
+    def nearest(self, points: Array) -> tuple[Array, Array]:
+        """To the faces outside of which it is, or else to the nearest one."""
+        from_middle = points - self.middle()
+        beyond = np.abs(from_middle) - 0.5 * (self.high - self.low)
+        inside = np.eye(points.shape[1])[np.argmax(beyond, axis=1)]
+        out = beyond.max(axis=1) > 0.0
+        away = np.where(out[:, None], np.maximum(beyond, 0.0), inside)
+        length = np.linalg.norm(away, axis=1)
+        gap = np.where(out, length, beyond.max(axis=1))
+        return gap, np.where(from_middle < 0.0, -away, away) / length[:, None]
+
+    def rim(self, spacing: float) -> Array:
+        """The nodes of a lattice over all faces."""
+        axes = [np.linspace(a, b, round_up(b - a, spacing) + 1) for a, b in zip(self.low, self.high, strict=True)]
+        points = np.stack([axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")], axis=1)
+        rim: Array = points[((points == self.low) | (points == self.high)).any(axis=1)]
+        return rim
+
+    def middle(self) -> Array:
+        """Half way between the corners."""
+        center: Array = 0.5 * (self.low + self.high)
+        return center
+
+    def volume(self) -> float:
+        """The product of its edges."""
+        return float(np.prod(self.high - self.low))
+
+    def inertia(self) -> Array:
+        """(b^2 + c^2) / 12 about the axis along a."""
+        square = np.pad((self.high - self.low) ** 2, (0, 3 - len(self.low)))
+        moments: Array = (square.sum() - square) / 12.0
+        return moments
+
+    def carried(self, way: Array) -> Box:
+        """Both corners."""
+        return Box(self.low + way, self.high + way)
 
 
 class Ball(NamedTuple):
@@ -82,6 +137,44 @@ class Ball(NamedTuple):
         """Its center: the lattice is as symmetric as the ball."""
         return self.center
 
+    def nearest(self, points: Array) -> tuple[Array, Array]:
+        """Along the radius; at the very center every way leads out, and the first axis is taken."""
+        away = points - self.center
+        length = np.linalg.norm(away, axis=1)
+        first = np.eye(points.shape[1])[0]
+        normal = np.where(length[:, None] > 0.0, away / np.where(length > 0.0, length, 1.0)[:, None], first)
+        return length - self.radius, normal
+
+    def rim(self, spacing: float) -> Array:
+        """Evenly around a circle; a spiral with golden steps around a sphere."""
+        if len(self.center) == 2:
+            angle = np.linspace(0.0, 2.0 * np.pi, round_up(2.0 * np.pi * self.radius, spacing), endpoint=False)
+            unit = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        else:
+            count = 2 * round_up(4.0 * np.pi * self.radius**2, spacing**2)
+            height = 1.0 - (2.0 * np.arange(count) + 1.0) / count
+            angle = np.pi * (3.0 - np.sqrt(5.0)) * np.arange(count)
+            around = np.sqrt(1.0 - height**2)
+            unit = np.stack([around * np.cos(angle), around * np.sin(angle), height], axis=1)
+        points: Array = self.center + self.radius * unit
+        return points
+
+    def middle(self) -> Array:
+        """Its center."""
+        return self.center
+
+    def volume(self) -> float:
+        """That of a disc, or of a sphere."""
+        return np.pi * self.radius**2 * (1.0 if len(self.center) == 2 else 4.0 / 3.0 * self.radius)
+
+    def inertia(self) -> Array:
+        """r^2 / 2 of a disc, 2/5 r^2 of a sphere."""
+        return np.full(3, (0.5 if len(self.center) == 2 else 0.4) * self.radius**2)
+
+    def carried(self, way: Array) -> Ball:
+        """Its center."""
+        return Ball(self.center + way, self.radius)
+
 
 class Polygon(NamedTuple):
     """Any simple polygon in the plane, vertices (V, 2) in either sense."""
@@ -106,6 +199,62 @@ class Polygon(NamedTuple):
         """The lowest corner of the box around it."""
         return self.bounds()[0]
 
+    def nearest(self, points: Array) -> tuple[Array, Array]:
+        """To the nearest edge or corner."""
+        first, edge = self.vertices, np.roll(self.vertices, -1, axis=0) - self.vertices
+        away = points[:, None, :] - first[None]
+        share = np.clip((away * edge).sum(axis=2) / (edge**2).sum(axis=1), 0.0, 1.0)
+        away -= share[:, :, None] * edge
+        length = np.linalg.norm(away, axis=2)
+        best = np.argmin(length, axis=1)
+        every = np.arange(len(points))
+        gap, way = length[every, best], away[every, best]
+        inside = self.inside(points)
+        # On the edge itself there is no way: the edge's own normal is it.
+        outward = np.stack([edge[:, 1], -edge[:, 0]], axis=1)[best] * np.sign(self._turn())
+        on = gap < 1e-12 * np.abs(self.vertices).max()
+        way = np.where(on[:, None], outward, np.where(inside[:, None], -way, way))
+        return np.where(inside, -gap, gap), way / np.linalg.norm(way, axis=1)[:, None]
+
+    def rim(self, spacing: float) -> Array:
+        """Along every edge."""
+        pieces = []
+        for first, last in zip(self.vertices, np.roll(self.vertices, -1, axis=0), strict=True):
+            share = np.linspace(0.0, 1.0, round_up(float(np.linalg.norm(last - first)), spacing), endpoint=False)
+            pieces.append(first + share[:, None] * (last - first))
+        return np.concatenate(pieces)
+
+    def middle(self) -> Array:
+        """Of the triangles between the first corner and each edge."""
+        origin, (one, other, twice) = self.vertices[0], self._fan()
+        center: Array = origin + (twice[:, None] * (one + other)).sum(axis=0) / (3.0 * twice.sum())
+        return center
+
+    def volume(self) -> float:
+        """By the shoelace formula."""
+        return 0.5 * abs(self._turn())
+
+    def inertia(self) -> Array:
+        """Of the same triangles, moved to the middle."""
+        one, other, twice = self._fan()
+        parts = (one**2).sum(axis=1) + (other**2).sum(axis=1) + (one * other).sum(axis=1)
+        about_corner = float((twice * parts).sum() / (6.0 * twice.sum()))
+        apart = self.middle() - self.vertices[0]
+        return np.array([0.0, 0.0, about_corner - float(apart @ apart)])
+
+    def carried(self, way: Array) -> Polygon:
+        """Every corner."""
+        return Polygon(self.vertices + way)
+
+    def _fan(self) -> tuple[Array, Array, Array]:
+        """Two edges of each triangle from the first corner, and twice its area with the sign of its sense."""
+        one = self.vertices - self.vertices[0]
+        other = np.roll(one, -1, axis=0)
+        return one, other, one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]
+
+    def _turn(self) -> float:
+        return float(self._fan()[2].sum())
+
     def _crossings(self, points: Array, direction: Array) -> Flags:
         return np.isfinite(self._distances(points, direction))
 
@@ -125,6 +274,11 @@ class Polygon(NamedTuple):
         crossed = (below_first != below_last) & (distance > 0.0)
         found: Array = np.where(crossed, distance, np.inf)
         return found
+
+
+def round_up(length: float, spacing: float) -> int:
+    """Into how many pieces a length is cut; rounding must not make one more."""
+    return max(1, int(np.ceil(length / spacing - 1e-6)))
 
 
 def lattice_in(shape: Shape, spacing: float) -> Array:

@@ -7,21 +7,54 @@ from typing import Any
 
 import numpy as np
 
+from ecume.engine.cells import Integers
 from ecume.engine.images import Sides
+from ecume.models.sph.guard import guard_of
 from ecume.models.sph.parameters import Boundary, Dummies, Material
+from ecume.models.sph.solids import grains, obstacle_grains, shape_of, solids_of
 from ecume.scenes.sph import SIDES, SphScene
 from ecume.units import Array
 
 
 def boundary_of(scene: SphScene, material: Material, support: float) -> Boundary:
-    """The boundary of a scene's tank."""
-    sides, table = _imaging_sides(scene, material)
-    low, high = np.array(scene.tank.low), np.array(scene.tank.high)
-    for axis in range(len(low)):
-        low[axis] = low[axis] if _side(scene, 2 * axis).kind == "wall" else -np.inf
-        high[axis] = high[axis] if _side(scene, 2 * axis + 1).kind == "wall" else np.inf
-    dummies = _layers(scene, material, support)
-    return Boundary(sides, table, dummies, low, high, scene.tank.restitution)
+    """The tank, what stands in it, and the bodies' particles about their middles."""
+    sides, table, image_owner = _imaging_sides(scene, material)
+    solids = solids_of(scene)
+    middle = 0.5 * (np.array(scene.tank.low) + np.array(scene.tank.high))
+    walls = 2 * len(middle)
+    names = SIDES[:walls]
+    names += tuple(f"obstacle{index}" for index in range(len(scene.obstacles)))
+    names += tuple(f"body{index}" for index in range(len(scene.bodies)))
+    centers = np.zeros((len(names), 3))
+    centers[:, : len(middle)] = [*[middle] * walls, *[solid.middle() for solid in solids]]
+    dummies = joined([_layers(scene, material, support), *_of_solids(scene, material, support)])
+    return Boundary(sides, table, image_owner, dummies, guard_of(scene), names, centers)
+
+
+def joined(pieces: list[Dummies]) -> Dummies:
+    """One after the other."""
+    return Dummies(*(np.ascontiguousarray(np.concatenate(parts, axis=-1)) for parts in zip(*pieces, strict=True)))
+
+
+def dummies_at(points: Array, volume: Array, viscosity: float, owner: int) -> Dummies:
+    """A solid's particles at rest, from points (n, d)."""
+    count = len(points)
+    number = np.full(count, owner, np.int64)
+    return Dummies(points.T.copy(), np.zeros_like(points.T), np.full(count, viscosity), volume, number)
+
+
+def _of_solids(scene: SphScene, material: Material, support: float) -> list[Dummies]:
+    pieces, first = [], 2 * len(scene.tank.low)
+    for index, (points, volume) in enumerate(obstacle_grains(scene, support)):
+        viscosity = material.viscosity * holds(scene.obstacles[index], material)
+        pieces.append(dummies_at(points, volume, viscosity, first + index))
+    for index, spec in enumerate(scene.bodies):
+        shape = shape_of(spec)
+        points, volume = grains(shape, scene.spacing, support)
+        viscosity = material.viscosity * holds(spec, material)
+        owner = first + len(scene.obstacles) + index
+        pieces.append(dummies_at(points - shape.middle(), volume, viscosity, owner))
+    return pieces
 
 
 def _side(scene: SphScene, number: int) -> Any:
@@ -33,21 +66,24 @@ def holds(side: Any, material: Material) -> bool:
     return bool(side.slip == "no-slip" or (side.slip is None and material.viscosity > 0.0))
 
 
-def _imaging_sides(scene: SphScene, material: Material) -> tuple[Sides, Array]:
-    """Mirrors, and periodic sides. Mirrors first: a periodic side then repeats the mirrored ones."""
+def _imaging_sides(scene: SphScene, material: Material) -> tuple[Sides, Array, Integers]:
+    """Mirrors, and periodic sides, and the number of each mirror's side in the tank (-1: periodic). Mirrors first: a
+    periodic side then repeats the mirrored ones.
+    """
     dimension = len(scene.tank.low)
     mirrors = scene.tank.walls == "mirror"
-    rows = []
+    rows, numbers = [], []
     for number in range(2 * dimension):
         side, axis = _side(scene, number), number // 2
         if side.kind == "periodic" or (side.kind == "wall" and mirrors):
             rows.append(_row(scene, number, axis, holds(side, material)))
-    rows.sort(key=lambda row: -row[3 * dimension])
-    table = np.array(rows).reshape(-1, 3 * dimension + 2)
-    d = dimension
+            numbers.append(number if side.kind == "wall" else -1)
+    order = sorted(range(len(rows)), key=lambda k: -rows[k][3 * dimension])
+    table = np.array([rows[k] for k in order]).reshape(-1, 3 * dimension + 2)
+    owner, d = np.array([numbers[k] for k in order], np.int64), dimension
     periodic = table[:, 3 * d] == 0.0
     shift = np.where(periodic[:, None], table[:, 2 * d : 3 * d], 0.0)
-    return Sides(table[:, :d], table[:, d : 2 * d], shift, (~periodic).astype(np.int64)), table
+    return Sides(table[:, :d], table[:, d : 2 * d], shift, (~periodic).astype(np.int64)), table, owner
 
 
 def _row(scene: SphScene, number: int, axis: int, hold: bool) -> list[float]:
@@ -68,7 +104,7 @@ def _layers(scene: SphScene, material: Material, support: float) -> Dummies:
     low, high = np.array(scene.tank.low), np.array(scene.tank.high)
     dimension, spacing = len(low), scene.spacing
     if scene.tank.walls != "dummy":
-        return Dummies(np.zeros((dimension, 0)), np.zeros((dimension, 0)), np.zeros(0))
+        return dummies_at(np.zeros((0, dimension)), np.zeros(0), 0.0, 0)
     layers = math.ceil(support / spacing - 1e-9)
     axes = []
     for axis in range(dimension):
@@ -79,13 +115,15 @@ def _layers(scene: SphScene, material: Material, support: float) -> Dummies:
     points = np.stack([grid.ravel() for grid in np.meshgrid(*axes, indexing="ij")], axis=1)
     outside = ((points < low) | (points > high)).any(axis=1)
     points = points[outside]
-    velocity, viscosity = np.zeros_like(points), np.zeros(len(points))
+    velocity, viscosity, owner = np.zeros_like(points), np.zeros(len(points)), np.zeros(len(points), np.int64)
     # A lid moves its own layers, not the corners of the walls beside it: they stand still.
     for number in range(2 * dimension):
         side, axis = _side(scene, number), number // 2
         behind = points[:, axis] < low[axis] if number % 2 == 0 else points[:, axis] > high[axis]
+        owner[behind] = number
         if side.kind == "wall" and holds(side, material):
             viscosity[behind] = material.viscosity
         if side.velocity is not None:
             velocity[behind] = side.velocity
-    return Dummies(np.ascontiguousarray(points.T), np.ascontiguousarray(velocity.T), viscosity)
+    volume = np.full(len(points), spacing**dimension)
+    return Dummies(np.ascontiguousarray(points.T), np.ascontiguousarray(velocity.T), viscosity, volume, owner)

@@ -7,11 +7,12 @@ from typing import Any, cast
 
 import numpy as np
 
-from ecume.engine.shapes import Ball, Box, Polygon, Shape, apart, lattice_in
+from ecume.engine.shapes import Box, Shape, apart, lattice_in
 from ecume.errors import Fault, SceneError
 from ecume.laws.enthalpy import density_at_enthalpy
 from ecume.laws.flows import taylor_green_pressure, taylor_green_velocity
 from ecume.laws.kernels import KERNEL_CODES, Kernel, kernel
+from ecume.models.sph.bodies import bodies_of
 from ecume.models.sph.boundaries import boundary_of
 from ecume.models.sph.fields import (
     ALPHA,
@@ -34,6 +35,7 @@ from ecume.models.sph.fields import (
     H,
 )
 from ecume.models.sph.parameters import INTEGRATORS, SHIFTINGS, Liquid, Material, Parameters
+from ecume.models.sph.solids import free_of, shape_of, solids_of
 from ecume.scenes.faults import suggestion
 from ecume.scenes.sph import RegionSpec, SphScene
 from ecume.units import Array
@@ -78,15 +80,6 @@ def smoothing_of(scene: SphScene) -> float:
 def gravity_of(scene: SphScene) -> Array:
     """(d,) m/s^2."""
     return np.array(scene.gravity, dtype=np.float64)
-
-
-def shape_of(region: RegionSpec) -> Shape:
-    """A region of the scene as a part of space."""
-    if region.vertices:
-        return Polygon(np.array(region.vertices))
-    if region.radius is not None:
-        return Ball(np.array(region.center), region.radius)
-    return Box(np.array(region.low), np.array(region.high))
 
 
 def held_pull(scene: SphScene) -> Array:
@@ -186,10 +179,11 @@ def liquid_of(scene: SphScene, material: Material) -> Liquid:
     generator = np.random.default_rng(scene.seed)
     pieces: list[tuple[Array, Array, Array]] = []
     earlier: list[Shape] = []
+    solids = solids_of(scene)
     for index, region in enumerate(scene.fluid):
         shape = shape_of(region)
         points = lattice_in(shape, scene.spacing)
-        points = points[apart(points, earlier)]
+        points = points[apart(points, earlier) & free_of(points, solids, scene.spacing)]
         outside = ~tank.inside(points)
         if outside.any():
             where = tuple(float(f"{x:.4g}") for x in points[outside][0])
@@ -234,6 +228,8 @@ def parameters_of(scene: SphScene) -> Parameters:
     transports = chosen(method.pressure_force, STRESSES, "method.pressure_force") == "transport"
     usual = material.density * material.sound_speed**2
     support = shape.support * smoothing
+    boundary = boundary_of(scene, material, support)
+    bodies = bodies_of(scene, boundary)
     return Parameters(
         time_step=time_step,
         steps_per_frame=per_frame,
@@ -248,7 +244,9 @@ def parameters_of(scene: SphScene) -> Parameters:
         choices=choices_of(scene, held),
         support=support,
         skin=SKIN * support,
-        boundary=boundary_of(scene, material, support),
+        boundary=boundary,
+        bodies=bodies,
+        moves=len(bodies.shapes) > 0,
         integrator=INTEGRATORS.index(chosen(method.integrator, INTEGRATORS, "method.integrator")),
         shifting=SHIFTINGS.index(chosen(method.shifting, SHIFTINGS, "method.shifting")),
         background=(usual if method.background_pressure is None else method.background_pressure) * transports,

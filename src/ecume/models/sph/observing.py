@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 import numpy as np
 
 from ecume.laws.enthalpy import tait_energy
 from ecume.laws.states import tait_pressure
+from ecume.models.sph.loads import loads
+from ecume.models.sph.motions import instant
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.state import GUARD_HITS, MOST_SUBSTEPS, SUBSTEPS, State, Workspace
+from ecume.models.sph.stepping import fill
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
@@ -44,8 +48,17 @@ NUMBER_UNITS = {
 }
 
 
+BODY_UNITS = {
+    **dict.fromkeys("xyz", "m"),
+    **{f"velocity_{axis}": "m/s" for axis in "xyz"},
+    **{f"spin_{axis}": "1/s" for axis in "xyz"},
+    "angle": "rad",
+}
+
+
 def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame:
     """The frame of this instant. In two dimensions energies, momenta and volumes are per meter of depth."""
+    parameters = instant(parameters, state)
     order = np.argsort(state.identity)
     arrays = {
         "position": np.ascontiguousarray(state.position[:, order].T),
@@ -56,8 +69,41 @@ def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame
         "species": state.region[order],
     }
     numbers = {**energies(parameters, state), **motion(state), **extremes(parameters, state)}
+    solid, units = of_solids(parameters, state, workspace)
     time = int(state.step[0]) * parameters.time_step
-    return Frame(time, arrays, {name: float(numbers[name]) for name in NUMBER_UNITS}, {**ARRAY_UNITS, **NUMBER_UNITS})
+    listed = {name: float(numbers[name]) for name in NUMBER_UNITS}
+    return Frame(time, arrays, {**listed, **solid}, {**ARRAY_UNITS, **NUMBER_UNITS, **units})
+
+
+def of_solids(parameters: Parameters, state: State, workspace: Workspace) -> tuple[dict[str, float], dict[str, str]]:
+    """What the liquid does to walls, obstacles and bodies, who was turned back there, and where the bodies are; with
+    units. In the plane forces are per meter of depth, and torques about z.
+    """
+    fill(parameters, state, workspace)
+    axes, turns = "xyz"[: parameters.dimension], "z" if parameters.dimension == 2 else "xyz"
+    numbers, units = dict[str, float](), dict[str, str]()
+    for name, force, torque in loads(parameters, workspace):
+        numbers |= {f"{name}_force_{axis}": float(force[k]) for k, axis in enumerate(axes)}
+        numbers |= {f"{name}_torque_{axis}": float(torque["xyz".index(axis)]) for axis in turns}
+        units |= dict.fromkeys((key for key in numbers if key.startswith(f"{name}_force")), "N")
+        units |= dict.fromkeys((key for key in numbers if key.startswith(f"{name}_torque")), "N*m")
+    names = parameters.boundary.names
+    guarded = {names[k] for k in parameters.boundary.guard.owner}
+    numbers |= {f"{name}_hits": float(state.hits[k]) for k, name in enumerate(names) if name in guarded}
+    for body in range(len(parameters.bodies.shapes)):
+        numbers |= pose_of(state, body, axes, turns)
+    return numbers, {name: units.get(name) or BODY_UNITS.get(name.split("_", 1)[1], "1") for name in numbers}
+
+
+def pose_of(state: State, body: int, axes: str, turns: str) -> dict[str, float]:
+    """Place, velocity, orientation and spin of a body: an angle in the plane, a quaternion in space."""
+    pose, move, name = state.pose[:, body], state.motion[:, body], f"body{body}"
+    found = {f"{name}_{axis}": float(pose[k]) for k, axis in enumerate(axes)}
+    found |= {f"{name}_velocity_{axis}": float(move[k]) for k, axis in enumerate(axes)}
+    found |= {f"{name}_spin_{axis}": float(move[3 + "xyz".index(axis)]) for axis in turns}
+    if len(axes) == 2:
+        return {**found, f"{name}_angle": 2.0 * math.atan2(pose[6], pose[3])}
+    return {**found, **{f"{name}_q{part}": float(pose[3 + k]) for k, part in enumerate("wxyz")}}
 
 
 def gauge_pressure(parameters: Parameters, state: State) -> Array:

@@ -6,6 +6,8 @@ from typing import NamedTuple
 
 from ecume.engine.cells import Integers
 from ecume.engine.images import Sides
+from ecume.engine.shapes import Shape
+from ecume.models.sph.guard import Guard
 from ecume.units import Array
 
 INTEGRATORS = ("symplectic", "verlet")
@@ -37,6 +39,10 @@ class Dummies(NamedTuple):
     """(d, D) of the wall"""
     viscosity: Array
     """(D,) zero where the wall does not hold the liquid"""
+    volume: Array
+    """(D,)"""
+    owner: Integers
+    """(D,) whose it is: a place in `Boundary.names`"""
 
 
 class Boundary(NamedTuple):
@@ -46,11 +52,38 @@ class Boundary(NamedTuple):
     """planes with images behind them"""
     table: Array
     """the same with velocities, as `columns.fill_images` reads it"""
+    image_owner: Integers
+    """(sides,) whose images they are: a place in `names`; -1 behind periodic sides"""
     dummies: Dummies
-    low: Array
-    """(d,) of the tank; minus infinity where it is open"""
-    high: Array
-    restitution: float
+    """of walls and obstacles where they are, of bodies about their middles"""
+    guard: Guard
+    names: tuple[str, ...]
+    """sides, obstacles, bodies"""
+    centers: Array
+    """(names, 3) what torques are about"""
+
+
+class Bodies(NamedTuple):
+    """Rigid bodies. Three rows for a place or a vector in the plane, too."""
+
+    shapes: tuple[Shape, ...]
+    """about their middles, as they start"""
+    rims: tuple[Array, ...]
+    """points of their surfaces, (S, 3)"""
+    pose: Array
+    """(7, B) at the start: middle, and the quaternion that turned it since then"""
+    motion: Array
+    """(6, B) at the start: velocity, spin"""
+    mass: Array
+    """(B,)"""
+    inertia: Array
+    """(3, B) about the axes of the shape"""
+    restitution: Array
+    friction: Array
+    first: int
+    """the first of their dummies: all after it are bodies', too"""
+    obstacles: tuple[Shape, ...]
+    obstacle_rims: tuple[Array, ...]
 
 
 class Liquid(NamedTuple):
@@ -86,6 +119,9 @@ class Parameters(NamedTuple):
     support: float
     skin: float
     boundary: Boundary
+    bodies: Bodies
+    moves: bool
+    """whether anything but the liquid does"""
     integrator: int
     shifting: int
     background: float

@@ -9,10 +9,12 @@ import psutil
 
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.models.model import Model
-from ecume.models.sph.building import kernel_of, liquid_of, parameters_of, shape_of, smoothing_of
+from ecume.models.sph.building import kernel_of, liquid_of, parameters_of, smoothing_of
 from ecume.models.sph.fields import FIELDS, RATES
+from ecume.models.sph.motions import at_reference
 from ecume.models.sph.observing import observe
 from ecume.models.sph.parameters import Parameters
+from ecume.models.sph.solids import shape_of
 from ecume.models.sph.state import State, Workspace, likely_neighbors, make_state, workspace_at
 from ecume.models.sph.stepping import advance
 from ecume.scenes.sph import SphScene
@@ -25,12 +27,12 @@ MANY_NEIGHBORS = {2: 80, 3: 250}
 
 def start(scene: SphScene, parameters: Parameters) -> State:
     """The liquid at time 0."""
-    return make_state(liquid_of(scene, parameters.material))
+    return make_state(parameters, liquid_of(scene, parameters.material))
 
 
 def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
     """Lists and tables at the state's reference positions."""
-    return workspace_at(parameters, state)
+    return workspace_at(at_reference(parameters, state), state)
 
 
 def checked_parameters(scene: SphScene) -> Parameters:

@@ -44,12 +44,24 @@ class State(NamedTuple):
     """(N,)"""
     reference: Array
     """(d, N) where everyone was when the lists were made: their order decides the order of sums"""
+    pose: Array
+    """(7, B) of rigid bodies: middle and quaternion"""
+    motion: Array
+    """(6, B) of rigid bodies: velocity and spin"""
+    push: Array
+    """(6, B) what changes those, at the end of the last step"""
+    pose_reference: Array
+    """(7, B) when the lists were made"""
+    clock: Array
+    """(2,) s: now, within a step too; when the lists were made"""
     step: Integers
     """(1,)"""
     ready: Integers
     """(1,) whether `acceleration` holds at the present positions"""
     tally: Array
     """substeps, hits of the guard, renewals of the lists, most substeps in a step"""
+    hits: Integers
+    """of the guard, by `Boundary.names`"""
 
 
 @dataclass
@@ -66,10 +78,11 @@ class Workspace:
         self.images, self.lists, self.fields, self.rates = other.images, other.lists, other.fields, other.rates
 
 
-def make_state(liquid: Liquid) -> State:
+def make_state(parameters: Parameters, liquid: Liquid) -> State:
     """At time 0, in cell order."""
     none = np.zeros_like(liquid.position)
     count = liquid.position.shape[1]
+    pose, motion = parameters.bodies.pose, parameters.bodies.motion
     return State(
         position=liquid.position.copy(),
         velocity=liquid.velocity.copy(),
@@ -81,9 +94,15 @@ def make_state(liquid: Liquid) -> State:
         identity=np.arange(count),
         region=liquid.region.copy(),
         reference=liquid.position.copy(),
+        pose=pose.copy(),
+        motion=motion.copy(),
+        push=np.zeros_like(motion),
+        pose_reference=pose.copy(),
+        clock=np.zeros(2),
         step=np.zeros(1, np.int64),
         ready=np.zeros(1, np.int64),
         tally=np.zeros(4),
+        hits=np.zeros(len(parameters.boundary.names), np.int64),
     )
 
 
@@ -109,7 +128,10 @@ def sort_state(parameters: Parameters, state: State) -> None:
 
 
 def workspace_at(parameters: Parameters, state: State, before: Lists | None = None) -> Workspace:
-    """Lists and tables for the crowd at the state's reference positions; lists lie where those before lay."""
+    """Lists and tables for the crowd at the state's reference positions; lists lie where those before lay.
+
+    `parameters` are those at the reference: see `motions`.
+    """
     boundary, reach = parameters.boundary, parameters.support + parameters.skin
     real = np.concatenate([state.reference, boundary.dummies.position], axis=1)
     images = images_of(real, boundary.sides, reach)
@@ -130,7 +152,7 @@ def put_dummies(parameters: Parameters, fields: NDArray[np.floating], first: int
     fields[X : X + dimension, here] = dummies.position
     fields[V : V + dimension, here] = dummies.velocity
     fields[U : U + dimension, here] = dummies.velocity
-    fields[VOLUME, here] = parameters.spacing**dimension
+    fields[VOLUME, here] = dummies.volume
     fields[MU, here] = dummies.viscosity
 
 

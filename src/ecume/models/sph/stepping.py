@@ -11,6 +11,8 @@ import math
 import numpy as np
 
 from ecume.models.model import DIVERGED, DONE
+from ecume.models.sph.bodies import carry, farthest_way, keep_out, pushed
+from ecume.models.sph.collisions import collide
 from ecume.models.sph.columns import fill_images, fill_liquid, fill_weights
 from ecume.models.sph.dummies import read_liquid
 from ecume.models.sph.fields import (
@@ -36,7 +38,9 @@ from ecume.models.sph.fields import (
 from ecume.models.sph.friction import push_transported, rub
 from ecume.models.sph.gradients import add_gradient_diffusion, fill_density_gradients
 from ecume.models.sph.guard import turn_back
+from ecume.models.sph.loads import forces_on_dummies, total
 from ecume.models.sph.motion import drift, farthest, kick, largest, store_acceleration, store_thickening, thicken
+from ecume.models.sph.motions import at_reference, instant
 from ecume.models.sph.parameters import DELTA_PLUS, SYMPLECTIC, Parameters
 from ecume.models.sph.shifting import shift
 from ecume.models.sph.state import (
@@ -47,6 +51,7 @@ from ecume.models.sph.state import (
     SUBSTEPS,
     State,
     Workspace,
+    put_dummies,
     sort_state,
     workspace_at,
 )
@@ -55,6 +60,8 @@ from ecume.models.sph.sums import sums_of
 MOST_DIVISIONS = 64
 """A step that must be divided more often than this will not recover."""
 FORCE_COURANT = 0.25
+CALM = 0.01
+"""What collides more slowly than this part of the fastest speed does not bounce."""
 
 
 def advance(parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
@@ -67,6 +74,7 @@ def advance(parameters: Parameters, state: State, workspace: Workspace, steps: i
         for _ in range(divisions):
             step(parameters, state, workspace, parameters.time_step / divisions)
         state.step[0] += 1
+        state.clock[0] = int(state.step[0]) * parameters.time_step
         state.tally[SUBSTEPS] += divisions
         state.tally[MOST_SUBSTEPS] = max(state.tally[MOST_SUBSTEPS], divisions)
     return DONE
@@ -88,13 +96,13 @@ def symplectic_step(parameters: Parameters, state: State, workspace: Workspace, 
     if not state.ready[0]:
         renew(parameters, state, workspace)
         take_forces(parameters, state, workspace, time)
-    kick(state.velocity, state.acceleration, 0.5 * time)
+    kick_all(state, 0.5 * time)
     move(parameters, state, workspace, 0.5 * time)
     take_thickening(parameters, state, workspace)
     thicken(state.density, state.thickening, time)
     move(parameters, state, workspace, 0.5 * time)
     take_forces(parameters, state, workspace, time)
-    kick(state.velocity, state.acceleration, 0.5 * time)
+    kick_all(state, 0.5 * time)
     state.ready[0] = 1
 
 
@@ -103,16 +111,23 @@ def verlet_step(parameters: Parameters, state: State, workspace: Workspace, time
     if not state.ready[0]:
         renew(parameters, state, workspace)
         take_both(parameters, state, workspace, time)
-    kick(state.velocity, state.acceleration, 0.5 * time)
+    kick_all(state, 0.5 * time)
     thicken(state.density, state.thickening, 0.5 * time)
     move(parameters, state, workspace, time)
-    kick(state.velocity, state.acceleration, 0.5 * time)
-    before = state.acceleration.copy()
+    kick_all(state, 0.5 * time)
+    before, before_bodies = state.acceleration.copy(), state.push.copy()
     take_both(parameters, state, workspace, time)
     kick(state.velocity, before, -0.5 * time)
-    kick(state.velocity, state.acceleration, 0.5 * time)
+    state.motion[...] -= 0.5 * time * before_bodies
+    kick_all(state, 0.5 * time)
     thicken(state.density, state.thickening, 0.5 * time)
     state.ready[0] = 1
+
+
+def kick_all(state: State, time: float) -> None:
+    """Of the liquid and of the bodies."""
+    kick(state.velocity, state.acceleration, time)
+    state.motion[...] += time * state.push
 
 
 def move(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
@@ -120,12 +135,31 @@ def move(parameters: Parameters, state: State, workspace: Workspace, time: float
     drift(state.position, state.velocity, time)
     if parameters.background > 0.0 or parameters.shifting == DELTA_PLUS:
         drift(state.position, state.transport, time)
-    boundary = parameters.boundary
-    state.tally[GUARD_HITS] += turn_back(
-        state.position, state.velocity, boundary.low, boundary.high, boundary.restitution
-    )
-    if farthest(state.position, state.reference) > 0.5 * parameters.skin:
+    state.clock[0] += time
+    if parameters.bodies.shapes:
+        carry(state.pose, state.motion, time)
+    now = instant(parameters, state)
+    turn_all_back(now, state, time)
+    if farthest(state.position, state.reference) + way_of_solids(parameters, state) > 0.5 * parameters.skin:
         renew(parameters, state, workspace)
+
+
+def turn_all_back(now: Parameters, state: State, time: float) -> None:
+    """Bodies at whatever they run into, liquid at walls, obstacles and bodies."""
+    guard, bodies = now.boundary.guard, now.bodies
+    if bodies.shapes:
+        calm = CALM * now.material.fastest
+        collide(bodies, guard.sheet, (state.pose, state.motion), calm)
+        inside = keep_out(bodies, state.pose, state.motion, (state.position, state.velocity, state.mass))
+        state.tally[GUARD_HITS] += inside
+    hits = turn_back(guard, state.position, state.velocity, state.transport, time)
+    np.add.at(state.hits, guard.owner, hits)
+    state.tally[GUARD_HITS] += hits.sum()
+
+
+def way_of_solids(parameters: Parameters, state: State) -> float:
+    """How far bodies went since the lists were made."""
+    return farthest_way(parameters.bodies, state.pose, state.pose_reference)
 
 
 def renew(parameters: Parameters, state: State, workspace: Workspace) -> None:
@@ -135,7 +169,9 @@ def renew(parameters: Parameters, state: State, workspace: Workspace) -> None:
         sort_state(parameters, state)
     state.tally[RENEWALS] += 1
     state.reference[...] = state.position
-    workspace.take(workspace_at(parameters, state, workspace.lists))
+    state.pose_reference[...] = state.pose
+    state.clock[1] = state.clock[0]
+    workspace.take(workspace_at(at_reference(parameters, state), state, workspace.lists))
 
 
 def wrap(parameters: Parameters, state: State) -> None:
@@ -148,6 +184,7 @@ def wrap(parameters: Parameters, state: State) -> None:
 
 def take_thickening(parameters: Parameters, state: State, workspace: Workspace) -> None:
     """The rate of density at the present positions."""
+    parameters = instant(parameters, state)
     fill(parameters, state, workspace)
     _sum_stretch(parameters, workspace)
     _store_thickening(parameters, state, workspace)
@@ -155,6 +192,7 @@ def take_thickening(parameters: Parameters, state: State, workspace: Workspace) 
 
 def take_forces(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
     """The acceleration at the present positions, and the transport for the next drift."""
+    parameters = instant(parameters, state)
     fill(parameters, state, workspace)
     _sum_push(parameters, workspace)
     _store_acceleration(parameters, state, workspace, time)
@@ -162,6 +200,7 @@ def take_forces(parameters: Parameters, state: State, workspace: Workspace, time
 
 def take_both(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
     """Both of them; in a single sum where there is neither diffusion nor a wall's dummy."""
+    parameters = instant(parameters, state)
     fill(parameters, state, workspace)
     choices, lists = parameters.choices, workspace.lists
     alone = choices[DIFFUSION] == NO_DIFFUSION and len(lists.counts) == state.position.shape[1]
@@ -206,8 +245,25 @@ def _store_acceleration(parameters: Parameters, state: State, workspace: Workspa
         workspace.rates[ACC : ACC + 3] = 0.0
         rub(workspace.fields, lists.counts, lists.neighbor, parameters.numbers, choices, workspace.rates)
         state.acceleration[...] += workspace.rates[ACC : ACC + parameters.dimension]
+    _push_bodies(parameters, state, workspace)
     if parameters.background > 0.0 or parameters.shifting == DELTA_PLUS:
         shift(parameters, state, workspace, time)
+
+
+def _push_bodies(parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """What the liquid does to each body's particles, summed in their order."""
+    bodies, dummies = parameters.bodies, parameters.boundary.dummies
+    if not bodies.shapes:
+        return
+    force, place = forces_on_dummies(parameters, workspace, bodies.first)
+    owner = dummies.owner[bodies.first :]
+    names = len(parameters.boundary.names)
+    sums = [
+        total(force[:, owner == number], place[:, owner == number], state.pose[:3, body])
+        for body, number in enumerate(range(names - len(bodies.shapes), names))
+    ]
+    load = np.array([force for force, _ in sums]), np.array([torque for _, torque in sums])
+    state.push[...] = pushed(bodies, state.pose, state.motion, load, parameters.gravity)
 
 
 def fill(parameters: Parameters, state: State, workspace: Workspace) -> None:
@@ -222,6 +278,8 @@ def fill(parameters: Parameters, state: State, workspace: Workspace) -> None:
     images = workspace.images
     of_images = real, images.source, images.start, boundary.table, parameters.gravity, parameters.constants
     numbers, choices = parameters.numbers, parameters.choices
+    if parameters.moves:
+        put_dummies(parameters, fields, count)
     if len(images.source):
         fill_images(fields, *of_images)
     if choices[DIFFUSION] == ANTUONO:

@@ -1,0 +1,165 @@
+"""What the liquid does to what holds it: forces and torques on sides, obstacles and bodies, pair by pair as the sums
+over neighbors have them, so that what the liquid gets the solid loses.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from ecume._jit import prange, spread
+from ecume.engine.cells import Integers
+from ecume.engine.images import Images
+from ecume.models.sph.fields import (
+    ALPHA,
+    DIMENSION,
+    FRICTION,
+    INVERSE,
+    KERNEL,
+    LAMINAR,
+    LIQUID,
+    MU,
+    PUSH,
+    RHO,
+    SCALE,
+    SOFT,
+    STRESS,
+    TRANSPORT,
+    VOLUME,
+    WEIGHT,
+    P,
+    U,
+    V,
+    W,
+    X,
+)
+from ecume.models.sph.parameters import Parameters
+from ecume.models.sph.state import Workspace
+from ecume.models.sph.weights import slope_of
+from ecume.units import Array
+
+
+@spread
+def press(
+    fields: Any, mine: Any, group: Any, count: Any, neighbor: Any, numbers: Any, choices: Any, force: Any
+) -> None:
+    """The force on each of the columns `mine`, (groups, 3, columns), of its neighbors in each group (-1: in none)."""
+    kernel, scale, alpha, inverse = choices[KERNEL], numbers[SCALE], numbers[ALPHA], numbers[INVERSE]
+    transported, rubs, deep = choices[STRESS] == TRANSPORT, choices[FRICTION] == LAMINAR, choices[DIMENSION] == 3
+    for place in prange(len(mine)):
+        i = mine[place]
+        for k in range(count[i]):
+            j = neighbor[i, k]
+            g = group[j]
+            if g < 0:
+                continue
+            dx, dy = fields[X, j] - fields[X, i], fields[X + 1, j] - fields[X + 1, i]
+            dz = fields[X + 2, j] - fields[X + 2, i] if deep else 0.0
+            square = dx * dx + dy * dy + dz * dz
+            pull = scale * slope_of(math.sqrt(square) * inverse, kernel)
+            if transported:
+                both = 0.5 * pull * (fields[VOLUME, i] * fields[VOLUME, i] + fields[VOLUME, j] * fields[VOLUME, j])
+                mean = fields[RHO, j] * fields[P, i] + fields[RHO, i] * fields[P, j]
+                mean *= 2.0 / (fields[RHO, i] + fields[RHO, j])
+                own = fields[RHO, i] * (fields[W, i] * dx + fields[W + 1, i] * dy + fields[W + 2, i] * dz)
+                flux = fields[RHO, j] * (fields[W, j] * dx + fields[W + 1, j] * dy + fields[W + 2, j] * dz)
+                force[g, 0, place] += both * (mean * dx - own * fields[V, i] - flux * fields[V, j])
+                force[g, 1, place] += both * (mean * dy - own * fields[V + 1, i] - flux * fields[V + 1, j])
+                force[g, 2, place] += both * (mean * dz - own * fields[V + 2, i] - flux * fields[V + 2, j])
+            else:
+                radial = (fields[V, j] - fields[V, i]) * dx + (fields[V + 1, j] - fields[V + 1, i]) * dy
+                radial += (fields[V + 2, j] - fields[V + 2, i]) * dz
+                damping = alpha * fields[LIQUID, i] * fields[LIQUID, j] * min(radial, 0.0) / (square + numbers[SOFT])
+                both = pull * fields[WEIGHT, i] * fields[WEIGHT, j] * (fields[PUSH, i] + fields[PUSH, j] - damping)
+                force[g, 0, place] += both * dx
+                force[g, 1, place] += both * dy
+                force[g, 2, place] += both * dz
+            held = fields[MU, i] * fields[MU, j]
+            if rubs and held > 0.0:
+                drag = 4.0 * pull * fields[VOLUME, i] * fields[VOLUME, j] * held / (fields[MU, i] + fields[MU, j])
+                force[g, 0, place] += drag * (fields[U, i] - fields[U, j])
+                force[g, 1, place] += drag * (fields[U + 1, i] - fields[U + 1, j])
+                force[g, 2, place] += drag * (fields[U + 2, i] - fields[U + 2, j])
+
+
+def forces_on(parameters: Parameters, workspace: Workspace, mine: Integers, group: Integers) -> Array:
+    """(groups, 3, columns) N, out of a filled workspace."""
+    lists, force = workspace.lists, np.zeros((int(group.max(initial=0)) + 1, 3, len(mine)))
+    numbers, choices = parameters.numbers, parameters.choices
+    press(workspace.fields, mine, group, lists.counts, lists.neighbor, numbers, choices, force)
+    return force
+
+
+def forces_on_dummies(parameters: Parameters, workspace: Workspace, first: int) -> tuple[Array, Array]:
+    """Force and place, (3, n) each, of all dummies from number `first` on."""
+    mine = np.arange(workspace.rates.shape[1] + first, len(workspace.lists.counts))
+    group = np.zeros(workspace.fields.shape[1], np.int64)
+    return forces_on(parameters, workspace, mine, group)[0], _places(parameters, workspace, mine)
+
+
+def total(force: Array, place: Array, center: Array) -> tuple[Array, Array]:
+    """The sum of forces at places, each (3, n), and their torque about a center."""
+    torque = np.cross((place - center[:, None]).T, force.T).sum(axis=0)
+    return force.sum(axis=1), torque
+
+
+def loads(parameters: Parameters, workspace: Workspace) -> Iterator[tuple[str, Array, Array]]:
+    """Name, force and torque of every wall, obstacle and body. A wall's torque is about the middle of the tank, an
+    obstacle's and a body's about its own.
+    """
+    boundary = parameters.boundary
+    force, place = forces_on_dummies(parameters, workspace, 0)
+    mirrored, at = forces_of_images(parameters, workspace)
+    for number, name in enumerate(boundary.names):
+        mine = boundary.dummies.owner == number
+        if number in mirrored:
+            yield name, *total(-mirrored[number], at, boundary.centers[number])
+        elif mine.any():
+            yield name, *total(force[:, mine], place[:, mine], boundary.centers[number])
+
+
+def forces_of_images(parameters: Parameters, workspace: Workspace) -> tuple[dict[int, Array], Array]:
+    """What each mirror does to the liquid before it, by the mirror's side; and where that liquid is.
+
+    An image in a corner was mirrored by two sides or three, and each of them has the part along its own normal.
+    """
+    images, boundary = workspace.images, parameters.boundary
+    liquid, real = workspace.rates.shape[1], len(workspace.lists.counts)
+    chains = chains_of(images, real)
+    kinds, kind = np.unique(chains, return_inverse=True)
+    group = np.full(workspace.fields.shape[1], -1)
+    group[real:] = kind.ravel()
+    mine = np.unique(images.source[images.source < liquid])
+    force = forces_on(parameters, workspace, mine, group)
+    found = {int(side): np.zeros((3, len(mine))) for side in boundary.image_owner if side >= 0}
+    for g, chain in enumerate(kinds):
+        for axis in range(3):
+            side = _bearer(boundary.image_owner, int(chain), axis)
+            if side >= 0:
+                found[side][axis] += force[g, axis]
+    return found, _places(parameters, workspace, mine)
+
+
+def chains_of(images: Images, real: int) -> Integers:
+    """Which sides each image went through, as bits."""
+    chains = np.zeros(len(images.source), np.int64)
+    for side in range(len(images.start) - 1):
+        here = slice(images.start[side], images.start[side + 1])
+        earlier = images.source[here] - real
+        chains[here] = np.where(earlier >= 0, chains[np.maximum(earlier, 0)], 0) | (1 << side)
+    return chains
+
+
+def _bearer(owner: Integers, chain: int, axis: int) -> int:
+    """The side that bears a component: the one it is normal to, or else the last; -1 where no wall is among them."""
+    through = [int(side) for bit, side in enumerate(owner) if chain >> bit & 1 and side >= 0]
+    return next((side for side in through if side // 2 == axis), through[-1] if through else -1)
+
+
+def _places(parameters: Parameters, workspace: Workspace, mine: Integers) -> Array:
+    place = workspace.fields[X : X + 3, mine].astype(np.float64)
+    place[parameters.dimension :] = 0.0
+    return place

@@ -1,0 +1,85 @@
+"""What is solid in the liquid, as dummy particles: those within one support of a surface."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ecume.engine.shapes import Ball, Box, Flags, Polygon, Shape, apart, lattice_in, round_up
+from ecume.scenes.sph import ShapeSpec, SphScene
+from ecume.units import Array
+
+CLEARANCE = 0.25
+"""Liquid that would start closer to a solid than this many spacings is left out."""
+
+
+def shape_of(spec: ShapeSpec) -> Shape:
+    """A region of the scene as a part of space."""
+    if spec.vertices:
+        return Polygon(np.array(spec.vertices))
+    if spec.radius is not None:
+        return Ball(np.array(spec.center), spec.radius)
+    return Box(np.array(spec.low), np.array(spec.high))
+
+
+def solids_of(scene: SphScene) -> list[Shape]:
+    """Obstacles, then bodies as they start."""
+    return [shape_of(spec) for spec in (*scene.obstacles, *scene.bodies)]
+
+
+def free_of(points: Array, solids: list[Shape], spacing: float) -> Flags:
+    """Which points are outside of all solids, and not too close to one."""
+    free = np.ones(len(points), bool)
+    for solid in solids:
+        free &= solid.nearest(points)[0] > CLEARANCE * spacing
+    return free
+
+
+def grains(shape: Shape, spacing: float, support: float) -> tuple[Array, Array]:
+    """Dummies of a solid, (n, d), and their volumes, which fill the whole shape: where it is thicker than the support,
+    its core is left out.
+    """
+    if isinstance(shape, Box):
+        points, volume = _cells_of(shape, spacing)
+    elif isinstance(shape, Ball) and len(shape.center) == 2:
+        points, volume = _rings_of(shape, spacing)
+    else:
+        points = lattice_in(shape, spacing)
+        volume = np.full(len(points), shape.volume() / max(1, len(points)))
+    near = shape.nearest(points)[0] > -support
+    return points[near], volume[near]
+
+
+def obstacle_grains(scene: SphScene, support: float) -> list[tuple[Array, Array]]:
+    """Of each obstacle, without what is in an earlier one or out of the tank."""
+    low, high = np.array(scene.tank.low), np.array(scene.tank.high)
+    found, earlier = [], list[Shape]()
+    for spec in scene.obstacles:
+        shape = shape_of(spec)
+        points, volume = grains(shape, scene.spacing, support)
+        stays = apart(points, earlier) & ((points > low) & (points < high)).all(axis=1)
+        found.append((points[stays], volume[stays]))
+        earlier.append(shape)
+    return found
+
+
+def _cells_of(shape: Box, spacing: float) -> tuple[Array, Array]:
+    """A lattice that fits: as many cells an edge as are nearest to the spacing."""
+    size = shape.high - shape.low
+    counts = [max(1, round(length / spacing)) for length in size]
+    axes = [a + (np.arange(n) + 0.5) * w / n for a, w, n in zip(shape.low, size, counts, strict=True)]
+    points = np.stack([axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")], axis=1)
+    return points, np.full(len(points), shape.volume() / len(points))
+
+
+def _rings_of(shape: Ball, spacing: float) -> tuple[Array, Array]:
+    """Rings one spacing apart, so that the surface is as smooth as it can be."""
+    rings = round_up(shape.radius, spacing)
+    width = shape.radius / rings
+    points, volume = [], []
+    for ring in range(rings):
+        radius = (ring + 0.5) * width
+        count = max(3, round(2.0 * np.pi * radius / spacing))
+        angle = 2.0 * np.pi * np.arange(count) / count
+        points.append(shape.center + radius * np.stack([np.cos(angle), np.sin(angle)], axis=1))
+        volume.append(np.full(count, 2.0 * np.pi * radius * width / count))
+    return np.concatenate(points), np.concatenate(volume)

@@ -1,0 +1,214 @@
+"""Obstacles, rigid bodies, and the guard behind the walls."""
+
+import numpy as np
+import pytest
+
+import ecume
+from ecume.engine.shapes import Ball, Box, Polygon
+from ecume.errors import SceneError
+from ecume.models.sph.bodies import carry, pushed, rotations
+from ecume.models.sph.collisions import collide
+from ecume.models.sph.record import SPH
+from ecume.scenes.schema import from_plain, to_plain
+from tests.models.sph.scenes import free_blob, tank
+from tests.models.sph.test_runs import copy_of, marched
+
+
+def changed(scene, **tables):
+    return from_plain({**to_plain(scene), **tables})
+
+
+def last_of(scene):
+    (*_, last) = ecume.simulate(scene)
+    return last
+
+
+SHAPES = [
+    Box(np.array([0.0, 1.0]), np.array([2.0, 1.5])),
+    Ball(np.array([0.3, -0.2]), 0.7),
+    Polygon(np.array([[0.0, 0.0], [2.0, 0.0], [1.5, 1.0], [0.2, 0.8]])),
+    Box(np.zeros(3), np.array([1.0, 2.0, 0.5])),
+    Ball(np.array([0.3, -0.2, 1.0]), 0.7),
+]
+
+
+@pytest.mark.parametrize("shape", SHAPES, ids=lambda shape: f"{type(shape).__name__}{len(shape.middle())}")
+def test_the_way_to_a_surface_leads_there(shape):
+    low, high = shape.bounds()
+    points = np.random.default_rng(1).uniform(low - 0.5, high + 0.5, (400, len(low)))
+    gap, normal = shape.nearest(points)
+    assert np.array_equal(gap < 0.0, shape.inside(points))
+    np.testing.assert_allclose(shape.nearest(points - gap[:, None] * normal)[0], 0.0, atol=1e-12)
+    np.testing.assert_allclose(shape.nearest(shape.rim(0.1))[0], 0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize("shape", SHAPES, ids=lambda shape: f"{type(shape).__name__}{len(shape.middle())}")
+def test_middle_volume_and_inertia_are_those_of_a_fine_lattice(shape):
+    low, high = shape.bounds()
+    axes = [np.linspace(a, b, 121)[:-1] + (b - a) / 240 for a, b in zip(low, high, strict=True)]
+    points = np.stack([axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")], axis=1)
+    inside = points[shape.inside(points)]
+    assert shape.volume() == pytest.approx(len(inside) / len(points) * np.prod(high - low), rel=5e-3)
+    np.testing.assert_allclose(inside.mean(axis=0), shape.middle(), atol=2e-3)
+    away = np.pad(inside - shape.middle(), ((0, 0), (0, 3 - len(low))))
+    moments = ((away**2).sum(axis=1)[:, None] - away**2).mean(axis=0)
+    np.testing.assert_allclose(shape.inertia()[5 - len(low) - 1 :], moments[5 - len(low) - 1 :], rtol=1e-2)
+
+
+@pytest.mark.parametrize("walls", ["mirror", "dummy"])
+def test_walls_carry_the_liquid(walls):
+    numbers = last_of(tank(walls=walls, jitter=0.0)).numbers
+    assert numbers["bottom_force_y"] == pytest.approx(-1.0, abs=0.05)
+    assert numbers["left_force_x"] == pytest.approx(-0.5, abs=0.05)
+    assert numbers["right_force_x"] == pytest.approx(0.5, abs=0.05)
+
+
+def test_reflection_alone_keeps_everyone_inside_and_counts():
+    last = last_of(tank(walls="reflect"))
+    x, y = last.arrays["position"].T
+    assert min(x.min(), 1.0 - x.max(), y.min()) >= 0.999e-3 / 8
+    assert last.numbers["guard_hits"] == sum(last.numbers[f"{side}_hits"] for side in ("left", "right", "bottom"))
+    assert last.numbers["bottom_hits"] > 0
+
+
+def test_an_obstacle_keeps_the_liquid_out_and_is_lifted_by_what_it_displaces():
+    disc = {"center": [0.5, 0.45], "radius": 0.2}
+    scene = changed(tank(deep=16, jitter=0.0), obstacles=[disc], duration=0.5)
+    last = last_of(scene)
+    away = np.linalg.norm(last.arrays["position"] - [0.5, 0.45], axis=1)
+    assert away.min() > 0.2
+    lift = np.pi * 0.2**2
+    assert last.numbers["obstacle0_force_y"] == pytest.approx(lift, rel=0.25)
+    assert abs(last.numbers["obstacle0_force_x"]) < 0.1 * lift
+    assert last.numbers["obstacle0_hits"] == 0
+
+
+def body(**more):
+    return {"low": [-0.3, -0.3], "high": [0.3, 0.3], "density": 500.0, "spin": 1.0, "velocity": [0.4, 0.1], **more}
+
+
+@pytest.mark.parametrize("force", ["sum", "monaghan", "transport"])
+def test_what_a_body_gets_the_liquid_loses(force):
+    scene = changed(free_blob(pressure_force=force), bodies=[body()])
+    parameters = SPH.parameters(scene)
+    state = SPH.start(scene, parameters)
+    mass = parameters.bodies.mass[0]
+
+    def momentum():
+        return state.velocity @ state.mass + mass * state.motion[:2, 0]
+
+    before, alone = momentum(), state.motion[:2, 0].copy()
+    SPH.advance(parameters, state, SPH.workspace(parameters, state, 1.0), 20)
+    moved = np.abs(mass * (state.motion[:2, 0] - alone)).max()
+    assert moved > 1.0
+    np.testing.assert_allclose(momentum(), before, atol=1e-10 * moved)
+
+
+def test_half_a_run_with_a_body_and_half_a_run_are_a_run():
+    scene = changed(tank(), bodies=[{"center": [0.5, 1.1], "radius": 0.2, "density": 0.5, "velocity": [0.0, -1.0]}])
+    parameters, whole = marched(scene, 60)
+    _, half = marched(scene, 30)
+    again = copy_of(half)
+    SPH.advance(parameters, again, SPH.workspace(parameters, again, 1.0), 30)
+    for name, one, other in zip(whole._fields, whole, again, strict=True):
+        assert np.array_equal(one, other), name
+
+
+@pytest.mark.compiled
+def test_a_box_of_half_the_density_floats_half_immersed():
+    box = {"low": [0.25, 0.85], "high": [0.75, 1.15], "density": 0.5}
+    numbers = [
+        frame.numbers for frame in ecume.simulate(changed(tank(deep=12, jitter=0.0), bodies=[box], duration=4.0))
+    ]
+    # It displaces what it was put in the place of: the level stays at 1.
+    assert np.mean([row["body0_y"] for row in numbers[-20:]]) == pytest.approx(1.0, abs=0.02)
+    assert np.mean([row["body0_force_y"] for row in numbers[-20:]]) == pytest.approx(0.5 * 0.15, rel=0.03)
+    assert abs(numbers[-1]["body0_angle"]) < 0.1
+
+
+@pytest.mark.compiled
+def test_a_heavy_box_sinks_to_the_bottom():
+    box = {"low": [0.3, 0.8], "high": [0.7, 1.2], "density": 3.0}
+    numbers = last_of(changed(tank(jitter=0.0), bodies=[box], duration=4.0)).numbers
+    assert numbers["body0_y"] == pytest.approx(0.2, abs=0.02)
+
+
+def bodies_of(*specs, dimension=2):
+    scene = changed(free_blob(dimension), bodies=list(specs))
+    parameters = SPH.parameters(scene)
+    return parameters, parameters.bodies, parameters.bodies.pose.copy(), parameters.bodies.motion.copy()
+
+
+def test_a_collision_keeps_momentum_spin_included_and_takes_its_share_of_the_approach():
+    specs = (
+        {"center": [-1.0, 0.0], "radius": 0.3, "mass": 2.0, "velocity": [1.0, 0.0], "restitution": 0.5},
+        {"low": [-0.72, -0.1], "high": [-0.1, 0.5], "mass": 1.0, "restitution": 0.8, "spin": 0.5},
+    )
+    parameters, bodies, pose, motion = bodies_of(*specs)
+
+    def momenta():
+        linear = motion[:3] @ bodies.mass
+        around = np.cross(pose[:3].T, (bodies.mass * motion[:3]).T).sum(axis=0)
+        return linear, around[2] + bodies.inertia[2] @ motion[5]
+
+    before, energy = momenta(), bodies.mass @ (motion[:3] ** 2).sum(axis=0) + bodies.inertia[2] @ motion[5] ** 2
+    place = pose.copy()
+    assert collide(bodies, parameters.boundary.guard.sheet, (pose, motion), 0.0) > 0
+    moved, pose[...] = pose.copy(), place
+    after = momenta()
+    np.testing.assert_allclose(after[0], before[0], atol=1e-12)
+    assert after[1] == pytest.approx(before[1], abs=0.02)
+    assert bodies.mass @ (motion[:3] ** 2).sum(axis=0) + bodies.inertia[2] @ motion[5] ** 2 < energy
+    assert motion[0, 0] < motion[0, 1]
+    np.testing.assert_allclose(moved[:3] @ bodies.mass, place[:3] @ bodies.mass, atol=1e-12)
+
+
+def test_a_body_that_nothing_touches_keeps_its_angular_momentum_and_energy():
+    spec = {"low": [-0.3, -0.2, -0.1], "high": [0.3, 0.2, 0.1], "mass": 1.0, "spin": [0.1, 2.0, 0.1]}
+    _, bodies, pose, motion = bodies_of(spec, dimension=3)
+    none = np.zeros((1, 3))
+
+    def momentum():
+        turn = rotations(pose)[0]
+        return turn @ (bodies.inertia[:, 0] * (turn.T @ motion[3:, 0]))
+
+    before = momentum()
+    for _ in range(2000):
+        push = pushed(bodies, pose, motion, (none, none), np.zeros(3))
+        middle = motion + 0.0025 * push
+        carry(pose, middle, 0.0025)
+        motion += 0.005 * pushed(bodies, pose, middle, (none, none), np.zeros(3))
+        carry(pose, motion, 0.0025)
+    # About its middle axis it tumbles: the spin turns over, the momentum stays.
+    np.testing.assert_allclose(momentum(), before, atol=0.02 * np.linalg.norm(before))
+
+
+def test_a_body_comes_to_rest_on_the_floor_without_sinking_into_it():
+    spec = {"low": [-0.3, 0.2], "high": [0.3, 0.5], "mass": 1.0, "spin": 0.7}
+    plain = to_plain(free_blob())
+    plain["tank"]["bottom"] = {"kind": "wall"}
+    plain["tank"]["low"] = [-3.0, -1.0]
+    parameters = SPH.parameters(from_plain({**plain, "bodies": [spec]}))
+    bodies, pose, motion = parameters.bodies, parameters.bodies.pose.copy(), parameters.bodies.motion.copy()
+    for _ in range(2000):
+        motion[1] -= 0.005
+        carry(pose, motion, 0.005)
+        collide(bodies, parameters.boundary.guard.sheet, (pose, motion), 0.05)
+    assert pose[1, 0] == pytest.approx(-0.85, abs=1e-3)
+    assert np.abs(motion).max() < 0.02
+
+
+@pytest.mark.parametrize(
+    ("tables", "path"),
+    [
+        ({"bodies": [{"center": [0.5, 0.5], "radius": 0.2}]}, "bodies[0]"),
+        ({"bodies": [{"center": [0.5, 0.0], "radius": 0.2, "density": 1.0}]}, "bodies[0]"),
+        ({"obstacles": [{"vertices": [[0, 0], [1, 0], [0.2, 0.2], [0, 1]]}]}, "obstacles[0].vertices"),
+        ({"obstacles": [{"center": [0.5, 0.5, 0.5], "radius": 0.2}]}, "obstacles[0].center"),
+        ({"bodies": [{"center": [0.5, 0.5], "radius": 0.2, "mass": 1.0, "spin": [0, 0, 1]}]}, "bodies[0].spin"),
+    ],
+)
+def test_a_solid_that_cannot_be_says_which_and_why(tables, path):
+    with pytest.raises(SceneError) as caught:
+        SPH.parameters(changed(tank(), **tables))
+    assert path in str(caught.value)
