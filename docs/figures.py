@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 from figures_sph import FIGURES as SPH_FIGURES
+from figures_tracers import FIGURES as TRACER_FIGURES
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
@@ -248,6 +249,7 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     "integrators": integrators,
     "cereal-bowl": cereal_bowl,
     **SPH_FIGURES,
+    **TRACER_FIGURES,
 }
 
 

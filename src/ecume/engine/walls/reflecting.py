@@ -8,7 +8,7 @@ import numpy as np
 
 from ecume.engine.cells import Integers
 from ecume.engine.walls.flight import CAPPED, MOST_EVENTS
-from ecume.engine.walls.passage import fly_all, reflect_all
+from ecume.engine.walls.passage import fly_all
 from ecume.engine.walls.sheets import GRAIN, SCALE, Sheet, sheet
 from ecume.engine.walls.surfaces import PLANE, Surfaces, described
 from ecume.errors import BadInput
@@ -65,9 +65,9 @@ def reflect(
     new, fast, pushed, width = _prepared(position, velocity, acceleration, radius)
     packed = sheet(walls, restitution, tangential)
     _require_inside(new, width, walls, packed)
-    hits, fate = np.zeros(len(new), np.int64), np.zeros(len(new), np.int64)
-    tally = (hits, fate, np.zeros(len(walls.kind), np.int64))
-    if reflect_all(new, fast, pushed, float(dt), packed, width, tally):
+    hits = np.zeros(len(new), np.int64)
+    fate = _flown((new, fast, pushed, width), float(dt), packed, _no_log(new.shape[1]), hits)
+    if fate.min(initial=0) < 0:
         worst = int(np.argmin(fate))
         raise BadInput(
             f"reflect: particle {worst} met walls more than {MOST_EVENTS} times within {dt:g} s; take a shorter step"
@@ -97,8 +97,7 @@ def trace(
     _require_inside(started[0], started[3], walls, packed)
     count, dimension = started[0].shape
     hits = np.zeros(count, np.int64)
-    none = np.zeros(0, np.int64)
-    _flown(started, float(dt), packed, (none, none, np.zeros(0), np.zeros((0, dimension))), hits)
+    _flown(started, float(dt), packed, _no_log(dimension), hits)
     first = np.concatenate([[0], np.cumsum(hits)])
     total = int(first[-1])
     log = (first, np.zeros(total, np.int64), np.zeros(total), np.zeros((total, dimension)))
@@ -109,6 +108,11 @@ def trace(
 
 
 Prepared = tuple[Array, Array, Array, Array]
+
+
+def _no_log(dimension: int) -> Any:
+    none = np.zeros(0, np.int64)
+    return none, none, np.zeros(0), np.zeros((0, dimension))
 
 
 def _flown(started: Prepared, dt: float, packed: Sheet, log: Any, hits: Integers) -> Integers:

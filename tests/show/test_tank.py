@@ -1,0 +1,75 @@
+import numpy as np
+import pytest
+
+from ecume.scenes.tracers import ObstacleSpec, OpeningSpec, ParticleSpec, TankSpec, TracersScene
+from ecume.show.picture import Size
+from ecume.show.tank import Coloring, Round, Setting, Tank
+from ecume.show.tracers import TRACER_FIGURES, setting_of, tracers_picture
+from ecume.trajectories.frame import Frame
+
+BLUE, RED = (0, 0, 255), (255, 0, 0)
+
+
+def frame(time, height):
+    position = np.array([[0.5, height], [0.8, 0.2]])
+    arrays = {
+        "position": position, "radius": np.array([0.1, 0.1]), "species": np.array([0, 1]),
+        "speed": np.array([0.0, 2.0]), "left": np.array([-1, -1]),
+    }  # fmt: skip
+    numbers = {
+        "kinetic_energy": 1.0 - time,
+        "potential_energy": time,
+        "total_energy": 1.0,
+        "hits_on_wall_0": 3.0 * time,
+    }
+    units = {"kinetic_energy": "J", "potential_energy": "J", "total_energy": "J"}
+    return Frame(time, arrays, numbers, units)
+
+
+FRAMES = [frame(0.0, 0.9), frame(0.5, 0.5), frame(1.0, 0.1)]
+BALLS = tuple(ParticleSpec(radius=0.1, density=2.0, color=color) for color in ("#0000ff", "#ff0000"))
+SCENE = TracersScene(
+    duration=1.0,
+    frame_every=0.5,
+    particles=BALLS,
+    tank=TankSpec(size=(1.0, 1.0)),
+    obstacles=(ObstacleSpec(low=(0.0, 0.4), high=(0.2, 0.6)), ObstacleSpec(center=(0.1, 0.9), radius=0.05)),
+    openings=(OpeningSpec(wall=1, low=(0.4, 0.0), high=(0.6, 0.0)),),
+)
+
+
+def pixel(picture, shown, x, y):
+    """The color at a point of the tank."""
+    pixels = picture.pixels(shown)
+    across, down = picture.figure.axes[0].transData.transform((x, y))
+    return tuple(int(value) for value in pixels[pixels.shape[0] - int(down), int(across), :3])
+
+
+def test_particles_are_where_they_are_in_the_color_of_their_species():
+    picture = tracers_picture(SCENE, FRAMES, Size(480, 360))
+    assert pixel(picture, FRAMES[0], 0.5, 0.9) == BLUE
+    assert pixel(picture, FRAMES[2], 0.5, 0.1) == BLUE
+    assert pixel(picture, FRAMES[2], 0.8, 0.2) == RED
+    assert pixel(picture, FRAMES[2], 0.5, 0.9) not in (BLUE, RED)
+
+
+def test_a_quantity_may_color_them_and_the_bar_says_its_unit():
+    setting = Setting("title", Round(0.5, 0.5, 0.6))
+    picture = Tank(setting, FRAMES, Size(480, 360), Coloring("speed", "speed", "m/s"))
+    slow, fast = pixel(picture, FRAMES[1], 0.5, 0.5), pixel(picture, FRAMES[1], 0.8, 0.2)
+    assert sum(fast) > sum(slow) + 100
+    assert picture.figure.axes[1].get_ylabel() == "speed (m/s)"
+    assert picture.figure.axes[1].get_ylim() == pytest.approx((0.0, 2.0))
+
+
+def test_the_setting_has_every_obstacle_and_opening():
+    setting = setting_of(SCENE)
+    assert [type(body) for body in setting.bodies] == [np.ndarray, Round]
+    assert setting.gaps[0].tolist() == [[0.4, 0.0], [0.6, 0.0]]
+
+
+@pytest.mark.parametrize("name", TRACER_FIGURES)
+def test_every_figure_of_tracers_draws_what_it_says(name):
+    drawn = TRACER_FIGURES[name](FRAMES, SCENE)
+    assert drawn.axes[0].get_xlabel() or drawn.axes[0].get_ylabel()
+    assert len(drawn.axes[0].lines) + len(drawn.axes[0].patches) > 0
