@@ -79,7 +79,7 @@ def _imaging_sides(scene: SphScene, material: Material) -> tuple[Sides, Array, I
             rows.append(_row(scene, number, axis, holds(side, material)))
             numbers.append(number if side.kind == "wall" else -1)
     order = sorted(range(len(rows)), key=lambda k: -rows[k][3 * dimension])
-    table = np.array([rows[k] for k in order]).reshape(-1, 3 * dimension + 2)
+    table = np.array([rows[k] for k in order]).reshape(-1, 4 * dimension + 2)
     owner, d = np.array([numbers[k] for k in order], np.int64), dimension
     periodic = table[:, 3 * d] == 0.0
     shift = np.where(periodic[:, None], table[:, 2 * d : 3 * d], 0.0)
@@ -87,7 +87,7 @@ def _imaging_sides(scene: SphScene, material: Material) -> tuple[Sides, Array, I
 
 
 def _row(scene: SphScene, number: int, axis: int, hold: bool) -> list[float]:
-    """Point, normal, shift or velocity, whether it mirrors, whether it holds."""
+    """Point, normal, shift or velocity, whether it mirrors, whether it holds, acceleration."""
     low, high = np.array(scene.tank.low), np.array(scene.tank.high)
     side, first = _side(scene, number), number % 2 == 0
     normal, third = np.zeros(len(low)), np.zeros(len(low))
@@ -96,7 +96,8 @@ def _row(scene: SphScene, number: int, axis: int, hold: bool) -> list[float]:
         third[axis] = (high - low)[axis] * normal[axis]
     elif side.velocity is not None:
         third[:] = side.velocity
-    return [*(low if first else high), *normal, *third, float(side.kind == "wall"), float(hold)]
+    flags = float(side.kind == "wall"), float(hold)
+    return [*(low if first else high), *normal, *third, *flags, *np.zeros(len(low))]
 
 
 def _layers(scene: SphScene, material: Material, support: float) -> Dummies:

@@ -34,6 +34,7 @@ from ecume.models.sph.fields import (
     STRESS,
     H,
 )
+from ecume.models.sph.motions import drives_of, fastest_drive, shake_of
 from ecume.models.sph.parameters import INTEGRATORS, SHIFTINGS, Liquid, Material, Parameters
 from ecume.models.sph.solids import free_of, shape_of, solids_of
 from ecume.scenes.faults import suggestion
@@ -119,6 +120,8 @@ def fastest_of(scene: SphScene) -> float:
         speeds.append(float(np.linalg.norm(velocity_in(region, scene, points), axis=1).max()))
         speeds.append(region.flow_speed if region.flow else 0.0)
     speeds += [math.hypot(*side.velocity) for side in sides_of(scene) if side.velocity]
+    speeds += [math.hypot(*body.velocity) for body in scene.bodies if body.velocity]
+    speeds.append(fastest_drive(scene))
     fastest = max(speeds)
     if fastest == 0.0:
         raise SceneError(
@@ -229,7 +232,7 @@ def parameters_of(scene: SphScene) -> Parameters:
     usual = material.density * material.sound_speed**2
     support = shape.support * smoothing
     boundary = boundary_of(scene, material, support)
-    bodies = bodies_of(scene, boundary)
+    bodies, drives, shake = bodies_of(scene, boundary), drives_of(scene), shake_of(scene)
     return Parameters(
         time_step=time_step,
         steps_per_frame=per_frame,
@@ -246,7 +249,9 @@ def parameters_of(scene: SphScene) -> Parameters:
         skin=SKIN * support,
         boundary=boundary,
         bodies=bodies,
-        moves=len(bodies.shapes) > 0,
+        drives=drives,
+        shake=shake,
+        moves=bool(bodies.shapes or drives or shake),
         integrator=INTEGRATORS.index(chosen(method.integrator, INTEGRATORS, "method.integrator")),
         shifting=SHIFTINGS.index(chosen(method.shifting, SHIFTINGS, "method.shifting")),
         background=(usual if method.background_pressure is None else method.background_pressure) * transports,
@@ -284,7 +289,7 @@ def diffusion_of(scene: SphScene, pull: Array) -> str:
     """The density diffusion by its name."""
     name = scene.method.density_diffusion
     if name == "automatic":
-        return "hydrostatic" if pull.any() else "antuono"
+        return "hydrostatic" if pull.any() or scene.shake else "antuono"
     return chosen(name, DIFFUSIONS, "method.density_diffusion")
 
 

@@ -36,8 +36,8 @@ def fill_liquid(fields: Any, position: Any, velocity: Any, density: Any, mass: A
 def fill_images(fields: Any, first: int, source: Any, start: Any, sides: Any, pull: Any, material: Any) -> None:
     """Images, side by side in order: an image may be the source of another.
 
-    `sides` is (sides, 3 d + 3): point, normal, shift (of a periodic side) or velocity (of a mirror); whether it
-    mirrors; whether it holds the liquid (no slip); whether it is a wall at all.
+    `sides` is (sides, 4 d + 2): point, normal, shift (of a periodic side) or velocity (of a mirror); whether it
+    mirrors; whether it holds the liquid (no slip); acceleration.
     """
     dimension = len(pull)
     for side in range(len(start) - 1):
@@ -71,7 +71,7 @@ def _mirror(fields: Any, i: int, image: int, side: Any, holds: bool, pull: Any, 
         away += (fields[X + axis, i] - side[axis]) * normal
         through += (fields[V + axis, i] - side[2 * dimension + axis]) * normal
         drift += fields[W + axis, i] * normal
-        pull_through += pull[axis] * normal
+        pull_through += (pull[axis] - side[3 * dimension + 2 + axis]) * normal
         steep += fields[G + axis, i] * normal
     for axis in range(dimension):
         normal = side[dimension + axis]

@@ -86,6 +86,21 @@ class Bodies(NamedTuple):
     obstacle_rims: tuple[Array, ...]
 
 
+class Drive(NamedTuple):
+    """A motion that is told: amplitude (sin(turning t + phase) + start), and a table of n values."""
+
+    amplitude: Array
+    """(n,)"""
+    turning: float
+    """1/s, two pi times the frequency"""
+    phase: float
+    start: float
+    times: Array
+    """(T,) s"""
+    values: Array
+    """(n, T)"""
+
+
 class Liquid(NamedTuple):
     """The liquid's particles at the start: `State` holds where they are later."""
 
@@ -120,6 +135,9 @@ class Parameters(NamedTuple):
     skin: float
     boundary: Boundary
     bodies: Bodies
+    drives: tuple[tuple[int, Drive], ...]
+    """the sides that move, by number"""
+    shake: Drive | None
     moves: bool
     """whether anything but the liquid does"""
     integrator: int

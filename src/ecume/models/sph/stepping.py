@@ -40,7 +40,7 @@ from ecume.models.sph.gradients import add_gradient_diffusion, fill_density_grad
 from ecume.models.sph.guard import turn_back
 from ecume.models.sph.loads import forces_on_dummies, total
 from ecume.models.sph.motion import drift, farthest, kick, largest, store_acceleration, store_thickening, thicken
-from ecume.models.sph.motions import at_reference, instant
+from ecume.models.sph.motions import at_reference, instant, way_of_sides
 from ecume.models.sph.parameters import DELTA_PLUS, SYMPLECTIC, Parameters
 from ecume.models.sph.shifting import shift
 from ecume.models.sph.state import (
@@ -158,8 +158,8 @@ def turn_all_back(now: Parameters, state: State, time: float) -> None:
 
 
 def way_of_solids(parameters: Parameters, state: State) -> float:
-    """How far bodies went since the lists were made."""
-    return farthest_way(parameters.bodies, state.pose, state.pose_reference)
+    """How far bodies and sides went since the lists were made."""
+    return farthest_way(parameters.bodies, state.pose, state.pose_reference) + way_of_sides(parameters, state)
 
 
 def renew(parameters: Parameters, state: State, workspace: Workspace) -> None:

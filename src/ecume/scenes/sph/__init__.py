@@ -1,5 +1,6 @@
 """The scene of the SPH model: a liquid, the tank that holds it, what stands and moves in it, and how it is computed."""
 
+from ecume.scenes.sph.motions import MotionSpec, ShakeSpec
 from ecume.scenes.sph.scene import FluidSpec, MethodSpec, RegionSpec, SphScene
 from ecume.scenes.sph.solids import BodySpec, ObstacleSpec, ShapeSpec
 from ecume.scenes.sph.tank import SIDES, SideSpec, TankSpec
@@ -9,8 +10,10 @@ __all__ = [
     "BodySpec",
     "FluidSpec",
     "MethodSpec",
+    "MotionSpec",
     "ObstacleSpec",
     "RegionSpec",
+    "ShakeSpec",
     "ShapeSpec",
     "SideSpec",
     "SphScene",

@@ -24,6 +24,7 @@ from ecume.scenes.quantities import (
     Switch,
     Tension,
 )
+from ecume.scenes.sph.motions import ShakeSpec
 from ecume.scenes.sph.solids import BodySpec, ObstacleSpec, ShapeSpec
 from ecume.scenes.sph.tank import TankSpec
 from ecume.units import Number, Rate, Speed
@@ -132,6 +133,8 @@ class SphScene(Common):
     """What stands in it."""
     bodies: tuple[BodySpec, ...] = ()
     """What moves in it."""
+    shake: ShakeSpec | None = None
+    """How it is shaken."""
     gravity: Pull | None = None
     """m/s^2; left out, 9.81 downwards (along y)"""
     method: MethodSpec = MethodSpec()
@@ -158,6 +161,10 @@ def _dimensions(scene: SphScene, dimension: int) -> Complaints:
         found.append((("gravity",), f"came {len(scene.gravity)} numbers; the tank has {dimension} dimensions"))
     if not scene.fluid:
         found.append((("fluid",), "there is no liquid; write a [[fluid]] table with low and high"))
+    rows = (scene.shake.amplitude or (), *scene.shake.accelerations) if scene.shake else ()
+    for row in rows:
+        if row and len(row) != dimension:
+            found.append((("shake",), f"came {len(row)} numbers; the tank has {dimension} dimensions"))
     pieces = (("fluid", scene.fluid), ("obstacles", scene.obstacles), ("bodies", scene.bodies))
     for table, specs in pieces:
         for index, spec in enumerate(specs):

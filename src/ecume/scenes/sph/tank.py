@@ -9,6 +9,7 @@ from pydantic.dataclasses import dataclass
 
 from ecume.scenes.faults import Inconsistent, Path
 from ecume.scenes.quantities import STRICT, Motion, Place, Proportion
+from ecume.scenes.sph.motions import MotionSpec
 from ecume.scenes.sph.solids import Slip
 
 SIDES = ("left", "right", "bottom", "top", "front", "back")
@@ -25,6 +26,8 @@ class SideSpec:
     """of a wall; left out, no-slip where the liquid has a viscosity, free otherwise"""
     velocity: Motion | None = None
     """of a wall along itself: a lid that drives the liquid (m/s)"""
+    motion: MotionSpec | None = None
+    """of a wall along its axis: a piston; walls must be mirrors"""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -59,6 +62,10 @@ class TankSpec:
         complaints: list[tuple[Path, str]] = []
         if len(self.low) != len(self.high) or any(b <= a for a, b in zip(self.low, self.high, strict=False)):
             complaints.append((("high",), "wanted a corner above low in each direction"))
+        for name in SIDES:
+            side = getattr(self, name)
+            if side.motion is not None and (side.kind != "wall" or self.walls == "dummy"):
+                complaints.append(((name, "motion"), 'only a wall can move, and tank.walls must be "mirror"'))
         for axis in range(len(self.low)):
             pair = SIDES[2 * axis : 2 * axis + 2]
             periodic = [getattr(self, side).kind == "periodic" for side in pair]
