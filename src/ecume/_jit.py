@@ -21,6 +21,7 @@ from typing import Any, TypeVar, cast
 import llvmlite
 import numba
 import numba.extending
+import numpy as np
 from numba.core import types
 from numba.core.caching import CompileResultCacheImpl, FunctionCache
 from numba.core.codegen import JITCodeLibrary
@@ -291,15 +292,41 @@ def inlined(function: Function) -> Function:
 
 
 def admit(*modules: ModuleType) -> None:
-    """Let compiled code call the plain functions of these modules. A law itself never knows of Numba."""
+    """Let compiled code call the plain functions of these modules. A law itself never knows of Numba.
+
+    Called with numbers in single precision only, a law has its constants in single precision, too: one literal would
+    make the whole loop double.
+    """
     if numba.config.DISABLE_JIT:
         return
     for module in modules:
         for law in vars(module).values():
             if isinstance(law, FunctionType) and law.__module__ == module.__name__:
-                numba.extending.register_jitable(**PART, forceinline=True, pipeline_class=Part)(law)
+                _admit_law(law)
 
 
+def _admit_law(law: FunctionType) -> None:
+    options = {**PART, "forceinline": True, "pipeline_class": Part}
+
+    @numba.extending.overload(law, jit_options=options, strict=False)  # type: ignore[untyped-decorator]
+    def version(*arguments: Any, **named: Any) -> FunctionType:
+        kinds = {*arguments, *named.values()}
+        return in_single(law) if types.float32 in kinds and types.float64 not in kinds else law
+
+
+def in_single(law: FunctionType) -> FunctionType:
+    """The law with single-precision constants, its own and those of its module."""
+    code = law.__code__.replace(co_consts=tuple(map(_single, law.__code__.co_consts)))
+    names = {name: _single(value) for name, value in law.__globals__.items()}
+    defaults = tuple(map(_single, law.__defaults__ or ()))
+    return FunctionType(code, names, law.__name__, defaults, law.__closure__)
+
+
+def _single(value: Any) -> Any:
+    return np.float32(value) if type(value) is float else value
+
+
+@lower_builtin(math.sqrt, types.float32)  # type: ignore[untyped-decorator]
 @lower_builtin(math.sqrt, types.float64)  # type: ignore[untyped-decorator]
 def _square_root(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     """Numba calls the C library for `math.sqrt`, which keeps a loop from vectorizing; the processor's own gives the

@@ -71,6 +71,7 @@ def test_a_sparse_crowd_has_few_cells():
     assert rows(neighbor_lists(position, NOBODY, 2e3, room_for(100, 1))) == by_tree(position, 100, 2e3)
 
 
+@pytest.mark.filterwarnings("ignore:invalid value")  # where loops are plain Python
 @pytest.mark.parametrize("broken", [np.nan, np.inf, -np.inf])
 def test_what_is_not_a_number_is_nobodys_neighbor(broken):
     position = np.random.default_rng(9).uniform(0.0, 1.0, (2, 100))

@@ -19,7 +19,8 @@ from ecume._jit import FEW, compiled_inside, prange, spread
 from ecume.engine.cells import Integers
 from ecume.units import Array
 
-Slots = NDArray[np.uint32]
+Slots = NDArray[np.int32]
+"""Signed: so they are sums' offsets as they stand, eight at a time; read as `INDEX`, they are never negative."""
 INDEX = np.uint64
 CHUNK = 128
 """Particles that one thread takes at a time."""
@@ -56,7 +57,7 @@ class Lists(NamedTuple):
 def room_for(centers: int, neighbors: int) -> Lists:
     """Lists of nothing; `neighbors` is a guess of the most that anybody has."""
     room = STRIDE * math.ceil(max(neighbors, 1) / STRIDE)
-    return Lists(np.zeros(centers, np.int32), np.empty((centers, room), np.uint32))
+    return Lists(np.zeros(centers, np.int32), np.empty((centers, room), np.int32))
 
 
 def grid_around(position: Array, reach: float) -> Grid:
@@ -92,7 +93,7 @@ class Sorted(NamedTuple):
 def sorted_crowd(position: Array, grid: Grid) -> Sorted:
     """The particles, (d, N), in the order of their cells."""
     count, cells = position.shape[1], int(np.prod(grid.shape))
-    crowd = Sorted(np.empty_like(position), np.empty(count, np.uint32), np.empty(cells + 1, np.int64))
+    crowd = Sorted(np.empty_like(position), np.empty(count, np.int32), np.empty(cells + 1, np.int64))
     tally = np.empty((BLOCKS if count >= FEW else 1, cells), np.int64)
     _counting_sort(position, *grid, np.empty(count, np.int64), tally, *crowd)
     return crowd
@@ -181,7 +182,7 @@ def _fill(
     inverse, square = 1.0 / edge[dimension - 1], reach * reach
     for chunk in prange((everyone + CHUNK - 1) // CHUNK):
         distance = np.empty(longest, np.float64)
-        found = np.empty(9 * longest + STRIDE, np.uint32)
+        found = np.empty(9 * longest + STRIDE, np.int32)
         for place in range(INDEX(chunk * CHUNK), INDEX(min(everyone, (chunk + 1) * CHUNK))):
             i = order[place]
             if i >= centers:

@@ -11,6 +11,7 @@ from typing import Annotated
 
 import numpy as np
 
+from ecume.laws.states import power
 from ecume.units import Density, Number, Real, Speed, Unit
 
 SpecificEnergy = Annotated[float, Unit("m^2/s^2")]
@@ -29,7 +30,7 @@ def tait_enthalpy(density: Density, reference_density: Density, sound_speed: Spe
     square = sound_speed * sound_speed
     if exponent == 1.0:
         return square * math.log(ratio)
-    return float(square / (exponent - 1.0) * (ratio ** (exponent - 1.0) - 1.0))
+    return square / (exponent - 1.0) * (power(ratio, exponent - 1.0) - 1.0)
 
 
 def density_at_enthalpy(

@@ -8,8 +8,8 @@ OPEN = {"kind": "open"}
 PERIODIC = {"kind": "periodic"}
 
 
-def tank(deep: int = 8, **method: Any) -> Any:
-    """A jittered unit square of liquid in a tank, under unit gravity."""
+def tank(deep: int = 8, away: float = 0.0, **method: Any) -> Any:
+    """A jittered unit square of liquid in a tank, under unit gravity; its corner stands so far away on both axes."""
     return from_plain(
         {
             "model": "sph",
@@ -18,8 +18,13 @@ def tank(deep: int = 8, **method: Any) -> Any:
             "spacing": 1.0 / deep,
             "gravity": [0.0, -1.0],
             "liquid": {"density": 1.0, "sound_speed": 10.0, "fastest": 1.0},
-            "tank": {"low": [0.0, 0.0], "high": [1.0, 2.0], "top": OPEN, "walls": method.pop("walls", "mirror")},
-            "fluid": [{"low": [0.0, 0.0], "high": [1.0, 1.0]}],
+            "tank": {
+                "low": [away, away],
+                "high": [away + 1.0, away + 2.0],
+                "top": OPEN,
+                "walls": method.pop("walls", "mirror"),
+            },
+            "fluid": [{"low": [away, away], "high": [away + 1.0, away + 1.0]}],
             "method": {"jitter": 0.2, **method},
         }
     )

@@ -55,6 +55,7 @@ SMOOTHING = {
 """Smoothing lengths in spacings that suit a kernel, in two and in three dimensions; 1.3 and 1.2 for all others."""
 DIFFUSIONS = ("none", "molteni", "antuono", "linear", "hydrostatic")
 STRESSES = ("sum", "monaghan", "transport")
+PRECISIONS: dict[str, type[np.floating[Any]]] = {"double": np.float64, "single": np.float32}
 TAYLOR_GREEN = "taylor-green"
 
 
@@ -231,6 +232,7 @@ def parameters_of(scene: SphScene) -> Parameters:
     transports = chosen(method.pressure_force, STRESSES, "method.pressure_force") == "transport"
     usual = material.density * material.sound_speed**2
     support = shape.support * smoothing
+    origin = 0.5 * (np.array(scene.tank.low) + np.array(scene.tank.high)) * (method.precision == "single")
     boundary = boundary_of(scene, material, support)
     bodies, drives, shake = bodies_of(scene, boundary), drives_of(scene), shake_of(scene)
     return Parameters(
@@ -257,7 +259,8 @@ def parameters_of(scene: SphScene) -> Parameters:
         background=(usual if method.background_pressure is None else method.background_pressure) * transports,
         courant=method.courant,
         walls_clip=method.walls_clip,
-        precision=method.precision,
+        precision=PRECISIONS[method.precision],
+        origin=origin,
     )
 
 
@@ -282,7 +285,7 @@ def numbers_of(scene: SphScene, material: Material, pull: Array) -> Array:
         numbers[G0 : G0 + dimension] = spring * pull
     shifts = scene.method.shifting == "delta-plus"
     numbers[REFERENCE] = float(cast(float, shape.shape(scene.spacing / smoothing))) if shifts else 0.0
-    return numbers
+    return numbers.astype(PRECISIONS[scene.method.precision])
 
 
 def diffusion_of(scene: SphScene, pull: Array) -> str:

@@ -16,20 +16,25 @@ C0, GAMMA, RHO0 = 0, 1, 2
 
 
 @spread
-def fill_liquid(fields: Any, position: Any, velocity: Any, density: Any, mass: Any, material: Any) -> None:
+def fill_liquid(
+    fields: Any, position: Any, velocity: Any, density: Any, mass: Any, material: Any, origin: Any, by_mass: bool
+) -> None:  # fmt: skip
     """Everything that sums read of the liquid, from its state."""
     dimension, count = position.shape
     c0, gamma, rho0 = material[C0], material[GAMMA], material[RHO0]
     for i in prange(count):
         for axis in range(dimension):
-            fields[X + axis, i] = position[axis, i]
+            fields[X + axis, i] = position[axis, i] - origin[axis]
             fields[V + axis, i] = velocity[axis, i]
             fields[U + axis, i] = velocity[axis, i]
-        fields[RHO, i] = density[i]
-        fields[VOLUME, i] = mass[i] / density[i]
-        fields[P, i] = states.tait_pressure(density[i], rho0, c0, gamma)
-        fields[ENTHALPY, i] = enthalpies.tait_enthalpy(density[i], rho0, c0, gamma)
-        fields[LIQUID, i] = 1.0
+        own = density[i]
+        pressure = states.tait_pressure(own, rho0, c0, gamma)
+        fields[RHO, i] = own
+        fields[VOLUME, i] = mass[i] / own
+        fields[P, i] = pressure
+        fields[ENTHALPY, i] = enthalpies.tait_enthalpy(own, rho0, c0, gamma)
+        fields[PUSH, i] = pressure / (own * own) if by_mass else pressure
+        fields[WEIGHT, i] = mass[i] if by_mass else mass[i] / own
 
 
 @compiled
@@ -94,9 +99,9 @@ def _mirror(fields: Any, i: int, image: int, side: Any, holds: bool, pull: Any, 
 
 
 @spread
-def fill_weights(fields: Any, by_mass: bool) -> None:
-    """What each neighbor's pressure adds, and what it counts: see `PUSH` and `WEIGHT`."""
-    for i in prange(fields.shape[1]):
+def fill_weights(fields: Any, first: int, by_mass: bool) -> None:
+    """What each neighbor's pressure adds, and what it counts, from column `first` on: see `PUSH` and `WEIGHT`."""
+    for i in prange(first, fields.shape[1]):
         density = fields[RHO, i]
         fields[PUSH, i] = fields[P, i] / (density * density) if by_mass else fields[P, i]
         fields[WEIGHT, i] = fields[VOLUME, i] * density if by_mass else fields[VOLUME, i]

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
+
+import numpy as np
 
 from ecume.engine.cells import Integers
 from ecume.engine.images import Sides
@@ -146,4 +148,7 @@ class Parameters(NamedTuple):
     """Pa, of the transport velocity; zero without"""
     courant: float
     walls_clip: bool
-    precision: str
+    precision: type[np.floating[Any]]
+    """of what the sums over neighbors read and write; the state is always in double precision"""
+    origin: Array
+    """(d,) m: positions that sums read are relative to this"""

@@ -28,7 +28,7 @@ def shift(parameters: Parameters, state: State, workspace: Workspace, time: floa
     lists = workspace.lists
     numbers, choices = parameters.numbers, parameters.choices
     sum_crowd(workspace.fields, lists.counts, lists.neighbor, numbers, choices, workspace.rates)
-    crowd = workspace.rates[CROWD : CROWD + parameters.dimension]
+    crowd = workspace.rates[CROWD : CROWD + parameters.dimension].astype(np.float64)
     if parameters.shifting == DELTA_PLUS:
         fastest = min(parameters.material.fastest, largest(state.velocity))
         transport = delta_plus(parameters, crowd, fastest)

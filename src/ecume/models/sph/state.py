@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ecume.engine.cells import Integers
 from ecume.engine.images import Images, images_of, positions_of_images
 from ecume.engine.lists import Lists, grid_around, neighbor_lists, room_for, sorted_crowd
-from ecume.models.sph.fields import FIELDS, MU, RATES, VOLUME, U, V, X
+from ecume.models.sph.fields import FIELDS, LIQUID, MU, RATES, VOLUME, U, V, X
 from ecume.models.sph.parameters import Liquid, Parameters
 from ecume.units import Array
 
@@ -71,7 +71,7 @@ class Workspace:
     images: Images
     lists: Lists
     fields: NDArray[np.floating]
-    rates: Array
+    rates: NDArray[np.floating]
 
     def take(self, other: Workspace) -> None:
         """Become the other."""
@@ -135,21 +135,22 @@ def workspace_at(parameters: Parameters, state: State, before: Lists | None = No
     boundary, reach = parameters.boundary, parameters.support + parameters.skin
     real = np.concatenate([state.reference, boundary.dummies.position], axis=1)
     images = images_of(real, boundary.sides, reach)
-    fields = np.zeros((FIELDS, real.shape[1] + len(images.source)))
+    fields = np.zeros((FIELDS, real.shape[1] + len(images.source)), parameters.precision)
     everyone = np.concatenate([real, positions_of_images(real, images, boundary.sides)], axis=1)
     liquid, count = state.reference.shape[1], real.shape[1]
     if before is None or len(before.counts) != count:
         before = room_for(count, likely_neighbors(parameters.dimension, reach / parameters.spacing))
     lists = neighbor_lists(everyone, (liquid, count), reach, before)
+    fields[LIQUID, :liquid], fields[MU, :liquid] = 1.0, parameters.material.viscosity
     put_dummies(parameters, fields, liquid)
-    return Workspace(images, lists, fields, np.zeros((RATES, liquid)))
+    return Workspace(images, lists, fields, np.zeros((RATES, liquid), parameters.precision))
 
 
 def put_dummies(parameters: Parameters, fields: NDArray[np.floating], first: int) -> None:
     """What stands fast about the walls' particles."""
     dummies, dimension = parameters.boundary.dummies, parameters.dimension
     here = slice(first, first + dummies.position.shape[1])
-    fields[X : X + dimension, here] = dummies.position
+    fields[X : X + dimension, here] = dummies.position - parameters.origin[:, None]
     fields[V : V + dimension, here] = dummies.velocity
     fields[U : U + dimension, here] = dummies.velocity
     fields[VOLUME, here] = dummies.volume

@@ -25,7 +25,6 @@ from ecume.models.sph.fields import (
     HYDROSTATIC,
     LAMINAR,
     MONAGHAN,
-    MU,
     NO_DIFFUSION,
     RHO,
     SCALE,
@@ -56,6 +55,7 @@ from ecume.models.sph.state import (
     workspace_at,
 )
 from ecume.models.sph.sums import sums_of
+from ecume.units import Array
 
 MOST_DIVISIONS = 64
 """A step that must be divided more often than this will not recover."""
@@ -266,18 +266,26 @@ def _push_bodies(parameters: Parameters, state: State, workspace: Workspace) -> 
     state.push[...] = pushed(bodies, state.pose, state.motion, load, parameters.gravity)
 
 
+def table_of(parameters: Parameters) -> Array:
+    """The sides' table, with points from where sums count."""
+    table = parameters.boundary.table.copy()
+    table[:, : parameters.dimension] -= parameters.origin
+    return table
+
+
 def fill(parameters: Parameters, state: State, workspace: Workspace) -> None:
     """The liquid's columns, its images', the walls', and the images of those."""
-    fields, lists, boundary = workspace.fields, workspace.lists, parameters.boundary
+    fields, lists = workspace.fields, workspace.lists
+    numbers, choices = parameters.numbers, parameters.choices
     count = state.position.shape[1]
     real = len(lists.counts)
-    fill_liquid(fields, state.position, state.velocity, state.density, state.mass, parameters.constants)
-    fields[MU, :count] = parameters.material.viscosity
+    by_mass = bool(choices[STRESS] == MONAGHAN)
+    of_liquid = state.position, state.velocity, state.density, state.mass
+    fill_liquid(fields, *of_liquid, parameters.constants, parameters.origin, by_mass)
     if parameters.background > 0.0:
         fields[W : W + parameters.dimension, :count] = state.transport
     images = workspace.images
-    of_images = real, images.source, images.start, boundary.table, parameters.gravity, parameters.constants
-    numbers, choices = parameters.numbers, parameters.choices
+    of_images = real, images.source, images.start, table_of(parameters), parameters.gravity, parameters.constants
     if parameters.moves:
         put_dummies(parameters, fields, count)
     if len(images.source):
@@ -289,4 +297,5 @@ def fill(parameters: Parameters, state: State, workspace: Workspace) -> None:
         read_liquid(fields, count, lists.counts, lists.neighbor, numbers, choices, parameters.gravity, clip, constants)
     if len(images.source) and (real > count or choices[DIFFUSION] == ANTUONO):
         fill_images(fields, *of_images)
-    fill_weights(fields, choices[STRESS] == MONAGHAN)
+    if fields.shape[1] > count:
+        fill_weights(fields, count, by_mass)

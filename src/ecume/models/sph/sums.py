@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ecume._jit import admit, compiled_inside, inlined, prange, summing
+from ecume.engine.lists import STRIDE
 from ecume.laws.kernels import KERNEL_CODES, shapes
 from ecume.models.sph.fields import (
     ACC,
@@ -41,6 +42,13 @@ from ecume.models.sph.weights import slope_of
 admit(shapes)
 INDEX = np.uint64
 """Of all indexes: a signed one would be tested for being negative, pair by pair."""
+BEFORE, DOWN = INDEX(STRIDE - 1), INDEX(2**64 - STRIDE)
+
+
+@compiled_inside
+def whole(count: Any) -> Any:
+    """How long a row is up to a whole vector: the rest is the particle itself, and adds nothing."""
+    return (INDEX(count) + BEFORE) & DOWN
 
 
 @inlined
@@ -61,7 +69,7 @@ def stretch_with(
         inverse, zero = numbers[INVERSE], numbers[ZERO]
         gx, gy, gz = numbers[G0], numbers[G0 + 1], numbers[G0 + 2]
         stretching, diffusing = zero, zero
-        for k in range(INDEX(count[i])):
+        for k in range(whole(count[i])):
             j = INDEX(neighbor[i, k])
             dx, dy = fields[X, j] - x, fields[X + 1, j] - y
             du, dv = fields[V, j] - u, fields[V + 1, j] - v
@@ -95,7 +103,7 @@ def push_with(
         own = fields[PUSH, i]
         inverse, zero, soft, alpha = numbers[INVERSE], numbers[ZERO], numbers[SOFT], numbers[ALPHA]
         ax, ay, az = zero, zero, zero
-        for k in range(INDEX(count[i])):
+        for k in range(whole(count[i])):
             j = INDEX(neighbor[i, k])
             dx, dy = fields[X, j] - x, fields[X + 1, j] - y
             du, dv = fields[V, j] - u, fields[V + 1, j] - v
@@ -127,7 +135,7 @@ def stretch_and_push_with(
         own = fields[PUSH, i]
         inverse, zero, soft, alpha = numbers[INVERSE], numbers[ZERO], numbers[SOFT], numbers[ALPHA]
         stretching, ax, ay, az = zero, zero, zero, zero
-        for k in range(INDEX(count[i])):
+        for k in range(whole(count[i])):
             j = INDEX(neighbor[i, k])
             dx, dy = fields[X, j] - x, fields[X + 1, j] - y
             du, dv = fields[V, j] - u, fields[V + 1, j] - v
