@@ -109,8 +109,8 @@ def couette_start(
     """Speed at y of a liquid between a resting plate at 0 and one at L that moves from t = 0 on.
 
     V sum over k of erfc(((2k+1) L - y)/s) - erfc(((2k+1) L + y)/s) with s = 2 sqrt(nu t): the layer that the plate
-    drags along, and its images behind both. V: speed of the plate; L: width; nu: kinematic viscosity. The series of sines
-    [morris1997] is the same, and loses all digits where nothing moves yet. [batchelor1967, sec. 4.3].
+    drags along, and its images behind both. V: speed of the plate; L: width; nu: kinematic viscosity. The series of
+    sines [morris1997] is the same, and loses all digits where nothing moves yet. [batchelor1967, sec. 4.3].
 
     >>> round(couette_start(0.5, 0.1125, 1.0, 1.0, 1.0), 6)
     0.290275

@@ -16,12 +16,12 @@ PUSH, WEIGHT = 21, 22
 mass (`monaghan`)."""
 FIELDS = 23
 
-DRHO, ACC, CROWD, SPACE, DIFFUSED = 0, 1, 4, 7, 8
+DRHO, ACC, CROWD, SPACE, DIFFUSED, EVEN = 0, 1, 4, 7, 8, 9
 """Rows of the rates: continuity, per `WEIGHT`; acceleration (3), likewise; the crowding vector (3), which points away
-from where particles are many; the divergence of position, d in full surroundings; and what diffusion adds to the
-density.
+from where particles are many; the divergence of position, d in full surroundings; what diffusion adds to the density;
+and the crowding vector (3) in which all neighbors count alike.
 """
-RATES = 9
+RATES = 12
 
 # Places in the table of numbers that a run's sums need. Literals would be double precision in a single-precision loop.
 ZERO, ONE, INVERSE, SCALE, SOFT, ALPHA, DELTA, G0, H, REFERENCE = 0, 1, 2, 3, 4, 5, 6, 7, 10, 11
