@@ -136,6 +136,22 @@ def test_what_has_settled_lies_on_the_floor():
         assert frame.arrays["position"][0] == pytest.approx((0.5e-3, 1e-5), abs=1e-12)
 
 
+def test_a_long_run_of_fine_grains_does_without_their_inertia_unless_asked():
+    silt = ParticleSpec(radius=1e-5, density=2500.0, positions=((0.5e-3, 0.5e-3),))
+
+    def steps_and_regime(**changes):
+        scene = TracersScene(**{"duration": 20.0, "frame_every": 0.1, "particles": (silt,), **changes})
+        made = MODELS["tracers"].parameters(dataclasses.replace(scene, tank=TankSpec(size=(1e-3, 1e-3))))
+        return 20.0 / made.time_step, int(made.bodies.overdamped[0])
+
+    steps, overdamped = steps_and_regime()
+    assert overdamped == 1
+    assert steps <= 50_000
+    steps, overdamped = steps_and_regime(motion=TracerMotionSpec(regime="inertial"))
+    assert overdamped == 0
+    assert steps > 1_000_000
+
+
 @pytest.mark.compiled
 def test_in_a_shear_flow_a_light_particle_goes_with_the_liquid():
     grain = ParticleSpec(radius=1e-6, density=1000.0, positions=((0.0, 2.0),))

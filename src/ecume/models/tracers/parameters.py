@@ -26,7 +26,7 @@ SHORTEST = 4.0
 """Steps in a relaxation time, when the model chooses."""
 LONGEST = 0.5
 """A step of the inertial regime, in relaxation times."""
-MOST_STEPS = 1_000_000
+MOST_STEPS = 50_000
 """Of a run whose step the model chooses; what relaxes faster is overdamped."""
 FINENESS = 0.05
 """How much of the tank, or of the sedimentation length, an overdamped step may cross."""
@@ -176,7 +176,8 @@ def time_step_of(scene: TracersScene, surfaces: Surfaces, fluid: Fluid, bodies: 
             raise SceneError([Fault("motion.time_step", f"{came}; {fits:.9g} s would fit")])
         return scene.frame_every / round(steps)
     longest = min(scene.frame_every, 0.1 / abs(fluid.shear_rate) if fluid.shear_rate else math.inf)
-    shortest = scene.frame_every / max(1, MOST_STEPS // max(1, round(scene.duration / scene.frame_every)))
+    frames = round(scene.duration / scene.frame_every)
+    shortest = 0.0 if scene.motion.regime == "inertial" else scene.frame_every / max(1, MOST_STEPS // frames)
     for mass, friction, speed, push, radius in kinds_of(bodies):
         if friction > 0.0:
             # Where drag is more than Stokes's it also slows down sooner.

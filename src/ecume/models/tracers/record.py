@@ -26,7 +26,7 @@ ARRAY_UNITS = {
     "left": "1",
 }
 SECONDS_PER_STEP = 2e-5
-SECONDS_PER_PARTICLE = 2e-7
+SECONDS_PER_PARTICLE = 5e-7
 
 
 def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
