@@ -55,7 +55,7 @@ def test_particles_are_where_they_are_in_the_color_of_their_species():
 
 def test_a_quantity_may_color_them_and_the_bar_says_its_unit():
     setting = Setting("title", Round(0.5, 0.5, 0.6))
-    picture = Tank(setting, FRAMES, Size(480, 360), Coloring("speed", "speed", "m/s"))
+    picture = Tank(setting, FRAMES, Size(480, 360), Coloring(lambda shown: shown.arrays["speed"], "speed", "m/s"))
     slow, fast = pixel(picture, FRAMES[1], 0.5, 0.5), pixel(picture, FRAMES[1], 0.8, 0.2)
     assert sum(fast) > sum(slow) + 100
     assert picture.figure.axes[1].get_ylabel() == "speed (m/s)"

@@ -87,19 +87,25 @@ def movie(
     end: Annotated[
         Any, typer.Option("--to", parser=seconds, metavar="TIME", help="Where to end.", show_default=False)
     ] = None,
+    color: Annotated[
+        str | None,
+        typer.Option(
+            "--color", metavar="WHAT", help="Color a liquid by pressure, speed, density or region.", show_default=False
+        ),
+    ] = None,
     quiet: Quiet = False,
 ) -> None:
     """Make a movie of a run: .mp4, .webp or .gif, as the file is called.
 
     Examples: `ecume movie runs/bowl` · `ecume movie runs/bowl -o bowl.gif --every 2 --fps 20 --size 480x360`
-    · `ecume movie runs/bowl --from "1 s" --to "3 s"`
+    · `ecume movie runs/bowl --from "1 s" --to "3 s"` · `ecume movie runs/dam --color speed`
     """
     from ecume.run.directory import existing
     from ecume.show.movies import Cut
     from ecume.show.movies import movie as make
 
     existing(directory)
-    asked: dict[str, Any] = {"start": start, "end": end, "size": size}
+    asked: dict[str, Any] = {"start": start, "end": end, "size": size, "color": color}
     cut = Cut(fps=fps, every=every, **{name: value for name, value in asked.items() if value is not None})
     with counted("pictures", quiet=quiet) as told:
         made = make(directory, out, cut, progress=told)

@@ -14,12 +14,14 @@ from ecume.scenes.faults import suggestion
 from ecume.show.curves import Frames
 from ecume.show.floating.figures import FLOATING_FIGURES
 from ecume.show.soft.figures import SOFT_FIGURES
+from ecume.show.sph.figures import SPH_FIGURES
 from ecume.show.style import save
 from ecume.show.tracers import TRACER_FIGURES
 from ecume.trajectories.reader import open_trajectory
 
 FIGURES: dict[str, Mapping[str, Callable[[Frames, Any], Figure]]] = {
     "floating": FLOATING_FIGURES,
+    "sph": SPH_FIGURES,
     "tracers": TRACER_FIGURES,
     "soft": SOFT_FIGURES,
 }

@@ -17,6 +17,7 @@ from ecume.show.encoders import encode, writable
 from ecume.show.floating.bowl import Bowl
 from ecume.show.picture import USUAL, Picture, Pixels, Size
 from ecume.show.soft.packing import Packing
+from ecume.show.sph.picture import liquid_picture
 from ecume.show.tracers import tracers_picture
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import open_trajectory
@@ -24,9 +25,12 @@ from ecume.trajectories.reader import open_trajectory
 FILMS: dict[str, Callable[[Any, Sequence[Frame], Size], Picture]] = {
     "floating": Bowl,
     "soft": Packing,
+    "sph": liquid_picture,
     "tracers": tracers_picture,
 }
 """By model: what makes a picture of (scene, some frames of the run, size)."""
+COLORED: dict[str, Callable[[Any, Sequence[Frame], Size, str], Picture]] = {"sph": liquid_picture}
+"""Of these the pictures can be colored in several ways, by name."""
 
 FPS = 30
 SMALL = Size(640, 480)
@@ -52,6 +56,8 @@ class Cut:
     """Of the scene's time, s."""
     end: float = math.inf
     """Of the scene's time, s."""
+    color: str | None = None
+    """What colors mean, such as `pressure` or `speed`; left out, what is usual for the model."""
 
     def __post_init__(self) -> None:
         if not 1 <= self.fps <= 240:
@@ -116,8 +122,16 @@ def film(
         raise BadInput(f"there are no pictures of the model {scene.model!r}; there are of {', '.join(FILMS)}")
     target = writable(Path(out))
     shown = cut.shown(frames)
-    picture = FILMS[scene.model](scene, _sample(shown), cut.pixels(target))
+    picture = _picture(scene, _sample(shown), cut.pixels(target), cut.color)
     return encode(_told(picture, shown, progress), target, cut.fps)
+
+
+def _picture(scene: Any, sample: Sequence[Frame], size: Size, color: str | None) -> Picture:
+    if color is None:
+        return FILMS[scene.model](scene, sample, size)
+    if scene.model not in COLORED:
+        raise BadInput(f"pictures of the model {scene.model!r} have colors of their own; leave color={color} out")
+    return COLORED[scene.model](scene, sample, size, color)
 
 
 def _told(picture: Picture, shown: Sequence[Frame], progress: Told | None) -> Iterator[Pixels]:

@@ -1,11 +1,12 @@
 """Tanks as seen from the side: walls, obstacles, and particles to scale, colored by species or by a quantity.
 
-Any model with a two-dimensional tank can have its pictures here; of one in space the first and the last axis are seen.
+Any model with a tank can have its pictures here. Of one in space the first and the last axis are seen, or what a camera
+of the setting sees.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,7 +14,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import EllipseCollection
-from matplotlib.colors import Normalize
+from matplotlib.colors import Normalize, to_rgba_array
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Circle, Polygon
@@ -31,6 +32,7 @@ from ecume.show.picture import (
     labels,
     scale_bar,
 )
+from ecume.show.splat import Splat
 from ecume.show.style import INK, MUTED, RIM, scale_for, style
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
@@ -42,6 +44,8 @@ HEADER, SIDE, BORDER = 46.0, 150.0, 22.0
 LEAST_PIXELS = 2.0
 """What would be smaller is drawn so large: it would not be seen."""
 LIQUID, BODY = "#eef5fa", "#d8d3c8"
+RARE = 0.005
+"""The part of all values beyond either end of the colors' range: one particle's peak must not pale all others."""
 
 
 class Round(NamedTuple):
@@ -68,12 +72,24 @@ class Setting(NamedTuple):
     """openings: (2, 2), both ends of each"""
     kinds: Sequence[Species] = ()
     """for particles colored by species"""
+    inside: str = LIQUID
+    """the color of what the tank holds"""
+    dotted: Sequence[Array] = ()
+    """sides through which one side is left and the other entered: (2, 2), both ends of each"""
+    wires: Sequence[Array] = ()
+    """edges of a tank in space as they are seen, before all particles: (2, 2), both ends of each"""
+    behind: Sequence[Array] = ()
+    """those behind all particles"""
+    camera: Array | None = None
+    """(3, 3) its right, up, and towards it; left out, it looks along the second axis"""
+    radius: float | None = None
+    """of all particles (m), where frames say none"""
 
 
 class Coloring(NamedTuple):
-    """An array of the frames as colors, with a bar that says what they mean."""
+    """Values of a frame's particles as colors, with a bar that says what they mean."""
 
-    array: str
+    values: Callable[[Frame], Array]
     label: str
     unit: str
     colors: str = "viridis"
@@ -95,36 +111,29 @@ class Tank:
             axes = tank_axes(self.figure, self.view)
             draw_setting(axes, setting)
             self.mapping = color_bar(axes, coloring, sample) if coloring is not None else None
-            self.particles = self._spheres(axes, sample[0])
+            self.particles = self._particles(axes, sample[0])
             self.time = clock(axes)
             labels(axes, setting.title, setting.kinds if coloring is None else ())
-            moving: list[Artist] = [self.particles, *scale_bar(axes, self.view), self.time]
+            wires = [axes.add_line(Line2D(*ends.T, color=RIM, linewidth=0.9, zorder=4)) for ends in setting.wires]
+            moving: list[Artist] = [self.particles.artist, *wires, *scale_bar(axes, self.view), self.time]
         self._layers = Layers(self.figure, moving)
         self.show(sample[0])
 
-    def _spheres(self, axes: Axes, frame: Frame) -> EllipseCollection:
-        across = axes.get_position().width * float(self.figure.get_size_inches()[0]) * self.figure.dpi
-        pixel = self.view.width / across
-        diameter = np.maximum(2.0 * frame.arrays["radius"], LEAST_PIXELS * pixel)
-        circles = EllipseCollection(
-            diameter, diameter, np.zeros_like(diameter), units="xy", offsets=seen(frame.arrays["position"]),
-            offset_transform=axes.transData, facecolors=self._colors(frame), edgecolors=INK,
-            linewidths=0.4 if diameter.max() > 8.0 * pixel else 0.0, zorder=3,
-        )  # fmt: skip
-        axes.add_collection(circles, autolim=False)
-        return circles
+    def _particles(self, axes: Axes, frame: Frame) -> Discs | Splat:
+        if self.setting.radius is None:
+            return Discs(axes, self.view, frame)
+        return Splat(axes, self.view, self.setting.radius, balls=self.setting.camera is not None)
 
     def _colors(self, frame: Frame) -> Any:
         if self.coloring is not None and self.mapping is not None:
-            return self.mapping.to_rgba(frame.arrays[self.coloring.array])
-        kinds = self.setting.kinds
-        return [kinds[kind].color for kind in frame.arrays["species"]]
+            return self.mapping.to_rgba(self.coloring.values(frame))
+        return to_rgba_array([kind.color for kind in self.setting.kinds])[frame.arrays["species"]]
 
     def show(self, frame: Frame) -> None:
         """Put a frame into the picture."""
-        self.particles.set_offsets(seen(frame.arrays["position"]))
-        if self.coloring is not None:
-            self.particles.set_facecolor(self._colors(frame))
+        position, camera = frame.arrays["position"], self.setting.camera
+        depth = None if camera is None else position @ camera[2]
+        self.particles.put(seen(position, camera), depth, self._colors(frame))
         self.time.set_text(time_text(frame.time))
 
     def pixels(self, frame: Frame) -> Pixels:
@@ -133,8 +142,32 @@ class Tank:
         return self._layers.pixels()
 
 
-def seen(position: Array) -> Array:
-    """The first axis and the last: the last points up."""
+class Discs:
+    """Particles of many sizes as circles."""
+
+    def __init__(self, axes: Axes, view: View, frame: Frame) -> None:
+        figure: Any = axes.figure
+        across = axes.get_position().width * float(figure.get_size_inches()[0]) * figure.dpi
+        pixel = view.width / across
+        diameter = np.maximum(2.0 * frame.arrays["radius"], LEAST_PIXELS * pixel)
+        self.artist: Any = EllipseCollection(
+            diameter, diameter, np.zeros_like(diameter), units="xy", offsets=seen(frame.arrays["position"]),
+            offset_transform=axes.transData, edgecolors=INK, linewidths=0.4 if diameter.max() > 8.0 * pixel else 0.0,
+            zorder=3,
+        )  # fmt: skip
+        axes.add_collection(self.artist, autolim=False)
+
+    def put(self, places: Array, depth: Array | None, colors: Array) -> None:
+        """Where they are seen, and their colors; circles have no depth."""
+        self.artist.set_offsets(places)
+        self.artist.set_facecolor(colors)
+
+
+def seen(position: Array, camera: Array | None = None) -> Array:
+    """The first axis and the last, which points up; or what a camera has at its right and above."""
+    if camera is not None:
+        shown: Array = position @ camera[:2].T
+        return shown
     return np.column_stack([position[:, 0], position[:, -1]])
 
 
@@ -147,9 +180,11 @@ def view_of(setting: Setting, frames: Sequence[Frame]) -> View:
     """The whole tank; without one, all that the particles of these frames ever reach."""
     if setting.outline is not None:
         low, high = extent(setting.outline)
+    elif setting.wires:
+        low, high = extent(np.concatenate([*setting.wires, *setting.behind]))
     else:
-        places = [seen(frame.arrays["position"]) for frame in frames]
-        reach = max(float(frame.arrays["radius"].max()) for frame in frames)
+        places = [seen(frame.arrays["position"], setting.camera) for frame in frames]
+        reach = setting.radius or max(float(frame.arrays["radius"].max()) for frame in frames)
         low = np.min([place.min(axis=0) for place in places], axis=0) - 2.0 * reach
         high = np.max([place.max(axis=0) for place in places], axis=0) + 2.0 * reach
     room = MARGIN * float((high - low).max())
@@ -180,12 +215,17 @@ def tank_axes(figure: Figure, view: View) -> Axes:
 def draw_setting(axes: Axes, setting: Setting) -> None:
     """The tank with its liquid, the bodies in it, and the openings as gaps in the walls."""
     if setting.outline is not None:
-        axes.add_patch(_patch(setting.outline, facecolor=LIQUID, edgecolor="none", zorder=0))
+        axes.add_patch(_patch(setting.outline, facecolor=setting.inside, edgecolor="none", zorder=0))
         axes.add_patch(_patch(setting.outline, facecolor="none", edgecolor=RIM, linewidth=2.0, zorder=2))
     for body in setting.bodies:
         axes.add_patch(_patch(body, facecolor=BODY, edgecolor=RIM, linewidth=1.5, zorder=2))
+    for ends in setting.behind:
+        axes.add_line(Line2D(*ends.T, color=RIM, linewidth=0.9, zorder=2))
     for ends in setting.gaps:
-        axes.add_line(Line2D(ends[:, 0], ends[:, 1], color="white", linewidth=3.0, solid_capstyle="butt", zorder=2.5))
+        axes.add_line(Line2D(*ends.T, color="white", linewidth=3.0, solid_capstyle="butt", zorder=2.5))
+    for ends in setting.dotted:
+        axes.add_line(Line2D(*ends.T, color="white", linewidth=3.0, solid_capstyle="butt", zorder=2.5))
+        axes.add_line(Line2D(*ends.T, color=RIM, linewidth=1.0, linestyle=":", zorder=2.6))
 
 
 def _patch(shape: Shape, **look: Any) -> Circle | Polygon:
@@ -195,16 +235,21 @@ def _patch(shape: Shape, **look: Any) -> Circle | Polygon:
 
 
 def color_bar(axes: Axes, coloring: Coloring, sample: Sequence[Frame]) -> ScalarMappable:
-    """The colors' range is that of the sampled frames; the bar stands right of the tank."""
-    low = min(float(frame.arrays[coloring.array].min()) for frame in sample)
-    high = max(float(frame.arrays[coloring.array].max()) for frame in sample)
+    """The colors' range is that of the sampled frames, but for what is rare; the bar stands right of the tank."""
+    values = np.concatenate([coloring.values(frame) for frame in sample])
+    low = float(np.quantile(values, RARE, method="lower"))
+    high = float(np.quantile(values, 1.0 - RARE, method="higher"))
     mapping = ScalarMappable(Normalize(low, high if high > low else low + 1.0), coloring.colors)
     scale = scale_for(max(abs(low), abs(high)), coloring.unit)
     room = axes.get_position()
-    pane = axes.figure.add_axes((room.x1 + 0.02, room.y0 + 0.1 * room.height, 0.018, 0.8 * room.height))
+    figure: Any = axes.figure
+    width = DPI * float(figure.get_size_inches()[0])
+    pane = figure.add_axes((room.x1 + 30.0 / width, room.y0 + 0.1 * room.height, 17.0 / width, 0.8 * room.height))
     least, most = mapping.get_clim()
     shown = ScalarMappable(Normalize(scale.factor * least, scale.factor * most), coloring.colors)
-    bar = axes.figure.colorbar(shown, cax=pane)
-    bar.set_label(f"{coloring.label} ({scale.unit})")
+    bar = figure.colorbar(shown, cax=pane)
+    bar.set_label(f"{coloring.label} ({scale.unit})", fontsize=10.5)
     bar.outline.set_edgecolor(MUTED)
+    pane.grid(visible=False)
+    pane.tick_params(labelsize=10)
     return mapping

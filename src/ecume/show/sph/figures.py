@@ -1,0 +1,173 @@
+"""Figures of a run of liquid: its pressure against depth, how far it came, how it flows, where it ends."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from ecume.analysis.profiles import Profile, velocity_profile
+from ecume.analysis.series import number, series, times
+from ecume.analysis.surfaces import free_surface, walls_of
+from ecume.errors import BadInput
+from ecume.laws.column import column_height, column_pressure
+from ecume.models.sph.building import material_of
+from ecume.show.curves import Frames, energies, kinetic_energy, over_time, thinned
+from ecume.show.sph.picture import liquid_picture, rectangle
+from ecume.show.style import INK, PALETTE, RIM, Scale, figure, legend_outside, plain, scale_for, style
+from ecume.trajectories.frame import Frame
+from ecume.units import Array
+
+REACH = 4.0
+"""In spacings: how far a point of a profile looks."""
+POINTS = 61
+INSTANTS = 5
+AXES = "xyz"
+
+
+def pressure(frames: Frames, scene: Any) -> Figure:
+    """The pressure of each particle against its height at the end, and the exact one of this liquid at rest."""
+    last = frames[-1]
+    height, weight = _heights(last, scene)
+    depth, exact = _column(last, scene, weight)
+    lengths, pressures = scale_for(float(np.abs(height).max()), "m"), scale_for(float(exact.max()), "Pa")
+    with style():
+        drawn = figure()
+        axes = drawn.add_subplot(title=plain(f"{scene.title} at {last.time:g} s"))
+        dots: dict[str, Any] = {"color": PALETTE[5], "markersize": 2.0, "markeredgewidth": 0.0, "label": "particles"}
+        axes.plot(pressures.factor * last.arrays["pressure"], lengths.factor * height, "o", **dots)
+        bottom = _bottom(scene)
+        column = lengths.factor * (bottom + depth[-1] - depth)
+        axes.plot(pressures.factor * exact, column, color=INK, label="exact column at rest")
+        axes.set(xlabel=f"gauge pressure ({pressures.unit})", ylabel=f"height ({lengths.unit})")
+        legend_outside(axes)
+    return drawn
+
+
+def _heights(frame: Frame, scene: Any) -> tuple[Array, float]:
+    """The particles' heights, and the pull downwards."""
+    pull = np.array(scene.gravity)
+    if not pull[1] < 0.0 or np.delete(pull, 1).any():
+        raise BadInput("gravity does not point down along y; there is no depth for a pressure to follow")
+    return frame.arrays["position"][:, 1], -float(pull[1])
+
+
+def _bottom(scene: Any) -> float:
+    return float(scene.tank.low[1])
+
+
+def _column(frame: Frame, scene: Any, weight: float) -> tuple[Array, Array]:
+    """Depths and pressures of as much liquid, at rest all over the tank's floor."""
+    material = material_of(scene)
+    floor = np.delete(np.array(scene.tank.high) - np.array(scene.tank.low), 1)
+    load = float(frame.arrays["mass"].sum() / np.prod(floor))
+    laws = weight, material.density, material.sound_speed, material.exponent
+    depth = np.linspace(0.0, column_height(load, *laws), POINTS)
+    return depth, np.array([column_pressure(down, *laws) for down in depth])
+
+
+def front(frames: Frames, scene: Any) -> Figure:
+    """The largest x and y that a particle has."""
+    return _lengths_over_time(frames, scene, {"front": "front, largest x", "top": "top, largest y"}, "position")
+
+
+def center(frames: Frames, scene: Any) -> Figure:
+    """The center of mass."""
+    names = {f"center_{axis}": axis for axis in AXES[: len(scene.tank.low)]}
+    return _lengths_over_time(frames, scene, names, "center of mass")
+
+
+def _lengths_over_time(frames: Frames, scene: Any, names: Mapping[str, str], label: str) -> Figure:
+    shown = thinned(frames)
+    curves = series(shown, *map(number, names))
+    scale = scale_for(float(np.abs(curves).max()), "m")
+    with style():
+        drawn = figure()
+        axes = over_time(drawn, scene)
+        for values, name, color in zip(curves, names.values(), PALETTE, strict=False):
+            axes.plot(times(shown), scale.factor * values, color=color, label=name)
+        axes.set_ylabel(f"{label} ({scale.unit})")
+        legend_outside(axes)
+    return drawn
+
+
+def snapshot(frames: Frames, scene: Any) -> Figure:
+    """The last frame, as movies show it."""
+    return liquid_picture(scene, [frames[-1]]).figure
+
+
+def velocity(frames: Frames, scene: Any) -> Figure:
+    """Velocities along two lines through the tank's middle: u along the vertical one, v along the level one."""
+    chosen = _instants(frames, 3)
+    level = [_along(frame, scene, axis=0) for frame in chosen]
+    upright = [_along(frame, scene, axis=1) for frame in chosen]
+    fast = [np.nanmax(np.abs(profile.values), initial=0.0) for profile in (*level, *upright)]
+    speeds, lengths = scale_for(float(max(fast)), "m/s"), scale_for(float(np.abs(scene.tank.high).max()), "m")
+    with style():
+        drawn = figure(7.6, 3.8)
+        left, right = drawn.subplots(1, 2)
+        for frame, up, flat, color in zip(chosen, upright, level, PALETTE, strict=False):
+            label = f"{frame.time:g} s"
+            left.plot(speeds.factor * up.values[:, 0], lengths.factor * up.points[:, 1], color=color, label=label)
+            right.plot(lengths.factor * flat.points[:, 0], speeds.factor * flat.values[:, 1], color=color, label=label)
+        left.set(xlabel=f"u ({speeds.unit})", ylabel=f"y ({lengths.unit})", title=plain(scene.title))
+        right.set(xlabel=f"x ({lengths.unit})", ylabel=f"v ({speeds.unit})")
+        legend_outside(right)
+    return drawn
+
+
+def _along(frame: Frame, scene: Any, axis: int) -> Profile:
+    """The velocity through the middle of the tank along an axis."""
+    low, high = np.array(scene.tank.low), np.array(scene.tank.high)
+    ends = np.tile(0.5 * (low + high), (2, 1))
+    if axis == 0:
+        # Half way up the liquid, not the tank: there may be air.
+        ends[:, 1] = np.median(frame.arrays["position"][:, 1])
+    ends[:, axis] = low[axis], high[axis]
+    return velocity_profile(frame, (ends[0], ends[1]), POINTS, REACH * scene.spacing)
+
+
+def surface(frames: Frames, scene: Any) -> Figure:
+    """The outline of the liquid at several instants."""
+    if len(scene.tank.low) != 2:
+        raise BadInput("outlines are drawn of liquids in the plane; this one is in space")
+    walls, chosen = walls_of(scene.tank), _instants(frames, INSTANTS)
+    corners = rectangle(scene.tank.low, scene.tank.high)
+    scale = scale_for(float(np.abs(corners).max()), "m")
+    with style():
+        drawn = figure()
+        axes = drawn.add_subplot(title=plain(scene.title), aspect="equal")
+        for frame, color in zip(chosen, PALETTE, strict=False):
+            _lines(axes, free_surface(frame, scene.spacing, walls), scale, color, f"{frame.time:g} s")
+        closed = scale.factor * corners[[0, 1, 2, 3, 0]]
+        if np.isfinite([*walls.low, *walls.high]).any():
+            axes.plot(*closed.T, color=RIM, linewidth=0.8, linestyle=":")
+        axes.set(xlabel=f"x ({scale.unit})", ylabel=f"y ({scale.unit})")
+        legend_outside(axes)
+    return drawn
+
+
+def _lines(axes: Axes, lines: Sequence[Array], scale: Scale, color: str, label: str) -> None:
+    """Lines of one color, named once."""
+    for index, line in enumerate(lines):
+        axes.plot(*(scale.factor * line).T, color=color, label=label if index == 0 else None)
+
+
+def _instants(frames: Frames, count: int) -> list[Frame]:
+    """Frames from the first to the last, evenly."""
+    return [frames[int(index)] for index in np.unique(np.linspace(0, len(frames) - 1, count).round())]
+
+
+SPH_FIGURES: Mapping[str, Any] = {
+    "energies": energies,
+    "kinetic-energy": kinetic_energy,
+    "pressure": pressure,
+    "front": front,
+    "center": center,
+    "snapshot": snapshot,
+    "velocity": velocity,
+    "surface": surface,
+}

@@ -1,0 +1,135 @@
+"""A liquid of particles in its tank: from the side in a plane, from a corner in space."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from ecume.errors import BadInput
+from ecume.scenes.faults import suggestion
+from ecume.scenes.sph import SIDES
+from ecume.show.picture import USUAL, Size, Species
+from ecume.show.style import PALETTE
+from ecume.show.tank import Coloring, Round, Setting, Shape, Tank, seen
+from ecume.trajectories.frame import Frame
+from ecume.units import Array
+
+AZIMUTH, ELEVATION = math.radians(28.0), math.radians(20.0)
+"""Where the eye stands: turned about the vertical, and above the floor."""
+FULL = 0.62
+"""The radius with which particles are drawn, in spacings: neighbors on a lattice just overlap."""
+AIR = "white"
+
+
+def speed(frame: Frame) -> Array:
+    """How fast each particle is (m/s)."""
+    fast: Array = np.linalg.norm(frame.arrays["velocity"], axis=1)
+    return fast
+
+
+def array(name: str) -> Callable[[Frame], Array]:
+    """An array of the frame as it is."""
+    return lambda frame: frame.arrays[name]
+
+
+COLORINGS: Mapping[str, Coloring | None] = {
+    "pressure": Coloring(array("pressure"), "gauge pressure", "Pa"),
+    "speed": Coloring(speed, "speed", "m/s", "cividis"),
+    "density": Coloring(array("density"), "density", "kg/m³", "cividis"),
+    "region": None,
+}
+"""By the name that `ecume movie --color` takes; `region` colors by which [[fluid]] table a particle came from."""
+
+
+def liquid_picture(scene: Any, sample: Sequence[Frame], size: Size = USUAL, color: str | None = None) -> Tank:
+    """The tank, its liquid colored by pressure where there is gravity, by speed elsewhere, or as `color` says."""
+    name = color or usual_color(scene)
+    if name not in COLORINGS:
+        raise BadInput(f"no color is called {name!r}; {suggestion(name, COLORINGS)}")
+    setting = setting_of(scene) if len(scene.tank.low) == 2 else setting_in_space(scene)
+    return Tank(setting, sample, size, COLORINGS[name])
+
+
+def usual_color(scene: Any) -> str:
+    """What tells most of a liquid: under gravity the pressure, which is nearly all speed without."""
+    return "pressure" if any(scene.gravity) else "speed"
+
+
+def setting_of(scene: Any) -> Setting:
+    """A tank in the plane: open sides are gaps in its walls, periodic ones are dotted."""
+    corners = rectangle(scene.tank.low, scene.tank.high)
+    ends = {side: corners[[first, last]] for side, first, last in EDGES}
+    of_kind = {kind: [ends[side] for side in ends if getattr(scene.tank, side).kind == kind] for kind in KINDS}
+    nothing_around = len(of_kind["open"]) == len(ends)
+    return Setting(
+        scene.title,
+        None if nothing_around else corners,
+        bodies=[outline(shape) for shape in getattr(scene, "obstacles", ())],
+        gaps=[] if nothing_around else of_kind["open"],
+        kinds=regions(scene),
+        inside=AIR,
+        dotted=of_kind["periodic"],
+        radius=FULL * scene.spacing,
+    )
+
+
+EDGES = (("bottom", 0, 1), ("right", 1, 2), ("top", 2, 3), ("left", 3, 0))
+KINDS = ("wall", "open", "periodic")
+
+
+def setting_in_space(scene: Any) -> Setting:
+    """The edges of a tank as they are seen from a corner; where all is open there are none."""
+    low, high = np.array(scene.tank.low), np.array(scene.tank.high)
+    camera = camera_at(AZIMUTH, ELEVATION)
+    around = any(getattr(scene.tank, side).kind != "open" for side in SIDES)
+    solids = [np.array([solid.low, solid.high]) for solid in getattr(scene, "obstacles", ()) if solid.low is not None]
+    edges = [edge for box in solids for edge in edges_of(*box)]
+    tank = edges_of(low, high) if around else []
+    farthest = np.where(camera[2] > 0.0, low, high)
+    back = [(edge == farthest).all(axis=1).any() for edge in tank]
+    behind = [seen(edge, camera) for edge, hidden in zip(tank, back, strict=True) if hidden]
+    wires = [seen(edge, camera) for edge, hidden in zip(tank, back, strict=True) if not hidden]
+    wires += [seen(edge, camera) for edge in edges]
+    return Setting(
+        scene.title, None, kinds=regions(scene), inside=AIR, wires=wires, behind=behind, camera=camera,
+        radius=FULL * scene.spacing,
+    )  # fmt: skip
+
+
+def camera_at(azimuth: float, elevation: float) -> Array:
+    """Its right, up, and towards it, (3, 3), when it is turned so far about y, and raised so far above the floor."""
+    right = np.array([math.cos(azimuth), 0.0, -math.sin(azimuth)])
+    level = np.array([math.sin(azimuth), 0.0, math.cos(azimuth)])
+    toward = math.cos(elevation) * level + math.sin(elevation) * np.array([0.0, 1.0, 0.0])
+    return np.array([right, np.cross(toward, right), toward])
+
+
+def edges_of(low: Array, high: Array) -> list[Array]:
+    """The twelve edges of a box, (2, 3) each."""
+    corners = [np.where(choice, high, low) for choice in itertools.product((False, True), repeat=3)]
+    pairs = itertools.combinations(corners, 2)
+    return [np.array(pair) for pair in pairs if np.count_nonzero(pair[0] != pair[1]) == 1]
+
+
+def rectangle(low: Any, high: Any) -> Array:
+    """The corners of a box in the plane, from the lowest around to the left."""
+    return np.array([(low[0], low[1]), (high[0], low[1]), (high[0], high[1]), (low[0], high[1])])
+
+
+def outline(shape: Any) -> Shape:
+    """A shape of the scene as it is drawn."""
+    if shape.vertices:
+        return np.array(shape.vertices)
+    if shape.radius is not None:
+        return Round(shape.center[0], shape.center[1], shape.radius)
+    return rectangle(shape.low, shape.high)
+
+
+def regions(scene: Any) -> list[Species]:
+    """The [[fluid]] tables, each in its color."""
+    palette = itertools.cycle(PALETTE[1:])
+    return [Species(f"region {n}", part.color or next(palette)) for n, part in enumerate(scene.fluid, 1)]

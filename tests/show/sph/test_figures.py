@@ -1,0 +1,49 @@
+"""Figures of a liquid show what the frames hold, with units."""
+
+import re
+
+import numpy as np
+import pytest
+
+from ecume.errors import BadInput
+from ecume.show.sph import figures
+from ecume.show.sph.figures import SPH_FIGURES
+
+from .conftest import frame_of, scene_of
+
+WITH_UNIT = re.compile(r".* \((s|[kmµ]?(m|m/s|J|Pa))\)$")
+
+
+@pytest.mark.parametrize("what", SPH_FIGURES)
+def test_every_figure_can_be_drawn_with_units_and_of_one_frame(what, scene, frames):
+    for shown in (frames, frames[:1]):
+        drawn = SPH_FIGURES[what](shown, scene)
+        labels = [label for axes in drawn.axes for label in (axes.get_xlabel(), axes.get_ylabel()) if label]
+        assert labels
+        assert all(WITH_UNIT.match(label) for label in labels)
+
+
+def test_a_liquid_at_rest_lies_on_the_exact_column(scene, frames):
+    (axes,) = figures.pressure(frames, scene).axes
+    dots, column = (line.get_data() for line in axes.lines)
+    on_column = np.interp(dots[1], column[1][::-1], column[0][::-1])
+    assert dots[0] == pytest.approx(on_column, abs=0.01 * column[0].max())
+
+
+def test_without_a_depth_there_is_no_pressure_against_it(frames):
+    sideways = scene_of(gravity=[9.81, 0.0])
+    with pytest.raises(BadInput, match="no depth"):
+        figures.pressure(frames, sideways)
+
+
+def test_velocities_are_read_along_the_middle(scene, frames):
+    up, across = figures.velocity(frames[:1], scene).axes
+    speed, height = up.lines[0].get_data()
+    wet = np.isfinite(speed) & (height > 0.05) & (height < 0.45)
+    assert speed[wet] == pytest.approx(3.0 * height[wet], abs=0.02)
+    assert across.lines[0].get_ydata()[10:50] == pytest.approx(0.0, abs=1e-9)
+
+
+def test_a_surface_in_space_is_refused(frames):
+    with pytest.raises(BadInput, match="in the plane"):
+        figures.surface([frame_of(dimension=3)], scene_of(dimension=3))
