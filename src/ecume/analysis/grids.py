@@ -1,0 +1,64 @@
+"""From particles to regular grids: fields that can be drawn as images, compared with other codes, or averaged."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ecume.analysis.gauges import filled, linear_values_at, values_at
+from ecume.errors import BadInput
+from ecume.trajectories.frame import Frame
+from ecume.units import Array, Length
+
+MOST_POINTS = 10_000_000
+
+
+class Grid(NamedTuple):
+    """The nodes of a regular grid, one array of coordinates an axis (m)."""
+
+    axes: tuple[Array, ...]
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """How many nodes there are along each axis."""
+        return tuple(len(axis) for axis in self.axes)
+
+    @property
+    def points(self) -> Array:
+        """All nodes, (n, d), the last axis running fastest."""
+        return np.stack([axis.ravel() for axis in np.meshgrid(*self.axes, indexing="ij")], axis=1)
+
+
+def grid_over(low: Sequence[float], high: Sequence[float], spacing: Length) -> Grid:
+    """A grid between two corners, whose nodes are at most a spacing apart.
+
+    >>> grid_over((0.0, 0.0), (1.0, 0.5), 0.25).shape
+    (5, 3)
+    """
+    if not spacing > 0.0 or any(b <= a for a, b in zip(low, high, strict=True)):
+        raise BadInput(f"a grid from {tuple(low)} to {tuple(high)} every {spacing:g} m has no nodes")
+    counts = [int(np.ceil((b - a) / spacing - 1e-9)) + 1 for a, b in zip(low, high, strict=True)]
+    if np.prod(np.array(counts, dtype=float)) > MOST_POINTS:
+        raise BadInput(f"a grid of {' x '.join(map(str, counts))} nodes has more than {MOST_POINTS:.0e}")
+    return Grid(tuple(np.linspace(a, b, count) for a, b, count in zip(low, high, counts, strict=True)))
+
+
+def on_grid(frame: Frame, name: str, grid: Grid, reach: Length) -> Array:
+    """An array of the frame at the grid's nodes, shape (*grid.shape, ...): Shepard's mean of the particles within
+    `reach`, not a number where there is no liquid.
+    """
+    values = values_at(frame, name, grid.points, reach)
+    return values.reshape(*grid.shape, *values.shape[1:])
+
+
+def linear_on_grid(frame: Frame, name: str, grid: Grid, reach: Length) -> Array:
+    """The same, exact for what grows linearly, up to walls and surfaces."""
+    values = linear_values_at(frame, name, grid.points, reach)
+    return values.reshape(*grid.shape, *values.shape[1:])
+
+
+def filled_on_grid(frame: Frame, grid: Grid, reach: Length) -> Array:
+    """How much of each node's surroundings is liquid, shape grid.shape."""
+    return filled(frame, grid.points, reach).reshape(grid.shape)

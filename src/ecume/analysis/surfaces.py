@@ -1,0 +1,84 @@
+"""Where a liquid ends: the lines along which half of the surroundings is liquid."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from contourpy import contour_generator
+
+from ecume.analysis.grids import filled_on_grid, grid_over
+from ecume.engine.images import Sides, images_of, positions_of_images
+from ecume.errors import BadInput
+from ecume.scenes.sph import SIDES, TankSpec
+from ecume.trajectories.frame import Frame
+from ecume.units import Array, Length
+
+HALF = 0.5
+REACH = 4.0
+"""In spacings: how far a particle fills its surroundings."""
+FINE = 0.5
+"""Of the grid, in spacings."""
+
+
+class Walls(NamedTuple):
+    """The corners of a tank (m); infinite where a side is open. At a wall a liquid does not end."""
+
+    low: Array
+    high: Array
+
+
+def walls_of(tank: TankSpec) -> Walls:
+    """The walls of a scene's tank."""
+    low, high = np.array(tank.low, dtype=float), np.array(tank.high, dtype=float)
+    for number, side in enumerate(SIDES[: 2 * len(low)]):
+        if getattr(tank, side).kind == "open":
+            (low if number % 2 == 0 else high)[number // 2] = -np.inf if number % 2 == 0 else np.inf
+    return Walls(low, high)
+
+
+def free_surface(frame: Frame, spacing: Length, walls: Walls | None = None) -> list[Array]:
+    """The outline of a liquid in the plane as lines, (K, 2) each, in m; a closed one ends where it begins.
+
+    A contour of the kernel's sum, at one half. The liquid is mirrored at walls, so that no line runs along them.
+    """
+    position = frame.arrays["position"]
+    if position.shape[1] != 2:
+        raise BadInput(f"an outline is a line in the plane; these frames have {position.shape[1]} dimensions")
+    if not len(position):
+        return []
+    reach, room = REACH * spacing, 1.5 * REACH * spacing
+    low, high = position.min(axis=0) - room, position.max(axis=0) + room
+    if walls is not None:
+        low, high = np.maximum(low, walls.low), np.minimum(high, walls.high)
+    grid = grid_over(low, high, FINE * spacing)
+    field = filled_on_grid(frame if walls is None else mirrored(frame, walls, reach), grid, reach)
+    lines = contour_generator(grid.axes[0], grid.axes[1], field.T).lines(HALF)
+    return [np.asarray(line, dtype=float) for line in lines]
+
+
+def mirrored(frame: Frame, walls: Walls, reach: Length) -> Frame:
+    """The frame with images of its particles behind walls closer than the reach."""
+    sides = _sides(walls)
+    position = frame.arrays["position"].T
+    images = images_of(position, sides, reach)
+    source = images.source.copy()
+    # An image may be the image of an image: each is followed back to its particle.
+    while (late := source >= position.shape[1]).any():
+        source[late] = source[source[late] - position.shape[1]]
+    arrays = {name: np.concatenate([array, array[source]]) for name, array in frame.arrays.items()}
+    everyone = np.concatenate([position, positions_of_images(position, images, sides)], axis=1)
+    return frame._replace(arrays={**arrays, "position": np.ascontiguousarray(everyone.T)})
+
+
+def _sides(walls: Walls) -> Sides:
+    """The walls as mirrors."""
+    dimension = len(walls.low)
+    rows = [
+        (axis, corner, sign) for corner, sign in ((walls.low, 1.0), (walls.high, -1.0)) for axis in range(dimension)
+    ]
+    kept = [(axis, corner[axis], sign) for axis, corner, sign in rows if np.isfinite(corner[axis])]
+    point, normal = np.zeros((len(kept), dimension)), np.zeros((len(kept), dimension))
+    for row, (axis, place, sign) in enumerate(kept):
+        point[row, axis], normal[row, axis] = place, sign
+    return Sides(point, normal, np.zeros_like(point), np.ones(len(kept), np.int64))

@@ -1,0 +1,89 @@
+"""Values at points, from values at particles near them: what a weighted sum over neighbors can be asked for.
+
+Weights come from outside: this file knows no kernel.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from ecume.engine.cells import Integers
+from ecume.units import Array
+
+THIN = 0.05
+"""Where less than this part of a point's surroundings is full, nothing is there."""
+FEW = 0.01
+"""A slope is trusted where neighbors spread this far in every direction, relative to the reach, squared."""
+
+
+class Near(NamedTuple):
+    """Pairs of a point and a particle not farther than the reach, point by point."""
+
+    point: Integers
+    """(pairs,) ascending"""
+    particle: Integers
+    """(pairs,)"""
+    away: Array
+    """(pairs, d) from the point to the particle"""
+    distance: Array
+    """(pairs,)"""
+    reach: float
+    points: int
+    """how many there are"""
+
+
+def near(points: Array, position: Array, reach: float) -> Near:
+    """Who is near which point; both are (n, d)."""
+    found = cKDTree(points).sparse_distance_matrix(cKDTree(position), reach, output_type="ndarray")
+    order = np.lexsort((found["j"], found["i"]))
+    point, particle = found["i"][order].astype(np.int64), found["j"][order].astype(np.int64)
+    return Near(point, particle, position[particle] - points[point], found["v"][order], reach, len(points))
+
+
+def added(pairs: Near, values: Array) -> Array:
+    """What the pairs of each point add up to: values (pairs, ...) give (points, ...)."""
+    rest = values.shape[1:]
+    columns = values.reshape(len(pairs.point), math.prod(rest)).T
+    sums = np.empty((math.prod(rest), pairs.points))
+    for row, column in enumerate(columns):
+        sums[row] = np.bincount(pairs.point, column, pairs.points)
+    return sums.T.reshape(pairs.points, *rest)
+
+
+def means(pairs: Near, weight: Array, values: Array) -> Array:
+    """Shepard's mean, sum_j w_j f_j / sum_j w_j, at each point; not a number where weights sum to less than `THIN`."""
+    return _mean_of_pairs(pairs, weight, values[pairs.particle])
+
+
+def planes(pairs: Near, weight: Array, values: Array) -> Array:
+    """At each point the value of the plane that fits its neighbors best: exact for what grows linearly.
+
+    Where they do not spread far enough to say which way it grows, their mean.
+    """
+    mean = means(pairs, weight, values)
+    middle = _mean_of_pairs(pairs, weight, pairs.away)
+    off = pairs.away - middle[pairs.point]
+    spread = _mean_of_pairs(pairs, weight, off[:, :, None] * off[:, None, :])
+    flat = values[pairs.particle].reshape(len(pairs.particle), math.prod(values.shape[1:]))
+    moment = _mean_of_pairs(pairs, weight, off[:, :, None] * flat[:, None, :])
+    known = np.asarray(np.isfinite(spread).all(axis=(1, 2)))
+    known[known] = np.linalg.eigvalsh(spread[known])[:, 0] > FEW * pairs.reach**2
+    slope = np.linalg.solve(spread[known], moment[known])
+    mean[known] -= np.einsum("pa,pac->pc", middle[known], slope).reshape(mean[known].shape)
+    return mean
+
+
+def _mean_of_pairs(pairs: Near, weight: Array, values: Array) -> Array:
+    there = added(pairs, weight)
+    total = added(pairs, _shaped(weight, values) * values)
+    found: Array = total / _shaped(np.where(there > THIN, there, np.nan), total)
+    return found
+
+
+def _shaped(numbers: Array, like: Array) -> Array:
+    """Numbers with as many axes, so that each multiplies its row."""
+    return numbers.reshape(numbers.shape + (1,) * (like.ndim - 1))
