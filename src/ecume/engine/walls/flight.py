@@ -19,7 +19,7 @@ from ecume.engine.walls.sheets import (
     wall_velocity,
 )
 from ecume.engine.walls.surfaces import PLANE
-from ecume.engine.walls.vectors import Vector, dot, eased, flown, length, plus, scaled
+from ecume.engine.walls.vectors import Vector, cross, dot, eased, flown, length, plus, scaled
 from ecume.units import Array
 
 STAYED, CAPPED, STARTED_OUTSIDE = 0, -1, -2
@@ -206,6 +206,10 @@ def met(state: State, moment: Moment, kind: Integers, number: Array, k: int) -> 
     if back <= calm and bend * dot(along, along) >= dot(push, n):
         held = holding(held, k)
         on = supports(held, kind, number, x, moment[0])
+        if held[2] < 0 <= held[1] and abs(dot(along, on[1])) <= calm and dot(push, on[1]) < 0.0:
+            # In a valley rounding would throw it from side to side for ever.
+            edge = cross(on[0], on[1])
+            along = scaled(dot(along, edge) / max(dot(edge, edge), 1e-24), edge)
         return plus(w, 1.0, eased(along, on[0], on[1], on[2])), held, real
     # Rounding must not leave it going on through the wall, or it would meet it for ever at once.
     return plus(plus(w, 1.0, along), max(back, ULPS * length(relative)), n), NOBODY, real
