@@ -38,6 +38,18 @@ def test_friction_makes_the_laplacian_of_the_velocity(name, dim):
 
 
 @pytest.mark.parametrize("dim", [2, 3])
+def test_friction_along_the_line_of_two_makes_the_laplacian_of_a_shear(dim):
+    one, spacing, h, viscosity = kernel("wendland-c4", dim), 0.05, 0.2, 0.7
+    x_j = lattice(dim, spacing, 2.0 * h)
+    distance = np.linalg.norm(x_j, axis=1)
+    slope = np.asarray(one.slope(distance, h)) / distance
+    speed_j = 2.0 * x_j[:, 1] ** 2  # along the first axis; its Laplacian is 4
+    friction = viscous.radial_friction(viscosity, viscosity, spacing**dim, spacing**dim, dim)
+    force = np.sum(friction * slope * (0.0 - speed_j) * x_j[:, 0] ** 2 / distance**2)
+    assert force / spacing**dim == pytest.approx(4.0 * viscosity, rel=0.02)
+
+
+@pytest.mark.parametrize("dim", [2, 3])
 def test_artificial_viscosity_amounts_to_the_viscosity_it_is_said_to(dim):
     one, spacing, h, alpha, c0 = kernel("wendland-c4", dim), 0.05, 0.2, 0.3, 20.0
     x_j = lattice(dim, spacing, 2.0 * h)

@@ -81,6 +81,23 @@ def viscous_decay(
     return Decay(-root.real, root.imag)
 
 
+def standing_wave_velocity(
+    x: Length, height: Length, *, wavenumber: Wavenumber, depth: Length, speed: Speed
+) -> tuple[Speed, Speed]:
+    """Velocity along x and upwards in a small standing wave, when its surface is flat and rises at cos(k x).
+
+    u = -U sin(k x) cosh(k y)/sinh(k H), v = U cos(k x) sinh(k y)/sinh(k H): no divergence, no rotation, nothing through
+    the bottom or through walls where sin(k x) = 0. y: height above the bottom; H: depth; U: speed, of the surface at
+    x = 0. [lamb1932, art. 228].
+
+    >>> standing_wave_velocity(0.0, 2.0, wavenumber=math.pi, depth=2.0, speed=0.1)
+    (-0.0, 0.1)
+    """
+    k, whole = wavenumber, math.sinh(wavenumber * depth)
+    along = -speed * math.sin(k * x) * math.cosh(k * height) / whole
+    return along, speed * math.cos(k * x) * math.sinh(k * height) / whole
+
+
 def ritter_depth(
     x: Length, time: Time, dam_depth: Length, gravity: Acceleration
 ) -> Length:  # fmt: skip

@@ -17,7 +17,7 @@ def tank(deep: int = 8, away: float = 0.0, **method: Any) -> Any:
             "frame_every": 0.1,
             "spacing": 1.0 / deep,
             "gravity": [0.0, -1.0],
-            "liquid": {"density": 1.0, "sound_speed": 10.0, "fastest": 1.0},
+            "liquid": {"density": 1.0, "sound_speed": 10.0, "fastest": 1.0, "viscosity": method.pop("viscosity", 0.0)},
             "tank": {
                 "low": [away, away],
                 "high": [away + 1.0, away + 2.0],
@@ -42,7 +42,7 @@ def free_blob(dimension: int = 2, **method: Any) -> Any:
             "frame_every": 0.1,
             "spacing": 0.125,
             "gravity": side,
-            "liquid": {"density": 1000.0, "sound_speed": 10.0},
+            "liquid": {"density": 1000.0, "sound_speed": 10.0, "viscosity": method.pop("viscosity", 0.0)},
             "tank": {"low": [-3.0] * dimension, "high": [3.0] * dimension, **dict.fromkeys(sides, OPEN)},
             "fluid": [
                 {

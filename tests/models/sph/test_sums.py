@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from ecume.models.sph.fields import ACC, DIFFUSED, DRHO, RHO, VOLUME
+from ecume.models.sph.fields import ACC, DIFFUSED, DRHO, FRICTION, LAMINAR, RADIAL, RHO, VOLUME
 from ecume.models.sph.record import SPH
 from ecume.models.sph.stepping import fill, take_both, take_forces, take_thickening
+from ecume.scenes.schema import from_plain, to_plain
 from tests.models.sph.scenes import free_blob, tank
 
 
@@ -35,6 +36,28 @@ def test_a_central_force_turns_nothing(dimension):
     x, a = state.position, state.acceleration
     torque = np.sum(state.mass * (x[0] * a[1] - x[1] * a[0]))
     assert abs(torque) < 1e-12 * np.sum(state.mass * np.abs(a).max())
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_a_liquid_that_turns_like_a_solid_feels_no_friction_and_one_that_shears_loses_energy(dimension):
+    parameters, state, workspace = at_start(free_blob(dimension, viscosity=1.0))
+    x, v = state.position, state.velocity
+    v[...] = 0.0
+    v[0], v[1] = 0.3 - x[1], x[0]
+    take_forces(parameters, state, workspace, parameters.time_step)
+    np.testing.assert_allclose(state.acceleration, 0.0, atol=1e-12)
+    v[0] = np.sin(3.0 * x[1])
+    take_forces(parameters, state, workspace, parameters.time_step)
+    push = state.mass * state.acceleration
+    assert np.sum(push * v) < -0.1 * np.abs(push * v).sum()
+    assert np.abs(push.sum(axis=1)).max() < 1e-12 * np.abs(push).sum()
+    assert abs(np.sum(x[0] * push[1] - x[1] * push[0])) < 1e-12 * np.abs(push).sum()
+
+
+def test_friction_is_along_the_line_of_two_where_a_surface_is_free_and_along_their_motion_where_none_is():
+    wave = tank(viscosity=0.01)
+    closed = from_plain({**to_plain(wave), "tank": {"low": [0.0, 0.0], "high": [1.0, 1.0]}})
+    assert [SPH.parameters(scene).choices[FRICTION] for scene in (wave, closed)] == [RADIAL, LAMINAR]
 
 
 def test_an_expanding_lattice_thins_by_its_divergence():

@@ -12,6 +12,7 @@ from ecume.errors import Fault, SceneError
 from ecume.laws.enthalpy import density_at_enthalpy
 from ecume.laws.flows import taylor_green_pressure, taylor_green_velocity
 from ecume.laws.kernels import KERNEL_CODES, Kernel, kernel
+from ecume.laws.waves import standing_wave_velocity
 from ecume.models.sph.bodies import bodies_of
 from ecume.models.sph.boundaries import boundary_of
 from ecume.models.sph.fields import (
@@ -28,6 +29,7 @@ from ecume.models.sph.fields import (
     NO_FRICTION,
     NUMBERS,
     ONE,
+    RADIAL,
     REFERENCE,
     SCALE,
     SOFT,
@@ -54,9 +56,10 @@ SMOOTHING = {
 }
 """Smoothing lengths in spacings that suit a kernel, in two and in three dimensions; 1.3 and 1.2 for all others."""
 DIFFUSIONS = ("none", "molteni", "antuono", "linear", "hydrostatic")
+FRICTIONS = ("morris", "monaghan")
 STRESSES = ("sum", "monaghan", "transport")
 PRECISIONS: dict[str, type[np.floating[Any]]] = {"double": np.float64, "single": np.float32}
-TAYLOR_GREEN = "taylor-green"
+TAYLOR_GREEN, STANDING_WAVE = "taylor-green", "standing-wave"
 
 
 def chosen(name: str, names: Any, path: str) -> str:
@@ -151,7 +154,17 @@ def velocity_in(region: RegionSpec, scene: SphScene, points: Array) -> Array:
         x, y = vortex_phases(scene, points)
         velocity[:, 0] += taylor_green_velocity(x, y, region.flow_speed)
         velocity[:, 1] += taylor_green_velocity(y, x, -region.flow_speed * size[1] / size[0])
+    elif region.flow == STANDING_WAVE:
+        velocity[:, :2] += _wave_velocity(region, scene, points)
     return velocity
+
+
+def _wave_velocity(region: RegionSpec, scene: SphScene, points: Array) -> Array:
+    """(N, 2) along x and upwards: half a wave fits into the tank, and the region says how deep the liquid is."""
+    low, high = scene.tank.low, scene.tank.high
+    depth = float(shape_of(region).bounds()[1][1]) - low[1]
+    wave = {"wavenumber": math.pi / (high[0] - low[0]), "depth": depth, "speed": region.flow_speed}
+    return np.array([standing_wave_velocity(point[0] - low[0], point[1] - low[1], **wave) for point in points])
 
 
 def pressure_in(region: RegionSpec, scene: SphScene, points: Array) -> Array:
@@ -296,6 +309,21 @@ def diffusion_of(scene: SphScene, pull: Array) -> str:
     return chosen(name, DIFFUSIONS, "method.density_diffusion")
 
 
+def friction_of(scene: SphScene) -> int:
+    """The form of the viscosity: the one that is right at a free surface, where there may be one."""
+    if scene.method.friction == "automatic":
+        return RADIAL if free_surface(scene) else LAMINAR
+    return {"morris": LAMINAR, "monaghan": RADIAL}[chosen(scene.method.friction, FRICTIONS, "method.friction")]
+
+
+def free_surface(scene: SphScene) -> bool:
+    """Whether a part of the liquid's surface may move: a side is open, or the tank is not full."""
+    bounds = [shape_of(region).bounds() for region in scene.fluid]
+    low, high = np.min([b[0] for b in bounds], axis=0), np.max([b[1] for b in bounds], axis=0)
+    room = np.maximum(low - np.array(scene.tank.low), np.array(scene.tank.high) - high)
+    return any(side.kind == "open" for side in sides_of(scene)) or bool((room > 0.5 * scene.spacing).any())
+
+
 def choices_of(scene: SphScene, pull: Array) -> Any:
     """The table of choices that sums read."""
     choices = np.zeros(CHOICES, np.int64)
@@ -303,7 +331,7 @@ def choices_of(scene: SphScene, pull: Array) -> Any:
     choices[KERNEL] = KERNEL_CODES[scene.method.kernel]
     choices[DIFFUSION] = DIFFUSIONS.index(diffusion_of(scene, pull))
     choices[STRESS] = STRESSES.index(scene.method.pressure_force)
-    choices[FRICTION] = LAMINAR if (scene.liquid.viscosity or 0.0) > 0.0 else NO_FRICTION
+    choices[FRICTION] = friction_of(scene) if (scene.liquid.viscosity or 0.0) > 0.0 else NO_FRICTION
     return choices
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ecume._jit import prange, summing
-from ecume.models.sph.fields import ACC, DIMENSION, INVERSE, KERNEL, MU, RHO, SCALE, VOLUME, ZERO, P, U, V, W, X
+from ecume.models.sph.fields import ACC, DIMENSION, INVERSE, KERNEL, MU, RHO, SCALE, SOFT, VOLUME, ZERO, P, U, V, W, X
 from ecume.models.sph.weights import slope_of
 
 INDEX = np.uint64
@@ -39,6 +39,39 @@ def rub(fields: Any, count: Any, neighbor: Any, numbers: Any, choices: Any, rate
             ay += drag * dv
             az += drag * dw
         share = numbers[SCALE] * (own + own + own + own) / fields[RHO, i]
+        rates[ACC, i] += share * ax
+        rates[ACC + 1, i] += share * ay
+        rates[ACC + 2, i] += share * az
+
+
+@summing
+def rub_radially(fields: Any, count: Any, neighbor: Any, numbers: Any, choices: Any, rates: Any) -> None:
+    """Add the viscous force along the lines between particles, (1/rho_i) sum_j Z_ij F V_j [(u_i - u_j).x_ij] x_ij/r^2,
+    Z_ij = 2 (d + 2) times the harmonic mean of the viscosities (Monaghan 2005).
+    """
+    kernel, deep, inverse, zero = choices[KERNEL], choices[DIMENSION] == 3, numbers[INVERSE], numbers[ZERO]
+    factor = numbers[SCALE] * 4.0 * (choices[DIMENSION] + 2)
+    for particle in prange(rates.shape[1]):
+        i = INDEX(particle)
+        x, y, z = fields[X, i], fields[X + 1, i], fields[X + 2, i]
+        u, v, w = fields[U, i], fields[U + 1, i], fields[U + 2, i]
+        own, soft = fields[MU, i], numbers[SOFT]
+        ax, ay, az = zero, zero, zero
+        for k in range(INDEX(count[i])):
+            j = INDEX(neighbor[i, k])
+            dx, dy, dz = fields[X, j] - x, fields[X + 1, j] - y, zero
+            volume, other = fields[VOLUME, j], fields[MU, j]
+            square, radial = dx * dx + dy * dy, (u - fields[U, j]) * dx + (v - fields[U + 1, j]) * dy
+            if deep:
+                dz = fields[X + 2, j] - z
+                square, radial = square + dz * dz, radial + (w - fields[U + 2, j]) * dz
+            drag = slope_of(math.sqrt(square) * inverse, kernel) * volume * other / (own + other)
+            # Nobody is so near to another, but a particle may be to its own image.
+            drag *= radial / max(square, soft)
+            ax += drag * dx
+            ay += drag * dy
+            az += drag * dz
+        share = factor * own / fields[RHO, i]
         rates[ACC, i] += share * ax
         rates[ACC + 1, i] += share * ay
         rates[ACC + 2, i] += share * az

@@ -19,10 +19,11 @@ from ecume.models.sph.fields import (
     FRICTION,
     INVERSE,
     KERNEL,
-    LAMINAR,
     LIQUID,
     MU,
+    NO_FRICTION,
     PUSH,
+    RADIAL,
     RHO,
     SCALE,
     SOFT,
@@ -48,7 +49,8 @@ def press(
 ) -> None:
     """The force on each of the columns `mine`, (groups, 3, columns), of its neighbors in each group (-1: in none)."""
     kernel, scale, alpha, inverse = choices[KERNEL], numbers[SCALE], numbers[ALPHA], numbers[INVERSE]
-    transported, rubs, deep = choices[STRESS] == TRANSPORT, choices[FRICTION] == LAMINAR, choices[DIMENSION] == 3
+    transported, deep = choices[STRESS] == TRANSPORT, choices[DIMENSION] == 3
+    rubs, radially = choices[FRICTION] != NO_FRICTION, choices[FRICTION] == RADIAL
     for place in prange(len(mine)):
         i = mine[place]
         for k in range(count[i]):
@@ -80,9 +82,14 @@ def press(
             held = fields[MU, i] * fields[MU, j]
             if rubs and held > 0.0:
                 drag = 4.0 * pull * fields[VOLUME, i] * fields[VOLUME, j] * held / (fields[MU, i] + fields[MU, j])
-                force[g, 0, place] += drag * (fields[U, i] - fields[U, j])
-                force[g, 1, place] += drag * (fields[U + 1, i] - fields[U + 1, j])
-                force[g, 2, place] += drag * (fields[U + 2, i] - fields[U + 2, j])
+                du, dv = fields[U, i] - fields[U, j], fields[U + 1, i] - fields[U + 1, j]
+                dw = fields[U + 2, i] - fields[U + 2, j]
+                if radially:
+                    along = (choices[DIMENSION] + 2) * (du * dx + dv * dy + dw * dz) / max(square, numbers[SOFT])
+                    du, dv, dw = along * dx, along * dy, along * dz
+                force[g, 0, place] += drag * du
+                force[g, 1, place] += drag * dv
+                force[g, 2, place] += drag * dw
 
 
 def forces_on(parameters: Parameters, workspace: Workspace, mine: Integers, group: Integers) -> Array:

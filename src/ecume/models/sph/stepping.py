@@ -23,9 +23,10 @@ from ecume.models.sph.fields import (
     ENTHALPY,
     FRICTION,
     HYDROSTATIC,
-    LAMINAR,
     MONAGHAN,
     NO_DIFFUSION,
+    NO_FRICTION,
+    RADIAL,
     RHO,
     SCALE,
     STRESS,
@@ -34,7 +35,7 @@ from ecume.models.sph.fields import (
     H,
     W,
 )
-from ecume.models.sph.friction import push_transported, rub
+from ecume.models.sph.friction import push_transported, rub, rub_radially
 from ecume.models.sph.gradients import add_gradient_diffusion, fill_density_gradients
 from ecume.models.sph.guard import turn_back
 from ecume.models.sph.loads import forces_on_dummies, total
@@ -107,19 +108,22 @@ def symplectic_step(parameters: Parameters, state: State, workspace: Workspace, 
 
 
 def verlet_step(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
-    """One evaluation a step: velocity Verlet for positions and densities alike, damping at extrapolated velocities."""
+    """One evaluation a step, at the new positions and at velocities and densities that go on as they did before; then
+    the mean of both rates. Pressure at densities half a step behind would feed sound waves.
+    """
     if not state.ready[0]:
         renew(parameters, state, workspace)
         take_both(parameters, state, workspace, time)
     kick_all(state, 0.5 * time)
-    thicken(state.density, state.thickening, 0.5 * time)
     move(parameters, state, workspace, time)
     kick_all(state, 0.5 * time)
-    before, before_bodies = state.acceleration.copy(), state.push.copy()
+    thicken(state.density, state.thickening, time)
+    before, thickening, before_bodies = state.acceleration.copy(), state.thickening.copy(), state.push.copy()
     take_both(parameters, state, workspace, time)
     kick(state.velocity, before, -0.5 * time)
     state.motion[...] -= 0.5 * time * before_bodies
     kick_all(state, 0.5 * time)
+    thicken(state.density, thickening, -0.5 * time)
     thicken(state.density, state.thickening, 0.5 * time)
     state.ready[0] = 1
 
@@ -241,9 +245,10 @@ def _store_acceleration(parameters: Parameters, state: State, workspace: Workspa
     choices, lists = parameters.choices, workspace.lists
     per_volume = choices[STRESS] == SUM
     store_acceleration(state.acceleration, workspace.rates, state.density, parameters.gravity, per_volume)
-    if choices[FRICTION] == LAMINAR:
+    if choices[FRICTION] != NO_FRICTION:
+        rubbing = rub_radially if choices[FRICTION] == RADIAL else rub
         workspace.rates[ACC : ACC + 3] = 0.0
-        rub(workspace.fields, lists.counts, lists.neighbor, parameters.numbers, choices, workspace.rates)
+        rubbing(workspace.fields, lists.counts, lists.neighbor, parameters.numbers, choices, workspace.rates)
         state.acceleration[...] += workspace.rates[ACC : ACC + parameters.dimension]
     _push_bodies(parameters, state, workspace)
     if parameters.background > 0.0 or parameters.shifting == DELTA_PLUS:

@@ -67,8 +67,11 @@ class RegionSpec(ShapeSpec):
     """m/s of all its liquid"""
     velocity_gradient: tuple[tuple[Gradient, ...], ...] = ()
     """d velocity_a / d x_b (1/s), a matrix, about `center` or the origin: rotation, strain, shear"""
-    flow: Literal["", "taylor-green"] = ""
-    """A velocity field by name: `taylor-green` has one vortex pair a tank length, of speed `flow_speed`."""
+    flow: Literal["", "taylor-green", "standing-wave"] = ""
+    """A velocity field by name, of speed `flow_speed`: `taylor-green` has one vortex pair a tank length;
+    `standing-wave` is a small wave twice as long as the tank, at an instant when its surface is flat and rises at the
+    left wall
+    """
     flow_speed: PositiveSpeed = 1.0
     """m/s"""
     color: Color | None = None
@@ -93,6 +96,10 @@ class MethodSpec:
     """delta of the density diffusion"""
     artificial_viscosity: Annotated[Number, Field(ge=0.0, le=10.0)] = 0.02
     """alpha; zero where the liquid has a viscosity, unless given"""
+    friction: LawName = "automatic"
+    """of a viscous liquid: `monaghan` along the lines between particles (right at a free surface, the default where
+    there is one), or `morris` (the default in tanks that are full)
+    """
     pressure_force: LawName = "sum"
     """`sum` (p_i + p_j), `monaghan` (p/rho^2) or `transport` (density-weighted, with the transport velocity)"""
     pressure_split: Literal["none", "modified"] = "none"
