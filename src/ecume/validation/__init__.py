@@ -42,6 +42,12 @@ CASES: dict[str, Case] = {
         _case("integrators", "The orders of the integrators, and the energy over a million steps"),
         _case("two-spheres", "Two soft spheres opening and closing, against the closed form"),
         _case("t1", "Four soft spheres that swap neighbors, against an independent solution"),
+        _case("tank", "A tank at rest, out of order at the start: pressure, level, speed, creep", long=True),
+        _case(
+            "tank-schemes",
+            "The tank at rest with other walls, kernels and diffusions: what holds, what fails",
+            long=True,
+        ),
         _case("rest", "Sixty cereals rest after ten minutes, in milk and in syrup", long=True),
     )
 }

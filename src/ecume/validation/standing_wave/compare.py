@@ -1,0 +1,67 @@
+"""A standing wave in a viscous liquid: how fast it swings, and how fast it dies, beside the exact roots."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+from scipy.optimize import curve_fit
+
+from ecume.analysis.gauges import wave_amplitude
+from ecume.laws.waves import Decay, viscous_decay
+from ecume.scenes.load import load_scene
+from ecume.scenes.sph import SphScene
+from ecume.simulation import simulate
+from ecume.units import Array
+from ecume.validation.rows import Row, above, within
+
+SCENE = Path(__file__).with_name("scene.toml")
+REYNOLDS = (50.0, 100.0)
+DEEP = (16, 32)
+"""Particles in the depth."""
+MOST_FREQUENCY = {16: 0.02, 32: 0.01}
+MOST_RATE = {16: 0.05, 32: 0.03}
+"""Relative."""
+
+
+def rows() -> list[Row]:
+    """Frequency and decay at two viscosities and two resolutions, and how the decay converges."""
+    found = []
+    for reynolds in REYNOLDS:
+        exact = viscous_decay(math.pi, 1.0, 1.0, 1.0 / reynolds)
+        waves = {deep: wave(reynolds, deep) for deep in DEEP}
+        for deep, computed in waves.items():
+            found += _told(f"Re {reynolds:g}, {deep} deep", computed, exact, deep)
+        coarse, fine = (abs(waves[deep].rate / exact.rate - 1.0) for deep in DEEP)
+        found.append(above(f"Re {reynolds:g}: order of convergence of the decay", math.log2(coarse / fine), 0.5))
+    return found
+
+
+def _told(name: str, computed: Decay, exact: Decay, deep: int) -> list[Row]:
+    return [
+        within(f"{name}: frequency", computed.frequency, exact.frequency, MOST_FREQUENCY[deep] * exact.frequency),
+        within(f"{name}: decay", computed.rate, exact.rate, MOST_RATE[deep] * exact.rate),
+    ]
+
+
+def wave(reynolds: float, deep: int) -> Decay:
+    """The wave that fits a run best."""
+    scene = load_scene(SCENE, [f"liquid.viscosity={1.0 / reynolds!r}", f"spacing={1.0 / deep!r}"])
+    assert isinstance(scene, SphScene)  # noqa: S101  # the case's scene is
+    frames = [(frame.time, wave_amplitude(frame, math.pi, 1.0)) for frame in simulate(scene)]
+    times, heights = (np.array(column) for column in zip(*frames, strict=True))
+    return fitted(times, heights)
+
+
+def fitted(times: Array, heights: Array) -> Decay:
+    """Rate and frequency of h = A exp(-d t) sin(w t + p), by least squares, from 1/4 of a period on."""
+
+    def swing(time: Array, size: float, rate: float, frequency: float, phase: float) -> Array:
+        damped: Array = size * np.exp(-rate * time) * np.sin(frequency * time + phase)
+        return damped
+
+    late = times > 1.0
+    start = (float(np.abs(heights).max()), 0.1, 1.7, 0.0)
+    best, _ = curve_fit(swing, times[late], heights[late], start)
+    return Decay(float(best[1]), float(best[2]))
