@@ -43,11 +43,9 @@ CASES: dict[str, Case] = {
         _case("two-spheres", "Two soft spheres opening and closing, against the closed form"),
         _case("t1", "Four soft spheres that swap neighbors, against an independent solution"),
         _case("tank", "A tank at rest, out of order at the start: pressure, level, speed, creep", long=True),
-        _case(
-            "tank-schemes",
-            "The tank at rest with other walls, kernels and diffusions: what holds, what fails",
-            long=True,
-        ),
+        _case("tank-schemes", "The tank at rest with other walls and kernels: what holds, what fails", long=True),
+        _case("dam-break", "Dam breaks, against other codes' fronts and pressures and three experiments", long=True),
+        _case("standing-wave", "How fast a wave in a viscous liquid swings and dies, against exact roots", long=True),
         _case("rest", "Sixty cereals rest after ten minutes, in milk and in syrup", long=True),
     )
 }
