@@ -6,6 +6,7 @@ import pytest
 import ecume
 from ecume._jit import use_threads
 from ecume.models.sph.record import SPH
+from ecume.models.sph.state import skin_for
 from ecume.simulation import moments
 from tests.models.sph.scenes import tank
 
@@ -93,3 +94,17 @@ def test_a_run_that_diverges_says_when_who_and_what_to_do():
 def test_a_moment_is_a_whole_state():
     first = next(iter(moments(tank())))
     assert first.state.position.shape == (2, 64)
+
+
+def test_lists_look_further_where_the_liquid_is_fast():
+    scene = tank()
+    parameters = SPH.parameters(scene)
+    state = SPH.start(scene, parameters)
+    state.velocity[...] = 0.001
+    slow = skin_for(parameters, state)
+    state.velocity[0, 3] = 1.0
+    fast = skin_for(parameters, state)
+    # A step takes the fastest some percent of the support.
+    assert 0.02 < slow / parameters.support < 0.05 < fast / parameters.support <= 0.25
+    state.velocity[0, 3] = np.nan
+    assert skin_for(parameters, state) == state.skin[0]

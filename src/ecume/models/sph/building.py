@@ -43,8 +43,6 @@ from ecume.scenes.faults import suggestion
 from ecume.scenes.sph import RegionSpec, SphScene
 from ecume.units import Array
 
-SKIN = 0.10
-"""How far beyond the support lists look, in supports."""
 NUMERICAL_MACH = 0.1
 SMOOTHING = {
     "wendland-c2": (2.0, 1.6),
@@ -261,7 +259,6 @@ def parameters_of(scene: SphScene) -> Parameters:
         numbers=numbers_of(scene, material, held),
         choices=choices_of(scene, held),
         support=support,
-        skin=SKIN * support,
         boundary=boundary,
         bodies=bodies,
         drives=drives,

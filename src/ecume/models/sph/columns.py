@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ecume._jit import admit, compiled, inlined, prange, spread
+from ecume._jit import admit, inlined, prange, spread
 from ecume.laws import enthalpy as enthalpies
 from ecume.laws import states
 from ecume.models.sph.fields import ENTHALPY, LIQUID, MU, PUSH, RHO, VOLUME, WEIGHT, G, P, U, V, W, X
@@ -37,8 +37,8 @@ def fill_liquid(
         fields[WEIGHT, i] = mass[i] if by_mass else mass[i] / own
 
 
-@compiled
-def fill_images(fields: Any, first: int, source: Any, start: Any, sides: Any, pull: Any, material: Any) -> None:
+@spread
+def fill_images(source: Any, fields: Any, first: int, start: Any, sides: Any, pull: Any, material: Any) -> None:
     """Images, side by side in order: an image may be the source of another.
 
     `sides` is (sides, 4 d + 2): point, normal, shift (of a periodic side) or velocity (of a mirror); whether it
@@ -47,7 +47,7 @@ def fill_images(fields: Any, first: int, source: Any, start: Any, sides: Any, pu
     dimension = len(pull)
     for side in range(len(start) - 1):
         mirrors, holds = sides[side, 3 * dimension] != 0.0, sides[side, 3 * dimension + 1] != 0.0
-        for k in range(start[side], start[side + 1]):
+        for k in prange(start[side], start[side + 1]):
             if mirrors:
                 _mirror(fields, source[k], first + k, sides[side], holds, pull, material)
             else:

@@ -134,7 +134,6 @@ class Parameters(NamedTuple):
     numbers: Array
     choices: Integers
     support: float
-    skin: float
     boundary: Boundary
     bodies: Bodies
     drives: tuple[tuple[int, Drive], ...]

@@ -37,7 +37,7 @@ def shift(parameters: Parameters, state: State, workspace: Workspace, time: floa
     else:
         transport = of_background(parameters, state, crowd, time)
     state.transport[...] = transport
-    keep_volume(state, workspace.rates[EVEN : EVEN + parameters.dimension], time)
+    keep_volume(state, workspace.rates[EVEN : EVEN + parameters.dimension].astype(np.float64), time)
 
 
 def keep_volume(state: State, crowd: Array, time: float) -> None:

@@ -52,6 +52,7 @@ from ecume.models.sph.state import (
     State,
     Workspace,
     put_dummies,
+    skin_for,
     sort_state,
     workspace_at,
 )
@@ -144,7 +145,7 @@ def move(parameters: Parameters, state: State, workspace: Workspace, time: float
         carry(state.pose, state.motion, time)
     now = instant(parameters, state)
     turn_all_back(now, state, time)
-    if farthest(state.position, state.reference) + way_of_solids(parameters, state) > 0.5 * parameters.skin:
+    if farthest(state.position, state.reference) + way_of_solids(parameters, state) > 0.5 * state.skin[0]:
         renew(parameters, state, workspace)
 
 
@@ -173,9 +174,10 @@ def renew(parameters: Parameters, state: State, workspace: Workspace) -> None:
         sort_state(parameters, state)
     state.tally[RENEWALS] += 1
     state.reference[...] = state.position
+    state.skin[0] = skin_for(parameters, state)
     state.pose_reference[...] = state.pose
     state.clock[1] = state.clock[0]
-    workspace.take(workspace_at(at_reference(parameters, state), state, workspace.lists))
+    workspace.take(workspace_at(at_reference(parameters, state), state, workspace))
 
 
 def wrap(parameters: Parameters, state: State) -> None:
@@ -290,17 +292,17 @@ def fill(parameters: Parameters, state: State, workspace: Workspace) -> None:
     if parameters.background > 0.0:
         fields[W : W + parameters.dimension, :count] = state.transport
     images = workspace.images
-    of_images = real, images.source, images.start, table_of(parameters), parameters.gravity, parameters.constants
+    of_images = fields, real, images.start, table_of(parameters), parameters.gravity, parameters.constants
     if parameters.moves:
         put_dummies(parameters, fields, count)
     if len(images.source):
-        fill_images(fields, *of_images)
+        fill_images(images.source, *of_images)
     if choices[DIFFUSION] == ANTUONO:
         fill_density_gradients(fields, count, lists.counts, lists.neighbor, numbers, choices)
     if real > count:
         clip, constants = parameters.walls_clip, parameters.constants
         read_liquid(fields, count, lists.counts, lists.neighbor, numbers, choices, parameters.gravity, clip, constants)
     if len(images.source) and (real > count or choices[DIFFUSION] == ANTUONO):
-        fill_images(fields, *of_images)
+        fill_images(images.source, *of_images)
     if fields.shape[1] > count:
         fill_weights(fields, count, by_mass)
