@@ -254,7 +254,7 @@ def parameters_of(scene: SphScene) -> Parameters:
         material=material,
         constants=np.array([material.sound_speed, material.exponent, material.density]),
         gravity=pull,
-        hydrostatic=gravity - pull,
+        hydrostatic=gravity if method.pressure_split != "none" else 0.0 * gravity,
         surface=max(float(shape_of(region).bounds()[1][1]) for region in scene.fluid),
         numbers=numbers_of(scene, material, held),
         choices=choices_of(scene, held),

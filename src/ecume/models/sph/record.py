@@ -15,6 +15,7 @@ from ecume.models.sph.motions import at_reference
 from ecume.models.sph.observing import observe
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.solids import shape_of
+from ecume.models.sph.splitting import require_right_split
 from ecume.models.sph.state import State, Workspace, likely_neighbors, make_state, workspace_at
 from ecume.models.sph.stepping import advance
 from ecume.scenes.sph import SphScene
@@ -43,6 +44,7 @@ def checked_parameters(scene: SphScene) -> Parameters:
     if wanted > there:
         message = f"about {count:.3g} particles need {wanted / 1e9:.3g} GB, this machine has {there / 1e9:.3g} GB"
         raise SceneError([Fault("spacing", f"came {scene.spacing:g} m: {message}; use a wider spacing")])
+    require_right_split(scene)
     return parameters_of(scene)
 
 

@@ -102,8 +102,13 @@ class MethodSpec:
     """
     pressure_force: LawName = "sum"
     """`sum` (p_i + p_j), `monaghan` (p/rho^2) or `transport` (density-weighted, with the transport velocity)"""
-    pressure_split: Literal["none", "modified"] = "none"
-    """`modified`: gravity is left out and the hydrostatic pressure added for output; closed, full tanks only"""
+    pressure_split: Literal["none", "modified", "original"] = "none"
+    """`none`: Tait's pressure is the whole; `modified`: gravity is left out and the hydrostatic pressure added for
+    output, right in closed and full tanks only; `original`: gravity acts and it is added all the same, which counts it
+    twice. What would be wrong is refused.
+    """
+    unchecked_split: Switch = False
+    """run a refused `pressure_split` nevertheless, to see what comes of it"""
     start: Literal["hydrostatic", "rest"] = "hydrostatic"
     """whether the liquid starts with the pressure of its depth, or with none"""
     jitter: Annotated[Number, Field(ge=0.0, le=0.5)] = 0.0
