@@ -5,8 +5,13 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from ecume._jit import compiled, prange, spread
+import numpy as np
+
+from ecume._jit import prange, spread
 from ecume.models.sph.fields import ACC, DIFFUSED, DRHO
+
+BLOCKS = 16
+"""Parts of a crowd that are searched each by itself."""
 
 
 @spread
@@ -49,29 +54,74 @@ def store_acceleration(acceleration: Any, rates: Any, density: Any, pull: Any, p
             acceleration[axis, i] = share * rates[ACC + axis, i] + pull[axis]
 
 
-@compiled
+@spread
+def run_ahead(velocity: Any, acceleration: Any, density: Any, thickening: Any, before: Any, time: float) -> None:
+    """Velocities (half a step on already) and densities go on as they did; `before` keeps both rates."""
+    dimension, count = velocity.shape
+    for i in prange(count):
+        for axis in range(dimension):
+            before[axis, i] = acceleration[axis, i]
+            velocity[axis, i] += 0.5 * time * acceleration[axis, i]
+        before[dimension, i] = thickening[i]
+        density[i] += time * thickening[i]
+
+
+@spread
+def take_mean(velocity: Any, acceleration: Any, density: Any, thickening: Any, before: Any, time: float) -> None:
+    """What ran ahead is put where the mean of the rates before and now would have brought it."""
+    dimension, count = velocity.shape
+    for i in prange(count):
+        for axis in range(dimension):
+            velocity[axis, i] += 0.5 * time * (acceleration[axis, i] - before[axis, i])
+        density[i] += 0.5 * time * (thickening[i] - before[dimension, i])
+
+
 def largest(vectors: Any) -> float:
     """The largest length among the columns; NaN where one is."""
-    most = 0.0
-    for i in range(vectors.shape[1]):
-        square = 0.0
-        for axis in range(vectors.shape[0]):
-            square += vectors[axis, i] * vectors[axis, i]
-        if not square <= most:
-            most = square
-            if square != square:
-                break
-    return math.sqrt(most)
+    most = np.zeros(BLOCKS)
+    largest_squares(vectors, most)
+    return math.sqrt(most.max())
 
 
-@compiled
+@spread
+def largest_squares(vectors: Any, most: Any) -> None:
+    """Of so many parts of a crowd."""
+    dimension, count = vectors.shape
+    each = (count + len(most) - 1) // len(most)
+    for block in prange(len(most)):
+        found = 0.0
+        for i in range(block * each, min(count, (block + 1) * each)):
+            square = 0.0
+            for axis in range(dimension):
+                square += vectors[axis, i] * vectors[axis, i]
+            if not square <= found:
+                found = square
+                if square != square:
+                    break
+        most[block] = found
+
+
 def farthest(position: Any, reference: Any) -> float:
-    """How far the fastest went from its place in the reference."""
-    most = 0.0
-    for i in range(position.shape[1]):
-        square = 0.0
-        for axis in range(position.shape[0]):
-            along = position[axis, i] - reference[axis, i]
-            square += along * along
-        most = max(most, square)
-    return math.sqrt(most)
+    """How far the fastest went from its place in the reference; NaN where one is nowhere."""
+    most = np.zeros(BLOCKS)
+    farthest_squares(position, reference, most)
+    return math.sqrt(most.max())
+
+
+@spread
+def farthest_squares(position: Any, reference: Any, most: Any) -> None:
+    """Of so many parts of a crowd."""
+    dimension, count = position.shape
+    each = (count + len(most) - 1) // len(most)
+    for block in prange(len(most)):
+        found = 0.0
+        for i in range(block * each, min(count, (block + 1) * each)):
+            square = 0.0
+            for axis in range(dimension):
+                along = position[axis, i] - reference[axis, i]
+                square += along * along
+            if not square <= found:
+                found = square
+                if square != square:
+                    break
+        most[block] = found

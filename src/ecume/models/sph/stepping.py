@@ -39,7 +39,17 @@ from ecume.models.sph.friction import push_transported, rub, rub_radially
 from ecume.models.sph.gradients import add_gradient_diffusion, fill_density_gradients
 from ecume.models.sph.guard import turn_back
 from ecume.models.sph.loads import forces_on_dummies, total
-from ecume.models.sph.motion import drift, farthest, kick, largest, store_acceleration, store_thickening, thicken
+from ecume.models.sph.motion import (
+    drift,
+    farthest,
+    kick,
+    largest,
+    run_ahead,
+    store_acceleration,
+    store_thickening,
+    take_mean,
+    thicken,
+)
 from ecume.models.sph.motions import at_reference, instant, way_of_sides
 from ecume.models.sph.parameters import DELTA_PLUS, SYMPLECTIC, Parameters
 from ecume.models.sph.shifting import shift
@@ -117,15 +127,13 @@ def verlet_step(parameters: Parameters, state: State, workspace: Workspace, time
         take_both(parameters, state, workspace, time)
     kick_all(state, 0.5 * time)
     move(parameters, state, workspace, time)
-    kick_all(state, 0.5 * time)
-    thicken(state.density, state.thickening, time)
-    before, thickening, before_bodies = state.acceleration.copy(), state.thickening.copy(), state.push.copy()
+    moved = state.velocity, state.acceleration, state.density, state.thickening
+    before, bodies_before = np.empty((parameters.dimension + 1, state.position.shape[1])), state.push.copy()
+    run_ahead(*moved, before, time)
+    state.motion[...] += 0.5 * time * bodies_before
     take_both(parameters, state, workspace, time)
-    kick(state.velocity, before, -0.5 * time)
-    state.motion[...] -= 0.5 * time * before_bodies
-    kick_all(state, 0.5 * time)
-    thicken(state.density, thickening, -0.5 * time)
-    thicken(state.density, state.thickening, 0.5 * time)
+    take_mean(*moved, before, time)
+    state.motion[...] += 0.5 * time * (state.push - bodies_before)
     state.ready[0] = 1
 
 
