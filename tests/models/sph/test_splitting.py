@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from tests.models.sph.scenes import tank
 
 import ecume
 from ecume.errors import SceneError
 from ecume.models.sph.record import SPH
+from tests.models.sph.scenes import tank
 
 
 def closed(**method):
