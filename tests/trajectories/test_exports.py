@@ -113,8 +113,16 @@ def test_vtk_is_read_by_vtk(tmp_path: Path, frames: Frames) -> None:
         assert energy.GetValue(0) == frame.numbers["kinetic_energy"]
 
 
+def test_numbers_are_one_line_a_frame_with_units(recorded: Recorded, frames: Frames, tmp_path: Path) -> None:
+    with export(recorded(3).parent, "numbers", tmp_path / "numbers.csv").open(newline="") as file:
+        heading, *rows = list(csv.reader(file))
+    assert heading[:3] == ["frame", "time [s]", "kinetic_energy [J]"]
+    for row, frame in zip(rows, frames(3), strict=True):
+        assert [float(cell) for cell in row[1:]] == [frame.time, *frame.numbers.values()]
+
+
 def test_a_kind_that_nobody_knows_is_refused_with_those_that_are(recorded: Recorded, tmp_path: Path) -> None:
-    with pytest.raises(BadInput, match="csv, xyz, vtk, npz"):
+    with pytest.raises(BadInput, match="csv, numbers, xyz, vtk, npz"):
         export(recorded(1).parent, "xlsx", tmp_path / "bowl.xlsx")
 
 
@@ -124,7 +132,7 @@ def test_a_kind_that_nobody_knows_is_refused_with_those_that_are(recorded: Recor
 def test_a_full_disk_leaves_the_former_export_and_no_half_one(
     recorded: Recorded, tmp_path: Path, kind: str, size: int
 ) -> None:
-    folder, out = recorded(60).parent, tmp_path / "out" / "bowl"
+    folder, out = recorded(400 if kind == "numbers" else 60).parent, tmp_path / "out" / "bowl"
     out.parent.mkdir()
     out.write_text("former")
     before = resource.getrlimit(resource.RLIMIT_FSIZE)

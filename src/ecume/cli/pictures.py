@@ -29,12 +29,19 @@ class Format(StrEnum):
     """What a trajectory can be written as: the keys of `ecume.trajectories.exports.EXPORTS`."""
 
     CSV = "csv"
+    NUMBERS = "numbers"
     XYZ = "xyz"
     VTK = "vtk"
     NPZ = "npz"
 
 
-ENDINGS = {Format.CSV: ".csv", Format.XYZ: ".xyz", Format.VTK: ".vtkhdf", Format.NPZ: ".npz"}
+ENDINGS = {
+    Format.CSV: ".csv",
+    Format.NUMBERS: "-numbers.csv",
+    Format.XYZ: ".xyz",
+    Format.VTK: ".vtkhdf",
+    Format.NPZ: ".npz",
+}
 
 
 def _figures(incomplete: str) -> list[str]:
@@ -182,7 +189,11 @@ def export(
     *,
     to: Annotated[
         Format,
-        typer.Option("--to", help="csv and xyz are text; vtk is for ParaView, npz for NumPy.", show_default=False),
+        typer.Option(
+            "--to",
+            help="csv and xyz are text; numbers is a CSV of energies, gauges ...; vtk is for ParaView, npz for NumPy.",
+            show_default=False,
+        ),
     ],
     out: Out = None,
     quiet: Quiet = False,

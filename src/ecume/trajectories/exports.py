@@ -60,6 +60,16 @@ def write_csv(trajectory: Trajectory, file: BinaryIO) -> None:
         table.writerows([number, frame.time, particle, *row] for particle, row in enumerate(particles))
 
 
+def write_numbers(trajectory: Trajectory, file: BinaryIO) -> None:
+    """A table of what is known of each frame as a whole: frame, time, then each of its numbers, with its unit."""
+    first = trajectory[0]
+    heads = [f"{name} [{first.units[name]}]" if first.units.get(name, "1") != "1" else name for name in first.numbers]
+    table = csv.writer(_Text(file), lineterminator="\n")
+    table.writerow(["frame", "time [s]", *heads])
+    for number, frame in enumerate(trajectory):
+        table.writerow([number, frame.time, *(frame.numbers[name] for name in first.numbers)])
+
+
 def write_xyz(trajectory: Trajectory, file: BinaryIO) -> None:
     """Extended XYZ: SI numbers; positions and velocities with three components; the particles' species as elements,
     and in the comment what each element stands for: `Species="H: cereal, He: bead"`.
@@ -88,6 +98,7 @@ def write_npz(trajectory: Trajectory, file: BinaryIO) -> None:
 
 EXPORTS: dict[str, Callable[[Trajectory, BinaryIO], None]] = {
     "csv": write_csv,
+    "numbers": write_numbers,
     "xyz": write_xyz,
     "vtk": write_vtk,
     "npz": write_npz,

@@ -14,7 +14,7 @@ from .conftest import frame_of, scene_of
 WITH_UNIT = re.compile(r".* \((s|[kmµ]?(m|m/s|J|Pa))\)$")
 
 
-@pytest.mark.parametrize("what", SPH_FIGURES)
+@pytest.mark.parametrize("what", [name for name in SPH_FIGURES if name != "gauges"])
 def test_every_figure_can_be_drawn_with_units_and_of_one_frame(what, scene, frames):
     for shown in (frames, frames[:1]):
         drawn = SPH_FIGURES[what](shown, scene)
@@ -47,3 +47,25 @@ def test_velocities_are_read_along_the_middle(scene, frames):
 def test_a_surface_in_space_is_refused(frames):
     with pytest.raises(BadInput, match="in the plane"):
         figures.surface([frame_of(dimension=3)], scene_of(dimension=3))
+
+
+def test_gauges_are_drawn_by_kind_over_time(frames):
+    probes = [{"name": "P", "place": [1.0, 0.2]}, {"name": "V", "place": [0.5, 0.1], "end": [0.5, 0.3], "count": 2}]
+    probes[1]["measures"] = ["velocity", "level"]
+    extra = {"P_pressure": "Pa"}
+    extra |= {f"V_{n}_{what}": unit for n in (1, 2) for what, unit in (("level", "m"), ("velocity_x", "m/s"))}
+    read = [
+        frame._replace(numbers={**frame.numbers, **dict.fromkeys(extra, frame.time + 1.0)}, units=frame.units | extra)
+        for frame in frames
+    ]
+    drawn = figures.gauges(read, scene_of(gauges=probes))
+    pressure, _, velocity = drawn.axes
+    assert [len(axes.lines) for axes in drawn.axes] == [1, 2, 2]
+    assert pressure.lines[0].get_ydata() == pytest.approx([1.0, 1.1, 1.2])
+    assert [axes.get_ylabel() for axes in drawn.axes] == ["pressure (Pa)", "level (m)", "velocity (m/s)"]
+    assert [text.get_text() for text in velocity.get_legend().get_texts()] == ["V_1_x", "V_2_x"]
+
+
+def test_a_scene_without_gauges_has_no_figure_of_them(scene, frames):
+    with pytest.raises(BadInput, match="no gauges"):
+        figures.gauges(frames, scene)

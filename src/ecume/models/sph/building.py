@@ -36,6 +36,7 @@ from ecume.models.sph.fields import (
     STRESS,
     H,
 )
+from ecume.models.sph.gauges import gauges_of
 from ecume.models.sph.motions import drives_of, fastest_drive, shake_of
 from ecume.models.sph.parameters import INTEGRATORS, SHIFTINGS, Liquid, Material, Parameters
 from ecume.models.sph.solids import free_of, shape_of, solids_of
@@ -263,6 +264,7 @@ def parameters_of(scene: SphScene) -> Parameters:
         bodies=bodies,
         drives=drives,
         shake=shake,
+        gauges=gauges_of(scene, support),
         moves=bool(bodies.shapes or drives or shake),
         integrator=INTEGRATORS.index(chosen(method.integrator, INTEGRATORS, "method.integrator")),
         shifting=SHIFTINGS.index(chosen(method.shifting, SHIFTINGS, "method.shifting")),

@@ -9,6 +9,7 @@ import numpy as np
 
 from ecume.laws.enthalpy import tait_energy
 from ecume.laws.states import tait_pressure
+from ecume.models.sph.gauges import readings
 from ecume.models.sph.loads import loads
 from ecume.models.sph.motions import instant
 from ecume.models.sph.parameters import Parameters
@@ -70,9 +71,10 @@ def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame
     }
     numbers = {**energies(parameters, state), **motion(state), **extremes(parameters, state)}
     solid, units = of_solids(parameters, state, workspace)
+    read, read_units = readings(parameters.gauges, state, gauge_pressure(parameters, state), parameters.support)
     time = int(state.step[0]) * parameters.time_step
     listed = {name: float(numbers[name]) for name in NUMBER_UNITS}
-    return Frame(time, arrays, {**listed, **solid}, {**ARRAY_UNITS, **NUMBER_UNITS, **units})
+    return Frame(time, arrays, {**listed, **solid, **read}, {**ARRAY_UNITS, **NUMBER_UNITS, **units, **read_units})
 
 
 def of_solids(parameters: Parameters, state: State, workspace: Workspace) -> tuple[dict[str, float], dict[str, str]]:

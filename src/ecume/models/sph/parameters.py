@@ -115,6 +115,17 @@ class Liquid(NamedTuple):
     """(N,) which table of the scene each came from"""
 
 
+class Gauge(NamedTuple):
+    """One probe."""
+
+    name: str
+    place: Array
+    """(d,) m"""
+    measures: tuple[str, ...]
+    ground: float
+    """how much of its surroundings, as seen from above, is in the tank: less than 1 near a wall"""
+
+
 class Parameters(NamedTuple):
     """See `ecume.models.model`. Python reads this tuple; compiled loops are handed single arrays of it."""
 
@@ -139,6 +150,7 @@ class Parameters(NamedTuple):
     drives: tuple[tuple[int, Drive], ...]
     """the sides that move, by number"""
     shake: Drive | None
+    gauges: tuple[Gauge, ...]
     moves: bool
     """whether anything but the liquid does"""
     integrator: int

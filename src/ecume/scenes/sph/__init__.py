@@ -1,5 +1,6 @@
 """The scene of the SPH model: a liquid, the tank that holds it, what stands and moves in it, and how it is computed."""
 
+from ecume.scenes.sph.gauges import GaugeSpec
 from ecume.scenes.sph.motions import MotionSpec, ShakeSpec
 from ecume.scenes.sph.scene import FluidSpec, MethodSpec, RegionSpec, SphScene
 from ecume.scenes.sph.solids import BodySpec, ObstacleSpec, ShapeSpec
@@ -9,6 +10,7 @@ __all__ = [
     "SIDES",
     "BodySpec",
     "FluidSpec",
+    "GaugeSpec",
     "MethodSpec",
     "MotionSpec",
     "ObstacleSpec",

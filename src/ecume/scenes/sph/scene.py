@@ -24,6 +24,7 @@ from ecume.scenes.quantities import (
     Switch,
     Tension,
 )
+from ecume.scenes.sph.gauges import GaugeSpec, gauge_faults
 from ecume.scenes.sph.motions import ShakeSpec
 from ecume.scenes.sph.solids import BodySpec, ObstacleSpec, ShapeSpec
 from ecume.scenes.sph.tank import TankSpec
@@ -145,6 +146,8 @@ class SphScene(Common):
     """What stands in it."""
     bodies: tuple[BodySpec, ...] = ()
     """What moves in it."""
+    gauges: tuple[GaugeSpec, ...] = ()
+    """Where pressure, velocity or level are read at every frame."""
     shake: ShakeSpec | None = None
     """How it is shaken."""
     gravity: Pull | None = None
@@ -158,7 +161,7 @@ class SphScene(Common):
         down = (0.0, -9.81) if dimension == 2 else (0.0, -9.81, 0.0)
         if self.gravity is None:
             object.__setattr__(self, "gravity", down)
-        complaints = [*_dimensions(self, dimension), *_steps(self)]
+        complaints = [*_dimensions(self, dimension), *gauge_faults(self.gauges, self.tank), *_steps(self)]
         if complaints:
             raise Inconsistent(complaints)
         return self

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -156,6 +157,41 @@ def _lines(axes: Axes, lines: Sequence[Array], scale: Scale, color: str, label: 
         axes.plot(*(scale.factor * line).T, color=color, label=label if index == 0 else None)
 
 
+def gauges(frames: Frames, scene: Any) -> Figure:
+    """What the scene's gauges read over time: pressures, levels and velocities, one panel each."""
+    shown = thinned(frames)
+    panels = {kind: [name for name in shown[0].numbers if name in _readings(scene, kind)] for kind in GAUGE_UNITS}
+    panels = {kind: names for kind, names in panels.items() if names}
+    if not panels:
+        raise BadInput("the scene has no gauges; write a [[gauges]] table with name and place")
+    with style():
+        drawn = figure(6.4, 1.4 + 2.2 * len(panels))
+        for axes, (kind, names) in zip(
+            drawn.subplots(len(panels), 1, squeeze=False)[:, 0], panels.items(), strict=True
+        ):
+            curves = series(shown, *map(number, names))
+            scale = scale_for(float(np.abs(curves).max()), GAUGE_UNITS[kind])
+            for values, name, color in zip(curves, names, itertools.cycle(PALETTE), strict=False):
+                axes.plot(times(shown), scale.factor * values, color=color, label=plain(name.replace("_" + kind, "")))
+            axes.margins(x=0)
+            axes.set_ylabel(f"{kind} ({scale.unit})")
+            legend_outside(axes)
+        drawn.axes[0].set_title(plain(scene.title))
+        drawn.axes[-1].set_xlabel("time (s)")
+    return drawn
+
+
+GAUGE_UNITS = {"pressure": "Pa", "level": "m", "velocity": "m/s"}
+
+
+def _readings(scene: Any, kind: str) -> set[str]:
+    """The numbers that this scene's gauges give of a kind."""
+    components = [f"_{axis}" for axis in AXES] if kind == "velocity" else [""]
+    rows = [(gauge, range(1, (gauge.count or 0) + 1)) for gauge in scene.gauges if kind in gauge.measures]
+    names = [gauge.name if gauge.end is None else f"{gauge.name}_{n}" for gauge, row in rows for n in row or (0,)]
+    return {f"{name}_{kind}{component}" for name in names for component in components}
+
+
 def _instants(frames: Frames, count: int) -> list[Frame]:
     """Frames from the first to the last, evenly."""
     return [frames[int(index)] for index in np.unique(np.linspace(0, len(frames) - 1, count).round())]
@@ -170,4 +206,5 @@ SPH_FIGURES: Mapping[str, Any] = {
     "snapshot": snapshot,
     "velocity": velocity,
     "surface": surface,
+    "gauges": gauges,
 }

@@ -1,0 +1,92 @@
+"""What the scene's gauges read: numbers of every frame."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from ecume.engine.interpolation import added, near, planes
+from ecume.laws.kernels import kernel
+from ecume.models.sph.parameters import Gauge
+from ecume.models.sph.state import State
+from ecume.scenes.sph import SphScene
+from ecume.units import Array
+
+KERNEL = "wendland-c2"
+QUADRATURE = 200
+"""Points an axis for how much of a gauge's surroundings is in the tank."""
+
+Readings = tuple[dict[str, float], dict[str, str]]
+"""Numbers, and their units."""
+
+
+def gauges_of(scene: SphScene, reach: float) -> tuple[Gauge, ...]:
+    """The scene's gauges, rows taken apart."""
+    found = []
+    for spec in scene.gauges:
+        first = np.array(spec.place)
+        places = [first] if spec.end is None else np.linspace(first, np.array(spec.end), spec.count or 2)
+        for number, place in enumerate(places, 1):
+            name = spec.name if spec.end is None else f"{spec.name}_{number}"
+            found.append(Gauge(name, place, spec.measures, _ground(scene, place, reach)))
+    return tuple(found)
+
+
+def _ground(scene: SphScene, place: Array, reach: float) -> float:
+    """The kernel's integral over the tank's floor around a gauge."""
+    level = [axis for axis in range(len(place)) if axis != 1]
+    shape = kernel(KERNEL, dim=len(level))
+    axes = [reach * ((np.arange(QUADRATURE) + 0.5) / (0.5 * QUADRATURE) - 1.0)] * len(level)
+    away = np.stack([axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")], axis=1)
+    weight = np.asarray(shape.value(np.linalg.norm(away, axis=1), reach / shape.support))
+    there = place[level] + away
+    low, high = np.array(scene.tank.low)[level], np.array(scene.tank.high)[level]
+    inside = ((there > low) & (there < high)).all(axis=1)
+    return float(weight[inside].sum() / weight.sum())
+
+
+def readings(gauges: tuple[Gauge, ...], state: State, pressure: Array, reach: float) -> Readings:
+    """What all gauges read; in the order of the particles at the start, so that sums do not depend on their sorting."""
+    numbers, units = dict[str, float](), dict[str, str]()
+    if gauges:
+        order = np.argsort(state.identity)
+        position, velocity = state.position[:, order].T, state.velocity[:, order].T
+        table = np.column_stack([velocity, pressure[order], (state.mass / state.density)[order]])
+        for gauge in gauges:
+            for name, value, unit in _read(gauge, position, table, reach):
+                numbers[f"{gauge.name}_{name}"], units[f"{gauge.name}_{name}"] = value, unit
+    return numbers, units
+
+
+def _read(gauge: Gauge, position: Array, table: Array, reach: float) -> Iterator[tuple[str, float, str]]:
+    """Name, value and unit of each number; `table` holds velocity, pressure and volume of the particles."""
+    dimension = position.shape[1]
+    if "pressure" in gauge.measures or "velocity" in gauge.measures:
+        *velocity, pressure = _at_place(gauge.place, position, table, reach)
+        if "pressure" in gauge.measures:
+            yield "pressure", pressure, "Pa"
+        if "velocity" in gauge.measures:
+            yield from ((f"velocity_{axis}", value, "m/s") for axis, value in zip("xyz", velocity, strict=False))
+    if "level" in gauge.measures:
+        level = np.array([axis for axis in range(dimension) if axis != 1])
+        yield "level", _depth(gauge, position[:, level], gauge.place[level], table[:, -1], reach), "m"
+
+
+def _at_place(place: Array, position: Array, table: Array, reach: float) -> list[float]:
+    """Velocity and pressure there, exact for what grows linearly; zero where it is dry."""
+    close = (np.abs(position - place) < reach).all(axis=1)
+    pairs = near(place[None], position[close], reach)
+    shape = kernel(KERNEL, dim=len(place))
+    weight = table[close, -1][pairs.particle] * shape.value(pairs.distance, reach / shape.support)
+    found: list[float] = np.nan_to_num(planes(pairs, weight, table[close, :-1]))[0].tolist()
+    return found
+
+
+def _depth(gauge: Gauge, level: Array, place: Array, volume: Array, reach: float) -> float:
+    """The liquid there is around a place of the floor, over the ground it stands on."""
+    close = (np.abs(level - place) < reach).all(axis=1)
+    pairs = near(place[None], level[close], reach)
+    shape = kernel(KERNEL, dim=len(place))
+    weight = volume[close][pairs.particle] * shape.value(pairs.distance, reach / shape.support)
+    return float(added(pairs, weight)[0]) / gauge.ground
