@@ -16,6 +16,7 @@ from ecume.units import (
     Density,
     KinematicViscosity,
     Length,
+    Number,
     Pressure,
     Rate,
     Real,
@@ -27,7 +28,7 @@ from ecume.units import (
 Speeds = Annotated[Real, Unit("m/s")]
 Pressures = Annotated[Real, Unit("Pa")]
 Wavenumber = Annotated[float, Unit("1/m")]
-StrainChange = Annotated[float, Unit("1/s^2")]
+Stretching = Annotated[float, Unit("1/s^2")]
 TERMS = 400
 """Of the series: what is left out is below 1e-7 of the largest speed at any time."""
 MODES = 199
@@ -124,23 +125,38 @@ def couette_start(
     return speed * math.fsum(terms)
 
 
-def patch_pressure(across: Length, along: Length, width: Length, rate: Rate, density: Density) -> Pressure:
-    """Gauge pressure in a square patch of liquid at the instant at which it spins like a solid, without walls.
+def patch_pressure(across: Length, along: Length, width: Length, stretching: Stretching, density: Density) -> Pressure:
+    """Gauge pressure in a square of liquid without walls at the instant at which it moves as v = G x.
 
-    -rho w^2 sum over odd m, n of 32/(m n pi^2 ((m pi/L)^2 + (n pi/L)^2)) sin(m pi x/L) sin(n pi y/L), from one corner:
-    the solution of lap p = 2 rho w^2 that is zero on the sides; negative everywhere inside. w: angular rate; L: width.
-    [colagrossi2005].
+    rho S sum over odd m, n of 16/(m n pi^2 ((m pi/L)^2 + (n pi/L)^2)) sin(m pi x/L) sin(n pi y/L), from one corner: the
+    solution of lap p = -rho S with S = tr(G^2) that is zero on the sides. It is negative everywhere inside where the
+    patch spins like a solid, S = -2 w^2. L: width. [colagrossi2005].
 
-    >>> round(patch_pressure(0.5, 0.5, 1.0, 1.0, 1.0), 6)
+    >>> round(patch_pressure(0.5, 0.5, 1.0, -2.0, 1.0), 6)
     -0.147343
     """
     modes = np.arange(1, MODES + 1, 2) * math.pi / width
     m, n = modes[:, None], modes[None, :]
     terms = np.sin(m * across) * np.sin(n * along) / (m * n * (m * m + n * n))
-    return float(-32.0 * density * rate**2 / width**2 * terms.sum())
+    return float(16.0 * density * stretching / width**2 * terms.sum())
 
 
-def drop_strain_change(strain_rate: Rate, pull_rate: Rate, width: Length, height: Length) -> StrainChange:
+def ball_pressure(
+    distance: Length, radius: Length, stretching: Stretching, density: Density, dimensions: Number
+) -> Pressure:
+    """Gauge pressure in a disc or ball of liquid without walls while it moves as v = G x, rho S (R^2 - r^2)/(2 d).
+
+    S = tr(G^2) + d w^2, where w^2 times its distance pulls everything to the center; 2 s^2 where a disc is stretched at
+    the rate s. The solution of lap p = -rho S that is zero on the surface. d: dimensions. [monaghan1994] with w = 0,
+    [monaghan2013].
+
+    >>> ball_pressure(0.0, 1.0, 2.0 * 100.0**2, 1.0, 2.0)
+    5000.0
+    """
+    return 0.5 * density * stretching / dimensions * (radius**2 - distance**2)
+
+
+def drop_strain_change(strain_rate: Rate, pull_rate: Rate, width: Length, height: Length) -> Stretching:
     """How fast the rate of strain of an elliptic drop changes, (s^2 + w^2) (b^2 - a^2)/(a^2 + b^2).
 
     The drop flows as u = s x, v = -s y, so that da/dt = s a and db/dt = -s b; each particle is pulled to the center by

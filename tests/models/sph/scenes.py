@@ -51,6 +51,6 @@ def free_blob(dimension: int = 2, **method: Any) -> Any:
                     "velocity_gradient": [row[:dimension] for row in gradient[:dimension]],
                 }
             ],
-            "method": {"jitter": 0.2, **method},
+            "method": {"jitter": 0.2, "start": "rest", **method},
         }
     )

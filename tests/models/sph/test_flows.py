@@ -8,7 +8,7 @@ import pytest
 import ecume
 from ecume.laws import flows
 from ecume.scenes.schema import from_plain
-from tests.models.sph.scenes import PERIODIC
+from tests.models.sph.scenes import OPEN, PERIODIC
 
 AROUND = dict.fromkeys(("left", "right", "bottom", "top"), PERIODIC)
 VISCOSITY = 0.01
@@ -28,6 +28,20 @@ def scene(**changes):
             "method": {"jitter": 0.1, "shifting": "delta-plus"},
             **changes,
         }
+    )
+
+
+OPEN_AROUND = dict.fromkeys(("left", "right", "bottom", "top"), OPEN)
+
+
+def drop(spacing=0.1, gradient=((0.5, 0.0), (0.0, -0.5)), **changes):
+    """A disc of liquid that is stretched, and pulled to its center."""
+    return scene(
+        spacing=spacing,
+        liquid={"density": 1.0, "sound_speed": 14.0, "fastest": 1.4},
+        tank={"low": [-3.0, -3.0], "high": [3.0, 3.0], **OPEN_AROUND},
+        fluid=[{"center": [0.0, 0.0], "radius": 1.0, "velocity_gradient": gradient}],
+        **{"central_pull": {"rate": 1.0, "center": [0.0, 0.0]}, "method": {}, **changes},
     )
 
 
@@ -66,3 +80,81 @@ def test_shifting_keeps_the_volume():
     still = last_of(vortices(shifting="delta-plus"))
     assert still.numbers["volume"] == pytest.approx(1.0, abs=2e-3)
     assert np.abs(still.arrays["velocity"].mean(axis=0)).max() < 1e-3
+
+
+def test_a_drop_swings_as_its_equation_says():
+    case = drop(duration=0.6, frame_every=0.6, method={"artificial_viscosity": 0.0})
+    rate, width, height, step = 0.5, 1.0, 1.0, 1e-4
+    for _ in range(6000):
+        change = flows.drop_strain_change(rate, 1.0, width, height)
+        rate, width, height = rate + step * change, width * (1.0 + step * rate), height * (1.0 - step * rate)
+    first, last = list(ecume.simulate(case))
+    size = [np.sqrt((frame.arrays["position"] ** 2).mean(axis=0)) for frame in (first, last)]
+    assert size[1] / size[0] == pytest.approx([width, height], rel=0.01)
+    energy = [frame.numbers["total_energy"] for frame in (first, last)]
+    assert energy[1] == pytest.approx(energy[0], rel=0.01)
+
+
+def test_a_drop_starts_with_the_pressure_that_its_motion_needs():
+    first = next(iter(ecume.simulate(drop())))
+    away = np.hypot(*first.arrays["position"].T)
+    np.testing.assert_allclose(first.arrays["pressure"], 0.625 * (1.0 - away**2), rtol=0.02, atol=1e-3)
+
+
+def test_a_spinning_square_is_below_the_pressure_around_it():
+    spun = scene(
+        spacing=0.05,
+        liquid={"density": 1000.0, "sound_speed": 7.0, "fastest": 0.71},
+        tank={"low": [-2.0, -2.0], "high": [2.0, 2.0], **OPEN_AROUND},
+        fluid=[{"low": [-0.5, -0.5], "high": [0.5, 0.5], "velocity_gradient": [[0.0, 1.0], [-1.0, 0.0]]}],
+        duration=0.2,
+        frame_every=0.2,
+        method={},
+    )
+    first, last = list(ecume.simulate(spun))
+    middle = np.hypot(*first.arrays["position"].T) < 0.1
+    assert first.arrays["pressure"][middle].mean() == pytest.approx(-147.3, rel=0.04)
+    assert last.arrays["pressure"][middle].mean() == pytest.approx(-143.0, rel=0.05)
+    x, v = last.arrays["position"], last.arrays["velocity"]
+    spin = np.sum(last.arrays["mass"] * (x[:, 0] * v[:, 1] - x[:, 1] * v[:, 0]))
+    assert spin == pytest.approx(-1000.0 / 6.0, rel=0.01)
+
+
+@pytest.mark.parametrize("walls", ["mirror", "dummy"])
+@pytest.mark.parametrize("kind", ["poiseuille", "couette"])
+def test_channels_start_as_their_series_say(walls, kind):
+    driven = kind == "poiseuille"
+    viscosity = 0.2
+    channel = scene(
+        duration=0.6,
+        frame_every=0.6,
+        spacing=0.1,
+        gravity=[8.0 * viscosity if driven else 0.0, 0.0],
+        liquid={"density": 1.0, "sound_speed": 10.0, "fastest": 1.0, "viscosity": viscosity},
+        tank={
+            "low": [0.0, 0.0],
+            "high": [1.0, 1.0],
+            "left": PERIODIC,
+            "right": PERIODIC,
+            "top": {} if driven else {"velocity": [1.0, 0.0]},
+            "walls": walls,
+        },
+        method={},
+    )
+    last = last_of(channel)
+    given = (last.time, 1.0, viscosity, 8.0 * viscosity if driven else 1.0)
+    law = flows.poiseuille_start if driven else flows.couette_start
+    exact = [law(y, *given) for y in last.arrays["position"][:, 1]]
+    assert np.abs(last.arrays["velocity"][:, 0] - exact).max() < 0.035
+    assert np.abs(last.arrays["velocity"][:, 1]).max() < 0.01
+    assert np.ptp(last.arrays["pressure"]) < 0.1
+
+
+def test_shifting_is_chosen_where_nothing_is_open():
+    from ecume.models.sph.building import shifting_of
+
+    walled = scene(tank={"low": [0.0, 0.0], "high": [1.0, 1.0]}, method={})
+    assert shifting_of(walled) == "delta-plus"
+    assert shifting_of(drop()) == "none"
+    half = scene(fluid=[{"low": [0.0, 0.0], "high": [1.0, 0.5]}], method={})
+    assert shifting_of(half) == "none"

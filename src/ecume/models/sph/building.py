@@ -10,9 +10,7 @@ import numpy as np
 from ecume.engine.shapes import Box, Shape, apart, lattice_in
 from ecume.errors import Fault, SceneError
 from ecume.laws.enthalpy import density_at_enthalpy
-from ecume.laws.flows import taylor_green_pressure, taylor_green_velocity
 from ecume.laws.kernels import KERNEL_CODES, Kernel, kernel
-from ecume.laws.waves import standing_wave_velocity
 from ecume.models.sph.bodies import bodies_of
 from ecume.models.sph.boundaries import boundary_of
 from ecume.models.sph.fields import (
@@ -40,8 +38,9 @@ from ecume.models.sph.gauges import gauges_of
 from ecume.models.sph.motions import drives_of, fastest_drive, shake_of
 from ecume.models.sph.parameters import INTEGRATORS, SHIFTINGS, Liquid, Material, Parameters
 from ecume.models.sph.solids import free_of, shape_of, solids_of
+from ecume.models.sph.starting import pressure_in, velocity_in
 from ecume.scenes.faults import suggestion
-from ecume.scenes.sph import RegionSpec, SphScene
+from ecume.scenes.sph import SphScene
 from ecume.units import Array
 
 NUMERICAL_MACH = 0.1
@@ -58,7 +57,8 @@ DIFFUSIONS = ("none", "molteni", "antuono", "linear", "hydrostatic")
 FRICTIONS = ("morris", "monaghan")
 STRESSES = ("sum", "monaghan", "transport")
 PRECISIONS: dict[str, type[np.floating[Any]]] = {"double": np.float64, "single": np.float32}
-TAYLOR_GREEN, STANDING_WAVE = "taylor-green", "standing-wave"
+USUAL_ALPHA = 0.02
+"""Of the artificial viscosity, where the liquid has none of its own."""
 
 
 def chosen(name: str, names: Any, path: str) -> str:
@@ -125,6 +125,9 @@ def fastest_of(scene: SphScene) -> float:
     speeds += [math.hypot(*side.velocity) for side in sides_of(scene) if side.velocity]
     speeds += [math.hypot(*body.velocity) for body in scene.bodies if body.velocity]
     speeds.append(fastest_drive(scene))
+    if scene.central_pull is not None:
+        away = np.maximum(np.abs(low - scene.central_pull.center), np.abs(high - scene.central_pull.center))
+        speeds.append(scene.central_pull.rate * float(away.max()))
     fastest = max(speeds)
     if fastest == 0.0:
         raise SceneError(
@@ -137,55 +140,6 @@ def sides_of(scene: SphScene) -> list[Any]:
     """The tank's sides, low and high along each axis."""
     tank = scene.tank
     return [tank.left, tank.right, tank.bottom, tank.top, tank.front, tank.back][: 2 * len(tank.low)]
-
-
-def velocity_in(region: RegionSpec, scene: SphScene, points: Array) -> Array:
-    """(N, d) the velocity with which a region starts."""
-    dimension = points.shape[1]
-    velocity = np.zeros_like(points)
-    if region.velocity is not None:
-        velocity += np.array(region.velocity)
-    if region.velocity_gradient:
-        center = np.zeros(dimension) if region.center is None else np.array(region.center)
-        velocity += (points - center) @ np.array(region.velocity_gradient).T
-    if region.flow == TAYLOR_GREEN:
-        size = np.array(scene.tank.high) - np.array(scene.tank.low)
-        x, y = vortex_phases(scene, points)
-        velocity[:, 0] += taylor_green_velocity(x, y, region.flow_speed)
-        velocity[:, 1] += taylor_green_velocity(y, x, -region.flow_speed * size[1] / size[0])
-    elif region.flow == STANDING_WAVE:
-        velocity[:, :2] += _wave_velocity(region, scene, points)
-    return velocity
-
-
-def _wave_velocity(region: RegionSpec, scene: SphScene, points: Array) -> Array:
-    """(N, 2) along x and upwards: half a wave fits into the tank, and the region says how deep the liquid is."""
-    low, high = scene.tank.low, scene.tank.high
-    depth = float(shape_of(region).bounds()[1][1]) - low[1]
-    wave = {"wavenumber": math.pi / (high[0] - low[0]), "depth": depth, "speed": region.flow_speed}
-    return np.array([standing_wave_velocity(point[0] - low[0], point[1] - low[1], **wave) for point in points])
-
-
-def pressure_in(region: RegionSpec, scene: SphScene, points: Array) -> Array:
-    """(N,) the gauge pressure that keeps a region's flow as it is (Pa), beside that of its depth.
-
-    Started without it, a weakly compressible liquid rings: sound goes to and fro that only viscosity damps.
-    """
-    if region.flow != TAYLOR_GREEN:
-        return np.zeros(len(points))
-    size = np.array(scene.tank.high) - np.array(scene.tank.low)
-    x, y = vortex_phases(scene, points)
-    speed = region.flow_speed
-    density = material_of(scene).density
-    pressure: Array = np.asarray(taylor_green_pressure(x, y, speed, speed * size[1] / size[0], density))
-    return pressure
-
-
-def vortex_phases(scene: SphScene, points: Array) -> tuple[Array, Array]:
-    """Of a vortex pair a tank length."""
-    size = np.array(scene.tank.high) - np.array(scene.tank.low)
-    phase = 2.0 * math.pi * (points - np.array(scene.tank.low)) / size
-    return phase[:, 0], phase[:, 1]
 
 
 def liquid_of(scene: SphScene, material: Material) -> Liquid:
@@ -209,7 +163,7 @@ def liquid_of(scene: SphScene, material: Material) -> Liquid:
         if pull.any() and scene.method.start == "hydrostatic":
             head = np.linalg.norm(pull) * shape.way_out(points, -pull / np.linalg.norm(pull))
         points = points + scene.method.jitter * scene.spacing * generator.uniform(-1.0, 1.0, points.shape)
-        head += pressure_in(region, scene, points) / material.density
+        head += pressure_in(region, scene, points, material.density) / material.density
         pieces.append((points, velocity_in(region, scene, points), head))
     return _particles(scene, material, pieces)
 
@@ -246,6 +200,7 @@ def parameters_of(scene: SphScene) -> Parameters:
     support = shape.support * smoothing
     origin = 0.5 * (np.array(scene.tank.low) + np.array(scene.tank.high)) * (method.precision == "single")
     boundary = boundary_of(scene, material, support)
+    center = scene.central_pull
     bodies, drives, shake = bodies_of(scene, boundary), drives_of(scene), shake_of(scene)
     return Parameters(
         time_step=time_step,
@@ -265,9 +220,11 @@ def parameters_of(scene: SphScene) -> Parameters:
         drives=drives,
         shake=shake,
         gauges=gauges_of(scene, support),
+        pull_rate=0.0 if center is None else center.rate,
+        pull_center=np.zeros(dimension) if center is None else np.array(center.center),
         moves=bool(bodies.shapes or drives or shake),
         integrator=INTEGRATORS.index(chosen(method.integrator, INTEGRATORS, "method.integrator")),
-        shifting=SHIFTINGS.index(chosen(method.shifting, SHIFTINGS, "method.shifting")),
+        shifting=SHIFTINGS.index(shifting_of(scene)),
         background=(usual if method.background_pressure is None else method.background_pressure) * transports,
         courant=method.courant,
         walls_clip=method.walls_clip,
@@ -279,7 +236,8 @@ def parameters_of(scene: SphScene) -> Parameters:
 def numbers_of(scene: SphScene, material: Material, pull: Array) -> Array:
     """The table of numbers that sums read."""
     shape, smoothing, dimension = kernel_of(scene), smoothing_of(scene), len(pull)
-    alpha = scene.method.artificial_viscosity * (material.viscosity == 0.0)
+    given = scene.method.artificial_viscosity
+    alpha = USUAL_ALPHA * (material.viscosity == 0.0) if given is None else given
     spring = material.density / material.sound_speed**2
     diffusion = diffusion_of(scene, pull)
     numbers = np.zeros(NUMBERS)
@@ -295,7 +253,7 @@ def numbers_of(scene: SphScene, material: Material, pull: Array) -> Array:
         numbers[G0 : G0 + dimension] = pull
     elif diffusion == "linear":
         numbers[G0 : G0 + dimension] = spring * pull
-    shifts = scene.method.shifting == "delta-plus"
+    shifts = shifting_of(scene) == "delta-plus"
     numbers[REFERENCE] = float(cast(float, shape.shape(scene.spacing / smoothing))) if shifts else 0.0
     return numbers.astype(PRECISIONS[scene.method.precision])
 
@@ -304,7 +262,8 @@ def diffusion_of(scene: SphScene, pull: Array) -> str:
     """The density diffusion by its name."""
     name = scene.method.density_diffusion
     if name == "automatic":
-        return "hydrostatic" if pull.any() or scene.shake else "antuono"
+        uniform = pull.any() or scene.shake
+        return "hydrostatic" if uniform and scene.central_pull is None else "antuono"
     return chosen(name, DIFFUSIONS, "method.density_diffusion")
 
 
@@ -321,6 +280,14 @@ def free_surface(scene: SphScene) -> bool:
     low, high = np.min([b[0] for b in bounds], axis=0), np.max([b[1] for b in bounds], axis=0)
     room = np.maximum(low - np.array(scene.tank.low), np.array(scene.tank.high) - high)
     return any(side.kind == "open" for side in sides_of(scene)) or bool((room > 0.5 * scene.spacing).any())
+
+
+def shifting_of(scene: SphScene) -> str:
+    """The shifting by its name. Where there is no surface flows pile particles up along their stagnation lines."""
+    name = scene.method.shifting
+    if name == "automatic":
+        return "delta-plus" if not free_surface(scene) and scene.method.pressure_force != "transport" else "none"
+    return chosen(name, SHIFTINGS, "method.shifting")
 
 
 def choices_of(scene: SphScene, pull: Array) -> Any:

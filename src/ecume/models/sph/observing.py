@@ -123,6 +123,8 @@ def energies(parameters: Parameters, state: State) -> Mapping[str, float]:
     laws = material.density, material.sound_speed, material.exponent
     kinetic = 0.5 * float(np.sum(state.mass * (state.velocity**2).sum(axis=0)))
     potential = -float(np.sum(state.mass * (parameters.gravity @ state.position)))
+    away = state.position - parameters.pull_center[:, None]
+    potential += 0.5 * parameters.pull_rate**2 * float(np.sum(state.mass * (away**2).sum(axis=0)))
     elastic = float(np.sum(state.mass * tait_energy(state.density, *laws)))
     return {
         "kinetic_energy": kinetic,

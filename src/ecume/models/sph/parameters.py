@@ -151,6 +151,10 @@ class Parameters(NamedTuple):
     """the sides that move, by number"""
     shake: Drive | None
     gauges: tuple[Gauge, ...]
+    pull_rate: float
+    """1/s, of the pull towards a point; zero without"""
+    pull_center: Array
+    """(d,) m"""
     moves: bool
     """whether anything but the liquid does"""
     integrator: int

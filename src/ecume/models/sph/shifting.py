@@ -6,6 +6,7 @@ import math
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ecume._jit import prange, spread, summing
 from ecume.models.sph.fields import CROWD, DIMENSION, EVEN, INVERSE, KERNEL, REFERENCE, SCALE, SPACE, VOLUME, H, X
@@ -40,7 +41,7 @@ def shift(parameters: Parameters, state: State, workspace: Workspace, time: floa
     keep_volume(state, workspace.rates[EVEN : EVEN + parameters.dimension].astype(np.float64), time)
 
 
-def keep_volume(state: State, crowd: Array, time: float) -> None:
+def keep_volume(state: State, crowd: NDArray[np.floating], time: float) -> None:
     """Thin the liquid by the mean of 2 W.sum_j V_j F x_ij over whoever moves with a transport W.
 
     The equation of continuity sees how a flow crowds particles, and not how the transport spreads them again: without

@@ -255,6 +255,8 @@ def _store_acceleration(parameters: Parameters, state: State, workspace: Workspa
     choices, lists = parameters.choices, workspace.lists
     per_volume = choices[STRESS] == SUM
     store_acceleration(state.acceleration, workspace.rates, state.density, parameters.gravity, per_volume)
+    if parameters.pull_rate > 0.0:
+        state.acceleration[...] -= parameters.pull_rate**2 * (state.position - parameters.pull_center[:, None])
     if choices[FRICTION] != NO_FRICTION:
         rubbing = rub_radially if choices[FRICTION] == RADIAL else rub
         workspace.rates[ACC : ACC + 3] = 0.0

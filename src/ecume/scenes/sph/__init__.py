@@ -2,13 +2,14 @@
 
 from ecume.scenes.sph.gauges import GaugeSpec
 from ecume.scenes.sph.motions import MotionSpec, ShakeSpec
-from ecume.scenes.sph.scene import FluidSpec, MethodSpec, RegionSpec, SphScene
+from ecume.scenes.sph.scene import CentralPullSpec, FluidSpec, MethodSpec, RegionSpec, SphScene
 from ecume.scenes.sph.solids import BodySpec, ObstacleSpec, ShapeSpec
 from ecume.scenes.sph.tank import SIDES, SideSpec, TankSpec
 
 __all__ = [
     "SIDES",
     "BodySpec",
+    "CentralPullSpec",
     "FluidSpec",
     "GaugeSpec",
     "MethodSpec",

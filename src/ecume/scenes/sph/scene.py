@@ -18,6 +18,7 @@ from ecume.scenes.quantities import (
     LiquidViscosity,
     Motion,
     Name,
+    Place,
     PositiveDensity,
     Pull,
     Size,
@@ -80,6 +81,16 @@ class RegionSpec(ShapeSpec):
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
+class CentralPullSpec:
+    """A pull towards a point that grows with the distance: acceleration - rate^2 (x - center)."""
+
+    rate: Annotated[Rate, Field(gt=0.0, le=1e6)]
+    """1/s, of the swing of a particle alone"""
+    center: Place
+    """m"""
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
 class MethodSpec:
     """How the equations are solved. The defaults are those that keep a tank at rest best."""
 
@@ -95,8 +106,8 @@ class MethodSpec:
     """
     diffusion: Annotated[Number, Field(ge=0.0, le=1.0)] = 0.1
     """delta of the density diffusion"""
-    artificial_viscosity: Annotated[Number, Field(ge=0.0, le=10.0)] = 0.02
-    """alpha; zero where the liquid has a viscosity, unless given"""
+    artificial_viscosity: Annotated[Number, Field(ge=0.0, le=10.0)] | None = None
+    """alpha; left out, 0.02, or zero where the liquid has a viscosity of its own"""
     friction: LawName = "automatic"
     """of a viscous liquid: `monaghan` along the lines between particles (right at a free surface, the default where
     there is one), or `morris` (the default in tanks that are full)
@@ -111,11 +122,13 @@ class MethodSpec:
     unchecked_split: Switch = False
     """run a refused `pressure_split` nevertheless, to see what comes of it"""
     start: Literal["hydrostatic", "rest"] = "hydrostatic"
-    """whether the liquid starts with the pressure of its depth, or with none"""
+    """whether the liquid starts with the pressure of its depth and of its motion, as far as known, or with none"""
     jitter: Annotated[Number, Field(ge=0.0, le=0.5)] = 0.0
     """how far particles start from their lattice, at most, in spacings"""
-    shifting: LawName = "none"
-    """`delta-plus` shifts particles towards even spacing, away from the surface; `none`"""
+    shifting: LawName = "automatic"
+    """`delta-plus` shifts particles towards even spacing, away from the surface (the default where the liquid fills a
+    tank without an open side, and nothing else spreads it); `none` (the default elsewhere)
+    """
     background_pressure: Annotated[Number, Field(ge=0.0)] | None = None
     """Pa, of the transport velocity; left out, rho0 c0^2"""
     integrator: LawName = "symplectic"
@@ -152,6 +165,8 @@ class SphScene(Common):
     """How it is shaken."""
     gravity: Pull | None = None
     """m/s^2; left out, 9.81 downwards (along y)"""
+    central_pull: CentralPullSpec | None = None
+    """What pulls towards a point, beside gravity."""
     method: MethodSpec = MethodSpec()
     """How it is computed."""
 
@@ -174,6 +189,9 @@ def _dimensions(scene: SphScene, dimension: int) -> Complaints:
     found: Complaints = []
     if scene.gravity is not None and len(scene.gravity) != dimension:
         found.append((("gravity",), f"came {len(scene.gravity)} numbers; the tank has {dimension} dimensions"))
+    if scene.central_pull is not None and len(scene.central_pull.center) != dimension:
+        came = f"came {len(scene.central_pull.center)} numbers"
+        found.append((("central_pull", "center"), f"{came}; the tank has {dimension} dimensions"))
     if not scene.fluid:
         found.append((("fluid",), "there is no liquid; write a [[fluid]] table with low and high"))
     rows = (scene.shake.amplitude or (), *scene.shake.accelerations) if scene.shake else ()
