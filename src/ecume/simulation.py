@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from ecume.errors import Diverged
 from ecume.models import MODELS
-from ecume.models.model import CROWDED, DIVERGED, Model
+from ecume.models.model import CROWDED, DIVERGED, EXCHANGE, Model
 from ecume.trajectories.frame import Frame
 
 ROOMIER = 1.6
@@ -49,6 +49,7 @@ def moments(
     per_frame = parameters.steps_per_frame
     total = round(scene.duration / (per_frame * parameters.time_step)) * per_frame
     while True:
+        state = march.state
         step = int(state.step[0])
         due = step % per_frame == 0
         yield Moment(state, march.observe() if due else None, step, total)
@@ -78,6 +79,9 @@ class _March:
             raise Diverged(self.model.diagnosis(self.parameters, self.state))
         if status == CROWDED:
             self.room *= ROOMIER
+            self.workspace = self.model.workspace(self.parameters, self.state, self.room)
+        if status == EXCHANGE:
+            self.state = self.model.exchange(self.parameters, self.state)
             self.workspace = self.model.workspace(self.parameters, self.state, self.room)
         took = time.perf_counter() - began
         done = int(self.state.step[0]) - before

@@ -100,6 +100,17 @@ def poiseuille_start(
     return steady - scale * math.fsum(terms)
 
 
+def channel_speed(height: Length, width: Length, speed: Speed) -> Speed:
+    """Speed at y of a viscous liquid that flows steadily between two resting plates.
+
+    6 U y (L - y)/L^2; 3/2 U in the middle. U: the mean `speed`; L: width. [batchelor1967, sec. 4.2].
+
+    >>> channel_speed(0.5, 1.0, 1.0)
+    1.5
+    """
+    return 6.0 * speed * height * (width - height) / (width * width)
+
+
 def couette_start(
     height: Length,
     time: Time,

@@ -3,12 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from ecume.trajectories.frame import Frame
 
-DONE, CROWDED, DIVERGED = 0, 1, 2
+DONE, CROWDED, DIVERGED, EXCHANGE = 0, 1, 2, 3
+
+
+def _same(parameters: Any, state: Any) -> Any:
+    """The crowd of most models never changes."""
+    return state
 
 
 @dataclass(frozen=True)
@@ -32,10 +37,11 @@ class Model:
     workspace: Callable[[Any, Any, float], Any]
     """workspace(parameters, state, room): scratch; `room` >= 1 multiplies every capacity."""
     advance: Callable[[Any, Any, Any, int], int]
-    """advance(parameters, state, workspace, steps): moves the state in place by that many steps; DONE, CROWDED or
-    DIVERGED.
+    """advance(parameters, state, workspace, steps): moves the state in place by that many steps; DONE, CROWDED,
+    DIVERGED or EXCHANGE.
 
-    A state that comes back CROWDED is whole: make a roomier workspace and go on with the steps that are left.
+    A state that comes back CROWDED is whole: make a roomier workspace and go on with the steps that are left. One that
+    comes back as EXCHANGE has particles that come or go: go on with what `exchange` makes of it, and a new workspace.
     """
     observe: Callable[[Any, Any, Any], Frame]
     """observe(parameters, state, workspace): the frame of this instant."""
@@ -43,5 +49,7 @@ class Model:
     """diagnosis(parameters, state): which particle, when, why, and what to do; for a state that came back DIVERGED."""
     extended: Callable[[Any], Model]
     """extended(extra_laws): the same model with the user's own pair laws compiled into it."""
+    exchange: Callable[[Any, Any], Any] = field(kw_only=True, default=_same)
+    """exchange(parameters, state): the state with who came and without who went; for crowds that change."""
     summary: Callable[[Any], list[tuple[str, str, str]]]
     """summary(scene): derived numbers for `ecume check`, as (name, value with unit, remark)."""

@@ -15,6 +15,8 @@ from ecume.models.sph.solids import grains, obstacle_grains, shape_of, solids_of
 from ecume.scenes.sph import SIDES, SphScene
 from ecume.units import Array
 
+LAYERED = ("wall", "inflow", "outflow")
+
 
 def boundary_of(scene: SphScene, material: Material, support: float) -> Boundary:
     """The tank, what stands in it, and the bodies' particles about their middles."""
@@ -110,18 +112,21 @@ def _layers(scene: SphScene, material: Material, support: float) -> Dummies:
     axes = []
     for axis in range(dimension):
         count = round((high - low)[axis] / spacing)
-        first = -layers if _side(scene, 2 * axis).kind == "wall" else 0
-        last = count + layers if _side(scene, 2 * axis + 1).kind == "wall" else count
+        # Walls go on beside the buffers of in- and outflows.
+        first = -layers if _side(scene, 2 * axis).kind in LAYERED else 0
+        last = count + layers if _side(scene, 2 * axis + 1).kind in LAYERED else count
         axes.append(low[axis] + spacing * (np.arange(first, last) + 0.5))
     points = np.stack([grid.ravel() for grid in np.meshgrid(*axes, indexing="ij")], axis=1)
-    outside = ((points < low) | (points > high)).any(axis=1)
+    walled = np.array([_side(scene, number).kind == "wall" for number in range(2 * dimension)])
+    outside = (((points < low) & walled[0::2]) | ((points > high) & walled[1::2])).any(axis=1)
     points = points[outside]
     velocity, viscosity, owner = np.zeros_like(points), np.zeros(len(points)), np.zeros(len(points), np.int64)
     # A lid moves its own layers, not the corners of the walls beside it: they stand still.
     for number in range(2 * dimension):
         side, axis = _side(scene, number), number // 2
         behind = points[:, axis] < low[axis] if number % 2 == 0 else points[:, axis] > high[axis]
-        owner[behind] = number
+        if side.kind == "wall":
+            owner[behind] = number
         if side.kind == "wall" and holds(side, material):
             viscosity[behind] = material.viscosity
         if side.velocity is not None:

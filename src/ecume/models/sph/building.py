@@ -35,6 +35,7 @@ from ecume.models.sph.fields import (
     H,
 )
 from ecume.models.sph.gauges import gauges_of
+from ecume.models.sph.gates import bounds_of, gates_of
 from ecume.models.sph.motions import drives_of, fastest_drive, shake_of
 from ecume.models.sph.parameters import INTEGRATORS, SHIFTINGS, Liquid, Material, Parameters
 from ecume.models.sph.solids import free_of, shape_of, solids_of
@@ -124,6 +125,7 @@ def fastest_of(scene: SphScene) -> float:
         speeds.append(region.flow_speed if region.flow else 0.0)
     speeds += [math.hypot(*side.velocity) for side in sides_of(scene) if side.velocity]
     speeds += [math.hypot(*body.velocity) for body in scene.bodies if body.velocity]
+    speeds += [1.5 * side.speed for side in sides_of(scene) if side.speed]
     speeds.append(fastest_drive(scene))
     if scene.central_pull is not None:
         away = np.maximum(np.abs(low - scene.central_pull.center), np.abs(high - scene.central_pull.center))
@@ -218,6 +220,8 @@ def parameters_of(scene: SphScene) -> Parameters:
         boundary=boundary,
         bodies=bodies,
         drives=drives,
+        gates=gates_of(scene, support),
+        bounds=bounds_of(scene),
         shake=shake,
         gauges=gauges_of(scene, support),
         pull_rate=0.0 if center is None else center.rate,

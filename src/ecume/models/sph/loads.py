@@ -22,7 +22,9 @@ from ecume.models.sph.fields import (
     LIQUID,
     MU,
     NO_FRICTION,
+    NO_FRICTION,
     PUSH,
+    RADIAL,
     RADIAL,
     RHO,
     SCALE,
@@ -83,7 +85,7 @@ def press(
             if rubs and held > 0.0:
                 drag = 4.0 * pull * fields[VOLUME, i] * fields[VOLUME, j] * held / (fields[MU, i] + fields[MU, j])
                 du, dv = fields[U, i] - fields[U, j], fields[U + 1, i] - fields[U + 1, j]
-                dw = fields[U + 2, i] - fields[U + 2, j]
+                dw = fields[U + 2, i] - fields[U + 2, j] if deep else 0.0
                 if radially:
                     along = (choices[DIMENSION] + 2) * (du * dx + dv * dy + dw * dz) / max(square, numbers[SOFT])
                     du, dv, dw = along * dx, along * dy, along * dz
@@ -169,4 +171,5 @@ def _bearer(owner: Integers, chain: int, axis: int) -> int:
 def _places(parameters: Parameters, workspace: Workspace, mine: Integers) -> Array:
     place = workspace.fields[X : X + 3, mine].astype(np.float64)
     place[parameters.dimension :] = 0.0
+    place[: parameters.dimension] += parameters.origin[:, None]
     return place

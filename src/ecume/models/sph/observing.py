@@ -13,7 +13,7 @@ from ecume.models.sph.gauges import readings
 from ecume.models.sph.loads import loads
 from ecume.models.sph.motions import instant
 from ecume.models.sph.parameters import Parameters
-from ecume.models.sph.state import GUARD_HITS, MOST_SUBSTEPS, SUBSTEPS, State, Workspace
+from ecume.models.sph.state import CAME, GUARD_HITS, LEFT, LOST, MOST_SUBSTEPS, PER_PARTICLE, SUBSTEPS, State, Workspace
 from ecume.models.sph.stepping import fill
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
@@ -44,6 +44,9 @@ NUMBER_UNITS = {
     "density_change": "1",
     "volume": "m^3",
     "guard_hits": "1",
+    "came": "1",
+    "left": "1",
+    "lost": "1",
     "substeps": "1",
     "most_substeps": "1",
 }
@@ -60,6 +63,8 @@ BODY_UNITS = {
 def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame:
     """The frame of this instant. In two dimensions energies, momenta and volumes are per meter of depth."""
     parameters = instant(parameters, state)
+    solid, units = of_solids(parameters, state, workspace)
+    state = liquid_alone(parameters, state)
     order = np.argsort(state.identity)
     arrays = {
         "position": np.ascontiguousarray(state.position[:, order].T),
@@ -70,11 +75,18 @@ def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame
         "species": state.region[order],
     }
     numbers = {**energies(parameters, state), **motion(state), **extremes(parameters, state)}
-    solid, units = of_solids(parameters, state, workspace)
     read, read_units = readings(parameters.gauges, state, gauge_pressure(parameters, state), parameters.support)
     time = int(state.step[0]) * parameters.time_step
     listed = {name: float(numbers[name]) for name in NUMBER_UNITS}
     return Frame(time, arrays, {**listed, **solid, **read}, {**ARRAY_UNITS, **NUMBER_UNITS, **units, **read_units})
+
+
+def liquid_alone(parameters: Parameters, state: State) -> State:
+    """Without the buffers behind in- and outflows."""
+    if not parameters.gates:
+        return state
+    liquid = state.zone == 0
+    return state._replace(**{name: getattr(state, name)[..., liquid] for name in PER_PARTICLE})
 
 
 def of_solids(parameters: Parameters, state: State, workspace: Workspace) -> tuple[dict[str, float], dict[str, str]]:
@@ -158,6 +170,9 @@ def extremes(parameters: Parameters, state: State) -> Mapping[str, float]:
         "density_change": change.max(),
         "volume": np.sum(state.mass / state.density),
         "guard_hits": state.tally[GUARD_HITS],
+        "came": state.crowd[CAME],
+        "left": state.crowd[LEFT],
+        "lost": state.crowd[LOST],
         "substeps": state.tally[SUBSTEPS],
         "most_substeps": state.tally[MOST_SUBSTEPS],
     }

@@ -103,6 +103,30 @@ class Drive(NamedTuple):
     """(n, T)"""
 
 
+class Gate(NamedTuple):
+    """A side that liquid comes in or goes out through, with a buffer behind it."""
+
+    zone: int
+    """what `State.zone` says of its buffer's particles"""
+    axis: int
+    inward: float
+    """1 at the low end of the axis, -1 at the high end"""
+    place: float
+    """m along the axis"""
+    enters: bool
+    speed: float
+    """m/s, mean"""
+    curved: Array
+    """(d,) for a parabolic profile along an axis 1, or 2 for half of one below a surface; 0 for an even one"""
+    low: Array
+    high: Array
+    """(d,) of the part of the side that liquid comes through"""
+    layers: int
+    """of the buffer, one spacing each"""
+    pressure: float
+    """Pa of an outflow, at the top of that part"""
+
+
 class Liquid(NamedTuple):
     """The liquid's particles at the start: `State` holds where they are later."""
 
@@ -155,6 +179,9 @@ class Parameters(NamedTuple):
     """1/s, of the pull towards a point; zero without"""
     pull_center: Array
     """(d,) m"""
+    gates: tuple[Gate, ...]
+    bounds: Array
+    """(2, d) beyond which liquid is lost"""
     moves: bool
     """whether anything but the liquid does"""
     integrator: int

@@ -11,6 +11,7 @@ from ecume.errors import BadInput, Fault, SceneError
 from ecume.models.model import Model
 from ecume.models.sph.building import kernel_of, liquid_of, parameters_of, smoothing_of
 from ecume.models.sph.fields import FIELDS, RATES
+from ecume.models.sph.gates import exchange, filled
 from ecume.models.sph.motions import at_reference
 from ecume.models.sph.observing import observe
 from ecume.models.sph.parameters import Parameters
@@ -28,7 +29,7 @@ MANY_NEIGHBORS = {2: 80, 3: 250}
 
 def start(scene: SphScene, parameters: Parameters) -> State:
     """The liquid at time 0."""
-    return make_state(parameters, liquid_of(scene, parameters.material))
+    return filled(parameters, scene, make_state(parameters, liquid_of(scene, parameters.material)))
 
 
 def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
@@ -143,4 +144,5 @@ SPH = Model(
     diagnosis=diagnosis,
     extended=extended,
     summary=summary,
+    exchange=exchange,
 )

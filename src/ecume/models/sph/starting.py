@@ -12,7 +12,7 @@ from ecume.models.sph.solids import shape_of
 from ecume.scenes.sph import SIDES, RegionSpec, SphScene
 from ecume.units import Array
 
-TAYLOR_GREEN, STANDING_WAVE = "taylor-green", "standing-wave"
+TAYLOR_GREEN, STANDING_WAVE, POISEUILLE = "taylor-green", "standing-wave", "poiseuille"
 
 
 def velocity_in(region: RegionSpec, scene: SphScene, points: Array) -> Array:
@@ -23,6 +23,9 @@ def velocity_in(region: RegionSpec, scene: SphScene, points: Array) -> Array:
     if region.velocity_gradient:
         center = np.zeros(points.shape[1]) if region.center is None else np.array(region.center)
         velocity += (points - center) @ np.array(region.velocity_gradient).T
+    if region.flow == POISEUILLE:
+        low, width = scene.tank.low[1], scene.tank.high[1] - scene.tank.low[1]
+        velocity[:, 0] += [channel_speed(y - low, width, region.flow_speed) for y in points[:, 1]]
     if region.flow == TAYLOR_GREEN:
         x, y = vortex_phases(scene, points)
         velocity[:, 0] += taylor_green_velocity(x, y, region.flow_speed)

@@ -19,6 +19,8 @@ from ecume.units import Array
 
 SUBSTEPS, GUARD_HITS, RENEWALS, MOST_SUBSTEPS = range(4)
 """Places in `State.tally`."""
+CAME, LEFT, LOST, NEXT = range(4)
+"""Places in `State.crowd`."""
 SORT_EVERY = 16
 """Particles are put into cell order at every so many-th renewal of the lists."""
 
@@ -50,6 +52,8 @@ class State(NamedTuple):
     """(N,) the particle's number at the start"""
     region: Integers
     """(N,)"""
+    zone: Integers
+    """(N,) 0 for liquid, else the buffer it is in: see `gates`"""
     reference: Array
     """(d, N) where everyone was when the lists were made: their order decides the order of sums"""
     skin: Array
@@ -72,6 +76,8 @@ class State(NamedTuple):
     """substeps, hits of the guard, renewals of the lists, most substeps in a step"""
     hits: Integers
     """of the guard, by `Boundary.names`"""
+    crowd: Integers
+    """how many came, left and were lost; the number that the next one will have"""
 
 
 @dataclass
@@ -103,6 +109,7 @@ def make_state(parameters: Parameters, liquid: Liquid) -> State:
         mass=liquid.mass.copy(),
         identity=np.arange(count),
         region=liquid.region.copy(),
+        zone=np.zeros(count, np.int64),
         reference=liquid.position.copy(),
         skin=np.array([FIRST_SKIN * parameters.support]),
         pose=pose.copy(),
@@ -114,6 +121,7 @@ def make_state(parameters: Parameters, liquid: Liquid) -> State:
         ready=np.zeros(1, np.int64),
         tally=np.zeros(4),
         hits=np.zeros(len(parameters.boundary.names), np.int64),
+        crowd=np.array([0, 0, 0, count]),
     )
 
 
@@ -127,6 +135,7 @@ PER_PARTICLE = (
     "mass",
     "identity",
     "region",
+    "zone",
 )
 
 

@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from ecume.models.model import DIVERGED, DONE
+from ecume.models.model import DIVERGED, DONE, EXCHANGE
 from ecume.models.sph.bodies import carry, farthest_way, keep_out, pushed
 from ecume.models.sph.collisions import collide
 from ecume.models.sph.columns import fill_images, fill_liquid, fill_weights
@@ -36,6 +36,7 @@ from ecume.models.sph.fields import (
     W,
 )
 from ecume.models.sph.friction import push_transported, rub, rub_radially
+from ecume.models.sph.gates import due, feed, still
 from ecume.models.sph.gradients import add_gradient_diffusion, fill_density_gradients
 from ecume.models.sph.guard import turn_back
 from ecume.models.sph.loads import forces_on_dummies, total
@@ -84,11 +85,14 @@ def advance(parameters: Parameters, state: State, workspace: Workspace, steps: i
         if divisions > MOST_DIVISIONS:
             return DIVERGED
         for _ in range(divisions):
+            feed(parameters, state)
             step(parameters, state, workspace, parameters.time_step / divisions)
         state.step[0] += 1
         state.clock[0] = int(state.step[0]) * parameters.time_step
         state.tally[SUBSTEPS] += divisions
         state.tally[MOST_SUBSTEPS] = max(state.tally[MOST_SUBSTEPS], divisions)
+        if due(parameters, state):
+            return EXCHANGE
     return DONE
 
 
@@ -248,6 +252,8 @@ def _sum_push(parameters: Parameters, workspace: Workspace) -> None:
 def _store_thickening(parameters: Parameters, state: State, workspace: Workspace) -> None:
     by_mass = parameters.choices[STRESS] == MONAGHAN
     store_thickening(state.thickening, workspace.rates, state.density, by_mass)
+    if parameters.gates:
+        still(state)
 
 
 def _store_acceleration(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
@@ -265,6 +271,8 @@ def _store_acceleration(parameters: Parameters, state: State, workspace: Workspa
     _push_bodies(parameters, state, workspace)
     if parameters.background > 0.0 or parameters.shifting == DELTA_PLUS:
         shift(parameters, state, workspace, time)
+    if parameters.gates:
+        still(state)
 
 
 def _push_bodies(parameters: Parameters, state: State, workspace: Workspace) -> None:

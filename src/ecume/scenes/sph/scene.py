@@ -69,10 +69,10 @@ class RegionSpec(ShapeSpec):
     """m/s of all its liquid"""
     velocity_gradient: tuple[tuple[Gradient, ...], ...] = ()
     """d velocity_a / d x_b (1/s), a matrix, about `center` or the origin: rotation, strain, shear"""
-    flow: Literal["", "taylor-green", "standing-wave"] = ""
+    flow: Literal["", "taylor-green", "standing-wave", "poiseuille"] = ""
     """A velocity field by name, of speed `flow_speed`: `taylor-green` has one vortex pair a tank length;
     `standing-wave` is a small wave twice as long as the tank, at an instant when its surface is flat and rises at the
-    left wall
+    left wall; `poiseuille` flows along x between bottom and top, with that mean speed
     """
     flow_speed: PositiveSpeed = 1.0
     """m/s"""

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Literal, Self
+from typing import Annotated, Literal, Self
 
-from pydantic import model_validator
+from pydantic import Field, model_validator
 from pydantic.dataclasses import dataclass
 
 from ecume.scenes.faults import Inconsistent, Path
-from ecume.scenes.quantities import STRICT, Motion, Place, Proportion
+from ecume.scenes.quantities import STRICT, Coordinate, Motion, Place, Proportion
 from ecume.scenes.sph.motions import MotionSpec
 from ecume.scenes.sph.solids import Slip
+from ecume.units import Pressure, Speed
 
 SIDES = ("left", "right", "bottom", "top", "front", "back")
 """Of a tank: low and high x, low and high y, low and high z."""
@@ -20,14 +21,37 @@ SIDES = ("left", "right", "bottom", "top", "front", "back")
 class SideSpec:
     """What one side of the tank is."""
 
-    kind: Literal["wall", "open", "periodic"] = "wall"
-    """`wall`, `open` (nothing there: the liquid may leave) or `periodic` (the opposite side must be so too)"""
+    kind: Literal["wall", "open", "periodic", "inflow", "outflow"] = "wall"
+    """`wall`, `open` (nothing there: the liquid may leave), `periodic` (the opposite side must be so too), or
+    `inflow` and `outflow`: liquid comes and goes
+    """
     slip: Slip | None = None
     """of a wall; left out, no-slip where the liquid has a viscosity, free otherwise"""
     velocity: Motion | None = None
     """of a wall along itself: a lid that drives the liquid (m/s)"""
     motion: MotionSpec | None = None
     """of a wall along its axis: a piston; walls must be mirrors"""
+    speed: Annotated[Speed, Field(gt=0.0, le=1e5)] | None = None
+    """of an inflow: how fast liquid comes in, on the mean (m/s)"""
+    profile: Literal["uniform", "parabolic"] = "uniform"
+    """of an inflow: `parabolic` is that of a viscous liquid between walls"""
+    level: Coordinate | None = None
+    """of an in- or outflow: the height (along y) up to which there is liquid; left out, the whole side (m)"""
+    pressure: Annotated[Pressure, Field(ge=-1e12, le=1e12)] = 0.0
+    """of an outflow: the gauge pressure at its level, or the top of the side (Pa); the weight of the liquid adds"""
+
+    @model_validator(mode="after")
+    def _fits_its_kind(self) -> Self:
+        complaints: list[tuple[Path, str]] = []
+        if (self.kind == "inflow") != (self.speed is not None):
+            complaints.append((("speed",), "wanted for an inflow, and for nothing else"))
+        if self.kind != "outflow" and self.pressure != 0.0:
+            complaints.append((("pressure",), f'is of an outflow; this side is of kind = "{self.kind}"'))
+        if self.kind not in ("inflow", "outflow") and self.level is not None:
+            complaints.append((("level",), f'is of an in- or outflow; this side is of kind = "{self.kind}"'))
+        if complaints:
+            raise Inconsistent(complaints)
+        return self
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)

@@ -1,0 +1,140 @@
+"""In- and outflows, and who is lost."""
+
+import numpy as np
+import pytest
+
+import ecume
+from ecume.errors import SceneError
+from ecume.laws.flows import channel_speed
+from ecume.models.model import EXCHANGE
+from ecume.models.sph.gates import speed_at
+from ecume.models.sph.record import SPH
+from ecume.models.sph.state import CAME, LEFT, LOST, NEXT
+from ecume.scenes.schema import from_plain, to_plain
+from tests.models.sph.scenes import OPEN, tank
+from tests.models.sph.test_runs import copy_of
+
+
+def channel(**more):
+    plain = {
+        "model": "sph",
+        "duration": 1.5,
+        "frame_every": 0.5,
+        "spacing": 0.1,
+        "gravity": [0.0, 0.0],
+        "liquid": {"density": 1.0, "viscosity": 0.05},
+        "tank": {
+            "low": [0.0, 0.0],
+            "high": [2.0, 1.0],
+            "left": {"kind": "inflow", "speed": 1.0, "profile": "parabolic"},
+            "right": {"kind": "outflow"},
+        },
+        "fluid": [{"low": [0.0, 0.0], "high": [2.0, 1.0], "flow": "poiseuille"}],
+    }
+    return from_plain({**plain, **more})
+
+
+def marched_through(scene, steps, state=None):
+    parameters = SPH.parameters(scene)
+    state = SPH.start(scene, parameters) if state is None else state
+    workspace, last = SPH.workspace(parameters, state, 1.0), int(state.step[0]) + steps
+    while state.step[0] < last:
+        if SPH.advance(parameters, state, workspace, last - int(state.step[0])) == EXCHANGE:
+            state = SPH.exchange(parameters, state)
+            workspace = SPH.workspace(parameters, state, 1.0)
+    return state
+
+
+def test_a_parabola_that_flows_in_flows_out_as_one():
+    frames = list(ecume.simulate(channel()))
+    arrays = frames[-1].arrays
+    (_, y), (u, v) = arrays["position"].T, arrays["velocity"].T
+    exact = np.array([channel_speed(height, 1.0, 1.0) for height in y])
+    assert np.sqrt(np.mean((u - exact) ** 2)) < 0.05
+    assert np.abs(v).max() < 0.05
+    numbers = frames[-1].numbers
+    assert numbers["came"] == pytest.approx(150, abs=10)
+    assert len(u) == pytest.approx(200, abs=8)
+    assert (numbers["lost"], numbers["guard_hits"]) == (0, 0)
+
+
+@pytest.mark.parametrize("walls", ["mirror", "dummy"])
+def test_whoever_comes_leaves_a_place_to_one_more_and_all_are_counted(walls):
+    plain = to_plain(channel())
+    scene = from_plain({**plain, "tank": {**plain["tank"], "walls": walls}})
+    state = SPH.start(scene, SPH.parameters(scene))
+    before = state.position.shape[1]
+    state = marched_through(scene, 120, state)
+    came, left, lost, after = (int(state.crowd[k]) for k in (CAME, LEFT, LOST, NEXT))
+    assert came > 30
+    assert left > 20
+    assert state.position.shape[1] == before + came - left - lost
+    assert after == before + came
+    assert len(np.unique(state.identity)) == len(state.identity)
+
+
+def test_half_a_run_of_a_channel_and_half_a_run_are_a_run():
+    scene = channel()
+    whole = marched_through(scene, 80)
+    again = marched_through(scene, 43, copy_of(marched_through(scene, 37)))
+    for name, one, other in zip(whole._fields, whole, again, strict=True):
+        assert np.array_equal(one, other), name
+
+
+def test_profiles_have_the_mean_that_was_asked_for():
+    for level in (None, 0.6):
+        plain = to_plain(channel())
+        plain["tank"]["left"]["level"] = level
+        (gate, _) = SPH.parameters(from_plain(plain)).gates
+        heights = (np.arange(1000) + 0.5) / 1000 * (level or 1.0)
+        speeds = speed_at(gate, np.stack([np.zeros(1000), heights], axis=1))
+        assert speeds.mean() == pytest.approx(1.0, rel=1e-4)
+        assert (speeds[-1] < 0.01) == (level is None)
+
+
+def test_a_stream_with_a_surface_keeps_its_level():
+    plain = to_plain(channel())
+    plain["tank"] |= {
+        "left": {"kind": "inflow", "speed": 0.5, "level": 0.5},
+        "right": {"kind": "outflow", "level": 0.5},
+        "top": OPEN,
+    }
+    plain |= {"gravity": [0.0, -1.0], "liquid": {"density": 1.0, "sound_speed": 10.0}}
+    plain["fluid"] = [{"low": [0.0, 0.0], "high": [2.0, 0.5], "velocity": [0.5, 0.0]}]
+    (*_, last) = ecume.simulate(from_plain(plain))
+    x, y = last.arrays["position"].T
+    assert [y[abs(x - place) < 0.2].max() for place in (0.5, 1.0, 1.5)] == pytest.approx([0.45] * 3, abs=0.03)
+    assert last.arrays["velocity"][:, 0].mean() == pytest.approx(0.5, abs=0.02)
+
+
+def test_who_falls_out_of_an_open_tank_is_lost_and_counted():
+    plain = to_plain(tank(jitter=0.0))
+    plain["tank"] |= {"bottom": OPEN, "low": [0.0, 0.5]}
+    plain["fluid"] = [{"low": [0.0, 0.5], "high": [1.0, 1.0]}]
+    frames = list(ecume.simulate(from_plain({**plain, "duration": 2.0})))
+    last = frames[-1]
+    assert last.numbers["lost"] > 0
+    assert len(last.arrays["position"]) + last.numbers["lost"] == len(frames[0].arrays["position"])
+    assert last.arrays["position"][:, 1].min() > 0.5 - np.hypot(1.0, 1.5) - 0.1
+
+
+@pytest.mark.parametrize(
+    ("side", "said"),
+    [
+        ({"kind": "inflow"}, "tank.left.speed"),
+        ({"kind": "wall", "speed": 1.0}, "tank.left.speed"),
+        ({"kind": "wall", "level": 1.0}, "tank.left.level"),
+        ({"kind": "inflow", "speed": 1.0, "pressure": 1.0}, "tank.left.pressure"),
+    ],
+)
+def test_a_side_that_cannot_be_says_why(side, said):
+    plain = to_plain(channel())
+    plain["tank"]["left"] = side
+    with pytest.raises(SceneError) as caught:
+        from_plain(plain)
+    assert said in str(caught.value)
+
+
+def test_the_transport_velocity_is_for_closed_flows():
+    with pytest.raises(SceneError, match="closed flows"):
+        SPH.parameters(channel(method={"pressure_force": "transport"}))
