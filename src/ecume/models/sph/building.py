@@ -34,8 +34,8 @@ from ecume.models.sph.fields import (
     STRESS,
     H,
 )
-from ecume.models.sph.gauges import gauges_of
 from ecume.models.sph.gates import bounds_of, gates_of
+from ecume.models.sph.gauges import gauges_of
 from ecume.models.sph.motions import drives_of, fastest_drive, shake_of
 from ecume.models.sph.parameters import INTEGRATORS, SHIFTINGS, Liquid, Material, Parameters
 from ecume.models.sph.solids import free_of, shape_of, solids_of
