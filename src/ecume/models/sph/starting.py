@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from ecume.laws.flows import ball_pressure, patch_pressure, taylor_green_pressure, taylor_green_velocity
+from ecume.laws.flows import ball_pressure, channel_speed, patch_pressure, taylor_green_pressure, taylor_green_velocity
 from ecume.laws.waves import standing_wave_velocity
 from ecume.models.sph.solids import shape_of
 from ecume.scenes.sph import SIDES, RegionSpec, SphScene
