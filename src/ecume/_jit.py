@@ -291,6 +291,12 @@ def inlined(function: Function) -> Function:
     return made
 
 
+def plainly(function: Function) -> Function:
+    """A function that is `inlined` elsewhere, as Python runs it: for what it is given that cannot be compiled."""
+    kept: Function = getattr(function, "py_func", function)
+    return kept
+
+
 def admit(*modules: ModuleType) -> None:
     """Let compiled code call the plain functions of these modules. A law itself never knows of Numba.
 

@@ -1,12 +1,13 @@
-"""Symmetric block systems of pairs: a matrix with a block for each particle and for each pair of neighbors.
+"""Block systems of pairs: a matrix with a block for each particle and for each pair of neighbors.
 
 `make_pattern` is made once for a set of pairs; `assemble` fills it; `solve` is the one seam behind which the ways to
-solve stand: dense elimination for a few particles, conjugate gradients, a sparse factorization. Rows are in the order
+solve stand: dense elimination for a few particles, biconjugate gradients, a sparse factorization. Rows are in the order
 of particles, a row's blocks in the order of neighbors, sums in the order of pairs: the bits do not depend on threads.
 """
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -158,3 +159,183 @@ def center(vectors: Array) -> None:
         mean /= count
         for i in range(count):
             vectors[i, k] -= mean
+
+
+MOST_ITERATIONS = 2000
+NEWTON = 1e-4
+"""How closely a step of Newton's method needs its linear system solved."""
+
+
+class Gradients(NamedTuple):
+    """Scratch of the conjugate gradients: each (N, d), and the inverse blocks of the diagonal."""
+
+    residual: Array
+    shadow: Array
+    search: Array
+    search_image: Array
+    image: Array
+    relaxed: Array
+    more: Array
+    inverse: Array
+    """(N, d, d)"""
+
+
+def make_gradients(count: int, dimensions: int) -> Gradients:
+    """Room for a solution by conjugate gradients."""
+    vectors = np.zeros((7, count, dimensions))
+    inverse = np.zeros((count, dimensions, dimensions))
+    return Gradients(vectors[0], vectors[1], vectors[2], vectors[3], vectors[4], vectors[5], vectors[6], inverse)
+
+
+@compiled
+def invert_diagonal(matrix: Matrix, inverse: Array) -> bool:
+    """The inverse of each particle's own block, by Cramer's rule; False where there is none."""
+    blocks, own = matrix.blocks, matrix.pattern.diagonal
+    dimensions = blocks.shape[1]
+    for i in range(len(own)):
+        b = blocks[own[i]]
+        if dimensions == 2:
+            determinant = b[0, 0] * b[1, 1] - b[0, 1] * b[1, 0]
+            inverse[i, 0, 0], inverse[i, 0, 1] = b[1, 1] / determinant, -b[0, 1] / determinant
+            inverse[i, 1, 0], inverse[i, 1, 1] = -b[1, 0] / determinant, b[0, 0] / determinant
+        else:
+            determinant = 0.0
+            for k in range(3):
+                p, q = (k + 1) % 3, (k + 2) % 3
+                determinant += b[0, k] * (b[1, p] * b[2, q] - b[1, q] * b[2, p])
+            for k in range(3):
+                for m in range(3):
+                    p, q, r, s = (k + 1) % 3, (k + 2) % 3, (m + 1) % 3, (m + 2) % 3
+                    inverse[i, m, k] = (b[p, r] * b[q, s] - b[p, s] * b[q, r]) / determinant
+        if not determinant > 0.0:
+            return False
+    return True
+
+
+@compiled
+def sweep(matrix: Matrix, inverse: Array, right: Array, relaxed: Array) -> None:
+    """Symmetric Gauss and Seidel from zero, by blocks: down the rows, and up again."""
+    start, column, blocks = matrix.pattern.start, matrix.pattern.column, matrix.blocks
+    count, dimensions = right.shape
+    for turn in range(2 * count):
+        i = turn if turn < count else 2 * count - 1 - turn
+        a, b, c = right[i, 0], right[i, 1], right[i, dimensions - 1]
+        for place in range(start[i], start[i + 1]):
+            j = column[place]
+            if j < i or (turn >= count and j > i):
+                for m in range(dimensions):
+                    value = relaxed[j, m]
+                    a -= blocks[place, 0, m] * value
+                    b -= blocks[place, 1, m] * value
+                    c -= blocks[place, dimensions - 1, m] * value
+        for k in range(dimensions):
+            value = inverse[i, k, 0] * a + inverse[i, k, 1] * b
+            if dimensions == 3:
+                value += inverse[i, k, 2] * c
+            relaxed[i, k] = value
+
+
+@compiled
+def apply(matrix: Matrix, vectors: Array, image: Array) -> None:
+    """The product of the matrix and a vector."""
+    start, column, blocks = matrix.pattern.start, matrix.pattern.column, matrix.blocks
+    count, dimensions = vectors.shape
+    for i in range(count):
+        for k in range(dimensions):
+            value = 0.0
+            for place in range(start[i], start[i + 1]):
+                j = column[place]
+                for m in range(dimensions):
+                    value += blocks[place, k, m] * vectors[j, m]
+            image[i, k] = value
+
+
+@compiled
+def product(a: Array, b: Array) -> float:
+    """The scalar product."""
+    total = 0.0
+    for i in range(a.shape[0]):
+        for k in range(a.shape[1]):
+            total += a[i, k] * b[i, k]
+    return total
+
+
+@compiled
+def add(vectors: Array, other: Array, factor: float) -> None:
+    """Add a multiple of another vector."""
+    for i in range(vectors.shape[0]):
+        for k in range(vectors.shape[1]):
+            vectors[i, k] += factor * other[i, k]
+
+
+@compiled
+def descend(matrix: Matrix, right: Array, solution: Array, scratch: Gradients, accuracy: float) -> int:
+    """Stabilized biconjugate gradients from zero, preconditioned by symmetric Gauss-Seidel sweeps: the residual shrinks
+    to `accuracy` of the right side. How many iterations that took; -1 where they break down or are too many.
+
+    The matrix need not be symmetric [vandervorst1992].
+    """
+    residual, search, search_image, image = scratch.residual, scratch.search, scratch.search_image, scratch.image
+    solution[:] = 0.0
+    residual[:] = right
+    scratch.shadow[:] = right
+    search[:] = right
+    begin = product(right, right)
+    if begin == 0.0:
+        return 0
+    if not invert_diagonal(matrix, scratch.inverse):
+        return -1
+    slope = begin
+    for iteration in range(1, MOST_ITERATIONS + 1):
+        sweep(matrix, scratch.inverse, search, scratch.relaxed)
+        apply(matrix, scratch.relaxed, search_image)
+        length = slope / product(scratch.shadow, search_image)
+        add(residual, search_image, -length)
+        add(solution, scratch.relaxed, length)
+        sweep(matrix, scratch.inverse, residual, scratch.more)
+        apply(matrix, scratch.more, image)
+        square = product(image, image)
+        damping = product(image, residual) / square if square > 0.0 else 0.0
+        add(solution, scratch.more, damping)
+        add(residual, image, -damping)
+        left = product(residual, residual)
+        if left <= accuracy * accuracy * begin:
+            return iteration
+        before, slope = slope, product(scratch.shadow, residual)
+        turn = slope / before * length / damping if damping != 0.0 and before != 0.0 else math.nan
+        if not math.isfinite(turn * left):
+            return -1
+        add(search, search_image, -damping)
+        for i in range(residual.shape[0]):
+            for k in range(residual.shape[1]):
+                search[i, k] = residual[i, k] + turn * search[i, k]
+    return -1
+
+
+@compiled
+def follow_gradients(matrix: Matrix, right: Array, solution: Array, scratch: Gradients, anchored: bool) -> bool:
+    """Solve by conjugate gradients, as closely as one of Newton's steps can use."""
+    found = descend(matrix, right, solution, scratch, NEWTON) >= 0
+    if anchored:
+        center(solution)
+    return found
+
+
+def factorize(matrix: Matrix, right: Array, solution: Array, anchored: bool) -> bool:
+    """Solve by SuperLU, whatever the matrix; whether there is a solution."""
+    from scipy.sparse import bsr_array
+    from scipy.sparse.linalg import splu
+
+    count, dimensions = right.shape
+    pattern = matrix.pattern
+    whole = bsr_array((matrix.blocks, pattern.column, pattern.start), shape=(count * dimensions,) * 2).tocsc()
+    begin = dimensions if anchored else 0
+    solution[:] = 0.0
+    try:
+        factors = splu(whole[begin:, begin:], permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
+    except RuntimeError:  # SuperLU says so of a singular matrix
+        return False
+    solution.reshape(-1)[begin:] = factors.solve(right.reshape(-1)[begin:])
+    if anchored:
+        center(solution)
+    return bool(np.isfinite(solution).all())

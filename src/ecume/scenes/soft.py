@@ -100,7 +100,8 @@ class FilmSpec:
     deflection_weight: Weight | None = None
     """c_d in the same; overrules the set"""
     reach: Size | None = None
-    """The gap up to which spheres have a film between them (m); left out, all spheres have, always."""
+    """The gap up to which spheres have a film between them (m); left out, half of the smallest radius in a box, and
+    without a box all spheres have one, always."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -127,6 +128,8 @@ class BoxSpec:
 
     size: Sides
     """Its sides (m), as many as there are dimensions."""
+    gap: Size | None = None
+    """The least gap of spheres that are placed at random (m); left out, a hundredth of the smallest radius."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)

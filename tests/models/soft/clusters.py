@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 
+from ecume.models.model import CROWDED
 from ecume.models.soft import SOFT
 from ecume.models.soft.films import Films, Pairs, answer, make_answers
 from ecume.models.soft.parameters import Contacts
@@ -54,8 +55,7 @@ def marched(scene, *, parts=1):
         state = type(state)(*(array.copy() for array in state))
         work = SOFT.workspace(parameters, state, 1.0)
         for _ in range(parts):
-            SOFT.advance(parameters, state, work, 1)
-            if state.step[0] == end:
+            if SOFT.advance(parameters, state, work, 1) == CROWDED or state.step[0] == end:
                 break
     return parameters, state
 

@@ -17,7 +17,8 @@ WAYS = {
     "dlvo": contacts(PAPER, remote=2, hamaker=0.01, layer_strength=0.3, debye_length=0.05),
 }
 PLACES = {"layer": (np.array([1.31, 1.1]), np.array([1.0, 0.93])),
-          "space": (np.array([1.0, 1.1, 0.9]), np.array([1.0, 0.98, 0.85]))}  # fmt: skip
+          "space": (np.array([1.0, 1.1, 0.9]), np.array([1.0, 0.98, 0.85])),
+          "space-without-shear": (np.array([1.0, 0.9, 1.1]), np.array([1.0, 0.9, 1.1]))}  # fmt: skip
 each_way = pytest.mark.parametrize("given", WAYS.values(), ids=WAYS)
 each_place = pytest.mark.parametrize(("between", "direction"), PLACES.values(), ids=PLACES)
 GAP = math.log(0.06)

@@ -12,10 +12,11 @@ from ecume.laws.arguments import chosen
 from ecume.laws.drag import stokes_friction
 from ecume.laws.elasticity import PREFACTORS, Prefactors
 from ecume.laws.remote import REMOTE
-from ecume.models.soft.meeting import open_all, pieces
+from ecume.models.soft.meeting import neighbors, open_all, pieces
+from ecume.models.soft.packing import places
 from ecume.models.soft.parameters import Contacts, Parameters, Protocol, drive_at
 from ecume.models.soft.schemes import SCHEMES
-from ecume.models.soft.solving import balance
+from ecume.models.soft.solving import SOLVERS, balance
 from ecume.models.soft.state import LENGTH, State, make_state, workspace
 from ecume.scenes.soft import FilmSpec, SoftScene, StageSpec, dimensions_of
 from ecume.units import Array
@@ -28,6 +29,8 @@ ROUNDING = 1e-12
 """Of the smallest radius: deflections below it have a smooth magnitude."""
 FIRST_STEP = 1e-6
 """Of the time between frames, or between moments of the protocol."""
+REACH = 0.5
+"""Of the smallest radius: how far films reach in a box, when the scene does not say."""
 UNBALANCED = 1e-9
 """Of the largest force: what the sum of all forces may be where nothing holds the spheres."""
 ROOM = {2: 16, 3: 40}
@@ -69,7 +72,7 @@ def parameters_of(scene: SoftScene) -> Parameters:
 
 def start(scene: SoftScene, parameters: Parameters) -> State:
     """The state at time 0: spheres in place, films without flow, and the first forces balanced by deflections."""
-    position = np.array([place for species in scene.spheres for place in species.positions], np.float64)
+    position = places(scene, parameters)
     _require_gaps(parameters, position)
     count = len(position)
     room = min(ROOM[parameters.dimensions] * count, count * (count - 1) // 2)
@@ -105,7 +108,9 @@ def prefactors_of(films: FilmSpec) -> Prefactors:
 
 
 def _contacts(scene: SoftScene, smallest: float) -> Contacts:
-    remote, reach = scene.remote, math.inf if scene.films.reach is None else scene.films.reach
+    remote, reach = scene.remote, scene.films.reach
+    if reach is None:
+        reach = math.inf if scene.box is None else REACH * smallest
     return Contacts(
         scene.liquid.viscosity,
         *prefactors_of(scene.films),
@@ -133,6 +138,7 @@ def _unknown_names(scene: SoftScene) -> list[Fault]:
         ("films.prefactors", PREFACTORS, scene.films.prefactors, "set of prefactors"),
         ("remote.law", REMOTE, scene.remote.law, "remote law"),
         ("stepping.scheme", SCHEMES, scene.stepping.scheme, "scheme"),
+        ("stepping.solver", {"auto": None, **SOLVERS}, scene.stepping.solver, "solver"),
     ]
     faults = []
     for path, table, name, what in asked:
@@ -162,23 +168,12 @@ def _require_balance(parameters: Parameters) -> None:
 
 def _require_gaps(parameters: Parameters, position: Array) -> None:
     """Undeformed spheres that overlap have no film between them."""
-    from scipy.spatial import cKDTree
-
-    radius = parameters.radius
-    near = cKDTree(position).query_pairs(2.0 * float(radius.max()), output_type="ndarray")
-    distance = np.linalg.norm(position[near[:, 0]] - position[near[:, 1]], axis=1)
-    gap = distance - radius[near].sum(axis=1)
-    bad = near[gap <= 0.0]
-    if len(bad):
-        first, second = sorted(bad[0])
-        raise SceneError(
-            [
-                Fault(
-                    "spheres",
-                    f"spheres {first} and {second} overlap before they are deformed; wanted a gap for the film",
-                )
-            ]
-        )
+    touching = parameters._replace(contacts=parameters.contacts._replace(fade_from=0.0))
+    pair, _, _ = neighbors(touching, position, drive_at(parameters.protocol, 0.0))
+    if len(pair):
+        first, second = pair[0]
+        told = f"spheres {first} and {second} overlap before they are deformed; wanted a gap for the film"
+        raise SceneError([Fault("spheres", told)])
 
 
 def _require_one_piece(state: State) -> None:

@@ -200,11 +200,17 @@ def shear_direction(
     """A unit vector along the surface in which the centers are sheared; in a layer, n turned left."""
     if flat:
         return -n[1], n[0], 0.0
-    along = x * n[0] + y * n[1] + z * n[2]
-    x, y, z = x - along * n[0], y - along * n[1], z - along * n[2]
     length = math.sqrt(x * x + y * y + z * z)
-    if length > STILL * abs(along):
-        return x / length, y / length, z / length
+    still = STILL * length
+    # Twice: what is left of nearly parallel vectors after the first time is not perpendicular to the last digits.
+    for _ in range(2):
+        along = x * n[0] + y * n[1] + z * n[2]
+        x, y, z = x - along * n[0], y - along * n[1], z - along * n[2]
+        length = math.sqrt(x * x + y * y + z * z)
+        if length > still:
+            x, y, z, still = x / length, y / length, z / length, 0.5
+    if still == 0.5:
+        return x, y, z
     if abs(n[0]) < 0.6:
         scale = math.sqrt(n[1] * n[1] + n[2] * n[2])
         return 0.0, n[2] / scale, -n[1] / scale

@@ -15,6 +15,8 @@ from ecume.units import Array
 
 SLOTS = {2: 8, 3: 16}
 """Contacts that a sphere tells of in a frame, in each dimension: those with later spheres, narrow gaps first."""
+STRESS = {2: "N/m", 3: "Pa"}
+"""The unit of stress: in a layer, force over length."""
 UNITS = {
     "position": "m",
     "velocity": "m/s",
@@ -55,7 +57,7 @@ def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
     units = UNITS
     if parameters.box.any():
         numbers |= _box_numbers(parameters, step, drive)
-        units = UNITS | dict.fromkeys(("pressure", "shear_stress", "normal_stress"), "Pa")
+        units = UNITS | dict.fromkeys(("pressure", "shear_stress", "normal_stress"), STRESS[parameters.dimensions])
         units |= dict.fromkeys(("box_width", "box_height"), "m")
     return Frame(float(state.pace[CLOCK]), arrays, numbers, units)
 
@@ -71,7 +73,7 @@ def at_home(parameters: Parameters, position: Array, drive: Drive) -> Array:
 
 
 def stress(step: Step, volume: float, dimensions: int) -> Array:
-    """The stress (Pa), tension positive: (1/V) sum of F_ij X_ij over contacts."""
+    """The stress, tension positive: (1/V) sum of F_ij X_ij over contacts."""
     between = step.bodies.position[step.pairs.second] - step.bodies.position[step.pairs.first]
     between = between + step.pairs.offset[:, :dimensions]
     return np.asarray(step.answers.force[:, :dimensions].T @ between / volume)

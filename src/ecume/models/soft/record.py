@@ -24,7 +24,8 @@ BYTES_PER_CONTACT = 1200
 def checked_parameters(scene: SoftScene) -> Parameters:
     """The parameters of a scene that fits into the machine."""
     count = sum(species.count or len(species.positions) for species in scene.spheres)
-    contacts = count * (count - 1) / 2 if scene.films.reach is None else 20.0 * count
+    everyone = scene.films.reach is None and scene.box is None
+    contacts = count * (count - 1) / 2 if everyone else 20.0 * count
     wanted, there = contacts * BYTES_PER_CONTACT, psutil.virtual_memory().total
     if wanted > there:
         told = f"{count} spheres need about {wanted / 1e9:.3g} GB, this machine has {there / 1e9:.3g} GB"

@@ -8,9 +8,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ecume._jit import compiled, compiled_inside, inlined
+from ecume._jit import compiled, compiled_inside, inlined, plainly
 from ecume.engine import sparse
-from ecume.engine.sparse import Matrix
+from ecume.engine.sparse import Gradients, Matrix
 from ecume.models.soft.films import Answers, Films, Pairs, answer, place_images
 from ecume.models.soft.parameters import Contacts, Drive
 from ecume.models.soft.schemes import Scheme
@@ -22,7 +22,7 @@ BALANCE = 1e-9
 LONGEST_CHANGE = 0.7
 """Of ln(gap) in one iteration: beyond it the linear answer means nothing, and the update is shortened."""
 ROUNDING = 2e-15
-"""What rounding leaves of a force, over stiffness times distance."""
+"""What rounding leaves of a force, over stiffness times coordinates."""
 FAILED = -1.0
 
 
@@ -74,6 +74,7 @@ class Step(NamedTuple):
     matrix: Matrix
     box: Array
     """(3,) m at scale 1"""
+    gradients: Gradients
 
 
 @compiled
@@ -82,7 +83,7 @@ def imbalance(step: Step, factor: float, span: float, corrected: bool) -> tuple[
     bodies, answers, first, second = step.bodies, step.answers, step.pairs.first, step.pairs.second
     right, force, correction, stiffness = bodies.right, answers.force, answers.correction, answers.stiffness
     external, drag, position, start = bodies.force, bodies.drag, bodies.position, bodies.start
-    radius_sum = step.pairs.radius_sum
+    radius_sum, offset = step.pairs.radius_sum, step.pairs.offset
     count, dimensions = right.shape
     largest, stiffest, worst = 0.0, 0.0, 0.0
     for i in range(count):
@@ -97,7 +98,8 @@ def imbalance(step: Step, factor: float, span: float, corrected: bool) -> tuple[
         for k in range(dimensions):
             value = force[c, k]
             largest = max(largest, abs(value))
-            stiffest = max(stiffest, stiffness[c, k, k] * radius_sum[c])
+            size = radius_sum[c] + abs(position[i, k]) + abs(position[j, k]) + abs(offset[c, k])
+            stiffest = max(stiffest, stiffness[c, k, k] * size)
             if corrected:
                 value += correction[c, k]
             right[i, k] += value
@@ -143,6 +145,32 @@ def move(step: Step) -> float:
     return largest
 
 
+@compiled
+def resist(step: Step, span: float) -> None:
+    """The matrix of Newton's step: what resists a displacement of each sphere."""
+    bodies = step.bodies
+    for i in range(len(bodies.drag)):
+        bodies.diagonal[i] = bodies.drag[i] / span if span > 0.0 else 0.0
+    sparse.assemble(step.matrix, step.answers.stiffness, bodies.diagonal)
+
+
+@compiled
+def eliminated(step: Step, anchored: bool) -> bool:
+    """Newton's step by dense elimination."""
+    return sparse.eliminate(step.matrix, step.bodies.right, step.bodies.change, anchored)
+
+
+@compiled
+def descended(step: Step, anchored: bool) -> bool:
+    """Newton's step by biconjugate gradients."""
+    return sparse.follow_gradients(step.matrix, step.bodies.right, step.bodies.change, step.gradients, anchored)
+
+
+def factorized(step: Step, anchored: bool) -> bool:
+    """Newton's step by a sparse factorization."""
+    return sparse.factorize(step.matrix, step.bodies.right, step.bodies.change, anchored)
+
+
 @inlined
 def newton_with(
     solve: Callable[..., bool], contacts: Contacts, step: Step, at: tuple[Drive, float], fine: float
@@ -162,10 +190,8 @@ def newton_with(
         if last <= fine and worst <= BALANCE * largest + rounding:
             return True
         imbalance(step, drive.load, span, True)
-        for i in range(len(bodies.drag)):
-            bodies.diagonal[i] = bodies.drag[i] / span if span > 0.0 else 0.0
-        sparse.assemble(step.matrix, step.answers.stiffness, bodies.diagonal)
-        if not solve(step.matrix, bodies.right, bodies.change, anchored):
+        resist(step, span)
+        if not solve(step, anchored):
             return False
         last = move(step)
         if not math.isfinite(last):
@@ -176,7 +202,18 @@ def newton_with(
 @compiled
 def newton_dense(contacts: Contacts, step: Step, at: tuple[Drive, float], fine: float) -> bool:
     """A stage of few spheres."""
-    return newton_with(sparse.eliminate, contacts, step, at, fine)
+    return newton_with(eliminated, contacts, step, at, fine)
+
+
+@compiled
+def newton_gradients(contacts: Contacts, step: Step, at: tuple[Drive, float], fine: float) -> bool:
+    """A stage of many spheres."""
+    return newton_with(descended, contacts, step, at, fine)
+
+
+def newton_direct(contacts: Contacts, step: Step, at: tuple[Drive, float], fine: float) -> bool:
+    """A stage of many spheres, however stiff."""
+    return plainly(newton_with)(factorized, contacts, step, at, fine)
 
 
 @compiled
@@ -284,6 +321,16 @@ def attempt_with(newton: Callable[..., bool], contacts: Contacts, step: Step, sc
 def attempt_dense(contacts: Contacts, step: Step, scheme: Scheme, during: During) -> float:
     """A step of few spheres."""
     return attempt_with(newton_dense, contacts, step, scheme, during)
+
+
+def attempt_gradients(contacts: Contacts, step: Step, scheme: Scheme, during: During) -> float:
+    """A step of many spheres."""
+    return plainly(attempt_with)(newton_gradients, contacts, step, scheme, during)
+
+
+def attempt_direct(contacts: Contacts, step: Step, scheme: Scheme, during: During) -> float:
+    """A step of many spheres, however stiff."""
+    return plainly(attempt_with)(newton_direct, contacts, step, scheme, during)
 
 
 @compiled

@@ -102,6 +102,7 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
         bodies=bodies,
         matrix=sparse.make_matrix(pattern, dimensions),
         box=parameters.box,
+        gradients=sparse.make_gradients(count, dimensions),
     )
     return Workspace(step, int(state.generation[0]))
 

@@ -90,7 +90,7 @@ def stress(frames: Frames, scene: Any) -> Figure:
         raise BadInput("there is no box whose stress could be drawn")
     shown = thinned(frames)
     shear, normal, pressure = series(shown, *map(number, ("shear_stress", "normal_stress", "pressure")))
-    scale = scale_for(float(np.abs([shear, normal, pressure]).max()), "Pa")
+    scale = scale_for(float(np.abs([shear, normal, pressure]).max()), shown[0].units["shear_stress"])
     with style():
         drawn = figure()
         axes = over_time(drawn, scene)

@@ -1,0 +1,125 @@
+"""Many spheres in a periodic box: random starts, shear, solvers, contacts that come and go."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+from ecume.errors import SceneError
+from ecume.models.model import CROWDED
+from ecume.models.soft import SOFT
+from ecume.models.soft.meeting import neighbors
+from ecume.models.soft.parameters import Drive
+from ecume.models.soft.state import ACCEPTED
+from ecume.scenes.schema import from_plain
+from ecume.simulation import simulate
+
+from .clusters import marched
+
+pytestmark = pytest.mark.compiled
+
+
+def packing(dimensions=2, count=12, filled=0.7, strain=0.05, duration=10.0, **more):
+    """A box of unit spheres and of others of 1.3, sheared."""
+    volume = count * sum(math.pi * r**2 if dimensions == 2 else 4 / 3 * math.pi * r**3 for r in (1.0, 1.3))
+    plain = {
+        "model": "soft", "duration": duration, "frame_every": duration, "liquid": {"viscosity": 1e-3},
+        "spheres": [{"radius": r, "modulus": 1.0, "count": count} for r in (1.0, 1.3)],
+        "box": {"size": [(volume / filled) ** (1 / dimensions)] * dimensions, "gap": 0.02},
+        "protocol": [{"time": 0.0}, {"time": duration, "strain": strain}],
+        "stepping": {"scheme": "tr-bdf2", "tolerance": 1e-4},
+    }  # fmt: skip
+    return from_plain(plain | more)
+
+
+def solved_by(scene, solver):
+    return dataclasses.replace(scene, stepping=dataclasses.replace(scene.stepping, solver=solver))
+
+
+def test_a_random_start_is_dense_has_its_gaps_and_follows_from_the_seed():
+    scene = packing(filled=0.78, count=40)
+    parameters = SOFT.parameters(scene)
+    first, again = (SOFT.start(scene, parameters) for _ in range(2))
+    assert math.exp(first.log_gap[: first.contacts[0]].min()) >= 0.02 * (1 - 1e-9)
+    assert first.position.tobytes() == again.position.tobytes()
+    other = SOFT.start(dataclasses.replace(scene, seed=5), parameters)
+    assert not np.allclose(other.position, first.position)
+
+
+def test_a_start_that_does_not_fit_is_refused():
+    scene = packing(filled=0.98)
+    with pytest.raises(SceneError, match=r"box\.size: no places were found"):
+        SOFT.start(scene, SOFT.parameters(scene))
+
+
+@pytest.mark.parametrize(("dimensions", "filled"), [(2, 0.7), (3, 0.5)])
+def test_every_solver_finds_the_same_motion(dimensions, filled):
+    scene = packing(dimensions, filled=filled, strain=0.01, duration=2.0)
+    ends = [marched(solved_by(scene, solver))[1] for solver in ("dense", "gradients", "direct")]
+    for end in ends[1:]:
+        assert end.position == pytest.approx(ends[0].position, abs=1e-5)
+        assert end.tally[ACCEPTED] == pytest.approx(ends[0].tally[ACCEPTED], abs=2)
+
+
+def test_shear_to_the_other_side_pulls_to_the_other_side():
+    there, back = (list(simulate(packing(strain=sign * 1e-4)))[-1].numbers for sign in (1, -1))
+    assert there["shear_stress"] > 0.0
+    assert back["shear_stress"] == pytest.approx(-there["shear_stress"], rel=0.01)
+    assert abs(there["pressure"]) < 0.5 * there["shear_stress"]
+
+
+def test_a_box_sheared_by_its_own_width_is_the_box_unsheared():
+    scene = packing()
+    parameters = SOFT.parameters(scene)
+    position = SOFT.start(scene, parameters).position
+    straight, sheared = (neighbors(parameters, position, Drive(1.0, strain, 1.0)) for strain in (0.0, 1.0))
+    assert straight[0].tolist() == sheared[0].tolist()
+    assert straight[2] == pytest.approx(sheared[2], abs=1e-12)
+
+
+def test_contacts_across_borders_are_found_from_wherever_spheres_have_gone():
+    scene = packing()
+    parameters = SOFT.parameters(scene)
+    position = SOFT.start(scene, parameters).position
+    side = parameters.box[0]
+    moved = position + side * np.random.default_rng(1).integers(-3, 4, position.shape)
+    here, there = (neighbors(parameters, places, Drive(1.0, 0.0, 1.0)) for places in (position, moved))
+    assert here[0].tolist() == there[0].tolist()
+    for places, (pair, image, between) in ((position, here), (moved, there)):
+        assert places[pair[:, 1]] - places[pair[:, 0]] + side * image == pytest.approx(between, abs=1e-10)
+
+
+def test_interruptions_change_no_bit_while_contacts_come_and_go():
+    scene = packing(strain=0.3, duration=30.0)
+    whole, pieces = marched(scene, parts=10**9)[1], marched(scene, parts=2)[1]
+    assert whole.generation[0] > 3
+    for name, array in whole._asdict().items():
+        assert array.tobytes() == getattr(pieces, name).tobytes(), name
+
+
+def test_a_film_that_is_drawn_out_fades_without_a_jump_and_is_gone():
+    plain = {
+        "model": "soft", "duration": 3e3, "frame_every": 30.0, "liquid": {"viscosity": 0.1, "drag": True},
+        "films": {"reach": 0.3}, "spheres": [
+            {"radius": 1.0, "modulus": 1.0, "positions": [[-1.05, 0.0]], "force": [-1e-3, 0.0]},
+            {"radius": 1.0, "modulus": 1.0, "positions": [[1.05, 0.0]], "force": [1e-3, 0.0]},
+        ],
+    }  # fmt: skip
+    frames = list(simulate(from_plain(plain)))
+    tension = np.array([frame.arrays["tension"][0, 0] for frame in frames])
+    assert tension.max() > 5e-4
+    assert frames[-1].numbers["contacts"] == 0.0
+    last = np.flatnonzero(tension)[-1]
+    assert 0.0 < tension[last] < 5e-5
+    speed = frames[-1].arrays["velocity"][1, 0]
+    assert speed == pytest.approx(1e-3 / (6 * math.pi * 0.1), rel=1e-6)
+
+
+def test_a_workspace_of_other_contacts_is_not_used():
+    scene = packing()
+    parameters = SOFT.parameters(scene)
+    state = SOFT.start(scene, parameters)
+    work = SOFT.workspace(parameters, state, 1.0)
+    state.generation[0] += 1
+    assert SOFT.advance(parameters, state, work, 1) == CROWDED
