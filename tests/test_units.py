@@ -38,6 +38,11 @@ READINGS = [
     ("20 %", "1", 0.2),
     ("1.5 min", "s", 90.0),
     ("1 in", "m", 0.0254),
+    ("20 degC", "K", 293.15),
+    ("-5.5 °C", "K", 267.65),
+    ("68 degF", "K", 293.15),
+    ("300 K", "K", 300.0),
+    ("300 mK", "K", 0.3),
 ]
 
 
@@ -63,7 +68,7 @@ def test_a_quantity_is_read_in_si(text: str, symbol: str, value: float) -> None:
         ("٣ mm", "m", "is no quantity"),
         ("1e999 m", "m", "too large"),
         ("1e308 Mm", "m", "too large"),
-        ("20 degC", "K", "offset"),
+        ("20 degC", "K/m", "offset"),
         ("3 parsnips", "m", "no such unit"),
         ("2 m + 3 m", "m", "not how a unit is written"),
         ("1 m;2 m", "m", "not how a unit is written"),

@@ -77,12 +77,31 @@ def parse(text: str, symbol: str) -> float:
         )
     if not math.isfinite(float(match[1])):
         raise ValueError(f"{text!r} is too large a number")
-    scale = factor(match[2], symbol)
+    shift, scale = _offset(match[2]) if symbol == "K" else ("0", repr(factor(match[2], symbol)))
     try:
         # Through fractions, so that "1.7 mm" is the same float as 0.0017.
-        return float(Fraction(match[1]) * Fraction(repr(scale)))
+        return float((Fraction(match[1]) + Fraction(shift)) * Fraction(scale))
     except OverflowError:
         raise ValueError(f"{text!r} is too large a number") from None
+
+
+def _offset(unit: str) -> tuple[str, str]:
+    """What is added to a temperature of this unit, and what the sum is multiplied with, to have kelvin.
+
+    Only a temperature that stands alone has an offset: in `J/(kg*K)` there are differences of temperatures.
+    """
+    known = OFFSETS.get(unit.strip())
+    return ("0", repr(factor(unit, "K"))) if known is None else known
+
+
+OFFSETS = {
+    "degC": ("273.15", "1"),
+    "°C": ("273.15", "1"),
+    "celsius": ("273.15", "1"),
+    "degF": ("459.67", "5/9"),
+    "°F": ("459.67", "5/9"),
+}
+"""Scales of temperature whose zero is not the absolute one."""
 
 
 @lru_cache(maxsize=256)
@@ -165,6 +184,7 @@ EXAMPLES = {
     "N/m": "45 mN/m",
     "1": "20 %",
     "1/s": "5 s^-1",
+    "K": "20 degC",
 }
 
 
@@ -204,6 +224,7 @@ Friction = Annotated[float, Unit("N*s/m")]
 Angle = Annotated[float, Unit("rad")]
 Number = Annotated[float, Unit("1")]
 Rate = Annotated[float, Unit("1/s")]
+Temperature = Annotated[float, Unit("K")]
 
 # The same for functions that welcome arrays where a float is.
 Lengths = Annotated[Real, Unit("m")]

@@ -11,8 +11,8 @@ from typing import NamedTuple
 
 from ecume.errors import BadInput
 from ecume.laws.liquids import others, water
-from ecume.laws.liquids.water import ICE_POINT, Temperature
-from ecume.units import Density, KinematicViscosity, Number, Speed, SurfaceTension, Viscosity
+from ecume.laws.liquids.water import ICE_POINT
+from ecume.units import Density, KinematicViscosity, Number, Speed, SurfaceTension, Temperature, Viscosity
 
 STANDARD_SALINITY = 0.035
 SALINITIES = 0.025, 0.040

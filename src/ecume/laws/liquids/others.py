@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from ecume.laws.liquids.water import ICE_POINT, Temperature
-from ecume.units import Density, Speed, SurfaceTension, Viscosity
+from ecume.laws.liquids.water import ICE_POINT
+from ecume.units import Density, Speed, SurfaceTension, Temperature, Viscosity
 
 
 def ethanol_density(temperature: Temperature) -> Density:

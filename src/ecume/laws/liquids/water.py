@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import math
-from typing import Annotated
 
-from ecume.units import Density, Number, Speed, SurfaceTension, Unit, Viscosity
+from ecume.units import Density, Number, Speed, SurfaceTension, Temperature, Viscosity
 
-Temperature = Annotated[float, Unit("K")]
 ICE_POINT = 273.15
 WATER_CRITICAL = 647.096
 

@@ -40,6 +40,7 @@ from ecume.models.sph.motions import drives_of, fastest_drive, shake_of
 from ecume.models.sph.parameters import INTEGRATORS, SHIFTINGS, Liquid, Material, Parameters
 from ecume.models.sph.solids import free_of, shape_of, solids_of
 from ecume.models.sph.starting import pressure_in, velocity_in
+from ecume.models.sph.substances import filled
 from ecume.scenes.faults import suggestion
 from ecume.scenes.sph import SphScene
 from ecume.units import Array
@@ -98,11 +99,11 @@ def held_pull(scene: SphScene) -> Array:
 
 def material_of(scene: SphScene) -> Material:
     """The liquid, with a sound speed for the numerics."""
-    given = scene.liquid
+    given = filled(scene.liquid)
     fastest = given.fastest or fastest_of(scene)
     sound = given.sound_speed or fastest / NUMERICAL_MACH
     return Material(
-        density=1000.0 if given.density is None else given.density,
+        density=given.density or 0.0,
         sound_speed=sound,
         exponent=given.exponent,
         viscosity=given.viscosity or 0.0,
@@ -301,7 +302,7 @@ def choices_of(scene: SphScene, pull: Array) -> Any:
     choices[KERNEL] = KERNEL_CODES[scene.method.kernel]
     choices[DIFFUSION] = DIFFUSIONS.index(diffusion_of(scene, pull))
     choices[STRESS] = STRESSES.index(scene.method.pressure_force)
-    choices[FRICTION] = friction_of(scene) if (scene.liquid.viscosity or 0.0) > 0.0 else NO_FRICTION
+    choices[FRICTION] = friction_of(scene) if filled(scene.liquid).viscosity else NO_FRICTION
     return choices
 
 

@@ -9,6 +9,7 @@ import psutil
 
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.models.model import Model
+from ecume.models.sph.advice import Row, advice
 from ecume.models.sph.building import kernel_of, liquid_of, parameters_of, smoothing_of
 from ecume.models.sph.fields import FIELDS, RATES
 from ecume.models.sph.gates import exchange, filled
@@ -20,11 +21,6 @@ from ecume.models.sph.splitting import require_right_split
 from ecume.models.sph.state import State, Workspace, likely_neighbors, make_state, workspace_at
 from ecume.models.sph.stepping import advance
 from ecume.scenes.sph import SphScene
-
-PAIRS_PER_SECOND = 1.5e8
-"""Of the sums, on one core: a rough figure."""
-FEW_NEIGHBORS = {2: 12, 3: 30}
-MANY_NEIGHBORS = {2: 80, 3: 250}
 
 
 def start(scene: SphScene, parameters: Parameters) -> State:
@@ -86,51 +82,11 @@ def extended(extra_laws: Sequence[Callable[..., float]]) -> Model:
     raise BadInput("extra_laws: the sph model takes none; the floating model does")
 
 
-def summary(scene: SphScene) -> list[tuple[str, str, str]]:
+def summary(scene: SphScene) -> list[Row]:
     """Derived numbers: name, value with unit, remark."""
     parameters = checked_parameters(scene)
     state = start(scene, parameters)
-    count, dimension = state.position.shape[1], parameters.dimension
-    material, smoothing = parameters.material, smoothing_of(scene)
-    neighbors = likely_neighbors(dimension, parameters.support / scene.spacing) / 1.15
-    frames = round(scene.duration / scene.frame_every)
-    steps = frames * parameters.steps_per_frame
-    mach = material.fastest / material.sound_speed
-    walls = parameters.boundary.dummies.position.shape[1]
-    seconds = 2.0 * steps * (count * neighbors / PAIRS_PER_SECOND + 3e-4)
-    return [
-        ("particles", str(count), f"{walls} more in walls" if walls else "walls are mirrors"),
-        ("smoothing length", f"{smoothing:.4g} m", f"{smoothing / scene.spacing:.3g} spacings"),
-        ("neighbors", f"{neighbors:.0f}", neighbor_remark(neighbors, dimension)),
-        ("sound speed", f"{material.sound_speed:.4g} m/s", f"of the numerical liquid; Mach {mach:.2g} to be expected"),
-        (
-            "compression",
-            f"{100.0 * mach**2:.2g} %",
-            "to be expected" if mach <= 0.11 else "large: raise liquid.sound_speed",
-        ),
-        ("time step", f"{parameters.time_step:.3g} s", "divided where the flow asks for it"),
-        ("steps", str(steps), f"{frames} frames of {parameters.steps_per_frame} steps"),
-        (
-            "memory",
-            f"{1e-6 * count * bytes_per_particle(scene):.3g} MB",
-            f"{bytes_per_particle(scene):.0f} bytes a particle",
-        ),
-        ("time on this machine", duration(seconds), "roughly, after compilation"),
-    ]
-
-
-def neighbor_remark(neighbors: float, dimension: int) -> str:
-    """Whether that is a good number."""
-    if neighbors < FEW_NEIGHBORS[dimension]:
-        return "few: raise method.smoothing"
-    return "many: costly; lower method.smoothing" if neighbors > MANY_NEIGHBORS[dimension] else "good"
-
-
-def duration(seconds: float) -> str:
-    """In the unit that fits."""
-    if seconds < 100:
-        return f"{seconds:.2g} s"
-    return f"{seconds / 60:.2g} min" if seconds < 6000 else f"{seconds / 3600:.2g} h"
+    return advice(scene, parameters, state.position.shape[1], bytes_per_particle(scene))
 
 
 SPH = Model(

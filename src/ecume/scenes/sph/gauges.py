@@ -24,7 +24,9 @@ class GaugeSpec:
     """A probe at a place, or a row of them along a line. It reads zero while it is dry."""
 
     name: GaugeName
-    """Its readings are the numbers `name_pressure`, `name_velocity_x` ..., `name_level`; in a row `name_1_pressure` ..."""
+    """Its readings are the numbers `name_pressure`, `name_velocity_x` ..., `name_level`; in a row
+    `name_1_pressure` and so on.
+    """
     place: Place
     """where it is, or a row begins (m)"""
     end: Place | None = None

@@ -20,6 +20,7 @@ from ecume.scenes.quantities import (
     Name,
     Place,
     PositiveDensity,
+    Proportion,
     Pull,
     Size,
     Switch,
@@ -29,7 +30,7 @@ from ecume.scenes.sph.gauges import GaugeSpec, gauge_faults
 from ecume.scenes.sph.motions import ShakeSpec
 from ecume.scenes.sph.solids import BodySpec, ObstacleSpec, ShapeSpec
 from ecume.scenes.sph.tank import TankSpec
-from ecume.units import Number, Rate, Speed
+from ecume.units import Number, Rate, Speed, Temperature
 
 Gradient = Annotated[Rate, Field(ge=-1e6, le=1e6)]
 PositiveNumber = Annotated[Number, Field(gt=0.0, le=1e6)]
@@ -43,8 +44,10 @@ class FluidSpec:
 
     name: Name = ""
     """A liquid of the table in `ecume.laws.liquids`, such as `water`; it fills whatever is left out below."""
-    temperature: float | str | None = None
-    """of a named liquid: `"20 degC"`, or kelvin"""
+    temperature: Annotated[Temperature, Field(gt=0.0, le=1e4)] | None = None
+    """of a named liquid: `"20 degC"`, or kelvin; left out, 20 degrees Celsius"""
+    salinity: Proportion | None = None
+    """kg of salt a kg of seawater; left out, 0.035"""
     density: PositiveDensity | None = None
     """kg/m^3, where the gauge pressure is zero"""
     viscosity: LiquidViscosity | None = None

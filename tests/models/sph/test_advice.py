@@ -1,0 +1,84 @@
+"""What is said of a liquid before it runs, and what its name and temperature fill in."""
+
+import pytest
+
+from ecume.errors import SceneError
+from ecume.laws.liquids import liquid
+from ecume.models.sph.advice import lattice_neighbors, neighbor_remark
+from ecume.models.sph.building import material_of
+from ecume.models.sph.record import SPH
+from ecume.scenes.schema import from_plain, to_plain
+
+from .scenes import tank
+
+WARM = {"name": "water", "temperature": "50 degC"}
+
+
+def scene_with(liquid_table=None, **method):
+    """A small tank of another liquid, or computed otherwise."""
+    plain = to_plain(tank())
+    table = plain["liquid"] if liquid_table is None else liquid_table
+    return from_plain({**plain, "liquid": table, "method": {**plain["method"], **method}})
+
+
+def said(scene):
+    """By name, the value and the remark."""
+    return {name: (value, remark) for name, value, remark in SPH.summary(scene)}
+
+
+def test_a_name_and_a_temperature_fill_what_the_scene_leaves_out():
+    material, water = material_of(scene_with(WARM)), liquid("water", 323.15)
+    assert material[:1] == (water.density,)
+    assert (material.viscosity, material.surface_tension) == (water.viscosity, water.surface_tension)
+    assert material_of(scene_with({"name": "water"})).density == pytest.approx(998.207, abs=5e-3)
+
+
+def test_what_the_scene_says_wins_over_what_the_name_says():
+    material = material_of(scene_with({**WARM, "viscosity": 0.0, "density": 900.0}))
+    assert (material.density, material.viscosity) == (900.0, 0.0)
+    assert material.surface_tension == liquid("water", 323.15).surface_tension
+
+
+def test_where_each_number_comes_from_is_told():
+    told = said(scene_with({**WARM, "density": 900.0}))
+    assert told["density"] == ("900 kg/m^3", "")
+    assert told["viscosity"][1] == told["surface tension"][1] == "water at 50 degrees Celsius"
+
+
+@pytest.mark.parametrize(
+    ("table", "says"),
+    [
+        ({"name": "watr"}, "liquid.name: came 'watr'; did you mean water"),
+        ({"name": "water", "temperature": "120 degC"}, "liquid.temperature: .*0 to 99.97 degrees"),
+        ({"name": "water", "temperature": "120 m"}, "measures length, wanted temperature"),
+        ({"name": "water", "salinity": 0.03}, "liquid.salinity: water has no salinity"),
+        ({"temperature": 300.0}, "says nothing without a name"),
+    ],
+)
+def test_a_liquid_that_nobody_knows_is_refused_at_its_key(table, says):
+    with pytest.raises(SceneError, match=says):
+        SPH.parameters(scene_with(table))
+
+
+def test_few_and_many_neighbors_are_told_with_the_way_out():
+    assert "raise method.smoothing" in said(scene_with(smoothing=0.9))["neighbors"][1]
+    assert "lower method.smoothing" in said(scene_with(smoothing=3.0))["neighbors"][1]
+    assert said(scene_with())["neighbors"] == ("44", "good")
+    assert "take wendland-c2" in neighbor_remark(44, 2, "cubic-spline")
+
+
+def test_the_cost_and_the_resolution_are_told():
+    told = said(scene_with())
+    assert told["resolution"] == (
+        "8 particles",
+        "across the liquid's smallest extent; good for the flow; 20 or more for pressures",
+    )
+    assert told["time step"][1].startswith("set by sound")
+    assert said(scene_with({"density": 1.0, "sound_speed": 10.0, "viscosity": 5.0}))["time step"][1].startswith(
+        "set by v"
+    )
+    assert "raise liquid.sound_speed" in said(scene_with({"density": 1.0, "sound_speed": 3.0}))["compression"][1]
+
+
+def test_a_lattice_in_space_has_its_neighbors_counted():
+    assert [lattice_neighbors(3, reach) for reach in (1.1, 1.5, 2.0)] == [6, 18, 26]
