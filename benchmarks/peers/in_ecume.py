@@ -65,6 +65,13 @@ def march_of(edge: int, precision: str) -> March:
     return march
 
 
+def bytes_of(march: March) -> int:
+    """State, tables and lists; a run has little beside them."""
+    scratch = march.workspace
+    arrays = [*march.state, *scratch.lists, *scratch.images, scratch.fields, scratch.rates]
+    return sum(array.nbytes for array in arrays)
+
+
 def main() -> None:
     """Time so many steps."""
     edge, steps, threads = cube.asked()
@@ -73,7 +80,7 @@ def main() -> None:
     march.go(WARM_UP)
     watch = cube.Watch()
     march.go(steps)
-    watch.report(steps, edge**3)
+    watch.report(steps, edge**3, bytes=bytes_of(march) / edge**3)
 
 
 main()
