@@ -30,7 +30,9 @@ from ecume.models.sph.fields import (
     RADIAL,
     REFERENCE,
     SCALE,
+    SHARE,
     SOFT,
+    SOUND,
     STRESS,
     H,
 )
@@ -249,9 +251,10 @@ def numbers_of(scene: SphScene, material: Material, pull: Array) -> Array:
     numbers[ONE], numbers[H], numbers[INVERSE] = 1.0, smoothing, 1.0 / smoothing
     numbers[SCALE] = shape.normalization / smoothing ** (dimension + 2)
     numbers[SOFT] = 0.01 * smoothing**2
-    # Two particles share the damping; by mass it is per density squared.
-    per = 1.0 / material.density if scene.method.pressure_force == "monaghan" else material.density
-    numbers[ALPHA] = alpha * material.sound_speed * smoothing * per
+    # By volume the viscosity's term is not per density squared.
+    by_mass = scene.method.pressure_force == "monaghan"
+    numbers[SHARE] = material.density if by_mass else 1.0 / material.density
+    numbers[ALPHA], numbers[SOUND] = alpha, material.sound_speed
     numbers[DELTA] = 2.0 * scene.method.diffusion * smoothing * material.sound_speed * (diffusion != "none")
     if diffusion == "hydrostatic":
         numbers[DELTA] *= spring

@@ -24,10 +24,11 @@ and the crowding vector (3) in which all neighbors count alike.
 RATES = 12
 
 # Places in the table of numbers that a run's sums need. Literals would be double precision in a single-precision loop.
-ZERO, ONE, INVERSE, SCALE, SOFT, ALPHA, DELTA, G0, H, REFERENCE = 0, 1, 2, 3, 4, 5, 6, 7, 10, 11
-"""0; 1; 1/h; factor of the kernel's slope; 0.01 h^2; the artificial viscosity's factor; the diffusion's; what pulls at
-the diffusing field (3); h; the kernel at one spacing, for shifting."""
-NUMBERS = 12
+ZERO, ONE, INVERSE, SCALE, SOFT, ALPHA, DELTA, G0, H, REFERENCE, SOUND, SHARE = 0, 1, 2, 3, 4, 5, 6, 7, 10, 11, 12, 13
+"""0; 1; 1/h; factor of the kernel's slope; 0.01 h^2; the artificial viscosity's alpha; the diffusion's factor; what
+pulls at the diffusing field (3); h; the kernel at one spacing, for shifting; the sound speed; and what the artificial
+viscosity is divided by, a density where pressures are over density squared."""
+NUMBERS = 14
 
 # Places in the table of choices.
 DIMENSION, KERNEL, DIFFUSION, STRESS, FRICTION = range(5)

@@ -26,11 +26,14 @@ from ecume.models.sph.fields import (
     RADIAL,
     RHO,
     SCALE,
+    SHARE,
     SOFT,
+    SOUND,
     STRESS,
     TRANSPORT,
     VOLUME,
     WEIGHT,
+    H,
     P,
     U,
     V,
@@ -39,6 +42,7 @@ from ecume.models.sph.fields import (
 )
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.state import Workspace
+from ecume.models.sph.sums import damping
 from ecume.models.sph.weights import slope_of
 from ecume.units import Array
 
@@ -48,7 +52,8 @@ def press(
     fields: Any, mine: Any, group: Any, count: Any, neighbor: Any, numbers: Any, choices: Any, force: Any
 ) -> None:
     """The force on each of the columns `mine`, (groups, 3, columns), of its neighbors in each group (-1: in none)."""
-    kernel, scale, alpha, inverse = choices[KERNEL], numbers[SCALE], numbers[ALPHA], numbers[INVERSE]
+    kernel, scale, inverse = choices[KERNEL], numbers[SCALE], numbers[INVERSE]
+    damper = numbers[H], numbers[SHARE], numbers[SOUND], numbers[ALPHA]
     transported, deep = choices[STRESS] == TRANSPORT, choices[DIMENSION] == 3
     rubs, radially = choices[FRICTION] != NO_FRICTION, choices[FRICTION] == RADIAL
     for place in prange(len(mine)):
@@ -74,8 +79,8 @@ def press(
             else:
                 radial = (fields[V, j] - fields[V, i]) * dx + (fields[V + 1, j] - fields[V + 1, i]) * dy
                 radial += (fields[V + 2, j] - fields[V + 2, i]) * dz
-                damping = alpha * fields[LIQUID, i] * fields[LIQUID, j] * min(radial, 0.0) / (square + numbers[SOFT])
-                both = pull * fields[WEIGHT, i] * fields[WEIGHT, j] * (fields[PUSH, i] + fields[PUSH, j] - damping)
+                damps = fields[LIQUID, i] * fields[LIQUID, j] * damping(radial, square, damper)
+                both = pull * fields[WEIGHT, i] * fields[WEIGHT, j] * (fields[PUSH, i] + fields[PUSH, j] + damps)
                 force[g, 0, place] += both * dx
                 force[g, 1, place] += both * dy
                 force[g, 2, place] += both * dz

@@ -17,6 +17,7 @@ import numpy as np
 
 from ecume._jit import admit, compiled_inside, inlined, prange, summing
 from ecume.engine.lists import STRIDE
+from ecume.laws import viscous
 from ecume.laws.kernels import KERNEL_CODES, shapes
 from ecume.models.sph.fields import (
     ACC,
@@ -31,15 +32,17 @@ from ecume.models.sph.fields import (
     LIQUID,
     PUSH,
     SCALE,
-    SOFT,
+    SHARE,
+    SOUND,
     WEIGHT,
     ZERO,
+    H,
     V,
     X,
 )
 from ecume.models.sph.weights import slope_of
 
-admit(shapes)
+admit(shapes, viscous)
 INDEX = np.uint64
 """Of all indexes: a signed one would be tested for being negative, pair by pair."""
 BEFORE, DOWN = INDEX(STRIDE - 1), INDEX(2**64 - STRIDE)
@@ -87,21 +90,30 @@ def stretch_with(
         rates[DIFFUSED, i] = numbers[SCALE] * numbers[DELTA] * diffusing
 
 
+@compiled_inside
+def damping(approach: Any, square: Any, damper: Any) -> Any:
+    """Artificial viscosity with the liquid's own density and sound speed for both of a pair, as delta-SPH has it
+    (Antuono et al. 2012); positive for two that approach. `damper` is numbers H, SHARE, SOUND, ALPHA.
+    """
+    h, share, sound, alpha = damper
+    return viscous.artificial_viscosity(viscous.approach_speed(approach, square, h), share, sound, alpha)
+
+
 @inlined
 def push_with(
     slope: Any, kernel: int, deep: bool, fields: Any, count: Any, neighbor: Any, numbers: Any, rates: Any
 ) -> None:
     """Pressure and damping: sum_j w_j (P_i + P_j + damping) F x_ij; see `PUSH` and `WEIGHT`.
 
-    The damping is Monaghan's artificial viscosity in the form of delta-SPH, alpha c0 h rho0 min(v.x, 0)/(r^2 + 0.01
-    h^2), positive for two that approach (Monaghan 1992, Antuono et al. 2012). Dummies do not damp.
+    Dummies do not damp.
     """
     for particle in prange(rates.shape[1]):
         i = INDEX(particle)
         x, y, z = fields[X, i], fields[X + 1, i], fields[X + 2, i]
         u, v, w = fields[V, i], fields[V + 1, i], fields[V + 2, i]
         own = fields[PUSH, i]
-        inverse, zero, soft, alpha = numbers[INVERSE], numbers[ZERO], numbers[SOFT], numbers[ALPHA]
+        inverse, zero = numbers[INVERSE], numbers[ZERO]
+        damper = numbers[H], numbers[SHARE], numbers[SOUND], numbers[ALPHA]
         ax, ay, az = zero, zero, zero
         for k in range(whole(count[i])):
             j = INDEX(neighbor[i, k])
@@ -113,7 +125,7 @@ def push_with(
                 dz = fields[X + 2, j] - z
                 square, radial = square + dz * dz, radial + (fields[V + 2, j] - w) * dz
             pull = slope(math.sqrt(square) * inverse, kernel) * weight
-            pull *= own + push - alpha * liquid * min(radial, zero) / (square + soft)
+            pull *= own + push + liquid * damping(radial, square, damper)
             ax += pull * dx
             ay += pull * dy
             if deep:
@@ -133,7 +145,8 @@ def stretch_and_push_with(
         x, y, z = fields[X, i], fields[X + 1, i], fields[X + 2, i]
         u, v, w = fields[V, i], fields[V + 1, i], fields[V + 2, i]
         own = fields[PUSH, i]
-        inverse, zero, soft, alpha = numbers[INVERSE], numbers[ZERO], numbers[SOFT], numbers[ALPHA]
+        inverse, zero = numbers[INVERSE], numbers[ZERO]
+        damper = numbers[H], numbers[SHARE], numbers[SOUND], numbers[ALPHA]
         stretching, ax, ay, az = zero, zero, zero, zero
         for k in range(whole(count[i])):
             j = INDEX(neighbor[i, k])
@@ -146,7 +159,7 @@ def stretch_and_push_with(
                 square, radial = square + dz * dz, radial + (fields[V + 2, j] - w) * dz
             pull = slope(math.sqrt(square) * inverse, kernel) * weight
             stretching += pull * radial
-            pull *= own + push - alpha * min(radial, zero) / (square + soft)
+            pull *= own + push + damping(radial, square, damper)
             ax += pull * dx
             ay += pull * dy
             if deep:
