@@ -96,7 +96,7 @@ def turn_back(guard: Guard, position: Array, velocity: Array, transport: Array, 
         return hits
     before = velocity[:, out] + transport[:, out]
     x = np.ascontiguousarray((position[:, out] - time * before).T)
-    v = np.ascontiguousarray(before.T)
+    v = before.T.copy()  # a copy in any case: columns that were picked may lie the other way round in memory
     fate = np.zeros(len(x), np.int64)
     tally = (np.zeros_like(fate), fate, hits)
     earlier = _as_before(guard.sheet, time)
