@@ -150,6 +150,15 @@ def test_channels_start_as_their_series_say(walls, kind):
     assert np.ptp(last.arrays["pressure"]) < 0.1
 
 
+def test_a_periodic_tank_shorter_than_a_support_is_refused():
+    from ecume.errors import SceneError
+
+    corners = {"low": [0.0, 0.0], "high": [0.4, 0.4]}
+    short = scene(spacing=0.1, tank={**corners, **AROUND}, fluid=[corners])
+    with pytest.raises(SceneError, match=r"periodic; wanted 0.48 m"):
+        next(iter(ecume.simulate(short)))
+
+
 def test_shifting_is_chosen_where_nothing_is_open():
     from ecume.models.sph.building import shifting_of
 

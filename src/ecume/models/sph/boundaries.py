@@ -9,6 +9,7 @@ import numpy as np
 
 from ecume.engine.cells import Integers
 from ecume.engine.images import Sides
+from ecume.errors import Fault, SceneError
 from ecume.models.sph.guard import guard_of
 from ecume.models.sph.parameters import Boundary, Dummies, Material
 from ecume.models.sph.solids import grains, obstacle_grains, shape_of, solids_of
@@ -16,10 +17,13 @@ from ecume.scenes.sph import SIDES, SphScene
 from ecume.units import Array
 
 LAYERED = ("wall", "inflow", "outflow")
+LEAST_PERIOD = 1.2
+"""Of a periodic tank, in supports: lists look a little further than a support."""
 
 
 def boundary_of(scene: SphScene, material: Material, support: float) -> Boundary:
     """The tank, what stands in it, and the bodies' particles about their middles."""
+    require_long_periods(scene, support)
     sides, table, image_owner = _imaging_sides(scene, material)
     solids = solids_of(scene)
     middle = 0.5 * (np.array(scene.tank.low) + np.array(scene.tank.high))
@@ -31,6 +35,16 @@ def boundary_of(scene: SphScene, material: Material, support: float) -> Boundary
     centers[:, : len(middle)] = [*[middle] * walls, *[solid.middle() for solid in solids]]
     dummies = joined([_layers(scene, material, support), *_of_solids(scene, material, support)])
     return Boundary(sides, table, image_owner, dummies, guard_of(scene), names, centers)
+
+
+def require_long_periods(scene: SphScene, support: float) -> None:
+    """A periodic tank must be longer than a support, or a particle would miss its neighbors' further images."""
+    size = np.array(scene.tank.high) - np.array(scene.tank.low)
+    for axis in range(len(size)):
+        if _side(scene, 2 * axis).kind == "periodic" and size[axis] < LEAST_PERIOD * support:
+            least = LEAST_PERIOD * support
+            came = f"{size[axis]:.4g} m along {'xyz'[axis]}, where the tank is periodic"
+            raise SceneError([Fault("tank.high", f"came {came}; wanted {least:.4g} m, or a smaller spacing")])
 
 
 def joined(pieces: list[Dummies]) -> Dummies:
