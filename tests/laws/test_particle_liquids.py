@@ -140,7 +140,7 @@ def test_cohesion_attracts_far_neighbors_and_keeps_off_near_ones():
 def test_pairs_at_the_surface_hold_harder():
     assert tension.surface_deficiency(1000.0, 1000.0, 1000.0) == 1.0
     assert tension.surface_deficiency(500.0, 700.0, 1200.0) == pytest.approx(2.0)
-    assert tension.normal_is_reliable(0.2, 0.1)
+    assert tension.normal_is_reliable(3.0, 0.1)
     assert not tension.normal_is_reliable(0.05, 0.1)
 
 

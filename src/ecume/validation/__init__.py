@@ -36,6 +36,7 @@ CASES: dict[str, Case] = {
         _case(
             "reflection", "Walls that reflect: billiards, bouncing balls, wedges, circles, nobody outside", long=True
         ),
+        _case("surface-tension", "Drops in a plane: rounding off, swinging, pressure inside"),
         _case("settling", "Grains in water: terminal speeds, diffusion, and the equilibrium of both"),
         _case("meeting", "When two floats released at rest meet, against SciPy's DOP853"),
         _case("walls", "How floats leave and climb the wall of a dish, against SciPy's DOP853"),

@@ -11,6 +11,8 @@ from ecume.engine.shapes import Box, Shape, apart, lattice_in
 from ecume.errors import Fault, SceneError
 from ecume.laws.enthalpy import density_at_enthalpy
 from ecume.laws.kernels import KERNEL_CODES, Kernel, kernel
+from ecume.laws.pace import tension_limit
+from ecume.laws.tension import laplace_pressure
 from ecume.models.sph.bodies import bodies_of
 from ecume.models.sph.boundaries import boundary_of
 from ecume.models.sph.fields import (
@@ -39,7 +41,7 @@ from ecume.models.sph.fields import (
 from ecume.models.sph.gates import bounds_of, gates_of
 from ecume.models.sph.gauges import gauges_of
 from ecume.models.sph.motions import drives_of, fastest_drive, shake_of
-from ecume.models.sph.parameters import INTEGRATORS, SHIFTINGS, Liquid, Material, Parameters
+from ecume.models.sph.parameters import INTEGRATORS, SHIFTINGS, TENSIONS, Liquid, Material, Parameters
 from ecume.models.sph.solids import free_of, shape_of, solids_of
 from ecume.models.sph.starting import pressure_in, velocity_in
 from ecume.models.sph.substances import filled
@@ -48,6 +50,8 @@ from ecume.scenes.sph import SphScene
 from ecume.units import Array
 
 NUMERICAL_MACH = 0.1
+COHESIVE = 6.0
+"""A quarter of the pressure inside that cohesion calls up, in tensions over supports."""
 SMOOTHING = {
     "wendland-c2": (2.0, 1.6),
     "wendland-c4": (2.0, 1.8),
@@ -133,12 +137,28 @@ def fastest_of(scene: SphScene) -> float:
     if scene.central_pull is not None:
         away = np.maximum(np.abs(low - scene.central_pull.center), np.abs(high - scene.central_pull.center))
         speeds.append(scene.central_pull.rate * float(away.max()))
+    speeds.append(capillary_speed(scene, bounds))
     fastest = max(speeds)
     if fastest == 0.0:
         raise SceneError(
             [Fault("liquid.fastest", "nothing moves and nothing pulls: say which speed is to be expected")]
         )
     return fastest
+
+
+def capillary_speed(scene: SphScene, bounds: list[tuple[Array, Array]]) -> float:
+    """Of the narrowest liquid that draws itself together: rho v^2 / 2 is what its surface presses with, and half of
+    what cohesion presses with, so that it compresses by a hundredth or two.
+    """
+    if tension_of(scene) == "none":
+        return 0.0
+    narrowest = min(float((high - low).min()) for low, high in bounds)
+    density = 1000.0 if scene.liquid.density is None else scene.liquid.density
+    pressure = laplace_pressure(scene.liquid.surface_tension or 0.0, 0.5 * narrowest, len(scene.tank.low))
+    if tension_of(scene) == "cohesion":
+        support = kernel_of(scene).support * smoothing_of(scene)
+        pressure += COHESIVE * (scene.liquid.surface_tension or 0.0) / support
+    return math.sqrt(2.0 * pressure / density)
 
 
 def sides_of(scene: SphScene) -> list[Any]:
@@ -233,6 +253,7 @@ def parameters_of(scene: SphScene) -> Parameters:
         integrator=INTEGRATORS.index(chosen(method.integrator, INTEGRATORS, "method.integrator")),
         shifting=SHIFTINGS.index(shifting_of(scene)),
         background=(usual if method.background_pressure is None else method.background_pressure) * transports,
+        tension=TENSIONS.index(tension_of(scene)),
         courant=method.courant,
         walls_clip=method.walls_clip,
         precision=PRECISIONS[method.precision],
@@ -298,6 +319,13 @@ def shifting_of(scene: SphScene) -> str:
     return chosen(name, SHIFTINGS, "method.shifting")
 
 
+def tension_of(scene: SphScene) -> str:
+    """The model of surface tension by its name."""
+    name, there = scene.method.surface_tension_model, (scene.liquid.surface_tension or 0.0) > 0.0
+    wanted = "cohesion" if name == "automatic" else chosen(name, TENSIONS, "method.surface_tension_model")
+    return wanted if there else "none"
+
+
 def choices_of(scene: SphScene, pull: Array) -> Any:
     """The table of choices that sums read."""
     choices = np.zeros(CHOICES, np.int64)
@@ -314,6 +342,8 @@ def steps_of(scene: SphScene, material: Material, smoothing: float) -> tuple[flo
     longest = scene.method.courant * smoothing / (material.sound_speed + material.fastest)
     if material.viscosity > 0.0:
         longest = min(longest, 0.125 * smoothing**2 * material.density / material.viscosity)
+    if tension_of(scene) != "none":
+        longest = min(longest, tension_limit(smoothing, material.density, material.surface_tension))
     wanted = scene.method.time_step or longest
     if wanted > 4.0 * longest:
         raise SceneError([Fault("method.time_step", f"came {wanted:g} s; sound and viscosity allow {longest:.3g} s")])

@@ -16,6 +16,8 @@ INTEGRATORS = ("symplectic", "verlet")
 SYMPLECTIC, VERLET = range(2)
 SHIFTINGS = ("none", "delta-plus")
 NO_SHIFTING, DELTA_PLUS = range(2)
+TENSIONS = ("none", "cohesion", "csf")
+NO_TENSION, COHESION, CSF = range(3)
 
 
 class Material(NamedTuple):
@@ -188,6 +190,8 @@ class Parameters(NamedTuple):
     shifting: int
     background: float
     """Pa, of the transport velocity; zero without"""
+    tension: int
+    """which model of surface tension"""
     courant: float
     walls_clip: bool
     precision: type[np.floating[Any]]

@@ -52,7 +52,7 @@ from ecume.models.sph.motion import (
     thicken,
 )
 from ecume.models.sph.motions import at_reference, instant, way_of_sides
-from ecume.models.sph.parameters import DELTA_PLUS, SYMPLECTIC, Parameters
+from ecume.models.sph.parameters import DELTA_PLUS, NO_TENSION, SYMPLECTIC, Parameters
 from ecume.models.sph.shifting import shift
 from ecume.models.sph.state import (
     GUARD_HITS,
@@ -68,6 +68,7 @@ from ecume.models.sph.state import (
     workspace_at,
 )
 from ecume.models.sph.sums import sums_of
+from ecume.models.sph.tension import pull
 from ecume.units import Array
 
 MOST_DIVISIONS = 64
@@ -269,6 +270,8 @@ def _store_acceleration(parameters: Parameters, state: State, workspace: Workspa
         rubbing(workspace.fields, lists.counts, lists.neighbor, parameters.numbers, choices, workspace.rates)
         state.acceleration[...] += workspace.rates[ACC : ACC + parameters.dimension]
     _push_bodies(parameters, state, workspace)
+    if parameters.tension != NO_TENSION:
+        pull(parameters, state, workspace)
     if parameters.background > 0.0 or parameters.shifting == DELTA_PLUS:
         shift(parameters, state, workspace, time)
     if parameters.gates:

@@ -128,6 +128,10 @@ class MethodSpec:
     """whether the liquid starts with the pressure of its depth and of its motion, as far as known, or with none"""
     jitter: Annotated[Number, Field(ge=0.0, le=0.5)] = 0.0
     """how far particles start from their lattice, at most, in spacings"""
+    surface_tension_model: LawName = "automatic"
+    """`cohesion` (attraction between particles: keeps momentum, its tension is rough; the default where
+    `liquid.surface_tension` is given), `csf` (continuum surface force: the tension is right, but it feeds swinging) or `none`
+    """
     shifting: LawName = "automatic"
     """`delta-plus` shifts particles towards even spacing, away from the surface (the default where the liquid fills a
     tank without an open side, and nothing else spreads it); `none` (the default elsewhere)
