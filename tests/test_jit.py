@@ -1,6 +1,8 @@
+import math
 import os
 import subprocess
 import sys
+import types
 from pathlib import Path
 
 import numpy as np
@@ -83,6 +85,7 @@ def test_truncated_files_are_compiled_anew(nested, suffix):
 
 THREADED = """
 import sys
+import types
 import numpy as np
 from ecume import _jit
 
@@ -138,3 +141,26 @@ def test_one_function_serves_python_and_compiled_code():
     assert _squares(np.array([2.0, 3.0, 4.0]), many) == 16.0
     assert many.tolist() == [4.0, 9.0, 16.0]
     assert _square(3.0) == 9.0
+
+
+def _law(x: float, softening: float = 0.5) -> float:
+    return math.sqrt(x * x + SOFTENING) + 0.25 * softening
+
+
+SOFTENING = 0.125
+
+
+@_jit.compiled
+def _laws(values: np.ndarray) -> float:
+    return _law(values[0])
+
+
+def test_a_law_called_in_single_precision_stays_in_it():
+    law = types.ModuleType(__name__)
+    law._law = _law
+    _jit.admit(law)
+    single, double = (_laws(np.array([0.3], kind)) for kind in (np.float32, np.float64))
+    assert double == _law(0.3)
+    kinds = {signature.return_type.name for signature in _laws.nopython_signatures}
+    assert kinds == {"float32", "float64"}
+    assert 0.0 < abs(single - double) < 1e-7

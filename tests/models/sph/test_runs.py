@@ -78,11 +78,12 @@ def test_both_integrators_let_sound_die_away():
     assert rung[1][-1] < 0.5 * max(rung[1])
 
 
-def test_a_run_that_diverges_says_when_who_and_what_to_do():
+@pytest.mark.parametrize("broken", ["position", "velocity"])
+def test_a_run_that_diverges_says_when_who_and_what_to_do(broken):
     scene = tank()
     parameters = SPH.parameters(scene)
     state = SPH.start(scene, parameters)
-    state.velocity[0, 3] = np.nan
+    getattr(state, broken)[0, 3] = np.nan
     from ecume.models.model import DIVERGED
 
     assert SPH.advance(parameters, state, SPH.workspace(parameters, state, 1.0), 1) == DIVERGED

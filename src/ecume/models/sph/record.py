@@ -65,7 +65,7 @@ def bytes_per_particle(scene: SphScene) -> float:
 def diagnosis(parameters: Parameters, state: State) -> str:
     """Who broke, when, and what to do."""
     speed = np.sqrt((state.velocity**2).sum(axis=0))
-    broken = ~(np.isfinite(speed) & np.isfinite(state.acceleration).all(axis=0))
+    broken = ~np.isfinite([speed, *state.acceleration, *state.position]).all(axis=0)
     worst = int(np.flatnonzero(broken)[0]) if broken.any() else int(np.argmax(speed))
     what = "has no finite motion any more" if broken.any() else f"goes {speed[worst]:.3g} m/s"
     where = ", ".join(f"{x:.4g}" for x in state.position[:, worst])

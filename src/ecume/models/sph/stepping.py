@@ -81,6 +81,9 @@ CALM = 0.01
 def advance(parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
     """March that many steps; each is divided where speeds or forces ask for it."""
     step = symplectic_step if parameters.integrator == SYMPLECTIC else verlet_step
+    # Who is nowhere has no neighbors, and would do no harm that anyone notices.
+    if not np.isfinite(state.position).all():
+        return DIVERGED
     for _ in range(steps):
         divisions = divisions_needed(parameters, state)
         if divisions > MOST_DIVISIONS:
