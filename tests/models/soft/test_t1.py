@@ -69,6 +69,12 @@ def turned(scene, angle):
     return dataclasses.replace(scene, spheres=spheres)
 
 
+def test_rounding_does_not_turn_a_cluster_over_however_long_it_is_pressed():
+    found = t1_process(gap=1e-4, reduced_force=0.005623413251903491, rtol=1e-6)
+    assert found.outcome == "t1"
+    assert found.duration == pytest.approx(242698.6, rel=1e-3)
+
+
 def test_turning_the_cluster_changes_nothing():
     scene = t1_scene(1e-2, PULL, "paper", 0.01, 1e-8)
     times = [follow(turned(scene, angle), PULL, (0.9,)).duration for angle in (0.0, 0.3, 2.0)]
