@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from figures_soft import FIGURES as SOFT_FIGURES
 from figures_sph import FIGURES as SPH_FIGURES
 from figures_tracers import FIGURES as TRACER_FIGURES
 from matplotlib.axes import Axes
@@ -248,6 +249,7 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     "bowl-energies": bowl_energies,
     "integrators": integrators,
     "cereal-bowl": cereal_bowl,
+    **SOFT_FIGURES,
     **SPH_FIGURES,
     **TRACER_FIGURES,
 }
