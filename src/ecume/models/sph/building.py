@@ -49,6 +49,7 @@ from ecume.scenes.faults import suggestion
 from ecume.scenes.sph import SphScene
 from ecume.units import Array
 
+TURBULENCES = ("none", "smagorinsky")
 NUMERICAL_MACH = 0.1
 COHESIVE = 6.0
 """A quarter of the pressure inside that cohesion calls up, in tensions over supports."""
@@ -254,6 +255,7 @@ def parameters_of(scene: SphScene) -> Parameters:
         shifting=SHIFTINGS.index(shifting_of(scene)),
         background=(usual if method.background_pressure is None else method.background_pressure) * transports,
         tension=TENSIONS.index(tension_of(scene)),
+        turbulence=turbulent(scene),
         courant=method.courant,
         walls_clip=method.walls_clip,
         precision=PRECISIONS[method.precision],
@@ -326,6 +328,11 @@ def tension_of(scene: SphScene) -> str:
     return wanted if there else "none"
 
 
+def turbulent(scene: SphScene) -> bool:
+    """Whether eddies smaller than particles are reckoned with."""
+    return chosen(scene.method.turbulence, TURBULENCES, "method.turbulence") == "smagorinsky"
+
+
 def choices_of(scene: SphScene, pull: Array) -> Any:
     """The table of choices that sums read."""
     choices = np.zeros(CHOICES, np.int64)
@@ -333,7 +340,7 @@ def choices_of(scene: SphScene, pull: Array) -> Any:
     choices[KERNEL] = KERNEL_CODES[scene.method.kernel]
     choices[DIFFUSION] = DIFFUSIONS.index(diffusion_of(scene, pull))
     choices[STRESS] = STRESSES.index(scene.method.pressure_force)
-    choices[FRICTION] = friction_of(scene) if filled(scene.liquid).viscosity else NO_FRICTION
+    choices[FRICTION] = friction_of(scene) if filled(scene.liquid).viscosity or turbulent(scene) else NO_FRICTION
     return choices
 
 

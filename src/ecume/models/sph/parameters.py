@@ -192,6 +192,8 @@ class Parameters(NamedTuple):
     """Pa, of the transport velocity; zero without"""
     tension: int
     """which model of surface tension"""
+    turbulence: bool
+    """whether eddies smaller than particles add to the viscosity"""
     courant: float
     walls_clip: bool
     precision: type[np.floating[Any]]

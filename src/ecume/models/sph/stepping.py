@@ -69,6 +69,7 @@ from ecume.models.sph.state import (
 )
 from ecume.models.sph.sums import sums_of
 from ecume.models.sph.tension import pull
+from ecume.models.sph.turbulence import stir
 from ecume.units import Array
 
 MOST_DIVISIONS = 64
@@ -267,6 +268,8 @@ def _store_acceleration(parameters: Parameters, state: State, workspace: Workspa
     store_acceleration(state.acceleration, workspace.rates, state.density, parameters.gravity, per_volume)
     if parameters.pull_rate > 0.0:
         state.acceleration[...] -= parameters.pull_rate**2 * (state.position - parameters.pull_center[:, None])
+    if parameters.turbulence:
+        stir(parameters, workspace)
     if choices[FRICTION] != NO_FRICTION:
         rubbing = rub_radially if choices[FRICTION] == RADIAL else rub
         workspace.rates[ACC : ACC + 3] = 0.0

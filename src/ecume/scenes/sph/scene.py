@@ -128,9 +128,12 @@ class MethodSpec:
     """whether the liquid starts with the pressure of its depth and of its motion, as far as known, or with none"""
     jitter: Annotated[Number, Field(ge=0.0, le=0.5)] = 0.0
     """how far particles start from their lattice, at most, in spacings"""
+    turbulence: LawName = "none"
+    """`smagorinsky`: eddies smaller than particles add a viscosity (0.12 spacing)^2 |S| to the liquid's own; `none`"""
     surface_tension_model: LawName = "automatic"
     """`cohesion` (attraction between particles: keeps momentum, its tension is rough; the default where
-    `liquid.surface_tension` is given), `csf` (continuum surface force: the tension is right, but it feeds swinging) or `none`
+    `liquid.surface_tension` is given), `csf` (continuum surface force: the tension is right, but it feeds swinging), or
+    `none`
     """
     shifting: LawName = "automatic"
     """`delta-plus` shifts particles towards even spacing, away from the surface (the default where the liquid fills a
