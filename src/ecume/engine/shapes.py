@@ -13,8 +13,8 @@ from ecume.units import Array
 Flags = NDArray[np.bool_]
 
 
-class Shape(Protocol):
-    """What a part of space can tell."""
+class Part(Protocol):
+    """What a part of space can tell that is filled with liquid."""
 
     def bounds(self) -> tuple[Array, Array]:
         """Its lowest and highest corner, each (d,)."""
@@ -27,6 +27,10 @@ class Shape(Protocol):
 
     def anchor(self) -> Array:
         """A corner of the lattice that fits it best, (d,)."""
+
+
+class Shape(Part, Protocol):
+    """What it must tell besides, where it is solid."""
 
     def nearest(self, points: Array) -> tuple[Array, Array]:
         """(N,) how far outside each point is (negative: inside), and (N, d) the slope of that: the way out."""
@@ -281,7 +285,7 @@ def round_up(length: float, spacing: float) -> int:
     return max(1, int(np.ceil(length / spacing - 1e-6)))
 
 
-def lattice_in(shape: Shape, spacing: float) -> Array:
+def lattice_in(shape: Part, spacing: float) -> Array:
     """(N, d) the centers of the cells of a square lattice that are inside a shape."""
     low, high = shape.bounds()
     anchor = shape.anchor()
@@ -298,7 +302,7 @@ def _cells(low: float, high: float, anchor: float, spacing: float) -> Array:
     return np.asarray(anchor + spacing * (np.arange(first, last) + 0.5), dtype=np.float64)
 
 
-def apart(points: Array, shapes: Sequence[Shape]) -> Flags:
+def apart(points: Array, shapes: Sequence[Part]) -> Flags:
     """Which points are inside none of the shapes."""
     free = np.ones(len(points), bool)
     for shape in shapes:

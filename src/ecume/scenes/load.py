@@ -39,6 +39,7 @@ def load_scene(path_or_text: str | File, overrides: Sequence[str] = ()) -> Scene
     source = source_of(path_or_text)
     raw = _parsed(source)
     changed, faults = overridden(raw, overrides)
+    faults += sources_followed(raw, source.folder)
     rows = rows_from(raw, source.folder)
     if rows.plain and not rows.faults:
         raw["rows"] = rows.plain
@@ -55,9 +56,19 @@ def located(error: SceneError, path_or_text: str | File, overrides: Sequence[str
     source = source_of(path_or_text)
     raw = _parsed(source)
     changed = overridden(raw, overrides)[0]
+    sources_followed(raw, source.folder)
     rows = rows_from(raw, source.folder)
     faults = rows.told([(read_path(fault.path), fault.message) for fault in error.faults])
     return SceneError(_placed(source, faults, changed), source.name)
+
+
+def sources_followed(raw: dict[str, Any], folder: File) -> list[tuple[Path, str]]:
+    """What is wrong with the files that a scene of liquid names; what they say stands in `raw` from then on."""
+    if raw.get("model") != "sph":
+        return []
+    from ecume.scenes.sph.sources import follow_sources
+
+    return follow_sources(raw, folder)
 
 
 def source_of(path_or_text: str | File) -> Source:

@@ -17,6 +17,7 @@ from ecume.scenes.files import beside, require_there, text_of
 from ecume.scenes.floating import SurfaceEnergies
 from ecume.scenes.quantities import STRICT, Color, ContactAngle, Name, PositiveDensity, Radius, Velocity
 from ecume.scenes.tables import MOST_BYTES, TableFaults, lines_of
+from ecume.trajectories.frame import Frame
 
 TABLE, RUN = "floats_from", "start_from"
 SOURCES = (TABLE, RUN)
@@ -142,8 +143,7 @@ LAYOUT = ("count", "placement", "positions", "spacing", "ring_radius", "center")
 def _from_run(raw: dict[str, Any], folder: Folder, name: str) -> Rows:
     if raw.get("floats"):
         return failed(RUN, ["start_from brings all the floats; leave [[floats]] out"], ("floats",))
-    run, index = _run_and_frame(folder, name)
-    plain = _rows_of_frame(run, index)
+    plain = _rows_of_frame(*frame_of_run(folder, name))
     return Rows(RUN, plain, [f"{name}, float {number}" for number in range(1, len(plain) + 1)], [])
 
 
@@ -163,17 +163,23 @@ def _run_and_frame(folder: Folder, name: str) -> tuple[Folder, int]:
     return whole, int(frame)
 
 
-def _rows_of_frame(run: Folder, index: int) -> list[dict[str, Any]]:
-    """The floats of one frame of a run. Raises ValueError."""
+def frame_of_run(folder: Folder, name: str) -> tuple[Frame, Any]:
+    """The frame that `RUN@FRAME` means, as seen from a folder, and the run's scene. Raises ValueError."""
     from ecume.trajectories.reader import open_trajectory
 
+    run, index = _run_and_frame(folder, name)
     try:
         with open_trajectory(run) as trajectory:
             if not -len(trajectory) <= index < len(trajectory):
                 raise ValueError(f"has no frame {index}; {_numbered(len(trajectory))}")
-            frame, species = trajectory[index], trajectory.scene.kinds
+            return trajectory[index], trajectory.scene
     except EcumeError as error:
         raise ValueError(f"cannot be opened: {error}") from None
+
+
+def _rows_of_frame(frame: Frame, scene: Any) -> list[dict[str, Any]]:
+    """The floats of one frame of a run. Raises ValueError."""
+    species = scene.kinds
     missing = [name for name in ARRAYS if name not in frame.arrays]
     if missing:
         raise ValueError(f"is a run of another model: its frames have no {missing[0]}")

@@ -1,4 +1,4 @@
-"""Floats from a table: one a line, the unit of each column in its head, as in `radius [mm]`."""
+"""Particles from a table: one a line, the unit of each column in its head, as in `radius [mm]`."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import csv
 import io
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from ecume.scenes.faults import echo, suggestion
@@ -50,11 +50,11 @@ class TableFaults(ValueError):
         super().__init__("\n".join(messages))
 
 
-def lines_of(text: str) -> list[Line]:
-    """The lines of a table. Raises TableFaults."""
+def lines_of(text: str, known: Mapping[str, str] = COLUMNS) -> list[Line]:
+    """The lines of a table, whose columns are among the `known`. Raises TableFaults."""
     cells = _cells(text)
     number, head = next(cells, (1, []))
-    columns = _columns(number, head)
+    columns = _columns(number, head, known)
     faults: list[str] = []
     lines = [_line(number, row, columns, faults) for number, row in cells]
     if not lines:
@@ -77,34 +77,34 @@ def _cells(text: str) -> Iterator[tuple[int, list[str]]]:
         raise TableFaults([f"line {reader.line_num}: {error}"]) from None
 
 
-def _columns(number: int, head: Sequence[str]) -> list[Column]:
+def _columns(number: int, head: Sequence[str], known: Mapping[str, str]) -> list[Column]:
     """What the head says. Raises TableFaults."""
     columns, faults = [], []
     for cell in head:
         try:
-            columns.append(_column(cell))
+            columns.append(_column(cell, known))
         except ValueError as fault:
             faults.append(f"line {number}, column {echo(cell.strip())}: {fault}")
     names = [column.name for column in columns]
-    faults += [f"line {number}: column {name} stands twice" for name in COLUMNS if names.count(name) > 1]
+    faults += [f"line {number}: column {name} stands twice" for name in known if names.count(name) > 1]
     faults += [f"line {number}: there is no column {name}" for name in ("x", "y") if not faults and name not in names]
     if faults:
         raise TableFaults(faults)
     return columns
 
 
-def _column(cell: str) -> Column:
+def _column(cell: str, known: Mapping[str, str]) -> Column:
     match = HEAD.fullmatch(cell[:200])
     if match is None:
         raise ValueError("wanted a name, or a name with its unit as in 'radius [mm]'")
     name, unit = match[1], match[2]
-    if name not in COLUMNS:
-        raise ValueError(f"no such column; {suggestion(name, COLUMNS)}")
+    if name not in known:
+        raise ValueError(f"no such column; {suggestion(name, known)}")
     if not unit:
-        return Column(name, 1.0 if COLUMNS[name] else 0.0)
-    if not COLUMNS[name]:
+        return Column(name, 1.0 if known[name] else 0.0)
+    if not known[name]:
         raise ValueError("text has no unit")
-    return Column(name, factor(unit, COLUMNS[name]))
+    return Column(name, factor(unit, known[name]))
 
 
 def _line(number: int, row: Sequence[str], columns: Sequence[Column], faults: list[str]) -> Line:

@@ -9,7 +9,7 @@ import numpy as np
 
 from ecume.models.sph.building import smoothing_of
 from ecume.models.sph.parameters import Parameters
-from ecume.models.sph.solids import shape_of
+from ecume.models.sph.solids import part_of
 from ecume.models.sph.substances import told
 from ecume.scenes.sph import SphScene
 
@@ -92,7 +92,7 @@ def _cost(scene: SphScene, parameters: Parameters, count: int, bytes_each: float
 
 def particles_across(scene: SphScene) -> float:
     """The smallest extent of any region, in spacings."""
-    bounds = [shape_of(region).bounds() for region in scene.fluid]
+    bounds = [part_of(region, scene.spacing).bounds() for region in scene.fluid]
     return float(min((high - low).min() for low, high in bounds)) / scene.spacing
 
 

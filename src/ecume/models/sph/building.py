@@ -7,7 +7,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from ecume.engine.shapes import Box, Shape, apart, lattice_in
+from ecume.engine.shapes import Box, Part, apart, lattice_in
 from ecume.errors import Fault, SceneError
 from ecume.laws.enthalpy import density_at_enthalpy
 from ecume.laws.kernels import KERNEL_CODES, Kernel, kernel
@@ -42,9 +42,10 @@ from ecume.models.sph.gates import bounds_of, gates_of
 from ecume.models.sph.gauges import gauges_of
 from ecume.models.sph.motions import drives_of, fastest_drive, shake_of
 from ecume.models.sph.parameters import INTEGRATORS, SHIFTINGS, TENSIONS, Liquid, Material, Parameters
-from ecume.models.sph.solids import free_of, shape_of, solids_of
+from ecume.models.sph.solids import free_of, part_of, solids_of
 from ecume.models.sph.starting import pressure_in, velocity_in
 from ecume.models.sph.substances import filled
+from ecume.models.sph.tables import Said, said_of, with_said
 from ecume.scenes.faults import suggestion
 from ecume.scenes.sph import SphScene
 from ecume.units import Array
@@ -123,12 +124,12 @@ def material_of(scene: SphScene) -> Material:
 def fastest_of(scene: SphScene) -> float:
     """The fastest speed to be expected: of what moves at the start, and of a free fall through the liquid's depth."""
     pull = gravity_of(scene)
-    bounds = [shape_of(region).bounds() for region in scene.fluid]
+    bounds = [part_of(region, scene.spacing).bounds() for region in scene.fluid]
     low, high = np.min([b[0] for b in bounds], axis=0), np.max([b[1] for b in bounds], axis=0)
     depth = float(np.abs(pull) @ (high - low))
     speeds = [math.sqrt(2.0 * depth)]
     for region in scene.fluid:
-        points = np.stack(shape_of(region).bounds())
+        points = np.stack(part_of(region, scene.spacing).bounds())
         speeds.append(float(np.linalg.norm(velocity_in(region, scene, points), axis=1).max()))
         speeds.append(region.flow_speed if region.flow else 0.0)
     speeds += [math.hypot(*side.velocity) for side in sides_of(scene) if side.velocity]
@@ -174,12 +175,15 @@ def liquid_of(scene: SphScene, material: Material) -> Liquid:
     tank = Box(np.array(scene.tank.low), np.array(scene.tank.high))
     generator = np.random.default_rng(scene.seed)
     pieces: list[tuple[Array, Array, Array]] = []
-    earlier: list[Shape] = []
+    earlier: list[Part] = []
+    told: list[Said] = []
     solids = solids_of(scene)
     for index, region in enumerate(scene.fluid):
-        shape = shape_of(region)
-        points = lattice_in(shape, scene.spacing)
-        points = points[apart(points, earlier) & free_of(points, solids, scene.spacing)]
+        shape = part_of(region, scene.spacing)
+        given = region.particles
+        points = lattice_in(shape, scene.spacing) if given is None else np.array(given.positions)
+        kept = apart(points, earlier) & free_of(points, solids, scene.spacing)
+        points = points[kept]
         outside = ~tank.inside(points)
         if outside.any():
             where = tuple(float(f"{x:.4g}") for x in points[outside][0])
@@ -188,10 +192,12 @@ def liquid_of(scene: SphScene, material: Material) -> Liquid:
         head = np.zeros(len(points))
         if pull.any() and scene.method.start == "hydrostatic":
             head = np.linalg.norm(pull) * shape.way_out(points, -pull / np.linalg.norm(pull))
-        points = points + scene.method.jitter * scene.spacing * generator.uniform(-1.0, 1.0, points.shape)
+        if given is None:
+            points = points + scene.method.jitter * scene.spacing * generator.uniform(-1.0, 1.0, points.shape)
         head += pressure_in(region, scene, points, material.density) / material.density
         pieces.append((points, velocity_in(region, scene, points), head))
-    return _particles(scene, material, pieces)
+        told.append(said_of(region, kept))
+    return with_said(_particles(scene, material, pieces), told)
 
 
 def _particles(scene: SphScene, material: Material, pieces: list[tuple[Array, Array, Array]]) -> Liquid:
@@ -237,7 +243,7 @@ def parameters_of(scene: SphScene) -> Parameters:
         constants=np.array([material.sound_speed, material.exponent, material.density]),
         gravity=pull,
         hydrostatic=gravity if method.pressure_split != "none" else 0.0 * gravity,
-        surface=max(float(shape_of(region).bounds()[1][1]) for region in scene.fluid),
+        surface=max(float(part_of(region, scene.spacing).bounds()[1][1]) for region in scene.fluid),
         numbers=numbers_of(scene, material, held),
         choices=choices_of(scene, held),
         support=support,
@@ -307,7 +313,7 @@ def friction_of(scene: SphScene) -> int:
 
 def free_surface(scene: SphScene) -> bool:
     """Whether a part of the liquid's surface may move: a side is open, or the tank is not full."""
-    bounds = [shape_of(region).bounds() for region in scene.fluid]
+    bounds = [part_of(region, scene.spacing).bounds() for region in scene.fluid]
     low, high = np.min([b[0] for b in bounds], axis=0), np.max([b[1] for b in bounds], axis=0)
     room = np.maximum(low - np.array(scene.tank.low), np.array(scene.tank.high) - high)
     return any(side.kind == "open" for side in sides_of(scene)) or bool((room > 0.5 * scene.spacing).any())

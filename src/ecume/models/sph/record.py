@@ -16,7 +16,7 @@ from ecume.models.sph.gates import exchange, filled
 from ecume.models.sph.motions import at_reference
 from ecume.models.sph.observing import observe
 from ecume.models.sph.parameters import Parameters
-from ecume.models.sph.solids import shape_of
+from ecume.models.sph.solids import part_of
 from ecume.models.sph.splitting import require_right_split
 from ecume.models.sph.state import State, Workspace, likely_neighbors, make_state, workspace_at
 from ecume.models.sph.stepping import advance
@@ -49,7 +49,7 @@ def particles_expected(scene: SphScene) -> float:
     """A rough upper bound, before anything is laid out."""
     total = 0.0
     for region in scene.fluid:
-        low, high = shape_of(region).bounds()
+        low, high = part_of(region, scene.spacing).bounds()
         total += float(np.prod((high - low) / scene.spacing + 1.0))
     return total
 

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ecume.engine.shapes import Ball, Box, Flags, Polygon, Shape, apart, lattice_in, round_up
-from ecume.scenes.sph import ShapeSpec, SphScene
+from ecume.engine.meshes import Cloud, Mesh
+from ecume.engine.shapes import Ball, Box, Flags, Part, Polygon, Shape, apart, lattice_in, round_up
+from ecume.scenes.sph import RegionSpec, ShapeSpec, SphScene
 from ecume.units import Array
 
 CLEARANCE = 0.25
@@ -19,6 +20,13 @@ def shape_of(spec: ShapeSpec) -> Shape:
     if spec.radius is not None:
         return Ball(np.array(spec.center), spec.radius)
     return Box(np.array(spec.low), np.array(spec.high))
+
+
+def part_of(region: RegionSpec, spacing: float) -> Part:
+    """Where the liquid of a region is."""
+    if region.particles is not None:
+        return Cloud(np.array(region.particles.positions), spacing)
+    return Mesh(np.array(region.triangles)) if region.triangles else shape_of(region)
 
 
 def solids_of(scene: SphScene) -> list[Shape]:

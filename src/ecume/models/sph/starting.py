@@ -8,7 +8,7 @@ import numpy as np
 
 from ecume.laws.flows import ball_pressure, channel_speed, patch_pressure, taylor_green_pressure, taylor_green_velocity
 from ecume.laws.waves import standing_wave_velocity
-from ecume.models.sph.solids import shape_of
+from ecume.models.sph.solids import part_of
 from ecume.scenes.sph import SIDES, RegionSpec, SphScene
 from ecume.units import Array
 
@@ -38,7 +38,7 @@ def velocity_in(region: RegionSpec, scene: SphScene, points: Array) -> Array:
 def _wave_velocity(region: RegionSpec, scene: SphScene, points: Array) -> Array:
     """(N, 2) along x and upwards: half a wave fits into the tank, and the region says how deep the liquid is."""
     low, high = scene.tank.low, scene.tank.high
-    depth = float(shape_of(region).bounds()[1][1]) - low[1]
+    depth = float(part_of(region, scene.spacing).bounds()[1][1]) - low[1]
     wave = {"wavenumber": math.pi / (high[0] - low[0]), "depth": depth, "speed": region.flow_speed}
     return np.array([standing_wave_velocity(point[0] - low[0], point[1] - low[1], **wave) for point in points])
 

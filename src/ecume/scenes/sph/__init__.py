@@ -2,6 +2,7 @@
 
 from ecume.scenes.sph.gauges import GaugeSpec
 from ecume.scenes.sph.motions import MotionSpec, ShakeSpec
+from ecume.scenes.sph.particles import ParticlesSpec
 from ecume.scenes.sph.scene import CentralPullSpec, FluidSpec, MethodSpec, RegionSpec, SphScene
 from ecume.scenes.sph.solids import BodySpec, ObstacleSpec, ShapeSpec
 from ecume.scenes.sph.tank import SIDES, SideSpec, TankSpec
@@ -15,6 +16,7 @@ __all__ = [
     "MethodSpec",
     "MotionSpec",
     "ObstacleSpec",
+    "ParticlesSpec",
     "RegionSpec",
     "ShakeSpec",
     "ShapeSpec",

@@ -28,6 +28,7 @@ from ecume.scenes.quantities import (
 )
 from ecume.scenes.sph.gauges import GaugeSpec, gauge_faults
 from ecume.scenes.sph.motions import ShakeSpec
+from ecume.scenes.sph.particles import ParticlesSpec, particle_faults
 from ecume.scenes.sph.solids import BodySpec, ObstacleSpec, ShapeSpec
 from ecume.scenes.sph.tank import TankSpec
 from ecume.units import Number, Rate, Speed, Temperature
@@ -66,8 +67,15 @@ class FluidSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class RegionSpec(ShapeSpec):
-    """A part of space that is full of liquid at the start. Exactly one shape."""
+    """A part of space that is full of liquid at the start. Exactly one shape.
 
+    In a file it may also be `particles_from = "TABLE.csv"` or `outline_from = "FILE"` (STL in space, DXF in the plane).
+    """
+
+    particles: ParticlesSpec | None = None
+    """single particles, of a table or of another run"""
+    triangles: tuple[tuple[Place, Place, Place], ...] = ()
+    """of a closed surface, three dimensions only (m)"""
     velocity: Motion | None = None
     """m/s of all its liquid"""
     velocity_gradient: tuple[tuple[Gradient, ...], ...] = ()
@@ -81,6 +89,9 @@ class RegionSpec(ShapeSpec):
     """m/s"""
     color: Color | None = None
     """`#rrggbb`, or a plain English name"""
+
+    def _further(self) -> dict[str, bool]:
+        return {"particles": self.particles is not None, "triangles": bool(self.triangles)}
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -221,6 +232,10 @@ def _of_shape(spec: ShapeSpec, dimension: int) -> Complaints:
         value = getattr(spec, key, None)
         if value and len(value) != dimension:
             found.append(((key,), f"came {len(value)} numbers; the tank has {dimension} dimensions"))
+    if isinstance(spec, RegionSpec) and spec.particles is not None:
+        found += particle_faults(spec.particles, dimension)
+    if isinstance(spec, RegionSpec) and spec.triangles and dimension == 2:
+        found.append((("triangles",), "a surface is for tanks in three dimensions"))
     if spec.vertices and dimension == 3:
         found.append((("vertices",), "a polygon is for tanks in two dimensions"))
     if isinstance(spec, BodySpec) and isinstance(spec.spin, tuple) and dimension == 2:

@@ -30,11 +30,17 @@ class ShapeSpec:
     radius: Size | None = None
     """of a disc or sphere (m)"""
 
+    def _further(self) -> dict[str, bool]:
+        """Other ways to give a shape, and whether they were taken."""
+        return {}
+
     @model_validator(mode="after")
     def _one_shape(self) -> Self:
         shapes = [self.low is not None or self.high is not None, bool(self.vertices), self.radius is not None]
-        if sum(shapes) != 1:
-            raise Inconsistent([((), "wanted exactly one shape: low and high, or vertices, or center and radius")])
+        further = self._further()
+        if sum(shapes) + sum(further.values()) != 1:
+            known = ["low and high", "vertices", "center and radius", *further]
+            raise Inconsistent([((), f"wanted exactly one shape: {', or '.join(known)}")])
         if shapes[0] and (self.low is None or self.high is None or len(self.low) != len(self.high)):
             raise Inconsistent([((), "a box needs low and high, of the same dimension")])
         if shapes[2] and self.center is None:

@@ -1,0 +1,190 @@
+"""Where liquid comes from, other than from the scene itself: a table, a drawn outline, a frame of another run.
+
+Reading a scene's file turns these keys into particles, vertices or triangles, so that the scene alone says everything.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from pathlib import Path as Folder
+from typing import Any
+
+from ecume.scenes.faults import Complaints, echo
+from ecume.scenes.files import beside, require_there, text_of
+from ecume.scenes.tables import MOST_BYTES, TableFaults, lines_of
+
+TABLE, OUTLINE, UNIT, RUN = "particles_from", "outline_from", "outline_unit", "start_from"
+LIQUID_COLUMNS = {
+    "x": "m",
+    "y": "m",
+    "z": "m",
+    "vx": "m/s",
+    "vy": "m/s",
+    "vz": "m/s",
+    "density": "kg/m^3",
+    "mass": "kg",
+}
+"""The columns of a table of liquid, and their SI units."""
+MOST_MESSAGES = 20
+MOST_MESH_BYTES = 256 * 2**20
+AXES = "xyz"
+
+
+def follow_sources(raw: dict[str, Any], folder: Folder) -> Complaints:
+    """Put what the scene's sources say into `raw`; what is wrong with them comes back."""
+    faults: Complaints = []
+    if RUN in raw:
+        faults += _told((RUN,), _start_from, raw, raw.pop(RUN), folder)
+    regions = raw.get("fluid")
+    for index, region in enumerate(regions if isinstance(regions, list) else []):
+        if not isinstance(region, dict):
+            continue
+        path = ("fluid", index)
+        if TABLE in region:
+            faults += _told((*path, TABLE), _particles_from, region, region.pop(TABLE), folder)
+        if OUTLINE in region:
+            faults += _told((*path, OUTLINE), _outline_from, region, region.pop(OUTLINE), folder)
+        elif UNIT in region:
+            region.pop(UNIT)
+            faults.append(((*path, UNIT), "says nothing without outline_from"))
+    return faults
+
+
+def _told(
+    path: Any, follow: Callable[[dict[str, Any], str, Folder], None], into: Any, name: object, folder: Folder
+) -> Complaints:
+    if not isinstance(name, str):
+        return [(path, f"came {echo(name)}; wanted text")]
+    try:
+        follow(into, name, folder)
+    except TableFaults as faults:
+        messages = faults.messages[:MOST_MESSAGES]
+        return [(path, f"{name}, {message}") for message in messages]
+    except ValueError as fault:
+        return [(path, f"{echo(name)} {fault}")]
+    return []
+
+
+def _there(folder: Folder, name: str) -> Folder:
+    path = beside(folder, name)
+    require_there(path, folder)
+    return path
+
+
+def _particles_from(region: dict[str, Any], name: str, folder: Folder) -> None:
+    """One particle a line."""
+    lines = lines_of(text_of(_there(folder, name), MOST_BYTES), LIQUID_COLUMNS)
+    columns = [key for key in LIQUID_COLUMNS if key in lines[0].values]
+    region["particles"] = particles_of({key: [line.values[key] for line in lines] for key in columns})
+
+
+def particles_of(columns: Mapping[str, list[float]]) -> dict[str, Any]:
+    """The lists of a `ParticlesSpec` from columns by name."""
+    axes = [axis for axis in AXES if axis in columns]
+    plain: dict[str, Any] = {"positions": [list(row) for row in zip(*(columns[axis] for axis in axes), strict=True)]}
+    if any(f"v{axis}" in columns for axis in AXES):
+        still = [0.0] * len(columns["x"])
+        speeds = [columns.get(f"v{axis}", still) for axis in axes]
+        plain["velocities"] = [list(row) for row in zip(*speeds, strict=True)]
+    names = {"density": "densities", "mass": "masses"}
+    return {**plain, **{names[key]: columns[key] for key in names if key in columns}}
+
+
+def _start_from(raw: dict[str, Any], name: str, folder: Folder) -> None:
+    """One region for each of the run's."""
+    from ecume.scenes.starts import frame_of_run
+
+    if raw.get("fluid"):
+        raise ValueError("brings all the liquid; leave [[fluid]] out")
+    frame, scene = frame_of_run(folder, name)
+    if scene.model != "sph":
+        raise ValueError(f"is a run of the model {scene.model!r}; wanted one of sph")
+    if raw.setdefault("spacing", scene.spacing) != scene.spacing:
+        raise ValueError(f"has a spacing of {scene.spacing!r} m; leave spacing out, or write the same number")
+    species = frame.arrays["species"]
+    regions = [(species == number, region) for number, region in enumerate(scene.fluid) if (species == number).any()]
+    raw["fluid"] = [_region(frame.arrays, mine, region) for mine, region in regions]
+
+
+def _region(arrays: Mapping[str, Any], mine: Any, region: Any) -> dict[str, Any]:
+    keys = {"positions": "position", "velocities": "velocity", "densities": "density", "masses": "mass"}
+    particles = {key: arrays[name][mine].tolist() for key, name in keys.items()}
+    return {"particles": particles, **({"color": region.color} if region.color else {})}
+
+
+def _outline_from(region: dict[str, Any], name: str, folder: Folder) -> None:
+    """What was drawn, in the unit that the file or the scene says."""
+    path, unit = _there(folder, name), region.pop(UNIT, None)
+    kinds = {".stl": ("triangles", _triangles), ".dxf": ("vertices", _vertices)}
+    if path.suffix.lower() not in kinds:
+        raise ValueError("is neither a .stl nor a .dxf file: of others no outline is read")
+    if path.stat().st_size > MOST_MESH_BYTES:
+        raise ValueError(f"is larger than {MOST_MESH_BYTES / 2**20:g} MiB")
+    key, read = kinds[path.suffix.lower()]
+    region[key] = read(path, unit)
+
+
+def _meters(unit: object) -> float:
+    from ecume.units import factor
+
+    if not isinstance(unit, str):
+        raise ValueError(f"has the unit {echo(unit)}; wanted text such as outline_unit = 'mm'")
+    return factor(unit, "m")
+
+
+def _triangles(path: Folder, unit: object) -> list[Any]:
+    """The surface of an STL file; such files know no units."""
+    trimesh = _library("trimesh")
+    try:
+        mesh = trimesh.load_mesh(str(path), file_type="stl")
+        closed, triangles = bool(mesh.is_watertight), mesh.triangles
+    except Exception as fault:  # whatever the library says, the file is no surface
+        raise ValueError(f"cannot be read as STL: {fault}") from None
+    if not len(triangles) or not closed:
+        raise ValueError("has holes: a surface that is not closed has no inside; close it where it was drawn")
+    scaled: list[Any] = (triangles * _meters("m" if unit is None else unit)).tolist()
+    return scaled
+
+
+def _vertices(path: Folder, unit: object) -> list[list[float]]:
+    """The one closed outline of a DXF drawing, arcs as lines."""
+    ezdxf = _library("ezdxf")
+    try:
+        drawing = ezdxf.readfile(str(path))
+        paths = [_library("ezdxf.path").make_path(entity) for entity in drawing.modelspace().query(DRAWN)]
+        lines = [[(point.x, point.y) for point in each.flattening(_fine(each))] for each in paths if each.is_closed]
+        meters = _library("ezdxf.units").conversion_factor(drawing.units, METERS) if drawing.units else 1.0
+    except (OSError, ezdxf.DXFError, TypeError, ValueError) as fault:
+        raise ValueError(f"cannot be read as DXF: {fault}") from None
+    if len(lines) != 1:
+        raise ValueError(f"has {len(lines)} closed outlines; wanted one: draw each in a file of its own")
+    scale = meters if unit is None else _meters(unit)
+    corners = lines[0][:-1] if math.dist(lines[0][0], lines[0][-1]) < 1e-9 * _size(lines[0]) else lines[0]
+    return [[scale * x, scale * y] for x, y in corners]
+
+
+DRAWN = "LWPOLYLINE POLYLINE CIRCLE ELLIPSE SPLINE"
+METERS = 6
+"""Of DXF's numbers for units."""
+FINENESS = 1e-3
+"""How far lines may be from an arc, in sizes of the outline."""
+
+
+def _fine(path: Any) -> float:
+    return FINENESS * _size([(point.x, point.y) for point in path.control_vertices()])
+
+
+def _size(points: list[tuple[float, float]]) -> float:
+    """The larger side of the box around points."""
+    return max(float(max(values) - min(values)) for values in zip(*points, strict=True))
+
+
+def _library(name: str) -> Any:
+    import importlib
+
+    try:
+        return importlib.import_module(name)
+    except ImportError:
+        package = name.partition(".")[0]
+        raise ValueError(f"needs {package}, which is not installed: pip install 'ecume[shapes]'") from None

@@ -1,0 +1,160 @@
+"""Liquid from tables, drawings and other runs is the liquid that they describe."""
+
+import numpy as np
+import pytest
+
+import ecume
+from ecume.engine.meshes import Cloud, Mesh
+from ecume.errors import SceneError
+from ecume.models.sph.record import SPH, start
+from ecume.run import run
+
+SCENE = """
+model = "sph"
+duration = 0.02
+frame_every = 0.01
+spacing = 0.1
+[tank]
+low = {low}
+high = {high}
+top = {{ kind = "open" }}
+[[fluid]]
+{fluid}
+"""
+FLAT = {"low": [0.0, 0.0], "high": [2.0, 2.0]}
+SPACE = {"low": [0.0, 0.0, 0.0], "high": [2.0, 2.0, 2.0]}
+
+
+def written(folder, fluid, tank=FLAT):
+    """A scene file beside its sources."""
+    file = folder / "mine.toml"
+    file.write_text(SCENE.format(fluid=fluid, **tank))
+    return file
+
+
+def liquid(file):
+    """The state at the start."""
+    scene = ecume.load_scene(file)
+    parameters = SPH.parameters(scene)
+    return start(scene, parameters), scene
+
+
+def cube(size=1.0, corner=0.25):
+    """The twelve triangles of a cube, outwards."""
+    faces = [(0, 2, 1), (1, 2, 3), (4, 5, 6), (5, 7, 6), (0, 1, 4), (1, 5, 4), (2, 6, 3), (3, 6, 7), (0, 4, 2),
+             (2, 4, 6), (1, 3, 5), (3, 7, 5)]  # fmt: skip
+    corners = corner + size * np.array([(k & 1, k >> 1 & 1, k >> 2) for k in range(8)], dtype=float)
+    return corners[np.array(faces)]
+
+
+def stl(triangles):
+    """Their text."""
+    facets = [
+        "facet normal 0 0 0\nouter loop\n"
+        + "".join(f"vertex {x!r} {y!r} {z!r}\n" for x, y, z in each)
+        + "endloop\nendfacet\n"
+        for each in triangles.tolist()
+    ]
+    return "solid cube\n" + "".join(facets) + "endsolid cube\n"
+
+
+def test_a_table_places_particles_with_their_velocities_in_its_units(tmp_path):
+    (tmp_path / "drop.csv").write_text("x [cm],y [cm],vx [cm/s]\n50,50,1\n60,50,2\n60,60,3\n")
+    state, _ = liquid(written(tmp_path, 'particles_from = "drop.csv"\nvelocity = [0.0, 1.0]'))
+    assert state.position.T.tolist() == [[0.5, 0.5], [0.6, 0.5], [0.6, 0.6]]
+    assert pytest.approx(np.array([[0.01, 1.0], [0.02, 1.0], [0.03, 1.0]])) == state.velocity.T
+    assert state.density[1] > state.density[0] > 1000.0  # deeper by one particle, and under pressure at all
+
+
+def test_a_table_that_gives_densities_is_believed(tmp_path):
+    (tmp_path / "drop.csv").write_text("x,y,density,mass\n0.5,0.5,1001,9\n0.6,0.5,1002,8\n")
+    state, _ = liquid(written(tmp_path, 'particles_from = "drop.csv"'))
+    assert (state.density.tolist(), state.mass.tolist()) == ([1001.0, 1002.0], [9.0, 8.0])
+
+
+@pytest.mark.parametrize(
+    ("table", "says"),
+    [
+        ("x,y,radius\n1,1,1\n", r"fluid\[0\].particles_from: drop.csv, line 1, column 'radius': no such column"),
+        ("x,y\n1,one\n", "line 2, column y: came 'one'"),
+        ("x,y,z\n1,1,1\n", "came 3 numbers; the tank has 2 dimensions"),
+        (None, "'drop.csv' is not there"),
+    ],
+)
+def test_a_table_of_no_use_is_refused_at_its_line(tmp_path, table, says):
+    if table is not None:
+        (tmp_path / "drop.csv").write_text(table)
+    with pytest.raises(SceneError, match=says):
+        ecume.load_scene(written(tmp_path, 'particles_from = "drop.csv"'))
+
+
+def test_a_run_goes_on_from_the_frame_of_another_with_every_number_of_its_particles(tmp_path):
+    first = ecume.load_scene(written(tmp_path, "low = [0.0, 0.0]\nhigh = [0.5, 1.0]"))
+    run(first, tmp_path / "one")
+    with ecume.open_trajectory(tmp_path / "one") as trajectory:
+        last = trajectory[-1]
+    text = SCENE.format(fluid="", **FLAT).replace("[[fluid]]", "").replace("[tank]", 'start_from = "one@-1"\n[tank]')
+    (tmp_path / "two.toml").write_text(text)
+    state, _scene = liquid(tmp_path / "two.toml")
+    assert np.array_equal(state.position.T, last.arrays["position"])
+    assert np.array_equal(state.velocity.T, last.arrays["velocity"])
+    assert np.array_equal(state.density, last.arrays["density"])
+    assert np.array_equal(state.mass, last.arrays["mass"])
+    assert np.abs(last.arrays["velocity"]).max() > 0.01
+    (tmp_path / "two.toml").write_text(text.replace("spacing = 0.1", "spacing = 0.2"))
+    with pytest.raises(SceneError, match=r"start_from: 'one@-1' has a spacing of 0.1 m"):
+        ecume.load_scene(tmp_path / "two.toml")
+    (tmp_path / "two.toml").write_text(text + "[[fluid]]\nlow = [0.0, 0.0]\nhigh = [1.0, 1.0]\n")
+    with pytest.raises(SceneError, match="leave \\[\\[fluid\\]\\] out"):
+        ecume.load_scene(tmp_path / "two.toml")
+
+
+def test_a_surface_of_triangles_is_filled_and_knows_the_depth():
+    mesh, points = Mesh(cube()), np.array([[0.3, 0.35, 0.8], [0.75, 0.75, 0.75], [0.2, 0.7, 0.7], [1.3, 0.5, 0.5]])
+    assert mesh.inside(points).tolist() == [True, True, False, False]
+    assert mesh.way_out(points[:2], np.array([0.0, 1.0, 0.0])) == pytest.approx([0.9, 0.5])
+    assert [corner.tolist() for corner in mesh.bounds()] == [[0.25] * 3, [1.25] * 3]
+
+
+def test_a_cloud_is_as_deep_as_the_points_above():
+    axes = np.meshgrid(0.05 + 0.1 * np.arange(4), 0.05 + 0.1 * np.arange(6), indexing="ij")
+    points = np.stack([axis.ravel() for axis in axes], axis=1)
+    cloud = Cloud(points, 0.1)
+    assert cloud.way_out(points, np.array([0.0, 1.0])) == pytest.approx(0.6 - points[:, 1])
+    assert cloud.inside(np.array([[0.2, 0.3], [0.46, 0.3]])).tolist() == [True, False]
+
+
+def test_an_stl_file_is_filled_with_liquid_in_its_unit(tmp_path):
+    pytest.importorskip("trimesh")
+    (tmp_path / "cube.stl").write_text(stl(100.0 * cube()))
+    state, _ = liquid(written(tmp_path, 'outline_from = "cube.stl"\noutline_unit = "cm"', SPACE))
+    assert state.position.shape == (3, 1000)
+    assert state.position.min() == pytest.approx(0.3)
+    (tmp_path / "cube.stl").write_text(stl(cube()[1:]))
+    with pytest.raises(SceneError, match=r"fluid\[0\].outline_from: 'cube.stl' has holes"):
+        liquid(written(tmp_path, 'outline_from = "cube.stl"', SPACE))
+    (tmp_path / "cube.obj").write_text("")
+    with pytest.raises(SceneError, match=r"neither a \.stl nor a \.dxf"):
+        liquid(written(tmp_path, 'outline_from = "cube.obj"', SPACE))
+
+
+def test_a_dxf_outline_is_a_polygon_in_the_drawing_s_unit(tmp_path):
+    ezdxf = pytest.importorskip("ezdxf")
+    drawing = ezdxf.new()
+    drawing.units = 4
+    drawing.modelspace().add_lwpolyline([(0, 0), (1000, 0), (1000, 500), (0, 500)], close=True)
+    drawing.saveas(tmp_path / "block.dxf")
+    state, scene = liquid(written(tmp_path, 'outline_from = "block.dxf"'))
+    assert sorted(scene.fluid[0].vertices) == [(0.0, 0.0), (0.0, 0.5), (1.0, 0.0), (1.0, 0.5)]
+    assert state.position.shape == (2, 50)
+    drawing.modelspace().add_circle((3000, 0), 10)
+    drawing.saveas(tmp_path / "block.dxf")
+    with pytest.raises(SceneError, match="has 2 closed outlines; wanted one"):
+        liquid(written(tmp_path, 'outline_from = "block.dxf"'))
+
+
+def test_without_the_library_a_drawing_is_refused_with_the_way_out(tmp_path, monkeypatch):
+    monkeypatch.setitem(__import__("sys").modules, "trimesh", None)
+    (tmp_path / "cube.stl").write_text(stl(cube()))
+    with pytest.raises(SceneError, match=r"needs trimesh, which is not installed: pip install 'ecume\[shapes\]'"):
+        ecume.load_scene(written(tmp_path, 'outline_from = "cube.stl"', SPACE))
