@@ -156,10 +156,10 @@ def capillary_speed(scene: SphScene, bounds: list[tuple[Array, Array]]) -> float
         return 0.0
     narrowest = min(float((high - low).min()) for low, high in bounds)
     density = 1000.0 if scene.liquid.density is None else scene.liquid.density
-    pressure = laplace_pressure(scene.liquid.surface_tension or 0.0, 0.5 * narrowest, len(scene.tank.low))
+    pressure = laplace_pressure(filled(scene.liquid).surface_tension or 0.0, 0.5 * narrowest, len(scene.tank.low))
     if tension_of(scene) == "cohesion":
         support = kernel_of(scene).support * smoothing_of(scene)
-        pressure += COHESIVE * (scene.liquid.surface_tension or 0.0) / support
+        pressure += COHESIVE * (filled(scene.liquid).surface_tension or 0.0) / support
     return math.sqrt(2.0 * pressure / density)
 
 
@@ -329,7 +329,7 @@ def shifting_of(scene: SphScene) -> str:
 
 def tension_of(scene: SphScene) -> str:
     """The model of surface tension by its name."""
-    name, there = scene.method.surface_tension_model, (scene.liquid.surface_tension or 0.0) > 0.0
+    name, there = scene.method.surface_tension_model, (filled(scene.liquid).surface_tension or 0.0) > 0.0
     wanted = "cohesion" if name == "automatic" else chosen(name, TENSIONS, "method.surface_tension_model")
     return wanted if there else "none"
 
