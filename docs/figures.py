@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from figures_flows import FIGURES as FLOW_FIGURES
 from figures_soft import FIGURES as SOFT_FIGURES
 from figures_sph import FIGURES as SPH_FIGURES
 from figures_tracers import FIGURES as TRACER_FIGURES
@@ -250,6 +251,7 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     "integrators": integrators,
     "cereal-bowl": cereal_bowl,
     **SOFT_FIGURES,
+    **FLOW_FIGURES,
     **SPH_FIGURES,
     **TRACER_FIGURES,
 }

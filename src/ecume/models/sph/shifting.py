@@ -78,8 +78,9 @@ def near_surface(parameters: Parameters, workspace: Workspace) -> Any:
     real = len(lists.counts)
     at_surface = np.zeros(real + len(images.source), np.bool_)
     at_surface[:liquid] = workspace.rates[SPACE] < SURFACE * parameters.dimension
-    for k, source in enumerate(images.source):
-        at_surface[real + k] = at_surface[source]
+    # Side by side: an image may be of an earlier side's image.
+    for first, last in zip(images.start[:-1], images.start[1:], strict=True):
+        at_surface[real + first : real + last] = at_surface[images.source[first:last]]
     near = at_surface[:liquid].copy()
     spread_flags(near, at_surface, lists.counts, lists.neighbor)
     return near

@@ -1,0 +1,124 @@
+"""The figures of confined flows and drops on the page on liquids made of particles; `docs/figures.py` draws them."""
+
+from __future__ import annotations
+
+import csv
+import math
+from collections.abc import Callable
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from ecume.scenes.load import load_scene
+from ecume.show.style import INK, MUTED, PALETTE, figure
+from ecume.simulation import simulate
+from ecume.trajectories.frame import Frame
+from ecume.validation.cavity import compare as cavity
+from ecume.validation.drops import compare as drops
+from ecume.validation.patch import compare as patch
+from ecume.validation.poiseuille import compare as poiseuille
+from ecume.validation.taylor_green import compare as vortices
+
+TAUS = (0.0225, 0.045, 0.1125, 0.225, 0.5)
+COARSE = "spacing=0.04"
+
+
+def confined() -> Figure:
+    """Vortices that fade, beside another package; channels that start; the lines of a square driven by its lid."""
+    drawn = figure(11.0, 3.4)
+    left, middle, right = drawn.subplots(1, 3)
+    _errors(left)
+    _profiles(middle)
+    _lines(right)
+    return drawn
+
+
+def _errors(axes: Axes) -> None:
+    for side, color in zip((25, 50), (PALETTE[1], PALETTE[0]), strict=True):
+        found = vortices.course(side)
+        axes.plot(found.time[1:], found.error[1:], color=color, label=f"{side} a side")
+    with vortices.PUBLISHED.open(encoding="utf-8") as file:
+        cases = list(csv.DictReader(file))
+    for scheme, marker in (("EDAC", "s"), ("TVF", "^")):
+        points = np.array([[float(case["time"]), float(case["error"])] for case in cases if case["scheme"] == scheme])
+        axes.plot(*points.T, marker, color=MUTED, markersize=5, label=f"PySPH, {scheme}, 50")
+    axes.set(xlabel="time U/L", ylabel="mean error of the speed", xlim=(0, 2.05), ylim=(0, 0.08))
+    axes.set_title("Vortices that fade, Re = 100")
+    axes.legend()
+
+
+def _profiles(axes: Axes) -> None:
+    scene = load_scene(poiseuille.SCENE, [poiseuille.DRIVEN["poiseuille"], f"spacing={1.0 / 15!r}"])
+    height = np.linspace(0.0, 1.0, 101)
+    frames = list(simulate(scene))
+    for tau in TAUS:
+        frame = min(frames, key=lambda one: abs(one.time * poiseuille.VISCOSITY - tau))  # called at once
+        axes.plot([poiseuille.exact("poiseuille", y, frame.time) for y in height], height, color=INK, linewidth=1.0)
+        axes.plot(frame.arrays["velocity"][:, 0], frame.arrays["position"][:, 1], ".", color=PALETTE[0], markersize=4)
+    axes.set(xlabel="speed", ylabel="height", xlim=(0, 1.05), ylim=(0, 1))
+    axes.set_title("A channel that starts, 15 across")
+
+
+def _lines(axes: Axes) -> None:
+    *_, last = simulate(load_scene(cavity.SCENE, [COARSE]))
+    along = np.linspace(0.01, 0.99, 99)
+    half = np.full(99, 0.5)
+    for line, color in zip(cavity.LINES, (PALETTE[0], PALETTE[1]), strict=True):
+        places = np.stack([half, along] if line == "u" else [along, half], axis=1)
+        found = cavity.velocity_at(last, places, 0.08)[:, cavity.LINES[line]]
+        axes.plot(along, found, color=color, label=f"{line} on the {'upright' if line == 'u' else 'level'} line")
+        place, expected = cavity.table(line)
+        axes.plot(place[:, 1 if line == "u" else 0], expected, "o", color=INK, markersize=4, fillstyle="none")
+    axes.set(xlabel="place", ylabel="velocity", xlim=(0, 1))
+    axes.set_title("Driven by its lid, 25 a side")
+    axes.legend()
+
+
+def free() -> Figure:
+    """A spinning square with and without shifting; a drop that swings."""
+    drawn = figure(11.0, 3.4)
+    left, middle, right = drawn.subplots(1, 3)
+    for axes, shifting in ((left, "none"), (middle, "delta-plus")):
+        shown = _square(axes, patch.course(0.025, f"method.shifting={shifting}")[-1])
+        axes.set_title(f'shifting = "{shifting}"')
+    drawn.colorbar(shown, ax=middle, label="pressure / ρ ω² L²")
+    _swing(right)
+    return drawn
+
+
+def _square(axes: Axes, frame: Frame) -> object:
+    pressure = frame.arrays["pressure"] / 1000.0
+    shown = axes.scatter(*frame.arrays["position"].T, c=pressure, s=2.0, vmin=-0.1, vmax=0.02, cmap="viridis")
+    axes.set(aspect="equal", xlim=(-1.0, 1.0), ylim=(-1.0, 1.0), xlabel="x / L", ylabel="y / L")
+    return shown
+
+
+def _swing(axes: Axes) -> None:
+    frames = list(simulate(load_scene(drops.SCENE, [*drops.SWINGING, f"frame_every={drops.PERIOD / 32!r}"])))
+    time = np.array([frame.time for frame in frames])
+    size = np.array([drops.axes(frame) for frame in frames]) / drops.axes(frames[0])
+    for number, name in enumerate(("width", "height")):
+        axes.plot(time, size[:, number], ".", color=PALETTE[number], markersize=5, label=name)
+    axes.plot(*_ellipse(drops.PERIOD), color=INK, linewidth=1.0)
+    axes.set(xlabel="time ω", ylabel="half an axis / R", xlim=(0, math.ceil(drops.PERIOD)))
+    axes.set_title("A drop that swings, 20 a radius")
+    axes.legend()
+
+
+def _ellipse(duration: float) -> tuple[np.ndarray, np.ndarray]:
+    """Times, and both axes there."""
+    from scipy.integrate import solve_ivp
+
+    from ecume.laws.flows import drop_strain_change
+
+    def rate(_: float, y: np.ndarray) -> list[float]:
+        return [drop_strain_change(y[0], 1.0, y[1], y[2]), y[0] * y[1], -y[0] * y[2]]
+
+    found = solve_ivp(
+        rate, (0.0, duration), [0.5, 1.0, 1.0], "DOP853", t_eval=np.linspace(0.0, duration, 200), rtol=1e-9
+    )
+    return found.t, found.y[1:].T
+
+
+FIGURES: dict[str, Callable[[], Figure]] = {"sph-confined": confined, "sph-free": free}
