@@ -194,21 +194,23 @@ def invert_diagonal(matrix: Matrix, inverse: Array) -> bool:
     dimensions = blocks.shape[1]
     for i in range(len(own)):
         b = blocks[own[i]]
+        determinant = 0.0
         if dimensions == 2:
             determinant = b[0, 0] * b[1, 1] - b[0, 1] * b[1, 0]
-            inverse[i, 0, 0], inverse[i, 0, 1] = b[1, 1] / determinant, -b[0, 1] / determinant
-            inverse[i, 1, 0], inverse[i, 1, 1] = -b[1, 0] / determinant, b[0, 0] / determinant
         else:
-            determinant = 0.0
             for k in range(3):
                 p, q = (k + 1) % 3, (k + 2) % 3
                 determinant += b[0, k] * (b[1, p] * b[2, q] - b[1, q] * b[2, p])
+        if not determinant > 0.0:
+            return False
+        if dimensions == 2:
+            inverse[i, 0, 0], inverse[i, 0, 1] = b[1, 1] / determinant, -b[0, 1] / determinant
+            inverse[i, 1, 0], inverse[i, 1, 1] = -b[1, 0] / determinant, b[0, 0] / determinant
+        else:
             for k in range(3):
                 for m in range(3):
                     p, q, r, s = (k + 1) % 3, (k + 2) % 3, (m + 1) % 3, (m + 2) % 3
                     inverse[i, m, k] = (b[p, r] * b[q, s] - b[p, s] * b[q, r]) / determinant
-        if not determinant > 0.0:
-            return False
     return True
 
 
