@@ -16,6 +16,7 @@ import numpy as np
 from figures_flows import FIGURES as FLOW_FIGURES
 from figures_soft import FIGURES as SOFT_FIGURES
 from figures_sph import FIGURES as SPH_FIGURES
+from figures_surfaces import FIGURES as SURFACE_FIGURES
 from figures_tracers import FIGURES as TRACER_FIGURES
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -253,6 +254,7 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     **SOFT_FIGURES,
     **FLOW_FIGURES,
     **SPH_FIGURES,
+    **SURFACE_FIGURES,
     **TRACER_FIGURES,
 }
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -66,8 +66,12 @@ def broken(changes: Sequence[str], reach: float) -> Broken:
     """Run the changed scene, and read its gauges in each frame."""
     scene = load_scene(SCENE, changes)
     assert isinstance(scene, SphScene)  # noqa: S101  # the case's scene is
-    wide = scene.tank.high[0]
-    read = [_read(frame, wide, reach) for frame in simulate(scene)]
+    return gauged(simulate(scene), scene.tank.high[0], reach)
+
+
+def gauged(frames: Iterable[Frame], wide: float, reach: float) -> Broken:
+    """Read the gauges in each frame of a tank as wide as that."""
+    read = [_read(frame, wide, reach) for frame in frames]
     times, front_, volume_, pressure_, level_, top = (np.array(column) for column in zip(*read, strict=True))
     return Broken(times, front_, volume_ / volume_[0], pressure_, level_, top / top[0])
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -47,14 +48,19 @@ def _told(name: str, computed: Decay, exact: Decay, deep: int) -> list[Row]:
 
 def wave(reynolds: float, deep: int) -> Decay:
     """The wave that fits a run best."""
-    scene = load_scene(SCENE, [f"liquid.viscosity={1.0 / reynolds!r}", f"spacing={1.0 / deep!r}"])
+    return fitted(*heights(reynolds, deep))
+
+
+def heights(reynolds: float, deep: int, changes: Sequence[str] = ()) -> tuple[Array, Array]:
+    """Times, and how high the wave stands at each."""
+    scene = load_scene(SCENE, [f"liquid.viscosity={1.0 / reynolds!r}", f"spacing={1.0 / deep!r}", *changes])
     assert isinstance(scene, SphScene)  # noqa: S101  # the case's scene is
     frames = [(frame.time, wave_amplitude(frame, math.pi, 1.0)) for frame in simulate(scene)]
-    times, heights = (np.array(column) for column in zip(*frames, strict=True))
-    return fitted(times, heights)
+    times, found = (np.array(column) for column in zip(*frames, strict=True))
+    return times, found
 
 
-def fitted(times: Array, heights: Array) -> Decay:
+def fitted(times: Array, found: Array) -> Decay:
     """Rate and frequency of h = A exp(-d t) sin(w t + p), by least squares, from 1/4 of a period on."""
 
     def swing(time: Array, size: float, rate: float, frequency: float, phase: float) -> Array:
@@ -62,6 +68,6 @@ def fitted(times: Array, heights: Array) -> Decay:
         return damped
 
     late = times > 1.0
-    start = (float(np.abs(heights).max()), 0.1, 1.7, 0.0)
-    best, _ = curve_fit(swing, times[late], heights[late], start)
+    start = (float(np.abs(found).max()), 0.1, 1.7, 0.0)
+    best, _ = curve_fit(swing, times[late], found[late], start)
     return Decay(float(best[1]), float(best[2]))
