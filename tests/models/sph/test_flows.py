@@ -10,6 +10,8 @@ from ecume.laws import flows
 from ecume.scenes.schema import from_plain
 from tests.models.sph.scenes import OPEN, PERIODIC
 
+pytestmark = pytest.mark.compiled
+
 AROUND = dict.fromkeys(("left", "right", "bottom", "top"), PERIODIC)
 VISCOSITY = 0.01
 
