@@ -84,6 +84,8 @@ class Setting(NamedTuple):
     """(3, 3) its right, up, and towards it; left out, it looks along the second axis"""
     radius: float | None = None
     """of all particles (m), where frames say none"""
+    movers: Callable[[Frame], list[Array]] | None = None
+    """outlines of what moves beside the particles, (n, 2) each, as many in every frame; in space their edges"""
 
 
 class Coloring(NamedTuple):
@@ -115,7 +117,9 @@ class Tank:
             self.time = clock(axes)
             labels(axes, setting.title, setting.kinds if coloring is None else ())
             wires = [axes.add_line(Line2D(*ends.T, color=RIM, linewidth=0.9, zorder=4)) for ends in setting.wires]
-            moving: list[Artist] = [self.particles.artist, *wires, *scale_bar(axes, self.view), self.time]
+            self.movers = draw_movers(axes, setting, sample[0])
+            bars = scale_bar(axes, self.view)
+            moving: list[Artist] = [self.particles.artist, *self.movers, *wires, *bars, self.time]
         self._layers = Layers(self.figure, moving)
         self.show(sample[0])
 
@@ -134,6 +138,8 @@ class Tank:
         position, camera = frame.arrays["position"], self.setting.camera
         depth = None if camera is None else position @ camera[2]
         self.particles.put(seen(position, camera), depth, self._colors(frame))
+        for patch, outline in zip(self.movers, self.setting.movers(frame) if self.setting.movers else (), strict=True):
+            patch.set_xy(outline)
         self.time.set_text(time_text(frame.time))
 
     def pixels(self, frame: Frame) -> Pixels:
@@ -226,6 +232,16 @@ def draw_setting(axes: Axes, setting: Setting) -> None:
     for ends in setting.dotted:
         axes.add_line(Line2D(*ends.T, color="white", linewidth=3.0, solid_capstyle="butt", zorder=2.5))
         axes.add_line(Line2D(*ends.T, color=RIM, linewidth=1.0, linestyle=":", zorder=2.6))
+
+
+def draw_movers(axes: Axes, setting: Setting, frame: Frame) -> list[Polygon]:
+    """Filled in the plane, wires in space."""
+    look: dict[str, Any] = {"facecolor": BODY if setting.camera is None else "none", "edgecolor": RIM, "zorder": 3.5}
+    outlines = setting.movers(frame) if setting.movers else []
+    patches = [Polygon(outline, closed=True, linewidth=1.2, **look) for outline in outlines]
+    for patch in patches:
+        axes.add_patch(patch)
+    return patches
 
 
 def _patch(shape: Shape, **look: Any) -> Circle | Polygon:

@@ -11,7 +11,7 @@ from ecume.laws.enthalpy import tait_energy
 from ecume.laws.states import tait_pressure
 from ecume.models.sph.gauges import readings
 from ecume.models.sph.loads import loads
-from ecume.models.sph.motions import instant
+from ecume.models.sph.motions import drive_at, instant
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.state import CAME, GUARD_HITS, LEFT, LOST, MOST_SUBSTEPS, PER_PARTICLE, SUBSTEPS, State, Workspace
 from ecume.models.sph.stepping import fill
@@ -57,6 +57,7 @@ BODY_UNITS = {
     **{f"velocity_{axis}": "m/s" for axis in "xyz"},
     **{f"spin_{axis}": "1/s" for axis in "xyz"},
     "angle": "rad",
+    "position": "m",
 }
 
 
@@ -106,6 +107,8 @@ def of_solids(parameters: Parameters, state: State, workspace: Workspace) -> tup
     numbers |= {f"{name}_hits": float(state.hits[k]) for k, name in enumerate(names) if name in guarded}
     for body in range(len(parameters.bodies.shapes)):
         numbers |= pose_of(state, body, axes, turns)
+    for side, drive in parameters.drives:
+        numbers[f"{names[side]}_position"] = float(drive_at(drive, float(state.clock[0]))[0][0])
     return numbers, {name: units.get(name) or BODY_UNITS.get(name.split("_", 1)[1], "1") for name in numbers}
 
 

@@ -13,6 +13,7 @@ from ecume.errors import BadInput
 from ecume.scenes.faults import suggestion
 from ecume.scenes.sph import SIDES
 from ecume.show.picture import USUAL, Size, Species
+from ecume.show.sph.moving import movers_of
 from ecume.show.style import PALETTE
 from ecume.show.tank import Coloring, Round, Setting, Shape, Tank, seen
 from ecume.trajectories.frame import Frame
@@ -63,7 +64,7 @@ def setting_of(scene: Any) -> Setting:
     """A tank in the plane: open sides are gaps in its walls, periodic ones are dotted."""
     corners = rectangle(scene.tank.low, scene.tank.high)
     ends = {side: corners[[first, last]] for side, first, last in EDGES}
-    of_kind = {kind: [ends[side] for side in ends if getattr(scene.tank, side).kind == kind] for kind in KINDS}
+    of_kind = {kind: [ends[side] for side in ends if getattr(scene.tank, side).kind in kinds] for kind, kinds in KINDS}
     nothing_around = len(of_kind["open"]) == len(ends)
     return Setting(
         scene.title,
@@ -74,11 +75,12 @@ def setting_of(scene: Any) -> Setting:
         inside=AIR,
         dotted=of_kind["periodic"],
         radius=FULL * scene.spacing,
+        movers=movers_of(scene),
     )
 
 
 EDGES = (("bottom", 0, 1), ("right", 1, 2), ("top", 2, 3), ("left", 3, 0))
-KINDS = ("wall", "open", "periodic")
+KINDS = (("wall", ("wall",)), ("open", ("open", "inflow", "outflow")), ("periodic", ("periodic",)))
 
 
 def setting_in_space(scene: Any) -> Setting:
@@ -96,7 +98,7 @@ def setting_in_space(scene: Any) -> Setting:
     wires += [seen(edge, camera) for edge in edges]
     return Setting(
         scene.title, None, kinds=regions(scene), inside=AIR, wires=wires, behind=behind, camera=camera,
-        radius=FULL * scene.spacing,
+        radius=FULL * scene.spacing, movers=movers_of(scene, camera),
     )  # fmt: skip
 
 
