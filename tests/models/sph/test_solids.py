@@ -133,6 +133,14 @@ def test_a_heavy_box_sinks_to_the_bottom():
     assert numbers["body0_y"] == pytest.approx(0.2, abs=0.02)
 
 
+def test_a_liquid_that_slips_cannot_turn_a_disc():
+    disc = {"center": [0.5, 0.8], "radius": 0.2, "density": 0.8, "velocity": [0.3, -0.5]}
+    numbers = last_of(changed(tank(), bodies=[disc], duration=0.4)).numbers
+    assert abs(numbers["body0_y"] - 0.8) > 0.05
+    assert abs(numbers["body0_torque_z"]) < 0.05 * 0.2 * np.hypot(numbers["body0_force_x"], numbers["body0_force_y"])
+    assert abs(numbers["body0_spin_z"]) < 0.05
+
+
 def bodies_of(*specs, dimension=2):
     scene = changed(free_blob(dimension), bodies=list(specs))
     parameters = SPH.parameters(scene)

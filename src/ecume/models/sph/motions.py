@@ -70,7 +70,9 @@ def at(parameters: Parameters, time: float, pose: Array, motion: Array) -> Param
         return parameters
     boundary = parameters.boundary
     dummies = placed(parameters.bodies, boundary.dummies, pose, motion)
-    boundary = boundary._replace(dummies=dummies)
+    centers = boundary.centers.copy()
+    centers[len(centers) - pose.shape[1] :] = pose[:3].T
+    boundary = boundary._replace(dummies=dummies, centers=centers)
     for number, drive in parameters.drives:
         boundary = _driven(boundary, number, drive_at(drive, time))
     parameters = parameters._replace(boundary=boundary)
