@@ -4,15 +4,26 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Polygon
 
 from ecume.laws import column, states
+from ecume.laws.flows import channel_speed
 from ecume.laws.kernels import Kernel, kernel
+from ecume.scenes.load import load_scene
+from ecume.scenes.schema import from_plain, to_plain
+from ecume.show.sph.moving import movers_of
 from ecume.show.style import INK, MUTED, PALETTE, figure
+from ecume.simulation import simulate
+from ecume.trajectories.frame import Frame
 from ecume.units import Array
+
+TEMPLATES = Path(__file__).parents[1] / "src" / "ecume" / "templates"
 
 DRAWN = {
     "cubic-spline": ("-", PALETTE[0]), "quartic-spline": ("-", PALETTE[4]), "quintic-spline": ("-", PALETTE[3]),
@@ -106,8 +117,81 @@ def quiet(name: str) -> Kernel:
         return kernel(name, 2)
 
 
+def simulated(plain: dict[str, Any]) -> list[Frame]:
+    """All frames of a scene."""
+    return list(simulate(from_plain({"model": "sph", **plain})))
+
+
+def liquid(axes: Axes, frame: Frame, values: Array, low: float, high: float) -> Any:
+    """The particles of a frame as dots, colored by values."""
+    x, y = frame.arrays["position"].T
+    axes.set_aspect("equal")
+    axes.set_axis_off()
+    return axes.scatter(x, y, c=values, s=5.0, vmin=low, vmax=high, cmap="viridis", linewidths=0.0)
+
+
+def walls() -> Figure:
+    """A jittered tank held by mirrors, by dummies, and by nothing but reflection."""
+    drawn = figure(9.0, 3.4)
+    for axes, kind in zip(drawn.subplots(1, 3), ("mirror", "dummy", "reflect"), strict=True):
+        tank = {"low": [0.0, 0.0], "high": [1.0, 1.25], "top": {"kind": "open"}, "walls": kind}
+        last = simulated(
+            {
+                "duration": 0.8, "frame_every": 0.8, "spacing": 1.0 / 24, "gravity": [0.0, -1.0], "tank": tank,
+                "liquid": {"density": 1.0, "sound_speed": 10.0}, "method": {"jitter": 0.2},
+                "fluid": [{"low": [0.0, 0.0], "high": [1.0, 1.0]}],
+            }
+        )[-1]  # fmt: skip
+        dots = liquid(axes, last, last.arrays["pressure"], 0.0, 1.0)
+        axes.plot([0, 0, 1, 1], [1.1, 0, 0, 1.1], color=INK, linewidth=1.2)
+        axes.set(xlim=(-0.03, 1.03), ylim=(-0.03, 1.12))
+        axes.set_title(f"{kind}: {last.numbers['guard_hits']:.0f} hits")
+    drawn.colorbar(dots, ax=drawn.axes, label="pressure / ρ g H", shrink=0.8)
+    return drawn
+
+
+def bodies() -> Figure:
+    """The template with bodies, at three instants."""
+    drawn = figure(9.4, 2.6)
+    plain = to_plain(load_scene(TEMPLATES / "floating-bodies.toml")) | {"duration": 0.9, "frame_every": 0.3}
+    frames, scene = simulated(plain), from_plain(plain)
+    outlines = movers_of(scene)
+    for axes, frame in zip(drawn.subplots(1, 3), [frames[0], frames[1], frames[3]], strict=True):
+        dots = liquid(axes, frame, 1e-3 * frame.arrays["pressure"], 0.0, 3.0)
+        for outline in (*(outlines(frame) if outlines else ()), np.array(scene.obstacles[0].vertices)):
+            axes.add_patch(Polygon(outline, facecolor="#e8e4da", edgecolor=INK, linewidth=1.0))
+        axes.plot([0, 0, 1.2, 1.2], [0.7, 0, 0, 0.7], color=INK, linewidth=1.2)
+        axes.set(xlim=(-0.03, 1.23), ylim=(-0.03, 0.72))
+        axes.set_title(f"{frame.time:.1f} s")
+    drawn.colorbar(dots, ax=drawn.axes, label="pressure (kPa)", shrink=0.8)
+    return drawn
+
+
+def gates() -> Figure:
+    """A channel: what flows in evenly becomes a parabola."""
+    drawn = figure(9.4, 3.0)
+    left, right = drawn.subplots(1, 2, width_ratios=[1.7, 1.0])
+    plain = to_plain(load_scene(TEMPLATES / "channel.toml")) | {"duration": 3.0, "frame_every": 1.0}
+    last = simulated(plain)[-1]
+    (x, y), speed = last.arrays["position"].T, last.arrays["velocity"][:, 0]
+    drawn.colorbar(liquid(left, last, speed, 0.0, 1.5), ax=left, label="speed (m/s)", shrink=0.8)
+    left.plot([0, 3], [0, 0], color=INK)
+    left.plot([0, 3], [1, 1], color=INK)
+    for place, color in zip((0.1, 0.5, 2.0), PALETTE, strict=False):
+        here = np.abs(x - place) < 0.06
+        right.plot(speed[here], y[here], ".", color=color, label=f"at {place:g} m")
+    height = np.linspace(0.0, 1.0, 60)
+    right.plot([channel_speed(h, 1.0, 1.0) for h in height], height, color=INK, label="parabola")
+    right.set(xlabel="speed (m/s)", ylabel="height (m)", xlim=(0, 1.6), ylim=(0, 1))
+    right.legend()
+    return drawn
+
+
 FIGURES: dict[str, Callable[[], Figure]] = {
     "sph-kernels": kernels,
     "sph-branches": branches,
     "sph-pressure": pressure,
+    "sph-walls": walls,
+    "sph-bodies": bodies,
+    "sph-channel": gates,
 }
