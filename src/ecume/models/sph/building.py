@@ -15,6 +15,7 @@ from ecume.laws.pace import tension_limit
 from ecume.laws.tension import laplace_pressure
 from ecume.models.sph.bodies import bodies_of
 from ecume.models.sph.boundaries import boundary_of
+from ecume.models.sph.carried import carried_of
 from ecume.models.sph.fields import (
     ALPHA,
     CHOICES,
@@ -261,6 +262,7 @@ def parameters_of(scene: SphScene) -> Parameters:
         shifting=SHIFTINGS.index(shifting_of(scene)),
         background=(usual if method.background_pressure is None else method.background_pressure) * transports,
         tension=TENSIONS.index(tension_of(scene)),
+        carried=carried_of(scene, shape.normalization / smoothing**dimension),
         turbulence=turbulent(scene),
         courant=method.courant,
         walls_clip=method.walls_clip,

@@ -9,6 +9,7 @@ import numpy as np
 
 from ecume.laws.enthalpy import tait_energy
 from ecume.laws.states import tait_pressure
+from ecume.models.sph.carried import GROUP_DENSITY
 from ecume.models.sph.gauges import readings
 from ecume.models.sph.loads import loads
 from ecume.models.sph.motions import drive_at, instant
@@ -75,11 +76,30 @@ def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame
         "mass": state.mass[order],
         "species": state.region[order],
     }
+    if parameters.carried.start[-1]:
+        arrays = {
+            name: np.concatenate([arrays[name], more]) for name, more in carried_arrays(parameters, state).items()
+        }
     numbers = {**energies(parameters, state), **motion(state), **extremes(parameters, state)}
     read, read_units = readings(parameters.gauges, state, gauge_pressure(parameters, state), parameters.support)
     time = int(state.step[0]) * parameters.time_step
     listed = {name: float(numbers[name]) for name in NUMBER_UNITS}
     return Frame(time, arrays, {**listed, **solid, **read}, {**ARRAY_UNITS, **NUMBER_UNITS, **units, **read_units})
+
+
+def carried_arrays(parameters: Parameters, state: State) -> dict[str, Array]:
+    """What is carried, after the liquid and with the next species' numbers. It weighs nothing: it moves nothing."""
+    carried, count = parameters.carried, state.carried_position.shape[1]
+    group = np.repeat(np.arange(len(carried.numbers)), np.diff(carried.start))
+    density = carried.numbers[group, GROUP_DENSITY]
+    return {
+        "position": state.carried_position.T,
+        "velocity": state.carried_velocity.T,
+        "density": np.where(density > 0.0, density, parameters.material.density),
+        "pressure": np.zeros(count),
+        "mass": np.zeros(count),
+        "species": carried.regions + group,
+    }
 
 
 def liquid_alone(parameters: Parameters, state: State) -> State:

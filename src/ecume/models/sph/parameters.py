@@ -9,6 +9,7 @@ import numpy as np
 from ecume.engine.cells import Integers
 from ecume.engine.images import Sides
 from ecume.engine.shapes import Shape
+from ecume.models.sph.carried import Carried
 from ecume.models.sph.guard import Guard
 from ecume.units import Array
 
@@ -192,6 +193,8 @@ class Parameters(NamedTuple):
     """Pa, of the transport velocity; zero without"""
     tension: int
     """which model of surface tension"""
+    carried: Carried
+    """what the liquid carries along"""
     turbulence: bool
     """whether eddies smaller than particles add to the viscosity"""
     courant: float

@@ -66,6 +66,12 @@ class State(NamedTuple):
     """(6, B) what changes those, at the end of the last step"""
     pose_reference: Array
     """(7, B) when the lists were made"""
+    carried_position: Array
+    """(d, C) m"""
+    carried_velocity: Array
+    """(d, C) m/s"""
+    carried_clock: Integers
+    """(1,) how often they were moved: when a random number is asked for"""
     clock: Array
     """(2,) s: now, within a step too; when the lists were made"""
     step: Integers
@@ -116,6 +122,9 @@ def make_state(parameters: Parameters, liquid: Liquid) -> State:
         motion=motion.copy(),
         push=np.zeros_like(motion),
         pose_reference=pose.copy(),
+        carried_position=parameters.carried.position.copy(),
+        carried_velocity=np.zeros_like(parameters.carried.position),
+        carried_clock=np.zeros(1, np.int64),
         clock=np.zeros(2),
         step=np.zeros(1, np.int64),
         ready=np.zeros(1, np.int64),

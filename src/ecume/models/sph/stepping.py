@@ -12,6 +12,7 @@ import numpy as np
 
 from ecume.models.model import DIVERGED, DONE, EXCHANGE
 from ecume.models.sph.bodies import carry, farthest_way, keep_out, pushed
+from ecume.models.sph.carried import take_along
 from ecume.models.sph.collisions import collide
 from ecume.models.sph.columns import fill_images, fill_liquid, fill_weights
 from ecume.models.sph.dummies import read_liquid
@@ -92,6 +93,8 @@ def advance(parameters: Parameters, state: State, workspace: Workspace, steps: i
         for _ in range(divisions):
             feed(parameters, state)
             step(parameters, state, workspace, parameters.time_step / divisions)
+            if parameters.carried.start[-1]:
+                take_along(instant(parameters, state), state, workspace, parameters.time_step / divisions)
         state.step[0] += 1
         state.clock[0] = int(state.step[0]) * parameters.time_step
         state.tally[SUBSTEPS] += divisions

@@ -1,5 +1,6 @@
 """The scene of the SPH model: a liquid, the tank that holds it, what stands and moves in it, and how it is computed."""
 
+from ecume.scenes.sph.carried import CarriedSpec
 from ecume.scenes.sph.gauges import GaugeSpec
 from ecume.scenes.sph.motions import MotionSpec, ShakeSpec
 from ecume.scenes.sph.particles import ParticlesSpec
@@ -10,6 +11,7 @@ from ecume.scenes.sph.tank import SIDES, SideSpec, TankSpec
 __all__ = [
     "SIDES",
     "BodySpec",
+    "CarriedSpec",
     "CentralPullSpec",
     "FluidSpec",
     "GaugeSpec",

@@ -26,6 +26,7 @@ from ecume.scenes.quantities import (
     Switch,
     Tension,
 )
+from ecume.scenes.sph.carried import CarriedSpec, carried_faults
 from ecume.scenes.sph.gauges import GaugeSpec, gauge_faults
 from ecume.scenes.sph.motions import ShakeSpec
 from ecume.scenes.sph.particles import ParticlesSpec, particle_faults
@@ -180,6 +181,8 @@ class SphScene(Common):
     """What stands in it."""
     bodies: tuple[BodySpec, ...] = ()
     """What moves in it."""
+    carried: tuple[CarriedSpec, ...] = ()
+    """What the liquid carries along."""
     gauges: tuple[GaugeSpec, ...] = ()
     """Where pressure, velocity or level are read at every frame."""
     shake: ShakeSpec | None = None
@@ -198,6 +201,7 @@ class SphScene(Common):
         if self.gravity is None:
             object.__setattr__(self, "gravity", down)
         complaints = [*_dimensions(self, dimension), *gauge_faults(self.gauges, self.tank), *_steps(self)]
+        complaints += carried_faults(self.carried, self.tank, self.method.turbulence)
         if complaints:
             raise Inconsistent(complaints)
         return self
