@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import ecume
+from ecume._jit import use_threads
 from ecume.engine.shapes import Ball, Box, Polygon
 from ecume.errors import SceneError
 from ecume.models.sph.bodies import carry, pushed, rotations
@@ -112,6 +113,21 @@ def test_half_a_run_with_a_body_and_half_a_run_are_a_run():
     SPH.advance(parameters, again, SPH.workspace(parameters, again, 1.0), 30)
     for name, one, other in zip(whole._fields, whole, again, strict=True):
         assert np.array_equal(one, other), name
+
+
+@pytest.mark.compiled
+def test_threads_change_no_bit_of_a_body_or_of_a_load():
+    scene = changed(tank(deep=72), bodies=[{"center": [0.5, 0.9], "radius": 0.2, "density": 0.5, "spin": 1.0}])
+    before, found = use_threads(None), []
+    try:
+        for threads in (1, 2):
+            use_threads(threads)
+            parameters, state = marched(scene, 3)
+            frame = SPH.observe(parameters, state, SPH.workspace(parameters, state, 1.0))
+            found.append((state.motion.tobytes(), state.velocity.tobytes(), frame.numbers))
+    finally:
+        use_threads(before)
+    assert found[0] == found[1]
 
 
 @pytest.mark.compiled
