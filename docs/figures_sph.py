@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import warnings
 from collections.abc import Callable
 from pathlib import Path
@@ -17,7 +18,9 @@ from ecume.laws.flows import channel_speed
 from ecume.laws.kernels import Kernel, kernel
 from ecume.scenes.load import load_scene
 from ecume.scenes.schema import from_plain, to_plain
+from ecume.show.picture import Size
 from ecume.show.sph.moving import movers_of
+from ecume.show.sph.picture import liquid_picture
 from ecume.show.style import INK, MUTED, PALETTE, figure
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
@@ -187,7 +190,17 @@ def gates() -> Figure:
     return drawn
 
 
+def dam_break() -> Figure:
+    """The template's dam break when its wave has climbed the wall and falls back, as its movie shows it."""
+    scene = load_scene(TEMPLATES / "dam-break.toml")
+    frames = list(simulate(dataclasses.replace(scene, duration=1.08)))
+    picture = liquid_picture(scene, frames[::12], Size(960, 560))
+    picture.show(frames[-1])
+    return picture.figure
+
+
 FIGURES: dict[str, Callable[[], Figure]] = {
+    "dam-break": dam_break,
     "sph-kernels": kernels,
     "sph-branches": branches,
     "sph-pressure": pressure,
