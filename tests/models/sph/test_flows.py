@@ -161,6 +161,15 @@ def test_a_periodic_tank_shorter_than_a_support_is_refused():
         next(iter(ecume.simulate(short)))
 
 
+def test_dummies_may_pull_where_no_liquid_can_leave_them():
+    from ecume.models.sph.record import SPH
+
+    walled = {"low": [0.0, 0.0], "high": [1.0, 1.0], "walls": "dummy"}
+    assert not SPH.parameters(scene(tank=walled)).walls_clip
+    assert SPH.parameters(scene(tank={**walled, "top": OPEN})).walls_clip
+    assert SPH.parameters(scene(tank=walled, method={"walls_clip": True})).walls_clip
+
+
 def test_shifting_is_chosen_where_nothing_is_open():
     from ecume.models.sph.building import shifting_of
 

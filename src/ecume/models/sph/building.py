@@ -265,7 +265,7 @@ def parameters_of(scene: SphScene) -> Parameters:
         carried=carried_of(scene, shape.normalization / smoothing**dimension),
         turbulence=turbulent(scene),
         courant=method.courant,
-        walls_clip=method.walls_clip,
+        walls_clip=free_surface(scene) if method.walls_clip is None else method.walls_clip,
         precision=PRECISIONS[method.precision],
         origin=origin,
     )

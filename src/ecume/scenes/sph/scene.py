@@ -113,8 +113,8 @@ class MethodSpec:
     """a name of `ecume.laws.kernels.KERNELS`"""
     smoothing: PositiveNumber | None = None
     """smoothing length in spacings; left out, what suits the kernel"""
-    walls_clip: Switch = True
-    """whether dummies push only, never pull"""
+    walls_clip: Switch | None = None
+    """whether dummies push only, never pull; left out, where the liquid may leave them: not in tanks that are full"""
     density_diffusion: LawName = "automatic"
     """`hydrostatic` (exact for a Tait liquid at rest; the default under gravity), `antuono` (the default without),
     `linear`, `molteni` (for comparison: it lifts the surface) or `none`
