@@ -45,6 +45,7 @@ def marched_through(scene, steps, state=None):
     return state
 
 
+@pytest.mark.compiled
 def test_a_parabola_that_flows_in_flows_out_as_one():
     frames = list(ecume.simulate(channel()))
     arrays = frames[-1].arrays
@@ -58,6 +59,7 @@ def test_a_parabola_that_flows_in_flows_out_as_one():
     assert (numbers["lost"], numbers["guard_hits"]) == (0, 0)
 
 
+@pytest.mark.compiled
 @pytest.mark.parametrize("walls", ["mirror", "dummy"])
 def test_whoever_comes_leaves_a_place_to_one_more_and_all_are_counted(walls):
     plain = to_plain(channel())
@@ -73,6 +75,7 @@ def test_whoever_comes_leaves_a_place_to_one_more_and_all_are_counted(walls):
     assert len(np.unique(state.identity)) == len(state.identity)
 
 
+@pytest.mark.compiled
 def test_half_a_run_of_a_channel_and_half_a_run_are_a_run():
     scene = channel()
     whole = marched_through(scene, 80)
@@ -92,6 +95,7 @@ def test_profiles_have_the_mean_that_was_asked_for():
         assert (speeds[-1] < 0.01) == (level is None)
 
 
+@pytest.mark.compiled
 def test_a_stream_with_a_surface_keeps_its_level():
     plain = to_plain(channel())
     plain["tank"] |= {
@@ -107,6 +111,7 @@ def test_a_stream_with_a_surface_keeps_its_level():
     assert last.arrays["velocity"][:, 0].mean() == pytest.approx(0.5, abs=0.02)
 
 
+@pytest.mark.compiled
 def test_who_falls_out_of_an_open_tank_is_lost_and_counted():
     plain = to_plain(tank(jitter=0.0))
     plain["tank"] |= {"bottom": OPEN, "low": [0.0, 0.5]}

@@ -49,6 +49,7 @@ def test_a_shaken_tank_sloshes_as_linear_theory_has_it():
     assert np.abs(found - wanted).max() < 0.1 * np.abs(wanted).max()
 
 
+@pytest.mark.compiled
 def test_a_piston_pushes_what_is_before_it():
     last = list(ecume.simulate(with_side(tank(jitter=0.0), "left", motion=PUSH)))[-1]
     x, y = last.arrays["position"].T
@@ -57,6 +58,7 @@ def test_a_piston_pushes_what_is_before_it():
     assert np.median(y) > 0.55
 
 
+@pytest.mark.compiled
 def test_a_wall_that_starts_moving_does_work_on_the_liquid():
     """The rate of the liquid's energy is the force on the wall times its speed, less what viscosity takes."""
     scene = with_side(tank(jitter=0.0), "left", motion={"amplitude": -0.1, "frequency": 0.25, "phase": math.pi / 2})
@@ -73,6 +75,7 @@ def test_a_wall_that_starts_moving_does_work_on_the_liquid():
     assert gained == pytest.approx(work, rel=0.25)
 
 
+@pytest.mark.compiled
 def test_half_a_run_that_is_shaken_and_half_a_run_are_a_run():
     scene = with_side(changed(tank(), shake=SHAKE), "right", motion=PUSH)
     parameters, whole = marched(scene, 40)

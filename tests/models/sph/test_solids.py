@@ -56,6 +56,7 @@ def test_middle_volume_and_inertia_are_those_of_a_fine_lattice(shape):
     np.testing.assert_allclose(shape.inertia()[5 - len(low) - 1 :], moments[5 - len(low) - 1 :], rtol=1e-2)
 
 
+@pytest.mark.compiled
 @pytest.mark.parametrize("walls", ["mirror", "dummy"])
 def test_walls_carry_the_liquid(walls):
     numbers = last_of(tank(walls=walls, jitter=0.0)).numbers
@@ -64,6 +65,7 @@ def test_walls_carry_the_liquid(walls):
     assert numbers["right_force_x"] == pytest.approx(0.5, abs=0.05)
 
 
+@pytest.mark.compiled
 def test_reflection_alone_keeps_everyone_inside_and_counts():
     last = last_of(tank(walls="reflect"))
     x, y = last.arrays["position"].T
@@ -72,6 +74,7 @@ def test_reflection_alone_keeps_everyone_inside_and_counts():
     assert last.numbers["bottom_hits"] > 0
 
 
+@pytest.mark.compiled
 def test_an_obstacle_keeps_the_liquid_out_and_is_lifted_by_what_it_displaces():
     disc = {"center": [0.5, 0.45], "radius": 0.2}
     scene = changed(tank(deep=16, jitter=0.0), obstacles=[disc], duration=0.5)
@@ -88,6 +91,7 @@ def body(**more):
     return {"low": [-0.3, -0.3], "high": [0.3, 0.3], "density": 500.0, "spin": 1.0, "velocity": [0.4, 0.1], **more}
 
 
+@pytest.mark.compiled
 @pytest.mark.parametrize("force", ["sum", "monaghan", "transport"])
 def test_what_a_body_gets_the_liquid_loses(force):
     scene = changed(free_blob(pressure_force=force), bodies=[body()])
@@ -105,6 +109,7 @@ def test_what_a_body_gets_the_liquid_loses(force):
     np.testing.assert_allclose(momentum(), before, atol=1e-10 * moved)
 
 
+@pytest.mark.compiled
 def test_half_a_run_with_a_body_and_half_a_run_are_a_run():
     scene = changed(tank(), bodies=[{"center": [0.5, 1.1], "radius": 0.2, "density": 0.5, "velocity": [0.0, -1.0]}])
     parameters, whole = marched(scene, 60)
@@ -149,6 +154,7 @@ def test_a_heavy_box_sinks_to_the_bottom():
     assert numbers["body0_y"] == pytest.approx(0.2, abs=0.02)
 
 
+@pytest.mark.compiled
 def test_a_liquid_that_slips_cannot_turn_a_disc():
     disc = {"center": [0.5, 0.8], "radius": 0.2, "density": 0.8, "velocity": [0.3, -0.5]}
     numbers = last_of(changed(tank(), bodies=[disc], duration=0.4)).numbers
