@@ -1,6 +1,7 @@
 """Figures of a liquid show what the frames hold, with units."""
 
 import re
+import sys
 
 import numpy as np
 import pytest
@@ -14,7 +15,7 @@ from .conftest import frame_of, scene_of
 WITH_UNIT = re.compile(r".* \((s|[kmµ]?(m|m/s|J|Pa))\)$")
 
 
-@pytest.mark.parametrize("what", [name for name in SPH_FIGURES if name != "gauges"])
+@pytest.mark.parametrize("what", [name for name in SPH_FIGURES if name not in ("gauges", "render")])
 def test_every_figure_can_be_drawn_with_units_and_of_one_frame(what, scene, frames):
     for shown in (frames, frames[:1]):
         drawn = SPH_FIGURES[what](shown, scene)
@@ -69,3 +70,11 @@ def test_gauges_are_drawn_by_kind_over_time(frames):
 def test_a_scene_without_gauges_has_no_figure_of_them(scene, frames):
     with pytest.raises(BadInput, match="no gauges"):
         figures.gauges(frames, scene)
+
+
+def test_a_liquid_in_the_plane_is_not_rendered_and_without_pyvista_the_way_out_is_told(scene, frames, monkeypatch):
+    with pytest.raises(BadInput, match="in the plane"):
+        SPH_FIGURES["render"](frames, scene)
+    monkeypatch.setitem(sys.modules, "pyvista", None)
+    with pytest.raises(BadInput, match=r"pip install 'ecume\[render\]'"):
+        SPH_FIGURES["render"]([frame_of(dimension=3)], scene_of(dimension=3))

@@ -18,6 +18,7 @@ from ecume.laws.column import column_height, column_pressure
 from ecume.models.sph.building import material_of
 from ecume.show.curves import Frames, energies, kinetic_energy, over_time, thinned
 from ecume.show.sph.picture import liquid_picture, rectangle
+from ecume.show.sph.rendering import render
 from ecume.show.style import INK, PALETTE, RIM, Scale, figure, legend_outside, plain, scale_for, style
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
@@ -207,4 +208,5 @@ SPH_FIGURES: Mapping[str, Any] = {
     "velocity": velocity,
     "surface": surface,
     "gauges": gauges,
+    "render": render,
 }
