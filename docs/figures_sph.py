@@ -199,6 +199,50 @@ def dam_break() -> Figure:
     return picture.figure
 
 
+def tension() -> Figure:
+    """A square drop draws itself together."""
+    drawn = figure(9.4, 2.9)
+    frames = simulated(to_plain(load_scene(TEMPLATES / "rounding-drop.toml")) | {"frame_every": 0.005})
+    for axes, number in zip(drawn.subplots(1, 4), (0, 1, 2, -1), strict=True):
+        speed = np.linalg.norm(frames[number].arrays["velocity"], axis=1)
+        liquid(axes, frames[number], speed, 0.0, 0.12)
+        axes.set(xlim=(-2e-3, 2e-3), ylim=(-2e-3, 2e-3))
+        axes.set_title(f"{1e3 * frames[number].time:.0f} ms", y=0.93)
+    return drawn
+
+
+CARRYING = {
+    "model": "sph", "duration": 0.5, "frame_every": 0.25, "spacing": 0.015,
+    "tank": {"low": [0.0, 0.0], "high": [1.0, 0.6], "top": {"kind": "open"}},
+    "fluid": [{"low": [0.0, 0.0], "high": [0.4, 0.3]}],
+    "liquid": {"viscosity": 1e-3, "fastest": 3.0},
+    "method": {"turbulence": "smagorinsky"},
+    "carried": [
+        {"count": 60, "low": [0.05, 0.05], "high": [0.35, 0.25], "eddy_dispersion": True},
+        {"count": 60, "low": [0.05, 0.05], "high": [0.35, 0.25], "radius": 1e-3, "density": 2500.0},
+    ],
+}  # fmt: skip
+
+
+def carried() -> Figure:
+    """Tracers and grains in a dam that breaks."""
+    drawn = figure(9.4, 3.0)
+    frames = simulated(CARRYING)
+    for axes, frame in zip(drawn.subplots(1, 3), frames, strict=True):
+        x, y = frame.arrays["position"].T
+        for kind, size, color, label in (
+            (0, 3, "#c9d6e2", "water"),
+            (1, 9, PALETTE[0], "tracers"),
+            (2, 9, PALETTE[1], "sand"),
+        ):
+            here = frame.arrays["species"] == kind
+            axes.scatter(x[here], y[here], s=size, color=color, label=label, linewidths=0)
+        axes.set(xlim=(0, 1), ylim=(0, 0.6), aspect="equal")
+        axes.set_title(f"{frame.time:.2f} s")
+    axes.legend(loc="upper left")
+    return drawn
+
+
 FIGURES: dict[str, Callable[[], Figure]] = {
     "dam-break": dam_break,
     "sph-kernels": kernels,
@@ -207,4 +251,6 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     "sph-walls": walls,
     "sph-bodies": bodies,
     "sph-channel": gates,
+    "sph-tension": tension,
+    "sph-carried": carried,
 }
