@@ -13,7 +13,7 @@ from ecume.scenes.load import load_scene
 from ecume.scenes.templates import templates
 
 cli = CliRunner()
-DERIVED = {"floating": "capillary length", "soft": "narrowest gap", "sph": "sound speed"}
+DERIVED = {"floating": "capillary length", "soft": "narrowest gap", "sph": "sound speed", "tracers": "terminal speed"}
 """A number that follows from each scene of a model."""
 
 
