@@ -8,8 +8,8 @@ import pytest
 import ecume
 from ecume.errors import SceneError
 from ecume.models.sph.carried import take_along
+from ecume.models.sph.evaluating import fill
 from ecume.models.sph.record import SPH
-from ecume.models.sph.stepping import fill
 from ecume.scenes.schema import from_plain
 from ecume.scenes.sph import CarriedSpec
 from tests.models.sph.scenes import free_blob

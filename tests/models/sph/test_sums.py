@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from ecume.models.sph.evaluating import fill, take_both, take_forces, take_thickening
 from ecume.models.sph.fields import ACC, DIFFUSED, DRHO, FRICTION, LAMINAR, RADIAL, RHO, VOLUME
 from ecume.models.sph.record import SPH
-from ecume.models.sph.stepping import fill, take_both, take_forces, take_thickening
 from ecume.scenes.schema import from_plain, to_plain
 from tests.models.sph.scenes import free_blob, tank
 

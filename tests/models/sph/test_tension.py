@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from ecume.models.sph.evaluating import fill
 from ecume.models.sph.record import SPH
-from ecume.models.sph.stepping import fill
 from ecume.models.sph.tension import pull
 from ecume.scenes.schema import from_plain
 from tests.models.sph.scenes import OPEN

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from ecume.models.sph.evaluating import fill, take_forces
 from ecume.models.sph.fields import MU
 from ecume.models.sph.record import SPH
-from ecume.models.sph.stepping import fill, take_forces
 from tests.models.sph.scenes import free_blob
 
 

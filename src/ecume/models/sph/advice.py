@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from ecume.models.sph.building import smoothing_of
+from ecume.models.sph.choosing import smoothing_of
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.solids import part_of
 from ecume.models.sph.substances import told

@@ -10,12 +10,12 @@ import numpy as np
 from ecume.laws.enthalpy import tait_energy
 from ecume.laws.states import tait_pressure
 from ecume.models.sph.carried import GROUP_DENSITY
+from ecume.models.sph.evaluating import fill
 from ecume.models.sph.gauges import readings
 from ecume.models.sph.loads import loads
 from ecume.models.sph.motions import drive_at, instant
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.state import CAME, GUARD_HITS, LEFT, LOST, MOST_SUBSTEPS, PER_PARTICLE, SUBSTEPS, State, Workspace
-from ecume.models.sph.stepping import fill
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 

@@ -10,9 +10,11 @@ import psutil
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.models.model import Model
 from ecume.models.sph.advice import Row, advice
-from ecume.models.sph.building import kernel_of, liquid_of, parameters_of, smoothing_of
+from ecume.models.sph.building import parameters_of
+from ecume.models.sph.choosing import kernel_of, smoothing_of
 from ecume.models.sph.fields import FIELDS, RATES
 from ecume.models.sph.gates import exchange, filled
+from ecume.models.sph.laying import liquid_of
 from ecume.models.sph.motions import at_reference
 from ecume.models.sph.observing import observe
 from ecume.models.sph.parameters import Parameters

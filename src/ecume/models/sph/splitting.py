@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ecume.errors import Fault, SceneError
 from ecume.laws.states import hydrostatic_fault
-from ecume.models.sph.building import free_surface
+from ecume.models.sph.choosing import free_surface
 from ecume.scenes.sph import SphScene
 
 

@@ -11,50 +11,26 @@ import math
 import numpy as np
 
 from ecume.models.model import DIVERGED, DONE, EXCHANGE
-from ecume.models.sph.bodies import carry, farthest_way, keep_out, pushed
+from ecume.models.sph.bodies import carry, farthest_way, keep_out
 from ecume.models.sph.carried import take_along
 from ecume.models.sph.collisions import collide
-from ecume.models.sph.columns import fill_images, fill_liquid, fill_weights
-from ecume.models.sph.dummies import read_liquid
+from ecume.models.sph.evaluating import take_both, take_forces, take_thickening
 from ecume.models.sph.fields import (
-    ACC,
-    ANTUONO,
-    DELTA,
-    DIFFUSION,
-    ENTHALPY,
-    FRICTION,
-    HYDROSTATIC,
-    MONAGHAN,
-    NO_DIFFUSION,
-    NO_FRICTION,
-    RADIAL,
-    RHO,
-    SCALE,
-    STRESS,
-    SUM,
-    TRANSPORT,
     H,
-    W,
 )
-from ecume.models.sph.friction import push_transported, rub, rub_radially
-from ecume.models.sph.gates import due, feed, still
-from ecume.models.sph.gradients import add_gradient_diffusion, fill_density_gradients
+from ecume.models.sph.gates import due, feed
 from ecume.models.sph.guard import turn_back
-from ecume.models.sph.loads import forces_on_dummies, total
 from ecume.models.sph.motion import (
     drift,
     farthest,
     kick,
     largest,
     run_ahead,
-    store_acceleration,
-    store_thickening,
     take_mean,
     thicken,
 )
 from ecume.models.sph.motions import at_reference, instant, way_of_sides
-from ecume.models.sph.parameters import DELTA_PLUS, NO_TENSION, SYMPLECTIC, Parameters
-from ecume.models.sph.shifting import shift
+from ecume.models.sph.parameters import DELTA_PLUS, SYMPLECTIC, Parameters
 from ecume.models.sph.state import (
     GUARD_HITS,
     MOST_SUBSTEPS,
@@ -63,15 +39,10 @@ from ecume.models.sph.state import (
     SUBSTEPS,
     State,
     Workspace,
-    put_dummies,
     skin_for,
     sort_state,
     workspace_at,
 )
-from ecume.models.sph.sums import sums_of
-from ecume.models.sph.tension import pull
-from ecume.models.sph.turbulence import stir
-from ecume.units import Array
 
 MOST_DIVISIONS = 64
 """A step that must be divided more often than this will not recover."""
@@ -206,133 +177,3 @@ def wrap(parameters: Parameters, state: State) -> None:
     for side in np.flatnonzero(sides.mirrors == 0):
         out = sides.normal[side] @ (state.position - sides.point[side][:, None]) < 0.0
         state.position[:, out] += sides.shift[side][:, None]
-
-
-def take_thickening(parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """The rate of density at the present positions."""
-    parameters = instant(parameters, state)
-    fill(parameters, state, workspace)
-    _sum_stretch(parameters, workspace)
-    _store_thickening(parameters, state, workspace)
-
-
-def take_forces(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
-    """The acceleration at the present positions, and the transport for the next drift."""
-    parameters = instant(parameters, state)
-    fill(parameters, state, workspace)
-    _sum_push(parameters, workspace)
-    _store_acceleration(parameters, state, workspace, time)
-
-
-def take_both(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
-    """Both of them; in a single sum where there is neither diffusion nor a wall's dummy."""
-    parameters = instant(parameters, state)
-    fill(parameters, state, workspace)
-    choices, lists = parameters.choices, workspace.lists
-    alone = choices[DIFFUSION] == NO_DIFFUSION and len(lists.counts) == state.position.shape[1]
-    if alone and choices[STRESS] != TRANSPORT:
-        sums = sums_of(choices)
-        sums.both(workspace.fields, lists.counts, lists.neighbor, parameters.numbers, choices, workspace.rates)
-    else:
-        _sum_stretch(parameters, workspace)
-        _sum_push(parameters, workspace)
-    _store_thickening(parameters, state, workspace)
-    _store_acceleration(parameters, state, workspace, time)
-
-
-def _sum_stretch(parameters: Parameters, workspace: Workspace) -> None:
-    lists, choices, numbers = workspace.lists, parameters.choices, parameters.numbers
-    soft = ENTHALPY if choices[DIFFUSION] == HYDROSTATIC else RHO
-    sums_of(choices).stretch(workspace.fields, lists.counts, lists.neighbor, numbers, choices, soft, workspace.rates)
-    if choices[DIFFUSION] == ANTUONO:
-        factor = 0.5 * numbers[DELTA] * numbers[SCALE]
-        add_gradient_diffusion(
-            workspace.fields, lists.counts, lists.neighbor, numbers, choices, factor, workspace.rates
-        )
-
-
-def _sum_push(parameters: Parameters, workspace: Workspace) -> None:
-    lists, choices = workspace.lists, parameters.choices
-    push = push_transported if choices[STRESS] == TRANSPORT else sums_of(choices).push
-    push(workspace.fields, lists.counts, lists.neighbor, parameters.numbers, choices, workspace.rates)
-
-
-def _store_thickening(parameters: Parameters, state: State, workspace: Workspace) -> None:
-    by_mass = parameters.choices[STRESS] == MONAGHAN
-    store_thickening(state.thickening, workspace.rates, state.density, by_mass)
-    if parameters.gates:
-        still(state)
-
-
-def _store_acceleration(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
-    """Pressure is per weight, friction per mass; and gravity."""
-    choices, lists = parameters.choices, workspace.lists
-    per_volume = choices[STRESS] == SUM
-    store_acceleration(state.acceleration, workspace.rates, state.density, parameters.gravity, per_volume)
-    if parameters.pull_rate > 0.0:
-        state.acceleration[...] -= parameters.pull_rate**2 * (state.position - parameters.pull_center[:, None])
-    if parameters.turbulence:
-        stir(parameters, workspace)
-    if choices[FRICTION] != NO_FRICTION:
-        rubbing = rub_radially if choices[FRICTION] == RADIAL else rub
-        workspace.rates[ACC : ACC + 3] = 0.0
-        rubbing(workspace.fields, lists.counts, lists.neighbor, parameters.numbers, choices, workspace.rates)
-        state.acceleration[...] += workspace.rates[ACC : ACC + parameters.dimension]
-    _push_bodies(parameters, state, workspace)
-    if parameters.tension != NO_TENSION:
-        pull(parameters, state, workspace)
-    if parameters.background > 0.0 or parameters.shifting == DELTA_PLUS:
-        shift(parameters, state, workspace, time)
-    if parameters.gates:
-        still(state)
-
-
-def _push_bodies(parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """What the liquid does to each body's particles, summed in their order."""
-    bodies, dummies = parameters.bodies, parameters.boundary.dummies
-    if not bodies.shapes:
-        return
-    force, place = forces_on_dummies(parameters, workspace, bodies.first)
-    owner = dummies.owner[bodies.first :]
-    names = len(parameters.boundary.names)
-    sums = [
-        total(force[:, owner == number], place[:, owner == number], state.pose[:3, body])
-        for body, number in enumerate(range(names - len(bodies.shapes), names))
-    ]
-    load = np.array([force for force, _ in sums]), np.array([torque for _, torque in sums])
-    state.push[...] = pushed(bodies, state.pose, state.motion, load, parameters.gravity)
-
-
-def table_of(parameters: Parameters) -> Array:
-    """The sides' table, with points from where sums count."""
-    table = parameters.boundary.table.copy()
-    table[:, : parameters.dimension] -= parameters.origin
-    return table
-
-
-def fill(parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """The liquid's columns, its images', the walls', and the images of those."""
-    fields, lists = workspace.fields, workspace.lists
-    numbers, choices = parameters.numbers, parameters.choices
-    count = state.position.shape[1]
-    real = len(lists.counts)
-    by_mass = bool(choices[STRESS] == MONAGHAN)
-    of_liquid = state.position, state.velocity, state.density, state.mass
-    fill_liquid(fields, *of_liquid, parameters.constants, parameters.origin, by_mass)
-    if parameters.background > 0.0:
-        fields[W : W + parameters.dimension, :count] = state.transport
-    images = workspace.images
-    of_images = fields, real, images.start, table_of(parameters), parameters.gravity, parameters.constants
-    if parameters.moves:
-        put_dummies(parameters, fields, count)
-    if len(images.source):
-        fill_images(images.source, *of_images)
-    if choices[DIFFUSION] == ANTUONO:
-        fill_density_gradients(fields, count, lists.counts, lists.neighbor, numbers, choices)
-    if real > count:
-        clip, constants = parameters.walls_clip, parameters.constants
-        read_liquid(fields, count, lists.counts, lists.neighbor, numbers, choices, parameters.gravity, clip, constants)
-    if len(images.source) and (real > count or choices[DIFFUSION] == ANTUONO):
-        fill_images(images.source, *of_images)
-    if fields.shape[1] > count:
-        fill_weights(fields, count, by_mass)

@@ -1,0 +1,182 @@
+"""Which laws a scene asks for, by name: their numbers and codes as the sums read them."""
+
+from __future__ import annotations
+
+from typing import Any, cast
+
+import numpy as np
+
+from ecume.errors import Fault, SceneError
+from ecume.laws.kernels import KERNEL_CODES, Kernel, kernel
+from ecume.models.sph.fields import (
+    ALPHA,
+    CHOICES,
+    DELTA,
+    DIFFUSION,
+    DIMENSION,
+    FRICTION,
+    G0,
+    INVERSE,
+    KERNEL,
+    LAMINAR,
+    NO_FRICTION,
+    NUMBERS,
+    ONE,
+    RADIAL,
+    REFERENCE,
+    SCALE,
+    SHARE,
+    SOFT,
+    SOUND,
+    STRESS,
+    H,
+)
+from ecume.models.sph.parameters import SHIFTINGS, TENSIONS, Material
+from ecume.models.sph.solids import part_of
+from ecume.models.sph.substances import filled
+from ecume.scenes.faults import suggestion
+from ecume.scenes.sph import SphScene
+from ecume.units import Array
+
+TURBULENCES = ("none", "smagorinsky")
+SMOOTHING = {
+    "wendland-c2": (2.0, 1.6),
+    "wendland-c4": (2.0, 1.8),
+    "wendland-c6": (2.2, 2.0),
+    "quintic-spline": (1.3, 1.2),
+    "quartic-spline": (1.3, 1.2),
+    "lucy": (2.6, 2.4),
+}
+"""Smoothing lengths in spacings that suit a kernel, in two and in three dimensions; 1.3 and 1.2 for all others."""
+DIFFUSIONS = ("none", "molteni", "antuono", "linear", "hydrostatic")
+FRICTIONS = ("morris", "monaghan")
+STRESSES = ("sum", "monaghan", "transport")
+PRECISIONS: dict[str, type[np.floating[Any]]] = {"double": np.float64, "single": np.float32}
+USUAL_ALPHA = 0.02
+"""Of the artificial viscosity, where the liquid has none of its own."""
+
+
+def chosen(name: str, names: Any, path: str) -> str:
+    """A law's name, if there is such a law."""
+    if name not in names:
+        wanted = ", ".join(names)
+        raise SceneError([Fault(path, f"came {name!r}; wanted one of {wanted}; {suggestion(name, names)}")])
+    return name
+
+
+def sides_of(scene: SphScene) -> list[Any]:
+    """The tank's sides, low and high along each axis."""
+    tank = scene.tank
+    return [tank.left, tank.right, tank.bottom, tank.top, tank.front, tank.back][: 2 * len(tank.low)]
+
+
+def gravity_of(scene: SphScene) -> Array:
+    """(d,) m/s^2."""
+    return np.array(scene.gravity, dtype=np.float64)
+
+
+def held_pull(scene: SphScene) -> Array:
+    """(d,) the part of gravity that pressure balances at rest: none along periodic sides, where all flows on and on."""
+    pull = gravity_of(scene)
+    for number, side in enumerate(sides_of(scene)):
+        if side.kind == "periodic":
+            pull[number // 2] = 0.0
+    return pull
+
+
+def modified(scene: SphScene) -> bool:
+    """Whether gravity is left out of the motion, and the hydrostatic pressure added for output."""
+    return scene.method.pressure_split == "modified"
+
+
+def kernel_of(scene: SphScene) -> Kernel:
+    """The scene's kernel in its dimension."""
+    return kernel(chosen(scene.method.kernel, tuple(KERNEL_CODES), "method.kernel"), dim=len(scene.tank.low))
+
+
+def smoothing_of(scene: SphScene) -> float:
+    """The smoothing length (m)."""
+    given = scene.method.smoothing
+    usual = SMOOTHING.get(scene.method.kernel, (1.3, 1.2))[len(scene.tank.low) - 2]
+    return scene.spacing * (usual if given is None else given)
+
+
+def numbers_of(scene: SphScene, material: Material, pull: Array) -> Array:
+    """The table of numbers that sums read."""
+    shape, smoothing, dimension = kernel_of(scene), smoothing_of(scene), len(pull)
+    given = scene.method.artificial_viscosity
+    alpha = USUAL_ALPHA * (material.viscosity == 0.0) if given is None else given
+    spring = material.density / material.sound_speed**2
+    diffusion = diffusion_of(scene, pull)
+    numbers = np.zeros(NUMBERS)
+    numbers[ONE], numbers[H], numbers[INVERSE] = 1.0, smoothing, 1.0 / smoothing
+    numbers[SCALE] = shape.normalization / smoothing ** (dimension + 2)
+    numbers[SOFT] = 0.01 * smoothing**2
+    # By volume the viscosity's term is not per density squared.
+    by_mass = scene.method.pressure_force == "monaghan"
+    numbers[SHARE] = material.density if by_mass else 1.0 / material.density
+    numbers[ALPHA], numbers[SOUND] = alpha, material.sound_speed
+    numbers[DELTA] = 2.0 * scene.method.diffusion * smoothing * material.sound_speed * (diffusion != "none")
+    if diffusion == "hydrostatic":
+        numbers[DELTA] *= spring
+        numbers[G0 : G0 + dimension] = pull
+    elif diffusion == "linear":
+        numbers[G0 : G0 + dimension] = spring * pull
+    shifts = shifting_of(scene) == "delta-plus"
+    numbers[REFERENCE] = float(cast(float, shape.shape(scene.spacing / smoothing))) if shifts else 0.0
+    return numbers.astype(PRECISIONS[scene.method.precision])
+
+
+def diffusion_of(scene: SphScene, pull: Array) -> str:
+    """The density diffusion by its name."""
+    name = scene.method.density_diffusion
+    if name == "automatic":
+        uniform = pull.any() or scene.shake
+        return "hydrostatic" if uniform and scene.central_pull is None else "antuono"
+    return chosen(name, DIFFUSIONS, "method.density_diffusion")
+
+
+def friction_of(scene: SphScene) -> int:
+    """The form of the viscosity: the one that is right at a free surface, where there may be one."""
+    if scene.method.friction == "automatic":
+        return RADIAL if free_surface(scene) else LAMINAR
+    return {"morris": LAMINAR, "monaghan": RADIAL}[chosen(scene.method.friction, FRICTIONS, "method.friction")]
+
+
+def free_surface(scene: SphScene) -> bool:
+    """Whether a part of the liquid's surface may move: a side is open, or the tank is not full."""
+    bounds = [part_of(region, scene.spacing).bounds() for region in scene.fluid]
+    low, high = np.min([b[0] for b in bounds], axis=0), np.max([b[1] for b in bounds], axis=0)
+    room = np.maximum(low - np.array(scene.tank.low), np.array(scene.tank.high) - high)
+    return any(side.kind == "open" for side in sides_of(scene)) or bool((room > 0.5 * scene.spacing).any())
+
+
+def shifting_of(scene: SphScene) -> str:
+    """The shifting by its name. Where there is no surface flows pile particles up along their stagnation lines."""
+    name = scene.method.shifting
+    if name == "automatic":
+        return "delta-plus" if not free_surface(scene) and scene.method.pressure_force != "transport" else "none"
+    return chosen(name, SHIFTINGS, "method.shifting")
+
+
+def tension_of(scene: SphScene) -> str:
+    """The model of surface tension by its name."""
+    name, there = scene.method.surface_tension_model, (filled(scene.liquid).surface_tension or 0.0) > 0.0
+    wanted = "cohesion" if name == "automatic" else chosen(name, TENSIONS, "method.surface_tension_model")
+    return wanted if there else "none"
+
+
+def turbulent(scene: SphScene) -> bool:
+    """Whether eddies smaller than particles are reckoned with."""
+    return chosen(scene.method.turbulence, TURBULENCES, "method.turbulence") == "smagorinsky"
+
+
+def choices_of(scene: SphScene, pull: Array) -> Any:
+    """The table of choices that sums read."""
+    choices = np.zeros(CHOICES, np.int64)
+    choices[DIMENSION] = len(scene.tank.low)
+    choices[KERNEL] = KERNEL_CODES[scene.method.kernel]
+    choices[DIFFUSION] = DIFFUSIONS.index(diffusion_of(scene, pull))
+    choices[STRESS] = STRESSES.index(scene.method.pressure_force)
+    choices[FRICTION] = friction_of(scene) if filled(scene.liquid).viscosity or turbulent(scene) else NO_FRICTION
+    return choices

@@ -1,0 +1,59 @@
+"""The liquid's particles at the start."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ecume.engine.shapes import Box, Part, apart, lattice_in
+from ecume.errors import Fault, SceneError
+from ecume.laws.enthalpy import density_at_enthalpy
+from ecume.models.sph.choosing import held_pull, modified
+from ecume.models.sph.parameters import Liquid, Material
+from ecume.models.sph.solids import free_of, part_of, solids_of
+from ecume.models.sph.starting import pressure_in, velocity_in
+from ecume.models.sph.tables import Said, said_of, with_said
+from ecume.scenes.sph import SphScene
+from ecume.units import Array
+
+
+def liquid_of(scene: SphScene, material: Material) -> Liquid:
+    """The particles at the start, with the pressure of their depth."""
+    pull = np.zeros(len(scene.tank.low)) if modified(scene) else held_pull(scene)
+    tank = Box(np.array(scene.tank.low), np.array(scene.tank.high))
+    generator = np.random.default_rng(scene.seed)
+    pieces: list[tuple[Array, Array, Array]] = []
+    earlier: list[Part] = []
+    told: list[Said] = []
+    solids = solids_of(scene)
+    for index, region in enumerate(scene.fluid):
+        shape = part_of(region, scene.spacing)
+        given = region.particles
+        points = lattice_in(shape, scene.spacing) if given is None else np.array(given.positions)
+        kept = apart(points, earlier) & free_of(points, solids, scene.spacing)
+        points = points[kept]
+        outside = ~tank.inside(points)
+        if outside.any():
+            where = tuple(float(f"{x:.4g}") for x in points[outside][0])
+            raise SceneError([Fault(f"fluid[{index}]", f"reaches out of the tank, at {where}")])
+        earlier.append(shape)
+        head = np.zeros(len(points))
+        if pull.any() and scene.method.start == "hydrostatic":
+            head = np.linalg.norm(pull) * shape.way_out(points, -pull / np.linalg.norm(pull))
+        if given is None:
+            points = points + scene.method.jitter * scene.spacing * generator.uniform(-1.0, 1.0, points.shape)
+        head += pressure_in(region, scene, points, material.density) / material.density
+        pieces.append((points, velocity_in(region, scene, points), head))
+        told.append(said_of(region, kept))
+    return with_said(_particles(scene, material, pieces), told)
+
+
+def _particles(scene: SphScene, material: Material, pieces: list[tuple[Array, Array, Array]]) -> Liquid:
+    """Densities and masses of points where the enthalpy (J/kg) is known."""
+    points, velocity, head = (np.concatenate(parts) for parts in zip(*pieces, strict=True))
+    if len(points) == 0:
+        raise SceneError([Fault("spacing", f"came {scene.spacing:g} m: no particle fits into the liquid")])
+    laws = material.density, material.sound_speed, material.exponent
+    density = np.array([density_at_enthalpy(each, *laws) for each in head])
+    mass = density * scene.spacing ** points.shape[1]
+    region = np.repeat(np.arange(len(pieces)), [len(piece[0]) for piece in pieces])
+    return Liquid(np.ascontiguousarray(points.T), np.ascontiguousarray(velocity.T), density, mass, region)
