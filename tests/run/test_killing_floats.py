@@ -25,7 +25,7 @@ pytestmark = [
 
 BOWL = """
 model = "floating"
-duration = "6 s"
+duration = "20 s"
 frame_every = "50 ms"
 seed = 4
 [liquid]
@@ -64,11 +64,11 @@ def test_floats_killed_twice_at_random_moments_come_to_the_same_bits(
     moments = [random.uniform(0.0, 0.4) for _ in range(2)]
     killed(RUN, tmp_path / "killed", moments[0])
     seen = info(tmp_path / "killed")
-    assert (seen.state, 0 < seen.frames < 121) == ("killed", True), moments
+    assert (seen.state, 0 < seen.frames < 401) == ("killed", True), moments
     killed(RESUME, tmp_path / "killed", moments[1])
     resume(tmp_path / "killed")
     with open_trajectory(tmp_path / "killed") as here, open_trajectory(tmp_path / "left alone") as there:
-        assert len(here) == len(there) == 121
+        assert len(here) == len(there) == 401
         for one, other in zip(here, there, strict=True):
             assert one.numbers == other.numbers, moments
             for name, array in one.arrays.items():

@@ -11,6 +11,8 @@ from ecume.models.sph.state import skin_for
 from ecume.simulation import moments
 from tests.models.sph.scenes import tank
 
+pytestmark = pytest.mark.compiled
+
 
 def marched(scene, steps):
     parameters = SPH.parameters(scene)
