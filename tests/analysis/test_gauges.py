@@ -93,3 +93,10 @@ def test_what_cannot_be_read_is_said():
         gauges.filled(frame, np.zeros((1, 3)), REACH)
     with pytest.raises(BadInput, match="four spacings"):
         gauges.filled(frame, np.zeros((1, 2)), 0.0)
+
+
+def test_a_sensor_does_not_hide_a_pressure_that_is_not_a_number():
+    frame = still()
+    frame.arrays["pressure"][...] = np.nan
+    assert np.isnan(gauges.wall_pressure(frame, np.array([[0.0, 0.5]]), REACH))
+    assert gauges.wall_pressure(frame, np.array([[0.0, 3.0]]), REACH) == 0.0

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ecume.engine.interpolation import Near, added, means, near, planes
+from ecume.engine.interpolation import Near, added, dry, means, near, planes
 from ecume.errors import BadInput
 from ecume.laws.kernels import kernel
 from ecume.trajectories.frame import Frame
@@ -55,8 +55,9 @@ def wall_pressure(frame: Frame, sensor: Array, reach: Length) -> float:
 
     Zero where the face is dry; a liquid that has not come pushes nothing.
     """
-    pressure = linear_values_at(frame, "pressure", np.atleast_2d(sensor), reach)
-    return float(np.nan_to_num(pressure).mean())
+    found = _near(frame, np.atleast_2d(sensor), reach)
+    pressure = planes(*found, _array_of(frame, "pressure"))
+    return float(np.where(dry(*found), 0.0, pressure).mean())
 
 
 def water_level(frame: Frame, places: Array, reach: Length) -> Array:

@@ -9,6 +9,7 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from ecume.engine.cells import Integers
@@ -75,6 +76,11 @@ def planes(pairs: Near, weight: Array, values: Array) -> Array:
     slope = np.linalg.solve(spread[known], moment[known])
     mean[known] -= np.einsum("pa,pac->pc", middle[known], slope).reshape(mean[known].shape)
     return mean
+
+
+def dry(pairs: Near, weight: Array) -> NDArray[np.bool_]:
+    """(points,) whether nobody is near a point, so that there is no mean."""
+    return ~np.asarray(added(pairs, weight) > THIN)
 
 
 def _mean_of_pairs(pairs: Near, weight: Array, values: Array) -> Array:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ecume.engine.interpolation import added, near, planes
+from ecume.engine.interpolation import added, dry, near, planes
 from ecume.laws.kernels import kernel
 from ecume.models.sph.parameters import Gauge
 from ecume.models.sph.state import State
@@ -79,7 +79,9 @@ def _at_place(place: Array, position: Array, table: Array, reach: float) -> list
     pairs = near(place[None], position[close], reach)
     shape = kernel(KERNEL, dim=len(place))
     weight = table[close, -1][pairs.particle] * shape.value(pairs.distance, reach / shape.support)
-    found: list[float] = np.nan_to_num(planes(pairs, weight, table[close, :-1]))[0].tolist()
+    if dry(pairs, weight)[0]:
+        return [0.0] * (table.shape[1] - 1)
+    found: list[float] = planes(pairs, weight, table[close, :-1])[0].tolist()
     return found
 
 

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ecume.analysis.gauges import filled, points_along, values_at, water_level
+from ecume.engine.interpolation import THIN
 from ecume.scenes.load import load_scene
 from ecume.scenes.sph import SphScene
 from ecume.simulation import simulate
@@ -78,7 +79,8 @@ def gauged(frames: Iterable[Frame], wide: float, reach: float) -> Broken:
 
 def _read(frame: Frame, wide: float, reach: float) -> tuple[float, float, float, Array, Array, float]:
     sensors = np.array([(wide, height) for height in SENSORS.values()])
-    pressure_ = np.nan_to_num(values_at(frame, "pressure", sensors, reach))
+    wet = filled(frame, sensors, reach) > THIN
+    pressure_ = np.where(wet, values_at(frame, "pressure", sensors, reach), 0.0)
     levels = water_level(frame, np.array(list(GAUGES.values())), reach)
     return frame.time, frame.numbers["front"], frame.numbers["volume"], pressure_, levels, _height(frame, reach)
 
