@@ -33,6 +33,12 @@ def require_not_negative(name: str, value: float) -> None:
         raise BadInput(f"the {name} is {value!r}; wanted zero or a positive number")
 
 
+def require_finite(name: str, value: float) -> None:
+    """Refuse what is infinite or no number."""
+    if not math.isfinite(value):
+        raise BadInput(f"the {name} is {value!r}; wanted a finite number")
+
+
 def require_angle(name: str, value: float) -> None:
     """Refuse what is no contact angle."""
     if not 0.0 <= value <= math.pi:

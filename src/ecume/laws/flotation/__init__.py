@@ -14,6 +14,7 @@ from ecume.laws.flotation.balance import (
     sinking_density_ratio,
 )
 from ecume.laws.flotation.bodies import (
+    Disc,
     Liquid,
     Sphere,
     bond_number,
@@ -36,6 +37,7 @@ __all__ = [
     "BALANCES",
     "CHARGES",
     "Balance",
+    "Disc",
     "Equilibrium",
     "Liquid",
     "Sphere",

@@ -6,8 +6,8 @@ import math
 from dataclasses import dataclass
 
 from ecume.errors import BadInput
-from ecume.laws.arguments import require_angle, require_not_negative, require_positive
-from ecume.units import Acceleration, Angle, Density, Length, Number, SurfaceTension, Viscosity
+from ecume.laws.arguments import require_angle, require_finite, require_not_negative, require_positive
+from ecume.units import Acceleration, Angle, Density, Force, Length, Number, SurfaceTension, Viscosity
 
 
 @dataclass(frozen=True)
@@ -63,6 +63,30 @@ class Sphere:
         require_positive("sphere's radius", self.radius)
         require_positive("sphere's density", self.density, hint="a bubble has the density of its gas")
         require_angle("sphere's contact_angle", self.contact_angle)
+
+
+@dataclass(frozen=True)
+class Disc:
+    """A flat body whose contact line is pinned to its round rim: a thin disc, a cereal, a flat-bottomed cylinder.
+
+    load: weight less the buoyancy of what lies below the rim's plane, positive downwards. tilting: whether the disc
+    may lean; if not it stays level. stability: kappa = (m g H + rho g V d) / (gamma L^2), with H the height of the
+    center of mass above the rim's plane, V and d the volume below it and the depth of its centroid; it makes a tall
+    disc lean more.
+
+    >>> Disc(radius=1.35e-3, load=2e-5).tilting
+    True
+    """
+
+    radius: Length
+    load: Force
+    tilting: bool = True
+    stability: Number = 0.0
+
+    def __post_init__(self) -> None:
+        require_positive("disc's radius", self.radius)
+        for name in ("load", "stability"):
+            require_finite(f"disc's {name}", getattr(self, name))
 
 
 def bond_number(sphere: Sphere, liquid: Liquid) -> Number:
