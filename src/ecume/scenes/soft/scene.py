@@ -21,7 +21,8 @@ from ecume.scenes.quantities import (
     Size,
     Switch,
 )
-from ecume.units import Energy, Force, Number, Pressure, Time, Viscosity
+from ecume.scenes.soft.protocol import StageSpec
+from ecume.units import Energy, Force, Number, Pressure, Viscosity
 
 MOST_SPHERES = 1_000_000
 
@@ -32,9 +33,6 @@ Strength = Annotated[Force, Field(ge=0.0, le=1e9)]
 Hamaker = Annotated[Energy, Field(ge=0.0, le=1e9)]
 Prefactor = Annotated[Number, Field(gt=1e-6, le=1e6)]
 Weight = Annotated[Number, Field(ge=1e-6, le=1e6)]
-Instant = Annotated[Time, Field(ge=0.0, le=1e10)]
-Factor = Annotated[Number, Field(ge=-1e9, le=1e9)]
-Scale = Annotated[Number, Field(ge=1e-3, le=1e3)]
 Tolerance = Annotated[Number, Field(ge=1e-11, le=1e-2)]
 Position = Annotated[tuple[Coordinate, ...], Field(min_length=2, max_length=3)]
 """Two coordinates in a layer, three in space."""
@@ -130,20 +128,6 @@ class BoxSpec:
     """Its sides (m), as many as there are dimensions."""
     gap: Size | None = None
     """The least gap of spheres that are placed at random (m); left out, a hundredth of the smallest radius."""
-
-
-@dataclass(frozen=True, kw_only=True, config=STRICT)
-class StageSpec:
-    """A moment of the protocol: between two, everything changes evenly; before the first and after the last, not."""
-
-    time: Instant
-    """s"""
-    load: Factor = 1.0
-    """what the spheres' forces are multiplied by"""
-    strain: Factor = 0.0
-    """shear strain of the box, along x from bottom to top"""
-    scale: Scale = 1.0
-    """what the sides of the box are multiplied by"""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
