@@ -3,62 +3,116 @@
 import numpy as np
 import pytest
 
-from ecume.engine import sparse
+from ecume.engine import elimination, gradients, sparse
+
+WIDTHS = {"layer": 2, "space": 3, "spinning": 6}
 
 
-def system(dimensions, held, count=30, lean=0.1):
-    """A random network of stiff and soft links, not quite symmetric, held or not; as a matrix, and dense."""
+def links(count):
+    """A chain that ties all together, and links across."""
     random = np.random.default_rng(3)
     first = np.concatenate([np.arange(count - 1), random.integers(0, count // 2, 60)])
     second = np.concatenate([np.arange(1, count), random.integers(count // 2, count, 60)])
-    root = random.normal(size=(len(first), dimensions, dimensions))
+    return random, first, second
+
+
+def right_sides(random, count, width, held):
+    right = random.normal(size=(3, count, width))
+    return right if held else right - right.mean(axis=1, keepdims=True)
+
+
+def system(width, held, count=30, lean=0.1):
+    """A random network of stiff and soft links, not quite symmetric, held or not; as a matrix, and dense."""
+    random, first, second = links(count)
+    root = random.normal(size=(len(first), width, width))
     stiffness = root @ root.swapaxes(1, 2) * np.exp(random.normal(size=(len(first), 1, 1)))
     stiffness[:, 0, 1] += lean * np.abs(stiffness[:, 0, 1])
-    matrix = sparse.make_matrix(sparse.make_pattern(count, first, second), dimensions)
-    diagonal = np.full(count, 0.3 * held)
+    matrix = sparse.make_matrix(sparse.make_pattern(count, first, second), width)
+    diagonal = held * np.linspace(0.2, 0.4, count * width).reshape(count, width)
     sparse.assemble(matrix, stiffness, diagonal)
-    dense = np.diag(np.repeat(diagonal, dimensions))
+    dense = np.diag(diagonal.ravel())
     for i, j, block in zip(first, second, stiffness, strict=True):
         for a, b, sign in ((i, i, 1), (j, j, 1), (i, j, -1), (j, i, -1)):
-            rows, columns = slice(a * dimensions, (a + 1) * dimensions), slice(b * dimensions, (b + 1) * dimensions)
+            rows, columns = slice(a * width, (a + 1) * width), slice(b * width, (b + 1) * width)
             dense[rows, columns] += sign * block
-    right = random.normal(size=(count, dimensions))
-    return matrix, dense, right if held else right - right.mean(axis=0)
+    return matrix, dense, right_sides(random, count, width, held)
 
 
-def by_gradients(matrix, right, solution, anchored):
-    scratch = sparse.make_gradients(*right.shape)
-    assert sparse.descend(matrix, right, solution, scratch, 1e-12) > 0
-    if anchored:
-        sparse.center(solution)
+def by_gradients(matrix, right, solution, loose):
+    scratch = gradients.make_gradients(*right.shape[1:])
+    assert gradients.descend(matrix, right, solution, scratch, 1e-12) > 0
+    for one in solution:
+        sparse.center(one, loose)
     return True
 
 
-WAYS = {"eliminate": sparse.eliminate, "factorize": sparse.factorize, "gradients": by_gradients}
+WAYS = {"eliminate": elimination.eliminate, "factorize": elimination.factorize, "gradients": by_gradients}
 
 
 @pytest.mark.parametrize("way", WAYS.values(), ids=WAYS)
-@pytest.mark.parametrize("dimensions", [2, 3])
+@pytest.mark.parametrize("width", WIDTHS.values(), ids=WIDTHS)
 @pytest.mark.parametrize("held", [True, False])
-def test_every_way_solves_what_the_dense_matrix_says(way, dimensions, held):
-    matrix, dense, right = system(dimensions, held)
+def test_every_way_solves_what_the_dense_matrix_says_for_several_right_sides(way, width, held):
+    matrix, dense, right = system(width, held)
     solution = np.zeros_like(right)
-    assert way(matrix, right, solution, not held)
-    assert dense @ solution.ravel() == pytest.approx(right.ravel(), abs=1e-9)
-    if not held:
-        assert solution.mean(axis=0) == pytest.approx(np.zeros(dimensions), abs=1e-12)
+    assert way(matrix, right, solution, 0 if held else width)
+    for one, wanted in zip(solution, right, strict=True):
+        assert dense @ one.ravel() == pytest.approx(wanted.ravel(), abs=1e-9)
+        if not held:
+            assert one.mean(axis=0) == pytest.approx(np.zeros(width), abs=1e-12)
+
+
+@pytest.mark.parametrize("way", WAYS.values(), ids=WAYS)
+def test_the_four_blocks_of_a_pair_may_differ(way):
+    count, width = 30, 6
+    random, first, second = links(count)
+    quads = 0.1 * random.normal(size=(len(first), 4, width, width))
+    diagonal = random.uniform(20.0, 40.0, size=(count, width))
+    matrix = sparse.make_matrix(sparse.make_pattern(count, first, second), width)
+    sparse.assemble_quads(matrix, quads, diagonal)
+    dense = np.diag(diagonal.ravel())
+    for i, j, four in zip(first, second, quads, strict=True):
+        for (a, b), place in {
+            (i, i): sparse.OWN, (i, j): sparse.ACROSS, (j, i): sparse.BACK, (j, j): sparse.OTHER
+        }.items():  # fmt: skip
+            dense[a * width : (a + 1) * width, b * width : (b + 1) * width] += four[place]
+    right = right_sides(random, count, width, held=True)
+    solution = np.zeros_like(right)
+    assert way(matrix, right, solution, 0)
+    for one, wanted in zip(solution, right, strict=True):
+        assert dense @ one.ravel() == pytest.approx(wanted.ravel(), abs=1e-9)
+
+
+@pytest.mark.parametrize("width", [2, 3, 5, 6])
+def test_the_diagonal_is_inverted_block_by_block(width):
+    random = np.random.default_rng(1)
+    pattern = sparse.make_pattern(4, np.array([0, 1]), np.array([1, 3]))
+    matrix = sparse.make_matrix(pattern, width)
+    matrix.blocks[:] = random.normal(size=matrix.blocks.shape)
+    matrix.blocks[pattern.diagonal] += 5.0 * np.eye(width)
+    inverse = np.zeros((4, width, width))
+    assert gradients.invert_diagonal(matrix, inverse)
+    assert inverse == pytest.approx(np.linalg.inv(matrix.blocks[pattern.diagonal]), abs=1e-12)
+
+
+def test_a_block_without_a_pivot_in_place_is_inverted_nevertheless():
+    turned = np.eye(6)[::-1].copy()
+    inverse = np.zeros((6, 6))
+    assert gradients.invert(turned, inverse, np.zeros((6, 12)))
+    assert inverse == pytest.approx(turned)
+    assert not gradients.invert(np.zeros((6, 6)), inverse, np.zeros((6, 12)))
 
 
 def test_a_network_in_two_pieces_that_nothing_holds_has_no_solution():
     matrix = sparse.make_matrix(sparse.make_pattern(4, np.array([0, 2]), np.array([1, 3])), 2)
-    sparse.assemble(matrix, np.stack([np.eye(2)] * 2), np.zeros(4))
-    right = np.array([[1.0, 0.0], [0.0, 0.0], [-1.0, 0.0], [0.0, 0.0]])
-    assert not sparse.eliminate(matrix, right, np.zeros((4, 2)), True)
+    sparse.assemble(matrix, np.stack([np.eye(2)] * 2), np.zeros((4, 2)))
+    right = np.array([[[1.0, 0.0], [0.0, 0.0], [-1.0, 0.0], [0.0, 0.0]]])
+    assert not elimination.eliminate(matrix, right, np.zeros((1, 4, 2)), 2)
 
 
 def test_gradients_need_no_iteration_for_nothing_and_give_up_without_a_diagonal():
     matrix, _, right = system(2, True)
-    scratch = sparse.make_gradients(*right.shape)
-    assert sparse.descend(matrix, 0.0 * right, right, scratch, 1e-3) == 0
+    scratch = gradients.make_gradients(*right.shape[1:])
+    assert gradients.descend(matrix, 0.0 * right, right, scratch, 1e-3) == 0
     matrix.blocks[:] = 0.0
-    assert sparse.descend(matrix, right + 1.0, right, scratch, 1e-3) == -1
+    assert gradients.descend(matrix, right + 1.0, right, scratch, 1e-3) == -1

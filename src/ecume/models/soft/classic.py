@@ -14,14 +14,14 @@ from typing import NamedTuple
 import numpy as np
 
 from ecume._jit import compiled
-from ecume.engine import sparse
+from ecume.engine import elimination, sparse
 from ecume.errors import BadInput
 from ecume.laws.arguments import require_positive
 from ecume.models.soft.building import parameters_of, start
 from ecume.models.soft.cluster import APART, DIAGONAL, HORIZONTAL, SQRT3, T1, VERTICAL, Effort, Instant, reached, told
 from ecume.models.soft.films import answer
 from ecume.models.soft.parameters import Contacts
-from ecume.models.soft.stages import Step, imbalance
+from ecume.models.soft.stages import Step, imbalance, several
 from ecume.models.soft.state import workspace
 from ecume.scenes.soft import SoftScene
 from ecume.units import Array
@@ -93,7 +93,8 @@ def velocities(contacts: Contacts, step: Step, places: Places, load_rate: float,
     imbalance(step, load_rate, 1.0, False)
     bodies.diagonal[:] = 0.0
     sparse.assemble(step.matrix, answers.stiffness, bodies.diagonal)
-    if not sparse.eliminate(step.matrix, bodies.right, bodies.change, True):
+    right, change = several(bodies)
+    if not elimination.eliminate(step.matrix, right, change, change.shape[2]):
         return False
     found.position[:] = bodies.change
     return True

@@ -9,8 +9,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ecume._jit import compiled, compiled_inside, inlined, plainly
-from ecume.engine import sparse
-from ecume.engine.sparse import Gradients, Matrix
+from ecume.engine import elimination, gradients, sparse
+from ecume.engine.gradients import Gradients
+from ecume.engine.sparse import Matrix
 from ecume.models.soft.films import Answers, Films, Pairs, answer, place_images
 from ecume.models.soft.parameters import Contacts, Drive
 from ecume.models.soft.schemes import Scheme
@@ -46,7 +47,7 @@ class Bodies(NamedTuple):
     change: Array
     """(N, d) m"""
     diagonal: Array
-    """(N,) N/m"""
+    """(N, d) N/m"""
 
 
 class During(NamedTuple):
@@ -150,25 +151,36 @@ def resist(step: Step, span: float) -> None:
     """The matrix of Newton's step: what resists a displacement of each sphere."""
     bodies = step.bodies
     for i in range(len(bodies.drag)):
-        bodies.diagonal[i] = bodies.drag[i] / span if span > 0.0 else 0.0
+        for k in range(bodies.diagonal.shape[1]):
+            bodies.diagonal[i, k] = bodies.drag[i] / span if span > 0.0 else 0.0
     sparse.assemble(step.matrix, step.answers.stiffness, bodies.diagonal)
 
 
 @compiled
-def eliminated(step: Step, anchored: bool) -> bool:
+def eliminated(step: Step, loose: int) -> bool:
     """Newton's step by dense elimination."""
-    return sparse.eliminate(step.matrix, step.bodies.right, step.bodies.change, anchored)
+    right, change = several(step.bodies)
+    return elimination.eliminate(step.matrix, right, change, loose)
 
 
 @compiled
-def descended(step: Step, anchored: bool) -> bool:
+def descended(step: Step, loose: int) -> bool:
     """Newton's step by biconjugate gradients."""
-    return sparse.follow_gradients(step.matrix, step.bodies.right, step.bodies.change, step.gradients, anchored)
+    right, change = several(step.bodies)
+    return gradients.follow_gradients(step.matrix, right, change, step.gradients, loose)
 
 
-def factorized(step: Step, anchored: bool) -> bool:
+def factorized(step: Step, loose: int) -> bool:
     """Newton's step by a sparse factorization."""
-    return sparse.factorize(step.matrix, step.bodies.right, step.bodies.change, anchored)
+    right, change = several(step.bodies)
+    return elimination.factorize(step.matrix, right, change, loose)
+
+
+@compiled
+def several(bodies: Bodies) -> tuple[Array, Array]:
+    """What is left on the spheres, and their change, as the one right side and solution of a system."""
+    count, width = bodies.right.shape
+    return bodies.right.reshape((1, count, width)), bodies.change.reshape((1, count, width))
 
 
 @inlined
@@ -182,7 +194,7 @@ def newton_with(
     drive, span = at
     place_images(step.pairs, step.box, drive)
     bodies = step.bodies
-    anchored = not np.any(bodies.drag > 0.0)
+    loose = 0 if np.any(bodies.drag > 0.0) else bodies.position.shape[1]
     last = math.inf
     for _ in range(MOST_ITERATIONS):
         answer(contacts, step.pairs, step.films, bodies.position, span, step.answers)
@@ -191,7 +203,7 @@ def newton_with(
             return True
         imbalance(step, drive.load, span, True)
         resist(step, span)
-        if not solve(step, anchored):
+        if not solve(step, loose):
             return False
         last = move(step)
         if not math.isfinite(last):

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ecume.engine import sparse
+from ecume.engine import gradients, sparse
 from ecume.engine.cells import Integers
 from ecume.laws import elasticity
 from ecume.models.soft.films import Pairs, make_answers, make_films
@@ -90,7 +90,7 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
         force=parameters.force,
         right=np.zeros((count, dimensions)),
         change=np.zeros((count, dimensions)),
-        diagonal=np.zeros(count),
+        diagonal=np.zeros((count, dimensions)),
     )
     step = Step(
         pairs=pairs,
@@ -102,7 +102,7 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
         bodies=bodies,
         matrix=sparse.make_matrix(pattern, dimensions),
         box=parameters.box,
-        gradients=sparse.make_gradients(count, dimensions),
+        gradients=gradients.make_gradients(count, dimensions),
     )
     return Workspace(step, int(state.generation[0]))
 

@@ -1,0 +1,102 @@
+"""Direct solutions of block systems: dense elimination for a few particles, a sparse factorization for more.
+
+Right sides and solutions are (R, N, b): several for one matrix, which is factorized once. Where nothing holds the
+particles in place, the first `loose` unknowns of all of them may shift together without resistance (as many as there
+are dimensions; 0 where something holds them): the first particle is then held, and the mean is taken out.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ecume._jit import compiled
+from ecume.engine.sparse import Matrix, center
+from ecume.units import Array
+
+
+@compiled
+def eliminate(matrix: Matrix, right: Array, solution: Array, loose: int) -> bool:
+    """Solve by dense elimination with pivots; whether there is a solution."""
+    several, count, width = right.shape
+    size = count * width
+    full = np.zeros((size, size + several))
+    scatter(matrix, full)
+    for s in range(several):
+        for i in range(count):
+            for k in range(width):
+                full[i * width + k, size + s] = right[s, i, k]
+    for k in range(loose):
+        full[k, :] = 0.0
+        full[:, k] = 0.0
+        full[k, k] = 1.0
+    if not triangulate(full):
+        return False
+    for s in range(several):
+        substitute(full, size + s, solution[s])
+        center(solution[s], loose)
+    return True
+
+
+@compiled
+def scatter(matrix: Matrix, full: Array) -> None:
+    """The blocks into a dense matrix."""
+    start, column, blocks = matrix.pattern.start, matrix.pattern.column, matrix.blocks
+    width = blocks.shape[1]
+    for i in range(len(start) - 1):
+        for place in range(start[i], start[i + 1]):
+            for k in range(width):
+                for m in range(width):
+                    full[i * width + k, column[place] * width + m] = blocks[place, k, m]
+
+
+@compiled
+def triangulate(full: Array) -> bool:
+    """Gauss's elimination of a matrix with its right sides as the last columns; False where it is singular."""
+    size, wide = full.shape
+    for k in range(size):
+        pivot = k
+        for i in range(k + 1, size):
+            if abs(full[i, k]) > abs(full[pivot, k]):
+                pivot = i
+        if not abs(full[pivot, k]) > 0.0:
+            return False
+        if pivot != k:
+            for m in range(k, wide):
+                full[k, m], full[pivot, m] = full[pivot, m], full[k, m]
+        for i in range(k + 1, size):
+            if full[i, k] != 0.0:
+                factor = full[i, k] / full[k, k]
+                for m in range(k, wide):
+                    full[i, m] -= factor * full[k, m]
+    return True
+
+
+@compiled
+def substitute(full: Array, right: int, solution: Array) -> None:
+    """The solution of a triangular system for one of its last columns, from its last row up."""
+    size, width = full.shape[0], solution.shape[1]
+    for k in range(size - 1, -1, -1):
+        value = full[k, right]
+        for m in range(k + 1, size):
+            value -= full[k, m] * solution[m // width, m % width]
+        solution[k // width, k % width] = value / full[k, k]
+
+
+def factorize(matrix: Matrix, right: Array, solution: Array, loose: int) -> bool:
+    """Solve by SuperLU, whatever the matrix; whether there is a solution."""
+    from scipy.sparse import bsr_array
+    from scipy.sparse.linalg import splu
+
+    several, count, width = right.shape
+    pattern = matrix.pattern
+    whole = bsr_array((matrix.blocks, pattern.column, pattern.start), shape=(count * width,) * 2).tocsc()
+    free = np.arange(loose, count * width)
+    solution[:] = 0.0
+    try:
+        factors = splu(whole[loose:, loose:], permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
+    except RuntimeError:  # SuperLU says so of a singular matrix
+        return False
+    solution.reshape(several, -1)[:, free] = factors.solve(right.reshape(several, -1)[:, free].T).T
+    for one in solution:
+        center(one, loose)
+    return bool(np.isfinite(solution).all())
