@@ -1,12 +1,7 @@
-"""The contacts: film and surface in series, and what they answer to a displacement of the spheres within one step.
+"""All contacts, and what they answer to a displacement of the spheres within one step.
 
-A contact's own state is the logarithm q of its gap and the direction n of its gap vector G = (R_i + R_j + h) n. Where
-the spheres are says how far its surfaces are deflected: delta = X_j - X_i - G. The force of the deflection drives
-the film, dG/dt = Z^-1 F. Over a stage of an implicit step, (q, n) = start + dt f(q, n, X) is solved contact by contact,
-linearized, and put into the forces: what is left is a linear system in the displacements of the spheres alone.
-
-In the plane of n and the surface's shear direction a contact has four numbers: q, the turn of n, and the pull and shear
-of X_ij along them. Forces are on sphere i, from i to j: tension is positive here.
+Over a stage of an implicit step, (q, n) = start + dt f(q, n, X) is solved contact by contact (`contact`), linearized,
+and put into the forces: what is left is a linear system in the displacements of the spheres alone.
 """
 
 from __future__ import annotations
@@ -16,18 +11,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ecume._jit import admit, compiled, compiled_inside
+from ecume._jit import compiled, compiled_inside
 from ecume.engine.cells import Integers
-from ecume.laws import elasticity, lubrication, remote
+from ecume.laws import elasticity
+from ecume.models.soft.contact import Frame, Link, Start, Vector, dot, film_of, frame_of, linked
 from ecume.models.soft.parameters import Contacts, Drive
 from ecume.units import Array
-
-admit(elasticity, lubrication, remote)
-
-FAINTEST = 1e-3
-"""Of a film's friction where it has faded: the surfaces then relax at once, and nothing is left to jump."""
-STILL = 1e-14
-"""A shear below this part of the centers' distance has no direction."""
 
 
 class Pairs(NamedTuple):
@@ -71,153 +60,6 @@ class Answers(NamedTuple):
     """(C, 4) rates of ln(gap) and direction (1/s)"""
 
 
-class Film(NamedTuple):
-    """One contact as numbers."""
-
-    gap: float
-    reach: float
-    """length of the gap vector"""
-    pull: float
-    """X_ij along n"""
-    shear: float
-    """and along the surface"""
-    stretch: float
-    """normal deflection"""
-    normal_stiffness: float
-    tangential_stiffness: float
-    size_by_gap: float
-    """d ln a / d q at a deflection that is held"""
-    size_by_stretch: float
-    """d ln a / d delta_n"""
-    squeeze_mobility: float
-    shear_mobility: float
-    fade_slope: float
-    """d ln(friction) / d q by fading"""
-    remote_force: float
-    remote_slope: float
-
-
-@compiled_inside
-def fading(gap: float, contacts: Contacts) -> tuple[float, float]:
-    """What part of its friction a film still has, and the slope of its logarithm over ln(gap)."""
-    if gap <= contacts.fade_from:
-        return 1.0, 0.0
-    u = min((gap - contacts.fade_from) / (contacts.fade_to - contacts.fade_from), 1.0)
-    part = FAINTEST + (1.0 - FAINTEST) * (1.0 - u) ** 2 * (1.0 + 2.0 * u)
-    slope = -(1.0 - FAINTEST) * 6.0 * u * (1.0 - u) / (contacts.fade_to - contacts.fade_from)
-    return part, slope * gap / part
-
-
-@compiled_inside
-def remote_answer(gap: float, reduced_radius: float, contacts: Contacts) -> tuple[float, float]:
-    """The remote force, positive repels, and its slope."""
-    if contacts.remote == 1:
-        given = (contacts.steric_strength, contacts.steric_length)
-        return remote.steric_force(gap, *given), remote.steric_slope(gap, *given)
-    if contacts.remote == 2:
-        layer = (reduced_radius, contacts.hamaker, contacts.layer_strength, contacts.debye_length)
-        return remote.dlvo_force(gap, *layer), remote.dlvo_slope(gap, *layer)
-    return 0.0, 0.0
-
-
-@compiled_inside
-def film_of(contacts: Contacts, body: tuple[float, float, float], log_gap: float, pull: float, shear: float) -> Film:
-    """A contact's numbers; `body` is the sum of radii, the reduced radius and the modulus of the pair."""
-    radius_sum, reduced_radius, modulus = body
-    gap = math.exp(log_gap)
-    stretch = pull - radius_sum - gap
-    # The kink of |delta| at zero is rounded off: a step across it would not converge.
-    magnitude = math.sqrt(stretch * stretch + contacts.rounding * contacts.rounding)
-    size = elasticity.contact_size(reduced_radius, gap, magnitude, contacts.gap_weight, contacts.deflection_weight)
-    part, fade_slope = fading(gap, contacts)
-    squeeze = part * lubrication.squeeze_friction(size, gap, contacts.viscosity, contacts.squeeze)
-    sliding = part * lubrication.shear_friction(size, gap, contacts.viscosity, contacts.shear)
-    remote_force, remote_slope = remote_answer(gap, reduced_radius, contacts)
-    per_size = reduced_radius / (size * size)
-    return Film(
-        gap=gap,
-        reach=radius_sum + gap,
-        pull=pull,
-        shear=shear,
-        stretch=stretch,
-        normal_stiffness=elasticity.surface_stiffness(size, modulus, contacts.normal),
-        tangential_stiffness=elasticity.surface_stiffness(size, modulus, contacts.tangential),
-        size_by_gap=per_size * contacts.gap_weight * gap,
-        size_by_stretch=per_size * contacts.deflection_weight * stretch / magnitude,
-        squeeze_mobility=1.0 / squeeze,
-        shear_mobility=1.0 / sliding,
-        fade_slope=fade_slope,
-        remote_force=remote_force,
-        remote_slope=remote_slope,
-    )
-
-
-@compiled_inside
-def rates(film: Film) -> tuple[float, float]:
-    """D ln(gap)/dt and the rate at which n turns towards the shear: the film flows under the surfaces' force."""
-    opening = film.squeeze_mobility * (film.normal_stiffness * film.stretch + film.remote_force)
-    sliding = film.shear_mobility * film.tangential_stiffness * film.shear
-    return opening / film.gap, sliding / film.reach
-
-
-@compiled_inside
-def tangent(film: Film, dq: float, turn: float, dpull: float, dshear: float) -> tuple[float, float, float, float]:
-    """What small changes of a contact's four numbers change: both rates, and the force along n and along the surface.
-
-    A turn of n moves the shear into the pull and the pull into the shear.
-    """
-    opening, sliding = rates(film)
-    stretch = dpull + film.shear * turn - film.gap * dq
-    shear = dshear - film.pull * turn
-    size = film.size_by_gap * dq + film.size_by_stretch * stretch
-    normal = film.normal_stiffness * (stretch + film.stretch * size)
-    along = film.tangential_stiffness * (shear + film.shear * size)
-    per_gap = film.squeeze_mobility / film.gap
-    d_opening = per_gap * (normal + film.remote_slope * film.gap * dq)
-    d_opening += opening * ((2.0 - film.fade_slope) * dq - 4.0 * size)
-    per_reach = film.shear_mobility / film.reach
-    d_sliding = per_reach * along + sliding * ((1.0 - film.fade_slope - film.gap / film.reach) * dq - 2.0 * size)
-    pulled = normal - film.tangential_stiffness * film.shear * turn
-    sheared = along + film.normal_stiffness * film.stretch * turn
-    return d_opening, d_sliding, pulled, sheared
-
-
-@compiled_inside
-def solved(film: Film, span: float, lean: float, opening: float, sliding: float) -> tuple[float, float]:
-    """The (dq, turn) that answer what is missing in the contact's two equations, over a span dt of the stage."""
-    opening_q, sliding_q, _, _ = tangent(film, 1.0, 0.0, 0.0, 0.0)
-    opening_t, sliding_t, _, _ = tangent(film, 0.0, 1.0, 0.0, 0.0)
-    qq, qt = 1.0 - span * opening_q, -span * opening_t
-    tq, tt = -span * sliding_q, lean - span * sliding_t
-    determinant = qq * tt - qt * tq
-    return (tt * opening - qt * sliding) / determinant, (qq * sliding - tq * opening) / determinant
-
-
-@compiled_inside
-def shear_direction(
-    x: float, y: float, z: float, n: tuple[float, float, float], flat: bool
-) -> tuple[float, float, float]:
-    """A unit vector along the surface in which the centers are sheared; in a layer, n turned left."""
-    if flat:
-        return -n[1], n[0], 0.0
-    length = math.sqrt(x * x + y * y + z * z)
-    still = STILL * length
-    # Twice: what is left of nearly parallel vectors after the first time is not perpendicular to the last digits.
-    for _ in range(2):
-        along = x * n[0] + y * n[1] + z * n[2]
-        x, y, z = x - along * n[0], y - along * n[1], z - along * n[2]
-        length = math.sqrt(x * x + y * y + z * z)
-        if length > still:
-            x, y, z, still = x / length, y / length, z / length, 0.5
-    if still == 0.5:
-        return x, y, z
-    if abs(n[0]) < 0.6:
-        scale = math.sqrt(n[1] * n[1] + n[2] * n[2])
-        return 0.0, n[2] / scale, -n[1] / scale
-    scale = math.sqrt(n[0] * n[0] + n[2] * n[2])
-    return -n[2] / scale, 0.0, n[0] / scale
-
-
 @compiled
 def place_images(pairs: Pairs, box: Array, drive: Drive) -> None:
     """Where copies of the box are now."""
@@ -237,51 +79,54 @@ def answer(contacts: Contacts, pairs: Pairs, films: Films, position: Array, span
     log_gap_start, direction_start = films.log_gap_start, films.direction_start
     force, correction, stiffness = answers.force, answers.correction, answers.stiffness
     shift, response, slope = answers.shift, answers.response, answers.slope
-    dimensions = position.shape[1]
-    flat = dimensions == 2
+    flat = position.shape[1] == 2
     for c in range(len(first)):
-        i, j = first[c], second[c]
-        x = position[j, 0] - position[i, 0] + offset[c, 0]
-        y = position[j, 1] - position[i, 1] + offset[c, 1]
-        z = 0.0 if flat else position[j, 2] - position[i, 2] + offset[c, 2]
+        x = center_distance(position, offset, first[c], second[c], c)
         n = (direction[c, 0], direction[c, 1], direction[c, 2])
-        t = shear_direction(x, y, z, n, flat)
-        s = (n[1] * t[2] - n[2] * t[1], n[2] * t[0] - n[0] * t[2], n[0] * t[1] - n[1] * t[0])
-        pull = x * n[0] + y * n[1] + z * n[2]
-        shear = x * t[0] + y * t[1] + z * t[2]
-        film = film_of(contacts, (radius_sum[c], reduced_radius[c], modulus[c]), log_gap[c], pull, shear)
-        opening, sliding = rates(film)
+        frame = frame_of(x, n, flat)
+        body = (radius_sum[c], reduced_radius[c], modulus[c])
+        film = film_of(contacts, body, log_gap[c], dot(x, n), dot(x, frame.t))
         b = (direction_start[c, 0], direction_start[c, 1], direction_start[c, 2])
-        lean = n[0] * b[0] + n[1] * b[1] + n[2] * b[2]
-        aside = t[0] * b[0] + t[1] * b[1] + t[2] * b[2] + span * sliding
-        across = s[0] * b[0] + s[1] * b[1] + s[2] * b[2]
-        dq, turn = solved(film, span, lean, log_gap_start[c] + span * opening - log_gap[c], aside)
-        _, _, more_n, more_t = tangent(film, dq, turn, 0.0, 0.0)
-        # Columns: a unit pull, and a unit shear.
-        by_pull, by_shear = tangent(film, 0.0, 0.0, 1.0, 0.0), tangent(film, 0.0, 0.0, 0.0, 1.0)
-        q_n, t_n = solved(film, span, lean, span * by_pull[0], span * by_pull[1])
-        q_t, t_t = solved(film, span, lean, span * by_shear[0], span * by_shear[1])
-        _, _, nn, tn = tangent(film, q_n, t_n, 1.0, 0.0)
-        _, _, nt, tt = tangent(film, q_t, t_t, 0.0, 1.0)
-        # Across the plane of n and shear only the turn counts.
-        relax = span * film.shear_mobility * film.tangential_stiffness / film.reach
-        s_s = relax / (lean + relax * pull)
-        turn_s = across / (lean + relax * pull)
-        normal = film.normal_stiffness * film.stretch
-        ss = normal * s_s + film.tangential_stiffness * (1.0 - pull * s_s)
-        more_s = (normal - film.tangential_stiffness * pull) * turn_s
-        along = film.tangential_stiffness * shear
-        shift[c, 0] = dq
-        slope[c, 0] = opening
-        for k in range(3):
-            force[c, k] = normal * n[k] + along * t[k]
-            correction[c, k] = more_n * n[k] + more_t * t[k] + more_s * s[k]
-            shift[c, 1 + k] = turn * t[k] + turn_s * s[k]
-            slope[c, 1 + k] = sliding * t[k]
-            response[c, 0, k] = q_n * n[k] + q_t * t[k]
-            for m in range(3):
-                response[c, 1 + k, m] = t[k] * (t_n * n[m] + t_t * t[m]) + s_s * s[k] * s[m]
-                stiffness[c, k, m] = (nn * n[k] + tn * t[k]) * n[m] + (nt * n[k] + tt * t[k]) * t[m] + ss * s[k] * s[m]
+        begin = Start(span, log_gap_start[c] - log_gap[c], dot(n, b), dot(frame.t, b), dot(frame.s, b))
+        link = linked(film, begin)
+        tell_forces(link, frame, c, (force, correction, stiffness))
+        tell_motion(link, frame, c, (shift, response, slope))
+
+
+@compiled_inside
+def center_distance(position: Array, offset: Array, i: int, j: int, c: int) -> Vector:
+    """From one sphere to the other, in the copy that it meets; in a layer without a third component."""
+    x = position[j, 0] - position[i, 0] + offset[c, 0]
+    y = position[j, 1] - position[i, 1] + offset[c, 1]
+    z = 0.0 if position.shape[1] == 2 else position[j, 2] - position[i, 2] + offset[c, 2]
+    return x, y, z
+
+
+@compiled_inside
+def tell_forces(link: Link, frame: Frame, c: int, to: tuple[Array, Array, Array]) -> None:
+    """A contact's force, what solving it adds, and its stiffness, along the axes."""
+    force, correction, stiffness = to
+    n, t, s = frame
+    for k in range(3):
+        force[c, k] = link.force_n * n[k] + link.force_t * t[k]
+        correction[c, k] = link.more_n * n[k] + link.more_t * t[k] + link.more_s * s[k]
+        by_pull, by_shear = link.nn * n[k] + link.tn * t[k], link.nt * n[k] + link.tt * t[k]
+        for m in range(3):
+            stiffness[c, k, m] = by_pull * n[m] + by_shear * t[m] + link.ss * s[k] * s[m]
+
+
+@compiled_inside
+def tell_motion(link: Link, frame: Frame, c: int, to: tuple[Array, Array, Array]) -> None:
+    """How a contact moves, along the axes."""
+    shift, response, slope = to
+    n, t, s = frame
+    shift[c, 0], slope[c, 0] = link.dq, link.opening
+    for k in range(3):
+        shift[c, 1 + k] = link.turn_t * t[k] + link.turn_s * s[k]
+        slope[c, 1 + k] = link.sliding * t[k]
+        response[c, 0, k] = link.q_n * n[k] + link.q_t * t[k]
+        for m in range(3):
+            response[c, 1 + k, m] = t[k] * (link.t_n * n[m] + link.t_t * t[m]) + link.s_s * s[k] * s[m]
 
 
 def make_answers(count: int) -> Answers:
