@@ -217,10 +217,11 @@ def newton_dense(contacts: Contacts, step: Step, at: tuple[Drive, float], fine: 
     return newton_with(eliminated, contacts, step, at, fine)
 
 
-@compiled
 def newton_gradients(contacts: Contacts, step: Step, at: tuple[Drive, float], fine: float) -> bool:
-    """A stage of many spheres."""
-    return newton_with(descended, contacts, step, at, fine)
+    """A stage of many spheres. Each pass over them is compiled by itself: all in one took ten times as long, since
+    arrays that are reached through tuples are then counted in the inner loops.
+    """
+    return plainly(newton_with)(descended, contacts, step, at, fine)
 
 
 def newton_direct(contacts: Contacts, step: Step, at: tuple[Drive, float], fine: float) -> bool:
