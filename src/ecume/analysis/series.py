@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from typing import NamedTuple
 
 import numpy as np
 
@@ -41,3 +42,27 @@ def number(name: str) -> Callable[[Frame], float]:
 def tracks(frames: Iterable[Frame]) -> Array:
     """Where each float was: shape (frames, floats, 2), in m."""
     return np.stack([frame.arrays["position"] for frame in frames])
+
+
+class Mean(NamedTuple):
+    """A mean and its standard error."""
+
+    value: float
+    error: float
+
+
+BLOCKS = 8
+
+
+def steady_mean(values: Array, blocks: int = BLOCKS) -> Mean:
+    """The mean of a steady series; its error is that of block means, since neighboring values are alike.
+
+    Blocks that are longer than the series' memory are independent of one another. Fewer values than two blocks hold
+    have no error: not a number.
+
+    >>> steady_mean(np.array([1.0, 3.0] * 8), blocks=4)
+    Mean(value=2.0, error=0.0)
+    """
+    parts = [part.mean() for part in np.array_split(values, min(blocks, max(len(values) // 2, 1)))]
+    error = np.std(parts, ddof=1) / np.sqrt(len(parts)) if len(parts) > 1 else np.nan
+    return Mean(float(np.mean(values)), float(error))

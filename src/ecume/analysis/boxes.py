@@ -1,0 +1,107 @@
+"""Periodic boxes that may be sheared: nearest copies of particles, and the copies around a box."""
+
+from __future__ import annotations
+
+import itertools
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ecume.errors import BadInput
+from ecume.trajectories.frame import Frame
+from ecume.units import Array, Length, Number
+
+SIDES = ("box_width", "box_height", "box_depth")
+
+Integers = NDArray[np.int64]
+
+
+class Box(NamedTuple):
+    """A periodic box from the origin on; copies above and below are moved along x, after Lees and Edwards."""
+
+    sides: Array
+    """(d,) m"""
+    strain: Number = 0.0
+    """by how many of its heights a copy above is moved along x"""
+
+    @property
+    def volume(self) -> float:
+        """m^d"""
+        return float(np.prod(self.sides))
+
+    @property
+    def tilt(self) -> Array:
+        """(d, d) m: its columns are the ways from one copy to the next."""
+        matrix = np.diag(self.sides)
+        matrix[0, 1] = self.strain * self.sides[1]
+        return matrix
+
+
+class Copies(NamedTuple):
+    """Particles in a box and around it."""
+
+    position: Array
+    """(M, d), the particles themselves first"""
+    owner: Integers
+    """(M,) whose copy each is"""
+
+
+def box_of(frame: Frame) -> Box | None:
+    """The box that a frame tells of, if it is periodic."""
+    if SIDES[0] not in frame.numbers:
+        return None
+    dimensions = frame.arrays["position"].shape[1]
+    missing = [name for name in SIDES[:dimensions] if name not in frame.numbers]
+    if missing:
+        raise BadInput(f"the frames have a box, but no number {missing[0]!r}")
+    sides = np.array([frame.numbers[name] for name in SIDES[:dimensions]])
+    return Box(sides, frame.numbers.get("strain", 0.0))
+
+
+def nearest(between: Array, box: Box | None) -> Array:
+    """The shortest of the ways between particles and all copies of others; (n, d) in m.
+
+    >>> nearest(np.array([[0.2, 0.9]]), Box(np.ones(2), strain=0.25)).round(12)
+    array([[-0.05, -0.1 ]])
+    """
+    if box is None:
+        return between
+    boxes = np.round(between[:, 1] / box.sides[1])
+    found = between.copy()
+    found[:, 0] -= box.strain * box.sides[1] * boxes
+    found -= box.sides * np.round(found / box.sides)
+    return found
+
+
+def copies(position: Array, box: Box | None, margin: Length) -> Copies:
+    """The particles in their box, and all copies less than a margin outside it."""
+    if box is None:
+        return Copies(position, np.arange(len(position)))
+    home = at_home(position, box)
+    places, owners = [home], [np.arange(len(home))]
+    reach = np.ceil(margin / box.sides).astype(int) + 1
+    for shift in itertools.product(*(range(-n, n + 1) for n in reach)):
+        move = np.array(shift)
+        if move.any():
+            moved = home + box.tilt @ _beside(move, box)
+            seen = ((moved > -margin) & (moved < box.sides + margin)).all(axis=1)
+            places.append(moved[seen])
+            owners.append(np.flatnonzero(seen))
+    return Copies(np.concatenate(places), np.concatenate(owners))
+
+
+def at_home(position: Array, box: Box) -> Array:
+    """Each particle's copy in the box itself."""
+    rows = np.floor(position[:, 1] / box.sides[1])
+    home = position.copy()
+    home[:, 0] -= box.strain * box.sides[1] * rows
+    home -= box.sides * np.floor(home / box.sides)
+    return home
+
+
+def _beside(move: Integers, box: Box) -> Integers:
+    """The same row of copies, counted from the one that lies beside the box now."""
+    straight = move.copy()
+    straight[0] -= round(box.strain * box.sides[1] * move[1] / box.sides[0])
+    return straight
