@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import itertools
+import math
+from collections.abc import Mapping
+
 import numpy as np
 
 from ecume.engine.cells import Integers
+from ecume.laws.remote import REMOTE
 from ecume.models.soft.films import stored_energy
 from ecume.models.soft.meeting import wraps
-from ecume.models.soft.parameters import Drive, Parameters, drive_at
+from ecume.models.soft.parameters import Drive, Parameters, drive_at, last_turn
 from ecume.models.soft.stages import Step, first_stage
 from ecume.models.soft.state import ACCEPTED, CLOCK, FAILED, REJECTED, State, Workspace
 from ecume.trajectories.frame import Frame
@@ -17,6 +22,10 @@ SLOTS = {2: 8, 3: 16}
 """Contacts that a sphere tells of in a frame, in each dimension: those with later spheres, narrow gaps first."""
 STRESS = {2: "N/m", 3: "Pa"}
 """The unit of stress: in a layer, force over length."""
+VISCOSITY = {2: "N*s/m", 3: "Pa*s"}
+AXES = "xyz"
+CLOSE = 0.1
+"""Of the smaller radius: whose gap is narrower counts as a neighbor in `coordination` and `mean_gap`."""
 UNITS = {
     "position": "m",
     "velocity": "m/s",
@@ -26,6 +35,7 @@ UNITS = {
     "shear": "N",
     "elastic_energy": "J",
     "smallest_gap": "m",
+    "mean_gap": "m",
     "largest_tension": "N",
     "largest_compression": "N",
 }
@@ -39,7 +49,7 @@ def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
     tension = (step.answers.force * step.direction).sum(axis=1)
     arrays = {
         "position": at_home(parameters, state.position, drive),
-        "velocity": state.velocity.copy(),
+        "velocity": velocity_at_home(parameters, state, drive),
         "radius": parameters.radius.copy(),
         "species": parameters.species.copy(),
         **_slots(parameters, step, tension),
@@ -47,6 +57,7 @@ def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
     numbers = {
         "elastic_energy": float(stored_energy(parameters.contacts, step.pairs, step.films, state.position)),
         "smallest_gap": float(np.exp(step.log_gap.min(initial=np.inf))),
+        **_neighbors(parameters, step),
         "largest_tension": float(tension.max(initial=0.0)),
         "largest_compression": float((-tension).max(initial=0.0)),
         "load": drive.load,
@@ -54,12 +65,13 @@ def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
         "time_steps": float(state.tally[ACCEPTED]),
         "rejected_steps": float(state.tally[REJECTED] + state.tally[FAILED]),
     }
-    units = UNITS
-    if parameters.box.any():
-        numbers |= _box_numbers(parameters, step, drive)
-        units = UNITS | dict.fromkeys(("pressure", "shear_stress", "normal_stress"), STRESS[parameters.dimensions])
-        units |= dict.fromkeys(("box_width", "box_height"), "m")
-    return Frame(float(state.pace[CLOCK]), arrays, numbers, units)
+    if not parameters.box.any():
+        return Frame(float(state.pace[CLOCK]), arrays, numbers, UNITS)
+    volume = float(np.prod(parameters.box[: parameters.dimensions] * drive.scale))
+    parts = stresses(parameters, step, volume)
+    tensor, rate = np.sum(list(parts.values()), axis=0), strain_rate(parameters, float(state.pace[CLOCK]))
+    numbers |= _box_numbers(parameters, drive, volume) | _stress_numbers(tensor, rate) | _components(parts)
+    return Frame(float(state.pace[CLOCK]), arrays, numbers, UNITS | _box_units(parameters.dimensions, numbers))
 
 
 def at_home(parameters: Parameters, position: Array, drive: Drive) -> Array:
@@ -72,27 +84,109 @@ def at_home(parameters: Parameters, position: Array, drive: Drive) -> Array:
     return np.asarray(places)
 
 
-def stress(step: Step, volume: float, dimensions: int) -> Array:
-    """The stress, tension positive: (1/V) sum of F_ij X_ij over contacts."""
+def velocity_at_home(parameters: Parameters, state: State, drive: Drive) -> Array:
+    """The velocity of the copy that is within the box: those above and below go with the shear, and all with the sides.
+
+    Of the last step, like the state's own.
+    """
+    dimensions, time = state.position.shape[1], float(state.pace[CLOCK])
+    box = parameters.box[:dimensions]
+    if not box.any() or not time > 0.0:
+        return state.velocity.copy()
+    away = wraps(state.position, box * drive.scale, drive.strain)
+    turn = last_turn(parameters.protocol, time)
+    past, span = drive_at(parameters.protocol, turn), time - turn
+    velocity = state.velocity - away * box * (drive.scale - past.scale) / span
+    shift = (drive.strain * drive.scale - past.strain * past.scale) / span
+    velocity[:, 0] -= shift * box[1] * away[:, 1]
+    return np.asarray(velocity)
+
+
+def strain_rate(parameters: Parameters, time: float) -> float:
+    """The rate of shear (1/s) since the protocol's last turn; zero at the start."""
+    turn = last_turn(parameters.protocol, time)
+    if not time > turn:
+        return 0.0
+    strain, past = (drive_at(parameters.protocol, moment).strain for moment in (time, turn))
+    return (strain - past) / (time - turn)
+
+
+def stresses(parameters: Parameters, step: Step, volume: float) -> dict[str, Array]:
+    """The stress (1/V) sum of F_ij X_ij over contacts, tension positive, in its parts: of films that are squeezed, of
+    films that are sheared, and of what acts across them. Surfaces carry the sum of the three: they are in series.
+    """
+    dimensions = parameters.dimensions
     between = step.bodies.position[step.pairs.second] - step.bodies.position[step.pairs.first]
     between = between + step.pairs.offset[:, :dimensions]
-    return np.asarray(step.answers.force[:, :dimensions].T @ between / volume)
+    normal = step.direction[:, :dimensions]
+    force = step.answers.force[:, :dimensions]
+    pull = (force * normal).sum(axis=1)[:, None] * normal
+    push = _remote_forces(parameters, step)[:, None] * normal
+    parts = {"squeeze": pull + push, "sliding": force - pull}
+    if parameters.contacts.remote:
+        parts["remote"] = -push
+    return {name: np.asarray(part.T @ between / volume) for name, part in parts.items()}
 
 
-def _box_numbers(parameters: Parameters, step: Step, drive: Drive) -> dict[str, float]:
-    dimensions = parameters.dimensions
-    sides = parameters.box[:dimensions] * drive.scale
-    tensor = stress(step, float(np.prod(sides)), dimensions)
-    filled = np.pi * parameters.radius**2 if dimensions == 2 else 4.0 / 3.0 * np.pi * parameters.radius**3
+def _remote_forces(parameters: Parameters, step: Step) -> Array:
+    """The repulsion across each film (N)."""
+    contacts, gap = parameters.contacts, np.exp(step.log_gap)
+    name = list(REMOTE)[contacts.remote]
+    law = REMOTE[name].force
+    if name == "steric":
+        return np.array([law(h, contacts.steric_strength, contacts.steric_length) for h in gap])
+    if name == "dlvo":
+        given = (contacts.hamaker, contacts.layer_strength, contacts.debye_length)
+        return np.array([law(h, radius, *given) for h, radius in zip(gap, step.pairs.reduced_radius, strict=True)])
+    return np.zeros(len(gap))
+
+
+def _neighbors(parameters: Parameters, step: Step) -> dict[str, float]:
+    """How many neighbors are close, and the geometric mean of their gaps."""
+    radius = np.minimum(parameters.radius[step.pairs.first], parameters.radius[step.pairs.second])
+    close = step.log_gap[step.log_gap < np.log(CLOSE * radius)]
+    mean = float(np.exp(close.mean())) if len(close) else math.nan
+    return {"coordination": 2.0 * len(close) / len(parameters.radius), "mean_gap": mean}
+
+
+def _box_numbers(parameters: Parameters, drive: Drive, volume: float) -> dict[str, float]:
+    dimensions, radius = parameters.dimensions, parameters.radius
+    filled = np.pi * radius**2 if dimensions == 2 else 4.0 / 3.0 * np.pi * radius**3
+    sides = (parameters.box * drive.scale)[:dimensions].tolist()
+    names = ("box_width", "box_height", "box_depth")[:dimensions]
     return {
-        "pressure": -float(np.trace(tensor)) / dimensions,
-        "shear_stress": float(tensor[0, 1] + tensor[1, 0]) / 2.0,
-        "normal_stress": -float(tensor[1, 1]),
         "strain": drive.strain,
-        "box_width": float(sides[0]),
-        "box_height": float(sides[1]),
-        "volume_fraction": float(filled.sum() / np.prod(sides)),
+        **dict(zip(names, sides, strict=True)),
+        "volume_fraction": float(filled.sum() / volume),
     }
+
+
+def _stress_numbers(tensor: Array, rate: float) -> dict[str, float]:
+    """What is mostly asked of a stress; the viscosity is no number while nothing is sheared."""
+    shear = float(tensor[0, 1] + tensor[1, 0]) / 2.0
+    return {
+        "pressure": -float(np.trace(tensor)) / len(tensor),
+        "shear_stress": shear,
+        "normal_stress": -float(tensor[1, 1]),
+        "strain_rate": rate,
+        "viscosity": shear / rate if rate != 0.0 else math.nan,
+    }
+
+
+def _components(parts: Mapping[str, Array]) -> dict[str, float]:
+    """Each part's symmetric components: `stress_squeeze_xy` and so on."""
+    return {
+        f"stress_{name}_{AXES[i]}{AXES[j]}": float(part[i, j] + part[j, i]) / 2.0
+        for name, part in parts.items()
+        for i, j in itertools.combinations_with_replacement(range(len(part)), 2)
+    }
+
+
+def _box_units(dimensions: int, numbers: Mapping[str, float]) -> dict[str, str]:
+    stressed = [name for name in numbers if name.startswith("stress_")]
+    units = dict.fromkeys(("pressure", "shear_stress", "normal_stress", *stressed), STRESS[dimensions])
+    units |= dict.fromkeys(("box_width", "box_height", "box_depth")[:dimensions], "m")
+    return units | {"strain_rate": "1/s", "viscosity": VISCOSITY[dimensions]}
 
 
 def _slots(parameters: Parameters, step: Step, tension: Array) -> dict[str, Array | Integers]:

@@ -94,3 +94,9 @@ def next_turn(protocol: Protocol, time: float) -> float:
     """When the protocol next changes its course: no step goes across."""
     later = protocol.times[protocol.times > time * (1.0 + 1e-12)]
     return float(later[0]) if len(later) else math.inf
+
+
+def last_turn(protocol: Protocol, time: float) -> float:
+    """When the protocol last changed its course before a time; zero where it has not."""
+    earlier = protocol.times[protocol.times < time * (1.0 - 1e-12)]
+    return float(earlier[-1]) if len(earlier) else 0.0
