@@ -65,7 +65,7 @@ def test_neighbors_of_equal_discs_are_delaunays():
 
 
 def test_touching_discs_are_neighbors_however_unequal():
-    # A small disc in the pocket between two large ones that touch: Delaunay's circle through the centers would part them.
+    # Two large ones that touch, and a small one in each pocket: Delaunay's circles would part the large ones.
     small = 0.03
     position = [
         (-1.0, 0.0),
