@@ -10,7 +10,7 @@ from typing import Annotated
 
 import typer
 
-from ecume.cli import pictures, runs, scenes, validation
+from ecume.cli import pictures, runs, scenes, validation, viewing
 from ecume.cli.ends import Ending, warned
 
 app = typer.Typer(
@@ -27,10 +27,19 @@ Ends with 0 when done, 1 when a validation is not met, 2 for input that cannot b
 4 when files cannot be read or written, 75 when stopped with a checkpoint (go on with `ecume resume`).""",
 )
 
-ALONE = (scenes.new, validation.validate, runs.resume, runs.info, runs.repair, pictures.movie, pictures.plot)
+ALONE = (
+    scenes.new,
+    validation.validate,
+    runs.resume,
+    runs.info,
+    runs.repair,
+    pictures.movie,
+    pictures.plot,
+    viewing.view,
+)
 """Verbs that make sense by themselves: they list what there is, or mean the run in the current directory."""
 
-for verb in (*scenes.VERBS, *runs.VERBS, *pictures.VERBS, *validation.VERBS):
+for verb in (*scenes.VERBS, *runs.VERBS, *pictures.VERBS, *viewing.VERBS, *validation.VERBS):
     app.command(no_args_is_help=verb not in ALONE)(verb)
 
 

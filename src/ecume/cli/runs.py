@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -53,6 +54,7 @@ def run(
     overrides: Overrides = None,
     threads: Threads = None,
     force: Annotated[bool, typer.Option("--force", help="Replace a run that is there.")] = False,
+    view: Annotated[bool, typer.Option("--view", help="Watch it in the browser while it runs.")] = False,
     quiet: Quiet = False,
 ) -> None:
     """Simulate a scene into a directory. Ctrl-C stops with a checkpoint.
@@ -69,7 +71,7 @@ def run(
     # With changes from the command line the file is no longer what was asked; the resolved scene is.
     source = None if changes else scene.read_bytes()
     directory = out or RUNS / scene.stem
-    with placed(scene, changes), shown(quiet=quiet) as told:
+    with placed(scene, changes), watched(directory, wanted=view), shown(quiet=quiet) as told:
         done = simulate(asked, directory, force=force, habits=Habits(threads=threads, progress=told, source=source))
     if not quiet:
         typer.echo(summary(done))
@@ -114,6 +116,34 @@ def repair(directory: RunFolder = HERE) -> None:
     for fault in (*mended.faults, *(f"{path}: set aside, no frame in it is whole" for path in mended.unusable)):
         typer.echo(fault)
     typer.echo(f"{mended.good} frames are good")
+
+
+@contextlib.contextmanager
+def watched(directory: Path, *, wanted: bool) -> Iterator[None]:
+    """Let the browser follow the run that is made inside."""
+    if not wanted:
+        yield
+        return
+    from ecume.run.stopping import ask_to_stop
+    from ecume.show.view.live import Source, serving
+
+    ended: list[str] = []
+    source = Source(directory, lambda: ended[0] if ended else "running", lambda: ask_to_stop(os.getpid()))
+    with serving(source) as address:
+        offer(address)
+        try:
+            yield
+            ended.append("done")
+        finally:
+            ended.append("stopped")
+
+
+def offer(address: str) -> None:
+    """Open an address in the browser, and say it."""
+    import webbrowser
+
+    typer.echo(f"watch it at {address}")
+    webbrowser.open(address)
 
 
 def use_at_most(threads: int | None) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import signal
 import threading
 from collections.abc import Iterator
@@ -10,6 +11,11 @@ from types import FrameType
 
 SIGNALS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGUSR1", "SIGBREAK") if hasattr(signal, name))
 """Ctrl-C, the batch system's farewell, its warning beforehand, and Windows' own; not every system has each."""
+
+
+def ask_to_stop(process: int) -> None:
+    """Ask the process of a run, which may be this one, to leave a checkpoint and end."""
+    os.kill(process, signal.SIGTERM)
 
 
 class Wish:

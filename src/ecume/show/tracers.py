@@ -23,13 +23,13 @@ SLICES = 30
 
 def setting_of(scene: Any) -> Setting:
     """The tank, obstacles and openings of a scene; of one in space what is seen from the side."""
-    bodies = [_outline(body) for body in scene.obstacles]
+    bodies = [outline_of(body) for body in scene.obstacles]
     gaps = [seen(np.array([hole.low, hole.high])) for hole in scene.openings]
-    outline = _outline(scene.tank) if scene.tank is not None else None
+    outline = outline_of(scene.tank) if scene.tank is not None else None
     return Setting(scene.title, outline, [body for body in bodies if body is not None], gaps, species(scene))
 
 
-def _outline(shape: Any) -> Shape | None:
+def outline_of(shape: Any) -> Shape | None:
     size, low = getattr(shape, "size", None), getattr(shape, "low", None)
     if size is not None:
         return _rectangle(np.zeros(len(size)), np.array(size))

@@ -75,8 +75,8 @@ class Bowl:
         kinds = species(scene)
         with style():
             axes = _surface_axes(self.figure, self.view)
-            largest, typical = float(np.abs(heights).max()), _typical_meniscus(sample[0], self.sheet)
-            self.colors = _height_colors(largest * self.scale.factor, typical * self.scale.factor)
+            largest, typical = float(np.abs(heights).max()), typical_meniscus(sample[0], self.sheet)
+            self.colors = height_colors(largest * self.scale.factor, typical * self.scale.factor)
             self.height = _height_image(axes, self.view, self._painted(heights[0]))
             self.floats = discs(axes, sample[0], kinds)
             self.time = clock(axes)
@@ -122,7 +122,7 @@ def _height_image(axes: Axes, view: View, painted: Pixels) -> AxesImage:
     return axes.imshow(painted, extent=view, origin="lower", interpolation="bilinear", aspect="auto")
 
 
-def _height_colors(largest: float, typical: float) -> ScalarMappable:
+def height_colors(largest: float, typical: float) -> ScalarMappable:
     """Colors that follow the height for what floats do to the surface, and its logarithm for the steep rim."""
     largest = max(largest, 1e-12)
     linear = min(max(typical, largest / 300), largest)
@@ -147,7 +147,7 @@ def dish_outline(dish: Any, scale: float = 1.0) -> Patch:
     return Rectangle((-width / 2, -height / 2), width, height, **look)
 
 
-def _typical_meniscus(frame: Frame, on: Sheet) -> float:
+def typical_meniscus(frame: Frame, on: Sheet) -> float:
     """How far a typical float bends the surface at its own edge (m)."""
     return float(np.median(np.abs(frame.arrays["charge"] * unit_meniscus(on, frame.arrays["radius"]))))
 
@@ -159,7 +159,7 @@ def _height_bar(axes: Axes, colors: ScalarMappable, shown: tuple[float, float], 
     place = figure.add_axes((box.x1 + 40 / width, box.y0 + 0.04 * box.height, 18 / width, 0.6 * box.height))
     bar = figure.colorbar(colors, cax=place)
     place.set_ylim(*shown)
-    bar.set_ticks(_ticks(colors.norm, shown))
+    bar.set_ticks(height_ticks(colors.norm, shown))
     place.yaxis.set_major_formatter("{x:g}")
     place.minorticks_off()
     place.grid(visible=False)
@@ -167,7 +167,7 @@ def _height_bar(axes: Axes, colors: ScalarMappable, shown: tuple[float, float], 
     bar.set_label(f"height of the liquid ({scale.unit})", fontsize=10.5, labelpad=6)
 
 
-def _ticks(norm: Any, shown: tuple[float, float], apart: float = 0.08) -> list[float]:
+def height_ticks(norm: Any, shown: tuple[float, float], apart: float = 0.08) -> list[float]:
     """Round heights whose places on the color bar are not too close: 0 and powers of ten first, then their halves."""
     low, high = (float(norm(end)) for end in shown)
     chosen: list[float] = []

@@ -1,0 +1,87 @@
+"""Verbs for the browser: view."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ecume.cli.pictures import wrote
+from ecume.cli.runs import HERE, Quiet, RunFolder, offer
+from ecume.errors import BadInput
+
+LOOK_EVERY = 0.5
+"""Seconds between two looks whether a run that is followed still runs."""
+
+
+def view(
+    directory: RunFolder = HERE,
+    save: Annotated[
+        Path | None,
+        typer.Option("--save", metavar="FILE", help="Only write the page there; open nothing.", show_default=False),
+    ] = None,
+    max_size: Annotated[
+        float,
+        typer.Option(
+            "--max-size", min=0.5, max=2000.0, metavar="MB", help="Of the page; above it frames are left out."
+        ),
+    ] = 50.0,
+    live: Annotated[bool, typer.Option("--live", help="Follow a run in progress.")] = False,
+    quiet: Quiet = False,
+) -> None:
+    """Play a run in the browser: one HTML file that needs no server and no network, and can be sent to others.
+
+    Examples: `ecume view runs/bowl` · `ecume view runs/bowl --save bowl.html --max-size 8`
+    · `ecume view runs/bowl --live`
+    """
+    from ecume.run.directory import existing
+
+    existing(directory)
+    if live:
+        if save is not None:
+            raise BadInput("--live follows a run and writes no page; leave --save out")
+        _follow(directory)
+        return
+    from ecume.show.view import save_page
+
+    page = save_page(directory, save, max_size)
+    if not quiet:
+        shown = (
+            f"{page.frames} frames" if page.every == 1 else f"{page.frames} frames, each {_nth(page.every)} of the run"
+        )
+        wrote(page.path, quiet=quiet)
+        typer.echo(f"{page.size / 1e6:.1f} MB, {shown}")
+    if save is None:
+        typer.launch(page.path.resolve().as_uri())
+
+
+def _nth(number: int) -> str:
+    return {2: "2nd", 3: "3rd"}.get(number, f"{number}th")
+
+
+def _follow(directory: Path) -> None:
+    """Serve a run until it ends, or Ctrl-C."""
+    from ecume.run import RunDirectory
+    from ecume.run import info as look
+    from ecume.run.locking import owner
+    from ecume.run.stopping import ask_to_stop
+    from ecume.show.view.live import Source, serving
+
+    def stop() -> None:
+        process = owner(RunDirectory(directory))
+        if process is not None and state() == "running":
+            ask_to_stop(process["pid"])
+
+    def state() -> str:
+        return look(directory).state
+
+    with serving(Source(directory, state, stop)) as address:
+        offer(address)
+        while state() == "running":
+            time.sleep(LOOK_EVERY)
+    typer.echo(f"{directory}: {state()}")
+
+
+VERBS = (view,)

@@ -1,0 +1,158 @@
+"""Frames as the page reads them: arrays of small integers with their ranges, one after the other, and what they are."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ecume.show.tank import RARE
+from ecume.show.view.staging import Stage
+from ecume.trajectories.frame import Frame
+
+STEPS = 65535
+"""Of a quantized number, from the least to the largest that occurs: 1.5e-5 of the range."""
+FEW_STEPS = 255
+WIDE = 1e3
+"""The ratio of the largest to the least value from which on a positive quantity is colored by its logarithm."""
+ALIGNED = 4
+"""Bytes that each array's place is a multiple of."""
+HIDDEN = ("position", "identity", "neighbor")
+"""Arrays of a frame that are no quantity to color by."""
+
+Numbers = NDArray[Any]
+
+
+class Chunk(NamedTuple):
+    """Some frames, packed."""
+
+    header: dict[str, Any]
+    blob: bytes
+
+
+class _Packing:
+    """A blob that grows, and where what stands in it."""
+
+    def __init__(self) -> None:
+        self.parts: list[bytes] = []
+        self.size = 0
+        self.places: dict[str, dict[str, Any]] = {}
+        self.ranges: dict[str, list[float]] = {}
+        self.scales: dict[str, list[float]] = {}
+
+    def add(self, name: str, values: Numbers, kind: str) -> None:
+        """Bare numbers of a kind that the page knows."""
+        plain = np.ascontiguousarray(values, f"<{kind}").tobytes()
+        self.places[name] = {"offset": self.size, "length": int(values.size), "kind": kind}
+        plain += bytes(-len(plain) % ALIGNED)
+        self.parts.append(plain)
+        self.size += len(plain)
+
+    def quantized(self, name: str, values: Numbers, steps: int = STEPS) -> None:
+        """Numbers as steps from the least to the largest; as they are where that would lose or invent something."""
+        low, high = (float(values.min()), float(values.max())) if values.size else (0.0, 1.0)
+        if not np.isfinite([low, high]).all() or (low > 0.0 and high > WIDE * low):
+            finite = values[np.isfinite(values)]
+            low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 1.0)
+            self.add(name, values, "f4")
+        elif high > low:
+            self.add(name, np.rint((values - low) * (steps / (high - low))), "u1" if steps == FEW_STEPS else "u2")
+        else:
+            self.add(name, np.zeros(values.shape), "u1" if steps == FEW_STEPS else "u2")
+        self.ranges[name] = [low, high]
+
+    def scale(self, name: str, values: Numbers) -> None:
+        """Note between which values nearly all lie: one particle's peak must not pale all others."""
+        finite = values[np.isfinite(values)]
+        if finite.size:
+            self.scales[name] = [float(end) for end in np.quantile(finite, (RARE, 1.0 - RARE))]
+
+
+def pack(frames: Sequence[Frame], stage: Stage) -> Chunk:
+    """These frames as one chunk."""
+    packing = _Packing()
+    counts = [len(frame.arrays["position"]) for frame in frames]
+    packing.quantized("position", np.concatenate([frame.arrays["position"].ravel() for frame in frames]))
+    steady = _quantities(packing, frames)
+    _numbers(packing, frames)
+    movers = _movers(packing, frames, stage)
+    links = _links(packing, frames, stage)
+    if stage.heights is not None:
+        packing.add("sheet", np.stack([np.rint(FEW_STEPS * stage.heights(frame)) for frame in frames]), "u1")
+        packing.ranges["sheet"] = [0.0, 1.0]
+    header = {
+        "times": [frame.time for frame in frames],
+        "counts": counts,
+        "places": packing.places,
+        "ranges": packing.ranges,
+        "scales": packing.scales,
+        "steady": steady,
+        "movers": movers,
+        "links": links,
+    }
+    return Chunk(header, b"".join(packing.parts))
+
+
+def quantities(frame: Frame) -> dict[str, Numbers]:
+    """What the particles of a frame can be colored by: its arrays, of vectors the magnitude."""
+    found: dict[str, Numbers] = {}
+    dimension = frame.arrays["position"].shape[1]
+    for name, values in frame.arrays.items():
+        if name in HIDDEN:
+            continue
+        if values.ndim == 1:
+            found[name] = values
+        elif values.ndim == 2 and values.shape[1] == dimension:
+            found["speed" if name == "velocity" else name] = np.linalg.norm(values, axis=1)
+    return found
+
+
+def _quantities(packing: _Packing, frames: Sequence[Frame]) -> list[str]:
+    """Quantities of the particles; the names of those that never change, which stand once."""
+    steady = []
+    columns = [quantities(frame) for frame in frames]
+    for name, first in columns[0].items():
+        each = [column[name] for column in columns]
+        whole = f"array/{name}"
+        if all(np.array_equal(first, one) for one in each):
+            steady.append(whole)
+            each = [first]
+        values = np.concatenate(each)
+        if values.dtype.kind == "i" and values.size and values.min() >= 0 and values.max() <= FEW_STEPS:
+            packing.add(whole, values, "u1")
+        elif values.dtype.kind == "i":
+            packing.add(whole, values, "f4")
+            packing.ranges[whole] = [float(values.min(initial=0)), float(values.max(initial=1))]
+        else:
+            packing.quantized(whole, values)
+        packing.scale(whole, values)
+    return steady
+
+
+def _numbers(packing: _Packing, frames: Sequence[Frame]) -> None:
+    for name in frames[0].numbers:
+        packing.add(f"number/{name}", np.array([frame.numbers.get(name, np.nan) for frame in frames]), "f4")
+
+
+def _movers(packing: _Packing, frames: Sequence[Frame], stage: Stage) -> list[int]:
+    """Outlines of what moves beside the particles; how many points each has."""
+    if stage.movers is None:
+        return []
+    outlines = [stage.movers(frame) for frame in frames]
+    packing.add("movers", np.concatenate([line.ravel() for each in outlines for line in each]), "f4")
+    return [len(line) for line in outlines[0]]
+
+
+def _links(packing: _Packing, frames: Sequence[Frame], stage: Stage) -> list[int]:
+    """Contacts; how many each frame has."""
+    if stage.links is None:
+        return []
+    links = [stage.links(frame) for frame in frames]
+    packing.quantized("links/x", np.concatenate([one.first.ravel() for one in links]))
+    packing.quantized("links/along", np.concatenate([one.along.ravel() for one in links]))
+    # Gaps span many powers of ten.
+    packing.quantized("links/gap", np.log(np.concatenate([np.maximum(one.gap, 1e-300) for one in links])))
+    packing.quantized("links/tension", np.concatenate([one.tension for one in links]))
+    return [len(one.gap) for one in links]

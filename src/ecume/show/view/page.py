@@ -1,0 +1,216 @@
+"""The page: the bundle's script and style, and a run in it."""
+
+from __future__ import annotations
+
+import base64
+import gzip
+import hashlib
+import html
+import json
+import math
+import os
+from collections.abc import Sequence
+from importlib import resources
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import matplotlib as mpl
+import numpy as np
+
+from ecume.errors import BadInput
+from ecume.show.style import HEIGHT_COLORS
+from ecume.show.view.chunks import Chunk, pack, quantities
+from ecume.show.view.staging import STAGES, Stage
+from ecume.trajectories.durable import storing
+from ecume.trajectories.frame import Frame
+from ecume.trajectories.reader import Trajectory, open_trajectory
+
+MEGABYTE = 1_000_000
+MOST = 50.0
+"""MB of a page when nobody says."""
+IN_TEXT = 4 / 3
+"""Bytes of base64 a byte."""
+SAMPLES = 5
+"""Frames that decide what is to be seen, and the range of the surface's colors."""
+SLOW = ("speed", "density")
+"""Colored from dark blue to yellow; what lies on both sides of zero is blue and red, all else goes over green."""
+FACTS = ("ecume", "model", "seed", "processor", "platform")
+
+
+class Page(NamedTuple):
+    """What was written, and how much of the run is in it."""
+
+    path: Path
+    size: int
+    """bytes"""
+    frames: int
+    every: int
+    """each so many-th frame of the run is shown"""
+
+
+def save_page(
+    directory: str | os.PathLike[str], out: str | os.PathLike[str] | None = None, max_size: float = MOST
+) -> Page:
+    """Write the page of a run, of at most so many MB, into `out`; left out, into `results/view.html` of the run.
+
+    Where not all frames fit, each second, third ... is shown.
+    """
+    target = Path(directory) / "results" / "view.html" if out is None else Path(out)
+    with open_trajectory(directory) as trajectory:
+        if not len(trajectory):
+            raise BadInput(f"{directory}: the run has no frames yet; there is nothing to show")
+        stage = stage_of(trajectory)
+        header = run_header(trajectory, stage)
+        every = spacing(trajectory, stage, len(page(header, []).encode()), max_size)
+        shown = trajectory[::every]
+        text = page(header, [pack(list(shown), stage)])
+    content = text.encode()
+    if len(content) > MEGABYTE * max_size:
+        raise BadInput(f"the page takes {len(content) / MEGABYTE:.1f} MB; give a --max-size above that")
+    with storing(target):
+        target.parent.mkdir(parents=True, exist_ok=True)
+        target.write_bytes(content)
+    return Page(target, len(content), len(shown), every)
+
+
+def stage_of(trajectory: Trajectory) -> Stage:
+    """What is around the particles of a run."""
+    scene = trajectory.scene
+    if scene.model not in STAGES:
+        raise BadInput(f"there is no view of the model {scene.model!r}; there is of {', '.join(STAGES)}")
+    which = np.unique(np.linspace(0, len(trajectory) - 1, SAMPLES).round().astype(int))
+    return STAGES[scene.model](scene, [trajectory[int(index)] for index in which])
+
+
+def spacing(frames: Sequence[Frame], stage: Stage, empty: int, max_size: float) -> int:
+    """Which frames fit into so many MB: each, each second ..., judged by the size of one in the middle.
+
+    `empty` is what the page takes without frames (bytes).
+    """
+    one = _coded(pack([frames[len(frames) // 2]], stage))
+    fit = int((MEGABYTE * max_size - empty) / one)
+    if fit < min(2, len(frames)):
+        wanted = math.ceil(10 * (empty + 2 * one) / MEGABYTE) / 10
+        raise BadInput(f"not two frames fit into {max_size:g} MB; give --max-size {wanted:.1f} or more")
+    return -(-len(frames) // fit)
+
+
+def _coded(chunk: Chunk) -> float:
+    return IN_TEXT * len(gzip.compress(chunk.blob, 6)) + len(_json(chunk.header))
+
+
+def run_header(trajectory: Trajectory, stage: Stage, *, live: bool = False) -> dict[str, Any]:
+    """What the page is told of the run as a whole."""
+    scene, first, units = trajectory.scene, trajectory[0], trajectory.units
+    names = [name for name in quantities(first) if name != "species"]
+    colorings = [_coloring(name, units, first) for name in names]
+    known = [stage.usual if stage.usual in names else "species"]
+    return {
+        "title": scene.title or f"{scene.model} run",
+        "model": scene.model,
+        "dimension": int(first.arrays["position"].shape[1]),
+        "low": [float(value) for value in stage.low],
+        "high": [float(value) for value in stage.high],
+        "radius": stage.radius,
+        "species": [{"name": kind.name, "color": hexadecimal(kind.color)} for kind in stage.kinds],
+        "colorings": colorings,
+        "usual": known[0],
+        "numbers": [{"name": name, "unit": units.get(name, "1")} for name in first.numbers],
+        "shown": [name for name in (*stage.curves, *first.numbers) if name in first.numbers][:2],
+        "outlines": [line._asdict() | {"points": line.points.tolist()} for line in stage.lines],
+        "sheet": None if stage.surface is None else stage.surface._asdict(),
+        "linked": stage.links is not None,
+        "widest": stage.widest,
+        "maps": {name: color_map(name) for name in sorted({*(one["map"] for one in colorings), "height", "viridis"})},
+        "facts": _facts(trajectory),
+        "papers": [],
+        "scene": _scene_text(trajectory.directory),
+        "live": live,
+    }  # fmt: skip
+
+
+def _coloring(name: str, units: Any, first: Frame) -> dict[str, Any]:
+    """How a quantity is colored."""
+    unit = units.get("velocity" if name == "speed" else name, "1")
+    values = quantities(first)[name]
+    signed = bool(values.size and values.min() < 0.0 < values.max())
+    colors = "RdBu_r" if signed else "cividis" if name in SLOW else "viridis"
+    return {"name": name, "unit": unit, "map": colors, "log": False}
+
+
+def hexadecimal(color: str) -> str:
+    """`#rrggbb` of any color that scenes know."""
+    return str(mpl.colors.to_hex(color))
+
+
+def color_map(name: str) -> str:
+    """256 colors as base64."""
+    colors = HEIGHT_COLORS if name == "height" else mpl.colormaps[name]
+    rgb = colors(np.linspace(0.0, 1.0, 256), bytes=True)[:, :3]
+    return base64.b64encode(np.ascontiguousarray(rgb).tobytes()).decode()
+
+
+def _facts(trajectory: Trajectory) -> list[tuple[str, str]]:
+    """Of the run's manifest what tells where it comes from."""
+    path = trajectory.directory / "manifest.json"
+    with storing(path):
+        manifest = json.loads(path.read_bytes()) if path.is_file() else {}
+    told = [(name, str(manifest[name])) for name in FACTS if manifest.get(name) is not None]
+    told += [(name, str(manifest[name])[:16]) for name in ("scene_sha256",) if name in manifest]
+    return [("frames", str(len(trajectory))), *told]
+
+
+def _scene_text(directory: Path) -> str:
+    path = directory / "scene.toml"
+    with storing(path):
+        return path.read_text(encoding="utf-8", errors="replace") if path.is_file() else ""
+
+
+def page(header: dict[str, Any], chunks: Sequence[Chunk], *, live: bool = False) -> str:
+    """The whole page as text."""
+    parts = {name: _bundled(name) for name in ("page.html", "view.css", "view.js")}
+    data = [_data("run", "application/json", _json(header))]
+    for number, chunk in enumerate(chunks):
+        data.append(_data(f"chunk-{number}", "application/json", _json(chunk.header)))
+        packed = gzip.compress(chunk.blob, 6, mtime=0)
+        data.append(_data(f"bytes-{number}", "text/plain", base64.b64encode(packed).decode()))
+    filled = {
+        "@POLICY@": policy_of(live=live),
+        "@TITLE@": html.escape(str(header.get("title", ""))),
+        "@STYLE@": parts["view.css"],
+        "@SCRIPT@": parts["view.js"],
+        "@DATA@": "\n".join(data),
+    }
+    text = parts["page.html"]
+    # Split and joined, not replaced one after the other: what stands in a scene is never taken for a mark of ours.
+    for mark in filled:
+        text = text.replace(mark, f"\0{mark}\0")
+    return "".join(filled.get(piece, piece) for piece in text.split("\0"))
+
+
+def policy_of(*, live: bool) -> str:
+    """What the browser may do with the page: run its script, use its style, and ask nobody but a server of ours."""
+    script, style = (_hash(_bundled(name)) for name in ("view.js", "view.css"))
+    connect = "'self'" if live else "'none'"
+    return (
+        f"default-src 'none'; script-src {script}; style-src {style}; img-src data: blob:; connect-src {connect}; "
+        "base-uri 'none'; form-action 'none'"
+    )
+
+
+def _hash(text: str) -> str:
+    return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
+
+
+def _bundled(name: str) -> str:
+    return resources.files("ecume.show.view").joinpath("bundle", name).read_text(encoding="utf-8")
+
+
+def _json(value: Any) -> str:
+    """JSON that no title can leave: what HTML could read is written as its number."""
+    text = json.dumps(value, separators=(",", ":"), allow_nan=False)
+    return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
+
+
+def _data(name: str, kind: str, text: str) -> str:
+    return f'<script type="{kind}" id="{name}">{text}</script>'

@@ -1,0 +1,270 @@
+"""What the page shows around the particles of each model: walls, dish, surface, contacts; `STAGES`, the table of it."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+
+from ecume.scenes.sph import SIDES
+from ecume.show.floating.bowl import height_colors, height_ticks, typical_meniscus, view_of
+from ecume.show.floating.surface import sheet, surface
+from ecume.show.picture import species
+from ecume.show.soft.packing import WIDE, links_of
+from ecume.show.sph.moving import edges, rotation, shape_of, side_line, turned
+from ecume.show.sph.picture import EDGES, FULL, edges_of, rectangle, regions, usual_color
+from ecume.show.style import scale_for
+from ecume.show.tank import Round
+from ecume.show.tracers import outline_of
+from ecume.trajectories.frame import Frame
+from ecume.units import Array
+
+CELLS = 110
+"""Of the surface's picture along its longer side."""
+ROUND = np.linspace(0.0, 2.0 * np.pi, 65)
+
+
+class Links(Protocol):
+    """Contacts of a frame."""
+
+    @property
+    def first(self) -> Array:
+        """(C, d) m: one end"""
+
+    @property
+    def along(self) -> Array:
+        """(C, d) m: from there to the other"""
+
+    @property
+    def gap(self) -> Array:
+        """(C,) m"""
+
+    @property
+    def tension(self) -> Array:
+        """(C,) N"""
+
+
+class Line(NamedTuple):
+    """A line that never moves."""
+
+    points: Array
+    """(n, d) m"""
+    closed: bool = False
+    dashed: bool = False
+
+
+class Surface(NamedTuple):
+    """How the surface's heights are drawn."""
+
+    columns: int
+    rows: int
+    view: tuple[float, float, float, float]
+    round: float
+    """radius of a round dish (m); 0 for none"""
+    map: str
+    label: str
+    shown: tuple[float, float]
+    """the part of the scale that occurs, from 0 to 1"""
+    ticks: list[tuple[float, str]]
+
+
+class Stage(NamedTuple):
+    """What is around the particles."""
+
+    low: Array
+    """(d,) m: what is to be seen at first"""
+    high: Array
+    kinds: Sequence[Any]
+    """species, with names and colors"""
+    usual: str = "species"
+    """what colors mean at first"""
+    radius: float = 0.0
+    """of particles whose frames say none (m)"""
+    lines: Sequence[Line] = ()
+    movers: Callable[[Frame], list[Array]] | None = None
+    """outlines of what moves, as many points in every frame"""
+    links: Callable[[Frame], Links] | None = None
+    widest: float = 0.0
+    """the gap up to which films are drawn (m)"""
+    heights: Callable[[Frame], Array] | None = None
+    """(rows, columns) of the surface, as parts of its scale from 0 to 1"""
+    surface: Surface | None = None
+    curves: Sequence[str] = ()
+    """numbers whose curves are shown at first"""
+
+
+def floating_stage(scene: Any, sample: Sequence[Frame]) -> Stage:
+    """The dish and the liquid's surface in it."""
+    view = view_of(scene, sample)
+    closest = min(float(frame.arrays["radius"].min()) for frame in sample)
+    on = sheet(scene, view, cells=CELLS, closest=closest)
+    heights = [surface(frame, on) for frame in sample]
+    largest = float(np.abs(heights).max())
+    scale = scale_for(largest, "m")
+    colors = height_colors(largest * scale.factor, typical_meniscus(sample[0], on) * scale.factor)
+    lowest, highest = float(np.min(heights)) * scale.factor, float(np.max(heights)) * scale.factor
+
+    def place(height: float) -> float:
+        return float(np.asarray(colors.norm(np.array([height])))[0])
+
+    ticks = [(place(one), f"{one:g}") for one in height_ticks(colors.norm, (lowest, highest))]
+    ends = place(min(lowest, 0.0)), place(max(highest, 0.0))
+    dish = scene.dish
+    round_dish = dish.radius if dish is not None and dish.radius is not None else 0.0
+    drawn = Surface(
+        len(on.x), len(on.y), (view.left, view.right, view.bottom, view.top), round_dish, "height",
+        f"height of the liquid ({scale.unit})", ends, ticks,
+    )  # fmt: skip
+    return Stage(
+        np.array([view.left, view.bottom]), np.array([view.right, view.top]), species(scene),
+        lines=[] if dish is None else [_dish(dish)],
+        heights=lambda frame: np.asarray(np.clip(colors.norm(surface(frame, on) * scale.factor), 0.0, 1.0)),
+        surface=drawn, curves=("kinetic_energy", "total_energy"),
+    )  # fmt: skip
+
+
+def _dish(dish: Any) -> Line:
+    if dish.radius is not None:
+        return Line(circle(np.zeros(2), dish.radius), closed=True)
+    half = np.array(dish.size) / 2
+    return Line(rectangle(-half, half), closed=True)
+
+
+def circle(middle: Array, radius: float) -> Array:
+    """Points around."""
+    points: Array = middle + radius * np.column_stack([np.cos(ROUND), np.sin(ROUND)])
+    return points
+
+
+def sph_stage(scene: Any, sample: Sequence[Frame]) -> Stage:
+    """The tank, obstacles, bodies, moving sides."""
+    low, high = np.array(scene.tank.low), np.array(scene.tank.high)
+    lines = _tank_lines(scene, low, high) + [_solid(one) for one in scene.obstacles]
+    driven = [side for side in SIDES if getattr(scene.tank, side).motion is not None]
+    flat = len(low) == 2
+
+    def movers(frame: Frame) -> list[Array]:
+        bodies = [line for number, body in enumerate(scene.bodies) for line in _body(body, number, frame)]
+        return bodies + [side_line(scene, side, frame) for side in driven if flat]
+
+    margin = 0.03 * float((high - low).max())
+    return Stage(
+        low - margin, high + margin, regions(scene), usual_color(scene), FULL * scene.spacing, _joined(lines),
+        movers if scene.bodies or (driven and flat) else None, curves=("kinetic_energy", "largest_pressure"),
+    )  # fmt: skip
+
+
+def _joined(lines: list[Line | list[Line]]) -> list[Line]:
+    return list(itertools.chain.from_iterable(one if isinstance(one, list) else [one] for one in lines))
+
+
+def _tank_lines(scene: Any, low: Array, high: Array) -> list[Line | list[Line]]:
+    """Walls; dashed where what leaves comes back at the other side; nothing where all is open."""
+    kinds = {side: getattr(scene.tank, side).kind for side in SIDES[: 2 * len(low)]}
+    if len(low) == 3:
+        around = any(kind in ("wall", "periodic") for kind in kinds.values())
+        return [[Line(edge) for edge in edges_of(low, high)] if around else []]
+    corners = rectangle(low, high)
+    return [
+        Line(corners[[first, last]], dashed=kinds[side] == "periodic")
+        for side, first, last in EDGES
+        if kinds[side] in ("wall", "periodic")
+    ]
+
+
+def _solid(solid: Any) -> list[Line]:
+    """An obstacle; of a ball in space three circles."""
+    if solid.radius is not None:
+        return _ball(np.array(solid.center), solid.radius)
+    if solid.vertices:
+        return [Line(np.array(solid.vertices), closed=True)]
+    low, high = np.array(solid.low), np.array(solid.high)
+    return [Line(rectangle(low, high), closed=True)] if len(low) == 2 else [Line(edge) for edge in edges_of(low, high)]
+
+
+def _ball(middle: Array, radius: float) -> list[Line]:
+    if len(middle) == 2:
+        return [Line(circle(middle, radius), closed=True)]
+    flat = np.column_stack([circle(np.zeros(2), radius), np.zeros(len(ROUND))])
+    return [Line(middle + np.roll(flat, turn, axis=1), closed=True) for turn in range(3)]
+
+
+def _body(body: Any, number: int, frame: Frame) -> list[Array]:
+    """A body where it is; a round one with a spoke, so that its turning shows."""
+    shape, name = shape_of(body), f"body{number}_"
+    middle = np.array([frame.numbers[name + axis] for axis in "xyz"[: len(shape.middle())]])
+    if len(middle) == 2:
+        turn = rotation(frame.numbers[name + "angle"])
+        lines = [np.vstack([circle(np.zeros(2), body.radius), np.zeros(2)])] if body.radius is not None else None
+        return [middle + line @ turn.T for line in lines or [one.points for one in _solid_of(shape)]]
+    turn = turned([frame.numbers[f"{name}q{part}"] for part in "wxyz"])
+    parts = [one.points for one in _ball(np.zeros(3), body.radius)] if body.radius is not None else edges(shape)
+    return [middle + part @ turn.T for part in parts]
+
+
+def _solid_of(shape: Any) -> list[Line]:
+    if hasattr(shape, "vertices"):
+        return [Line(shape.vertices, closed=True)]
+    low, high = shape.bounds()
+    return [Line(rectangle(low, high), closed=True)]
+
+
+def tracers_stage(scene: Any, sample: Sequence[Frame]) -> Stage:
+    """The tank, obstacles and openings."""
+    places = np.concatenate([frame.arrays["position"] for frame in sample])
+    tank, dimension = scene.tank, places.shape[1]
+    lines = [_solid(one) for one in scene.obstacles]
+    low, high = places.min(axis=0), places.max(axis=0)
+    outline = outline_of(tank) if tank is not None else None
+    if outline is not None and dimension == 2:
+        points = circle(np.array(outline[:2]), outline.radius) if isinstance(outline, Round) else outline
+        lines.append([Line(points, closed=True)])
+        low, high = points.min(axis=0), points.max(axis=0)
+    elif tank is not None:
+        lines.append(_tank_in_space(tank))
+        corners = np.concatenate([line.points for line in lines[-1]])
+        low, high = corners.min(axis=0), corners.max(axis=0)
+    margin = 0.03 * float((high - low).max())
+    return Stage(low - margin, high + margin, species(scene), lines=_joined(list(lines)), curves=("kinetic_energy",))
+
+
+def _tank_in_space(tank: Any) -> list[Line]:
+    if getattr(tank, "radius", None) is not None:
+        return _ball(np.array(getattr(tank, "center", None) or (0.0, 0.0, 0.0)), tank.radius)
+    if getattr(tank, "size", None) is not None:
+        return [Line(edge) for edge in edges_of(np.zeros(3), np.array(tank.size))]
+    corners = np.array(tank.vertices)
+    return [Line(edge) for edge in edges_of(corners.min(axis=0), corners.max(axis=0))]
+
+
+def soft_stage(scene: Any, sample: Sequence[Frame]) -> Stage:
+    """The periodic box, and contact forces."""
+    reach = [frame.arrays["radius"][:, None] for frame in sample]
+    places = [frame.arrays["position"] for frame in sample]
+    low = np.min([(x - r).min(axis=0) for x, r in zip(places, reach, strict=True)], axis=0)
+    high = np.max([(x + r).max(axis=0) for x, r in zip(places, reach, strict=True)], axis=0)
+    boxed = "box_width" in sample[0].numbers
+
+    def box(frame: Frame) -> list[Array]:
+        sides = np.array([frame.numbers["box_width"], frame.numbers["box_height"]])
+        if len(low) == 2:
+            return [rectangle(np.zeros(2), sides)]
+        deep = np.append(sides, scene.box.size[2] * sides[0] / scene.box.size[0])
+        return edges_of(np.zeros(3), deep)
+
+    return Stage(
+        low, high, species(scene), movers=box if boxed else None, links=links_of if len(low) == 2 else None,
+        widest=WIDE * float(sample[0].arrays["radius"].min()),
+        curves=("shear_stress", "pressure") if boxed else ("smallest_gap", "largest_tension"),
+    )  # fmt: skip
+
+
+STAGES: dict[str, Callable[[Any, Sequence[Frame]], Stage]] = {
+    "floating": floating_stage,
+    "soft": soft_stage,
+    "sph": sph_stage,
+    "tracers": tracers_stage,
+}
+"""By model: what is around the particles of (scene, some frames of the run)."""

@@ -1,0 +1,164 @@
+"""The page in a real browser: it plays, colors, inspects, survives a hostile scene, and asks nobody anything."""
+
+import os
+import shutil
+
+import numpy as np
+import pytest
+from PIL import Image
+from tests.show.view.runs import run_of
+from tests.show.view.test_page import HOSTILE
+
+from ecume.show.view import save_page
+from ecume.show.view.live import Source, serving
+
+playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
+CHROMIUM = os.environ.get("ECUME_CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser")
+pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="Chromium is not installed")
+FLAGS = [
+    "--headless", "--no-sandbox", "--no-first-run", "--disable-background-networking", "--disable-component-update",
+    "--disable-sync", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+]  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def browser():
+    with playwright.sync_playwright() as driver:
+        opened = driver.chromium.launch(executable_path=CHROMIUM, args=FLAGS)
+        yield opened
+        opened.close()
+
+
+@pytest.fixture
+def tab(browser):
+    """An empty tab that remembers what it was asked for, and what went wrong in it."""
+    made = browser.new_page(viewport={"width": 1100, "height": 700})
+    made.complaints, made.requests = [], []
+    made.on("console", lambda message: made.complaints.append(message.text))
+    made.on("pageerror", lambda error: made.complaints.append(str(error)))
+    made.on("request", lambda request: made.requests.append(request.url))
+    yield made
+    made.close()
+
+
+def opened(tab, run):
+    address = save_page(run).path.resolve().as_uri()
+    tab.goto(address)
+    tab.wait_for_selector("body[data-drawn]", timeout=30_000)
+    return address
+
+
+def pictures(tab):
+    return int(tab.get_attribute("body", "data-drawn"))
+
+
+@pytest.mark.parametrize("model", ["floating", "tracers", "sph", "soft"])
+def test_a_run_is_drawn_without_a_word_to_anybody(tab, tmp_path, model):
+    address = opened(tab, run_of(model, tmp_path))
+    tab.locator("#canvas").screenshot(path=tmp_path / "canvas.png")
+    with Image.open(tmp_path / "canvas.png") as picture:
+        colors = np.unique(np.asarray(picture.convert("RGB")).reshape(-1, 3), axis=0)
+    assert len(colors) > 20
+    assert tab.complaints == []
+    assert tab.requests == [address]
+
+
+def test_it_plays_and_is_played(tab, tmp_path):
+    opened(tab, run_of("floating", tmp_path))
+    before = tab.inner_text("#clock")
+    tab.keyboard.press("Space")
+    while int(tab.input_value("#time")) <= 2:
+        tab.wait_for_timeout(50)
+    assert tab.get_attribute("#play", "aria-label") == "pause"
+    tab.keyboard.press("Space")
+    assert tab.inner_text("#clock") != before
+    tab.keyboard.press("End")
+    assert tab.input_value("#time") == "10"
+    assert tab.inner_text("#clock") == "200 ms"
+    tab.keyboard.press("ArrowLeft")
+    assert tab.input_value("#time") == "9"
+    tab.fill("#time", "4")
+    assert tab.inner_text("#clock") == "80 ms"
+
+
+def test_colors_follow_the_choice_and_say_what_they_mean(tab, tmp_path):
+    opened(tab, run_of("sph", tmp_path))
+    assert tab.input_value("#coloring") == "pressure"
+    first = tab.locator("#canvas").screenshot()
+    tab.select_option("#coloring", "density")
+    assert "density (kg/m^3)" in tab.inner_text("#bar")
+    tab.wait_for_timeout(200)
+    assert tab.locator("#canvas").screenshot() != first
+
+
+def test_a_particle_tells_its_numbers(tab, tmp_path):
+    opened(tab, run_of("soft", tmp_path))
+    box = tab.locator("#canvas").bounding_box()
+    assert not tab.is_visible("#inspector")
+    tab.mouse.click(box["x"] + 0.62 * box["width"], box["y"] + 0.5 * box["height"])
+    told = tab.inner_text("#inspector")
+    assert "particle 1" in told
+    assert "1 mm" in told
+    tab.mouse.click(box["x"] + 3, box["y"] + box["height"] - 3)
+    assert not tab.is_visible("#inspector")
+
+
+def test_dragging_moves_and_the_wheel_enlarges(tab, tmp_path):
+    opened(tab, run_of("tracers", tmp_path))
+    box = tab.locator("#canvas").bounding_box()
+    middle = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    length = tab.inner_text("#scale-text"), tab.locator("#scale-bar").bounding_box()["width"]
+    tab.mouse.move(*middle)
+    tab.mouse.wheel(0, -400)
+    tab.wait_for_timeout(200)
+    assert (tab.inner_text("#scale-text"), tab.locator("#scale-bar").bounding_box()["width"]) != length
+    before = tab.locator("#canvas").screenshot()
+    tab.mouse.down()
+    tab.mouse.move(middle[0] + 120, middle[1] + 60, steps=4)
+    tab.mouse.up()
+    tab.wait_for_timeout(200)
+    assert tab.locator("#canvas").screenshot() != before
+    tab.keyboard.press("r")
+    tab.wait_for_timeout(200)
+    assert (tab.inner_text("#scale-text"), tab.locator("#scale-bar").bounding_box()["width"]) == length
+
+
+def test_a_hostile_scene_does_nothing(tab, tmp_path):
+    address = opened(tab, run_of("tracers", tmp_path, title=HOSTILE))
+    assert tab.inner_text("#title") == HOSTILE
+    assert tab.locator("img").count() == 0
+    assert tab.complaints == []
+    assert tab.requests == [address]
+
+
+def test_it_is_readable_on_a_phone_and_in_the_dark(browser, tmp_path):
+    phone = browser.new_page(viewport={"width": 380, "height": 780}, color_scheme="dark", has_touch=True)
+    opened(phone, run_of("soft", tmp_path))
+    assert phone.get_attribute("html", "data-light") == "dark"
+    assert phone.evaluate("document.documentElement.scrollWidth") <= 380
+    assert phone.locator("#canvas").bounding_box()["height"] > 300
+    phone.close()
+
+
+def test_everything_that_is_pressed_has_a_name(tab, tmp_path):
+    opened(tab, run_of("floating", tmp_path))
+    for one in tab.locator("button, select, input").all():
+        if one.is_visible():
+            named = one.evaluate("node => node.ariaLabel || node.labels?.[0]?.innerText || node.innerText")
+            assert named.strip()
+
+
+def test_a_run_in_progress_is_followed_and_stopped(tab, tmp_path):
+    state, stopped = ["running"], []
+    source = Source(run_of("tracers", tmp_path), lambda: state[0], lambda: stopped.append(True))
+    with serving(source) as address:
+        tab.goto(address)
+        tab.wait_for_selector("body[data-drawn]")
+        assert tab.get_attribute("#time", "max") == "10"
+        tab.click("#stop")
+        tab.wait_for_timeout(200)
+        assert stopped == [True]
+        state[0] = "stopped"
+        tab.wait_for_selector("body[data-state=stopped]")
+    assert tab.inner_text("#stop") == "stopped"
+    assert tab.complaints == []

@@ -1,0 +1,95 @@
+"""What the page is given is what the frames hold, to the steps of its numbers."""
+
+import numpy as np
+import pytest
+
+from ecume.show.view.chunks import FEW_STEPS, STEPS, pack, quantities
+from ecume.show.view.staging import Stage
+from ecume.trajectories.frame import Frame
+
+KINDS = {"u1": np.uint8, "u2": np.uint16, "f4": np.float32}
+PLAIN = Stage(np.zeros(2), np.ones(2), [])
+
+
+def frames(count=4, particles=7, seed=3):
+    rng = np.random.default_rng(seed)
+    still = {"radius": rng.uniform(1.0, 2.0, particles), "species": np.arange(particles) % 3}
+    return [
+        Frame(
+            0.5 * step,
+            {
+                "position": rng.normal(size=(particles, 2)),
+                "velocity": rng.normal(size=(particles, 2)),
+                "charge": rng.normal(size=particles),
+                **still,
+            },
+            {"kinetic_energy": float(step) ** 2},
+            {},
+        )
+        for step in range(count)
+    ]
+
+
+def unpacked(chunk, name, top=None):
+    """As the page reads an array: steps from the least to the largest."""
+    place = chunk.header["places"][name]
+    kind = KINDS[place["kind"]]
+    raw = np.frombuffer(chunk.blob, kind, place["length"], place["offset"])
+    if place["kind"] == "f4" or name not in chunk.header["ranges"]:
+        return raw
+    low, high = chunk.header["ranges"][name]
+    return low + (high - low) / (STEPS if place["kind"] == "u2" else FEW_STEPS) * raw
+
+
+def test_positions_come_back_to_half_a_step():
+    given = frames()
+    chunk = pack(given, PLAIN)
+    low, high = chunk.header["ranges"]["position"]
+    wanted = np.concatenate([frame.arrays["position"].ravel() for frame in given])
+    assert (low, high) == (wanted.min(), wanted.max())
+    np.testing.assert_allclose(unpacked(chunk, "position"), wanted, rtol=0, atol=0.501 * (high - low) / STEPS)
+
+
+def test_what_never_changes_stands_once():
+    chunk = pack(frames(), PLAIN)
+    assert set(chunk.header["steady"]) == {"array/radius", "array/species"}
+    assert chunk.header["places"]["array/radius"]["length"] == 7
+    assert unpacked(chunk, "array/species").tolist() == [0, 1, 2, 0, 1, 2, 0]
+    assert chunk.header["places"]["array/charge"]["length"] == 28
+
+
+def test_of_velocities_the_speed_is_shown():
+    frame = frames(1)[0]
+    assert "velocity" not in quantities(frame)
+    np.testing.assert_allclose(quantities(frame)["speed"], np.hypot(*frame.arrays["velocity"].T), rtol=1e-14)
+
+
+def test_numbers_of_the_whole_stand_beside_them():
+    assert unpacked(pack(frames(), PLAIN), "number/kinetic_energy").tolist() == [0.0, 1.0, 4.0, 9.0]
+
+
+def test_a_crowd_that_grows_says_how_many_there_are():
+    given = [frames(1, particles)[0] for particles in (3, 5)]
+    chunk = pack(given, PLAIN)
+    assert chunk.header["counts"] == [3, 5]
+    assert "array/radius" not in chunk.header["steady"]
+    assert chunk.header["places"]["array/radius"]["length"] == 8
+
+
+@pytest.mark.parametrize("values", [[1.0, np.nan, 3.0], [1e-9, 1e-3, 1.0], [1.0, np.inf, 2.0]])
+def test_what_steps_would_spoil_is_kept_as_it_is(values):
+    frame = Frame(0.0, {"position": np.zeros((3, 2)), "gap": np.array(values)}, {}, {})
+    np.testing.assert_array_equal(unpacked(pack([frame], PLAIN), "array/gap"), np.float32(values))
+
+
+def test_one_peak_does_not_pale_all_others():
+    pressure = np.append(np.linspace(0.0, 1.0, 1000), 1e6)
+    frame = Frame(0.0, {"position": np.zeros((1001, 2)), "pressure": pressure}, {}, {})
+    low, high = pack([frame], PLAIN).header["scales"]["array/pressure"]
+    assert 0.0 <= low < 0.01
+    assert 0.99 < high < 1.01
+
+
+def test_places_are_where_arrays_of_the_browser_may_begin():
+    places = pack(frames(particles=5), PLAIN).header["places"].values()
+    assert all(place["offset"] % 4 == 0 for place in places)

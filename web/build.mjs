@@ -1,0 +1,39 @@
+// Bundles the page into the Python package: node build.mjs [FOLDER]
+import { createHash } from "node:crypto";
+import { mkdirSync, readdirSync, readFileSync, writeFileSync } from "node:fs";
+import { dirname, join } from "node:path";
+import { fileURLToPath } from "node:url";
+import { build } from "esbuild";
+
+const here = dirname(fileURLToPath(import.meta.url));
+const out = process.argv[2] ?? join(here, "../src/ecume/show/view/bundle");
+mkdirSync(out, { recursive: true });
+
+const { outputFiles } = await build({
+  entryPoints: [join(here, "src/main.ts")],
+  absWorkingDir: here,
+  bundle: true,
+  minify: true,
+  format: "iife",
+  target: "es2022",
+  charset: "utf8",
+  legalComments: "inline",
+  write: false,
+});
+const script = outputFiles[0].text.replaceAll("</script", "<\\/script");
+const plot = readFileSync(join(here, "node_modules/uplot/dist/uPlot.min.css"), "utf8");
+const style = `${readFileSync(join(here, "src/style.css"), "utf8")}${plot.trim()}\n`;
+const licence = readFileSync(join(here, "node_modules/uplot/LICENSE"), "utf8");
+
+// What the bundle was made of: where there is no npm, a test holds the sources to this.
+const digest = createHash("sha256");
+const sources = readdirSync(join(here, "src")).sort();
+for (const name of [...sources.map((one) => `src/${one}`), "build.mjs", "package-lock.json"]) {
+  digest.update(`${name}\n`).update(readFileSync(join(here, name)));
+}
+
+writeFileSync(join(out, "view.js"), script);
+writeFileSync(join(out, "view.css"), style);
+writeFileSync(join(out, "page.html"), readFileSync(join(here, "src/page.html"), "utf8"));
+writeFileSync(join(out, "LICENSES.txt"), `uPlot (curves), bundled in view.js and view.css:\n\n${licence}`);
+writeFileSync(join(out, "SOURCES.sha256"), `${digest.digest("hex")}\n`);

@@ -1,0 +1,124 @@
+// Spheres and discs as squares that face the eye, shaded in the fragment program.
+
+import type { Eye } from "./camera";
+import { Colors, type GL, Program, Rows, square } from "./gl";
+
+const VERTEX = `
+uniform mat4 matrix;
+uniform vec3 right, up, toward;
+uniform float part;
+uniform vec4 range; // low, high, logarithmic, of how many colors (0: of a scale)
+in vec2 corner;
+in vec3 place, before;
+in float radius, value;
+out vec2 inside;
+out float color, depth_slope;
+flat out float index;
+void main() {
+  vec3 middle = mix(before, place, part);
+  gl_Position = matrix * vec4(middle + radius * (corner.x * right + corner.y * up), 1.0);
+  vec4 front = matrix * vec4(middle + radius * toward, 1.0);
+  vec4 center = matrix * vec4(middle, 1.0);
+  depth_slope = 0.5 * (front.z / front.w - center.z / center.w);
+  inside = corner;
+  float at = range.z > 0.5 ? log(max(value, 1e-300)) : value;
+  color = range.w > 0.5 ? (value + 0.5) / range.w : clamp((at - range.x) / (range.y - range.x), 0.0, 1.0);
+  index = float(gl_InstanceID);
+}`;
+
+const FRAGMENT = `
+uniform sampler2D colors;
+uniform vec4 rim; // color, and whether the picture is flat
+uniform float edge; // a pixel, in radii of the smallest particle that is drawn with a rim
+uniform float chosen;
+in vec2 inside;
+in float color, depth_slope;
+flat in float index;
+out vec4 painted;
+void main() {
+  float square = dot(inside, inside);
+  if (square > 1.0) discard;
+  float toward = sqrt(1.0 - square);
+  vec3 body = texture(colors, vec2(color, 0.5)).rgb;
+  float width = fwidth(inside.x);
+  if (rim.w > 0.5) {
+    float line = smoothstep(1.0 - 2.2 * width, 1.0 - 1.2 * width, sqrt(square)) * step(width, 0.2) * edge;
+    painted = vec4(mix(body, rim.rgb, line), 1.0);
+  } else {
+    float light = 0.45 + 0.55 * max(dot(vec3(inside, toward), vec3(-0.35, 0.55, 0.76)), 0.0);
+    painted = vec4(body * light, 1.0);
+    gl_FragDepth = gl_FragCoord.z + depth_slope * toward;
+  }
+  float ring = 1.0 - clamp(4.0 * width, 0.06, 0.5);
+  if (abs(index - chosen) < 0.5 && sqrt(square) > ring) painted.rgb = vec3(1.0, 0.15, 0.55);
+  if (rim.w > 0.5) {
+    painted.a = 1.0 - smoothstep(1.0 - width, 1.0, sqrt(square));
+    gl_FragDepth = gl_FragCoord.z;
+  }
+}`;
+
+export interface Look {
+  range: [number, number];
+  log: boolean;
+  kinds: number; // colors of a palette; 0 for a scale
+  part: number; // of the way from the frame before
+  ink: [number, number, number];
+  flat: boolean;
+  rims: boolean;
+  chosen: number;
+}
+
+export class Particles {
+  private readonly program: Program;
+  private readonly corners: Rows;
+  private readonly places: Rows;
+  private readonly befores: Rows;
+  private readonly radii: Rows;
+  private readonly values: Rows;
+  private readonly state: WebGLVertexArrayObject;
+  readonly colors: Colors;
+  private count = 0;
+
+  constructor(private readonly gl: GL) {
+    this.program = new Program(gl, VERTEX, FRAGMENT);
+    this.state = gl.createVertexArray()!;
+    gl.bindVertexArray(this.state);
+    this.corners = square(gl);
+    [this.places, this.befores] = [new Rows(gl), new Rows(gl)];
+    [this.radii, this.values] = [new Rows(gl), new Rows(gl)];
+    this.colors = new Colors(gl);
+  }
+
+  fill(place: Float32Array, before: Float32Array, radius: Float32Array, value: Float32Array): void {
+    this.gl.bindVertexArray(this.state);
+    this.count = radius.length;
+    this.places.fill(place);
+    this.befores.fill(before);
+    this.radii.fill(radius);
+    this.values.fill(value);
+    const at = (name: string): number => this.program.attribute(name);
+    this.corners.feed(at("corner"), 2, 2, 0, 0);
+    this.places.feed(at("place"), 3);
+    this.befores.feed(at("before"), 3);
+    this.radii.feed(at("radius"), 1);
+    this.values.feed(at("value"), 1);
+  }
+
+  draw(eye: Eye, look: Look): void {
+    const { gl, program } = this;
+    gl.bindVertexArray(this.state);
+    program.use();
+    program.matrix("matrix", eye.matrix);
+    program.numbers("right", ...eye.right);
+    program.numbers("up", ...eye.up);
+    program.numbers("toward", ...eye.toward);
+    program.numbers("part", look.part);
+    program.numbers("range", look.range[0], look.range[1], look.log ? 1 : 0, look.kinds);
+    program.numbers("rim", ...look.ink, look.flat ? 1 : 0);
+    program.numbers("edge", look.rims ? 1 : 0);
+    program.numbers("chosen", look.chosen);
+    this.colors.bind(0);
+    program.unit("colors", 0);
+    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, this.count);
+  }
+}

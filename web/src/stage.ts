@@ -1,0 +1,245 @@
+// What is drawn of an instant, in which order and in which colors.
+
+import { type Camera, type Eye, onCanvas } from "./camera";
+import type { GL } from "./gl";
+import { Heights } from "./heights";
+import { Lines, Segments } from "./lines";
+import { Particles } from "./particles";
+import type { Coloring, Instant, Link, Run } from "./run";
+import { colorsOf } from "./source";
+
+const FAR = 0.25; // a particle that goes farther in a frame, in parts of the picture, went through a periodic side
+const WIDEST = 9; // pixels, of the largest force
+const PULL = [0.7, 0.09, 0.17, 1];
+const PUSH = [0.13, 0.4, 0.67, 1];
+const MOST_RIMS = 5000; // particles
+
+export const SPECIES = "species";
+
+export interface Choice {
+  coloring: string;
+  range: [number, number];
+  chosen: number;
+  links: boolean;
+}
+
+function channels(color: string): [number, number, number] {
+  const value = Number.parseInt(color.slice(1), 16);
+  return [(value >> 16) & 255, (value >> 8) & 255, value & 255];
+}
+
+/** A color of the page's style, from 0 to 1. */
+export function styled(name: string): [number, number, number] {
+  const value = getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+  const [r, g, b] = channels(value);
+  return [r / 255, g / 255, b / 255];
+}
+
+/** Three coordinates a particle, whatever the dimension. */
+function inSpace(position: Float32Array, dimension: number): Float32Array {
+  if (dimension === 3) return position;
+  const space = new Float32Array((position.length / 2) * 3);
+  for (let i = 0; 2 * i < position.length; i++) {
+    space[3 * i] = position[2 * i];
+    space[3 * i + 1] = position[2 * i + 1];
+  }
+  return space;
+}
+
+export class Stage {
+  private readonly gl: GL;
+  private readonly particles: Particles;
+  private readonly lines: Lines;
+  private readonly heights: Heights | null;
+  private readonly span: number;
+  private readonly filmColors: Uint8Array;
+  private filled = "";
+  shown: Instant | null = null;
+
+  constructor(
+    private readonly canvas: HTMLCanvasElement,
+    private readonly run: Run,
+    readonly camera: Camera,
+  ) {
+    const gl = canvas.getContext("webgl2", { antialias: true, preserveDrawingBuffer: true });
+    if (!gl) throw new Error("this browser draws no WebGL 2");
+    this.gl = gl;
+    this.particles = new Particles(gl);
+    this.lines = new Lines(gl);
+    const { sheet, low, high } = run.header;
+    this.heights = sheet ? new Heights(gl, sheet) : null;
+    if (this.heights && sheet) this.heights.colors.fill(colorsOf(run.header, sheet.map), false);
+    this.filmColors = run.header.linked ? colorsOf(run.header, "viridis") : new Uint8Array(768);
+    this.span = Math.hypot(...high.map((value, k) => value - low[k]));
+  }
+
+  get aspect(): number {
+    return this.canvas.width / this.canvas.height;
+  }
+
+  get eye(): Eye {
+    return this.camera.eye(this.aspect, this.canvas.height);
+  }
+
+  private get flat(): boolean {
+    return this.run.header.dimension === 2;
+  }
+
+  coloring(name: string): Coloring | undefined {
+    return this.run.header.colorings.find((one) => one.name === name);
+  }
+
+  /** Fit the drawing to the room that the page gives it. */
+  resize(): boolean {
+    const ratio = Math.min(window.devicePixelRatio || 1, 2);
+    const [width, height] = [this.canvas.clientWidth * ratio, this.canvas.clientHeight * ratio].map(Math.round);
+    if (width === this.canvas.width && height === this.canvas.height) return false;
+    [this.canvas.width, this.canvas.height] = [Math.max(width, 1), Math.max(height, 1)];
+    return true;
+  }
+
+  /** Draw a frame, or what lies a part of the way from it to the next. */
+  draw(frame: number, part: number, choice: Choice): void {
+    const next = part > 0 ? Math.min(frame + 1, this.run.frames - 1) : frame;
+    const instant = this.run.instant(next);
+    this.fill(`${frame} ${next} ${choice.coloring}`, this.run.instant(frame), instant, choice);
+    this.shown = this.run.instant(frame);
+    const { gl } = this;
+    gl.viewport(0, 0, this.canvas.width, this.canvas.height);
+    gl.clearColor(...styled("--canvas"), 1);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    gl.enable(gl.BLEND);
+    gl.blendFuncSeparate(gl.SRC_ALPHA, gl.ONE_MINUS_SRC_ALPHA, gl.ONE, gl.ONE);
+    if (this.flat) gl.disable(gl.DEPTH_TEST);
+    else gl.enable(gl.DEPTH_TEST);
+    this.paint(part, choice);
+  }
+
+  private paint(part: number, choice: Choice): void {
+    const { eye, gl, canvas, run } = this;
+    this.heights?.draw(eye);
+    const coloring = this.coloring(choice.coloring);
+    const log = coloring?.log ?? false;
+    this.particles.draw(eye, {
+      range: log ? [Math.log(choice.range[0]), Math.log(choice.range[1])] : choice.range,
+      log,
+      kinds: coloring ? 0 : Math.max(run.header.species.length, 1),
+      part,
+      ink: styled("--ink"),
+      flat: this.flat,
+      rims: (this.shown?.count ?? 0) <= MOST_RIMS,
+      chosen: choice.chosen,
+    });
+    this.lines.fill(this.segments(choice));
+    if (this.flat) gl.disable(gl.DEPTH_TEST);
+    this.lines.draw(eye, canvas.width, canvas.height);
+  }
+
+  private fill(what: string, from: Instant, to: Instant, choice: Choice): void {
+    if (what === this.filled) return;
+    this.filled = what;
+    const d = this.run.header.dimension;
+    const place = inSpace(to.position, d);
+    const before = from.count === to.count ? inSpace(from.position, d).slice() : place.slice();
+    for (let i = 0; i < to.count; i++) {
+      const gone = [0, 1, 2].map((k) => place[3 * i + k] - before[3 * i + k]);
+      if (Math.hypot(...gone) > FAR * this.span) before.set(place.subarray(3 * i, 3 * i + 3), 3 * i);
+    }
+    const radius = to.arrays["radius"] ?? new Float32Array(to.count).fill(this.run.header.radius);
+    this.particles.fill(place, before, radius, this.values(to, choice.coloring));
+    this.particles.colors.fill(this.palette(choice.coloring), !this.coloring(choice.coloring));
+    if (to.sheet) this.heights?.fill(to.sheet);
+  }
+
+  /** Forget what lies on the graphics card, as after new frames or colors. */
+  stale(): void {
+    this.filled = "";
+  }
+
+  private values(instant: Instant, coloring: string): Float32Array {
+    return instant.arrays[coloring] ?? new Float32Array(instant.count);
+  }
+
+  private palette(coloring: string): Uint8Array {
+    const found = this.coloring(coloring);
+    if (found) return colorsOf(this.run.header, found.map);
+    const species = this.run.header.species;
+    return new Uint8Array(species.length ? species.flatMap((one) => channels(one.color)) : [90, 120, 160]);
+  }
+
+  private segments(choice: Choice): Segments {
+    const segments = new Segments();
+    const ink = [...styled("--rim"), 1];
+    const ratio = Math.min(window.devicePixelRatio || 1, 2);
+    for (const line of this.run.header.outlines) {
+      const color = line.dashed ? [...styled("--muted"), 1] : ink;
+      segments.path(line.points, line.closed, color, (line.dashed ? 1 : 2) * ratio);
+    }
+    const instant = this.shown;
+    if (!instant) return segments;
+    const d = this.run.header.dimension;
+    for (const mover of instant.movers) {
+      const points = Array.from({ length: mover.length / d }, (_, i) => mover.subarray(d * i, d * i + d));
+      segments.path(points, d === 2, ink, 2 * ratio);
+    }
+    if (instant.links && choice.links) {
+      this.forces(segments, instant.links, ratio);
+      if (d === 2) this.films(segments, instant.links, ratio);
+    }
+    return segments;
+  }
+
+  /** Contact forces as lines from center to center, as wide as the force is large; films across them, by their gap. */
+  private forces(segments: Segments, links: Link, ratio: number): void {
+    const d = this.run.header.dimension;
+    const tension = this.run.range("links/tension");
+    const largest = Math.max(Math.abs(tension[0]), Math.abs(tension[1])) || 1;
+    for (let c = 0; c < links.gap.length; c++) {
+      const width = (WIDEST * ratio * Math.abs(links.tension[c])) / largest;
+      if (width < 0.15) continue;
+      const first = links.x.subarray(d * c, d * c + d);
+      const second = first.map((value, k) => value + links.along[d * c + k]);
+      segments.add(first, second, links.tension[c] > 0 ? PULL : PUSH, width);
+    }
+  }
+
+  /** Films across the lines of centers, colored by their gap. */
+  private films(segments: Segments, links: Link, ratio: number): void {
+    const [low, high] = this.gaps;
+    for (let c = 0; c < links.gap.length; c++) {
+      const gap = links.gap[c];
+      if (gap > high * 1.0001) continue;
+      const [x, y] = [links.x[2 * c], links.x[2 * c + 1]];
+      const [dx, dy] = [links.along[2 * c], links.along[2 * c + 1]];
+      const part = high > low ? Math.log(gap / low) / Math.log(high / low) : 0.5;
+      const place = 3 * Math.round(255 * Math.min(Math.max(part, 0), 1));
+      const color = [0, 1, 2].map((k) => this.filmColors[place + k] / 255);
+      const [mx, my] = [x + 0.5 * dx, y + 0.5 * dy];
+      const [sx, sy] = [-0.13 * dy, 0.13 * dx];
+      segments.add([mx - sx, my - sy], [mx + sx, my + sy], [...color, 1], 4 * ratio);
+    }
+  }
+
+  /** The gaps that films have in this run, from the narrowest to the widest that is drawn (m). */
+  get gaps(): [number, number] {
+    const [low, high] = this.run.range("links/gap").map(Math.exp);
+    return [low, Math.min(high, this.run.header.widest)];
+  }
+
+  /** The particle under a point of the canvas, given from -1 to 1 in both directions; -1 where there is none. */
+  at(x: number, y: number): number {
+    const [instant, eye, d] = [this.shown, this.eye, this.run.header.dimension];
+    if (!instant) return -1;
+    let [best, nearest] = [-1, Infinity];
+    for (let i = 0; i < instant.count; i++) {
+      const place = instant.position.subarray(d * i, d * i + d);
+      const seen = onCanvas(eye, place);
+      const apart = Math.hypot((seen[0] - x) * this.aspect, seen[1] - y);
+      const radius = (2 * (instant.arrays["radius"]?.[i] ?? this.run.header.radius)) / (eye.pixel * this.canvas.height);
+      if (apart > Math.max(radius, 0.012)) continue;
+      const rank = d === 3 ? seen[2] : apart;
+      if (rank < nearest) [best, nearest] = [i, rank];
+    }
+    return best;
+  }
+}
