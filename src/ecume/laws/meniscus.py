@@ -18,6 +18,7 @@ import numpy as np
 from ecume.errors import BadInput
 from ecume.laws.arguments import as_distances, as_given, chosen, require_angle, require_positive
 from ecume.laws.flotation.bodies import Liquid
+from ecume.laws.flotation.plane import sloping_amplitude, sloping_height
 from ecume.units import Angle, Array, Length, Lengths, Number
 
 CORE = 1e-3
@@ -146,7 +147,7 @@ def plane_wall_height(contact_angle: Angle) -> Number:
     """
     require_angle("contact_angle", contact_angle)
     # sqrt(2 (1 - sin theta)), without its cancellation at 90 degrees
-    return 2.0 * math.sin(0.5 * (0.5 * math.pi - contact_angle))
+    return sloping_height(contact_angle - 0.5 * math.pi)
 
 
 def plane_amplitude(contact_angle: Angle) -> Number:
@@ -155,11 +156,8 @@ def plane_amplitude(contact_angle: Angle) -> Number:
     >>> round(plane_amplitude(0.0), 12)
     0.922317584014
     """
-    height = plane_wall_height(contact_angle)
-    if height == 0.0:
-        return 0.0
-    u = math.acosh(2.0 / abs(height))
-    return math.copysign(4.0 * math.exp(-2.0 - u + 2.0 * math.tanh(u)), height)
+    require_angle("contact_angle", contact_angle)
+    return sloping_amplitude(contact_angle - 0.5 * math.pi)
 
 
 def _amplitude_field(r: Array, dish_radius: float, contact_angle: float) -> Array:
