@@ -19,7 +19,22 @@ from ecume.errors import BadInput
 from ecume.laws.arguments import as_distances, as_given, chosen, require_angle, require_positive
 from ecume.laws.flotation.bodies import Liquid
 from ecume.laws.flotation.plane import sloping_amplitude, sloping_height
+from ecume.laws.images import image_force, plane_image_force, rectangle_image_force
 from ecume.units import Angle, Array, Length, Lengths, Number
+
+__all__ = [
+    "dish_height",
+    "facing_amplitude",
+    "image_force",
+    "plane_amplitude",
+    "plane_height",
+    "plane_image_force",
+    "plane_wall_height",
+    "rectangle_height",
+    "rectangle_image_force",
+    "wall_amplitude",
+    "wall_height",
+]
 
 CORE = 1e-3
 """Radius, in L, from which a dish is integrated: nearer the axis its surface is the linear one to 1e-12."""
