@@ -64,7 +64,14 @@ def one_contact(given, between, log_gap, direction, span, start=None):
     """What a contact of two unequal spheres answers."""
     space = np.zeros((1, 3))
     pairs = Pairs(
-        np.array([0]), np.array([1]), space.copy(), space.copy(), np.array([1.7]), np.array([0.4]), np.array([2.3])
+        np.array([0]),
+        np.array([1]),
+        space.copy(),
+        space.copy(),
+        space[:0],
+        np.array([1.7]),
+        np.array([0.4]),
+        np.array([2.3]),
     )
     n = np.zeros((1, 3))
     n[0, : len(direction)] = direction / np.linalg.norm(direction)

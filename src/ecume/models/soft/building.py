@@ -17,6 +17,8 @@ from ecume.models.soft.packing import places
 from ecume.models.soft.parameters import Contacts, Parameters, Protocol, drive_at
 from ecume.models.soft.schemes import SCHEMES
 from ecume.models.soft.solving import SOLVERS, balance
+from ecume.models.soft.spins import turned_orientation
+from ecume.models.soft.stages import accept
 from ecume.models.soft.state import LENGTH, State, make_state, workspace
 from ecume.scenes.soft import FilmSpec, SoftScene, StageSpec, dimensions_of
 from ecume.units import Array
@@ -59,6 +61,8 @@ def parameters_of(scene: SoftScene) -> Parameters:
         species=np.repeat(np.arange(len(counts)), counts),
         drag=drag,
         force=np.ascontiguousarray(force, np.float64),
+        spin_drag=4.0 / 3.0 * drag,
+        torque=_torques(scene, counts),
         box=box,
         contacts=_contacts(scene, float(radius.min())),
         protocol=_protocol(scene.protocol),
@@ -83,6 +87,7 @@ def start(scene: SoftScene, parameters: Parameters) -> State:
     state.pace[LENGTH] = FIRST_STEP * min(scene.frame_every, *_spans(parameters.protocol, scene.frame_every))
     if not parameters.drag.any():
         _require_one_piece(state)
+        _require_no_torque(parameters, state)
         _balance(parameters, state)
     return state
 
@@ -92,7 +97,21 @@ def _balance(parameters: Parameters, state: State) -> None:
     scratch = workspace(parameters, state, 1.0)
     if not balance(parameters, scratch.step, drive):
         raise SceneError([Fault("spheres", "these forces are more than the surfaces can balance; make them smaller")])
+    accept(scratch.step)
     state.position[:] = scratch.step.bodies.position
+    if parameters.torque.shape[1]:
+        state.orientation[:] = turned_orientation(
+            state.orientation, scratch.step.spins.turn / parameters.radius[:, None]
+        )
+        state.direction[: state.contacts[0]] = scratch.step.direction[:, : parameters.dimensions]
+
+
+def _torques(scene: SoftScene, counts: list[int]) -> Array:
+    """What turns each sphere, at its equator (N); without components where spheres do not spin."""
+    width = 0 if not scene.rotation else 1 if dimensions_of(scene) == 2 else 3
+    given = np.array([species.torque or (0.0,) * width for species in scene.spheres]).reshape(len(counts), width)
+    at_equator = given / np.array([species.radius for species in scene.spheres])[:, None]
+    return np.repeat(at_equator, counts, axis=0)
 
 
 def _spans(protocol: Protocol, otherwise: float) -> list[float]:
@@ -164,6 +183,21 @@ def _require_balance(parameters: Parameters) -> None:
                 )
             ]
         )
+
+
+def _require_no_torque(parameters: Parameters, state: State) -> None:
+    """Spinning spheres that nothing holds would be turned all together without resistance."""
+    if parameters.torque.shape[1] == 0 or parameters.box.any():
+        return
+    arm, force = np.zeros((2, len(state.position), 3))
+    arm[:, : parameters.dimensions], force[:, : parameters.dimensions] = state.position, parameters.force
+    own = parameters.torque * parameters.radius[:, None]
+    moment = np.cross(arm - arm.mean(axis=0), force)[:, -own.shape[1] :] + own
+    total, largest = np.abs(moment.sum(axis=0)).max(), np.abs(moment).max()
+    size = np.abs(parameters.force).max() * parameters.radius.max()
+    if total > UNBALANCED * max(largest, size) * len(moment):
+        told = f"forces and torques turn the spheres all together, with {total:.3g} N m, and nothing holds them"
+        raise SceneError([Fault("spheres", f"{told}; wanted no torque in sum, or liquid.drag = true")])
 
 
 def _require_gaps(parameters: Parameters, position: Array) -> None:

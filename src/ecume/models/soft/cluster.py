@@ -59,6 +59,8 @@ class T1:
     rejected: int
     imbalance: float
     """the largest force (F_N) that was left on a sphere at the end of a step"""
+    turned: float
+    """the largest angle (rad) by which a sphere has spun"""
     series: tuple[Instant, ...]
 
     @property
@@ -111,6 +113,8 @@ class Effort(NamedTuple):
     rejected: int
     imbalance: float
     """the largest force (F_N) that was left on a sphere at the end of a step"""
+    turned: float = 0.0
+    """the largest angle (rad) by which a sphere has spun"""
 
 
 def told(

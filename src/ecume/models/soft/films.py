@@ -28,6 +28,8 @@ class Pairs(NamedTuple):
     """(C, 3) how many boxes the second is away, in the copy that is met"""
     offset: Array
     """(C, 3) m: what this adds to its place, at present"""
+    turn: Array
+    """(C, 3) rad: by how much the pair has spun since the step's beginning; (0, 3) where spheres do not spin"""
     radius_sum: Array
     reduced_radius: Array
     modulus: Array
@@ -72,16 +74,21 @@ def place_images(pairs: Pairs, box: Array, drive: Drive) -> None:
 
 @compiled
 def answer(contacts: Contacts, pairs: Pairs, films: Films, position: Array, span: float, answers: Answers) -> None:
-    """Linearize every contact over a span of time that its stage treats implicitly."""
+    """Linearize every contact over a span of time that its stage treats implicitly.
+
+    Each is solved in a frame that spins with its pair, and told along the axes as they are.
+    """
     first, second, offset = pairs.first, pairs.second, pairs.offset
     radius_sum, reduced_radius, modulus = pairs.radius_sum, pairs.reduced_radius, pairs.modulus
     log_gap, direction = films.log_gap, films.direction
     log_gap_start, direction_start = films.log_gap_start, films.direction_start
     force, correction, stiffness = answers.force, answers.correction, answers.stiffness
     shift, response, slope = answers.shift, answers.response, answers.slope
-    flat = position.shape[1] == 2
+    flat, spinning = position.shape[1] == 2, len(pairs.turn) > 0
     for c in range(len(first)):
         x = center_distance(position, offset, first[c], second[c], c)
+        if spinning:
+            x = turned(x, (-pairs.turn[c, 0], -pairs.turn[c, 1], -pairs.turn[c, 2]))
         n = (direction[c, 0], direction[c, 1], direction[c, 2])
         frame = frame_of(x, n, flat)
         body = (radius_sum[c], reduced_radius[c], modulus[c])
@@ -89,8 +96,12 @@ def answer(contacts: Contacts, pairs: Pairs, films: Films, position: Array, span
         b = (direction_start[c, 0], direction_start[c, 1], direction_start[c, 2])
         begin = Start(span, log_gap_start[c] - log_gap[c], dot(n, b), dot(frame.t, b), dot(frame.s, b))
         link = linked(film, begin)
-        tell_forces(link, frame, c, (force, correction, stiffness))
-        tell_motion(link, frame, c, (shift, response, slope))
+        seen = frame
+        if spinning:
+            angle = (pairs.turn[c, 0], pairs.turn[c, 1], pairs.turn[c, 2])
+            seen = Frame(turned(frame.n, angle), turned(frame.t, angle), turned(frame.s, angle))
+        tell_forces(link, seen, c, (force, correction, stiffness))
+        tell_motion(link, (frame, seen), c, (shift, response, slope))
 
 
 @compiled_inside
@@ -100,6 +111,22 @@ def center_distance(position: Array, offset: Array, i: int, j: int, c: int) -> V
     y = position[j, 1] - position[i, 1] + offset[c, 1]
     z = 0.0 if position.shape[1] == 2 else position[j, 2] - position[i, 2] + offset[c, 2]
     return x, y, z
+
+
+@compiled_inside
+def turned(x: Vector, angle: Vector) -> Vector:
+    """A vector turned about an axis, by as many radians as the axis is long."""
+    square = dot(angle, angle)
+    if square == 0.0:
+        return x
+    size, along = math.sqrt(square), dot(angle, x)
+    straight, around = math.cos(size), math.sin(size) / size
+    lift = along * 0.5 * (math.sin(0.5 * size) / (0.5 * size)) ** 2
+    return (
+        straight * x[0] + around * (angle[1] * x[2] - angle[2] * x[1]) + lift * angle[0],
+        straight * x[1] + around * (angle[2] * x[0] - angle[0] * x[2]) + lift * angle[1],
+        straight * x[2] + around * (angle[0] * x[1] - angle[1] * x[0]) + lift * angle[2],
+    )
 
 
 @compiled_inside
@@ -116,17 +143,19 @@ def tell_forces(link: Link, frame: Frame, c: int, to: tuple[Array, Array, Array]
 
 
 @compiled_inside
-def tell_motion(link: Link, frame: Frame, c: int, to: tuple[Array, Array, Array]) -> None:
-    """How a contact moves, along the axes."""
+def tell_motion(link: Link, frames: tuple[Frame, Frame], c: int, to: tuple[Array, Array, Array]) -> None:
+    """How a contact moves, in the frame that spins with it, by itself and by a displacement along the axes."""
     shift, response, slope = to
-    n, t, s = frame
+    _, t, s = frames[0]
+    n_seen, t_seen, s_seen = frames[1]
     shift[c, 0], slope[c, 0] = link.dq, link.opening
     for k in range(3):
         shift[c, 1 + k] = link.turn_t * t[k] + link.turn_s * s[k]
         slope[c, 1 + k] = link.sliding * t[k]
-        response[c, 0, k] = link.q_n * n[k] + link.q_t * t[k]
+        response[c, 0, k] = link.q_n * n_seen[k] + link.q_t * t_seen[k]
         for m in range(3):
-            response[c, 1 + k, m] = t[k] * (link.t_n * n[m] + link.t_t * t[m]) + link.s_s * s[k] * s[m]
+            turns = link.t_n * n_seen[m] + link.t_t * t_seen[m]
+            response[c, 1 + k, m] = t[k] * turns + link.s_s * s[k] * s_seen[m]
 
 
 def make_answers(count: int) -> Answers:

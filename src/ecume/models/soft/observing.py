@@ -33,6 +33,8 @@ UNITS = {
     "gap": "m",
     "tension": "N",
     "shear": "N",
+    "angle": "rad",
+    "spin": "rad/s",
     "elastic_energy": "J",
     "smallest_gap": "m",
     "mean_gap": "m",
@@ -53,6 +55,7 @@ def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
         "radius": parameters.radius.copy(),
         "species": parameters.species.copy(),
         **_slots(parameters, step, tension),
+        **_spinning(state),
     }
     numbers = {
         "elastic_energy": float(stored_energy(parameters.contacts, step.pairs, step.films, state.position)),
@@ -72,6 +75,15 @@ def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
     tensor, rate = np.sum(list(parts.values()), axis=0), strain_rate(parameters, float(state.pace[CLOCK]))
     numbers |= _box_numbers(parameters, drive, volume) | _stress_numbers(tensor, rate) | _components(parts)
     return Frame(float(state.pace[CLOCK]), arrays, numbers, UNITS | _box_units(parameters.dimensions, numbers))
+
+
+def _spinning(state: State) -> dict[str, Array | Integers]:
+    """How spheres lie and spin, where they do: angles in a layer, quaternions in space."""
+    if state.spin.shape[1] == 0:
+        return {}
+    if state.spin.shape[1] == 1:
+        return {"angle": state.orientation[:, 0].copy(), "spin": state.spin[:, 0].copy()}
+    return {"orientation": state.orientation.copy(), "spin": state.spin.copy()}
 
 
 def at_home(parameters: Parameters, position: Array, drive: Drive) -> Array:

@@ -75,6 +75,10 @@ class Parameters(NamedTuple):
     """(N,) N s/m on each sphere; zero without drag on the liquid"""
     force: Array
     """(N, d) N external, at load 1"""
+    spin_drag: Array
+    """(N,) N s/m on each sphere's equator"""
+    torque: Array
+    """(N, s) N at the equator, external, at load 1: of one component in a layer, three in space, none without spins"""
     box: Array
     """(3,) m: sides of the periodic box at scale 1; zero where there is none"""
     contacts: Contacts

@@ -15,6 +15,19 @@ from ecume.engine.sparse import Matrix
 from ecume.models.soft.films import Answers, Films, Pairs, answer, place_images
 from ecume.models.soft.parameters import Contacts, Drive
 from ecume.models.soft.schemes import Scheme
+from ecume.models.soft.spins import (
+    Spins,
+    add_torques,
+    begin_spins,
+    carry,
+    end_spins,
+    fill_quads,
+    hold_spins,
+    load_torques,
+    rolled,
+    still,
+    turn_pairs,
+)
 from ecume.units import Array
 
 MOST_ITERATIONS = 12
@@ -43,11 +56,11 @@ class Bodies(NamedTuple):
     force: Array
     """(N, d) N external, at factor 1"""
     right: Array
-    """(N, d) N that is left on each"""
+    """(N, d + s) N that is left on each, and at its equator"""
     change: Array
-    """(N, d) m"""
+    """(N, d + s) m, of places and of spins"""
     diagonal: Array
-    """(N, d) N/m"""
+    """(N, d + s) N/m"""
 
 
 class During(NamedTuple):
@@ -72,6 +85,7 @@ class Step(NamedTuple):
     direction: Array
     """where the contacts are at the step's beginning"""
     bodies: Bodies
+    spins: Spins
     matrix: Matrix
     box: Array
     """(3,) m at scale 1"""
@@ -85,7 +99,7 @@ def imbalance(step: Step, factor: float, span: float, corrected: bool) -> tuple[
     right, force, correction, stiffness = bodies.right, answers.force, answers.correction, answers.stiffness
     external, drag, position, start = bodies.force, bodies.drag, bodies.position, bodies.start
     radius_sum, offset = step.pairs.radius_sum, step.pairs.offset
-    count, dimensions = right.shape
+    count, dimensions = position.shape
     largest, stiffest, worst = 0.0, 0.0, 0.0
     for i in range(count):
         for k in range(dimensions):
@@ -94,6 +108,7 @@ def imbalance(step: Step, factor: float, span: float, corrected: bool) -> tuple[
             if drag[i] > 0.0:
                 right[i, k] -= drag[i] * (position[i, k] - start[i, k]) / span
                 stiffest = max(stiffest, drag[i] / span * abs(position[i, k]))
+    load_torques(step.spins, right, factor, span)
     for c in range(len(first)):
         i, j = first[c], second[c]
         for k in range(dimensions):
@@ -105,8 +120,10 @@ def imbalance(step: Step, factor: float, span: float, corrected: bool) -> tuple[
                 value += correction[c, k]
             right[i, k] += value
             right[j, k] -= value
+    if right.shape[1] > dimensions:
+        add_torques(step.pairs, answers, position, right, corrected)
     for i in range(count):
-        for k in range(dimensions):
+        for k in range(right.shape[1]):
             worst = max(worst, abs(right[i, k]))
     return worst, largest, ROUNDING * stiffest
 
@@ -115,26 +132,28 @@ def imbalance(step: Step, factor: float, span: float, corrected: bool) -> tuple[
 def move(step: Step) -> float:
     """Add the solved change to spheres and contacts, shortened where it is too long; how large it was."""
     films, answers, bodies = step.films, step.answers, step.bodies
-    first, second = step.pairs.first, step.pairs.second
     shift, response, change, position = answers.shift, answers.response, bodies.change, bodies.position
-    log_gap, direction = films.log_gap, films.direction
+    log_gap, direction, turn = films.log_gap, films.direction, step.spins.turn
     dimensions = position.shape[1]
     largest = 0.0
-    for c in range(len(first)):
-        i, j = first[c], second[c]
+    for c in range(len(log_gap)):
+        u = rolled(step.pairs, (position, change), c)
         for k in range(4):
-            value = shift[c, k]
-            for m in range(dimensions):
-                value += response[c, k, m] * (change[j, m] - change[i, m])
-            shift[c, k] = value
-            largest = max(largest, abs(value))
+            shift[c, k] += response[c, k, 0] * u[0] + response[c, k, 1] * u[1] + response[c, k, 2] * u[2]
+            largest = max(largest, abs(shift[c, k]))
+    for i in range(len(turn)):
+        for k in range(turn.shape[1]):
+            largest = max(largest, abs(change[i, dimensions + k]) / step.spins.radius[i])
     if not math.isfinite(largest):
         return math.inf
     part = min(1.0, LONGEST_CHANGE / max(largest, 1e-300))
     for i in range(len(position)):
         for k in range(dimensions):
             position[i, k] += part * change[i, k]
-    for c in range(len(first)):
+        for k in range(turn.shape[1]):
+            turn[i, k] += part * change[i, dimensions + k]
+    turn_pairs(step.pairs, step.spins)
+    for c in range(len(log_gap)):
         log_gap[c] += part * shift[c, 0]
         length = 0.0
         for k in range(3):
@@ -149,11 +168,24 @@ def move(step: Step) -> float:
 @compiled
 def resist(step: Step, span: float) -> None:
     """The matrix of Newton's step: what resists a displacement of each sphere."""
-    bodies = step.bodies
+    bodies, spins = step.bodies, step.spins
+    dimensions, width = bodies.position.shape[1], bodies.diagonal.shape[1]
     for i in range(len(bodies.drag)):
-        for k in range(bodies.diagonal.shape[1]):
-            bodies.diagonal[i, k] = bodies.drag[i] / span if span > 0.0 else 0.0
-    sparse.assemble(step.matrix, step.answers.stiffness, bodies.diagonal)
+        for k in range(width):
+            drag = bodies.drag[i] if k < dimensions else spins.drag[i]
+            bodies.diagonal[i, k] = drag / span if span > 0.0 else 0.0
+    if width > dimensions:
+        fill_quads(step.pairs, step.answers, spins, bodies.position)
+        sparse.assemble_quads(step.matrix, spins.quads, bodies.diagonal)
+        hold_spins(step.matrix, spins, is_free(step))
+    else:
+        sparse.assemble(step.matrix, step.answers.stiffness, bodies.diagonal)
+
+
+@compiled
+def is_free(step: Step) -> bool:
+    """Whether nothing keeps the spheres from circling each other all together."""
+    return not (np.any(step.bodies.drag > 0.0) or np.any(step.box > 0.0))
 
 
 @compiled
@@ -205,6 +237,8 @@ def newton_with(
         resist(step, span)
         if not solve(step, loose):
             return False
+        if step.spins.turn.shape[1] > 0 and is_free(step):
+            still(bodies.position, step.spins.radius, bodies.change)
         last = move(step)
         if not math.isfinite(last):
             return False
@@ -250,6 +284,7 @@ def begin_stage(step: Step, scheme: Scheme, stage: int, time_step: float) -> Non
                 for earlier in range(stage):
                     value += time_step * rows[stage, earlier] * bodies.slope[earlier, i, k]
                 bodies.start[i, k] = value
+    begin_spins(step.spins, rows[stage, :stage], time_step)
 
 
 @compiled
@@ -267,6 +302,7 @@ def end_stage(step: Step, stage: int, span: float) -> None:
         if bodies.drag[i] > 0.0:
             for k in range(bodies.start.shape[1]):
                 bodies.slope[stage, i, k] = (bodies.position[i, k] - bodies.start[i, k]) / span
+    end_spins(step.spins, stage, span)
 
 
 @compiled
@@ -278,6 +314,9 @@ def first_stage(contacts: Contacts, step: Step, drive: Drive) -> None:
     films.log_gap_start[:] = step.log_gap
     films.direction_start[:] = step.direction
     bodies.position[:] = bodies.before
+    step.spins.turn[:] = 0.0
+    step.spins.start[:] = 0.0
+    turn_pairs(step.pairs, step.spins)
     place_images(step.pairs, step.box, drive)
     answer(contacts, step.pairs, films, bodies.position, 0.0, step.answers)
     slope[0] = step.answers.slope
@@ -287,6 +326,16 @@ def first_stage(contacts: Contacts, step: Step, drive: Drive) -> None:
         if bodies.drag[i] > 0.0:
             for k in range(bodies.start.shape[1]):
                 bodies.slope[0, i, k] = bodies.right[i, k] / bodies.drag[i]
+    first_spins(step)
+
+
+@compiled
+def first_spins(step: Step) -> None:
+    """How fast spheres spin at the step's beginning, where drag tells."""
+    spins, right, dimensions = step.spins, step.bodies.right, step.bodies.position.shape[1]
+    for i in range(len(spins.drag)):
+        for k in range(spins.turn.shape[1]):
+            spins.slope[0, i, k] = right[i, dimensions + k] / spins.drag[i] if spins.drag[i] > 0.0 else 0.0
 
 
 @compiled
@@ -349,6 +398,7 @@ def attempt_direct(contacts: Contacts, step: Step, scheme: Scheme, during: Durin
 @compiled
 def accept(step: Step) -> None:
     """The end of a step is the next one's beginning."""
+    carry(step.pairs, step.films.direction)
     step.log_gap[:] = step.films.log_gap
     step.direction[:] = step.films.direction
     step.bodies.before[:] = step.bodies.position

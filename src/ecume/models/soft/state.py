@@ -12,6 +12,7 @@ from ecume.laws import elasticity
 from ecume.models.soft.films import Pairs, make_answers, make_films
 from ecume.models.soft.parameters import Parameters
 from ecume.models.soft.schemes import SCHEMES
+from ecume.models.soft.spins import make_spins
 from ecume.models.soft.stages import Bodies, Step
 from ecume.units import Array
 
@@ -21,6 +22,10 @@ ACCEPTED, REJECTED, FAILED = range(3)
 """Places in `State.tally`."""
 
 
+UPRIGHT = {0: np.zeros(0), 1: np.zeros(1), 3: np.array([1.0, 0.0, 0.0, 0.0])}
+"""The orientation at time 0, by the components of a spin."""
+
+
 class State(NamedTuple):
     """Everything that can change a later bit."""
 
@@ -28,6 +33,10 @@ class State(NamedTuple):
     """(N, d) m; across periodic borders they go on counting"""
     velocity: Array
     """(N, d) m/s on the average of the last step"""
+    orientation: Array
+    """(N, 1) rad in a layer, (N, 4) quaternions in space; (N, 0) where spheres do not spin"""
+    spin: Array
+    """(N, s) rad/s on the average of the last step"""
     step: Integers
     """(1,) ticks"""
     contacts: Integers
@@ -62,6 +71,8 @@ def make_state(parameters: Parameters, position: Array, room: int) -> State:
     return State(
         position=np.array(position, np.float64),
         velocity=np.zeros((count, dimensions)),
+        orientation=np.tile(UPRIGHT[parameters.torque.shape[1]], (count, 1)),
+        spin=np.zeros_like(parameters.torque),
         step=np.zeros(1, np.int64),
         contacts=np.zeros(1, np.int64),
         generation=np.zeros(1, np.int64),
@@ -79,7 +90,7 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
     count, dimensions = state.position.shape
     contacts = int(state.contacts[0])
     pairs = pairs_of(parameters, state)
-    stages = len(SCHEMES[parameters.scheme].times)
+    stages, width = len(SCHEMES[parameters.scheme].times), dimensions + parameters.torque.shape[1]
     pattern = sparse.make_pattern(count, pairs.first, pairs.second)
     bodies = Bodies(
         position=state.position.copy(),
@@ -88,9 +99,9 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
         slope=np.zeros((stages, count, dimensions)),
         drag=parameters.drag,
         force=parameters.force,
-        right=np.zeros((count, dimensions)),
-        change=np.zeros((count, dimensions)),
-        diagonal=np.zeros((count, dimensions)),
+        right=np.zeros((count, width)),
+        change=np.zeros((count, width)),
+        diagonal=np.zeros((count, width)),
     )
     step = Step(
         pairs=pairs,
@@ -100,9 +111,10 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
         log_gap=state.log_gap[:contacts].copy(),
         direction=in_space(state.direction[:contacts]),
         bodies=bodies,
-        matrix=sparse.make_matrix(pattern, dimensions),
+        spins=make_spins(parameters.radius, parameters.spin_drag, parameters.torque, (stages, contacts, width)),
+        matrix=sparse.make_matrix(pattern, width),
         box=parameters.box,
-        gradients=gradients.make_gradients(count, dimensions),
+        gradients=gradients.make_gradients(count, width),
     )
     return Workspace(step, int(state.generation[0]))
 
@@ -117,6 +129,7 @@ def pairs_of(parameters: Parameters, state: State) -> Pairs:
         second=second,
         image=in_space(state.image[:contacts].astype(np.float64)),
         offset=np.zeros((contacts, 3)),
+        turn=np.zeros((contacts if parameters.torque.shape[1] else 0, 3)),
         radius_sum=radius[first] + radius[second],
         reduced_radius=np.asarray(elasticity.reduced_radius(radius[first], radius[second])),
         modulus=np.asarray(elasticity.pair_modulus(modulus[first], modulus[second])),

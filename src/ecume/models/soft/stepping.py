@@ -9,6 +9,7 @@ from ecume.models.soft.meeting import renew_contacts
 from ecume.models.soft.parameters import Parameters, drive_at, next_turn
 from ecume.models.soft.schemes import SCHEMES, Scheme
 from ecume.models.soft.solving import attempt
+from ecume.models.soft.spins import turned_orientation
 from ecume.models.soft.stages import FAILED as NOT_SOLVED
 from ecume.models.soft.stages import During, accept
 from ecume.models.soft.state import ACCEPTED, CLOCK, FAILED, LENGTH, PAST_ERROR, REJECTED, State, Workspace
@@ -79,6 +80,10 @@ def _take(parameters: Parameters, state: State, scratch: Workspace, end: float) 
     length = end - float(state.pace[CLOCK])
     state.velocity[:] = (scratch.step.bodies.before - state.position) / length
     state.position[:] = scratch.step.bodies.before
+    if state.spin.shape[1]:
+        angle = scratch.step.spins.turn / parameters.radius[:, None]
+        state.spin[:] = angle / length
+        state.orientation[:] = turned_orientation(state.orientation, angle)
     state.log_gap[:contacts] = scratch.step.log_gap
     state.direction[:contacts] = scratch.step.direction[:, :dimensions]
     state.pace[CLOCK] = end

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -56,6 +57,7 @@ def t1_process(
     ramp: float = 0.01,
     threshold: float | Sequence[float] = 0.9,
     rtol: float = 1e-8,
+    rotation: bool = False,
     method: str = "implicit",
     time_step: float | None = None,
 ) -> T1:
@@ -63,7 +65,8 @@ def t1_process(
 
     `gap` is that of the five close pairs at the start. Either `reduced_force` (kappa) with `force_ratio` (F_h/F_v), or
     `forces` (F_h, F_v), both inward. The pull grows over `ramp`. The process is complete when the vertical pair carries
-    the part `threshold` of F_v - F_h/sqrt(3); of several thresholds the last one is the duration.
+    the part `threshold` of F_v - F_h/sqrt(3); of several thresholds the last one is the duration. With `rotation` the
+    spheres may spin.
 
     `method` is `implicit`, with steps as long as the tolerance `rtol` of ln(gap) allows; the paper's own, `paper`; or
     that with Runge-Kutta steps, `rk2` and `rk4`: fixed ones of about `time_step`, or eta/E; whole ones fit the ramp.
@@ -73,8 +76,10 @@ def t1_process(
     for name, value in (("gap", gap), ("ramp", ramp), *(("threshold", one) for one in thresholds)):
         require_positive(name, value)
     chosen(dict.fromkeys(("implicit", *classic.SCHEMES)), method, "method")
-    scene = t1_scene(gap, pull, prefactors, ramp, rtol)
+    scene = replace(t1_scene(gap, pull, prefactors, ramp, rtol), rotation=rotation)
     if method != "implicit":
+        if rotation:
+            raise BadInput(f"method={method!r} knows no rotation; wanted method='implicit'")
         return classic.follow(scene, pull, sorted(thresholds), (method, time_step))
     return follow(scene, pull, sorted(thresholds))
 
@@ -116,7 +121,8 @@ def follow(
             found.append(_crossing(parameters, span, scratch, unit, goals[len(found)]))
         if len(found) == len(goals) or span.end.gap_diagonal > APART:
             break
-    effort = Effort(int(state.tally[ACCEPTED]), int(state.tally[REJECTED]), drift)
+    turned = float(np.abs(state.orientation).max(initial=0.0))
+    effort = Effort(int(state.tally[ACCEPTED]), int(state.tally[REJECTED]), drift, turned)
     return told(series, found, thresholds, kappa, effort)
 
 

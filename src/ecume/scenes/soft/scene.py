@@ -22,7 +22,7 @@ from ecume.scenes.quantities import (
     Switch,
 )
 from ecume.scenes.soft.protocol import StageSpec
-from ecume.units import Energy, Force, Number, Pressure, Viscosity
+from ecume.units import Energy, Force, Number, Pressure, Unit, Viscosity
 
 MOST_SPHERES = 1_000_000
 
@@ -37,6 +37,8 @@ Tolerance = Annotated[Number, Field(ge=1e-11, le=1e-2)]
 Position = Annotated[tuple[Coordinate, ...], Field(min_length=2, max_length=3)]
 """Two coordinates in a layer, three in space."""
 ForceVector = Annotated[tuple[Load, ...], Field(min_length=2, max_length=3)]
+Twist = Annotated[float, Unit("N*m"), Field(ge=-1e9, le=1e9)]
+TorqueVector = Annotated[tuple[Twist, ...], Field(min_length=1, max_length=3)]
 Sides = Annotated[tuple[Size, ...], Field(min_length=2, max_length=3)]
 
 Complaints = list[tuple[Path, str]]
@@ -68,6 +70,8 @@ class SphereSpec:
     """How many are placed at random in the box, for lack of positions."""
     force: ForceVector | None = None
     """What pulls at each of them (N), at load 1."""
+    torque: TorqueVector | None = None
+    """What turns each of them (N m), at load 1, where spheres spin: one number in a layer, three in space."""
     color: Color | None = None
     """`#rrggbb`, or a plain English name"""
 
@@ -152,6 +156,8 @@ class SoftScene(Common):
     """What is between them."""
     spheres: Annotated[tuple[SphereSpec, ...], Field(min_length=1)]
     """The species."""
+    rotation: Switch = False
+    """Whether spheres spin, so that torques balance, too."""
     films: FilmSpec = FilmSpec()
     """The contacts."""
     remote: RemoteSpec = RemoteSpec()
@@ -196,9 +202,18 @@ def _dimensions(scene: SoftScene) -> Complaints:
         ]
         if species.force is not None and len(species.force) != wanted:
             found.append(((*path, "force"), f"came {len(species.force)} components; wanted {wanted}"))
+        if species.torque is not None:
+            found += _torque((*path, "torque"), len(species.torque), scene)
         if species.count is not None and scene.box is None:
             found.append(((*path, "count"), "spheres are placed at random in a [box]; there is none"))
     return found
+
+
+def _torque(path: Path, came: int, scene: SoftScene) -> Complaints:
+    wanted = 1 if dimensions_of(scene) == 2 else 3
+    if not scene.rotation:
+        return [(path, "spheres do not spin; wanted rotation = true")]
+    return [] if came == wanted else [(path, f"came {came} components; wanted {wanted}")]
 
 
 def _protocol(scene: SoftScene) -> Complaints:
