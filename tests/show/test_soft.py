@@ -55,6 +55,19 @@ def test_what_pulls_is_red_what_pushes_blue_and_wide_films_are_left_out(scene, f
     assert list(shown.films.get_array()) == pytest.approx([1.5e-4])
 
 
+def test_a_mark_turns_with_its_sphere(scene, frames):
+    still = Packing(scene, frames)
+    assert still.marks.get_segments() == []
+    half = np.sqrt(0.5)
+    for spins in ({"angle": np.full(3, np.pi / 2)}, {"orientation": np.tile([half, 0.0, 0.0, half], (3, 1))}):
+        turned = [frame._replace(arrays=frame.arrays | spins) for frame in frames]
+        shown = Packing(scene, turned)
+        from_center = np.array(shown.marks.get_segments()) - frames[0].arrays["position"][:, None]
+        assert from_center[:, :, 0] == pytest.approx(np.zeros((3, 2)), abs=1e-15)
+        assert (from_center[:, 1, 1] > from_center[:, 0, 1]).all()
+        assert (from_center[:, 0, 1] > 0.0).all()
+
+
 def test_a_contact_across_a_sheared_border_goes_to_the_nearest_copy():
     frame = _frame(0.0, box_width=6e-3, box_height=4e-3, strain=0.25)
     frame.arrays["position"][1] = 0.5e-3, 3.9e-3

@@ -41,6 +41,8 @@ WIDEST = 7.0
 FILM, WIDE = 0.28, 0.5
 """Half of a film's line, and the gap from which on none is drawn, in radii of the smaller sphere."""
 GAP_COLORS = "viridis"
+MARK = (0.3, 0.85)
+"""Of the radius: from where to where the mark goes that shows a sphere's spin."""
 
 
 class Links(NamedTuple):
@@ -109,14 +111,15 @@ class Packing:
             self.spheres = discs(axes, sample[0], kinds)
             self.forces = LineCollection([], capstyle="round", zorder=3)
             self.films = LineCollection([], cmap=GAP_COLORS, norm=self.norm, linewidths=3.0, zorder=4)
-            for lines in (self.forces, self.films):
+            self.marks = LineCollection([], colors=INK, linewidths=1.2, capstyle="round", zorder=2.5)
+            for lines in (self.marks, self.forces, self.films):
                 axes.add_collection(lines, autolim=False)
             self.time = clock(axes)
             bar = scale_bar(axes, self.view)
             _gap_bar(axes, self.films)
             labels(axes, scene.title, kinds)
             _force_legend(axes, self.largest)
-        moving: list[Artist] = [self.spheres, self.forces, self.films, *bar, self.time]
+        moving: list[Artist] = [self.spheres, self.marks, self.forces, self.films, *bar, self.time]
         self._layers = Layers(self.figure, moving)
         self.show(sample[0])
 
@@ -124,6 +127,7 @@ class Packing:
         """Put a frame into the picture."""
         links = links_of(frame)
         self.spheres.set_offsets(frame.arrays["position"][:, :2])
+        self.marks.set_segments(list(marks_of(frame)))
         self.forces.set_segments(list(np.stack([links.first, links.first + links.along], axis=1)))
         self.forces.set_linewidth(list(WIDEST * np.abs(links.tension) / max(self.largest, 1e-300)))
         self.forces.set_color([PULL if tension > 0.0 else PUSH for tension in links.tension])
@@ -136,6 +140,20 @@ class Packing:
         """The picture of a frame, shape (height, width, 4); good until the next one is asked for."""
         self.show(frame)
         return self._layers.pixels()
+
+
+def marks_of(frame: Frame) -> NDArray[np.float64]:
+    """A spoke of each sphere, (N, 2, 2), that turns as it does; in space, as seen from above. None without spins."""
+    arrays = frame.arrays
+    if "angle" in arrays:
+        spoke = np.stack([np.cos(arrays["angle"]), np.sin(arrays["angle"])], axis=1)
+    elif "orientation" in arrays:
+        w, x, y, z = arrays["orientation"].T
+        spoke = np.stack([1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z)], axis=1)
+    else:
+        return np.zeros((0, 2, 2))
+    spoke = spoke * arrays["radius"][:, None]
+    return np.asarray(arrays["position"][:, None, :2] + np.array(MARK)[None, :, None] * spoke[:, None])
 
 
 def _film_lines(links: Links) -> NDArray[np.float64]:
