@@ -37,16 +37,16 @@ def test_left_to_itself_it_lists_the_cases() -> None:
 
 
 def test_a_case_that_is_met_ends_with_zero() -> None:
-    done = cli.invoke(app, ["validate", "flotation"])
+    done = cli.invoke(app, ["validate", "floating"])
     assert done.exit_code == 0, done.stdout
-    assert "188 of 188 met" in done.stdout
+    assert "302 of 302 met" in done.stdout
     assert "NOT MET" not in done.stdout
 
 
 def test_a_law_that_is_broken_ends_with_one(monkeypatch: pytest.MonkeyPatch) -> None:
     right = meniscus.wall_height
     monkeypatch.setattr(meniscus, "wall_height", lambda *given: right(*given) + 1e-9)
-    done = cli.invoke(app, ["validate", "flotation"])
+    done = cli.invoke(app, ["validate", "floating"])
     assert done.exit_code == 1
     assert "NOT MET" in done.stdout
 
@@ -96,12 +96,12 @@ def test_a_case_without_rows_is_not_met(monkeypatch: pytest.MonkeyPatch) -> None
 
 
 def test_an_unknown_case_ends_with_two_before_anything_runs(monkeypatch: pytest.MonkeyPatch) -> None:
-    stand_ins(monkeypatch, case("flotation", GOOD))
-    done = cli.invoke(app, ["validate", "flotation", "flotatoin"])
+    stand_ins(monkeypatch, case("floating", GOOD))
+    done = cli.invoke(app, ["validate", "floating", "floatnig"])
     assert done.exit_code == 2
     assert done.stdout == ""
-    assert done.stderr == "ecume: there is no case 'flotatoin'; did you mean flotation?\n"
-    assert cli.invoke(app, ["validate", "flotation", "--all"]).exit_code == 2
+    assert done.stderr == "ecume: there is no case 'floatnig'; did you mean floating?\n"
+    assert cli.invoke(app, ["validate", "floating", "--all"]).exit_code == 2
 
 
 def test_the_list_of_cases_waits_for_no_compiler() -> None:

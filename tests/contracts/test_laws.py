@@ -26,6 +26,7 @@ from ecume.laws import (
     elasticity,
     flotation,
     flows,
+    images,
     kernels,
     lubrication,
     meniscus,
@@ -61,6 +62,8 @@ COMPILED = (
 RESCALED = (
     brownian,
     capillarity, contact, drag, meniscus, flotation.bodies, flotation.balance, flotation.closure, flotation.interaction,
+    flotation.equilibria, flotation.shapes, flotation.rims, flotation.lying, flotation.bubbles, flotation.spheroids,
+    flotation.plane, images,
     states, column, viscous, diffusion, tension, pace, waves, flows, lubrication, elasticity,
     remote, soft_pair,
 )  # fmt: skip
@@ -74,7 +77,11 @@ SAMPLES = {
     "coefficient": 0.6, "viscosity": 0.3, "factor": 0.5, "friction": 0.2, "solid_gas": 0.3, "solid_liquid": 0.2,
     "liquid_gas": 0.5, "x": 1.7, "coefficients": (0.5, -1.5, 2.5), "liquid": LIQUID,
     "sphere": flotation.Sphere(0.21, 4.0, 1.2), "a": flotation.Sphere(0.21, 4.0, 1.2),
-    "b": flotation.Sphere(0.17, 1.0, 0.7),
+    "b": flotation.Sphere(0.17, 1.0, 0.7), "body": flotation.Sphere(0.21, 4.0, 1.2), "theory": "nonlinear",
+    "bubble": flotation.Bubble(0.21), "disc": flotation.Disc(0.21, 0.1),
+    "cylinder": flotation.VerticalCylinder(0.21, 0.3, 4.0, 1.2), "lying": flotation.HorizontalCylinder(0.21, 4.0, 1.2),
+    "ellipsoid": flotation.Ellipsoid((0.21, 0.3, 0.15), 4.0, 1.2),
+    "spheroid": flotation.spheroids.Spheroid(0.3, 0.2, 1.2, 1.3),
     "q": 0.7, "density": 3.1, "reference_density": 3.0, "sound_speed": 11.0, "pressure": 2.7, "stiff": 50.0,
     "gravity": 1.9, "height": 0.3, "surface_height": 0.9, "depth": 0.6, "largest_speed": 0.4, "load": 1.7,
     "approach": -0.8, "distance_squared": 0.4, "smoothing_length": 0.6, "alpha": 0.1,
@@ -89,7 +96,7 @@ SAMPLES = {
     "modulus_i": 5.0, "modulus_j": 3.0, "reduced_radius": 0.25, "deflection": 0.01, "compression": 0.01,
     "gap_weight": 1.2, "deflection_weight": 0.6, "prefactors": elasticity.Prefactors(), "steric_length": 0.05,
     "hamaker": 0.3, "layer_strength": 0.2, "debye_length": 0.04, "force": 0.7, "gap_from": 0.01, "gap_to": 0.2,
-    "reynolds": 30.0, "stokes_reynolds": 3.0, "excess_density": 1.2,
+    "separation": 2.7, "reynolds": 30.0, "stokes_reynolds": 3.0, "excess_density": 1.2,
     "temperature": 300.0, "thermal": 0.4, "weight": 0.6,
     "clearance": 0.05, "stiffness": 4.0, "ratio": 0.7, "deflection_from": 0.04, "deflection_to": 0.03,
     "phase_along": 0.4, "phase_across": 0.9, "phase_x": 0.4, "phase_y": 0.9, "speed_x": 0.8, "speed_y": 0.6,
@@ -164,8 +171,8 @@ def numbers(result):
     """Every number in a result."""
     if is_dataclass(result):
         return [float(getattr(result, f.name)) for f in fields(result)]
-    if isinstance(result, flotation.balance.Load):
-        return [result.slope_angle, result.density_ratio, result.change]
+    if isinstance(result, flotation.carrying.Load):
+        return [result.slope_angle, result.carried, result.change]
     return [float(value) for value in np.ravel(np.asarray(result, dtype=float))]
 
 

@@ -63,3 +63,34 @@ def test_the_spline_of_the_table_is_scipys_clamped_one():
     wanted = CubicSpline(np.linspace(0.0, math.pi, len(drag.IMMERSION_FACTORS)), drag.IMMERSION_FACTORS, bc_type=ends)
     angles = np.linspace(0.0, math.pi, 1001)
     assert drag.immersion_factor(angles) == pytest.approx(np.maximum(wanted(angles), 0.0), abs=1e-15)
+
+
+def test_two_spheres_drag_as_one_far_apart_and_as_their_film_in_contact():
+    far = drag.pair_factor(np.array([50.0, 100.0])) - 1.0
+    assert far == pytest.approx([1.5 / 50, 1.5 / 100], rel=0.04)  # Stokeslets
+    for gap in (1e-4, 2e-7, 0.9e-7):
+        assert drag.pair_factor(2.0 + gap) == pytest.approx(0.5 / gap, rel=2e-3)
+    factors = drag.pair_factor(2.0 + np.geomspace(1e-8, 100.0, 200))
+    assert bool(np.all(np.diff(factors) < 0))
+
+
+def test_a_rough_pair_meets_at_a_finite_drag():
+    assert drag.pair_factor(2.0, roughness=0.01) == drag.pair_factor(2.01)
+    assert drag.pair_factor(1.9, roughness=0.01) == drag.pair_factor(2.005, roughness=0.01) < 60.0
+    assert drag.pair_factor(3.0, roughness=0.01) == drag.pair_factor(3.0)
+
+
+@pytest.mark.parametrize(("separation", "roughness"), [(2.0, 0.0), (1.0, 0.0), (math.nan, 0.1), (3.0, -0.1)])
+def test_smooth_spheres_in_contact_are_refused(separation, roughness):
+    with pytest.raises(BadInput, match="roughness"):
+        drag.pair_factor(separation, roughness)
+
+
+def test_a_half_immersed_sphere_carries_a_quarter_of_its_own_volume_of_liquid():
+    assert drag.added_mass(1e-3, math.pi / 2, 1000.0) == pytest.approx(0.25 * 4 / 3 * math.pi * 1e-6)
+    assert drag.submerged_volume(1e-3, math.pi) == pytest.approx(4 / 3 * math.pi * 1e-9)
+    assert drag.submerged_volume(1e-3, 0.0) == pytest.approx(0.0, abs=1e-24)
+
+
+def test_fast_floaters_drag_more_by_schillers_and_naumanns_factor():
+    assert drag.inertial_friction(2e-5, 100.0) == pytest.approx(2e-5 * (1 + 0.15 * 100**0.687))

@@ -54,14 +54,14 @@ def test_twice_the_nodes_move_no_digit_that_counts(monkeypatch):
     steep = flotation.balance.load(0.5, 2.0, 1.4)
     monkeypatch.setattr(flotation.young_laplace, "NODES", 80)
     fine = flotation.balance.load(0.5, 2.0, 1.4)
-    assert steep.density_ratio == pytest.approx(fine.density_ratio, rel=1e-9)
+    assert steep.carried == pytest.approx(fine.carried, rel=1e-9)
     assert steep.meniscus.amplitude == pytest.approx(fine.meniscus.amplitude, rel=1e-9)
     assert steep.change == pytest.approx(fine.change, rel=1e-6)
 
 
 def test_the_load_changes_with_the_slope_as_its_derivative_says():
     step = 1e-4
-    ahead, behind = (flotation.balance.load(0.5, 2.0, 0.9 + sign * step).density_ratio for sign in (1, -1))
+    ahead, behind = (flotation.balance.load(0.5, 2.0, 0.9 + sign * step).carried for sign in (1, -1))
     assert flotation.balance.load(0.5, 2.0, 0.9).change == pytest.approx((ahead - behind) / (2 * step), rel=1e-6)
 
 

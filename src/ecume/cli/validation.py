@@ -44,7 +44,7 @@ def validate(
 ) -> None:
     """Compare what ecume computes with published numbers, other methods and demands. Ends with 1 when one is not met.
 
-    Examples: `ecume validate` · `ecume validate flotation walls` · `ecume validate --all --quick`
+    Examples: `ecume validate` · `ecume validate floating walls` · `ecume validate --all --quick`
     """
     from ecume.validation import CASES
 

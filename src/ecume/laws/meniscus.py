@@ -18,7 +18,23 @@ import numpy as np
 from ecume.errors import BadInput
 from ecume.laws.arguments import as_distances, as_given, chosen, require_angle, require_positive
 from ecume.laws.flotation.bodies import Liquid
+from ecume.laws.flotation.plane import sloping_amplitude, sloping_height
+from ecume.laws.images import image_force, plane_image_force, rectangle_image_force
 from ecume.units import Angle, Array, Length, Lengths, Number
+
+__all__ = [
+    "dish_height",
+    "facing_amplitude",
+    "image_force",
+    "plane_amplitude",
+    "plane_height",
+    "plane_image_force",
+    "plane_wall_height",
+    "rectangle_height",
+    "rectangle_image_force",
+    "wall_amplitude",
+    "wall_height",
+]
 
 CORE = 1e-3
 """Radius, in L, from which a dish is integrated: nearer the axis its surface is the linear one to 1e-12."""
@@ -146,7 +162,7 @@ def plane_wall_height(contact_angle: Angle) -> Number:
     """
     require_angle("contact_angle", contact_angle)
     # sqrt(2 (1 - sin theta)), without its cancellation at 90 degrees
-    return 2.0 * math.sin(0.5 * (0.5 * math.pi - contact_angle))
+    return sloping_height(contact_angle - 0.5 * math.pi)
 
 
 def plane_amplitude(contact_angle: Angle) -> Number:
@@ -155,11 +171,8 @@ def plane_amplitude(contact_angle: Angle) -> Number:
     >>> round(plane_amplitude(0.0), 12)
     0.922317584014
     """
-    height = plane_wall_height(contact_angle)
-    if height == 0.0:
-        return 0.0
-    u = math.acosh(2.0 / abs(height))
-    return math.copysign(4.0 * math.exp(-2.0 - u + 2.0 * math.tanh(u)), height)
+    require_angle("contact_angle", contact_angle)
+    return sloping_amplitude(contact_angle - 0.5 * math.pi)
 
 
 def _amplitude_field(r: Array, dish_radius: float, contact_angle: float) -> Array:

@@ -31,7 +31,9 @@ def _case(name: str, summary: str, *, long: bool = False) -> Case:
 CASES: dict[str, Case] = {
     case.name: case
     for case in (
-        _case("flotation", "Floating spheres, sinking limits and menisci, against an independent computation"),
+        _case(
+            "floating", "Floating bodies, sinking limits, menisci, walls and drag, against an independent computation"
+        ),
         _case("kernels", "Smoothing kernels: what a kernel must be, an independent computation, published numbers"),
         _case(
             "reflection", "Walls that reflect: billiards, bouncing balls, wedges, circles, nobody outside", long=True

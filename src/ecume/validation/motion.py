@@ -1,6 +1,6 @@
 """How floats move, worked out by SciPy: the same laws of force as the runs, everything else by other means.
 
-Charge and friction of a float come from ecume's own laws (the case `flotation` and the tests judge those). Bessel
+Charge and friction of a float come from ecume's own laws (the case `floating` and the tests judge those). Bessel
 functions, the amplitude at the wall and the integration of the motion are SciPy's, or written down here.
 """
 

@@ -1,4 +1,4 @@
-"""Floating spheres: how they sit in the surface, and how they attract and repel through it."""
+"""Floating bodies: how they sit in the surface, and how they attract and repel through it."""
 
 from ecume.laws.flotation.balance import (
     BALANCES,
@@ -24,23 +24,29 @@ from ecume.laws.flotation.bodies import (
     young_contact_angle,
 )
 from ecume.laws.flotation.closure import closure_contact_angle
-from ecume.laws.flotation.interaction import (
-    Equilibrium,
-    capillary_charge,
-    equilibrium,
-    pair_energy,
-    pair_force,
-    surface_height,
+from ecume.laws.flotation.equilibria import Body, Equilibrium, capillary_charge, equilibrium
+from ecume.laws.flotation.interaction import pair_energy, pair_force, surface_height
+from ecume.laws.flotation.shapes import (
+    Bubble,
+    Ellipsoid,
+    HorizontalCylinder,
+    VerticalCylinder,
+    disc_of_cylinder,
 )
 
 __all__ = [
     "BALANCES",
     "CHARGES",
     "Balance",
+    "Body",
+    "Bubble",
     "Disc",
+    "Ellipsoid",
     "Equilibrium",
+    "HorizontalCylinder",
     "Liquid",
     "Sphere",
+    "VerticalCylinder",
     "bond_number",
     "capillary_charge",
     "closed_form_balance",
@@ -48,6 +54,7 @@ __all__ = [
     "closure_contact_angle",
     "density_ratio",
     "dimensionless_weight",
+    "disc_of_cylinder",
     "equilibrium",
     "linear_balance",
     "linear_charge",

@@ -4,27 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import NamedTuple
 
 from ecume.errors import BadInput, FloaterSinks
 from ecume.laws.arguments import require_angle, require_numbers, require_positive
 from ecume.laws.flotation.bodies import weight_number
-from ecume.laws.flotation.young_laplace import STEEPEST, OuterMeniscus, outer_meniscus
+from ecume.laws.flotation.carrying import Contact, Load, round_load, stable_load
+from ecume.laws.flotation.young_laplace import STEEPEST
 from ecume.laws.special import bessel_k0, bessel_k1
 from ecume.units import Angle, Number
 
 KEPT = 4096
 """Solutions remembered: a bowl of equal spheres costs one."""
-TURNS = 80
-EXACT = 1e-12
-"""A root is found when Newton's next step is this share of the slope angle."""
-STALLED = 1e-9
-"""Steps this small that no longer shrink are rounding."""
-ROUNDING = 1e-14
-"""What rounding leaves of a density ratio: all that a nearly neutral sphere can be known to."""
-NARROW = 1e-6
-"""The load is quadratic around its maximum: known to the square of this."""
 
 
 class Balance(NamedTuple):
@@ -34,15 +26,6 @@ class Balance(NamedTuple):
     filling_angle: float
     contact_height: float
     charge: float
-
-
-class Load(NamedTuple):
-    """The density ratio that a slope angle at the contact line carries, and its derivative."""
-
-    slope_angle: float
-    density_ratio: float
-    change: float
-    meniscus: OuterMeniscus
 
 
 def linear_charge(bond_number: Number, density_ratio: Number, contact_angle: Angle) -> Number:
@@ -144,23 +127,22 @@ def nonlinear_balance(bond_number: Number, density_ratio: Number, contact_angle:
     return Balance(found.slope_angle, filling, found.meniscus.height, found.meniscus.amplitude)
 
 
+def sphere_contact(radius: Number, contact_angle: Angle, slope_angle: Angle) -> Contact:
+    """The contact line of a sphere at phi_c = pi - theta + psi; lengths in L."""
+    # Without the rounding of pi.
+    sine, cosine = math.sin(contact_angle - slope_angle), -math.cos(contact_angle - slope_angle)
+    cap = math.pi * radius**3
+    volume = cap * (2.0 / 3.0 - cosine + cosine**3 / 3.0)
+    return Contact(radius * sine, radius * cosine, volume, cap * sine**3, -radius * cosine)
+
+
 def load(bond_number: Number, contact_angle: Angle, slope_angle: Angle) -> Load:
     """The density ratio that floats with this slope angle (not zero) at its contact line: the balance read from
     right to left.
     """
-    # phi_c = pi - theta + psi, without the rounding of pi
-    root, sine, cosine = (
-        math.sqrt(bond_number),
-        math.sin(contact_angle - slope_angle),
-        -math.cos(contact_angle - slope_angle),
-    )
-    surface = outer_meniscus(root * sine, slope_angle, root * cosine)
-    depth, sinking = -surface.height / root, -surface.height_change / root
-    wetted = depth * sine**2 + 2.0 / 3.0 - cosine + cosine**3 / 3.0
-    wetting = sinking * sine**2 + 2.0 * depth * sine * cosine + sine**3
-    tension = 1.5 / bond_number
-    carried = tension * sine * math.sin(slope_angle) + 0.75 * wetted
-    return Load(slope_angle, carried, tension * math.sin(contact_angle - 2.0 * slope_angle) + 0.75 * wetting, surface)
+    radius = math.sqrt(bond_number)
+    contact = sphere_contact(radius, contact_angle, slope_angle)
+    return round_load(contact, slope_angle, 4.0 / 3.0 * math.pi * radius**3)
 
 
 def neutral_density_ratio(contact_angle: Angle) -> Number:
@@ -197,35 +179,18 @@ def sinking_density_ratio(bond_number: Number, contact_angle: Angle) -> Number:
     while change(steepest) > 0.0:
         steepest = 0.5 * (steepest + min(contact_angle, STEEPEST))
     top = brentq(change, 0.3 * contact_angle, steepest, xtol=1e-7)
-    return load(bond_number, contact_angle, float(top)).density_ratio
+    return load(bond_number, contact_angle, float(top)).carried
 
 
 def _stable_load(bond_number: float, density_ratio: float, contact_angle: float) -> Load:
-    """The root between the flat surface and the steepest slope that still carries more: Newton's method inside a
-    bracket.
-    """
-    excess = density_ratio - neutral_density_ratio(contact_angle)
-    limit = contact_angle if excess > 0.0 else contact_angle - math.pi
-    inner, outer = 0.0, max(-STEEPEST, min(STEEPEST, limit))
-    psi = _guess(bond_number, density_ratio, contact_angle, outer)
-    crossed, last = False, math.inf
-    for _ in range(TURNS):
-        if not crossed and abs(outer - inner) <= NARROW * abs(outer):
-            break
-        carried = load(bond_number, contact_angle, psi)
-        rising = carried.change > 0.0
-        # Where the load no longer rises the bracket is halved, and no step is asked for.
-        step = (carried.density_ratio - density_ratio) / carried.change if rising else 0.0
-        enough = EXACT * abs(psi) + ROUNDING * (1.0 + abs(density_ratio)) / carried.change if rising else 0.0
-        if rising and (abs(step) <= enough or last <= abs(step) <= STALLED * abs(psi)):
-            return carried
-        last = abs(step)
-        above = rising and step * excess >= 0.0
-        crossed = crossed or above
-        inner, outer = (inner, psi) if above or not rising else (psi, outer)
-        ahead = psi - step
-        psi = ahead if rising and min(inner, outer) < ahead < max(inner, outer) else 0.5 * (inner + outer)
-    raise _sinks(bond_number, density_ratio, contact_angle)
+    """The root between the flat surface and the steepest slope that still carries more."""
+    neutral = neutral_density_ratio(contact_angle)
+    limit = contact_angle if density_ratio > neutral else contact_angle - math.pi
+    guess = _guess(bond_number, density_ratio, contact_angle, max(-STEEPEST, min(STEEPEST, limit)))
+    found = stable_load(partial(load, bond_number, contact_angle), density_ratio, neutral, limit, guess)
+    if found is None:
+        raise _sinks(bond_number, density_ratio, contact_angle)
+    return found
 
 
 def _closed_form_pull(bond_number: float, density_ratio: float, contact_angle: float) -> float:

@@ -1,85 +1,26 @@
-"""Spheres on a liquid, in SI: how they float, how they pull at one another, and the surface around them."""
+"""Floating bodies on a liquid, in SI: how they pull at one another, and the surface around a sphere."""
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 
-from ecume.laws.arguments import SMALLEST, as_distances, as_given, chosen, require_numbers
+from ecume.laws.arguments import SMALLEST, as_distances, as_given
 from ecume.laws.capillarity import pair_strength
-from ecume.laws.flotation.balance import BALANCES, CHARGES, nonlinear_balance
-from ecume.laws.flotation.bodies import Liquid, Sphere, bond_number, density_ratio
+from ecume.laws.flotation.balance import nonlinear_balance
+from ecume.laws.flotation.bodies import Liquid, Sphere
+from ecume.laws.flotation.equilibria import Upright, capillary_charge, sphere_numbers
 from ecume.laws.flotation.young_laplace import outer_meniscus, refined
-from ecume.units import Angle, Array, Energies, Forces, Length, Lengths
+from ecume.units import Array, Energies, Forces, Lengths
 
 POINT = 0.01
 """Share of the radius that a contact line has at least in the linear theories, where K0 would have no bound."""
 
 
-@dataclass(frozen=True)
-class Equilibrium:
-    """How a sphere floats. Heights are measured from the undisturbed surface, upwards.
-
-    slope_angle: of the surface at the contact line, positive where it rises outward (a heavy sphere).
-    filling_angle: of the contact line, from the bottom of the sphere. charge: amplitude A of the far field -A K0(r/L).
-    floats: always True; a theory that finds no equilibrium raises FloaterSinks.
-    """
-
-    slope_angle: Angle
-    filling_angle: Angle
-    contact_radius: Length
-    contact_height: Length
-    center_height: Length
-    charge: Length
-    floats: bool = True
-
-
-def _numbers(sphere: Sphere, liquid: Liquid) -> tuple[float, float, float]:
-    numbers = bond_number(sphere, liquid), density_ratio(sphere, liquid), sphere.contact_angle
-    require_numbers(*numbers)
-    return numbers
-
-
-def equilibrium(sphere: Sphere, liquid: Liquid, theory: str = "nonlinear") -> Equilibrium:
-    """How a sphere floats, by the theory "nonlinear", "closed-form" or "linear"; raises FloaterSinks when it does not.
-
-    The formulas stand with the theories: `nonlinear_balance`, `closed_form_balance`, `linear_balance`. [vella2005].
-
-    >>> water = Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3)
-    >>> heavy = equilibrium(Sphere(1e-3, 1300.0, 1.57), water)
-    >>> heavy.slope_angle > 0 and heavy.contact_height < 0
-    True
-    """
-    found = chosen(BALANCES, theory, "theory of flotation")(*_numbers(sphere, liquid))
-    length = liquid.capillary_length
-    return Equilibrium(
-        slope_angle=found.slope_angle,
-        filling_angle=found.filling_angle,
-        contact_radius=sphere.radius * math.sin(found.filling_angle),
-        contact_height=found.contact_height * length,
-        center_height=found.contact_height * length + sphere.radius * math.cos(found.filling_angle),
-        charge=found.charge * length,
-    )
-
-
-def capillary_charge(sphere: Sphere, liquid: Liquid, theory: str = "closed-form") -> Length:
-    """A: the surface far from the sphere is -A K0(r/L); positive for a heavy sphere, negative for a light one.
-
-    Like charges attract, unlike repel. Theories: "nonlinear", "closed-form" (within 0.1 % at B = 0.1), "linear" (R B
-    Sigma). [vella2005].
-
-    >>> water = Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3)
-    >>> capillary_charge(Sphere(1e-3, 100.0, 1.57), water) < 0
-    True
-    """
-    return sphere.radius * chosen(CHARGES, theory, "theory of flotation")(*_numbers(sphere, liquid))
-
-
-def pair_energy(a: Sphere, b: Sphere, distance: Lengths, liquid: Liquid, theory: str = "closed-form") -> Energies:
-    """Energy of two floating spheres whose centers are `distance` apart, zero when far; negative for like charges.
+def pair_energy(a: Upright, b: Upright, distance: Lengths, liquid: Liquid, theory: str = "closed-form") -> Energies:
+    """Energy of two floating bodies whose centers are `distance` apart, zero when far; negative for like charges.
 
     E = -2 pi gamma A_a A_b K0(l/L); the law that runs compile is `capillarity.pair_energy`, where its validity
     stands. [nicolson1949].
@@ -96,8 +37,8 @@ def pair_energy(a: Sphere, b: Sphere, distance: Lengths, liquid: Liquid, theory:
     )
 
 
-def pair_force(a: Sphere, b: Sphere, distance: Lengths, liquid: Liquid, theory: str = "closed-form") -> Forces:
-    """Force between two floating spheres; positive repels, so that like charges give a negative one.
+def pair_force(a: Upright, b: Upright, distance: Lengths, liquid: Liquid, theory: str = "closed-form") -> Forces:
+    """Force between two floating bodies; positive repels, so that like charges give a negative one.
 
     F = -(2 pi gamma/L) A_a A_b K1(l/L); the law that runs compile is `capillarity.pair_force`. [nicolson1949].
 
@@ -131,7 +72,7 @@ def surface_height(sphere: Sphere, distance: Lengths, liquid: Liquid, theory: st
     length = liquid.capillary_length
     r = as_distances("distance", distance) / length
     if theory == "nonlinear":
-        return as_given(length * _profile(r, *_numbers(sphere, liquid)))
+        return as_given(length * _profile(r, *sphere_numbers(sphere, liquid)))
     nearest = sphere.radius * max(math.sin(sphere.contact_angle), POINT) / length
     return as_given(-capillary_charge(sphere, liquid, theory) * k0(np.maximum(r, nearest)))
 
@@ -157,7 +98,7 @@ def _outer_branch(radius: float, slope_angle: float) -> tuple[Array, Array]:
     return radii[first:], amplitudes[first:]
 
 
-def _strength(a: Sphere, b: Sphere, liquid: Liquid, theory: str) -> float:
+def _strength(a: Upright, b: Upright, liquid: Liquid, theory: str) -> float:
     return pair_strength(
         liquid.surface_tension, capillary_charge(a, liquid, theory), capillary_charge(b, liquid, theory)
     )
