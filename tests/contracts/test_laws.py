@@ -31,6 +31,7 @@ from ecume.laws import (
     lubrication,
     meniscus,
     pace,
+    quadrupoles,
     remote,
     soft_pair,
     special,
@@ -58,6 +59,7 @@ COMPILED = (
     pace,
     lubrication,
     remote,
+    quadrupoles,
 )
 RESCALED = (
     brownian,
@@ -65,7 +67,7 @@ RESCALED = (
     flotation.equilibria, flotation.shapes, flotation.rims, flotation.lying, flotation.bubbles, flotation.spheroids,
     flotation.plane, images,
     states, column, viscous, diffusion, tension, pace, waves, flows, lubrication, elasticity,
-    remote, soft_pair,
+    remote, soft_pair, quadrupoles,
 )  # fmt: skip
 LIQUID = flotation.Liquid(density=3.0, surface_tension=0.7, viscosity=0.2, gravity=1.9, gas_density=0.4)
 SAMPLES = {
@@ -102,6 +104,7 @@ SAMPLES = {
     "phase_along": 0.4, "phase_across": 0.9, "phase_x": 0.4, "phase_y": 0.9, "speed_x": 0.8, "speed_y": 0.6,
     "wavenumber_x": 1.7, "wavenumber_y": 1.1, "across": 0.4, "along": 0.3, "rate": 1.1, "pull_rate": 0.9,
     "stretching": 1.4,
+    "both": 0.4, "moment_i": 0.3, "moment_j": 0.2,
     "pair": soft_pair.SoftPair(0.21, 9.0, 0.3),
 }  # fmt: skip
 ODD = {"[length]": 7.3, "[mass]": 0.31, "[time]": 1.9}
@@ -227,6 +230,12 @@ TABLES = {
     "kernels": [law for form in kernels.KERNELS.values() for law in (form.value, form.slope, *(form.line or ()))],
     "laminar": list(viscous.LAMINAR.values()),
     "excesses": list(diffusion.EXCESSES.values()),
+    "quadrupoles": [
+        quadrupoles.quadrupole_strength,
+        quadrupoles.quadrupole_energy,
+        quadrupoles.quadrupole_force,
+        quadrupoles.quadrupole_torque,
+    ],
     "remote": [law for row in remote.REMOTE.values() for law in row],
 }
 UNCITED = {"no_wall_energy", "no_wall_force", "nonlinear_charge", *(law.__name__ for law in remote.REMOTE["none"])}

@@ -34,6 +34,7 @@ CASES: dict[str, Case] = {
         _case(
             "floating", "Floating bodies, sinking limits, menisci, walls and drag, against an independent computation"
         ),
+        _case("multipole", "Discs and spheres beyond superposition, against an independent computation"),
         _case("kernels", "Smoothing kernels: what a kernel must be, an independent computation, published numbers"),
         _case(
             "reflection", "Walls that reflect: billiards, bouncing balls, wedges, circles, nobody outside", long=True

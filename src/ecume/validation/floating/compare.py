@@ -10,6 +10,7 @@ from pathlib import Path
 
 from ecume.laws import capillarity, drag, flotation, images, meniscus
 from ecume.laws.special import bessel_k0, bessel_k1
+from ecume.validation.multipole import compare as beyond
 from ecume.validation.rows import Row, within
 
 HOME = Path(__file__).parent
@@ -156,7 +157,7 @@ def bessel(case: Case) -> Iterator[Row]:
 
 
 def rows() -> list[Row]:
-    """Every published number."""
+    """Every published number, those of many bodies beyond superposition as well."""
     found = [spheres(case) for case in _read("published")]
     found += [discs(case) for case in _read("published_discs")]
     found += [closures(case) for case in _read("published_closure")]
@@ -164,7 +165,7 @@ def rows() -> list[Row]:
     found += [lubrication(case) for case in _read("published_lubrication")]
     found += [approach(case) for case in _read("published_approach")]
     found += [row for case in _read("published_bessel") for row in bessel(case)]
-    return found
+    return found + beyond.rows()
 
 
 def _read(name: str) -> list[Case]:

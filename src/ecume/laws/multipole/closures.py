@@ -1,0 +1,169 @@
+"""What a body does with a surface that bends around it: its answer to each multipole, and what it does by itself.
+
+On the linearized surface every contact line is a circle as seen from above. Around it the height is the sum over m of
+A_m K_m(r) exp(i m phi), which goes out from the body, and C_m I_m(r) exp(i m phi), which comes from all others. With
+the ring's own values alpha_m = A_m K_m(a) and c_m = C_m I_m(a) a round body answers mode by mode, alpha_m = S_m + T_m
+c_m: S is what it does to a flat surface (its source), T its response. Lengths are in capillary lengths, forces in
+gamma L, energies in gamma L^2. Derived for this package from the balance of each body, as in [vassileva2005].
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ecume.errors import BadInput
+from ecume.laws.flotation.bodies import Disc, Liquid, Sphere, bond_number, dimensionless_weight
+from ecume.laws.flotation.shapes import VerticalCylinder
+from ecume.laws.multipole.ladders import log_slopes
+from ecume.units import Angle, Array, Length
+
+
+class Closure(NamedTuple):
+    """A body as its neighbors feel it."""
+
+    radius: float
+    """of the contact line, in L"""
+    response: Array
+    """(order + 1,) T"""
+    source: NDArray[np.complex128]
+    """(order + 1,) S"""
+    energy: float
+    """of the body alone, in gamma L^2"""
+
+
+def disc_closure(disc: Disc, liquid: Liquid, order: int) -> Closure:
+    """A pinned rim: the ring stays flat, and floats up and down (and leans) until forces (and torques) balance.
+
+    2 pi a s_0 - pi a^2 z = W;   2 pi a^2 s_1 - pi a^3 t_1/2 + 2 kappa t_1/a = 0 (t_1 = 0 when it stays level);
+    alpha_m + c_m = 0 for m > 1. s: slope modes of the ring, z and t_1: its height and lean, W: load, kappa: stability.
+
+    >>> water = Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3)
+    >>> disc_closure(Disc(1e-3, 1e-5), water, 3).response[2:].tolist()
+    [-1.0, -1.0]
+    """
+    length = liquid.capillary_length
+    a, load = disc.radius / length, disc.load / (liquid.surface_tension * length)
+    outgoing, regular = log_slopes(a, order)
+    response, source = -np.ones(order + 1), np.zeros(order + 1, np.complex128)
+    stiff = 2.0 * math.pi * a * outgoing[0] - math.pi * a * a
+    response[0] = -(2.0 * math.pi * a * regular[0] - math.pi * a * a) / stiff
+    source[0] = load / stiff
+    if disc.tilting and order >= 1:
+        lean = -0.5 * math.pi * a**3 + 2.0 * disc.stability / a
+        turning = 2.0 * math.pi * a * a * outgoing[1] + lean
+        if turning >= 0.0:
+            most = 0.5 * a * (0.5 * math.pi * a**3 - 2.0 * math.pi * a * a * outgoing[1])
+            raise BadInput(
+                f"a disc of stability {disc.stability:g} topples; its surface holds it upright below {most:.4g}"
+            )
+        response[1] = -(2.0 * math.pi * a * a * regular[1] + lean) / turning
+    return Closure(a, response, source, 0.5 * load * float(source[0].real))
+
+
+def sphere_closure(sphere: Sphere, liquid: Liquid, order: int) -> Closure:
+    """A contact line that slides at a constant contact angle: s_m = (alpha + c)_m / a, and no torque.
+
+    a s_0 (1 + a^2/2) - (a^2/2) (alpha_0 + c_0) = R B Sigma, with a = R sin(theta): heave and filling kept. Slopes are
+    linear, so the charge is the closed form's.
+
+    >>> water = Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3)
+    >>> bool(abs(sphere_closure(Sphere(1e-4, 1500.0, math.pi / 2), water, 1).response[1]) < 1e-2)
+    True
+    """
+    bond = bond_number(sphere, liquid)
+    a = math.sqrt(bond) * math.sin(sphere.contact_angle)
+    if a < 1e-6:
+        raise BadInput(
+            f"the contact line of a sphere of radius {sphere.radius:g} m and contact angle {sphere.contact_angle:g} is "
+            "a point: nothing pins or slides on it; use the pair law"
+        )
+    weight = math.sqrt(bond) * bond * dimensionless_weight(sphere, liquid)
+    outgoing, regular = log_slopes(a, order)
+    response = -(regular - 1.0 / a) / (outgoing - 1.0 / a)
+    source = np.zeros(order + 1, np.complex128)
+    steep = a * (1.0 + 0.5 * a * a)
+    stiff = steep * outgoing[0] - 0.5 * a * a
+    response[0] = -(steep * regular[0] - 0.5 * a * a) / stiff
+    source[0] = weight / stiff
+    return Closure(a, response, source, math.pi * weight * float(source[0].real))
+
+
+def cylinder_closure(cylinder: VerticalCylinder, liquid: Liquid, order: int) -> Closure:
+    """An upright cylinder on whose side the contact line slides: s_0 = theta - 90 degrees, s_m = 0.
+
+    The cylinder is held upright. It answers every wave as a wall does.
+
+    >>> water = Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3)
+    >>> rod = VerticalCylinder(radius=1e-3, height=9e-3, density=500.0, contact_angle=1.2)
+    >>> bool(cylinder_closure(rod, water, 2).source[0].real > 0)  # wetted: the surface climbs it
+    True
+    """
+    a, slope = cylinder.radius / liquid.capillary_length, cylinder.contact_angle - 0.5 * math.pi
+    outgoing, regular = log_slopes(a, order)
+    source = np.zeros(order + 1, np.complex128)
+    source[0] = slope / outgoing[0]
+    return Closure(a, -regular / outgoing, source, math.pi * a * slope * float(source[0].real))
+
+
+@dataclass(frozen=True)
+class Undulated:
+    """A disc whose rim rises and falls around it: the height of mode m >= 2 is H cos m (phi - alpha).
+
+    modes: (m, H, alpha) of each; a quadrupole is m = 2, a hexapole m = 3.
+
+    >>> Undulated(Disc(1e-6, 0.0), ((2, 1e-8, 0.0),)).modes[0][0]
+    2
+    """
+
+    disc: Disc
+    modes: tuple[tuple[int, Length, Angle], ...]
+
+    def __post_init__(self) -> None:
+        for mode in self.modes:
+            if mode[0] < 2 or not all(map(math.isfinite, mode)):
+                raise BadInput(f"a mode of an undulated rim is {mode!r}; wanted (m, height, angle) with m of 2 or more")
+
+
+def undulated_closure(body: Undulated, liquid: Liquid, order: int) -> Closure:
+    """A pinned rim that is not flat: alpha_m + c_m = (H/2) exp(-i m angle). Far away, two quadrupoles follow
+    `quadrupoles.pair_energy`. Derived as in [stamou2000].
+
+    >>> water = Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3)
+    >>> bool(abs(undulated_closure(Undulated(Disc(1e-6, 0.0), ((2, 1e-8, 0.0),)), water, 3).source[2]) > 0)
+    True
+    """
+    flat, energy = disc_closure(body.disc, liquid, order), 0.0
+    outgoing, _ = log_slopes(flat.radius, order)
+    source = flat.source.copy()
+    for mode, height, angle in body.modes:
+        if mode > order:
+            raise BadInput(f"the rim has a mode {mode}, beyond the order {order}; wanted a higher order")
+        source[mode] += 0.5 * height / liquid.capillary_length * cmath.exp(-1j * mode * angle)
+    for mode in range(2, order + 1):
+        energy -= 2.0 * math.pi * flat.radius * float(outgoing[mode]) * abs(source[mode]) ** 2
+    return flat._replace(source=source, energy=flat.energy + energy)
+
+
+CLOSURES: dict[type, Callable[[Any, Liquid, int], Closure]] = {
+    Disc: disc_closure,
+    Sphere: sphere_closure,
+    VerticalCylinder: cylinder_closure,
+    Undulated: undulated_closure,
+}
+"""Bodies that may stand among others."""
+
+
+def closure_of(body: Any, liquid: Liquid, order: int) -> Closure:
+    """The closure of a body. Raises BadInput for what has none."""
+    for kind, closure in CLOSURES.items():
+        if isinstance(body, kind):
+            return closure(body, liquid, order)
+    known = ", ".join(kind.__name__ for kind in CLOSURES)
+    raise BadInput(f"no multipoles are known of {body!r}; there are those of {known}")

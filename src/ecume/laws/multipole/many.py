@@ -1,0 +1,168 @@
+"""Many bodies in SI: the public face of the multipole solver."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ecume.errors import BadInput
+from ecume.laws.flotation.bodies import Liquid
+from ecume.laws.multipole.closures import Closure, closure_of
+from ecume.laws.multipole.walls import REACH, Basin, Dish, echoes_of, outer_height, outer_waves
+from ecume.units import Array
+
+DENSE = 2500
+"""Unknowns up to which the system is solved by elimination."""
+TOLERANCE = 1e-13
+ROUNDING = 1e-9
+MOST_ORDER = 150
+
+
+@dataclass(frozen=True)
+class Solution:
+    """What the surface does to each body, and each body to the surface."""
+
+    forces: Array
+    """(N, 2) N, in the plane"""
+    torques: Array
+    """(N,) N m, about the vertical"""
+    heights: Array
+    """(N,) m, of the contact line's middle over the undisturbed surface"""
+    tilts: Array
+    """(N, 2) slope of the contact line's plane along x and y"""
+    energy: float
+    """J; zero when there are no bodies; falls when bodies that attract come closer"""
+    iterations: int
+    """0 when solved by elimination"""
+    amplitudes: NDArray[np.complex128] = field(repr=False)
+    """(N, order + 1) A_m K_m(a) at each contact line, in capillary lengths; a start for the next solution"""
+    setting: tuple[Any, Any, Array, Liquid] = field(repr=False)
+    """what `height` asks for"""
+
+
+def solve(
+    positions: ArrayLike,
+    bodies: Sequence[Any],
+    liquid: Liquid,
+    order: int = 20,
+    *,
+    walls: Basin | Dish | None = None,
+    method: str = "auto",
+    start: NDArray[np.complex128] | None = None,
+    tolerance: float = TOLERANCE,
+) -> Solution:
+    """Forces, torques, heights, tilts and energy of bodies on one surface, all that they do to each other included.
+
+    Exact on the linearized surface as the order grows: errors fall as (a/(a + gap))^order, so that order 8 is good to
+    1e-3 at a gap of 2 % of a diameter; smooth pinned rims gain faster. Slopes must stay small, also the sum of many.
+    `method`: "dense", "iterative" or "auto". The forces are the derivatives of the energy at any order. Bodies: `Disc`,
+    `Sphere` and `VerticalCylinder` of `ecume.laws.flotation`, and `Undulated`. [vassileva2005, watson1944].
+    """
+    from ecume.laws.multipole import echoes as echoing
+    from ecume.laws.multipole import graf, solving
+
+    places, length = _places(positions, bodies), liquid.capillary_length
+    if not (isinstance(order, int) and 1 <= order <= MOST_ORDER):
+        raise BadInput(f"the order is {order!r}; wanted a whole number from 1 to {MOST_ORDER}")
+    known: dict[Any, Closure] = {}
+    closures = [known.setdefault(body, closure_of(body, liquid, order)) for body in bodies]
+    rims, at = graf.make_rims(closures, REACH), places / length
+    _require_apart(at, rims.radius, length)
+    echoes = echoes_of(walls, liquid, rims, at)
+    outer = outer_waves(walls, liquid, at, rims.radius, order + 2)
+    right = rims.source + rims.response * outer[:, : order + 1]
+    dense = chosen_method(method, len(closures) * (2 * order + 1))
+    iterations = 0
+    if dense:
+        amplitudes = solving.eliminate(rims, echoes, at, right)
+    else:
+        amplitudes = np.array(right if start is None else start, np.complex128)
+        krylov = solving.make_krylov(*right.shape)
+        iterations = solving.iterate(rims, echoes, at, right, amplitudes, krylov, tolerance)
+        if iterations < 0:
+            raise BadInput(
+                f"the multipoles of {len(closures)} bodies were not found to {tolerance:g}; rims that nearly touch "
+                "need a larger tolerance, a lower order, or method = 'dense'"
+            )
+    waves = np.zeros((len(closures), order + 2), np.complex128)
+    echoing.incoming(rims, echoes, at, amplitudes, waves)
+    waves += outer
+    force, torque = np.zeros((len(closures), 2)), np.zeros(len(closures))
+    graf.forces(rims, amplitudes, waves, force)
+    graf.torques(rims, amplitudes, waves, torque)
+    alone = sum(closure.energy for closure in closures)
+    energy = alone + graf.energy(rims, amplitudes, waves, outer)
+    ring = amplitudes + waves[:, : order + 1]
+    tension = liquid.surface_tension
+    return Solution(
+        forces=tension * length * force,
+        torques=tension * length**2 * torque,
+        heights=length * ring[:, 0].real,
+        tilts=2.0 * np.stack([ring[:, 1].real, -ring[:, 1].imag], axis=1) / rims.radius[:, None],
+        energy=tension * length**2 * energy,
+        iterations=iterations,
+        amplitudes=amplitudes,
+        setting=(rims, walls, at, liquid),
+    )
+
+
+def height(solution: Solution, x: ArrayLike, y: ArrayLike) -> Array:
+    """Height of the surface (m) at points; inside a contact line, of the plane through it."""
+    from scipy.special import kve
+
+    from ecume.laws.multipole.echoes import echo_heights
+
+    rims, walls, at, liquid = solution.setting
+    length, orders = liquid.capillary_length, solution.amplitudes.shape[1]
+    px, py = (np.asarray(each, float) / length for each in np.broadcast_arrays(x, y))
+    total = outer_height(walls, liquid, px, py)
+    echoes = echoes_of(walls, liquid, rims, at)
+    if len(echoes.answer):
+        points = np.stack([px.ravel(), py.ravel()], axis=1)
+        total = total + echo_heights(rims, echoes, at, solution.amplitudes, points).reshape(px.shape)
+    for mirror in echoes.mirrors:
+        for center, a, amplitude in zip(at, rims.radius, solution.amplitudes, strict=True):
+            dx, dy = px - mirror[0] * center[0] - mirror[1], py - mirror[2] * center[1] - mirror[3]
+            r, angle = np.maximum(np.hypot(dx, dy), a), np.arctan2(mirror[2] * dy, mirror[0] * dx)
+            for order in range(orders):
+                share = kve(order, r) / kve(order, a) * np.exp(a - r)
+                wave = (amplitude[order] * np.exp(1j * order * angle)).real
+                total = total + mirror[4] * (1.0 if order == 0 else 2.0) * share * wave
+    for center, a, z, tilt in zip(at, rims.radius, solution.heights, solution.tilts, strict=True):
+        dx, dy = px - center[0], py - center[1]
+        total = np.where(np.hypot(dx, dy) < a, z / length + tilt[0] * dx + tilt[1] * dy, total)
+    return length * total
+
+
+def chosen_method(method: str, unknowns: int) -> bool:
+    """Whether to eliminate."""
+    if method not in ("auto", "dense", "iterative"):
+        raise BadInput(f"no method is called {method!r}; there are auto, dense, iterative")
+    return method == "dense" or (method == "auto" and unknowns <= DENSE)
+
+
+def _places(positions: ArrayLike, bodies: Sequence[Any]) -> Array:
+    places = np.asarray(positions, dtype=np.float64)
+    if places.shape != (len(bodies), 2) or len(bodies) == 0:
+        raise BadInput(
+            f"positions have the shape {places.shape}; wanted one place (x, y) for each of {len(bodies)} bodies"
+        )
+    if not np.isfinite(places).all():
+        raise BadInput("positions hold what is no number; wanted meters")
+    return places
+
+
+def _require_apart(at: Array, radius: Array, length: float) -> None:
+    """Contact lines may touch, and no more."""
+    for i in range(len(at) - 1):
+        gaps = np.hypot(*(at[i + 1 :] - at[i]).T) - radius[i] - radius[i + 1 :]
+        worst = int(np.argmin(gaps))
+        if gaps[worst] < -ROUNDING * radius[i]:
+            raise BadInput(
+                f"the contact lines of bodies {i} and {i + 1 + worst} overlap by {-gaps[worst] * length:.3g} m; "
+                "move them apart"
+            )
