@@ -63,11 +63,6 @@ PEERS = (
 )
 
 
-OWN = PEERS[-2:]
-PARTICLE_STEPS = 6_000_000
-"""That a crowd of any size is marched for, when it is asked how time grows with it."""
-
-
 class Run(NamedTuple):
     """What one process measured."""
 
@@ -75,8 +70,6 @@ class Run(NamedTuple):
     """Particle-steps a second: of processor time with one thread, of wall time with several"""
     neighbors: float | None
     """Of a particle, where it has others than the cube's"""
-    bytes: float | None
-    """Of a particle, where it says"""
 
 
 def neighbors(water: Cube) -> float:
@@ -115,7 +108,7 @@ def timed(peer: Peer, folder: Path, edge: int, steps: int, threads: int) -> Run 
         return None
     # Other work on the machine disturbs processor time less; with several threads it says nothing.
     seconds = result["processor"] if threads == 1 else result["wall"]
-    return Run(result["count"] * result["steps"] / seconds, result.get("neighbors"), result.get("bytes"))
+    return Run(result["count"] * result["steps"] / seconds, result.get("neighbors"))
 
 
 def peak_of_a_core() -> dict[str, float]:
@@ -164,29 +157,12 @@ def show(runs: dict[tuple[str, int], list[Run]], around: float, first: str, peak
         )
 
 
-def grow(asked: argparse.Namespace) -> None:
-    """How time and memory grow with the crowd: one thread, processor time, sizes in turns, best of the rounds."""
-    print("\n| ecume sph | particles | ns a particle and step | over the smallest | bytes a particle |")
-    print("|---|---|---|---|---|")
-    for peer in OWN:
-        least = float("nan")
-        for edge in asked.edges:
-            steps = max(20, PARTICLE_STEPS // edge**3)
-            runs = [run for _ in range(asked.rounds) if (run := timed(peer, asked.folder, edge, steps, 1))]
-            if not runs:
-                continue
-            spent = 1.0 / max(run.rate for run in runs)
-            least = spent if edge == asked.edges[0] else least
-            print(f"| {peer.extra} | {edge**3:,} | {1e9 * spent:.0f} | {spent / least:.2f} | {runs[0].bytes:.0f} |")
-
-
 def main() -> int:
     """Measure, and print the table."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", type=Path, help="where peers/install.sh put the packages")
     for name, number in (("edge", 46), ("steps", 60), ("rounds", 3), ("threads", os.cpu_count() or 1)):
         parser.add_argument(f"--{name}", type=int, default=number)
-    parser.add_argument("--edges", type=int, nargs="*", default=[22, 46, 126], help="of the cubes that growth is from")
     asked = parser.parse_args()
     asked.folder = asked.folder.resolve()
     water = cube(asked.edge)
@@ -195,7 +171,6 @@ def main() -> int:
     peak = peak_of_a_core()
     print(", ".join(f"{name}: {value / 1e9:.0f} GFLOP/s a core" for name, value in peak.items()) + " at most")
     show(measure(installed(asked.folder), asked), around, PEERS[0].name, peak)
-    grow(asked)
     if hasattr(os, "getloadavg"):
         print(f"\nload {os.getloadavg()[0]:.1f} at the end")
     return 0

@@ -34,15 +34,16 @@ high = [{side}, {side}, {side}]
 [tank]
 low = [{low}, {low}, {low}]
 high = [{high}, {high}, {high}]
-left.kind = "open"
-right.kind = "open"
-bottom.kind = "open"
-top.kind = "open"
-front.kind = "open"
-back.kind = "open"
+left.kind = "{sides}"
+right.kind = "{sides}"
+bottom.kind = "{sides}"
+top.kind = "{sides}"
+front.kind = "{sides}"
+back.kind = "{sides}"
 [method]
 smoothing = {smoothing}
 density_diffusion = "none"
+shifting = "none"
 artificial_viscosity = {alpha}
 start = "rest"
 integrator = "verlet"
@@ -51,12 +52,14 @@ precision = "{precision}"
 """
 
 
-def march_of(edge: int, precision: str) -> March:
-    """The cube, at its start."""
+def march_of(edge: int, precision: str, *, sides: str = "open") -> March:
+    """The cube, at its start: free in space, or one of endlessly many where its sides are periodic."""
     side, water = edge * cube.SPACING, cube.cube(edge)
+    low, high = (0.0, side) if sides == "periodic" else (-side, 2.0 * side)
     text = SCENE.format(
-        spacing=cube.SPACING, density=cube.DENSITY, sound=cube.SOUND, exponent=cube.STIFFENING, side=side, low=-side,
-        high=2.0 * side, smoothing=0.5 * cube.REACH, alpha=cube.ALPHA, time_step=cube.TIME_STEP, precision=precision,
+        spacing=cube.SPACING, density=cube.DENSITY, sound=cube.SOUND, exponent=cube.STIFFENING, side=side, low=low,
+        high=high, smoothing=0.5 * cube.REACH, alpha=cube.ALPHA, time_step=cube.TIME_STEP, precision=precision,
+        sides=sides,
     )  # fmt: skip
     march = March(load_scene(text))
     for name, start in (("position", water.position), ("reference", water.position), ("velocity", water.velocity)):
@@ -83,4 +86,5 @@ def main() -> None:
     watch.report(steps, edge**3, bytes=bytes_of(march) / edge**3)
 
 
-main()
+if __name__ == "__main__":
+    main()

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ecume._jit import prange, spread
+from ecume._jit import compiled_inside, prange, spread, summing
 from ecume.models.sph.fields import ACC, DIFFUSED, DRHO
 
 BLOCKS = 16
@@ -77,51 +77,53 @@ def take_mean(velocity: Any, acceleration: Any, density: Any, thickening: Any, b
 
 
 def largest(vectors: Any) -> float:
-    """The largest length among the columns; NaN where one is."""
+    """The largest length among the columns; NaN or infinite where one is."""
     most = np.zeros(BLOCKS)
     largest_squares(vectors, most)
     return math.sqrt(most.max())
 
 
-@spread
+@summing
 def largest_squares(vectors: Any, most: Any) -> None:
     """Of so many parts of a crowd."""
     dimension, count = vectors.shape
     each = (count + len(most) - 1) // len(most)
     for block in prange(len(most)):
-        found = 0.0
-        for i in range(block * each, min(count, (block + 1) * each)):
+        found, total = 0.0, 0.0
+        for i in range(np.uint64(block * each), np.uint64(min(count, (block + 1) * each))):
             square = 0.0
             for axis in range(dimension):
                 square += vectors[axis, i] * vectors[axis, i]
-            if not square <= found:
-                found = square
-                if square != square:
-                    break
-        most[block] = found
+            found = square if square > found else found
+            total += square
+        most[block] = larger_or_nowhere(found, total)
 
 
 def farthest(position: Any, reference: Any) -> float:
-    """How far the fastest went from its place in the reference; NaN where one is nowhere."""
+    """How far the fastest went from its place in the reference; NaN or infinite where one is nowhere."""
     most = np.zeros(BLOCKS)
     farthest_squares(position, reference, most)
     return math.sqrt(most.max())
 
 
-@spread
+@summing
 def farthest_squares(position: Any, reference: Any, most: Any) -> None:
     """Of so many parts of a crowd."""
     dimension, count = position.shape
     each = (count + len(most) - 1) // len(most)
     for block in prange(len(most)):
-        found = 0.0
-        for i in range(block * each, min(count, (block + 1) * each)):
+        found, total = 0.0, 0.0
+        for i in range(np.uint64(block * each), np.uint64(min(count, (block + 1) * each))):
             square = 0.0
             for axis in range(dimension):
                 along = position[axis, i] - reference[axis, i]
                 square += along * along
-            if not square <= found:
-                found = square
-                if square != square:
-                    break
-        most[block] = found
+            found = square if square > found else found
+            total += square
+        most[block] = larger_or_nowhere(found, total)
+
+
+@compiled_inside
+def larger_or_nowhere(found: float, total: float) -> float:
+    """The largest of some squares, and their sum where that is no number: a comparison with NaN keeps nothing of it."""
+    return found if total < math.inf else total

@@ -94,10 +94,13 @@ class Workspace:
     lists: Lists
     fields: NDArray[np.floating]
     rates: NDArray[np.floating]
+    before: Array
+    """(d + 1, N) rates of velocity and density at the last positions"""
 
     def take(self, other: Workspace) -> None:
         """Become the other."""
-        self.images, self.lists, self.fields, self.rates = other.images, other.lists, other.fields, other.rates
+        self.images, self.lists, self.fields = other.images, other.lists, other.fields
+        self.rates, self.before = other.rates, other.before
 
 
 def make_state(parameters: Parameters, liquid: Liquid) -> State:
@@ -184,11 +187,12 @@ def workspace_at(parameters: Parameters, state: State, before: Workspace | None 
     lists = neighbor_lists(everyone, (liquid, count), reach, lists)
     columns = count + len(images.source)
     if before and before.fields.shape[1] == columns:
-        return Workspace(images, lists, before.fields, before.rates)
+        return Workspace(images, lists, before.fields, before.rates, before.before)
     fields = np.zeros((FIELDS, columns), parameters.precision)
     fields[LIQUID, :liquid], fields[MU, :liquid] = 1.0, parameters.material.viscosity
     put_dummies(parameters, fields, liquid)
-    return Workspace(images, lists, fields, np.zeros((RATES, liquid), parameters.precision))
+    rates, rates_before = np.zeros((RATES, liquid), parameters.precision), np.zeros((parameters.dimension + 1, liquid))
+    return Workspace(images, lists, fields, rates, rates_before)
 
 
 def put_dummies(parameters: Parameters, fields: NDArray[np.floating], first: int) -> None:

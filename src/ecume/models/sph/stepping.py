@@ -111,11 +111,11 @@ def verlet_step(parameters: Parameters, state: State, workspace: Workspace, time
     kick_all(state, 0.5 * time)
     move(parameters, state, workspace, time)
     moved = state.velocity, state.acceleration, state.density, state.thickening
-    before, bodies_before = np.empty((parameters.dimension + 1, state.position.shape[1])), state.push.copy()
-    run_ahead(*moved, before, time)
+    bodies_before = state.push.copy()
+    run_ahead(*moved, workspace.before, time)
     state.motion[...] += 0.5 * time * bodies_before
     take_both(parameters, state, workspace, time)
-    take_mean(*moved, before, time)
+    take_mean(*moved, workspace.before, time)
     state.motion[...] += 0.5 * time * (state.push - bodies_before)
     state.ready[0] = 1
 

@@ -1,0 +1,106 @@
+"""How the time of a step and the memory grow with the cube of water, and how much of that is its shape.
+
+    python benchmarks/growth.py [--edges 22 46 126] [--steps 40] [--rounds 3] [--precision double]
+
+One thread, processor time, all sizes in turns in one process, over the same steps of the march. A cube with free faces
+is measured beside one that is periodic, where everyone has as many neighbors whatever the size: particles of a larger
+free cube have more, since fewer are at its faces.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import time
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+from marching import March, machine
+
+from ecume._jit import use_threads
+from ecume.models.sph.fields import X
+
+sys.path.insert(0, str(Path(__file__).parent / "peers"))
+from cube import REACH, SPACING
+from in_ecume import WARM_UP, bytes_of, march_of
+
+SAMPLE = 20_000
+"""Particles whose neighbors are counted."""
+
+
+class Crowd(NamedTuple):
+    """A cube on its way."""
+
+    sides: str
+    count: int
+    march: March
+    seconds: list[float]
+    """Of each round, per particle and step"""
+
+
+def neighbors_inside(march: March) -> float:
+    """Of a particle inside the support: the lists look a little farther."""
+    lists, fields, support = march.workspace.lists, march.workspace.fields, REACH * SPACING
+    count = len(lists.counts)
+    chosen = np.random.default_rng(1).choice(count, min(count, SAMPLE), replace=False)
+    place = fields[X : X + 3].astype(float)
+    found = 0
+    for i in chosen:
+        away = place[:, lists.neighbor[i, : lists.counts[i]]] - place[:, i : i + 1]
+        found += int(((away**2).sum(axis=0) < support**2).sum())
+    return found / len(chosen)
+
+
+def time_rounds(crowds: list[Crowd], steps: int, rounds: int) -> None:
+    """All of them go on, in turns."""
+    for crowd in crowds:
+        crowd.march.go(WARM_UP)
+    for _ in range(rounds):
+        for crowd in crowds:
+            began = time.process_time()
+            crowd.march.go(steps)
+            crowd.seconds.append((time.process_time() - began) / (steps * crowd.count))
+
+
+def show(crowds: list[Crowd], precision: str) -> None:
+    """A row a cube: the best of the rounds, over that of the smallest with such faces."""
+    for sides in dict.fromkeys(crowd.sides for crowd in crowds):
+        first = None
+        for crowd in (one for one in crowds if one.sides == sides):
+            spent, around = 1e9 * min(crowd.seconds), neighbors_inside(crowd.march)
+            first = first or (spent, around)
+            print(
+                f"| {precision}, {sides} | {crowd.count:,} | {spent:.0f} | {spent / first[0]:.2f} | {around:.1f} "
+                f"| {around / first[1]:.2f} | {spent / around:.2f} | {spent * first[1] / (around * first[0]):.2f} "
+                f"| {bytes_of(crowd.march) / crowd.count:.0f} |"
+            )
+
+
+def main() -> None:
+    """Measure, and print the table."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--edges", type=int, nargs="*", default=[22, 46, 126])
+    for name, number in (("steps", 40), ("rounds", 3)):
+        parser.add_argument(f"--{name}", type=int, default=number)
+    parser.add_argument("--precision", nargs="*", default=["double"], choices=["double", "single"])
+    asked = parser.parse_args()
+    use_threads(1)
+    print(f"{machine()}\n")
+    print("| sums, faces | particles | ns a step | growth | neighbors | growth | ns a pair | growth | bytes |")
+    print("|---|---|---|---|---|---|---|---|---|")
+    for precision in asked.precision:
+        crowds = [
+            Crowd(sides, edge**3, march_of(edge, precision, sides=sides), [])
+            for sides in ("open", "periodic")
+            for edge in asked.edges
+        ]
+        time_rounds(crowds, asked.steps, asked.rounds)
+        show(crowds, precision)
+    if hasattr(os, "getloadavg"):
+        print(f"\nload {os.getloadavg()[0]:.1f} at the end")
+
+
+if __name__ == "__main__":
+    main()
