@@ -117,12 +117,12 @@ def test_block_means_see_through_what_neighbors_share():
 
 
 def test_a_stress_is_the_sum_of_its_parts():
-    tensor = {"xx": 4.0, "xy": 2.0, "xz": 0.5, "yy": 1.0, "yz": 3.0, "zz": -1.0}
+    tensor = {"xx": 4.0, "xy": 2.0, "xz": 0.5, "yx": 1.0, "yy": 1.0, "yz": 3.0, "zx": 0.5, "zy": 3.0, "zz": -1.0}
     parts = {"squeeze": 1.0, "sliding": 0.1, "remote": -0.5}
     numbers = {f"stress_{part}_{axes}": scale * tensor[axes] for part, scale in parts.items() for axes in tensor}
     frame = Frame(0.0, {"position": np.zeros((2, 3))}, numbers, {})
     total = stress_tensor(frame)
-    assert total == pytest.approx(0.6 * np.array([[4.0, 2.0, 0.5], [2.0, 1.0, 3.0], [0.5, 3.0, -1.0]]))
+    assert total == pytest.approx(0.6 * np.array([[4.0, 2.0, 0.5], [1.0, 1.0, 3.0], [0.5, 3.0, -1.0]]))
     assert sum(stress_tensor(frame, part) for part in ("squeeze", "sliding", "remote")) == pytest.approx(total)
     assert normal_stress_differences(frame) == pytest.approx((1.8, 1.2))
     with pytest.raises(BadInput, match="squeeze, sliding, remote"):

@@ -69,7 +69,7 @@ def test_a_mark_turns_with_its_sphere(scene, frames):
 
 
 def test_a_contact_across_a_sheared_border_goes_to_the_nearest_copy():
-    frame = _frame(0.0, box_width=6e-3, box_height=4e-3, strain=0.25)
+    frame = _frame(0.0, box_width=6e-3, box_height=4e-3, box_tilt=1e-3)
     frame.arrays["position"][1] = 0.5e-3, 3.9e-3
     along = links_of(frame).along
     assert along[0] == pytest.approx([0.5e-3 - 1e-3, -0.1e-3])

@@ -56,7 +56,8 @@ def box_of(frame: Frame) -> Box | None:
     if missing:
         raise BadInput(f"the frames have a box, but no number {missing[0]!r}")
     sides = np.array([frame.numbers[name] for name in SIDES[:dimensions]])
-    return Box(sides, frame.numbers.get("strain", 0.0))
+    tilt = frame.numbers.get("box_tilt")
+    return Box(sides, frame.numbers.get("strain", 0.0) if tilt is None else tilt / float(sides[1]))
 
 
 def nearest(between: Array, box: Box | None) -> Array:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -24,17 +23,18 @@ deflections carry the sum of the three, being in series with them."""
 
 
 def stress_tensor(frame: Frame, part: str = "total") -> Array:
-    """The symmetric stress of a box, (d, d), tension positive; Pa, in a layer N/m. `part` is one of PARTS."""
+    """The stress of a box, (d, d), tension positive; Pa, in a layer N/m. `part` is one of PARTS.
+
+    Its component xy is the force along x across planes of y. Where spheres do not spin it need not be that of yx.
+    """
     dimensions = frame.arrays["position"].shape[1]
     tensor = np.zeros((dimensions, dimensions))
     parts = (part,) if part != "total" else tuple(one for one in PARTS if f"stress_{one}_xx" in frame.numbers)
     if not parts or any(f"stress_{one}_xx" not in frame.numbers for one in parts):
         raise BadInput(f"the frames tell of no stress called {part!r}; wanted total, or one of {', '.join(PARTS)}")
     for one in parts:
-        for i, j in itertools.combinations_with_replacement(range(dimensions), 2):
-            value = frame.numbers[f"stress_{one}_{AXES[i]}{AXES[j]}"]
-            tensor[i, j] += value
-            tensor[j, i] += value * (i != j)
+        for i, j in np.ndindex(dimensions, dimensions):
+            tensor[i, j] += frame.numbers[f"stress_{one}_{AXES[i]}{AXES[j]}"]
     return tensor
 
 

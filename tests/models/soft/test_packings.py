@@ -9,8 +9,8 @@ import pytest
 from ecume.errors import SceneError
 from ecume.models.model import CROWDED
 from ecume.models.soft import SOFT
+from ecume.models.soft.cell import Box
 from ecume.models.soft.meeting import neighbors
-from ecume.models.soft.parameters import Drive
 from ecume.models.soft.state import ACCEPTED
 from ecume.scenes.schema import from_plain
 from ecume.simulation import simulate
@@ -72,8 +72,8 @@ def test_shear_to_the_other_side_pulls_to_the_other_side():
 def test_a_box_sheared_by_its_own_width_is_the_box_unsheared():
     scene = packing()
     parameters = SOFT.parameters(scene)
-    position = SOFT.start(scene, parameters).position
-    straight, sheared = (neighbors(parameters, position, Drive(1.0, strain, 1.0)) for strain in (0.0, 1.0))
+    position, side = SOFT.start(scene, parameters).position, parameters.box[0]
+    straight, sheared = (neighbors(parameters, position, Box(parameters.box[:2], tilt)) for tilt in (0.0, side))
     assert straight[0].tolist() == sheared[0].tolist()
     assert straight[2] == pytest.approx(sheared[2], abs=1e-12)
 
@@ -84,7 +84,7 @@ def test_contacts_across_borders_are_found_from_wherever_spheres_have_gone():
     position = SOFT.start(scene, parameters).position
     side = parameters.box[0]
     moved = position + side * np.random.default_rng(1).integers(-3, 4, position.shape)
-    here, there = (neighbors(parameters, places, Drive(1.0, 0.0, 1.0)) for places in (position, moved))
+    here, there = (neighbors(parameters, places, Box(parameters.box[:2], 0.0)) for places in (position, moved))
     assert here[0].tolist() == there[0].tolist()
     for places, (pair, image, between) in ((position, here), (moved, there)):
         assert places[pair[:, 1]] - places[pair[:, 0]] + side * image == pytest.approx(between, abs=1e-10)

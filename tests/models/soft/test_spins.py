@@ -9,7 +9,7 @@ import pytest
 from ecume.errors import BadInput, SceneError
 from ecume.models.soft import SOFT, t1_process
 from ecume.models.soft.films import answer
-from ecume.models.soft.parameters import drive_at
+from ecume.models.soft.protocol import drive_at
 from ecume.models.soft.spins import carry, still, turn_pairs, turned_orientation
 from ecume.models.soft.stages import first_stage, imbalance, resist
 from ecume.scenes.schema import from_plain

@@ -117,8 +117,8 @@ def test_the_template_opens_its_gap_as_the_closed_form_says(tmp_path):
         ({"remote": {"law": "magic"}}, "remote.law", "none, steric, dlvo"),
         ({"liquid": {"viscosity": 0.0}}, "liquid.viscosity", "wanted 1e-12 or more"),
         ({"spheres": [LEFT | {"modulus": 0.0}, RIGHT]}, "spheres[0].modulus", "or more"),
-        ({"protocol": [{"time": 1.0}, {"time": 1.0}]}, "protocol[1].time", "not after"),
-        ({"protocol": [{"time": 1.0, "strain": 0.5}]}, "protocol[0]", "there is none"),
+        ({"protocol": [{"time": 1.0}, {"time": 0.5}]}, "protocol[1].time", "before 1 s"),
+        ({"protocol": [{"time": 1.0, "strain": 0.5}]}, "protocol[0].strain", "there is none"),
     ],
 )
 def test_what_cannot_be_simulated_is_refused_in_one_line(change, path, says):

@@ -12,15 +12,16 @@ from ecume.laws.arguments import chosen
 from ecume.laws.drag import stokes_friction
 from ecume.laws.elasticity import PREFACTORS, Prefactors
 from ecume.laws.remote import REMOTE
+from ecume.models.soft.cell import Box, box_of, shape_at
 from ecume.models.soft.meeting import neighbors, open_all, pieces
 from ecume.models.soft.packing import places
-from ecume.models.soft.parameters import Contacts, Parameters, Protocol, drive_at
+from ecume.models.soft.parameters import Contacts, Parameters
+from ecume.models.soft.protocol import Protocol, drive_at, protocol_of, rules_at
 from ecume.models.soft.schemes import SCHEMES
-from ecume.models.soft.solving import SOLVERS, balance
-from ecume.models.soft.spins import turned_orientation
+from ecume.models.soft.solving import AT_ONCE, SOLVERS, balance
 from ecume.models.soft.stages import accept
-from ecume.models.soft.state import LENGTH, State, make_state, workspace
-from ecume.scenes.soft import FilmSpec, SoftScene, StageSpec, dimensions_of
+from ecume.models.soft.state import LENGTH, State, make_state, store, workspace
+from ecume.scenes.soft import FilmSpec, SoftScene, dimensions_of
 from ecume.units import Array
 
 TICKS = 1024
@@ -65,7 +66,7 @@ def parameters_of(scene: SoftScene) -> Parameters:
         torque=_torques(scene, counts),
         box=box,
         contacts=_contacts(scene, float(radius.min())),
-        protocol=_protocol(scene.protocol),
+        protocol=protocol_of(scene.protocol),
         scheme=scene.stepping.scheme,
         tolerance=scene.stepping.tolerance,
         solver=scene.stepping.solver,
@@ -77,33 +78,33 @@ def parameters_of(scene: SoftScene) -> Parameters:
 def start(scene: SoftScene, parameters: Parameters) -> State:
     """The state at time 0: spheres in place, films without flow, and the first forces balanced by deflections."""
     position = places(scene, parameters)
-    _require_gaps(parameters, position)
+    drive = drive_at(parameters.protocol, 0.0)
+    _require_gaps(parameters, position, box_of(parameters.box, shape_at(parameters.box, drive), parameters.dimensions))
     count = len(position)
     room = min(ROOM[parameters.dimensions] * count, count * (count - 1) // 2)
     if parameters.box.any() or math.isinf(parameters.contacts.fade_to):
         room = ROOM[parameters.dimensions] * count if parameters.box.any() else count * (count - 1) // 2
     state = make_state(parameters, position, room)
+    state.cell[:] = shape_at(parameters.box, drive_at(parameters.protocol, 0.0))
     open_all(parameters, state)
     state.pace[LENGTH] = FIRST_STEP * min(scene.frame_every, *_spans(parameters.protocol, scene.frame_every))
     if not parameters.drag.any():
         _require_one_piece(state)
         _require_no_torque(parameters, state)
+    if not parameters.drag.any() or any(rules_at(parameters.protocol, 0)):
         _balance(parameters, state)
     return state
 
 
 def _balance(parameters: Parameters, state: State) -> None:
-    drive = drive_at(parameters.protocol, 0.0)
-    scratch = workspace(parameters, state, 1.0)
-    if not balance(parameters, scratch.step, drive):
-        raise SceneError([Fault("spheres", "these forces are more than the surfaces can balance; make them smaller")])
-    accept(scratch.step)
-    state.position[:] = scratch.step.bodies.position
-    if parameters.torque.shape[1]:
-        state.orientation[:] = turned_orientation(
-            state.orientation, scratch.step.spins.turn / parameters.radius[:, None]
-        )
-        state.direction[: state.contacts[0]] = scratch.step.direction[:, : parameters.dimensions]
+    drive, rules = drive_at(parameters.protocol, 0.0), rules_at(parameters.protocol, 0)
+    step = workspace(parameters, state, 1.0).step
+    span = AT_ONCE * float(state.pace[LENGTH]) if parameters.drag.any() else 0.0
+    if not balance(parameters, step, (drive, drive, rules), span):
+        told = "these forces or stresses are more than the surfaces can balance; make them smaller"
+        raise SceneError([Fault("protocol" if any(rules) else "spheres", told)])
+    accept(step)
+    store(parameters, state, step)
 
 
 def _torques(scene: SoftScene, counts: list[int]) -> Array:
@@ -143,12 +144,6 @@ def _contacts(scene: SoftScene, smallest: float) -> Contacts:
         layer_strength=remote.layer_strength,
         debye_length=remote.debye_length,
     )
-
-
-def _protocol(stages: tuple[StageSpec, ...]) -> Protocol:
-    stages = stages or (StageSpec(time=0.0),)
-    courses = np.array([[stage.load, stage.strain, stage.scale] for stage in stages], np.float64)
-    return Protocol(np.array([stage.time for stage in stages]), np.ascontiguousarray(courses.T))
 
 
 def _unknown_names(scene: SoftScene) -> list[Fault]:
@@ -200,10 +195,10 @@ def _require_no_torque(parameters: Parameters, state: State) -> None:
         raise SceneError([Fault("spheres", f"{told}; wanted no torque in sum, or liquid.drag = true")])
 
 
-def _require_gaps(parameters: Parameters, position: Array) -> None:
+def _require_gaps(parameters: Parameters, position: Array, box: Box) -> None:
     """Undeformed spheres that overlap have no film between them."""
     touching = parameters._replace(contacts=parameters.contacts._replace(fade_from=0.0))
-    pair, _, _ = neighbors(touching, position, drive_at(parameters.protocol, 0.0))
+    pair, _, _ = neighbors(touching, position, box)
     if len(pair):
         first, second = pair[0]
         told = f"spheres {first} and {second} overlap before they are deformed; wanted a gap for the film"

@@ -21,7 +21,7 @@ from ecume.models.soft.building import parameters_of, start
 from ecume.models.soft.cluster import APART, DIAGONAL, HORIZONTAL, SQRT3, T1, VERTICAL, Effort, Instant, reached, told
 from ecume.models.soft.films import answer
 from ecume.models.soft.parameters import Contacts
-from ecume.models.soft.stages import Step, imbalance, several
+from ecume.models.soft.stages import Step, imbalance
 from ecume.models.soft.state import workspace
 from ecume.scenes.soft import SoftScene
 from ecume.units import Array
@@ -93,7 +93,7 @@ def velocities(contacts: Contacts, step: Step, places: Places, load_rate: float,
     imbalance(step, load_rate, 1.0, False)
     bodies.diagonal[:] = 0.0
     sparse.assemble(step.matrix, answers.stiffness, bodies.diagonal)
-    right, change = several(bodies)
+    right, change = step.borders.right[:1], step.borders.change[:1]
     if not elimination.eliminate(step.matrix, right, change, change.shape[2]):
         return False
     found.position[:] = bodies.change

@@ -15,7 +15,7 @@ from ecume._jit import compiled, compiled_inside
 from ecume.engine.cells import Integers
 from ecume.laws import elasticity
 from ecume.models.soft.contact import Frame, Link, Start, Vector, dot, film_of, frame_of, linked
-from ecume.models.soft.parameters import Contacts, Drive
+from ecume.models.soft.parameters import Contacts
 from ecume.units import Array
 
 
@@ -60,16 +60,6 @@ class Answers(NamedTuple):
     """(C, 4, 3) what a displacement adds"""
     slope: Array
     """(C, 4) rates of ln(gap) and direction (1/s)"""
-
-
-@compiled
-def place_images(pairs: Pairs, box: Array, drive: Drive) -> None:
-    """Where copies of the box are now."""
-    image, offset = pairs.image, pairs.offset
-    for c in range(len(image)):
-        for k in range(3):
-            offset[c, k] = image[c, k] * box[k] * drive.scale
-        offset[c, 0] += drive.strain * offset[c, 1]
 
 
 @compiled

@@ -10,8 +10,9 @@ from scipy.spatial import cKDTree
 
 from ecume.engine.cells import Integers
 from ecume.errors import Diverged
-from ecume.models.soft.parameters import Drive, Parameters, drive_at
-from ecume.models.soft.state import CLOCK, State
+from ecume.models.soft.cell import Box, box_of
+from ecume.models.soft.parameters import Parameters
+from ecume.models.soft.state import State
 from ecume.units import Array
 
 Found = tuple[Integers, Integers, Array]
@@ -23,7 +24,7 @@ def renew_contacts(parameters: Parameters, state: State) -> bool:
     if np.isinf(parameters.contacts.fade_to):
         return False
     kept = _kept(parameters, state)
-    pair, image, between = neighbors(parameters, state.position, drive_at(parameters.protocol, state.pace[CLOCK]))
+    pair, image, between = neighbors(parameters, state.position, box_in(parameters, state))
     known = _keys(state.pair[: state.contacts[0]], state.image[: state.contacts[0]])
     fresh = ~np.isin(_keys(pair, image), known)
     if kept.all() and not fresh.any():
@@ -35,27 +36,26 @@ def renew_contacts(parameters: Parameters, state: State) -> bool:
 
 def open_all(parameters: Parameters, state: State) -> None:
     """The first contacts."""
-    drive = drive_at(parameters.protocol, 0.0)
     if np.isinf(parameters.contacts.fade_to):
         pair = np.stack(np.triu_indices(len(state.position), 1), axis=1).astype(np.int64)
         between = state.position[pair[:, 1]] - state.position[pair[:, 0]]
         found: Found = pair, np.zeros(between.shape, np.int64), between
     else:
-        found = neighbors(parameters, state.position, drive)
+        found = neighbors(parameters, state.position, box_in(parameters, state))
     _open(parameters, state, found)
 
 
-def neighbors(parameters: Parameters, position: Array, drive: Drive) -> Found:
+def neighbors(parameters: Parameters, position: Array, box: Box) -> Found:
     """All pairs whose gap, without deflection, is below the reach; across periodic borders too."""
-    radius, dimensions = parameters.radius, position.shape[1]
+    radius = parameters.radius
     far = 2.0 * float(radius.max()) + parameters.contacts.fade_from
-    place, owner, copy = _copies(position, parameters.box[:dimensions] * drive.scale, drive.strain, far)
+    place, owner, copy = _copies(position, box, far)
     found = cKDTree(place).query_pairs(far, output_type="ndarray")
     found = found[(copy[found] == 0).all(axis=2).any(axis=1)]
     pair, image = owner[found], copy[found[:, 1]] - copy[found[:, 0]]
     between = place[found[:, 1]] - place[found[:, 0]]
     gap = np.linalg.norm(between, axis=1) - radius[pair].sum(axis=1)
-    image += _home(position, pair[:, 1], parameters, drive) - _home(position, pair[:, 0], parameters, drive)
+    image += wraps(position[pair[:, 0]], box) - wraps(position[pair[:, 1]], box)
     turned = (pair[:, 0] > pair[:, 1]) | ((pair[:, 0] == pair[:, 1]) & _negative(image))
     pair[turned], image[turned], between[turned] = pair[turned, ::-1], -image[turned], -between[turned]
     near = np.flatnonzero(gap < parameters.contacts.fade_from)
@@ -64,41 +64,46 @@ def neighbors(parameters: Parameters, position: Array, drive: Drive) -> Found:
     return pair[chosen], image[chosen], between[chosen]
 
 
-def _home(position: Array, chosen: Integers, parameters: Parameters, drive: Drive) -> Integers:
-    """How many boxes away from its home a sphere's own place is, counted against the one that is looked at."""
-    dimensions = position.shape[1]
-    return -wraps(position[chosen], parameters.box[:dimensions] * drive.scale, drive.strain)
+def box_in(parameters: Parameters, state: State) -> Box:
+    """The box as it is."""
+    return box_of(parameters.box, state.cell, state.position.shape[1])
 
 
-def wraps(position: Array, box: Array, strain: float) -> Integers:
+def wraps(position: Array, box: Box) -> Integers:
     """In which copy of the box each place lies."""
     away = np.zeros(position.shape, np.int64)
-    if not box.any():
+    if not box.sides.any():
         return away
-    away[:, 1:] = np.floor(position[:, 1:] / box[1:])
-    away[:, 0] = np.floor((position[:, 0] - strain * box[1] * away[:, 1]) / box[0])
+    away[:, 1:] = np.floor(position[:, 1:] / box.sides[1:])
+    away[:, 0] = np.floor((position[:, 0] - box.tilt * away[:, 1]) / box.sides[0])
     return away
 
 
-def _copies(position: Array, box: Array, strain: float, far: float) -> tuple[Array, Integers, Integers]:
+def at_home(position: Array, box: Box) -> Array:
+    """Places within the box; as they are where there is none."""
+    away = wraps(position, box)
+    places = position - away * box.sides
+    places[:, 0] -= box.tilt * away[:, 1]
+    return np.asarray(places)
+
+
+def _copies(position: Array, box: Box, far: float) -> tuple[Array, Integers, Integers]:
     """The spheres in their box, and copies of those near its borders: places, owners, and which copy each is."""
     count, dimensions = position.shape
     home = np.zeros((count, dimensions), np.int64)
-    if not box.any():
+    if not box.sides.any():
         return position, np.arange(count), home
-    away = wraps(position, box, strain)
-    places = position - away * box
-    places[:, 0] -= strain * box[1] * away[:, 1]
+    places = at_home(position, box)
     every, owners, copies = [places], [np.arange(count)], [home]
     for shift in np.ndindex(*(3,) * dimensions):
         move = np.array(shift) - 1
         if not move.any():
             continue
         # Sheared copies above and below are looked for among those that lie beside the box now.
-        move[0] -= round(strain * box[1] * move[1] / box[0])
-        moved = places + move * box
-        moved[:, 0] += strain * box[1] * move[1]
-        seen = ((moved > -far) & (moved < box + far)).all(axis=1)
+        move[0] -= round(box.tilt * move[1] / box.sides[0])
+        moved = places + move * box.sides
+        moved[:, 0] += box.tilt * move[1]
+        seen = ((moved > -far) & (moved < box.sides + far)).all(axis=1)
         every.append(moved[seen])
         owners.append(np.flatnonzero(seen))
         copies.append(np.broadcast_to(move, (int(seen.sum()), dimensions)))

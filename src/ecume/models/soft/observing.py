@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 from collections.abc import Mapping
 
@@ -10,9 +9,11 @@ import numpy as np
 
 from ecume.engine.cells import Integers
 from ecume.laws.remote import REMOTE
+from ecume.models.soft.cell import STRAIN, TILT, WIDTH, Box
 from ecume.models.soft.films import stored_energy
-from ecume.models.soft.meeting import wraps
-from ecume.models.soft.parameters import Drive, Parameters, drive_at, last_turn
+from ecume.models.soft.meeting import at_home, box_in, wraps
+from ecume.models.soft.parameters import Parameters
+from ecume.models.soft.protocol import drive_at
 from ecume.models.soft.stages import Step, first_stage
 from ecume.models.soft.state import ACCEPTED, CLOCK, FAILED, REJECTED, State, Workspace
 from ecume.trajectories.frame import Frame
@@ -46,12 +47,12 @@ UNITS = {
 def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
     """The frame of this instant."""
     drive = drive_at(parameters.protocol, float(state.pace[CLOCK]))
-    step = scratch.step
+    step, box = scratch.step, box_in(parameters, state)
     first_stage(parameters.contacts, step, drive)
     tension = (step.answers.force * step.direction).sum(axis=1)
     arrays = {
-        "position": at_home(parameters, state.position, drive),
-        "velocity": velocity_at_home(parameters, state, drive),
+        "position": at_home(state.position, box),
+        "velocity": velocity_at_home(parameters, state, box),
         "radius": parameters.radius.copy(),
         "species": parameters.species.copy(),
         **_slots(parameters, step, tension),
@@ -70,10 +71,12 @@ def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
     }
     if not parameters.box.any():
         return Frame(float(state.pace[CLOCK]), arrays, numbers, UNITS)
-    volume = float(np.prod(parameters.box[: parameters.dimensions] * drive.scale))
+    volume = float(np.prod(box.sides))
     parts = stresses(parameters, step, volume)
-    tensor, rate = np.sum(list(parts.values()), axis=0), strain_rate(parameters, float(state.pace[CLOCK]))
-    numbers |= _box_numbers(parameters, drive, volume) | _stress_numbers(tensor, rate) | _components(parts)
+    tensor, rate = np.sum(list(parts.values()), axis=0), float(state.cell_rate[STRAIN])
+    numbers |= (
+        _box_numbers(parameters, box, float(state.cell[STRAIN])) | _stress_numbers(tensor, rate) | _components(parts)
+    )
     return Frame(float(state.pace[CLOCK]), arrays, numbers, UNITS | _box_units(parameters.dimensions, numbers))
 
 
@@ -86,41 +89,18 @@ def _spinning(state: State) -> dict[str, Array | Integers]:
     return {"orientation": state.orientation.copy(), "spin": state.spin.copy()}
 
 
-def at_home(parameters: Parameters, position: Array, drive: Drive) -> Array:
-    """Places within the box; as they are where there is none."""
-    dimensions = position.shape[1]
-    box = parameters.box[:dimensions] * drive.scale
-    away = wraps(position, box, drive.strain)
-    places = position - away * box
-    places[:, 0] -= drive.strain * box[1] * away[:, 1]
-    return np.asarray(places)
-
-
-def velocity_at_home(parameters: Parameters, state: State, drive: Drive) -> Array:
+def velocity_at_home(parameters: Parameters, state: State, box: Box) -> Array:
     """The velocity of the copy that is within the box: those above and below go with the shear, and all with the sides.
 
     Of the last step, like the state's own.
     """
-    dimensions, time = state.position.shape[1], float(state.pace[CLOCK])
-    box = parameters.box[:dimensions]
-    if not box.any() or not time > 0.0:
-        return state.velocity.copy()
-    away = wraps(state.position, box * drive.scale, drive.strain)
-    turn = last_turn(parameters.protocol, time)
-    past, span = drive_at(parameters.protocol, turn), time - turn
-    velocity = state.velocity - away * box * (drive.scale - past.scale) / span
-    shift = (drive.strain * drive.scale - past.strain * past.scale) / span
-    velocity[:, 0] -= shift * box[1] * away[:, 1]
-    return np.asarray(velocity)
-
-
-def strain_rate(parameters: Parameters, time: float) -> float:
-    """The rate of shear (1/s) since the protocol's last turn; zero at the start."""
-    turn = last_turn(parameters.protocol, time)
-    if not time > turn:
-        return 0.0
-    strain, past = (drive_at(parameters.protocol, moment).strain for moment in (time, turn))
-    return (strain - past) / (time - turn)
+    velocity = state.velocity.copy()
+    if not parameters.box.any():
+        return velocity
+    away, rate = wraps(state.position, box), state.cell_rate
+    velocity -= away * box.sides * rate[WIDTH : WIDTH + velocity.shape[1]]
+    velocity[:, 0] -= away[:, 1] * (rate[TILT] * box.sides[0] + rate[WIDTH] * box.tilt)
+    return velocity
 
 
 def stresses(parameters: Parameters, step: Step, volume: float) -> dict[str, Array]:
@@ -161,21 +141,24 @@ def _neighbors(parameters: Parameters, step: Step) -> dict[str, float]:
     return {"coordination": 2.0 * len(close) / len(parameters.radius), "mean_gap": mean}
 
 
-def _box_numbers(parameters: Parameters, drive: Drive, volume: float) -> dict[str, float]:
+def _box_numbers(parameters: Parameters, box: Box, strain: float) -> dict[str, float]:
     dimensions, radius = parameters.dimensions, parameters.radius
     filled = np.pi * radius**2 if dimensions == 2 else 4.0 / 3.0 * np.pi * radius**3
-    sides = (parameters.box * drive.scale)[:dimensions].tolist()
     names = ("box_width", "box_height", "box_depth")[:dimensions]
     return {
-        "strain": drive.strain,
-        **dict(zip(names, sides, strict=True)),
-        "volume_fraction": float(filled.sum() / volume),
+        "strain": strain,
+        **dict(zip(names, box.sides.tolist(), strict=True)),
+        "box_tilt": box.tilt,
+        "volume_fraction": float(filled.sum() / np.prod(box.sides)),
     }
 
 
 def _stress_numbers(tensor: Array, rate: float) -> dict[str, float]:
-    """What is mostly asked of a stress; the viscosity is no number while nothing is sheared."""
-    shear = float(tensor[0, 1] + tensor[1, 0]) / 2.0
+    """What is mostly asked of a stress; the viscosity is no number while nothing is sheared.
+
+    The shear stress is what pulls at the top along x, sum of F_x Y: not quite that of y, where spheres do not spin.
+    """
+    shear = float(tensor[0, 1])
     return {
         "pressure": -float(np.trace(tensor)) / len(tensor),
         "shear_stress": shear,
@@ -186,18 +169,18 @@ def _stress_numbers(tensor: Array, rate: float) -> dict[str, float]:
 
 
 def _components(parts: Mapping[str, Array]) -> dict[str, float]:
-    """Each part's symmetric components: `stress_squeeze_xy` and so on."""
+    """Each part's components: `stress_squeeze_xy`, the force along x across a plane of y, and so on."""
     return {
-        f"stress_{name}_{AXES[i]}{AXES[j]}": float(part[i, j] + part[j, i]) / 2.0
+        f"stress_{name}_{AXES[i]}{AXES[j]}": float(value)
         for name, part in parts.items()
-        for i, j in itertools.combinations_with_replacement(range(len(part)), 2)
+        for (i, j), value in np.ndenumerate(part)
     }
 
 
 def _box_units(dimensions: int, numbers: Mapping[str, float]) -> dict[str, str]:
     stressed = [name for name in numbers if name.startswith("stress_")]
     units = dict.fromkeys(("pressure", "shear_stress", "normal_stress", *stressed), STRESS[dimensions])
-    units |= dict.fromkeys(("box_width", "box_height", "box_depth")[:dimensions], "m")
+    units |= dict.fromkeys(("box_width", "box_height", "box_depth")[:dimensions], "m") | {"box_tilt": "m"}
     return units | {"strain_rate": "1/s", "viscosity": VISCOSITY[dimensions]}
 
 

@@ -6,8 +6,10 @@ import numpy as np
 from scipy.optimize import minimize
 
 from ecume.errors import Fault, SceneError
+from ecume.models.soft.cell import Box, box_of, shape_at
 from ecume.models.soft.meeting import neighbors
-from ecume.models.soft.parameters import Drive, Parameters, drive_at
+from ecume.models.soft.parameters import Parameters
+from ecume.models.soft.protocol import drive_at
 from ecume.scenes.soft import SoftScene
 from ecume.units import Array
 
@@ -25,9 +27,8 @@ def places(scene: SoftScene, parameters: Parameters) -> Array:
     if all(species.count is None for species in scene.spheres):
         return np.array(given, np.float64)
     random = np.random.default_rng(scene.seed)
-    drive = drive_at(parameters.protocol, 0.0)
-    sides = parameters.box[: parameters.dimensions] * drive.scale
-    position = random.uniform(size=(len(parameters.radius), parameters.dimensions)) * sides
+    box = box_of(parameters.box, shape_at(parameters.box, drive_at(parameters.protocol, 0.0)), parameters.dimensions)
+    position = random.uniform(size=(len(parameters.radius), parameters.dimensions)) * box.sides
     begin = 0
     for species in scene.spheres:
         end = begin + (species.count or len(species.positions))
@@ -35,16 +36,16 @@ def places(scene: SoftScene, parameters: Parameters) -> Array:
             position[begin:end] = species.positions
         begin = end
     least = GAP * float(parameters.radius.min()) if scene.box is None or scene.box.gap is None else scene.box.gap
-    return pushed_apart(parameters, position, drive, least)
+    return pushed_apart(parameters, position, box, least)
 
 
-def pushed_apart(parameters: Parameters, position: Array, drive: Drive, least: float) -> Array:
+def pushed_apart(parameters: Parameters, position: Array, box: Box, least: float) -> Array:
     """The nearest places, more or less, without gaps below `least`: overlaps cost their square. Raises SceneError."""
     wide = parameters._replace(contacts=parameters.contacts._replace(fade_from=WIDER * least))
     unit = float(parameters.radius.min())
 
     def cost(flat: Array) -> tuple[float, Array]:
-        pair, _, between = neighbors(wide, flat.reshape(position.shape) * unit, drive)
+        pair, _, between = neighbors(wide, flat.reshape(position.shape) * unit, box)
         length = np.linalg.norm(between, axis=1)
         overlap = (parameters.radius[pair].sum(axis=1) + WIDER * least - length) / unit
         push = (overlap / np.maximum(length, 1e-12 * unit))[:, None] * between
@@ -60,7 +61,7 @@ def pushed_apart(parameters: Parameters, position: Array, drive: Drive, least: f
             cost, flat, jac=True, method="L-BFGS-B", options={"maxiter": PUSHES, "ftol": 0.0, "gtol": 1e-12}
         ).x
         found = np.asarray(flat.reshape(position.shape) * unit)
-        if not len(neighbors(tight, found, drive)[0]):
+        if not len(neighbors(tight, found, box)[0]):
             return found
     told = f"no places were found with gaps of {least:.3g} m everywhere; wanted a larger box.size or a smaller box.gap"
     raise SceneError([Fault("box.size", told)])

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
-import numpy as np
-
+from ecume.models.soft.protocol import Protocol
 from ecume.units import Array
 
 ALWAYS = 1e300
@@ -40,26 +38,6 @@ class Contacts(NamedTuple):
     debye_length: float
 
 
-class Protocol(NamedTuple):
-    """How the load on the spheres and the box change: straight lines between moments."""
-
-    times: Array
-    """s"""
-    courses: Array
-    """(3, T) load, strain and scale at these times"""
-
-
-class Drive(NamedTuple):
-    """What is imposed at one time."""
-
-    load: float
-    """what the external forces are multiplied by"""
-    strain: float
-    """of the box, along x from bottom to top"""
-    scale: float
-    """what the box's sides are multiplied by"""
-
-
 class Parameters(NamedTuple):
     """Everything about a scene that compiled code and the march need."""
 
@@ -87,20 +65,3 @@ class Parameters(NamedTuple):
     tolerance: float
     """of ln(gap), and of directions (rad), in a step"""
     solver: str
-
-
-def drive_at(protocol: Protocol, time: float) -> Drive:
-    """What is imposed at a time."""
-    return Drive(*(float(np.interp(time, protocol.times, course)) for course in protocol.courses))
-
-
-def next_turn(protocol: Protocol, time: float) -> float:
-    """When the protocol next changes its course: no step goes across."""
-    later = protocol.times[protocol.times > time * (1.0 + 1e-12)]
-    return float(later[0]) if len(later) else math.inf
-
-
-def last_turn(protocol: Protocol, time: float) -> float:
-    """When the protocol last changed its course before a time; zero where it has not."""
-    earlier = protocol.times[protocol.times < time * (1.0 - 1e-12)]
-    return float(earlier[-1]) if len(earlier) else 0.0

@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 from ecume.models.soft import stages
-from ecume.models.soft.parameters import Drive, Parameters
+from ecume.models.soft.cell import Goal
+from ecume.models.soft.parameters import Parameters
+from ecume.models.soft.protocol import Drive, Rules
 from ecume.models.soft.schemes import Scheme
 from ecume.models.soft.stages import During, Step, first_stage
 
 FINE = 1e-13
 """The last change of a position, over its distance, with which spheres are said to be balanced."""
+AT_ONCE = 1e-9
+"""Of a step: the time in which the liquid is to hold spheres where they are."""
 FEW = 72
 """Unknowns up to which elimination is the fastest."""
 MANY = {2: 400_000, 3: 30_000}
@@ -30,36 +35,48 @@ SOLVERS = {
     "gradients": Solver(stages.attempt_gradients, stages.newton_gradients),
     "direct": Solver(stages.attempt_direct, stages.newton_direct),
 }
+BORDERED = {
+    name: Solver(partial(stages.attempt_bordered, name), partial(stages.newton_bordered, name)) for name in SOLVERS
+}
+"""The same where the box answers to stresses."""
 
 
-def ways(parameters: Parameters) -> tuple[Solver, ...]:
+def ways(parameters: Parameters, rules: Rules) -> tuple[Solver, ...]:
     """The ways to try, one after the other: by the number of unknowns alone, so that a run chooses as the last one did.
 
     Gradients may break down where the matrix is far from symmetric and positive; then a factorization stands in.
     """
+    table = BORDERED if any(rules) else SOLVERS
     if parameters.solver != "auto":
-        return (SOLVERS[parameters.solver],)
+        return (table[parameters.solver],)
     unknowns = parameters.force.size
     if unknowns <= FEW:
-        return (SOLVERS["dense"],)
+        return (table["dense"],)
     stands_in = unknowns <= MANY[parameters.dimensions]
-    return (SOLVERS["gradients"], SOLVERS["direct"]) if stands_in else (SOLVERS["gradients"],)
+    return (table["gradients"], table["direct"]) if stands_in else (table["gradients"],)
 
 
-def attempt(parameters: Parameters, step: Step, scheme: Scheme, during: During) -> float:
+def attempt(parameters: Parameters, step: Step, scheme: Scheme, during: During, rules: Rules) -> float:
     """Try a step: the estimated error, or `stages.FAILED`."""
     error = stages.FAILED
-    for way in ways(parameters):
+    step.cell.rules[:] = rules
+    for way in ways(parameters, rules):
         error = way.attempt(parameters.contacts, step, scheme, during)
         if error != stages.FAILED:
             break
     return error
 
 
-def balance(parameters: Parameters, step: Step, drive: Drive) -> bool:
-    """Move the spheres to where their forces balance while the gaps stay as they are; whether there is such a place."""
-    for way in ways(parameters):
-        first_stage(parameters.contacts, step, drive)
-        if way.newton(parameters.contacts, step, (drive, 0.0), FINE):
+def balance(parameters: Parameters, step: Step, at: tuple[Drive, Drive, Rules], span: float = 0.0) -> bool:
+    """Move spheres and box to where forces and stresses balance while the gaps stay as they are; whether there is such
+    a place. `at` is what was imposed, what is, and what answers to a stress.
+
+    Spheres on which the liquid drags are held by it: a `span` of time that is next to none.
+    """
+    origin, drive, rules = at
+    step.cell.rules[:] = rules
+    for way in ways(parameters, rules):
+        first_stage(parameters.contacts, step, origin)
+        if way.newton(parameters.contacts, step, Goal(drive, origin, span), FINE):
             return True
     return False

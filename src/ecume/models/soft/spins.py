@@ -104,14 +104,18 @@ def add_torques(pairs: Pairs, answers: Answers, position: Array, right: Array, c
 
 
 @compiled
-def load_torques(spins: Spins, right: Array, factor: float, span: float) -> None:
-    """External torques, and the drag on spins, into the last columns of `right`."""
+def load_torques(spins: Spins, right: Array, factor: float, during: tuple[float, float]) -> None:
+    """External torques, and the drag on spins, into the last columns of `right`; `during` is the stage's span, and by
+    how much the liquid turns in it, out of the plane of x and y.
+    """
+    span, swirl = during
     width = spins.turn.shape[1]
     for i in range(len(spins.drag)):
         for k in range(width):
             value = factor * spins.torque[i, k]
             if spins.drag[i] > 0.0:
-                value -= spins.drag[i] * (spins.turn[i, k] - spins.start[i, k]) / span
+                along = spins.radius[i] * swirl if k == width - 1 else 0.0
+                value -= spins.drag[i] * (spins.turn[i, k] - spins.start[i, k] - along) / span
             right[i, right.shape[1] - width + k] = value
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -12,8 +13,25 @@ from ecume._jit import compiled, compiled_inside, inlined, plainly
 from ecume.engine import elimination, gradients, sparse
 from ecume.engine.gradients import Gradients
 from ecume.engine.sparse import Matrix
-from ecume.models.soft.films import Answers, Films, Pairs, answer, place_images
-from ecume.models.soft.parameters import Contacts, Drive
+from ecume.models.soft.borders import Borders, Web, border, close, missing_stress, moved, unknowns
+from ecume.models.soft.cell import (
+    STRAIN,
+    WIDTH,
+    Cell,
+    Goal,
+    begin_cell,
+    carry_along,
+    cell_error,
+    deform,
+    end_cell,
+    first_cell,
+    flow,
+    impose,
+    place_images,
+)
+from ecume.models.soft.films import Answers, Films, Pairs, answer, center_distance
+from ecume.models.soft.parameters import Contacts
+from ecume.models.soft.protocol import Drive
 from ecume.models.soft.schemes import Scheme
 from ecume.models.soft.spins import (
     Spins,
@@ -68,8 +86,8 @@ class During(NamedTuple):
 
     length: float
     """s"""
-    start: Drive
-    end: Drive
+    drives: Array
+    """(S, 9) what is imposed at each stage, as the fields of a `Drive`"""
     tolerance: float
 
 
@@ -87,8 +105,8 @@ class Step(NamedTuple):
     bodies: Bodies
     spins: Spins
     matrix: Matrix
-    box: Array
-    """(3,) m at scale 1"""
+    cell: Cell
+    borders: Borders
     gradients: Gradients
 
 
@@ -98,6 +116,7 @@ def imbalance(step: Step, factor: float, span: float, corrected: bool) -> tuple[
     bodies, answers, first, second = step.bodies, step.answers, step.pairs.first, step.pairs.second
     right, force, correction, stiffness = bodies.right, answers.force, answers.correction, answers.stiffness
     external, drag, position, start = bodies.force, bodies.drag, bodies.position, bodies.start
+    along = flow(step.cell)
     radius_sum, offset = step.pairs.radius_sum, step.pairs.offset
     count, dimensions = position.shape
     largest, stiffest, worst = 0.0, 0.0, 0.0
@@ -106,9 +125,12 @@ def imbalance(step: Step, factor: float, span: float, corrected: bool) -> tuple[
             right[i, k] = factor * external[i, k]
             largest = max(largest, abs(right[i, k]))
             if drag[i] > 0.0:
-                right[i, k] -= drag[i] * (position[i, k] - start[i, k]) / span
+                carried = start[i, k]
+                for m in range(dimensions):
+                    carried += along[k, m] * position[i, m]
+                right[i, k] -= drag[i] * (position[i, k] - carried) / span
                 stiffest = max(stiffest, drag[i] / span * abs(position[i, k]))
-    load_torques(step.spins, right, factor, span)
+    load_torques(step.spins, right, factor, (span, -0.5 * along[0, 1]))
     for c in range(len(first)):
         i, j = first[c], second[c]
         for k in range(dimensions):
@@ -129,15 +151,18 @@ def imbalance(step: Step, factor: float, span: float, corrected: bool) -> tuple[
 
 
 @compiled
-def move(step: Step) -> float:
-    """Add the solved change to spheres and contacts, shortened where it is too long; how large it was."""
+def move(step: Step, goal: Goal) -> float:
+    """Add the solved change to box, spheres and contacts, shortened where it is too long; how large it was."""
     films, answers, bodies = step.films, step.answers, step.bodies
     shift, response, change, position = answers.shift, answers.response, bodies.change, bodies.position
     log_gap, direction, turn = films.log_gap, films.direction, step.spins.turn
     dimensions = position.shape[1]
-    largest = 0.0
+    by, offset = step.cell.change, step.pairs.offset
+    largest = float(np.abs(by).max())
     for c in range(len(log_gap)):
         u = rolled(step.pairs, (position, change), c)
+        x = moved(by, center_distance(position, offset, step.pairs.first[c], step.pairs.second[c], c))
+        u = (u[0] + x[0], u[1] + x[1], u[2] + x[2])
         for k in range(4):
             shift[c, k] += response[c, k, 0] * u[0] + response[c, k, 1] * u[1] + response[c, k, 2] * u[2]
             largest = max(largest, abs(shift[c, k]))
@@ -148,11 +173,14 @@ def move(step: Step) -> float:
         return math.inf
     part = min(1.0, LONGEST_CHANGE / max(largest, 1e-300))
     for i in range(len(position)):
+        x = moved(by, (position[i, 0], position[i, 1], position[i, 2] if dimensions == 3 else 0.0))
         for k in range(dimensions):
-            position[i, k] += part * change[i, k]
+            position[i, k] += part * (change[i, k] + x[k])
         for k in range(turn.shape[1]):
             turn[i, k] += part * change[i, dimensions + k]
     turn_pairs(step.pairs, step.spins)
+    deform(step.cell, goal, part)
+    place_images(step.pairs, step.cell)
     for c in range(len(log_gap)):
         log_gap[c] += part * shift[c, 0]
         length = 0.0
@@ -185,82 +213,106 @@ def resist(step: Step, span: float) -> None:
 @compiled
 def is_free(step: Step) -> bool:
     """Whether nothing keeps the spheres from circling each other all together."""
-    return not (np.any(step.bodies.drag > 0.0) or np.any(step.box > 0.0))
+    return not (np.any(step.bodies.drag > 0.0) or np.any(step.cell.sides > 0.0))
 
 
 @compiled
-def eliminated(step: Step, loose: int) -> bool:
+def eliminated(step: Step, goal: Goal, loose: int) -> bool:
     """Newton's step by dense elimination."""
-    right, change = several(step.bodies)
-    return elimination.eliminate(step.matrix, right, change, loose)
+    return elimination.eliminate(step.matrix, step.borders.right[:1], step.borders.change[:1], loose)
 
 
 @compiled
-def descended(step: Step, loose: int) -> bool:
+def descended(step: Step, goal: Goal, loose: int) -> bool:
     """Newton's step by biconjugate gradients."""
-    right, change = several(step.bodies)
+    right, change = step.borders.right[:1], step.borders.change[:1]
     return gradients.follow_gradients(step.matrix, right, change, step.gradients, loose)
 
 
-def factorized(step: Step, loose: int) -> bool:
+def factorized(step: Step, goal: Goal, loose: int) -> bool:
     """Newton's step by a sparse factorization."""
-    right, change = several(step.bodies)
-    return elimination.factorize(step.matrix, right, change, loose)
+    return elimination.factorize(step.matrix, step.borders.right[:1], step.borders.change[:1], loose)
+
+
+def bordered(way: str, step: Step, goal: Goal, loose: int) -> bool:
+    """Newton's step with what all spheres share, by one of these ways."""
+    border(step.cell, web_of(step), goal, step.borders)
+    several = 1 + unknowns(step.cell)
+    right, change = step.borders.right[:several], step.borders.change[:several]
+    if way == "gradients":
+        found = gradients.follow_gradients(step.matrix, right, change, step.gradients, loose)
+    else:
+        solve = elimination.eliminate if way == "dense" else elimination.factorize
+        found = solve(step.matrix, right, change, loose)
+    return found and close(step.cell, goal, step.borders)
 
 
 @compiled
-def several(bodies: Bodies) -> tuple[Array, Array]:
-    """What is left on the spheres, and their change, as the one right side and solution of a system."""
-    count, width = bodies.right.shape
-    return bodies.right.reshape((1, count, width)), bodies.change.reshape((1, count, width))
+def web_of(step: Step) -> Web:
+    """What the borders of the system are made of."""
+    return Web(step.pairs, step.answers, step.bodies.position)
+
+
+@compiled
+def unmet(step: Step, goal: Goal) -> float:
+    """What is missing of the stresses that rule the box."""
+    return missing_stress(step.cell, web_of(step), goal) if unknowns(step.cell) > 0 else 0.0
+
+
+@compiled
+def enter(step: Step, goal: Goal) -> None:
+    """Put in what is imposed, and carry the spheres along with the box."""
+    old = step.cell.shape.copy()
+    impose(step.cell, goal)
+    carry_along(step.cell, old, step.bodies.position)
+    place_images(step.pairs, step.cell)
 
 
 @inlined
-def newton_with(
-    solve: Callable[..., bool], contacts: Contacts, step: Step, at: tuple[Drive, float], fine: float
-) -> bool:
-    """Solve a stage; `at` is what is imposed in it, and the span of time that it treats implicitly.
-
-    Whether the forces balance and the last change was below `fine`.
-    """
-    drive, span = at
-    place_images(step.pairs, step.box, drive)
-    bodies = step.bodies
+def newton_with(solve: Callable[..., bool], contacts: Contacts, step: Step, goal: Goal, fine: float) -> bool:
+    """Solve a stage: whether forces and stresses balance and the last change was below `fine`."""
+    enter(step, goal)
+    bodies, load, span = step.bodies, goal.drive.load, goal.span
     loose = 0 if np.any(bodies.drag > 0.0) else bodies.position.shape[1]
     last = math.inf
     for _ in range(MOST_ITERATIONS):
         answer(contacts, step.pairs, step.films, bodies.position, span, step.answers)
-        worst, largest, rounding = imbalance(step, drive.load, span, False)
-        if last <= fine and worst <= BALANCE * largest + rounding:
+        worst, largest, rounding = imbalance(step, load, span, False)
+        if last <= fine and worst <= BALANCE * largest + rounding and unmet(step, goal) <= BALANCE:
             return True
-        imbalance(step, drive.load, span, True)
+        imbalance(step, load, span, True)
         resist(step, span)
-        if not solve(step, loose):
+        if not solve(step, goal, loose):
             return False
         if step.spins.turn.shape[1] > 0 and is_free(step):
             still(bodies.position, step.spins.radius, bodies.change)
-        last = move(step)
+        last = move(step, goal)
         if not math.isfinite(last):
             return False
     return False
 
 
 @compiled
-def newton_dense(contacts: Contacts, step: Step, at: tuple[Drive, float], fine: float) -> bool:
+def newton_dense(contacts: Contacts, step: Step, goal: Goal, fine: float) -> bool:
     """A stage of few spheres."""
-    return newton_with(eliminated, contacts, step, at, fine)
+    return newton_with(eliminated, contacts, step, goal, fine)
 
 
-def newton_gradients(contacts: Contacts, step: Step, at: tuple[Drive, float], fine: float) -> bool:
+def newton_gradients(contacts: Contacts, step: Step, goal: Goal, fine: float) -> bool:
     """A stage of many spheres. Each pass over them is compiled by itself: all in one took ten times as long, since
     arrays that are reached through tuples are then counted in the inner loops.
     """
-    return plainly(newton_with)(descended, contacts, step, at, fine)
+    return plainly(newton_with)(descended, contacts, step, goal, fine)
 
 
-def newton_direct(contacts: Contacts, step: Step, at: tuple[Drive, float], fine: float) -> bool:
+def newton_direct(contacts: Contacts, step: Step, goal: Goal, fine: float) -> bool:
     """A stage of many spheres, however stiff."""
-    return plainly(newton_with)(factorized, contacts, step, at, fine)
+    return plainly(newton_with)(factorized, contacts, step, goal, fine)
+
+
+def newton_bordered(way: str, contacts: Contacts, step: Step, goal: Goal, fine: float) -> bool:
+    """A stage whose box answers to stresses."""
+    return plainly(newton_with)(partial(bordered, way), contacts, step, goal, fine)
 
 
 @compiled
@@ -285,12 +337,14 @@ def begin_stage(step: Step, scheme: Scheme, stage: int, time_step: float) -> Non
                     value += time_step * rows[stage, earlier] * bodies.slope[earlier, i, k]
                 bodies.start[i, k] = value
     begin_spins(step.spins, rows[stage, :stage], time_step)
+    begin_cell(step.cell, scheme, stage, time_step)
 
 
 @compiled
-def end_stage(step: Step, stage: int, span: float) -> None:
+def end_stage(step: Step, goal: Goal, stage: int) -> None:
     """The slopes of a solved stage, from what it added to its start: nothing is amplified so."""
-    films, slope, bodies = step.films, step.slope, step.bodies
+    films, slope, bodies, span = step.films, step.slope, step.bodies, goal.span
+    end_cell(step.cell, goal, stage)
     for c in range(len(step.log_gap)):
         slope[stage, c, 0] = (films.log_gap[c] - films.log_gap_start[c]) / span
         lean = 0.0
@@ -306,6 +360,14 @@ def end_stage(step: Step, stage: int, span: float) -> None:
 
 
 @compiled
+def afloat(cell: Cell, position: Array, i: int, k: int) -> float:
+    """How fast the box's deformation carries the liquid at a sphere, at the step's beginning."""
+    slope = cell.slope[0]
+    speed = slope[WIDTH + k] * position[i, k]
+    return float(speed + slope[STRAIN] * position[i, 1] if k == 0 else speed)
+
+
+@compiled
 def first_stage(contacts: Contacts, step: Step, drive: Drive) -> None:
     """The slopes at the step's beginning."""
     films, bodies, slope = step.films, step.bodies, step.slope
@@ -317,7 +379,8 @@ def first_stage(contacts: Contacts, step: Step, drive: Drive) -> None:
     step.spins.turn[:] = 0.0
     step.spins.start[:] = 0.0
     turn_pairs(step.pairs, step.spins)
-    place_images(step.pairs, step.box, drive)
+    first_cell(step.cell, drive)
+    place_images(step.pairs, step.cell)
     answer(contacts, step.pairs, films, bodies.position, 0.0, step.answers)
     slope[0] = step.answers.slope
     bodies.start[:] = bodies.position
@@ -325,17 +388,19 @@ def first_stage(contacts: Contacts, step: Step, drive: Drive) -> None:
     for i in range(len(bodies.drag)):
         if bodies.drag[i] > 0.0:
             for k in range(bodies.start.shape[1]):
-                bodies.slope[0, i, k] = bodies.right[i, k] / bodies.drag[i]
+                bodies.slope[0, i, k] = bodies.right[i, k] / bodies.drag[i] + afloat(step.cell, bodies.position, i, k)
     first_spins(step)
 
 
 @compiled
 def first_spins(step: Step) -> None:
-    """How fast spheres spin at the step's beginning, where drag tells."""
+    """How fast spheres spin at the step's beginning, where drag tells: with half the vorticity of the liquid."""
     spins, right, dimensions = step.spins, step.bodies.right, step.bodies.position.shape[1]
     for i in range(len(spins.drag)):
         for k in range(spins.turn.shape[1]):
             spins.slope[0, i, k] = right[i, dimensions + k] / spins.drag[i] if spins.drag[i] > 0.0 else 0.0
+        if spins.turn.shape[1] > 0:
+            spins.slope[0, i, spins.turn.shape[1] - 1] -= 0.5 * step.cell.slope[0, STRAIN] * spins.radius[i]
 
 
 @compiled
@@ -353,13 +418,9 @@ def error_of(step: Step, scheme: Scheme, time_step: float) -> float:
 
 
 @compiled_inside
-def between(start: Drive, end: Drive, part: float) -> Drive:
-    """What is imposed a part of the way on."""
-    return Drive(
-        start.load + part * (end.load - start.load),
-        start.strain + part * (end.strain - start.strain),
-        start.scale + part * (end.scale - start.scale),
-    )
+def drive_of(row: Array) -> Drive:
+    """What is imposed, from the numbers of one stage."""
+    return Drive(row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7], row[8])
 
 
 @inlined
@@ -369,14 +430,15 @@ def attempt_with(newton: Callable[..., bool], contacts: Contacts, step: Step, sc
     The new places are in `step.films` and `step.bodies.position`.
     """
     span = scheme.diagonal * during.length
-    first_stage(contacts, step, during.start)
+    origin = drive_of(during.drives[0])
+    first_stage(contacts, step, origin)
     for stage in range(1, len(scheme.times)):
         begin_stage(step, scheme, stage, during.length)
-        drive = between(during.start, during.end, scheme.times[stage])
-        if not newton(contacts, step, (drive, span), 1e-3 * during.tolerance):
+        goal = Goal(drive_of(during.drives[stage]), origin, span)
+        if not newton(contacts, step, goal, 1e-3 * during.tolerance):
             return FAILED
-        end_stage(step, stage, span)
-    return error_of(step, scheme, during.length)
+        end_stage(step, goal, stage)
+    return max(error_of(step, scheme, during.length), cell_error(step.cell, scheme, during.length))
 
 
 @compiled
@@ -395,6 +457,11 @@ def attempt_direct(contacts: Contacts, step: Step, scheme: Scheme, during: Durin
     return plainly(attempt_with)(newton_direct, contacts, step, scheme, during)
 
 
+def attempt_bordered(way: str, contacts: Contacts, step: Step, scheme: Scheme, during: During) -> float:
+    """A step whose box answers to stresses."""
+    return plainly(attempt_with)(partial(newton_bordered, way), contacts, step, scheme, during)
+
+
 @compiled
 def accept(step: Step) -> None:
     """The end of a step is the next one's beginning."""
@@ -402,3 +469,5 @@ def accept(step: Step) -> None:
     step.log_gap[:] = step.films.log_gap
     step.direction[:] = step.films.direction
     step.bodies.before[:] = step.bodies.position
+    step.cell.before[:] = step.cell.shape
+    step.cell.past[:] = step.cell.slope[-1, :5]

@@ -9,10 +9,12 @@ import numpy as np
 from ecume.engine import gradients, sparse
 from ecume.engine.cells import Integers
 from ecume.laws import elasticity
+from ecume.models.soft.borders import make_borders
+from ecume.models.soft.cell import make_cell
 from ecume.models.soft.films import Pairs, make_answers, make_films
 from ecume.models.soft.parameters import Parameters
 from ecume.models.soft.schemes import SCHEMES
-from ecume.models.soft.spins import make_spins
+from ecume.models.soft.spins import make_spins, turned_orientation
 from ecume.models.soft.stages import Bodies, Step
 from ecume.units import Array
 
@@ -51,6 +53,10 @@ class State(NamedTuple):
     """(room,)"""
     direction: Array
     """(room, d) of the gap vector"""
+    cell: Array
+    """(5,) how the box is sheared and sized: `cell.Cell`"""
+    cell_rate: Array
+    """(5,) how fast, at the end of the last step (1/s)"""
     pace: Array
     """(3,)"""
     tally: Integers
@@ -80,6 +86,8 @@ def make_state(parameters: Parameters, position: Array, room: int) -> State:
         image=np.zeros((room, dimensions), np.int64),
         log_gap=np.zeros(room),
         direction=np.zeros((room, dimensions)),
+        cell=np.zeros(5),
+        cell_rate=np.zeros(5),
         pace=np.zeros(3),
         tally=np.zeros(3, np.int64),
     )
@@ -92,6 +100,7 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
     pairs = pairs_of(parameters, state)
     stages, width = len(SCHEMES[parameters.scheme].times), dimensions + parameters.torque.shape[1]
     pattern = sparse.make_pattern(count, pairs.first, pairs.second)
+    shared = make_borders(count, width)
     bodies = Bodies(
         position=state.position.copy(),
         before=state.position.copy(),
@@ -99,8 +108,8 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
         slope=np.zeros((stages, count, dimensions)),
         drag=parameters.drag,
         force=parameters.force,
-        right=np.zeros((count, width)),
-        change=np.zeros((count, width)),
+        right=shared.right[0],
+        change=shared.change[0],
         diagonal=np.zeros((count, width)),
     )
     step = Step(
@@ -113,10 +122,22 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
         bodies=bodies,
         spins=make_spins(parameters.radius, parameters.spin_drag, parameters.torque, (stages, contacts, width)),
         matrix=sparse.make_matrix(pattern, width),
-        box=parameters.box,
+        cell=make_cell(parameters.box, state.cell, state.cell_rate, stages),
+        borders=shared,
         gradients=gradients.make_gradients(count, width),
     )
     return Workspace(step, int(state.generation[0]))
+
+
+def store(parameters: Parameters, state: State, step: Step) -> None:
+    """What a step has come to becomes the state: places, spins, gap vectors and the box."""
+    contacts, dimensions = int(state.contacts[0]), state.position.shape[1]
+    state.position[:] = step.bodies.before
+    if state.spin.shape[1]:
+        state.orientation[:] = turned_orientation(state.orientation, step.spins.turn / parameters.radius[:, None])
+    state.log_gap[:contacts] = step.log_gap
+    state.direction[:contacts] = step.direction[:, :dimensions]
+    state.cell[:], state.cell_rate[:] = step.cell.before, step.cell.past
 
 
 def pairs_of(parameters: Parameters, state: State) -> Pairs:

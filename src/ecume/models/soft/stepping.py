@@ -4,15 +4,18 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from ecume.models.model import CROWDED, DIVERGED, DONE
 from ecume.models.soft.meeting import renew_contacts
-from ecume.models.soft.parameters import Parameters, drive_at, next_turn
+from ecume.models.soft.parameters import Parameters
+from ecume.models.soft.protocol import drive_at, interval_at, next_turn, rules_at
 from ecume.models.soft.schemes import SCHEMES, Scheme
-from ecume.models.soft.solving import attempt
-from ecume.models.soft.spins import turned_orientation
+from ecume.models.soft.solving import AT_ONCE, attempt, balance
 from ecume.models.soft.stages import FAILED as NOT_SOLVED
-from ecume.models.soft.stages import During, accept
-from ecume.models.soft.state import ACCEPTED, CLOCK, FAILED, LENGTH, PAST_ERROR, REJECTED, State, Workspace
+from ecume.models.soft.stages import During, Step, accept
+from ecume.models.soft.state import ACCEPTED, CLOCK, FAILED, LENGTH, PAST_ERROR, REJECTED, State, Workspace, store
+from ecume.units import Array
 
 SAFETY = 0.9
 MOST_GROWTH, MOST_SHRINK = 5.0, 0.2
@@ -21,6 +24,8 @@ AFTER_FAILURE = 0.25
 LEAST_ERROR = 1e-8
 MOST_TRIES = 60
 """A step that is not good after so many, each shorter than the last, is given up, and with it the run."""
+LEAST_PER_CYCLE = 20
+"""Steps in a cycle of what oscillates."""
 NEARLY = 1e-9
 """A step that would leave less than this part of itself to a frame or turn takes it along."""
 
@@ -32,7 +37,7 @@ def advance(parameters: Parameters, state: State, scratch: Workspace, steps: int
     until = int(state.step[0]) + steps
     while state.step[0] < until:
         length = one_step(parameters, state, scratch)
-        if not length > 0.0:
+        if not length > 0.0 or not jump(parameters, state, scratch.step):
             return DIVERGED
         if renew_contacts(parameters, state):
             return CROWDED
@@ -46,8 +51,9 @@ def one_step(parameters: Parameters, state: State, scratch: Workspace) -> float:
     scheme = SCHEMES[parameters.scheme]
     for _ in range(MOST_TRIES):
         length, end = _next(parameters, state)
-        begin, finish = drive_at(parameters.protocol, state.pace[CLOCK]), drive_at(parameters.protocol, end)
-        error = attempt(parameters, scratch.step, scheme, During(length, begin, finish, parameters.tolerance))
+        interval = interval_at(parameters.protocol, float(state.pace[CLOCK]))
+        during = During(length, _drives(parameters, state, (length, end)), parameters.tolerance)
+        error = attempt(parameters, scratch.step, scheme, during, rules_at(parameters.protocol, interval))
         ratio = max(error / parameters.tolerance, LEAST_ERROR)
         if error == NOT_SOLVED or not math.isfinite(error):
             state.pace[LENGTH] = AFTER_FAILURE * length
@@ -66,6 +72,32 @@ def one_step(parameters: Parameters, state: State, scratch: Workspace) -> float:
     return 0.0
 
 
+def _drives(parameters: Parameters, state: State, way: tuple[float, float]) -> Array:
+    """What is imposed at each stage of a step of some length and end; at the end as it is before it jumps there."""
+    protocol, now = parameters.protocol, float(state.pace[CLOCK])
+    interval, (length, end) = interval_at(protocol, now), way
+    times = [now + part * length for part in SCHEMES[parameters.scheme].times[:-1]]
+    return np.array([drive_at(protocol, time, interval) for time in (*times, end)])
+
+
+def jump(parameters: Parameters, state: State, step: Step) -> bool:
+    """Where the protocol jumps at this time, find the new balance while all gaps stay as they are; whether there is
+    one.
+    """
+    protocol, now = parameters.protocol, float(state.pace[CLOCK])
+    interval = interval_at(protocol, now)
+    if interval == 0 or now != protocol.times[interval] or not protocol.jumps[interval]:
+        return True
+    origin, drive = drive_at(protocol, now, interval - 1), drive_at(protocol, now, interval)
+    dragged = bool(parameters.drag.any())
+    span = AT_ONCE * float(state.pace[LENGTH]) if dragged else 0.0
+    if not balance(parameters, step, (origin, drive, rules_at(protocol, interval)), span):
+        return False
+    accept(step)
+    store(parameters, state, step)
+    return True
+
+
 def _grown(state: State, length: float, ratio: float, scheme: Scheme) -> float:
     """The next step, from this one's error and the last one's."""
     past = float(state.pace[PAST_ERROR]) or 1.0
@@ -76,16 +108,11 @@ def _grown(state: State, length: float, ratio: float, scheme: Scheme) -> float:
 def _take(parameters: Parameters, state: State, scratch: Workspace, end: float) -> None:
     """The step's end becomes the state."""
     accept(scratch.step)
-    contacts, dimensions = int(state.contacts[0]), state.position.shape[1]
     length = end - float(state.pace[CLOCK])
     state.velocity[:] = (scratch.step.bodies.before - state.position) / length
-    state.position[:] = scratch.step.bodies.before
     if state.spin.shape[1]:
-        angle = scratch.step.spins.turn / parameters.radius[:, None]
-        state.spin[:] = angle / length
-        state.orientation[:] = turned_orientation(state.orientation, angle)
-    state.log_gap[:contacts] = scratch.step.log_gap
-    state.direction[:contacts] = scratch.step.direction[:, :dimensions]
+        state.spin[:] = scratch.step.spins.turn / (length * parameters.radius[:, None])
+    store(parameters, state, scratch.step)
     state.pace[CLOCK] = end
     state.tally[ACCEPTED] += 1
     state.step[0] = _tick(parameters, int(state.step[0]), end)
@@ -105,12 +132,18 @@ def _tick(parameters: Parameters, before: int, time: float) -> int:
     return min(max(ticks, before, frame * parameters.steps_per_frame + 1), (frame + 1) * parameters.steps_per_frame - 1)
 
 
+def _longest(parameters: Parameters, now: float) -> float:
+    """A part of a cycle, where something oscillates: films say nothing of what is to come."""
+    pace = float(parameters.protocol.waves[interval_at(parameters.protocol, now), 2])
+    return math.tau / pace / LEAST_PER_CYCLE if pace > 0.0 else math.inf
+
+
 def _next(parameters: Parameters, state: State) -> tuple[float, float]:
     """How long the next step may be, and when it ends: not past the next frame, nor past a turn of the protocol."""
     now = float(state.pace[CLOCK])
     due = _due(parameters, int(state.step[0]) // parameters.steps_per_frame + 1)
     stop = min(due, next_turn(parameters.protocol, now))
-    length = float(state.pace[LENGTH])
+    length = min(float(state.pace[LENGTH]), _longest(parameters, now))
     if now + length * (1.0 + NEARLY) >= stop:
         return stop - now, stop
     return length, now + length

@@ -32,7 +32,8 @@ from ecume.models.soft.cluster import (
     t1_scene,
     told,
 )
-from ecume.models.soft.parameters import Parameters, drive_at
+from ecume.models.soft.parameters import Parameters
+from ecume.models.soft.protocol import drive_at, interval_at, rules_at
 from ecume.models.soft.schemes import SCHEMES
 from ecume.models.soft.solving import attempt
 from ecume.models.soft.stages import During, Step, first_stage, imbalance
@@ -209,12 +210,15 @@ def _crossing(parameters: Parameters, span: Span, scratch: Workspace, unit: Unit
 
     step, scheme = scratch.step, SCHEMES[parameters.scheme]
     kept = step.bodies.before.copy(), step.log_gap.copy(), step.direction.copy()
-    begin = drive_at(parameters.protocol, span.begin.time)
+
+    interval = interval_at(parameters.protocol, span.begin.time)
 
     def missing(length: float) -> float:
         step.bodies.before[:], step.log_gap[:], step.direction[:] = span.position, span.log_gap, span.direction
-        end = drive_at(parameters.protocol, span.begin.time + length)
-        attempt(parameters, step, scheme, During(length, begin, end, parameters.tolerance))
+        times = span.begin.time + length * scheme.times
+        drives = np.array([drive_at(parameters.protocol, float(time), interval) for time in times])
+        during = During(length, drives, parameters.tolerance)
+        attempt(parameters, step, scheme, during, rules_at(parameters.protocol, interval))
         return goal + _instant(scratch, span.begin.time + length, unit).tension_vertical
 
     length = span.end.time - span.begin.time

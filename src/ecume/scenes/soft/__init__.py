@@ -1,6 +1,6 @@
 """The scene of the soft model: spheres, the films between them, what holds them, and what is done to them."""
 
-from ecume.scenes.soft.protocol import StageSpec
+from ecume.scenes.soft.protocol import OscillationSpec, StageSpec
 from ecume.scenes.soft.scene import (
     BoxSpec,
     FilmSpec,
@@ -15,6 +15,7 @@ from ecume.scenes.soft.scene import (
 __all__ = [
     "BoxSpec",
     "FilmSpec",
+    "OscillationSpec",
     "RemoteSpec",
     "SoftLiquid",
     "SoftScene",

@@ -2,28 +2,188 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+import itertools
+from collections.abc import Sequence
+from typing import Annotated, Self
 
-from pydantic import Field
+from pydantic import Field, PlainValidator, model_validator
 from pydantic.dataclasses import dataclass
 
+from ecume.scenes.faults import Complaints, Inconsistent, Path
 from ecume.scenes.quantities import STRICT
-from ecume.units import Number, Time
+from ecume.units import Number, Rate, Time, Unit
 
 Instant = Annotated[Time, Field(ge=0.0, le=1e10)]
 Factor = Annotated[Number, Field(ge=-1e9, le=1e9)]
 Scale = Annotated[Number, Field(ge=1e-3, le=1e3)]
+Frequency = Annotated[Rate, Field(gt=0.0, le=1e9)]
+StrainRate = Annotated[Rate, Field(ge=-1e9, le=1e9)]
+
+MOST_STRESS = 1e15
+STRESS_UNITS = {2: "N/m", 3: "Pa"}
+"""The unit of stress, in each dimension: in a layer a force pulls at a line."""
+WHOLE = 1e-9
+"""Of a cycle: how far a number of cycles may be from a whole one."""
+
+
+class StressOfLayer(float):
+    """A stress that came as text in N/m."""
+
+
+class StressInSpace(float):
+    """A stress that came as text in Pa."""
+
+
+def stress(value: object) -> float:
+    """A stress in Pa, or in N/m for a layer. Which of them is wanted the scene knows; a plain number says neither."""
+    if not isinstance(value, str):
+        number = Unit("Pa").number(value) if not isinstance(value, (StressOfLayer, StressInSpace)) else value
+    else:
+        try:
+            number = StressInSpace(Unit("Pa").number(value))
+        except ValueError:
+            number = StressOfLayer(Unit("N/m").number(value))
+    if not abs(number) <= MOST_STRESS:
+        raise ValueError(f"wanted a number between {-MOST_STRESS:g} and {MOST_STRESS:g}")
+    return number
+
+
+Stress = Annotated[float, PlainValidator(stress)]
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class OscillationSpec:
+    """A sine beside what the moment says of shear, from there to the next moment."""
+
+    frequency: Frequency
+    """cycles a second (1/s)"""
+    amplitude: Factor | None = None
+    """of the strain, where a strain or a rate is imposed"""
+    stress: Stress | None = None
+    """of the shear stress, where one is imposed (Pa; N/m in a layer)"""
+
+    @model_validator(mode="after")
+    def _one(self) -> Self:
+        if (self.amplitude is None) == (self.stress is None):
+            raise Inconsistent([((), "wanted either amplitude, of the strain, or stress")])
+        return self
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class StageSpec:
-    """A moment of the protocol: between two, everything changes evenly; before the first and after the last, not."""
+    """A moment of the protocol. Load, strain and scale are reached at it, evenly from the moment before; rates and
+    stresses rule from it on. What is left out goes on as it was. A time that stands twice is a jump.
+    """
 
     time: Instant
     """s"""
-    load: Factor = 1.0
-    """what the spheres' forces are multiplied by"""
-    strain: Factor = 0.0
-    """shear strain of the box, along x from bottom to top"""
-    scale: Scale = 1.0
-    """what the sides of the box are multiplied by"""
+    load: Factor | None = None
+    """what the spheres' forces are multiplied by; 1 at first"""
+    strain: Factor | None = None
+    """shear strain of the box, along x from bottom to top, reached at this time"""
+    shear_rate: StrainRate | None = None
+    """its rate from this time on (1/s); 0 holds the box as it is sheared"""
+    shear_stress: Stress | None = None
+    """shear stress from this time on, to which the strain answers (Pa; N/m in a layer); positive pulls the top along x;
+    evenly towards the next moment's, if that names one, too"""
+    oscillation: OscillationSpec | None = None
+    """a sine beside it"""
+    scale: Scale | None = None
+    """what the sides of the box are multiplied by, reached at this time"""
+    height_rate: StrainRate | None = None
+    """rate of ln(height of the box) from this time on (1/s); 0 holds the box as large as it is"""
+    normal_stress: Stress | None = None
+    """stress across top and bottom from this time on, to which the height answers (Pa; N/m in a layer); compression is
+    positive; evenly towards the next moment's"""
+    pressure: Stress | None = None
+    """mean normal stress from this time on, to which all sides answer alike (Pa; N/m in a layer); compression is
+    positive; evenly towards the next moment's"""
+
+    @model_validator(mode="after")
+    def _one_each(self) -> Self:
+        found = [
+            complaint
+            for names in (("shear_rate", "shear_stress"), ("height_rate", "normal_stress", "pressure"))
+            for complaint in self._too_many(names)
+        ]
+        if found:
+            raise Inconsistent(found)
+        return self
+
+    def _too_many(self, names: Sequence[str]) -> Complaints:
+        given = [name for name in names if getattr(self, name) is not None]
+        if len(given) < 2:
+            return []
+        told = f"came together with {given[0]}; wanted one of {', '.join(names)}: the others follow"
+        return [((name,), told) for name in given[1:]]
+
+
+OF_BOX = ("strain", "shear_rate", "shear_stress", "oscillation", "scale", "height_rate", "normal_stress", "pressure")
+STRESSES = ("shear_stress", "normal_stress", "pressure")
+
+
+def protocol_faults(stages: Sequence[StageSpec], dimensions: int, boxed: bool) -> Complaints:
+    """What cannot be done, one moment after the other."""
+    found: Complaints = [
+        ((index, "time"), f"came {later.time:g} s, before {earlier.time:g} s; wanted times that ascend")
+        for index, (earlier, later) in enumerate(itertools.pairwise(stages), 1)
+        if later.time < earlier.time
+    ]
+    for index, stage in enumerate(stages):
+        given = [name for name in OF_BOX if getattr(stage, name) is not None]
+        if given and not boxed:
+            found += [((index, name), "is that of a [box]; there is none") for name in given]
+        found += [((index, *path), message) for path, message in _wrong_units(stage, dimensions)]
+    return found if found else [*_unreachable(stages), *_broken_waves(stages)]
+
+
+def _wrong_units(stage: StageSpec, dimensions: int) -> Complaints:
+    wrong = StressInSpace if dimensions == 2 else StressOfLayer
+    given: list[tuple[Path, float | None]] = [((name,), getattr(stage, name)) for name in STRESSES]
+    if stage.oscillation is not None:
+        given.append((("oscillation", "stress"), stage.oscillation.stress))
+    where = "a layer" if dimensions == 2 else "space"
+    told = f"stresses of {where} are in {STRESS_UNITS[dimensions]}"
+    return [(path, told) for path, value in given if isinstance(value, wrong)]
+
+
+def _unreachable(stages: Sequence[StageSpec]) -> Complaints:
+    """Strains and scales after moments from which on they answer to something else."""
+    found: Complaints = []
+    sheared, sized = "", ""
+    for index, stage in enumerate(stages):
+        if stage.strain is not None and sheared:
+            told = f"cannot be reached while {sheared}; wanted shear_rate, 0 to hold, and strain only where it is known"
+            found.append(((index, "strain"), told))
+        if stage.scale is not None and sized:
+            found.append(((index, "scale"), f"cannot be reached while {sized}; wanted height_rate, 0 to hold"))
+        if stage.shear_stress is not None:
+            sheared = "the strain has answered to a shear_stress"
+        elif stage.shear_rate is not None and not sheared.endswith("stress"):
+            sheared = "a shear_rate rules" if stage.shear_rate != 0.0 else ""
+        if stage.normal_stress is not None or stage.pressure is not None:
+            sized = "the box has answered to a stress"
+        elif stage.height_rate and not sized:
+            sized = "a height_rate rules"
+    return found
+
+
+def _broken_waves(stages: Sequence[StageSpec]) -> Complaints:
+    found: Complaints = []
+    stressed = False
+    for index, stage in enumerate(stages):
+        if stage.shear_stress is not None or stage.shear_rate is not None:
+            stressed = stage.shear_stress is not None
+        wave = stage.oscillation
+        if wave is None:
+            continue
+        if stressed and wave.stress is None:
+            found.append(((index, "oscillation", "amplitude"), "a shear_stress is imposed; wanted oscillation.stress"))
+        if not stressed and wave.amplitude is None:
+            found.append(((index, "oscillation", "stress"), "no shear_stress is imposed; wanted one, or an amplitude"))
+        if index + 1 < len(stages):
+            cycles = wave.frequency * (stages[index + 1].time - stage.time)
+            if abs(cycles - round(cycles)) > WHOLE * max(cycles, 1.0):
+                told = f"makes {cycles:g} cycles until the next moment; wanted a whole number, or the strain would jump"
+                found.append(((index, "oscillation", "frequency"), told))
+    return found

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import itertools
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 from pydantic.dataclasses import dataclass
 
 from ecume.scenes.common import Common, Kind
-from ecume.scenes.faults import Inconsistent, Path
+from ecume.scenes.faults import Complaints, Inconsistent, Path
 from ecume.scenes.quantities import (
     STRICT,
     Color,
@@ -21,7 +20,7 @@ from ecume.scenes.quantities import (
     Size,
     Switch,
 )
-from ecume.scenes.soft.protocol import StageSpec
+from ecume.scenes.soft.protocol import StageSpec, protocol_faults
 from ecume.units import Energy, Force, Number, Pressure, Unit, Viscosity
 
 MOST_SPHERES = 1_000_000
@@ -40,8 +39,6 @@ ForceVector = Annotated[tuple[Load, ...], Field(min_length=2, max_length=3)]
 Twist = Annotated[float, Unit("N*m"), Field(ge=-1e9, le=1e9)]
 TorqueVector = Annotated[tuple[Twist, ...], Field(min_length=1, max_length=3)]
 Sides = Annotated[tuple[Size, ...], Field(min_length=2, max_length=3)]
-
-Complaints = list[tuple[Path, str]]
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -165,7 +162,7 @@ class SoftScene(Common):
     box: BoxSpec | None = None
     """The periodic box, if any."""
     protocol: tuple[StageSpec, ...] = ()
-    """How load and box change over time."""
+    """What is done to spheres and box over time."""
     stepping: SteppingSpec = SteppingSpec()
     """The time stepping."""
 
@@ -217,16 +214,8 @@ def _torque(path: Path, came: int, scene: SoftScene) -> Complaints:
 
 
 def _protocol(scene: SoftScene) -> Complaints:
-    times = [stage.time for stage in scene.protocol]
-    found: Complaints = [
-        (("protocol", index, "time"), f"came {later:g} s, not after {earlier:g} s")
-        for index, (earlier, later) in enumerate(itertools.pairwise(times), 1)
-        if later <= earlier
-    ]
-    for index, stage in enumerate(scene.protocol):
-        if scene.box is None and (stage.strain != 0.0 or stage.scale != 1.0):
-            found.append((("protocol", index), "strain and scale are those of a [box]; there is none"))
-    return found
+    found = protocol_faults(scene.protocol, dimensions_of(scene), scene.box is not None)
+    return [(("protocol", *path), message) for path, message in found]
 
 
 def _crowd(scene: SoftScene) -> Complaints:

@@ -72,9 +72,9 @@ def links_of(frame: Frame) -> Links:
 
 
 def _nearest(along: Array, frame: Frame) -> Array:
-    width, height = frame.numbers["box_width"], frame.numbers["box_height"]
+    width, height, tilt = (frame.numbers[name] for name in ("box_width", "box_height", "box_tilt"))
     boxes = np.round(along[:, 1] / height)
-    moved = along - np.stack([boxes * height * frame.numbers["strain"], boxes * height], axis=1)
+    moved = along - np.stack([boxes * tilt, boxes * height], axis=1)
     moved[:, 0] -= width * np.round(moved[:, 0] / width)
     return moved
 

@@ -1,0 +1,268 @@
+"""The periodic box in a step: how it is sheared and sized, by what is imposed and by what answers to a stress.
+
+Its copies above lie a `tilt` further along x; kept in box widths, it grows by height/width times the shear. So a strain
+is always that of the box as it stands: its rate is the upper copy's speed over the height, however that changes.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ecume._jit import compiled
+from ecume.engine.cells import Integers
+from ecume.models.soft.films import Pairs
+from ecume.models.soft.protocol import HIGH, IMPOSED, ROOMY, STRESSED, Drive
+from ecume.models.soft.schemes import Scheme
+from ecume.units import Array
+
+TILT, WIDTH, HEIGHT, DEPTH, STRAIN = range(5)
+"""Places in a shape: tilt over width, ln of what the sides are multiplied by, strain so far."""
+MORE = 5
+"""Place in a slope: how much faster the tilt grows than with the box as it was at the step's beginning."""
+
+
+class Cell(NamedTuple):
+    """The box in a step; sides of zero where there is none."""
+
+    sides: Array
+    """(3,) m at the start"""
+    rules: Integers
+    """(2,) what shears and what sizes it: `protocol.Rules`"""
+    shape: Array
+    """(5,) of the stage"""
+    before: Array
+    """(5,) at the step's beginning"""
+    start: Array
+    """(6,) where the stage starts from"""
+    slope: Array
+    """(S, 6) of the stages (1/s)"""
+    past: Array
+    """(5,) slope at the end of the last step"""
+    change: Array
+    """(3, 3) gradient of the displacement in one of Newton's steps"""
+
+
+class Goal(NamedTuple):
+    """What a stage is to meet."""
+
+    drive: Drive
+    origin: Drive
+    """what was imposed at the step's beginning"""
+    span: float
+    """s: how long a time the stage treats implicitly"""
+
+
+class Box(NamedTuple):
+    """The box as it stands, for book-keeping."""
+
+    sides: Array
+    """(d,) m; zero where there is none"""
+    tilt: float
+    """m"""
+
+
+def box_of(sides: Array, shape: Array, dimensions: int) -> Box:
+    """The box of a shape."""
+    now = sides[:dimensions] * np.exp(shape[WIDTH : WIDTH + dimensions])
+    return Box(now, float(shape[TILT] * now[0]))
+
+
+def shape_at(sides: Array, drive: Drive) -> Array:
+    """The shape at the start, as it is imposed."""
+    shape = np.zeros(5)
+    shape[[WIDTH, HEIGHT, DEPTH]] = math.log(drive.scale)
+    if sides.any():
+        shape[[TILT, STRAIN]] = drive.strain * sides[1] / sides[0], drive.strain
+    return shape
+
+
+def make_cell(sides: Array, shape: Array, past: Array, stages: int) -> Cell:
+    """Room for a step."""
+    return Cell(
+        sides,
+        np.zeros(2, np.int64),
+        shape.copy(),
+        shape.copy(),
+        np.zeros(6),
+        np.zeros((stages, 6)),
+        past.copy(),
+        np.zeros((3, 3)),
+    )
+
+
+@compiled
+def aspect(cell: Cell, shape: Array) -> float:
+    """Height over width."""
+    if cell.sides[0] == 0.0:
+        return 1.0
+    return float(cell.sides[1] / cell.sides[0] * math.exp(shape[HEIGHT] - shape[WIDTH]))
+
+
+@compiled
+def volume(cell: Cell, dimensions: int) -> float:
+    """m^3; m^2 of a layer."""
+    product = 1.0
+    for k in range(dimensions):
+        product *= cell.sides[k] * math.exp(cell.shape[WIDTH + k])
+    return product
+
+
+@compiled
+def impose(cell: Cell, goal: Goal) -> None:
+    """Put into the shape what is imposed on it."""
+    drive, origin, span = goal
+    shape, before, start = cell.shape, cell.before, cell.start
+    grown = math.log(drive.scale / origin.scale)
+    if cell.rules[1] == IMPOSED:
+        for k in (WIDTH, HEIGHT, DEPTH):
+            shape[k] = before[k] + grown
+        shape[HEIGHT] += drive.height - origin.height
+    if cell.rules[0] == IMPOSED:
+        sheared, usual = drive.strain - origin.strain, aspect(cell, before)
+        shape[STRAIN] = before[STRAIN] + sheared
+        shape[TILT] = before[TILT] + usual * sheared + start[MORE]
+        shape[TILT] += span * (aspect(cell, shape) - usual) * drive.rate
+
+
+@compiled
+def first_cell(cell: Cell, drive: Drive) -> None:
+    """The shape at the step's beginning, and its slopes: as imposed, or as the last step left them."""
+    cell.shape[:] = cell.before
+    cell.start[:5] = cell.before
+    cell.start[MORE] = 0.0
+    cell.change[:] = 0.0
+    cell.slope[0, :5] = cell.past
+    cell.slope[0, MORE] = 0.0
+    if cell.rules[1] == IMPOSED:
+        for k in (WIDTH, HEIGHT, DEPTH):
+            cell.slope[0, k] = drive.growth
+        cell.slope[0, HEIGHT] += drive.height_rate
+    if cell.rules[0] == IMPOSED:
+        cell.slope[0, TILT] = aspect(cell, cell.shape) * drive.rate
+        cell.slope[0, STRAIN] = drive.rate
+
+
+@compiled
+def begin_cell(cell: Cell, scheme: Scheme, stage: int, time_step: float) -> None:
+    """Where a stage starts from: the beginning, and the slopes of the stages before."""
+    for k in range(6):
+        cell.start[k] = cell.before[k] if k < 5 else 0.0
+        for earlier in range(stage):
+            cell.start[k] += time_step * scheme.rows[stage, earlier] * cell.slope[earlier, k]
+
+
+@compiled
+def end_cell(cell: Cell, goal: Goal, stage: int) -> None:
+    """The slopes of a solved stage."""
+    shape, slope = cell.shape, cell.slope
+    here, usual = aspect(cell, shape), aspect(cell, cell.before)
+    for k in range(4):
+        slope[stage, k] = (shape[k] - cell.start[k]) / goal.span
+    if cell.rules[0] == STRESSED:
+        slope[stage, STRAIN] = slope[stage, TILT] / here
+        shape[STRAIN] = cell.start[STRAIN] + goal.span * slope[stage, STRAIN]
+    else:
+        slope[stage, STRAIN] = goal.drive.rate
+        slope[stage, MORE] = (here - usual) * goal.drive.rate
+
+
+@compiled
+def flow(cell: Cell) -> Array:
+    """Gradient of what the box's deformation does in the stage's span: displacements of the liquid far away."""
+    shape, start = cell.shape, cell.start
+    gradient = np.zeros((3, 3))
+    for k in range(3):
+        gradient[k, k] = shape[WIDTH + k] - start[WIDTH + k]
+    gradient[0, 1] = (shape[TILT] - start[TILT]) / aspect(cell, shape)
+    return gradient
+
+
+@compiled
+def gradient_of(cell: Cell, unknown: int, goal: Goal, row: bool) -> Array:
+    """What a unit of an unknown does to places: the shear if that answers to a stress, then the size.
+
+    As a row, the stress that it is to meet: what does work in it. They differ where a strain is imposed, whose tilt
+    follows the height.
+    """
+    gradient = np.zeros((3, 3))
+    if unknown == 0 and cell.rules[0] == STRESSED:
+        gradient[0, 1] = 1.0
+    elif cell.rules[1] == HIGH:
+        gradient[1, 1] = 1.0
+        if not row and cell.rules[0] == IMPOSED:
+            gradient[0, 1] = goal.span * goal.drive.rate
+    else:
+        for k in range(3):
+            gradient[k, k] = 1.0
+    return gradient
+
+
+@compiled
+def stress_goal(cell: Cell, unknown: int, drive: Drive, dimensions: int) -> float:
+    """What the work done in an unknown is to be (J), tension positive."""
+    space = volume(cell, dimensions)
+    if unknown == 0 and cell.rules[0] == STRESSED:
+        return space * drive.shear_stress
+    share = dimensions if cell.rules[1] == ROOMY else 1
+    return -space * drive.normal_stress * share
+
+
+@compiled
+def deform(cell: Cell, goal: Goal, part: float) -> None:
+    """Add a part of Newton's change to the shape."""
+    if cell.rules[0] == STRESSED:
+        cell.shape[TILT] += part * cell.change[0, 1] * aspect(cell, cell.shape)
+        cell.shape[STRAIN] += part * cell.change[0, 1]
+    if cell.rules[1] != IMPOSED:
+        cell.shape[HEIGHT] += part * cell.change[1, 1]
+    if cell.rules[1] == ROOMY:
+        cell.shape[WIDTH] += part * cell.change[0, 0]
+        cell.shape[DEPTH] += part * cell.change[2, 2]
+    impose(cell, goal)
+
+
+@compiled
+def carry_along(cell: Cell, old: Array, position: Array) -> None:
+    """Carry places along with the box from an old shape to the present one."""
+    sides, shape = cell.sides, cell.shape
+    if sides[0] == 0.0 or not np.any(shape[:4] != old[:4]):
+        return
+    width, height = math.exp(shape[WIDTH] - old[WIDTH]), math.exp(shape[HEIGHT] - old[HEIGHT])
+    depth = math.exp(shape[DEPTH] - old[DEPTH])
+    tilted = sides[0] * math.exp(shape[WIDTH]) * (shape[TILT] - old[TILT])
+    per_height = tilted / (sides[1] * math.exp(old[HEIGHT]))
+    for i in range(len(position)):
+        position[i, 0] = width * position[i, 0] + per_height * position[i, 1]
+        position[i, 1] *= height
+        if position.shape[1] == 3:
+            position[i, 2] *= depth
+
+
+@compiled
+def place_images(pairs: Pairs, cell: Cell) -> None:
+    """Where copies of the box are now."""
+    image, offset, sides, shape = pairs.image, pairs.offset, cell.sides, cell.shape
+    tilt = shape[TILT] * sides[0] * math.exp(shape[WIDTH])
+    for k in range(3):
+        side = sides[k] * math.exp(shape[WIDTH + k])
+        for c in range(len(image)):
+            offset[c, k] = image[c, k] * side
+    for c in range(len(image)):
+        offset[c, 0] += image[c, 1] * tilt
+
+
+@compiled
+def cell_error(cell: Cell, scheme: Scheme, time_step: float) -> float:
+    """The largest difference from the embedded scheme, of the strain or of ln(a side), if they answer to a stress."""
+    largest = 0.0
+    for k in range(WIDTH, STRAIN + 1):
+        value = 0.0
+        for stage in range(len(scheme.error)):
+            value += scheme.error[stage] * cell.slope[stage, k]
+        answers = cell.rules[0] == STRESSED if k == STRAIN else cell.rules[1] != IMPOSED
+        if answers:
+            largest = max(largest, abs(time_step * value))
+    return largest
