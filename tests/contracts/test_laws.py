@@ -18,6 +18,7 @@ import ecume.laws
 from ecume import _jit
 from ecume.laws import (
     brownian,
+    bubbles,
     capillarity,
     column,
     contact,
@@ -27,15 +28,16 @@ from ecume.laws import (
     flotation,
     flows,
     images,
+    interfaces,
     kernels,
     lubrication,
     meniscus,
     pace,
     quadrupoles,
     remote,
+    rubbing,
     soft_pair,
     special,
-    standoff,
     states,
     tension,
     viscous,
@@ -58,18 +60,20 @@ COMPILED = (
     diffusion,
     tension,
     pace,
-    standoff,
     lubrication,
     remote,
     quadrupoles,
+    bubbles,
+    interfaces,
+    rubbing,
 )
 RESCALED = (
     brownian,
     capillarity, contact, drag, meniscus, flotation.bodies, flotation.balance, flotation.closure, flotation.interaction,
     flotation.equilibria, flotation.shapes, flotation.rims, flotation.lying, flotation.bubbles, flotation.spheroids,
     flotation.plane, images,
-    states, column, viscous, diffusion, tension, pace, standoff, waves, flows, lubrication, elasticity,
-    remote, soft_pair, quadrupoles,
+    states, column, viscous, diffusion, tension, pace, waves, flows, lubrication, elasticity,
+    remote, soft_pair, quadrupoles, bubbles, interfaces, rubbing,
 )  # fmt: skip
 LIQUID = flotation.Liquid(density=3.0, surface_tension=0.7, viscosity=0.2, gravity=1.9, gas_density=0.4)
 SAMPLES = {
@@ -91,7 +95,7 @@ SAMPLES = {
     "approach": -0.8, "distance_squared": 0.4, "smoothing_length": 0.6, "alpha": 0.1,
     "dimensions": 3.0, "viscosity_i": 0.3, "viscosity_j": 0.7, "volume_i": 0.02, "volume_j": 0.03, "strain_rate": 5.0,
     "spacing": 0.4, "strain_component": 1.3, "divergence": 0.2, "diagonal": 1.0, "excess": 0.3, "delta": 0.1,
-    "slope": -2.5, "reach": 0.05, "density_i": 3.0, "density_j": 3.2, "rise_i": 0.05, "rise_j": 0.11, "potential": 0.7,
+    "slope": -2.5, "density_i": 3.0, "density_j": 3.2, "rise_i": 0.05, "rise_j": 0.11, "potential": 0.7,
     "sound_speed_i": 11.5, "exponent": 7.0, "head": 0.01, "support": 1.1, "color_gradient": 3.0, "curvature": 0.9,
     "turning": -0.4, "spread": 0.6,
     "mode": 2.0, "speed": 0.8, "acceleration": 2.3,
@@ -107,6 +111,8 @@ SAMPLES = {
     "wavenumber_x": 1.7, "wavenumber_y": 1.1, "across": 0.4, "along": 0.3, "rate": 1.1, "pull_rate": 0.9,
     "stretching": 1.4,
     "both": 0.4, "moment_i": 0.3, "moment_j": 0.2,
+    "area": 0.02, "film_area": 0.01, "facet_area": 0.03, "rest": 0.2, "radius_sum": 1.1, "mobility": 1.4,
+    "viscosity_ratio": 2.3, "film_prefactors": (1.3, 0.7), "roughness": 0.03, "pull": 1.5, "limit": 1.49,
     "pair": soft_pair.SoftPair(0.21, 9.0, 0.3),
 }  # fmt: skip
 ODD = {"[length]": 7.3, "[mass]": 0.31, "[time]": 1.9}
@@ -142,6 +148,9 @@ def rescaled(value, hint):
     if is_dataclass(value):
         hints = typing.get_type_hints(type(value), include_extras=True)
         return replace(value, **{f.name: rescaled(getattr(value, f.name), hints[f.name]) for f in fields(value)})
+    if hasattr(hint, "_fields"):
+        hints = typing.get_type_hints(hint, include_extras=True)
+        return hint(*(rescaled(part, hints[name]) for name, part in zip(hint._fields, value, strict=True)))
     if typing.get_origin(hint) is tuple and isinstance(value, tuple) and Ellipsis not in typing.get_args(hint):
         return tuple(rescaled(v, h) for v, h in zip(value, typing.get_args(hint), strict=True))
     units = [extra for extra in getattr(hint, "__metadata__", ()) if isinstance(extra, Unit)]
@@ -239,6 +248,7 @@ TABLES = {
         quadrupoles.quadrupole_torque,
     ],
     "remote": [law for row in remote.REMOTE.values() for law in row],
+    "interfaces": list(interfaces.INTERFACES.values()),
 }
 UNCITED = {"no_wall_energy", "no_wall_force", "nonlinear_charge", *(law.__name__ for law in remote.REMOTE["none"])}
 """No physics of their own."""

@@ -14,6 +14,12 @@ WAYS = {
     "lopsided": contacts(LOPSIDED, viscosity=0.3),
     "fading": contacts(LOPSIDED, fade_from=0.01, fade_to=0.2),
     "steric": contacts(PAPER, remote=1, steric_strength=0.02, steric_length=0.3),
+    "bubble": contacts(LOPSIDED, surface=1, surface_tension=0.7),
+    "half-mobile": contacts(PAPER, interface=1),
+    "mobile": contacts(LOPSIDED, interface=2),
+    "drop": contacts(LOPSIDED, interface=3, viscosity_ratio=0.6),
+    "sticking": contacts(LOPSIDED, friction=1, coefficient=50.0, roughness=0.1),
+    "slipping": contacts(LOPSIDED, friction=1, coefficient=0.2, roughness=0.1),
     "dlvo": contacts(PAPER, remote=2, hamaker=0.01, layer_strength=0.3, debye_length=0.05),
 }
 PLACES = {"layer": (np.array([1.31, 1.1]), np.array([1.0, 0.93])),

@@ -11,7 +11,10 @@ from ecume.errors import BadInput, Fault, SceneError
 from ecume.laws.arguments import chosen
 from ecume.laws.drag import stokes_friction
 from ecume.laws.elasticity import PREFACTORS, Prefactors
+from ecume.laws.interfaces import INTERFACES
 from ecume.laws.remote import REMOTE
+from ecume.laws.rubbing import FRICTIONS
+from ecume.laws.surfaces import SURFACES
 from ecume.models.soft.cell import Box, box_of, shape_at
 from ecume.models.soft.meeting import neighbors, open_all, pieces
 from ecume.models.soft.packing import places
@@ -21,7 +24,7 @@ from ecume.models.soft.schemes import SCHEMES
 from ecume.models.soft.solving import AT_ONCE, SOLVERS, balance
 from ecume.models.soft.stages import accept
 from ecume.models.soft.state import LENGTH, State, make_state, store, workspace
-from ecume.scenes.soft import FilmSpec, SoftScene, dimensions_of
+from ecume.scenes.soft import FilmSpec, SoftScene, SphereSpec, dimensions_of
 from ecume.units import Array
 
 TICKS = 1024
@@ -58,7 +61,7 @@ def parameters_of(scene: SoftScene) -> Parameters:
         steps_per_frame=TICKS,
         dimensions=dimensions,
         radius=radius,
-        modulus=np.repeat([species.modulus for species in scene.spheres], counts),
+        modulus=np.repeat([_modulus(scene, species) for species in scene.spheres], counts),
         species=np.repeat(np.arange(len(counts)), counts),
         drag=drag,
         force=np.ascontiguousarray(force, np.float64),
@@ -128,7 +131,7 @@ def prefactors_of(films: FilmSpec) -> Prefactors:
 
 
 def _contacts(scene: SoftScene, smallest: float) -> Contacts:
-    remote, reach = scene.remote, scene.films.reach
+    remote, films, reach = scene.remote, scene.films, scene.films.reach
     if reach is None:
         reach = math.inf if scene.box is None else REACH * smallest
     return Contacts(
@@ -143,13 +146,28 @@ def _contacts(scene: SoftScene, smallest: float) -> Contacts:
         hamaker=remote.hamaker,
         layer_strength=remote.layer_strength,
         debye_length=remote.debye_length,
+        surface=list(SURFACES).index(films.surface),
+        surface_tension=scene.liquid.surface_tension or 0.0,
+        interface=list(INTERFACES).index(films.interface),
+        viscosity_ratio=films.viscosity_ratio,
+        friction=FRICTIONS.index(films.friction),
+        coefficient=films.friction_coefficient,
+        roughness=films.roughness or 0.0,
     )
+
+
+def _modulus(scene: SoftScene, species: SphereSpec) -> float:
+    """That of the material; of bubbles, what tells how stiff they are: surface tension over radius."""
+    return (scene.liquid.surface_tension or 0.0) / species.radius if species.modulus is None else species.modulus
 
 
 def _unknown_names(scene: SoftScene) -> list[Fault]:
     """Laws and schemes that there are none of."""
     asked: list[tuple[str, Any, str, str]] = [
         ("films.prefactors", PREFACTORS, scene.films.prefactors, "set of prefactors"),
+        ("films.surface", SURFACES, scene.films.surface, "elastic law"),
+        ("films.interface", INTERFACES, scene.films.interface, "interface"),
+        ("films.friction", dict.fromkeys(FRICTIONS), scene.films.friction, "contact friction"),
         ("remote.law", REMOTE, scene.remote.law, "remote law"),
         ("stepping.scheme", SCHEMES, scene.stepping.scheme, "scheme"),
         ("stepping.solver", {"auto": None, **SOLVERS}, scene.stepping.solver, "solver"),

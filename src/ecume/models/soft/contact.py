@@ -14,17 +14,35 @@ import math
 from typing import NamedTuple
 
 from ecume._jit import admit, compiled_inside
-from ecume.laws import elasticity, lubrication, remote
+from ecume.laws import bubbles, elasticity, interfaces, lubrication, remote, rubbing
+from ecume.laws.interfaces import Resistance
 from ecume.models.soft.parameters import Contacts
 
-admit(elasticity, lubrication, remote)
+admit(elasticity, lubrication, remote, bubbles, interfaces, rubbing)
 
 Vector = tuple[float, float, float]
+Body = tuple[float, float, float]
+"""Of a pair: the sum of radii, the reduced radius and the modulus."""
 
 FAINTEST = 1e-3
 """Of a film's friction where it has faded: the surfaces then relax at once, and nothing is left to jump."""
 STILL = 1e-14
 """A shear below this part of the centers' distance has no direction."""
+
+
+class Surface(NamedTuple):
+    """How both surfaces of a contact give way at its present deflection."""
+
+    size: float
+    normal: float
+    tangential: float
+    """stiffnesses: force over deflection"""
+    stiffening: float
+    """d ln stiffness / d ln a"""
+    size_by_gap: float
+    """d ln a / d q at a deflection that is held"""
+    size_by_stretch: float
+    """d ln a / d delta_n"""
 
 
 class Film(NamedTuple):
@@ -39,18 +57,22 @@ class Film(NamedTuple):
     """and along the surface"""
     stretch: float
     """normal deflection"""
-    normal_stiffness: float
-    tangential_stiffness: float
-    size_by_gap: float
-    """d ln a / d q at a deflection that is held"""
-    size_by_stretch: float
-    """d ln a / d delta_n"""
-    squeeze_mobility: float
-    shear_mobility: float
+    surface: Surface
+    resistance: Resistance
+    faded: float
+    """what part of its friction the film still has"""
     fade_slope: float
     """d ln(friction) / d q by fading"""
     remote_force: float
     remote_slope: float
+    held: float
+    """what of the tangential force the film bears, over that force: 1 without contact friction"""
+    slide_by_pull: float
+    slide_by_limit: float
+    """slopes of what the film bears, over the tangential force and over the limit of contact friction"""
+    limit_by_normal: float
+    limit_by_gap: float
+    """slopes of that limit, over the normal force and over q"""
 
 
 @compiled_inside
@@ -77,43 +99,105 @@ def remote_answer(gap: float, reduced_radius: float, contacts: Contacts) -> tupl
 
 
 @compiled_inside
-def film_of(contacts: Contacts, body: tuple[float, float, float], log_gap: float, pull: float, shear: float) -> Film:
-    """A contact's numbers; `body` is the sum of radii, the reduced radius and the modulus of the pair."""
+def surface_of(contacts: Contacts, body: Body, gap: float, stretch: float) -> Surface:
+    """The surfaces by the scene's law: a place in the table `surfaces.SURFACES`."""
     radius_sum, reduced_radius, modulus = body
-    gap = math.exp(log_gap)
-    stretch = pull - radius_sum - gap
     # The kink of |delta| at zero is rounded off: a step across it would not converge.
     magnitude = math.sqrt(stretch * stretch + contacts.rounding * contacts.rounding)
+    if contacts.surface == 1:
+        rest = 2.0 * reduced_radius * contacts.gap_weight * gap
+        area = rest + bubbles.flattened(magnitude, rest, radius_sum, reduced_radius)
+        normal = bubbles.bubble_stiffness(area, radius_sum, reduced_radius, contacts.surface_tension)
+        soft = bubbles.softness(area, radius_sum, reduced_radius)
+        bend = bubbles.stiffening(area, radius_sum, reduced_radius)
+        free = 2.0 * (area * soft - (area - rest) * bend)
+        length = bubbles.flattening_length(radius_sum, reduced_radius)
+        return Surface(
+            size=math.sqrt(area),
+            normal=normal,
+            tangential=normal * contacts.tangential / contacts.normal,
+            stiffening=2.0 * bend / soft,
+            size_by_gap=rest * soft / free,
+            size_by_stretch=length / free * stretch / magnitude,
+        )
     size = elasticity.contact_size(reduced_radius, gap, magnitude, contacts.gap_weight, contacts.deflection_weight)
-    part, fade_slope = fading(gap, contacts)
-    squeeze = part * lubrication.squeeze_friction(size, gap, contacts.viscosity, contacts.squeeze)
-    sliding = part * lubrication.shear_friction(size, gap, contacts.viscosity, contacts.shear)
-    remote_force, remote_slope = remote_answer(gap, reduced_radius, contacts)
     per_size = reduced_radius / (size * size)
+    return Surface(
+        size=size,
+        normal=elasticity.surface_stiffness(size, modulus, contacts.normal),
+        tangential=elasticity.surface_stiffness(size, modulus, contacts.tangential),
+        stiffening=1.0,
+        size_by_gap=per_size * contacts.gap_weight * gap,
+        size_by_stretch=per_size * contacts.deflection_weight * stretch / magnitude,
+    )
+
+
+@compiled_inside
+def resistance_of(contacts: Contacts, size: float, gap: float) -> Resistance:
+    """The film's friction by the scene's law: a place in the table `interfaces.INTERFACES`."""
+    prefactors = (contacts.squeeze, contacts.shear)
+    if contacts.interface == 1:
+        return interfaces.half_mobile_film(size, gap, contacts.viscosity, contacts.viscosity_ratio, prefactors)
+    if contacts.interface == 2:
+        return interfaces.mobile_film(size, gap, contacts.viscosity, contacts.viscosity_ratio, prefactors)
+    if contacts.interface == 3:
+        return interfaces.drop_film(size, gap, contacts.viscosity, contacts.viscosity_ratio, prefactors)
+    return interfaces.rigid_film(size, gap, contacts.viscosity, contacts.viscosity_ratio, prefactors)
+
+
+@compiled_inside
+def rubbing_of(contacts: Contacts, gap: float, normal: float, along: float) -> tuple[float, float, float, float, float]:
+    """The last five numbers of a `Film`, by the scene's law: a place in `rubbing.FRICTIONS`."""
+    if contacts.friction == 0 or normal >= 0.0 or gap >= contacts.roughness:
+        return 1.0, 1.0, 0.0, 0.0, 0.0
+    limit = rubbing.holding_force(-normal, gap, contacts.coefficient, contacts.roughness)
+    pull = abs(along)
+    slope = rubbing.sliding_slope(pull, limit)
+    held = rubbing.sliding_force(pull, limit) / pull if pull > 0.0 else slope
+    by_limit = rubbing.limit_slope(pull, limit) * (1.0 if along > 0.0 else -1.0)
+    touching = rubbing.touching(gap, contacts.roughness)
+    by_gap = -contacts.coefficient * normal * rubbing.touching_power(gap, contacts.roughness)
+    return held, slope, by_limit, -contacts.coefficient * touching, by_gap
+
+
+@compiled_inside
+def film_of(contacts: Contacts, body: Body, log_gap: float, pull: float, shear: float) -> Film:
+    """A contact's numbers."""
+    gap = math.exp(log_gap)
+    stretch = pull - body[0] - gap
+    surface = surface_of(contacts, body, gap, stretch)
+    faded, fade_slope = fading(gap, contacts)
+    remote_force, remote_slope = remote_answer(gap, body[1], contacts)
+    held, by_pull, by_limit, by_normal, by_gap = rubbing_of(
+        contacts, gap, surface.normal * stretch, surface.tangential * shear
+    )
     return Film(
         gap=gap,
-        reach=radius_sum + gap,
+        reach=body[0] + gap,
         pull=pull,
         shear=shear,
         stretch=stretch,
-        normal_stiffness=elasticity.surface_stiffness(size, modulus, contacts.normal),
-        tangential_stiffness=elasticity.surface_stiffness(size, modulus, contacts.tangential),
-        size_by_gap=per_size * contacts.gap_weight * gap,
-        size_by_stretch=per_size * contacts.deflection_weight * stretch / magnitude,
-        squeeze_mobility=1.0 / squeeze,
-        shear_mobility=1.0 / sliding,
+        surface=surface,
+        resistance=resistance_of(contacts, surface.size, gap),
+        faded=faded,
         fade_slope=fade_slope,
         remote_force=remote_force,
         remote_slope=remote_slope,
+        held=held,
+        slide_by_pull=by_pull,
+        slide_by_limit=by_limit,
+        limit_by_normal=by_normal,
+        limit_by_gap=by_gap,
     )
 
 
 @compiled_inside
 def rates(film: Film) -> tuple[float, float]:
     """D ln(gap)/dt and the rate at which n turns towards the shear: the film flows under the surfaces' force."""
-    opening = film.squeeze_mobility * (film.normal_stiffness * film.stretch + film.remote_force)
-    sliding = film.shear_mobility * film.tangential_stiffness * film.shear
-    return opening / film.gap, sliding / film.reach
+    squeezed = film.surface.normal * film.stretch + film.remote_force
+    sheared = film.surface.tangential * film.shear * film.held
+    opening = squeezed / (film.faded * film.resistance.squeeze * film.gap)
+    return opening, sheared / (film.faded * film.resistance.shear * film.reach)
 
 
 @compiled_inside
@@ -122,19 +206,24 @@ def tangent(film: Film, dq: float, turn: float, dpull: float, dshear: float) -> 
 
     A turn of n moves the shear into the pull and the pull into the shear.
     """
+    surface, resistance = film.surface, film.resistance
     opening, sliding = rates(film)
     stretch = dpull + film.shear * turn - film.gap * dq
     shear = dshear - film.pull * turn
-    size = film.size_by_gap * dq + film.size_by_stretch * stretch
-    normal = film.normal_stiffness * (stretch + film.stretch * size)
-    along = film.tangential_stiffness * (shear + film.shear * size)
-    per_gap = film.squeeze_mobility / film.gap
-    d_opening = per_gap * (normal + film.remote_slope * film.gap * dq)
-    d_opening += opening * ((2.0 - film.fade_slope) * dq - 4.0 * size)
-    per_reach = film.shear_mobility / film.reach
-    d_sliding = per_reach * along + sliding * ((1.0 - film.fade_slope - film.gap / film.reach) * dq - 2.0 * size)
-    pulled = normal - film.tangential_stiffness * film.shear * turn
-    sheared = along + film.normal_stiffness * film.stretch * turn
+    size = surface.size_by_gap * dq + surface.size_by_stretch * stretch
+    stiffer = surface.stiffening * size
+    normal = surface.normal * (stretch + film.stretch * stiffer)
+    along = surface.tangential * (shear + film.shear * stiffer)
+    d_opening = (normal + film.remote_slope * film.gap * dq) / (film.faded * resistance.squeeze * film.gap)
+    thicker = film.fade_slope * dq
+    d_opening -= opening * (thicker + (resistance.squeeze_by_gap + 1.0) * dq + resistance.squeeze_by_size * size)
+    limit = film.limit_by_normal * normal + film.limit_by_gap * dq
+    borne = film.slide_by_pull * along + film.slide_by_limit * limit
+    d_sliding = borne / (film.faded * resistance.shear * film.reach)
+    thicker += (resistance.shear_by_gap + film.gap / film.reach) * dq + resistance.shear_by_size * size
+    d_sliding -= sliding * thicker
+    pulled = normal - surface.tangential * film.shear * turn
+    sheared = along + surface.normal * film.stretch * turn
     return d_opening, d_sliding, pulled, sheared
 
 
@@ -252,13 +341,14 @@ def linked(film: Film, start: Start) -> Link:
     _, _, nn, tn = tangent(film, q_n, t_n, 1.0, 0.0)
     _, _, nt, tt = tangent(film, q_t, t_t, 0.0, 1.0)
     # Across the plane of n and shear only the turn counts.
-    relax = span * film.shear_mobility * film.tangential_stiffness / film.reach
+    normal_stiffness, tangential_stiffness = film.surface.normal, film.surface.tangential
+    relax = span * film.held * tangential_stiffness / (film.faded * film.resistance.shear * film.reach)
     s_s = relax / (lean + relax * film.pull)
     turn_s = start.across / (lean + relax * film.pull)
-    normal = film.normal_stiffness * film.stretch
-    ss = normal * s_s + film.tangential_stiffness * (1.0 - film.pull * s_s)
-    more_s = (normal - film.tangential_stiffness * film.pull) * turn_s
-    along = film.tangential_stiffness * film.shear
+    normal = normal_stiffness * film.stretch
+    ss = normal * s_s + tangential_stiffness * (1.0 - film.pull * s_s)
+    more_s = (normal - tangential_stiffness * film.pull) * turn_s
+    along = tangential_stiffness * film.shear
     return Link(
         normal, along, more_n, more_t, more_s, nn, nt, tn, tt, ss, dq, turn, turn_s, q_n, q_t, t_n, t_t, s_s,
         opening, sliding,

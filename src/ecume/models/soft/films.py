@@ -13,8 +13,8 @@ import numpy as np
 
 from ecume._jit import compiled, compiled_inside
 from ecume.engine.cells import Integers
-from ecume.laws import elasticity
-from ecume.models.soft.contact import Frame, Link, Start, Vector, dot, film_of, frame_of, linked
+from ecume.laws import bubbles, elasticity
+from ecume.models.soft.contact import Body, Frame, Link, Start, Vector, dot, film_of, frame_of, linked
 from ecume.models.soft.parameters import Contacts
 from ecume.units import Array
 
@@ -159,6 +159,18 @@ def make_films(count: int) -> Films:
     return Films(np.zeros(count), np.zeros((count, 3)), np.zeros(count), np.zeros((count, 3)))
 
 
+@compiled_inside
+def normal_energy(contacts: Contacts, body: Body, gap: float, stretch: float) -> float:
+    """What a normal deflection holds (J), by the scene's law."""
+    radius_sum, reduced_radius, modulus = body
+    rest = 2.0 * reduced_radius * contacts.gap_weight * gap
+    if contacts.surface == 1:
+        return bubbles.bubble_energy(stretch, rest, radius_sum, reduced_radius, contacts.surface_tension)
+    ratio = contacts.deflection_weight * abs(stretch) / (contacts.gap_weight * gap)
+    stiffness = elasticity.surface_stiffness(math.sqrt(rest), modulus, contacts.normal)
+    return elasticity.bent_energy(stretch, stiffness, ratio)
+
+
 @compiled
 def stored_energy(contacts: Contacts, pairs: Pairs, films: Films, position: Array) -> float:
     """What the surfaces' deflections hold (J): exact along the normal; along the surface at its present stiffness."""
@@ -172,8 +184,6 @@ def stored_energy(contacts: Contacts, pairs: Pairs, films: Films, position: Arra
             square += between * between
         body = (pairs.radius_sum[c], pairs.reduced_radius[c], pairs.modulus[c])
         film = film_of(contacts, body, films.log_gap[c], pull, 0.0)
-        ratio = contacts.deflection_weight * abs(film.stretch) / (contacts.gap_weight * film.gap)
-        stiffness = film.normal_stiffness / math.sqrt(1.0 + ratio)
-        total += elasticity.bent_energy(film.stretch, stiffness, ratio)
-        total += 0.5 * film.tangential_stiffness * max(square - pull * pull, 0.0)
+        total += normal_energy(contacts, body, film.gap, film.stretch)
+        total += 0.5 * film.surface.tangential * max(square - pull * pull, 0.0)
     return total

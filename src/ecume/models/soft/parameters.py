@@ -36,6 +36,20 @@ class Contacts(NamedTuple):
     hamaker: float
     layer_strength: float
     debye_length: float
+    surface: int
+    """which elastic law: a place in the table `surfaces.SURFACES`"""
+    surface_tension: float
+    """N/m, of bubbles and drops"""
+    interface: int
+    """how mobile surfaces are: a place in `ecume.laws.interfaces.INTERFACES`"""
+    viscosity_ratio: float
+    """of drops, over the liquid"""
+    friction: int
+    """contact friction: a place in `ecume.laws.rubbing.FRICTIONS`"""
+    coefficient: float
+    """of contact friction"""
+    roughness: float
+    """m: the gap below which there is contact friction"""
 
 
 class Parameters(NamedTuple):

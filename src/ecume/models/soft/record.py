@@ -72,6 +72,10 @@ def summary(scene: SoftScene) -> list[tuple[str, str, str]]:
 def _regimes(scene: SoftScene, parameters: Parameters, force: float) -> list[tuple[str, str, str]]:
     """What the largest force means between two typical spheres."""
     radius, modulus = float(np.median(parameters.radius)), float(np.median(parameters.modulus))
+    if scene.films.surface == "bubble":
+        tension = scene.liquid.surface_tension or math.nan
+        told = "largest force over surface tension times radius: well below 1 for facets smaller than bubbles"
+        return [("reduced force", f"{force / (tension * radius):.4g}", told)]
     pair = SoftPair(radius, modulus, scene.liquid.viscosity, prefactors_of(scene.films))
     return [
         ("reduced force", f"{force / (modulus * radius**2):.4g}", "largest force over modulus times radius squared"),

@@ -21,7 +21,7 @@ from ecume.scenes.quantities import (
     Switch,
 )
 from ecume.scenes.soft.protocol import StageSpec, protocol_faults
-from ecume.units import Energy, Force, Number, Pressure, Unit, Viscosity
+from ecume.units import Energy, Force, Number, Pressure, SurfaceTension, Unit, Viscosity
 
 MOST_SPHERES = 1_000_000
 
@@ -30,6 +30,9 @@ ThickViscosity = Annotated[Viscosity, Field(ge=1e-12, le=1e12)]
 Load = Annotated[Force, Field(ge=-1e9, le=1e9)]
 Strength = Annotated[Force, Field(ge=0.0, le=1e9)]
 Hamaker = Annotated[Energy, Field(ge=0.0, le=1e9)]
+Tension = Annotated[SurfaceTension, Field(ge=1e-12, le=1e12)]
+ViscosityRatio = Annotated[Number, Field(ge=1e-6, le=1e6)]
+Coefficient = Annotated[Number, Field(ge=0.0, le=100.0)]
 Prefactor = Annotated[Number, Field(gt=1e-6, le=1e6)]
 Weight = Annotated[Number, Field(ge=1e-6, le=1e6)]
 Tolerance = Annotated[Number, Field(ge=1e-11, le=1e-2)]
@@ -47,6 +50,8 @@ class SoftLiquid:
 
     viscosity: ThickViscosity
     """Pa s"""
+    surface_tension: Tension | None = None
+    """of bubbles or drops in it (N/m)"""
     drag: Switch = False
     """Whether the liquid far away drags on each sphere, with Stokes's 6 pi eta R."""
 
@@ -59,8 +64,8 @@ class SphereSpec:
     """What this species is called; `sphere-1` and so on when empty."""
     radius: Radius
     """m, undeformed"""
-    modulus: Modulus
-    """Young's modulus of the material (Pa)"""
+    modulus: Modulus | None = None
+    """Young's modulus of the material (Pa); bubbles and drops have none"""
     positions: tuple[Position, ...] = ()
     """Where each starts (m): two coordinates in a layer, three in space."""
     count: Count | None = None
@@ -84,6 +89,19 @@ class SphereSpec:
 class FilmSpec:
     """Contacts: a film of liquid in series with the surfaces' elasticity."""
 
+    surface: LawName = "hertz"
+    """How surfaces give way: `hertz` as those of elastic spheres, `bubble` as those of bubbles and drops."""
+    interface: LawName = "rigid"
+    """What surfaces the film lies between: `rigid` ones hold the liquid, along `mobile` ones it slips freely, along one
+    of the two where `half-mobile`; those of a `drop` drag the liquid inside along."""
+    viscosity_ratio: ViscosityRatio = 1.0
+    """of a drop's liquid, over that of the film"""
+    friction: LawName = "none"
+    """Contact friction: `none`, or `coulomb`, where gaps are below the roughness."""
+    friction_coefficient: Coefficient = 0.5
+    """what holds the surfaces, over what presses them together"""
+    roughness: Size | None = None
+    """the gap below which there is contact friction (m)"""
     prefactors: LawName = "paper"
     """Where the six numbers come from that follow: `paper` or `physical`."""
     squeeze: Prefactor | None = None
@@ -173,7 +191,7 @@ class SoftScene(Common):
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        complaints = [*_dimensions(self), *_protocol(self), *_crowd(self)]
+        complaints = [*_dimensions(self), *_protocol(self), *_materials(self), *_crowd(self)]
         if complaints:
             raise Inconsistent(complaints)
         return self
@@ -203,6 +221,23 @@ def _dimensions(scene: SoftScene) -> Complaints:
             found += _torque((*path, "torque"), len(species.torque), scene)
         if species.count is not None and scene.box is None:
             found.append(((*path, "count"), "spheres are placed at random in a [box]; there is none"))
+    return found
+
+
+def _materials(scene: SoftScene) -> Complaints:
+    """What the laws of the films ask of liquid and spheres."""
+    found: Complaints = []
+    if scene.films.surface == "bubble":
+        if scene.liquid.surface_tension is None:
+            found.append((("liquid", "surface_tension"), "bubbles have one; came none"))
+    else:
+        found += [
+            (("spheres", index, "modulus"), "elastic spheres have one; came none")
+            for index, species in enumerate(scene.spheres)
+            if species.modulus is None
+        ]
+    if scene.films.friction != "none" and scene.films.roughness is None:
+        found.append((("films", "roughness"), "contact friction acts below a gap as wide as it; came none"))
     return found
 
 

@@ -1,0 +1,184 @@
+"""How mobile the surfaces on both sides of a film are: what its liquid can hold on to while it is squeezed and sheared.
+
+Each law gives the film's friction against squeezing and against shear, and by which powers of contact size and gap they
+change there, which an implicit step asks for. Prefactors c_n and c_t are those of rigid surfaces
+(`ecume.laws.lubrication`).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+from ecume.laws.lubrication import shear_friction, squeeze_friction
+from ecume.units import Friction, Length, Number, Viscosity
+
+HARDLY = 1e-3
+"""Of a rigid film's shear friction: what is left to one that holds on to nothing, so that surfaces relax in an instant
+but not in none."""
+
+
+def extension_friction(contact_size: Length, gap: Length, viscosity: Viscosity) -> Friction:
+    """Friction 3 pi eta a^2/h of squeezing a film between surfaces that slip freely: force over speed of approach.
+
+    A disc of liquid that widens as a plug; the stress across it is thrice viscosity times rate, Trouton's. For round
+    bubbles, a^2 = 2R* h, it does not grow as they come near; the exact friction has a logarithm there that the model
+    drops. [trouton1906].
+
+    >>> round(extension_friction(0.1, 0.01, 1.0) / math.pi, 12)
+    3.0
+    """
+    return 3.0 * math.pi * viscosity * contact_size**2 / gap
+
+
+def mobility(contact_size: Length, gap: Length, viscosity_ratio: Number) -> Number:
+    """M = (1/lambda) a/(sqrt(2) h): whether drops' surfaces are dragged along (m << 1 rigid, m >> 1 mobile).
+
+    Lambda is the drops' viscosity over the liquid's, a the contact size, h the gap; for round drops this is
+    sqrt(R*/h)/lambda. [davis1989].
+
+    >>> round(mobility(0.1, 0.01, 2.0) / math.sqrt(0.5), 12)
+    5.0
+    """
+    return contact_size / (math.sqrt(2.0) * viscosity_ratio * gap)
+
+
+def drop_factor(mobility: Number) -> Number:
+    """F(m) = (1 + 0.38 m)/(1 + 1.69 m + 0.43 m^2): a drop's squeeze friction over a rigid sphere's. [davis1989].
+
+    >>> drop_factor(0.0)
+    1.0
+    """
+    return (1.0 + 0.38 * mobility) / (1.0 + 1.69 * mobility + 0.43 * mobility**2)
+
+
+def drop_power(mobility: Number) -> Number:
+    """The slope d ln f/d ln m of `drop_factor`: from 0 to -1. [davis1989].
+
+    >>> round(drop_power(1e9), 6)
+    -1.0
+    """
+    over, under = 1.0 + 0.38 * mobility, 1.0 + 1.69 * mobility + 0.43 * mobility**2
+    return 0.38 * mobility / over - (1.69 * mobility + 0.86 * mobility**2) / under
+
+
+def drop_squeeze(
+    contact_size: Length, gap: Length, viscosity: Viscosity, viscosity_ratio: Number, prefactor: Number
+) -> Friction:
+    """Squeeze friction of a film between drops: a rigid film's times f(m), and a freely slipping film's, which is all
+    that is left between bubbles. [davis1989].
+
+    >>> rigid = squeeze_friction(0.1, 0.01, 1.0, 4.0)
+    >>> round(drop_squeeze(0.1, 0.01, 1.0, 1e9, 4.0) / rigid, 2), round(drop_squeeze(0.1, 0.01, 1.0, 1e-9, 4.0), 4)
+    (1.02, 9.4248)
+    """
+    factor = drop_factor(mobility(contact_size, gap, viscosity_ratio))
+    rigid = squeeze_friction(contact_size, gap, viscosity, prefactor)
+    return factor * rigid + extension_friction(contact_size, gap, viscosity)
+
+
+def drop_shear(
+    contact_size: Length, gap: Length, viscosity: Viscosity, viscosity_ratio: Number, prefactor: Number
+) -> Friction:
+    """Shear friction eta a/(h/(c_t a) + 3/(8 lambda)) of a film between drops: film and drops give way in series.
+
+    A drop is sheared as by a disc of radius a that moves edgewise on it, with 16/3 lambda eta a, half of a disc's
+    friction in a liquid on both sides [happel1983].
+
+    >>> round(drop_shear(0.1, 0.01, 1.0, 1e9, 3.0) / shear_friction(0.1, 0.01, 1.0, 3.0), 6)
+    1.0
+    """
+    return viscosity * contact_size / (gap / (prefactor * contact_size) + 0.375 / viscosity_ratio)
+
+
+class Resistance(NamedTuple):
+    """Both frictions, and the powers of contact size a and gap h by which they change."""
+
+    squeeze: Friction
+    shear: Friction
+    squeeze_by_size: Number
+    squeeze_by_gap: Number
+    shear_by_size: Number
+    shear_by_gap: Number
+
+
+def rigid_film(
+    contact_size: Length,
+    gap: Length,
+    viscosity: Viscosity,
+    viscosity_ratio: Number,
+    film_prefactors: tuple[Number, Number],
+) -> Resistance:
+    """Both surfaces hold the liquid: solids, or surfaces full of surfactant. [rognon2009, eq. 10 and 11].
+
+    >>> rigid_film(0.1, 0.01, 1.0, 1.0, (1.0, 1.0)).squeeze_by_gap
+    -3.0
+    """
+    squeeze = squeeze_friction(contact_size, gap, viscosity, film_prefactors[0])
+    return Resistance(squeeze, shear_friction(contact_size, gap, viscosity, film_prefactors[1]), 4.0, -3.0, 2.0, -1.0)
+
+
+def half_mobile_film(
+    contact_size: Length,
+    gap: Length,
+    viscosity: Viscosity,
+    viscosity_ratio: Number,
+    film_prefactors: tuple[Number, Number],
+) -> Resistance:
+    """One surface holds the liquid, along the other it slips freely: a bubble against a solid. The flow is half of that
+    in a film of twice the thickness: squeezing meets a quarter of the friction, and shear none. [batchelor1967].
+
+    >>> rigid, half = (film(0.1, 0.01, 1.0, 1.0, (1.0, 1.0)).squeeze for film in (rigid_film, half_mobile_film))
+    >>> round(half / rigid, 12)
+    0.25
+    """
+    squeeze = 0.25 * squeeze_friction(contact_size, gap, viscosity, film_prefactors[0])
+    shear = HARDLY * shear_friction(contact_size, gap, viscosity, film_prefactors[1])
+    return Resistance(squeeze, shear, 4.0, -3.0, 2.0, -1.0)
+
+
+def mobile_film(
+    contact_size: Length,
+    gap: Length,
+    viscosity: Viscosity,
+    viscosity_ratio: Number,
+    film_prefactors: tuple[Number, Number],
+) -> Resistance:
+    """Along both surfaces the liquid slips freely: clean bubbles. `extension_friction`, none of shear. [trouton1906].
+
+    >>> round(mobile_film(0.1, 0.01, 1.0, 1.0, (1.0, 1.0)).squeeze / math.pi, 12)
+    3.0
+    """
+    shear = HARDLY * shear_friction(contact_size, gap, viscosity, film_prefactors[1])
+    return Resistance(extension_friction(contact_size, gap, viscosity), shear, 2.0, -1.0, 2.0, -1.0)
+
+
+def drop_film(
+    contact_size: Length,
+    gap: Length,
+    viscosity: Viscosity,
+    viscosity_ratio: Number,
+    film_prefactors: tuple[Number, Number],
+) -> Resistance:
+    """Surfaces of clean drops are dragged along, and drag the liquid inside: `drop_squeeze`, `drop_shear`. [davis1989].
+
+    >>> round(drop_film(0.1, 0.01, 1.0, 1e9, (1.0, 1.0)).shear_by_size, 6)
+    2.0
+    """
+    m = mobility(contact_size, gap, viscosity_ratio)
+    squeeze = drop_squeeze(contact_size, gap, viscosity, viscosity_ratio, film_prefactors[0])
+    plug = extension_friction(contact_size, gap, viscosity) / squeeze
+    power = (1.0 - plug) * drop_power(m)
+    shear = drop_shear(contact_size, gap, viscosity, viscosity_ratio, film_prefactors[1])
+    film = shear / shear_friction(contact_size, gap, viscosity, film_prefactors[1])
+    by_size, by_gap = 4.0 - 2.0 * plug + power, -3.0 + 2.0 * plug - power
+    return Resistance(squeeze, shear, by_size, by_gap, 1.0 + film, -film)
+
+
+INTERFACES: dict[str, Callable[..., Any]] = {
+    "rigid": rigid_film,
+    "half-mobile": half_mobile_film,
+    "mobile": mobile_film,
+    "drop": drop_film,
+}

@@ -1,0 +1,153 @@
+"""Bubbles' surfaces, mobile interfaces, and friction between rough surfaces."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+from ecume.laws.bubbles import (
+    bubble_energy,
+    bubble_force,
+    bubble_stiffness,
+    flattened,
+    flattening_length,
+    softness,
+    stiffening,
+)
+from ecume.laws.elasticity import reduced_radius
+from ecume.laws.interfaces import INTERFACES, drop_power, mobility
+from ecume.laws.rubbing import holding_force, limit_slope, sliding_force, sliding_slope, touching, touching_power
+
+PAIRS = {"equal": (2.0, 0.5), "unequal": (1.3, reduced_radius(0.4, 0.9)), "wall": (0.7, 0.7)}
+each_pair = pytest.mark.parametrize("body", PAIRS.values(), ids=PAIRS)
+
+
+def slope(function, at, by=1e-6):
+    return (function(at * (1 + by)) - function(at * (1 - by))) / (2 * by * at)
+
+
+@each_pair
+@pytest.mark.parametrize("compression", [1e-6, 1e-3, 0.05, 0.4])
+@pytest.mark.parametrize("film_area", [1e-9, 1e-3, 0.4])
+def test_a_bubbles_force_is_the_slope_of_its_energy(body, film_area, compression):
+    energy = slope(lambda x: bubble_energy(x, film_area, *body, 0.7), compression)
+    force = bubble_force(compression, film_area, *body, 0.7)
+    assert force == pytest.approx(energy, rel=1e-7)
+    assert bubble_force(-compression, film_area, *body, 0.7) == -force
+    assert bubble_energy(-compression, film_area, *body, 0.7) > 0.0
+
+
+@each_pair
+def test_a_facet_bears_the_force_at_the_pressure_in_it(body):
+    inside = {"equal": 2 * 0.7, "unequal": 0.7 * (1 / 0.4 + 1 / 0.9), "wall": 2 * 0.7 / 0.7}
+    (name,) = (name for name, found in PAIRS.items() if found == body)
+    force = bubble_force(0.02, 1e-4, *body, 0.7)
+    assert force == pytest.approx(math.pi * flattened(0.02, 1e-4, *body) * inside[name], rel=1e-12)
+
+
+def test_a_point_force_on_a_round_surface_gives_the_logarithm():
+    """Laplace and Young's linear equation on a sphere, solved by harmonics: the referee of the constant -5/6."""
+    small = 1e-2
+    cosine = math.cos(small)
+    before, now = 1.0, cosine
+    center = edge = 0.0
+    for order in range(2, 40_000):
+        after = ((2 * order - 1) * cosine * now - (order - 1) * before) / order
+        # The cap's moment of P_l: (P_(l-1) - P_(l+1))/(2l + 1) over its area.
+        later = ((2 * order + 1) * cosine * after - order * now) / (order + 1)
+        moment = (now - later) / (2 * order + 1) / (1 - cosine)
+        part = (2 * order + 1) / (4 * math.pi) * moment / ((order - 1) * (order + 2))
+        center, edge = center + part, edge + part * after
+        before, now = now, after
+    # The sphere lies lower at the edge of the cap: flat is what the force pi a^2 2 gamma/R makes of it.
+    assert 2 * math.pi * small**2 * (center - edge) == pytest.approx(small**2 / 2, rel=1e-3)
+    theory = (2 * math.log(2 / small) - 5 / 6) / (4 * math.pi)
+    assert center == pytest.approx(theory, rel=1e-3)
+
+
+@each_pair
+def test_bubbles_grow_stiffer_with_every_push_and_softer_than_any_spring_without(body):
+    forces = [bubble_force(x, 1e-12, *body, 1.0) for x in np.linspace(1e-4, 0.5, 60)]
+    assert np.all(np.diff(forces, 2) > 0)
+    secants = [bubble_stiffness(area, *body, 1.0) for area in (1e-4, 1e-8, 1e-16)]
+    assert secants[0] > secants[1] > secants[2]
+    area = 0.02
+    assert stiffening(area, *body) == pytest.approx(-slope(lambda s: softness(s, *body), area) * area, rel=1e-8)
+
+
+def test_no_force_deflects_bubbles_by_more_than_their_size():
+    assert flattened(0.99 * math.exp(-5 / 6) * 4, 1e-3, 2.0, 0.5) > 10.0
+    assert flattened(1.01 * math.exp(-5 / 6) * 4, 1e-3, 2.0, 0.5) == math.inf
+    assert flattening_length(2.0, 0.5) * 1.0 == 2.0
+
+
+@pytest.mark.parametrize("name", INTERFACES)
+def test_frictions_change_by_the_powers_that_they_tell(name):
+    given = (0.7, 0.3, (4.0, 3.0))
+    film = INTERFACES[name](0.3, 0.02, *given)
+    for kind in ("squeeze", "shear"):
+        for at, power in (("size", 0), ("gap", 1)):
+
+            def changed(factor, kind=kind, power=power):
+                place = [0.3, 0.02]
+                place[power] *= factor
+                return math.log(getattr(INTERFACES[name](*place, *given), kind))
+
+            found = (changed(1 + 1e-6) - changed(1 - 1e-6)) / 2e-6
+            assert getattr(film, f"{kind}_by_{at}") == pytest.approx(found, rel=1e-7)
+
+
+def test_drops_go_from_rigid_to_freely_slipping_with_their_viscosity():
+    films = {name: law(0.3, 0.002, 0.7, 1e6, (4.0, 3.0)) for name, law in INTERFACES.items()}
+    assert films["drop"].squeeze == pytest.approx(films["rigid"].squeeze, rel=1e-3)
+    assert films["drop"].shear == pytest.approx(films["rigid"].shear, rel=1e-3)
+    assert films["half-mobile"].squeeze == pytest.approx(films["rigid"].squeeze / 4)
+    thin = INTERFACES["drop"](0.3, 0.002, 0.7, 1e-9, (4.0, 3.0))
+    assert thin.squeeze == pytest.approx(films["mobile"].squeeze, rel=1e-4)
+    assert thin.shear < 1e-6 * films["rigid"].shear
+    frictions = [INTERFACES["drop"](0.3, 0.002, 0.7, ratio, (4.0, 3.0)) for ratio in np.geomspace(1e-4, 1e4, 9)]
+    assert np.all(np.diff([film.squeeze for film in frictions]) > 0)
+    assert np.all(np.diff([film.shear for film in frictions]) > 0)
+    assert drop_power(mobility(0.3, 0.002, 1.0)) < 0
+
+
+def test_a_mobile_film_is_squeezed_by_the_power_that_it_spends():
+    """A plug that widens: rates (1, 1, -2) e/2 in a disc, and power 3 eta e^2 in each volume."""
+    speed, gap, size, viscosity = 0.3, 0.01, 0.2, 0.7
+    rate = speed / gap
+    spent = 2 * viscosity * (rate**2 + 2 * (rate / 2) ** 2) * math.pi * size**2 * gap
+    assert INTERFACES["mobile"](size, gap, viscosity, 1.0, (4.0, 3.0)).squeeze * speed**2 == pytest.approx(spent)
+
+
+def test_a_film_with_one_free_surface_is_squeezed_with_a_quarter_of_the_friction():
+    def flux(free):
+        """Through a unit of pressure slope over viscosity: the profile stands on the lower surface."""
+        return quad(lambda z: z * (1.0 - z / 2) if free else z * (1 - z) / 2, 0, 1)[0]
+
+    films = [INTERFACES[name](0.2, 0.01, 1.0, 1.0, (4.0, 3.0)).squeeze for name in ("half-mobile", "rigid")]
+    assert films[0] / films[1] == pytest.approx(flux(False) / flux(True))
+
+
+@pytest.mark.parametrize("limit", [0.0, 1.0, 2.5])
+def test_contact_friction_never_drives_and_holds_up_to_its_limit(limit):
+    for pull in np.linspace(-4, 4, 81):
+        borne = sliding_force(pull, limit)
+        held = pull - borne
+        assert held * borne >= 0.0
+        assert abs(held) <= 1.01 * limit * (1 + 1e-12)
+        assert borne == 0.0 or abs(pull) > limit
+        assert borne == -sliding_force(-pull, limit)
+
+
+@pytest.mark.parametrize("pull", [0.5, 1.001, 1.01, 1.019, 1.2, 3.0])
+def test_the_sliding_force_has_the_slopes_that_it_tells(pull):
+    assert sliding_slope(pull, 1.0) == pytest.approx(slope(lambda t: sliding_force(t, 1.0), pull), rel=1e-6)
+    assert limit_slope(pull, 1.0) == pytest.approx(slope(lambda x: sliding_force(pull, x), 1.0), rel=1e-6)
+
+
+def test_only_what_presses_close_by_holds():
+    assert holding_force(3.0, 0.2, 0.4, 1.0) == pytest.approx(1.2)
+    assert holding_force(-3.0, 0.2, 0.4, 1.0) == holding_force(3.0, 1.5, 0.4, 1.0) == 0.0
+    for gap in (0.55, 0.7, 0.95):
+        assert touching_power(gap, 1.0) == pytest.approx(gap * slope(lambda h: touching(h, 1.0), gap), rel=1e-6)
