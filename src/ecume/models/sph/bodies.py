@@ -14,6 +14,10 @@ from ecume.scenes.sph import BodySpec, SphScene
 from ecume.units import Array
 
 UPRIGHT = (1.0, 0.0, 0.0, 0.0)
+LEAST_DELAY = 4.0
+"""In evaluations: sound must not make a body tremble."""
+ANSWERED = 0.2
+"""Of the displaced liquid, what moves with a body of two spacings' radius because its dummies know how it moves."""
 
 
 def bodies_of(scene: SphScene, boundary: Boundary) -> Bodies:
@@ -93,6 +97,33 @@ def placed(bodies: Bodies, dummies: Dummies, pose: Array, motion: Array) -> Dumm
     position[:, first:] = (pose[:3, body] + arm)[:d]
     velocity[:, first:] = (motion[:3, body] + np.cross(motion[3:, body].T, arm.T).T)[:d]
     return dummies._replace(position=position, velocity=velocity)
+
+
+def pulls_of(bodies: Bodies, dummies: Dummies, state: tuple[Array, Array, Array], gravity: Array) -> Array:
+    """(d, D) what pulls at the liquid as each dummy sees it: gravity less its own acceleration, from pose, motion and
+    acceleration of the bodies. Walls and obstacles stand still.
+    """
+    pulls = np.repeat(gravity[:, None], dummies.position.shape[1], axis=1)
+    if bodies.shapes:
+        pose, motion, push = state
+        d, first = pulls.shape[0], bodies.first
+        body = dummies.owner[first:] - (dummies.owner[first] if len(dummies.owner) > first else 0)
+        arm = (np.pad(dummies.position[:, first:], ((0, 3 - d), (0, 0))) - pose[:3, body]).T
+        spin = motion[3:, body].T
+        own = push[:3, body].T + np.cross(push[3:, body].T, arm) + np.cross(spin, np.cross(spin, arm))
+        pulls[:, first:] -= own.T[:d]
+    return pulls
+
+
+def delay(bodies: Bodies, density: float) -> Array:
+    """(B,) in how many evaluations dummies learn of their body's acceleration.
+
+    At once, a body lighter than the liquid which its dummies move would answer its own push with a larger one, and that
+    again: a twentieth of its density diverged. The displaced liquid over the body's mass bounds that from above.
+    """
+    volume = np.array([shape.volume() for shape in bodies.shapes])
+    late: Array = LEAST_DELAY + ANSWERED * density * volume / bodies.mass
+    return late
 
 
 def inverse_inertia(bodies: Bodies, turn: Array) -> Array:

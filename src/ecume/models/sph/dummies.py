@@ -29,6 +29,7 @@ def read_liquid(
     """Fill the columns of dummies, from `first` on, out of the liquid in their rows.
 
     Their positions, wall velocities (V) and slip (MU is zero on walls that do not hold the liquid) stand already.
+    `pull` is (d, dummies): gravity less each one's own acceleration (eq. 27).
     """
     kernel, dimension, inverse = choices[KERNEL], len(pull), 1.0 / numbers[H]
     for dummy in prange(first, len(count)):
@@ -39,7 +40,7 @@ def read_liquid(
             for axis in range(dimension):
                 along = fields[X + axis, j] - fields[X + axis, dummy]
                 square += along * along
-                depth -= pull[axis] * along
+                depth -= pull[axis, dummy - first] * along
             weight = value_of(math.sqrt(square) * inverse, kernel) * fields[LIQUID, j]
             total += weight
             enthalpy += weight * (fields[ENTHALPY, j] + depth)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ecume.models.sph.bodies import pushed
+from ecume.models.sph.bodies import delay, pulls_of, pushed
 from ecume.models.sph.columns import fill_images, fill_liquid, fill_weights
 from ecume.models.sph.dummies import read_liquid
 from ecume.models.sph.fields import (
@@ -141,6 +141,7 @@ def _push_bodies(parameters: Parameters, state: State, workspace: Workspace) -> 
     ]
     load = np.array([force for force, _ in sums]), np.array([torque for _, torque in sums])
     state.push[...] = pushed(bodies, state.pose, state.motion, load, parameters.gravity)
+    state.felt[...] += (state.push - state.felt) / delay(bodies, parameters.material.density)
 
 
 def table_of(parameters: Parameters) -> Array:
@@ -170,8 +171,9 @@ def fill(parameters: Parameters, state: State, workspace: Workspace) -> None:
     if choices[DIFFUSION] == ANTUONO:
         fill_density_gradients(fields, count, lists.counts, lists.neighbor, numbers, choices)
     if real > count:
-        clip, constants = parameters.walls_clip, parameters.constants
-        read_liquid(fields, count, lists.counts, lists.neighbor, numbers, choices, parameters.gravity, clip, constants)
+        clip, constants, dummies = parameters.walls_clip, parameters.constants, parameters.boundary.dummies
+        pulls = pulls_of(parameters.bodies, dummies, (state.pose, state.motion, state.felt), parameters.gravity)
+        read_liquid(fields, count, lists.counts, lists.neighbor, numbers, choices, pulls, clip, constants)
     if len(images.source) and (real > count or choices[DIFFUSION] == ANTUONO):
         fill_images(images.source, *of_images)
     if fields.shape[1] > count:

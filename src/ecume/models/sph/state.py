@@ -64,6 +64,8 @@ class State(NamedTuple):
     """(6, B) of rigid bodies: velocity and spin"""
     push: Array
     """(6, B) what changes those, at the end of the last step"""
+    felt: Array
+    """(6, B) m/s^2, 1/s^2: the same, some steps late, as the pressure of the bodies' dummies has it"""
     pose_reference: Array
     """(7, B) when the lists were made"""
     carried_position: Array
@@ -124,6 +126,7 @@ def make_state(parameters: Parameters, liquid: Liquid) -> State:
         pose=pose.copy(),
         motion=motion.copy(),
         push=np.zeros_like(motion),
+        felt=np.zeros_like(motion),
         pose_reference=pose.copy(),
         carried_position=parameters.carried.position.copy(),
         carried_velocity=np.zeros_like(parameters.carried.position),
