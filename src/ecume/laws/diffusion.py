@@ -15,6 +15,7 @@ from ecume.units import Density, Length, Number, Speed, Unit
 
 Potential = Annotated[float, Unit("m^2/s^2")]
 PerVolumeSquared = Annotated[float, Unit("1/m^5")]
+Diffusivity = Annotated[float, Unit("m^2/s")]
 DensityFlow = Annotated[float, Unit("kg/(m^6*s)")]
 
 
@@ -29,7 +30,46 @@ def density_flow(
     >>> density_flow(1.0, 0.1, 0.5, 10.0, -1.0)
     1.0
     """
-    return -2.0 * delta * smoothing_length * sound_speed * excess * slope
+    return strength(delta, smoothing_length, sound_speed) * flow(excess, slope)
+
+
+def strength(delta: Number, smoothing_length: Length, sound_speed: Speed) -> Diffusivity:
+    """2 delta h c_0: what all flows of a liquid share. [antuono2010].
+
+    >>> strength(0.1, 0.5, 10.0)
+    1.0
+    """
+    return 2.0 * delta * smoothing_length * sound_speed
+
+
+def flow(excess: Number, slope: Number) -> Number:
+    """-excess F: towards whoever has less, since F is never positive; of any quantity. [antuono2010].
+
+    >>> flow(1.0, -2.0)
+    2.0
+    """
+    return -excess * slope
+
+
+def beyond_rest(here: Number, there: Number, rise: Number) -> Number:
+    """What is there in excess of here, less `rise`, by which it would be more at rest; of any quantity. [antuono2010].
+
+    Of the enthalpy rise is the potential g.(x_j - x_i), whatever the exponent of Tait's liquid; times rho_0/c_0^2 it
+    is an excess of density.
+
+    >>> beyond_rest(1.0, 4.0, 3.0)
+    0.0
+    """
+    return there - here - rise
+
+
+def mean_rise(rise_i: Number, rise_j: Number) -> Number:
+    """(grad_i + grad_j).(x_j - x_i) / 2 from the two projections: what lies between by both gradients. [antuono2010].
+
+    >>> mean_rise(2.0, 4.0)
+    3.0
+    """
+    return 0.5 * (rise_i + rise_j)
 
 
 def molteni_excess(density_i: Density, density_j: Density) -> Density:
@@ -38,7 +78,7 @@ def molteni_excess(density_i: Density, density_j: Density) -> Density:
     >>> molteni_excess(1000.0, 1001.0)
     1.0
     """
-    return density_j - density_i
+    return beyond_rest(density_i, density_j, 0.0 * density_i)
 
 
 def antuono_excess(density_i: Density, density_j: Density, rise_i: Density, rise_j: Density) -> Density:
@@ -49,7 +89,7 @@ def antuono_excess(density_i: Density, density_j: Density, rise_i: Density, rise
     >>> antuono_excess(1000.0, 1003.0, 2.0, 4.0)
     0.0
     """
-    return density_j - density_i - 0.5 * (rise_i + rise_j)
+    return beyond_rest(density_i, density_j, mean_rise(rise_i, rise_j))
 
 
 def fourtakas_linear_excess(
@@ -63,7 +103,7 @@ def fourtakas_linear_excess(
     >>> fourtakas_linear_excess(1000.0, 1001.0, 1.0, 1000.0, 10.0)
     -9.0
     """
-    return density_j - density_i - reference_density * potential / (sound_speed * sound_speed)
+    return beyond_rest(density_i, density_j, reference_density * potential / (sound_speed * sound_speed))
 
 
 def fourtakas_excess(
@@ -78,7 +118,7 @@ def fourtakas_excess(
     0.0
     """
     head = potential / (sound_speed_i * sound_speed_i)
-    return density_j - density_i * (1.0 + hydrostatic_gain(head, exponent))
+    return beyond_rest(density_i, density_j, density_i * hydrostatic_gain(head, exponent))
 
 
 def hydrostatic_gain(head: Number, exponent: Number) -> Number:

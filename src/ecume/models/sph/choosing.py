@@ -7,6 +7,7 @@ from typing import Any, cast
 import numpy as np
 
 from ecume.errors import Fault, SceneError
+from ecume.laws import diffusion
 from ecume.laws.kernels import KERNEL_CODES, Kernel, kernel
 from ecume.models.sph.fields import (
     ALPHA,
@@ -107,7 +108,7 @@ def numbers_of(scene: SphScene, material: Material, pull: Array) -> Array:
     given = scene.method.artificial_viscosity
     alpha = USUAL_ALPHA * (material.viscosity == 0.0) if given is None else given
     spring = material.density / material.sound_speed**2
-    diffusion = diffusion_of(scene, pull)
+    name = diffusion_of(scene, pull)
     numbers = np.zeros(NUMBERS)
     numbers[ONE], numbers[H], numbers[INVERSE] = 1.0, smoothing, 1.0 / smoothing
     numbers[SCALE] = shape.normalization / smoothing ** (dimension + 2)
@@ -116,11 +117,12 @@ def numbers_of(scene: SphScene, material: Material, pull: Array) -> Array:
     by_mass = scene.method.pressure_force == "monaghan"
     numbers[SHARE] = material.density if by_mass else 1.0 / material.density
     numbers[ALPHA], numbers[SOUND] = alpha, material.sound_speed
-    numbers[DELTA] = 2.0 * scene.method.diffusion * smoothing * material.sound_speed * (diffusion != "none")
-    if diffusion == "hydrostatic":
+    if name != "none":
+        numbers[DELTA] = diffusion.strength(scene.method.diffusion, smoothing, material.sound_speed)
+    if name == "hydrostatic":
         numbers[DELTA] *= spring
         numbers[G0 : G0 + dimension] = pull
-    elif diffusion == "linear":
+    elif name == "linear":
         numbers[G0 : G0 + dimension] = spring * pull
     shifts = shifting_of(scene) == "delta-plus"
     numbers[REFERENCE] = float(cast(float, shape.shape(scene.spacing / smoothing))) if shifts else 0.0

@@ -85,7 +85,7 @@ def _sum_stretch(parameters: Parameters, workspace: Workspace) -> None:
     soft = ENTHALPY if choices[DIFFUSION] == HYDROSTATIC else RHO
     sums_of(choices).stretch(workspace.fields, lists.counts, lists.neighbor, numbers, choices, soft, workspace.rates)
     if choices[DIFFUSION] == ANTUONO:
-        factor = 0.5 * numbers[DELTA] * numbers[SCALE]
+        factor = numbers[DELTA] * numbers[SCALE]
         add_gradient_diffusion(
             workspace.fields, lists.counts, lists.neighbor, numbers, choices, factor, workspace.rates
         )

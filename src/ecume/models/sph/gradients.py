@@ -11,10 +11,12 @@ from typing import Any
 
 import numpy as np
 
-from ecume._jit import compiled_inside, prange, summing
+from ecume._jit import admit, compiled_inside, prange, summing
+from ecume.laws import diffusion
 from ecume.models.sph.fields import DIFFUSED, DIMENSION, INVERSE, KERNEL, LIQUID, RHO, SCALE, VOLUME, ZERO, G, X
 from ecume.models.sph.weights import slope_of
 
+admit(diffusion)
 INDEX = np.uint64
 SINGULAR = 1e-3
 """Below this determinant of -B a particle has too few neighbors for a gradient."""
@@ -75,7 +77,7 @@ def add_gradient_diffusion(
 ) -> None:
     """Antuono's correction of the diffusion: less what both particles' gradients say lies between them.
 
-    `factor` is minus the diffusion's own over two: sum_j V_j F (G_i + G_j).x_ij (Antuono et al. 2010, eq. 6).
+    `factor` is the diffusion's own (Antuono et al. 2010, eq. 6).
     """
     kernel, deep, inverse, zero = choices[KERNEL], choices[DIMENSION] == 3, numbers[INVERSE], numbers[ZERO]
     for particle in prange(rates.shape[1]):
@@ -88,9 +90,10 @@ def add_gradient_diffusion(
             dx, dy, dz = fields[X, j] - x, fields[X + 1, j] - y, fields[X + 2, j] - z
             weight = fields[VOLUME, j] * fields[LIQUID, j]
             square = dx * dx + dy * dy
-            between = (gx + fields[G, j]) * dx + (gy + fields[G + 1, j]) * dy
+            own, other = gx * dx + gy * dy, fields[G, j] * dx + fields[G + 1, j] * dy
             if deep:
                 square += dz * dz
-                between += (gz + fields[G + 2, j]) * dz
-            total += slope_of(math.sqrt(square) * inverse, kernel) * weight * between
+                own, other = own + gz * dz, other + fields[G + 2, j] * dz
+            slope = slope_of(math.sqrt(square) * inverse, kernel) * weight
+            total += diffusion.flow(diffusion.beyond_rest(zero, zero, diffusion.mean_rise(own, other)), slope)
         rates[DIFFUSED, i] += factor * total

@@ -17,7 +17,7 @@ import numpy as np
 
 from ecume._jit import admit, compiled_inside, inlined, prange, summing
 from ecume.engine.lists import STRIDE
-from ecume.laws import viscous
+from ecume.laws import diffusion, viscous
 from ecume.laws.kernels import KERNEL_CODES, shapes
 from ecume.models.sph.fields import (
     ACC,
@@ -42,7 +42,7 @@ from ecume.models.sph.fields import (
 )
 from ecume.models.sph.weights import slope_of
 
-admit(shapes, viscous)
+admit(shapes, viscous, diffusion)
 INDEX = np.uint64
 """Of all indexes: a signed one would be tested for being negative, pair by pair."""
 BEFORE, DOWN = INDEX(STRIDE - 1), INDEX(2**64 - STRIDE)
@@ -58,11 +58,9 @@ def whole(count: Any) -> Any:
 def stretch_with(
     slope: Any, kernel: int, deep: bool, fields: Any, count: Any, neighbor: Any, numbers: Any, soft: int, rates: Any
 ) -> None:
-    """Continuity and diffusion: sum_j w_j F (v_j - v_i).x_ij, and sum_j w_j (-F) (s_j - s_i - g.x_ij).
-
-    The first is -div v (Monaghan 1994); in the second s is density or enthalpy, and g what s changes by along x when
+    """Continuity, and the diffusion of s, which is density or enthalpy, beyond g.x_ij by which s changes along x when
     the liquid is at rest (Antuono et al. 2010, Fourtakas et al. 2019; see `ecume.laws.diffusion`). Dummies do not take
-    part in it.
+    part in that.
     """
     for particle in prange(rates.shape[1]):
         i = INDEX(particle)
@@ -76,16 +74,14 @@ def stretch_with(
             j = INDEX(neighbor[i, k])
             dx, dy = fields[X, j] - x, fields[X + 1, j] - y
             du, dv = fields[V, j] - u, fields[V + 1, j] - v
-            weight, liquid, more = fields[WEIGHT, j], fields[LIQUID, j], fields[soft, j] - own
-            square, radial = dx * dx + dy * dy, du * dx + dv * dy
-            more = more - gx * dx - gy * dy
+            weight, liquid, other = fields[WEIGHT, j], fields[LIQUID, j], fields[soft, j]
+            square, radial, rise = dx * dx + dy * dy, du * dx + dv * dy, gx * dx + gy * dy
             if deep:
                 dz, dw = fields[X + 2, j] - z, fields[V + 2, j] - w
-                square, radial = square + dz * dz, radial + dw * dz
-                more = more - gz * dz
+                square, radial, rise = square + dz * dz, radial + dw * dz, rise + gz * dz
             pull = slope(math.sqrt(square) * inverse, kernel) * weight
-            stretching += pull * radial
-            diffusing -= pull * more * liquid
+            stretching += stretched(pull, radial)
+            diffusing += diffusion.flow(diffusion.beyond_rest(own, other, rise), pull) * liquid
         rates[DRHO, i] = numbers[SCALE] * stretching
         rates[DIFFUSED, i] = numbers[SCALE] * numbers[DELTA] * diffusing
 
@@ -99,14 +95,23 @@ def damping(approach: Any, square: Any, damper: Any) -> Any:
     return viscous.artificial_viscosity(viscous.approach_speed(approach, square, h), share, sound, alpha)
 
 
+@compiled_inside
+def stretched(pull: Any, radial: Any) -> Any:
+    """A pair's part of -div v: w_j F (v_j - v_i).x_ij (Monaghan 1994)."""
+    return pull * radial
+
+
+@compiled_inside
+def pushed(pull: Any, own: Any, push: Any, damp: Any) -> Any:
+    """A pair's force over x_ij: w_j F (P_i + P_j + damping); see `PUSH` and `WEIGHT`."""
+    return pull * (own + push + damp)
+
+
 @inlined
 def push_with(
     slope: Any, kernel: int, deep: bool, fields: Any, count: Any, neighbor: Any, numbers: Any, rates: Any
 ) -> None:
-    """Pressure and damping: sum_j w_j (P_i + P_j + damping) F x_ij; see `PUSH` and `WEIGHT`.
-
-    Dummies do not damp.
-    """
+    """Pressure and damping; dummies do not damp."""
     for particle in prange(rates.shape[1]):
         i = INDEX(particle)
         x, y, z = fields[X, i], fields[X + 1, i], fields[X + 2, i]
@@ -125,7 +130,7 @@ def push_with(
                 dz = fields[X + 2, j] - z
                 square, radial = square + dz * dz, radial + (fields[V + 2, j] - w) * dz
             pull = slope(math.sqrt(square) * inverse, kernel) * weight
-            pull *= own + push + liquid * damping(radial, square, damper)
+            pull = pushed(pull, own, push, liquid * damping(radial, square, damper))
             ax += pull * dx
             ay += pull * dy
             if deep:
@@ -158,8 +163,8 @@ def stretch_and_push_with(
                 dz = fields[X + 2, j] - z
                 square, radial = square + dz * dz, radial + (fields[V + 2, j] - w) * dz
             pull = slope(math.sqrt(square) * inverse, kernel) * weight
-            stretching += pull * radial
-            pull *= own + push + damping(radial, square, damper)
+            stretching += stretched(pull, radial)
+            pull = pushed(pull, own, push, damping(radial, square, damper))
             ax += pull * dx
             ay += pull * dy
             if deep:
