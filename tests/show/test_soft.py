@@ -1,15 +1,21 @@
 """Soft spheres as pictures."""
 
+import dataclasses
+import math
+
 import numpy as np
 import pytest
 
+from ecume.analysis.boxes import Box, at_home, box_of, nearest
 from ecume.errors import BadInput
-from ecume.scenes.soft import SoftLiquid, SoftScene, SphereSpec
+from ecume.scenes.soft import BoxSpec, OscillationSpec, SoftLiquid, SoftScene, SphereSpec, StageSpec
 from ecume.show.movies import film
 from ecume.show.soft.figures import SOFT_FIGURES
-from ecume.show.soft.packing import PULL, PUSH, Packing, links_of
+from ecume.show.soft.measures import flow_points, oscillations
+from ecume.show.soft.packing import PULL, PUSH, Packing, links_around, links_of
 from ecume.trajectories.frame import Frame
 
+OF_BOXES = ("stress", "viscosity", "nonaffine", "flow-curve", "moduli")
 UNITS = {"gap": "m", "tension": "N", "elastic_energy": "J"}
 
 
@@ -36,13 +42,100 @@ def _frame(time, **numbers):
     return Frame(time, arrays, {"elastic_energy": 1e-9 * time} | numbers, UNITS)
 
 
+@pytest.fixture
+def boxed():
+    """A box of six spheres that is sheared while one film opens."""
+    spheres = SphereSpec(name="soft", radius=1e-3, modulus=1e4, count=6)
+    scene = SoftScene(
+        duration=3.0, frame_every=0.25, liquid=SoftLiquid(viscosity=1.0), spheres=(spheres,),
+        box=BoxSpec(size=(6e-3, 4e-3)),
+        protocol=(StageSpec(time=0.0), StageSpec(time=3.0, strain=0.3)),
+    )  # fmt: skip
+    return scene, [_sheared(0.25 * step) for step in range(13)]
+
+
+def _sheared(time):
+    start = 1e-3 * np.array([[1.0, 1.0], [3.1, 1.2], [5.2, 1.0], [2.0, 3.0], [4.1, 3.2], [0.1, 3.1]])
+    strain = 0.1 * time
+    moved = start + np.column_stack([strain * start[:, 1], np.zeros(6)])
+    neighbor = np.array([[1, 3], [2, 4], [-1, -1], [4, 5], [-1, -1], [-1, -1]])
+    arrays = {
+        "position": at_home(moved, Box(1e-3 * np.array([6.0, 4.0]), strain)),
+        "radius": np.full(6, 1e-3),
+        "species": np.zeros(6, np.int64),
+        "neighbor": neighbor,
+        "gap": np.where(neighbor >= 0, 1e-5 * (1 + time), 0.0) * [1.0, 3.0],
+        "tension": np.where(neighbor >= 0, 1e-6, 0.0) * [1.0, -2.0],
+    }
+    numbers = {
+        "elastic_energy": 1e-9, "coordination": 5 / 3, "mean_gap": 2e-5, "smallest_gap": 1e-5, "pressure": 0.2,
+        "shear_stress": 0.1 + 0.01 * time, "normal_stress": 0.3, "viscosity": 1.0 + time if time else math.nan,
+        "stress_squeeze_xy": 0.08, "stress_sliding_xy": 0.02, "strain": strain, "volume_fraction": 0.78,
+        "box_width": 6e-3, "box_height": 4e-3,
+    }  # fmt: skip
+    return Frame(time, arrays, numbers, UNITS | {"shear_stress": "N/m", "viscosity": "N*s/m"})
+
+
 @pytest.mark.parametrize("name", SOFT_FIGURES)
-def test_every_figure_can_be_drawn_or_says_why_not(name, scene, frames):
-    if name == "stress":
+def test_every_figure_can_be_drawn_or_says_why_not(name, scene, frames, boxed):
+    if name in OF_BOXES:
         with pytest.raises(BadInput, match="no box"):
             SOFT_FIGURES[name](frames, scene)
-    else:
+    elif name not in ("coordination", "swaps"):
         SOFT_FIGURES[name](frames, scene).canvas.draw()
+    if name != "moduli":
+        SOFT_FIGURES[name](boxed[1], boxed[0]).canvas.draw()
+
+
+def test_moduli_are_those_of_the_oscillations_in_the_protocol(boxed):
+    scene, (first, *_) = boxed
+    with pytest.raises(BadInput, match="no oscillation"):
+        SOFT_FIGURES["moduli"](boxed[1], scene)
+    wave = OscillationSpec(frequency=0.5, amplitude=0.01)
+    scene = dataclasses.replace(scene, duration=6.0, protocol=(StageSpec(time=0.0, oscillation=wave),))
+    now = np.linspace(0.0, 6.0, 121)
+    frames = [
+        first._replace(time=time, numbers=first.numbers | {"strain": strain, "shear_stress": 3.0 * strain + 0.02 * lag})
+        for time, strain, lag in zip(now, 0.01 * np.sin(np.pi * now), np.cos(np.pi * now), strict=True)
+    ]
+    ((frequency, found),) = oscillations(frames, scene)
+    assert (frequency, found.periods) == (0.5, 2)
+    assert (found.storage.value, found.loss.value) == (pytest.approx(3.0), pytest.approx(2.0))
+    SOFT_FIGURES["moduli"](frames, scene).canvas.draw()
+
+
+def test_a_flow_is_averaged_over_the_second_half_of_each_part_of_the_protocol(boxed):
+    scene, frames = boxed
+    fine = [_sheared(time) for time in np.linspace(0.0, 3.0, 31)]
+    (point,) = flow_points(fine, scene)
+    assert point.shear_stress.value == pytest.approx(0.1 + 0.01 * 2.3, abs=1e-3)
+    assert point.viscous_number.value == pytest.approx(1.0 * 0.1 * 2e-3 / 0.3)
+    assert flow_points(frames[:1] * 2, scene) == []
+
+
+def test_a_box_shows_its_copies_beside_it_and_its_outline(boxed):
+    scene, frames = boxed
+    shown = Packing(scene, frames)
+    shown.show(frames[-1])
+    assert shown.outline.get_xy()[2] == pytest.approx([6e-3, 4e-3])
+    centers = [path.vertices[:-1].mean(axis=0) for path in shown.beside.get_paths()]
+    home, box = frames[-1].arrays["position"], box_of(frames[-1])
+    for center in centers:
+        assert min(np.linalg.norm(nearest(home - center, box), axis=1)) < 1e-9
+        assert not ((center > 0.0) & (center < box.sides)).all()
+    # A contact across the border is drawn on both sides of it.
+    ends = links_around(frames[-1])
+    middle = ends.first + 0.5 * ends.along
+    across = links_of(frames[-1])
+    assert len(middle) > len(across.first)
+    seen = np.linalg.norm(nearest(middle[:, None].reshape(-1, 2) - (across.first + 0.5 * across.along)[0], box), axis=1)
+    assert (seen < 1e-9).sum() > 1
+
+
+def test_what_is_not_in_a_box_has_no_copies(scene, frames):
+    shown = Packing(scene, frames)
+    assert not shown.beside.get_paths()
+    assert not shown.outline.get_visible()
 
 
 def test_what_pulls_is_red_what_pushes_blue_and_wide_films_are_left_out(scene, frames):

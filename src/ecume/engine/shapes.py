@@ -246,6 +246,24 @@ class Polygon(NamedTuple):
         apart = self.middle() - self.vertices[0]
         return np.array([0.0, 0.0, about_corner - float(apart @ apart)])
 
+    def convex(self) -> bool:
+        """Whether it turns the same way at every corner."""
+        edge = np.roll(self.vertices, -1, axis=0) - self.vertices
+        ahead = np.roll(edge, -1, axis=0)
+        turn = (edge[:, 0] * ahead[:, 1] - edge[:, 1] * ahead[:, 0]) * np.sign(self._turn())
+        return bool((turn >= -1e-12 * np.abs(turn).max()).all())
+
+    def inset(self, depth: float) -> Polygon | None:
+        """Of a convex one what is deeper than that below every edge; None where nothing is."""
+        rest = self.vertices
+        for first, last in zip(self.vertices, np.roll(self.vertices, -1, axis=0), strict=True):
+            edge = (last - first) / np.linalg.norm(last - first)
+            inward = np.array([-edge[1], edge[0]]) * np.sign(self._turn())
+            rest = _cut(rest, (rest - first) @ inward - depth)
+            if len(rest) < 3:
+                return None
+        return Polygon(rest)
+
     def carried(self, way: Array) -> Polygon:
         """Every corner."""
         return Polygon(self.vertices + way)
@@ -278,6 +296,19 @@ class Polygon(NamedTuple):
         crossed = (below_first != below_last) & (distance > 0.0)
         found: Array = np.where(crossed, distance, np.inf)
         return found
+
+
+def _cut(vertices: Array, above: Array) -> Array:
+    """What of a convex polygon is above a line, from each corner's height over it."""
+    kept = []
+    for k in range(len(vertices)):
+        ahead = (k + 1) % len(vertices)
+        if above[k] >= 0.0:
+            kept.append(vertices[k])
+        if (above[k] > 0.0) != (above[ahead] > 0.0) and above[k] != 0.0 != above[ahead]:
+            share = above[k] / (above[k] - above[ahead])
+            kept.append(vertices[k] + share * (vertices[ahead] - vertices[k]))
+    return np.array(kept).reshape(-1, 2)
 
 
 def round_up(length: float, spacing: float) -> int:

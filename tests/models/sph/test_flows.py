@@ -84,6 +84,16 @@ def test_shifting_keeps_the_volume():
     assert np.abs(still.arrays["velocity"].mean(axis=0)).max() < 1e-3
 
 
+@pytest.mark.parametrize("walls", ["dummy", "mirror"])
+@pytest.mark.parametrize("method", [{"shifting": "delta-plus"}, {"pressure_force": "transport"}])
+def test_a_lid_does_not_thicken_the_liquid_that_it_drives(walls, method):
+    tank = {"low": [0.0, 0.0], "high": [1.0, 1.0], "walls": walls, "top": {"velocity": [1.0, 0.0]}}
+    frames = list(ecume.simulate(scene(tank=tank, method=method, duration=2.0)))
+    _, settled, *_, last = (frame.numbers["volume"] for frame in frames)
+    assert last == pytest.approx(settled, abs=1.5e-3)
+    assert settled == pytest.approx(1.0, abs=2e-3)
+
+
 def test_a_drop_swings_as_its_equation_says():
     case = drop(duration=0.6, frame_every=0.6, method={"artificial_viscosity": 0.0})
     rate, width, height, step = 0.5, 1.0, 1.0, 1e-4

@@ -10,6 +10,7 @@ from ecume.errors import SceneError
 from ecume.models.sph.bodies import carry, pushed, rotations
 from ecume.models.sph.collisions import collide
 from ecume.models.sph.record import SPH
+from ecume.models.sph.solids import grains
 from ecume.scenes.schema import from_plain, to_plain
 from tests.models.sph.scenes import free_blob, tank
 from tests.models.sph.test_runs import copy_of, marched
@@ -54,6 +55,27 @@ def test_middle_volume_and_inertia_are_those_of_a_fine_lattice(shape):
     away = np.pad(inside - shape.middle(), ((0, 0), (0, 3 - len(low))))
     moments = ((away**2).sum(axis=1)[:, None] - away**2).mean(axis=0)
     np.testing.assert_allclose(shape.inertia()[5 - len(low) - 1 :], moments[5 - len(low) - 1 :], rtol=1e-2)
+
+
+ASKEW = [[[0.0, 0.0], [0.9, 0.1], [0.5, 0.6]], [[0.0, 0.0], [0.3, 1.0], [1.1, 0.9], [1.2, 0.2]]]
+
+
+@pytest.mark.parametrize("vertices", ASKEW)
+@pytest.mark.parametrize("turn", [1, -1])
+def test_a_polygon_has_no_holes_that_liquid_could_find(vertices, turn):
+    shape = Polygon(np.array(vertices)[::turn])
+    points, volume = grains(shape, 0.05, 10.0)
+    assert volume.sum() == pytest.approx(shape.volume(), rel=1e-12)
+    assert shape.nearest(points)[0].max() == pytest.approx(-0.025, abs=1e-12)
+    rim = shape.rim(0.01)
+    corner = np.linalg.norm(rim[:, None] - shape.vertices[None], axis=2).min(axis=1) < 0.1
+    away = np.linalg.norm(rim[~corner, None] - points[None], axis=2).min(axis=1)
+    assert away.max() < 0.75 * 0.05
+
+
+def test_a_polygon_that_is_not_convex_is_known():
+    assert Polygon(np.array(ASKEW[1])).convex()
+    assert not Polygon(np.array([[0.0, 0.0], [1.0, 0.0], [0.2, 0.2], [0.0, 1.0]])).convex()
 
 
 @pytest.mark.compiled

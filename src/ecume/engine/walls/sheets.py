@@ -91,18 +91,27 @@ def gap_to(kind: Integers, number: Array, k: int, x: Vector, time: float) -> flo
 
 
 @compiled_inside
+def piece_gap(kind: Integers, number: Array, k: int, x: Vector, time: float) -> tuple[float, int, int]:
+    """The gap to the wall or obstacle that begins with surface k, the surface that sets it, and where the next begins.
+
+    An obstacle's gap is that of its farthest face.
+    """
+    gap, nearest, stop = gap_to(kind, number, k, x, time), k, max(int(kind[k, 2]), k + 1)
+    for other in range(k + 1, stop):
+        its = gap_to(kind, number, other, x, time)
+        if its > gap:
+            gap, nearest = its, other
+    return gap, nearest, stop
+
+
+@compiled_inside
 def worst_gap(kind: Integers, number: Array, x: Vector, time: float) -> tuple[float, int]:
-    """The smallest gap, and its surface. An obstacle's gap is that of its farthest face."""
+    """The smallest gap, and its surface."""
     worst, which, k = np.inf, -1, 0
     while k < kind.shape[0]:
-        gap, nearest, stop = gap_to(kind, number, k, x, time), k, max(int(kind[k, 2]), k + 1)
-        for other in range(k + 1, stop):
-            its = gap_to(kind, number, other, x, time)
-            if its > gap:
-                gap, nearest = its, other
+        gap, nearest, k = piece_gap(kind, number, k, x, time)
         if gap < worst:
             worst, which = gap, nearest
-        k = stop
     return worst, which
 
 

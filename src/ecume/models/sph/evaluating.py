@@ -37,6 +37,7 @@ from ecume.models.sph.motion import (
 from ecume.models.sph.motions import instant
 from ecume.models.sph.parameters import DELTA_PLUS, NO_TENSION, Parameters
 from ecume.models.sph.shifting import shift
+from ecume.models.sph.standoff import push_off_bodies, push_off_walls
 from ecume.models.sph.state import (
     State,
     Workspace,
@@ -118,6 +119,7 @@ def _store_acceleration(parameters: Parameters, state: State, workspace: Workspa
         workspace.rates[ACC : ACC + 3] = 0.0
         rubbing(workspace.fields, lists.counts, lists.neighbor, parameters.numbers, choices, workspace.rates)
         state.acceleration[...] += workspace.rates[ACC : ACC + parameters.dimension]
+    push_off_walls(parameters, state)
     _push_bodies(parameters, state, workspace)
     if parameters.tension != NO_TENSION:
         pull(parameters, state, workspace)
@@ -139,7 +141,8 @@ def _push_bodies(parameters: Parameters, state: State, workspace: Workspace) -> 
         total(force[:, owner == number], place[:, owner == number], state.pose[:3, body])
         for body, number in enumerate(range(names - len(bodies.shapes), names))
     ]
-    load = np.array([force for force, _ in sums]), np.array([torque for _, torque in sums])
+    more = push_off_bodies(parameters, state)
+    load = np.array([force for force, _ in sums]) + more[0], np.array([torque for _, torque in sums]) + more[1]
     state.push[...] = pushed(bodies, state.pose, state.motion, load, parameters.gravity)
     state.felt[...] += (state.push - state.felt) / delay(bodies, parameters.material.density)
 

@@ -15,6 +15,7 @@ from ecume.models.sph.gauges import readings
 from ecume.models.sph.loads import loads
 from ecume.models.sph.motions import drive_at, instant
 from ecume.models.sph.parameters import Parameters
+from ecume.models.sph.standoff import Leaning, energy_of, everyone_leaning, load_of
 from ecume.models.sph.state import CAME, GUARD_HITS, LEFT, LOST, MOST_SUBSTEPS, PER_PARTICLE, SUBSTEPS, State, Workspace
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
@@ -45,6 +46,7 @@ NUMBER_UNITS = {
     "density_change": "1",
     "volume": "m^3",
     "guard_hits": "1",
+    "leaning": "1",
     "came": "1",
     "left": "1",
     "lost": "1",
@@ -65,7 +67,9 @@ BODY_UNITS = {
 def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame:
     """The frame of this instant. In two dimensions energies, momenta and volumes are per meter of depth."""
     parameters = instant(parameters, state)
-    solid, units = of_solids(parameters, state, workspace)
+    leaning = everyone_leaning(parameters, state)
+    solid, units = of_solids(parameters, state, workspace, leaning)
+    propped = sum(energy_of(parameters, state, each) for each in leaning)
     state = liquid_alone(parameters, state)
     order = np.argsort(state.identity)
     arrays = {
@@ -80,7 +84,8 @@ def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame
         arrays = {
             name: np.concatenate([arrays[name], more]) for name, more in carried_arrays(parameters, state).items()
         }
-    numbers = {**energies(parameters, state), **motion(state), **extremes(parameters, state)}
+    numbers = {**energies(parameters, state, propped), **motion(state), **extremes(parameters, state)}
+    numbers["leaning"] = float(sum(len(each.who) for each in leaning))
     read, read_units = readings(parameters.gauges, state, gauge_pressure(parameters, state), parameters.support)
     time = int(state.step[0]) * parameters.time_step
     listed = {name: float(numbers[name]) for name in NUMBER_UNITS}
@@ -110,14 +115,19 @@ def liquid_alone(parameters: Parameters, state: State) -> State:
     return state._replace(**{name: getattr(state, name)[..., liquid] for name in PER_PARTICLE})
 
 
-def of_solids(parameters: Parameters, state: State, workspace: Workspace) -> tuple[dict[str, float], dict[str, str]]:
+def of_solids(
+    parameters: Parameters, state: State, workspace: Workspace, leaning: list[Leaning]
+) -> tuple[dict[str, float], dict[str, str]]:
     """What the liquid does to walls, obstacles and bodies, who was turned back there, and where the bodies are; with
     units. In the plane forces are per meter of depth, and torques about z.
     """
     fill(parameters, state, workspace)
     axes, turns = "xyz"[: parameters.dimension], "z" if parameters.dimension == 2 else "xyz"
     numbers, units = dict[str, float](), dict[str, str]()
+    more = {parameters.boundary.names[each.owner]: load_of(parameters, state, each) for each in leaning}
     for name, force, torque in loads(parameters, workspace):
+        if name in more:
+            force, torque = force + more[name][0], torque + more[name][1]
         numbers |= {f"{name}_force_{axis}": float(force[k]) for k, axis in enumerate(axes)}
         numbers |= {f"{name}_torque_{axis}": float(torque["xyz".index(axis)]) for axis in turns}
         units |= dict.fromkeys((key for key in numbers if key.startswith(f"{name}_force")), "N")
@@ -152,15 +162,15 @@ def gauge_pressure(parameters: Parameters, state: State) -> Array:
     return pressure
 
 
-def energies(parameters: Parameters, state: State) -> Mapping[str, float]:
-    """Of motion, in gravity, and of compression."""
+def energies(parameters: Parameters, state: State, propped: float) -> Mapping[str, float]:
+    """Of motion, in gravity, and of compression, that of what leans on walls included."""
     material = parameters.material
     laws = material.density, material.sound_speed, material.exponent
     kinetic = 0.5 * float(np.sum(state.mass * (state.velocity**2).sum(axis=0)))
     potential = -float(np.sum(state.mass * (parameters.gravity @ state.position)))
     away = state.position - parameters.pull_center[:, None]
     potential += 0.5 * parameters.pull_rate**2 * float(np.sum(state.mass * (away**2).sum(axis=0)))
-    elastic = float(np.sum(state.mass * tait_energy(state.density, *laws)))
+    elastic = float(np.sum(state.mass * tait_energy(state.density, *laws))) + propped
     return {
         "kinetic_energy": kinetic,
         "potential_energy": potential,

@@ -9,7 +9,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ecume._jit import prange, spread, summing
-from ecume.models.sph.fields import CROWD, DIMENSION, EVEN, INVERSE, KERNEL, REFERENCE, SCALE, SPACE, VOLUME, H, X
+from ecume.models.sph.fields import (
+    CROWD,
+    DIMENSION,
+    EVEN,
+    INVERSE,
+    KERNEL,
+    LIQUID,
+    REFERENCE,
+    SCALE,
+    SPACE,
+    VOLUME,
+    H,
+    X,
+)
 from ecume.models.sph.motion import largest
 from ecume.models.sph.parameters import DELTA_PLUS, Parameters
 from ecume.models.sph.state import State, Workspace
@@ -42,12 +55,15 @@ def shift(parameters: Parameters, state: State, workspace: Workspace, time: floa
 
 
 def keep_volume(state: State, crowd: NDArray[np.floating], time: float) -> None:
-    """Thin the liquid by the mean of 2 W.sum_j V_j F x_ij over whoever moves with a transport W.
+    """Thin the liquid by the mean of 2 W.sum_j V_j F x_ij over whoever moves with a transport W; dummies count half.
 
     The equation of continuity sees how a flow crowds particles, and not how the transport spreads them again: without
     this all of the volume shrinks, a percent in a few turns of a vortex. The sum is what - div W with differences and
     div W with sums leave together (Sun et al. 2019, eq. 5); particle by particle it would be noise in the pressure.
     [sun2019]
+
+    Why half: of a pair that both move, i and j each bring W_i and W_j into the other's sum of differences, and over all
+    pairs of liquid that is twice W_i.F x_ij; a dummy brings no W of its own, and has no sum that W_i could enter.
     """
     spread = (state.transport * crowd).sum(axis=0)
     moved = (state.transport != 0.0).any(axis=0)
@@ -90,6 +106,8 @@ def near_surface(parameters: Parameters, workspace: Workspace) -> Any:
 def sum_crowd(fields: Any, count: Any, neighbor: Any, numbers: Any, choices: Any, rates: Any) -> None:
     """Where the crowd is not: sum_j V_j F x_ij, zero amid a lattice; and how full it is here, -sum_j V_j F r^2.
 
+    The even sum counts dummies half (see `keep_volume`).
+
     With a reference value each neighbor counts 1 + 0.2 (W/W(dx))^4 times in the first (Sun et al. 2017, eq. 6).
     """
     kernel, deep, inverse, scale = choices[KERNEL], choices[DIMENSION] == 3, numbers[INVERSE], numbers[SCALE]
@@ -108,9 +126,10 @@ def sum_crowd(fields: Any, count: Any, neighbor: Any, numbers: Any, choices: Any
             q = math.sqrt(square) * inverse
             pull = slope_of(q, kernel) * volume
             space -= pull * square
-            bx += pull * dx
-            by += pull * dy
-            bz += pull * dz
+            even = pull * (0.5 + 0.5 * fields[LIQUID, j])
+            bx += even * dx
+            by += even * dy
+            bz += even * dz
             ratio = value_of(q, kernel) * tensile
             pull *= 1.0 + 0.2 * ratio * ratio * ratio * ratio
             ax += pull * dx

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from ecume.analysis.series import number, series, times
 from ecume.errors import BadInput
 from ecume.show.curves import Frames, over_time, span, thinned
+from ecume.show.soft.measures import MEASURE_FIGURES
 from ecume.show.soft.packing import Packing
 from ecume.show.style import INK, PALETTE, figure, legend_outside, scale_for, style
 from ecume.trajectories.frame import Frame
@@ -115,5 +116,6 @@ SOFT_FIGURES = {
     "forces": forces,
     "elastic-energy": elastic_energy,
     "stress": stress,
+    **MEASURE_FIGURES,
     "packing": picture,
 }

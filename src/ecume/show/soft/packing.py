@@ -1,4 +1,7 @@
-"""One instant of soft spheres, to scale: films colored by their gap, forces by their sign."""
+"""One instant of soft spheres, to scale: films colored by their gap, forces by their sign.
+
+A periodic box is drawn with its outline, and with the copies beside it, paler: nothing ends at its borders.
+"""
 
 from __future__ import annotations
 
@@ -8,12 +11,15 @@ from typing import Any, NamedTuple
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection
-from matplotlib.colors import LogNorm
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.colors import LogNorm, to_rgba
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
+from ecume.analysis.boxes import Box, box_of, copies, nearest
+from ecume.analysis.contacts import films
 from ecume.show.picture import (
     DPI,
     USUAL,
@@ -43,6 +49,12 @@ FILM, WIDE = 0.28, 0.5
 GAP_COLORS = "viridis"
 MARK = (0.3, 0.85)
 """Of the radius: from where to where the mark goes that shows a sphere's spin."""
+BESIDE = 1.6
+"""How far around a box its copies are shown, in radii of the largest sphere."""
+PALE = 0.4
+"""How opaque copies are."""
+CIRCLE = np.stack([wave(np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False)) for wave in (np.cos, np.sin)], axis=1)
+"""A disc as a polygon."""
 
 
 class Links(NamedTuple):
@@ -60,31 +72,43 @@ class Links(NamedTuple):
 
 def links_of(frame: Frame) -> Links:
     """The contacts that a frame tells of; across a periodic border to the nearest copy."""
-    arrays = frame.arrays
-    first, slot = np.nonzero(arrays["neighbor"] >= 0)
-    second = arrays["neighbor"][first, slot]
-    position, radius = arrays["position"][:, :2], arrays["radius"]
-    along = position[second] - position[first]
-    if "box_width" in frame.numbers:
-        along = _nearest(along, frame)
-    radii = np.stack([radius[first], radius[second]], axis=1)
-    return Links(position[first], along, radii, arrays["gap"][first, slot], arrays["tension"][first, slot])
+    position, radius = frame.arrays["position"], frame.arrays["radius"]
+    found = films(frame)
+    first, second = found.pairs.T
+    along = nearest(position[second] - position[first], box_of(frame))
+    slots = np.nonzero(frame.arrays["neighbor"] >= 0)
+    return Links(position[first, :2], along[:, :2], radius[found.pairs], found.gap, frame.arrays["tension"][slots])
 
 
-def _nearest(along: Array, frame: Frame) -> Array:
-    width, height, tilt = (frame.numbers[name] for name in ("box_width", "box_height", "box_tilt"))
-    boxes = np.round(along[:, 1] / height)
-    moved = along - np.stack([boxes * tilt, boxes * height], axis=1)
-    moved[:, 0] -= width * np.round(moved[:, 0] / width)
-    return moved
+def links_around(frame: Frame) -> Links:
+    """The same, again for each copy of the box that is shown."""
+    links, box = links_of(frame), flat_box(frame)
+    if box is None:
+        return links
+    far = _beside(frame) + float(np.linalg.norm(links.along, axis=1).max(initial=0.0))
+    around = copies(links.first, box, far)
+    # A copy of each contact's first sphere stands for the contact.
+    rest = (column[around.owner] for column in links[1:])
+    return Links(around.position, *rest)
+
+
+def flat_box(frame: Frame) -> Box | None:
+    """The periodic box as it is seen along the third axis."""
+    box = box_of(frame)
+    return None if box is None else box._replace(sides=box.sides[:2])
+
+
+def _beside(frame: Frame) -> float:
+    return BESIDE * float(frame.arrays["radius"].max())
 
 
 def view_of(frames: Sequence[Frame]) -> View:
-    """The periodic box, or all that the spheres of these frames ever reach."""
-    if "box_width" in frames[0].numbers:
-        width = max(frame.numbers["box_width"] for frame in frames)
-        height = max(frame.numbers["box_height"] for frame in frames)
-        return view_around(width / 2, height / 2, 1.04 * width, 1.04 * height)
+    """The periodic box and some of what is beside it, or all that the spheres of these frames ever reach."""
+    boxes = [box for frame in frames if (box := flat_box(frame)) is not None]
+    if boxes:
+        width, height = np.max([box.sides for box in boxes], axis=0)
+        beside = 2.0 * _beside(frames[0])
+        return view_around(width / 2, height / 2, width + beside, height + beside)
     edge = [frame.arrays["radius"][:, None] for frame in frames]
     place = [frame.arrays["position"][:, :2] for frame in frames]
     low = np.min([(x - r).min(axis=0) for x, r in zip(place, edge, strict=True)], axis=0)
@@ -108,24 +132,31 @@ class Packing:
         kinds = species(scene)
         with style():
             axes = _axes(self.figure, self.view)
+            self.colors = [to_rgba(kind.color, PALE) for kind in kinds]
+            self.beside = PolyCollection([], edgecolors=to_rgba(INK, PALE), linewidths=0.6, zorder=1)
             self.spheres = discs(axes, sample[0], kinds)
+            self.outline = Polygon(np.zeros((4, 2)), closed=True, fill=False, edgecolor=INK, linewidth=1.2, zorder=5)
+            self.outline.set_linestyle("--")
+            axes.add_patch(self.outline)
             self.forces = LineCollection([], capstyle="round", zorder=3)
             self.films = LineCollection([], cmap=GAP_COLORS, norm=self.norm, linewidths=3.0, zorder=4)
             self.marks = LineCollection([], colors=INK, linewidths=1.2, capstyle="round", zorder=2.5)
-            for lines in (self.marks, self.forces, self.films):
+            for lines in (self.beside, self.marks, self.forces, self.films):
                 axes.add_collection(lines, autolim=False)
             self.time = clock(axes)
             bar = scale_bar(axes, self.view)
             _gap_bar(axes, self.films)
             labels(axes, scene.title, kinds)
             _force_legend(axes, self.largest)
-        moving: list[Artist] = [self.spheres, self.marks, self.forces, self.films, *bar, self.time]
+        below: list[Artist] = [self.beside, self.spheres, self.marks]
+        moving = [*below, self.forces, self.films, self.outline, *bar, self.time]
         self._layers = Layers(self.figure, moving)
         self.show(sample[0])
 
     def show(self, frame: Frame) -> None:
         """Put a frame into the picture."""
-        links = links_of(frame)
+        links = links_around(frame)
+        self._show_box(frame)
         self.spheres.set_offsets(frame.arrays["position"][:, :2])
         self.marks.set_segments(list(marks_of(frame)))
         self.forces.set_segments(list(np.stack([links.first, links.first + links.along], axis=1)))
@@ -135,6 +166,19 @@ class Packing:
         self.films.set_segments(list(_film_lines(links)[narrow]))
         self.films.set_array(links.gap[narrow])
         self.time.set_text(f"{frame.time:.4g} s")
+
+    def _show_box(self, frame: Frame) -> None:
+        """Outline and copies of a periodic box."""
+        box = flat_box(frame)
+        self.outline.set_visible(box is not None)
+        if box is None:
+            return
+        place, radius = frame.arrays["position"][:, :2], frame.arrays["radius"]
+        around = copies(place, box, _beside(frame) + float(radius.max()))
+        here, owner = around.position[len(place) :], around.owner[len(place) :]
+        self.beside.set_verts(list(here[:, None] + radius[owner, None, None] * CIRCLE))
+        self.beside.set_facecolor([self.colors[kind] for kind in frame.arrays["species"][owner]])
+        self.outline.set_xy(box.sides * [(0, 0), (1, 0), (1, 1), (0, 1)])
 
     def pixels(self, frame: Frame) -> Pixels:
         """The picture of a frame, shape (height, width, 4); good until the next one is asked for."""

@@ -1,0 +1,279 @@
+"""Figures of what is measured in a sheared packing: gaps, coordination, flow, T1 events, non-affine motion, moduli."""
+
+from __future__ import annotations
+
+import itertools
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import EllipseCollection
+from matplotlib.figure import Figure
+
+from ecume.analysis.affinity import local_deformation, nonaffine_displacement
+from ecume.analysis.boxes import copies
+from ecume.analysis.contacts import films, gap_distribution
+from ecume.analysis.rearrangements import Swaps, neighbor_swaps
+from ecume.analysis.rheology import FlowPoint, Moduli, flow_point, moduli
+from ecume.analysis.series import number, series, times
+from ecume.errors import BadInput
+from ecume.scenes.soft import SoftScene
+from ecume.show.curves import Frames, span, thinned
+from ecume.show.soft.packing import flat_box
+from ecume.show.style import INK, MUTED, PALETTE, figure, legend_outside, plain, scale_for, style
+from ecume.trajectories.frame import Frame
+from ecume.units import Array
+
+INSTANTS = 4
+"""Of the gaps' distribution."""
+NEAR = 3.0
+"""Radii of the largest sphere within which neighbors say how a neighborhood was deformed."""
+APART = 0.02
+"""Of strain: frames between which non-affine motion is shown are at least so far apart, if there are such."""
+
+
+def gap_histogram(frames: Frames, scene: Any) -> Figure:
+    """How gaps are distributed, at some instants: the area below each curve is one."""
+    chosen = [frames[round(place)] for place in np.linspace(0, len(frames) - 1, min(INSTANTS, len(frames)))]
+    gaps = [films(frame).gap for frame in chosen]
+    everyone = np.concatenate(gaps)
+    if not len(everyone):
+        raise BadInput("there are no films whose gaps could be shown")
+    ends = float(everyone.min()), float(everyone.max())
+    with style():
+        drawn = figure()
+        axes = drawn.add_subplot(xlabel="gap (m)", ylabel="probability of ln(gap)", title=plain(scene.title))
+        for frame, gap, color in zip(chosen, gaps, PALETTE, strict=False):
+            if len(gap):
+                found = gap_distribution(gap, bins=24, span=ends)
+                axes.stairs(found.density, found.edges, color=color, linewidth=1.4, label=f"{frame.time:.3g} s")
+        axes.set_xscale("log")
+        legend_outside(axes)
+    return drawn
+
+
+def coordination(frames: Frames, scene: Any) -> Figure:
+    """How many close neighbors a sphere has, their mean gap and the narrowest, over time."""
+    shown = thinned(frames)
+    neighbors, mean, least = series(shown, *map(number, ("coordination", "mean_gap", "smallest_gap")))
+    scale = scale_for(float(np.nanmax(np.append(mean, least))), "m")
+    with style():
+        drawn = figure(6.4, 4.8)
+        above, below = drawn.subplots(2, 1, sharex=True)
+        above.plot(times(shown), neighbors, color=PALETTE[1])
+        above.set(ylabel="close neighbors", title=plain(scene.title))
+        below.plot(times(shown), scale.factor * mean, color=PALETTE[2], label="mean of close ones")
+        below.plot(times(shown), scale.factor * least, color=PALETTE[0], label="narrowest")
+        below.set(yscale="log", ylabel=f"gap ({scale.unit})", xlabel="time (s)", xlim=span(times(shown)))
+        legend_outside(below)
+    return drawn
+
+
+def viscosity(frames: Frames, scene: Any) -> Figure:
+    """Shear stress in its parts, and viscosity, over time."""
+    _require_box(scene, "stress")
+    shown = thinned(frames)
+    parts = [name for name in ("squeeze", "sliding", "remote") if f"stress_{name}_xy" in shown[0].numbers]
+    total, *shares, thick = series(
+        shown, *map(number, ("shear_stress", *(f"stress_{name}_xy" for name in parts), "viscosity"))
+    )
+    scale = scale_for(float(np.abs(total).max()), shown[0].units["shear_stress"])
+    with style():
+        drawn = figure(6.4, 4.8)
+        above, below = drawn.subplots(2, 1, sharex=True)
+        above.plot(times(shown), scale.factor * total, color=INK, label="all")
+        for name, share, color in zip(parts, shares, PALETTE, strict=False):
+            above.plot(times(shown), scale.factor * share, color=color, linewidth=1.2, label=f"films, {name}")
+        above.set(ylabel=f"shear stress ({scale.unit})", title=plain(scene.title))
+        legend_outside(above)
+        # Rates pass through zero where shear turns round: what is beyond all others there is not the liquid's.
+        below.plot(times(shown), thick, color=PALETTE[1])
+        below.set(ylabel=f"viscosity ({shown[0].units['viscosity']})", xlabel="time (s)", xlim=span(times(shown)))
+        _within_most(below, thick)
+    return drawn
+
+
+def _within_most(axes: Axes, values: Array) -> None:
+    """From the first to the last percent of what is finite."""
+    finite = values[np.isfinite(values)]
+    if len(finite):
+        low, high = np.percentile(finite, (1, 99))
+        margin = 0.08 * (high - low) or 1.0
+        axes.set_ylim(low - margin, high + margin)
+
+
+def swaps(frames: Frames, scene: Any) -> Figure:
+    """T1 events: where they happened, in the last frame, and how many over time."""
+    found = neighbor_swaps(frames)
+    with style():
+        drawn = figure(8.6, 4.2)
+        where, when = drawn.subplots(1, 2, width_ratios=(1.0, 1.0))
+        marks = _swap_map(where, frames[-1], found)
+        if marks is not None:
+            drawn.colorbar(marks, ax=where, label="time (s)", shrink=0.8)
+        count = np.arange(1, len(found.events) + 1)
+        order = np.argsort(found.times)
+        when.step(found.times[order], count, where="post", color=PALETTE[1])
+        when.set(xlabel="time (s)", ylabel="T1 events so far", title=plain(scene.title), xlim=span(times(frames)))
+        when.set_ylim(bottom=0)
+        if found.unpaired:
+            told = f"other changes of neighbors: {found.unpaired}"
+            when.text(0.02, 0.97, told, transform=when.transAxes, va="top", color=MUTED, fontsize=8)
+    return drawn
+
+
+def _swap_map(axes: Axes, frame: Frame, found: Swaps) -> Any:
+    """The spheres' outlines, and a dot for each event."""
+    _outlines(axes, frame)
+    axes.set_title("where (outlines: at the end)")
+    if not found.events:
+        return None
+    look: dict[str, Any] = {"cmap": "viridis", "s": 26, "zorder": 3, "edgecolors": "white", "linewidths": 0.5}
+    return axes.scatter(found.places[:, 0], found.places[:, 1], c=found.times, **look)
+
+
+def _outlines(axes: Axes, frame: Frame) -> None:
+    """The spheres in the plane, unfilled, with copies across periodic borders."""
+    position, radius, box = frame.arrays["position"][:, :2], frame.arrays["radius"], flat_box(frame)
+    margin = float(radius.max())
+    around = copies(position, box, margin)
+    diameter = 2.0 * radius[around.owner]
+    look: dict[str, Any] = {"facecolors": "none", "edgecolors": MUTED, "linewidths": 0.5, "units": "xy"}
+    rings = EllipseCollection(
+        diameter, diameter, np.zeros_like(diameter), offsets=around.position, offset_transform=axes.transData, **look
+    )
+    axes.add_collection(rings, autolim=False)
+    low, high = (np.zeros(2), box.sides) if box else (position.min(axis=0) - margin, position.max(axis=0) + margin)
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal", xlabel="x (m)", ylabel="y (m)")
+    axes.locator_params(nbins=5)
+    axes.grid(visible=False)
+
+
+def nonaffine(frames: Frames, scene: Any) -> Figure:
+    """Motion beyond the box's own deformation up to the last frame, and what local deformations leave of it."""
+    _require_box(scene, "even deformation")
+    before, after = _strain_apart(frames)
+    moved = nonaffine_displacement(before, after)
+    reach = NEAR * float(after.arrays["radius"].max())
+    rest = np.sqrt(local_deformation(before, after, reach).rest) / float(after.arrays["radius"].mean())
+    place = after.arrays["position"]
+    with style():
+        drawn = figure(6.2, 4.8)
+        axes = drawn.add_subplot()
+        _outlines(axes, after)
+        dots = axes.scatter(place[:, 0], place[:, 1], c=rest, cmap="magma_r", s=30, zorder=2)
+        arrows = axes.quiver(*place[:, :2].T, *moved[:, :2].T, color=INK, width=0.004, zorder=3)
+        longest = float(np.linalg.norm(moved, axis=1).max())
+        scale = scale_for(longest, "m")
+        if longest > 0.0:
+            told = f"{longest * scale.factor:.3g} {scale.unit}"
+            axes.quiverkey(arrows, 0.85, 1.04, longest, told, labelpos="E", fontproperties={"size": 8})
+        drawn.colorbar(dots, ax=axes, label="root of D²min (mean radii)", shrink=0.8)
+        told = f"from {before.time:.3g} s to {after.time:.3g} s"
+        axes.text(0.0, 1.01, told, transform=axes.transAxes, fontsize=8, color=MUTED)
+        axes.set_title(plain(scene.title), pad=16)
+    return drawn
+
+
+def _strain_apart(frames: Frames) -> tuple[Frame, Frame]:
+    """The last frame, and the latest that was strained differently enough, or the one before."""
+    if len(frames) < 2:
+        raise BadInput("motion takes two frames or more")
+    (strain,) = series(frames, number("strain"))
+    far = np.flatnonzero(np.abs(strain[:-1] - strain[-1]) >= APART)
+    return frames[int(far[-1]) if len(far) else len(frames) - 2], frames[-1]
+
+
+def flow_points(frames: Frames, scene: SoftScene) -> list[FlowPoint]:
+    """The flow in the second half of each time between two moments of the protocol, where it is sheared and pressed."""
+    now = times(frames)
+    turns = sorted({0.0, *(stage.time for stage in scene.protocol), float(now[-1])})
+    thickness = 2.0 * float(frames[0].arrays["radius"].mean()) if frames[0].arrays["position"].shape[1] == 2 else 1.0
+    found = []
+    for start, end in itertools.pairwise(turns):
+        inside = np.flatnonzero((now > 0.5 * (start + end)) & (now <= end))
+        part = [frames[int(index)] for index in inside]
+        if len(part) < 4 or part[-1].numbers["strain"] == part[0].numbers["strain"]:
+            continue
+        if series(part, number("normal_stress")).mean() > 0.0:
+            found.append(flow_point(part, scene.liquid.viscosity, thickness))
+    return found
+
+
+def flow_curve(frames: Frames, scene: Any) -> Figure:
+    """Friction and volume fraction over the viscous number: a point for each part of the protocol."""
+    _require_box(scene, "flow")
+    found = flow_points(frames, scene)
+    if not found:
+        raise BadInput("nowhere in this run is the packing sheared while its normal stress is a compression")
+    with style():
+        drawn = figure(6.4, 4.8)
+        above, below = drawn.subplots(2, 1, sharex=True)
+        number_ = [point.viscous_number.value for point in found]
+        spread = [point.viscous_number.error for point in found]
+        for axes, name, label in ((above, "friction", "friction μ"), (below, "fraction", "volume fraction φ")):
+            values = [getattr(point, name) for point in found]
+            axes.errorbar(
+                number_, [one.value for one in values], [one.error for one in values], spread, "o", color=PALETTE[1]
+            )
+            axes.set_ylabel(label)
+        above.set_title(plain(scene.title))
+        below.set(xlabel="viscous number J = η |rate| / P", xscale="log")
+    return drawn
+
+
+def oscillations(frames: Frames, scene: SoftScene) -> list[tuple[float, Moduli]]:
+    """The frequency (1/s) and the moduli of each oscillation of the protocol; of several periods, but the first."""
+    now, strain, stress = times(frames), *series(frames, number("strain"), number("shear_stress"))
+    ends = [*(stage.time for stage in scene.protocol[1:]), float(now[-1])]
+    found = []
+    for stage, end in zip(scene.protocol, ends, strict=True):
+        if stage.oscillation is None:
+            continue
+        period = 1.0 / stage.oscillation.frequency
+        start = stage.time + (period if end - stage.time >= 2.0 * period * (1.0 - 1e-9) else 0.0)
+        inside = (now >= start * (1.0 - 1e-9)) & (now <= end * (1.0 + 1e-9))
+        if inside.any() and now[inside][-1] - now[inside][0] >= period * (1.0 - 1e-9):
+            found.append((stage.oscillation.frequency, moduli(now[inside], strain[inside], stress[inside], period)))
+    return found
+
+
+def storage_and_loss(frames: Frames, scene: Any) -> Figure:
+    """Stress over strain, and the storage and loss moduli of each oscillation in the protocol over its frequency."""
+    _require_box(scene, "stress")
+    found = oscillations(frames, scene)
+    if not found:
+        raise BadInput("the protocol has no oscillation of a whole period; see protocol.oscillation")
+    strain, stress = series(frames, number("strain"), number("shear_stress"))
+    unit = frames[0].units["shear_stress"]
+    with style():
+        drawn = figure(8.4, 3.8)
+        loops, spectrum = drawn.subplots(1, 2)
+        loops.plot(strain, stress, color=PALETTE[1], linewidth=0.9)
+        loops.set(xlabel="strain", ylabel=f"shear stress ({unit})", title=plain(scene.title))
+        frequency = [one for one, _ in found]
+        for name, label, mark, color in (("storage", "G′", "o", PALETTE[0]), ("loss", "G″", "s", PALETTE[2])):
+            values = [getattr(answer, name) for _, answer in found]
+            spectrum.errorbar(
+                frequency, [one.value for one in values], [one.error for one in values],
+                fmt=mark + "-", color=color, label=label, markersize=4,
+            )  # fmt: skip
+        spectrum.set(xlabel="frequency (1/s)", ylabel=f"modulus ({unit})", xscale="log", yscale="log")
+        spectrum.legend()
+    return drawn
+
+
+def _require_box(scene: Any, what: str) -> None:
+    if scene.box is None:
+        raise BadInput(f"there is no box whose {what} could be drawn")
+
+
+MEASURE_FIGURES = {
+    "gap-distribution": gap_histogram,
+    "coordination": coordination,
+    "viscosity": viscosity,
+    "swaps": swaps,
+    "nonaffine": nonaffine,
+    "flow-curve": flow_curve,
+    "moduli": storage_and_loss,
+}
