@@ -79,7 +79,7 @@ RESCALED = (
 )  # fmt: skip
 LIQUID = flotation.Liquid(density=3.0, surface_tension=0.7, viscosity=0.2, gravity=1.9, gas_density=0.4)
 SAMPLES = {
-    "distance": 0.83, "center_distance": 0.31, "r": 0.31, "dish_radius": 0.97, "width": 1.7, "position": (0.2, -0.3),
+    "distance": 0.83, "center_distance": 0.31, "touching_distance": 0.4, "r": 0.31, "dish_radius": 0.97, "width": 1.7, "position": (0.2, -0.3),
     "size": (1.7, 1.1), "capillary_length": 0.52, "strength": 0.37, "surface_tension": 0.61, "charge": 0.11,
     "charge_i": 0.13, "charge_j": -0.07, "wall_amplitude": 0.23, "radius": 0.21, "bond_number": 0.4, "wall_weight": 0.8,
     "density_ratio": 0.6, "contact_angle": 0.9, "filling_angle": 2.0, "slope_angle": 0.3, "cutoff": 3.0,

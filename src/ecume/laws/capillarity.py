@@ -136,6 +136,23 @@ def legacy_wall_strength(
     return 2.0 * math.pi * surface_tension * charge * charge
 
 
+def one_sided_legacy_force(
+    distance: Length, strength: Energy, capillary_length: Length, touching_distance: Length
+) -> Force:
+    """The original program's force of one float on another; positive would repel, and it never does.
+
+    F = -(S/L) K1(l/L) with S the `pair_strength` of the *other* with itself, 2 pi gamma A_j^2, and zero once the two
+    touch. For comparison only: it breaks Newton's third law for unlike floats, draws heavy ones to light ones, and
+    lets a raft go that should hold together. Erratum of [canbraun2022, eq. 21].
+
+    >>> one_sided_legacy_force(2.0, 1.0, 2.0, 1.0) < 0.0 == one_sided_legacy_force(1.0, 1.0, 2.0, 1.0)
+    True
+    """
+    if distance <= touching_distance:
+        return 0.0 * strength / capillary_length
+    return -strength / capillary_length * bessel_k1(distance / capillary_length)
+
+
 def two_point_legacy_energy(
     center_distance: Length, strength: Energy, capillary_length: Length, dish_radius: Length
 ) -> Energy:
@@ -236,6 +253,7 @@ class WallLaw(NamedTuple):
 
 WALLS = {
     "meniscus": WallLaw(dish_energy, dish_force),
+    "linear": WallLaw(dish_energy, dish_force),
     "two-point-legacy": WallLaw(two_point_legacy_energy, two_point_legacy_force),
     "none": WallLaw(no_wall_energy, no_wall_force),
 }

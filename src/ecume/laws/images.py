@@ -7,6 +7,7 @@ contact line mirrors it upside down, and repels: for either sign of the charge. 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -44,9 +45,9 @@ def image_force(charge: Length, r: Lengths, dish_radius: Length, liquid: Liquid,
     distances = as_distances("r", r)
     if bool(np.any(distances >= dish_radius)):
         raise BadInput(f"r is {np.max(distances):g} m; wanted less than the dish's radius, {dish_radius:g} m")
-    sums = [_sum(float(each) / length, dish_radius / length, sign) for each in distances.ravel()]
+    slope = dish_sums(distances.ravel() / length, dish_radius / length, sign).slope
     strength = 2.0 * math.pi * liquid.surface_tension * charge**2 / length
-    return as_given(strength * np.reshape(np.array(sums), distances.shape))
+    return as_given(strength * np.reshape(slope, distances.shape))
 
 
 def plane_image_force(charge: Length, distance: Lengths, liquid: Liquid, wall: str = "fixed-angle") -> Forces:
@@ -111,36 +112,44 @@ def _line(x: float, width: float, sign: float) -> list[tuple[float, float]]:
     return images
 
 
-def _sum(r: float, dish_radius: float, sign: float) -> float:
-    """The sum over m; lengths in L."""
-    near = max(r, CENTER)
-    terms = math.ceil(DIGITS / -math.log(near / dish_radius)) + 20
+class Sums(NamedTuple):
+    """Over the orders m of a dish's images, at each r: of c_m I_m(r)^2 and of c_m I_m(r) I_m'(r)."""
+
+    height: Array
+    slope: Array
+
+
+def dish_sums(r: Array, dish_radius: float, sign: float) -> Sums:
+    """Both sums, for distances (n,) from the axis and a dish's radius, in L; `sign` as in `WALLS`."""
+    near = np.maximum(r, CENTER)
+    terms = math.ceil(DIGITS / -math.log(float(near.max()) / dish_radius)) + 20
     if terms > MOST_TERMS:
         raise BadInput(
-            f"r is within {dish_radius - r:.2g} capillary lengths of the wall of a dish of {dish_radius:.4g}: "
+            f"r is within {dish_radius - r.max():.2g} capillary lengths of the wall of a dish of {dish_radius:.4g}: "
             "too near for the sum; use plane_image_force"
         )
-    m = np.arange(terms)
-    inner, outer, falling = _i_ratios(near, terms), _i_ratios(dish_radius, terms), _k_ratios(dish_radius, terms)
-    log_i = math.log(scaled_bessel_i0(near)) + near + _running(inner)
-    log_i_wall = math.log(scaled_bessel_i0(dish_radius)) + dish_radius + _running(outer)
-    log_k_wall = math.log(scaled_bessel_k0(dish_radius)) - dish_radius + _running(falling)
-    weight = np.exp(log_k_wall - log_i_wall + 2.0 * log_i) * (inner + m / near) * np.where(m == 0, 1.0, 2.0)
+    m, wall = np.arange(terms)[:, None], np.array([dish_radius])
+    inner, outer, falling = _i_ratios(near, terms), _i_ratios(wall, terms), _k_ratios(dish_radius, terms)
+    start_i = np.array([math.log(scaled_bessel_i0(x)) + x for x in near])
+    start_wall = math.log(scaled_bessel_i0(dish_radius)) + dish_radius
+    start_k = math.log(scaled_bessel_k0(dish_radius)) - dish_radius
+    logarithm = 2.0 * (start_i + _running(inner)) + start_k + _running(falling) - start_wall - _running(outer)
+    weight = np.exp(logarithm) * np.where(m == 0, 1.0, 2.0)
     if sign > 0.0:
-        weight *= (falling - m / dish_radius) / (outer + m / dish_radius)
-    return sign * float(weight.sum()) * r / near
+        weight = weight * (falling - m / dish_radius) / (outer + m / dish_radius)
+    slope = (weight * (inner + m / near)).sum(axis=0) * r / near
+    return Sums(sign * weight.sum(axis=0), sign * slope)
 
 
 def _running(ratios: Array) -> Array:
     """Logarithms of the products of the ratios before each."""
-    return np.concatenate([[0.0], np.cumsum(np.log(ratios[:-1]))])
+    return np.concatenate([np.zeros((1, ratios.shape[1])), np.cumsum(np.log(ratios[:-1]), axis=0)])
 
 
-def _i_ratios(x: float, terms: int) -> Array:
+def _i_ratios(x: Array, terms: int) -> Array:
     """I_{m+1}(x)/I_m(x), downwards from a guess that is forgotten on the way: orders and arguments never overflow."""
-    ratios = np.empty(terms)
-    ratio = 0.0
-    for m in range(terms + 30 + int(x), 0, -1):
+    ratios, ratio = np.empty((terms, len(x))), np.zeros_like(x)
+    for m in range(terms + 30 + int(x.max()), 0, -1):
         ratio = 1.0 / (ratio + 2.0 * m / x)
         if m <= terms:
             ratios[m - 1] = ratio
@@ -149,7 +158,7 @@ def _i_ratios(x: float, terms: int) -> Array:
 
 def _k_ratios(x: float, terms: int) -> Array:
     """K_{m+1}(x)/K_m(x), upwards."""
-    ratios = np.empty(terms)
+    ratios = np.empty((terms, 1))
     ratios[0] = scaled_bessel_k1(x) / scaled_bessel_k0(x)
     for m in range(1, terms):
         ratios[m] = 1.0 / ratios[m - 1] + 2.0 * m / x

@@ -12,25 +12,29 @@ import numpy as np
 from ecume.engine.walls import Walls
 from ecume.engine.walls import dishes as wall_shapes
 from ecume.errors import BadInput, EcumeError, Fault, SceneError
-from ecume.laws import capillarity, drag, flotation, meniscus
+from ecume.laws import capillarity, drag, flotation, images, meniscus
 from ecume.laws.contact import legacy_restitution
 from ecume.laws.screened import fit_k1
 from ecume.models.floating.pace import LARGEST_OVER_CHOSEN, LOOSEST_OVER_CHOSEN, chosen_step
 from ecume.models.floating.parameters import (
+    CAPILLARY,
     CONTACT_LAWS,
     DISH,
     LEGACY,
     LEGACY_DISH,
     NO_WALL_LAW,
+    PAIR_LAWS,
     PLANE,
     RK4,
     SCHEMES,
+    TABLED,
     VELOCITY_VERLET,
     Floats,
     Kick,
     Parameters,
     pack_pair,
 )
+from ecume.models.floating.wall_tables import WallKind, wall_table
 from ecume.models.liquids import liquid_of
 from ecume.scenes.floating import FloatingScene, FloatRow, FloatSpec, species_of
 from ecume.units import Array
@@ -76,6 +80,7 @@ def afloat(given: FloatSpec | FloatRow, scene: FloatingScene) -> Afloat:
     liquid = liquid_of(scene)
     sphere = flotation.Sphere(given.radius, given.density, contact_angle_of(given, liquid))
     balance = flotation.equilibrium(sphere, liquid)
+    assert scene.interaction.charge is not None  # noqa: S101  # the scene has filled it in
     charge = flotation.capillary_charge(sphere, liquid, scene.interaction.charge)
     factor = float(drag.factor_at_filling(balance.filling_angle))
     mass = given.density * 4.0 / 3.0 * math.pi * given.radius**3
@@ -147,15 +152,18 @@ def walls_of(scene: FloatingScene) -> Walls:
 
 def wall_law_of(scene: FloatingScene) -> int:
     """Which compiled law the walls follow."""
-    if scene.dish is None or scene.dish.law == "none":
+    dish = scene.dish
+    if dish is None or (dish.law == "none" and dish.image == "none"):
         return NO_WALL_LAW
-    if scene.dish.radius is None:
-        if scene.dish.law != "meniscus":
-            raise _fault(
-                "dish.law", f"{scene.dish.law!r} is for round dishes; a rectangular one has 'meniscus' or 'none'"
-            )
-        return PLANE
-    return DISH if scene.dish.law == "meniscus" else LEGACY_DISH
+    if dish.law == "two-point-legacy":
+        if dish.radius is None:
+            raise _fault("dish.law", f"{dish.law!r} is for round dishes; a rectangular one has the others")
+        if dish.image != "none":
+            raise _fault("dish.image", f"{dish.law!r} knows no images; leave them out, or take another law")
+        return LEGACY_DISH
+    if dish.image != "none" or dish.law == "profile":
+        return TABLED
+    return PLANE if dish.radius is None else DISH
 
 
 def wall_strengths(scene: FloatingScene, floats: Floats) -> Array:
@@ -174,21 +182,35 @@ def wall_strengths(scene: FloatingScene, floats: Floats) -> Array:
             for radius, bond in zip(floats.radius, bonds, strict=True)
         ]
         return np.array([rows])
-    amplitudes = _amplitudes(scene, liquid)
+    amplitudes = _amplitudes(scene, liquid) if scene.dish.law != "none" else [0.0] * count
     return np.array(
         [[capillarity.wall_strength(tension, charge, wall) for charge in floats.charge] for wall in amplitudes]
     )
 
 
 def _amplitudes(scene: FloatingScene, liquid: flotation.Liquid) -> list[float]:
-    """Far amplitude of each wall's meniscus (m)."""
-    assert scene.dish is not None  # noqa: S101  # only asked with a dish
-    angle = scene.dish.contact_angle
-    if scene.dish.size is None:
-        return [meniscus.wall_amplitude(angle, liquid)]
-    width, height = scene.dish.size
-    across, along = (meniscus.facing_amplitude(side, angle, liquid) for side in (width, height))
+    """Far amplitude of each wall's meniscus (m); a table of a round dish is in capillary lengths."""
+    dish = scene.dish
+    assert dish is not None  # noqa: S101  # only asked with a dish
+    angle, theory = dish.contact_angle, "linear" if dish.law == "linear" else "amplitude"
+    try:
+        if dish.size is None:
+            alone = meniscus.AMPLITUDES[theory](angle, liquid)
+            return [liquid.capillary_length if wall_law_of(scene) == TABLED else alone]
+        across, along = (meniscus.facing_amplitude(side, angle, liquid, theory) for side in dish.size)
+    except BadInput as error:
+        raise _fault("dish.law", str(error)) from None
     return [across, along, across, along]
+
+
+def wall_table_of(scene: FloatingScene, smallest: float) -> Array:
+    """The walls' table, or an empty one."""
+    dish = scene.dish
+    if dish is None or wall_law_of(scene) != TABLED:
+        return np.zeros((6, 2))
+    assert dish.law is not None  # noqa: S101  # the scene has filled it in
+    kind = WallKind(dish.contact_angle, dish.law, dish.image, dish.radius)
+    return wall_table(kind, liquid_of(scene), 0.5 * smallest)
 
 
 def kick_of(scheme: int, time_step: float, floats: Floats, walls: int) -> Kick:
@@ -207,14 +229,15 @@ def parameters_of(scene: FloatingScene) -> Parameters:
     """Everything a run needs and never changes. Raises SceneError."""
     _check_names(scene)
     floats, liquid = floats_of(scene), liquid_of(scene)
-    length, interacting = liquid.capillary_length, scene.interaction.law == "capillary"
+    length, pair_law = liquid.capillary_length, PAIR_LAWS.index(str(scene.interaction.law))
     cutoff = capillarity.truncation_radius(scene.interaction.accuracy) * length
     smallest, largest = float(floats.radius.min()), float(floats.radius.max())
     try:
         fit = fit_k1(2.0 * DEEPEST_TOUCH * smallest / length, (cutoff + largest) / length)
     except BadInput as error:
         raise _fault("floats", str(error)) from None
-    tension = liquid.surface_tension if interacting else 0.0
+    tension = liquid.surface_tension if pair_law == CAPILLARY else 0.0
+    mirrored = scene.dish is not None and scene.dish.image != "none"
     walls, scheme = walls_of(scene), SCHEMES.index(scene.motion.integrator)
     skin = max(0.2 * largest, min(0.4 * length, largest))
     parameters = Parameters(
@@ -223,6 +246,7 @@ def parameters_of(scene: FloatingScene) -> Parameters:
         scheme=scheme,
         floats=floats,
         kick=kick_of(scheme, 1.0, floats, wall_shapes.wall_count(walls)),
+        pair_law=pair_law,
         pair=pack_pair(capillarity.pair_strength(tension, 1.0, 1.0), length, cutoff, liquid.surface_tension, fit),
         cutoff=cutoff,
         skin=skin,
@@ -230,6 +254,8 @@ def parameters_of(scene: FloatingScene) -> Parameters:
         walls=walls,
         wall_law=wall_law_of(scene),
         wall_strength=wall_strengths(scene, floats),
+        wall_table=wall_table_of(scene, smallest),
+        image_strength=capillarity.pair_strength(liquid.surface_tension, 1.0, 1.0) if mirrored else 0.0,
         contact_law=_contact_law(scene),
         restitution=_restitution(scene),
         wall_restitution=scene.dish.restitution if scene.dish is not None else 0.0,
@@ -302,11 +328,12 @@ def _check_names(scene: FloatingScene) -> None:
     choices = [
         ("motion.integrator", scene.motion.integrator, SCHEMES),
         ("contacts.law", scene.contacts.law, ("impulse", "none")),
-        ("interaction.law", scene.interaction.law, ("capillary", "none")),
-        ("interaction.charge", scene.interaction.charge, tuple(flotation.CHARGES)),
+        ("interaction.law", str(scene.interaction.law), PAIR_LAWS),
+        ("interaction.charge", str(scene.interaction.charge), tuple(flotation.CHARGES)),
     ]
     if scene.dish is not None:
-        choices.append(("dish.law", scene.dish.law, tuple(capillarity.WALLS)))
+        choices.append(("dish.law", str(scene.dish.law), (*capillarity.WALLS, "profile")))
+        choices.append(("dish.image", scene.dish.image, ("none", *images.WALLS)))
     faults = [
         Fault(path, f"no such law as {name!r}; {_suggestion(name, known)}")
         for path, name, known in choices

@@ -9,7 +9,7 @@ from typing import Any
 from ecume._jit import compiled_once
 from ecume.errors import BadInput
 from ecume.models.floating.forces import forces_with, pull_rows_with
-from ecume.models.floating.parameters import RARE, PairParameters, Parameters
+from ecume.models.floating.parameters import ONE_SIDED, RARE, PairParameters, Parameters
 from ecume.models.floating.schemes import predict, predict_rarely_with
 from ecume.models.floating.state import State, Workspace
 from ecume.models.floating.stepping import march_with
@@ -105,6 +105,8 @@ def _advance_with_extra(laws: tuple[Callable[..., float], ...]) -> Callable[...,
         return march_with(predict_rarely, forces, parameters, state, scratch, steps)
 
     def advance(parameters: Parameters, state: State, scratch: Workspace, steps: int) -> int:
+        if parameters.pair_law == ONE_SIDED:
+            raise BadInput("extra_laws do not go with interaction.law = 'one-sided-legacy'; take 'capillary' or 'none'")
         return (march_rarely if parameters.scheme in RARE else march)(parameters, state, scratch, steps)
 
     return advance

@@ -23,10 +23,12 @@ from ecume.models.floating.parameters import (
     PLANE,
     STRENGTH,
     SURFACE_TENSION,
+    TABLED,
     PairParameters,
     Parameters,
     unpack_fit,
 )
+from ecume.models.floating.wall_tables import HEIGHT, IMAGE, tabled
 from ecume.units import Array
 
 admit(screened, special, capillarity, constants)
@@ -160,6 +162,7 @@ def forces_with(
 def add_wall_forces(parameters: Parameters, position: Array, force: Array) -> None:
     """The meniscus at the walls pushes or pulls each float."""
     walls, strength, length = parameters.walls, parameters.wall_strength, parameters.pair[CAPILLARY_LENGTH]
+    charge = parameters.floats.charge
     if parameters.wall_law == NO_WALL_LAW:
         return
     for i in range(position.shape[0]):
@@ -170,6 +173,10 @@ def add_wall_forces(parameters: Parameters, position: Array, force: Array) -> No
                 away = plane_wall_force(distance, strength[number, i], length)
             elif parameters.wall_law == DISH:
                 away = dish_force(math.sqrt(x * x + y * y), strength[number, i], length, walls.disc_radius)
+            elif parameters.wall_law == TABLED:
+                mirrored = parameters.image_strength * charge[i] * charge[i]
+                away = -strength[number, i] * tabled(parameters.wall_table, HEIGHT, distance)[1]
+                away -= mirrored * tabled(parameters.wall_table, IMAGE, distance)[1]
             else:
                 away = two_point_legacy_force(math.sqrt(x * x + y * y), strength[number, i], length, walls.disc_radius)
             force[i, 0] += away * inward_x

@@ -19,9 +19,11 @@ from ecume.models.floating.parameters import (
     NO_WALL_LAW,
     PLANE,
     STRENGTH,
+    TABLED,
     Parameters,
 )
 from ecume.models.floating.state import COLLISIONS, DEEPEST, SWEEPS, UNCONVERGED, State, Workspace
+from ecume.models.floating.wall_tables import HEIGHT, IMAGE, tabled
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
@@ -83,7 +85,7 @@ def sum_of_pair_energies(position: Array, charge: Array, pair: Array, rows: tupl
 def sum_of_wall_energies(parameters: Parameters, position: Array) -> float:
     """Energies of all floats in the walls' menisci."""
     walls, strength, length = parameters.walls, parameters.wall_strength, parameters.pair[CAPILLARY_LENGTH]
-    total = 0.0
+    charge, total = parameters.floats.charge, 0.0
     if parameters.wall_law == NO_WALL_LAW:
         return total
     for i in range(position.shape[0]):
@@ -94,6 +96,11 @@ def sum_of_wall_energies(parameters: Parameters, position: Array) -> float:
                 total += plane_wall_energy(wall_distance(walls, number, x, y)[0], strength[number, i], length)
             elif parameters.wall_law == DISH:
                 total += dish_energy(out, strength[number, i], length, walls.disc_radius)
+            elif parameters.wall_law == TABLED:
+                distance = wall_distance(walls, number, x, y)[0]
+                mirrored = parameters.image_strength * charge[i] * charge[i]
+                total += strength[number, i] * tabled(parameters.wall_table, HEIGHT, distance)[0]
+                total += mirrored * tabled(parameters.wall_table, IMAGE, distance)[0]
             else:
                 total += two_point_legacy_energy(out, strength[number, i], length, walls.disc_radius)
     return total

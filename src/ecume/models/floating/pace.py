@@ -7,7 +7,8 @@ import math
 import numpy as np
 
 from ecume.laws.special import bessel_k0, bessel_k1
-from ecume.models.floating.parameters import CAPILLARY_LENGTH, STRENGTH, Floats, Parameters
+from ecume.models.floating.parameters import CAPILLARY_LENGTH, STRENGTH, TABLED, Floats, Parameters
+from ecume.models.floating.wall_tables import HEIGHT, IMAGE
 from ecume.units import Array
 
 GOOD = 0.05
@@ -35,12 +36,26 @@ def stiffness_over_mass(parameters: Parameters) -> tuple[Array, Array]:
     # The strongest partner of any kind bounds them all: a table of a thousand different floats costs a thousand
     # evaluations.
     strongest, smallest = float(np.max(kinds[:, 1])), float(np.min(kinds[:, 0]))
-    wall = float(np.max(np.abs(parameters.wall_strength), initial=0.0)) / parameters.pair[CAPILLARY_LENGTH] ** 2
+    wall = wall_stiffness(parameters)
     stiffness = [
         2.0 * RAFT_NEIGHBORS * pair_stiffness(parameters, radius + smallest, charge * strongest) + wall
         for radius, charge, _ in kinds
     ]
     return np.array(stiffness), kinds[:, 2]
+
+
+def wall_stiffness(parameters: Parameters) -> float:
+    """|dF/dd| of the walls on whom they act upon most (N/m), as near as the smallest float comes."""
+    strongest = float(np.max(np.abs(parameters.wall_strength), initial=0.0))
+    if parameters.wall_law != TABLED:
+        return strongest / float(parameters.pair[CAPILLARY_LENGTH]) ** 2
+    floats, distance = parameters.floats, parameters.wall_table[1]
+    near = distance >= float(np.min(floats.radius))
+    stiffness = 0.0
+    for row, strength in ((HEIGHT, strongest), (IMAGE, parameters.image_strength * float(np.max(floats.charge**2)))):
+        force = parameters.wall_table[row + 1] / distance
+        stiffness += strength * float(np.max(np.abs(np.gradient(force, distance)[near])))
+    return stiffness
 
 
 def chosen_step(parameters: Parameters, speed: float) -> float:

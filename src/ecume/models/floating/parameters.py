@@ -19,7 +19,10 @@ RARE = (STORMER_VERLET, RK4)
 CONTACT_LAWS = ("none", "impulse", "legacy")
 NO_CONTACTS, IMPULSE, LEGACY = range(3)
 
-NO_WALL_LAW, DISH, LEGACY_DISH, PLANE = range(4)
+NO_WALL_LAW, DISH, LEGACY_DISH, PLANE, TABLED = range(5)
+
+PAIR_LAWS = ("none", "capillary", "one-sided-legacy")
+NO_PAIR_LAW, CAPILLARY, ONE_SIDED = range(3)
 
 
 class PairParameters(NamedTuple):
@@ -66,6 +69,7 @@ class Parameters(NamedTuple):
     scheme: int
     floats: Floats
     kick: Kick
+    pair_law: int
     pair: Array
     """constants of the pair law, packed: see `pack_pair`"""
     cutoff: float
@@ -76,6 +80,10 @@ class Parameters(NamedTuple):
     wall_law: int
     wall_strength: Array
     """(walls, N) J"""
+    wall_table: Array
+    """see `wall_tables.wall_table`; empty where formulas do"""
+    image_strength: float
+    """N: 2 pi gamma, where walls mirror menisci"""
     contact_law: int
     restitution: float
     wall_restitution: float

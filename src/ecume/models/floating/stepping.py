@@ -19,6 +19,7 @@ from ecume.models.floating.meeting import meet, rest, settle
 from ecume.models.floating.parameters import (
     IMPULSE,
     NO_CONTACTS,
+    ONE_SIDED,
     RARE,
     STORMER_VERLET,
     VELOCITY_VERLET,
@@ -175,4 +176,10 @@ def march_rarely(parameters: Parameters, state: State, workspace: Workspace, ste
 
 def advance(parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
     """See `ecume.models.model.Model.advance`."""
+    if parameters.pair_law == ONE_SIDED:
+        # Imported when asked for: this march is compiled for comparisons only.
+        from ecume.models.floating import legacy
+
+        one_sided = legacy.march_one_sided_rarely if parameters.scheme in RARE else legacy.march_one_sided
+        return one_sided(parameters, state, workspace, steps)
     return (march_rarely if parameters.scheme in RARE else march)(parameters, state, workspace, steps)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import Literal, Self
+from typing import Any, Literal, Self
 
 from pydantic import model_validator
 from pydantic.dataclasses import dataclass
@@ -13,6 +13,26 @@ from ecume.scenes.faults import Complaints, Inconsistent
 from ecume.scenes.floating.bodies import FloatRow, FloatSpec
 from ecume.scenes.floating.surroundings import ContactSpec, DishSpec, InteractionSpec, LiquidSpec, MotionSpec
 from ecume.scenes.quantities import MOST_PARTICLES, MOST_STEPS, STRICT
+
+THEORIES: dict[str, dict[str, dict[str, Any]]] = {
+    "nonlinear": {
+        "interaction": {"law": "capillary", "charge": "nonlinear"},
+        "dish": {"law": "meniscus"},
+        "motion": {"drag": True},
+    },
+    "linear": {
+        "interaction": {"law": "capillary", "charge": "linear"},
+        "dish": {"law": "linear"},
+        "motion": {"drag": True},
+    },
+    "legacy-2022": {
+        "interaction": {"law": "one-sided-legacy", "charge": "linear"},
+        "dish": {"law": "two-point-legacy"},
+        "motion": {"drag": False},
+        "contacts": {"legacy_coefficient": 0.3},
+    },
+}
+"""What each theory says where a scene leaves a law out."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -25,6 +45,8 @@ class FloatingScene(Common):
 
     model: Literal["floating"] = "floating"
     """Which model."""
+    theory: Literal["nonlinear", "linear", "legacy-2022"] = "nonlinear"
+    """Which laws rule where none is named: the exact far field, small slopes everywhere, or the original program's."""
     liquid: LiquidSpec = LiquidSpec()
     """What they float on."""
     floats: tuple[FloatSpec, ...] = ()
@@ -52,6 +74,11 @@ class FloatingScene(Common):
             for index, species in enumerate(self.floats, 1)
         )
         object.__setattr__(self, "floats", named)
+        for part, laws in THEORIES[self.theory].items():
+            given = getattr(self, part)
+            left_out = {key: law for key, law in laws.items() if given is not None and getattr(given, key) is None}
+            if left_out:
+                object.__setattr__(self, part, dataclasses.replace(given, **left_out))
         complaints = [*_population(self), *_steps(self), *_doubles(self)]
         if complaints:
             raise Inconsistent(complaints)

@@ -58,8 +58,11 @@ class DishSpec:
     """Width and height as seen from above (m)."""
     contact_angle: WettingAngle = 0.7853981633974483
     """Of the liquid on the wall (rad): below 90 degrees it climbs."""
-    law: LawName = "meniscus"
-    """How the wall's meniscus pulls: `meniscus`, `two-point-legacy` or `none`."""
+    law: LawName | None = None
+    """How the wall's meniscus pulls: `meniscus`, `profile`, `linear`, `two-point-legacy` or `none`; left out, the
+    theory's."""
+    image: LawName = "none"
+    """What the wall does with a float's own meniscus: `none`, `fixed-angle` (draws it near) or `pinned` (repels it)."""
     density: PositiveDensity = 2500.0
     """Of the wall (kg/m^3), glass if left out; only `two-point-legacy` asks for it."""
     restitution: Proportion = 0.2
@@ -81,8 +84,8 @@ class MotionSpec:
     """`velocity-verlet`, `explicit-euler`, `stormer-verlet`, `semi-implicit-euler` or `rk4`."""
     time_step: Duration | None = None
     """s; left out, the model chooses"""
-    drag: Switch = True
-    """Whether the liquid's viscosity slows the floats down."""
+    drag: Switch | None = None
+    """Whether the liquid's viscosity slows the floats down; left out, it does, but in `legacy-2022`."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -92,7 +95,8 @@ class ContactSpec:
     restitution: Proportion = 0.2
     """What is left of the approach velocity after a bounce."""
     legacy_coefficient: Proportion | None = None
-    """The original's C, which means a restitution of 2C - 1; overrules `restitution`."""
+    """The original's C, which means a restitution of 2C - 1; overrules `restitution`. In `legacy-2022` 0.3, if left
+    out."""
     law: LawName = "impulse"
     """`impulse` or `none`"""
 
@@ -101,9 +105,9 @@ class ContactSpec:
 class InteractionSpec:
     """How the floats' menisci pull at one another."""
 
-    law: LawName = "capillary"
-    """`capillary` or `none`"""
-    charge: LawName = "nonlinear"
-    """Where the capillary charge comes from: `nonlinear`, `closed-form` or `linear`."""
+    law: LawName | None = None
+    """`capillary`, `one-sided-legacy` or `none`; left out, the theory's"""
+    charge: LawName | None = None
+    """Where the capillary charge comes from: `nonlinear`, `closed-form` or `linear`; left out, the theory's."""
     accuracy: Annotated[Proportion, Field(ge=1e-12, le=1e-1)] = 1e-4
     """The part of the force at a raft's edge that may be cut off."""
