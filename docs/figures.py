@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from figures_floating import FIGURES as FLOATING_FIGURES
 from figures_flows import FIGURES as FLOW_FIGURES
 from figures_soft import FIGURES as SOFT_FIGURES
 from figures_sph import FIGURES as SPH_FIGURES
@@ -251,6 +252,7 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     "bowl-energies": bowl_energies,
     "integrators": integrators,
     "cereal-bowl": cereal_bowl,
+    **FLOATING_FIGURES,
     **SOFT_FIGURES,
     **FLOW_FIGURES,
     **SPH_FIGURES,

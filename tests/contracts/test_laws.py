@@ -73,16 +73,17 @@ RESCALED = (
     brownian,
     capillarity, contact, drag, meniscus, flotation.bodies, flotation.balance, flotation.closure, flotation.interaction,
     flotation.equilibria, flotation.shapes, flotation.rims, flotation.lying, flotation.bubbles, flotation.spheroids,
-    flotation.plane, images,
+    flotation.plane, flotation.closeness, images,
     states, column, viscous, diffusion, tension, pace, standoff, waves, flows, lubrication, elasticity,
     remote, soft_pair, quadrupoles, bubbles, interfaces, rubbing,
 )  # fmt: skip
 LIQUID = flotation.Liquid(density=3.0, surface_tension=0.7, viscosity=0.2, gravity=1.9, gas_density=0.4)
 SAMPLES = {
-    "distance": 0.83, "center_distance": 0.31, "touching_distance": 0.4, "r": 0.31, "dish_radius": 0.97, "width": 1.7, "position": (0.2, -0.3),
+    "distance": 0.83, "center_distance": 0.31, "r": 0.31, "dish_radius": 0.97, "width": 1.7, "position": (0.2, -0.3),
     "size": (1.7, 1.1), "capillary_length": 0.52, "strength": 0.37, "surface_tension": 0.61, "charge": 0.11,
     "charge_i": 0.13, "charge_j": -0.07, "wall_amplitude": 0.23, "radius": 0.21, "bond_number": 0.4, "wall_weight": 0.8,
     "density_ratio": 0.6, "contact_angle": 0.9, "filling_angle": 2.0, "slope_angle": 0.3, "cutoff": 3.0,
+    "touching_distance": 0.4,
     "accuracy": 1e-4, "approach_speed": 0.9, "mass": 0.8, "mass_i": 0.8, "mass_j": 1.7, "restitution": 0.4,
     "coefficient": 0.6, "viscosity": 0.3, "factor": 0.5, "friction": 0.2, "solid_gas": 0.3, "solid_liquid": 0.2,
     "liquid_gas": 0.5, "x": 1.7, "coefficients": (0.5, -1.5, 2.5), "liquid": LIQUID,
@@ -106,7 +107,7 @@ SAMPLES = {
     "modulus_i": 5.0, "modulus_j": 3.0, "reduced_radius": 0.25, "deflection": 0.01, "compression": 0.01,
     "gap_weight": 1.2, "deflection_weight": 0.6, "prefactors": elasticity.Prefactors(), "steric_length": 0.05,
     "hamaker": 0.3, "layer_strength": 0.2, "debye_length": 0.04, "force": 0.7, "gap_from": 0.01, "gap_to": 0.2,
-    "separation": 2.7, "reynolds": 30.0, "stokes_reynolds": 3.0, "excess_density": 1.2,
+    "separation": 2.7, "sign": 1.0, "reynolds": 30.0, "stokes_reynolds": 3.0, "excess_density": 1.2,
     "temperature": 300.0, "thermal": 0.4, "weight": 0.6,
     "clearance": 0.05, "stiffness": 4.0, "ratio": 0.7, "deflection_from": 0.04, "deflection_to": 0.03,
     "phase_along": 0.4, "phase_across": 0.9, "phase_x": 0.4, "phase_y": 0.9, "speed_x": 0.8, "speed_y": 0.6,

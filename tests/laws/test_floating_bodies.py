@@ -8,7 +8,7 @@ from scipy.integrate import quad, solve_ivp
 
 from ecume.errors import BadInput, FloaterSinks
 from ecume.laws import flotation
-from ecume.laws.flotation import bubbles, carrying, rims, young_laplace
+from ecume.laws.flotation import bubbles, carrying, rims
 
 WATER = flotation.Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3, gas_density=1.2)
 L = WATER.capillary_length
@@ -186,8 +186,8 @@ def shrunk(body, share):
 @pytest.mark.parametrize(
     ("floats", "sinks"),
     [
-        (lambda most: flotation.Disc(2e-3, most), lambda: rims._greatest(2e-3, young_laplace.STEEPEST, WATER)),
-        (lambda most: flotation.Disc(2e-2, most), lambda: rims._greatest(2e-2, young_laplace.STEEPEST, WATER)),
+        (lambda most: flotation.Disc(2e-3, most), lambda: rims.greatest_rim_load(2e-3, WATER)),
+        (lambda most: flotation.Disc(2e-2, most), lambda: rims.greatest_rim_load(2e-2, WATER)),
     ],
 )
 def test_a_disc_sinks_above_its_greatest_load(floats, sinks):
@@ -210,7 +210,7 @@ def test_a_lying_cylinder_sinks_above_the_greatest_load_of_all_slopes(radius):
 
 def test_a_standing_cylinder_sinks_when_its_upper_rim_gives_way():
     angle, radius, height = 1.1, 1e-3, 1e-3
-    most = rims._greatest(radius, angle, WATER) / (math.pi * radius**2 * height * WATER.gravity) + WATER.density
+    most = rims.greatest_rim_load(radius, WATER, angle) / (math.pi * radius**2 * height * WATER.gravity) + WATER.density
     assert flotation.equilibrium(flotation.VerticalCylinder(radius, height, most * (1 - 1e-6), angle), WATER).floats
     with pytest.raises(FloaterSinks, match="upper rim carries"):
         flotation.equilibrium(flotation.VerticalCylinder(radius, height, most * (1 + 1e-6), angle), WATER)

@@ -331,3 +331,27 @@ def test_extreme_numbers_give_finite_balances(bond, ratio, angle):
 def test_a_sphere_smaller_than_an_atom_is_refused():
     with pytest.raises(BadInput, match="atom"):
         flotation.nonlinear_balance(1e-30, 1.2, 1.5)
+
+
+@pytest.mark.parametrize(
+    ("degrees", "excesses", "within"),
+    [
+        (60.0, (0.0382, 0.0360, 0.0228, 0.0123, 0.0055, 0.0016, 0.0003), 4e-4),
+        (120.0, (0.0382, 0.0360, 0.0228, 0.0123, 0.0055, 0.0016, 0.0003), 4e-4),
+        (30.0, (0.0030, 0.0029, 0.0021, 0.0012, 0.0006, 0.0002, 0.0000), 2e-4),
+        (90.0, (0.152, 0.1172, 0.0543, 0.0264, 0.0113, 0.0034, 0.0007), 6e-3),
+    ],
+)
+def test_close_spheres_attract_as_much_harder_as_the_multipoles_of_small_ones_do(degrees, excesses, within):
+    """Independent numbers for B = 0.001 (60 and 120 degrees) and 0.01, whose size adds a little."""
+    for gap, excess in zip((0.0, 0.01, 0.1, 0.25, 0.5, 1.0, 2.0), excesses, strict=True):
+        assert flotation.superposition_excess(math.radians(degrees), gap) == pytest.approx(excess, abs=within)
+
+
+def test_superposition_is_right_far_away_and_for_dots():
+    assert flotation.superposition_excess(math.pi / 2, 30.0) == pytest.approx(0.0, abs=1e-6)
+    assert flotation.superposition_excess(0.0, 0.0) == 0.0
+    reach = flotation.superposition_reach(math.pi / 2, 0.05)
+    assert flotation.superposition_excess(math.pi / 2, reach) == pytest.approx(0.05, rel=1e-6)
+    with pytest.raises(BadInput, match="gap"):
+        flotation.superposition_excess(1.0, -0.1)

@@ -15,7 +15,7 @@ from ecume.errors import BadInput
 from ecume.laws.arguments import SMALLEST, as_distances, as_given, chosen, require_positive
 from ecume.laws.flotation.bodies import Liquid
 from ecume.laws.special import bessel_k1, scaled_bessel_i0, scaled_bessel_k0, scaled_bessel_k1
-from ecume.units import Array, Force, Forces, Length, Lengths
+from ecume.units import Array, Force, Forces, Length, Lengths, Number, Numbers
 
 WALLS = {"fixed-angle": 1.0, "pinned": -1.0}
 """The sign of an image: of a wall that keeps the contact angle, and of one that pins the contact line."""
@@ -119,13 +119,14 @@ class Sums(NamedTuple):
     slope: Array
 
 
-def dish_sums(r: Array, dish_radius: float, sign: float) -> Sums:
-    """Both sums, for distances (n,) from the axis and a dish's radius, in L; `sign` as in `WALLS`."""
-    near = np.maximum(r, CENTER)
+def dish_sums(r: Numbers, dish_radius: Number, sign: Number) -> Sums:
+    """Both sums, for distances from the axis and a dish's radius, in L; `sign` as in `WALLS`. [nicolson1949]."""
+    given = np.atleast_1d(r)
+    near = np.maximum(given, CENTER)
     terms = math.ceil(DIGITS / -math.log(float(near.max()) / dish_radius)) + 20
     if terms > MOST_TERMS:
         raise BadInput(
-            f"r is within {dish_radius - r.max():.2g} capillary lengths of the wall of a dish of {dish_radius:.4g}: "
+            f"r is within {dish_radius - given.max():.2g} L of the wall of a dish of {dish_radius:.4g} L: "
             "too near for the sum; use plane_image_force"
         )
     m, wall = np.arange(terms)[:, None], np.array([dish_radius])
@@ -137,7 +138,7 @@ def dish_sums(r: Array, dish_radius: float, sign: float) -> Sums:
     weight = np.exp(logarithm) * np.where(m == 0, 1.0, 2.0)
     if sign > 0.0:
         weight = weight * (falling - m / dish_radius) / (outer + m / dish_radius)
-    slope = (weight * (inner + m / near)).sum(axis=0) * r / near
+    slope = (weight * (inner + m / near)).sum(axis=0) * given / near
     return Sums(sign * weight.sum(axis=0), sign * slope)
 
 

@@ -51,3 +51,12 @@ def test_gathering_costs_more_than_drifting_and_both_grow_with_the_floats(count)
     drifting, gathering = seconds_per_step(count)
     assert drifting < gathering
     assert all(less < more for less, more in zip((drifting, gathering), seconds_per_step(2 * count), strict=True))
+
+
+def test_equilibrium_and_closeness_are_told_for_each_species():
+    rows = told({"rows": [row(0.0, 1e-3, 1300.0)]})
+    assert rows["float-1: filling angle"][0].endswith(" deg")
+    assert rows["float-1: height of the contact line"][0].startswith("-0.0")
+    share, remark = rows["float-1: beyond superposition"]
+    assert float(share.removeprefix("over ").removesuffix(" %")) > 0.0
+    assert "harder" in remark

@@ -23,6 +23,7 @@ from ecume.laws.flotation.bodies import (
     weight_number,
     young_contact_angle,
 )
+from ecume.laws.flotation.closeness import superposition_excess, superposition_reach
 from ecume.laws.flotation.closure import closure_contact_angle
 from ecume.laws.flotation.equilibria import Body, Equilibrium, capillary_charge, equilibrium
 from ecume.laws.flotation.interaction import pair_energy, pair_force, surface_height
@@ -64,6 +65,8 @@ __all__ = [
     "pair_energy",
     "pair_force",
     "sinking_density_ratio",
+    "superposition_excess",
+    "superposition_reach",
     "surface_height",
     "weight_number",
     "young_contact_angle",

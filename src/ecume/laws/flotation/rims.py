@@ -10,7 +10,7 @@ from ecume.laws.flotation.carrying import Contact, Floating, Load, greatest_load
 from ecume.laws.flotation.shapes import VerticalCylinder
 from ecume.laws.flotation.young_laplace import STEEPEST, outer_meniscus
 from ecume.laws.special import bessel_k0, bessel_k1
-from ecume.units import Length, Number
+from ecume.units import Angle, Force, Length, Number
 
 UPRIGHT = 0.5 * math.pi
 """The filling angle of a line at a rim or on an upright side."""
@@ -94,15 +94,20 @@ def _side_surface(radius: float, slope: float, theory: str) -> tuple[float, floa
     return surface.height, surface.amplitude
 
 
-def _greatest(radius: Length, limit: float, liquid: Liquid) -> float:
-    """The greatest load on a pinned line with slopes up to a limit (N)."""
+def greatest_rim_load(radius: Length, liquid: Liquid, steepest: Angle = STEEPEST) -> Force:
+    """The greatest load that a pinned round rim carries with slopes up to `steepest`. [keller1998].
+
+    >>> water = Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3)
+    >>> 2.0 * math.pi * 0.072 * 1e-3 < greatest_rim_load(1e-3, water) < 8e-4
+    True
+    """
     within = radius / liquid.capillary_length
-    most = greatest_load(lambda psi: _rim_load(within, 1.0, psi), limit).carried if limit > 0.0 else 0.0
+    most = greatest_load(lambda psi: _rim_load(within, 1.0, psi), steepest).carried if steepest > 0.0 else 0.0
     return most * liquid.surface_tension * liquid.capillary_length
 
 
 def _disc_sinks(disc: Disc, liquid: Liquid) -> FloaterSinks:
-    most = _greatest(disc.radius, STEEPEST, liquid)
+    most = greatest_rim_load(disc.radius, liquid)
     verb, way = ("sinks", "lighter") if disc.load > 0.0 else ("leaves the liquid", "heavier")
     return FloaterSinks(
         f"a disc of radius {disc.radius:.4g} m with a load of {disc.load:.4g} N {verb}: its rim carries "
@@ -115,7 +120,7 @@ def _cylinder_sinks(cylinder: VerticalCylinder, liquid: Liquid) -> FloaterSinks:
     excess = (cylinder.density - liquid.density) * liquid.gravity * volume
     if excess < 0.0:
         return FloaterSinks("this cylinder is so light that the surface lets go of its lower rim; take a denser one")
-    most = _greatest(cylinder.radius, cylinder.contact_angle, liquid)
+    most = greatest_rim_load(cylinder.radius, liquid, cylinder.contact_angle)
     return FloaterSinks(
         f"a cylinder of density {cylinder.density:.5g} kg/m^3 sinks: it weighs {excess:.4g} N more than it displaces, "
         f"its upper rim carries {most:.5g} N at most; take a flatter or lighter one, or a larger contact angle"

@@ -16,6 +16,8 @@ from ecume.scenes.floating import FloatingScene
 
 STEEP = 0.3
 """Slopes (rad) above which menisci no longer add up."""
+ODD = 0.05
+"""Share of a pair's force that may come from beyond the sum of two menisci."""
 PER_STEP, PER_FLOAT = 5e-6, 1.2e-6
 """Seconds of a step, and for each float of it, while floats drift: measured on one core of a small cloud machine."""
 PER_MEETING, MOST_MET = 7e-8, 300
@@ -96,6 +98,9 @@ def _summary_of(name: str, members: dict[Afloat, int], liquid: flotation.Liquid)
         ),
         ("dimensionless weight", _numbers(weights), _by_sign(weights, "press the surface down", "lift the surface")),
         ("slope at the contact line", f"{_numbers(map(math.degrees, slopes), 3)} deg", _slope_remark(slopes)),
+        _filling(members),
+        _heights(members),
+        _closeness(spheres),
         (
             "capillary charge",
             f"{_numbers(1e6 * charge for charge in charges)} um",
@@ -106,6 +111,31 @@ def _summary_of(name: str, members: dict[Afloat, int], liquid: flotation.Liquid)
         radii = _numbers(1e3 * sphere.radius for sphere in spheres)
         rows.insert(0, ("radius", f"{radii} mm", f"{sum(members.values())} floats of {len(members)} kinds"))
     return [(f"{name}: {what}", value, remark) for what, value, remark in rows]
+
+
+def _filling(members: dict[Afloat, int]) -> Row:
+    angles = _numbers((math.degrees(kind.equilibrium.filling_angle) for kind in members), 4)
+    return ("filling angle", f"{angles} deg", "from the bottom to the contact line")
+
+
+def _heights(members: dict[Afloat, int]) -> Row:
+    lines = _numbers((1e3 * kind.equilibrium.contact_height for kind in members), 3)
+    centers = _numbers((1e3 * kind.equilibrium.center_height for kind in members), 3)
+    return ("height of the contact line", f"{lines} mm", f"over the flat surface; of the center: {centers} mm")
+
+
+def _closeness(spheres: Sequence[flotation.Sphere]) -> Row:
+    """How far from the truth two equal ones are that touch."""
+    excess = [flotation.superposition_excess(sphere.contact_angle, 0.0) for sphere in spheres]
+    worst = max(spheres, key=lambda sphere: flotation.superposition_reach(sphere.contact_angle, ODD) * sphere.radius)
+    reach = 2e3 * worst.radius * flotation.superposition_reach(worst.contact_angle, ODD)
+    near = f"at contact; two nearer than {reach:.2g} mm pull over {100.0 * ODD:.0f} % harder than their menisci's sum"
+    share = _numbers((100.0 * each for each in excess), 2)
+    return (
+        "beyond superposition",
+        f"over {share} %",
+        near if reach > 0.0 else "at contact, harder than the sum of two menisci",
+    )
 
 
 def _sinking_ratio(sphere: flotation.Sphere, liquid: flotation.Liquid) -> float:
