@@ -6,8 +6,17 @@ import math
 
 import numpy as np
 
+from ecume.laws.capillarity import pair_strength
 from ecume.laws.special import bessel_k0, bessel_k1
-from ecume.models.floating.parameters import CAPILLARY_LENGTH, STRENGTH, TABLED, Floats, Parameters
+from ecume.models.floating.parameters import (
+    CAPILLARY_LENGTH,
+    ONE_SIDED,
+    STRENGTH,
+    SURFACE_TENSION,
+    TABLED,
+    Floats,
+    Parameters,
+)
 from ecume.models.floating.wall_tables import HEIGHT, IMAGE
 from ecume.units import Array
 
@@ -25,7 +34,10 @@ def pair_stiffness(parameters: Parameters, reach: float, charges: float) -> floa
     """|dF/dl| = (S/L^2) (K0(x) + K1(x)/x) at the distance `reach` = x L, for a product of charges (N/m)."""
     length = parameters.pair[CAPILLARY_LENGTH]
     x = reach / length
-    strength = abs(parameters.pair[STRENGTH] * charges)
+    unit = parameters.pair[STRENGTH]
+    if parameters.pair_law == ONE_SIDED:  # whose strength is no constant of the pair
+        unit = pair_strength(float(parameters.pair[SURFACE_TENSION]), 1.0, 1.0)
+    strength = abs(unit * charges)
     return float(strength / length**2 * (bessel_k0(x) + bessel_k1(x) / x))
 
 
@@ -37,9 +49,10 @@ def stiffness_over_mass(parameters: Parameters) -> tuple[Array, Array]:
     # evaluations.
     strongest, smallest = float(np.max(kinds[:, 1])), float(np.min(kinds[:, 0]))
     wall = wall_stiffness(parameters)
+    strongest_felt = np.full(len(kinds), strongest) if parameters.pair_law == ONE_SIDED else kinds[:, 1]
     stiffness = [
-        2.0 * RAFT_NEIGHBORS * pair_stiffness(parameters, radius + smallest, charge * strongest) + wall
-        for radius, charge, _ in kinds
+        2.0 * RAFT_NEIGHBORS * pair_stiffness(parameters, radius + smallest, felt * strongest) + wall
+        for radius, felt in zip(kinds[:, 0], strongest_felt, strict=True)
     ]
     return np.array(stiffness), kinds[:, 2]
 
