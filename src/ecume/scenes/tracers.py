@@ -51,6 +51,8 @@ Point = Annotated[tuple[Coordinate, ...], Field(min_length=2, max_length=3)]
 Speeds = Annotated[tuple[Velocity, ...], Field(min_length=2, max_length=3)]
 Extent = Annotated[tuple[Size, ...], Field(min_length=2, max_length=3)]
 Pull = Annotated[Acceleration, Field(ge=0.0, le=1e6)]
+ComingRate = Annotated[float, Unit("1/s"), Field(gt=0.0, le=1e12)]
+Concentration = Annotated[float, Field(gt=0.0, le=1e30)]
 ShearRate = Annotated[float, Unit("1/s"), Field(ge=-1e6, le=1e6)]
 Complaints = list[tuple[Path, str]]
 
@@ -157,7 +159,7 @@ class ObstacleSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class OpeningSpec:
-    """A part of a wall through which particles leave; those that left may come in again."""
+    """A part of a wall through which particles leave; with a rate or a concentration, others come in through it."""
 
     wall: Annotated[int, Field(strict=True, ge=0, le=10_000)]
     """The number of the wall: of a box 0 is left, 1 the bottom (in space the front), then upwards, then the others."""
@@ -165,6 +167,24 @@ class OpeningSpec:
     """Its lower corner (m)."""
     high: Point
     """Its upper corner (m)."""
+    rate: ComingRate | None = None
+    """How many come in each second (1/s), anywhere in it."""
+    concentration: Concentration | None = None
+    """How many there are in a cubic meter of what flows in, in the plane in a square meter; the flow brings them."""
+    species: Name = ""
+    """Which species comes in; the first if left out."""
+    velocity: Speeds | None = None
+    """What they come in with (m/s); left out, the liquid's velocity there less the speed at which they settle."""
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Self:
+        comes = self.rate is not None or self.concentration is not None
+        if self.rate is not None and self.concentration is not None:
+            raise Inconsistent([(("concentration",), "came with rate; wanted one of them")])
+        if not comes and (self.species or self.velocity is not None):
+            key = "species" if self.species else "velocity"
+            raise Inconsistent([((key,), "nobody comes in here; wanted rate or concentration with it")])
+        return self
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -222,7 +242,7 @@ class TracersScene(Common):
             for index, species in enumerate(self.particles, 1)
         )
         object.__setattr__(self, "particles", named)
-        complaints = [*_population(self), *_coordinates(self)]
+        complaints = [*_population(self), *_coordinates(self), *_newcomers(self)]
         if complaints:
             raise Inconsistent(complaints)
         return self
@@ -242,6 +262,19 @@ def _population(scene: TracersScene) -> Complaints:
     return complaints
 
 
+def _newcomers(scene: TracersScene) -> Complaints:
+    """Who comes in is of a species that there is, and not more than can be."""
+    names, complaints, expected = [species.name for species in scene.particles], list[tuple[Path, str]](), 0.0
+    for index, hole in enumerate(scene.openings):
+        expected += (hole.rate or 0.0) * scene.duration
+        if hole.species and hole.species not in names:
+            message = f"came {hole.species!r}; the species are {', '.join(map(repr, names))}"
+            complaints.append((("openings", index, "species"), message))
+    if expected > MOST_PARTICLES:
+        complaints.append((("openings",), f"{expected:.3g} particles to come are more than {MOST_PARTICLES:.0e}"))
+    return complaints
+
+
 def _coordinates(scene: TracersScene) -> Complaints:
     """Every point has as many coordinates as the tank."""
     wanted = scene.dimensions
@@ -252,7 +285,7 @@ def _coordinates(scene: TracersScene) -> Complaints:
     for index, body in enumerate(scene.obstacles):
         points += [(("obstacles", index, key), getattr(body, key)) for key in ("low", "high", "center")]
     for index, hole in enumerate(scene.openings):
-        points += [(("openings", index, key), getattr(hole, key)) for key in ("low", "high")]
+        points += [(("openings", index, key), getattr(hole, key)) for key in ("low", "high", "velocity")]
     return [
         (path, f"came {len(point)} coordinates; wanted {wanted}")
         for path, point in points

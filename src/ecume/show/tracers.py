@@ -52,12 +52,15 @@ def tracers_picture(scene: Any, sample: Sequence[Frame], size: Size = USUAL) -> 
     return Tank(setting_of(scene), sample, size)
 
 
+def _mean_height(frame: Frame, index: int) -> float:
+    return float(frame.arrays["position"][frame.arrays["species"] == index, -1].mean())
+
+
 def heights(frames: Frames, scene: Any) -> Figure:
     """The mean height of each species: how fast it settles."""
     shown = thinned(frames)
     kinds = species(scene)
-    members = [shown[0].arrays["species"] == index for index in range(len(kinds))]
-    curves = [[float(frame.arrays["position"][mine, -1].mean()) for frame in shown] for mine in members]
+    curves = [[_mean_height(frame, index) for frame in shown] for index in range(len(kinds))]
     scale = scale_for(float(np.abs(curves).max()), "m")
     with style():
         drawn = figure()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ecume.engine.walls.dishes import Walls, no_walls, wall_count, wall_distance
+from ecume.engine.walls.entrances import Entrance, entrance
 from ecume.engine.walls.flight import CAPPED, MOST_EVENTS, STARTED_OUTSIDE, STAYED
 from ecume.engine.walls.passage import reflect_all
 from ecume.engine.walls.reflecting import Trace, clearance, gaps, reflect, trace
@@ -28,6 +29,7 @@ __all__ = [
     "MOST_EVENTS",
     "STARTED_OUTSIDE",
     "STAYED",
+    "Entrance",
     "Sheet",
     "Surfaces",
     "Trace",
@@ -36,6 +38,7 @@ __all__ = [
     "clearance",
     "described",
     "disc",
+    "entrance",
     "gaps",
     "moved",
     "moving",

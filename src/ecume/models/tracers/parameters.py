@@ -12,6 +12,7 @@ from ecume.engine.walls import Sheet, Surfaces, sheet
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.laws import brownian, drag
 from ecume.laws.liquids import liquid
+from ecume.models.tracers.arrivals import Arrivals, Stream, arrivals_of, newcomers_of
 from ecume.models.tracers.tank import surfaces_of
 from ecume.scenes.faults import suggestion
 from ecume.scenes.tracers import TracersScene
@@ -72,6 +73,8 @@ class Parameters(NamedTuple):
     drag: int
     fluid: Fluid
     bodies: Bodies
+    """of those who are there at the start, and then of those who come"""
+    arrivals: Arrivals
     bouncing: Sheet
     """the walls with the tank's coefficients"""
     stopping: Sheet
@@ -84,7 +87,10 @@ def parameters_of(scene: TracersScene) -> Parameters:
     """Raises SceneError with what is wrong."""
     _require_names(scene)
     surfaces, fluid = surfaces_of(scene), fluid_of(scene)
-    bodies = bodies_of(scene, fluid)
+    settling = np.array([settling_speed(scene, fluid, species) for species in scene.particles])
+    stream = Stream(np.array(fluid.flow), fluid.shear_rate, np.where(np.isfinite(settling), settling, 0.0))
+    newcomers = newcomers_of(scene, surfaces, stream)
+    bodies = bodies_of(scene, fluid, newcomers.species)
     step = time_step_of(scene, surfaces, fluid, bodies)
     late = np.where(bodies.friction > 0.0, bodies.mass / np.maximum(bodies.friction, 1e-300), math.inf) * LONGEST < step
     regime = scene.motion.regime
@@ -106,6 +112,7 @@ def parameters_of(scene: TracersScene) -> Parameters:
         DRAGS[scene.motion.drag],
         fluid,
         bodies._replace(overdamped=overdamped.astype(np.int64)),
+        arrivals_of(newcomers, surfaces, bodies.radius[len(bodies.radius) - len(newcomers.time) :], step),
         sheet(surfaces, *coefficients),
         sheet(surfaces, 0.0, 1.0),
         sheet(surfaces),
@@ -133,13 +140,14 @@ def fluid_of(scene: TracersScene) -> Fluid:
     )
 
 
-def bodies_of(scene: TracersScene, fluid: Fluid) -> Bodies:
-    """Masses, weights, frictions and terminal speeds, species by species."""
+def bodies_of(scene: TracersScene, fluid: Fluid, newcomers: Integers) -> Bodies:
+    """Masses, weights, frictions and terminal speeds: species by species, then those of the newcomers' species."""
     counts = [species.count for species in scene.particles]
-    radius = np.repeat([species.radius for species in scene.particles], counts)
-    density = np.repeat([species.density for species in scene.particles], counts)
+    kind = np.concatenate([np.repeat(np.arange(len(counts)), counts), newcomers])
+    radius = np.array([species.radius for species in scene.particles])[kind]
+    density = np.array([species.density for species in scene.particles])[kind]
     along = ADDED_MASS * fluid.density if scene.motion.added_mass else 0.0
-    settling = np.repeat([settling_speed(scene, fluid, species) for species in scene.particles], counts)
+    settling = np.array([settling_speed(scene, fluid, species) for species in scene.particles])[kind]
     dragged = 0.0 if scene.motion.drag == "none" else 1.0
     return Bodies(
         radius=radius,
@@ -149,7 +157,7 @@ def bodies_of(scene: TracersScene, fluid: Fluid) -> Bodies:
         settling=settling,
         overdamped=np.zeros(len(radius), np.int64),
         density=density,
-        species=np.repeat(np.arange(len(counts)), counts),
+        species=kind,
     )
 
 

@@ -9,9 +9,10 @@ import numpy as np
 from ecume.errors import BadInput
 from ecume.laws import brownian, drag
 from ecume.models.model import Model
+from ecume.models.tracers.arrivals import species_of
 from ecume.models.tracers.parameters import Parameters, parameters_of
 from ecume.models.tracers.starting import start
-from ecume.models.tracers.state import CAPPED, State, Workspace, workspace
+from ecume.models.tracers.state import CAPPED, State, Workspace, came, exchange, workspace
 from ecume.models.tracers.stepping import advance
 from ecume.scenes.tracers import TracersScene
 from ecume.trajectories.frame import Frame
@@ -31,18 +32,19 @@ SECONDS_PER_PARTICLE = 5e-7
 
 def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
     """The frame of this instant. Who has left stays where it went out, and counts for nothing."""
-    bodies, inside = parameters.bodies, state.left < 0
+    bodies, inside, there = parameters.bodies, np.flatnonzero(state.left < 0), len(state.left)
     speed = np.sqrt((state.velocity**2).sum(axis=1))
     mass, height = bodies.mass[inside], state.position[inside, -1]
     kinetic = 0.5 * float(np.sum(mass * speed[inside] ** 2))
     potential = float(np.sum(mass * bodies.push[inside] * height))
+    entered = parameters.arrivals.opening[: came(parameters, state)]
     arrays = {
         "position": state.position.copy(),
         "velocity": state.velocity.copy(),
         "speed": speed,
-        "radius": bodies.radius.copy(),
-        "density": bodies.density.copy(),
-        "species": bodies.species.copy(),
+        "radius": bodies.radius[:there].copy(),
+        "density": bodies.density[:there].copy(),
+        "species": bodies.species[:there].copy(),
         "left": state.left.copy(),
     }
     holes = len(parameters.bouncing.hole)
@@ -52,10 +54,11 @@ def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
         "total_energy": kinetic + potential,
         "mean_height": float(height.mean()) if len(height) else 0.0,
         "largest_speed": float(speed[inside].max(initial=0.0)),
-        "particles_inside": float(inside.sum()),
+        "particles_inside": float(len(inside)),
         "hits": float(state.hits.sum()),
         **{f"hits_on_wall_{k}": float(count) for k, count in enumerate(state.hits)},
         **{f"left_through_opening_{m}": float((state.left == m).sum()) for m in range(holes)},
+        **{f"came_through_opening_{m}": float((entered == m).sum()) for m in range(holes)},
         "flights_cut_short": float(state.tally[CAPPED]),
     }
     units = {name: "J" if name.endswith("energy") else "1" for name in numbers}
@@ -90,11 +93,22 @@ def summary(scene: TracersScene) -> list[tuple[str, str, str]]:
         ("liquid", f"{fluid.density:.4g} kg/m^3, {1e3 * fluid.viscosity:.4g} mPa s", scene.liquid.name),
         *(row for index in range(len(scene.particles)) for row in summary_of(scene, parameters, index)),
         ("walls", str(len(parameters.bouncing.kind)), f"{len(scene.openings)} openings"),
+        *(row for index in range(len(scene.openings)) for row in coming(scene, parameters, index)),
         ("time step", f"{1e3 * parameters.time_step:.4g} ms", "exact between walls for linear drag"),
         ("steps", str(steps), f"{frames} frames of {parameters.steps_per_frame} steps"),
         ("memory", f"{count * 400 / 1e6:.3g} MB", f"{count} particles"),
         ("time on this machine", f"{steps * (SECONDS_PER_STEP + SECONDS_PER_PARTICLE * count):.2g} s", "roughly"),
     ]
+
+
+def coming(scene: TracersScene, parameters: Parameters, index: int) -> list[tuple[str, str, str]]:
+    """Who will come in through an opening."""
+    count = int((parameters.arrivals.opening == index).sum())
+    hole = scene.openings[index]
+    if hole.rate is None and hole.concentration is None:
+        return []
+    species = scene.particles[species_of(scene, hole)].name
+    return [(f"opening {index}", f"{count} come in", f"of {species}, {count / scene.duration:.4g} a second")]
 
 
 def summary_of(scene: TracersScene, parameters: Parameters, index: int) -> list[tuple[str, str, str]]:
@@ -130,5 +144,6 @@ TRACERS = Model(
     observe=observe,
     diagnosis=diagnosis,
     extended=extended,
+    exchange=exchange,
     summary=summary,
 )

@@ -64,8 +64,25 @@ def make_state(position: Array, velocity: Array, surfaces: int) -> State:
     )
 
 
+def came(parameters: Parameters, state: State) -> int:
+    """How many have come in so far."""
+    return len(state.position) - (len(parameters.bodies.radius) - len(parameters.arrivals.step))
+
+
+def exchange(parameters: Parameters, state: State) -> State:
+    """The state with everyone who is there by now."""
+    arrivals, first = parameters.arrivals, came(parameters, state)
+    last = int(np.searchsorted(arrivals.step, int(state.step[0]), side="right"))
+    return state._replace(
+        position=np.concatenate([state.position, arrivals.position[first:last]]),
+        velocity=np.concatenate([state.velocity, arrivals.velocity[first:last]]),
+        left=np.concatenate([state.left, np.full(last - first, -1, np.int64)]),
+    )
+
+
 def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
     """Nothing here can overflow."""
     count, shape = len(state.position), state.position.shape
     a, b, c, d, e = (np.zeros(shape) for _ in range(5))
-    return Workspace(a, b, c, d, e, parameters.bodies.radius, np.zeros(count, np.int64), np.zeros(count, np.int64))
+    radius = np.ascontiguousarray(parameters.bodies.radius[:count])
+    return Workspace(a, b, c, d, e, radius, np.zeros(count, np.int64), np.zeros(count, np.int64))

@@ -10,7 +10,7 @@ from __future__ import annotations
 from ecume._jit import compiled
 from ecume.engine.cells import Integers
 from ecume.engine.walls import Sheet, reflect_all
-from ecume.models.model import DIVERGED, DONE
+from ecume.models.model import DIVERGED, DONE, EXCHANGE
 from ecume.models.tracers.flights import land, plan_drifts, plan_flights, plan_steps
 from ecume.models.tracers.parameters import Parameters
 from ecume.models.tracers.state import CAPPED, State, Workspace
@@ -117,6 +117,14 @@ def creep(parameters: Parameters, state: State, scratch: Workspace) -> bool:
 
 
 @compiled
+def somebody_comes(parameters: Parameters, state: State) -> bool:
+    """Whether the next in turn is there at the end of this step."""
+    arrives = parameters.arrivals.step
+    following = state.position.shape[0] - (len(parameters.bodies.radius) - len(arrives))
+    return bool(following < len(arrives) and arrives[following] <= state.step[0])
+
+
+@compiled
 def advance(parameters: Parameters, state: State, scratch: Workspace, steps: int) -> int:
     """March: see `ecume.models.model.Model.advance`."""
     overdamped = parameters.bodies.overdamped
@@ -126,4 +134,6 @@ def advance(parameters: Parameters, state: State, scratch: Workspace, steps: int
         if choose(scratch.fate, state.left, overdamped, 1) > 0 and not creep(parameters, state, scratch):
             return DIVERGED
         state.step[0] += 1
+        if somebody_comes(parameters, state):
+            return EXCHANGE
     return DONE

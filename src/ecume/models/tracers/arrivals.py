@@ -1,0 +1,171 @@
+"""Who comes in through openings: how many, when, where and how fast, all known before the run begins.
+
+Each place and instant is a function of the scene's seed, the opening and the number of who comes (Philox), so that
+neither pauses nor threads matter. Newcomers of an opening come one in each span of 1/rate, at any instant of it.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ecume._jit import compiled
+from ecume.engine.cells import Integers
+from ecume.engine.philox import counter_of, uniforms
+from ecume.engine.walls import Entrance, Surfaces, clearance, entrance
+from ecume.errors import BadInput, Fault, SceneError
+from ecume.scenes.quantities import MOST_PARTICLES
+from ecume.scenes.tracers import OpeningSpec, TracersScene
+from ecume.units import Array
+
+TRIES = 1000
+"""Rounds of dice after which an opening has no room."""
+PURPOSE = 16
+"""What numbers are drawn for, see `counter_of`: the first that no motion asks for, four for each opening."""
+
+
+class Stream(NamedTuple):
+    """What carries newcomers."""
+
+    flow: Array
+    """(d,) m/s"""
+    shear_rate: float
+    settling: Array
+    """(species,) m/s, downwards"""
+
+
+class Arrivals(NamedTuple):
+    """Who comes in during the run, one after the other."""
+
+    step: Integers
+    """(A,) at the end of which step each is there"""
+    position: Array
+    """(A, d) m"""
+    velocity: Array
+    """(A, d) m/s"""
+    opening: Integers
+    """(A,) through which"""
+
+
+class Newcomers(NamedTuple):
+    """Those of a run before it is cut into steps."""
+
+    time: Array
+    """(A,) s, one after the other"""
+    position: Array
+    """(A, d) m, as they come through the wall"""
+    velocity: Array
+    """(A, d) m/s"""
+    species: Integers
+    opening: Integers
+
+
+def newcomers_of(scene: TracersScene, surfaces: Surfaces, stream: Stream) -> Newcomers:
+    """Everyone who comes. Raises SceneError where nobody could."""
+    faults, found, d = list[Fault](), [], scene.dimensions
+    for index, hole in enumerate(scene.openings):
+        try:
+            if hole.rate is not None or hole.concentration is not None:
+                found.append(_through(scene, surfaces, stream, index))
+        except BadInput as error:
+            faults.append(Fault(f"openings[{index}]", str(error)))
+    if faults:
+        raise SceneError(faults)
+    none = Newcomers(np.zeros(0), np.zeros((0, d)), np.zeros((0, d)), np.zeros(0, np.int64), np.zeros(0, np.int64))
+    everyone = Newcomers(*(np.concatenate(parts) for parts in zip(none, *found, strict=True)))
+    order = np.argsort(everyone.time, kind="stable")
+    return Newcomers._make(part[order] for part in everyone)
+
+
+def _through(scene: TracersScene, surfaces: Surfaces, stream: Stream, index: int) -> Newcomers:
+    hole, door = scene.openings[index], entrance(surfaces, index)
+    species = species_of(scene, hole)
+    speed = inward_speed(door, velocity_at(door.middle[None], hole, stream, species))[0]
+    slowest = inward_speed(door, velocity_at(_ends(door), hole, stream, species)).min()
+    if slowest <= 0.0:
+        way = ", ".join(f"{part:.3g}" for part in door.normal)
+        came = f"what comes in goes {slowest:.3g} m/s along the inward normal ({way})"
+        raise BadInput(f"{came}; wanted it above 0 in all of the opening: set velocity, or liquid.flow")
+    rate = hole.rate if hole.rate is not None else (hole.concentration or 0.0) * speed * door.area()
+    count = math.floor(rate * scene.duration)
+    if count > MOST_PARTICLES:
+        raise BadInput(f"{count:.3g} particles would come in; wanted at most {MOST_PARTICLES:.0e}")
+    who = np.arange(count)
+    time = (who + _draws(who, 0, (scene.seed, PURPOSE + 4 * index))[:, 0]) / rate
+    position = _places(scene, surfaces, stream, index, count)
+    velocity = velocity_at(position, hole, stream, species)
+    return Newcomers(time, position, velocity, np.full(count, species), np.full(count, index))
+
+
+def species_of(scene: TracersScene, hole: OpeningSpec) -> int:
+    """The number of who comes in."""
+    return [species.name for species in scene.particles].index(hole.species) if hole.species else 0
+
+
+def velocity_at(places: Array, hole: OpeningSpec, stream: Stream, species: int) -> Array:
+    """(n, d) what newcomers come in with."""
+    if hole.velocity is not None:
+        return np.tile(np.array(hole.velocity, np.float64), (len(places), 1))
+    velocity = np.tile(stream.flow[: places.shape[1]], (len(places), 1))
+    velocity[:, 0] += stream.shear_rate * places[:, -1]
+    velocity[:, -1] -= stream.settling[species]
+    return velocity
+
+
+def inward_speed(door: Entrance, velocity: Array) -> Array:
+    """(n,) m/s."""
+    speed: Array = velocity @ door.normal
+    return speed
+
+
+def _ends(door: Entrance) -> Array:
+    shares = np.array(np.meshgrid(*[[0.0, 1.0]] * len(door.half), indexing="ij")).reshape(len(door.half), -1).T
+    return door.at(shares)
+
+
+def _places(scene: TracersScene, surfaces: Surfaces, stream: Stream, index: int, count: int) -> Array:
+    """(count, d) a radius inside of the wall; where a concentration is asked for as dense as the flow brings them."""
+    hole, door = scene.openings[index], entrance(surfaces, index)
+    species, d = species_of(scene, hole), scene.dimensions
+    radius = scene.particles[species].radius
+    fastest = inward_speed(door, velocity_at(_ends(door), hole, stream, species)).max()
+    places, left = np.zeros((count, d)), np.arange(count)
+    for attempt in range(TRIES):
+        dice = _draws(left, attempt, (scene.seed, PURPOSE + 4 * index + 1))
+        wall = door.at(dice[:, : d - 1])
+        inside = wall + radius * (1.0 + 1e-9) * door.normal
+        fits = door.holds(wall) & (clearance(inside, surfaces)[0] >= radius)
+        if hole.concentration is not None:
+            fits &= dice[:, 2] * fastest <= inward_speed(door, velocity_at(wall, hole, stream, species))
+        places[left[fits]] = inside[fits]
+        left = left[~fits]
+        if not len(left):
+            return places
+    raise BadInput(f"no room for a radius of {radius:g} m in the opening; wanted a wider one")
+
+
+def _draws(who: Integers, when: int, chance: tuple[int, int]) -> Array:
+    """(n, 4) numbers in (0, 1); chance = (seed, purpose), which takes two purposes."""
+    drawn = np.empty((len(who), 4))
+    draw(who, when, chance, drawn)
+    return drawn
+
+
+@compiled
+def draw(who: Integers, when: int, chance: tuple[int, int], drawn: Array) -> None:
+    """Fill (n, 4) with numbers in (0, 1) of each who."""
+    seed, purpose = chance
+    for i in range(len(who)):
+        drawn[i, 0], drawn[i, 1] = uniforms(counter_of(who[i], when, purpose), seed)
+        drawn[i, 2], drawn[i, 3] = uniforms(counter_of(who[i], when, purpose + 1), seed)
+
+
+def arrivals_of(newcomers: Newcomers, surfaces: Surfaces, radius: Array, time_step: float) -> Arrivals:
+    """Cut into steps: each is where it flew to by the end of its step, or still in the opening where that is blocked."""
+    step = np.maximum(np.ceil(newcomers.time / time_step).astype(np.int64), 1)
+    flown = newcomers.position + (step * time_step - newcomers.time)[:, None] * newcomers.velocity
+    blocked = clearance(flown, surfaces)[0] < radius if len(step) else np.zeros(0, bool)
+    position = np.where(blocked[:, None], newcomers.position, flown)
+    return Arrivals(step, np.ascontiguousarray(position), np.ascontiguousarray(newcomers.velocity), newcomers.opening)
