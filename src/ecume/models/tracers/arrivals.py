@@ -158,12 +158,12 @@ def draw(who: Integers, when: int, chance: tuple[int, int], drawn: Array) -> Non
     """Fill (n, 4) with numbers in (0, 1) of each who."""
     seed, purpose = chance
     for i in range(len(who)):
-        drawn[i, 0], drawn[i, 1] = uniforms(counter_of(who[i], when, purpose), seed)
-        drawn[i, 2], drawn[i, 3] = uniforms(counter_of(who[i], when, purpose + 1), seed)
+        drawn[i, 0], drawn[i, 1] = uniforms(counter_of(int(who[i]), when, purpose), seed)
+        drawn[i, 2], drawn[i, 3] = uniforms(counter_of(int(who[i]), when, purpose + 1), seed)
 
 
 def arrivals_of(newcomers: Newcomers, surfaces: Surfaces, radius: Array, time_step: float) -> Arrivals:
-    """Cut into steps: each is where it flew to by the end of its step, or still in the opening where that is blocked."""
+    """Cut into steps: each is where it flew to by the end of its step, or in the opening where that is blocked."""
     step = np.maximum(np.ceil(newcomers.time / time_step).astype(np.int64), 1)
     flown = newcomers.position + (step * time_step - newcomers.time)[:, None] * newcomers.velocity
     blocked = clearance(flown, surfaces)[0] < radius if len(step) else np.zeros(0, bool)
