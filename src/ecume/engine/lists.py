@@ -114,7 +114,7 @@ def _counting_sort(
         for i in range(block * each, min(count, (block + 1) * each)):
             number = 0
             for axis in range(dimension):
-                number = number * shape[axis] + _cell_at((position[axis, i] - low[axis]) / edge[axis], shape[axis])
+                number = number * shape[axis] + cell_at((position[axis, i] - low[axis]) / edge[axis], shape[axis])
             cell[i] = number
             tally[block, number] += 1
     total = 0
@@ -188,8 +188,8 @@ def _fill(
             if i >= centers:
                 continue
             xi, yi, zi = x[place], y[place], z[place]
-            row = _cell_at((yi - y_low) / y_edge, rows)
-            layer = _cell_at((zi - z_low) / z_edge, layers) if deep else 0
+            row = cell_at((yi - y_low) / y_edge, rows)
+            layer = cell_at((zi - z_low) / z_edge, layers) if deep else 0
             at = INDEX(0)
             for k in range(max(layer - 1, 0), min(layer + 2, layers)):
                 over = _gap_to(zi, z_low, z_edge, k, layer)
@@ -201,8 +201,8 @@ def _fill(
                         continue
                     chord = math.sqrt(left)
                     line = (k * rows + m) * slices
-                    begin = INDEX(start[line + _cell_at((xi - chord - x_low) * inverse, slices)])
-                    end = INDEX(start[line + _cell_at((xi + chord - x_low) * inverse, slices) + 1])
+                    begin = INDEX(start[line + cell_at((xi - chord - x_low) * inverse, slices)])
+                    end = INDEX(start[line + cell_at((xi + chord - x_low) * inverse, slices) + 1])
                     length = end - begin
                     if deep:
                         for n in range(length):
@@ -232,7 +232,7 @@ def _fill(
 
 
 @compiled_inside
-def _cell_at(along: float, cells: int) -> int:
+def cell_at(along: float, cells: int) -> int:
     """The number of the cell so many edges along; what is not a number is in the first."""
     return int(min(along, cells - 1.0)) if along > 0.0 else 0
 

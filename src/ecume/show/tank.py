@@ -84,6 +84,8 @@ class Setting(NamedTuple):
     """(3, 3) its right, up, and towards it; left out, it looks along the second axis"""
     radius: float | None = None
     """of all particles (m), where frames say none"""
+    apart: int | None = None
+    """the species from which on particles keep their own colors when others are colored by a quantity"""
     movers: Callable[[Frame], list[Array]] | None = None
     """outlines of what moves beside the particles, (n, 2) each, as many in every frame; in space their edges"""
 
@@ -112,7 +114,9 @@ class Tank:
         with style():
             axes = tank_axes(self.figure, self.view)
             draw_setting(axes, setting)
-            self.mapping = color_bar(axes, coloring, sample) if coloring is not None else None
+            self.mapping = (
+                color_bar(axes, coloring, [colored(setting, frame) for frame in sample]) if coloring else None
+            )
             self.particles = self._particles(axes, sample[0])
             self.time = clock(axes)
             labels(axes, setting.title, setting.kinds if coloring is None else ())
@@ -129,9 +133,14 @@ class Tank:
         return Splat(axes, self.view, self.setting.radius, balls=self.setting.camera is not None)
 
     def _colors(self, frame: Frame) -> Any:
-        if self.coloring is not None and self.mapping is not None:
-            return self.mapping.to_rgba(self.coloring.values(frame))
-        return to_rgba_array([kind.color for kind in self.setting.kinds])[frame.arrays["species"]]
+        own = to_rgba_array([kind.color for kind in self.setting.kinds])
+        if self.coloring is None or self.mapping is None:
+            return own[frame.arrays["species"]]
+        colors = np.array(self.mapping.to_rgba(self.coloring.values(frame)))
+        if stand_apart(self.setting):
+            apart = frame.arrays["species"] >= self.setting.apart
+            colors[apart] = own[frame.arrays["species"][apart]]
+        return colors
 
     def show(self, frame: Frame) -> None:
         """Put a frame into the picture."""
@@ -146,6 +155,19 @@ class Tank:
         """The picture of a frame, shape (height, width, 4); good until the next one is asked for."""
         self.show(frame)
         return self._layers.pixels()
+
+
+def stand_apart(setting: Setting) -> bool:
+    """Whether there are species that keep their own colors."""
+    return setting.apart is not None and setting.apart < len(setting.kinds)
+
+
+def colored(setting: Setting, frame: Frame) -> Frame:
+    """The frame without particles that keep their own colors."""
+    if not stand_apart(setting):
+        return frame
+    chosen = frame.arrays["species"] < setting.apart
+    return frame._replace(arrays={name: array[chosen] for name, array in frame.arrays.items()})
 
 
 class Discs:

@@ -7,8 +7,10 @@ import pytest
 
 import ecume
 from ecume.errors import SceneError
-from ecume.models.sph.carried import take_along
+from ecume.models.sph.carried import FLOW, PRESSURE, WHOLE, surroundings, take_along
+from ecume.models.sph.choosing import kernel_of, smoothing_of
 from ecume.models.sph.evaluating import fill
+from ecume.models.sph.fields import LIQUID, VOLUME, P, V, X
 from ecume.models.sph.record import SPH
 from ecume.scenes.schema import from_plain
 from ecume.scenes.sph import CarriedSpec
@@ -96,3 +98,43 @@ def test_eddies_scatter_the_same_way_on_resume():
 def test_what_cannot_be_carried_is_refused(spec):
     with pytest.raises(SceneError):
         cup(spec)
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_looking_into_the_cells_around_finds_what_looking_at_everyone_does(dimension):
+    low, high = [0.0] * dimension, [0.1] * dimension
+    sides = {side: {"kind": "periodic"} for side in ("left", "right")}
+    scene = from_plain(
+        {
+            "model": "sph",
+            "duration": 0.05,
+            "frame_every": 0.05,
+            "spacing": 0.1 / (16 if dimension == 2 else 8),
+            "liquid": STILL,
+            "tank": {"low": low, "high": [0.1, 0.2, 0.1][:dimension], "top": {"kind": "open"}, **sides},
+            "fluid": [{"low": low, "high": high}],
+            "carried": [{"count": 200, "low": low, "high": high}],
+            "method": {"jitter": 0.2},
+        }
+    )
+    parameters = SPH.parameters(scene)
+    state = SPH.start(scene, parameters)
+    state.velocity[...] = np.sin(30.0 * state.position)
+    workspace = SPH.workspace(parameters, state, 1.0)
+    fill(parameters, state, workspace)
+    found = surroundings(parameters, workspace, state.carried_position)
+    fields = workspace.fields
+    place = fields[X : X + dimension] + parameters.origin[:, None]
+    away = place[:, :, None] - state.carried_position[:, None, :]
+    shape = kernel_of(scene)
+    weight = (
+        shape.value(np.sqrt((away**2).sum(axis=0)), smoothing_of(scene)) * (fields[VOLUME] * fields[LIQUID])[:, None]
+    )
+    np.testing.assert_allclose(found[WHOLE], weight.sum(axis=0), rtol=1e-12)
+    np.testing.assert_allclose(found[FLOW], fields[V] @ weight / weight.sum(axis=0), rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(found[PRESSURE], fields[P] @ weight / weight.sum(axis=0), rtol=1e-9, atol=1e-9)
+
+
+def test_a_carried_particle_has_the_pressure_of_the_liquid_around_it():
+    *_, last = ecume.simulate(cup({"positions": [[0.015, 0.02], [0.015, 0.01]]}))
+    np.testing.assert_allclose(last.arrays["pressure"][-2:], 1000.0 * 9.81 * np.array([0.02, 0.03]), rtol=0.05)

@@ -99,3 +99,15 @@ def test_five_thousand_particles_are_drawn_many_times_a_second():
     for _ in range(3):
         picture.pixels(many)
     assert (time.process_time() - start) / 3 < 0.4
+
+
+@pytest.mark.parametrize("color", ["pressure", "speed", "region"])
+def test_what_is_carried_keeps_its_color_and_does_not_stretch_the_liquid_s(color):
+    carrying = scene_of(carried=[{"positions": [[1.0, 0.25]], "color": "#ff0000"}])
+    frame = frame_of()
+    arrays = {name: np.concatenate([array, array[:1]]) for name, array in frame.arrays.items()}
+    arrays["position"][-1], arrays["pressure"][-1], arrays["species"][-1] = (1.0, 0.25), 1e9, 1
+    picture = liquid_picture(carrying, [frame._replace(arrays=arrays)], color=color)
+    red = (picture.pixels(frame._replace(arrays=arrays))[..., :3] == (255, 0, 0)).all(axis=-1)
+    assert red.sum() > 50
+    assert picture.mapping is None or picture.mapping.get_clim()[1] < 1e4

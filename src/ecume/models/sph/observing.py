@@ -9,7 +9,7 @@ import numpy as np
 
 from ecume.laws.enthalpy import tait_energy
 from ecume.laws.states import tait_pressure
-from ecume.models.sph.carried import GROUP_DENSITY
+from ecume.models.sph.carried import GROUP_DENSITY, PRESSURE, surroundings
 from ecume.models.sph.evaluating import fill
 from ecume.models.sph.gauges import readings
 from ecume.models.sph.loads import loads
@@ -82,7 +82,8 @@ def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame
     }
     if parameters.carried.start[-1]:
         arrays = {
-            name: np.concatenate([arrays[name], more]) for name, more in carried_arrays(parameters, state).items()
+            name: np.concatenate([arrays[name], more])
+            for name, more in carried_arrays(parameters, state, workspace).items()
         }
     numbers = {**energies(parameters, state, propped), **motion(state), **extremes(parameters, state)}
     numbers["leaning"] = float(sum(len(each.who) for each in leaning))
@@ -92,16 +93,19 @@ def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame
     return Frame(time, arrays, {**listed, **solid, **read}, {**ARRAY_UNITS, **NUMBER_UNITS, **units, **read_units})
 
 
-def carried_arrays(parameters: Parameters, state: State) -> dict[str, Array]:
-    """What is carried, after the liquid and with the next species' numbers. It weighs nothing: it moves nothing."""
-    carried, count = parameters.carried, state.carried_position.shape[1]
+def carried_arrays(parameters: Parameters, state: State, workspace: Workspace) -> dict[str, Array]:
+    """What is carried, after the liquid and with the next species' numbers. It weighs nothing: it moves nothing. Its
+    pressure is the liquid's around it, zero outside.
+    """
+    carried, material, count = parameters.carried, parameters.material, state.carried_position.shape[1]
     group = np.repeat(np.arange(len(carried.numbers)), np.diff(carried.start))
     density = carried.numbers[group, GROUP_DENSITY]
     return {
         "position": state.carried_position.T,
         "velocity": state.carried_velocity.T,
-        "density": np.where(density > 0.0, density, parameters.material.density),
-        "pressure": np.zeros(count),
+        "density": np.where(density > 0.0, density, material.density),
+        "pressure": surroundings(parameters, workspace, state.carried_position)[PRESSURE]
+        - material.density * parameters.hydrostatic[1] * (parameters.surface - state.carried_position[1]),
         "mass": np.zeros(count),
         "species": carried.regions + group,
     }

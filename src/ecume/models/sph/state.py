@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ecume.engine.cells import Integers
 from ecume.engine.images import Images, images_of, positions_of_images
 from ecume.engine.lists import Lists, grid_around, neighbor_lists, room_for, sorted_crowd
+from ecume.models.sph.carried import Crowd
 from ecume.models.sph.fields import FIELDS, LIQUID, MU, RATES, VOLUME, U, V, X
 from ecume.models.sph.motion import largest
 from ecume.models.sph.parameters import Liquid, Parameters
@@ -98,11 +99,13 @@ class Workspace:
     rates: NDArray[np.floating]
     before: Array
     """(d + 1, N) rates of velocity and density at the last positions"""
+    crowd: Crowd | None
+    """for what is carried to look around in; None where nothing is"""
 
     def take(self, other: Workspace) -> None:
         """Become the other."""
         self.images, self.lists, self.fields = other.images, other.lists, other.fields
-        self.rates, self.before = other.rates, other.before
+        self.rates, self.before, self.crowd = other.rates, other.before, other.crowd
 
 
 def make_state(parameters: Parameters, liquid: Liquid) -> State:
@@ -188,14 +191,23 @@ def workspace_at(parameters: Parameters, state: State, before: Workspace | None 
     guess = likely_neighbors(parameters.dimension, reach / parameters.spacing)
     lists = before.lists if before else room_for(count, guess)
     lists = neighbor_lists(everyone, (liquid, count), reach, lists)
+    crowd = crowd_of(everyone, parameters.support, float(state.skin[0])) if parameters.carried.start[-1] else None
     columns = count + len(images.source)
     if before and before.fields.shape[1] == columns:
-        return Workspace(images, lists, before.fields, before.rates, before.before)
+        return Workspace(images, lists, before.fields, before.rates, before.before, crowd)
     fields = np.zeros((FIELDS, columns), parameters.precision)
     fields[LIQUID, :liquid], fields[MU, :liquid] = 1.0, parameters.material.viscosity
     put_dummies(parameters, fields, liquid)
     rates, rates_before = np.zeros((RATES, liquid), parameters.precision), np.zeros((parameters.dimension + 1, liquid))
-    return Workspace(images, lists, fields, rates, rates_before)
+    return Workspace(images, lists, fields, rates, rates_before, crowd)
+
+
+def crowd_of(everyone: Array, support: float, skin: float) -> Crowd | None:
+    """Everyone in cells as wide as the lists look."""
+    if not everyone.shape[1]:
+        return None
+    grid = grid_around(everyone, support + skin)
+    return Crowd(grid, sorted_crowd(everyone, grid), skin)
 
 
 def put_dummies(parameters: Parameters, fields: NDArray[np.floating], first: int) -> None:

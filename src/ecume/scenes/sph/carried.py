@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 from pydantic.dataclasses import dataclass
 
 from ecume.scenes.faults import Inconsistent, Path
-from ecume.scenes.quantities import STRICT, Count, Place, PositiveDensity, Switch
+from ecume.scenes.quantities import STRICT, Color, Count, Place, PositiveDensity, Switch
 from ecume.units import Length, Number
 
 Radius = Annotated[Length, Field(ge=0.0, le=1e3)]
@@ -35,6 +35,8 @@ class CarriedSpec:
     """a random walk by the eddies of `method.turbulence`"""
     schmidt: Schmidt = 0.7
     """the eddies' viscosity over their diffusivity"""
+    color: Color | None = None
+    """`#rrggbb`, or a plain English name"""
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:

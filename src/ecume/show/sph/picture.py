@@ -14,7 +14,7 @@ from ecume.scenes.faults import suggestion
 from ecume.scenes.sph import SIDES
 from ecume.show.picture import USUAL, Size, Species
 from ecume.show.sph.moving import movers_of
-from ecume.show.style import PALETTE
+from ecume.show.style import INK, PALETTE
 from ecume.show.tank import Coloring, Round, Setting, Shape, Tank, seen
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
@@ -24,6 +24,8 @@ AZIMUTH, ELEVATION = math.radians(28.0), math.radians(20.0)
 FULL = 0.62
 """The radius with which particles are drawn, in spacings: neighbors on a lattice just overlap."""
 AIR = "white"
+BRIGHT = (PALETTE[0], PALETTE[3], INK)
+"""Of what is carried."""
 
 
 def speed(frame: Frame) -> Array:
@@ -76,6 +78,7 @@ def setting_of(scene: Any) -> Setting:
         dotted=of_kind["periodic"],
         radius=FULL * scene.spacing,
         movers=movers_of(scene),
+        apart=len(scene.fluid),
     )
 
 
@@ -98,7 +101,7 @@ def setting_in_space(scene: Any) -> Setting:
     wires += [seen(edge, camera) for edge in edges]
     return Setting(
         scene.title, None, kinds=regions(scene), inside=AIR, wires=wires, behind=behind, camera=camera,
-        radius=FULL * scene.spacing, movers=movers_of(scene, camera),
+        radius=FULL * scene.spacing, movers=movers_of(scene, camera), apart=len(scene.fluid),
     )  # fmt: skip
 
 
@@ -132,6 +135,7 @@ def outline(shape: Any) -> Shape:
 
 
 def regions(scene: Any) -> list[Species]:
-    """The [[fluid]] tables, each in its color."""
-    palette = itertools.cycle(PALETTE[1:])
-    return [Species(f"region {n}", part.color or next(palette)) for n, part in enumerate(scene.fluid, 1)]
+    """The [[fluid]] tables, each in its color, and the [[carried]] ones, in colors that the liquid seldom has."""
+    palette, bright = itertools.cycle(PALETTE[1:]), itertools.cycle(BRIGHT)
+    liquid = [Species(f"region {n}", part.color or next(palette)) for n, part in enumerate(scene.fluid, 1)]
+    return liquid + [Species(f"carried {n}", part.color or next(bright)) for n, part in enumerate(scene.carried, 1)]
