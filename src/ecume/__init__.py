@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from ecume.scenes.load import load_scene
     from ecume.scenes.schema import Scene, from_plain, scene_hash, to_plain, to_toml
     from ecume.simulation import simulate
+    from ecume.sweep import open_sweep
     from ecume.trajectories.frame import Frame
     from ecume.trajectories.reader import open_trajectory
 
@@ -58,6 +59,7 @@ __all__ = [
     "__version__",
     "from_plain",
     "load_scene",
+    "open_sweep",
     "open_trajectory",
     "resume",
     "scene_hash",
@@ -74,6 +76,7 @@ _HOMES = {
     "ecume.scenes.load": "load_scene",
     "ecume.scenes.schema": "Scene from_plain scene_hash to_plain to_toml",
     "ecume.simulation": "simulate",
+    "ecume.sweep": "open_sweep",
     "ecume.trajectories.frame": "Frame",
     "ecume.trajectories.reader": "open_trajectory",
 }

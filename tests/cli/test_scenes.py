@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 from ecume.cli import app
 from ecume.errors import Fault, SceneError
 from ecume.scenes.load import load_scene
-from ecume.scenes.templates import templates
+from ecume.scenes.templates import sweep_templates, templates
 
 cli = CliRunner()
 DERIVED = {"floating": "capillary length", "soft": "narrowest gap", "sph": "sound speed", "tracers": "terminal speed"}
@@ -24,7 +24,9 @@ def _elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_new_lists_the_templates_with_what_they_show() -> None:
     done = cli.invoke(app, ["new"])
-    assert [line.split()[0] for line in done.stdout.splitlines()] == list(templates())
+    scenes, sweeps = done.stdout.split("\nSweeps:\n")
+    assert [line.split()[0] for line in scenes.splitlines()] == list(templates())
+    assert [line.split()[0] for line in sweeps.splitlines()] == list(sweep_templates())
     assert "Sixty cereals" in done.stdout
 
 

@@ -10,7 +10,7 @@ from typing import Annotated
 
 import typer
 
-from ecume.cli import pictures, runs, scenes, validation, viewing
+from ecume.cli import pictures, runs, scenes, sweeps, validation, viewing
 from ecume.cli.ends import Ending, warned
 
 app = typer.Typer(
@@ -39,7 +39,7 @@ ALONE = (
 )
 """Verbs that make sense by themselves: they list what there is, or mean the run in the current directory."""
 
-for verb in (*scenes.VERBS, *runs.VERBS, *pictures.VERBS, *viewing.VERBS, *validation.VERBS):
+for verb in (*scenes.VERBS, *runs.VERBS, *pictures.VERBS, *viewing.VERBS, *sweeps.VERBS, *validation.VERBS):
     app.command(no_args_is_help=verb not in ALONE)(verb)
 
 

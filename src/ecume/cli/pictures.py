@@ -142,7 +142,10 @@ def plot(
 
     The name of the file says the format: .png, .pdf, .svg.
 
+    Of a sweep: `curves`, `map` or `scatter`, as in `map:duration` for a measure that is not the table's first.
+
     Examples: `ecume plot runs/bowl` · `ecume plot runs/bowl --what paths -o paths.pdf` · `ecume plot --integrators`
+    · `ecume plot sweeps/durations --what curves:duration`
     """
     if integrators and (directory != HERE or what):
         raise BadInput("--integrators needs no run and no --what; it draws two spheres of its own")
@@ -150,10 +153,21 @@ def plot(
         from ecume.show.floating.integrators import integrator_comparison
 
         wrote(integrator_comparison(out or Path("integrators.png")), quiet=quiet)
+    elif (directory / "points.json").is_file():
+        _draw_sweep(directory, what or ["curves"], out, quiet=quiet)
     elif what:
         _draw(directory, what, out, quiet=quiet)
     else:
         _draw_all(directory, out, quiet=quiet)
+
+
+def _draw_sweep(directory: Path, names: list[str], out: Path | None, *, quiet: bool) -> None:
+    """Figures of a sweep: `curves`, `map` or `scatter`, or `curves:duration` for a measure that is not its first."""
+    from ecume.sweep.figures import plot_sweep
+
+    for name in names:
+        kind, _, measure = name.partition(":")
+        wrote(plot_sweep(directory, kind, measure or None, out), quiet=quiet)
 
 
 def _draw(directory: Path, names: list[str], out: Path | None, *, quiet: bool) -> None:

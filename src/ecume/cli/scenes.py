@@ -22,9 +22,9 @@ Overrides = Annotated[
 
 def _names(incomplete: str) -> list[str]:
     """Templates that begin so, for the shell's completion."""
-    from ecume.scenes.templates import templates
+    from ecume.scenes.templates import sweep_templates, templates
 
-    return [name for name in templates() if name.startswith(incomplete)]
+    return [name for name in templates() | sweep_templates() if name.startswith(incomplete)]
 
 
 def new(
@@ -43,12 +43,14 @@ def new(
 
     Examples: `ecume new` · `ecume new cereal-bowl` · `ecume new two-spheres -o mine.toml`
     """
-    from ecume.scenes.templates import copy_template, templates
+    from ecume.scenes.templates import copy_template, sweep_templates, templates
 
     if name is None:
-        width = max(map(len, templates()))
-        for known, says in templates().items():
-            typer.echo(f"{known:<{width}}  {says}")
+        width = max(map(len, templates() | sweep_templates()))
+        for heading, listed in (("", templates()), ("\nSweeps:", sweep_templates())):
+            typer.echo(heading) if heading else None
+            for known, says in listed.items():
+                typer.echo(f"{known:<{width}}  {says}")
         return
     for path in copy_template(name, out or Path(f"{name}.toml")):
         typer.echo(f"wrote {path}")

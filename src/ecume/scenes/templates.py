@@ -1,4 +1,4 @@
-"""The scenes that come with the package."""
+"""The scenes that come with the package, and its sweeps."""
 
 from __future__ import annotations
 
@@ -11,17 +11,23 @@ from ecume.scenes.faults import suggestion
 
 
 def templates() -> dict[str, str]:
-    """Each template's name, and its first line: what it shows."""
-    found = {item.name.removesuffix(".toml"): item for item in _folder().iterdir() if item.name.endswith(".toml")}
-    return {name: _first_line(found[name]) for name in sorted(found)}
+    """Each scene's name, and its first line: what it shows."""
+    return _first_lines(folder())
+
+
+def sweep_templates() -> dict[str, str]:
+    """Each sweep's name, and its first line: what it shows."""
+    return _first_lines(folder() / "sweeps")
 
 
 def copy_template(name: str, to: Path) -> list[Path]:
     """Write a template and the table it reads, if any, side by side; nothing is overwritten. The files written."""
-    if name not in templates():
-        raise BadInput(f"there is no template {name!r}; {suggestion(name, templates())}")
-    table = _folder() / f"{name}.csv"
-    texts = {to: (_folder() / f"{name}.toml").read_text(encoding="utf-8")}
+    known = templates() | sweep_templates()
+    if name not in known:
+        raise BadInput(f"there is no template {name!r}; {suggestion(name, known)}")
+    home = folder() / "sweeps" if name in sweep_templates() else folder()
+    table = home / f"{name}.csv"
+    texts = {to: (home / f"{name}.toml").read_text(encoding="utf-8")}
     if table.is_file():
         texts[to.with_name(table.name)] = table.read_text(encoding="utf-8")
     for path in texts:
@@ -33,8 +39,14 @@ def copy_template(name: str, to: Path) -> list[Path]:
     return list(texts)
 
 
-def _folder() -> Traversable:
+def folder() -> Traversable:
+    """Where they lie."""
     return files("ecume") / "templates"
+
+
+def _first_lines(home: Traversable) -> dict[str, str]:
+    found = {item.name.removesuffix(".toml"): item for item in home.iterdir() if item.name.endswith(".toml")}
+    return {name: _first_line(found[name]) for name in sorted(found)}
 
 
 def _first_line(item: Traversable) -> str:

@@ -1,0 +1,124 @@
+"""The verb about many runs: sweep."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from ecume.cli.progress import counted
+from ecume.cli.runs import Quiet, use_at_most
+from ecume.errors import BadInput
+
+if TYPE_CHECKING:
+    from ecume.sweep import Outcome
+
+SWEEPS = Path("sweeps")
+"""Where sweeps go when nobody says: `sweeps/durations` for `durations.toml`."""
+
+
+def task_of(text: str) -> tuple[int, int]:
+    """A task of an array: `3/100`."""
+    match = re.fullmatch(r"([0-9]{1,7})/([0-9]{1,7})", text)
+    if match is None or not int(match[1]) < int(match[2]):
+        raise typer.BadParameter(f"{text!r}: wanted NUMBER/TASKS, such as 3/100")
+    return int(match[1]), int(match[2])
+
+
+def sweep(
+    file: Annotated[
+        Path, typer.Argument(metavar="SWEEP", help="A sweep's file, or its directory.", show_default=False)
+    ],
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "-o",
+            "--out",
+            metavar="DIR",
+            help="The sweep's directory; left out, sweeps/NAME for NAME.toml.",
+            show_default=False,
+        ),
+    ] = None,
+    workers: Annotated[
+        int | None,
+        typer.Option(
+            "--workers", min=1, max=4096, metavar="N", help="Left out, one a core; 1 needs no Dask.", show_default=False
+        ),
+    ] = None,
+    scheduler: Annotated[
+        str | None,
+        typer.Option("--scheduler", metavar="ADDRESS", help="Of a Dask scheduler that runs.", show_default=False),
+    ] = None,
+    slurm: Annotated[bool, typer.Option("--slurm", help="Workers are jobs of SLURM.")] = False,
+    array: Annotated[bool, typer.Option("--array", help="Only write a job array for sbatch.")] = False,
+    task: Annotated[Any, typer.Option("--task", parser=task_of, hidden=True)] = None,
+    status: Annotated[bool, typer.Option("--status", help="Only say how far it is.")] = False,
+    quiet: Quiet = False,
+) -> None:
+    """Run a scene many times, each point in a directory of its own; only what is missing is run.
+
+    Examples: `ecume sweep durations.toml` · `ecume sweep durations.toml --workers 8` · `ecume sweep sweeps/durations
+    --status` · `ecume sweep durations.toml --array && sbatch sweeps/durations/array.sh`
+    """
+    use_at_most(1)
+    directory = out or (file if file.is_dir() else SWEEPS / file.stem)
+    source = file / "sweep.toml" if file.is_dir() else file
+    if status:
+        _tell(directory)
+    elif task is not None:
+        _work(directory, *task)
+    elif array:
+        from ecume.sweep.arrays import write_array
+        from ecume.sweep.directory import laid_out
+        from ecume.sweep.points import load_sweep
+
+        typer.echo(f"wrote {write_array(laid_out(load_sweep(source), directory))}; hand it to sbatch")
+    else:
+        from ecume.sweep.running import Crew
+        from ecume.sweep.running import sweep as run_all
+
+        with counted("points", quiet=quiet) as told:
+            crew = Crew(workers=workers, scheduler=scheduler, slurm=slurm, progress=told)
+            done = run_all(source, directory, crew)
+        _end(done, quiet=quiet)
+
+
+def _end(done: Outcome, *, quiet: bool) -> None:
+    """What became of it; a sweep with failures is no success."""
+    for folder, why in done.failed:
+        typer.echo(f"{folder}: {why}", err=True)
+    if not quiet:
+        busy = f", {done.busy} elsewhere at work" if done.busy else ""
+        typer.echo(
+            f"{done.directory}: {done.done} points done, {len(done.failed)} failed{busy}; table.csv has them all"
+        )
+    if done.failed:
+        raise typer.Exit(1)
+
+
+def _tell(directory: Path) -> None:
+    from collections import Counter
+
+    from ecume.sweep import open_sweep
+    from ecume.sweep.directory import existing_sweep
+    from ecume.sweep.running import outcome_of
+
+    counts = Counter(open_sweep(directory).states())
+    typer.echo(f"{directory}: " + ", ".join(f"{counts[word]} {word}" for word in ("done", "failed", "missing")))
+    for folder, why in outcome_of(existing_sweep(directory)).failed:
+        typer.echo(f"{folder}: {why}")
+
+
+def _work(directory: Path, number: int, of: int) -> None:
+    """A task of a job array."""
+    from ecume.sweep.arrays import work_task
+    from ecume.sweep.directory import existing_sweep
+
+    words = work_task(existing_sweep(directory), number, of)
+    if "failed" in words:
+        raise BadInput(f"{words.count('failed')} of {len(words)} points failed; see ecume sweep {directory} --status")
+
+
+VERBS = (sweep,)

@@ -1,0 +1,165 @@
+"""The directory of a sweep: `sweep.toml` as it was asked, `points.json`, and a folder for each point.
+
+A point's folder is named by the digest of what is simulated in it, so that a sweep whose file has changed finds what it
+has already, and only what is missing is run.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from ecume.errors import BadInput, EcumeError, SceneError
+from ecume.scenes.faults import read_path, value_at
+from ecume.scenes.load import load_scene
+from ecume.scenes.schema import scene_hash, to_plain
+from ecume.scenes.templates import folder as templates_folder
+from ecume.sweep.asked import SweepSpec
+from ecume.sweep.points import Asked, Point, load_sweep, points_of, varied
+from ecume.sweep.processes import require_arguments
+from ecume.trajectories.durable import storing, write_whole
+
+KEY_LENGTH = 16
+
+
+class Job(NamedTuple):
+    """A point, and where it is run."""
+
+    point: Point
+    folder: Path
+    values: dict[str, Any]
+    """what varies, as the scene has it: numbers in SI"""
+
+    @property
+    def told(self) -> Path:
+        """What a process told; there when it is done."""
+        return self.folder / "told.json"
+
+    @property
+    def run(self) -> Path:
+        """The run of a scene."""
+        return self.folder / "run"
+
+    @property
+    def failure(self) -> Path:
+        """Why it failed."""
+        return self.folder / "failed.json"
+
+    @property
+    def asked(self) -> Path:
+        """What is to be done."""
+        return self.folder / "point.json"
+
+    @property
+    def state(self) -> str:
+        """`done`, `failed` or `missing`."""
+        if self.told.exists() or (self.run / "DONE.json").exists():
+            return "done"
+        return "failed" if self.failure.exists() else "missing"
+
+    @property
+    def why(self) -> str:
+        """Why it failed, in a line."""
+        if self.state != "failed":
+            return ""
+        return str(json.loads(self.failure.read_text(encoding="utf-8"))["why"])
+
+
+class Sweeping(NamedTuple):
+    """A sweep as it lies on disk."""
+
+    path: Path
+    spec: SweepSpec
+    jobs: list[Job]
+
+    @property
+    def keys(self) -> list[str]:
+        """What varies."""
+        return varied(self.spec)
+
+
+def laid_out(asked: Asked, directory: Path) -> Sweeping:
+    """Write what each point is to simulate; every scene is read and checked before anything is written."""
+    spec = asked.spec
+    if spec.process:
+        require_arguments(spec.process, [*spec.fixed, *varied(spec)])
+    plans = [(point, _plan(asked, point)) for point in points_of(spec)]
+    keys = varied(spec)
+    jobs = [Job(point, directory / "points" / _digest(plan), _values(plan, keys)) for point, plan in plans]
+    with storing(directory):
+        directory.mkdir(parents=True, exist_ok=True)
+        for job, (_, plan) in zip(jobs, plans, strict=True):
+            job.folder.mkdir(parents=True, exist_ok=True)
+            if not job.asked.exists():
+                write_whole(job.asked, _json(plan).encode())
+        write_whole(directory / "points.json", _json([_told(job) for job in jobs]).encode())
+        write_whole(directory / "sweep.toml", asked.text.encode())
+    return Sweeping(directory, spec, jobs)
+
+
+def existing_sweep(directory: Path) -> Sweeping:
+    """A sweep that was begun. Raises BadInput where there is none."""
+    path = directory / "points.json"
+    if not path.is_file():
+        raise BadInput(f"{directory}: no sweep is there; wanted a directory that `ecume sweep` made")
+    with storing(path):
+        told = json.loads(path.read_bytes())
+    jobs = [
+        Job(Point(one["settings"], one["repeat"]), directory / "points" / one["folder"], one["values"]) for one in told
+    ]
+    return Sweeping(directory, load_sweep(directory / "sweep.toml").spec, jobs)
+
+
+def is_sweep(directory: Path) -> bool:
+    """Whether a sweep is there."""
+    return (directory / "points.json").is_file()
+
+
+def _plan(asked: Asked, point: Point) -> dict[str, Any]:
+    """What is simulated at a point."""
+    spec = asked.spec
+    if spec.process:
+        return {"process": spec.process, "settings": point.settings}
+    changes = [f"{key}={_toml(value)}" for key, value in point.settings.items()]
+    source = asked.folder / spec.scene if spec.scene else Path(str(templates_folder() / f"{spec.template}.toml"))
+    try:
+        scene = load_scene(source, changes)
+        if point.repeat:
+            scene = load_scene(source, [*changes, f"seed={scene.seed + point.repeat}"])
+    except SceneError:
+        raise
+    except EcumeError as error:
+        raise BadInput(f"{source}: {error}") from error
+    return {"scene": to_plain(scene), "hash": scene_hash(scene)}
+
+
+def _told(job: Job) -> dict[str, Any]:
+    """A point, as `points.json` has it."""
+    point = job.point
+    return {"settings": point.settings, "repeat": point.repeat, "folder": job.folder.name, "values": job.values}
+
+
+def _values(plan: dict[str, Any], keys: list[str]) -> dict[str, Any]:
+    """What a point has at the keys that vary."""
+    if "process" in plan:
+        return {key: plan["settings"].get(key) for key in keys}
+    return {key: value_at(plan["scene"], read_path(key), None) for key in keys}
+
+
+def _toml(value: Any) -> str:
+    """A value as an override has it."""
+    if isinstance(value, float) and not math.isfinite(value):
+        raise BadInput(f"{value} is no value of a scene")
+    return json.dumps(value)
+
+
+def _digest(plan: dict[str, Any]) -> str:
+    found = plan.get("hash") or hashlib.sha256(_json(plan).encode()).hexdigest()
+    return str(found)[:KEY_LENGTH]
+
+
+def _json(value: Any) -> str:
+    return json.dumps(value, sort_keys=True, indent=1)

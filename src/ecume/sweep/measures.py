@@ -1,0 +1,87 @@
+"""What is measured in a run: `final kinetic_energy`, `max top`, `first top > 0.3`; `MEASURES` is the table of ways."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from ecume.errors import BadInput
+from ecume.scenes.faults import suggestion
+from ecume.units import Array
+
+Measure = Callable[[Any], float]
+"""From a trajectory to a number."""
+
+
+def final(times: Array, values: Array) -> float:
+    """The last value."""
+    return float(values[-1])
+
+
+def mean(times: Array, values: Array) -> float:
+    """Over time: the integral of straight lines between frames, over the duration."""
+    span = times[-1] - times[0]
+    return float(np.trapezoid(values, times) / span) if span > 0.0 else float(values[-1])
+
+
+def least(times: Array, values: Array) -> float:
+    """The smallest value of all frames."""
+    return float(np.nanmin(values))
+
+
+def largest(times: Array, values: Array) -> float:
+    """The largest value of all frames."""
+    return float(np.nanmax(values))
+
+
+def spread(times: Array, values: Array) -> float:
+    """The standard deviation over all frames."""
+    return float(np.std(values))
+
+
+MEASURES: dict[str, Callable[[Array, Array], float]] = {
+    "final": final,
+    "mean": mean,
+    "min": least,
+    "max": largest,
+    "std": spread,
+}
+"""By name: from times and values to a number."""
+FIRST = re.compile(r"first\s+(\w+)\s*([<>])\s*([+-]?[0-9.]+(?:[eE][+-]?[0-9]+)?)")
+
+
+def first_crossing(times: Array, values: Array, above: bool, bound: float) -> float:
+    """When the values first lie beyond a bound (s), by straight lines between frames; infinite where they never do.
+
+    >>> first_crossing(np.array([0.0, 1.0, 2.0]), np.array([0.0, 1.0, 3.0]), True, 2.0)
+    1.5
+    """
+    beyond = values > bound if above else values < bound
+    if not beyond.any():
+        return math.inf
+    place = int(np.argmax(beyond))
+    if place == 0:
+        return float(times[0])
+    part = (bound - values[place - 1]) / (values[place] - values[place - 1])
+    return float(times[place - 1] + part * (times[place] - times[place - 1]))
+
+
+def measure_of(text: str) -> Measure:
+    """The measure that a text names. Raises BadInput where it names none."""
+    if match := FIRST.fullmatch(text.strip()):
+        name, above, bound = match[1], match[2] == ">", float(match[3])
+        return lambda run: first_crossing(run.times, run.numbers(name), above, bound)
+    way, _, name = text.strip().partition(" ")
+    if way not in MEASURES or not re.fullmatch(r"\w+", name.strip()):
+        known = [*(f"{one} NUMBER" for one in MEASURES), "first NUMBER > VALUE"]
+        raise BadInput(f"measures: {text!r}: {suggestion(text, known)}")
+    return lambda run: MEASURES[way](run.times, run.numbers(name.strip()))
+
+
+def usual_measures(names: Sequence[str]) -> list[str]:
+    """Where a sweep names none: the last value of every number."""
+    return [f"final {name}" for name in names]

@@ -1,0 +1,136 @@
+"""The points of a sweep: every combination of its axes' values, drawn samples, repeats."""
+
+from __future__ import annotations
+
+import itertools
+import math
+import tomllib
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from pydantic import ValidationError
+
+from ecume.errors import BadInput, Fault, SceneError
+from ecume.scenes.faults import faults_of, suggestion, written
+from ecume.scenes.templates import templates
+from ecume.sweep.asked import MOST_POINTS, READER, Axis, Sampling, Span, SweepSpec
+from ecume.trajectories.durable import storing
+
+MOST_BYTES = 2**22
+Settings = dict[str, Any]
+"""Values by key."""
+
+
+class Asked(NamedTuple):
+    """A sweep's file."""
+
+    spec: SweepSpec
+    text: str
+    folder: Path
+    """in which it looks for its scene"""
+
+
+def load_sweep(path: Path) -> Asked:
+    """Read a sweep's file. Raises SceneError with all its faults, BadInput where it is no text."""
+    with storing(path):
+        content = path.read_bytes()
+    if len(content) > MOST_BYTES:
+        raise BadInput(f"{path}: {len(content)} bytes are too many for a sweep's file")
+    try:
+        text = content.decode()
+        raw = tomllib.loads(text)
+    except (UnicodeDecodeError, tomllib.TOMLDecodeError, RecursionError) as error:
+        raise BadInput(f"{path}: {error}") from error
+    try:
+        spec = READER.validate_python(raw)
+    except ValidationError as error:
+        faults = [Fault(written(place), message) for place, message in faults_of(error, SweepSpec, raw)]
+        raise SceneError(faults, path.name) from error
+    if spec.template and spec.template not in templates():
+        raise BadInput(f"{path}: template: {spec.template!r}: {suggestion(spec.template, templates())}")
+    return Asked(spec, text, path.parent)
+
+
+class Point(NamedTuple):
+    """One combination."""
+
+    settings: Settings
+    """what differs from the scene's file"""
+    repeat: int
+
+
+def points_of(spec: SweepSpec) -> list[Point]:
+    """All of them, in the order of the table: the last axis varies first, repeats before it."""
+    grids = [list(settings_of(axis)) for axis in spec.axes]
+    if spec.sampling is not None:
+        grids.append(list(drawn(spec.sampling)))
+    count = math.prod(len(grid) for grid in grids) * spec.repeats
+    if count > MOST_POINTS:
+        raise BadInput(f"{count} points are more than {MOST_POINTS}; shorten an axis")
+    found = []
+    for combination in itertools.product(*grids):
+        settings = dict(spec.fixed)
+        for part in combination:
+            settings |= part
+        found += [Point(settings, repeat) for repeat in range(spec.repeats)]
+    return found
+
+
+def varied(spec: SweepSpec) -> list[str]:
+    """The keys that vary, in the order of the table's columns."""
+    keys = [key for axis in spec.axes for key in ([axis.key] if axis.key is not None else axis.keys)]
+    keys += [axis.key for axis in spec.sampling.axes] if spec.sampling is not None else []
+    return list(dict.fromkeys(keys))
+
+
+def named(spec: SweepSpec, key: str) -> str:
+    """What a key's column is called."""
+    return next((axis.name for axis in spec.axes if axis.key == key and axis.name), key)
+
+
+def settings_of(axis: Axis) -> Iterator[Settings]:
+    """The values of one axis, one after the other."""
+    if axis.key is None:
+        for row in axis.rows:
+            yield dict(zip(axis.keys, row, strict=True))
+    else:
+        for value in axis.values or spread(axis.span):
+            yield {axis.key: value}
+
+
+def spread(span: Span | None) -> Sequence[Any]:
+    """Numbers from one end to the other, both exactly."""
+    if span is None:
+        return []
+    values = between(span, np.linspace(0.0, 1.0, span.count))
+    return [with_unit(float(value), span) for value in values]
+
+
+def between(span: Span, parts: Any) -> Any:
+    """Parts of the way from one end to the other."""
+    if not span.log:
+        return span.start + parts * (span.stop - span.start)
+    values = span.start * (span.stop / span.start) ** parts
+    return np.where(parts == 1.0, span.stop, values)
+
+
+def with_unit(value: float, span: Span) -> Any:
+    """A value as the scene's file would have it."""
+    short = float(f"{value:.15g}")  # 0.0001, and not 9.999999999999999e-05
+    return f"{short!r} {span.unit}" if span.unit else short
+
+
+def drawn(sampling: Sampling) -> Iterator[Settings]:
+    """Points at random; the same seed gives the same points."""
+    from scipy.stats import qmc
+
+    dimension = len(sampling.axes)
+    if sampling.method == "random":
+        parts = np.random.default_rng(sampling.seed).random((sampling.count, dimension))
+    else:
+        parts = qmc.LatinHypercube(dimension, rng=np.random.default_rng(sampling.seed)).random(sampling.count)
+    columns = [between(axis.span, parts[:, place]) for place, axis in enumerate(sampling.axes)]
+    for row in zip(*columns, strict=True):
+        yield {axis.key: with_unit(float(value), axis.span) for axis, value in zip(sampling.axes, row, strict=True)}

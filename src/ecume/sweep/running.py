@@ -1,0 +1,155 @@
+"""All points that are missing, one after the other or on many workers; what is done stays done."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from ecume.errors import BadInput
+from ecume.sweep.asked import Cluster
+from ecume.sweep.directory import Job, Sweeping, laid_out
+from ecume.sweep.points import load_sweep
+from ecume.sweep.results import write_table
+from ecume.sweep.working import work
+
+ONE_THREAD = {"NUMBA_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+"""Of a worker: there are as many workers as cores."""
+BEFORE_THE_END = 300
+"""Seconds before the end of a cluster's job in which a worker takes no more points."""
+
+
+class Outcome(NamedTuple):
+    """What became of a sweep."""
+
+    directory: Path
+    done: int
+    failed: list[tuple[Path, str]]
+    """folders, and why"""
+    busy: int
+    """points that another process is working on"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Crew:
+    """Who works."""
+
+    workers: int | None = None
+    """left out, as many as the machine has cores; 1 works in this process and needs no Dask"""
+    scheduler: str | None = None
+    """the address of a Dask scheduler that runs already"""
+    slurm: bool = False
+    """workers are jobs of SLURM"""
+    retries: int = 2
+    """of a point whose worker died"""
+    progress: Callable[[int, int], None] | None = None
+    """is told how many points of how many are done"""
+
+
+USUAL = Crew()
+
+
+def sweep(file: str | os.PathLike[str], directory: str | os.PathLike[str], crew: Crew = USUAL) -> Outcome:
+    """Run what is missing of a sweep, and write its table. Again after whatever happened, it goes on."""
+    sweeping = laid_out(load_sweep(Path(file)), Path(directory))
+    missing = [job for job in _distinct(sweeping.jobs) if job.state != "done"]
+    ready = len(_distinct(sweeping.jobs)) - len(missing)
+    busy = 0
+    with _hands(crew, sweeping.spec.cluster, len(missing)) as results:
+        for done, word in enumerate(results(missing), 1):
+            busy += word == "busy"
+            if crew.progress is not None:
+                crew.progress(ready + done, ready + len(missing))
+    write_table(sweeping)
+    return outcome_of(sweeping, busy)
+
+
+def outcome_of(sweeping: Sweeping, busy: int = 0) -> Outcome:
+    """How the sweep stands."""
+    jobs = _distinct(sweeping.jobs)
+    failed = [(job.folder, job.why) for job in jobs if job.state == "failed"]
+    return Outcome(sweeping.path, sum(job.state == "done" for job in jobs), failed, busy)
+
+
+def _distinct(jobs: Sequence[Job]) -> list[Job]:
+    """Points that simulate the same share a folder."""
+    return list({job.folder: job for job in jobs}.values())
+
+
+Results = Callable[[Sequence[Job]], Iterator[str]]
+
+
+@contextlib.contextmanager
+def _hands(crew: Crew, cluster: Cluster, missing: int) -> Iterator[Results]:
+    """What turns jobs into the words they end with."""
+    workers = min(crew.workers or os.cpu_count() or 1, max(missing, 1))
+    if not missing:
+        yield lambda jobs: iter(())
+    elif crew.scheduler is None and not crew.slurm and workers == 1:
+        yield lambda jobs: (work(str(job.folder)) for job in jobs)
+    else:
+        with _client(crew, cluster, workers) as client:
+            yield lambda jobs: _spread(client, jobs, crew.retries)
+
+
+def _spread(client: Any, jobs: Sequence[Job], retries: int) -> Iterator[str]:
+    """The jobs on the workers of a Dask client: each is told a folder's name, and answers a word."""
+    import distributed
+
+    library: Any = distributed  # leaves its functions without types
+    futures = [client.submit(work, str(job.folder.resolve()), retries=retries, pure=False) for job in jobs]
+    for future in library.as_completed(futures):
+        error = future.exception()
+        yield future.result() if error is None else "lost"
+
+
+@contextlib.contextmanager
+def _client(crew: Crew, cluster: Cluster, workers: int) -> Iterator[Any]:
+    try:
+        import distributed
+    except ImportError as error:
+        raise BadInput(
+            "many workers need Dask, which is not installed: pip install 'ecume[sweep]', or --workers 1"
+        ) from error
+    library: Any = distributed  # leaves its functions without types
+    if crew.scheduler is not None:
+        with library.Client(crew.scheduler) as client:
+            yield client
+    elif crew.slurm:
+        with slurm_cluster(cluster) as found, library.Client(found) as client:
+            yield client
+    else:
+        local = {"threads_per_worker": 1, "dashboard_address": None, "env": ONE_THREAD, "silence_logs": 50}
+        with library.LocalCluster(workers, host="127.0.0.1", **local) as found, library.Client(found) as client:
+            yield client
+
+
+@contextlib.contextmanager
+def slurm_cluster(asked: Cluster) -> Iterator[Any]:
+    """Workers that SLURM starts, encrypted between one another; each ends before its job does."""
+    try:
+        import dask_jobqueue
+        import distributed
+    except ImportError as error:
+        raise BadInput("--slurm needs dask-jobqueue: pip install 'ecume[sweep]'") from error
+    hours, minutes, seconds = map(int, asked.walltime.split(":"))
+    lifetime = max(3600 * hours + 60 * minutes + seconds - BEFORE_THE_END, 30)
+    jobqueue: Any = dask_jobqueue
+    library: Any = distributed
+    made = jobqueue.SLURMCluster(
+        queue=asked.partition or None,
+        cores=1,
+        processes=1,
+        memory=asked.memory,
+        walltime=asked.walltime,
+        job_extra_directives=list(asked.lines),
+        job_script_prologue=[f"export {name}={value}" for name, value in ONE_THREAD.items()],
+        worker_extra_args=["--lifetime", f"{lifetime}s", "--lifetime-stagger", "60s"],
+        security=library.Security.temporary(),
+    )
+    with made as cluster:
+        cluster.scale(jobs=asked.jobs)
+        yield cluster

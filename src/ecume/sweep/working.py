@@ -1,0 +1,57 @@
+"""One point, in whatever process: all that a worker is told is the name of a folder, and all it answers is a word."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from ecume.errors import EcumeError, RunExists, Stopped
+from ecume.sweep.directory import Job
+from ecume.sweep.points import Point
+from ecume.trajectories.durable import storing, write_whole
+
+THREADS = 1
+"""Of each run: many runs share the machine."""
+
+
+def work(folder: str) -> str:
+    """Simulate a point from where it stands; `done`, `failed`, or `busy` where another process has it."""
+    job = Job(Point({}, 0), Path(folder), {})
+    if job.state == "done":
+        return "done"
+    with storing(job.asked):
+        plan = json.loads(job.asked.read_bytes())
+        job.failure.unlink(missing_ok=True)
+    try:
+        if "process" in plan:
+            _process(job, plan)
+        else:
+            _scene(job, plan)
+    except RunExists:
+        return "busy"
+    except Stopped:
+        raise
+    except EcumeError as error:
+        why = " ".join(str(error).split())
+        write_whole(job.failure, json.dumps({"why": why, "kind": type(error).__name__}).encode())
+        return "failed"
+    return "done"
+
+
+def _process(job: Job, plan: dict[str, object]) -> None:
+    from ecume.sweep.processes import told_by
+
+    told = told_by(str(plan["process"]), dict(plan["settings"]))  # type: ignore[call-overload]
+    with storing(job.told):
+        write_whole(job.told, json.dumps(told).encode())
+
+
+def _scene(job: Job, plan: dict[str, object]) -> None:
+    from ecume.run import Habits, resume, run
+    from ecume.scenes.schema import from_plain
+
+    habits = Habits(threads=THREADS)
+    if (job.run / "manifest.json").exists():
+        resume(job.run, habits=habits)
+    else:
+        run(from_plain(plan["scene"]), job.run, force=job.run.exists(), habits=habits)  # type: ignore[arg-type]

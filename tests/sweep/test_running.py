@@ -1,0 +1,224 @@
+"""A sweep runs what is missing, wherever; what is done stays, what fails is told, and the table is the same."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import psutil
+import pytest
+from typer.testing import CliRunner
+
+from ecume.cli import app
+from ecume.errors import BadInput
+from ecume.sweep import open_sweep, sweep
+from ecume.sweep.directory import existing_sweep, laid_out
+from ecume.sweep.points import load_sweep
+from ecume.sweep.running import Crew
+from ecume.sweep.working import work
+
+BOWLS = """
+title = "Bowls"
+template = "cereal-bowl"
+measures = ["final kinetic_energy", "max kinetic_energy"]
+[fixed]
+duration = "0.2 s"
+frame_every = "50 ms"
+"floats[0].count" = 5
+[[axes]]
+key = "seed"
+values = [1, 2, 3, 4]
+"""
+ALONE = Crew(workers=1)
+
+
+@pytest.fixture
+def file(tmp_path):
+    path = tmp_path / "bowls.toml"
+    path.write_text(BOWLS)
+    return path
+
+
+def table(directory):
+    return (directory / "table.csv").read_text()
+
+
+def test_each_point_has_a_run_and_a_row(file, tmp_path):
+    done = sweep(file, tmp_path / "out", ALONE)
+    assert (done.done, done.failed, done.busy) == (4, [], 0)
+    rows = open_sweep(tmp_path / "out").table()
+    assert [row["seed"] for row in rows] == [1, 2, 3, 4]
+    assert all(row["state"] == "done" and row["max kinetic_energy"] >= row["final kinetic_energy"] > 0 for row in rows)
+    assert len({row["final kinetic_energy"] for row in rows}) == 4
+    assert table(tmp_path / "out").splitlines()[0] == "seed,state,final kinetic_energy,max kinetic_energy"
+
+
+def test_only_what_is_missing_is_run(file, tmp_path):
+    sweep(file, tmp_path / "out", ALONE)
+    before = {path: path.stat().st_mtime_ns for path in (tmp_path / "out").rglob("DONE.json")}
+    file.write_text(BOWLS.replace("[1, 2, 3, 4]", "[2, 3, 4, 5, 6]"))
+    heard = []
+    assert sweep(file, tmp_path / "out", Crew(workers=1, progress=lambda *now: heard.append(now))).done == 5
+    assert heard == [(4, 5), (5, 5)]
+    assert all(path.stat().st_mtime_ns == at for path, at in before.items())
+    assert [row["seed"] for row in open_sweep(tmp_path / "out").table()] == [2, 3, 4, 5, 6]
+
+
+def test_many_workers_make_the_same_table(file, tmp_path):
+    sweep(file, tmp_path / "alone", ALONE)
+    assert sweep(file, tmp_path / "many", Crew(workers=2)).done == 4
+    assert table(tmp_path / "many") == table(tmp_path / "alone")
+
+
+def test_a_worker_that_is_killed_loses_nothing(file, tmp_path):
+    file.write_text(BOWLS.replace('"0.2 s"', '"10 s"'))
+    jobs = laid_out(load_sweep(file), tmp_path / "out").jobs
+    call = f"from ecume.sweep.working import work; work({str(jobs[0].folder)!r})"
+    with subprocess.Popen([sys.executable, "-c", call]) as worker:
+        while not (jobs[0].run / "traj").exists() and worker.poll() is None:
+            time.sleep(0.01)
+        worker.send_signal(signal.SIGKILL)
+    sweep(file, tmp_path / "out", ALONE)
+    sweep(file, tmp_path / "whole", ALONE)
+    assert table(tmp_path / "out") == table(tmp_path / "whole")
+
+
+def test_workers_of_dask_may_die(file, tmp_path):
+    """The first worker that begins a point is killed; its point is given to another."""
+    file.write_text(BOWLS.replace('"0.2 s"', '"10 s"'))
+    out = tmp_path / "out"
+    call = (
+        "from ecume.sweep.running import Crew, sweep\n"
+        f"if __name__ == '__main__': print(sweep({str(file)!r}, {str(out)!r}, Crew(workers=2)).done)"
+    )
+    script = tmp_path / "call.py"
+    script.write_text(call)
+    with subprocess.Popen([sys.executable, script], stdout=subprocess.PIPE, text=True) as sweeping:
+        killed = _kill_a_worker(out, sweeping)
+        told = sweeping.communicate(timeout=200)[0]
+    assert killed
+    assert told.strip() == "4"
+    sweep(file, tmp_path / "alone", ALONE)
+    assert table(out) == table(tmp_path / "alone")
+
+
+def _kill_a_worker(out, sweeping):
+    while sweeping.poll() is None:
+        for lock in out.glob("points/*/run/lock"):
+            try:
+                pid = json.loads(lock.read_text())["pid"]
+                if psutil.pid_exists(pid):
+                    os.kill(pid, signal.SIGKILL)
+                    return True
+            except (OSError, ValueError, KeyError):
+                continue
+        time.sleep(0.01)
+    return False
+
+
+def test_failures_are_told_and_the_rest_goes_on(tmp_path):
+    path = tmp_path / "t1.toml"
+    path.write_text('process = "t1"\n[[axes]]\nkey = "gap"\nvalues = [0.1, -1.0]\n[fixed]\nreduced_force = 1e-3')
+    done = sweep(path, tmp_path / "out", ALONE)
+    assert done.done == 1
+    ((_, why),) = done.failed
+    assert "gap" in why
+    assert "\n" not in why
+    assert [row["state"] for row in open_sweep(tmp_path / "out").table()] == ["done", "failed"]
+
+
+def test_a_process_gives_its_own_numbers(tmp_path):
+    path = tmp_path / "t1.toml"
+    path.write_text('process = "t1"\n[[axes]]\nkey = "gap"\nvalues = [0.1]\n[fixed]\nreduced_force = 1e-3')
+    sweep(path, tmp_path / "out", ALONE)
+    (row,) = open_sweep(tmp_path / "out").table()
+    assert row["outcome"] == "t1"
+    assert row["duration"] == pytest.approx(24.055464, rel=1e-4)  # reference table of the process, gap 0.1, kappa 1e-3
+
+
+def test_an_argument_that_a_process_has_not_is_refused_before_anything_is_written(tmp_path):
+    path = tmp_path / "t1.toml"
+    path.write_text('process = "t1"\n[[axes]]\nkey = "gapp"\nvalues = [0.1]')
+    with pytest.raises(BadInput, match=r"no argument 'gapp'; did you mean gap\?"):
+        sweep(path, tmp_path / "out", ALONE)
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_scene_that_is_wrong_at_one_point_is_refused_before_anything_is_written(file, tmp_path):
+    file.write_text(BOWLS.replace('key = "seed"\nvalues = [1, 2, 3, 4]', 'key = "frame_every"\nvalues = [0.01, -1]'))
+    with pytest.raises(BadInput, match="frame_every"):
+        sweep(file, tmp_path / "out", ALONE)
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_run_that_another_process_holds_is_left_to_it(file, tmp_path):
+    (first, *_) = laid_out(load_sweep(file), tmp_path / "out").jobs
+    first.run.mkdir()
+    (first.run / "manifest.json").write_text('{"ecume": "0"}')
+    call = (
+        "import time; from pathlib import Path; from ecume.run.directory import RunDirectory as R\n"
+        "from ecume.run.locking import held\n"
+        f"with held(R(Path({str(first.run)!r}))): print('held', flush=True); time.sleep(60)"
+    )
+    with subprocess.Popen([sys.executable, "-c", call], stdout=subprocess.PIPE, text=True) as other:
+        other.stdout.readline()
+        assert work(str(first.folder)) == "busy"
+        other.kill()
+
+
+def test_measures_are_functions_too_and_are_kept(file, tmp_path):
+    sweep(file, tmp_path / "out", ALONE)
+    found = open_sweep(tmp_path / "out")
+    calls = []
+
+    def highest(run):
+        calls.append(1)
+        return float(max(frame.arrays["position"].max() for frame in run))
+
+    first = found.table({"highest": highest})
+    assert found.table({"highest": highest}) == first
+    assert len(calls) == 4
+    assert all(0.0 < row["highest"] < 0.04 for row in first)
+
+
+@pytest.mark.parametrize("text", ["last kinetic_energy", "final", "first top", "final kinetic energy now"])
+def test_a_measure_that_there_is_not_is_refused(file, tmp_path, text):
+    sweep(file, tmp_path / "out", ALONE)
+    with pytest.raises(BadInput, match="measures"):
+        open_sweep(tmp_path / "out").table({"x": text})
+
+
+def test_repeats_have_seeds_of_their_own(file, tmp_path):
+    once = BOWLS.replace('[[axes]]\nkey = "seed"\nvalues = [1, 2, 3, 4]', "")
+    file.write_text(once.replace("measures", "repeats = 3\nmeasures"))
+    sweep(file, tmp_path / "out", ALONE)
+    rows = open_sweep(tmp_path / "out").table()
+    assert [row["repeat"] for row in rows] == [0, 1, 2]
+    assert len({row["final kinetic_energy"] for row in rows}) == 3
+
+
+def test_the_verb_tells_how_it_ends(file, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    runner = CliRunner()
+    done = runner.invoke(app, ["sweep", "bowls.toml", "--workers", "1"])
+    assert done.exit_code == 0
+    assert "sweeps/bowls: 4 points done, 0 failed" in done.stdout
+    told = runner.invoke(app, ["sweep", "sweeps/bowls", "--status"])
+    assert told.stdout == "sweeps/bowls: 4 done, 0 failed, 0 missing\n"
+    drawn = runner.invoke(app, ["plot", "sweeps/bowls", "--what", "curves", "--what", "scatter"])
+    assert drawn.exit_code == 0
+    assert (tmp_path / "sweeps/bowls/scatter.png").stat().st_size > 5000
+
+
+def test_a_job_array_runs_each_point_once(file, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    runner = CliRunner()
+    assert runner.invoke(app, ["sweep", "bowls.toml", "--array"]).exit_code == 0
+    script = (tmp_path / "sweeps/bowls/array.sh").read_text()
+    assert "#SBATCH --array=0-3%4" in script
+    subprocess.run(["sh", "-n", "sweeps/bowls/array.sh"], check=True)
+    for task in ("0/2", "1/2"):
+        assert runner.invoke(app, ["sweep", "sweeps/bowls", "--task", task]).exit_code == 0
+    assert {job.state for job in existing_sweep(tmp_path / "sweeps/bowls").jobs} == {"done"}
