@@ -16,10 +16,11 @@ from ecume.models.soft.cell import Cell, Goal, gradient_of, stress_goal
 from ecume.models.soft.contact import Vector
 from ecume.models.soft.films import Answers, Pairs, center_distance
 from ecume.models.soft.spins import cross
+from ecume.models.soft.walls import Walls, column_of_wall, corner_of_walls
 from ecume.units import Array
 
 MOST = 2
-"""Unknowns that all spheres share."""
+"""Unknowns of a box."""
 ROUNDING = 2e-15
 """What rounding leaves of a force, over stiffness times coordinates."""
 
@@ -28,15 +29,15 @@ class Borders(NamedTuple):
     """Right sides and solutions of the spheres' matrix: of their forces first, then of each column; and the rest."""
 
     right: Array
-    """(1 + MOST, N, b)"""
+    """(1 + A, N, b)"""
     change: Array
-    """(1 + MOST, N, b)"""
+    """(1 + A, N, b)"""
     rows: Array
-    """(MOST, N, b)"""
+    """(A, N, b)"""
     left: Array
-    """(MOST,) what is missing of each work"""
+    """(A,) what is missing of each work"""
     corner: Array
-    """(MOST, MOST)"""
+    """(A, A)"""
 
 
 class Web(NamedTuple):
@@ -47,14 +48,14 @@ class Web(NamedTuple):
     position: Array
 
 
-def make_borders(count: int, width: int) -> Borders:
-    """Room for them."""
+def make_borders(count: int, width: int, most: int) -> Borders:
+    """Room for so many unknowns."""
     return Borders(
-        np.zeros((1 + MOST, count, width)),
-        np.zeros((1 + MOST, count, width)),
-        np.zeros((MOST, count, width)),
-        np.zeros(MOST),
-        np.zeros((MOST, MOST)),
+        np.zeros((1 + most, count, width)),
+        np.zeros((1 + most, count, width)),
+        np.zeros((most, count, width)),
+        np.zeros(most),
+        np.zeros((most, most)),
     )
 
 
@@ -179,25 +180,43 @@ def fill_corner(cell: Cell, web: Web, goal: Goal, corner: Array) -> None:
 
 @compiled
 def border(cell: Cell, web: Web, goal: Goal, borders: Borders) -> None:
-    """All borders of a system."""
+    """All borders of a system whose box answers to stresses."""
     for unknown in range(unknowns(cell)):
         fill_border(cell, web, goal, borders, unknown)
     fill_corner(cell, web, goal, borders.corner)
 
 
-def close(cell: Cell, goal: Goal, borders: Borders) -> bool:
-    """From the solutions of all right sides the change of all unknowns; whether there is one."""
-    count = unknowns(cell)
+@compiled
+def border_walls(walls: Walls, load: float, borders: Borders, dimensions: int) -> None:
+    """All borders of a system whose walls yield to forces."""
+    for unknown in range(len(walls.places.free)):
+        column_of_wall(walls, (borders.right[1 + unknown], borders.rows[unknown]), unknown, dimensions)
+    corner_of_walls(walls, load, (borders.left, borders.corner))
+
+
+def close(borders: Borders, count: int) -> Array | None:
+    """The unknowns' change, from the solutions of all right sides, which become one; None where there is none."""
     by = borders.change.reshape(len(borders.change), -1)
     rows = borders.rows[:count].reshape(count, -1)
+    matrix = borders.corner[:count, :count] + rows @ by[1 : 1 + count].T
     try:
-        found = np.linalg.solve(
-            borders.corner[:count, :count] + rows @ by[1 : 1 + count].T, -borders.left[:count] - rows @ by[0]
-        )
+        found = np.linalg.solve(matrix, -borders.left[:count] - rows @ by[0])
     except np.linalg.LinAlgError:
-        return False
-    cell.change[:] = 0.0
+        return None
     for unknown, value in enumerate(found):
         borders.change[0] += value * borders.change[1 + unknown]
+    return np.asarray(found) if np.isfinite(found).all() else None
+
+
+def change_box(cell: Cell, goal: Goal, found: Array) -> None:
+    """Put the unknowns' change into the gradient by which everything is displaced."""
+    cell.change[:] = 0.0
+    for unknown, value in enumerate(found):
         cell.change[:] += value * gradient_of(cell, unknown, goal, False)
-    return bool(np.isfinite(found).all())
+
+
+def change_walls(walls: Walls, found: Array) -> None:
+    """Put the unknowns' change into that of the walls' places."""
+    walls.places.change[:] = 0.0
+    for (wall, axis), value in zip(walls.places.free, found, strict=True):
+        walls.places.change[wall, axis] = value

@@ -16,15 +16,15 @@ from ecume.laws.remote import REMOTE
 from ecume.laws.rubbing import FRICTIONS
 from ecume.laws.surfaces import SURFACES
 from ecume.models.soft.cell import Box, box_of, shape_at
-from ecume.models.soft.meeting import neighbors, open_all, pieces
+from ecume.models.soft.meeting import neighbors, open_all, pieces, wall_gaps
 from ecume.models.soft.packing import places
-from ecume.models.soft.parameters import Contacts, Parameters
+from ecume.models.soft.parameters import Contacts, Parameters, Planes
 from ecume.models.soft.protocol import Protocol, drive_at, protocol_of, rules_at
 from ecume.models.soft.schemes import SCHEMES
 from ecume.models.soft.solving import AT_ONCE, SOLVERS, balance
 from ecume.models.soft.stages import accept
 from ecume.models.soft.state import LENGTH, State, make_state, store, workspace
-from ecume.scenes.soft import FilmSpec, SoftScene, SphereSpec, dimensions_of
+from ecume.scenes.soft import SIDES, FilmSpec, SoftScene, SphereSpec, dimensions_of
 from ecume.units import Array
 
 TICKS = 1024
@@ -56,6 +56,8 @@ def parameters_of(scene: SoftScene) -> Parameters:
     box = np.zeros(3)
     if scene.box is not None:
         box[:dimensions] = scene.box.size
+    walls = _planes(scene)
+    box[walls.axis] = 0.0
     parameters = Parameters(
         time_step=scene.frame_every / TICKS,
         steps_per_frame=TICKS,
@@ -67,7 +69,9 @@ def parameters_of(scene: SoftScene) -> Parameters:
         force=np.ascontiguousarray(force, np.float64),
         spin_drag=4.0 / 3.0 * drag,
         torque=_torques(scene, counts),
+        weight=_weights(scene, radius, counts),
         box=box,
+        walls=walls,
         contacts=_contacts(scene, float(radius.min())),
         protocol=protocol_of(scene.protocol),
         scheme=scene.stepping.scheme,
@@ -94,7 +98,7 @@ def start(scene: SoftScene, parameters: Parameters) -> State:
     if not parameters.drag.any():
         _require_one_piece(state)
         _require_no_torque(parameters, state)
-    if not parameters.drag.any() or any(rules_at(parameters.protocol, 0)):
+    if not parameters.drag.any() or any(rules_at(parameters.protocol, 0)) or len(parameters.walls.free):
         _balance(parameters, state)
     return state
 
@@ -108,6 +112,39 @@ def _balance(parameters: Parameters, state: State) -> None:
         raise SceneError([Fault("protocol" if any(rules) else "spheres", told)])
     accept(step)
     store(parameters, state, step)
+
+
+def _planes(scene: SoftScene) -> Planes:
+    """The walls, and what moves them."""
+    dimensions, count = dimensions_of(scene), len(scene.walls)
+    axis = np.array([SIDES[wall.side][0] for wall in scene.walls], np.int64)
+    side = np.array([SIDES[wall.side][1] for wall in scene.walls])
+    place, velocity, force = np.zeros((3, count, 3))
+    free: list[tuple[int, int]] = []
+    sides = np.ones(3)
+    if scene.box is not None:
+        sides[:dimensions] = scene.box.size
+    for index, wall in enumerate(scene.walls):
+        across, outward = SIDES[wall.side]
+        end = 0.0 if outward < 0.0 else sides[across]
+        place[index, across] = end if wall.position is None else wall.position
+        velocity[index, :dimensions] = wall.velocity or 0.0
+        area = float(np.prod(np.delete(sides[:dimensions], across)))
+        for stress, along, sign in ((wall.pressure, across, -outward), (wall.shear_stress, 0, 1.0)):
+            if stress is not None:
+                force[index, along] = sign * stress * area
+                free.append((index, along))
+    modulus = np.array([math.inf if wall.modulus is None else wall.modulus for wall in scene.walls])
+    return Planes(axis, side, place, modulus, velocity, force, np.array(free, np.int64).reshape(-1, 2))
+
+
+def _weights(scene: SoftScene, radius: Array, counts: list[int]) -> Array:
+    """What gravity pulls at each sphere, less what the liquid lifts (N)."""
+    if scene.gravity is None:
+        return np.zeros((len(radius), dimensions_of(scene)))
+    heavier = np.array([(species.density or 0.0) - (scene.liquid.density or 0.0) for species in scene.spheres])
+    mass = np.repeat(heavier, counts) * 4.0 / 3.0 * math.pi * radius**3
+    return np.asarray(mass[:, None] * np.array(scene.gravity))
 
 
 def _torques(scene: SoftScene, counts: list[int]) -> Array:
@@ -183,16 +220,17 @@ def _unknown_names(scene: SoftScene) -> list[Fault]:
 
 def _require_balance(parameters: Parameters) -> None:
     """Forces that nothing balances would push all spheres away together."""
-    if parameters.drag.any():
+    if parameters.drag.any() or len(parameters.walls.axis):
         return
-    total, largest = np.abs(parameters.force.sum(axis=0)).max(), np.abs(parameters.force).max()
-    if total > UNBALANCED * largest * len(parameters.force):
+    force = parameters.force + parameters.weight
+    total, largest = np.abs(force.sum(axis=0)).max(), np.abs(force).max()
+    if total > UNBALANCED * largest * len(force):
         raise SceneError(
             [
                 Fault(
                     "spheres",
                     f"the forces on all spheres sum to {total:.3g} N, and nothing holds them; "
-                    "wanted a sum of zero, or liquid.drag = true",
+                    "wanted a sum of zero, walls, or liquid.drag = true",
                 )
             ]
         )
@@ -200,7 +238,7 @@ def _require_balance(parameters: Parameters) -> None:
 
 def _require_no_torque(parameters: Parameters, state: State) -> None:
     """Spinning spheres that nothing holds would be turned all together without resistance."""
-    if parameters.torque.shape[1] == 0 or parameters.box.any():
+    if parameters.torque.shape[1] == 0 or parameters.box.any() or len(parameters.walls.axis):
         return
     arm, force = np.zeros((2, len(state.position), 3))
     arm[:, : parameters.dimensions], force[:, : parameters.dimensions] = state.position, parameters.force
@@ -221,19 +259,18 @@ def _require_gaps(parameters: Parameters, position: Array, box: Box) -> None:
         first, second = pair[0]
         told = f"spheres {first} and {second} overlap before they are deformed; wanted a gap for the film"
         raise SceneError([Fault("spheres", told)])
+    gap = wall_gaps(parameters, position, parameters.walls.place)
+    if not (gap > 0.0).all():
+        sphere, wall = (int(index[0]) for index in np.nonzero(~(gap > 0.0)))
+        told = f"sphere {sphere} is in wall {wall} or beyond it; wanted a gap for the film"
+        raise SceneError([Fault("spheres", told)])
 
 
 def _require_one_piece(state: State) -> None:
     """Without drag, what no film ties to the rest is nowhere in particular."""
     piece = pieces(state)
     if piece.max() > 0:
-        alone = int(np.flatnonzero(piece != piece[0])[0])
-        raise SceneError(
-            [
-                Fault(
-                    "spheres",
-                    f"sphere {alone} is tied to sphere 0 by no film, and nothing else holds it; "
-                    "set films.reach higher, or liquid.drag = true",
-                )
-            ]
-        )
+        walled = state.touching.shape[1] > 0
+        alone = int(np.flatnonzero(piece != piece[-1 if walled else 0])[0])
+        told = f"sphere {alone} is tied to {'any wall' if walled else 'sphere 0'} by no film, and nothing else holds it"
+        raise SceneError([Fault("spheres", f"{told}; set films.reach higher, or liquid.drag = true")])

@@ -23,12 +23,13 @@ def renew_contacts(parameters: Parameters, state: State) -> bool:
     """Open and close contacts at the present places; whether there was anything to do."""
     if np.isinf(parameters.contacts.fade_to):
         return False
+    walls = meet_walls(parameters, state)
     kept = _kept(parameters, state)
     pair, image, between = neighbors(parameters, state.position, box_in(parameters, state))
-    known = _keys(state.pair[: state.contacts[0]], state.image[: state.contacts[0]])
-    fresh = ~np.isin(_keys(pair, image), known)
+    known = keys(state.pair[: state.contacts[0]], state.image[: state.contacts[0]])
+    fresh = ~np.isin(keys(pair, image), known)
     if kept.all() and not fresh.any():
-        return False
+        return walls
     _keep(state, np.flatnonzero(kept))
     _open(parameters, state, (pair[fresh], image[fresh], between[fresh]))
     return True
@@ -36,6 +37,7 @@ def renew_contacts(parameters: Parameters, state: State) -> bool:
 
 def open_all(parameters: Parameters, state: State) -> None:
     """The first contacts."""
+    meet_walls(parameters, state)
     if np.isinf(parameters.contacts.fade_to):
         pair = np.stack(np.triu_indices(len(state.position), 1), axis=1).astype(np.int64)
         between = state.position[pair[:, 1]] - state.position[pair[:, 0]]
@@ -43,6 +45,35 @@ def open_all(parameters: Parameters, state: State) -> None:
     else:
         found = neighbors(parameters, state.position, box_in(parameters, state))
     _open(parameters, state, found)
+
+
+def meet_walls(parameters: Parameters, state: State) -> bool:
+    """Open and close contacts with walls at the present places; whether there was anything to do."""
+    touching, contacts = state.touching.astype(bool), parameters.contacts
+    gap = wall_gaps(parameters, state.position, state.wall)
+    fresh = ~touching & (gap < contacts.fade_from)
+    gone = touching & ~(np.exp(state.wall_gap) < contacts.fade_to)
+    if not (fresh.any() or gone.any()):
+        return False
+    if (gap[fresh] <= 0.0).any():
+        met = int(np.nonzero((fresh & (gap <= 0.0)).any(axis=1))[0][0])
+        raise Diverged(f"sphere {met} met a wall without a film between them; set films.reach higher")
+    state.touching[:] = (touching & ~gone) | fresh
+    sphere, wall = np.nonzero(fresh)
+    state.wall_gap[sphere, wall] = np.log(gap[sphere, wall])
+    dimensions = state.position.shape[1]
+    slip = (state.wall[wall, :dimensions] - state.position[sphere]) / parameters.radius[sphere, None]
+    slip[np.arange(len(sphere)), parameters.walls.axis[wall]] = 0.0
+    state.slip[sphere, wall] = slip
+    state.generation[0] += 1
+    return True
+
+
+def wall_gaps(parameters: Parameters, position: Array, wall: Array) -> Array:
+    """From each undeformed sphere to each wall, (N, W) m."""
+    planes = parameters.walls
+    places = wall[np.arange(len(planes.axis)), planes.axis]
+    return np.asarray(planes.side * (places - position[:, planes.axis]) - parameters.radius[:, None])
 
 
 def neighbors(parameters: Parameters, position: Array, box: Box) -> Found:
@@ -59,7 +90,7 @@ def neighbors(parameters: Parameters, position: Array, box: Box) -> Found:
     turned = (pair[:, 0] > pair[:, 1]) | ((pair[:, 0] == pair[:, 1]) & _negative(image))
     pair[turned], image[turned], between[turned] = pair[turned, ::-1], -image[turned], -between[turned]
     near = np.flatnonzero(gap < parameters.contacts.fade_from)
-    _, unique = np.unique(_keys(pair[near], image[near]), return_index=True)
+    _, unique = np.unique(keys(pair[near], image[near]), return_index=True)
     chosen = near[unique]
     return pair[chosen], image[chosen], between[chosen]
 
@@ -72,10 +103,10 @@ def box_in(parameters: Parameters, state: State) -> Box:
 def wraps(position: Array, box: Box) -> Integers:
     """In which copy of the box each place lies."""
     away = np.zeros(position.shape, np.int64)
-    if not box.sides.any():
-        return away
-    away[:, 1:] = np.floor(position[:, 1:] / box.sides[1:])
-    away[:, 0] = np.floor((position[:, 0] - box.tilt * away[:, 1]) / box.sides[0])
+    for axis in range(position.shape[1] - 1, -1, -1):
+        if box.sides[axis] > 0.0:
+            shift = box.tilt * away[:, 1] if axis == 0 else 0.0
+            away[:, axis] = np.floor((position[:, axis] - shift) / box.sides[axis])
     return away
 
 
@@ -97,13 +128,14 @@ def _copies(position: Array, box: Box, far: float) -> tuple[Array, Integers, Int
     every, owners, copies = [places], [np.arange(count)], [home]
     for shift in np.ndindex(*(3,) * dimensions):
         move = np.array(shift) - 1
-        if not move.any():
+        if not move.any() or move[box.sides == 0.0].any():
             continue
         # Sheared copies above and below are looked for among those that lie beside the box now.
-        move[0] -= round(box.tilt * move[1] / box.sides[0])
+        if box.tilt != 0.0:
+            move[0] -= round(box.tilt * move[1] / box.sides[0])
         moved = places + move * box.sides
         moved[:, 0] += box.tilt * move[1]
-        seen = ((moved > -far) & (moved < box.sides + far)).all(axis=1)
+        seen = ((box.sides == 0.0) | ((moved > -far) & (moved < box.sides + far))).all(axis=1)
         every.append(moved[seen])
         owners.append(np.flatnonzero(seen))
         copies.append(np.broadcast_to(move, (int(seen.sum()), dimensions)))
@@ -116,7 +148,7 @@ def _negative(image: Integers) -> NDArray[np.bool_]:
     return np.asarray(image[np.arange(len(image)), first] < 0)
 
 
-def _keys(pair: Integers, image: Integers) -> NDArray[np.void]:
+def keys(pair: Integers, image: Integers) -> NDArray[np.void]:
     """A pair and its image as one value each, in the order of pairs."""
     rows = np.ascontiguousarray(np.concatenate([pair, image], axis=1).astype(">i8"))
     rows[:, 2:] += 2**62  # so that negative images sort, too
@@ -149,15 +181,18 @@ def _open(parameters: Parameters, state: State, found: Found) -> None:
     state.pair[here:total], state.image[here:total] = pair, image
     state.log_gap[here:total] = np.log(gap)
     state.direction[here:total] = between / length[:, None]
-    order = np.argsort(_keys(state.pair[:total], state.image[:total]), kind="stable")
+    order = np.argsort(keys(state.pair[:total], state.image[:total]), kind="stable")
     state.contacts[0] = total
     _keep(state, order)
     state.generation[0] += 1
 
 
 def pieces(state: State) -> Integers:
-    """The connected piece of the contact graph that each sphere belongs to."""
+    """The connected piece of the contact graph that each sphere belongs to; at the end that of all walls, if any."""
     count, pair = len(state.position), state.pair[: state.contacts[0]]
-    graph = coo_array((np.ones(len(pair)), (pair[:, 0], pair[:, 1])), shape=(count, count))
+    touching = np.flatnonzero(state.touching.any(axis=1))
+    first, second = np.append(pair[:, 0], touching), np.append(pair[:, 1], np.full(len(touching), count))
+    nodes = count + bool(state.touching.shape[1])
+    graph = coo_array((np.ones(len(first)), (first, second)), shape=(nodes, nodes))
     found: Integers = connected_components(graph, directed=False)[1].astype(np.int64)
     return found

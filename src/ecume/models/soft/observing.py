@@ -16,6 +16,8 @@ from ecume.models.soft.parameters import Parameters
 from ecume.models.soft.protocol import drive_at
 from ecume.models.soft.stages import Step, first_stage
 from ecume.models.soft.state import ACCEPTED, CLOCK, FAILED, REJECTED, State, Workspace
+from ecume.models.soft.walls import wall_energy
+from ecume.scenes.soft import SIDES
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
@@ -25,6 +27,7 @@ STRESS = {2: "N/m", 3: "Pa"}
 """The unit of stress: in a layer, force over length."""
 VISCOSITY = {2: "N*s/m", 3: "Pa*s"}
 AXES = "xyz"
+SIDE_NAMES = {place: name for name, place in SIDES.items()}
 CLOSE = 0.1
 """Of the smaller radius: whose gap is narrower counts as a neighbor in `coordination` and `mean_gap`."""
 UNITS = {
@@ -59,9 +62,10 @@ def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
         **_spinning(state),
     }
     numbers = {
-        "elastic_energy": float(stored_energy(parameters.contacts, step.pairs, step.films, state.position)),
+        "elastic_energy": _elastic_energy(parameters, step),
         "smallest_gap": float(np.exp(step.log_gap.min(initial=np.inf))),
         **_neighbors(parameters, step),
+        **_wall_numbers(parameters, state, step),
         "largest_tension": float(tension.max(initial=0.0)),
         "largest_compression": float((-tension).max(initial=0.0)),
         "load": drive.load,
@@ -69,8 +73,8 @@ def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
         "time_steps": float(state.tally[ACCEPTED]),
         "rejected_steps": float(state.tally[REJECTED] + state.tally[FAILED]),
     }
-    if not parameters.box.any():
-        return Frame(float(state.pace[CLOCK]), arrays, numbers, UNITS)
+    if not parameters.box[: parameters.dimensions].all():
+        return Frame(float(state.pace[CLOCK]), arrays, numbers, UNITS | _wall_units(numbers))
     volume = float(np.prod(box.sides))
     parts = stresses(parameters, step, volume)
     tensor, rate = np.sum(list(parts.values()), axis=0), float(state.cell_rate[STRAIN])
@@ -101,6 +105,33 @@ def velocity_at_home(parameters: Parameters, state: State, box: Box) -> Array:
     velocity -= away * box.sides * rate[WIDTH : WIDTH + velocity.shape[1]]
     velocity[:, 0] -= away[:, 1] * (rate[TILT] * box.sides[0] + rate[WIDTH] * box.tilt)
     return velocity
+
+
+def _elastic_energy(parameters: Parameters, step: Step) -> float:
+    """What all deflections hold (J)."""
+    contacts, position = parameters.contacts, step.bodies.position
+    between = stored_energy(contacts, step.pairs, step.films, position)
+    return float(between + wall_energy(contacts, step.walls, position))
+
+
+def _wall_numbers(parameters: Parameters, state: State, step: Step) -> dict[str, float]:
+    """Where each wall is, and what the spheres push at it with: `top_y`, `top_force_x` and so on.
+
+    Along a wall its position is how far it has gone.
+    """
+    planes, dimensions, touches = parameters.walls, parameters.dimensions, step.walls.touches
+    force = np.zeros((len(planes.axis), 3))
+    np.add.at(force, touches.wall, -touches.force)
+    names = [SIDE_NAMES[int(axis), float(side)] for axis, side in zip(planes.axis, planes.side, strict=True)]
+    places = {f"{name}_{AXES[k]}": float(state.wall[w, k]) for w, name in enumerate(names) for k in range(dimensions)}
+    return places | {
+        f"{name}_force_{AXES[k]}": float(force[w, k]) for w, name in enumerate(names) for k in range(dimensions)
+    }
+
+
+def _wall_units(numbers: Mapping[str, float]) -> dict[str, str]:
+    walls = tuple(SIDE_NAMES.values())
+    return {name: "N" if "_force_" in name else "m" for name in numbers if name.startswith(walls)}
 
 
 def stresses(parameters: Parameters, step: Step, volume: float) -> dict[str, Array]:

@@ -7,7 +7,7 @@ from scipy.optimize import minimize
 
 from ecume.errors import Fault, SceneError
 from ecume.models.soft.cell import Box, box_of, shape_at
-from ecume.models.soft.meeting import neighbors
+from ecume.models.soft.meeting import neighbors, wall_gaps
 from ecume.models.soft.parameters import Parameters
 from ecume.models.soft.protocol import drive_at
 from ecume.scenes.soft import SoftScene
@@ -28,7 +28,8 @@ def places(scene: SoftScene, parameters: Parameters) -> Array:
         return np.array(given, np.float64)
     random = np.random.default_rng(scene.seed)
     box = box_of(parameters.box, shape_at(parameters.box, drive_at(parameters.protocol, 0.0)), parameters.dimensions)
-    position = random.uniform(size=(len(parameters.radius), parameters.dimensions)) * box.sides
+    ends = np.where(box.sides > 0.0, box.sides, scene.box.size if scene.box is not None else 0.0)
+    position = random.uniform(size=(len(parameters.radius), parameters.dimensions)) * ends
     begin = 0
     for species in scene.spheres:
         end = begin + (species.count or len(species.positions))
@@ -42,7 +43,7 @@ def places(scene: SoftScene, parameters: Parameters) -> Array:
 def pushed_apart(parameters: Parameters, position: Array, box: Box, least: float) -> Array:
     """The nearest places, more or less, without gaps below `least`: overlaps cost their square. Raises SceneError."""
     wide = parameters._replace(contacts=parameters.contacts._replace(fade_from=WIDER * least))
-    unit = float(parameters.radius.min())
+    unit, planes = float(parameters.radius.min()), parameters.walls
 
     def cost(flat: Array) -> tuple[float, Array]:
         pair, _, between = neighbors(wide, flat.reshape(position.shape) * unit, box)
@@ -52,7 +53,10 @@ def pushed_apart(parameters: Parameters, position: Array, box: Box, least: float
         slope = np.zeros_like(position)
         np.add.at(slope, pair[:, 0], push)
         np.add.at(slope, pair[:, 1], -push)
-        return 0.5 * float((overlap**2).sum()), slope.ravel()
+        to_wall = wall_gaps(parameters, flat.reshape(position.shape) * unit, planes.place)
+        inside = np.maximum(WIDER * least - to_wall, 0.0)
+        np.add.at(slope.T, planes.axis, (inside / unit * planes.side).T)
+        return 0.5 * float((overlap**2).sum() + ((inside / unit) ** 2).sum()), slope.ravel()
 
     flat = position.ravel() / unit
     tight = parameters._replace(contacts=parameters.contacts._replace(fade_from=least))
@@ -61,7 +65,7 @@ def pushed_apart(parameters: Parameters, position: Array, box: Box, least: float
             cost, flat, jac=True, method="L-BFGS-B", options={"maxiter": PUSHES, "ftol": 0.0, "gtol": 1e-12}
         ).x
         found = np.asarray(flat.reshape(position.shape) * unit)
-        if not len(neighbors(tight, found, box)[0]):
+        if not len(neighbors(tight, found, box)[0]) and (wall_gaps(parameters, found, planes.place) >= least).all():
             return found
     told = f"no places were found with gaps of {least:.3g} m everywhere; wanted a larger box.size or a smaller box.gap"
     raise SceneError([Fault("box.size", told)])

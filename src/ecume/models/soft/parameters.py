@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from ecume.engine.cells import Integers
 from ecume.models.soft.protocol import Protocol
 from ecume.units import Array
 
@@ -52,6 +53,25 @@ class Contacts(NamedTuple):
     """m: the gap below which there is contact friction"""
 
 
+class Planes(NamedTuple):
+    """The walls of a scene."""
+
+    axis: Integers
+    """(W,) which each stands across"""
+    side: Array
+    """(W,) -1 or 1: from the spheres to the wall"""
+    place: Array
+    """(W, 3) m, at the start: on the axis where the plane is, along the others zero"""
+    modulus: Array
+    """(W,) Pa; infinite where rigid"""
+    velocity: Array
+    """(W, 3) m/s where it is imposed"""
+    force: Array
+    """(W, 3) N at load 1, where one moves the wall"""
+    free: Integers
+    """(A, 2) walls and directions in which forces move them"""
+
+
 class Parameters(NamedTuple):
     """Everything about a scene that compiled code and the march need."""
 
@@ -71,8 +91,11 @@ class Parameters(NamedTuple):
     """(N,) N s/m on each sphere's equator"""
     torque: Array
     """(N, s) N at the equator, external, at load 1: of one component in a layer, three in space, none without spins"""
+    weight: Array
+    """(N, d) N in gravity, less what the liquid lifts"""
     box: Array
-    """(3,) m: sides of the periodic box at scale 1; zero where there is none"""
+    """(3,) m: sides of the periodic box at scale 1; zero where there is none, and along axes that walls stand across"""
+    walls: Planes
     contacts: Contacts
     protocol: Protocol
     scheme: str

@@ -46,7 +46,7 @@ def ways(parameters: Parameters, rules: Rules) -> tuple[Solver, ...]:
 
     Gradients may break down where the matrix is far from symmetric and positive; then a factorization stands in.
     """
-    table = BORDERED if any(rules) else SOLVERS
+    table = BORDERED if any(rules) or len(parameters.walls.free) else SOLVERS
     if parameters.solver != "auto":
         return (table[parameters.solver],)
     unknowns = parameters.force.size

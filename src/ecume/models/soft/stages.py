@@ -13,7 +13,18 @@ from ecume._jit import compiled, compiled_inside, inlined, plainly
 from ecume.engine import elimination, gradients, sparse
 from ecume.engine.gradients import Gradients
 from ecume.engine.sparse import Matrix
-from ecume.models.soft.borders import Borders, Web, border, close, missing_stress, moved, unknowns
+from ecume.models.soft.borders import (
+    Borders,
+    Web,
+    border,
+    border_walls,
+    change_box,
+    change_walls,
+    close,
+    missing_stress,
+    moved,
+    unknowns,
+)
 from ecume.models.soft.cell import (
     STRAIN,
     WIDTH,
@@ -46,6 +57,20 @@ from ecume.models.soft.spins import (
     still,
     turn_pairs,
 )
+from ecume.models.soft.walls import (
+    Walls,
+    accept_walls,
+    answer_walls,
+    begin_walls,
+    end_walls,
+    first_walls,
+    missing_at_walls,
+    move_walls,
+    push_from_walls,
+    resist_at_walls,
+    shift_at_walls,
+    wall_error,
+)
 from ecume.units import Array
 
 MOST_ITERATIONS = 12
@@ -73,6 +98,8 @@ class Bodies(NamedTuple):
     """(N,) N s/m"""
     force: Array
     """(N, d) N external, at factor 1"""
+    weight: Array
+    """(N, d) N external, always"""
     right: Array
     """(N, d + s) N that is left on each, and at its equator"""
     change: Array
@@ -104,6 +131,7 @@ class Step(NamedTuple):
     """where the contacts are at the step's beginning"""
     bodies: Bodies
     spins: Spins
+    walls: Walls
     matrix: Matrix
     cell: Cell
     borders: Borders
@@ -116,13 +144,13 @@ def imbalance(step: Step, factor: float, span: float, corrected: bool) -> tuple[
     bodies, answers, first, second = step.bodies, step.answers, step.pairs.first, step.pairs.second
     right, force, correction, stiffness = bodies.right, answers.force, answers.correction, answers.stiffness
     external, drag, position, start = bodies.force, bodies.drag, bodies.position, bodies.start
-    along = flow(step.cell)
+    along, weight = flow(step.cell), bodies.weight
     radius_sum, offset = step.pairs.radius_sum, step.pairs.offset
     count, dimensions = position.shape
     largest, stiffest, worst = 0.0, 0.0, 0.0
     for i in range(count):
         for k in range(dimensions):
-            right[i, k] = factor * external[i, k]
+            right[i, k] = factor * external[i, k] + weight[i, k]
             largest = max(largest, abs(right[i, k]))
             if drag[i] > 0.0:
                 carried = start[i, k]
@@ -142,6 +170,9 @@ def imbalance(step: Step, factor: float, span: float, corrected: bool) -> tuple[
                 value += correction[c, k]
             right[i, k] += value
             right[j, k] -= value
+    if len(step.walls.touches.first) > 0:
+        most, firmest = push_from_walls(step.walls, position, right, corrected)
+        largest, stiffest = max(largest, most), max(stiffest, firmest)
     if right.shape[1] > dimensions:
         add_torques(step.pairs, answers, position, right, corrected)
     for i in range(count):
@@ -169,6 +200,7 @@ def move(step: Step, goal: Goal) -> float:
     for i in range(len(turn)):
         for k in range(turn.shape[1]):
             largest = max(largest, abs(change[i, dimensions + k]) / step.spins.radius[i])
+    largest = max(largest, shift_at_walls(step.walls, change, dimensions))
     if not math.isfinite(largest):
         return math.inf
     part = min(1.0, LONGEST_CHANGE / max(largest, 1e-300))
@@ -180,6 +212,7 @@ def move(step: Step, goal: Goal) -> float:
             turn[i, k] += part * change[i, dimensions + k]
     turn_pairs(step.pairs, step.spins)
     deform(step.cell, goal, part)
+    move_walls(step.walls, part)
     place_images(step.pairs, step.cell)
     for c in range(len(log_gap)):
         log_gap[c] += part * shift[c, 0]
@@ -208,12 +241,13 @@ def resist(step: Step, span: float) -> None:
         hold_spins(step.matrix, spins, is_free(step))
     else:
         sparse.assemble(step.matrix, step.answers.stiffness, bodies.diagonal)
+    resist_at_walls(step.walls, step.matrix.blocks, step.matrix.pattern.diagonal, dimensions)
 
 
 @compiled
 def is_free(step: Step) -> bool:
     """Whether nothing keeps the spheres from circling each other all together."""
-    return not (np.any(step.bodies.drag > 0.0) or np.any(step.cell.sides > 0.0))
+    return not (np.any(step.bodies.drag > 0.0) or np.any(step.cell.sides > 0.0) or len(step.walls.places.place) > 0)
 
 
 @compiled
@@ -236,15 +270,26 @@ def factorized(step: Step, goal: Goal, loose: int) -> bool:
 
 def bordered(way: str, step: Step, goal: Goal, loose: int) -> bool:
     """Newton's step with what all spheres share, by one of these ways."""
-    border(step.cell, web_of(step), goal, step.borders)
-    several = 1 + unknowns(step.cell)
-    right, change = step.borders.right[:several], step.borders.change[:several]
+    boxed = unknowns(step.cell)
+    if boxed:
+        border(step.cell, web_of(step), goal, step.borders)
+    else:
+        border_walls(step.walls, goal.drive.load, step.borders, step.bodies.position.shape[1])
+    count = boxed or len(step.walls.places.free)
+    right, change = step.borders.right[: 1 + count], step.borders.change[: 1 + count]
     if way == "gradients":
         found = gradients.follow_gradients(step.matrix, right, change, step.gradients, loose)
     else:
         solve = elimination.eliminate if way == "dense" else elimination.factorize
         found = solve(step.matrix, right, change, loose)
-    return found and close(step.cell, goal, step.borders)
+    answer = close(step.borders, count) if found else None
+    if answer is None:
+        return False
+    if boxed:
+        change_box(step.cell, goal, answer)
+    else:
+        change_walls(step.walls, answer)
+    return True
 
 
 @compiled
@@ -255,8 +300,10 @@ def web_of(step: Step) -> Web:
 
 @compiled
 def unmet(step: Step, goal: Goal) -> float:
-    """What is missing of the stresses that rule the box."""
-    return missing_stress(step.cell, web_of(step), goal) if unknowns(step.cell) > 0 else 0.0
+    """What is missing of the stresses that rule the box, or of the forces on walls."""
+    if unknowns(step.cell) > 0:
+        return missing_stress(step.cell, web_of(step), goal)
+    return missing_at_walls(step.walls, step.bodies.position, goal.drive.load)
 
 
 @compiled
@@ -273,10 +320,12 @@ def newton_with(solve: Callable[..., bool], contacts: Contacts, step: Step, goal
     """Solve a stage: whether forces and stresses balance and the last change was below `fine`."""
     enter(step, goal)
     bodies, load, span = step.bodies, goal.drive.load, goal.span
-    loose = 0 if np.any(bodies.drag > 0.0) else bodies.position.shape[1]
+    held = np.any(bodies.drag > 0.0) or len(step.walls.places.place) > 0
+    loose = 0 if held else bodies.position.shape[1]
     last = math.inf
     for _ in range(MOST_ITERATIONS):
         answer(contacts, step.pairs, step.films, bodies.position, span, step.answers)
+        answer_walls(contacts, step.walls, bodies.position, step.spins.turn, span)
         worst, largest, rounding = imbalance(step, load, span, False)
         if last <= fine and worst <= BALANCE * largest + rounding and unmet(step, goal) <= BALANCE:
             return True
@@ -338,6 +387,7 @@ def begin_stage(step: Step, scheme: Scheme, stage: int, time_step: float) -> Non
                 bodies.start[i, k] = value
     begin_spins(step.spins, rows[stage, :stage], time_step)
     begin_cell(step.cell, scheme, stage, time_step)
+    begin_walls(step.walls, scheme, stage, time_step)
 
 
 @compiled
@@ -345,6 +395,7 @@ def end_stage(step: Step, goal: Goal, stage: int) -> None:
     """The slopes of a solved stage, from what it added to its start: nothing is amplified so."""
     films, slope, bodies, span = step.films, step.slope, step.bodies, goal.span
     end_cell(step.cell, goal, stage)
+    end_walls(step.walls, stage, span)
     for c in range(len(step.log_gap)):
         slope[stage, c, 0] = (films.log_gap[c] - films.log_gap_start[c]) / span
         lean = 0.0
@@ -380,9 +431,12 @@ def first_stage(contacts: Contacts, step: Step, drive: Drive) -> None:
     step.spins.start[:] = 0.0
     turn_pairs(step.pairs, step.spins)
     first_cell(step.cell, drive)
+    first_walls(step.walls)
     place_images(step.pairs, step.cell)
     answer(contacts, step.pairs, films, bodies.position, 0.0, step.answers)
+    answer_walls(contacts, step.walls, bodies.position, step.spins.turn, 0.0)
     slope[0] = step.answers.slope
+    step.walls.touches.rate[0] = step.walls.touches.now
     bodies.start[:] = bodies.position
     imbalance(step, drive.load, 1.0, False)
     for i in range(len(bodies.drag)):
@@ -438,7 +492,8 @@ def attempt_with(newton: Callable[..., bool], contacts: Contacts, step: Step, sc
         if not newton(contacts, step, goal, 1e-3 * during.tolerance):
             return FAILED
         end_stage(step, goal, stage)
-    return max(error_of(step, scheme, during.length), cell_error(step.cell, scheme, during.length))
+    of_walls = wall_error(step.walls, scheme, during.length)
+    return max(error_of(step, scheme, during.length), cell_error(step.cell, scheme, during.length), of_walls)
 
 
 @compiled
@@ -466,6 +521,7 @@ def attempt_bordered(way: str, contacts: Contacts, step: Step, scheme: Scheme, d
 def accept(step: Step) -> None:
     """The end of a step is the next one's beginning."""
     carry(step.pairs, step.films.direction)
+    accept_walls(step.walls, step.spins.turn)
     step.log_gap[:] = step.films.log_gap
     step.direction[:] = step.films.direction
     step.bodies.before[:] = step.bodies.position

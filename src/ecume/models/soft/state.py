@@ -9,13 +9,14 @@ import numpy as np
 from ecume.engine import gradients, sparse
 from ecume.engine.cells import Integers
 from ecume.laws import elasticity
-from ecume.models.soft.borders import make_borders
+from ecume.models.soft.borders import MOST, make_borders
 from ecume.models.soft.cell import make_cell
 from ecume.models.soft.films import Pairs, make_answers, make_films
 from ecume.models.soft.parameters import Parameters
 from ecume.models.soft.schemes import SCHEMES
 from ecume.models.soft.spins import make_spins, turned_orientation
 from ecume.models.soft.stages import Bodies, Step
+from ecume.models.soft.walls import Touches, Walls, make_walls
 from ecume.units import Array
 
 LENGTH, PAST_ERROR, CLOCK = range(3)
@@ -53,6 +54,16 @@ class State(NamedTuple):
     """(room,)"""
     direction: Array
     """(room, d) of the gap vector"""
+    touching: Integers
+    """(N, W) whether each sphere has a contact with each wall"""
+    wall_gap: Array
+    """(N, W) ln of its gap"""
+    slip: Array
+    """(N, W, d) in radii: how far its gap vector reaches along the wall"""
+    wall: Array
+    """(W, 3) m: on its axis where each wall is, along the others how far it has gone"""
+    wall_rate: Array
+    """(W, 3) m/s at the end of the last step"""
     cell: Array
     """(5,) how the box is sheared and sized: `cell.Cell`"""
     cell_rate: Array
@@ -73,7 +84,7 @@ class Workspace(NamedTuple):
 
 def make_state(parameters: Parameters, position: Array, room: int) -> State:
     """At time 0, without contacts."""
-    count, dimensions = position.shape
+    (count, dimensions), walls = position.shape, len(parameters.walls.axis)
     return State(
         position=np.array(position, np.float64),
         velocity=np.zeros((count, dimensions)),
@@ -86,6 +97,11 @@ def make_state(parameters: Parameters, position: Array, room: int) -> State:
         image=np.zeros((room, dimensions), np.int64),
         log_gap=np.zeros(room),
         direction=np.zeros((room, dimensions)),
+        touching=np.zeros((count, walls), np.int64),
+        wall_gap=np.zeros((count, walls)),
+        slip=np.zeros((count, walls, dimensions)),
+        wall=parameters.walls.place.copy(),
+        wall_rate=parameters.walls.velocity.copy(),
         cell=np.zeros(5),
         cell_rate=np.zeros(5),
         pace=np.zeros(3),
@@ -100,7 +116,7 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
     pairs = pairs_of(parameters, state)
     stages, width = len(SCHEMES[parameters.scheme].times), dimensions + parameters.torque.shape[1]
     pattern = sparse.make_pattern(count, pairs.first, pairs.second)
-    shared = make_borders(count, width)
+    shared = make_borders(count, width, max(MOST, len(parameters.walls.free)))
     bodies = Bodies(
         position=state.position.copy(),
         before=state.position.copy(),
@@ -108,6 +124,7 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
         slope=np.zeros((stages, count, dimensions)),
         drag=parameters.drag,
         force=parameters.force,
+        weight=parameters.weight,
         right=shared.right[0],
         change=shared.change[0],
         diagonal=np.zeros((count, width)),
@@ -121,6 +138,7 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
         direction=in_space(state.direction[:contacts]),
         bodies=bodies,
         spins=make_spins(parameters.radius, parameters.spin_drag, parameters.torque, (stages, contacts, width)),
+        walls=walls_of(parameters, state, stages),
         matrix=sparse.make_matrix(pattern, width),
         cell=make_cell(parameters.box, state.cell, state.cell_rate, stages),
         borders=shared,
@@ -137,7 +155,24 @@ def store(parameters: Parameters, state: State, step: Step) -> None:
         state.orientation[:] = turned_orientation(state.orientation, step.spins.turn / parameters.radius[:, None])
     state.log_gap[:contacts] = step.log_gap
     state.direction[:contacts] = step.direction[:, :dimensions]
+    touches = step.walls.touches
+    state.wall_gap[touches.first, touches.wall] = touches.log_gap_before
+    state.slip[touches.first, touches.wall] = touches.slip_before[:, :dimensions]
+    state.wall[:], state.wall_rate[:] = step.walls.places.before, step.walls.places.past
     state.cell[:], state.cell_rate[:] = step.cell.before, step.cell.past
+
+
+def walls_of(parameters: Parameters, state: State, stages: int) -> Walls:
+    """The walls and the present contacts with them."""
+    first, wall = (np.ascontiguousarray(index) for index in np.nonzero(state.touching))
+    count, radius = len(first), parameters.radius
+    moduli = parameters.modulus[first], parameters.walls.modulus[wall]
+    modulus = np.array([elasticity.pair_modulus(*pair) for pair in zip(*moduli, strict=True)])
+    log_gap, slip = state.wall_gap[first, wall], in_space(state.slip[first, wall])
+    room = (np.zeros((count, *shape)) for shape in ((3,), (3,), (3, 3), (4,), (4, 3), (4,)))
+    places = (log_gap.copy(), slip.copy(), log_gap.copy(), slip.copy(), log_gap, slip)
+    touches = Touches(first, wall, radius[first], modulus, *places, np.zeros((stages, count, 4)), *room)
+    return Walls(make_walls(parameters.walls, (state.wall, state.wall_rate), stages), touches)
 
 
 def pairs_of(parameters: Parameters, state: State) -> Pairs:

@@ -7,7 +7,8 @@ import math
 import numpy as np
 
 from ecume.models.model import CROWDED, DIVERGED, DONE
-from ecume.models.soft.meeting import renew_contacts
+from ecume.models.soft.cell import box_of
+from ecume.models.soft.meeting import keys, neighbors, renew_contacts, wall_gaps
 from ecume.models.soft.parameters import Parameters
 from ecume.models.soft.protocol import drive_at, interval_at, next_turn, rules_at
 from ecume.models.soft.schemes import SCHEMES, Scheme
@@ -26,6 +27,8 @@ MOST_TRIES = 60
 """A step that is not good after so many, each shorter than the last, is given up, and with it the run."""
 LEAST_PER_CYCLE = 20
 """Steps in a cycle of what oscillates."""
+NARROW = 0.5
+"""Of the reach of films: a gap below it that had no film before was come upon in too long a step."""
 NEARLY = 1e-9
 """A step that would leave less than this part of itself to a frame or turn takes it along."""
 
@@ -58,6 +61,9 @@ def one_step(parameters: Parameters, state: State, scratch: Workspace) -> float:
         if error == NOT_SOLVED or not math.isfinite(error):
             state.pace[LENGTH] = AFTER_FAILURE * length
             state.tally[FAILED] += 1
+        elif leapt(parameters, scratch.step):
+            state.pace[LENGTH] = 0.5 * length
+            state.tally[REJECTED] += 1
         elif ratio > 1.0:
             state.pace[LENGTH] = length * max(MOST_SHRINK, SAFETY * ratio ** (-1.0 / scheme.order))
             state.tally[REJECTED] += 1
@@ -70,6 +76,29 @@ def one_step(parameters: Parameters, state: State, scratch: Workspace) -> float:
             state.pace[PAST_ERROR] = ratio
             return length
     return 0.0
+
+
+def leapt(parameters: Parameters, step: Step) -> bool:
+    """Whether spheres have come so close in a step, to each other or to walls, that a film should have been between
+    them long before.
+    """
+    reach, moved = parameters.contacts.fade_from, step.bodies.position - step.bodies.before
+    largest = float(np.linalg.norm(moved - moved.mean(axis=0), axis=1).max())
+    if 2.0 * largest < (1.0 - NARROW) * reach and not len(parameters.walls.axis):
+        return False
+    places, touching = step.walls.places.place, np.zeros((len(moved), len(parameters.walls.axis)), np.bool_)
+    touching[step.walls.touches.first, step.walls.touches.wall] = True
+    narrow = parameters._replace(contacts=parameters.contacts._replace(fade_from=NARROW * reach))
+    if (~touching & (wall_gaps(parameters, step.bodies.position, places) < NARROW * reach)).any():
+        return True
+    if 2.0 * largest < (1.0 - NARROW) * reach:
+        return False
+    box = box_of(parameters.box, step.cell.shape, parameters.dimensions)
+    pair, image, _ = neighbors(narrow, step.bodies.position, box)
+    known = np.stack([step.pairs.first, step.pairs.second], axis=1)
+    return bool(
+        (~np.isin(keys(pair, image), keys(known, step.pairs.image[:, : image.shape[1]].astype(np.int64)))).any()
+    )
 
 
 def _drives(parameters: Parameters, state: State, way: tuple[float, float]) -> Array:

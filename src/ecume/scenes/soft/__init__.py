@@ -11,8 +11,10 @@ from ecume.scenes.soft.scene import (
     SteppingSpec,
     dimensions_of,
 )
+from ecume.scenes.soft.walls import SIDES, WallSpec
 
 __all__ = [
+    "SIDES",
     "BoxSpec",
     "FilmSpec",
     "OscillationSpec",
@@ -22,5 +24,6 @@ __all__ = [
     "SphereSpec",
     "StageSpec",
     "SteppingSpec",
+    "WallSpec",
     "dimensions_of",
 ]

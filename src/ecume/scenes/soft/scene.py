@@ -16,11 +16,14 @@ from ecume.scenes.quantities import (
     Count,
     LawName,
     Name,
+    PositiveDensity,
+    Pull,
     Radius,
     Size,
     Switch,
 )
 from ecume.scenes.soft.protocol import StageSpec, protocol_faults
+from ecume.scenes.soft.walls import WallSpec, wall_faults
 from ecume.units import Energy, Force, Number, Pressure, SurfaceTension, Unit, Viscosity
 
 MOST_SPHERES = 1_000_000
@@ -52,6 +55,8 @@ class SoftLiquid:
     """Pa s"""
     surface_tension: Tension | None = None
     """of bubbles or drops in it (N/m)"""
+    density: PositiveDensity | None = None
+    """kg/m^3; needed with gravity"""
     drag: Switch = False
     """Whether the liquid far away drags on each sphere, with Stokes's 6 pi eta R."""
 
@@ -66,6 +71,8 @@ class SphereSpec:
     """m, undeformed"""
     modulus: Modulus | None = None
     """Young's modulus of the material (Pa); bubbles and drops have none"""
+    density: PositiveDensity | None = None
+    """kg/m^3; needed with gravity"""
     positions: tuple[Position, ...] = ()
     """Where each starts (m): two coordinates in a layer, three in space."""
     count: Count | None = None
@@ -177,8 +184,12 @@ class SoftScene(Common):
     """The contacts."""
     remote: RemoteSpec = RemoteSpec()
     """What acts across the films."""
+    gravity: Pull | None = None
+    """Acceleration of gravity (m/s^2), as many components as there are dimensions; needs densities"""
     box: BoxSpec | None = None
     """The periodic box, if any."""
+    walls: tuple[WallSpec, ...] = ()
+    """Planes that the spheres lie between or on."""
     protocol: tuple[StageSpec, ...] = ()
     """What is done to spheres and box over time."""
     stepping: SteppingSpec = SteppingSpec()
@@ -191,7 +202,9 @@ class SoftScene(Common):
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        complaints = [*_dimensions(self), *_protocol(self), *_materials(self), *_crowd(self)]
+        complaints = [
+            *_dimensions(self), *_protocol(self), *_materials(self), *_walls(self), *_gravity(self), *_crowd(self),
+        ]  # fmt: skip
         if complaints:
             raise Inconsistent(complaints)
         return self
@@ -248,8 +261,30 @@ def _torque(path: Path, came: int, scene: SoftScene) -> Complaints:
     return [] if came == wanted else [(path, f"came {came} components; wanted {wanted}")]
 
 
+def _walls(scene: SoftScene) -> Complaints:
+    sides = None if scene.box is None else scene.box.size
+    found = wall_faults(scene.walls, dimensions_of(scene), sides)
+    yields = [wall.shear_stress is not None for wall in scene.walls]
+    if yields and all(yields) and not scene.liquid.drag:
+        found.append(((0, "shear_stress"), "all walls yield along x; wanted one that does not, or liquid.drag = true"))
+    return [(("walls", *path), message) for path, message in found]
+
+
+def _gravity(scene: SoftScene) -> Complaints:
+    if scene.gravity is None:
+        return []
+    found: Complaints = []
+    if len(scene.gravity) != dimensions_of(scene):
+        found.append((("gravity",), f"came {len(scene.gravity)} components; wanted {dimensions_of(scene)}"))
+    if scene.liquid.density is None:
+        found.append((("liquid", "density"), "is missing; gravity needs it, for what the liquid lifts"))
+    missing = [index for index, species in enumerate(scene.spheres) if species.density is None]
+    return found + [(("spheres", index, "density"), "is missing; gravity needs it") for index in missing]
+
+
 def _protocol(scene: SoftScene) -> Complaints:
-    found = protocol_faults(scene.protocol, dimensions_of(scene), scene.box is not None)
+    boxed = scene.box is not None and not scene.walls
+    found = protocol_faults(scene.protocol, dimensions_of(scene), boxed)
     return [(("protocol", *path), message) for path, message in found]
 
 

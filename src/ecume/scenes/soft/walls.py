@@ -1,0 +1,81 @@
+"""What spheres settle on and are squeezed between: plane walls."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Annotated, Literal
+
+from pydantic import Field
+from pydantic.dataclasses import dataclass
+
+from ecume.scenes.faults import Complaints
+from ecume.scenes.quantities import STRICT, Coordinate, Motion
+from ecume.scenes.soft.protocol import STRESS_UNITS, Stress, StressInSpace, StressOfLayer
+from ecume.units import Pressure
+
+Modulus = Annotated[Pressure, Field(ge=1e-9, le=1e15)]
+Side = Literal["left", "right", "bottom", "top", "front", "back"]
+SIDES: dict[str, tuple[int, float]] = {
+    "left": (0, -1.0), "right": (0, 1.0), "bottom": (1, -1.0), "top": (1, 1.0), "front": (2, -1.0), "back": (2, 1.0),
+}  # fmt: skip
+"""By name: the axis that a wall stands across, and on which side of the spheres it is."""
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class WallSpec:
+    """A plane across an axis: it stands, moves as it is told, or yields to a force. A box is not periodic along the
+    axes that walls stand across.
+    """
+
+    side: Side
+    """`left`, `right` (across x), `bottom`, `top` (across y), `front` or `back` (across z)"""
+    position: Coordinate | None = None
+    """Where it stands on its axis at the start (m); left out, at that end of the box."""
+    modulus: Modulus | None = None
+    """Young's modulus of its material (Pa); left out, it is rigid."""
+    velocity: Motion | None = None
+    """How it moves (m/s)."""
+    pressure: Stress | None = None
+    """What pushes it towards the spheres, so that it moves along its axis (Pa; N/m in a layer), at load 1."""
+    shear_stress: Stress | None = None
+    """What pulls it along x, so that it moves there (Pa; N/m in a layer), at load 1."""
+
+
+def wall_faults(walls: Sequence[WallSpec], dimensions: int, sides: Sequence[float] | None) -> Complaints:
+    """What cannot stand or move."""
+    found: Complaints = []
+    seen: set[str] = set()
+    for index, wall in enumerate(walls):
+        axis, _ = SIDES[wall.side]
+        if axis >= dimensions:
+            found.append(((index, "side"), f"a layer has no {wall.side}; wanted left, right, bottom or top"))
+        if wall.side in seen:
+            found.append(((index, "side"), f"stands twice: there is a {wall.side} already"))
+        seen.add(wall.side)
+        if wall.position is None and sides is None:
+            found.append(((index, "position"), "is missing; there is no [box] at whose end the wall could stand"))
+        found += [((index, *path), message) for path, message in _driven(wall, dimensions, sides)]
+    return found
+
+
+def _driven(wall: WallSpec, dimensions: int, sides: Sequence[float] | None) -> Complaints:
+    axis, _ = SIDES[wall.side]
+    found: Complaints = []
+    if wall.velocity is not None and len(wall.velocity) != dimensions:
+        found.append((("velocity",), f"came {len(wall.velocity)} components; wanted {dimensions}"))
+        return found
+    velocity = wall.velocity or (0.0,) * dimensions
+    if wall.pressure is not None and axis < dimensions and velocity[axis] != 0.0:
+        found.append((("pressure",), "the wall's velocity along its axis is given; wanted one of both"))
+    if wall.shear_stress is not None and axis == 0:
+        found.append((("shear_stress",), "pulls along x, which this wall stands across; wanted pressure"))
+    elif wall.shear_stress is not None and velocity[0] != 0.0:
+        found.append((("shear_stress",), "the wall's velocity along x is given; wanted one of both"))
+    wrong = StressInSpace if dimensions == 2 else StressOfLayer
+    for name in ("pressure", "shear_stress"):
+        value = getattr(wall, name)
+        if value is not None and sides is None:
+            found.append(((name,), "acts on the wall's area, that of the [box]; there is none"))
+        if isinstance(value, wrong):
+            found.append(((name,), f"stresses here are in {STRESS_UNITS[dimensions]}"))
+    return found
