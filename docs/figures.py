@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from figures_floating import FIGURES as FLOATING_FIGURES
 from figures_flows import FIGURES as FLOW_FIGURES
+from figures_many import FIGURES as MANY_FIGURES
 from figures_soft import FIGURES as SOFT_FIGURES
 from figures_sph import FIGURES as SPH_FIGURES
 from figures_surfaces import FIGURES as SURFACE_FIGURES
@@ -253,6 +254,7 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     "integrators": integrators,
     "cereal-bowl": cereal_bowl,
     **FLOATING_FIGURES,
+    **MANY_FIGURES,
     **SOFT_FIGURES,
     **FLOW_FIGURES,
     **SPH_FIGURES,

@@ -26,6 +26,7 @@ SECTIONS = {
     "[liquid]": floating.LiquidSpec,
     "[[floats]]": floating.FloatSpec,
     "[floats.surface_energies]": floating.SurfaceEnergies,
+    "[floats.disc]": floating.DiscSpec,
     "[[rows]]": floating.FloatRow,
     "[dish]": floating.DishSpec,
     "[motion]": floating.MotionSpec,

@@ -147,6 +147,17 @@ def stokes_friction(radius: Length, viscosity: Viscosity, factor: Number) -> Fri
     return 6.0 * math.pi * viscosity * radius * factor
 
 
+def disc_friction(radius: Length, viscosity: Viscosity) -> Friction:
+    """Zeta = (16/3) eta a: a thin disc that slides along the surface of deep liquid, one side wet.
+
+    Half of the edgewise friction of a disc in the bulk [lamb1932, par. 339].
+
+    >>> disc_friction(3.0, 1.0)
+    16.0
+    """
+    return 16.0 / 3.0 * viscosity * radius
+
+
 def relaxation_time(mass: Mass, friction: Friction) -> Time:
     """Relaxation time tau = m / zeta: how long a floater coasts; for ever without friction. [stokes1851].
 

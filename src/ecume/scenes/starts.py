@@ -180,6 +180,8 @@ def frame_of_run(folder: Folder, name: str) -> tuple[Frame, Any]:
 def _rows_of_frame(frame: Frame, scene: Any) -> list[dict[str, Any]]:
     """The floats of one frame of a run. Raises ValueError."""
     species = scene.kinds
+    if any(getattr(spec, "disc", None) is not None for spec in getattr(scene, "floats", ())):
+        raise ValueError("is a run of discs, and rows hold spheres; place them by positions")
     missing = [name for name in ARRAYS if name not in frame.arrays]
     if missing:
         raise ValueError(f"is a run of another model: its frames have no {missing[0]}")

@@ -30,7 +30,7 @@ def meeting_time(apart, drag_on):
         return [y[1], 2.0 * (-strength * k1(y[0] / length) - friction * 0.5 * y[1]) / kind.mass]
 
     def touching(_, y):
-        return y[0] - 2.0 * kind.sphere.radius
+        return y[0] - 2.0 * kind.body.radius
 
     touching.terminal = True
     found = solve_ivp(rate, (0, 60), [apart, 0.0], "DOP853", events=touching, rtol=1e-10, atol=1e-14)

@@ -16,6 +16,9 @@ from ecume.laws.multipole.graf import Rims, Waves, receive_all
 from ecume.laws.multipole.ladders import outgoing_ladder, regular_ladder
 from ecume.units import Array
 
+FAINT = math.log(1e-16)
+"""Orders whose part is smaller are not felt."""
+
 
 class Echoes(NamedTuple):
     """Plane walls as mirrors, and a round wall; in capillary lengths."""
@@ -65,11 +68,20 @@ def make_round_echoes(brim: float, waves: int, orders: int, reference: float, pi
 
 
 @compiled
+def felt(echoes: Echoes, out: float, radius: float, orders: int) -> int:
+    """How many of the round wall's orders a body feels, that far from the middle: few, unless it is near the wall."""
+    ratio = (out + radius) / echoes.brim
+    if ratio >= 1.0:
+        return len(echoes.answer)
+    return min(len(echoes.answer), int(FAINT / math.log(ratio)) + 2 * orders + 1)
+
+
+@compiled
 def to_the_middle(rims: Rims, echoes: Echoes, j: int, place: Array, amplitudes: Waves, middle: Waves) -> None:
     """Add to `middle` (1, P + 1) what the body j sends, as seen from the middle."""
-    orders, waves = len(amplitudes), len(echoes.answer)
-    ladder, turned = np.zeros(waves + orders), np.zeros(orders, np.complex128)
     out = math.sqrt(place[0] ** 2 + place[1] ** 2)
+    orders, waves = len(amplitudes), felt(echoes, out, rims.radius[j], len(amplitudes))
+    ladder, turned = np.zeros(waves + orders), np.zeros(orders, np.complex128)
     turn = complex(place[0] / out, place[1] / out) if out > 0.0 else complex(1.0, 0.0)
     regular_ladder(out, echoes.brim, ladder)
     phase = complex(math.exp(out + rims.radius[j] - echoes.brim), 0.0)
@@ -89,9 +101,9 @@ def to_the_middle(rims: Rims, echoes: Echoes, j: int, place: Array, amplitudes: 
 @compiled
 def from_the_middle(rims: Rims, echoes: Echoes, i: int, place: Array, middle: Waves, waves: Waves) -> None:
     """Add to `waves` of body i what the round wall answers."""
-    wanted, most = len(waves), len(echoes.answer)
-    ladder = np.zeros(most + wanted)
     out = math.sqrt(place[0] ** 2 + place[1] ** 2)
+    wanted, most = len(waves), felt(echoes, out, rims.radius[i], len(waves) - 1)
+    ladder = np.zeros(most + wanted)
     turn = complex(place[0] / out, place[1] / out) if out > 0.0 else complex(1.0, 0.0)
     regular_ladder(out, echoes.brim, ladder)
     back = complex(math.exp(out + rims.radius[i] - echoes.brim), 0.0)

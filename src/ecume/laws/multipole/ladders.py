@@ -15,6 +15,7 @@ from ecume.laws.special import scaled_bessel_k0, scaled_bessel_k1
 from ecume.units import Array, Number
 
 MOST_TERMS = 4000
+TINY = 1e-280
 
 
 def outgoing_ladder(x: Number, reference: Number, values: Array) -> None:
@@ -34,23 +35,30 @@ def outgoing_ladder(x: Number, reference: Number, values: Array) -> None:
 
 
 def regular_ladder(x: Number, reference: Number, values: Array) -> None:
-    """Fill `values` with i_0, i_1, ... at x, each by its power series, whose terms are all positive.
+    """Fill `values` with i_0, i_1, ... at x: the last two by their power series, whose terms are all positive, the
+    others by I_{m-1} = I_{m+1} + (2 m/x) I_m, which is stable downwards.
 
     >>> values = np.zeros(3)
     >>> regular_ladder(1.0, 2.0, values)
     >>> np.round(values * math.exp(1.0) / (1.0, 1.0, 2.0), 9).tolist()        # I_0(1), I_1(1), I_2(1)
     [1.266065878, 0.565159104, 0.13574767]
     """
-    power = math.exp(-x)
-    for m in range(len(values)):
+    last = len(values) - 1
+    highest = math.exp(-x) * (x / reference) ** last
+    # Where the last is no longer a number of full precision there is nothing to go down from.
+    from_top = highest > TINY and last > 1
+    for m in range(last - 1 if from_top else 0, last + 1):
         term, total = 1.0, 1.0
         for k in range(1, MOST_TERMS):
             term *= 0.25 * x * x / (k * (m + k))
             total += term
             if term < 1e-17 * total:
                 break
-        values[m] = power * total
-        power *= x / reference
+        values[m] = math.exp(-x) * (x / reference) ** m * total
+    if from_top:
+        near, far = reference / x, 0.25 * reference * reference
+        for m in range(last - 1, 0, -1):
+            values[m - 1] = far / (m * (m + 1.0)) * values[m + 1] + near * values[m]
 
 
 def log_slopes(x: Number, order: int) -> tuple[Array, Array]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 import warnings
 from collections.abc import Callable
@@ -9,6 +10,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ecume.engine.cells import Integers
 from ecume.engine.walls import Walls
 from ecume.engine.walls import dishes as wall_shapes
 from ecume.errors import BadInput, EcumeError, Fault, SceneError
@@ -36,7 +38,7 @@ from ecume.models.floating.parameters import (
 )
 from ecume.models.floating.wall_tables import WallKind, wall_table
 from ecume.models.liquids import liquid_of
-from ecume.scenes.floating import FloatingScene, FloatRow, FloatSpec, species_of
+from ecume.scenes.floating import DiscSpec, FloatingScene, FloatRow, FloatSpec, species_of
 from ecume.units import Array
 
 DEEPEST_TOUCH = 0.9
@@ -52,7 +54,10 @@ class StepWarning(UserWarning):
 class Afloat(NamedTuple):
     """One kind of float as it floats: what it is made of, and what the laws make of it."""
 
-    sphere: flotation.Sphere
+    body: flotation.Sphere | flotation.Disc
+    density: float
+    contact_angle: float
+    """of a disc NaN: its edge takes any"""
     equilibrium: flotation.Equilibrium
     charge: float
     mass: float
@@ -78,13 +83,29 @@ def contact_angle_of(given: FloatSpec | FloatRow, liquid: flotation.Liquid) -> f
 def afloat(given: FloatSpec | FloatRow, scene: FloatingScene) -> Afloat:
     """How one kind of float floats. Raises BadInput where it does not."""
     liquid = liquid_of(scene)
+    if isinstance(given, FloatSpec) and given.disc is not None:
+        return disc_afloat(given, given.disc, scene)
     sphere = flotation.Sphere(given.radius, given.density, contact_angle_of(given, liquid))
     balance = flotation.equilibrium(sphere, liquid)
     assert scene.interaction.charge is not None  # noqa: S101  # the scene has filled it in
     charge = flotation.capillary_charge(sphere, liquid, scene.interaction.charge)
     factor = float(drag.factor_at_filling(balance.filling_angle))
     mass = given.density * 4.0 / 3.0 * math.pi * given.radius**3
-    return Afloat(sphere, balance, charge, mass, drag.stokes_friction(given.radius, liquid.viscosity, factor))
+    friction = drag.stokes_friction(given.radius, liquid.viscosity, factor)
+    return Afloat(sphere, given.density, sphere.contact_angle, balance, charge, mass, friction)
+
+
+def disc_afloat(given: FloatSpec, disc: DiscSpec, scene: FloatingScene) -> Afloat:
+    """How a disc floats, pinned to one of its edges. Raises BadInput where it does not."""
+    liquid = liquid_of(scene)
+    solid = flotation.VerticalCylinder(given.radius, disc.thickness, given.density, 0.5 * math.pi)
+    body = dataclasses.replace(flotation.disc_of_cylinder(solid, liquid, disc.rim), tilting=disc.tilting)
+    balance = flotation.equilibrium(body, liquid)
+    charge = flotation.capillary_charge(body, liquid, str(scene.interaction.charge))
+    mass = given.density * math.pi * given.radius**2 * disc.thickness
+    return Afloat(
+        body, given.density, math.nan, balance, charge, mass, drag.disc_friction(given.radius, liquid.viscosity)
+    )
 
 
 def kinds_afloat(scene: FloatingScene) -> list[Afloat]:
@@ -93,7 +114,8 @@ def kinds_afloat(scene: FloatingScene) -> list[Afloat]:
     found: list[Afloat] = []
     known: dict[Any, Afloat | BadInput] = {}
     for where, given in _given(scene):
-        key = (given.radius, given.density, given.contact_angle, given.surface_energies)
+        disc = given.disc if isinstance(given, FloatSpec) else None
+        key = (given.radius, given.density, given.contact_angle, given.surface_energies, disc)
         if key not in known:
             try:
                 known[key] = afloat(given, scene)
@@ -127,14 +149,14 @@ def floats_of(scene: FloatingScene) -> Floats:
         return np.repeat(np.array([of(kind) for kind in kinds]), counts)
 
     return Floats(
-        radius=each(lambda kind: kind.sphere.radius),
+        radius=each(lambda kind: kind.body.radius),
         mass=each(lambda kind: kind.mass),
         charge=each(lambda kind: kind.charge),
         relaxation_time=each(lambda kind: drag.relaxation_time(kind.mass, kind.friction))
         if scene.motion.drag
         else np.full(sum(counts), np.inf),
-        density=each(lambda kind: kind.sphere.density),
-        contact_angle=each(lambda kind: kind.sphere.contact_angle),
+        density=each(lambda kind: kind.density),
+        contact_angle=each(lambda kind: kind.contact_angle),
         species=np.repeat(np.array(species, dtype=np.int64), counts),
     )
 
@@ -261,7 +283,27 @@ def parameters_of(scene: FloatingScene) -> Parameters:
         wall_restitution=scene.dish.restitution if scene.dish is not None else 0.0,
         slop=SLOP * smallest,
     )
-    return with_step(parameters, scene)
+    return with_step(with_method(parameters, scene), scene)
+
+
+def with_method(parameters: Parameters, scene: FloatingScene) -> Parameters:
+    """What goes beyond superposition, where the scene asks for it."""
+    if scene.interaction.method == "superposition":
+        return parameters
+    # Imported when asked for: its loops are compiled on import.
+    from ecume.models.floating.interacting import METHODS, require_capillary
+
+    require_capillary(parameters)
+    kinds, numbers = _distinct(scene)
+    return METHODS[scene.interaction.method](parameters, scene, kinds, numbers)
+
+
+def _distinct(scene: FloatingScene) -> tuple[list[Afloat], Integers]:
+    """The kinds of floats there are, and which of them each float is."""
+    found = kinds_afloat(scene)
+    counts = [given.count if isinstance(given, FloatSpec) else 1 for _, given in _given(scene)]
+    kinds = list(dict.fromkeys(found))
+    return kinds, np.repeat(np.array([kinds.index(kind) for kind in found], dtype=np.int64), counts)
 
 
 def good_step(parameters: Parameters, scene: FloatingScene) -> float:
@@ -330,6 +372,7 @@ def _check_names(scene: FloatingScene) -> None:
         ("contacts.law", scene.contacts.law, ("impulse", "none")),
         ("interaction.law", str(scene.interaction.law), PAIR_LAWS),
         ("interaction.charge", str(scene.interaction.charge), tuple(flotation.CHARGES)),
+        ("interaction.method", scene.interaction.method, ("superposition", "pair-corrected", "multipole")),
     ]
     if scene.dish is not None:
         choices.append(("dish.law", str(scene.dish.law), (*capillarity.WALLS, "profile")))

@@ -12,6 +12,8 @@ from ecume.engine.contacts import Candidates
 from ecume.engine.neighbors import Slots
 from ecume.engine.walls import Walls, wall_count, wall_distance
 from ecume.laws.capillarity import dish_energy, pair_energy, plane_wall_energy, two_point_legacy_energy
+from ecume.models.floating.interacting import interaction_energies
+from ecume.models.floating.many import Many
 from ecume.models.floating.parameters import (
     CAPILLARY_LENGTH,
     CUTOFF,
@@ -173,8 +175,10 @@ def energies(parameters: Parameters, state: State, workspace: Workspace) -> dict
     """Kinetic, pair and wall energies (J), and their sum."""
     rows = workspace.lists.rows.first, workspace.lists.rows.neighbor, workspace.lists.cells.order
     kinetic = 0.5 * float(np.sum(parameters.floats.mass * np.sum(state.velocity**2, axis=1)))
-    pairs = sum_of_pair_energies(state.position, parameters.floats.charge, parameters.pair, rows)
-    walls = sum_of_wall_energies(parameters, state.position)
+    pairs, walls = interaction_energies(parameters, state, workspace)
+    if not isinstance(parameters.many, Many):
+        pairs += sum_of_pair_energies(state.position, parameters.floats.charge, parameters.pair, rows)
+        walls = sum_of_wall_energies(parameters, state.position)
     return {
         "kinetic_energy": kinetic,
         "pair_energy": pairs,

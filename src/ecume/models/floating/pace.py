@@ -38,7 +38,7 @@ def pair_stiffness(parameters: Parameters, reach: float, charges: float) -> floa
     if parameters.pair_law == ONE_SIDED:  # whose strength is no constant of the pair
         unit = pair_strength(float(parameters.pair[SURFACE_TENSION]), 1.0, 1.0)
     strength = abs(unit * charges)
-    return float(strength / length**2 * (bessel_k0(x) + bessel_k1(x) / x))
+    return parameters.stiffer * float(strength / length**2 * (bessel_k0(x) + bessel_k1(x) / x))
 
 
 def stiffness_over_mass(parameters: Parameters) -> tuple[Array, Array]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -89,6 +89,10 @@ class Parameters(NamedTuple):
     wall_restitution: float
     slop: float
     """overlaps up to this are left alone"""
+    many: Any = ()
+    """nothing for superposition; else a `many.Many` or a `corrected.Corrected`, which makes a march of its own"""
+    stiffer: float = 1.0
+    """how much stiffer contacts are than superposition says, at most"""
 
 
 STRENGTH, CAPILLARY_LENGTH, CUTOFF, SURFACE_TENSION, FIT = 0, 1, 2, 3, 4

@@ -8,12 +8,13 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from ecume.models.floating.extending import advance_extended
+from ecume.models.floating.interacting import advance, scratch_for
 from ecume.models.floating.observing import observe
 from ecume.models.floating.parameters import Parameters
 from ecume.models.floating.room import ROOMIER, checked_parameters
 from ecume.models.floating.starting import start
 from ecume.models.floating.state import State, Workspace, make_workspace
-from ecume.models.floating.stepping import advance, renew_lists
+from ecume.models.floating.stepping import renew_lists
 from ecume.models.floating.telling import summary
 from ecume.models.model import Model
 
@@ -22,6 +23,7 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
     """Scratch with neighbor lists that hold at the state's reference positions."""
     while True:
         made = make_workspace(parameters, state, room)
+        made = made._replace(sorted_floats=scratch_for(parameters, state, made.sorted_floats))
         if renew_lists(parameters, state.reference, made.lists, made.candidates, made.sorted_floats):
             return made
         room *= ROOMIER

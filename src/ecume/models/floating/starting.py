@@ -13,6 +13,7 @@ from ecume.engine.neighbors import build, make_lists
 from ecume.engine.placement import Region, place_at_random, place_on_lattice, place_on_ring
 from ecume.engine.walls import Walls, wall_count, wall_distance
 from ecume.errors import BadInput, Fault, SceneError
+from ecume.models.floating.interacting import orders_of
 from ecume.models.floating.parameters import Floats, Parameters
 from ecume.models.floating.state import State, make_state
 from ecume.models.floating.stepping import list_candidates
@@ -47,7 +48,7 @@ def start(scene: FloatingScene, parameters: Parameters) -> State:
             places.position[free] = place_at_random(radius[free], region_of(parameters), taken, scene.seed)
         except BadInput as error:
             raise SceneError([Fault("floats", str(error))]) from None
-    return make_state(places.position, places.velocity)
+    return make_state(places.position, places.velocity, orders_of(parameters))
 
 
 def given_places(scene: FloatingScene) -> Places:

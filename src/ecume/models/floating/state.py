@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -33,6 +33,10 @@ class State(NamedTuple):
     """(4 N + 16, 2) who touches whom; a wall number k stands as N + k"""
     push: Array
     """(4 N + 16,) impulses of these contacts: the next step starts from them"""
+    amplitudes: Array
+    """(N, 2 (order + 1)) real and imaginary parts of the floats' multipoles: the next solution starts from them; (N, 0)
+    where superposition rules
+    """
     tally: Array
     """collisions, contact sweeps, steps whose contacts did not converge, deepest overlap so far (m)"""
 
@@ -43,7 +47,8 @@ class Workspace(NamedTuple):
     lists: neighbors.NeighborLists
     candidates: contacts.Candidates
     contacts: contacts.Contacts
-    sorted_floats: Sorted
+    sorted_floats: Any
+    """a `Sorted`, or a `many.Crowd` that has the same"""
     force: Array
     """(N, 2) N, at the present positions"""
     passage: Array
@@ -60,8 +65,8 @@ class Workspace(NamedTuple):
     """(1,) whether `force` holds at the present positions"""
 
 
-def make_state(position: Array, velocity: Array) -> State:
-    """At time 0."""
+def make_state(position: Array, velocity: Array, orders: int = 0) -> State:
+    """At time 0; with room for that many multipoles."""
     count = len(position)
     return State(
         position=np.array(position, dtype=np.float64),
@@ -71,6 +76,7 @@ def make_state(position: Array, velocity: Array) -> State:
         touches=np.zeros(1, np.int64),
         touching=np.zeros((4 * count + 16, 2), np.int64),
         push=np.zeros(4 * count + 16),
+        amplitudes=np.zeros((count, 2 * orders)),
         tally=np.zeros(4),
     )
 

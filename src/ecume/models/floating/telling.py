@@ -85,7 +85,9 @@ def _summary_of_species(scene: FloatingScene) -> list[Row]:
 
 def _summary_of(name: str, members: dict[Afloat, int], liquid: flotation.Liquid) -> list[Row]:
     """One species: a number where all are alike, from the least to the greatest where they are not."""
-    spheres = [kind.sphere for kind in members]
+    if any(isinstance(kind.body, flotation.Disc) for kind in members):
+        return [row for kind in members for row in _summary_of_disc(name, kind, liquid)]
+    spheres = [kind.body for kind in members if isinstance(kind.body, flotation.Sphere)]
     weights = [flotation.dimensionless_weight(sphere, liquid) for sphere in spheres]
     slopes = [kind.equilibrium.slope_angle for kind in members]
     charges = [kind.charge for kind in members]
@@ -136,6 +138,20 @@ def _closeness(spheres: Sequence[flotation.Sphere]) -> Row:
         f"over {share} %",
         near if reach > 0.0 else "at contact, harder than the sum of two menisci",
     )
+
+
+def _summary_of_disc(name: str, kind: Afloat, liquid: flotation.Liquid) -> list[Row]:
+    """A disc: size, load, lean, slope and charge."""
+    disc, slope = kind.body, kind.equilibrium.slope_angle
+    assert isinstance(disc, flotation.Disc)  # noqa: S101  # a species is of one kind
+    rows = [
+        ("radius", f"{disc.radius / liquid.capillary_length:.4g}", "over the capillary length"),
+        ("load", f"{1e6 * disc.load:.4g} uN", "carried by the surface"),
+        ("stability", f"{disc.stability:.3g}", "leans with its neighbors" if disc.tilting else "does not lean"),
+        ("slope at the contact line", f"{math.degrees(slope):.3g} deg", _slope_remark([slope])),
+        ("capillary charge", f"{1e6 * kind.charge:.4g} um", "heavy: attract the heavy" if kind.charge > 0 else "light"),
+    ]
+    return [(f"{name}: {what}", value, remark) for what, value, remark in rows]
 
 
 def _sinking_ratio(sphere: flotation.Sphere, liquid: flotation.Liquid) -> float:

@@ -18,6 +18,7 @@ from ecume.scenes.quantities import (
     PositiveDensity,
     Radius,
     Size,
+    Switch,
     Tension,
     Velocity,
 )
@@ -34,8 +35,20 @@ class SurfaceEnergies:
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
+class DiscSpec:
+    """A flat disc instead of a sphere: the contact line is pinned to one of its edges."""
+
+    thickness: Size
+    """m"""
+    rim: Literal["top", "bottom"] = "bottom"
+    """The edge that pins: the lower one of what is light, the upper one of what is heavier than the liquid."""
+    tilting: Switch = True
+    """Whether it may lean."""
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
 class FloatSpec:
-    """Equal spheres, and where they start."""
+    """Equal spheres or discs, and where they start."""
 
     name: Name = ""
     """What this species is called; `float-1` and so on when empty."""
@@ -49,6 +62,8 @@ class FloatSpec:
     """rad, through the liquid; or `original-closure`; or left out for `surface_energies`"""
     surface_energies: SurfaceEnergies | None = None
     """instead of a contact angle"""
+    disc: DiscSpec | None = None
+    """what makes it a disc; its edge pins the contact line, whatever the angle"""
     placement: Literal["random", "lattice", "ring"] = "random"
     """How they are laid out: at random without overlap, on a triangular lattice, evenly on a ring."""
     positions: tuple[tuple[Coordinate, Coordinate], ...] = ()
@@ -110,6 +125,10 @@ class FloatRow:
 def _wetting(body: FloatSpec | FloatRow) -> Complaints:
     """A contact angle comes from exactly one place."""
     given = [body.contact_angle is not None, body.surface_energies is not None]
+    if isinstance(body, FloatSpec) and body.disc is not None:
+        return (
+            [((), "a disc pins the contact line: leave contact_angle and surface_energies out")] if any(given) else []
+        )
     if sum(given) == 1:
         return []
     came = "both" if all(given) else "neither"

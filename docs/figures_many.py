@@ -1,0 +1,87 @@
+"""Figures of many bodies beyond superposition; `docs/figures.py` draws them with all others."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle
+from scipy.special import k0, k1
+
+from ecume.laws import flotation, multipole
+from ecume.show.style import HEIGHT_COLORS, INK, MUTED, PALETTE, figure, style
+from ecume.units import Array
+
+# Capillary length 1 m, surface tension 1 N/m: all comes out in gamma and L.
+UNIT = flotation.Liquid(density=1000.0, surface_tension=1.0, viscosity=1e-3, gravity=1e-3)
+
+
+def beyond_superposition() -> Figure:
+    """How far superposition errs for two bodies over their gap, and the surface around seven discs that lean."""
+    with style():
+        drawn = figure(9.6, 4.0)
+        left, right = drawn.subplots(1, 2)
+        gaps = np.geomspace(3e-3, 3.0, 40)
+        cases = (
+            ("spheres, θ = 60°, a = 0.3 L", flotation.Sphere(0.3, 1500.0, math.radians(60.0)), PALETTE[1], "-"),
+            ("spheres, θ = 90°, a = 0.3 L", flotation.Sphere(0.3, 1500.0, 0.5 * math.pi), PALETTE[2], "-"),
+            ("discs that lean, a = 0.1 L", flotation.Disc(0.1, 1e-4), PALETTE[0], "-"),
+            ("discs that lean, a = L", flotation.Disc(1.0, 1e-4), PALETTE[4], "-"),
+            ("level discs, a = 0.1 L", flotation.Disc(0.1, 1e-4, tilting=False), PALETTE[0], "--"),
+        )
+        for label, body, color, line in cases:
+            left.plot(gaps, [_ratio(body, gap) for gap in gaps], line, color=color, label=label)
+        left.axhline(1.0, color=MUTED, linewidth=0.8)
+        left.set(xscale="log", xlabel="gap / diameter", ylabel="force / superposition", ylim=(0.6, 1.85))
+        left.legend(fontsize=8)
+        _raft(right)
+    return drawn
+
+
+def _ratio(body: flotation.Sphere | flotation.Disc, gap: float) -> float:
+    apart = 2.0 * body.radius * (1.0 + gap)
+    found = multipole.solve([[0.0, 0.0], [apart, 0.0]], [body, body], UNIT, 40)
+    return float(found.forces[0, 0] / (2.0 * math.pi * _charge(body) ** 2 * k1(apart)))
+
+
+def _charge(body: flotation.Sphere | flotation.Disc) -> float:
+    if isinstance(body, flotation.Sphere):
+        return body.radius * flotation.closed_form_charge(body.radius**2, 1.5, body.contact_angle)
+    a = body.radius
+    return float(body.load / (math.pi * a * a * k0(a) + 2.0 * math.pi * a * k1(a)))
+
+
+def hexagon(apart: float) -> Array:
+    """Seven places: one in the middle of six."""
+    angles = math.pi / 3.0 * np.arange(6)
+    return apart * np.concatenate([[[0.0, 0.0]], np.stack([np.cos(angles), np.sin(angles)], axis=1)])
+
+
+def _raft(axes: object) -> None:
+    """Heights over the depth of one disc alone, and the forces."""
+    from matplotlib.axes import Axes
+
+    assert isinstance(axes, Axes)  # noqa: S101  # for the type checker
+    disc, places = flotation.Disc(0.5, 0.01), hexagon(1.1)
+    found = multipole.solve(places, [disc] * 7, UNIT, 20)
+    side = np.linspace(-2.6, 2.6, 260)
+    x, y = np.meshgrid(side, side)
+    heights = multipole.height(found, x, y) / (_charge(disc) * k0(0.5))
+    largest = float(np.abs(heights).max())
+    extent = (-2.6, 2.6, -2.6, 2.6)
+    shown = axes.imshow(heights, extent=extent, origin="lower", cmap=HEIGHT_COLORS, vmin=-largest, vmax=largest)
+    for place in places:
+        axes.add_patch(Circle((place[0], place[1]), 0.5, fill=False, edgecolor=INK, linewidth=0.9))
+    pull = found.forces / np.hypot(*found.forces[1])
+    axes.quiver(*places[1:].T, *pull[1:].T, color=INK, width=0.007, scale=9.0)
+    axes.set(xlabel="x / L", ylabel="y / L")
+    axes.grid(visible=False)
+    drawn = axes.get_figure(root=True)
+    assert drawn is not None  # noqa: S101  # for the type checker
+    bar = drawn.colorbar(shown, ax=axes, fraction=0.046)
+    bar.set_label("height / depth of one alone")
+
+
+FIGURES: dict[str, Callable[[], Figure]] = {"beyond-superposition": beyond_superposition}

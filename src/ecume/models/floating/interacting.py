@@ -1,0 +1,112 @@
+"""How floats interact: by superposed pair forces, by corrected ones, or all at once; each with a march of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from ecume.engine.cells import Integers
+from ecume.errors import BadInput, Fault, SceneError
+from ecume.laws import flotation
+from ecume.models.floating import corrected, many, stepping
+from ecume.models.floating.parameters import CAPILLARY, DISH, NO_WALL_LAW, PLANE, RARE, Parameters
+from ecume.models.floating.state import State, Workspace
+from ecume.models.liquids import liquid_of
+from ecume.scenes.floating import FloatingScene
+
+Bodies = list[tuple[flotation.Disc | flotation.Sphere, float]]
+
+
+def with_multipoles(parameters: Parameters, scene: FloatingScene, kinds: Sequence[Any], number: Integers) -> Parameters:
+    """All floats on one surface. Raises SceneError for walls that go by another law."""
+    dish = scene.dish
+    if parameters.wall_law not in (NO_WALL_LAW, DISH, PLANE) or (dish is not None and dish.law == "linear"):
+        raise _fault("dish.law", "multipoles go with a dish's 'meniscus' or 'none', without another wall law")
+    bodies, liquid = bodies_of(kinds), liquid_of(scene)
+    found = _made(
+        lambda: many.make_many([bodies[k] for k in number], liquid, scene.interaction.order, parameters.cutoff)
+    )
+    if dish is not None and parameters.wall_law != NO_WALL_LAW:
+        if dish.radius is not None:
+            found = many.with_dish(found, dish.radius, dish.contact_angle, mirrored=True)
+        elif dish.size is not None:
+            found = many.with_basin(found, dish.size, dish.contact_angle, liquid, mirrored=True)
+    return parameters._replace(many=found, stiffer=_stiffer(bodies))
+
+
+def with_corrections(
+    parameters: Parameters, scene: FloatingScene, kinds: Sequence[Any], number: Integers
+) -> Parameters:
+    """Pair forces with tables. Raises SceneError where there are too many kinds of floats."""
+    if len(kinds) > corrected.MOST_KINDS:
+        raise _fault(
+            "interaction.method",
+            f"'pair-corrected' needs a table for each pair of kinds, and there are {len(kinds)} of them, more than "
+            f"{corrected.MOST_KINDS}; take 'multipole' or 'superposition'",
+        )
+    bodies = bodies_of(kinds)
+    tables = _made(lambda: corrected.make_corrected(bodies, number, liquid_of(scene), parameters.cutoff))
+    return parameters._replace(many=tables, stiffer=_stiffer(bodies))
+
+
+def require_capillary(parameters: Parameters) -> None:
+    """Refuse another pair law. Raises SceneError."""
+    if parameters.pair_law != CAPILLARY:
+        raise _fault("interaction.method", "only interaction.law = 'capillary' goes beyond superposition")
+
+
+METHODS: dict[str, Callable[[Parameters, FloatingScene, Sequence[Any], Integers], Parameters]] = {
+    "multipole": with_multipoles,
+    "pair-corrected": with_corrections,
+}
+
+
+def bodies_of(kinds: Sequence[Any]) -> Bodies:
+    """Bodies and charges."""
+    return [(kind.body, kind.charge) for kind in kinds]
+
+
+def _made(make: Callable[[], Any]) -> Any:
+    try:
+        return make()
+    except BadInput as error:
+        raise _fault("interaction.method", str(error)) from None
+
+
+def _stiffer(bodies: Bodies) -> float:
+    pinned = any(isinstance(body, flotation.Disc) and body.tilting for body, _ in bodies)
+    return many.STIFFER if pinned else 2.0
+
+
+def orders_of(parameters: Parameters) -> int:
+    """How many multipoles a float has in the state."""
+    return parameters.many.rims.response.shape[1] if isinstance(parameters.many, many.Many) else 0
+
+
+def scratch_for(parameters: Parameters, state: State, plain: Any) -> Any:
+    """What forces need beside neighbor lists."""
+    return many.make_crowd(parameters, state.amplitudes) if isinstance(parameters.many, many.Many) else plain
+
+
+def advance(parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
+    """See `ecume.models.model.Model.advance`."""
+    rare = parameters.scheme in RARE
+    if isinstance(parameters.many, many.Many):
+        return (many.march_many_rarely if rare else many.march_many)(parameters, state, workspace, steps)
+    if isinstance(parameters.many, corrected.Corrected):
+        march = corrected.march_corrected_rarely if rare else corrected.march_corrected
+        return march(parameters, state, workspace, steps)
+    return stepping.advance(parameters, state, workspace, steps)
+
+
+def interaction_energies(parameters: Parameters, state: State, workspace: Workspace) -> tuple[float, float]:
+    """What goes beyond superposed pairs and walls (J), pairs and walls; multipoles know no difference of the two."""
+    if isinstance(parameters.many, many.Many):
+        return many.many_energy(parameters, state), 0.0
+    if isinstance(parameters.many, corrected.Corrected):
+        return corrected.corrected_energy(parameters, state, workspace), 0.0
+    return 0.0, 0.0
+
+
+def _fault(path: str, message: str) -> SceneError:
+    return SceneError([Fault(path, message)])
