@@ -219,7 +219,9 @@ def test_the_examples_of_a_law_are_true(name):
 
 
 def bibliography():
-    return set(re.findall(r"^@\w+\{(\w+),", (ROOT / "references.bib").read_text(encoding="utf-8"), re.MULTILINE))
+    return set(
+        re.findall(r"^@\w+\{(\w+),", (ROOT / "src/ecume/references.bib").read_text(encoding="utf-8"), re.MULTILINE)
+    )
 
 
 def cited(text):

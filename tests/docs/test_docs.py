@@ -104,7 +104,7 @@ def anchors(page):
 
 @each_page
 def test_the_papers_of_a_page_are_in_the_bibliography(page):
-    known = re.findall(r"^@\w+\{(\w+),", (ROOT / "references.bib").read_text(encoding="utf-8"), re.MULTILINE)
+    known = re.findall(r"^@\w+\{(\w+),", (ROOT / "src/ecume/references.bib").read_text(encoding="utf-8"), re.MULTILINE)
     cited = {key for group in re.findall(r"\[([^\]]*)\]", prose(page)) for key in re.findall(r"\b[a-z]+\d{4}\b", group)}
     assert cited <= set(known)
 

@@ -40,7 +40,9 @@ def test_every_folder_is_a_case_and_says_where_its_numbers_are_from():
 
 
 def test_every_paper_that_a_case_cites_is_in_the_bibliography():
-    known = set(re.findall(r"^@\w+\{(\w+),", (ROOT / "references.bib").read_text(encoding="utf-8"), re.MULTILINE))
+    known = set(
+        re.findall(r"^@\w+\{(\w+),", (ROOT / "src/ecume/references.bib").read_text(encoding="utf-8"), re.MULTILINE)
+    )
     for name in CASES:
         cited = set(
             re.findall(r"\[([a-z]+[0-9]{4})\b", (HOME / folder(name) / "README.md").read_text(encoding="utf-8"))

@@ -84,4 +84,15 @@ def placed(file: Path, changes: Sequence[str]) -> Iterator[None]:
         raise located(error, file, changes) from None
 
 
-VERBS = (new, check)
+def cite(scene: SceneFile, overrides: Overrides = None) -> None:
+    """Print the papers behind the laws that a scene uses, as BibTeX.
+
+    Example: `ecume cite bowl.toml > bowl.bib`
+    """
+    from ecume.citing import bibtex, papers_of
+    from ecume.scenes.load import load_scene
+
+    typer.echo(bibtex(papers_of(load_scene(scene, overrides or []))), nl=False)
+
+
+VERBS = (new, check, cite)

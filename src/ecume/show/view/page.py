@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 import matplotlib as mpl
 import numpy as np
 
+from ecume.citing import in_words, papers_of
 from ecume.errors import BadInput
 from ecume.show.style import HEIGHT_COLORS
 from ecume.show.view.chunks import Chunk, pack, quantities
@@ -123,7 +124,7 @@ def run_header(trajectory: Trajectory, stage: Stage, *, live: bool = False) -> d
         "widest": stage.widest,
         "maps": {name: color_map(name) for name in sorted({*(one["map"] for one in colorings), "height", "viridis"})},
         "facts": _facts(trajectory),
-        "papers": [],
+        "papers": [{"key": key, "text": in_words(key)} for key in papers_of(scene)],
         "scene": _scene_text(trajectory.directory),
         "live": live,
     }  # fmt: skip

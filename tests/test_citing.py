@@ -1,0 +1,55 @@
+"""A scene's papers are those that its laws name, and follow its options."""
+
+import inspect
+
+import pytest
+from typer.testing import CliRunner
+
+from ecume.citing import SOURCES, bibliography, bibtex, cited, in_words, papers_of
+from ecume.cli import app
+from ecume.scenes.load import load_scene
+from ecume.scenes.templates import copy_template, folder, templates
+
+
+def papers(name, *changes):
+    return papers_of(load_scene(str(folder() / f"{name}.toml"), changes))
+
+
+@pytest.mark.parametrize("name", templates())
+def test_every_template_has_papers(name):
+    assert papers(name)
+    assert set(papers(name)) <= bibliography().keys()
+
+
+def test_every_law_behind_a_template_names_its_paper():
+    for name in templates():
+        scene = load_scene(str(folder() / f"{name}.toml"))
+        laws = [law for law in SOURCES[scene.model](scene) if not law.__name__.startswith("no_")]
+        silent = {law.__name__ for law in laws if not cited(inspect.getdoc(law) or "")}
+        assert silent <= {"nonlinear_charge"}, name
+
+
+def test_papers_follow_the_options():
+    assert "monaghan1985" in papers("tank-at-rest", "method.kernel=cubic-spline")
+    assert "monaghan1985" not in papers("tank-at-rest")
+    assert "wendland1995" in papers("tank-at-rest")
+    assert "schiller1933" not in papers("bouncing-particles", "motion.drag=stokes")
+    assert "dalrymple2006" in papers("dam-break", "method.turbulence=smagorinsky")
+
+
+def test_entries_are_whole():
+    assert len(bibliography()) > 80
+    for key, entry in bibliography().items():
+        assert entry.startswith("@")
+        assert entry.count("{") == entry.count("}"), key
+        assert entry.endswith("}")
+        assert len(in_words(key)) > 20
+
+
+def test_the_verb_prints_bibtex(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    copy_template("t1", tmp_path / "t1.toml")
+    told = CliRunner().invoke(app, ["cite", "t1.toml"])
+    assert told.exit_code == 0
+    assert told.stdout == bibtex(papers("t1"))
+    assert "@article{rognon2009," in told.stdout
