@@ -24,6 +24,7 @@ PHYSICS = ROOT / "docs" / "physics" / "floating.md"
 SECTIONS = {
     "scene": floating.FloatingScene,
     "[liquid]": floating.LiquidSpec,
+    "[liquid.flow]": floating.FlowSpec,
     "[[floats]]": floating.FloatSpec,
     "[floats.surface_energies]": floating.SurfaceEnergies,
     "[floats.disc]": floating.DiscSpec,

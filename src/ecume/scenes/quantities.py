@@ -18,8 +18,10 @@ from ecume.units import (
     Density,
     Length,
     Number,
+    Rate,
     Speed,
     SurfaceTension,
+    Temperature,
     Time,
     Unit,
     Viscosity,
@@ -46,6 +48,8 @@ LiquidViscosity = Annotated[Viscosity, Field(ge=0.0, le=1e9)]
 PositiveTension = Annotated[SurfaceTension, Field(ge=1e-9, le=1e3)]
 Tension = Annotated[SurfaceTension, Field(ge=0.0, le=1e3)]
 Gravity = Annotated[Acceleration, Field(ge=1e-6, le=1e6)]
+Heat = Annotated[Temperature, Field(ge=0.0, le=1e4)]
+TurningRate = Annotated[Rate, Field(ge=-1e6, le=1e6)]
 Proportion = Annotated[Number, Field(ge=0.0, le=1.0)]
 
 Text = Annotated[str, Field(max_length=LONGEST_TITLE, pattern=r"^[^\x00-\x1f\x7f]*$")]

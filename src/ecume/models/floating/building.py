@@ -17,6 +17,7 @@ from ecume.errors import BadInput, EcumeError, Fault, SceneError
 from ecume.laws import capillarity, drag, flotation, images, meniscus
 from ecume.laws.contact import legacy_restitution
 from ecume.laws.screened import fit_k1
+from ecume.models.floating.drifting import drift_of
 from ecume.models.floating.pace import LARGEST_OVER_CHOSEN, LOOSEST_OVER_CHOSEN, chosen_step
 from ecume.models.floating.parameters import (
     CAPILLARY,
@@ -25,6 +26,7 @@ from ecume.models.floating.parameters import (
     LEGACY,
     LEGACY_DISH,
     NO_WALL_LAW,
+    OVERDAMPED,
     PAIR_LAWS,
     PLANE,
     RK4,
@@ -43,6 +45,8 @@ from ecume.units import Array
 
 DEEPEST_TOUCH = 0.9
 """The pair law is fitted down to this part of the smallest touching distance."""
+FARTHEST_CHANCE = 6.5
+"""Standard deviations that chance is allowed for when neighbors are listed."""
 SLOP = 1e-4
 """Overlaps up to this part of the smallest radius are left alone."""
 
@@ -238,6 +242,9 @@ def wall_table_of(scene: FloatingScene, smallest: float) -> Array:
 def kick_of(scheme: int, time_step: float, floats: Floats, walls: int) -> Kick:
     """One kick of the scheme: half a step for velocity Verlet, a whole one for the others."""
     time = 0.5 * time_step if scheme == VELOCITY_VERLET else time_step
+    if scheme == OVERDAMPED:
+        gain = floats.relaxation_time / floats.mass
+        return Kick(np.zeros_like(gain), gain, np.concatenate([gain / time, np.zeros(walls)]))
     ratio = time / floats.relaxation_time
     decay = np.exp(-ratio)
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -250,6 +257,7 @@ def kick_of(scheme: int, time_step: float, floats: Floats, walls: int) -> Kick:
 def parameters_of(scene: FloatingScene) -> Parameters:
     """Everything a run needs and never changes. Raises SceneError."""
     _check_names(scene)
+    drift = drift_of(scene)
     floats, liquid = floats_of(scene), liquid_of(scene)
     length, pair_law = liquid.capillary_length, PAIR_LAWS.index(str(scene.interaction.law))
     cutoff = capillarity.truncation_radius(scene.interaction.accuracy) * length
@@ -282,6 +290,7 @@ def parameters_of(scene: FloatingScene) -> Parameters:
         restitution=_restitution(scene),
         wall_restitution=scene.dish.restitution if scene.dish is not None else 0.0,
         slop=SLOP * smallest,
+        drift=drift,
     )
     return with_step(with_method(parameters, scene), scene)
 
@@ -334,7 +343,9 @@ def with_step(parameters: Parameters, scene: FloatingScene) -> Parameters:
             "motion.integrator", f"'rk4' needs a time step below {2.0 * stiffest:.3g} s in so viscous a liquid; "
             f"it is {time_step:.3g} s. Set motion.time_step, or use 'velocity-verlet'"
         )  # fmt: skip
-    return parameters._replace(time_step=time_step, steps_per_frame=steps, kick=kick)
+    jump = FARTHEST_CHANCE * math.sqrt(2.0 * parameters.drift.thermal * float(kick.gain.max()) * time_step)
+    drift = parameters.drift._replace(jump=jump if parameters.drift.thermal > 0.0 else 0.0)
+    return parameters._replace(time_step=time_step, steps_per_frame=steps, kick=kick, drift=drift)
 
 
 def _judge(asked: float, good: float) -> None:
@@ -349,9 +360,16 @@ def _judge(asked: float, good: float) -> None:
 
 
 def _speeds(scene: FloatingScene) -> float:
-    """The fastest start."""
+    """The fastest start, or the fastest that the surface flows in the dish."""
+    reach = max((math.hypot(*place) for species in scene.floats for place in species.positions), default=0.0)
+    if scene.dish is not None:
+        reach = (
+            scene.dish.radius if scene.dish.radius is not None else 0.5 * math.hypot(*(scene.dish.size or (0.0, 0.0)))
+        )
+    flow = drift_of(scene).flow
+    flowing = math.hypot(flow[0], flow[1]) + reach * float(np.abs(flow[2:]).sum())
     speeds = [math.hypot(*species.velocity) for species in scene.floats]
-    return max([0.0, *speeds, *(math.hypot(row.vx, row.vy) for row in scene.rows)])
+    return max([flowing, *speeds, *(math.hypot(row.vx, row.vy) for row in scene.rows)])
 
 
 def _contact_law(scene: FloatingScene) -> int:

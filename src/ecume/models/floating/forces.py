@@ -156,6 +156,18 @@ def forces_with(
     for slot in range(len(order)):
         force[order[slot], 0], force[order[slot], 1] = sorted_force[0, slot], sorted_force[1, slot]
     add_wall_forces(parameters, position, force)
+    if parameters.drift.flows:
+        add_flow(parameters, position, force)
+
+
+@compiled
+def add_flow(parameters: Parameters, position: Array, force: Array) -> None:
+    """The flowing surface drags at each float: zeta u, where u is its velocity at the float's center."""
+    flow, mass, relaxation = parameters.drift.flow, parameters.floats.mass, parameters.floats.relaxation_time
+    for i in range(position.shape[0]):
+        friction, x, y = mass[i] / relaxation[i], position[i, 0], position[i, 1]
+        force[i, 0] += friction * (flow[0] + flow[2] * x + flow[3] * y)
+        force[i, 1] += friction * (flow[1] + flow[4] * x + flow[5] * y)
 
 
 @compiled

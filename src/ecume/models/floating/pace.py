@@ -11,6 +11,7 @@ from ecume.laws.special import bessel_k0, bessel_k1
 from ecume.models.floating.parameters import (
     CAPILLARY_LENGTH,
     ONE_SIDED,
+    OVERDAMPED,
     STRENGTH,
     SURFACE_TENSION,
     TABLED,
@@ -79,11 +80,22 @@ def chosen_step(parameters: Parameters, speed: float) -> float:
     """
     stiffness, mass = stiffness_over_mass(parameters)
     friction = _least_friction(parameters.floats)
+    slow = parameters.scheme == OVERDAMPED
     scales = [
-        max(math.sqrt(m / k), friction / k) if k > 0.0 else math.inf for k, m in zip(stiffness, mass, strict=True)
+        max(0.0 if slow else math.sqrt(m / k), friction / k) if k > 0.0 else math.inf
+        for k, m in zip(stiffness, mass, strict=True)
     ]
-    step = GOOD * min(scales)
+    step = min(GOOD * min(scales), wandering_step(parameters))
     return min(step, SKIN_PER_STEP * parameters.skin / speed) if speed > 0.0 else step
+
+
+def wandering_step(parameters: Parameters) -> float:
+    """The step in which chance carries floats by GOOD of their radius, r.m.s. along an axis (s)."""
+    thermal, floats = parameters.drift.thermal, parameters.floats
+    if thermal == 0.0:
+        return math.inf
+    friction = floats.mass / floats.relaxation_time
+    return float(np.min((GOOD * floats.radius) ** 2 * friction)) / (2.0 * thermal)
 
 
 def _least_friction(floats: Floats) -> float:

@@ -11,8 +11,8 @@ from ecume.engine.walls import Walls
 from ecume.laws.screened import DEGREE, ScreenedFit
 from ecume.units import Array, Length, SurfaceTension
 
-SCHEMES = ("velocity-verlet", "explicit-euler", "stormer-verlet", "semi-implicit-euler", "rk4")
-VELOCITY_VERLET, EXPLICIT_EULER, STORMER_VERLET, SEMI_IMPLICIT_EULER, RK4 = range(5)
+SCHEMES = ("velocity-verlet", "explicit-euler", "stormer-verlet", "semi-implicit-euler", "rk4", "overdamped")
+VELOCITY_VERLET, EXPLICIT_EULER, STORMER_VERLET, SEMI_IMPLICIT_EULER, RK4, OVERDAMPED = range(6)
 RARE = (STORMER_VERLET, RK4)
 """Schemes that ask for forces on the way; their march is compiled when one of them is used."""
 
@@ -61,6 +61,19 @@ class Kick(NamedTuple):
     """(N + walls,) velocity per impulse over the kick: gain / time, 1/m without drag; zero for walls"""
 
 
+class Drift(NamedTuple):
+    """What carries floats along beside forces: the flowing surface, and chance."""
+
+    flow: Array
+    """(6,) u_x, u_y at the origin (m/s), then du_x/dx, du_x/dy, du_y/dx, du_y/dy (1/s)"""
+    flows: bool
+    thermal: float
+    """J: kT"""
+    seed: int
+    jump: float
+    """m: farther than this chance carries nobody in a step, but one in a billion"""
+
+
 class Parameters(NamedTuple):
     """See `ecume.models.model`."""
 
@@ -89,6 +102,7 @@ class Parameters(NamedTuple):
     wall_restitution: float
     slop: float
     """overlaps up to this are left alone"""
+    drift: Drift
     many: Any = ()
     """nothing for superposition; else a `many.Many` or a `corrected.Corrected`, which makes a march of its own"""
     stiffer: float = 1.0

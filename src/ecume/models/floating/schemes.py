@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
-from ecume._jit import compiled, inlined
+from ecume._jit import admit, compiled, inlined
+from ecume.engine.philox import counter_of, normals
+from ecume.laws import brownian
+from ecume.laws.brownian import diffusivity
 from ecume.models.floating.parameters import EXPLICIT_EULER, RK4, Kick, Parameters
 from ecume.models.floating.state import State, Workspace
 from ecume.units import Array
+
+admit(brownian)
 
 
 @compiled
@@ -51,6 +57,17 @@ def accelerate(parameters: Parameters, velocity: Array, force: Array, accelerati
 
 
 @compiled
+def jiggle(parameters: Parameters, velocity: Array, step: int) -> None:
+    """Brownian motion as a velocity of one step: a normal displacement of variance 2 kT/zeta dt along each axis."""
+    gain, time = parameters.kick.gain, parameters.time_step
+    for i in range(velocity.shape[0]):
+        far = math.sqrt(2.0 * diffusivity(parameters.drift.thermal, 1.0 / gain[i]) / time)
+        along, across = normals(counter_of(i, step, 0), parameters.drift.seed)
+        velocity[i, 0] += far * along
+        velocity[i, 1] += far * across
+
+
+@compiled
 def predict(parameters: Parameters, state: State, workspace: Workspace) -> None:
     """The smooth part up to the drift: `passage` is the displacement over the time step, and the velocity has its
     kick.
@@ -60,6 +77,8 @@ def predict(parameters: Parameters, state: State, workspace: Workspace) -> None:
         give_kick(parameters.kick, state.velocity, workspace.force)
     else:
         give_kick(parameters.kick, state.velocity, workspace.force)
+        if parameters.drift.thermal > 0.0:
+            jiggle(parameters, state.velocity, state.step[0])
         copy_rows(workspace.passage, state.velocity)
 
 

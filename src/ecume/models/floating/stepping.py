@@ -79,7 +79,8 @@ def farthest_ahead(kick: Kick, velocity: Array, force: Array) -> float:
     """The highest speed with which anyone can go through the next step, contacts aside; NaN if a number is none."""
     fastest = 0.0
     for i in range(velocity.shape[0]):
-        speed = math.sqrt(velocity[i, 0] ** 2 + velocity[i, 1] ** 2)
+        # What drag takes at once carries nobody.
+        speed = math.sqrt(velocity[i, 0] ** 2 + velocity[i, 1] ** 2) if kick.decay[i] > 0.0 else 0.0
         speed += kick.gain[i] * math.sqrt(force[i, 0] ** 2 + force[i, 1] ** 2)
         # Written so that a NaN is taken, and kept.
         if fastest == fastest and not speed <= fastest:
@@ -91,6 +92,7 @@ def farthest_ahead(kick: Kick, velocity: Array, force: Array) -> float:
 def keep_lists(parameters: Parameters, state: State, workspace: Workspace) -> int:
     """New lists before anyone leaves the old ones' reach; nothing but the reference positions changes in the state."""
     ahead = parameters.time_step * farthest_ahead(parameters.kick, state.velocity, workspace.force)
+    ahead += parameters.drift.jump
     moved = farthest_move(state.position, state.reference)
     workspace.ahead[0] = ahead
     if not ahead <= 0.25 * parameters.skin:

@@ -2,7 +2,14 @@
 
 from ecume.scenes.floating.bodies import DiscSpec, FloatRow, FloatSpec, SurfaceEnergies
 from ecume.scenes.floating.scene import FloatingScene, species_of
-from ecume.scenes.floating.surroundings import ContactSpec, DishSpec, InteractionSpec, LiquidSpec, MotionSpec
+from ecume.scenes.floating.surroundings import (
+    ContactSpec,
+    DishSpec,
+    FlowSpec,
+    InteractionSpec,
+    LiquidSpec,
+    MotionSpec,
+)
 
 __all__ = [
     "ContactSpec",
@@ -11,6 +18,7 @@ __all__ = [
     "FloatRow",
     "FloatSpec",
     "FloatingScene",
+    "FlowSpec",
     "InteractionSpec",
     "LiquidSpec",
     "MotionSpec",

@@ -13,6 +13,7 @@ from ecume.scenes.quantities import (
     Duration,
     GasDensity,
     Gravity,
+    Heat,
     LawName,
     LiquidViscosity,
     PositiveDensity,
@@ -20,8 +21,24 @@ from ecume.scenes.quantities import (
     Proportion,
     Size,
     Switch,
+    TurningRate,
+    Velocity,
     WettingAngle,
 )
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class FlowSpec:
+    """How the liquid's surface flows, which drags the floats along: a uniform flow and three linear ones, added up."""
+
+    velocity: tuple[Velocity, Velocity] = (0.0, 0.0)
+    """At the origin (m/s)."""
+    shear: TurningRate = 0.0
+    """How much faster along x for each meter along y (1/s)."""
+    rotation: TurningRate = 0.0
+    """About the origin, counterclockwise (1/s)."""
+    stretching: TurningRate = 0.0
+    """Apart along x and together along y, for each meter from the origin (1/s)."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -38,6 +55,8 @@ class LiquidSpec:
     """m/s^2, downwards"""
     gas_density: GasDensity = 0.0
     """kg/m^3; smaller than the liquid's"""
+    flow: FlowSpec | None = None
+    """How its surface flows, if it does."""
 
     @model_validator(mode="after")
     def _gas_above_liquid(self) -> Self:
@@ -81,11 +100,13 @@ class MotionSpec:
     """How the equation of motion is stepped."""
 
     integrator: LawName = "velocity-verlet"
-    """`velocity-verlet`, `explicit-euler`, `stormer-verlet`, `semi-implicit-euler` or `rk4`."""
+    """`velocity-verlet`, `explicit-euler`, `stormer-verlet`, `semi-implicit-euler`, `rk4` or `overdamped`."""
     time_step: Duration | None = None
     """s; left out, the model chooses"""
     drag: Switch | None = None
     """Whether the liquid's viscosity slows the floats down; left out, it does, but in `legacy-2022`."""
+    temperature: Heat = 0.0
+    """Of the Brownian motion (K), which only the `overdamped` integrator has; at 0 there is none."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)

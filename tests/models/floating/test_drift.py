@@ -1,0 +1,138 @@
+"""Floats that creep, that chance moves, and that a flowing surface carries."""
+
+import math
+
+import numpy as np
+import pytest
+
+from ecume.errors import SceneError
+from ecume.models import MODELS
+from ecume.models.floating.pace import chosen_step, wandering_step
+from ecume.models.floating.parameters import OVERDAMPED
+from ecume.models.floating.schemes import jiggle
+from ecume.simulation import simulate
+from tests.models.floating.bowls import WATER, scene_of
+
+FLOATING = MODELS["floating"]
+SMALL = "radius = 2e-5\ndensity = 1500.0\ncontact_angle = 1.2\n"
+ALONE = '[interaction]\nlaw = "none"\n'
+
+
+def creeping(body, temperature=0.0, flow="", **times):
+    motion = f'[motion]\nintegrator = "overdamped"\ntemperature = {temperature}\n'
+    return scene_of(WATER + flow + body + motion, **times)
+
+
+def test_a_creeping_float_goes_with_force_over_friction_at_once():
+    floats = f"[[floats]]\n{SMALL}positions = [[0.0, 0.0], [2e-4, 0.0]]\n"
+    scene = creeping(floats, duration=1e-3, frame_every=1e-3)
+    parameters = FLOATING.parameters(scene)
+    assert parameters.scheme == OVERDAMPED
+    assert np.all(parameters.kick.decay == 0.0)
+    state = FLOATING.start(scene, parameters)
+    workspace = FLOATING.workspace(parameters, state, 1.0)
+    FLOATING.advance(parameters, state, workspace, 1)
+    friction = parameters.floats.mass / parameters.floats.relaxation_time
+    found = state.velocity[:, 0] * friction
+    from ecume.laws import flotation
+
+    bead = flotation.Sphere(2e-5, 1500.0, 1.2)
+    pull = flotation.pair_force(bead, bead, 2e-4, flotation.Liquid(1000.0, 0.0728, 1e-3), "nonlinear")
+    assert found == pytest.approx([-pull, pull], rel=1e-6)
+
+
+def test_the_step_of_creeping_floats_follows_drag_alone():
+    floats = f"[[floats]]\n{SMALL}positions = [[0.0, 0.0], [1e-4, 0.0]]\n"
+    slow, fast = (
+        chosen_step(FLOATING.parameters(creeping(floats.replace("1500.0", density))), 0.0)
+        for density in ("1500.0", "3000.0")
+    )
+    assert fast < slow  # a heavier charge pulls harder
+
+
+def test_chance_spreads_floats_by_twice_the_diffusion_coefficient():
+    count, temperature = 1500, 300.0
+    floats = f'[[floats]]\ncount = {count}\n{SMALL}placement = "lattice"\nspacing = 1e-3\n'
+    scene = creeping(floats + ALONE, temperature)
+    parameters = FLOATING.parameters(scene)
+    velocity = np.zeros((count, 2))
+    for step in range(4):
+        jiggle(parameters, velocity, step)
+    moved = velocity * parameters.time_step
+    friction = parameters.floats.mass[0] / parameters.floats.relaxation_time[0]
+    expected = 4 * 2 * 1.380649e-23 * temperature / friction * parameters.time_step
+    found = np.mean(moved**2, axis=0) / expected
+    assert found == pytest.approx([1.0, 1.0], abs=5 * math.sqrt(2 / count))
+    assert abs(np.mean(moved[:, 0] * moved[:, 1])) < 5 * expected / math.sqrt(count)
+    again = np.zeros((count, 2))
+    for step in range(4):
+        jiggle(parameters, again, step)
+    assert np.array_equal(again, velocity)
+
+
+def test_warm_floats_take_steps_small_beside_their_radius():
+    parameters = FLOATING.parameters(creeping(f"[[floats]]\n{SMALL}{ALONE}", 300.0))
+    friction = parameters.floats.mass[0] / parameters.floats.relaxation_time[0]
+    far = math.sqrt(2 * parameters.drift.thermal / friction * wandering_step(parameters))
+    assert far == pytest.approx(0.05 * 2e-5)
+    assert parameters.drift.jump > 0.0
+    assert wandering_step(FLOATING.parameters(creeping(f"[[floats]]\n{SMALL}{ALONE}"))) == math.inf
+
+
+@pytest.mark.parametrize("integrator", ["overdamped", "velocity-verlet"])
+@pytest.mark.parametrize(
+    ("flow", "velocity"),
+    [
+        ("velocity = [2e-3, -1e-3]", (2e-3, -1e-3)),
+        ("shear = 0.5", (0.5 * 2e-3, 0.0)),
+        ("rotation = 0.3", (-0.3 * 2e-3, 0.3 * 1e-3)),
+        ("stretching = 0.2", (0.2 * 1e-3, -0.2 * 2e-3)),
+    ],
+)
+def test_a_float_takes_on_the_velocity_of_the_surface(flow, velocity, integrator):
+    body = f'[[floats]]\n{SMALL}positions = [[1e-3, 2e-3]]\n[motion]\nintegrator = "{integrator}"\n'
+    scene = scene_of(f"{WATER}[liquid.flow]\n{flow}\n{body}", duration=0.004, frame_every=0.002)
+    frames = list(simulate(scene))
+    assert frames[-1].arrays["velocity"][0] == pytest.approx(velocity, rel=0.02, abs=2e-5)
+
+
+def test_a_rotating_surface_turns_a_float_around():
+    body = f'[[floats]]\n{SMALL}positions = [[1e-3, 0.0]]\n[motion]\nintegrator = "overdamped"\ntime_step = 0.002\n'
+    scene = scene_of(f"{WATER}[liquid.flow]\nrotation = 1.0\n{body}", duration=1.0, frame_every=1.0)
+    x, y = list(simulate(scene))[-1].arrays["position"][0]
+    assert (x, y) == pytest.approx((1e-3 * math.cos(1.0), 1e-3 * math.sin(1.0)), rel=0.02)
+
+
+@pytest.mark.compiled
+def test_warm_floats_spread_in_a_well_as_boltzmann_says():
+    """In the middle of a small dish, whose meniscus is a spring there: <x^2> = kT/k, a little more for the steps."""
+    floats = f'[[floats]]\ncount = 100\n{SMALL}placement = "lattice"\nspacing = 5e-5\n'
+    dish = '[dish]\nradius = 0.003\ncontact_angle = "10 deg"\n'
+    apart = f'{ALONE}[contacts]\nlaw = "none"\n'
+    motion = '[motion]\nintegrator = "overdamped"\ntemperature = 300.0\ntime_step = 0.02\n'
+    scene = scene_of(WATER + floats + dish + apart + motion, duration=80.0, frame_every=1.0)
+    parameters = FLOATING.parameters(scene)
+    from scipy.special import i1
+
+    length = parameters.pair[1]
+    spring = 0.5 * parameters.wall_strength[0, 0] / length**2 / i1(0.003 / length)
+    friction = parameters.floats.mass[0] / parameters.floats.relaxation_time[0]
+    assert 40.0 * spring / friction > 5.0
+    frames = [frame for frame in simulate(scene) if frame.time > 40.0]
+    found = np.mean([frame.arrays["position"] ** 2 for frame in frames])
+    step = 1.0 - 0.5 * spring * parameters.time_step / friction
+    assert found == pytest.approx(1.380649e-23 * 300.0 / spring / step, rel=0.12)
+
+
+@pytest.mark.parametrize(
+    ("motion", "flow", "path"),
+    [
+        ('integrator = "overdamped"\ndrag = false', "", "motion.integrator"),
+        ("temperature = 300.0", "", "motion.temperature"),
+        ("drag = false", "[liquid.flow]\nshear = 1.0\n", "liquid.flow"),
+    ],
+)
+def test_what_moves_by_drag_needs_drag(motion, flow, path):
+    with pytest.raises(SceneError) as caught:
+        FLOATING.parameters(scene_of(f"{WATER}{flow}[[floats]]\n{SMALL}[motion]\n{motion}\n"))
+    assert path in str(caught.value)
