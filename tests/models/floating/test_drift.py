@@ -96,6 +96,14 @@ def test_a_float_takes_on_the_velocity_of_the_surface(flow, velocity, integrator
     assert frames[-1].arrays["velocity"][0] == pytest.approx(velocity, rel=0.02, abs=2e-5)
 
 
+def test_floats_on_one_surface_are_carried_as_well():
+    body = f'[[floats]]\n{SMALL}positions = [[0.0, 0.0], [0.03, 0.0]]\n[motion]\nintegrator = "overdamped"\n'
+    body += '[interaction]\nmethod = "multipole"\norder = 2\n'
+    scene = scene_of(f"{WATER}[liquid.flow]\nvelocity = [1e-3, 2e-3]\n{body}", duration=0.002, frame_every=0.002)
+    last = list(simulate(scene))[-1]
+    assert last.arrays["velocity"] == pytest.approx(np.array([[1e-3, 2e-3]] * 2), rel=1e-3)
+
+
 def test_a_rotating_surface_turns_a_float_around():
     body = f'[[floats]]\n{SMALL}positions = [[1e-3, 0.0]]\n[motion]\nintegrator = "overdamped"\ntime_step = 0.002\n'
     scene = scene_of(f"{WATER}[liquid.flow]\nrotation = 1.0\n{body}", duration=1.0, frame_every=1.0)

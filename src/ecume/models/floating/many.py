@@ -23,6 +23,7 @@ from ecume.laws.multipole.ladders import regular_ladder
 from ecume.laws.multipole.solving import Krylov, iterate, make_krylov
 from ecume.laws.multipole.walls import Basin, images
 from ecume.laws.special import bessel_k0, scaled_bessel_i1
+from ecume.models.floating.forces import add_flow
 from ecume.models.floating.parameters import Parameters
 from ecume.models.floating.schemes import predict, predict_rarely_with
 from ecume.models.floating.state import State, Workspace
@@ -185,6 +186,8 @@ def many_forces(parameters: Parameters, position: Array, lists: NeighborLists, s
     for i in range(len(force)):
         force[i, 0] *= scale
         force[i, 1] *= scale
+    if parameters.drift.flows:
+        add_flow(parameters, position, force)
 
 
 def many_energy(parameters: Parameters, state: State) -> float:
