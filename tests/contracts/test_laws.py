@@ -113,6 +113,7 @@ SAMPLES = {
     "phase_along": 0.4, "phase_across": 0.9, "phase_x": 0.4, "phase_y": 0.9, "speed_x": 0.8, "speed_y": 0.6,
     "wavenumber_x": 1.7, "wavenumber_y": 1.1, "across": 0.4, "along": 0.3, "rate": 1.1, "pull_rate": 0.9,
     "stretching": 1.4, "here": 0.3, "there": 0.5, "rise": 0.1,
+    "phase_next": 0.4, "phase_last": 0.9, "speed_squared": 0.5,
     "both": 0.4, "moment_i": 0.3, "moment_j": 0.2,
     "area": 0.02, "film_area": 0.01, "facet_area": 0.03, "rest": 0.2, "radius_sum": 1.1, "mobility": 1.4,
     "viscosity_ratio": 2.3, "film_prefactors": (1.3, 0.7), "roughness": 0.03, "pull": 1.5, "limit": 1.49,
