@@ -80,8 +80,8 @@ def beltrami_velocity(phase_next: Angles, phase_last: Angles, speed: Speed) -> S
     """Velocity along one axis of swirls in space, U (sin(k z) + cos(k y)) along x and so on around.
 
     Angles: k times the coordinates along the next axis and along the one after that: y and z for x, z and x for y, x
-    and y for z. The flow of Arnold, Beltrami and Childress with equal parts: its curl is k times itself, so that friction
-    makes it fade at the rate nu k^2 and does nothing else. [dombre1986].
+    and y for z. The flow of Arnold, Beltrami and Childress with equal parts: its curl is k times itself, so that
+    friction makes it fade at the rate nu k^2 and does nothing else. [dombre1986].
 
     >>> float(beltrami_velocity(0.0, math.pi / 2.0, 1.0))
     2.0
