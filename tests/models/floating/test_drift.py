@@ -144,3 +144,44 @@ def test_what_moves_by_drag_needs_drag(motion, flow, path):
     with pytest.raises(SceneError) as caught:
         FLOATING.parameters(scene_of(f"{WATER}{flow}[[floats]]\n{SMALL}[motion]\n{motion}\n"))
     assert path in str(caught.value)
+
+
+@pytest.mark.parametrize("integrator", ["velocity-verlet", "semi-implicit-euler"])
+def test_fast_floats_drag_as_schiller_and_naumann_found(integrator):
+    """A bead at rest on a fast surface, and one that is thrown, against SciPy's integration."""
+    from scipy.integrate import solve_ivp
+
+    from ecume.laws import drag
+
+    body = "[[floats]]\nradius = 1e-3\ndensity = 1300.0\ncontact_angle = 1.2\n"
+    body += "positions = [[0.0, 0.0]]\nvelocity = [0.0, 0.1]\n"
+    motion = (
+        f'[motion]\nintegrator = "{integrator}"\ndrag_law = "schiller-naumann"\nadded_mass = true\ntime_step = 5e-4\n'
+    )
+    flow = "[liquid.flow]\nvelocity = [0.05, 0.0]\n"
+    scene = scene_of(WATER + flow + body + motion, duration=0.1, frame_every=0.1)
+    floats = FLOATING.parameters(scene).floats
+    mass, friction = floats.mass[0], floats.mass[0] / floats.relaxation_time[0]
+    assert mass > 1.1 * 1300.0 * 4 / 3 * math.pi * 1e-9
+
+    def slowing(_, v):
+        w = v - np.array([0.05, 0.0])
+        reynolds = 2e-3 * math.hypot(*w) * 1000.0 / 1e-3
+        return -drag.inertial_friction(friction, reynolds) / mass * w
+
+    wanted = solve_ivp(slowing, (0.0, 0.1), [0.0, 0.1], rtol=1e-10, atol=1e-12).y[:, -1]
+    found = list(simulate(scene))[-1].arrays["velocity"][0]
+    assert found == pytest.approx(wanted, rel=5e-3)
+
+
+def test_a_growing_drag_is_stokess_for_slow_floats_and_goes_with_some_integrators():
+    slow = f"[[floats]]\n{SMALL}positions = [[0.0, 0.0], [1e-4, 0.0]]\n[motion]\n"
+    plain, fast = (
+        list(simulate(scene_of(f"{WATER}{slow}{law}", duration=0.002, frame_every=0.002)))[-1].arrays["velocity"]
+        for law in ("", 'drag_law = "schiller-naumann"\n')
+    )
+    assert fast == pytest.approx(plain, rel=0.02)
+    with pytest.raises(SceneError, match="goes with the integrators"):
+        FLOATING.parameters(scene_of(f'{WATER}{slow}integrator = "rk4"\ndrag_law = "schiller-naumann"\n'))
+    with pytest.raises(SceneError, match="no such law"):
+        FLOATING.parameters(scene_of(f'{WATER}{slow}drag_law = "newton"\n'))

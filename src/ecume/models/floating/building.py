@@ -23,6 +23,7 @@ from ecume.models.floating.parameters import (
     CAPILLARY,
     CONTACT_LAWS,
     DISH,
+    DRAG_LAWS,
     LEGACY,
     LEGACY_DISH,
     NO_WALL_LAW,
@@ -95,6 +96,8 @@ def afloat(given: FloatSpec | FloatRow, scene: FloatingScene) -> Afloat:
     charge = flotation.capillary_charge(sphere, liquid, scene.interaction.charge)
     factor = float(drag.factor_at_filling(balance.filling_angle))
     mass = given.density * 4.0 / 3.0 * math.pi * given.radius**3
+    if scene.motion.added_mass:
+        mass += drag.added_mass(given.radius, balance.filling_angle, liquid.density)
     friction = drag.stokes_friction(given.radius, liquid.viscosity, factor)
     return Afloat(sphere, given.density, sphere.contact_angle, balance, charge, mass, friction)
 
@@ -387,6 +390,7 @@ def _check_names(scene: FloatingScene) -> None:
     """The names of laws, against the laws' tables."""
     choices = [
         ("motion.integrator", scene.motion.integrator, SCHEMES),
+        ("motion.drag_law", scene.motion.drag_law, DRAG_LAWS),
         ("contacts.law", scene.contacts.law, ("impulse", "none")),
         ("interaction.law", str(scene.interaction.law), PAIR_LAWS),
         ("interaction.charge", str(scene.interaction.charge), tuple(flotation.CHARGES)),

@@ -61,6 +61,9 @@ class Kick(NamedTuple):
     """(N + walls,) velocity per impulse over the kick: gain / time, 1/m without drag; zero for walls"""
 
 
+DRAG_LAWS = ("stokes", "schiller-naumann")
+
+
 class Drift(NamedTuple):
     """What carries floats along beside forces: the flowing surface, and chance."""
 
@@ -70,6 +73,8 @@ class Drift(NamedTuple):
     thermal: float
     """J: kT"""
     seed: int
+    thickness: float
+    """s/m^2: the liquid's density over its viscosity where drag grows with the speed; zero where it is Stokes's"""
     jump: float
     """m: farther than this chance carries nobody in a step, but one in a billion"""
 

@@ -7,13 +7,14 @@ from collections.abc import Callable
 
 from ecume._jit import admit, compiled, inlined
 from ecume.engine.philox import counter_of, normals
-from ecume.laws import brownian
+from ecume.laws import brownian, drag
 from ecume.laws.brownian import diffusivity
-from ecume.models.floating.parameters import EXPLICIT_EULER, RK4, Kick, Parameters
+from ecume.laws.drag import schiller_naumann_factor
+from ecume.models.floating.parameters import EXPLICIT_EULER, RK4, VELOCITY_VERLET, Kick, Parameters
 from ecume.models.floating.state import State, Workspace
 from ecume.units import Array
 
-admit(brownian)
+admit(brownian, drag)
 
 
 @compiled
@@ -23,6 +24,33 @@ def give_kick(kick: Kick, velocity: Array, force: Array) -> None:
     for i in range(force.shape[0]):
         velocity[i, 0] = decay[i] * velocity[i, 0] + gain[i] * force[i, 0]
         velocity[i, 1] = decay[i] * velocity[i, 1] + gain[i] * force[i, 1]
+
+
+@compiled
+def kick_floats(parameters: Parameters, state: State, force: Array) -> None:
+    """`give_kick`, with the drag of the scene's law."""
+    if parameters.drift.thickness > 0.0:
+        give_fast_kick(parameters, state, force)
+    else:
+        give_kick(parameters.kick, state.velocity, force)
+
+
+@compiled
+def give_fast_kick(parameters: Parameters, state: State, force: Array) -> None:
+    """A drag that grows with the speed through the liquid: that of the kick's beginning, then as in `give_kick`."""
+    floats, flow, velocity = parameters.floats, parameters.drift.flow, state.velocity
+    time = 0.5 * parameters.time_step if parameters.scheme == VELOCITY_VERLET else parameters.time_step
+    for i in range(force.shape[0]):
+        x, y, friction = state.position[i, 0], state.position[i, 1], floats.mass[i] / floats.relaxation_time[i]
+        along, across = flow[0] + flow[2] * x + flow[3] * y, flow[1] + flow[4] * x + flow[5] * y
+        speed = math.sqrt((velocity[i, 0] - along) ** 2 + (velocity[i, 1] - across) ** 2)
+        faster = schiller_naumann_factor(2.0 * floats.radius[i] * speed * parameters.drift.thickness)
+        decay = math.exp(-time * faster / floats.relaxation_time[i])
+        # The speed that the force and the flow would lead to; the force holds Stokes's part of the flow.
+        last_x = along + (force[i, 0] - friction * along) / (friction * faster)
+        last_y = across + (force[i, 1] - friction * across) / (friction * faster)
+        velocity[i, 0] = last_x + decay * (velocity[i, 0] - last_x)
+        velocity[i, 1] = last_y + decay * (velocity[i, 1] - last_y)
 
 
 @compiled
@@ -74,9 +102,9 @@ def predict(parameters: Parameters, state: State, workspace: Workspace) -> None:
     """
     if parameters.scheme == EXPLICIT_EULER:
         copy_rows(workspace.passage, state.velocity)
-        give_kick(parameters.kick, state.velocity, workspace.force)
+        kick_floats(parameters, state, workspace.force)
     else:
-        give_kick(parameters.kick, state.velocity, workspace.force)
+        kick_floats(parameters, state, workspace.force)
         if parameters.drift.thermal > 0.0:
             jiggle(parameters, state.velocity, state.step[0])
         copy_rows(workspace.passage, state.velocity)

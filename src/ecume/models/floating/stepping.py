@@ -26,7 +26,7 @@ from ecume.models.floating.parameters import (
     Kick,
     Parameters,
 )
-from ecume.models.floating.schemes import clear, copy_rows, drift, give_kick, predict, predict_rarely_with
+from ecume.models.floating.schemes import clear, copy_rows, drift, kick_floats, predict, predict_rarely_with
 from ecume.models.floating.state import State, Workspace
 from ecume.models.model import CROWDED, DIVERGED, DONE
 from ecume.units import Array
@@ -126,7 +126,7 @@ def step_with(
     if parameters.scheme != STORMER_VERLET:
         evaluate(parameters, state.position, workspace.lists, (workspace.sorted_floats, workspace.force))
     if parameters.scheme == VELOCITY_VERLET:
-        give_kick(parameters.kick, state.velocity, workspace.force)
+        kick_floats(parameters, state, workspace.force)
     if parameters.contact_law == IMPULSE:
         rest(parameters, state, workspace)
     state.step[0] += 1

@@ -105,6 +105,10 @@ class MotionSpec:
     """s; left out, the model chooses"""
     drag: Switch | None = None
     """Whether the liquid's viscosity slows the floats down; left out, it does, but in `legacy-2022`."""
+    drag_law: LawName = "stokes"
+    """`stokes`, for slow floats, or `schiller-naumann`, which grows with the Reynolds number."""
+    added_mass: Switch = False
+    """Whether spheres carry half the mass of the liquid that they displace."""
     temperature: Heat = 0.0
     """Of the Brownian motion (K), which only the `overdamped` integrator has; at 0 there is none."""
 
