@@ -74,7 +74,7 @@ def shape_at(sides: Array, drive: Drive) -> Array:
     """The shape at the start, as it is imposed."""
     shape = np.zeros(5)
     shape[[WIDTH, HEIGHT, DEPTH]] = math.log(drive.scale)
-    if sides.any():
+    if sides[:2].all():
         shape[[TILT, STRAIN]] = drive.strain * sides[1] / sides[0], drive.strain
     return shape
 
@@ -95,8 +95,8 @@ def make_cell(sides: Array, shape: Array, past: Array, stages: int) -> Cell:
 
 @compiled
 def aspect(cell: Cell, shape: Array) -> float:
-    """Height over width."""
-    if cell.sides[0] == 0.0:
+    """Height over width; 1 of a box that is not periodic along both."""
+    if cell.sides[0] == 0.0 or cell.sides[1] == 0.0:
         return 1.0
     return float(cell.sides[1] / cell.sides[0] * math.exp(shape[HEIGHT] - shape[WIDTH]))
 
