@@ -1,6 +1,8 @@
 """Walls: the exact law of a sphere at one, what they push at each other with, walls that move and walls that yield."""
 
+import dataclasses
 import math
+from importlib.resources import files
 
 import numpy as np
 import pytest
@@ -14,6 +16,7 @@ from ecume.models.soft.protocol import drive_at
 from ecume.models.soft.stages import first_stage
 from ecume.models.soft.state import CLOCK
 from ecume.models.soft.stepping import one_step
+from ecume.scenes.load import load_scene
 from ecume.scenes.schema import from_plain
 from ecume.simulation import simulate
 
@@ -160,6 +163,16 @@ def test_a_heavy_sphere_falls_at_stokes_speed_and_lies_on_the_floor_with_its_wei
     heights = frames[-1].arrays["position"][:, 1]
     assert (heights < 1.001).all()
     assert (heights > 0.98).all()
+
+
+def test_spheres_that_fall_beside_a_periodic_border_are_caught_however_long_a_step_could_be():
+    scene = load_scene(files("ecume") / "templates" / "settling-packing.toml")
+    scene = dataclasses.replace(scene, duration=2.0, frame_every=1.0)
+    frames = list(simulate(scene))
+    assert frames[-1].numbers["rejected_steps"] > 0
+    assert (frames[-1].arrays["position"][:, 1] > 0.98e-3).all()
+    weight = 4 / 3 * math.pi * (frames[0].arrays["radius"] ** 3).sum() * 400.0 * 9.81
+    assert 0.1 * weight < -frames[-1].numbers["bottom_force_y"] < weight
 
 
 def test_work_goes_into_surfaces_and_films_at_walls_too():

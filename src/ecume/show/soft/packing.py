@@ -46,6 +46,9 @@ WIDEST = 7.0
 """Of the line of the largest force, in points."""
 FILM, WIDE = 0.28, 0.5
 """Half of a film's line, and the gap from which on none is drawn, in radii of the smaller sphere."""
+FARTHEST = 1.5
+"""How far the centers of a contact may be apart, over the sum of radii and gap: farther ones meet elsewhere."""
+WALL_AXES = {"left": "x", "right": "x", "bottom": "y", "top": "y"}
 GAP_COLORS = "viridis"
 MARK = (0.3, 0.85)
 """Of the radius: from where to where the mark goes that shows a sphere's spin."""
@@ -71,13 +74,18 @@ class Links(NamedTuple):
 
 
 def links_of(frame: Frame) -> Links:
-    """The contacts that a frame tells of; across a periodic border to the nearest copy."""
+    """The contacts that a frame tells of; across a periodic border to the nearest copy.
+
+    Between walls a frame tells of no box, and contacts across the borders beside them are left out.
+    """
     position, radius = frame.arrays["position"], frame.arrays["radius"]
     found = films(frame)
     first, second = found.pairs.T
     along = nearest(position[second] - position[first], box_of(frame))
     slots = np.nonzero(frame.arrays["neighbor"] >= 0)
-    return Links(position[first, :2], along[:, :2], radius[found.pairs], found.gap, frame.arrays["tension"][slots])
+    here = np.linalg.norm(along, axis=1) < FARTHEST * (radius[found.pairs].sum(axis=1) + found.gap)
+    told = (position[first, :2], along[:, :2], radius[found.pairs], found.gap, frame.arrays["tension"][slots])
+    return Links(*(column[here] for column in told))
 
 
 def links_around(frame: Frame) -> Links:
@@ -115,7 +123,8 @@ def view_of(frames: Sequence[Frame]) -> View:
     high = np.max([(x + r).max(axis=0) for x, r in zip(place, edge, strict=True)], axis=0)
     x, y = (low + high) / 2
     margin = float(max(r.max() for r in edge))
-    return view_around(float(x), float(y), float(high[0] - low[0]) + margin, float(high[1] - low[1]) + margin)
+    below = 3.0 * margin if "bottom_y" in frames[0].numbers else margin  # room for the scale under a floor
+    return view_around(float(x), float(y), float(high[0] - low[0]) + margin, float(high[1] - low[1]) + below)
 
 
 class Packing:
@@ -143,13 +152,14 @@ class Packing:
             self.marks = LineCollection([], colors=INK, linewidths=1.2, capstyle="round", zorder=2.5)
             for lines in (self.beside, self.marks, self.forces, self.films):
                 axes.add_collection(lines, autolim=False)
+            self.walls = {wall.side: _wall_line(axes, wall.side) for wall in scene.walls if wall.side in WALL_AXES}
             self.time = clock(axes)
             bar = scale_bar(axes, self.view)
             _gap_bar(axes, self.films)
             labels(axes, scene.title, kinds)
             _force_legend(axes, self.largest)
         below: list[Artist] = [self.beside, self.spheres, self.marks]
-        moving = [*below, self.forces, self.films, self.outline, *bar, self.time]
+        moving = [*below, self.forces, self.films, self.outline, *self.walls.values(), *bar, self.time]
         self._layers = Layers(self.figure, moving)
         self.show(sample[0])
 
@@ -162,6 +172,9 @@ class Packing:
         self.forces.set_segments(list(np.stack([links.first, links.first + links.along], axis=1)))
         self.forces.set_linewidth(list(WIDEST * np.abs(links.tension) / max(self.largest, 1e-300)))
         self.forces.set_color([PULL if tension > 0.0 else PUSH for tension in links.tension])
+        for side, line in self.walls.items():
+            place = [frame.numbers[f"{side}_{WALL_AXES[side]}"]] * 2
+            (line.set_xdata if WALL_AXES[side] == "x" else line.set_ydata)(place)
         narrow = links.gap < WIDE * links.radius.min(axis=1)
         self.films.set_segments(list(_film_lines(links)[narrow]))
         self.films.set_array(links.gap[narrow])
@@ -198,6 +211,12 @@ def marks_of(frame: Frame) -> NDArray[np.float64]:
         return np.zeros((0, 2, 2))
     spoke = spoke * arrays["radius"][:, None]
     return np.asarray(arrays["position"][:, None, :2] + np.array(MARK)[None, :, None] * spoke[:, None])
+
+
+def _wall_line(axes: Axes, side: str) -> Line2D:
+    """A wall, as it is seen from its side."""
+    draw = axes.axvline if WALL_AXES[side] == "x" else axes.axhline
+    return draw(0.0, color=INK, linewidth=3.0, zorder=5)
 
 
 def _film_lines(links: Links) -> NDArray[np.float64]:
