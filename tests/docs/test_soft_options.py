@@ -17,6 +17,7 @@ TABLES = {
     "[films]": soft.FilmSpec,
     "[remote]": soft.RemoteSpec,
     "[box]": soft.BoxSpec,
+    "[[walls]]": soft.WallSpec,
     "[[protocol]]": soft.StageSpec,
     "[protocol.oscillation]": soft.OscillationSpec,
     "[stepping]": soft.SteppingSpec,
