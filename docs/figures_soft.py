@@ -8,10 +8,18 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullFormatter
 
+from ecume.laws.bubbles import bubble_force
+from ecume.laws.elasticity import PREFACTORS, surface_force
+from ecume.laws.interfaces import INTERFACES
+from ecume.laws.remote import REMOTE
+from ecume.laws.rubbing import sliding_force
 from ecume.laws.soft_pair import SoftPair, passage_time
 from ecume.models.soft import t1_process
+from ecume.models.soft.schemes import SCHEMES
 from ecume.scenes.load import load_scene
+from ecume.scenes.schema import from_plain
 from ecume.show.picture import Size
 from ecume.show.soft.packing import Packing
 from ecume.show.style import INK, MUTED, PALETTE, figure, legend_outside
@@ -93,9 +101,74 @@ def sheared_packing() -> Figure:
     return picture.figure
 
 
+BODY = {"gap": 1e-3, "reduced_radius": 0.5, "modulus": 1.0}
+
+
+def soft_laws() -> Figure:
+    """The laws that a scene chooses between: surfaces, interfaces, contact friction, remote forces."""
+    drawn = figure(9.0, 7.0)
+    (surface, interface), (rubbing, remote) = drawn.subplots(2, 2)
+    deflection = np.geomspace(1e-5, 0.3, 100)
+    for name, color in zip(("paper", "physical"), PALETTE, strict=False):
+        forces = [surface_force(x, **BODY, prefactors=PREFACTORS[name]) for x in deflection]
+        surface.plot(deflection, forces, color=color, label=f"hertz, {name} (E R²)")
+    forces = [bubble_force(x, 1e-3, 2.0, 0.5, 1.0) for x in deflection]
+    surface.plot(deflection, forces, color=PALETTE[2], label="bubble (γ R)")
+    surface.set(xscale="log", yscale="log", xlabel="compression / R", ylabel="force", title="surface, h = R/1000")
+    gaps = np.geomspace(1e-5, 1e-1, 100)
+    for (name, law), color in zip(INTERFACES.items(), PALETTE, strict=False):
+        found = [law(math.sqrt(gap + 1e-3), gap, 1.0, 1.0, (1.5 * math.pi, math.pi)).squeeze for gap in gaps]
+        interface.plot(gaps, found, color=color, label=name)
+    interface.set(
+        xscale="log", yscale="log", xlabel="h / R", ylabel="ζ_n / (η R)", title="interface, a² = R (h + R/1000)"
+    )
+    pull = np.linspace(-2.0, 2.0, 400)
+    for limit, color, name in ((0.0, PALETTE[0], "none"), (1.0, PALETTE[1], "coulomb")):
+        rubbing.plot(pull, [sliding_force(one, limit) for one in pull], color=color, label=name)
+    rubbing.set(xlabel="T / (μ N)", ylabel="what the film bears / (μ N)", title="friction")
+    gaps = np.linspace(0.05, 2.0, 400)
+    for name, given, color in (("steric", (1.0, 1.0), PALETTE[0]), ("dlvo", (1.0, 0.3, 4.0, 0.25), PALETTE[1])):
+        remote.plot(gaps, [REMOTE[name].force(gap, *given) for gap in gaps], color=color, label=name)
+    remote.axhline(0.0, color=MUTED, linewidth=0.8)
+    remote.set(xlabel="gap / length", ylabel="force, positive repels", title="remote", ylim=(-3.0, 6.0))
+    for axes in (surface, interface, rubbing, remote):
+        axes.legend()
+    return drawn
+
+
+def soft_schemes() -> Figure:
+    """Error over steps of the schemes, in the opening of a gap whose time is known exactly."""
+    drawn = figure(5.6, 4.0)
+    axes = drawn.add_subplot(xlabel="steps", ylabel="error of ln h", xscale="log", yscale="log")
+    time = passage_time(SoftPair(1.0, 1.0, 1.0), 1e-3, 0.01, 0.1)
+    spheres = [
+        {"radius": 1.0, "modulus": 1.0, "positions": [[1.005 * side, 0.0]], "force": [1e-3 * side, 0.0]}
+        for side in (-1.0, 1.0)
+    ]
+    for name, color in zip(SCHEMES, PALETTE, strict=False):
+        rows = []
+        for tolerance in 10.0 ** -np.arange(2.0, 10.0 if name == "esdirk4" else 8.0):
+            scene = from_plain({
+                "model": "soft", "duration": time, "frame_every": time, "liquid": {"viscosity": 1.0},
+                "spheres": spheres, "stepping": {"scheme": name, "tolerance": float(tolerance)},
+            })  # fmt: skip
+            numbers = list(simulate(scene))[-1].numbers
+            rows.append((numbers["time_steps"], abs(math.log(numbers["smallest_gap"] / 0.1))))
+        steps, errors = np.array(rows).T
+        order = SCHEMES[name].order
+        axes.plot(steps, errors, "o", color=color, markersize=5, label=name)
+        axes.plot(steps, errors[-1] * (steps[-1] / steps) ** order, color=color, linewidth=1.0, label=f"order {order}")
+    axes.set_xticks([20, 50, 100], ["20", "50", "100"])
+    axes.xaxis.set_minor_formatter(NullFormatter())
+    legend_outside(axes)
+    return drawn
+
+
 FIGURES: dict[str, Callable[[], Figure]] = {
     "t1-phases": t1_phases,
     "t1-course": t1_course,
     "t1-durations": t1_durations,
     "sheared-packing": sheared_packing,
+    "soft-laws": soft_laws,
+    "soft-schemes": soft_schemes,
 }

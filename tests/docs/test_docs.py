@@ -13,6 +13,13 @@ import pytest
 from ecume.cli import app
 from ecume.laws import drag, flotation
 from ecume.laws.capillarity import truncation_radius
+from ecume.laws.elasticity import PREFACTORS
+from ecume.laws.interfaces import INTERFACES
+from ecume.laws.remote import REMOTE
+from ecume.laws.rubbing import FRICTIONS
+from ecume.laws.surfaces import SURFACES
+from ecume.models.soft.schemes import SCHEMES
+from ecume.models.soft.solving import SOLVERS
 from ecume.scenes import floating
 from ecume.scenes.load import load_scene
 from ecume.scenes.starts import SOURCES
@@ -178,6 +185,16 @@ def rows_below(title):
 @pytest.mark.parametrize("title", SECTIONS)
 def test_the_table_of_options_is_the_schema(title):
     assert rows_below(title) == list(facts(SECTIONS[title]))
+
+
+@pytest.mark.parametrize(
+    "table",
+    [PREFACTORS, SURFACES, INTERFACES, FRICTIONS, REMOTE, SCHEMES, SOLVERS],
+    ids=lambda table: ", ".join(table),
+)
+def test_the_page_on_soft_spheres_names_every_law_and_scheme(table):
+    named = set(re.findall(r"`([\w-]+)`", (ROOT / "docs" / "physics" / "soft.md").read_text(encoding="utf-8")))
+    assert set(table) <= named
 
 
 def test_the_tables_of_options_leave_no_part_of_a_scene_out():

@@ -76,9 +76,11 @@ def _regimes(scene: SoftScene, parameters: Parameters, force: float) -> list[tup
         tension = scene.liquid.surface_tension or math.nan
         told = "largest force over surface tension times radius: well below 1 for facets smaller than bubbles"
         return [("reduced force", f"{force / (tension * radius):.4g}", told)]
+    reduced = force / (modulus * radius**2)
+    lost = "; below 1e-7 it is lost in rounding, and steps get short" if reduced < 1e-7 else ""
     pair = SoftPair(radius, modulus, scene.liquid.viscosity, prefactors_of(scene.films))
     return [
-        ("reduced force", f"{force / (modulus * radius**2):.4g}", "largest force over modulus times radius squared"),
+        ("reduced force", f"{reduced:.4g}", "largest force over modulus times radius squared" + lost),
         ("crossover gap", f"{crossover_gap(pair, force):.4g} m", "Poiseuille's regime above, Hertz's below"),
         ("viscous time", f"{viscous_time(pair, force):.4g} s", "in which a wide gap opens by a factor of e"),
     ]
