@@ -314,3 +314,15 @@ def test_what_is_too_light_is_told_so(body):
     water_under_oil = flotation.Liquid(density=1000.0, surface_tension=0.03, viscosity=1e-3, gas_density=900.0)
     with pytest.raises(FloaterSinks, match=r"leaves the liquid|lets go"):
         flotation.equilibrium(body, water_under_oil)
+
+
+def test_two_lying_cylinders_pull_as_the_surface_midway_says():
+    """Two equal ones far apart: the pressure on the level surface between them, rho g h^2/2, is their force."""
+    charge = flotation.equilibrium(flotation.HorizontalCylinder(0.3e-3, 1500.0, 1.5), WATER).charge
+    apart = 6 * L
+    midway = -2 * charge * math.exp(-0.5 * apart / L)
+    assert flotation.lying_pair_force(apart, charge, charge, WATER) == pytest.approx(-0.5 * EXCESS * midway**2)
+    step = 1e-6
+    ahead, behind = (flotation.lying_pair_energy(apart + d, charge, charge, WATER) for d in (step, -step))
+    found = flotation.lying_pair_force(np.array([apart]), charge, charge, WATER)
+    assert found[0] == pytest.approx(-(ahead - behind) / (2 * step), rel=1e-6)

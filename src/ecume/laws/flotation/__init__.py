@@ -27,6 +27,7 @@ from ecume.laws.flotation.closeness import superposition_excess, superposition_r
 from ecume.laws.flotation.closure import closure_contact_angle
 from ecume.laws.flotation.equilibria import Body, Equilibrium, capillary_charge, equilibrium
 from ecume.laws.flotation.interaction import pair_energy, pair_force, surface_height
+from ecume.laws.flotation.lying import lying_pair_energy, lying_pair_force
 from ecume.laws.flotation.shapes import (
     Bubble,
     Ellipsoid,
@@ -59,6 +60,8 @@ __all__ = [
     "equilibrium",
     "linear_balance",
     "linear_charge",
+    "lying_pair_energy",
+    "lying_pair_force",
     "neutral_density_ratio",
     "nonlinear_balance",
     "nonlinear_charge",

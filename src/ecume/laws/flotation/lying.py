@@ -4,16 +4,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import Annotated
 
 import numpy as np
 
 from ecume.errors import FloaterSinks
+from ecume.laws.arguments import as_distances, as_given
 from ecume.laws.flotation.bodies import Liquid
 from ecume.laws.flotation.carrying import Floating, Load, greatest_load, stable_load
 from ecume.laws.flotation.plane import sloping_amplitude, sloping_height
 from ecume.laws.flotation.shapes import HorizontalCylinder
 from ecume.laws.flotation.young_laplace import OuterMeniscus
-from ecume.units import Angle, Number
+from ecume.units import Angle, Length, Lengths, Number, Real, Unit
+
+LineEnergies = Annotated[Real, Unit("J/m")]
+LineForces = Annotated[Real, Unit("N/m")]
 
 
 def lying_load(radius: Number, contact_angle: Angle, slope_angle: Angle) -> Load:
@@ -80,6 +85,32 @@ def nonlinear_lying(radius: Number, density_ratio: Number, contact_angle: Angle)
         f"contact angle of {math.degrees(contact_angle):.4g} degrees the surface carries D_max = {most:.5g} at most; "
         "take a thinner or lighter one, or a larger contact angle"
     )
+
+
+def lying_pair_energy(distance: Lengths, charge_i: Length, charge_j: Length, liquid: Liquid) -> LineEnergies:
+    """Energy per length of two parallel lying cylinders: E = -(2 gamma/L) A_i A_j exp(-l/L), l between their axes.
+
+    The charges are the far amplitudes, so that it is exact far away; negative for like charges. [nicolson1949].
+
+    >>> water = Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3)
+    >>> lying_pair_energy(5e-3, 1e-5, 1e-5, water) < 0 < lying_pair_energy(5e-3, 1e-5, -1e-5, water)
+    True
+    """
+    length = liquid.capillary_length
+    strength = 2.0 * liquid.surface_tension * charge_i * charge_j / length
+    return as_given(-strength * np.exp(-as_distances("distance", distance) / length))
+
+
+def lying_pair_force(distance: Lengths, charge_i: Length, charge_j: Length, liquid: Liquid) -> LineForces:
+    """Force per length of two parallel lying cylinders, F = E/L; positive repels. See `lying_pair_energy`.
+
+    For two equal ones it is rho g h_m^2/2, h_m the height midway, where the surface is level. [nicolson1949].
+
+    >>> water = Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3)
+    >>> lying_pair_force(5e-3, 1e-5, 1e-5, water) < 0
+    True
+    """
+    return as_given(np.asarray(lying_pair_energy(distance, charge_i, charge_j, liquid)) / liquid.capillary_length)
 
 
 def _free_slope(radius: float, density_ratio: float, contact_angle: float) -> float:

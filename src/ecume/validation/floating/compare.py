@@ -11,7 +11,7 @@ from pathlib import Path
 from ecume.laws import capillarity, drag, flotation, images, meniscus
 from ecume.laws.special import bessel_k0, bessel_k1
 from ecume.validation.multipole import compare as beyond
-from ecume.validation.rows import Row, within
+from ecume.validation.rows import Row, above, below, within
 
 HOME = Path(__file__).parent
 # A liquid whose capillary length is one meter, so that heights come out in capillary lengths.
@@ -156,6 +156,36 @@ def bessel(case: Case) -> Iterator[Row]:
         yield within(f"{name.upper()}({x:g})", law(x), value, 1e-14 * value)
 
 
+def truncation(case: Case) -> Row:
+    """What a cutoff leaves out of the pull at a raft's straight edge."""
+    computed = capillarity.neglected_fraction(float(case["cutoff_over_L"]))
+    name = f"share of a raft's pull beyond {case['cutoff_over_L']} L"
+    return within(name, computed, float(case["neglected"]), float(case["tolerance"]))
+
+
+def signs() -> list[Row]:
+    """Who goes where, and that action is reaction."""
+    heavy = flotation.Sphere(1e-3, 1300.0, math.radians(90.0))
+    disc, bubble = flotation.Disc(1.3e-3, 2e-5), flotation.Bubble(5e-4)
+    wetting = meniscus.wall_amplitude(math.radians(45.0), WATER)
+
+    def from_wall(body: flotation.Body) -> float:
+        charge = flotation.equilibrium(body, WATER).charge
+        strength = capillarity.wall_strength(WATER.surface_tension, charge, wetting)
+        return capillarity.dish_force(0.018, strength, WATER.capillary_length, 0.02)
+
+    def force(a: flotation.Sphere | flotation.Disc | flotation.Bubble, b: flotation.Disc | flotation.Bubble) -> float:
+        return float(flotation.pair_force(a, b, 4e-3, WATER, "nonlinear"))
+
+    return [
+        above("force of a wetting wall on a heavy sphere (N)", from_wall(heavy), 0.0),
+        below("force of a wetting wall on a bubble (N)", from_wall(bubble), 0.0),
+        above("force between a bubble and a loaded disc (N)", force(bubble, disc), 0.0),
+        below("force between a heavy sphere and a loaded disc (N)", force(heavy, disc), 0.0),
+        below("action and reaction, over the force", abs(force(bubble, disc) / force(disc, bubble) - 1.0), 1e-12),
+    ]
+
+
 def rows() -> list[Row]:
     """Every published number, those of many bodies beyond superposition as well."""
     found = [spheres(case) for case in _read("published")]
@@ -165,7 +195,8 @@ def rows() -> list[Row]:
     found += [lubrication(case) for case in _read("published_lubrication")]
     found += [approach(case) for case in _read("published_approach")]
     found += [row for case in _read("published_bessel") for row in bessel(case)]
-    return found + beyond.rows()
+    found += [truncation(case) for case in _read("published_truncation")]
+    return found + signs() + beyond.rows()
 
 
 def _read(name: str) -> list[Case]:
