@@ -19,7 +19,7 @@ from ecume.laws.soft_pair import SoftPair, passage_time
 from ecume.models.soft import t1_process
 from ecume.models.soft.schemes import SCHEMES
 from ecume.scenes.load import load_scene
-from ecume.scenes.schema import from_plain
+from ecume.scenes.schema import from_plain, to_plain
 from ecume.show.picture import Size
 from ecume.show.soft.packing import Packing
 from ecume.show.style import INK, MUTED, PALETTE, figure, legend_outside
@@ -164,6 +164,40 @@ def soft_schemes() -> Figure:
     return drawn
 
 
+def settling_packing() -> Figure:
+    """Spheres that have settled on a floor."""
+    scene = load_scene(TEMPLATES / "settling-packing.toml", ("duration=40 s", "frame_every=20 s"))
+    frames = list(simulate(scene))
+    picture = Packing(scene, frames, Size(900, 600))
+    picture.show(frames[-1])
+    return picture.figure
+
+
+def creep() -> Figure:
+    """Strain and height of a packing on which a shear stress is put, and from which it is taken."""
+    moments = (0.0, 0.5, 0.5, 4.0, 4.0)
+    stresses = (0.0, 0.0, 20e-3, 20e-3, 0.0)
+    protocol = [
+        {"time": time, "normal_stress": 0.1, "shear_stress": stress}
+        for time, stress in zip(moments, stresses, strict=True)
+    ]
+    scene = load_scene(TEMPLATES / "sheared-packing.toml", SMALL)
+    frames = list(simulate(from_plain(to_plain(scene) | {"duration": 8.0, "frame_every": 0.05, "protocol": protocol})))
+    time, strain, height, stress = (
+        np.array([frame.time if name == "time" else frame.numbers[name] for frame in frames])
+        for name in ("time", "strain", "box_height", "shear_stress")
+    )
+    drawn = figure(6.4, 5.4)
+    above, middle, below = drawn.subplots(3, 1, sharex=True)
+    above.plot(time, 1e3 * stress, color=PALETTE[1], drawstyle="steps-pre")
+    above.set(ylabel="shear stress\n(mN/m)")
+    middle.plot(time, 100 * strain, color=INK)
+    middle.set(ylabel="strain (%)")
+    below.plot(time, 1e3 * height, color=PALETTE[0])
+    below.set(ylabel="height (mm)", xlabel="time (s)")
+    return drawn
+
+
 FIGURES: dict[str, Callable[[], Figure]] = {
     "t1-phases": t1_phases,
     "t1-course": t1_course,
@@ -171,4 +205,6 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     "sheared-packing": sheared_packing,
     "soft-laws": soft_laws,
     "soft-schemes": soft_schemes,
+    "settling-packing": settling_packing,
+    "soft-creep": creep,
 }
