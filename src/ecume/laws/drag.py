@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import cache
+from typing import Annotated
 
 import numpy as np
 
@@ -21,9 +22,12 @@ from ecume.units import (
     Numbers,
     Speed,
     Time,
+    Unit,
     Viscosity,
     Volume,
 )
+
+TurningFriction = Annotated[float, Unit("N*m*s")]
 
 IMMERSION_FACTORS = (
     0.7245, 0.7218, 0.7138, 0.7004, 0.6812, 0.6561, 0.6253, 0.5887, 0.5468,
@@ -156,6 +160,17 @@ def disc_friction(radius: Length, viscosity: Viscosity) -> Friction:
     16.0
     """
     return 16.0 / 3.0 * viscosity * radius
+
+
+def disc_turning_friction(radius: Length, viscosity: Viscosity) -> TurningFriction:
+    """Zeta = (16/3) eta a^3: a thin disc that turns in the surface of deep liquid, one side wet.
+
+    Half of what a disc in the bulk feels when it turns about its axis, (32/3) eta a^3 [lamb1932, par. 334].
+
+    >>> disc_turning_friction(3.0, 1.0)
+    144.0
+    """
+    return 16.0 / 3.0 * viscosity * radius**3
 
 
 def relaxation_time(mass: Mass, friction: Friction) -> Time:

@@ -39,6 +39,8 @@ MOST_STEPS = 100_000_000_000
 
 Size = Annotated[Length, Field(gt=0.0, le=1e3)]
 Radius = Annotated[Length, Field(ge=1e-8, le=1e3)]
+Undulation = Annotated[Length, Field(ge=0.0, le=1e-2)]
+Direction = Annotated[Angle, Field(ge=-1e3, le=1e3)]
 Coordinate = Annotated[Length, Field(ge=-1e3, le=1e3)]
 Velocity = Annotated[Speed, Field(ge=-1e3, le=1e3)]
 Duration = Annotated[Time, Field(gt=0.0, le=1e10)]

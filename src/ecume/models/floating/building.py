@@ -67,6 +67,8 @@ class Afloat(NamedTuple):
     charge: float
     mass: float
     friction: float
+    rim: tuple[int, float] = (2, 0.0)
+    """mode of an undulated rim, and its height (m)"""
 
 
 def contact_angle_of(given: FloatSpec | FloatRow, liquid: flotation.Liquid) -> float:
@@ -110,9 +112,9 @@ def disc_afloat(given: FloatSpec, disc: DiscSpec, scene: FloatingScene) -> Afloa
     balance = flotation.equilibrium(body, liquid)
     charge = flotation.capillary_charge(body, liquid, str(scene.interaction.charge))
     mass = given.density * math.pi * given.radius**2 * disc.thickness
-    return Afloat(
-        body, given.density, math.nan, balance, charge, mass, drag.disc_friction(given.radius, liquid.viscosity)
-    )
+    friction = drag.disc_friction(given.radius, liquid.viscosity)
+    rim = disc.mode, disc.undulation
+    return Afloat(body, given.density, math.nan, balance, charge, mass, friction, rim)
 
 
 def kinds_afloat(scene: FloatingScene) -> list[Afloat]:
@@ -300,6 +302,8 @@ def parameters_of(scene: FloatingScene) -> Parameters:
 
 def with_method(parameters: Parameters, scene: FloatingScene) -> Parameters:
     """What goes beyond superposition, where the scene asks for it."""
+    if scene.interaction.method != "multipole" and any(one.disc and one.disc.undulation for one in scene.floats):
+        raise _fault("interaction.method", "discs with an undulation need 'multipole'")
     if scene.interaction.method == "superposition":
         return parameters
     # Imported when asked for: its loops are compiled on import.

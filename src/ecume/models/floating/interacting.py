@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
+import numpy as np
+
 from ecume.engine.cells import Integers
 from ecume.errors import BadInput, Fault, SceneError
-from ecume.laws import flotation
+from ecume.laws import drag, flotation
+from ecume.laws.multipole import Undulated
 from ecume.models.floating import corrected, many, stepping
-from ecume.models.floating.parameters import CAPILLARY, DISH, NO_WALL_LAW, PLANE, RARE, Parameters
+from ecume.models.floating.parameters import CAPILLARY, DISH, NO_WALL_LAW, OVERDAMPED, PLANE, RARE, Parameters
 from ecume.models.floating.state import State, Workspace
 from ecume.models.liquids import liquid_of
 from ecume.scenes.floating import FloatingScene
 
-Bodies = list[tuple[flotation.Disc | flotation.Sphere, float]]
+Bodies = list[tuple[Any, float]]
+RAFT_NEIGHBORS = 6.0
 
 
 def with_multipoles(parameters: Parameters, scene: FloatingScene, kinds: Sequence[Any], number: Integers) -> Parameters:
@@ -31,7 +36,30 @@ def with_multipoles(parameters: Parameters, scene: FloatingScene, kinds: Sequenc
             found = many.with_dish(found, dish.radius, dish.contact_angle, mirrored=True)
         elif dish.size is not None:
             found = many.with_basin(found, dish.size, dish.contact_angle, liquid, mirrored=True)
-    return parameters._replace(many=found, stiffer=_stiffer(bodies))
+    parameters = parameters._replace(many=found, stiffer=_stiffer(bodies))
+    undulated = any(kind.rim[1] > 0.0 for kind in kinds)
+    return with_turning(parameters, scene, [kinds[k] for k in number]) if undulated else parameters
+
+
+def with_turning(parameters: Parameters, scene: FloatingScene, every: Sequence[Any]) -> Parameters:
+    """Floats that turn: their inertia, m a^2/2, what resists, and how quick the stiffest of them is.
+
+    A rim of height H feels a neighbor that touches as a spring of about 12 pi gamma (m H/4)^2 when it turns, over a^2
+    when it shifts, by the law of quadrupoles at l = 2 a; six of them at most.
+    """
+    if parameters.scheme in (*RARE, OVERDAMPED):
+        raise _fault("motion.integrator", "floats that turn go by 'velocity-verlet' or one of the Euler schemes")
+    liquid = liquid_of(scene)
+    mass, radius = parameters.floats.mass, parameters.floats.radius
+    resisting = [drag.disc_turning_friction(float(a), liquid.viscosity) if scene.motion.drag else 0.0 for a in radius]
+    moment, friction = 0.5 * mass * radius**2, np.array(resisting)
+    height = max(kind.rim[0] * kind.rim[1] for kind in every)
+    spring = RAFT_NEIGHBORS * 12.0 * math.pi * liquid.surface_tension * (0.5 * height) ** 2
+    turning = np.maximum(np.sqrt(moment / spring), friction / spring)
+    shifting = np.sqrt(mass / spring) * radius
+    quickest = float(min(turning.min(), shifting.min()))
+    many_floats = parameters.many._replace(inertia=moment, friction=friction)
+    return parameters._replace(many=many_floats, quickest=quickest)
 
 
 def with_corrections(
@@ -63,7 +91,9 @@ METHODS: dict[str, Callable[[Parameters, FloatingScene, Sequence[Any], Integers]
 
 def bodies_of(kinds: Sequence[Any]) -> Bodies:
     """Bodies and charges."""
-    return [(kind.body, kind.charge) for kind in kinds]
+    return [
+        (Undulated(kind.body, ((*kind.rim, 0.0),)) if kind.rim[1] > 0.0 else kind.body, kind.charge) for kind in kinds
+    ]
 
 
 def _made(make: Callable[[], Any]) -> Any:
@@ -74,7 +104,8 @@ def _made(make: Callable[[], Any]) -> Any:
 
 
 def _stiffer(bodies: Bodies) -> float:
-    pinned = any(isinstance(body, flotation.Disc) and body.tilting for body, _ in bodies)
+    discs = [body.disc if isinstance(body, Undulated) else body for body, _ in bodies]
+    pinned = any(isinstance(disc, flotation.Disc) and disc.tilting for disc in discs)
     return many.STIFFER if pinned else 2.0
 
 
@@ -83,14 +114,23 @@ def orders_of(parameters: Parameters) -> int:
     return parameters.many.rims.response.shape[1] if isinstance(parameters.many, many.Many) else 0
 
 
+def turns(parameters: Parameters) -> bool:
+    """Whether floats turn."""
+    return isinstance(parameters.many, many.Many) and len(parameters.many.inertia) > 0
+
+
 def scratch_for(parameters: Parameters, state: State, plain: Any) -> Any:
     """What forces need beside neighbor lists."""
-    return many.make_crowd(parameters, state.amplitudes) if isinstance(parameters.many, many.Many) else plain
+    if isinstance(parameters.many, many.Many):
+        return many.make_crowd(parameters, state.amplitudes, state.turning)
+    return plain
 
 
 def advance(parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
     """See `ecume.models.model.Model.advance`."""
     rare = parameters.scheme in RARE
+    if turns(parameters):
+        return many.march_turning(parameters, state, workspace, steps)
     if isinstance(parameters.many, many.Many):
         return (many.march_many_rarely if rare else many.march_many)(parameters, state, workspace, steps)
     if isinstance(parameters.many, corrected.Corrected):

@@ -7,6 +7,7 @@ scene asks for it: parameters and scratch are then of types of their own, and th
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -16,9 +17,9 @@ from ecume._jit import compiled
 from ecume.engine.neighbors import NeighborLists
 from ecume.laws.flotation import Disc, Liquid, Sphere
 from ecume.laws.meniscus import facing_amplitude, plane_amplitude
-from ecume.laws.multipole.closures import closure_of
+from ecume.laws.multipole.closures import Undulated, closure_of
 from ecume.laws.multipole.echoes import Echoes, incoming, make_echoes, make_round_echoes
-from ecume.laws.multipole.graf import Rims, Waves, energy, forces, make_rims
+from ecume.laws.multipole.graf import Rims, Waves, energy, forces, make_rims, torques
 from ecume.laws.multipole.ladders import regular_ladder
 from ecume.laws.multipole.solving import Krylov, iterate, make_krylov
 from ecume.laws.multipole.walls import Basin, images
@@ -27,7 +28,8 @@ from ecume.models.floating.forces import add_flow
 from ecume.models.floating.parameters import Parameters
 from ecume.models.floating.schemes import predict, predict_rarely_with
 from ecume.models.floating.state import State, Workspace
-from ecume.models.floating.stepping import march_with
+from ecume.models.floating.stepping import keep_lists, march_with
+from ecume.models.model import DONE
 from ecume.units import Array
 
 TOLERANCE = 1e-9
@@ -52,6 +54,10 @@ class Many(NamedTuple):
     """the capillary length, m"""
     tension: float
     """N/m"""
+    inertia: Array
+    """(N,) kg m^2, of floats that turn; empty where none does"""
+    friction: Array
+    """(N,) N m s, against their turning"""
 
 
 class Crowd(NamedTuple):
@@ -71,9 +77,15 @@ class Crowd(NamedTuple):
     outer: Waves
     """(N, order + 2) the walls' part of them"""
     right: Waves
+    torque: Array
+    """(N,) N m"""
+    turning: Array
+    """(N, 2) that of the state"""
 
 
-def make_many(bodies: list[tuple[Disc | Sphere, float]], liquid: Liquid, order: int, reach: float) -> Many:
+def make_many(
+    bodies: Sequence[tuple[Disc | Sphere | Undulated, float]], liquid: Liquid, order: int, reach: float
+) -> Many:
     """Bodies with the charges (m) that they should have far away, on an endless surface."""
     length = liquid.capillary_length
     closures = []
@@ -85,7 +97,8 @@ def make_many(bodies: list[tuple[Disc | Sphere, float]], liquid: Liquid, order: 
         closures.append(found._replace(source=source))
     rims = make_rims(closures, reach / length)
     echoes = make_echoes(images(None, liquid), order + 1, rims.reference)
-    return Many(rims, echoes, np.zeros((0, 4)), 0.0, length, liquid.surface_tension)
+    none = np.zeros(0)
+    return Many(rims, echoes, np.zeros((0, 4)), 0.0, length, liquid.surface_tension, none, none)
 
 
 def with_basin(many: Many, size: tuple[float, float], contact_angle: float, liquid: Liquid, mirrored: bool) -> Many:
@@ -113,8 +126,8 @@ def with_dish(many: Many, radius: float, contact_angle: float, mirrored: bool) -
     return many._replace(dish=strength, echoes=round_echoes if mirrored else many.echoes._replace(brim=brim))
 
 
-def make_crowd(parameters: Parameters, amplitudes: Array) -> Crowd:
-    """Scratch around the state's amplitudes."""
+def make_crowd(parameters: Parameters, amplitudes: Array, turning: Array) -> Crowd:
+    """Scratch around the state's amplitudes and angles."""
     waves: NDArray[np.complex128] = amplitudes.view(np.complex128)
     count, orders = waves.shape
     wide = (count, orders + 1)
@@ -128,6 +141,8 @@ def make_crowd(parameters: Parameters, amplitudes: Array) -> Crowd:
         np.zeros(wide, np.complex128),
         np.zeros(wide, np.complex128),
         np.zeros((count, orders), np.complex128),
+        np.zeros(count),
+        turning if turning.shape[1] else np.zeros((count, 2)),
     )
 
 
@@ -165,8 +180,11 @@ def resolve(many: Many, position: Array, crowd: Crowd) -> int:
         crowd.at[i, 0], crowd.at[i, 1] = position[i, 0] / many.length, position[i, 1] / many.length
     fill_outer(many, crowd.at, crowd.outer)
     for i in range(len(position)):
+        angle, phase = crowd.turning[i, 0], complex(1.0, 0.0)
+        turn = complex(math.cos(angle), -math.sin(angle))
         for m in range(orders):
-            crowd.right[i, m] = rims.source[i, m] + rims.response[i, m] * crowd.outer[i, m]
+            crowd.right[i, m] = phase * rims.source[i, m] + rims.response[i, m] * crowd.outer[i, m]
+            phase *= turn
     taken = iterate(rims, many.echoes, crowd.at, crowd.right, crowd.amplitudes, crowd.krylov, TOLERANCE)
     incoming(rims, many.echoes, crowd.at, crowd.amplitudes, crowd.waves)
     for i in range(len(position)):
@@ -183,9 +201,11 @@ def many_forces(parameters: Parameters, position: Array, lists: NeighborLists, s
     taken = resolve(many, position, crowd)
     forces(many.rims, crowd.amplitudes, crowd.waves, force)
     scale = many.tension * many.length if taken >= 0 else math.nan
+    torques(many.rims, crowd.amplitudes, crowd.waves, crowd.torque)
     for i in range(len(force)):
         force[i, 0] *= scale
         force[i, 1] *= scale
+        crowd.torque[i] *= scale * many.length
     if parameters.drift.flows:
         add_flow(parameters, position, force)
 
@@ -193,15 +213,49 @@ def many_forces(parameters: Parameters, position: Array, lists: NeighborLists, s
 def many_energy(parameters: Parameters, state: State) -> float:
     """What the floats have on one surface beyond what each has alone (J)."""
     many: Many = parameters.many
-    crowd = make_crowd(parameters, state.amplitudes.copy())
+    crowd = make_crowd(parameters, state.amplitudes.copy(), state.turning)
     resolve(many, state.position, crowd)
-    return many.tension * many.length**2 * energy(many.rims, crowd.amplitudes, crowd.waves, crowd.outer)
+    orders = crowd.amplitudes.shape[1]
+    turned = many.rims.source * np.exp(-1j * np.arange(orders) * crowd.turning[:, :1])
+    return (
+        many.tension
+        * many.length**2
+        * energy(many.rims._replace(source=turned), crowd.amplitudes, crowd.waves, crowd.outer)
+    )
 
 
 @compiled
 def march_many(parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
     """The march of floats by multipoles."""
     return march_with(predict, many_forces, parameters, state, workspace, steps)
+
+
+@compiled
+def give_turns(many: Many, torque: Array, turning: Array, time: float) -> None:
+    """Drag and a torque that stays for that time, solved exactly, on the spins."""
+    for i in range(len(torque)):
+        rate = many.friction[i] / many.inertia[i] * time
+        held = -math.expm1(-rate) / rate if rate > 0.0 else 1.0
+        turning[i, 1] = math.exp(-rate) * turning[i, 1] + held * time * torque[i] / many.inertia[i]
+
+
+@compiled
+def march_turning(parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
+    """The same for floats that turn: half a kick of the spins before and after each step, the angles in between."""
+    time, many, crowd = parameters.time_step, parameters.many, workspace.sorted_floats
+    march_many(parameters, state, workspace, 0)
+    for _ in range(steps):
+        status = keep_lists(parameters, state, workspace)
+        if status != DONE:
+            return status
+        give_turns(many, crowd.torque, crowd.turning, 0.5 * time)
+        for i in range(len(crowd.turning)):
+            crowd.turning[i, 0] += time * crowd.turning[i, 1]
+        status = march_many(parameters, state, workspace, 1)
+        if status != DONE:
+            return status
+        give_turns(many, crowd.torque, crowd.turning, 0.5 * time)
+    return DONE
 
 
 @compiled

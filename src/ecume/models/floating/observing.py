@@ -12,7 +12,7 @@ from ecume.engine.contacts import Candidates
 from ecume.engine.neighbors import Slots
 from ecume.engine.walls import Walls, wall_count, wall_distance
 from ecume.laws.capillarity import dish_energy, pair_energy, plane_wall_energy, two_point_legacy_energy
-from ecume.models.floating.interacting import interaction_energies
+from ecume.models.floating.interacting import interaction_energies, turns
 from ecume.models.floating.many import Many
 from ecume.models.floating.parameters import (
     CAPILLARY_LENGTH,
@@ -161,6 +161,10 @@ def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame
         "velocity": state.velocity.copy(),
         **{name: getattr(floats, name).copy() for name in ARRAY_UNITS if hasattr(floats, name)},
     }
+    units = dict(ARRAY_UNITS)
+    if turns(parameters):
+        arrays |= {"angle": state.turning[:, 0].copy(), "spin": state.turning[:, 1].copy()}
+        units |= {"angle": "rad", "spin": "rad/s"}
     numbers = {
         **energies(parameters, state, workspace),
         **motion(parameters, state),
@@ -168,7 +172,7 @@ def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame
     }
     numbers = {name: float(numbers[name]) for name in NUMBER_UNITS}
     time = int(state.step[0]) * parameters.time_step
-    return Frame(time, arrays, numbers, {**ARRAY_UNITS, **NUMBER_UNITS})
+    return Frame(time, arrays, numbers, {**units, **NUMBER_UNITS})
 
 
 def energies(parameters: Parameters, state: State, workspace: Workspace) -> dict[str, float]:

@@ -85,7 +85,7 @@ def chosen_step(parameters: Parameters, speed: float) -> float:
         max(0.0 if slow else math.sqrt(m / k), friction / k) if k > 0.0 else math.inf
         for k, m in zip(stiffness, mass, strict=True)
     ]
-    step = min(GOOD * min(scales), wandering_step(parameters))
+    step = min(GOOD * min(*scales, parameters.quickest), wandering_step(parameters))
     return min(step, SKIN_PER_STEP * parameters.skin / speed) if speed > 0.0 else step
 
 

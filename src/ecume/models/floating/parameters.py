@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -110,6 +111,8 @@ class Parameters(NamedTuple):
     drift: Drift
     many: Any = ()
     """nothing for superposition; else a `many.Many` or a `corrected.Corrected`, which makes a march of its own"""
+    quickest: float = math.inf
+    """s: of what turns, or is drawn by how its rim undulates"""
     stiffer: float = 1.0
     """how much stiffer contacts are than superposition says, at most"""
 

@@ -13,7 +13,7 @@ from ecume.engine.neighbors import build, make_lists
 from ecume.engine.placement import Region, place_at_random, place_on_lattice, place_on_ring
 from ecume.engine.walls import Walls, wall_count, wall_distance
 from ecume.errors import BadInput, Fault, SceneError
-from ecume.models.floating.interacting import orders_of
+from ecume.models.floating.interacting import orders_of, turns
 from ecume.models.floating.parameters import Floats, Parameters
 from ecume.models.floating.state import State, make_state
 from ecume.models.floating.stepping import list_candidates
@@ -27,6 +27,8 @@ TOUCHING = 1e-3
 as deep in itself as a run leaves it.
 """
 MOST_FAULTS = 20
+TURNS = 7
+"""Keeps the angles' random numbers apart from those of the places."""
 
 
 class Places(NamedTuple):
@@ -48,7 +50,19 @@ def start(scene: FloatingScene, parameters: Parameters) -> State:
             places.position[free] = place_at_random(radius[free], region_of(parameters), taken, scene.seed)
         except BadInput as error:
             raise SceneError([Fault("floats", str(error))]) from None
-    return make_state(places.position, places.velocity, orders_of(parameters))
+    return first_turns(make_state(places.position, places.velocity, orders_of(parameters)), scene, parameters)
+
+
+def first_turns(state: State, scene: FloatingScene, parameters: Parameters) -> State:
+    """The state with angles for floats that turn: given ones, or by chance."""
+    if not turns(parameters):
+        return state
+    chance = np.random.default_rng([scene.seed, TURNS]).uniform(0.0, 2.0 * math.pi, len(state.position))
+    given = [species.disc.angle if species.disc is not None else None for species in scene.floats]
+    told = np.repeat([math.nan if angle is None else angle for angle in given], [one.count for one in scene.floats])
+    told = np.concatenate([told, np.zeros(len(scene.rows))])
+    angle = np.where(np.isnan(told), chance, told)
+    return state._replace(turning=np.stack([angle, np.zeros_like(angle)], axis=1))
 
 
 def given_places(scene: FloatingScene) -> Places:

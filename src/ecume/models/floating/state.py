@@ -37,6 +37,8 @@ class State(NamedTuple):
     """(N, 2 (order + 1)) real and imaginary parts of the floats' multipoles: the next solution starts from them; (N, 0)
     where superposition rules
     """
+    turning: Array
+    """(N, 2) angle (rad) and spin (rad/s) of floats that turn; (N, 0) where none does"""
     tally: Array
     """collisions, contact sweeps, steps whose contacts did not converge, deepest overlap so far (m)"""
 
@@ -77,6 +79,7 @@ def make_state(position: Array, velocity: Array, orders: int = 0) -> State:
         touching=np.zeros((4 * count + 16, 2), np.int64),
         push=np.zeros(4 * count + 16),
         amplitudes=np.zeros((count, 2 * orders)),
+        turning=np.zeros((count, 0)),
         tally=np.zeros(4),
     )
 

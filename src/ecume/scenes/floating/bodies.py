@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Literal, Self
+from typing import Annotated, Literal, Self
 
-from pydantic import model_validator
+from pydantic import Field, model_validator
 from pydantic.dataclasses import dataclass
 
 from ecume.scenes.faults import Complaints, Inconsistent
@@ -14,12 +14,14 @@ from ecume.scenes.quantities import (
     ContactAngle,
     Coordinate,
     Count,
+    Direction,
     Name,
     PositiveDensity,
     Radius,
     Size,
     Switch,
     Tension,
+    Undulation,
     Velocity,
 )
 
@@ -44,6 +46,12 @@ class DiscSpec:
     """The edge that pins: the lower one of what is light, the upper one of what is heavier than the liquid."""
     tilting: Switch = True
     """Whether it may lean."""
+    undulation: Undulation = 0.0
+    """How high the rim rises and falls around the disc (m); such discs turn, and need the method `multipole`."""
+    mode: Annotated[int, Field(strict=True, ge=2, le=12)] = 2
+    """How often it does so: 2 is a quadrupole, as of an ellipsoid; 3 a hexapole, as of a cube on its corner."""
+    angle: Direction | None = None
+    """Where the rim is highest at the start (rad, from the x axis); left out, by chance."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
