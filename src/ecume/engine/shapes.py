@@ -47,6 +47,9 @@ class Shape(Part, Protocol):
     def inertia(self) -> Array:
         """(3,) moments about the axes through the middle, of a unit mass; in the plane the last alone counts."""
 
+    def thickness(self) -> float:
+        """Between the two parallel lines or planes that hold it most narrowly."""
+
     def carried(self, way: Array) -> Shape:
         """The same shape, moved by (d,)."""
 
@@ -109,6 +112,10 @@ class Box(NamedTuple):
         square = np.pad((self.high - self.low) ** 2, (0, 3 - len(self.low)))
         moments: Array = (square.sum() - square) / 12.0
         return moments
+
+    def thickness(self) -> float:
+        """Its shortest edge."""
+        return float((self.high - self.low).min())
 
     def carried(self, way: Array) -> Box:
         """Both corners."""
@@ -174,6 +181,10 @@ class Ball(NamedTuple):
     def inertia(self) -> Array:
         """r^2 / 2 of a disc, 2/5 r^2 of a sphere."""
         return np.full(3, (0.5 if len(self.center) == 2 else 0.4) * self.radius**2)
+
+    def thickness(self) -> float:
+        """The diameter."""
+        return 2.0 * self.radius
 
     def carried(self, way: Array) -> Ball:
         """Its center."""
@@ -245,6 +256,12 @@ class Polygon(NamedTuple):
         about_corner = float((twice * parts).sum() / (6.0 * twice.sum()))
         apart = self.middle() - self.vertices[0]
         return np.array([0.0, 0.0, about_corner - float(apart @ apart)])
+
+    def thickness(self) -> float:
+        """Of its hull: the narrowest strip has an edge on one of its lines."""
+        edge = np.roll(self.vertices, -1, axis=0) - self.vertices
+        across = np.stack([-edge[:, 1], edge[:, 0]], axis=1) / np.linalg.norm(edge, axis=1)[:, None]
+        return float(np.ptp(self.vertices @ across.T, axis=0).min())
 
     def convex(self) -> bool:
         """Whether it turns the same way at every corner."""

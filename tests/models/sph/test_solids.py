@@ -265,3 +265,34 @@ def test_a_solid_that_cannot_be_says_which_and_why(tables, path):
     with pytest.raises(SceneError) as caught:
         SPH.parameters(changed(tank(), **tables))
     assert path in str(caught.value)
+
+
+@pytest.mark.compiled
+def test_what_pulls_towards_a_point_pulls_at_bodies_too():
+    plain = to_plain(free_blob())
+    plain["fluid"][0].pop("velocity_gradient")
+    disc = {"center": [2.0, 0.5], "radius": 0.2, "density": 500.0, "spin": 0.3}
+    scene = from_plain(
+        {**plain, "bodies": [disc], "central_pull": {"rate": 1.0, "center": [0.0, 0.5]}, "duration": 0.8}
+    )
+    last = last_of(scene)
+    assert last.numbers["body0_x"] == pytest.approx(2.0 * np.cos(last.time), rel=1e-4)
+    assert last.numbers["body0_y"] == pytest.approx(0.5, abs=1e-9)
+    assert last.numbers["body0_spin_z"] == pytest.approx(0.3, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("solid", "thick"),
+    [
+        ({"low": [0.2, 0.2], "high": [0.8, 0.3]}, "0.8"),
+        ({"center": [0.5, 0.4], "radius": 0.1}, "1.6"),
+        ({"vertices": [[0.2, 0.2], [0.8, 0.2], [0.8, 0.4]]}, "1.52"),
+        ({"low": [0.2, 0.2], "high": [0.8, 0.7]}, None),
+    ],
+)
+def test_check_tells_of_a_solid_thinner_than_the_support(solid, thick):
+    for table, more in (("obstacles", {}), ("bodies", {"density": 1.0})):
+        rows = {row[0]: row for row in SPH.summary(changed(tank(), **{table: [{**solid, **more}]}))}
+        found = [row for name, row in rows.items() if name in ("obstacle0", "body0")]
+        assert [row[1] for row in found] == ([f"{thick} spacings thick"] if thick else [])
+        assert all("thinner than the support, 4" in row[2] for row in found)

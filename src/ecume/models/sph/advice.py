@@ -9,7 +9,7 @@ import numpy as np
 
 from ecume.models.sph.choosing import smoothing_of
 from ecume.models.sph.parameters import Parameters
-from ecume.models.sph.solids import part_of
+from ecume.models.sph.solids import part_of, solids_of
 from ecume.models.sph.substances import told
 from ecume.scenes.sph import SphScene
 
@@ -51,7 +51,18 @@ def _resolution(scene: SphScene, parameters: Parameters, count: int) -> list[Row
         ("resolution", f"{across:.0f} particles", f"across the liquid's smallest extent; {resolution_remark(across)}"),
         ("smoothing length", f"{smoothing:.4g} m", f"{smoothing / spacing:.3g} spacings"),
         ("neighbors", str(neighbors), neighbor_remark(neighbors, parameters.dimension, scene.method.kernel)),
+        *thin_solids(scene, parameters),
     ]
+
+
+def thin_solids(scene: SphScene, parameters: Parameters) -> list[Row]:
+    """Obstacles and bodies thinner than the support: the liquid on either side feels the other, and dummies are few."""
+    solids = solids_of(scene)
+    names = parameters.boundary.names[len(parameters.boundary.names) - len(solids) :]
+    support = parameters.support / scene.spacing
+    thin = [(name, solid.thickness() / scene.spacing) for name, solid in zip(names, solids, strict=True)]
+    fault = f"thinner than the support, {support:.3g}: liquid feels the other side, the standoff and the guard hold it"
+    return [(name, f"{thick:.3g} spacings thick", fault) for name, thick in thin if thick < support * (1.0 - 1e-9)]
 
 
 def _liquid(scene: SphScene, parameters: Parameters) -> list[Row]:

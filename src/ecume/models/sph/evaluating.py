@@ -131,7 +131,7 @@ def _store_acceleration(parameters: Parameters, state: State, workspace: Workspa
 
 def _push_bodies(parameters: Parameters, state: State, workspace: Workspace) -> None:
     """What the liquid does to each body's particles, summed in their order."""
-    bodies, dummies = parameters.bodies, parameters.boundary.dummies
+    bodies, dummies, d = parameters.bodies, parameters.boundary.dummies, parameters.dimension
     if not bodies.shapes:
         return
     force, place = forces_on_dummies(parameters, workspace, bodies.first)
@@ -144,6 +144,7 @@ def _push_bodies(parameters: Parameters, state: State, workspace: Workspace) -> 
     more = push_off_bodies(parameters, state)
     load = np.array([force for force, _ in sums]) + more[0], np.array([torque for _, torque in sums]) + more[1]
     state.push[...] = pushed(bodies, state.pose, state.motion, load, parameters.gravity)
+    state.push[:d] -= parameters.pull_rate**2 * (state.pose[:d] - parameters.pull_center[:, None])
     state.felt[...] += (state.push - state.felt) / delay(bodies, parameters.material.density)
 
 
@@ -176,6 +177,7 @@ def fill(parameters: Parameters, state: State, workspace: Workspace) -> None:
     if real > count:
         clip, constants, dummies = parameters.walls_clip, parameters.constants, parameters.boundary.dummies
         pulls = pulls_of(parameters.bodies, dummies, (state.pose, state.motion, state.felt), parameters.gravity)
+        pulls -= parameters.pull_rate**2 * (dummies.position - parameters.pull_center[:, None])
         read_liquid(fields, count, lists.counts, lists.neighbor, numbers, choices, pulls, clip, constants)
     if len(images.source) and (real > count or choices[DIFFUSION] == ANTUONO):
         fill_images(images.source, *of_images)

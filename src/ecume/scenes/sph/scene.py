@@ -190,7 +190,7 @@ class SphScene(Common):
     gravity: Pull | None = None
     """m/s^2; left out, 9.81 downwards (along y)"""
     central_pull: CentralPullSpec | None = None
-    """What pulls towards a point, beside gravity."""
+    """What pulls towards a point, beside gravity; at bodies, too."""
     method: MethodSpec = MethodSpec()
     """How it is computed."""
 
