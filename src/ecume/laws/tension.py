@@ -7,6 +7,7 @@ from typing import Annotated
 
 from ecume.units import Density, Length, Number, Pressure, SurfaceTension, Time, Unit
 
+PerArea = Annotated[float, Unit("1/m^2")]
 PerVolume = Annotated[float, Unit("1/m^3")]
 Curvature = Annotated[float, Unit("1/m")]
 ForcePerVolume = Annotated[float, Unit("N/m^3")]
@@ -31,6 +32,21 @@ def cohesion_kernel(distance: Length, support: Length) -> PerVolume:
     hill = hill * hill * hill
     shape = 2.0 * hill - 1.0 / 64.0 if q <= 0.5 else hill
     return 32.0 / (math.pi * support * support * support) * shape
+
+
+def cohesion_energy(distance: Length, support: Length) -> PerArea:
+    """Energy over gamma m_i m_j of a pair under Akinci's cohesion: minus the integral of C from r to the support.
+
+    Never positive, zero beyond the support; its slope is `cohesion_kernel`. [akinci2013].
+
+    >>> cohesion_energy(0.75, 1.0) < 0.0, cohesion_energy(1.5, 1.0)
+    (True, 0.0)
+    """
+    q = min(distance / support, 1.0)
+    below = q * q * q * q * (0.25 + q * (-0.6 + q * (0.5 - q / 7.0)))
+    left = 3.0 / 280.0 - 2.0 * below - (0.5 - q) / 64.0 if q <= 0.5 else 1.0 / 140.0 - below
+    # Rounding leaves 1e-18 at the support.
+    return -32.0 / (math.pi * support * support) * left if q < 1.0 else 0.0
 
 
 def surface_deficiency(density_i: Density, density_j: Density, reference_density: Density) -> Number:

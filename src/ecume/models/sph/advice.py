@@ -7,7 +7,8 @@ import math
 
 import numpy as np
 
-from ecume.models.sph.choosing import smoothing_of
+from ecume.laws.pace import tension_limit
+from ecume.models.sph.choosing import smoothing_of, tension_of
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.solids import part_of, solids_of
 from ecume.models.sph.substances import told
@@ -29,6 +30,13 @@ COARSE, FINE = 8, 20
 """Particles across the smallest extent: a first look, and what pressures can be read from."""
 FAST = 0.11
 """The Mach number above which a liquid is compressed by more than a percent or so."""
+ROUGH = {
+    ("cohesion", 2): "swings below a tenth are too fast, wide ones right within 5 %",
+    ("cohesion", 3): "draws round, but does not swing: particles that keep their neighbors hold each other",
+    ("csf", 2): "pressures within 10 %; swings grow unless viscosity damps them",
+    ("csf", 3): "pressures within 10 %; swings grow unless viscosity damps them",
+}
+"""What a model of surface tension cannot do, by dimension."""
 LONG = 86400.0
 """Seconds of a run that somebody may want to shorten."""
 
@@ -38,6 +46,7 @@ def advice(scene: SphScene, parameters: Parameters, count: int, bytes_each: floa
     return [
         *_resolution(scene, parameters, count),
         *_liquid(scene, parameters),
+        *_tension(scene, parameters),
         *_cost(scene, parameters, count, bytes_each),
     ]
 
@@ -80,6 +89,11 @@ def _liquid(scene: SphScene, parameters: Parameters) -> list[Row]:
         ("Mach number", f"{mach:.2g}", "to be expected"),
         ("compression", f"{100.0 * mach**2:.2g} %", remark),
     ]
+
+
+def _tension(scene: SphScene, parameters: Parameters) -> list[Row]:
+    model = tension_of(scene)
+    return [] if model == "none" else [("surface", f"tension by {model}", ROUGH[model, parameters.dimension])]
 
 
 def _cost(scene: SphScene, parameters: Parameters, count: int, bytes_each: float) -> list[Row]:
@@ -141,9 +155,14 @@ def limiter(scene: SphScene, parameters: Parameters) -> str:
     if scene.method.time_step is not None:
         return "as given"
     material, smoothing = parameters.material, smoothing_of(scene)
-    sound = parameters.courant * smoothing / (material.sound_speed + material.fastest)
-    viscous = 0.125 * smoothing**2 * material.density / material.viscosity if material.viscosity else math.inf
-    return "set by sound" if sound <= viscous else "set by viscosity"
+    limits = {
+        "sound": parameters.courant * smoothing / (material.sound_speed + material.fastest),
+        "viscosity": 0.125 * smoothing**2 * material.density / material.viscosity if material.viscosity else math.inf,
+        "surface tension": math.inf,
+    }
+    if tension_of(scene) != "none":
+        limits["surface tension"] = tension_limit(smoothing, material.density, material.surface_tension)
+    return f"set by {min(limits, key=lambda name: limits[name])}"
 
 
 def duration(seconds: float) -> str:

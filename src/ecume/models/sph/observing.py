@@ -17,6 +17,7 @@ from ecume.models.sph.motions import drive_at, instant
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.standoff import Leaning, energy_of, everyone_leaning, load_of
 from ecume.models.sph.state import CAME, GUARD_HITS, LEFT, LOST, MOST_SUBSTEPS, PER_PARTICLE, SUBSTEPS, State, Workspace
+from ecume.models.sph.tension import surface_energy
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
@@ -32,6 +33,7 @@ NUMBER_UNITS = {
     "kinetic_energy": "J",
     "potential_energy": "J",
     "elastic_energy": "J",
+    "surface_energy": "J",
     "total_energy": "J",
     "momentum_x": "kg*m/s",
     "momentum_y": "kg*m/s",
@@ -85,7 +87,8 @@ def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame
             name: np.concatenate([arrays[name], more])
             for name, more in carried_arrays(parameters, state, workspace).items()
         }
-    numbers = {**energies(parameters, state, propped), **motion(state), **extremes(parameters, state)}
+    surface = surface_energy(parameters, workspace)
+    numbers = {**energies(parameters, state, propped, surface), **motion(state), **extremes(parameters, state)}
     numbers["leaning"] = float(sum(len(each.who) for each in leaning))
     read, read_units = readings(parameters.gauges, state, gauge_pressure(parameters, state), parameters.support)
     time = int(state.step[0]) * parameters.time_step
@@ -166,8 +169,8 @@ def gauge_pressure(parameters: Parameters, state: State) -> Array:
     return pressure
 
 
-def energies(parameters: Parameters, state: State, propped: float) -> Mapping[str, float]:
-    """Of motion, in gravity, and of compression, that of what leans on walls included."""
+def energies(parameters: Parameters, state: State, propped: float, surface: float) -> Mapping[str, float]:
+    """Of motion, in gravity, of compression, that of what leans on walls included, and of the surface."""
     material = parameters.material
     laws = material.density, material.sound_speed, material.exponent
     kinetic = 0.5 * float(np.sum(state.mass * (state.velocity**2).sum(axis=0)))
@@ -179,7 +182,8 @@ def energies(parameters: Parameters, state: State, propped: float) -> Mapping[st
         "kinetic_energy": kinetic,
         "potential_energy": potential,
         "elastic_energy": elastic,
-        "total_energy": kinetic + potential + elastic,
+        "surface_energy": surface,
+        "total_energy": kinetic + potential + elastic + surface,
     }
 
 

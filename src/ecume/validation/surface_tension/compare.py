@@ -68,9 +68,15 @@ def swing_of(frames: list[Frame]) -> tuple[float, float]:
 
 def swinging() -> list[Row]:
     """Cohesion's period."""
-    period, _ = swing_of(frames_of(SWING))
+    frames = frames_of(SWING)
+    period, _ = swing_of(frames)
     exact = drop_period(1.0, 1.0, 1.0, 2, 2)
-    return [within("cohesion, disc: period of a wide swing", period, exact, 0.1 * exact)]
+    energy = np.array([frame.numbers["total_energy"] for frame in frames])
+    rise = float(energy.max() - energy[0]) / frames[0].numbers["kinetic_energy"]
+    return [
+        within("cohesion, disc: period of a wide swing", period, exact, 0.05 * exact),
+        below("cohesion, disc: rise of the total energy over that of the motion", rise, 0.01),
+    ]
 
 
 def pressure_inside(frame: Frame) -> float:
