@@ -8,6 +8,7 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
+from ecume.scenes.soft.walls import SIDES as WALL_SIDES
 from ecume.scenes.sph import SIDES
 from ecume.show.floating.bowl import height_colors, height_ticks, typical_meniscus, view_of
 from ecume.show.floating.surface import sheet, surface
@@ -246,19 +247,36 @@ def soft_stage(scene: Any, sample: Sequence[Frame]) -> Stage:
     low = np.min([(x - r).min(axis=0) for x, r in zip(places, reach, strict=True)], axis=0)
     high = np.max([(x + r).max(axis=0) for x, r in zip(places, reach, strict=True)], axis=0)
     boxed = "box_width" in sample[0].numbers
+    sides = [wall.side for wall in scene.walls]
 
-    def box(frame: Frame) -> list[Array]:
-        sides = np.array([frame.numbers["box_width"], frame.numbers["box_height"]])
-        if len(low) == 2:
-            return [rectangle(np.zeros(2), sides)]
-        deep = np.append(sides, scene.box.size[2] * sides[0] / scene.box.size[0])
-        return edges_of(np.zeros(3), deep)
+    def around(frame: Frame) -> list[Array]:
+        return [*(_box(frame, len(low)) if boxed else []), *(_wall(frame, side, low, high) for side in sides)]
 
     return Stage(
-        low, high, species(scene), movers=box if boxed else None, links=links_of if len(low) == 2 else None,
+        low, high, species(scene), movers=around if boxed or sides else None, links=links_of if len(low) == 2 else None,
         widest=WIDE * float(sample[0].arrays["radius"].min()),
         curves=("shear_stress", "pressure") if boxed else ("smallest_gap", "largest_tension"),
     )  # fmt: skip
+
+
+def _box(frame: Frame, dimensions: int) -> list[Array]:
+    """The periodic box."""
+    lengths = np.array([frame.numbers[f"box_{side}"] for side in ("width", "height", "depth")[:dimensions]])
+    return [rectangle(np.zeros(2), lengths)] if dimensions == 2 else edges_of(np.zeros(3), lengths)
+
+
+def _wall(frame: Frame, side: str, low: Array, high: Array) -> Array:
+    """A wall where it is, as long as what is to be seen."""
+    axis = WALL_SIDES[side][0]
+    low, high = low.copy(), high.copy()
+    low[axis] = high[axis] = frame.numbers[f"{side}_{'xyz'[axis]}"]
+    if len(low) == 2:
+        return np.array([low, high])
+    one, other = (k for k in range(3) if k != axis)
+    corners = np.array([low, low, high, high])
+    corners[1, one], corners[3, one] = high[one], low[one]
+    corners[1, other], corners[3, other] = low[other], high[other]
+    return corners
 
 
 STAGES: dict[str, Callable[[Any, Sequence[Frame]], Stage]] = {
