@@ -47,6 +47,17 @@ def test_a_random_start_is_dense_has_its_gaps_and_follows_from_the_seed():
     assert not np.allclose(other.position, first.position)
 
 
+@pytest.mark.parametrize(("dimensions", "wanted"), [(2, 0.74), (3, 0.5)])
+@pytest.mark.parametrize("gap", [0.005, 0.03])
+def test_a_start_has_the_volume_fraction_and_the_gap_that_are_wanted(dimensions, wanted, gap):
+    box = {"size": [2.0, 1.0, 1.0][:dimensions], "volume_fraction": wanted, "gap": gap}
+    scene = packing(dimensions, count=20, protocol=[], box=box)
+    frame = next(iter(simulate(scene)))
+    assert frame.numbers["volume_fraction"] == pytest.approx(wanted, rel=1e-12)
+    assert frame.numbers["box_width"] == pytest.approx(2.0 * frame.numbers["box_height"], rel=1e-12)
+    assert frame.numbers["smallest_gap"] >= gap * (1 - 1e-9)
+
+
 def test_a_start_that_does_not_fit_is_refused():
     scene = packing(filled=0.98)
     with pytest.raises(SceneError, match=r"box\.size: no places were found"):

@@ -24,7 +24,7 @@ from ecume.models.soft.schemes import SCHEMES
 from ecume.models.soft.solving import AT_ONCE, SOLVERS, balance
 from ecume.models.soft.stages import accept
 from ecume.models.soft.state import LENGTH, State, make_state, store, workspace
-from ecume.scenes.soft import SIDES, FilmSpec, SoftScene, SphereSpec, dimensions_of
+from ecume.scenes.soft import SIDES, FilmSpec, SoftScene, SphereSpec, dimensions_of, sides_of
 from ecume.units import Array
 
 TICKS = 1024
@@ -55,7 +55,7 @@ def parameters_of(scene: SoftScene) -> Parameters:
     drag = np.array([stokes_friction(r, scene.liquid.viscosity, 1.0) * scene.liquid.drag for r in radius])
     box = np.zeros(3)
     if scene.box is not None:
-        box[:dimensions] = scene.box.size
+        box[:dimensions] = sides_of(scene)
     walls = _planes(scene)
     box[walls.axis] = 0.0
     parameters = Parameters(
@@ -123,7 +123,7 @@ def _planes(scene: SoftScene) -> Planes:
     free: list[tuple[int, int]] = []
     sides = np.ones(3)
     if scene.box is not None:
-        sides[:dimensions] = scene.box.size
+        sides[:dimensions] = sides_of(scene)
     for index, wall in enumerate(scene.walls):
         across, outward = SIDES[wall.side]
         end = 0.0 if outward < 0.0 else sides[across]

@@ -10,7 +10,7 @@ from ecume.models.soft.cell import Box, box_of, shape_at
 from ecume.models.soft.meeting import neighbors, wall_gaps
 from ecume.models.soft.parameters import Parameters
 from ecume.models.soft.protocol import drive_at
-from ecume.scenes.soft import SoftScene
+from ecume.scenes.soft import SoftScene, sides_of
 from ecume.units import Array
 
 GAP = 1e-2
@@ -28,7 +28,7 @@ def places(scene: SoftScene, parameters: Parameters) -> Array:
         return np.array(given, np.float64)
     random = np.random.default_rng(scene.seed)
     box = box_of(parameters.box, shape_at(parameters.box, drive_at(parameters.protocol, 0.0)), parameters.dimensions)
-    ends = np.where(box.sides > 0.0, box.sides, scene.box.size if scene.box is not None else 0.0)
+    ends = np.where(box.sides > 0.0, box.sides, sides_of(scene) or 0.0)
     position = random.uniform(size=(len(parameters.radius), parameters.dimensions)) * ends
     begin = 0
     for species in scene.spheres:
@@ -67,5 +67,6 @@ def pushed_apart(parameters: Parameters, position: Array, box: Box, least: float
         found = np.asarray(flat.reshape(position.shape) * unit)
         if not len(neighbors(tight, found, box)[0]) and (wall_gaps(parameters, found, planes.place) >= least).all():
             return found
-    told = f"no places were found with gaps of {least:.3g} m everywhere; wanted a larger box.size or a smaller box.gap"
-    raise SceneError([Fault("box.size", told)])
+    told = f"no places were found with gaps of {least:.3g} m everywhere"
+    way_out = "wanted a larger box.size, a smaller box.volume_fraction or a smaller box.gap"
+    raise SceneError([Fault("box.size", f"{told}; {way_out}")])

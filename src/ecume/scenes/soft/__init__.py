@@ -10,6 +10,7 @@ from ecume.scenes.soft.scene import (
     SphereSpec,
     SteppingSpec,
     dimensions_of,
+    sides_of,
 )
 from ecume.scenes.soft.walls import SIDES, WallSpec
 
@@ -26,4 +27,5 @@ __all__ = [
     "SteppingSpec",
     "WallSpec",
     "dimensions_of",
+    "sides_of",
 ]

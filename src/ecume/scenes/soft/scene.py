@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
@@ -44,6 +45,7 @@ Position = Annotated[tuple[Coordinate, ...], Field(min_length=2, max_length=3)]
 ForceVector = Annotated[tuple[Load, ...], Field(min_length=2, max_length=3)]
 Twist = Annotated[float, Unit("N*m"), Field(ge=-1e9, le=1e9)]
 TorqueVector = Annotated[tuple[Twist, ...], Field(min_length=1, max_length=3)]
+Filling = Annotated[Number, Field(gt=0.0, lt=1.0)]
 Sides = Annotated[tuple[Size, ...], Field(min_length=2, max_length=3)]
 
 
@@ -151,7 +153,9 @@ class BoxSpec:
     """A periodic box; Lees and Edwards's shear moves its copies above and below."""
 
     size: Sides
-    """Its sides (m), as many as there are dimensions."""
+    """Its sides (m), as many as there are dimensions; with a volume fraction their proportions."""
+    volume_fraction: Filling | None = None
+    """What part of it undeformed spheres take at the start, discs of a layer; left out, what the sides make it."""
     gap: Size | None = None
     """The least gap of spheres that are placed at random (m); left out, a hundredth of the smallest radius."""
 
@@ -208,6 +212,19 @@ class SoftScene(Common):
         if complaints:
             raise Inconsistent(complaints)
         return self
+
+
+def sides_of(scene: SoftScene) -> tuple[float, ...]:
+    """The sides of the box at scale 1 (m), as large as its volume fraction wants it; none without a box."""
+    if scene.box is None:
+        return ()
+    size, wanted = scene.box.size, scene.box.volume_fraction
+    if wanted is None:
+        return size
+    unit, power = (math.pi, 2) if len(size) == 2 else (4.0 / 3.0 * math.pi, 3)
+    volume = sum((one.count or len(one.positions)) * unit * one.radius**power for one in scene.spheres)
+    factor = (volume / wanted / math.prod(size)) ** (1.0 / len(size))
+    return tuple(factor * side for side in size)
 
 
 def dimensions_of(scene: SoftScene) -> int:
