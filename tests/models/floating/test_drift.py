@@ -185,3 +185,23 @@ def test_a_growing_drag_is_stokess_for_slow_floats_and_goes_with_some_integrator
         FLOATING.parameters(scene_of(f'{WATER}{slow}integrator = "rk4"\ndrag_law = "schiller-naumann"\n'))
     with pytest.raises(SceneError, match="no such law"):
         FLOATING.parameters(scene_of(f'{WATER}{slow}drag_law = "newton"\n'))
+
+
+def test_a_warm_run_that_pauses_has_the_bits_of_one_that_does_not():
+    floats = f"[[floats]]\n{SMALL}positions = [[0.0, 0.0], [2e-4, 0.0]]\n"
+    scene = creeping(floats, 300.0, flow="[liquid.flow]\nshear = 0.1\n", duration=0.1, frame_every=0.1)
+    parameters = FLOATING.parameters(scene)
+    states = []
+    for pauses in ((6,), (2, 4)):
+        state = FLOATING.start(scene, parameters)
+        for steps in pauses:
+            FLOATING.advance(parameters, state, FLOATING.workspace(parameters, state, 1.0), steps)
+        states.append(state)
+    assert np.array_equal(states[0].position, states[1].position)
+    assert np.array_equal(states[0].velocity, states[1].velocity)
+    other = FLOATING.parameters(
+        creeping(floats, 300.0, flow="[liquid.flow]\nshear = 0.1\n", duration=0.1, frame_every=0.1, head="seed = 7")
+    )
+    state = FLOATING.start(scene, other)
+    FLOATING.advance(other, state, FLOATING.workspace(other, state, 1.0), 6)
+    assert not np.array_equal(states[0].position, state.position)
