@@ -62,7 +62,7 @@ def test_a_point_force_on_a_round_surface_gives_the_logarithm():
         before, now = now, after
     # The sphere lies lower at the edge of the cap: flat is what the force pi a^2 2 gamma/R makes of it.
     assert 2 * math.pi * small**2 * (center - edge) == pytest.approx(small**2 / 2, rel=1e-3)
-    theory = (2 * math.log(2 / small) - 5 / 6) / (4 * math.pi)
+    theory = softness(small**2, 1.0, 1.0) / (4 * math.pi)
     assert center == pytest.approx(theory, rel=1e-3)
 
 
