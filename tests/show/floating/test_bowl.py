@@ -7,7 +7,7 @@ import pytest
 from matplotlib.colors import to_rgba
 
 from ecume.scenes.floating import DishSpec
-from ecume.show.floating.bowl import Bowl, view_of
+from ecume.show.floating.bowl import Bowl, rises, view_of
 from ecume.show.picture import Size, species
 from ecume.show.style import PALETTE
 
@@ -72,6 +72,18 @@ def test_a_moved_float_leaves_no_trace(scene, frames):
     for frame in frames[:-1]:
         one.pixels(frame)
     assert np.array_equal(one.pixels(frames[-1]), other.pixels(frames[-1]))
+
+
+def test_a_float_that_turns_bears_a_line_that_turns_with_it(scene, frames):
+    first = frames[0]
+    turned = first._replace(arrays={**first.arrays, "angle": np.full(len(first.arrays["radius"]), 0.5 * np.pi)})
+    (line, *_) = rises(turned)
+    place, radius = first.arrays["position"][0], first.arrays["radius"][0]
+    assert line == pytest.approx(np.array([place - [0.0, 0.8 * radius], place + [0.0, 0.8 * radius]]), rel=1e-12)
+    assert len(rises(first)) == 0
+    bowl = Bowl(scene, [turned], SIZE)
+    bowl.show(turned)
+    assert len(bowl.rises.get_segments()) == len(first.arrays["radius"])
 
 
 def test_the_liquid_ends_at_the_rim(scene, frames):

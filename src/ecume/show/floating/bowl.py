@@ -9,6 +9,7 @@ import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
+from matplotlib.collections import LineCollection
 from matplotlib.colors import AsinhNorm
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
@@ -30,9 +31,12 @@ from ecume.show.picture import (
     species,
     view_around,
 )
-from ecume.show.style import HEIGHT_COLORS, RIM, Scale, scale_for, style
+from ecume.show.style import HEIGHT_COLORS, INK, RIM, Scale, scale_for, style
 from ecume.trajectories.frame import Frame
+from ecume.units import Array
 
+LINE = 0.8
+"""Length of the line that shows how a float is turned, over its diameter."""
 MARGIN = 1.04
 """The shown part of the surface, in dish diameters."""
 HEADER, SIDE, BORDER = 46.0, 150.0, 22.0
@@ -79,9 +83,11 @@ class Bowl:
             self.colors = height_colors(largest * self.scale.factor, typical * self.scale.factor)
             self.height = _height_image(axes, self.view, self._painted(heights[0]))
             self.floats = discs(axes, sample[0], kinds)
+            self.rises = LineCollection([], colors=INK, linewidths=1.2, zorder=3)
+            axes.add_collection(self.rises, autolim=False)
             self.time = clock(axes)
             # The floats stand above the rim: half of its line would hide where they touch it.
-            moving: list[Artist] = [self.height, *_dish(axes, scene.dish, self.height), self.floats]
+            moving: list[Artist] = [self.height, *_dish(axes, scene.dish, self.height), self.floats, self.rises]
             moving += [*scale_bar(axes, self.view), self.time]
             lowest, highest = float(np.min(heights)), float(np.max(heights))
             shown = min(lowest, 0.0) * self.scale.factor, max(highest, 0.0) * self.scale.factor
@@ -94,6 +100,7 @@ class Bowl:
         """Put a frame into the picture."""
         self.height.set_data(self._painted(surface(frame, self.sheet)))
         self.floats.set_offsets(frame.arrays["position"])
+        self.rises.set_segments(list(rises(frame)))
         self.time.set_text(f"{frame.time:.2f} s")
 
     def _painted(self, height: Heights) -> Pixels:
@@ -104,6 +111,16 @@ class Bowl:
         """The picture of a frame, shape (height, width, 4); good until the next one is asked for."""
         self.show(frame)
         return self._layers.pixels()
+
+
+def rises(frame: Frame) -> Array:
+    """A line across each float that turns, (N, 2, 2), to where its rim is high; none where none does."""
+    arrays = frame.arrays
+    if "angle" not in arrays:
+        return np.zeros((0, 2, 2))
+    along = np.stack([np.cos(arrays["angle"]), np.sin(arrays["angle"])], axis=1) * arrays["radius"][:, None]
+    lines: Array = arrays["position"][:, None] + np.array([-LINE, LINE])[None, :, None] * along[:, None]
+    return lines
 
 
 def _surface_axes(figure: Figure, view: View) -> Axes:
@@ -158,7 +175,8 @@ def _height_bar(axes: Axes, colors: ScalarMappable, shown: tuple[float, float], 
     width = DPI * figure.get_size_inches()[0]
     place = figure.add_axes((box.x1 + 40 / width, box.y0 + 0.04 * box.height, 18 / width, 0.6 * box.height))
     bar = figure.colorbar(colors, cax=place)
-    place.set_ylim(*shown)
+    if shown[0] < shown[1]:  # a surface that nothing bends by its weight has one color
+        place.set_ylim(*shown)
     bar.set_ticks(height_ticks(colors.norm, shown))
     place.yaxis.set_major_formatter("{x:g}")
     place.minorticks_off()
