@@ -79,7 +79,8 @@ def test_a_float_that_turns_bears_a_line_that_turns_with_it(scene, frames):
     turned = first._replace(arrays={**first.arrays, "angle": np.full(len(first.arrays["radius"]), 0.5 * np.pi)})
     (line, *_) = rises(turned)
     place, radius = first.arrays["position"][0], first.arrays["radius"][0]
-    assert line == pytest.approx(np.array([place - [0.0, 0.8 * radius], place + [0.0, 0.8 * radius]]), rel=1e-12)
+    half = np.array([0.0, 0.8 * radius])
+    assert line == pytest.approx(np.array([place - half, place + half]), rel=1e-12)
     assert len(rises(first)) == 0
     bowl = Bowl(scene, [turned], SIZE)
     bowl.show(turned)

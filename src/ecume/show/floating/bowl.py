@@ -177,7 +177,7 @@ def _height_bar(axes: Axes, colors: ScalarMappable, shown: tuple[float, float], 
     bar = figure.colorbar(colors, cax=place)
     if shown[0] < shown[1]:  # a surface that nothing bends by its weight has one color
         place.set_ylim(*shown)
-    bar.set_ticks(height_ticks(colors.norm, shown))
+    bar.set_ticks(height_ticks(colors.norm, shown) if shown[0] < shown[1] else [0.0])
     place.yaxis.set_major_formatter("{x:g}")
     place.minorticks_off()
     place.grid(visible=False)
