@@ -243,6 +243,37 @@ def carried() -> Figure:
     return drawn
 
 
+UNQUIET = {
+    "model": "sph", "duration": 40.0, "frame_every": 2.0, "spacing": 1.0 / 16, "gravity": [0.0, -1.0],
+    "tank": {"low": [0.0, 0.0], "high": [1.0, 1.6], "top": {"kind": "open"}},
+    "fluid": [{"low": [0.0, 0.0], "high": [1.0, 1.0]}],
+    "liquid": {"density": 1.0, "sound_speed": 10.0, "fastest": 1.0},
+}  # fmt: skip
+
+
+def schemes() -> Figure:
+    """Pressures by diffusion; speeds by integrator and precision."""
+    drawn = figure(9.4, 3.6)
+    left, right = drawn.subplots(1, 2)
+    for name, color in zip(("none", "molteni", "antuono", "linear", "hydrostatic"), PALETTE, strict=False):
+        last = simulated({**UNQUIET, "method": {"jitter": 0.2, "density_diffusion": name}})[-1]
+        height = last.arrays["position"][:, 1]
+        left.scatter(last.arrays["pressure"] - (1.0 - height), height, s=5, color=color, label=name, linewidths=0)
+    left.set(xlabel="pressure less that of the depth / ρgH", ylabel="height / H", xlim=(-0.35, 0.35))
+    left.set_title("Diffusion of density")
+    left.legend(loc="upper left")
+    looks = (("symplectic", "double", "-"), ("verlet", "double", "--"), ("symplectic", "single", ":"))
+    for color, (integrator, precision, dashes) in zip(PALETTE, looks, strict=False):
+        frames = simulated({**UNQUIET, "method": {"jitter": 0.2, "integrator": integrator, "precision": precision}})[1:]
+        speeds = [float(np.sqrt((frame.arrays["velocity"] ** 2).sum(axis=1).mean())) for frame in frames]
+        label = f"{integrator}, {precision}"
+        right.semilogy([frame.time for frame in frames], speeds, dashes, color=color, label=label)
+    right.set(xlabel="time · √(g/H)", ylabel="r.m.s. speed / √(gH)")
+    right.set_title("Integrators, precision")
+    right.legend()
+    return drawn
+
+
 FIGURES: dict[str, Callable[[], Figure]] = {
     "dam-break": dam_break,
     "sph-kernels": kernels,
@@ -253,4 +284,5 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     "sph-channel": gates,
     "sph-tension": tension,
     "sph-carried": carried,
+    "sph-schemes": schemes,
 }
