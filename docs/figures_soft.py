@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
+from studies.delay_under_stress import AGES, SEEDS, STRAINS, geometric_mean, recorded
 
 from ecume.laws.bubbles import bubble_force
 from ecume.laws.elasticity import PREFACTORS, surface_force
@@ -96,7 +97,7 @@ def sheared_packing() -> Figure:
     """Films and forces in a sheared layer."""
     scene = load_scene(TEMPLATES / "sheared-packing.toml", SMALL)
     frames = list(simulate(scene))
-    picture = Packing(scene, frames, Size(900, 720))
+    picture = Packing(scene, frames, Size(840, 672))
     picture.show(frames[-1])
     return picture.figure
 
@@ -198,6 +199,32 @@ def creep() -> Figure:
     return drawn
 
 
+def delay_under_stress() -> Figure:
+    """How long packings wait over how thick their films are, and over how long two spheres take to part."""
+    rows = recorded()
+    drawn = figure(9.4, 3.9)
+    left, right = drawn.subplots(1, 2)
+    groups = [[row for row in rows if row["age"] == age] for age in AGES]
+    gaps = [geometric_mean(group, "mean_gap").value for group in groups]
+    for strain, marker, color in zip(STRAINS, "so^", (PALETTE[2], PALETTE[1], PALETTE[0]), strict=True):
+        name, look = f"delay_{strain:.2f}", {"color": color, "label": f"strain {strain:g}"}
+        means = [geometric_mean(group, name) for group in groups]
+        spread = [mean.value * math.expm1(mean.error) for mean in means]
+        left.errorbar(gaps, [mean.value for mean in means], spread, fmt=marker, markersize=4, capsize=3, **look)
+        ratios = [row[name] / row["separation_time"] for row in rows]
+        right.plot([row["mean_gap"] for row in rows], ratios, marker, markersize=4, **look)
+    pairs = sorted((row["mean_gap"], row["separation_time"]) for row in rows)
+    left.plot(*zip(*pairs, strict=True), color=INK, linewidth=1.0, label="two spheres part (closed form)")
+    left.set(xscale="log", yscale="log", xlabel="mean gap at the step (m)", ylabel="delay (s)")
+    left.set_title(f"{len(SEEDS)} packings, filled to 0.860")
+    right.set(
+        xscale="log", yscale="log", xlabel="mean gap at the step (m)", ylabel="delay / time to part", ylim=(0.3, 30)
+    )
+    right.set_title("Each packing")
+    left.legend()
+    return drawn
+
+
 FIGURES: dict[str, Callable[[], Figure]] = {
     "t1-phases": t1_phases,
     "t1-course": t1_course,
@@ -207,4 +234,5 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     "soft-schemes": soft_schemes,
     "settling-packing": settling_packing,
     "soft-creep": creep,
+    "delay-under-stress": delay_under_stress,
 }
