@@ -28,7 +28,7 @@ from ecume.simulation import simulate
 
 TEMPLATES = Path(__file__).parents[1] / "src" / "ecume" / "templates"
 SMALL = (
-    "duration=0.8 s", "frame_every=0.8 s", "spheres[0].count=45", "spheres[1].count=45", "box.size=[0.0235, 0.0235]",
+    "duration=0.8 s", "frame_every=0.8 s", "spheres[0].count=35", "spheres[1].count=35", "box.size=[0.0207, 0.0207]",
 )  # fmt: skip
 FORCES = (-2.0, -1.5, -1.0, -0.5, -0.25, 0.0, 0.25, 0.5, 1.0, 1.5, 2.0)
 LOOKS = {"t1": ("o", PALETTE[2], "swap (T1)"), "blocked": ("s", PALETTE[0], "blocked"),
@@ -97,7 +97,7 @@ def sheared_packing() -> Figure:
     """Films and forces in a sheared layer."""
     scene = load_scene(TEMPLATES / "sheared-packing.toml", SMALL)
     frames = list(simulate(scene))
-    picture = Packing(scene, frames, Size(840, 672))
+    picture = Packing(scene, frames, Size(900, 720))
     picture.show(frames[-1])
     return picture.figure
 
