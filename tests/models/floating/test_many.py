@@ -8,7 +8,7 @@ import pytest
 from ecume.errors import SceneError
 from ecume.laws import multipole
 from ecume.models.floating import FLOATING
-from ecume.models.floating.building import kinds_afloat
+from ecume.models.floating.kinds import kinds_afloat
 from ecume.models.liquids import liquid_of
 from ecume.scenes.floating import DiscSpec, DishSpec, FloatingScene, FloatSpec, InteractionSpec, MotionSpec
 from ecume.scenes.load import load_scene

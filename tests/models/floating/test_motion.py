@@ -10,7 +10,8 @@ from scipy.special import k1
 from ecume.errors import Diverged, SceneError
 from ecume.laws import drag, flotation
 from ecume.models import MODELS
-from ecume.models.floating.building import StepWarning, afloat
+from ecume.models.floating.kinds import afloat
+from ecume.models.floating.time_steps import StepWarning
 from ecume.simulation import simulate
 from tests.models.floating.bowls import HEAVY, LIGHT, WATER, lone_float_in_a_dish, scene_of, two_floats
 
@@ -128,8 +129,8 @@ def test_a_steady_force_gives_the_exact_terminal_speed_however_long_the_step(per
     scene = two_floats(8e-3, motion="drag = true", contacts='law = "none"')
     parameters = FLOATING.parameters(scene)
     relaxation, mass = parameters.floats.relaxation_time[0], parameters.floats.mass[0]
-    from ecume.models.floating.building import kick_of
     from ecume.models.floating.stepping import give_kick
+    from ecume.models.floating.time_steps import kick_of
 
     kick = kick_of(0, 2.0 * per_relaxation * relaxation, parameters.floats, 0)
     force = np.array([[3e-7, 0.0], [0.0, -2e-7]])

@@ -6,7 +6,7 @@ import pytest
 from ecume.errors import SceneError
 from ecume.laws import multipole
 from ecume.models.floating import FLOATING
-from ecume.models.floating.building import kinds_afloat
+from ecume.models.floating.kinds import kinds_afloat
 from ecume.models.liquids import liquid_of
 from ecume.scenes.floating import DiscSpec, FloatingScene, FloatSpec, InteractionSpec, LiquidSpec, MotionSpec
 from ecume.simulation import moments, simulate

@@ -6,11 +6,12 @@ import math
 from collections.abc import Iterable, Sequence
 
 from ecume.laws import capillarity, flotation
-from ecume.models.floating.building import Afloat, good_step, kinds_afloat
+from ecume.models.floating.kinds import Afloat, kinds_afloat
 from ecume.models.floating.pace import LARGEST_OVER_CHOSEN, LOOSEST_OVER_CHOSEN
 from ecume.models.floating.parameters import Parameters
 from ecume.models.floating.room import checked_parameters, memory_estimate
 from ecume.models.floating.starting import start
+from ecume.models.floating.time_steps import good_step
 from ecume.models.liquids import liquid_of
 from ecume.scenes.floating import FloatingScene
 

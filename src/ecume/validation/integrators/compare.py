@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from ecume.errors import Diverged
-from ecume.models.floating.building import StepWarning
+from ecume.models.floating.time_steps import StepWarning
 from ecume.models.liquids import liquid_of
 from ecume.scenes.floating import FloatingScene
 from ecume.scenes.load import load_scene

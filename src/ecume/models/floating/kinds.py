@@ -1,0 +1,140 @@
+"""The kinds of floats of a scene as they float: equilibria, charges, masses and drag."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ecume.engine.cells import Integers
+from ecume.errors import BadInput, Fault, SceneError
+from ecume.laws import drag, flotation
+from ecume.models.floating.parameters import Floats
+from ecume.models.liquids import liquid_of
+from ecume.scenes.floating import DiscSpec, FloatingScene, FloatRow, FloatSpec, species_of
+from ecume.units import Array
+
+
+class Afloat(NamedTuple):
+    """One kind of float as it floats: what it is made of, and what the laws make of it."""
+
+    body: flotation.Sphere | flotation.Disc
+    density: float
+    contact_angle: float
+    """of a disc NaN: its edge takes any"""
+    equilibrium: flotation.Equilibrium
+    charge: float
+    mass: float
+    friction: float
+    rim: tuple[int, float] = (2, 0.0)
+    """mode of an undulated rim, and its height (m)"""
+
+
+def contact_angle_of(given: FloatSpec | FloatRow, liquid: flotation.Liquid) -> float:
+    """The contact angle as a number: given, by Young's law, or by the original project's closure."""
+    if given.surface_energies is not None:
+        energies = given.surface_energies
+        return flotation.young_contact_angle(
+            solid_gas=energies.solid_gas, solid_liquid=energies.solid_liquid, liquid_gas=liquid.surface_tension
+        )
+    if isinstance(given.contact_angle, str):
+        bare = flotation.Sphere(given.radius, given.density, 0.5 * math.pi)
+        return flotation.closure_contact_angle(
+            bond_number=flotation.bond_number(bare, liquid), density_ratio=flotation.density_ratio(bare, liquid)
+        )
+    assert given.contact_angle is not None  # noqa: S101  # the schema asks for exactly one of the two
+    return given.contact_angle
+
+
+def afloat(given: FloatSpec | FloatRow, scene: FloatingScene) -> Afloat:
+    """How one kind of float floats. Raises BadInput where it does not."""
+    liquid = liquid_of(scene)
+    if isinstance(given, FloatSpec) and given.disc is not None:
+        return disc_afloat(given, given.disc, scene)
+    sphere = flotation.Sphere(given.radius, given.density, contact_angle_of(given, liquid))
+    balance = flotation.equilibrium(sphere, liquid)
+    assert scene.interaction.charge is not None  # noqa: S101  # the scene has filled it in
+    charge = flotation.capillary_charge(sphere, liquid, scene.interaction.charge)
+    factor = float(drag.factor_at_filling(balance.filling_angle))
+    mass = given.density * 4.0 / 3.0 * math.pi * given.radius**3
+    if scene.motion.added_mass:
+        mass += drag.added_mass(given.radius, balance.filling_angle, liquid.density)
+    friction = drag.stokes_friction(given.radius, liquid.viscosity, factor)
+    return Afloat(sphere, given.density, sphere.contact_angle, balance, charge, mass, friction)
+
+
+def disc_afloat(given: FloatSpec, disc: DiscSpec, scene: FloatingScene) -> Afloat:
+    """How a disc floats, pinned to one of its edges. Raises BadInput where it does not."""
+    liquid = liquid_of(scene)
+    solid = flotation.VerticalCylinder(given.radius, disc.thickness, given.density, 0.5 * math.pi)
+    body = dataclasses.replace(flotation.disc_of_cylinder(solid, liquid, disc.rim), tilting=disc.tilting)
+    balance = flotation.equilibrium(body, liquid)
+    charge = flotation.capillary_charge(body, liquid, str(scene.interaction.charge))
+    mass = given.density * math.pi * given.radius**2 * disc.thickness
+    friction = drag.disc_friction(given.radius, liquid.viscosity)
+    rim = disc.mode, disc.undulation
+    return Afloat(body, given.density, math.nan, balance, charge, mass, friction, rim)
+
+
+def kinds_afloat(scene: FloatingScene) -> list[Afloat]:
+    """Each of the scene's float tables and rows, afloat; all faults at once."""
+    faults: list[Fault] = []
+    found: list[Afloat] = []
+    known: dict[Any, Afloat | BadInput] = {}
+    for where, given in _given(scene):
+        disc = given.disc if isinstance(given, FloatSpec) else None
+        key = (given.radius, given.density, given.contact_angle, given.surface_energies, disc)
+        if key not in known:
+            try:
+                known[key] = afloat(given, scene)
+            except BadInput as error:
+                known[key] = error
+        kind = known[key]
+        if isinstance(kind, BadInput):
+            faults.append(Fault(where, str(kind)))
+        else:
+            found.append(kind)
+    if faults:
+        raise SceneError(faults)
+    return found
+
+
+def _given(scene: FloatingScene) -> list[tuple[str, FloatSpec | FloatRow]]:
+    tables = [(f"floats[{k}]", given) for k, given in enumerate(scene.floats)]
+    return [*tables, *((f"rows[{k}]", row) for k, row in enumerate(scene.rows))]
+
+
+def floats_of(scene: FloatingScene) -> Floats:
+    """Float by float: the tables' first, then the rows."""
+    kinds = kinds_afloat(scene)
+    counts = [given.count if isinstance(given, FloatSpec) else 1 for _, given in _given(scene)]
+    names = [name for name, _ in species_of(scene)]
+    species = [
+        names.index(given.name if isinstance(given, FloatSpec) else given.species_name) for _, given in _given(scene)
+    ]
+
+    def each(of: Callable[[Afloat], float]) -> Array:
+        return np.repeat(np.array([of(kind) for kind in kinds]), counts)
+
+    return Floats(
+        radius=each(lambda kind: kind.body.radius),
+        mass=each(lambda kind: kind.mass),
+        charge=each(lambda kind: kind.charge),
+        relaxation_time=each(lambda kind: drag.relaxation_time(kind.mass, kind.friction))
+        if scene.motion.drag
+        else np.full(sum(counts), np.inf),
+        density=each(lambda kind: kind.density),
+        contact_angle=each(lambda kind: kind.contact_angle),
+        species=np.repeat(np.array(species, dtype=np.int64), counts),
+    )
+
+
+def distinct_kinds(scene: FloatingScene) -> tuple[list[Afloat], Integers]:
+    """The kinds of floats there are, and which of them each float is."""
+    found = kinds_afloat(scene)
+    counts = [given.count if isinstance(given, FloatSpec) else 1 for _, given in _given(scene)]
+    kinds = list(dict.fromkeys(found))
+    return kinds, np.repeat(np.array([kinds.index(kind) for kind in found], dtype=np.int64), counts)
