@@ -129,7 +129,7 @@ def test_a_steady_force_gives_the_exact_terminal_speed_however_long_the_step(per
     scene = two_floats(8e-3, motion="drag = true", contacts='law = "none"')
     parameters = FLOATING.parameters(scene)
     relaxation, mass = parameters.floats.relaxation_time[0], parameters.floats.mass[0]
-    from ecume.models.floating.stepping import give_kick
+    from ecume.models.floating.schemes import give_kick
     from ecume.models.floating.time_steps import kick_of
 
     kick = kick_of(0, 2.0 * per_relaxation * relaxation, parameters.floats, 0)

@@ -106,7 +106,7 @@ def predict(parameters: Parameters, state: State, workspace: Workspace) -> None:
     else:
         kick_floats(parameters, state, workspace.force)
         if parameters.drift.thermal > 0.0:
-            jiggle(parameters, state.velocity, state.step[0])
+            jiggle(parameters, state.velocity, int(state.step[0]))
         copy_rows(workspace.passage, state.velocity)
 
 
