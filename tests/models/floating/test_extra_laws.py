@@ -47,6 +47,16 @@ def test_users_forces_are_added_to_our_own(extended):
     assert first_kick(extended) - first_kick(MODELS["floating"]) == pytest.approx(wanted, rel=1e-4)
 
 
+@pytest.mark.parametrize("method", ["multipole", "pair-corrected"])
+def test_methods_beyond_superposition_refuse_laws_that_they_would_leave_out(extended, method):
+    model, scene = MODELS["floating"], two_floats(6e-3, duration=0.2)
+    asked = dataclasses.replace(scene, interaction=dataclasses.replace(scene.interaction, method=method, order=2))
+    parameters = model.parameters(asked)
+    state = model.start(asked, parameters)
+    with pytest.raises(BadInput, match=r"extra_laws do not go with interaction\.method.*take method = 'superposition'"):
+        extended.advance(parameters, state, model.workspace(parameters, state, 1.0), 1)
+
+
 def test_laws_that_add_nothing_change_no_bit(extended, monkeypatch):
     laws, scene = [small_magnets, small_falling], bowl(20, duration=0.5)
     plain = list(simulate(scene))[-1].arrays["position"]

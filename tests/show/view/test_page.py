@@ -1,5 +1,6 @@
 """The page: whole, small enough, and closed to whatever a scene's author wrote into it."""
 
+import csv
 import hashlib
 import json
 import re
@@ -7,13 +8,17 @@ import shutil
 import subprocess
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 from tests.show.view.runs import run_of
 
 from ecume.errors import BadInput
+from ecume.run import Habits, run
+from ecume.scenes.load import load_scene
 from ecume.show.view import save_page
 from ecume.show.view.page import color_map, page, policy_of
+from ecume.trajectories.exports import EXPORTS, export
 
 ROOT = Path(__file__).parents[3]
 WEB = ROOT / "web"
@@ -35,6 +40,37 @@ def test_each_model_has_its_page(tmp_path, model):
     assert len(data_of(text, "chunk-0")["times"]) == made.frames
     assert {"low", "high", "species", "colorings", "scene", "facts"} <= header.keys()
     assert all(low < high for low, high in zip(header["low"], header["high"], strict=True))
+
+
+DISCS = """
+model = "floating"
+duration = "0.02 s"
+frame_every = "0.01 s"
+[[floats]]
+count = 3
+radius = "1 mm"
+density = 300.0
+disc = { thickness = "0.4 mm" }
+[dish]
+radius = "1 cm"
+"""
+
+
+def test_discs_which_have_no_contact_angle_have_a_page_without_it_and_every_export(tmp_path):
+    run(load_scene(DISCS), tmp_path / "run", habits=Habits(threads=1))
+    header = data_of(save_page(tmp_path / "run").path.read_text(), "run")
+    names = [one["name"] for one in header["colorings"]]
+    assert "density" in names
+    assert "contact_angle" not in names
+    exported = {kind: export(tmp_path / "run", kind, tmp_path / f"discs.{kind}") for kind in EXPORTS}
+    with np.load(exported["npz"]) as archive:
+        assert np.isnan(archive["contact_angle"]).all()
+        assert np.isfinite(archive["charge"]).all()
+    heading, *rows = csv.reader(exported["csv"].read_text().splitlines())
+    angle = heading.index("contact_angle [rad]")
+    assert {row[angle] for row in rows} == {"nan"}
+    with h5py.File(exported["vtk"]) as file:
+        assert np.isnan(file["VTKHDF/PointData/contact_angle"]).all()
 
 
 def test_a_hostile_title_stays_text(tmp_path):

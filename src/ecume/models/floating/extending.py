@@ -105,11 +105,21 @@ def _advance_with_extra(laws: tuple[Callable[..., float], ...]) -> Callable[...,
         return march_with(predict_rarely, forces, parameters, state, scratch, steps)
 
     def advance(parameters: Parameters, state: State, scratch: Workspace, steps: int) -> int:
-        if parameters.pair_law == ONE_SIDED:
-            raise BadInput("extra_laws do not go with interaction.law = 'one-sided-legacy'; take 'capillary' or 'none'")
+        _require_pair_forces(parameters)
         return (march_rarely if parameters.scheme in RARE else march)(parameters, state, scratch, steps)
 
     return advance
+
+
+def _require_pair_forces(parameters: Parameters) -> None:
+    """Refuse scenes whose march is another one than that which the laws are compiled into."""
+    if parameters.pair_law == ONE_SIDED:
+        raise BadInput("extra_laws do not go with interaction.law = 'one-sided-legacy'; take 'capillary' or 'none'")
+    if parameters.many != ():
+        raise BadInput(
+            "extra_laws do not go with interaction.method = 'multipole' or 'pair-corrected', whose marches know no "
+            "other forces; take method = 'superposition', or leave extra_laws out"
+        )
 
 
 @compiled_once

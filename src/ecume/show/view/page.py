@@ -103,7 +103,7 @@ def _coded(chunk: Chunk) -> float:
 def run_header(trajectory: Trajectory, stage: Stage, *, live: bool = False) -> dict[str, Any]:
     """What the page is told of the run as a whole."""
     scene, first, units = trajectory.scene, trajectory[0], trajectory.units
-    names = [name for name in quantities(first) if name != "species"]
+    names = [name for name in _with_numbers(first, trajectory[-1]) if name != "species"]
     colorings = [_coloring(name, units, first) for name in names]
     known = [stage.usual if stage.usual in names else "species"]
     return {
@@ -128,6 +128,12 @@ def run_header(trajectory: Trajectory, stage: Stage, *, live: bool = False) -> d
         "scene": _scene_text(trajectory.directory),
         "live": live,
     }  # fmt: skip
+
+
+def _with_numbers(first: Frame, last: Frame) -> list[str]:
+    """Quantities that any particle has a number of: discs, whose edges take any angle, have no contact angle."""
+    both = quantities(first), quantities(last)
+    return [name for name in both[0] if any(np.isfinite(one[name]).any() for one in both)]
 
 
 def _coloring(name: str, units: Any, first: Frame) -> dict[str, Any]:
