@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 from matplotlib.patches import Circle, Patch, Rectangle
 
-from ecume.show.floating.surface import Heights, Sheet, sheet, surface, unit_meniscus
+from ecume.show.floating.surface import Heights, sheet, surface, typical_meniscus
 from ecume.show.picture import (
     DPI,
     USUAL,
@@ -162,11 +162,6 @@ def dish_outline(dish: Any, scale: float = 1.0) -> Patch:
         return Circle((0.0, 0.0), scale * dish.radius, **look)
     width, height = (scale * side for side in dish.size)
     return Rectangle((-width / 2, -height / 2), width, height, **look)
-
-
-def typical_meniscus(frame: Frame, on: Sheet) -> float:
-    """How far a typical float bends the surface at its own edge (m)."""
-    return float(np.median(np.abs(frame.arrays["charge"] * unit_meniscus(on, frame.arrays["radius"]))))
 
 
 def _height_bar(axes: Axes, colors: ScalarMappable, shown: tuple[float, float], scale: Scale) -> None:

@@ -1,7 +1,10 @@
-"""The liquid's height around floats, on a grid of pixels: each float's own meniscus and the dish's, added up."""
+"""The liquid's height around floats, on a grid of pixels: each float's own meniscus and the dish's, added up; where a
+scene goes by multipoles, that of the solver.
+"""
 
 from __future__ import annotations
 
+import warnings
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,6 +21,8 @@ from ecume.units import Array
 CUTOFF = 5.0
 """In capillary lengths; there a float's meniscus is below one percent of what it is one capillary length away."""
 NODES = 8000
+SOLVED_CELLS = 100
+"""At most along a side where each cell sums all multipoles: some 20 ms a frame of 13 discs."""
 
 Heights = NDArray[np.float32]
 
@@ -32,16 +37,32 @@ class Sheet(NamedTuple):
     reach: float
     menisci: Heights
     """The height around a charge of one, at equal steps of distance from `closest` to `reach`, where it ends in a 0."""
+    multipoles: Any = None
+    """the floating model's parameters, where floats go by multipoles"""
 
 
 def sheet(scene: Any, view: View, *, cells: int, closest: float) -> Sheet:
     """A grid of about `cells` by `cells` squares; `closest` is the smallest distance from a float's center (m)."""
-    liquid = liquid_of(scene)
+    liquid, multipoles = liquid_of(scene), _multipoles(scene)
+    cells = cells if multipoles is None else min(cells, SOLVED_CELLS)
     cell = max(view.width, view.height) / cells
     x = np.arange(view.left + cell / 2, view.right, cell)
     y = np.arange(view.bottom + cell / 2, view.top, cell)
     reach = max(CUTOFF * liquid.capillary_length, 1.01 * closest)
-    return Sheet(x, y, dish_field(scene, x, y), closest, reach, _menisci(closest, reach, liquid.capillary_length))
+    table = _menisci(closest, reach, liquid.capillary_length)
+    return Sheet(x, y, dish_field(scene, x, y), closest, reach, table, multipoles)
+
+
+def _multipoles(scene: Any) -> Any:
+    """The model's parameters, if its floats go by multipoles."""
+    if scene.interaction.method != "multipole":
+        return None
+    from ecume.models import MODELS
+
+    with warnings.catch_warnings():
+        # The run has already told of its time step.
+        warnings.simplefilter("ignore")
+        return MODELS["floating"].parameters(scene)
 
 
 def _menisci(closest: float, reach: float, length: float) -> Heights:
@@ -85,6 +106,8 @@ def _facing_walls(nodes: Array, side: float, contact_angle: float, liquid: flota
 
 def surface(frame: Frame, on: Sheet) -> Heights:
     """The height of the surface (m) in one instant, shape (y, x); under a float, the height at its edge."""
+    if on.multipoles is not None:
+        return _solved_surface(frame, on)
     height = on.still.copy()
     arrays = frame.arrays
     for (px, py), radius, charge in zip(arrays["position"], arrays["radius"], arrays["charge"], strict=True):
@@ -92,6 +115,26 @@ def surface(frame: Frame, on: Sheet) -> Heights:
         r = np.sqrt((on.x[columns] - px) ** 2 + ((on.y[rows] - py) ** 2)[:, None])
         height[rows, columns] += np.float32(charge) * unit_meniscus(on, np.maximum(r, radius))
     return height
+
+
+def _solved_surface(frame: Frame, on: Sheet) -> Heights:
+    """The solver's surface; beyond a round wall as at it, for its answer holds only inside."""
+    from ecume.models.floating.heights import heights_at, solved
+
+    x, y = (grid.ravel() for grid in np.meshgrid(on.x, on.y))
+    inside = np.minimum(1.0, on.multipoles.walls.disc_radius / np.maximum(np.hypot(x, y), 1e-300))
+    many = on.multipoles.many
+    added = heights_at(many, solved(on.multipoles, frame), np.stack([inside * x, inside * y], axis=1))
+    return np.asarray(on.still + added.reshape(on.still.shape), np.float32)
+
+
+def typical_meniscus(frame: Frame, on: Sheet) -> float:
+    """How far a typical float bends the surface at its own edge (m)."""
+    if on.multipoles is not None:
+        from ecume.models.floating.heights import bends, solved
+
+        return float(np.median(bends(on.multipoles.many, solved(on.multipoles, frame))))
+    return float(np.median(np.abs(frame.arrays["charge"] * unit_meniscus(on, frame.arrays["radius"]))))
 
 
 def _near(nodes: Array, center: float, reach: float) -> slice:

@@ -10,8 +10,8 @@ import numpy as np
 
 from ecume.scenes.soft.walls import SIDES as WALL_SIDES
 from ecume.scenes.sph import SIDES
-from ecume.show.floating.bowl import height_colors, height_ticks, typical_meniscus, view_of
-from ecume.show.floating.surface import sheet, surface
+from ecume.show.floating.bowl import height_colors, height_ticks, view_of
+from ecume.show.floating.surface import sheet, surface, typical_meniscus
 from ecume.show.picture import species
 from ecume.show.soft.packing import WIDE, links_of
 from ecume.show.sph.moving import edges, rotation, shape_of, side_line, turned
