@@ -37,7 +37,7 @@ def test_an_edited_law_is_compiled_anew_and_an_edit_elsewhere_compiles_nothing(t
         return subprocess.run(words, env={**os.environ, **places}, capture_output=True, text=True, check=True).stdout
 
     assert run().split() == ["6.0", "0"]
-    for elsewhere in ("laws/drag.py", "models/floating/record.py", "show/movies.py"):
+    for elsewhere in ("laws/states.py", "models/floating/record.py", "show/movies.py"):
         with (copy / elsewhere).open("a") as file:
             file.write("\n# one line more\n")
     assert run().split() == ["6.0", "1"]
@@ -50,7 +50,7 @@ def test_the_march_hangs_on_its_laws_and_on_nothing_that_draws_or_reads():
     names = {path.relative_to(PACKAGE).as_posix() for path in _cache.sources(PACKAGE / "models/floating/stepping.py")}
     assert {"_jit.py", "engine/contacts.py", "laws/capillarity.py", "laws/screened.py", "laws/special.py"} <= names
     assert {name.split("/")[0] for name in names}.isdisjoint({"show", "run", "cli", "scenes", "analysis"})
-    assert "laws/drag.py" not in names
+    assert "laws/states.py" not in names
 
 
 @pytest.mark.parametrize(
