@@ -106,10 +106,21 @@ def forces_on(parameters: Parameters, workspace: Workspace, mine: Integers, grou
 
 
 def forces_on_dummies(parameters: Parameters, workspace: Workspace, first: int) -> tuple[Array, Array]:
-    """Force and place, (3, n) each, of all dummies from number `first` on."""
-    mine = np.arange(workspace.rates.shape[1] + first, len(workspace.lists.counts))
+    """Force and place, (3, n) each, of all dummies from number `first` on.
+
+    An image pushes a dummy as the dummy's own image pushes the particle, mirrored, up to the weight of what is between
+    (1e-4 of the weight of a tank): along the mirror that is the dummy's part, across it the mirror's, who bears it.
+    """
+    images, real = workspace.images, len(workspace.lists.counts)
+    mine = np.arange(workspace.rates.shape[1] + first, real)
+    kinds, kind = np.unique(chains_of(images, real), return_inverse=True)
     group = np.zeros(workspace.fields.shape[1], np.int64)
-    return forces_on(parameters, workspace, mine, group)[0], _places(parameters, workspace, mine)
+    group[real:] = 1 + kind.ravel()
+    force = forces_on(parameters, workspace, mine, group)
+    for g, chain in enumerate(kinds, 1):
+        for axis in _crossed(parameters.boundary.image_owner, int(chain)):
+            force[g, axis] = 0.0
+    return force.sum(axis=0), _places(parameters, workspace, mine)
 
 
 def total(force: Array, place: Array, center: Array) -> tuple[Array, Array]:
@@ -140,19 +151,35 @@ def forces_of_images(parameters: Parameters, workspace: Workspace) -> tuple[dict
     """
     images, boundary = workspace.images, parameters.boundary
     liquid, real = workspace.rates.shape[1], len(workspace.lists.counts)
-    chains = chains_of(images, real)
-    kinds, kind = np.unique(chains, return_inverse=True)
+    of_dummies = roots_of(images, real) >= liquid
+    kinds, kind = np.unique(2 * chains_of(images, real) + of_dummies, return_inverse=True)
     group = np.full(workspace.fields.shape[1], -1)
     group[real:] = kind.ravel()
     mine = np.unique(images.source[images.source < liquid])
     force = forces_on(parameters, workspace, mine, group)
     found = {int(side): np.zeros((3, len(mine))) for side in boundary.image_owner if side >= 0}
-    for g, chain in enumerate(kinds):
+    for g, code in enumerate(kinds):
+        chain, solid = int(code) >> 1, int(code) & 1
+        crossed = _crossed(boundary.image_owner, chain)
         for axis in range(3):
-            side = _bearer(boundary.image_owner, int(chain), axis)
-            if side >= 0:
+            side = _bearer(boundary.image_owner, chain, axis)
+            # Along a mirror the image of a dummy pushes in the dummy's stead, and the dummy has that part.
+            if side >= 0 and (axis in crossed or not solid):
                 found[side][axis] += force[g, axis]
     return found, _places(parameters, workspace, mine)
+
+
+def roots_of(images: Images, real: int) -> Integers:
+    """Which real column each image is of in the end."""
+    roots = images.source
+    while (roots >= real).any():
+        roots = np.where(roots >= real, images.source[np.maximum(roots - real, 0)], roots)
+    return roots
+
+
+def _crossed(owner: Integers, chain: int) -> set[int]:
+    """The axes across which mirrors of a chain stand."""
+    return {int(side) // 2 for bit, side in enumerate(owner) if chain >> bit & 1 and side >= 0}
 
 
 def chains_of(images: Images, real: int) -> Integers:
