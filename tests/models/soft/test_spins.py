@@ -9,9 +9,10 @@ import pytest
 from ecume.errors import BadInput, SceneError
 from ecume.models.soft import SOFT, t1_process
 from ecume.models.soft.films import answer
+from ecume.models.soft.newton import imbalance, resist
 from ecume.models.soft.protocol import drive_at
 from ecume.models.soft.spins import carry, still, turn_pairs, turned_orientation
-from ecume.models.soft.stages import first_stage, imbalance, resist
+from ecume.models.soft.stages import first_stage
 from ecume.scenes.schema import from_plain
 from ecume.simulation import simulate
 

@@ -8,7 +8,7 @@ import pytest
 
 from ecume.analysis.rheology import stress_tensor
 from ecume.errors import SceneError
-from ecume.models.soft import SOFT, stages
+from ecume.models.soft import SOFT, newton, stages
 from ecume.models.soft.cell import Goal
 from ecume.models.soft.protocol import Drive, drive_at, protocol_of
 from ecume.models.soft.schemes import SCHEMES
@@ -99,14 +99,14 @@ def test_newtons_method_doubles_its_digits_with_the_stresses_in(monkeypatch, rot
     step = SOFT.workspace(parameters, SOFT.start(scene, parameters), 1.0).step
     drive = drive_at(parameters.protocol, 0.0)
     changes = []
-    move = stages.move
-    monkeypatch.setattr(stages, "move", lambda *given: changes.append(move(*given)) or changes[-1])
+    move = newton.move
+    monkeypatch.setattr(newton, "move", lambda *given: changes.append(move(*given)) or changes[-1])
     assert balance(parameters, step, (drive, drive._replace(shear_stress=3e-4, normal_stress=1.2e-3), (1, 1)))
     stages.begin_stage(step, SCHEMES["tr-bdf2"], 1, 0.1)
     changes.clear()
     stages.first_stage(parameters.contacts, step, drive)
     goal = Goal(drive._replace(shear_stress=3e-4), drive, 0.5)
-    assert stages.newton_bordered("dense", parameters.contacts, step, goal, 1e-13)
+    assert newton.newton_bordered("dense", parameters.contacts, step, goal, 1e-13)
     assert math.log(changes[3]) / math.log(changes[2]) > 1.8
 
 

@@ -10,7 +10,7 @@ import pytest
 from ecume.errors import SceneError
 from ecume.laws.drag import stokes_friction
 from ecume.laws.soft_pair import SoftPair, passage_time
-from ecume.models.soft import SOFT, stages
+from ecume.models.soft import SOFT, newton
 from ecume.models.soft.cell import Goal
 from ecume.models.soft.protocol import drive_at
 from ecume.models.soft.stages import first_stage
@@ -126,14 +126,14 @@ def test_newtons_method_doubles_its_digits_at_walls(monkeypatch, top, rotation, 
     step = SOFT.workspace(parameters, state, 1.0).step
     drive = drive_at(parameters.protocol, 0.0)
     changes = []
-    move = stages.move
-    monkeypatch.setattr(stages, "move", lambda *given: changes.append(move(*given)) or changes[-1])
+    move = newton.move
+    monkeypatch.setattr(newton, "move", lambda *given: changes.append(move(*given)) or changes[-1])
     parameters.weight[:] = 2e-4 * np.random.default_rng(1).normal(size=parameters.weight.shape)
     first_stage(parameters.contacts, step, drive)
     way = "dense" if top else "direct"
-    newton = stages.newton_bordered if top else stages.newton_direct
+    solve = newton.newton_bordered if top else newton.newton_direct
     given = (way,) if top else ()
-    assert newton(*given, parameters.contacts, step, Goal(drive, drive, 0.02), 1e-13)
+    assert solve(*given, parameters.contacts, step, Goal(drive, drive, 0.02), 1e-13)
     if dimensions == 3 and rotation:  # Turns add up there as vectors, which they do for small ones only.
         assert changes[-1] < 1e-2 * changes[-2] < 1e-8
     else:

@@ -20,9 +20,10 @@ from ecume.laws.arguments import require_positive
 from ecume.models.soft.building import parameters_of, start
 from ecume.models.soft.cluster import APART, DIAGONAL, HORIZONTAL, SQRT3, T1, VERTICAL, Effort, Instant, reached, told
 from ecume.models.soft.films import answer
+from ecume.models.soft.newton import imbalance
 from ecume.models.soft.parameters import Contacts
-from ecume.models.soft.stages import Step, imbalance
 from ecume.models.soft.state import workspace
+from ecume.models.soft.step import Step
 from ecume.scenes.soft import SoftScene
 from ecume.units import Array
 

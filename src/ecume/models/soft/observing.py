@@ -14,8 +14,9 @@ from ecume.models.soft.films import stored_energy
 from ecume.models.soft.meeting import at_home, box_in, wraps
 from ecume.models.soft.parameters import Parameters
 from ecume.models.soft.protocol import drive_at
-from ecume.models.soft.stages import Step, first_stage
+from ecume.models.soft.stages import first_stage
 from ecume.models.soft.state import ACCEPTED, CLOCK, FAILED, REJECTED, State, Workspace
+from ecume.models.soft.step import Step
 from ecume.models.soft.walls import wall_energy
 from ecume.scenes.soft import SIDES
 from ecume.trajectories.frame import Frame

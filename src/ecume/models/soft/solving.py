@@ -6,12 +6,13 @@ from collections.abc import Callable
 from functools import partial
 from typing import NamedTuple
 
-from ecume.models.soft import stages
+from ecume.models.soft import newton, stages
 from ecume.models.soft.cell import Goal
 from ecume.models.soft.parameters import Parameters
 from ecume.models.soft.protocol import Drive, Rules
 from ecume.models.soft.schemes import Scheme
-from ecume.models.soft.stages import During, Step, first_stage
+from ecume.models.soft.stages import first_stage
+from ecume.models.soft.step import During, Step
 
 FINE = 1e-13
 """The last change of a position, over its distance, with which spheres are said to be balanced."""
@@ -31,12 +32,12 @@ class Solver(NamedTuple):
 
 
 SOLVERS = {
-    "dense": Solver(stages.attempt_dense, stages.newton_dense),
-    "gradients": Solver(stages.attempt_gradients, stages.newton_gradients),
-    "direct": Solver(stages.attempt_direct, stages.newton_direct),
+    "dense": Solver(stages.attempt_dense, newton.newton_dense),
+    "gradients": Solver(stages.attempt_gradients, newton.newton_gradients),
+    "direct": Solver(stages.attempt_direct, newton.newton_direct),
 }
 BORDERED = {
-    name: Solver(partial(stages.attempt_bordered, name), partial(stages.newton_bordered, name)) for name in SOLVERS
+    name: Solver(partial(stages.attempt_bordered, name), partial(newton.newton_bordered, name)) for name in SOLVERS
 }
 """The same where the box answers to stresses."""
 

@@ -15,7 +15,7 @@ from ecume.models.soft.films import Pairs, make_answers, make_films
 from ecume.models.soft.parameters import Parameters
 from ecume.models.soft.schemes import SCHEMES
 from ecume.models.soft.spins import make_spins, turned_orientation
-from ecume.models.soft.stages import Bodies, Step
+from ecume.models.soft.step import Bodies, Step
 from ecume.models.soft.walls import Touches, Walls, make_walls
 from ecume.units import Array
 

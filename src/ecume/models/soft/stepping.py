@@ -14,8 +14,9 @@ from ecume.models.soft.protocol import drive_at, interval_at, next_turn, rules_a
 from ecume.models.soft.schemes import SCHEMES, Scheme
 from ecume.models.soft.solving import AT_ONCE, attempt, balance
 from ecume.models.soft.stages import FAILED as NOT_SOLVED
-from ecume.models.soft.stages import During, Step, accept
+from ecume.models.soft.stages import accept
 from ecume.models.soft.state import ACCEPTED, CLOCK, FAILED, LENGTH, PAST_ERROR, REJECTED, State, Workspace, store
+from ecume.models.soft.step import During, Step
 from ecume.units import Array
 
 SAFETY = 0.9

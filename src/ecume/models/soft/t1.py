@@ -32,12 +32,14 @@ from ecume.models.soft.cluster import (
     t1_scene,
     told,
 )
+from ecume.models.soft.newton import imbalance
 from ecume.models.soft.parameters import Parameters
 from ecume.models.soft.protocol import drive_at, interval_at, rules_at
 from ecume.models.soft.schemes import SCHEMES
 from ecume.models.soft.solving import attempt
-from ecume.models.soft.stages import During, Step, first_stage, imbalance
+from ecume.models.soft.stages import first_stage
 from ecume.models.soft.state import ACCEPTED, CLOCK, REJECTED, State, Workspace, workspace
+from ecume.models.soft.step import During, Step
 from ecume.models.soft.stepping import one_step
 from ecume.scenes.soft import SoftScene
 from ecume.units import Array

@@ -1,0 +1,77 @@
+"""All that a step of time works with."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from ecume.engine.gradients import Gradients
+from ecume.engine.sparse import Matrix
+from ecume.models.soft.borders import (
+    Borders,
+)
+from ecume.models.soft.cell import (
+    Cell,
+)
+from ecume.models.soft.films import Answers, Films, Pairs
+from ecume.models.soft.spins import (
+    Spins,
+)
+from ecume.models.soft.walls import (
+    Walls,
+)
+from ecume.units import Array
+
+
+class Bodies(NamedTuple):
+    """The spheres in a step."""
+
+    position: Array
+    """(N, d) m, of the stage"""
+    before: Array
+    """(N, d) at the step's beginning"""
+    start: Array
+    """(N, d) where the stage starts from; means something with drag only"""
+    slope: Array
+    """(S, N, d) m/s of the stages, with drag only"""
+    drag: Array
+    """(N,) N s/m"""
+    force: Array
+    """(N, d) N external, at factor 1"""
+    weight: Array
+    """(N, d) N external, always"""
+    right: Array
+    """(N, d + s) N that is left on each, and at its equator"""
+    change: Array
+    """(N, d + s) m, of places and of spins"""
+    diagonal: Array
+    """(N, d + s) N/m"""
+
+
+class During(NamedTuple):
+    """What a step is to do."""
+
+    length: float
+    """s"""
+    drives: Array
+    """(S, 9) what is imposed at each stage, as the fields of a `Drive`"""
+    tolerance: float
+
+
+class Step(NamedTuple):
+    """All that a step works with."""
+
+    pairs: Pairs
+    films: Films
+    answers: Answers
+    slope: Array
+    """(S, C, 4) of the stages"""
+    log_gap: Array
+    direction: Array
+    """where the contacts are at the step's beginning"""
+    bodies: Bodies
+    spins: Spins
+    walls: Walls
+    matrix: Matrix
+    cell: Cell
+    borders: Borders
+    gradients: Gradients
