@@ -47,6 +47,14 @@ def test_a_fine_lattice_has_the_shapes_volume_and_middle(shape):
     np.testing.assert_allclose(points.mean(axis=0), shape.middle(), atol=0.02)
 
 
+@pytest.mark.parametrize("shape", [BOX, DISC, KITE, CUBE, SPHERE], ids=["box", "disc", "kite", "cuboid", "ball"])
+def test_a_thin_shell_holds_the_surface_times_its_thickness(shape):
+    low, high = shape.bounds()
+    points = np.random.default_rng(2).uniform(low - 0.1, high + 0.1, (400_000, len(low)))
+    shell = np.mean(np.abs(shape.nearest(points)[0]) < 0.02) * np.prod(high - low + 0.2)
+    assert shell == pytest.approx(0.04 * shape.surface(), rel=0.03)
+
+
 @pytest.mark.parametrize("shape", SHAPES.values(), ids=SHAPES)
 def test_a_fine_lattice_turns_as_heavily_as_the_shape(shape):
     points = lattice_in(shape, 0.02) - shape.middle()

@@ -48,6 +48,16 @@ def test_a_kernel_weighs_one_in_every_dimension_it_claims(one):
 
 
 @EACH
+def test_layers_of_a_kernel_weigh_what_it_weighs_and_lie_as_far_apart(one):
+    nodes, weights = np.polynomial.legendre.leggauss(200)
+    far, thick = 0.5 * one.support * (nodes + 1.0), 0.5 * one.support * weights
+    layers = one.over_plane(far) * thick
+    assert 2.0 * layers.sum() == pytest.approx(1.0 - lost(one), abs=1e-5)
+    assert 2.0 * (layers * far**2).sum() == pytest.approx(one.standard_deviation**2, rel=1e-3)
+    assert one.overlap == pytest.approx((layers * one.over_plane(far)).sum(), rel=1e-4)
+
+
+@EACH
 def test_the_first_moment_of_the_gradient_is_minus_one(one):
     r, volume = space(one, 0.7)
     moment = np.sum(r * one.slope(r, 0.7) * volume) / one.dim

@@ -137,25 +137,33 @@ def test_cohesion_attracts_far_neighbors_and_keeps_off_near_ones():
     assert middle[0] == pytest.approx(middle[1], rel=1e-6)
 
 
-def test_pairs_at_the_surface_hold_harder():
-    assert tension.surface_deficiency(1000.0, 1000.0, 1000.0) == 1.0
-    assert tension.surface_deficiency(500.0, 700.0, 1200.0) == pytest.approx(2.0)
-    assert tension.normal_is_reliable(3.0, 0.1)
-    assert not tension.normal_is_reliable(0.05, 0.1)
+def test_every_contour_of_a_color_counts_and_all_of_them_count_one():
+    assert quad(tension.surface_weight, 0.0, 1.0)[0] == pytest.approx(1.0)
+    assert tension.surface_weight(-0.1) == tension.surface_weight(1.1) == tension.surface_weight_slope(1.1) == 0.0
+    for color in (0.1, 0.35, 0.9):
+        assert quad(tension.surface_weight, 0.0, color)[0] == pytest.approx(tension.surface_share(color))
+        slope = (tension.surface_weight(color + 1e-6) - tension.surface_weight(color - 1e-6)) / 2e-6
+        assert slope == pytest.approx(tension.surface_weight_slope(color), rel=1e-6)
+    assert tension.surface_share(tension.NEUTRAL) == pytest.approx(0.5, rel=1e-14)
 
 
-def test_the_surface_force_presses_a_disc_as_laplace_says():
-    h, radius, sigma = 0.01, 0.1, 0.07
-    one = kernel("wendland-c2", 1)
-    # Through the surface along its normal: the color is a step smoothed by the kernel.
-    jump, _ = quad(lambda x: float(tension.surface_force(sigma, 1.0 / radius, one.value(abs(x), h))), -2 * h, 2 * h)
-    assert jump == pytest.approx(tension.laplace_pressure(sigma, radius, 2), rel=1e-9)
-    assert tension.laplace_pressure(sigma, radius, 3) == pytest.approx(2.0 * sigma / radius)
+def test_the_layer_of_a_curved_surface_is_pressed_wherever_particles_are():
+    # A flat surface's own particles see colors above one half.
+    for color in np.linspace(0.55, 1.0, 10):
+        assert tension.surface_share(color) - color * tension.surface_weight(color) > 0.0
 
 
-def test_drops_swing_slower_when_they_are_large():
-    assert tension.drop_period(0.07, 1000.0, 2e-3, 2, 3) > tension.drop_period(0.07, 1000.0, 1e-3, 2, 3)
-    assert tension.drop_period(1.0, 1.0, 1.0, 2, 2) == pytest.approx(2 * math.pi / math.sqrt(6.0))
+def test_steepness_has_no_step_where_directions_become_noise():
+    assert tension.steepness(2.0, 0.3) == 2.0
+    assert tension.steepness(0.3 - 1e-12, 0.3) == pytest.approx(tension.steepness(0.3 + 1e-12, 0.3))
+    for gradient in (0.1, 0.3, 0.7):
+        slope = (tension.steepness(gradient + 1e-7, 0.3) - tension.steepness(gradient - 1e-7, 0.3)) / 2e-7
+        assert slope == pytest.approx(gradient / max(gradient, 0.3), rel=1e-5)
+
+
+def test_a_drop_s_pressure_is_laplace_s():
+    assert tension.laplace_pressure(0.07, 0.1, 2) == pytest.approx(0.7)
+    assert tension.laplace_pressure(0.07, 0.1, 3) == pytest.approx(1.4)
 
 
 def test_time_steps_shrink_with_what_limits_them():

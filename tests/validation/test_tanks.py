@@ -1,5 +1,7 @@
 """What the cases of liquids with a free surface see, without the minutes that their runs take."""
 
+import math
+
 import numpy as np
 import pytest
 
@@ -71,3 +73,9 @@ def test_a_front_that_lags_and_a_wall_that_is_pressed_too_little_are_seen():
     assert not dam.pressure(late, 80)[0].met
     assert not dam.volume(late, 80).met
     assert dam.order(late, late._replace(fronts=fronts - 0.03)).computed == pytest.approx(1.0)
+
+
+def test_what_lasts_of_a_creep_is_the_decay_of_a_quarter():
+    frames = [WELL._replace(center=0.5 - 1e-3 * math.exp(-k / 50)) for k in range(200)]
+    assert tank.lasting(frames) == pytest.approx(math.exp(-1.0))
+    assert tank.lasting([WELL._replace(center=0.5 - 1e-6 * k) for k in range(200)]) == pytest.approx(1.0)  # a drift

@@ -1,20 +1,21 @@
-"""Surface tension between particles: Akinci's cohesion, and the pieces of the continuum surface force."""
+"""Surface tension between particles: Akinci's cohesion, and the energy of a smoothed color's contours."""
 
 from __future__ import annotations
 
 import math
 from typing import Annotated
 
-from ecume.units import Density, Length, Number, Pressure, SurfaceTension, Time, Unit
+from ecume.units import Density, Length, Number, Pressure, SurfaceTension, Unit
 
 PerArea = Annotated[float, Unit("1/m^2")]
 PerVolume = Annotated[float, Unit("1/m^3")]
 Curvature = Annotated[float, Unit("1/m")]
-ForcePerVolume = Annotated[float, Unit("N/m^3")]
-LengthSquared = Annotated[float, Unit("m^2")]
 PlaneStrength = Annotated[float, Unit("m^5/(kg*s^2)")]
 SpaceStrength = Annotated[float, Unit("m^4/(kg*s^2)")]
 RELIABLE = 0.2
+"""The least steepness of the color, over its smoothing length; at a flat surface it is three times that and more."""
+NEUTRAL = 0.3857275681323895
+"""The color of solids whose surface costs the same under liquid and gas, `surface_share` = 1/2: a right angle."""
 
 
 def cohesion_kernel(distance: Length, support: Length) -> PerVolume:
@@ -49,44 +50,6 @@ def cohesion_energy(distance: Length, support: Length) -> PerArea:
     return -32.0 / (math.pi * support * support) * left if q < 1.0 else 0.0
 
 
-def surface_deficiency(density_i: Density, density_j: Density, reference_density: Density) -> Number:
-    """Akinci's K = 2 rho_0 / (rho_i + rho_j): strengthens pairs at the surface, where neighbors are missing.
-
-    [akinci2013].
-
-    >>> surface_deficiency(500.0, 500.0, 1000.0)
-    2.0
-    """
-    return 2.0 * reference_density / (density_i + density_j)
-
-
-def normal_is_reliable(color_gradient: Curvature, smoothing_length: Length) -> bool:
-    """Whether the gradient of the color is long enough, above 0.2/h, for its direction to be the surface's normal.
-
-    Elsewhere it is noise, and its curvature larger noise. At a flat surface of Wendland's C2 it is 0.74/h. Morris has
-    0.01/h, with a second liquid around: at a free surface that lets the noise of the inside tear
-    drops apart. [morris2000].
-
-    >>> normal_is_reliable(5.0, 0.1), normal_is_reliable(0.05, 0.1)
-    (True, False)
-    """
-    return color_gradient * smoothing_length > RELIABLE
-
-
-def curvature_of_turning(turning: Length, spread: LengthSquared, dimensions: Number) -> Curvature:
-    """Curvature kappa = -(dim - 1) sum w (n_j - n_i).t / sum w t.t of unit normals n into the liquid, at a surface.
-
-    turning, spread: the two sums over neighbors with weights w, t: the part of x_j - x_i along
-    the surface. One sum over the other, as Morris corrects for missing neighbors, but along the surface alone: normals
-    do not turn across it, and whoever is missing on the other side changes nothing. 1/r for a disc, 2/r for a ball,
-    positive. [morris2000].
-
-    >>> curvature_of_turning(-0.5, 1.0, 3)
-    1.0
-    """
-    return -(dimensions - 1.0) * turning / spread if spread > 0.0 else 0.0
-
-
 def cohesion_strength_in_plane(
     surface_tension: SurfaceTension, density: Density, support: Length
 ) -> PlaneStrength:  # fmt: skip
@@ -114,18 +77,55 @@ def cohesion_strength_in_space(
     return 8.0 * surface_tension * 880.0 / (21.0 * density * density * support * support)
 
 
-def surface_force(
-    surface_tension: SurfaceTension, curvature: Curvature, color_gradient: Curvature
-) -> ForcePerVolume:  # fmt: skip
-    """Force per volume sigma kappa n along the color's gradient n, which points into the liquid.
+def surface_weight(color: Number) -> Number:
+    """psi(c) = 12 c (1-c)^2 for 0 < c < 1, else 0: how much a color's contour counts as surface. It weighs one.
 
-    kappa: curvature, minus the divergence of the unit normal, positive for a drop, which is pressed together; the
-    acceleration is that over rho. [brackbill1992, morris2000].
+    The surface's energy is E = sigma int psi(c) |grad c| dV, c the smoothed color, 1 inside and 0 outside. By the
+    coarea formula that is sigma times the area of the contours of c, each counted psi: the area itself, however wide
+    the layer is through which the color falls, for any psi whose integral over c is one. [brackbill1992].
 
-    >>> surface_force(0.07, 200.0, 10.0) > 0.0
-    True
+    Why this psi. Flat at c = 1: the inside, where disorder makes the color uneven, costs nothing. Zero at c = 0: nor
+    does the far end of the kernel. And more below 1/2 than above: in a drop at rest the layer bears the pressure
+    sigma kappa (int_0^c psi - c psi), which here is negative only where c < 0.54, outside of nearly all particles; with
+    a psi that is even about 1/2 the outermost particles are under tension, and are drawn off little by little.
+
+    >>> surface_weight(0.5), surface_weight(1.1)
+    (1.5, 0.0)
     """
-    return surface_tension * curvature * color_gradient
+    inside = min(max(color, 0.0), 1.0)
+    return 12.0 * inside * (1.0 - inside) * (1.0 - inside)
+
+
+def surface_weight_slope(color: Number) -> Number:
+    """psi'(c) = 12 (1-c) (1-3c) for 0 < c < 1, else 0. [brackbill1992].
+
+    >>> surface_weight_slope(0.0), surface_weight_slope(1.0)
+    (0.0, 0.0)
+    """
+    return 12.0 * (1.0 - color) * (1.0 - 3.0 * color) if 0.0 < color < 1.0 else 0.0
+
+
+def surface_share(color: Number) -> Number:
+    """Psi(c) = int_0^c psi = 6c^2 - 8c^3 + 3c^4: the energy, in sigmas, of a plane between the colors 0 and c.
+
+    A solid of the color c_s has Psi(c_s) against the gas and 1 - Psi(c_s) against the liquid; so a surface meets it at
+    the angle with cos(theta) = 2 Psi(c_s) - 1 (Young's law). [brackbill1992, young1805].
+
+    >>> surface_share(0.0), surface_share(1.0)
+    (0.0, 1.0)
+    """
+    return color * color * (6.0 + color * (-8.0 + 3.0 * color))
+
+
+def steepness(gradient: Curvature, least: Curvature) -> Curvature:
+    """phi(g): the length g of the color's gradient, and (g^2/g_0 + g_0)/2 below g_0, where its direction is noise.
+
+    Value and slope go on without a step there; phi'(g)/g = 1/max(g, g_0). [brackbill1992].
+
+    >>> steepness(3.0, 1.0), steepness(0.0, 1.0)
+    (3.0, 0.5)
+    """
+    return gradient if gradient > least else 0.5 * (gradient * gradient / least + least)
 
 
 def laplace_pressure(surface_tension: SurfaceTension, radius: Length, dimensions: Number) -> Pressure:
@@ -137,18 +137,3 @@ def laplace_pressure(surface_tension: SurfaceTension, radius: Length, dimensions
     144.0
     """
     return (dimensions - 1.0) * surface_tension / radius
-
-
-def drop_period(
-    surface_tension: SurfaceTension, density: Density, radius: Length, mode: Number, dimensions: Number
-) -> Time:
-    """Period of a drop that swings a little in its mode n (2: ellipse), without viscosity and air.
-
-    omega^2 = n (n-1) (n+dim-1) sigma / (rho R^3): n (n-1) (n+2) for a ball, n (n^2-1) for a disc. [lamb1932, art. 273,
-    275].
-
-    >>> round(drop_period(1.0, 1.0, 1.0, 2, 3) / (2 * math.pi / math.sqrt(8.0)), 12)
-    1.0
-    """
-    squared = mode * (mode - 1.0) * (mode + dimensions - 1.0) * surface_tension / (density * radius**3)
-    return 2.0 * math.pi / math.sqrt(squared)

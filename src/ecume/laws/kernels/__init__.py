@@ -19,7 +19,7 @@ import numpy as np
 from ecume.errors import BadInput
 from ecume.laws.arguments import as_given
 from ecume.laws.kernels import lines, shapes
-from ecume.units import Array, Lengths, Number, Real, Unit
+from ecume.units import Array, Lengths, Number, Numbers, Real, Unit
 
 Shape = Callable[[Any], Any]
 PerLength = Annotated[Real, Unit("1/m")]
@@ -96,6 +96,24 @@ class Kernel:
         q, weights = _quadrature(self.support)
         sphere = (2.0, 2.0 * math.pi, 4.0 * math.pi)[self.dim - 1]
         return float(np.sum(weights * q ** (self.dim - 1 + order) * self.shape(q)) * sphere * self.normalization)
+
+    def over_plane(self, q: Numbers) -> Real:
+        """W summed over a plane (in two dimensions a line) that is q smoothing lengths away, times h."""
+        far = np.asarray(q, dtype=np.float64)[..., np.newaxis]
+        nodes, weights = np.polynomial.legendre.leggauss(2 * NODES)
+        half = 0.5 * np.sqrt(np.maximum(self.support**2 - far**2, 0.0))
+        along = half * (nodes + 1.0)
+        around = (1.0, 2.0 * half, 2.0 * math.pi * half * along)[self.dim - 1]
+        seen = (
+            self.shape(far) if self.dim == 1 else np.sum(around * weights * self.shape(np.hypot(far, along)), axis=-1)
+        )
+        return _real(self.normalization * np.reshape(seen, far.shape[:-1]))
+
+    @property
+    def overlap(self) -> float:
+        """The integral over q > 0 of the square of `over_plane`: how liquid resists a plane that comes nearer."""
+        q, weights = _quadrature(self.support)
+        return float(np.sum(weights * np.asarray(self.over_plane(q)) ** 2))
 
 
 def kernel(name: str, dim: int = 2) -> Kernel:

@@ -183,6 +183,20 @@ def wendland_c4_slope(q: Pure[Value]) -> Pure[Value]:
     return -(7.0 / 3.0) * (2.0 + 5.0 * q) * _fifth(positive(1.0 - 0.5 * q))
 
 
+def wendland_c4_bend(q: Pure[Value]) -> Pure[Value]:
+    """(1/q) d/dq (f'(q)/q) of Wendland's C4, 35 (1-q/2)^4: what second derivatives need beside the slope.
+
+    With s = f'/q and b this, the derivatives of W along a and b are (s delta_ab + b x_a x_b/h^2)/h^2. [wendland1995,
+    dehnen2012].
+
+    >>> wendland_c4_bend(0.0), wendland_c4_bend(2.0)
+    (35.0, 0.0)
+    """
+    left = positive(1.0 - 0.5 * q)
+    left = left * left
+    return 35.0 * (left * left)
+
+
 def wendland_c6_value(q: Pure[Value]) -> Pure[Value]:
     """(1-q/2)^8 (1 + 4q + 25q^2/4 + 4q^3), in 2D and 3D, support 2. [wendland1995, dehnen2012].
 

@@ -7,15 +7,13 @@ import math
 
 import numpy as np
 
-from ecume.laws.pace import tension_limit
+from ecume.models.advice import LONG, Row, told_duration
+from ecume.models.sph import pacing
 from ecume.models.sph.choosing import smoothing_of, tension_of
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.solids import part_of, solids_of
 from ecume.models.sph.substances import told
 from ecume.scenes.sph import SphScene
-
-Row = tuple[str, str, str]
-"""Name, value with unit, remark."""
 
 PAIRS_PER_SECOND = 1.5e8
 """Of the sums, on one core: a rough figure."""
@@ -33,12 +31,10 @@ FAST = 0.11
 ROUGH = {
     ("cohesion", 2): "swings below a tenth are too fast, wide ones right within 5 %",
     ("cohesion", 3): "draws round, but does not swing: particles that keep their neighbors hold each other",
-    ("csf", 2): "pressures within 10 %; swings grow unless viscosity damps them",
-    ("csf", 3): "pressures within 10 %; swings grow unless viscosity damps them",
+    ("csf", 2): "periods and pressures within some percent at ten particles a radius",
+    ("csf", 3): "periods within 9 % at five particles a radius, 5 % at six; pressures within 11 %",
 }
-"""What a model of surface tension cannot do, by dimension."""
-LONG = 86400.0
-"""Seconds of a run that somebody may want to shorten."""
+"""How well a model of surface tension does, by dimension."""
 
 
 def advice(scene: SphScene, parameters: Parameters, count: int, bytes_each: float) -> list[Row]:
@@ -111,7 +107,7 @@ def _cost(scene: SphScene, parameters: Parameters, count: int, bytes_each: float
         ),
         ("steps", str(steps), f"{frames} frames of {parameters.steps_per_frame} steps"),
         ("memory", f"{1e-6 * count * bytes_each:.3g} MB", f"{bytes_each:.0f} bytes a particle"),
-        ("time on this machine", duration(seconds), "roughly, after compilation" + long),
+        ("time on this machine", told_duration(seconds), "roughly, after compilation" + long),
     ]
 
 
@@ -154,19 +150,4 @@ def limiter(scene: SphScene, parameters: Parameters) -> str:
     """What sets the step."""
     if scene.method.time_step is not None:
         return "as given"
-    material, smoothing = parameters.material, smoothing_of(scene)
-    limits = {
-        "sound": parameters.courant * smoothing / (material.sound_speed + material.fastest),
-        "viscosity": 0.125 * smoothing**2 * material.density / material.viscosity if material.viscosity else math.inf,
-        "surface tension": math.inf,
-    }
-    if tension_of(scene) != "none":
-        limits["surface tension"] = tension_limit(smoothing, material.density, material.surface_tension)
-    return f"set by {min(limits, key=lambda name: limits[name])}"
-
-
-def duration(seconds: float) -> str:
-    """In the unit that fits."""
-    if seconds < 100:
-        return f"{seconds:.2g} s"
-    return f"{seconds / 60:.2g} min" if seconds < 6000 else f"{seconds / 3600:.2g} h"
+    return f"set by {pacing.limiter(pacing.limits_of(scene, parameters.material))}"

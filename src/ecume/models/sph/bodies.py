@@ -25,7 +25,7 @@ def bodies_of(scene: SphScene, boundary: Boundary) -> Bodies:
     _require_possible(scene)
     shapes = [shape_of(spec) for spec in scene.bodies]
     centered = tuple(shape.carried(-shape.middle()) for shape in shapes)
-    mass = np.array([_mass(spec, shape) for spec, shape in zip(scene.bodies, shapes, strict=True)])
+    mass = np.array([mass_of(spec, shape) for spec, shape in zip(scene.bodies, shapes, strict=True)])
     inertia = np.array([shape.inertia() for shape in shapes]).reshape(-1, 3).T
     if len(scene.tank.low) == 2:
         inertia = inertia * np.array([[0.0], [0.0], [1.0]])
@@ -61,7 +61,8 @@ def _require_possible(scene: SphScene) -> None:
         raise SceneError(faults)
 
 
-def _mass(spec: BodySpec, shape: Shape) -> float:
+def mass_of(spec: BodySpec, shape: Shape) -> float:
+    """kg; in the plane of one meter's depth."""
     return spec.mass if spec.mass is not None else float(spec.density or 0.0) * shape.volume()
 
 
@@ -203,15 +204,17 @@ def keep_out(bodies: Bodies, pose: Array, motion: Array, liquid: tuple[Array, Ar
 
 
 def _bounce(bodies: Bodies, body: int, state: tuple[Array, Array], particle: tuple[Array, Array, float, Array]) -> None:
+    """End their approach, as of two bodies that stick: the lighter one gives way."""
     pose, motion = state
-    x, v, mass, normal = particle
-    arm = np.pad(x, (0, 3 - len(x))) - pose[:3, body]
+    x, v, mass, out = particle
+    arm, normal = np.pad(x, (0, 3 - len(x))) - pose[:3, body], np.pad(out, (0, 3 - len(out)))
     surface = motion[:3, body] + np.cross(motion[3:, body], arm)
-    approach = float((v - surface[: len(v)]) @ normal)
+    approach = float((v - surface[: len(v)]) @ out)
     if approach < 0.0:
-        kick = -approach * normal
-        v += kick
-        give(bodies, body, state, (-mass * np.pad(kick, (0, 3 - len(kick))), arm))
+        turning = np.cross(inverse_inertia_of(bodies, body, pose) @ np.cross(arm, normal), arm)
+        impulse = -approach / (1.0 / mass + 1.0 / bodies.mass[body] + normal @ turning) * normal
+        v += impulse[: len(v)] / mass
+        give(bodies, body, state, (-impulse, arm))
 
 
 def give(bodies: Bodies, body: int, state: tuple[Array, Array], impulse: tuple[Array, Any]) -> None:

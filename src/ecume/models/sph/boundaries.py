@@ -10,6 +10,7 @@ import numpy as np
 from ecume.engine.cells import Integers
 from ecume.engine.images import Sides
 from ecume.errors import Fault, SceneError
+from ecume.models.sph.choosing import color_reach_of
 from ecume.models.sph.guard import guard_of
 from ecume.models.sph.parameters import Boundary, Dummies, Material
 from ecume.models.sph.solids import grains, obstacle_grains, shape_of, solids_of
@@ -23,7 +24,7 @@ LEAST_PERIOD = 1.2
 
 def boundary_of(scene: SphScene, material: Material, support: float) -> Boundary:
     """The tank, what stands in it, and the bodies' particles about their middles."""
-    require_long_periods(scene, support)
+    require_long_periods(scene, max(support, color_reach_of(scene)))
     sides, table, image_owner = _imaging_sides(scene, material)
     solids = solids_of(scene)
     middle = 0.5 * (np.array(scene.tank.low) + np.array(scene.tank.high))

@@ -7,7 +7,6 @@ import math
 import numpy as np
 
 from ecume.errors import Fault, SceneError
-from ecume.laws.pace import tension_limit
 from ecume.laws.tension import laplace_pressure
 from ecume.models.sph.bodies import bodies_of
 from ecume.models.sph.boundaries import boundary_of
@@ -17,6 +16,7 @@ from ecume.models.sph.choosing import (
     STRESSES,
     choices_of,
     chosen,
+    color_reach_of,
     free_surface,
     gravity_of,
     held_pull,
@@ -32,6 +32,7 @@ from ecume.models.sph.choosing import (
 from ecume.models.sph.gates import bounds_of, gates_of
 from ecume.models.sph.gauges import gauges_of
 from ecume.models.sph.motions import drives_of, fastest_drive, shake_of
+from ecume.models.sph.pacing import steps_of
 from ecume.models.sph.parameters import INTEGRATORS, SHIFTINGS, TENSIONS, Material, Parameters
 from ecume.models.sph.solids import part_of
 from ecume.models.sph.starting import velocity_in
@@ -106,28 +107,21 @@ def parameters_of(scene: SphScene) -> Parameters:
     """Everything that does not move."""
     material, method = material_of(scene), scene.method
     shape, smoothing = kernel_of(scene), smoothing_of(scene)
-    dimension = len(scene.tank.low)
-    gravity = gravity_of(scene)
-    pull, held = gravity, held_pull(scene)
-    if modified(scene):
-        pull = held = np.zeros(dimension)
-    time_step, per_frame = steps_of(scene, material, smoothing)
-    transports = chosen(method.pressure_force, STRESSES, "method.pressure_force") == "transport"
-    usual = material.density * material.sound_speed**2
     support = shape.support * smoothing
-    origin = 0.5 * (np.array(scene.tank.low) + np.array(scene.tank.high)) * (method.precision == "single")
+    time_step, per_frame = steps_of(scene, material)
+    held = held_pull(scene) * (not modified(scene))
     boundary = boundary_of(scene, material, support)
-    center = scene.central_pull
     bodies, drives, shake = bodies_of(scene, boundary), drives_of(scene), shake_of(scene)
+    rate, center = central_pull_of(scene)
     return Parameters(
         time_step=time_step,
         steps_per_frame=per_frame,
-        dimension=dimension,
+        dimension=len(scene.tank.low),
         spacing=scene.spacing,
         material=material,
         constants=np.array([material.sound_speed, material.exponent, material.density]),
-        gravity=pull,
-        hydrostatic=gravity if method.pressure_split != "none" else 0.0 * gravity,
+        gravity=gravity_of(scene) * (not modified(scene)),
+        hydrostatic=gravity_of(scene) * (method.pressure_split != "none"),
         surface=max(float(part_of(region, scene.spacing).bounds()[1][1]) for region in scene.fluid),
         numbers=numbers_of(scene, material, held),
         choices=choices_of(scene, held),
@@ -139,31 +133,32 @@ def parameters_of(scene: SphScene) -> Parameters:
         bounds=bounds_of(scene),
         shake=shake,
         gauges=gauges_of(scene, support),
-        pull_rate=0.0 if center is None else center.rate,
-        pull_center=np.zeros(dimension) if center is None else np.array(center.center),
+        pull_rate=rate,
+        pull_center=center,
         moves=bool(bodies.shapes or drives or shake),
         integrator=INTEGRATORS.index(chosen(method.integrator, INTEGRATORS, "method.integrator")),
         shifting=SHIFTINGS.index(shifting_of(scene)),
-        background=(usual if method.background_pressure is None else method.background_pressure) * transports,
+        background=background_of(scene, material),
         tension=TENSIONS.index(tension_of(scene)),
-        carried=carried_of(scene, shape.normalization / smoothing**dimension),
+        color_reach=color_reach_of(scene),
+        carried=carried_of(scene, shape.normalization / smoothing ** len(scene.tank.low)),
         turbulence=turbulent(scene),
         courant=method.courant,
         walls_clip=free_surface(scene) if method.walls_clip is None else method.walls_clip,
         precision=PRECISIONS[method.precision],
-        origin=origin,
+        origin=0.5 * (np.array(scene.tank.low) + np.array(scene.tank.high)) * (method.precision == "single"),
     )
 
 
-def steps_of(scene: SphScene, material: Material, smoothing: float) -> tuple[float, int]:
-    """The time step and how many fit between two frames: sound and viscosity set it [monaghan1992, morris1997]."""
-    longest = scene.method.courant * smoothing / (material.sound_speed + material.fastest)
-    if material.viscosity > 0.0:
-        longest = min(longest, 0.125 * smoothing**2 * material.density / material.viscosity)
-    if tension_of(scene) != "none":
-        longest = min(longest, tension_limit(smoothing, material.density, material.surface_tension))
-    wanted = scene.method.time_step or longest
-    if wanted > 4.0 * longest:
-        raise SceneError([Fault("method.time_step", f"came {wanted:g} s; sound and viscosity allow {longest:.3g} s")])
-    per_frame = max(1, math.ceil(scene.frame_every / wanted * (1.0 - 1e-9)))
-    return scene.frame_every / per_frame, per_frame
+def central_pull_of(scene: SphScene) -> tuple[float, Array]:
+    """Its rate (1/s), zero where there is none, and the point it pulls to."""
+    pull = scene.central_pull
+    return (0.0, np.zeros(len(scene.tank.low))) if pull is None else (pull.rate, np.array(pull.center))
+
+
+def background_of(scene: SphScene, material: Material) -> float:
+    """Pa, of the transport velocity; zero without."""
+    if chosen(scene.method.pressure_force, STRESSES, "method.pressure_force") != "transport":
+        return 0.0
+    given = scene.method.background_pressure
+    return material.density * material.sound_speed**2 if given is None else given

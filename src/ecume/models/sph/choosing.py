@@ -53,6 +53,8 @@ DIFFUSIONS = ("none", "molteni", "antuono", "linear", "hydrostatic")
 FRICTIONS = ("morris", "monaghan")
 STRESSES = ("sum", "monaghan", "transport")
 PRECISIONS: dict[str, type[np.floating[Any]]] = {"double": np.float64, "single": np.float32}
+COLOR_REACHES = {2: 4.8, 3: 4.0}
+"""Of the color's kernel, in spacings: narrower ones see single particles, wider ones flatten what is curved."""
 USUAL_ALPHA = 0.02
 """Of the artificial viscosity, where the liquid has none of its own."""
 
@@ -164,8 +166,13 @@ def shifting_of(scene: SphScene) -> str:
 def tension_of(scene: SphScene) -> str:
     """The model of surface tension by its name."""
     name, there = scene.method.surface_tension_model, (filled(scene.liquid).surface_tension or 0.0) > 0.0
-    wanted = "cohesion" if name == "automatic" else chosen(name, TENSIONS, "method.surface_tension_model")
+    wanted = "csf" if name == "automatic" else chosen(name, TENSIONS, "method.surface_tension_model")
     return wanted if there else "none"
+
+
+def color_reach_of(scene: SphScene) -> float:
+    """How far the continuum surface force looks (m); zero without."""
+    return COLOR_REACHES[len(scene.tank.low)] * scene.spacing if tension_of(scene) == "csf" else 0.0
 
 
 def turbulent(scene: SphScene) -> bool:

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from ecume._jit import prange, spread
+from ecume._jit import compiled_inside, prange, spread
 from ecume.engine.cells import Integers
 from ecume.engine.images import Images
 from ecume.models.sph.fields import (
@@ -46,6 +46,38 @@ from ecume.models.sph.sums import damping
 from ecume.models.sph.weights import slope_of
 from ecume.units import Array
 
+Vector = tuple[Any, Any, Any]
+
+
+@compiled_inside
+def _transported(fields: Any, i: Any, j: Any, apart: Vector, pull: Any) -> Vector:
+    """Pressure weighed by densities, and the momentum that a transport velocity carries (see `push_transported`)."""
+    both = 0.5 * pull * (fields[VOLUME, i] * fields[VOLUME, i] + fields[VOLUME, j] * fields[VOLUME, j])
+    mean = fields[RHO, j] * fields[P, i] + fields[RHO, i] * fields[P, j]
+    mean *= 2.0 / (fields[RHO, i] + fields[RHO, j])
+    dx, dy, dz = apart
+    own = fields[RHO, i] * (fields[W, i] * dx + fields[W + 1, i] * dy + fields[W + 2, i] * dz)
+    flux = fields[RHO, j] * (fields[W, j] * dx + fields[W + 1, j] * dy + fields[W + 2, j] * dz)
+    return (
+        both * (mean * dx - own * fields[V, i] - flux * fields[V, j]),
+        both * (mean * dy - own * fields[V + 1, i] - flux * fields[V + 1, j]),
+        both * (mean * dz - own * fields[V + 2, i] - flux * fields[V + 2, j]),
+    )
+
+
+@compiled_inside
+def _rubbed(fields: Any, i: Any, j: Any, apart: Vector, law: Any) -> Vector:
+    """Viscous force of a pair: along the difference of velocities, or along the line between them, d + 2 times that."""
+    pull, radially, soft = law
+    held, (dx, dy, dz) = fields[MU, i] * fields[MU, j], apart
+    drag = 4.0 * pull * fields[VOLUME, i] * fields[VOLUME, j] * held / (fields[MU, i] + fields[MU, j])
+    du, dv = fields[U, i] - fields[U, j], fields[U + 1, i] - fields[U + 1, j]
+    dw = fields[U + 2, i] - fields[U + 2, j]
+    if radially > 0:
+        along = radially * (du * dx + dv * dy + dw * dz) / max(dx * dx + dy * dy + dz * dz, soft)
+        du, dv, dw = along * dx, along * dy, along * dz
+    return drag * du, drag * dv, drag * dw
+
 
 @spread
 def press(
@@ -55,7 +87,8 @@ def press(
     kernel, scale, inverse = choices[KERNEL], numbers[SCALE], numbers[INVERSE]
     damper = numbers[H], numbers[SHARE], numbers[SOUND], numbers[ALPHA]
     transported, deep = choices[STRESS] == TRANSPORT, choices[DIMENSION] == 3
-    rubs, radially = choices[FRICTION] != NO_FRICTION, choices[FRICTION] == RADIAL
+    rubs = choices[FRICTION] != NO_FRICTION
+    radially = (choices[DIMENSION] + 2) * (choices[FRICTION] == RADIAL)
     for place in prange(len(mine)):
         i = mine[place]
         for k in range(count[i]):
@@ -68,33 +101,19 @@ def press(
             square = dx * dx + dy * dy + dz * dz
             pull = scale * slope_of(math.sqrt(square) * inverse, kernel)
             if transported:
-                both = 0.5 * pull * (fields[VOLUME, i] * fields[VOLUME, i] + fields[VOLUME, j] * fields[VOLUME, j])
-                mean = fields[RHO, j] * fields[P, i] + fields[RHO, i] * fields[P, j]
-                mean *= 2.0 / (fields[RHO, i] + fields[RHO, j])
-                own = fields[RHO, i] * (fields[W, i] * dx + fields[W + 1, i] * dy + fields[W + 2, i] * dz)
-                flux = fields[RHO, j] * (fields[W, j] * dx + fields[W + 1, j] * dy + fields[W + 2, j] * dz)
-                force[g, 0, place] += both * (mean * dx - own * fields[V, i] - flux * fields[V, j])
-                force[g, 1, place] += both * (mean * dy - own * fields[V + 1, i] - flux * fields[V + 1, j])
-                force[g, 2, place] += both * (mean * dz - own * fields[V + 2, i] - flux * fields[V + 2, j])
+                fx, fy, fz = _transported(fields, i, j, (dx, dy, dz), pull)
             else:
                 radial = (fields[V, j] - fields[V, i]) * dx + (fields[V + 1, j] - fields[V + 1, i]) * dy
                 radial += (fields[V + 2, j] - fields[V + 2, i]) * dz
                 damps = fields[LIQUID, i] * fields[LIQUID, j] * damping(radial, square, damper)
                 both = pull * fields[WEIGHT, i] * fields[WEIGHT, j] * (fields[PUSH, i] + fields[PUSH, j] + damps)
-                force[g, 0, place] += both * dx
-                force[g, 1, place] += both * dy
-                force[g, 2, place] += both * dz
-            held = fields[MU, i] * fields[MU, j]
-            if rubs and held > 0.0:
-                drag = 4.0 * pull * fields[VOLUME, i] * fields[VOLUME, j] * held / (fields[MU, i] + fields[MU, j])
-                du, dv = fields[U, i] - fields[U, j], fields[U + 1, i] - fields[U + 1, j]
-                dw = fields[U + 2, i] - fields[U + 2, j] if deep else 0.0
-                if radially:
-                    along = (choices[DIMENSION] + 2) * (du * dx + dv * dy + dw * dz) / max(square, numbers[SOFT])
-                    du, dv, dw = along * dx, along * dy, along * dz
-                force[g, 0, place] += drag * du
-                force[g, 1, place] += drag * dv
-                force[g, 2, place] += drag * dw
+                fx, fy, fz = both * dx, both * dy, both * dz
+            if rubs and fields[MU, i] * fields[MU, j] > 0.0:
+                rx, ry, rz = _rubbed(fields, i, j, (dx, dy, dz), (pull, radially, numbers[SOFT]))
+                fx, fy, fz = fx + rx, fy + ry, fz + rz
+            force[g, 0, place] += fx
+            force[g, 1, place] += fy
+            force[g, 2, place] += fz
 
 
 def forces_on(parameters: Parameters, workspace: Workspace, mine: Integers, group: Integers) -> Array:

@@ -193,6 +193,8 @@ class Parameters(NamedTuple):
     """Pa, of the transport velocity; zero without"""
     tension: int
     """which model of surface tension"""
+    color_reach: float
+    """m, how far the continuum surface force looks; zero without"""
     carried: Carried
     """what the liquid carries along"""
     turbulence: bool

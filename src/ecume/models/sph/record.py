@@ -8,8 +8,9 @@ import numpy as np
 import psutil
 
 from ecume.errors import BadInput, Fault, SceneError
+from ecume.models.advice import Row
 from ecume.models.model import Model
-from ecume.models.sph.advice import Row, advice
+from ecume.models.sph.advice import advice
 from ecume.models.sph.building import parameters_of
 from ecume.models.sph.choosing import kernel_of, smoothing_of
 from ecume.models.sph.fields import FIELDS, RATES

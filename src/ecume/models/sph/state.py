@@ -185,7 +185,7 @@ def workspace_at(parameters: Parameters, state: State, before: Workspace | None 
     """
     boundary, reach = parameters.boundary, parameters.support + float(state.skin[0])
     real = np.concatenate([state.reference, boundary.dummies.position], axis=1)
-    images = images_of(real, boundary.sides, reach)
+    images = images_of(real, boundary.sides, max(reach, parameters.color_reach + float(state.skin[0])))
     everyone = np.concatenate([real, positions_of_images(real, images, boundary.sides)], axis=1)
     liquid, count = state.reference.shape[1], real.shape[1]
     guess = likely_neighbors(parameters.dimension, reach / parameters.spacing)

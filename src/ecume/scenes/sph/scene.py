@@ -143,9 +143,9 @@ class MethodSpec:
     turbulence: LawName = "none"
     """`smagorinsky`: eddies smaller than particles add a viscosity (0.12 spacing)^2 |S| to the liquid's own; `none`"""
     surface_tension_model: LawName = "automatic"
-    """`cohesion` (attraction between particles: keeps momentum, its tension is rough; the default where
-    `liquid.surface_tension` is given), `csf` (continuum surface force: the tension is right, but it feeds swinging), or
-    `none`
+    """`csf` (continuum surface force, the slope of the surface's energy on nodes; the default where
+    `liquid.surface_tension` is given), `cohesion` (attraction between particles, which press each other: discs in a
+    plane only, roughly), or `none`
     """
     shifting: LawName = "automatic"
     """`delta-plus` shifts particles towards even spacing, away from the surface (the default where the liquid fills a

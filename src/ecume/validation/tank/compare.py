@@ -21,6 +21,8 @@ MOST_ERROR, LARGEST_ERROR, MOST_SHIFT, MOST_SPEED = 0.01, 0.015, 0.003, 2e-4
 """In units of rho g H, of H and of sqrt(g H)."""
 MOST_CREEP = 1e-4
 """Of H, in the last quarter of the time."""
+MOST_LASTING = 0.85
+"""Of the creep in a quarter, what may be left in the next one: it must die away."""
 SOUND_SPEED = 10.0
 
 
@@ -43,14 +45,16 @@ class Rest(NamedTuple):
 
 
 def rows() -> list[Row]:
-    """1e5 steps with 16 and with 32 particles above one another, and twice as long with 16."""
-    coarse, fine = run(["duration=568.0"]), run(["spacing=0.03125", "duration=142.0"])
-    half = len(coarse) // 2 + 1
+    """1e5 steps with 16 and with 32 particles above one another, and twice as long."""
+    coarse, fine = run(["duration=568.0"]), run(["spacing=0.03125", "duration=284.0"])
+    half, middle = len(coarse) // 2 + 1, len(fine) // 2 + 1
     return [
         *told("16 deep, 1e5 steps", coarse[:half]),
         *told("16 deep, 2e5 steps", coarse),
         below("16 deep, 2e5 steps: center's creep in the last quarter, over H", creep(coarse), MOST_CREEP),
-        *told("32 deep, 1e5 steps", fine),
+        *told("32 deep, 1e5 steps", fine[:middle]),
+        *told("32 deep, 2e5 steps", fine),
+        below("32 deep, 2e5 steps: creep in the last quarter, over that before", lasting(fine), MOST_LASTING),
     ]
 
 
@@ -102,6 +106,12 @@ def creep(frames: Sequence[Rest]) -> float:
     """How far the center of mass goes in the last quarter."""
     late = last_quarter(frames)
     return abs(late[-1].center - late[0].center)
+
+
+def lasting(frames: Sequence[Rest]) -> float:
+    """How far the center of mass goes in the last quarter, over how far it went in the one before."""
+    quarter = len(last_quarter(frames))
+    return creep(frames) / abs(frames[-quarter - 1].center - frames[-2 * quarter].center)
 
 
 def last_quarter(frames: Sequence[Rest]) -> Sequence[Rest]:

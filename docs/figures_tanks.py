@@ -1,0 +1,289 @@
+"""What stands, moves, flows in and is measured in the tanks of an sph scene: a small picture of every option.
+
+Every scene here takes seconds; `docs/figures.py` draws them with all others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from figures_sph import liquid, simulated
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Polygon, Rectangle
+
+from ecume.scenes.schema import from_plain
+from ecume.show.picture import Size
+from ecume.show.sph.picture import liquid_picture
+from ecume.show.style import INK, MUTED, PALETTE, figure
+from ecume.simulation import simulate
+from ecume.trajectories.frame import Frame
+
+OPEN, FREE = {"kind": "open"}, {"slip": "free"}
+SOLID = {"facecolor": "#e8e4da", "edgecolor": INK, "linewidth": 1.0}
+WATER = {"density": 1.0, "sound_speed": 10.0, "fastest": 1.4}
+
+
+def tank(width: float, height: float, **sides: Any) -> dict[str, Any]:
+    """An open tank from the origin on."""
+    return {"low": [0.0, 0.0], "high": [width, height], "top": OPEN, **sides}
+
+
+def pool(width: float, depth: float, **changes: Any) -> dict[str, Any]:
+    """A scene of liquid that fills an open tank to a depth, in units of 1 for depth and gravity."""
+    return {
+        "duration": 2.0, "frame_every": 0.5, "spacing": 0.05, "gravity": [0.0, -1.0], "liquid": WATER,
+        "tank": tank(width, 2.0 * depth), "fluid": [{"low": [0.0, 0.0], "high": [width, depth]}], **changes,
+    }  # fmt: skip
+
+
+def by_speed(axes: Axes, frame: Frame, fastest: float, box: tuple[float, float]) -> Any:
+    """The particles of a frame by their speed, in a box from the origin."""
+    dots = liquid(axes, frame, np.linalg.norm(frame.arrays["velocity"], axis=1), 0.0, fastest)
+    axes.plot([0, 0, box[0], box[0]], [box[1], 0, 0, box[1]], color=INK, linewidth=1.0)
+    axes.set(xlim=(-0.03, box[0] + 0.03), ylim=(-0.03, box[1]))
+    return dots
+
+
+def sides() -> Figure:
+    """What a side can be, and what a wall of the tank does to whom it turns back."""
+    drawn = figure(11.0, 4.6)
+    panels = drawn.subplots(2, 3).ravel()
+    flat = {"low": [0.0, 0.0], "high": [0.8, 0.8]}
+    kinds = {
+        'kind = "wall"': tank(2.0, 1.2),
+        'kind = "open"': tank(2.0, 1.2, right=OPEN),
+        'kind = "periodic"': tank(2.0, 1.2, left={"kind": "periodic"}, right={"kind": "periodic"}),
+    }
+    for axes, (title, one) in zip(panels, kinds.items(), strict=False):
+        last = simulated(pool(2.0, 0.6, tank=one, fluid=[flat], duration=1.8, frame_every=1.8))[-1]
+        by_speed(axes, last, 1.4, (2.0, 1.2))
+        axes.set_title(f"{title}, t = 1.8")
+    panels[1].plot([2.0, 2.0], [0.02, 1.2], color="white", linewidth=2.0)
+    for restitution, color in zip((0.0, 1.0), PALETTE, strict=False):
+        one = tank(1.0, 1.2, walls="reflect", restitution=restitution)
+        frames = simulated(pool(1.0, 0.6, tank=one, duration=3.0, frame_every=0.05, method={"jitter": 0.2}))
+        height = [frame.numbers["center_y"] for frame in frames]
+        panels[3].plot([frame.time for frame in frames], height, color=color, label=f"restitution = {restitution:g}")
+    panels[3].set(xlabel="time", ylabel="height of the middle", title='walls = "reflect"')
+    panels[3].legend()
+    leaving = {"low": [0.0, 0.2], "high": [0.5, 0.8], "velocity": [0.3, 0.0]}
+    for axes, clip in zip(panels[4:], (True, False), strict=True):
+        one = tank(1.2, 1.0, walls="dummy")
+        changes = {"gravity": [0.0, 0.0], "fluid": [leaving], "duration": 0.8, "frame_every": 0.8}
+        last = simulated(pool(1.2, 0.5, tank=one, method={"walls_clip": clip}, **changes))[-1]
+        by_speed(axes, last, 0.5, (1.2, 1.0))
+        axes.set_title(f"dummies, walls_clip = {str(clip).lower()}")
+    return drawn
+
+
+def pulls() -> Figure:
+    """Gravity askew; a pull to a point; a tank that is shaken by a sine and by a table; a side that moves."""
+    drawn = figure(11.0, 4.8)
+    panels = drawn.subplots(2, 2).ravel()
+    thick = {"artificial_viscosity": 0.3}
+    last = simulated(pool(2.0, 0.6, gravity=[0.25, -0.97], method=thick, duration=8.0, frame_every=8.0))[-1]
+    by_speed(panels[0], last, 0.3, (2.0, 1.2))
+    panels[0].plot([0.0, 2.0], [0.6 - 0.25 / 0.97, 0.6 + 0.25 / 0.97], color=PALETTE[1])
+    panels[0].set_title("gravity = [0.25, −0.97], t = 8")
+    square = {"low": [-0.5, -0.5], "high": [0.5, 0.5]}
+    around = dict.fromkeys(("left", "right", "bottom", "top"), OPEN)
+    free = {"low": [-1.0, -1.0], "high": [1.0, 1.0], **around}
+    drop = {"fluid": [square], "gravity": [0.0, 0.0], "central_pull": {"rate": 1.0, "center": [0.0, 0.0]}}
+    frames = simulated(pool(1.0, 0.5, tank=free, duration=6.0, frame_every=3.0, **drop))
+    for frame, shift in zip(frames, (-1.4, 0.0, 1.4), strict=True):
+        x, y = frame.arrays["position"].T
+        panels[1].plot(x + shift, y, ".", color=PALETTE[0], markersize=2)
+        panels[1].text(shift, -0.95, f"t = {frame.time:g}", ha="center")
+    panels[1].set(aspect="equal", xlim=(-2.2, 2.2), ylim=(-1.1, 0.8), title="central_pull on a square")
+    panels[1].set_axis_off()
+    shaken = {
+        "amplitude, frequency": {"amplitude": [0.1, 0.0], "frequency": 0.19},
+        "times, accelerations": {"times": [0.0, 2.0, 2.01], "accelerations": [[0.2, 0.0], [0.2, 0.0], [0.0, 0.0]]},
+    }
+    gauge = {"name": "side", "place": [0.0, 0.0], "measures": ["level"]}
+    for (label, shake), color in zip(shaken.items(), PALETTE, strict=False):
+        frames = simulated(pool(2.0, 0.6, shake=shake, gauges=[gauge], duration=7.0, frame_every=0.1))
+        level = [frame.numbers["side_level"] for frame in frames]
+        panels[2].plot([frame.time for frame in frames], level, color=color, label=label)
+    panels[2].set(xlabel="time", ylabel="level at the left side", title="[shake]")
+    panels[2].legend()
+    motions = {
+        "amplitude, frequency, phase": {"amplitude": 0.12, "frequency": 0.45, "phase": "90 deg"},
+        "times, positions": {"times": [0.0, 1.5], "positions": [0.0, 0.5]},
+    }
+    for (label, motion), up in zip(motions.items(), (1.0, 0.0), strict=True):
+        moved = tank(5.0, 1.0, left={"motion": motion})
+        last = simulated(pool(5.0, 0.4, tank=moved, duration=5.0, frame_every=5.0, spacing=0.05))[-1]
+        x, y = last.arrays["position"].T
+        panels[3].scatter(
+            x, y + up, s=3.0, c=np.linalg.norm(last.arrays["velocity"], axis=1), cmap="viridis", linewidths=0
+        )
+        panels[3].text(5.0, up + 0.62, label, ha="right")
+    panels[3].set(aspect="equal", xlim=(-0.2, 5.05), ylim=(-0.05, 1.9), title="tank.left.motion, t = 5, by speed")
+    panels[3].set_axis_off()
+    return drawn
+
+
+def colors() -> Figure:
+    """A film's picture of a tank in space: regions, an obstacle and a body by their own colors."""
+    scene = from_plain({"model": "sph", **IN_SPACE})
+    frames = list(simulate(scene))
+    picture = liquid_picture(scene, frames, Size(820, 520), "region")
+    picture.show(frames[-1])
+    return picture.figure
+
+
+IN_SPACE = {
+    "duration": 0.25, "frame_every": 0.25, "spacing": 0.025, "title": "front, back and color",
+    "tank": {"low": [0.0, 0.0, 0.0], "high": [0.6, 0.4, 0.3], "top": OPEN, "front": FREE, "back": FREE},
+    "fluid": [
+        {"low": [0.0, 0.0, 0.0], "high": [0.2, 0.2, 0.15], "color": "#4682b4"},
+        {"low": [0.0, 0.0, 0.15], "high": [0.2, 0.2, 0.3], "color": "#d9772b"},
+    ],
+    "obstacles": [{"low": [0.35, 0.0, 0.1], "high": [0.45, 0.15, 0.2], "color": "gray"}],
+    "bodies": [{"center": [0.1, 0.26, 0.15], "radius": 0.05, "density": 300.0, "color": "gold"}],
+    "liquid": {"fastest": 2.5},
+}  # fmt: skip
+
+
+def inlets() -> Figure:
+    """Profiles of an inflow, a stream with a surface over a step, and the pressure at which liquid leaves."""
+    drawn = figure(11.0, 4.8)
+    panels = drawn.subplots(2, 2).ravel()
+    for profile, color in zip(("uniform", "parabolic"), PALETTE, strict=False):
+        left = {"kind": "inflow", "speed": 1.0, "profile": profile}
+        last = simulated(channel(left, {"kind": "outflow"}))[-1]
+        (x, y), speed = last.arrays["position"].T, last.arrays["velocity"][:, 0]
+        panels[0].plot(speed[x < 0.15], y[x < 0.15], ".", color=color, label=f'profile = "{profile}"')
+    panels[0].set(xlabel="speed near the inflow", ylabel="height", title="left.profile, speed = 1")
+    panels[0].legend()
+    for pressure, color in zip((0.0, 5.0), PALETTE, strict=False):
+        last = simulated(channel({"kind": "inflow", "speed": 1.0}, {"kind": "outflow", "pressure": pressure}))[-1]
+        panels[1].plot(last.arrays["position"][:, 0], last.arrays["pressure"], ".", color=color, markersize=3,
+                       label=f"pressure = {pressure:g}")  # fmt: skip
+    panels[1].set(xlabel="along the channel", ylabel="pressure", title="right.pressure")
+    panels[1].legend()
+    gate = {"left": {"kind": "inflow", "speed": 0.5, "level": 0.6}, "right": {"kind": "outflow", "level": 0.6}}
+    step = {"vertices": [[1.4, 0.0], [2.2, 0.0], [2.0, 0.25], [1.6, 0.25]], "slip": "free"}
+    region = [{"low": [0.0, 0.0], "high": [4.0, 0.6], "velocity": [0.5, 0.0]}]
+    stream = pool(4.0, 0.6, tank=tank(4.0, 1.0, **gate), obstacles=[step], fluid=region, duration=5.0)
+    last = simulated({**stream, "frame_every": 5.0})[-1]
+    dots = by_speed(panels[2], last, 1.2, (4.0, 0.9))
+    panels[2].add_patch(Polygon(np.array(step["vertices"]), **SOLID))
+    panels[2].set_title("in- and outflow up to a level, over a step")
+    drawn.colorbar(dots, ax=panels[2], label="speed", shrink=0.7)
+    lid = {"low": [0.0, 0.0], "high": [1.0, 1.0], "top": {"velocity": [1.0, 0.0]}}
+    viscous = {"density": 1.0, "viscosity": 0.02, "sound_speed": 10.0, "fastest": 1.0}
+    full = {"low": [0.0, 0.0], "high": [1.0, 1.0]}
+    turned = pool(1.0, 1.0, tank=lid, fluid=[full], liquid=viscous, gravity=[0.0, 0.0], duration=4.0)
+    last = simulated({**turned, "frame_every": 4.0})[-1]
+    panels[3].quiver(*last.arrays["position"].T, *last.arrays["velocity"].T, color=PALETTE[0], scale=6.0, width=0.004)
+    panels[3].set(aspect="equal", title="top.velocity: a lid")
+    panels[3].set_axis_off()
+    return drawn
+
+
+def channel(left: dict[str, Any], right: dict[str, Any]) -> dict[str, Any]:
+    """A viscous liquid between plates."""
+    room = {"low": [0.0, 0.0], "high": [2.0, 1.0], "left": left, "right": right}
+    return {
+        "duration": 3.0, "frame_every": 3.0, "spacing": 0.0625, "gravity": [0.0, 0.0], "tank": room,
+        "fluid": [{"low": [0.0, 0.0], "high": [2.0, 1.0], "velocity": [1.0, 0.0]}],
+        "liquid": {"density": 1.0, "viscosity": 0.1, "sound_speed": 15.0, "fastest": 1.5},
+        "method": {"shifting": "delta-plus"},
+    }  # fmt: skip
+
+
+def gauges() -> Figure:
+    """Gauges in a dam that breaks: where they are, and what they read."""
+    drawn = figure(11.0, 3.2)
+    left, middle, right = drawn.subplots(1, 3, width_ratios=[1.6, 1.0, 1.0])
+    probes = [
+        {"name": "sensor", "place": [3.2, 0.05]},
+        {"name": "post", "place": [2.0, 0.0], "measures": ["level"]},
+        {"name": "line", "place": [1.2, 0.0], "end": [1.2, 0.6], "count": 7, "measures": ["velocity"]},
+    ]
+    dam = [{"low": [0.0, 0.0], "high": [1.0, 1.0]}]
+    frames = simulated(pool(3.2, 1.0, fluid=dam, gauges=probes, spacing=0.04, duration=4.0, frame_every=0.05))
+    by_speed(left, frames[32], 1.8, (3.2, 1.2))
+    left.plot(3.2, 0.05, "s", color=PALETTE[1], markersize=8, clip_on=False)
+    left.plot([2.0, 2.0], [0.0, 0.8], color=PALETTE[0])
+    left.plot([1.2] * 7, np.linspace(0.0, 0.6, 7), "o", color=PALETTE[2], markersize=4)
+    left.set_title(f"t = {frames[32].time:g}: a place, a post, a row")
+    time = [frame.time for frame in frames]
+    pressure = [frame.numbers["sensor_pressure"] for frame in frames]
+    middle.plot(time, pressure, color=PALETTE[1], label="sensor_pressure")
+    middle.plot(
+        time, [10.0 * frame.numbers["post_level"] for frame in frames], color=PALETTE[0], label="10 · post_level"
+    )
+    middle.set(xlabel="time", title=f"over time; the first blow: {max(pressure):.0f}", ylim=(-0.1, 4.0))
+    middle.legend(loc="upper left")
+    for number, color in zip((10, 20, 40), PALETTE, strict=False):
+        speed = [frames[number].numbers[f"line_{k}_velocity_x"] for k in range(1, 8)]
+        right.plot(speed, np.linspace(0.0, 0.6, 7), "o-", color=color, label=f"t = {frames[number].time:g}")
+    right.set(xlabel="line_…_velocity_x", ylabel="height", title="along the row; dry places read zero")
+    right.legend()
+    return drawn
+
+
+def turbulence() -> Figure:
+    """Eddies smaller than particles: what they do to a jump of velocity, and to tracers."""
+    drawn = figure(11.0, 3.4)
+    left, *rest = drawn.subplots(1, 4)
+    for name, color in zip(("none", "smagorinsky"), PALETTE, strict=False):
+        frames = simulated(sheared({"turbulence": name, "friction": "morris", "jitter": 0.1}))
+        y, speed = frames[-1].arrays["position"][:, 1], frames[-1].arrays["velocity"][:, 0]
+        left.plot(speed, y, ".", color=color, markersize=3, label=f'turbulence = "{name}"')
+    left.set(xlabel="speed", ylabel="height", title=f"a jump of speed, t = {frames[-1].time:g}")
+    left.legend()
+    cloud = {"count": 150, "low": [0.9, 0.48], "high": [1.1, 0.52]}
+    ways = (
+        {},
+        {"eddy_dispersion": True},
+        {"eddy_dispersion": True, "schmidt": 0.05},
+    )
+    for axes, way in zip(rest, ways, strict=True):
+        scene = sheared({"turbulence": "smagorinsky", "friction": "morris", "jitter": 0.1}, carried=[{**cloud, **way}])
+        frames = simulated(scene)
+        for frame, color in ((frames[0], MUTED), (frames[-1], PALETTE[1])):
+            mine = frame.arrays["species"] == 2
+            axes.plot(*frame.arrays["position"][mine].T, ".", color=color, markersize=3)
+        axes.add_patch(Rectangle((0.0, 0.0), 2.0, 1.0, facecolor="none", edgecolor=INK))
+        axes.set(xlim=(-0.02, 2.02), ylim=(-0.02, 1.02), aspect="equal")
+        axes.set_axis_off()
+        axes.set_title(
+            "eddy_dispersion, schmidt = 0.05" if "schmidt" in way else "eddy_dispersion" if way else "tracers"
+        )
+    return drawn
+
+
+def sheared(method: dict[str, Any], **changes: Any) -> dict[str, Any]:
+    """A full tank whose upper half flows to the right and whose lower half to the left."""
+    around = {
+        "left": {"kind": "periodic"},
+        "right": {"kind": "periodic"},
+        "top": {"slip": "free"},
+        "bottom": {"slip": "free"},
+    }
+    halves = [
+        {"low": [0.0, 0.5], "high": [2.0, 1.0], "velocity": [1.0, 0.0]},
+        {"low": [0.0, 0.0], "high": [2.0, 0.5], "velocity": [-1.0, 0.0]},
+    ]
+    return {
+        "duration": 1.5, "frame_every": 1.5, "spacing": 0.05, "gravity": [0.0, 0.0],
+        "tank": {"low": [0.0, 0.0], "high": [2.0, 1.0], **around}, "fluid": halves,
+        "liquid": {"density": 1.0, "viscosity": 1e-4, "sound_speed": 10.0, "fastest": 1.0}, "method": method, **changes,
+    }  # fmt: skip
+
+
+FIGURES: dict[str, Callable[[], Figure]] = {
+    "sph-sides": sides,
+    "sph-pulls": pulls,
+    "sph-colors": colors,
+    "sph-inlets": inlets,
+    "sph-gauges": gauges,
+    "sph-turbulence": turbulence,
+}

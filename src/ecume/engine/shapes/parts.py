@@ -1,0 +1,65 @@
+"""What a part of space can tell, and a solid one besides. Points are (N, d)."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ecume.units import Array
+
+Flags = NDArray[np.bool_]
+
+
+class Part(Protocol):
+    """What a part of space can tell that is filled with liquid."""
+
+    def bounds(self) -> tuple[Array, Array]:
+        """Its lowest and highest corner, each (d,)."""
+
+    def inside(self, points: Array) -> Flags:
+        """(N,) whether each point is inside."""
+
+    def way_out(self, points: Array, direction: Array) -> Array:
+        """(N,) how far it is from each point inside to the boundary along a unit vector."""
+
+    def anchor(self) -> Array:
+        """A corner of the lattice that fits it best, (d,)."""
+
+
+class Shape(Part, Protocol):
+    """What it must tell besides, where it is solid."""
+
+    def nearest(self, points: Array) -> tuple[Array, Array]:
+        """(N,) how far outside each point is (negative: inside), and (N, d) the slope of that: the way out."""
+
+    def rim(self, spacing: float) -> Array:
+        """(S, d) points of the boundary, its corners among them, no farther apart than the spacing."""
+
+    def middle(self) -> Array:
+        """(d,) the center of mass."""
+
+    def volume(self) -> float:
+        """An area in the plane."""
+
+    def surface(self) -> float:
+        """The area of its boundary; in the plane the length."""
+
+    def inertia(self) -> Array:
+        """(3,) moments about the axes through the middle, of a unit mass; in the plane the last alone counts."""
+
+    def thickness(self) -> float:
+        """Between the two parallel lines or planes that hold it most narrowly."""
+
+    def carried(self, way: Array) -> Shape:
+        """The same shape, moved by (d,)."""
+
+
+def apart(points: Array, shapes: Sequence[Part]) -> Flags:
+    """Which points are inside none of the shapes."""
+    free = np.ones(len(points), bool)
+    for shape in shapes:
+        free &= ~shape.inside(points)
+    return free

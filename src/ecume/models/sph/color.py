@@ -1,0 +1,237 @@
+"""The continuum surface force as the slope of an energy: sigma int psi(c) |grad c| dV, on nodes.
+
+The color c and its gradient are summed at the nodes of a square (cubic) grid that stands still, from all particles
+around; the energy is a sum over nodes (see `ecume.laws.tension.surface_weight`), and each particle's force is exactly
+minus its derivative by that particle's position, kernels' second derivatives included:
+
+    F_j = sigma a^d V_j sum_g (psi' phi grad W_gj + psi grad grad W_gj . n_g),  n = grad c / max(|grad c|, g_0)
+
+so that what swings can only lose energy. Why nodes: sampled at the particles, which stand on one side of
+their surface only, the same energy has deep minima where they lie in disorder.
+
+A particle colors with m/rho_0, whatever its density: forces depend on positions alone. Behind planes there are no
+nodes: of what images color there, and of the pull on images, half would be counted twice. What pulls at an image pulls
+at its source. Solids color by `NEUTRAL`, and feel nothing. [brackbill1992, wendland1995]
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ecume._jit import admit, compiled_inside, prange, spread
+from ecume.laws import tension
+from ecume.laws.kernels import kernel, shapes
+from ecume.models.sph.fields import LIQUID, RHO, VOLUME, X
+from ecume.models.sph.parameters import Parameters
+from ecume.models.sph.state import Workspace
+from ecume.units import Array
+
+admit(tension, shapes)
+
+NODES = 0.6
+"""From node to node, in spacings. At 0.5 and 0.67 forces are the same within some percent of their noise."""
+BLOCKS = 16
+"""Parts of the grid that are colored each by itself; how many must not depend on the threads."""
+REACH, INVERSE, STEP, VALUE, SLOPE, BEND, LEAST = range(7)
+"""Places in the table of numbers: the reach, 1/h, the nodes' distance, the kernel's factors, the least steepness."""
+ENERGY = 4
+"""Row of nodes after color and gradient: energy over sigma and a node's volume."""
+
+
+class Grid(NamedTuple):
+    """Where the nodes are: three axes always, the third of one node in the plane."""
+
+    low: Array
+    shape: Any
+    """(3,)"""
+    numbers: Array
+
+
+class Colors(NamedTuple):
+    """Everyone who colors, and the nodes around them."""
+
+    position: Array
+    """(3, columns)"""
+    volume: Array
+    grid: Grid
+    nodes: Array
+    """(5, nodes): color and gradient, or what the forces sum; and the energy"""
+
+
+def colors_of(parameters: Parameters, workspace: Workspace) -> Colors:
+    """The nodes, with what forces and energy need of them."""
+    fields, dimension = workspace.fields, parameters.dimension
+    position = np.zeros((3, fields.shape[1]))
+    position[:dimension] = fields[X : X + dimension]
+    # Columns of solids have no density.
+    wet = fields[RHO] * fields[VOLUME] / parameters.material.density
+    volume = np.where(fields[LIQUID] > 0.0, wet, tension.NEUTRAL * fields[VOLUME]).astype(np.float64)
+    grid = grid_around(parameters, position[:, : workspace.rates.shape[1]])
+    nodes = np.empty((ENERGY + 1, int(np.prod(grid.shape))))
+    color(nodes, position, volume, *grid)
+    weigh(nodes, planes_of(parameters), *grid)
+    return Colors(position, volume, grid, nodes)
+
+
+def grid_around(parameters: Parameters, position: Array) -> Grid:
+    """Nodes at multiples of their distance, as far as the liquid colors."""
+    dimension, step, reach = parameters.dimension, NODES * parameters.spacing, parameters.color_reach
+    low, high = np.zeros(3, np.int64), np.zeros(3, np.int64)
+    low[:dimension] = np.floor((position[:dimension].min(axis=1) - reach) / step)
+    high[:dimension] = np.ceil((position[:dimension].max(axis=1) + reach) / step)
+    h = 0.5 * reach
+    factor = kernel("wendland-c4", dimension).normalization / h**dimension
+    numbers = np.array([reach, 1.0 / h, step, factor, factor / h**2, factor / h**4, tension.RELIABLE / h])
+    return Grid((step * low).astype(np.float64), high - low + 1, numbers)
+
+
+def planes_of(parameters: Parameters) -> Array:
+    """(sides, 6) a point of each and its normal, into the liquid."""
+    sides, dimension = parameters.boundary.sides, parameters.dimension
+    planes = np.zeros((len(sides.normal), 6))
+    planes[:, :dimension] = sides.point - parameters.origin
+    planes[:, 3 : 3 + dimension] = sides.normal
+    return planes
+
+
+def contour_energy(parameters: Parameters, workspace: Workspace) -> float:
+    """J (per meter of depth in the plane): sigma times the sum over nodes."""
+    nodes = colors_of(parameters, workspace).nodes
+    return node_share(parameters) * float(nodes[ENERGY].sum())
+
+
+def contour_forces(parameters: Parameters, workspace: Workspace, mass: Array) -> Array:
+    """(d, N) N: minus the slopes of that energy by the liquid's positions."""
+    colors = colors_of(parameters, workspace)
+    force = np.zeros_like(colors.position)
+    draw(force, colors.position, colors.volume, colors.nodes, *colors.grid)
+    force *= node_share(parameters)
+    give_back(parameters, workspace, force)
+    found: Array = force[: parameters.dimension, : len(mass)]
+    if alone(parameters, workspace):
+        # What the grid, which stands still, holds on to is given back, as if it went along.
+        found -= found.sum(axis=1)[:, None] * (mass / mass.sum())
+    return found
+
+
+def alone(parameters: Parameters, workspace: Workspace) -> bool:
+    """Whether nothing but liquid is there: no solids, and no mirror within reach."""
+    mirrored = np.diff(workspace.images.start) * parameters.boundary.sides.mirrors
+    return len(workspace.lists.counts) == workspace.rates.shape[1] and not mirrored.any()
+
+
+def node_share(parameters: Parameters) -> float:
+    """What one node counts: sigma a^d."""
+    return parameters.material.surface_tension * (NODES * parameters.spacing) ** parameters.dimension
+
+
+def give_back(parameters: Parameters, workspace: Workspace, force: Array) -> None:
+    """What acts on images acts on those they are of: last images first, since they may be of earlier ones."""
+    images, sides, real = workspace.images, parameters.boundary.sides, len(workspace.lists.counts)
+    for side in reversed(range(len(sides.normal))):
+        here = slice(images.start[side], images.start[side + 1])
+        share = force[: parameters.dimension, real:][:, here].copy()
+        if sides.mirrors[side]:
+            axis = sides.normal[side]
+            share -= 2.0 * axis[:, None] * (axis @ share)
+        # Nobody has two images behind one side.
+        force[: parameters.dimension, images.source[here]] += share
+
+
+@compiled_inside
+def first_node(place: Any, low: Any, numbers: Any) -> Any:
+    """The first along an axis that a particle reaches."""
+    return max(0, math.ceil((place - numbers[REACH] - low) / numbers[STEP]))
+
+
+@compiled_inside
+def end_node(place: Any, low: Any, numbers: Any, most: Any) -> Any:
+    """One beyond the last."""
+    return min(most, math.floor((place + numbers[REACH] - low) / numbers[STEP]) + 1)
+
+
+@spread
+def color(nodes: Any, position: Any, volume: Any, low: Any, shape: Any, numbers: Any) -> None:
+    """Fill color and gradient, sum_j V_j W and sum_j V_j grad W. Each slab of nodes takes the particles in order."""
+    slab = (shape[0] + BLOCKS - 1) // BLOCKS
+    reach = numbers[REACH]
+    for block in prange(BLOCKS):
+        begin, end = min(shape[0], block * slab), min(shape[0], (block + 1) * slab)
+        for row in range(ENERGY):
+            for node in range(begin * shape[1] * shape[2], end * shape[1] * shape[2]):
+                nodes[row, node] = 0.0
+        for i in range(position.shape[1]):
+            x, y, z, own = position[0, i], position[1, i], position[2, i], volume[i]
+            first = max(begin, first_node(x, low[0], numbers))
+            last = min(end, end_node(x, low[0], numbers, shape[0]))
+            for a in range(first, last):
+                dx = low[0] + a * numbers[STEP] - x
+                for b in range(first_node(y, low[1], numbers), end_node(y, low[1], numbers, shape[1])):
+                    dy = low[1] + b * numbers[STEP] - y
+                    line = (a * shape[1] + b) * shape[2]
+                    for c in range(first_node(z, low[2], numbers), end_node(z, low[2], numbers, shape[2])):
+                        dz = low[2] + c * numbers[STEP] - z
+                        square = dx * dx + dy * dy + dz * dz
+                        if square < reach * reach:
+                            q = math.sqrt(square) * numbers[INVERSE]
+                            pull = own * numbers[SLOPE] * shapes.wendland_c4_slope(q)
+                            nodes[0, line + c] += own * numbers[VALUE] * shapes.wendland_c4_value(q)
+                            nodes[1, line + c] += pull * dx
+                            nodes[2, line + c] += pull * dy
+                            nodes[3, line + c] += pull * dz
+
+
+@spread
+def weigh(nodes: Any, planes: Any, low: Any, shape: Any, numbers: Any) -> None:
+    """Energies; and psi' phi and psi n in place of color and gradient, for the part of a node before all planes."""
+    step, least = numbers[STEP], numbers[LEAST]
+    for node in prange(nodes.shape[1]):
+        a, rest = divmod(node, shape[1] * shape[2])
+        b, c = divmod(rest, shape[2])
+        share = 1.0
+        for side in range(len(planes)):
+            before = (low[0] + a * step - planes[side, 0]) * planes[side, 3]
+            before += (low[1] + b * step - planes[side, 1]) * planes[side, 4]
+            before += (low[2] + c * step - planes[side, 2]) * planes[side, 5]
+            share *= min(max(0.5 + before / step, 0.0), 1.0)
+        gx, gy, gz = nodes[1, node], nodes[2, node], nodes[3, node]
+        length = math.sqrt(gx * gx + gy * gy + gz * gz)
+        steep, weight = tension.steepness(length, least), share * tension.surface_weight(nodes[0, node])
+        nodes[ENERGY, node] = weight * steep
+        nodes[0, node] = share * tension.surface_weight_slope(nodes[0, node]) * steep
+        weight /= max(length, least)
+        nodes[1, node] = weight * gx
+        nodes[2, node] = weight * gy
+        nodes[3, node] = weight * gz
+
+
+@spread
+def draw(force: Any, position: Any, volume: Any, nodes: Any, low: Any, shape: Any, numbers: Any) -> None:
+    """Minus the derivatives of the sum of all energies by everyone's position."""
+    reach = numbers[REACH]
+    for i in prange(position.shape[1]):
+        x, y, z = position[0, i], position[1, i], position[2, i]
+        fx, fy, fz = 0.0, 0.0, 0.0
+        for a in range(first_node(x, low[0], numbers), end_node(x, low[0], numbers, shape[0])):
+            dx = low[0] + a * numbers[STEP] - x
+            for b in range(first_node(y, low[1], numbers), end_node(y, low[1], numbers, shape[1])):
+                dy = low[1] + b * numbers[STEP] - y
+                line = (a * shape[1] + b) * shape[2]
+                for c in range(first_node(z, low[2], numbers), end_node(z, low[2], numbers, shape[2])):
+                    dz = low[2] + c * numbers[STEP] - z
+                    square = dx * dx + dy * dy + dz * dz
+                    if square < reach * reach:
+                        q = math.sqrt(square) * numbers[INVERSE]
+                        nx, ny, nz = nodes[1, line + c], nodes[2, line + c], nodes[3, line + c]
+                        slope = numbers[SLOPE] * shapes.wendland_c4_slope(q)
+                        bend = numbers[BEND] * shapes.wendland_c4_bend(q)
+                        along = nodes[0, line + c] * slope + bend * (dx * nx + dy * ny + dz * nz)
+                        fx += along * dx + slope * nx
+                        fy += along * dy + slope * ny
+                        fz += along * dz + slope * nz
+        force[0, i] = volume[i] * fx
+        force[1, i] = volume[i] * fy
+        force[2, i] = volume[i] * fz
