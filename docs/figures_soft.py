@@ -205,21 +205,24 @@ def delay_under_stress() -> Figure:
     drawn = figure(9.4, 3.9)
     left, right = drawn.subplots(1, 2)
     groups = [[row for row in rows if row["age"] == age] for age in AGES]
-    gaps = [geometric_mean(group, "mean_gap").value for group in groups]
+    gaps = [1e6 * geometric_mean(group, "mean_gap").value for group in groups]
     for strain, marker, color in zip(STRAINS, "so^", (PALETTE[2], PALETTE[1], PALETTE[0]), strict=True):
         name, look = f"delay_{strain:.2f}", {"color": color, "label": f"strain {strain:g}"}
         means = [geometric_mean(group, name) for group in groups]
         spread = [mean.value * math.expm1(mean.error) for mean in means]
         left.errorbar(gaps, [mean.value for mean in means], spread, fmt=marker, markersize=4, capsize=3, **look)
         ratios = [row[name] / row["separation_time"] for row in rows]
-        right.plot([row["mean_gap"] for row in rows], ratios, marker, markersize=4, **look)
-    pairs = sorted((row["mean_gap"], row["separation_time"]) for row in rows)
+        right.plot([1e6 * row["mean_gap"] for row in rows], ratios, marker, markersize=4, **look)
+    pairs = sorted((1e6 * row["mean_gap"], row["separation_time"]) for row in rows)
     left.plot(*zip(*pairs, strict=True), color=INK, linewidth=1.0, label="two spheres part (closed form)")
-    left.set(xscale="log", yscale="log", xlabel="mean gap at the step (m)", ylabel="delay (s)")
+    left.set(xscale="log", yscale="log", xlabel="mean gap at the step (µm)", ylabel="delay (s)")
     left.set_title(f"{len(SEEDS)} packings, filled to 0.860")
     right.set(
-        xscale="log", yscale="log", xlabel="mean gap at the step (m)", ylabel="delay / time to part", ylim=(0.3, 30)
+        xscale="log", yscale="log", xlabel="mean gap at the step (µm)", ylabel="delay / time to part", ylim=(0.3, 30)
     )
+    for axes in (left, right):
+        axes.set_xticks([0.5, 1.0, 2.0, 4.0], ["0.5", "1", "2", "4"])
+        axes.xaxis.set_minor_formatter(NullFormatter())
     right.set_title("Each packing")
     left.legend()
     return drawn

@@ -40,7 +40,7 @@ def system(width, held, count=30, lean=0.1):
 
 def by_gradients(matrix, right, solution, loose):
     scratch = gradients.make_gradients(*right.shape[1:])
-    assert gradients.descend(matrix, right, solution, scratch, 1e-12) > 0
+    assert gradients.descend(matrix, right, solution, scratch, gradients.Goal(1e-12, 500)) > 0
     for one in solution:
         sparse.center(one, loose)
     return True
@@ -83,6 +83,44 @@ def test_the_four_blocks_of_a_pair_may_differ(way):
         assert dense @ one.ravel() == pytest.approx(wanted.ravel(), abs=1e-9)
 
 
+@pytest.mark.compiled
+@pytest.mark.parametrize("width", [2, 3])
+def test_chunks_swept_by_threads_give_the_bits_of_one_after_the_other(width):
+    count = 2500
+    random, first, second = links(count)
+    matrix = sparse.make_matrix(sparse.make_pattern(count, first, second), width)
+    root = random.normal(size=(len(first), width, width))
+    sparse.assemble(matrix, root @ root.swapaxes(1, 2), np.ones((count, width)))
+    right = random.normal(size=(1, count, width))
+    assert gradients.make_gradients(*right.shape[1:]).sums.shape[0] > 2
+    solutions = np.zeros((2, *right.shape))
+    for solve, solution in zip((gradients.descend_alone, gradients.descend_together), solutions, strict=True):
+        scratch = gradients.make_gradients(*right.shape[1:])
+        assert solve(matrix, (right, solution), scratch, gradients.Goal(1e-10, 500)) > 0
+    assert solutions[0].tobytes() == solutions[1].tobytes()
+
+
+def test_an_order_keeps_neighbors_together_and_changes_no_solution():
+    matrix, dense, right = system(2, True)
+    _, first, second = links(30)
+    shuffled = sparse.make_pattern(30, first, second, np.random.default_rng(2).permutation(30))
+    other = sparse.make_matrix(shuffled, 2)
+    for i in range(30):
+        for place in range(shuffled.start[shuffled.rank[i]], shuffled.start[shuffled.rank[i] + 1]):
+            j = shuffled.order[shuffled.column[place]]
+            other.blocks[place] = dense[2 * i : 2 * i + 2, 2 * j : 2 * j + 2]
+    for way in WAYS.values():
+        one, two = np.zeros_like(right), np.zeros_like(right)
+        assert way(matrix, right, one, 0)
+        assert way(other, right, two, 0)
+        assert two == pytest.approx(one, abs=1e-9)
+    x, y = np.meshgrid(np.arange(16.0), np.arange(16.0))
+    position = np.stack([x.ravel(), y.ravel()], axis=1)[np.random.default_rng(1).permutation(256)]
+    near = position[sparse.near_order(position)]
+    assert np.linalg.norm(np.diff(near, axis=0), axis=1).mean() < 2.0
+    assert np.linalg.norm(np.diff(position, axis=0), axis=1).mean() > 5.0
+
+
 @pytest.mark.parametrize("width", [2, 3, 5, 6])
 def test_the_diagonal_is_inverted_block_by_block(width):
     random = np.random.default_rng(1)
@@ -113,6 +151,6 @@ def test_a_network_in_two_pieces_that_nothing_holds_has_no_solution():
 def test_gradients_need_no_iteration_for_nothing_and_give_up_without_a_diagonal():
     matrix, _, right = system(2, True)
     scratch = gradients.make_gradients(*right.shape[1:])
-    assert gradients.descend(matrix, 0.0 * right, right, scratch, 1e-3) == 0
+    assert gradients.descend(matrix, 0.0 * right, right, scratch, gradients.Goal(1e-3, 9)) == 0
     matrix.blocks[:] = 0.0
-    assert gradients.descend(matrix, right + 1.0, right, scratch, 1e-3) == -1
+    assert gradients.descend(matrix, right + 1.0, right, scratch, gradients.Goal(1e-3, 9)) == -1

@@ -17,24 +17,36 @@ from ecume.units import Array
 @compiled
 def eliminate(matrix: Matrix, right: Array, solution: Array, loose: int) -> bool:
     """Solve by dense elimination with pivots; whether there is a solution."""
-    several, count, width = right.shape
+    (several, count, width), order = right.shape, matrix.pattern.order
     size = count * width
     full = np.zeros((size, size + several))
     scatter(matrix, full)
     for s in range(several):
-        for i in range(count):
+        for row in range(count):
             for k in range(width):
-                full[i * width + k, size + s] = right[s, i, k]
-    for k in range(loose):
-        full[k, :] = 0.0
-        full[:, k] = 0.0
-        full[k, k] = 1.0
+                full[row * width + k, size + s] = right[s, order[row], k]
+    hold(full, loose)
     if not triangulate(full):
         return False
     for s in range(several):
-        substitute(full, size + s, solution[s])
+        substitute(full, size, size + s)
+        for row in range(count):
+            for k in range(width):
+                solution[s, order[row], k] = full[row * width + k, size + s]
         center(solution[s], loose)
     return True
+
+
+@compiled
+def hold(full: Array, loose: int) -> None:
+    """Keep the first unknowns, so many, where they are."""
+    size, wide = full.shape
+    for k in range(loose):
+        for i in range(size):
+            full[i, k] = 0.0
+        for m in range(wide):
+            full[k, m] = 0.0
+        full[k, k] = 1.0
 
 
 @compiled
@@ -72,14 +84,13 @@ def triangulate(full: Array) -> bool:
 
 
 @compiled
-def substitute(full: Array, right: int, solution: Array) -> None:
-    """The solution of a triangular system for one of its last columns, from its last row up."""
-    size, width = full.shape[0], solution.shape[1]
+def substitute(full: Array, size: int, column: int) -> None:
+    """Put the solution of a triangular system of so many rows into one of its last columns, from its last row up."""
     for k in range(size - 1, -1, -1):
-        value = full[k, right]
+        value = full[k, column]
         for m in range(k + 1, size):
-            value -= full[k, m] * solution[m // width, m % width]
-        solution[k // width, k % width] = value / full[k, k]
+            value -= full[k, m] * full[m, column]
+        full[k, column] = value / full[k, k]
 
 
 def factorize(matrix: Matrix, right: Array, solution: Array, loose: int) -> bool:
@@ -87,8 +98,7 @@ def factorize(matrix: Matrix, right: Array, solution: Array, loose: int) -> bool
     from scipy.sparse import bsr_array
     from scipy.sparse.linalg import splu
 
-    several, count, width = right.shape
-    pattern = matrix.pattern
+    (several, count, width), pattern = right.shape, matrix.pattern
     whole = bsr_array((matrix.blocks, pattern.column, pattern.start), shape=(count * width,) * 2).tocsc()
     free = np.arange(loose, count * width)
     solution[:] = 0.0
@@ -96,7 +106,9 @@ def factorize(matrix: Matrix, right: Array, solution: Array, loose: int) -> bool
         factors = splu(whole[loose:, loose:], permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
     except RuntimeError:  # SuperLU says so of a singular matrix
         return False
-    solution.reshape(several, -1)[:, free] = factors.solve(right.reshape(several, -1)[:, free].T).T
+    rows = np.zeros((several, count * width))
+    rows[:, free] = factors.solve(right[:, pattern.order].reshape(several, -1)[:, free].T).T
+    solution[:, pattern.order] = rows.reshape(right.shape)
     for one in solution:
         center(one, loose)
     return bool(np.isfinite(solution).all())

@@ -105,8 +105,8 @@ def test_newtons_method_doubles_its_digits_with_the_stresses_in(monkeypatch, rot
     stages.begin_stage(step, SCHEMES["tr-bdf2"], 1, 0.1)
     changes.clear()
     stages.first_stage(parameters.contacts, step, drive)
-    goal = Goal(drive._replace(shear_stress=3e-4), drive, 0.5)
-    assert newton.newton_bordered("dense", parameters.contacts, step, goal, 1e-13)
+    goal = Goal(drive._replace(shear_stress=3e-4), drive, 0.5, 1e-13)
+    assert newton.newton_bordered("dense", parameters.contacts, step, goal)
     assert math.log(changes[3]) / math.log(changes[2]) > 1.8
 
 

@@ -105,6 +105,41 @@ def test_a_ceiling_yields_until_it_is_pushed_back_as_hard(dimensions):
     assert y[0] > y[1] > y[2]
 
 
+@pytest.mark.parametrize(
+    ("top", "bottom"),
+    [({"velocity": [0.3, 0.0]}, {}), ({}, {"velocity": [-0.3, 0.0]})],
+    ids=["it is sheared itself", "the other one is"],
+)
+def test_a_plate_that_is_pressed_down_rides_on_what_is_sheared_below(top, bottom):
+    frames = list(simulate(channel({"top": top | {"pressure": 2e-3}, "bottom": bottom}, duration=3.0, frame_every=0.5)))
+    width = channel({}).box.size[0]
+    numbers = [frame.numbers for frame in frames]
+    for one in numbers:
+        assert one["top_force_y"] == pytest.approx(2e-3 * width, rel=1e-8)
+        assert one["bottom_force_y"] == pytest.approx(-2e-3 * width, rel=1e-8)
+        assert one["top_force_x"] == pytest.approx(-one["bottom_force_x"], rel=1e-7, abs=1e-12)
+    assert numbers[-1]["top_x"] - numbers[-1]["bottom_x"] == pytest.approx(0.9, rel=1e-12)
+    # What is sheared pulls the top plate back, and as spheres climb each other it goes up and down.
+    assert all(one["top_force_x"] < 0.0 for one in numbers[1:])
+    assert np.ptp([one["top_y"] for one in numbers]) > 0.02
+
+
+def test_two_plates_are_one_flow_whichever_of_them_goes():
+    ends = []
+    for walls in ({"top": {"velocity": [0.2, 0.0]}}, {"bottom": {"velocity": [-0.2, 0.0]}}):
+        pressed = {
+            name: walls.get(name, {}) | ({"pressure": 2e-3} if name == "top" else {}) for name in ("top", "bottom")
+        }
+        ends.append(list(simulate(channel(pressed, duration=0.5, frame_every=0.5)))[-1])
+    one, other = (frame.numbers for frame in ends)
+    assert one["top_y"] == pytest.approx(other["top_y"], rel=1e-7)
+    assert one["top_force_x"] == pytest.approx(other["top_force_x"], rel=1e-4)
+    moved = ends[0].arrays["position"] - ends[1].arrays["position"]
+    width = channel({}).box.size[0]
+    moved[:, 0] -= np.round((moved[:, 0] - 0.1) / width) * width
+    assert moved[:, 0] == pytest.approx(np.full(16, 0.1), abs=1e-6)
+
+
 def test_a_wall_that_is_pushed_goes_as_the_one_that_is_moved_is_pushed_back():
     moved = list(simulate(channel({"top": {"velocity": [0.0, -0.02]}}, duration=2.0, frame_every=0.02)))
     width = channel({}).box.size[0]
@@ -133,7 +168,7 @@ def test_newtons_method_doubles_its_digits_at_walls(monkeypatch, top, rotation, 
     way = "dense" if top else "direct"
     solve = newton.newton_bordered if top else newton.newton_direct
     given = (way,) if top else ()
-    assert solve(*given, parameters.contacts, step, Goal(drive, drive, 0.02), 1e-13)
+    assert solve(*given, parameters.contacts, step, Goal(drive, drive, 0.02, 1e-13))
     if dimensions == 3 and rotation:  # Turns add up there as vectors, which they do for small ones only.
         assert changes[-1] < 1e-2 * changes[-2] < 1e-8
     else:

@@ -13,6 +13,7 @@ import numpy as np
 
 from ecume._jit import compiled
 from ecume.engine.cells import Integers
+from ecume.engine.copying import clear_rows
 from ecume.models.soft.films import Pairs
 from ecume.models.soft.protocol import HIGH, IMPOSED, ROOMY, STRESSED, Drive
 from ecume.models.soft.schemes import Scheme
@@ -53,6 +54,8 @@ class Goal(NamedTuple):
     """what was imposed at the step's beginning"""
     span: float
     """s: how long a time the stage treats implicitly"""
+    fine: float
+    """the last change, of ln(gap) and directions, with which it is met"""
 
 
 class Box(NamedTuple):
@@ -113,7 +116,7 @@ def volume(cell: Cell, dimensions: int) -> float:
 @compiled
 def impose(cell: Cell, goal: Goal) -> None:
     """Put into the shape what is imposed on it."""
-    drive, origin, span = goal
+    drive, origin, span = goal.drive, goal.origin, goal.span
     shape, before, start = cell.shape, cell.before, cell.start
     grown = math.log(drive.scale / origin.scale)
     if cell.rules[1] == IMPOSED:
@@ -130,12 +133,11 @@ def impose(cell: Cell, goal: Goal) -> None:
 @compiled
 def first_cell(cell: Cell, drive: Drive) -> None:
     """The shape at the step's beginning, and its slopes: as imposed, or as the last step left them."""
-    cell.shape[:] = cell.before
-    cell.start[:5] = cell.before
-    cell.start[MORE] = 0.0
-    cell.change[:] = 0.0
-    cell.slope[0, :5] = cell.past
-    cell.slope[0, MORE] = 0.0
+    clear_rows(cell.change)
+    for k in range(5):
+        cell.shape[k] = cell.start[k] = cell.before[k]
+        cell.slope[0, k] = cell.past[k]
+    cell.start[MORE] = cell.slope[0, MORE] = 0.0
     if cell.rules[1] == IMPOSED:
         for k in (WIDTH, HEIGHT, DEPTH):
             cell.slope[0, k] = drive.growth
@@ -228,7 +230,10 @@ def deform(cell: Cell, goal: Goal, part: float) -> None:
 def carry_along(cell: Cell, old: Array, position: Array) -> None:
     """Carry places along with the box from an old shape to the present one."""
     sides, shape = cell.sides, cell.shape
-    if sides[0] == 0.0 or not np.any(shape[:4] != old[:4]):
+    same = True
+    for k in range(4):
+        same = same and shape[k] == old[k]
+    if sides[0] == 0.0 or same:
         return
     width, height = math.exp(shape[WIDTH] - old[WIDTH]), math.exp(shape[HEIGHT] - old[HEIGHT])
     depth = math.exp(shape[DEPTH] - old[DEPTH])

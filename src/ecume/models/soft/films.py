@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ecume._jit import compiled, compiled_inside
+from ecume._jit import compiled, compiled_inside, prange, shared
 from ecume.engine.cells import Integers
 from ecume.laws import bubbles, elasticity
 from ecume.models.soft.contact import Body, Frame, Link, Start, Vector, dot, film_of, frame_of, linked
@@ -62,7 +62,12 @@ class Answers(NamedTuple):
     """(C, 4) rates of ln(gap) and direction (1/s)"""
 
 
-@compiled
+def count_pairs(contacts: Contacts, pairs: Pairs, *_: object) -> int:
+    """How large a crowd of contacts is."""
+    return len(pairs.first)
+
+
+@shared(count_pairs)
 def answer(contacts: Contacts, pairs: Pairs, films: Films, position: Array, span: float, answers: Answers) -> None:
     """Linearize every contact over a span of time that its stage treats implicitly.
 
@@ -75,10 +80,11 @@ def answer(contacts: Contacts, pairs: Pairs, films: Films, position: Array, span
     force, correction, stiffness = answers.force, answers.correction, answers.stiffness
     shift, response, slope = answers.shift, answers.response, answers.slope
     flat, spinning = position.shape[1] == 2, len(pairs.turn) > 0
-    for c in range(len(first)):
+    turn = pairs.turn
+    for c in prange(len(first)):
         x = center_distance(position, offset, first[c], second[c], c)
         if spinning:
-            x = turned(x, (-pairs.turn[c, 0], -pairs.turn[c, 1], -pairs.turn[c, 2]))
+            x = turned(x, (-turn[c, 0], -turn[c, 1], -turn[c, 2]))
         n = (direction[c, 0], direction[c, 1], direction[c, 2])
         frame = frame_of(x, n, flat)
         body = (radius_sum[c], reduced_radius[c], modulus[c])
@@ -88,7 +94,7 @@ def answer(contacts: Contacts, pairs: Pairs, films: Films, position: Array, span
         link = linked(film, begin)
         seen = frame
         if spinning:
-            angle = (pairs.turn[c, 0], pairs.turn[c, 1], pairs.turn[c, 2])
+            angle = (turn[c, 0], turn[c, 1], turn[c, 2])
             seen = Frame(turned(frame.n, angle), turned(frame.t, angle), turned(frame.s, angle))
         tell_forces(link, seen, c, (force, correction, stiffness))
         tell_motion(link, (frame, seen), c, (shift, response, slope))

@@ -9,12 +9,15 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from ecume.engine.cells import Integers
+from ecume.engine.sparse import near_order
 from ecume.errors import Diverged
 from ecume.models.soft.cell import Box, box_of
 from ecume.models.soft.parameters import Parameters
 from ecume.models.soft.state import State
 from ecume.units import Array
 
+CROWD = 36
+"""Spheres up to which their order is that of the scene."""
 Found = tuple[Integers, Integers, Array]
 """Pairs, images, and the vectors between their centers."""
 
@@ -184,6 +187,8 @@ def _open(parameters: Parameters, state: State, found: Found) -> None:
     order = np.argsort(keys(state.pair[:total], state.image[:total]), kind="stable")
     state.contacts[0] = total
     _keep(state, order)
+    if len(state.position) > CROWD:
+        state.order[:] = near_order(at_home(state.position, box_in(parameters, state)))
     state.generation[0] += 1
 
 

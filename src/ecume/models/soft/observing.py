@@ -14,10 +14,10 @@ from ecume.models.soft.films import stored_energy
 from ecume.models.soft.meeting import at_home, box_in, wraps
 from ecume.models.soft.parameters import Parameters
 from ecume.models.soft.protocol import drive_at
-from ecume.models.soft.stages import first_stage
+from ecume.models.soft.solving import begin
 from ecume.models.soft.state import ACCEPTED, CLOCK, FAILED, REJECTED, State, Workspace
 from ecume.models.soft.step import Step
-from ecume.models.soft.walls import wall_energy
+from ecume.models.soft.walls import Walls, wall_energy
 from ecume.scenes.soft import SIDES
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
@@ -52,7 +52,7 @@ def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
     """The frame of this instant."""
     drive = drive_at(parameters.protocol, float(state.pace[CLOCK]))
     step, box = scratch.step, box_in(parameters, state)
-    first_stage(parameters.contacts, step, drive)
+    begin(parameters, step, drive)
     tension = (step.answers.force * step.direction).sum(axis=1)
     arrays = {
         "position": at_home(state.position, box),
@@ -112,7 +112,7 @@ def _elastic_energy(parameters: Parameters, step: Step) -> float:
     """What all deflections hold (J)."""
     contacts, position = parameters.contacts, step.bodies.position
     between = stored_energy(contacts, step.pairs, step.films, position)
-    return float(between + wall_energy(contacts, step.walls, position))
+    return float(between + wall_energy(step.walls, contacts, position))
 
 
 def _wall_numbers(parameters: Parameters, state: State, step: Step) -> dict[str, float]:
@@ -120,9 +120,9 @@ def _wall_numbers(parameters: Parameters, state: State, step: Step) -> dict[str,
 
     Along a wall its position is how far it has gone.
     """
-    planes, dimensions, touches = parameters.walls, parameters.dimensions, step.walls.touches
-    force = np.zeros((len(planes.axis), 3))
-    np.add.at(force, touches.wall, -touches.force)
+    planes, dimensions, force = parameters.walls, parameters.dimensions, np.zeros((len(parameters.walls.axis), 3))
+    if isinstance(step.walls, Walls):
+        np.add.at(force, step.walls.touches.wall, -step.walls.touches.force)
     names = [SIDE_NAMES[int(axis), float(side)] for axis, side in zip(planes.axis, planes.side, strict=True)]
     places = {f"{name}_{AXES[k]}": float(state.wall[w, k]) for w, name in enumerate(names) for k in range(dimensions)}
     return places | {

@@ -37,7 +37,7 @@ def _scheme(rows: list[list[float]], diagonal: float, embedded: list[float], ord
     return Scheme(lower, diagonal, whole.sum(axis=1), whole[-1] - np.array(embedded), order)
 
 
-def _esdirk4() -> Scheme:
+def esdirk4() -> Scheme:
     """ESDIRK4(3)6L[2]SA, the implicit half of ARK4(3)6L[2]SA [kennedy2003]."""
     rows = [
         [],
@@ -54,11 +54,11 @@ def _esdirk4() -> Scheme:
     return _scheme(rows, 1 / 4, embedded, 4)
 
 
-def _tr_bdf2() -> Scheme:
+def tr_bdf2() -> Scheme:
     """TR-BDF2 as a Runge-Kutta scheme with an embedded one of order 3 [hosea1996]."""
     d = 1.0 - math.sqrt(0.5)
     w = math.sqrt(2.0) / 4.0
     return _scheme([[], [d], [w, w]], d, [(1.0 - w) / 3.0, (3.0 * w + 1.0) / 3.0, d / 3.0], 2)
 
 
-SCHEMES = {"esdirk4": _esdirk4(), "tr-bdf2": _tr_bdf2()}
+SCHEMES = {"esdirk4": esdirk4(), "tr-bdf2": tr_bdf2()}

@@ -4,18 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import NamedTuple
+
+import numpy as np
 
 from ecume.models.soft import newton, stages
-from ecume.models.soft.cell import Goal
-from ecume.models.soft.parameters import Parameters
+from ecume.models.soft.parameters import Contacts, Parameters
 from ecume.models.soft.protocol import Drive, Rules
-from ecume.models.soft.schemes import Scheme
-from ecume.models.soft.stages import first_stage
+from ecume.models.soft.schemes import SCHEMES, Scheme
 from ecume.models.soft.step import During, Step
 
 FINE = 1e-13
 """The last change of a position, over its distance, with which spheres are said to be balanced."""
+FINE_SPUN = 1e-10
+"""The same where spheres spin: in space loads alone resist a spin about the line of a contact, so that rounding leaves
+more of it.
+"""
 AT_ONCE = 1e-9
 """Of a step: the time in which the liquid is to hold spheres where they are."""
 FEW = 72
@@ -24,21 +27,15 @@ MANY = {2: 400_000, 3: 30_000}
 """Unknowns, in each dimension, beyond which a factorization takes too long to stand in for the gradients."""
 
 
-class Solver(NamedTuple):
-    """A way to try a step, and to solve a stage."""
+Solver = Callable[[Contacts, Step, Scheme, During, int], float]
+"""A way to begin a step, to balance, or to try a step: what came of it, or `stages.FAILED`."""
 
-    attempt: Callable[..., float]
-    newton: Callable[..., bool]
-
-
-SOLVERS = {
-    "dense": Solver(stages.attempt_dense, newton.newton_dense),
-    "gradients": Solver(stages.attempt_gradients, newton.newton_gradients),
-    "direct": Solver(stages.attempt_direct, newton.newton_direct),
+SOLVERS: dict[str, Solver] = {
+    "dense": stages.dense,
+    "gradients": partial(stages.many, newton.newton_gradients),
+    "direct": partial(stages.many, newton.newton_direct),
 }
-BORDERED = {
-    name: Solver(partial(stages.attempt_bordered, name), partial(newton.newton_bordered, name)) for name in SOLVERS
-}
+BORDERED: dict[str, Solver] = {name: partial(stages.many, partial(newton.newton_bordered, name)) for name in SOLVERS}
 """The same where the box answers to stresses."""
 
 
@@ -62,7 +59,7 @@ def attempt(parameters: Parameters, step: Step, scheme: Scheme, during: During, 
     error = stages.FAILED
     step.cell.rules[:] = rules
     for way in ways(parameters, rules):
-        error = way.attempt(parameters.contacts, step, scheme, during)
+        error = way(parameters.contacts, step, scheme, during, stages.STEP)
         if error != stages.FAILED:
             break
     return error
@@ -76,8 +73,13 @@ def balance(parameters: Parameters, step: Step, at: tuple[Drive, Drive, Rules], 
     """
     origin, drive, rules = at
     step.cell.rules[:] = rules
-    for way in ways(parameters, rules):
-        first_stage(parameters.contacts, step, origin)
-        if way.newton(parameters.contacts, step, Goal(drive, origin, span), FINE):
-            return True
-    return False
+    fine = FINE_SPUN if parameters.torque.shape[1] else FINE
+    during, scheme = During(span, np.array([origin, drive]), fine), SCHEMES[parameters.scheme]
+    tries = (way(parameters.contacts, step, scheme, during, stages.BALANCE) for way in ways(parameters, rules))
+    return any(found != stages.FAILED for found in tries)
+
+
+def begin(parameters: Parameters, step: Step, drive: Drive) -> None:
+    """Contacts and forces at the step's beginning, into `step`."""
+    during, scheme = During(0.0, np.array([drive, drive]), FINE), SCHEMES[parameters.scheme]
+    ways(parameters, Rules(*map(int, step.cell.rules)))[0](parameters.contacts, step, scheme, during, stages.BEGIN)

@@ -69,19 +69,17 @@ def turn_pairs(pairs: Pairs, spins: Spins) -> None:
 
 
 @compiled_inside
-def rolled(pairs: Pairs, bodies: tuple[Array, Array], c: int) -> Vector:
-    """What a change of places and spins, (N, d + s), at these places adds to the distance that a pair sees, turning
-    as it does.
+def rolled(x: Vector, size: float, ends: tuple[int, int], change: Array, d: int) -> Vector:
+    """What a change of places and spins, (N, d + s), adds to the distance x that a pair sees, turning as it does; the
+    sum of its radii is its size.
     """
-    position, change = bodies
-    i, j, d = pairs.first[c], pairs.second[c], position.shape[1]
+    i, j = ends
     u = (change[j, 0] - change[i, 0], change[j, 1] - change[i, 1], 0.0 if d == 2 else change[j, 2] - change[i, 2])
     if change.shape[1] == d:
         return u
     s = (0.0, 0.0, change[i, d] + change[j, d])
     if d == 3:
         s = (change[i, 3] + change[j, 3], change[i, 4] + change[j, 4], change[i, 5] + change[j, 5])
-    x, size = center_distance(position, pairs.offset, i, j, c), pairs.radius_sum[c]
     v = cross(s, (x[0] / size, x[1] / size, x[2] / size))
     return u[0] - v[0], u[1] - v[1], u[2] - v[2]
 
@@ -173,7 +171,7 @@ def place_quads(quads: Array, stiffness: Array, by_spin: Array, torque_by: Array
 @compiled
 def hold_spins(matrix: Matrix, spins: Spins, free: bool) -> None:
     """Make the matrix of spins regular where spheres are `free` to turn all together: the first one resists, which
-    changes no solution where the forces have no net torque.
+    `turning.unturn` makes good.
     """
     own, blocks = matrix.pattern.diagonal, matrix.blocks
     begin = blocks.shape[1] - spins.turn.shape[1]
@@ -183,27 +181,6 @@ def hold_spins(matrix: Matrix, spins: Spins, free: bool) -> None:
             trace += blocks[own[i], k, k]
         for k in range(begin, blocks.shape[1]):
             blocks[own[i], k, k] += (1.0 if free and i == 0 else FIRM) * trace
-
-
-@compiled
-def still(position: Array, radius: Array, change: Array) -> None:
-    """Take the mean spin out of a change of places and spins, turning all spheres back together."""
-    count, d = position.shape
-    spin = change[:, d:]
-    mean, middle = np.zeros((1, spin.shape[1])), np.zeros(3)
-    for i in range(count):
-        for k in range(spin.shape[1]):
-            mean[0, k] += spin[i, k] / (radius[i] * count)
-        for k in range(d):
-            middle[k] += position[i, k] / count
-    w = axial(mean, 0)
-    for i in range(count):
-        z = 0.0 if d == 2 else position[i, 2] - middle[2]
-        moved = cross(w, (position[i, 0] - middle[0], position[i, 1] - middle[1], z))
-        for k in range(d):
-            change[i, k] -= moved[k]
-        for k in range(spin.shape[1]):
-            change[i, d + k] -= radius[i] * mean[0, k]
 
 
 @compiled

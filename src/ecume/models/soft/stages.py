@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
 
-from ecume._jit import compiled, compiled_inside, inlined, plainly
+from ecume._jit import compiled, compiled_inside, composed, inlined, plainly
+from ecume.engine.copying import clear_rows, copy_line, copy_rows
 from ecume.models.soft.cell import (
     STRAIN,
     WIDTH,
@@ -18,7 +18,7 @@ from ecume.models.soft.cell import (
     place_images,
 )
 from ecume.models.soft.films import answer
-from ecume.models.soft.newton import imbalance, newton_bordered, newton_dense, newton_direct, newton_gradients
+from ecume.models.soft.newton import imbalance, newton_dense
 from ecume.models.soft.parameters import Contacts
 from ecume.models.soft.protocol import Drive
 from ecume.models.soft.schemes import Scheme
@@ -29,11 +29,15 @@ from ecume.models.soft.spins import (
     turn_pairs,
 )
 from ecume.models.soft.step import During, Step
-from ecume.models.soft.wall_motion import accept_walls, begin_walls, end_walls, first_walls, wall_error
+from ecume.models.soft.wall_motion import accept_walls, begin_walls, end_walls, first_walls, slopes_at_walls, wall_error
 from ecume.models.soft.walls import answer_walls
 from ecume.units import Array
 
 FAILED = -1.0
+BEGIN, BALANCE, STEP = range(3)
+"""What a solver may be asked: for the slopes at a step's beginning, for the places where forces and stresses balance at
+gaps as they are, or for a step.
+"""
 
 
 @compiled
@@ -90,27 +94,40 @@ def afloat(cell: Cell, position: Array, i: int, k: int) -> float:
     return float(speed + slope[STRAIN] * position[i, 1] if k == 0 else speed)
 
 
-@compiled
+@composed
 def first_stage(contacts: Contacts, step: Step, drive: Drive) -> None:
     """The slopes at the step's beginning."""
-    films, bodies, slope = step.films, step.bodies, step.slope
-    films.log_gap[:] = step.log_gap
-    films.direction[:] = step.direction
-    films.log_gap_start[:] = step.log_gap
-    films.direction_start[:] = step.direction
-    bodies.position[:] = bodies.before
-    step.spins.turn[:] = 0.0
-    step.spins.start[:] = 0.0
+    first_places(step, drive)
+    answer(contacts, step.pairs, step.films, step.bodies.position, 0.0, step.answers)
+    answer_walls(step.walls, contacts, step.bodies.position, step.spins.turn, 0.0)
+    imbalance(step, drive.load, 1.0, False)
+    first_slopes(step)
+
+
+@compiled
+def first_places(step: Step, drive: Drive) -> None:
+    """Everything at the step's beginning."""
+    films, bodies = step.films, step.bodies
+    copy_line(films.log_gap, step.log_gap)
+    copy_rows(films.direction, step.direction)
+    copy_line(films.log_gap_start, step.log_gap)
+    copy_rows(films.direction_start, step.direction)
+    copy_rows(bodies.position, bodies.before)
+    copy_rows(bodies.start, bodies.before)
+    clear_rows(step.spins.turn)
+    clear_rows(step.spins.start)
     turn_pairs(step.pairs, step.spins)
     first_cell(step.cell, drive)
     first_walls(step.walls)
     place_images(step.pairs, step.cell)
-    answer(contacts, step.pairs, films, bodies.position, 0.0, step.answers)
-    answer_walls(contacts, step.walls, bodies.position, step.spins.turn, 0.0)
-    slope[0] = step.answers.slope
-    step.walls.touches.rate[0] = step.walls.touches.now
-    bodies.start[:] = bodies.position
-    imbalance(step, drive.load, 1.0, False)
+
+
+@compiled
+def first_slopes(step: Step) -> None:
+    """How fast everything goes there."""
+    bodies = step.bodies
+    copy_rows(step.slope[0], step.answers.slope)
+    slopes_at_walls(step.walls)
     for i in range(len(bodies.drag)):
         if bodies.drag[i] > 0.0:
             for k in range(bodies.start.shape[1]):
@@ -151,42 +168,45 @@ def drive_of(row: Array) -> Drive:
 
 @inlined
 def attempt_with(newton: Callable[..., bool], contacts: Contacts, step: Step, scheme: Scheme, during: During) -> float:
-    """Try a step: the estimated error, or FAILED.
+    """Try a step from its first stage on: the estimated error, or FAILED.
 
     The new places are in `step.films` and `step.bodies.position`.
     """
     span = scheme.diagonal * during.length
     origin = drive_of(during.drives[0])
-    first_stage(contacts, step, origin)
     for stage in range(1, len(scheme.times)):
         begin_stage(step, scheme, stage, during.length)
-        goal = Goal(drive_of(during.drives[stage]), origin, span)
-        if not newton(contacts, step, goal, 1e-3 * during.tolerance):
+        goal = Goal(drive_of(during.drives[stage]), origin, span, 1e-3 * during.tolerance)
+        if not newton(contacts, step, goal):
             return FAILED
         end_stage(step, goal, stage)
-    of_walls = wall_error(step.walls, scheme, during.length)
+    of_walls = float(wall_error(step.walls, scheme, during.length))
     return max(error_of(step, scheme, during.length), cell_error(step.cell, scheme, during.length), of_walls)
 
 
 @compiled
-def attempt_dense(contacts: Contacts, step: Step, scheme: Scheme, during: During) -> float:
-    """A step of few spheres."""
-    return attempt_with(newton_dense, contacts, step, scheme, during)
+def dense(contacts: Contacts, step: Step, scheme: Scheme, during: During, task: int) -> float:
+    """All that is asked of few spheres: to BEGIN, to BALANCE over a time `during.length`, or to try a STEP. One whole
+    and not three, each of which would take as long to compile.
+    """
+    origin = drive_of(during.drives[0])
+    first_stage(contacts, step, origin)
+    if task == STEP:
+        return attempt_with(newton_dense, contacts, step, scheme, during)
+    goal = Goal(drive_of(during.drives[1]), origin, during.length, during.tolerance)
+    return 0.0 if task == BEGIN or newton_dense(contacts, step, goal) else FAILED
 
 
-def attempt_gradients(contacts: Contacts, step: Step, scheme: Scheme, during: During) -> float:
-    """A step of many spheres."""
-    return plainly(attempt_with)(newton_gradients, contacts, step, scheme, during)
-
-
-def attempt_direct(contacts: Contacts, step: Step, scheme: Scheme, during: During) -> float:
-    """A step of many spheres, however stiff."""
-    return plainly(attempt_with)(newton_direct, contacts, step, scheme, during)
-
-
-def attempt_bordered(way: str, contacts: Contacts, step: Step, scheme: Scheme, during: During) -> float:
-    """A step whose box answers to stresses."""
-    return plainly(attempt_with)(partial(newton_bordered, way), contacts, step, scheme, during)
+def many(
+    newton: Callable[..., bool], contacts: Contacts, step: Step, scheme: Scheme, during: During, task: int
+) -> float:
+    """The same of many spheres, each pass over them compiled by itself."""
+    origin = drive_of(during.drives[0])
+    first_stage(contacts, step, origin)
+    if task == STEP:
+        return plainly(attempt_with)(newton, contacts, step, scheme, during)
+    goal = Goal(drive_of(during.drives[1]), origin, during.length, during.tolerance)
+    return 0.0 if task == BEGIN or newton(contacts, step, goal) else FAILED
 
 
 @compiled
@@ -194,8 +214,8 @@ def accept(step: Step) -> None:
     """The end of a step is the next one's beginning."""
     carry(step.pairs, step.films.direction)
     accept_walls(step.walls, step.spins.turn)
-    step.log_gap[:] = step.films.log_gap
-    step.direction[:] = step.films.direction
-    step.bodies.before[:] = step.bodies.position
-    step.cell.before[:] = step.cell.shape
-    step.cell.past[:] = step.cell.slope[-1, :5]
+    copy_line(step.log_gap, step.films.log_gap)
+    copy_rows(step.direction, step.films.direction)
+    copy_rows(step.bodies.before, step.bodies.position)
+    copy_line(step.cell.before, step.cell.shape)
+    copy_line(step.cell.past, step.cell.slope[-1])

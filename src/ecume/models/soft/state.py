@@ -54,6 +54,8 @@ class State(NamedTuple):
     """(room,)"""
     direction: Array
     """(room, d) of the gap vector"""
+    order: Integers
+    """(N,) in which the spheres stand in the matrix: neighbors near one another"""
     touching: Integers
     """(N, W) whether each sphere has a contact with each wall"""
     wall_gap: Array
@@ -97,6 +99,7 @@ def make_state(parameters: Parameters, position: Array, room: int) -> State:
         image=np.zeros((room, dimensions), np.int64),
         log_gap=np.zeros(room),
         direction=np.zeros((room, dimensions)),
+        order=np.arange(count),
         touching=np.zeros((count, walls), np.int64),
         wall_gap=np.zeros((count, walls)),
         slip=np.zeros((count, walls, dimensions)),
@@ -115,8 +118,8 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
     contacts = int(state.contacts[0])
     pairs = pairs_of(parameters, state)
     stages, width = len(SCHEMES[parameters.scheme].times), dimensions + parameters.torque.shape[1]
-    pattern = sparse.make_pattern(count, pairs.first, pairs.second)
-    shared = make_borders(count, width, max(MOST, len(parameters.walls.free)))
+    pattern = sparse.make_pattern(count, pairs.first, pairs.second, state.order)
+    shared = make_borders(count, width, max(MOST, len(parameters.walls.free), width - dimensions))
     bodies = Bodies(
         position=state.position.copy(),
         before=state.position.copy(),
@@ -155,15 +158,18 @@ def store(parameters: Parameters, state: State, step: Step) -> None:
         state.orientation[:] = turned_orientation(state.orientation, step.spins.turn / parameters.radius[:, None])
     state.log_gap[:contacts] = step.log_gap
     state.direction[:contacts] = step.direction[:, :dimensions]
-    touches = step.walls.touches
-    state.wall_gap[touches.first, touches.wall] = touches.log_gap_before
-    state.slip[touches.first, touches.wall] = touches.slip_before[:, :dimensions]
-    state.wall[:], state.wall_rate[:] = step.walls.places.before, step.walls.places.past
+    if isinstance(step.walls, Walls):
+        places, touches = step.walls
+        state.wall_gap[touches.first, touches.wall] = touches.log_gap_before
+        state.slip[touches.first, touches.wall] = touches.slip_before[:, :dimensions]
+        state.wall[:], state.wall_rate[:] = places.before, places.past
     state.cell[:], state.cell_rate[:] = step.cell.before, step.cell.past
 
 
-def walls_of(parameters: Parameters, state: State, stages: int) -> Walls:
-    """The walls and the present contacts with them."""
+def walls_of(parameters: Parameters, state: State, stages: int) -> Walls | tuple[()]:
+    """The walls, if there are any, and the present contacts with them."""
+    if not len(parameters.walls.axis):
+        return ()
     first, wall = (np.ascontiguousarray(index) for index in np.nonzero(state.touching))
     count, radius = len(first), parameters.radius
     moduli = parameters.modulus[first], parameters.walls.modulus[wall]

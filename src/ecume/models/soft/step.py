@@ -70,7 +70,8 @@ class Step(NamedTuple):
     """where the contacts are at the step's beginning"""
     bodies: Bodies
     spins: Spins
-    walls: Walls
+    walls: Walls | tuple[()]
+    """nothing where there are none: what walls do is then not compiled"""
     matrix: Matrix
     cell: Cell
     borders: Borders

@@ -17,6 +17,7 @@ from ecume.models.soft.stages import FAILED as NOT_SOLVED
 from ecume.models.soft.stages import accept
 from ecume.models.soft.state import ACCEPTED, CLOCK, FAILED, LENGTH, PAST_ERROR, REJECTED, State, Workspace, store
 from ecume.models.soft.step import During, Step
+from ecume.models.soft.walls import Walls
 from ecume.units import Array
 
 SAFETY = 0.9
@@ -87,11 +88,9 @@ def leapt(parameters: Parameters, step: Step) -> bool:
     largest = float(np.linalg.norm(moved - moved.mean(axis=0), axis=1).max())
     if 2.0 * largest < (1.0 - NARROW) * reach and not len(parameters.walls.axis):
         return False
-    places, touching = step.walls.places.place, np.zeros((len(moved), len(parameters.walls.axis)), np.bool_)
-    touching[step.walls.touches.first, step.walls.touches.wall] = True
-    narrow = parameters._replace(contacts=parameters.contacts._replace(fade_from=NARROW * reach))
-    if (~touching & (wall_gaps(parameters, step.bodies.position, places) < NARROW * reach)).any():
+    if isinstance(step.walls, Walls) and leapt_to_wall(parameters, step, step.walls):
         return True
+    narrow = parameters._replace(contacts=parameters.contacts._replace(fade_from=NARROW * reach))
     if 2.0 * largest < (1.0 - NARROW) * reach:
         return False
     box = box_of(parameters.box, step.cell.shape, parameters.dimensions)
@@ -100,6 +99,14 @@ def leapt(parameters: Parameters, step: Step) -> bool:
     return bool(
         (~np.isin(keys(pair, image), keys(known, step.pairs.image[:, : image.shape[1]].astype(np.int64)))).any()
     )
+
+
+def leapt_to_wall(parameters: Parameters, step: Step, walls: Walls) -> bool:
+    """The same of walls alone."""
+    touching = np.zeros((len(step.bodies.position), len(parameters.walls.axis)), np.bool_)
+    touching[walls.touches.first, walls.touches.wall] = True
+    close = wall_gaps(parameters, step.bodies.position, walls.places.place) < NARROW * parameters.contacts.fade_from
+    return bool((~touching & close).any())
 
 
 def _drives(parameters: Parameters, state: State, way: tuple[float, float]) -> Array:

@@ -32,12 +32,10 @@ from ecume.models.soft.cluster import (
     t1_scene,
     told,
 )
-from ecume.models.soft.newton import imbalance
 from ecume.models.soft.parameters import Parameters
 from ecume.models.soft.protocol import drive_at, interval_at, rules_at
 from ecume.models.soft.schemes import SCHEMES
-from ecume.models.soft.solving import attempt
-from ecume.models.soft.stages import first_stage
+from ecume.models.soft.solving import attempt, begin
 from ecume.models.soft.state import ACCEPTED, CLOCK, REJECTED, State, Workspace, workspace
 from ecume.models.soft.step import During, Step
 from ecume.models.soft.stepping import one_step
@@ -127,7 +125,7 @@ def follow(
     series, found, drift = [_first(parameters, scratch, unit)], list[float](), 0.0
     for span in _march(parameters, state, scratch, unit):
         series.append(span.end)
-        drift = max(drift, _left(parameters, scratch, span.end.time) / unit.force)
+        drift = max(drift, float(np.abs(scratch.step.bodies.right).max()) / unit.force)
         while len(found) < len(goals) and reached(span.end, goals[len(found)]):
             found.append(_crossing(parameters, span, scratch, unit, goals[len(found)]))
         if len(found) == len(goals) or span.end.gap_diagonal > APART:
@@ -135,11 +133,6 @@ def follow(
     turned = float(np.abs(state.orientation).max(initial=0.0))
     effort = Effort(int(state.tally[ACCEPTED]), int(state.tally[REJECTED]), drift, turned)
     return told(series, found, thresholds, kappa, effort)
-
-
-def _left(parameters: Parameters, scratch: Workspace, time: float) -> float:
-    """The largest force that is left on a sphere at the end of a step (N)."""
-    return float(imbalance(scratch.step, drive_at(parameters.protocol, time).load, 1.0, False)[0])
 
 
 class Span(NamedTuple):
@@ -185,7 +178,7 @@ def _mirror(state: State, step: Step, axes: Array) -> None:
 
 def _first(parameters: Parameters, scratch: Workspace, unit: Units) -> Instant:
     """The cluster at rest."""
-    first_stage(parameters.contacts, scratch.step, drive_at(parameters.protocol, 0.0))
+    begin(parameters, scratch.step, drive_at(parameters.protocol, 0.0))
     return _instant(scratch, 0.0, unit)
 
 

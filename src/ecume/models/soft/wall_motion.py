@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from ecume._jit import compiled
+from ecume._jit import where_there
+from ecume.engine.copying import clear_rows, copy_line, copy_rows
 from ecume.models.soft.schemes import Scheme
 from ecume.models.soft.spins import axial, cross
 from ecume.models.soft.walls import Walls, displaced, normal_of
 from ecume.units import Array
 
 
-@compiled
+@where_there(0.0)
 def shift_at_walls(walls: Walls, change: Array, dimensions: int) -> float:
     """What Newton's change does to the contacts with walls; how much at most."""
     touches, places = walls.touches, walls.places
@@ -27,7 +28,7 @@ def shift_at_walls(walls: Walls, change: Array, dimensions: int) -> float:
     return largest
 
 
-@compiled
+@where_there()
 def move_walls(walls: Walls, part: float) -> None:
     """Add a part of Newton's change to walls and their contacts."""
     touches, places = walls.touches, walls.places
@@ -40,21 +41,27 @@ def move_walls(walls: Walls, part: float) -> None:
             touches.slip[c, k] += part * touches.shift[c, 1 + k]
 
 
-@compiled
+@where_there()
 def first_walls(walls: Walls) -> None:
     """Walls and contacts at the step's beginning."""
     touches, places = walls.touches, walls.places
-    places.place[:] = places.before
-    places.start[:] = places.before
-    places.change[:] = 0.0
-    places.slope[0] = places.past
-    touches.log_gap[:] = touches.log_gap_before
-    touches.slip[:] = touches.slip_before
-    touches.log_gap_start[:] = touches.log_gap_before
-    touches.slip_start[:] = touches.slip_before
+    copy_rows(places.place, places.before)
+    copy_rows(places.start, places.before)
+    clear_rows(places.change)
+    copy_rows(places.slope[0], places.past)
+    copy_line(touches.log_gap, touches.log_gap_before)
+    copy_rows(touches.slip, touches.slip_before)
+    copy_line(touches.log_gap_start, touches.log_gap_before)
+    copy_rows(touches.slip_start, touches.slip_before)
 
 
-@compiled
+@where_there()
+def slopes_at_walls(walls: Walls) -> None:
+    """How fast contacts and walls go at the step's beginning."""
+    copy_rows(walls.touches.rate[0], walls.touches.now)
+
+
+@where_there()
 def begin_walls(walls: Walls, scheme: Scheme, stage: int, time_step: float) -> None:
     """Where a stage starts from, and where walls that move as they are told will be at its end."""
     touches, places, rows = walls.touches, walls.places, scheme.rows
@@ -75,7 +82,7 @@ def begin_walls(walls: Walls, scheme: Scheme, stage: int, time_step: float) -> N
                 places.place[w, k] = places.before[w, k] + scheme.times[stage] * time_step * places.velocity[w, k]
 
 
-@compiled
+@where_there()
 def end_walls(walls: Walls, stage: int, span: float) -> None:
     """The slopes of a solved stage."""
     touches, places = walls.touches, walls.places
@@ -89,7 +96,7 @@ def end_walls(walls: Walls, stage: int, span: float) -> None:
             places.slope[stage, w, k] = moved if moved != 0.0 else (places.place[w, k] - places.start[w, k]) / span
 
 
-@compiled
+@where_there(0.0)
 def wall_error(walls: Walls, scheme: Scheme, time_step: float) -> float:
     """The largest difference from the embedded scheme, of ln(gap) or of a slip in radii."""
     touches, weights = walls.touches, scheme.error
@@ -103,7 +110,7 @@ def wall_error(walls: Walls, scheme: Scheme, time_step: float) -> float:
     return largest
 
 
-@compiled
+@where_there()
 def accept_walls(walls: Walls, turn: Array) -> None:
     """The end of a step is the next one's beginning, from where spins are counted anew: slips keep what was rolled."""
     touches, places = walls.touches, walls.places
@@ -118,5 +125,5 @@ def accept_walls(walls: Walls, turn: Array) -> None:
         touches.slip[c, 2] += rolled[2] / radius
         for k in range(3):
             touches.slip_before[c, k] = touches.slip[c, k]
-    places.before[:] = places.place
-    places.past[:] = places.slope[-1]
+    copy_rows(places.before, places.place)
+    copy_rows(places.past, places.slope[-1])

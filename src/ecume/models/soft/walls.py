@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ecume._jit import compiled, compiled_inside
+from ecume._jit import compiled, compiled_inside, where_there
 from ecume.engine.cells import Integers
 from ecume.models.soft.contact import Film, Frame, Link, Start, Vector, dot, film_of, frame_of, linked
 from ecume.models.soft.films import normal_energy
@@ -130,8 +130,8 @@ def wall_distance(walls: Walls, position: Array, turn: Array, c: int) -> Vector:
     return x - rolled[0], y - rolled[1], z - rolled[2]
 
 
-@compiled
-def answer_walls(contacts: Contacts, walls: Walls, position: Array, turn: Array, span: float) -> None:
+@where_there()
+def answer_walls(walls: Walls, contacts: Contacts, position: Array, turn: Array, span: float) -> None:
     """Linearize every contact with a wall over a span of time that its stage treats implicitly."""
     touches, places = walls.touches, walls.places
     slip, slip_start = touches.slip, touches.slip_start
@@ -172,7 +172,7 @@ def tell(link: Link, frame: Frame, touches: Touches, c: int) -> None:
             response[c, 1 + k, m] = FAR * turns
 
 
-@compiled
+@where_there((0.0, 0.0))
 def push_from_walls(walls: Walls, position: Array, right: Array, corrected: bool) -> tuple[float, float]:
     """Add the walls' forces and torques to what is left on the spheres; the largest force, and the largest of stiffness
     times coordinates.
@@ -231,7 +231,7 @@ def displaced(k: int, dimensions: int, n: Vector) -> Vector:
     return -one[0], -one[1], -one[2]
 
 
-@compiled
+@where_there()
 def resist_at_walls(walls: Walls, blocks: Array, own: Integers, dimensions: int) -> None:
     """Add what walls resist to the spheres' own blocks."""
     touches, width = walls.touches, blocks.shape[1]
@@ -285,7 +285,7 @@ def corner_of_walls(walls: Walls, load: float, borders: tuple[Array, Array]) -> 
                         corner[one, other] += touches.stiffness[c, axis, free[other, 1]]
 
 
-@compiled
+@where_there(0.0)
 def missing_at_walls(walls: Walls, position: Array, load: float) -> float:
     """The largest part of a force on a wall that is missing, less rounding."""
     touches, worst = walls.touches, 0.0
@@ -304,8 +304,8 @@ def missing_at_walls(walls: Walls, position: Array, load: float) -> float:
     return worst
 
 
-@compiled
-def wall_energy(contacts: Contacts, walls: Walls, position: Array) -> float:
+@where_there(0.0)
+def wall_energy(walls: Walls, contacts: Contacts, position: Array) -> float:
     """What the deflections at walls hold (J): exact along the normal; along the wall at its present stiffness."""
     touches, total = walls.touches, 0.0
     for c in range(len(touches.first)):

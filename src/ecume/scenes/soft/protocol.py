@@ -132,7 +132,10 @@ def protocol_faults(stages: Sequence[StageSpec], dimensions: int, boxed: bool) -
     for index, stage in enumerate(stages):
         given = [name for name in OF_BOX if getattr(stage, name) is not None]
         if given and not boxed:
-            found += [((index, name), "is that of a [box] without walls; there is none") for name in given]
+            told = (
+                "is that of a [box] without walls; there is none. Walls have a pressure, a shear_stress and a velocity"
+            )
+            found += [((index, name), told) for name in given]
         found += [((index, *path), message) for path, message in _wrong_units(stage, dimensions)]
     return found if found else [*_unreachable(stages), *_broken_waves(stages)]
 

@@ -1,0 +1,208 @@
+"""What `ecume check` says of soft spheres before they move: how they lie, what forces to expect and what these do to
+films and surfaces, what is doubtful, and what it costs.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ecume.laws.soft_pair import SoftPair, crossover_gap, optimal_force, passage_time, viscous_time
+from ecume.models.advice import LONG, Row, told_duration
+from ecume.models.soft.building import prefactors_of
+from ecume.models.soft.cost import BYTES, bytes_of, seconds_of, steps_of
+from ecume.models.soft.parameters import Parameters
+from ecume.models.soft.protocol import drive_at
+from ecume.models.soft.state import State
+from ecume.scenes.soft import SoftScene, sides_of
+
+JAMMED = {2: 0.84, 3: 0.64}
+"""The volume fraction at which unlike spheres at random begin to press each other, in each dimension."""
+ALIKE, MANY = 0.1, 30
+"""Spread of radii over their mean, and number of spheres: more alike than that, and so many, they order as crystals."""
+DENSE = {2: 0.70, 3: 0.50}
+"""Of equal discs and spheres: where they begin to."""
+FLAT, FAINT = 0.1, 1e-7
+"""Deflection over radius, above which Hertz's law means little; kappa below which deflections are lost in rounding."""
+
+
+class Typical(NamedTuple):
+    """Two spheres of the middle of the crowd, and the largest force between them that can be foreseen."""
+
+    pair: SoftPair
+    force: float
+    """N; zero where nothing can be foreseen"""
+    source: str
+    gap: float
+    """m"""
+
+
+def advice(scene: SoftScene, parameters: Parameters, state: State) -> list[Row]:
+    """Everything there is to say."""
+    typical = typical_pair(scene, parameters, state)
+    return [
+        *_crowd(scene, parameters, state),
+        *(_bubbles(scene, typical) if scene.films.surface == "bubble" else _regimes(typical)),
+        *doubts(scene, parameters, typical),
+        *_cost(scene, parameters, state),
+    ]
+
+
+def typical_pair(scene: SoftScene, parameters: Parameters, state: State) -> Typical:
+    """What to expect of two spheres."""
+    radius, modulus = float(np.median(parameters.radius)), float(np.median(parameters.modulus))
+    pair = SoftPair(radius, modulus, scene.liquid.viscosity, prefactors_of(scene.films))
+    gaps = state.log_gap[: state.contacts[0]]
+    # Half of what is tied is far: of the narrower half, as many as bear forces.
+    gap = math.exp(np.quantile(gaps, 0.25)) if len(gaps) else math.nan
+    found = forces(scene, parameters, pair, gap)
+    source = max(found, key=lambda name: found[name], default="")
+    return Typical(pair, found.get(source, 0.0), source, gap)
+
+
+def forces(scene: SoftScene, parameters: Parameters, pair: SoftPair, gap: float) -> dict[str, float]:
+    """Estimates of the largest force between two spheres (N), by what brings it about; those that are not zero."""
+    dimensions, across = parameters.dimensions, (2.0 * pair.radius) ** (parameters.dimensions - 1)
+    courses = np.abs(parameters.protocol.courses[:, :, 0])
+    load = float(courses[:, 0].max())
+    walls = [abs(one or 0.0) for wall in scene.walls for one in (wall.pressure, wall.shear_stress)]
+    waves = np.abs(parameters.protocol.waves[:, 1]).max()
+    weight, sides = np.abs(parameters.weight.sum(axis=0)).max(), sides_of(scene)
+    base = math.prod(sides) / max(sides) if sides else across
+    found = {
+        "the largest pull": load * float(np.abs(parameters.force).max()),
+        "the largest stress, on a diameter": float(courses[:, 4:].max() + waves) * across,
+        "the walls' largest stress, on a diameter": load * max(walls, default=0.0) * across,
+        "the weight of all, on a diameter": float(weight) * min(across / base, 1.0),
+        "spheres filled in closer than they fit": pressed_force(pair, fillings(parameters), dimensions),
+        "films as they are sheared": sheared_force(pair, gap, rate_of(scene, parameters)),
+    }
+    return {name: value for name, value in found.items() if value > 0.0}
+
+
+def fillings(parameters: Parameters) -> float:
+    """The largest volume fraction that the protocol comes to, as long as the box is told its size; 0 without one."""
+    box, dimensions = parameters.box[: parameters.dimensions], parameters.dimensions
+    if not box.all():
+        return 0.0
+    unit, power = (math.pi, 2) if dimensions == 2 else (4.0 / 3.0 * math.pi, 3)
+    times = parameters.protocol.times
+    scale = min(drive_at(parameters.protocol, float(time)).scale for time in times)
+    return float(unit * (parameters.radius**power).sum() / np.prod(box) / scale**dimensions)
+
+
+def pressed_force(pair: SoftPair, filled: float, dimensions: int) -> float:
+    """E R^2 (delta/R)^(3/2), where delta is by how much diameters are longer than distances (N)."""
+    excess = 2.0 * (1.0 - (JAMMED[dimensions] / filled) ** (1.0 / dimensions)) if filled > JAMMED[dimensions] else 0.0
+    return float(pair.prefactors.normal * pair.modulus * pair.radius**2 * excess**1.5)
+
+
+def rate_of(scene: SoftScene, parameters: Parameters) -> float:
+    """The largest imposed rate of shear (1/s): of the box, or of walls that go along x."""
+    protocol = parameters.protocol
+    rates = np.abs(protocol.courses[:, 1, 1]) + protocol.waves[:, 0] * protocol.waves[:, 2]
+    speeds = [wall.velocity[0] for wall in scene.walls if wall.velocity is not None]
+    sides = sides_of(scene)
+    gliding = (max(speeds) - min([*speeds, 0.0])) / sides[1] if speeds and sides else 0.0
+    return float(max(rates.max(), abs(gliding)))
+
+
+def sheared_force(pair: SoftPair, gap: float, rate: float) -> float:
+    """What a film resists neighbors with that go apart or together with 2 R times the rate (N), in Poiseuille's regime:
+    no more than the force that moves it fastest.
+    """
+    if not rate > 0.0 or math.isnan(gap):
+        return 0.0
+    factors = pair.prefactors
+    friction = factors.squeeze * pair.viscosity * (pair.radius * factors.gap_weight) ** 2 / gap
+    return min(friction * 2.0 * pair.radius * rate, optimal_force(pair, gap))
+
+
+def _crowd(scene: SoftScene, parameters: Parameters, state: State) -> list[Row]:
+    count, contacts = len(parameters.radius), int(state.contacts[0])
+    where = "a layer" if parameters.dimensions == 2 else "space"
+    rows = [
+        ("spheres", str(count), f"{len(scene.spheres)} species, in {where}"),
+        ("films", str(contacts), f"at the start, {2.0 * contacts / count:.2g} a sphere"),
+    ]  # fmt: skip
+    if (filled := fillings(parameters)) > 0.0:
+        jammed = JAMMED[parameters.dimensions]
+        told = f"at most; spheres at random begin to press each other at {jammed:g}"
+        rows.append(("volume fraction", f"{filled:.4g}", told))
+    narrowest = math.exp(state.log_gap[:contacts].min(initial=math.inf)) if contacts else math.inf
+    return [
+        *rows,
+        ("narrowest gap", f"{narrowest:.4g} m", f"at the start, {narrowest / parameters.radius.min():.2g} radii"),
+    ]
+
+
+def _regimes(typical: Typical) -> list[Row]:
+    """What the force means between two spheres of the middle."""
+    pair, force, source, gap = typical
+    surface = ("surfaces relax in", f"{pair.viscosity / pair.modulus:.3g} s", "viscosity over modulus")
+    if not force > 0.0:
+        return [surface]
+    kappa, crossover = force / (pair.modulus * pair.radius**2), crossover_gap(pair, force)
+    regime = (
+        "Poiseuille's: films are wider than surfaces give way" if gap > crossover else "Hertz's: flattened contacts"
+    )
+    rows = [
+        ("force", f"{force:.3g} N", f"expected between two spheres: {source}"),
+        ("reduced force", f"{kappa:.3g}", "over modulus times radius squared"),
+        ("deflection", f"{crossover:.3g} m", f"by that force; gaps of {gap:.3g} m are in the regime of {regime}"),
+        surface,
+        ("viscous time", f"{viscous_time(pair, force):.3g} s", "in which that force opens a wide gap by a factor of e"),
+    ]
+    if gap < pair.radius:
+        told = f"in which that force parts two spheres from {gap:.3g} m to a radius"
+        rows.append(("separation time", f"{passage_time(pair, force, gap, pair.radius):.3g} s", told))
+    return rows
+
+
+def _bubbles(scene: SoftScene, typical: Typical) -> list[Row]:
+    tension = scene.liquid.surface_tension or math.nan
+    reduced = typical.force / (tension * typical.pair.radius)
+    told = f"{typical.source}, over surface tension times radius: facets are smaller than bubbles well below 1"
+    return [("reduced force", f"{reduced:.3g}", told)] if typical.force > 0.0 else []
+
+
+def doubts(scene: SoftScene, parameters: Parameters, typical: Typical) -> list[Row]:
+    """What somebody may not have meant."""
+    pair, force, _, gap = typical
+    kappa, radius, dimensions = force / (pair.modulus * pair.radius**2), parameters.radius, parameters.dimensions
+    elastic, filled = scene.films.surface != "bubble", fillings(parameters)
+    random = sum(species.count or 0 for species in scene.spheres)
+    steric = scene.remote.length if scene.remote.law == "steric" else math.inf
+    found = {
+        "spheres are alike, and order as crystals: take two sizes, such as 1 to 1.4": (
+            random >= MANY and float(radius.std() / radius.mean()) < ALIKE and filled > DENSE[dimensions]
+        ),
+        "the force is large: Hertz's law is for deflections well below a radius": elastic and kappa ** (2 / 3) > FLAT,
+        "the force is so small that it is lost in rounding, and steps get short": elastic and 0.0 < kappa < FAINT,
+        "gaps are wider than the roughness: there is no contact friction as yet": (
+            scene.films.friction != "none" and gap > (scene.films.roughness or 0.0)
+        ),
+        "the roughness is a tenth of a radius or more: tips on a sphere are smaller": (
+            (scene.films.roughness or 0.0) > 0.1 * radius.min()
+        ),
+        "the steric length is a tenth of a radius or more: spheres bear each other at a distance": (
+            math.isfinite(steric) and steric > 0.1 * radius.min()
+        ),
+        "no films at the start: nothing but drag holds the spheres": math.isnan(gap) and not len(parameters.walls.axis),
+    }  # fmt: skip
+    return [("doubtful", "!", told) for told, wrong in found.items() if wrong]
+
+
+def _cost(scene: SoftScene, parameters: Parameters, state: State) -> list[Row]:
+    contacts = int(state.contacts[0] + state.touching.sum())
+    steps, seconds = steps_of(scene, parameters), seconds_of(parameters, contacts)
+    sheared = "stresses decide how far it is sheared; " if (parameters.protocol.rules != 0).any() else ""
+    long = "; more tolerance or fewer frames take less" if steps * seconds > LONG else ""
+    return [
+        ("accuracy", f"{parameters.tolerance:.1g}", "of each gap, relative, in a step"),
+        ("steps", f"{steps:.2g}", f"{sheared}within a factor of three where little rearranges"),
+        ("memory", f"{1e-6 * bytes_of(contacts):.3g} MB", f"{BYTES:.0f} bytes a film, and the compiler"),
+        ("time on this machine", told_duration(steps * seconds), f"{seconds:.1g} s a step, after compilation{long}"),
+    ]

@@ -1,0 +1,128 @@
+"""What `ecume check` says of soft spheres: forces by where they come from, what is doubtful, and what it costs."""
+
+import math
+
+import pytest
+
+from ecume.laws.soft_pair import SoftPair, passage_time
+from ecume.models.soft import SOFT
+from ecume.models.soft.advice import doubts, forces, pressed_force, sheared_force, typical_pair
+from ecume.models.soft.cost import steps_of, strain_of
+from ecume.scenes.schema import from_plain
+from ecume.simulation import simulate
+
+pytestmark = pytest.mark.compiled
+
+
+def packing(radii=(1.0, 1.4), count=18, filled=0.7, **more):
+    plain = {
+        "model": "soft", "duration": 4.0, "frame_every": 4.0, "liquid": {"viscosity": 1e-3},
+        "spheres": [{"radius": radius, "modulus": 1.0, "count": count} for radius in radii],
+        "box": {"size": [1.0, 1.0], "volume_fraction": filled, "gap": 0.02},
+        "stepping": {"scheme": "tr-bdf2", "tolerance": 1e-3},
+    }  # fmt: skip
+    return from_plain(plain | more)
+
+
+def two(force, **more):
+    spheres = [
+        {"radius": 1.0, "modulus": 1.0, "positions": [[x, 0.0]], "force": [f, 0.0]}
+        for x, f in ((0.0, -force), (2.01, force))
+    ]
+    plain = {"model": "soft", "duration": 1.0, "frame_every": 1.0, "liquid": {"viscosity": 1.0}, "spheres": spheres}
+    return from_plain(plain | more)
+
+
+def begun(scene):
+    parameters = SOFT.parameters(scene)
+    return parameters, SOFT.start(scene, parameters)
+
+
+def expected(scene):
+    return typical_pair(scene, *begun(scene))
+
+
+def told(scene):
+    parameters, state = begun(scene)
+    return " ".join(row[2] for row in doubts(scene, parameters, typical_pair(scene, parameters, state)))
+
+
+def test_a_pull_is_told_with_the_time_in_which_it_parts_two_spheres():
+    rows = {name: value for name, value, _ in SOFT.summary(two(1e-3))}
+    assert rows["reduced force"] == "0.001"
+    assert rows["spheres"] == "2"
+    assert float(rows["narrowest gap"].removesuffix(" m")) == pytest.approx(0.01)
+    wanted = passage_time(SoftPair(1.0, 1.0, 1.0), 1e-3, 0.01, 1.0)
+    assert float(rows["separation time"].removesuffix(" s")) == pytest.approx(wanted, rel=0.01)
+
+
+def test_a_load_that_grows_and_waves_and_walls_count():
+    assert expected(two(1e-3, protocol=[{"time": 0.0}, {"time": 1.0, "load": 3.0}])).force == pytest.approx(3e-3)
+    stressed = packing(protocol=[{"time": 0.0, "shear_stress": 2e-4, "normal_stress": 1e-3}])
+    found = expected(stressed)
+    assert found.force == pytest.approx(1e-3 * 2.0 * found.pair.radius)
+    assert "stress" in found.source
+    walled = packing(walls=[{"side": "bottom"}, {"side": "top", "pressure": 2e-3}])
+    assert expected(walled).force == pytest.approx(2e-3 * 2.0 * found.pair.radius)
+
+
+def test_spheres_filled_in_closer_than_they_fit_press_as_they_then_do():
+    squeezed = packing(filled=0.8, protocol=[{"time": 0.0}, {"time": 4.0, "scale": math.sqrt(0.8 / 0.9)}])
+    found = expected(squeezed)
+    assert found.source.startswith("spheres filled in closer")
+    assert found.force == pytest.approx(pressed_force(found.pair, 0.9, 2))
+    last = list(simulate(squeezed))[-1].numbers
+    assert last["volume_fraction"] == pytest.approx(0.9)
+    # Two of them press with twice the mean at the most.
+    assert 1.0 < last["largest_compression"] / found.force < 4.0
+
+
+def test_a_sheared_film_resists_with_no_more_than_moves_it_fastest():
+    pair = SoftPair(1.0, 1.0, 1e-3)
+    slow, fast = sheared_force(pair, 0.01, 1e-6), sheared_force(pair, 0.01, 1e3)
+    assert slow == pytest.approx(1.5 * math.pi * 1e-3 / 0.01 * 2e-6)
+    assert fast == pytest.approx(2.0 * math.sqrt(3.0) * 1e-3)
+    assert "sheared" in expected(packing(protocol=[{"time": 0.0, "shear_rate": 1.0}])).source
+
+
+def test_nothing_is_foreseen_where_nothing_is_done():
+    scene = packing()
+    parameters, state = begun(scene)
+    assert forces(scene, parameters, typical_pair(scene, parameters, state).pair, 0.02) == {}
+    assert "force" not in {name for name, _, _ in SOFT.summary(scene)}
+
+
+@pytest.mark.parametrize(
+    ("scene", "says"),
+    [
+        (lambda: packing(radii=(1.0,), count=36, filled=0.75), "crystals"),
+        (lambda: two(0.1), "Hertz's law"),
+        (lambda: two(1e-8), "rounding"),
+        (lambda: two(1e-3, films={"friction": "coulomb", "roughness": 1e-3}), "no contact friction"),
+        (lambda: two(1e-3, films={"friction": "coulomb", "roughness": 0.2}), "tips"),
+        (lambda: two(1e-3, remote={"law": "steric", "strength": 1e-6, "length": 0.2}), "bear each other"),
+    ],
+)
+def test_what_may_not_be_meant_is_told(scene, says):
+    assert says in told(scene())
+
+
+def test_what_is_usual_is_not_doubted():
+    assert told(packing()) == ""
+    assert told(packing(radii=(1.0,), count=20, filled=0.75)) == ""
+    assert told(two(1e-3)) == ""
+
+
+def test_steps_are_foretold_within_a_factor_of_three():
+    scene = packing(protocol=[{"time": 0.0}, {"time": 4.0, "strain": 0.1}])
+    parameters = SOFT.parameters(scene)
+    assert strain_of(parameters, 4.0) == pytest.approx(0.1)
+    assert strain_of(parameters, 1.0) == pytest.approx(0.025)
+    numbers = list(simulate(scene))[-1].numbers
+    assert 1 / 3 < steps_of(scene, parameters) / (numbers["time_steps"] + numbers["rejected_steps"]) < 3
+
+
+def test_a_sine_strains_by_four_amplitudes_a_cycle():
+    wave = {"frequency": 0.5, "amplitude": 0.01}
+    parameters = SOFT.parameters(packing(protocol=[{"time": 0.0, "oscillation": wave}]))
+    assert strain_of(parameters, 4.0) == pytest.approx(2 * 4 * 0.01)

@@ -1,0 +1,28 @@
+"""Forces of many spheres balance at every accepted step, not only at the last."""
+
+import numpy as np
+import pytest
+
+from ecume.models.soft import SOFT
+from ecume.models.soft.meeting import renew_contacts
+from ecume.models.soft.stepping import one_step
+
+from .test_packings import packing
+
+pytestmark = pytest.mark.compiled
+
+
+def test_what_is_left_on_a_thousand_sheared_spheres_is_below_1e_8_of_the_typical_force():
+    scene = packing(count=500, filled=0.8, strain=0.5, liquid={"viscosity": 1e-3, "drag": True})
+    parameters = SOFT.parameters(scene)
+    state = SOFT.start(scene, parameters)
+    scratch = SOFT.workspace(parameters, state, 1.0)
+    left = []
+    for _ in range(20):
+        assert one_step(parameters, state, scratch) > 0.0
+        force = np.linalg.norm(scratch.step.answers.force, axis=1)
+        left.append(np.abs(scratch.step.bodies.right).max() / np.sqrt((force**2).mean()))
+        if renew_contacts(parameters, state):
+            scratch = SOFT.workspace(parameters, state, 1.0)
+    # Contacts begin without force: for a few steps there is less of it than rounding leaves.
+    assert 0.0 < max(left[10:]) < 1e-8

@@ -1,0 +1,43 @@
+"""Loops over threads: the same bits as without, for any number of them."""
+
+import numba
+import numpy as np
+import pytest
+
+from ecume import _jit
+from ecume.models.soft import SOFT
+from ecume.models.soft.meeting import renew_contacts
+from ecume.models.soft.state import LENGTH
+from ecume.models.soft.stepping import one_step
+
+from .test_packings import packing
+
+pytestmark = pytest.mark.compiled
+
+
+def marched(scene, steps=6):
+    parameters = SOFT.parameters(scene)
+    state = SOFT.start(scene, parameters)
+    state.pace[LENGTH] = 0.05
+    scratch = SOFT.workspace(parameters, state, 1.0)
+    for _ in range(steps):
+        assert one_step(parameters, state, scratch) > 0.0
+        if renew_contacts(parameters, state):
+            scratch = SOFT.workspace(parameters, state, 1.0)
+    return state
+
+
+@pytest.mark.parametrize("rotation", [False, True])
+def test_a_step_has_the_same_bits_with_and_without_threads(monkeypatch, rotation):
+    scene = packing(count=300, strain=0.2, liquid={"viscosity": 1e-3, "drag": True}, rotation=rotation)
+    alone = marched(scene)
+    monkeypatch.setattr(_jit, "FEW", 1)
+    many = numba.get_num_threads()
+    try:
+        for threads in (1, 2):
+            numba.set_num_threads(min(threads, many))
+            together = marched(scene)
+            for name, array in alone._asdict().items():
+                assert np.asarray(array).tobytes() == getattr(together, name).tobytes(), name
+    finally:
+        numba.set_num_threads(many)
