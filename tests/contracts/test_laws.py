@@ -25,6 +25,7 @@ from ecume.laws import (
     diffusion,
     drag,
     elasticity,
+    ellipsoids,
     flotation,
     flows,
     images,
@@ -76,7 +77,7 @@ RESCALED = (
     flotation.equilibria, flotation.shapes, flotation.rims, flotation.lying, flotation.bubbles, flotation.spheroids,
     flotation.plane, flotation.closeness, images,
     states, column, viscous, diffusion, tension, pace, standoff, waves, sloshing, flows, lubrication, elasticity,
-    remote, soft_pair, quadrupoles, bubbles, interfaces, rubbing,
+    remote, soft_pair, quadrupoles, bubbles, interfaces, rubbing, ellipsoids,
 )  # fmt: skip
 LIQUID = flotation.Liquid(density=3.0, surface_tension=0.7, viscosity=0.2, gravity=1.9, gas_density=0.4)
 SAMPLES = {
@@ -113,13 +114,15 @@ SAMPLES = {
     "temperature": 300.0, "thermal": 0.4, "weight": 0.6,
     "clearance": 0.05, "stiffness": 4.0, "ratio": 0.7, "deflection_from": 0.04, "deflection_to": 0.03,
     "phase_along": 0.4, "phase_across": 0.9, "phase_x": 0.4, "phase_y": 0.9, "speed_x": 0.8, "speed_y": 0.6,
-    "wavenumber_x": 1.7, "wavenumber_y": 1.1, "across": 0.4, "along": 0.3, "rate": 1.1, "pull_rate": 0.9,
+    "wavenumber_x": 1.7, "wavenumber_y": 1.1, "across": 0.4, "along": 0.3, "upright": 0.2,
+    "rate": 1.1, "pull_rate": 0.9,
     "stretching": 1.4, "here": 0.3, "there": 0.5, "rise": 0.1,
     "phase_next": 0.4, "phase_last": 0.9, "speed_squared": 0.5,
     "both": 0.4, "moment_i": 0.3, "moment_j": 0.2,
     "area": 0.02, "film_area": 0.01, "facet_area": 0.03, "rest": 0.2, "radius_sum": 1.1, "mobility": 1.4,
     "viscosity_ratio": 2.3, "film_prefactors": (1.3, 0.7), "roughness": 0.03, "pull": 1.5, "limit": 1.49,
-    "pair": soft_pair.SoftPair(0.21, 9.0, 0.3),
+    "pair": soft_pair.SoftPair(0.21, 9.0, 0.3), "areal_mass": 1.6, "overlap": 0.4, "plane_weight": 1.3,
+    "color": 0.4, "gradient": 2.1, "least": 0.9,
 }  # fmt: skip
 ODD = {"[length]": 7.3, "[mass]": 0.31, "[time]": 1.9}
 """Base units that no law has heard of."""

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from scipy.integrate import quad
+from scipy.special import ellipe, ellipk, jv
 
 from ecume.laws.bubbles import (
     bubble_energy,
@@ -16,7 +17,7 @@ from ecume.laws.bubbles import (
     stiffening,
 )
 from ecume.laws.elasticity import reduced_radius
-from ecume.laws.interfaces import INTERFACES, drop_power, mobility
+from ecume.laws.interfaces import INTERFACES, drop_factor, drop_power, mobility
 from ecume.laws.rubbing import holding_force, limit_slope, sliding_force, sliding_slope, touching, touching_power
 
 PAIRS = {"equal": (2.0, 0.5), "unequal": (1.3, reduced_radius(0.4, 0.9)), "wall": (0.7, 0.7)}
@@ -151,3 +152,43 @@ def test_only_what_presses_close_by_holds():
     assert holding_force(-3.0, 0.2, 0.4, 1.0) == holding_force(3.0, 1.5, 0.4, 1.0) == 0.0
     for gap in (0.55, 0.7, 0.95):
         assert touching_power(gap, 1.0) == pytest.approx(gap * slope(lambda h: touching(h, 1.0), gap), rel=1e-6)
+
+
+def solved_drop_factor(mobility, cells):
+    """F(m), by solving film and drops together: the film drags the drops' surfaces along; x is in sqrt(2 R* h).
+
+    H t + 3 sqrt(2) m int K(x, x') t(x') x' dx' = x/H with H = 1 + x^2; K is that of Stokes's flow in half of space,
+    with Legendre's Q_1/2, which grows as a logarithm where x and x' meet: there its mean over the cell stands.
+    """
+    share = (np.arange(cells) + 0.5) / cells
+    x, width = share / (1.0 - share), 1.0 / (cells * (1.0 - share) ** 2)
+    chi = (x[:, None] ** 2 + x**2) / (2.0 * x[:, None] * x)
+    np.fill_diagonal(chi, 2.0)
+    legendre = chi * np.sqrt(2.0 / (chi + 1.0)) * ellipk(2.0 / (chi + 1.0))
+    legendre -= np.sqrt(2.0 * (chi + 1.0)) * ellipe(2.0 / (chi + 1.0))
+    np.fill_diagonal(legendre, np.log(16.0 * x / width) - 1.0)
+    kernel, height = legendre / (math.pi * np.sqrt(x[:, None] * x)), 1.0 + x**2
+    system = np.diag(height) + 3.0 * math.sqrt(2.0) * mobility * kernel * (x * width)
+    return float((4.0 * x**2 / height * width * np.linalg.solve(system, x / height)).sum())
+
+
+@pytest.mark.parametrize(("mobility", "error"), [(1e-3, 3e-5), (0.1, 1e-3), (1.0, 2e-3), (10.0, 0.02), (300.0, 0.02)])
+def test_the_published_fit_for_drops_is_the_solution_of_film_and_drops(mobility, error):
+    exact = 2.0 * solved_drop_factor(mobility, 160) - solved_drop_factor(mobility, 80)
+    assert drop_factor(mobility) == pytest.approx(exact, rel=error)
+
+
+def wave(order, off):
+    """The integral of sin(k) J(k off)/k over all k."""
+    near = quad(lambda k: jv(order, k * off) * math.sin(k) / k, 0.0, 1.0)[0]
+    return near + quad(lambda k: jv(order, k * off) / k, 1.0, math.inf, weight="sin", wvar=1.0, limlst=500)[0]
+
+
+def test_a_disc_that_moves_edgewise_on_half_of_space_is_held_by_sixteen_thirds():
+    # The traction c/sqrt(a^2 - r^2): its transform over 2 pi is c sin(k a)/k, and its sum 2 pi c a. Along k a wave of
+    # traction moves the surface by 1/(2 eta k), across k by 1/(eta k): three quarters of 1/(eta k) in the mean.
+    for off in (0.0, 0.4, 0.8):
+        spread, turned = (wave(order, off) for order in (0, 2))
+        assert 2.0 * math.pi / (0.75 * spread) == pytest.approx(16.0 / 3.0, rel=1e-6)
+        # What varies around the disc is of the second order, and there is none of it.
+        assert turned == pytest.approx(0.0, abs=1e-6)

@@ -9,6 +9,7 @@ Antuono's do. Antuono's gradients are wrong beside walls of dummy particles: kee
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Annotated
 
 from ecume.units import Density, Length, Number, Speed, Unit
@@ -138,7 +139,7 @@ def hydrostatic_gain(head: Number, exponent: Number) -> Number:
     return u * (1.0 + (1.0 - a) * 0.5 * u * (1.0 + (1.0 - 2.0 * a) * (1.0 / 3.0) * u * fourth))
 
 
-EXCESSES = {
+EXCESSES: dict[str, Callable[..., float]] = {
     "molteni": molteni_excess,
     "antuono": antuono_excess,
     "fourtakas-linear": fourtakas_linear_excess,

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import math
-from functools import cache
 from typing import Annotated
 
 import numpy as np
 
+from ecume.engine.tabled import spline
 from ecume.errors import BadInput
 from ecume.units import (
     Acceleration,
     Angle,
     Angles,
-    Array,
     Density,
     Friction,
     Length,
@@ -34,7 +33,6 @@ IMMERSION_FACTORS = (
     0.5000, 0.4490, 0.3946, 0.3377, 0.2793, 0.2205, 0.1622, 0.1055, 0.0510, 0.0,
 )  # fmt: skip
 """f at contact angles 0, 10, ... 180 degrees, from a boundary-element solution of Stokes flow; within 2e-4."""
-STEP = math.pi / (len(IMMERSION_FACTORS) - 1)
 THIN_CAP = -8.0 / (9.0 * math.pi)
 """df/dtheta at 180 degrees: a cap of radius a drags as half a disc edgewise, (16/3) eta a U."""
 
@@ -57,7 +55,7 @@ def immersion_factor(contact_angle: Angles) -> Numbers:
     angles = np.asarray(contact_angle, dtype=np.float64)
     if not bool(np.all((angles >= 0.0) & (angles <= math.pi))):
         raise BadInput(f"contact_angle is {contact_angle!r}; wanted radians between 0 and pi")
-    factors = np.maximum(_spline(angles), 0.0)
+    factors = np.maximum(spline(angles, IMMERSION_FACTORS, THIN_CAP), 0.0)
     return float(factors) if factors.ndim == 0 else factors
 
 
@@ -180,31 +178,6 @@ def relaxation_time(mass: Mass, friction: Friction) -> Time:
     0.5
     """
     return mass / friction if friction > 0.0 else math.inf
-
-
-def _spline(angles: Array) -> Array:
-    """The cubic spline of the table, from its values and slopes at the two angles around."""
-    place = np.minimum(angles / STEP, len(IMMERSION_FACTORS) - 1.0)
-    left = np.minimum(place.astype(np.int64), len(IMMERSION_FACTORS) - 2)
-    values, slopes, t = np.array(IMMERSION_FACTORS), STEP * _slopes(), place - left
-    rise, u = values[left + 1] - values[left], 1.0 - t
-    bend = u * (slopes[left] - rise) - t * (slopes[left + 1] - rise)
-    factors: Array = u * values[left] + t * values[left + 1] + t * u * bend
-    return factors
-
-
-@cache
-def _slopes() -> Array:
-    """Those that leave no jump in the second derivative: (m_{k-1} + 4 m_k + m_{k+1}) / 3 = (f_{k+1} - f_{k-1}) / STEP,
-    given at both ends.
-    """
-    count, values = len(IMMERSION_FACTORS), np.array(IMMERSION_FACTORS)
-    matrix = 4.0 * np.eye(count) + np.eye(count, k=1) + np.eye(count, k=-1)
-    right = np.zeros(count)
-    right[1:-1] = 3.0 / STEP * (values[2:] - values[:-2])
-    matrix[0], matrix[-1] = np.eye(count)[0], np.eye(count)[-1]
-    right[0], right[-1] = 0.0, THIN_CAP
-    return np.asarray(np.linalg.solve(matrix, right), dtype=np.float64)
 
 
 def particle_reynolds(speed: Speed, radius: Length, density: Density, viscosity: Viscosity) -> Number:

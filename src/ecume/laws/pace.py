@@ -3,20 +3,34 @@
 from __future__ import annotations
 
 import math
+from typing import Annotated
 
-from ecume.units import Acceleration, Density, KinematicViscosity, Length, Speed, SurfaceTension, Time
+from ecume.units import (
+    Acceleration,
+    ArealMass,
+    Density,
+    KinematicViscosity,
+    Length,
+    Number,
+    Speed,
+    SurfaceTension,
+    Time,
+    Unit,
+    Viscosity,
+)
 
+PerLength = Annotated[float, Unit("1/m")]
 COURANT = 0.25
 VISCOUS = 0.125
 
 
-def acoustic_limit(smoothing_length: Length, sound_speed: Speed, speed: Speed) -> Time:
+def acoustic_limit(smoothing_length: Length, sound_speed: Speed, speed: Speed, courant: Number = COURANT) -> Time:
     """0.25 h / (c_0 + u): sound crosses a quarter of a smoothing length. [monaghan1992, morris1997].
 
     >>> acoustic_limit(0.1, 9.0, 1.0)
     0.0025
     """
-    return COURANT * smoothing_length / (sound_speed + speed)
+    return courant * smoothing_length / (sound_speed + speed)
 
 
 def viscous_limit(smoothing_length: Length, viscosity: KinematicViscosity) -> Time:
@@ -46,3 +60,44 @@ def tension_limit(smoothing_length: Length, density: Density, surface_tension: S
     if surface_tension <= 0.0:
         return math.inf
     return math.sqrt(density * smoothing_length**3 / (2.0 * math.pi * surface_tension))
+
+
+def body_sound_limit(areal_mass: ArealMass, density: Density, sound_speed: Speed, overlap: PerLength) -> Time:
+    """sqrt(m / (rho c_0^2 I)): how long a body of the mass m per unit of its surface may ignore the liquid's answer.
+
+    A surface that comes nearer by x raises the density of a particle z before it by rho x w(z), w(z) being the kernel
+    summed over the plane of the surface; dummies answer with the same pressure again. That is a spring of
+    2 rho c_0^2 I per unit of surface, I = integral of w^2 over z > 0, and a swing of the rate
+    omega <= sqrt(2 rho c_0^2 I / m) for any convex body. Explicit schemes follow it up to steps of 2/omega; this is
+    sqrt(2)/omega. Derived here; continuity and pressure are those of [monaghan1992], dummies those of [adami2012].
+
+    >>> body_sound_limit(1.0, 1000.0, 10.0, 10.0)
+    0.001
+    """
+    return math.sqrt(areal_mass / (density * overlap)) / sound_speed
+
+
+def body_drag_limit(areal_mass: ArealMass, viscosity: Viscosity, plane_weight: PerLength) -> Time:
+    """M / (4 eta w(0)): how long a body of the mass m per unit of its surface may ignore the liquid's friction.
+
+    Friction along velocities [morris1997] between liquid and dummies that move as mirrored at the surface [adami2012]
+    slows such a body at the rate 4 eta w(0) / m, w(0) being the kernel summed over a plane through its middle.
+    Explicit schemes follow that up to twice this time. Derived here. Infinite without viscosity.
+
+    >>> body_drag_limit(1.0, 0.25, 10.0), body_drag_limit(1.0, 0.0, 10.0)
+    (0.1, inf)
+    """
+    return areal_mass / (4.0 * viscosity * plane_weight) if viscosity > 0.0 else math.inf
+
+
+def radial_excess(dimensions: Number) -> Number:
+    """2 (d + 2) / (d + 1): how much stronger friction along lines between particles is on a plate that moves along its
+    normal than friction along velocities.
+
+    The one is (d + 2) cos^2 of the other for a pair that is inclined to the motion; weighed with the pairs that reach
+    through a plane, cos^2 has the mean 2 / (d + 1). Friction as in [monaghan2005]; the mean is derived here.
+
+    >>> round(radial_excess(2.0), 12), radial_excess(3.0)
+    (2.666666666667, 2.5)
+    """
+    return 2.0 * (dimensions + 2.0) / (dimensions + 1.0)

@@ -11,7 +11,9 @@ from ecume.units import Number
 DEGREE = 16
 WANTED = 1e-7
 SHIFTS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.4, 0.7, 1.0, 1.5, 2.0)
-HALVINGS = 32
+HALVINGS = 32.0
+HALF_PI = 0.5 * math.pi
+"""A name, since a loop in single precision takes only names and literals of this module in single precision."""
 
 
 class ScreenedFit(NamedTuple):
@@ -102,4 +104,4 @@ def k1_over_x(x_squared: Number, fit: ScreenedFit) -> Number:
     q = ((q * s + w[6]) * s + w[5]) * s + w[4]
     q = ((q * s + w[3]) * s + w[2]) * s + w[1]
     q = q * s + w[0]
-    return decay(x) * math.sqrt(1.0 + 0.5 * math.pi * x) * (shifted * inverse) * q
+    return decay(x) * math.sqrt(1.0 + HALF_PI * x) * (shifted * inverse) * q

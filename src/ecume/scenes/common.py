@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+from collections.abc import Iterable
 from typing import NamedTuple, Self
 
 from pydantic import model_validator
@@ -16,6 +18,16 @@ class Kind(NamedTuple):
 
     name: str
     color: str | None
+
+
+# Okabe and Ito's colors, in an order that also differs in brightness from one to the next.
+PALETTE = ("#d55e00", "#0072b2", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#f0e442", "#5b6670")
+
+
+def colors_of(kinds: Iterable[Kind]) -> list[str]:
+    """The color of each species; those without one take the palette's next."""
+    palette = itertools.cycle(PALETTE)
+    return [kind.color or next(palette) for kind in kinds]
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)

@@ -182,11 +182,16 @@ def _rows_of_frame(frame: Frame, scene: Any) -> list[dict[str, Any]]:
     species = scene.kinds
     if any(getattr(spec, "disc", None) is not None for spec in getattr(scene, "floats", ())):
         raise ValueError("is a run of discs, and rows hold spheres; place them by positions")
+    if any(getattr(spec, "shape", None) is not None for spec in getattr(scene, "floats", ())):
+        raise ValueError("is a run of floats with a shape, and rows hold spheres; place them by positions")
     missing = [name for name in ARRAYS if name not in frame.arrays]
     if missing:
         raise ValueError(f"is a run of another model: its frames have no {missing[0]}")
     columns = [frame.arrays[name].tolist() for name in ARRAYS]
-    return [_row_of_float(values, *species[kind]) for *values, kind in zip(*columns, strict=True)]
+    rows = [_row_of_float(values, *species[kind]) for *values, kind in zip(*columns, strict=True)]
+    if MOMENT in frame.arrays:
+        rows = [{**row, MOMENT: m} for row, m in zip(rows, frame.arrays[MOMENT].tolist(), strict=True)]
+    return rows
 
 
 def _numbered(frames: int) -> str:
@@ -194,6 +199,7 @@ def _numbered(frames: int) -> str:
     return f"there are 0 to {frames - 1}, and -1 for the last" if frames else "the run has no frames yet"
 
 
+MOMENT = "magnetic_moment"
 ARRAYS = ("position", "velocity", "radius", "density", "contact_angle", "species")
 
 

@@ -23,6 +23,7 @@ COLUMNS = {
     "radius": LENGTH,
     "density": "kg/m^3",
     "contact_angle": "rad",
+    "magnetic_moment": "A*m^2",
     "name": TEXT,
 }
 """The columns there are, and their SI units; `name` holds text."""

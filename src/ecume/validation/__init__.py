@@ -35,13 +35,16 @@ CASES: dict[str, Case] = {
             "floating", "Floating bodies, sinking limits, menisci, walls and drag, against an independent computation"
         ),
         _case("multipole", "Discs and spheres beyond superposition, against an independent computation"),
+        _case("shapes", "Ellipsoids, needles, squares, stars: forces, torques, docking, collisions"),
         _case("kernels", "Smoothing kernels: what a kernel must be, an independent computation, published numbers"),
         _case(
             "reflection", "Walls that reflect: billiards, bouncing balls, wedges, circles, nobody outside", long=True
         ),
-        _case("surface-tension", "Drops in a plane: rounding off, swinging, pressure inside"),
+        _case("surface-tension", "Drops in a plane: rounding off, swinging, fading, pressure inside"),
+        _case("drops-in-space", "Balls of liquid: swinging, fading, pressure inside", long=True),
         _case("settling", "Grains in water: terminal speeds, diffusion, and the equilibrium of both"),
         _case("meeting", "When two floats released at rest meet, against SciPy's DOP853"),
+        _case("raft", "Nineteen floats gather to a raft: overlap, energy, momentum at two steps", long=True),
         _case("walls", "How floats leave and climb the wall of a dish, against SciPy's DOP853"),
         _case("integrators", "The orders of the integrators, and the energy over a million steps"),
         _case("two-spheres", "Two soft spheres opening and closing, against the closed form"),

@@ -111,6 +111,8 @@ def test_a_rotating_surface_turns_a_float_around():
     assert (x, y) == pytest.approx((1e-3 * math.cos(1.0), 1e-3 * math.sin(1.0)), rel=0.02)
 
 
+# The step that is advised is for floats at the wall, where the meniscus is steep; these stay in the middle.
+@pytest.mark.filterwarnings("ignore:motion.time_step")
 @pytest.mark.compiled
 def test_warm_floats_spread_in_a_well_as_boltzmann_says():
     """In the middle of a small dish, whose meniscus is a spring there: <x^2> = kT/k, a little more for the steps."""

@@ -22,10 +22,10 @@ def forces_at(parameters, position):
     return workspace.force
 
 
-def a_mixed_crowd(count=40):
+def a_mixed_crowd(count=40, rest=""):
     floats = f'[[floats]]\nname = "heavy"\ncount = {count // 2}\n{HEAVY}'
     floats += f'[[floats]]\nname = "light"\ncount = {count // 2}\n{LIGHT}'
-    return scene_of(WATER + floats)
+    return scene_of(WATER + floats + rest)
 
 
 def test_compiled_pair_forces_are_the_exact_law_to_1e_7():
@@ -74,6 +74,18 @@ def test_a_dish_pushes_along_the_slope_of_its_energy():
         state = make_state(shifted, np.zeros_like(shifted))
         energies.append(observe(parameters, state, FLOATING.workspace(parameters, state, 1.0)).numbers["total_energy"])
     assert found[0, 0] == pytest.approx((energies[0] - energies[1]) / (2 * step), rel=1e-5)
+
+
+@pytest.mark.compiled
+def test_single_precision_keeps_six_digits_wherever_the_crowd_is():
+    found = []
+    for precision in ("double", "single"):
+        parameters = FLOATING.parameters(a_mixed_crowd(60, f'[interaction]\nprecision = "{precision}"\n'))
+        position = FLOATING.start(a_mixed_crowd(60), parameters).position + 900.0
+        found.append(forces_at(parameters, position))
+    error = np.sqrt(np.sum((found[1] - found[0]) ** 2) / np.sum(found[0] ** 2))
+    assert 1e-9 < error < 1e-6
+    assert np.abs(found[1].sum(axis=0)).max() < 1e-14 * np.abs(found[1]).sum()
 
 
 @pytest.mark.compiled

@@ -130,7 +130,8 @@ def test_the_color_bar_and_the_scale_bar_carry_units(scene, frames):
 
 def test_the_scale_bar_is_as_long_as_it_says(scene, frames):
     bowl = Bowl(scene, frames, SIZE)
-    left, right = bowl.figure.axes[0].lines[0].get_xdata()
+    axes = bowl.figure.axes[0]
+    left, right = (axes.transLimits.inverted().transform((end, 0.0))[0] for end in axes.lines[0].get_xdata())
     assert right - left == pytest.approx(0.010)
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from ecume.engine.walls import dishes as wall_shapes
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.laws import capillarity, flotation, images
@@ -9,7 +11,7 @@ from ecume.laws.contact import legacy_restitution
 from ecume.laws.screened import fit_k1
 from ecume.models.floating.dishes import wall_law_of, wall_strengths, wall_table_of, walls_of
 from ecume.models.floating.drifting import drift_of
-from ecume.models.floating.kinds import distinct_kinds, floats_of
+from ecume.models.floating.kinds import distinct_kinds, floats_of, has_shapes, moments_of
 from ecume.models.floating.parameters import (
     CAPILLARY,
     CONTACT_LAWS,
@@ -20,12 +22,11 @@ from ecume.models.floating.parameters import (
     Parameters,
     pack_pair,
 )
+from ecume.models.floating.summing import DEEPEST_TOUCH, summed
 from ecume.models.floating.time_steps import kick_of, with_step
 from ecume.models.liquids import liquid_of
 from ecume.scenes.floating import FloatingScene
 
-DEEPEST_TOUCH = 0.9
-"""The pair law is fitted down to this part of the smallest touching distance."""
 SLOP = 1e-4
 """Overlaps up to this part of the smallest radius are left alone."""
 
@@ -67,22 +68,53 @@ def parameters_of(scene: FloatingScene) -> Parameters:
         wall_restitution=scene.dish.restitution if scene.dish is not None else 0.0,
         slop=SLOP * smallest,
         drift=drift,
+        single=scene.interaction.precision == "single",
     )
-    return with_step(with_method(parameters, scene), scene)
+    return _with_friction(with_step(summed(with_method(parameters, scene), scene), scene), scene)
 
 
 def with_method(parameters: Parameters, scene: FloatingScene) -> Parameters:
     """What goes beyond superposition, where the scene asks for it."""
     if scene.interaction.method != "multipole" and any(one.disc and one.disc.undulation for one in scene.floats):
         raise _fault("interaction.method", "discs with an undulation need 'multipole'")
+    moment = moments_of(scene)
+    if has_shapes(scene):
+        if np.any(moment):
+            raise _fault("floats", "magnets do not go with floats that have a shape")
+        if scene.motion.films is not None:
+            raise _fault("motion.films", "films do not go with floats that have a shape")
+        # Imported when asked for, as are the methods below: their loops are compiled on import.
+        from ecume.models.floating.shaped.building import with_shapes
+
+        return with_shapes(parameters, scene, *distinct_kinds(scene))
+    if np.any(moment) and scene.motion.films is None:
+        # Imported when asked for: its loops are compiled on import.
+        from ecume.models.floating.interacting import with_dipoles
+
+        return with_dipoles(parameters, scene, moment)
+    if scene.motion.films is not None:
+        if np.any(moment):
+            raise _fault("motion.films", "films do not go with magnets")
+        from ecume.models.floating.interacting import with_films
+
+        return with_films(parameters, scene)
     if scene.interaction.method == "superposition":
         return parameters
-    # Imported when asked for: its loops are compiled on import.
     from ecume.models.floating.interacting import METHODS, require_capillary
 
     require_capillary(parameters)
     kinds, numbers = distinct_kinds(scene)
     return METHODS[scene.interaction.method](parameters, scene, kinds, numbers)
+
+
+def _with_friction(parameters: Parameters, scene: FloatingScene) -> Parameters:
+    """What surfaces that rub need beside all else."""
+    if not scene.rubs:
+        return parameters
+    # Imported when asked for: its march is compiled for those who rub only.
+    from ecume.models.floating.roughness import with_friction
+
+    return with_friction(parameters, scene)
 
 
 def _contact_law(scene: FloatingScene) -> int:
@@ -105,6 +137,8 @@ def _check_names(scene: FloatingScene) -> None:
         ("interaction.law", str(scene.interaction.law), PAIR_LAWS),
         ("interaction.charge", str(scene.interaction.charge), tuple(flotation.CHARGES)),
         ("interaction.method", scene.interaction.method, ("superposition", "pair-corrected", "multipole")),
+        ("interaction.sum", scene.interaction.sum, ("auto", "cells", "grid")),
+        ("interaction.precision", scene.interaction.precision, ("double", "single")),
     ]
     if scene.dish is not None:
         choices.append(("dish.law", str(scene.dish.law), (*capillarity.WALLS, "profile")))

@@ -8,7 +8,7 @@ from typing import Any
 
 from ecume._jit import compiled_once
 from ecume.errors import BadInput
-from ecume.models.floating.forces import forces_with, pull_rows_with
+from ecume.models.floating.forces import Screened, forces_with, pull_rows_with, screened_of, screened_pull
 from ecume.models.floating.parameters import ONE_SIDED, RARE, PairParameters, Parameters
 from ecume.models.floating.schemes import predict, predict_rarely_with
 from ecume.models.floating.state import State, Workspace
@@ -80,13 +80,13 @@ def _advance_with_extra(laws: tuple[Callable[..., float], ...]) -> Callable[...,
         extra = _sum_of(compiled_once(law), extra)
 
     @compiled_once
-    def extra_pull(square: float, own: PairParameters) -> float:
+    def extended_pull(square: float, own: PairParameters, law: Screened) -> float:
         distance = max(math.sqrt(square), LEAST_DISTANCE)
-        return -extra(distance, own) / distance
+        return screened_pull(square, own, law) - extra(distance, own) / distance
 
     @compiled_once
     def pull(rows: Any, floats: Any, pair: Any, force: Any) -> None:
-        pull_rows_with(extra_pull, 0, force.shape[1], rows, floats, pair, force)
+        pull_rows_with(extended_pull, screened_of, 0, force.shape[1], rows, floats, pair, force)
 
     @compiled_once
     def forces(parameters: Any, position: Any, lists: Any, scratch: Any) -> None:
@@ -117,9 +117,14 @@ def _require_pair_forces(parameters: Parameters) -> None:
         raise BadInput("extra_laws do not go with interaction.law = 'one-sided-legacy'; take 'capillary' or 'none'")
     if parameters.many != ():
         raise BadInput(
-            "extra_laws do not go with interaction.method = 'multipole' or 'pair-corrected', whose marches know no "
-            "other forces; take method = 'superposition', or leave extra_laws out"
+            "extra_laws do not go with interaction.method = 'multipole' or 'pair-corrected', with interaction.sum = "
+            "'grid' or with dipoles, whose marches know no other forces; take method = 'superposition' and sum = "
+            "'cells', or leave extra_laws out"
         )
+    if parameters.rough != ():
+        raise BadInput("extra_laws do not go with friction; leave contacts.friction and dish.friction out")
+    if parameters.single:
+        raise BadInput("extra_laws want interaction.precision = 'double'")
 
 
 @compiled_once

@@ -13,12 +13,13 @@ from ecume.engine.neighbors import THREADS_FROM, NeighborLists, sort_positions
 from ecume.engine.walls import wall_count, wall_distance
 from ecume.laws import capillarity, screened, special
 from ecume.laws.capillarity import dish_force, plane_wall_force, two_point_legacy_force
-from ecume.laws.screened import k1_over_x
+from ecume.laws.screened import ScreenedFit, k1_over_x
 from ecume.models.floating import parameters as constants
 from ecume.models.floating.parameters import (
     CAPILLARY_LENGTH,
     CUTOFF,
     DISH,
+    INVERSE_SQUARE,
     NO_WALL_LAW,
     PLANE,
     STRENGTH,
@@ -34,19 +35,38 @@ from ecume.units import Array
 admit(screened, special, capillarity, constants)
 
 ROWS_PER_TASK = 32
-PADDED = 4
+PADDED = 8
 """Neighbors are padded to a multiple of the vector width, since what is left over runs one by one."""
 
 
+class Screened(NamedTuple):
+    """Constants of the capillary pair law as its loop wants them, in the precision of the sums."""
+
+    scale: float
+    """N/m per square of a charge: 2 pi gamma / L^2"""
+    inverse_square: float
+    """1/m^2: of the capillary length"""
+    fit: ScreenedFit
+
+
 @compiled_inside
-def no_extra_pull(square: float, own: PairParameters) -> float:
-    """Where a user's own pair law goes: the pull (N) over the distance (m), from the distance's square."""
-    return 0.0
+def screened_of(pair: Array) -> Screened:
+    """Unpack the constants."""
+    return Screened(pair[STRENGTH] * pair[INVERSE_SQUARE], pair[INVERSE_SQUARE], unpack_fit(pair))
+
+
+@compiled_inside
+def screened_pull(square: float, own: PairParameters, law: Screened) -> float:
+    """The pull (N) over the distance (m): towards the neighbor where the charges agree; the same for both of a pair, so
+    that their forces cancel to the bit.
+    """
+    return law.scale * (own.charge_i * own.charge_j) * k1_over_x(square * law.inverse_square, law.fit)
 
 
 @inlined
 def pull_rows_with(
-    extra_pull: Callable[[float, PairParameters], float],
+    pull_of: Callable[..., float],
+    law_of: Callable[[Array], Any],
     start: int,
     stop: int,
     rows: tuple[Any, Any, Any, Any],
@@ -54,38 +74,39 @@ def pull_rows_with(
     pair: Array,
     force: Array,
 ) -> None:
-    """Pair forces on the slots from `start` to `stop`.
+    """Pair forces on the slots from `start` to `stop`, by a law's pull over the distance.
 
     Three plain loops instead of one: gather the neighbors, work out all their forces (this one vectorizes, without
-    changing a bit), add them up in order.
+    changing a bit), add them up in order. The middle one is in the precision of `pair` and of the charges; distances
+    are taken and forces added up in double. Laws that look at no radius are given none.
     """
     first, neighbor, x, y = rows
     charge, radius = floats
-    fit = unpack_fit(pair)
-    strength, length, cutoff, tension = pair[STRENGTH], pair[CAPILLARY_LENGTH], pair[CUTOFF], pair[SURFACE_TENSION]
-    inverse_square = 1.0 / (length * length)
+    law, cutoff, length, tension = law_of(pair), pair[CUTOFF], pair[CAPILLARY_LENGTH], pair[SURFACE_TENSION]
+    nothing = cutoff - cutoff
     longest = 0
     for slot in range(start, stop):
         longest = max(longest, first[slot + 1] - first[slot])
-    room = longest + PADDED
-    apart_x, apart_y, charges, radii = np.empty(room), np.empty(room), np.zeros(room), np.ones(room)
+    room, kind = longest + PADDED, charge.dtype
+    apart_x, apart_y, charges, radii = np.empty(room, kind), np.empty(room, kind), np.zeros(room, kind), np.ones(room)
     for slot in range(start, stop):
         begin, found = np.uint64(first[slot]), np.uint64(first[slot + 1] - first[slot])
-        own_x, own_y, own_charge, own_radius = x[slot], y[slot], charge[slot], radius[slot]
+        own_x, own_y, own_charge, own_radius = x[slot], y[slot], charge[slot], 0.0
         for k in range(found):
             j = np.uint64(neighbor[begin + k])
-            apart_x[k], apart_y[k], charges[k], radii[k] = x[j] - own_x, y[j] - own_y, charge[j], radius[j]
+            apart_x[k], apart_y[k], charges[k] = x[j] - own_x, y[j] - own_y, charge[j]
+        if len(radius) > 0:
+            own_radius = radius[slot]
+            for k in range(found):
+                radii[k] = radius[neighbor[begin + k]]
         padded = (found + np.uint64(PADDED - 1)) // np.uint64(PADDED) * np.uint64(PADDED)
         for k in range(found, padded):
-            apart_x[k], apart_y[k] = 2.0 * cutoff, 0.0
+            apart_x[k], apart_y[k] = cutoff + cutoff, nothing
         for k in range(padded):
             square = apart_x[k] * apart_x[k] + apart_y[k] * apart_y[k]
-            # Towards the neighbor where the charges agree; the same factor for both of a pair, so that their forces
-            # cancel to the bit.
-            factor = strength * inverse_square * (own_charge * charges[k]) * k1_over_x(square * inverse_square, fit)
             own = PairParameters(own_radius, radii[k], own_charge, charges[k], length, tension)
-            factor += extra_pull(square, own)
-            factor = factor if square < cutoff * cutoff else 0.0
+            factor = pull_of(square, own, law)
+            factor = factor if square < cutoff * cutoff else nothing
             apart_x[k] *= factor
             apart_y[k] *= factor
         total_x, total_y = 0.0, 0.0
@@ -97,7 +118,8 @@ def pull_rows_with(
 
 @compiled
 def _pull_rows(start: int, stop: int, rows: Any, floats: Any, pair: Array, force: Array) -> None:
-    pull_rows_with(no_extra_pull, start, stop, rows, floats, pair, force)
+    charge, radius = floats
+    pull_rows_with(screened_pull, screened_of, start, stop, rows, (charge, radius[:0]), pair, force)
 
 
 @threaded
@@ -125,6 +147,8 @@ class Sorted(NamedTuple):
     radius: Array
     force: Array
     """(2, N)"""
+    pair: Array
+    """the pair law's constants; like the charges in the precision of the sums"""
 
 
 @compiled
@@ -150,9 +174,8 @@ def forces_with(
     rows, order = lists.rows, lists.cells.order
     x, y = rows.sorted_position[0], rows.sorted_position[1]
     sorted_force = sorted_floats.force
-    pull_all(
-        (rows.first, rows.neighbor, x, y), (sorted_floats.charge, sorted_floats.radius), parameters.pair, sorted_force
-    )
+    charges = (sorted_floats.charge, sorted_floats.radius)
+    pull_all((rows.first, rows.neighbor, x, y), charges, sorted_floats.pair, sorted_force)
     for slot in range(len(order)):
         force[order[slot], 0], force[order[slot], 1] = sorted_force[0, slot], sorted_force[1, slot]
     add_wall_forces(parameters, position, force)
@@ -196,6 +219,6 @@ def add_wall_forces(parameters: Parameters, position: Array, force: Array) -> No
 
 
 @compiled
-def forces(parameters: Parameters, position: Array, lists: NeighborLists, scratch: tuple[Sorted, Array]) -> None:
-    """`forces_with` ecume's own pair law alone."""
+def forces(parameters: Parameters, position: Array, lists: NeighborLists, scratch: tuple[Any, Array]) -> None:
+    """`forces_with` ecume's own pair law alone; scratch is a `Sorted`, or has the same."""
     forces_with(pull, parameters, position, lists, scratch)

@@ -11,12 +11,26 @@ import numpy as np
 from ecume.engine.cells import Integers
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.laws import drag, flotation
+from ecume.laws.dipoles import dipole_force, dipole_strength
 from ecume.laws.multipole import Undulated
-from ecume.models.floating import corrected, many, stepping
-from ecume.models.floating.parameters import CAPILLARY, DISH, NO_WALL_LAW, OVERDAMPED, PLANE, RARE, Parameters
+from ecume.models.floating import corrected, films, grid, many, polar, stepping
+from ecume.models.floating.parameters import (
+    CAPILLARY,
+    DISH,
+    NO_WALL_LAW,
+    ONE_SIDED,
+    OVERDAMPED,
+    PLANE,
+    RARE,
+    SEMI_IMPLICIT_EULER,
+    Parameters,
+)
+from ecume.models.floating.shaped.bodies import Shaped, make_crew
 from ecume.models.floating.state import State, Workspace
+from ecume.models.floating.summing import Split
 from ecume.models.liquids import liquid_of
 from ecume.scenes.floating import FloatingScene
+from ecume.units import Array
 
 Bodies = list[tuple[Any, float]]
 RAFT_NEIGHBORS = 6.0
@@ -77,6 +91,53 @@ def with_corrections(
     return parameters._replace(many=tables, stiffer=_stiffer(bodies))
 
 
+def with_dipoles(parameters: Parameters, scene: FloatingScene, moment: Array) -> Parameters:
+    """Floats that are magnets. Raises SceneError where they go by another method.
+
+    Two that touch are a spring of 4 F/l; six of them at most.
+    """
+    if scene.interaction.method != "superposition" or parameters.pair_law == ONE_SIDED:
+        raise _fault("interaction.method", "magnets go with 'superposition', and not with 'one-sided-legacy'")
+    if scene.rubs:
+        raise _fault("contacts.friction", "magnets go without friction")
+    radius, walls = parameters.floats.radius, parameters.walls
+    touching = 2.0 * float(radius.min())
+    across = 2.0 * min(walls.disc_radius, float(np.hypot.reduce(walls.offset)) if len(walls.offset) else math.inf)
+    cutoff = min(touching / math.sqrt(scene.interaction.accuracy), across)
+    strongest = float(np.abs(moment).max())
+    at_contact = dipole_force(touching, dipole_strength(strongest, strongest))
+    spring, floats = 2.0 * RAFT_NEIGHBORS * 4.0 * at_contact / touching, parameters.floats
+    quickest = float(np.min(np.sqrt(floats.mass / spring)))
+    if parameters.scheme == OVERDAMPED:
+        quickest = float(np.min(floats.mass / floats.relaxation_time)) / spring
+    return parameters._replace(
+        many=polar.make_polar(moment, cutoff),
+        quickest=min(parameters.quickest, quickest),
+        reach=max(parameters.reach, cutoff + parameters.skin),
+    )
+
+
+def with_films(parameters: Parameters, scene: FloatingScene) -> Parameters:
+    """Films between floats. Raises SceneError where they go by another method, or have no drag."""
+    asked, motion = scene.motion.films, scene.motion
+    assert asked is not None  # noqa: S101  # for the type checker: the caller has looked
+    if scene.interaction.method != "superposition" or parameters.pair_law == ONE_SIDED:
+        raise _fault("motion.films", "films go with interaction.method = 'superposition', and not with dipoles")
+    if parameters.scheme not in (OVERDAMPED, SEMI_IMPLICIT_EULER) or motion.drag_law != "stokes":
+        raise _fault(
+            "motion.films", "films want motion.integrator = 'overdamped' or 'semi-implicit-euler', and Stokes's drag"
+        )
+    if scene.rubs:
+        raise _fault("motion.films", "films go without friction")
+    if not motion.drag or scene.liquid.viscosity == 0.0 or motion.temperature > 0.0:
+        raise _fault("motion.films", "films want drag and a viscosity, and no temperature")
+    largest, smallest = float(parameters.floats.radius.max()), float(parameters.floats.radius.min())
+    return parameters._replace(
+        many=films.make_films(asked.roughness / smallest, asked.reach),
+        reach=max(parameters.reach, asked.reach * largest + parameters.skin),
+    )
+
+
 def require_capillary(parameters: Parameters) -> None:
     """Refuse another pair law. Raises SceneError."""
     if parameters.pair_law != CAPILLARY:
@@ -116,23 +177,51 @@ def orders_of(parameters: Parameters) -> int:
 
 def turns(parameters: Parameters) -> bool:
     """Whether floats turn."""
-    return isinstance(parameters.many, many.Many) and len(parameters.many.inertia) > 0
+    return parameters.rough != () or turned_by_rims(parameters)
 
 
-def scratch_for(parameters: Parameters, state: State, plain: Any) -> Any:
-    """What forces need beside neighbor lists."""
+def turned_by_rims(parameters: Parameters) -> bool:
+    """Whether menisci turn them, or their shapes."""
+    return isinstance(parameters.many, (many.Many, Shaped)) and len(parameters.many.inertia) > 0
+
+
+def inertia_of(parameters: Parameters) -> Array:
+    """The moments of inertia of floats that turn (kg m^2), (N,)."""
+    return np.asarray(parameters.many.inertia if parameters.rough == () else parameters.rough.inertia)
+
+
+def scratch_for(parameters: Parameters, state: State, plain: Any, room: int) -> Any:
+    """What forces need beside neighbor lists; with room for that many contacts."""
+    if isinstance(parameters.many, Shaped):
+        return make_crew(parameters, state, room)
     if isinstance(parameters.many, many.Many):
         return many.make_crowd(parameters, state.amplitudes, state.turning)
+    if isinstance(parameters.many, polar.Polar):
+        return polar.make_magnets(plain, parameters.many)
     return plain
 
 
 def advance(parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
     """See `ecume.models.model.Model.advance`."""
+    if isinstance(parameters.many, Shaped):
+        from ecume.models.floating.shaped.marching import march_shaped
+
+        return march_shaped(parameters, state, workspace, steps)
     rare = parameters.scheme in RARE
-    if turns(parameters):
+    if parameters.rough != ():
+        from ecume.models.floating import rough_marches
+
+        return rough_marches.advance(parameters, state, workspace, steps)
+    if turned_by_rims(parameters):
         return many.march_turning(parameters, state, workspace, steps)
     if isinstance(parameters.many, many.Many):
         return (many.march_many_rarely if rare else many.march_many)(parameters, state, workspace, steps)
+    if isinstance(parameters.many, Split):
+        return grid.march_split(parameters, state, workspace, steps)
+    if isinstance(parameters.many, polar.Polar):
+        return (polar.march_polar_rarely if rare else polar.march_polar)(parameters, state, workspace, steps)
+    if isinstance(parameters.many, films.Films):
+        return films.march_slowed(parameters, state, workspace, steps)
     if isinstance(parameters.many, corrected.Corrected):
         march = corrected.march_corrected_rarely if rare else corrected.march_corrected
         return march(parameters, state, workspace, steps)
@@ -140,9 +229,19 @@ def advance(parameters: Parameters, state: State, workspace: Workspace, steps: i
 
 
 def interaction_energies(parameters: Parameters, state: State, workspace: Workspace) -> tuple[float, float]:
-    """What goes beyond superposed pairs and walls (J), pairs and walls; multipoles know no difference of the two."""
+    """Beyond superposed pairs and walls of spheres (J), pairs and walls; multipoles know no difference of the two."""
+    if isinstance(parameters.many, Shaped):
+        from ecume.models.floating.shaped.forces import shaped_energies
+
+        return shaped_energies(parameters, state, workspace)
     if isinstance(parameters.many, many.Many):
         return many.many_energy(parameters, state), 0.0
+    if isinstance(parameters.many, Split):
+        return grid.split_energy(parameters, state, workspace), 0.0
+    if isinstance(parameters.many, polar.Polar):
+        rows = workspace.lists.rows
+        listed = rows.first, rows.neighbor, workspace.lists.cells.order
+        return float(polar.sum_of_dipole_energies(state.position, parameters.many, listed)), 0.0
     if isinstance(parameters.many, corrected.Corrected):
         return corrected.corrected_energy(parameters, state, workspace), 0.0
     return 0.0, 0.0

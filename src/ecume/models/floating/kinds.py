@@ -14,14 +14,15 @@ from ecume.errors import BadInput, Fault, SceneError
 from ecume.laws import drag, flotation
 from ecume.models.floating.parameters import Floats
 from ecume.models.liquids import liquid_of
-from ecume.scenes.floating import DiscSpec, FloatingScene, FloatRow, FloatSpec, species_of
+from ecume.scenes.floating import DiscSpec, FloatingScene, FloatRow, FloatSpec, ShapeSpec, species_of
+from ecume.scenes.floating.shapes import PINNED
 from ecume.units import Array
 
 
 class Afloat(NamedTuple):
     """One kind of float as it floats: what it is made of, and what the laws make of it."""
 
-    body: flotation.Sphere | flotation.Disc
+    body: flotation.Body
     density: float
     contact_angle: float
     """of a disc NaN: its edge takes any"""
@@ -31,6 +32,10 @@ class Afloat(NamedTuple):
     friction: float
     rim: tuple[int, float] = (2, 0.0)
     """mode of an undulated rim, and its height (m)"""
+    figure: Any = None
+    """a `shaped.figures.Figure` in scenes where a float has a shape"""
+    radius: float = 0.0
+    """of the circle around it"""
 
 
 def contact_angle_of(given: FloatSpec | FloatRow, liquid: flotation.Liquid) -> float:
@@ -54,6 +59,8 @@ def afloat(given: FloatSpec | FloatRow, scene: FloatingScene) -> Afloat:
     liquid = liquid_of(scene)
     if isinstance(given, FloatSpec) and given.disc is not None:
         return disc_afloat(given, given.disc, scene)
+    if isinstance(given, FloatSpec) and given.shape is not None:
+        return shape_afloat(given, given.shape, scene)
     sphere = flotation.Sphere(given.radius, given.density, contact_angle_of(given, liquid))
     balance = flotation.equilibrium(sphere, liquid)
     assert scene.interaction.charge is not None  # noqa: S101  # the scene has filled it in
@@ -63,7 +70,8 @@ def afloat(given: FloatSpec | FloatRow, scene: FloatingScene) -> Afloat:
     if scene.motion.added_mass:
         mass += drag.added_mass(given.radius, balance.filling_angle, liquid.density)
     friction = drag.stokes_friction(given.radius, liquid.viscosity, factor)
-    return Afloat(sphere, given.density, sphere.contact_angle, balance, charge, mass, friction)
+    found = Afloat(sphere, given.density, sphere.contact_angle, balance, charge, mass, friction, radius=given.radius)
+    return found._replace(figure=_round_figure(found, scene))
 
 
 def disc_afloat(given: FloatSpec, disc: DiscSpec, scene: FloatingScene) -> Afloat:
@@ -76,7 +84,44 @@ def disc_afloat(given: FloatSpec, disc: DiscSpec, scene: FloatingScene) -> Afloa
     mass = given.density * math.pi * given.radius**2 * disc.thickness
     friction = drag.disc_friction(given.radius, liquid.viscosity)
     rim = disc.mode, disc.undulation
-    return Afloat(body, given.density, math.nan, balance, charge, mass, friction, rim)
+    found = Afloat(body, given.density, math.nan, balance, charge, mass, friction, rim, radius=given.radius)
+    return found._replace(figure=_round_figure(found, scene))
+
+
+def shape_afloat(given: FloatSpec, shape: ShapeSpec, scene: FloatingScene) -> Afloat:
+    """How a float with a shape floats. Raises BadInput where it does not."""
+    from ecume.models.floating.shaped.figures import Given, floated
+
+    liquid = liquid_of(scene)
+    angle = math.nan if shape.kind in PINNED else contact_angle_of(given, liquid)
+    asked = Given(shape, given.radius, given.density, angle, str(scene.interaction.charge))
+    found = floated(asked, liquid)
+    figure = found.figure
+    return Afloat(
+        body=found.body,
+        density=given.density,
+        contact_angle=angle,
+        equilibrium=found.equilibrium,
+        charge=figure.line.charge,
+        mass=found.mass,
+        friction=min(figure.friction[:2]),
+        figure=figure,
+        radius=given.radius,
+    )
+
+
+def _round_figure(kind: Afloat, scene: FloatingScene) -> Any:
+    """The figure of a sphere or a disc among shapes; none where there are no shapes."""
+    if not has_shapes(scene) or not isinstance(kind.body, flotation.Sphere | flotation.Disc):
+        return None
+    from ecume.models.floating.shaped.figures import round_figure
+
+    return round_figure(kind.body, kind.charge, kind.mass, kind.friction)
+
+
+def has_shapes(scene: FloatingScene) -> bool:
+    """Whether any float has a shape."""
+    return any(species.shape is not None for species in scene.floats)
 
 
 def kinds_afloat(scene: FloatingScene) -> list[Afloat]:
@@ -85,8 +130,8 @@ def kinds_afloat(scene: FloatingScene) -> list[Afloat]:
     found: list[Afloat] = []
     known: dict[Any, Afloat | BadInput] = {}
     for where, given in _given(scene):
-        disc = given.disc if isinstance(given, FloatSpec) else None
-        key = (given.radius, given.density, given.contact_angle, given.surface_energies, disc)
+        disc, shape = (given.disc, given.shape) if isinstance(given, FloatSpec) else (None, None)
+        key = (given.radius, given.density, given.contact_angle, given.surface_energies, disc, shape)
         if key not in known:
             try:
                 known[key] = afloat(given, scene)
@@ -120,7 +165,7 @@ def floats_of(scene: FloatingScene) -> Floats:
         return np.repeat(np.array([of(kind) for kind in kinds]), counts)
 
     return Floats(
-        radius=each(lambda kind: kind.body.radius),
+        radius=each(lambda kind: kind.radius),
         mass=each(lambda kind: kind.mass),
         charge=each(lambda kind: kind.charge),
         relaxation_time=each(lambda kind: drag.relaxation_time(kind.mass, kind.friction))
@@ -130,6 +175,12 @@ def floats_of(scene: FloatingScene) -> Floats:
         contact_angle=each(lambda kind: kind.contact_angle),
         species=np.repeat(np.array(species, dtype=np.int64), counts),
     )
+
+
+def moments_of(scene: FloatingScene) -> Array:
+    """Float by float: magnetic moments (A m^2)."""
+    counts = [given.count if isinstance(given, FloatSpec) else 1 for _, given in _given(scene)]
+    return np.repeat(np.array([given.magnetic_moment for _, given in _given(scene)]), counts)
 
 
 def distinct_kinds(scene: FloatingScene) -> tuple[list[Afloat], Integers]:

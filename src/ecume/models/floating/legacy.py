@@ -22,8 +22,14 @@ LEAST_DISTANCE = 1e-300
 
 
 @compiled_inside
-def one_sided_pull(square: float, own: PairParameters) -> float:
-    """The pull (N) on i over the distance (m); the pair's own strength is zero in such a scene."""
+def no_law(pair: Array) -> float:
+    """All constants are the pair's own."""
+    return 0.0
+
+
+@compiled_inside
+def one_sided_pull(square: float, own: PairParameters, law: float) -> float:
+    """The pull (N) on i over the distance (m)."""
     distance = max(math.sqrt(square), LEAST_DISTANCE)
     strength = pair_strength(own.surface_tension, own.charge_j, own.charge_j)
     touching = own.radius_i + own.radius_j
@@ -33,7 +39,7 @@ def one_sided_pull(square: float, own: PairParameters) -> float:
 @compiled
 def pull_one_sided(rows: Any, floats: Any, pair: Array, force: Array) -> None:
     """Forces on all slots."""
-    pull_rows_with(one_sided_pull, 0, force.shape[1], rows, floats, pair, force)
+    pull_rows_with(one_sided_pull, no_law, 0, force.shape[1], rows, floats, pair, force)
 
 
 @compiled

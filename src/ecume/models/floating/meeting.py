@@ -9,11 +9,13 @@ others that last has no such bound (Kane's paradox), and made floats between two
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
-from ecume._jit import compiled
+from ecume._jit import compiled, inlined
 from ecume.engine import contacts as touching
-from ecume.engine.contacts import Bodies, Contacts, Memory
+from ecume.engine.contacts import Bodies, Contacts, Goal, Memory
 from ecume.models.floating.parameters import LEGACY, Parameters
 from ecume.models.floating.schemes import copy_rows
 from ecume.models.floating.state import COLLISIONS, DEEPEST, SWEEPS, UNCONVERGED, State, Workspace
@@ -82,41 +84,80 @@ def share_restitution(parameters: Parameters, contacts: Contacts, of_float: Arra
                 of_float[i] = least
 
 
-@compiled
-def bounce(parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """Collisions: impulses on the passage, (1 + e) times those that stop everyone."""
-    contacts, before, passage, of_float = workspace.contacts, workspace.before, workspace.passage, workspace.restitution
+@inlined
+def bounce_with(
+    stop: Callable[..., int], push: Callable[..., None], parameters: Parameters, state: State, workspace: Workspace
+) -> None:
+    """Collisions: impulses on the passage, (1 + e) times those that stop everyone.
+
+    `stop` solves for these on `before`; `push` gives each contact its own, times the factor that it finds in `scratch`.
+    """
+    contacts, before, of_float = workspace.contacts, workspace.before, workspace.restitution
     fastest = demand_stops(parameters, contacts, before)
     if fastest <= 0.0:
         return
-    mobility, impulse, total = parameters.kick.mobility, contacts.impulse, contacts.total[0]
-    for row in range(total):
-        impulse[row] = 0.0
-    touching.weigh(contacts, mobility)
-    goal = touching.Goal(touching.CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
-    state.tally[SWEEPS] += touching.solve(contacts, before, mobility, goal)
+    for row in range(contacts.total[0]):
+        contacts.impulse[row] = 0.0
+    goal = Goal(touching.CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
+    state.tally[SWEEPS] += stop(parameters, workspace, before, goal)
     share_restitution(parameters, contacts, of_float)
-    for row in range(total):
-        if impulse[row] > 0.0:
-            state.tally[COLLISIONS] += 1.0
-            impulse[row] *= 1.0 + of_float[contacts.first[row]]
-    touching.push_all(contacts, impulse, passage, mobility)
+    for row in range(contacts.total[0]):
+        bounces = contacts.impulse[row] > 0.0
+        state.tally[COLLISIONS] += 1.0 if bounces else 0.0
+        contacts.scratch[row] = 1.0 + of_float[contacts.first[row]] if bounces else 0.0
+    push(parameters, workspace)
 
 
 @compiled
-def solve_contacts(parameters: Parameters, state: State, contacts: Contacts, velocity: Array) -> None:
-    """Impulses on `velocity`, from those remembered; remembered in turn."""
-    memory = Memory(state.touches, state.touching, state.push)
-    mobility = parameters.kick.mobility
-    touching.recall(contacts, memory)
-    touching.weigh(contacts, mobility)
+def solve_smooth(parameters: Parameters, workspace: Workspace, velocity: Array, goal: Goal) -> int:
+    """Contacts without friction: how many sweeps their solution takes."""
+    touching.weigh(workspace.contacts, parameters.kick.mobility)
+    return touching.solve(workspace.contacts, velocity, parameters.kick.mobility, goal)
+
+
+@compiled
+def push_smooth(parameters: Parameters, workspace: Workspace) -> None:
+    """The impulses of bounces, on the passage."""
+    contacts = workspace.contacts
+    for row in range(contacts.total[0]):
+        contacts.impulse[row] *= contacts.scratch[row]
+    touching.push_all(contacts, contacts.impulse, workspace.passage, parameters.kick.mobility)
+
+
+@compiled
+def bounce(parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """`bounce_with` contacts without friction."""
+    bounce_with(solve_smooth, push_smooth, parameters, state, workspace)
+
+
+@compiled
+def memory_of(state: State) -> Memory:
+    """The impulses of the step before."""
+    return Memory(state.touches, state.touching, state.push)
+
+
+@compiled
+def goal_of(parameters: Parameters, contacts: Contacts, velocity: Array) -> Goal:
+    """How good impulses must be for these velocities; nothing is wanted where nobody comes too near."""
     touching.approaches(contacts, velocity, contacts.scratch)
     fastest = 0.0
     for row in range(contacts.total[0]):
         fastest = max(fastest, contacts.bound[row] - contacts.scratch[row])
-    goal = touching.Goal(touching.CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
-    sweeps = touching.solve(contacts, velocity, mobility, goal) if fastest > 0.0 else 0
-    if fastest <= 0.0:
+    return Goal(touching.CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
+
+
+@inlined
+def solve_contacts_with(
+    solve: Callable[..., int], parameters: Parameters, state: State, workspace: Workspace, velocity: Array
+) -> None:
+    """Impulses on `velocity`, from those remembered; remembered in turn."""
+    contacts, memory = workspace.contacts, memory_of(state)
+    touching.recall(contacts, memory)
+    goal = goal_of(parameters, contacts, velocity)
+    sweeps = 0
+    if goal.wanted > 0.0:
+        sweeps = solve(parameters, workspace, velocity, goal)
+    else:
         for row in range(contacts.total[0]):
             contacts.impulse[row] = 0.0
     state.tally[SWEEPS] += sweeps
@@ -125,7 +166,19 @@ def solve_contacts(parameters: Parameters, state: State, contacts: Contacts, vel
 
 
 @compiled
-def meet(parameters: Parameters, state: State, workspace: Workspace) -> None:
+def solve_contacts(parameters: Parameters, state: State, workspace: Workspace, velocity: Array) -> None:
+    """`solve_contacts_with` contacts without friction."""
+    solve_contacts_with(solve_smooth, parameters, state, workspace, velocity)
+
+
+@inlined
+def meet_with(
+    bounce: Callable[..., None],
+    solve_contacts: Callable[..., None],
+    parameters: Parameters,
+    state: State,
+    workspace: Workspace,
+) -> None:
     """The first contact solves: bounces, then a plastic one on the passage, so that nobody ends the step inside
     another.
 
@@ -147,10 +200,16 @@ def meet(parameters: Parameters, state: State, workspace: Workspace) -> None:
     for row in range(contacts.total[0]):
         free = parameters.contact_law == LEGACY and contacts.second[row] < len(velocity)
         contacts.bound[row] = -np.inf if free else -max(contacts.gap[row], 0.0) / parameters.time_step
-    solve_contacts(parameters, state, contacts, passage)
+    solve_contacts(parameters, state, workspace, passage)
     for i in range(len(velocity)):
         velocity[i, 0] += passage[i, 0]
         velocity[i, 1] += passage[i, 1]
+
+
+@compiled
+def meet(parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """`meet_with` contacts without friction."""
+    meet_with(bounce, solve_contacts, parameters, state, workspace)
 
 
 @compiled
@@ -182,8 +241,8 @@ def demand_rest(parameters: Parameters, contacts: Contacts, velocity: Array, bef
         bound[row] = -max(gap[row], 0.0) / parameters.time_step if lasting else -np.inf
 
 
-@compiled
-def rest(parameters: Parameters, state: State, workspace: Workspace) -> None:
+@inlined
+def rest_with(solve_contacts: Callable[..., None], parameters: Parameters, state: State, workspace: Workspace) -> None:
     """The last contact solve: on the velocity at the end of the step, so that what is pressed together rests."""
     contacts, passage, before, decay = workspace.contacts, workspace.passage, workspace.before, parameters.kick.decay
     count = len(state.position)
@@ -193,5 +252,11 @@ def rest(parameters: Parameters, state: State, workspace: Workspace) -> None:
     copy_rows(passage, state.velocity)
     touching.approaches(contacts, before, contacts.change)
     demand_rest(parameters, contacts, passage, contacts.change)
-    solve_contacts(parameters, state, contacts, passage)
+    solve_contacts(parameters, state, workspace, passage)
     copy_rows(state.velocity, passage)
+
+
+@compiled
+def rest(parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """`rest_with` contacts without friction."""
+    rest_with(solve_contacts, parameters, state, workspace)

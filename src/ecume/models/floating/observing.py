@@ -12,7 +12,7 @@ from ecume.engine.contacts import Candidates
 from ecume.engine.neighbors import Slots
 from ecume.engine.walls import Walls, wall_count, wall_distance
 from ecume.laws.capillarity import dish_energy, pair_energy, plane_wall_energy, two_point_legacy_energy
-from ecume.models.floating.interacting import interaction_energies, turns
+from ecume.models.floating.interacting import inertia_of, interaction_energies, turns
 from ecume.models.floating.many import Many
 from ecume.models.floating.parameters import (
     CAPILLARY_LENGTH,
@@ -24,7 +24,10 @@ from ecume.models.floating.parameters import (
     TABLED,
     Parameters,
 )
+from ecume.models.floating.polar import Polar
+from ecume.models.floating.shaped.bodies import Shaped
 from ecume.models.floating.state import COLLISIONS, DEEPEST, SWEEPS, UNCONVERGED, State, Workspace
+from ecume.models.floating.summing import Split
 from ecume.models.floating.wall_tables import HEIGHT, IMAGE, tabled
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
@@ -153,6 +156,22 @@ def deepest_in_walls(walls: Walls, position: Array, radius: Array) -> float:
     return worst
 
 
+def touching_shapes(parameters: Parameters, state: State, label: Integers) -> tuple[int, float]:
+    """The same for shapes, walls included in the deepest overlap."""
+    from ecume.models.floating.shaped.building import overlaps
+
+    radius, contacts, deepest = parameters.floats.radius, 0, 0.0
+    label[:] = np.arange(len(radius))
+    for i, j, gap in overlaps(parameters, state.position, state.turning[:, 0], CONTACT_GAP * float(radius.min())):
+        deepest = max(deepest, -gap)
+        if j < len(radius):
+            contacts += 1
+            _join(label, i, j)
+    for i in range(len(label)):
+        label[i] = _root(label, i)
+    return contacts, deepest
+
+
 def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame:
     """The frame of this instant."""
     floats = parameters.floats
@@ -165,6 +184,8 @@ def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame
     if turns(parameters):
         arrays |= {"angle": state.turning[:, 0].copy(), "spin": state.turning[:, 1].copy()}
         units |= {"angle": "rad", "spin": "rad/s"}
+    if isinstance(parameters.many, Polar):
+        arrays["magnetic_moment"], units["magnetic_moment"] = parameters.many.moment.copy(), "A*m^2"
     numbers = {
         **energies(parameters, state, workspace),
         **motion(parameters, state),
@@ -179,9 +200,12 @@ def energies(parameters: Parameters, state: State, workspace: Workspace) -> dict
     """Kinetic, pair and wall energies (J), and their sum."""
     rows = workspace.lists.rows.first, workspace.lists.rows.neighbor, workspace.lists.cells.order
     kinetic = 0.5 * float(np.sum(parameters.floats.mass * np.sum(state.velocity**2, axis=1)))
+    if turns(parameters):
+        kinetic += 0.5 * float(np.sum(inertia_of(parameters) * state.turning[:, 1] ** 2))
     pairs, walls = interaction_energies(parameters, state, workspace)
-    if not isinstance(parameters.many, Many):
+    if not isinstance(parameters.many, (Many, Split, Shaped)):
         pairs += sum_of_pair_energies(state.position, parameters.floats.charge, parameters.pair, rows)
+    if not isinstance(parameters.many, (Many, Shaped)):
         walls = sum_of_wall_energies(parameters, state.position)
     return {
         "kinetic_energy": kinetic,
@@ -195,10 +219,11 @@ def motion(parameters: Parameters, state: State) -> dict[str, float]:
     """Momenta and the largest speed."""
     mass, position, velocity = parameters.floats.mass, state.position, state.velocity
     turning = position[:, 0] * velocity[:, 1] - position[:, 1] * velocity[:, 0]
+    spins = float(np.sum(inertia_of(parameters) * state.turning[:, 1])) if turns(parameters) else 0.0
     return {
         "momentum_x": float(np.sum(mass * velocity[:, 0])),
         "momentum_y": float(np.sum(mass * velocity[:, 1])),
-        "angular_momentum": float(np.sum(mass * turning)),
+        "angular_momentum": float(np.sum(mass * turning)) + spins,
         "largest_speed": float(np.sqrt(np.max(np.sum(velocity**2, axis=1)))),
     }
 
@@ -207,13 +232,17 @@ def crowd(parameters: Parameters, state: State, workspace: Workspace) -> dict[st
     """Clusters, contacts, overlaps, and what the contact solver did so far."""
     radius = parameters.floats.radius
     label = np.zeros(len(radius), np.int64)
-    contacts, deepest = touching_pairs(state.position, radius, workspace.candidates, label)
+    if isinstance(parameters.many, Shaped):
+        contacts, deepest = touching_shapes(parameters, state, label)
+    else:
+        contacts, deepest = touching_pairs(state.position, radius, workspace.candidates, label)
+        deepest = max(deepest, deepest_in_walls(parameters.walls, state.position, radius))
     clusters = len(np.unique(label))
     return {
         "clusters": clusters,
         "mean_cluster_size": len(radius) / clusters,
         "contacts": contacts,
-        "largest_overlap": max(deepest, deepest_in_walls(parameters.walls, state.position, radius)),
+        "largest_overlap": deepest,
         "deepest_overlap": state.tally[DEEPEST],
         "collisions": state.tally[COLLISIONS],
         "contact_sweeps": state.tally[SWEEPS],

@@ -27,6 +27,8 @@ LOOSEST_OVER_CHOSEN = 4.0
 LARGEST_OVER_CHOSEN = 20.0
 """Beyond this the scheme is unstable."""
 RAFT_NEIGHBORS = 6.0
+PACKED = 0.9069
+"""Of the surface that touching discs cover on a triangular lattice."""
 SKIN_PER_STEP = 0.1
 """Nobody may go farther in a step, over the skin."""
 
@@ -86,7 +88,23 @@ def chosen_step(parameters: Parameters, speed: float) -> float:
         for k, m in zip(stiffness, mass, strict=True)
     ]
     step = min(GOOD * min(*scales, parameters.quickest), wandering_step(parameters))
+    if slow:
+        speed += gathering_speed(parameters)
     return min(step, SKIN_PER_STEP * parameters.skin / speed) if speed > 0.0 else step
+
+
+def gathering_speed(parameters: Parameters) -> float:
+    """The fastest that walls and all others together can draw a float that has no inertia (m/s).
+
+    At the edge of a raft of all floats F = pi S A n min(L, r), where n is the raft's charge per area and r its radius:
+    a half-plane's pull, or that of the whole raft as if it stood in its middle.
+    """
+    floats, length = parameters.floats, float(parameters.pair[CAPILLARY_LENGTH])
+    mobility, charge = floats.relaxation_time / floats.mass, np.abs(floats.charge)
+    area = math.pi * float(np.sum(floats.radius**2)) / PACKED
+    crowd = math.pi * float(np.sum(charge)) / area * min(length, math.sqrt(area / math.pi))
+    walls = np.abs(parameters.wall_strength).sum(axis=0) / length
+    return float(np.max(mobility * (parameters.stiffer * abs(parameters.pair[STRENGTH]) * charge * crowd + walls)))
 
 
 def wandering_step(parameters: Parameters) -> float:

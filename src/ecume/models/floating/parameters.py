@@ -110,14 +110,20 @@ class Parameters(NamedTuple):
     """overlaps up to this are left alone"""
     drift: Drift
     many: Any = ()
-    """nothing for superposition; else a `many.Many` or a `corrected.Corrected`, which makes a march of its own"""
+    """nothing for superposed pairs; else a `many.Many`, a `corrected.Corrected`, a `summing.Split` ..., which makes a
+    march of its own
+    """
     quickest: float = math.inf
     """s: of what turns, or is drawn by how its rim undulates"""
+    single: bool = False
+    """whether pair forces are worked out in single precision"""
+    rough: Any = ()
+    """nothing where surfaces are smooth; else a `rubbing.Rough`, which makes a march of its own"""
     stiffer: float = 1.0
     """how much stiffer contacts are than superposition says, at most"""
 
 
-STRENGTH, CAPILLARY_LENGTH, CUTOFF, SURFACE_TENSION, FIT = 0, 1, 2, 3, 4
+STRENGTH, CAPILLARY_LENGTH, CUTOFF, SURFACE_TENSION, INVERSE_SQUARE, FIT = range(6)
 
 
 def pack_pair(
@@ -125,7 +131,8 @@ def pack_pair(
 ) -> Array:
     """The pair law's constants as one array: Numba's threads take no nested tuples."""
     of_fit = (fit.lower, fit.upper, fit.shift, fit.slope, fit.offset, fit.error)
-    return np.array([strength, capillary_length, cutoff, surface_tension, *of_fit, *fit.weights])
+    # The inverse square of the length stands here since a loop in single precision has no literal of its own.
+    return np.array([strength, capillary_length, cutoff, surface_tension, capillary_length**-2, *of_fit, *fit.weights])
 
 
 def unpack_fit(pair: Array) -> ScreenedFit:

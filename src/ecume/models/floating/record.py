@@ -23,7 +23,12 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
     """Scratch with neighbor lists that hold at the state's reference positions."""
     while True:
         made = make_workspace(parameters, state, room)
-        made = made._replace(sorted_floats=scratch_for(parameters, state, made.sorted_floats))
+        room_there = 2 * len(made.contacts.first)
+        made = made._replace(sorted_floats=scratch_for(parameters, state, made.sorted_floats, room_there))
+        if parameters.rough != ():
+            from ecume.models.floating.rubbing import make_rubbed
+
+            made = made._replace(rough=make_rubbed(parameters, made))
         if renew_lists(parameters, state.reference, made.lists, made.candidates, made.sorted_floats):
             return made
         room *= ROOMIER

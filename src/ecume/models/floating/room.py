@@ -7,12 +7,15 @@ import psutil
 from ecume.errors import Fault, SceneError
 from ecume.models.floating.building import parameters_of
 from ecume.models.floating.parameters import Parameters
+from ecume.models.floating.summing import Split
 from ecume.scenes.floating import FloatingScene
 
 ROOMIER = 1.6
 """How much longer rows of neighbors become when they were too short."""
 BYTES_PER_FLOAT = 1200
 BYTES_PER_NEIGHBOR = 4
+BYTES_PER_POINT = 60
+"""Of a grid: charges, their transform, waves, and two fields."""
 
 
 def checked_parameters(scene: FloatingScene) -> Parameters:
@@ -29,7 +32,8 @@ def memory_estimate(parameters: Parameters) -> float:
     """Bytes of a run, when the floats are packed to rafts."""
     count = len(parameters.floats.radius)
     packed = 0.92 * (parameters.reach / float(parameters.floats.radius.min())) ** 2
-    return count * (BYTES_PER_FLOAT + BYTES_PER_NEIGHBOR * ROOMIER * min(packed, count))
+    grid = BYTES_PER_POINT * parameters.many.points if isinstance(parameters.many, Split) else 0.0
+    return grid + count * (BYTES_PER_FLOAT + BYTES_PER_NEIGHBOR * ROOMIER * min(packed, count))
 
 
 def _require_memory(count: int, wanted: float) -> None:

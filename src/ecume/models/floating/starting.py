@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from ecume.engine.walls import Walls, wall_count, wall_distance
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.models.floating.interacting import orders_of, turns
 from ecume.models.floating.parameters import Floats, Parameters
+from ecume.models.floating.shaped.bodies import Shaped
 from ecume.models.floating.state import State, make_state
 from ecume.models.floating.stepping import list_candidates
 from ecume.scenes.floating import FloatingScene, FloatSpec
@@ -42,7 +43,10 @@ def start(scene: FloatingScene, parameters: Parameters) -> State:
     """The state at time 0. Raises SceneError where floats overlap, lie outside, or find no room."""
     places = given_places(scene)
     free = np.isnan(places.position[:, 0])
-    _check(scene, parameters, places.position, np.flatnonzero(~free).astype(np.int64))
+    if isinstance(parameters.many, Shaped):
+        _check_shapes(scene, parameters, places.position, np.flatnonzero(~free))
+    else:
+        _check(scene, parameters, places.position, np.flatnonzero(~free).astype(np.int64))
     if np.any(free):
         radius = parameters.floats.radius
         taken = places.position[~free], radius[~free]
@@ -57,22 +61,35 @@ def first_turns(state: State, scene: FloatingScene, parameters: Parameters) -> S
     """The state with angles for floats that turn: given ones, or by chance."""
     if not turns(parameters):
         return state
-    chance = np.random.default_rng([scene.seed, TURNS]).uniform(0.0, 2.0 * math.pi, len(state.position))
-    given = [species.disc.angle if species.disc is not None else None for species in scene.floats]
-    told = np.repeat([math.nan if angle is None else angle for angle in given], [one.count for one in scene.floats])
-    told = np.concatenate([told, np.zeros(len(scene.rows))])
-    angle = np.where(np.isnan(told), chance, told)
+    if parameters.rough != ():
+        state = state._replace(rub=np.zeros(len(state.push)))
+    angle = first_angles(scene)
     return state._replace(turning=np.stack([angle, np.zeros_like(angle)], axis=1))
+
+
+def first_angles(scene: FloatingScene) -> Array:
+    """Of all floats: given ones, or by chance."""
+    count = sum(one.count for one in scene.floats)
+    chance = np.random.default_rng([scene.seed, TURNS]).uniform(0.0, 2.0 * math.pi, count + len(scene.rows))
+    turned = [species.shape or species.disc for species in scene.floats]
+    given = [math.nan if one is None or one.angle is None else one.angle for one in turned]
+    told = np.repeat(given, [one.count for one in scene.floats])
+    told = np.concatenate([told, np.zeros(len(scene.rows))])
+    return np.where(np.isnan(told), chance, told)
 
 
 def given_places(scene: FloatingScene) -> Places:
     """What the scene itself says: the tables' floats first, then the rows."""
     positions = [_places_of(species) for species in scene.floats]
-    velocities = [np.tile(np.array(species.velocity), (species.count, 1)) for species in scene.floats]
+    velocities = [_velocities_of(species) for species in scene.floats]
     if scene.rows:
         positions.append(np.array([(row.x, row.y) for row in scene.rows]))
         velocities.append(np.array([(row.vx, row.vy) for row in scene.rows]))
     return Places(np.concatenate(positions), np.concatenate(velocities))
+
+
+def _velocities_of(species: FloatSpec) -> Array:
+    return np.array(species.velocities) if species.velocities else np.tile(species.velocity, (species.count, 1))
 
 
 def _places_of(species: FloatSpec) -> Array:
@@ -105,6 +122,22 @@ def _check(scene: FloatingScene, parameters: Parameters, position: Array, which:
     if faults:
         more = [Fault("", f"and {len(faults) - MOST_FAULTS} more of these")] if len(faults) > MOST_FAULTS else []
         raise SceneError(faults[:MOST_FAULTS] + more)
+
+
+def _check_shapes(scene: FloatingScene, parameters: Parameters, position: Array, which: Any) -> None:
+    """The same for shapes, as they are turned at the start."""
+    from ecume.models.floating.shaped.building import overlaps
+
+    names, radius, faults = float_names(scene), parameters.floats.radius, []
+    # Whoever is placed by chance is out of the way.
+    far = 4.0 * (np.abs(np.nan_to_num(position)).max() + radius.sum()) * (1.0 + np.arange(len(position)))
+    there = np.where(np.isnan(position), far[:, None], position)
+    for i, j, gap in overlaps(parameters, there, first_angles(scene), 0.0):
+        if i in which and (j in which or j >= len(radius)) and -gap > TOUCHING * radius[i]:
+            other = f"{names[j]}" if j < len(radius) else "the dish's wall"
+            faults.append(Fault(names[i], f"overlaps {other} by {-gap:.3g} m"))
+    if faults:
+        raise SceneError(faults[:MOST_FAULTS])
 
 
 def float_names(scene: FloatingScene) -> list[str]:

@@ -33,6 +33,8 @@ class State(NamedTuple):
     """(4 N + 16, 2) who touches whom; a wall number k stands as N + k"""
     push: Array
     """(4 N + 16,) impulses of these contacts: the next step starts from them"""
+    rub: Array
+    """(4 N + 16,) those along the surfaces; (0,) where they are smooth"""
     amplitudes: Array
     """(N, 2 (order + 1)) real and imaginary parts of the floats' multipoles: the next solution starts from them; (N, 0)
     where superposition rules
@@ -65,6 +67,8 @@ class Workspace(NamedTuple):
     """(1,) m: how far anyone may go in this step"""
     ready: Integers
     """(1,) whether `force` holds at the present positions"""
+    rough: Any = ()
+    """a `rubbing.Rubbed` where surfaces rub"""
 
 
 def make_state(position: Array, velocity: Array, orders: int = 0) -> State:
@@ -78,6 +82,7 @@ def make_state(position: Array, velocity: Array, orders: int = 0) -> State:
         touches=np.zeros(1, np.int64),
         touching=np.zeros((4 * count + 16, 2), np.int64),
         push=np.zeros(4 * count + 16),
+        rub=np.zeros(0),
         amplitudes=np.zeros((count, 2 * orders)),
         turning=np.zeros((count, 0)),
         tally=np.zeros(4),
@@ -93,11 +98,14 @@ def make_workspace(parameters: Parameters, state: State, room: float) -> Workspa
     count = len(state.position)
     walls = len(parameters.kick.mobility) - count
     pairs = int(room * (24 * count + 64))
+    kind = np.float32 if parameters.single else np.float64
     return Workspace(
         lists=neighbors.make_lists(count, 2, int(room * count * min(count, FIRST_GUESS))),
         candidates=contacts.make_candidates(count, pairs),
         contacts=contacts.make_contacts(pairs + count * walls),
-        sorted_floats=Sorted(np.zeros(count), np.zeros(count), np.zeros((2, count))),
+        sorted_floats=Sorted(
+            np.zeros(count, kind), np.zeros(count), np.zeros((2, count)), parameters.pair.astype(kind)
+        ),
         force=np.zeros((count, 2)),
         passage=np.zeros((count + walls, 2)),
         before=np.zeros((count + walls, 2)),

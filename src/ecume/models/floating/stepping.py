@@ -111,6 +111,8 @@ def keep_lists(parameters: Parameters, state: State, workspace: Workspace) -> in
 def step_with(
     predict: Callable[..., None],
     evaluate: Callable[..., None],
+    meet: Callable[..., None],
+    rest: Callable[..., None],
     parameters: Parameters,
     state: State,
     workspace: Workspace,
@@ -133,15 +135,19 @@ def step_with(
 
 
 @inlined
-def march_with(
+def march_touching_with(
     predict: Callable[..., None],
     evaluate: Callable[..., None],
+    meet: Callable[..., None],
+    rest: Callable[..., None],
     parameters: Parameters,
     state: State,
     workspace: Workspace,
     steps: int,
 ) -> int:
-    """March: see `ecume.models.model.Model.advance`. `evaluate` works out all forces at given positions."""
+    """March: see `ecume.models.model.Model.advance`. `evaluate` works out all forces at given positions; `meet` and
+    `rest` are what contacts do on the way and at the end.
+    """
     # Stoermer's scheme looks at no force between its steps.
     if workspace.ready[0] == 0 and parameters.scheme != STORMER_VERLET:
         evaluate(parameters, state.position, workspace.lists, (workspace.sorted_floats, workspace.force))
@@ -150,12 +156,25 @@ def march_with(
         status = keep_lists(parameters, state, workspace)
         if status != DONE:
             return status
-        step_with(predict, evaluate, parameters, state, workspace)
+        step_with(predict, evaluate, meet, rest, parameters, state, workspace)
         if parameters.scheme == STORMER_VERLET:
             clear(workspace.force)
         if not farthest_move(state.position, state.reference) <= 0.5 * parameters.skin:
             return DIVERGED
     return DONE
+
+
+@inlined
+def march_with(
+    predict: Callable[..., None],
+    evaluate: Callable[..., None],
+    parameters: Parameters,
+    state: State,
+    workspace: Workspace,
+    steps: int,
+) -> int:
+    """`march_touching_with` contacts without friction."""
+    return march_touching_with(predict, evaluate, meet, rest, parameters, state, workspace, steps)
 
 
 @compiled

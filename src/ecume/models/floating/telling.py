@@ -5,12 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 
+import numpy as np
+
 from ecume.laws import capillarity, flotation
 from ecume.models.floating.kinds import Afloat, kinds_afloat
 from ecume.models.floating.pace import LARGEST_OVER_CHOSEN, LOOSEST_OVER_CHOSEN
-from ecume.models.floating.parameters import Parameters
+from ecume.models.floating.parameters import CAPILLARY, CAPILLARY_LENGTH, STRENGTH, Parameters
 from ecume.models.floating.room import checked_parameters, memory_estimate
 from ecume.models.floating.starting import start
+from ecume.models.floating.summing import Split
 from ecume.models.floating.time_steps import good_step
 from ecume.models.liquids import liquid_of
 from ecume.scenes.floating import FloatingScene
@@ -21,6 +24,8 @@ ODD = 0.05
 """Share of a pair's force that may come from beyond the sum of two menisci."""
 PER_STEP, PER_FLOAT = 5e-6, 1.2e-6
 """Seconds of a step, and for each float of it, while floats drift: measured on one core of a small cloud machine."""
+PER_PAIR = 6e-9
+"""Seconds for each pair's worth of work where a grid takes part."""
 PER_MEETING, MOST_MET = 7e-8, 300
 """Seconds more for each pair of floats while they gather to rafts, whose contacts are solved together; up to rafts of
 so many. Measured with 60, 150, 300 and 1,000 floats that cover a third of their dish; rafts at rest cost less again.
@@ -34,26 +39,57 @@ def summary(scene: FloatingScene) -> list[Row]:
     parameters = checked_parameters(scene)
     start(scene, parameters)
     length = liquid_of(scene).capillary_length
-    cutoff, count = parameters.cutoff / length, len(parameters.floats.radius)
-    left = capillarity.neglected_fraction(cutoff)
+    count = len(parameters.floats.radius)
     return [
         ("capillary length", f"{length * 1e3:.4g} mm", "how far a meniscus reaches"),
         *_summary_of_species(scene),
-        (
-            "cutoff",
-            f"{parameters.cutoff * 1e3:.4g} mm",
-            f"{cutoff:.3g} capillary lengths; {left:.1e} of a raft's pull is left out",
-        ),
+        *_summary_of_chance(parameters),
+        *_summary_of_sums(parameters, length),
         ("floats", str(count), f"{len(scene.kinds)} species"),
         *_summary_of_steps(parameters, scene),
         ("memory", f"{memory_estimate(parameters) / 1e6:.3g} MB", "when packed to rafts"),
     ]
 
 
+def _summary_of_sums(parameters: Parameters, length: float) -> list[Row]:
+    """How far floats feel each other, and how that is added up."""
+    split = parameters.many if isinstance(parameters.many, Split) else None
+    far = split.far if split else parameters.cutoff
+    left = capillarity.neglected_fraction(far / length)
+    cut = f"{far / length:.3g} capillary lengths; {left:.1e} of a raft's pull is left out"
+    rows = [("cutoff", f"{far * 1e3:.4g} mm", cut)]
+    if split:
+        cells, work = split.work
+        rows.append(
+            (
+                "pair forces",
+                f"a grid of {split.spacing * 1e6:.3g} um",
+                f"splines of order {split.order}; pairs up to {parameters.cutoff * 1e6:.3g} um one by one; "
+                f"{work / cells:.2g} of the work of cells alone",
+            )
+        )
+    return rows
+
+
+def _summary_of_chance(parameters: Parameters) -> list[Row]:
+    """What two that touch gain, over kT."""
+    thermal, floats, pair = parameters.drift.thermal, parameters.floats, parameters.pair
+    if thermal == 0.0 or parameters.pair_law != CAPILLARY:
+        return []
+    kinds = np.unique(np.stack([floats.radius, np.abs(floats.charge)]), axis=1)
+    bonds = [
+        -capillarity.pair_energy(2.0 * radius, pair[STRENGTH] * charge**2, pair[CAPILLARY_LENGTH]) / thermal
+        for radius, charge in kinds.T
+    ]
+    weak = "below kT: chance parts them, and nothing gathers" if min(bonds) < 1.0 else "of two that touch"
+    return [("capillary bond", f"{_numbers(bonds, 3)} kT", weak)]
+
+
 def _summary_of_steps(parameters: Parameters, scene: FloatingScene) -> list[Row]:
     frames, good = round(scene.duration / scene.frame_every), good_step(parameters, scene)
     steps = frames * parameters.steps_per_frame
-    drifting, gathering = (cost * steps for cost in seconds_per_step(len(parameters.floats.radius)))
+    summing = PER_PAIR * parameters.many.work[1] if isinstance(parameters.many, Split) else 0.0
+    drifting, gathering = ((cost + summing) * steps for cost in seconds_per_step(len(parameters.floats.radius)))
     return [
         ("time step", f"{parameters.time_step * 1e3:.4g} ms", _step_remark(parameters.time_step, good)),
         ("steps", str(steps), f"{frames} frames of {parameters.steps_per_frame} steps"),
@@ -86,6 +122,8 @@ def _summary_of_species(scene: FloatingScene) -> list[Row]:
 
 def _summary_of(name: str, members: dict[Afloat, int], liquid: flotation.Liquid) -> list[Row]:
     """One species: a number where all are alike, from the least to the greatest where they are not."""
+    if any(is_shape(kind) for kind in members):
+        return [row for kind in members for row in _summary_of_shape(name, kind)]
     if any(isinstance(kind.body, flotation.Disc) for kind in members):
         return [row for kind in members for row in _summary_of_disc(name, kind, liquid)]
     spheres = [kind.body for kind in members if isinstance(kind.body, flotation.Sphere)]
@@ -151,6 +189,26 @@ def _summary_of_disc(name: str, kind: Afloat, liquid: flotation.Liquid) -> list[
         ("stability", f"{disc.stability:.3g}", "leans with its neighbors" if disc.tilting else "does not lean"),
         ("slope at the contact line", f"{math.degrees(slope):.3g} deg", _slope_remark([slope])),
         ("capillary charge", f"{1e6 * kind.charge:.4g} um", "heavy: attract the heavy" if kind.charge > 0 else "light"),
+    ]
+    return [(f"{name}: {what}", value, remark) for what, value, remark in rows]
+
+
+def is_shape(kind: Afloat) -> bool:
+    """Whether it is neither a sphere nor a disc."""
+    lying = isinstance(kind.body, flotation.Ellipsoid | flotation.HorizontalCylinder)
+    return lying or (kind.figure is not None and len(kind.figure.skeleton.corners) > 0)
+
+
+def _summary_of_shape(name: str, kind: Afloat) -> list[Row]:
+    """An ellipsoid, a needle, a square or a star: slope, rise, charge, friction."""
+    line, (along, across, _) = kind.figure.line, kind.figure.friction
+    slope = kind.equilibrium.slope_angle
+    rise = "rises" if line.rise > 0.0 else "dips" if line.rise < 0.0 else "level"
+    rows = [
+        ("slope at the contact line", f"{math.degrees(slope):.3g} deg", _slope_remark([slope])),
+        ("rise of the contact line", f"{1e6 * line.rise:.4g} um", f"{rise} {line.mode} times around"),
+        ("capillary charge", f"{1e6 * kind.charge:.4g} um", "heavy: attract the heavy" if kind.charge > 0 else "light"),
+        ("friction across over along", f"{across / along:.3g}", "how much easier it goes along itself"),
     ]
     return [(f"{name}: {what}", value, remark) for what, value, remark in rows]
 

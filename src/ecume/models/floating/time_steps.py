@@ -89,7 +89,7 @@ def _speeds(scene: FloatingScene) -> float:
         )
     flow = drift_of(scene).flow
     flowing = math.hypot(flow[0], flow[1]) + reach * float(np.abs(flow[2:]).sum())
-    speeds = [math.hypot(*species.velocity) for species in scene.floats]
+    speeds = [math.hypot(*each) for species in scene.floats for each in (species.velocities or [species.velocity])]
     return max([flowing, *speeds, *(math.hypot(row.vx, row.vy) for row in scene.rows)])
 
 

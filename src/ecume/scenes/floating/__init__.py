@@ -2,9 +2,11 @@
 
 from ecume.scenes.floating.bodies import DiscSpec, FloatRow, FloatSpec, SurfaceEnergies
 from ecume.scenes.floating.scene import FloatingScene, species_of
+from ecume.scenes.floating.shapes import ShapeSpec
 from ecume.scenes.floating.surroundings import (
     ContactSpec,
     DishSpec,
+    FilmsSpec,
     FlowSpec,
     InteractionSpec,
     LiquidSpec,
@@ -15,6 +17,7 @@ __all__ = [
     "ContactSpec",
     "DiscSpec",
     "DishSpec",
+    "FilmsSpec",
     "FloatRow",
     "FloatSpec",
     "FloatingScene",
@@ -22,6 +25,7 @@ __all__ = [
     "InteractionSpec",
     "LiquidSpec",
     "MotionSpec",
+    "ShapeSpec",
     "SurfaceEnergies",
     "species_of",
 ]

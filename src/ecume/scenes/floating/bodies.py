@@ -8,6 +8,7 @@ from pydantic import Field, model_validator
 from pydantic.dataclasses import dataclass
 
 from ecume.scenes.faults import Complaints, Inconsistent
+from ecume.scenes.floating.shapes import PINNED, ShapeSpec, fitting
 from ecume.scenes.quantities import (
     STRICT,
     Color,
@@ -15,6 +16,7 @@ from ecume.scenes.quantities import (
     Coordinate,
     Count,
     Direction,
+    MagneticMoment,
     Name,
     PositiveDensity,
     Radius,
@@ -56,7 +58,7 @@ class DiscSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class FloatSpec:
-    """Equal spheres or discs, and where they start."""
+    """Equal spheres, discs or other shapes, and where they start."""
 
     name: Name = ""
     """What this species is called; `float-1` and so on when empty."""
@@ -72,24 +74,30 @@ class FloatSpec:
     """instead of a contact angle"""
     disc: DiscSpec | None = None
     """what makes it a disc; its edge pins the contact line, whatever the angle"""
+    shape: ShapeSpec | None = None
+    """what makes it longer than wide, or gives it corners; such floats turn"""
     placement: Literal["random", "lattice", "ring"] = "random"
     """How they are laid out: at random without overlap, on a triangular lattice, evenly on a ring."""
     positions: tuple[tuple[Coordinate, Coordinate], ...] = ()
     """Where each starts (m); overrules the placement."""
     velocity: tuple[Velocity, Velocity] = (0.0, 0.0)
     """What each starts with (m/s)."""
+    velocities: tuple[tuple[Velocity, Velocity], ...] = ()
+    """The same one by one, as many as positions; overrules the velocity."""
     spacing: Size | None = None
     """The lattice's distance between neighbors (m)."""
     ring_radius: Size | None = None
     """The ring's (m)."""
     center: tuple[Coordinate, Coordinate] = (0.0, 0.0)
     """The lattice's or ring's (m)."""
+    magnetic_moment: MagneticMoment = 0.0
+    """Of a magnet that stands upright (A m^2): positive points up; such floats repel one another."""
     color: Color | None = None
     """`#rrggbb`, or a plain English name."""
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        complaints = [*_wetting(self), *_layout(self)]
+        complaints = [*_wetting(self), *_layout(self), *_figure(self)]
         if complaints:
             raise Inconsistent(complaints)
         if not self.count:
@@ -117,6 +125,8 @@ class FloatRow:
     """as in FloatSpec"""
     surface_energies: SurfaceEnergies | None = None
     """as in FloatSpec"""
+    magnetic_moment: MagneticMoment = 0.0
+    """as in FloatSpec"""
     species_name: Name = "float-1"
     """Rows of one name are one species."""
     color: Color | None = None
@@ -133,9 +143,12 @@ class FloatRow:
 def _wetting(body: FloatSpec | FloatRow) -> Complaints:
     """A contact angle comes from exactly one place."""
     given = [body.contact_angle is not None, body.surface_energies is not None]
-    if isinstance(body, FloatSpec) and body.disc is not None:
+    if isinstance(body, FloatSpec) and (body.disc is not None or (body.shape and body.shape.kind in PINNED)):
+        what = "disc" if body.disc is not None else str(body.shape and body.shape.kind)
         return (
-            [((), "a disc pins the contact line: leave contact_angle and surface_energies out")] if any(given) else []
+            [((), f"a {what} pins the contact line: leave contact_angle and surface_energies out")]
+            if any(given)
+            else []
         )
     if sum(given) == 1:
         return []
@@ -143,8 +156,18 @@ def _wetting(body: FloatSpec | FloatRow) -> Complaints:
     return [((), f"wanted either contact_angle or surface_energies; came {came}")]
 
 
+def _figure(species: FloatSpec) -> Complaints:
+    """A float is a disc or another shape, which fits into its circle."""
+    if species.shape is None:
+        return []
+    twice = [(("shape",), "a disc is a shape of its own: leave shape or disc out")] if species.disc is not None else []
+    return [*twice, *fitting(species.shape, species.radius)]
+
+
 def _layout(species: FloatSpec) -> Complaints:
     """Positions are as many as the count; lattices and rings have their length, and nothing else has it."""
+    if len(species.velocities) not in (0, len(species.positions)):
+        return [(("velocities",), f"came {len(species.velocities)}; there are {len(species.positions)} positions")]
     if species.positions:
         fits = species.count in (0, len(species.positions))
         return [] if fits else [(("count",), f"came {species.count}; there are {len(species.positions)} positions")]

@@ -67,6 +67,11 @@ class FloatingScene(Common):
         """The species, those of `floats` first."""
         return tuple(Kind(*named) for named in species_of(self))
 
+    @property
+    def rubs(self) -> bool:
+        """Whether surfaces rub anywhere."""
+        return self.contacts.friction > 0.0 or (self.dish is not None and self.dish.friction > 0.0)
+
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         named = tuple(

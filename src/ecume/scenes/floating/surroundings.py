@@ -19,12 +19,14 @@ from ecume.scenes.quantities import (
     PositiveDensity,
     PositiveTension,
     Proportion,
+    Roughness,
     Size,
     Switch,
     TurningRate,
     Velocity,
     WettingAngle,
 )
+from ecume.units import Number
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -86,6 +88,8 @@ class DishSpec:
     """Of the wall (kg/m^3), glass if left out; only `two-point-legacy` asks for it."""
     restitution: Proportion = 0.2
     """What is left of a normal velocity after a bounce off the wall."""
+    friction: Roughness = 0.0
+    """Coulomb's coefficient at the wall; with one, floats spin."""
 
     @model_validator(mode="after")
     def _one_shape(self) -> Self:
@@ -93,6 +97,16 @@ class DishSpec:
             came = "neither" if self.radius is None else "both"
             raise Inconsistent([((), f"wanted either radius or size; came {came}")])
         return self
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class FilmsSpec:
+    """Liquid between floats that resists being squeezed out, and drawn in."""
+
+    roughness: Size
+    """The gap (m) below which the film gets no thinner: smooth spheres would never touch."""
+    reach: Annotated[Number, Field(gt=2.0, le=1e3)] = 4.0
+    """How far apart centers may be, over the radius, for a film to be between them."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -109,6 +123,8 @@ class MotionSpec:
     """`stokes`, for slow floats, or `schiller-naumann`, which grows with the Reynolds number."""
     added_mass: Switch = False
     """Whether spheres carry half the mass of the liquid that they displace."""
+    films: FilmsSpec | None = None
+    """The drag of floats that approach one another; left out, each drags as if it were alone."""
     temperature: Heat = 0.0
     """Of the Brownian motion (K), which only the `overdamped` integrator has; at 0 there is none."""
 
@@ -119,6 +135,9 @@ class ContactSpec:
 
     restitution: Proportion = 0.2
     """What is left of the approach velocity after a bounce."""
+    friction: Roughness = 0.0
+    """Coulomb's coefficient between two floats: the impulse along their surfaces is at most so much of the one that
+    keeps them apart; with one, floats spin."""
     legacy_coefficient: Proportion | None = None
     """The original's C, which means a restitution of 2C - 1; overrules `restitution`. In `legacy-2022` 0.3, if left
     out."""
@@ -139,4 +158,9 @@ class InteractionSpec:
     order: Annotated[int, Field(strict=True, ge=1, le=60)] = 8
     """Of the multipoles: 8 is good to 1e-3 at a gap of 2 % of a diameter."""
     accuracy: Annotated[Proportion, Field(ge=1e-12, le=1e-1)] = 1e-4
-    """The part of the force at a raft's edge that may be cut off."""
+    """The part of the force at a raft's edge that may be cut off; of a grid also its r.m.s. error."""
+    sum: LawName = "auto"
+    """How superposed forces are added up: pair by pair with `cells`, with a `grid` beside them, which crowds of small
+    floats want, or as is less work, `auto`."""
+    precision: LawName = "double"
+    """Of the pair forces: `double`, or `single`, which errs by 1e-6 and is faster."""

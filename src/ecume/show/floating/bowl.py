@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
 from matplotlib.patches import Circle, Patch, Rectangle
 
+from ecume.show.floating.shapes import outlines_in, polygons, shapes_of
 from ecume.show.floating.surface import Heights, sheet, surface, typical_meniscus
 from ecume.show.picture import (
     DPI,
@@ -72,6 +73,7 @@ class Bowl:
     def __init__(self, scene: Any, sample: Sequence[Frame], size: Size = USUAL, *, cells: int = 200) -> None:
         self.view = view_of(scene, sample)
         self.figure = blank(size)
+        self.shapes = shapes_of(scene)
         closest = min(float(frame.arrays["radius"].min()) for frame in sample)
         self.sheet = sheet(scene, self.view, cells=cells, closest=closest)
         heights = [surface(frame, self.sheet) for frame in sample]
@@ -82,25 +84,31 @@ class Bowl:
             largest, typical = float(np.abs(heights).max()), typical_meniscus(sample[0], self.sheet)
             self.colors = height_colors(largest * self.scale.factor, typical * self.scale.factor)
             self.height = _height_image(axes, self.view, self._painted(heights[0]))
-            self.floats = discs(axes, sample[0], kinds)
+            self.floats: Any = (
+                discs(axes, sample[0], kinds) if self.shapes is None else polygons(axes, sample[0], self.shapes, kinds)
+            )
             self.rises = LineCollection([], colors=INK, linewidths=1.2, zorder=3)
             axes.add_collection(self.rises, autolim=False)
             self.time = clock(axes)
             # The floats stand above the rim: half of its line would hide where they touch it.
             moving: list[Artist] = [self.height, *_dish(axes, scene.dish, self.height), self.floats, self.rises]
-            moving += [*scale_bar(axes, self.view), self.time]
+            self.bars = scale_bar(axes, self.view)
+            moving += [*self.bars, self.time]
             lowest, highest = float(np.min(heights)), float(np.max(heights))
             shown = min(lowest, 0.0) * self.scale.factor, max(highest, 0.0) * self.scale.factor
             _height_bar(axes, self.colors, shown, self.scale)
             labels(axes, scene.title, kinds)
-        self._layers = Layers(self.figure, moving)
+        self.layers = Layers(self.figure, moving)
         self.show(sample[0])
 
     def show(self, frame: Frame) -> None:
         """Put a frame into the picture."""
         self.height.set_data(self._painted(surface(frame, self.sheet)))
-        self.floats.set_offsets(frame.arrays["position"])
-        self.rises.set_segments(list(rises(frame)))
+        if self.shapes is None:
+            self.floats.set_offsets(frame.arrays["position"])
+            self.rises.set_segments(list(rises(frame)))
+        else:
+            self.floats.set_verts(outlines_in(frame, self.shapes))
         self.time.set_text(f"{frame.time:.2f} s")
 
     def _painted(self, height: Heights) -> Pixels:
@@ -110,7 +118,11 @@ class Bowl:
     def pixels(self, frame: Frame) -> Pixels:
         """The picture of a frame, shape (height, width, 4); good until the next one is asked for."""
         self.show(frame)
-        return self._layers.pixels()
+        return self.layers.pixels()
+
+    def place(self, frame: Frame, one: int) -> Array:
+        """Where a particle is seen (m)."""
+        return frame.arrays["position"][one, :2]
 
 
 def rises(frame: Frame) -> Array:

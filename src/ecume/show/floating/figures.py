@@ -17,6 +17,7 @@ from ecume.laws.capillarity import pair_force, pair_strength
 from ecume.models.liquids import liquid_of
 from ecume.show.curves import Frames, clusters, energies, kinetic_energy, thinned
 from ecume.show.floating.bowl import Bowl, dish_outline, view_of
+from ecume.show.floating.measures import MEASURES
 from ecume.show.picture import species, species_dots
 from ecume.show.style import INK, MUTED, PALETTE, figure, plain, scale_for, style
 from ecume.trajectories.frame import Frame
@@ -124,4 +125,5 @@ FLOATING_FIGURES = {
     "paths": paths,
     "force-law": force_law,
     "bowl": bowl,
+    **MEASURES,
 }

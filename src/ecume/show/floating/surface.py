@@ -14,6 +14,7 @@ from ecume.laws import flotation, meniscus
 from ecume.laws.capillarity import plane_wall_energy
 from ecume.laws.special import bessel_k0
 from ecume.models.liquids import liquid_of
+from ecume.show.floating.shapes import Shapes, charges_in, shapes_of
 from ecume.show.picture import View
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
@@ -21,6 +22,8 @@ from ecume.units import Array
 CUTOFF = 5.0
 """In capillary lengths; there a float's meniscus is below one percent of what it is one capillary length away."""
 NODES = 8000
+INSIDE = 0.1
+"""How near to a charge inside a contact line its meniscus is drawn, over the float's radius."""
 SOLVED_CELLS = 100
 """At most along a side where each cell sums all multipoles: some 20 ms a frame of 13 discs."""
 
@@ -39,18 +42,21 @@ class Sheet(NamedTuple):
     """The height around a charge of one, at equal steps of distance from `closest` to `reach`, where it ends in a 0."""
     multipoles: Any = None
     """the floating model's parameters, where floats go by multipoles"""
+    shapes: Shapes | None = None
+    """charges inside their contact lines, where floats have shapes"""
 
 
 def sheet(scene: Any, view: View, *, cells: int, closest: float) -> Sheet:
     """A grid of about `cells` by `cells` squares; `closest` is the smallest distance from a float's center (m)."""
-    liquid, multipoles = liquid_of(scene), _multipoles(scene)
+    liquid, multipoles, shapes = liquid_of(scene), _multipoles(scene), shapes_of(scene)
+    closest *= 1.0 if shapes is None else INSIDE
     cells = cells if multipoles is None else min(cells, SOLVED_CELLS)
     cell = max(view.width, view.height) / cells
     x = np.arange(view.left + cell / 2, view.right, cell)
     y = np.arange(view.bottom + cell / 2, view.top, cell)
     reach = max(CUTOFF * liquid.capillary_length, 1.01 * closest)
     table = _menisci(closest, reach, liquid.capillary_length)
-    return Sheet(x, y, dish_field(scene, x, y), closest, reach, table, multipoles)
+    return Sheet(x, y, dish_field(scene, x, y), closest, reach, table, multipoles, shapes)
 
 
 def _multipoles(scene: Any) -> Any:
@@ -110,7 +116,11 @@ def surface(frame: Frame, on: Sheet) -> Heights:
         return _solved_surface(frame, on)
     height = on.still.copy()
     arrays = frame.arrays
-    for (px, py), radius, charge in zip(arrays["position"], arrays["radius"], arrays["charge"], strict=True):
+    menisci = zip(arrays["position"], arrays["radius"], arrays["charge"], strict=True)
+    if on.shapes is not None:
+        closest = np.full(len(on.shapes.charge), on.closest)
+        menisci = zip(charges_in(frame, on.shapes), closest, on.shapes.charge, strict=True)
+    for (px, py), radius, charge in menisci:
         rows, columns = _near(on.y, py, on.reach), _near(on.x, px, on.reach)
         r = np.sqrt((on.x[columns] - px) ** 2 + ((on.y[rows] - py) ** 2)[:, None])
         height[rows, columns] += np.float32(charge) * unit_meniscus(on, np.maximum(r, radius))
@@ -134,7 +144,8 @@ def typical_meniscus(frame: Frame, on: Sheet) -> float:
         from ecume.models.floating.heights import bends, solved
 
         return float(np.median(bends(on.multipoles.many, solved(on.multipoles, frame))))
-    return float(np.median(np.abs(frame.arrays["charge"] * unit_meniscus(on, frame.arrays["radius"]))))
+    alone = float(np.median(np.abs(frame.arrays["charge"] * unit_meniscus(on, frame.arrays["radius"]))))
+    return alone if on.shapes is None else max(alone, on.shapes.rise)
 
 
 def _near(nodes: Array, center: float, reach: float) -> slice:

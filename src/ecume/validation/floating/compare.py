@@ -163,6 +163,13 @@ def truncation(case: Case) -> Row:
     return within(name, computed, float(case["neglected"]), float(case["tolerance"]))
 
 
+def lines_of_charges() -> list[Row]:
+    """Charges that stand for contact lines that rise and fall, on the law of quadrupoles."""
+    from ecume.validation.shapes.compare import law_rows
+
+    return [row._replace(name=f"lines of charges: {row.name}") for row in law_rows()]
+
+
 def signs() -> list[Row]:
     """Who goes where, and that action is reaction."""
     heavy = flotation.Sphere(1e-3, 1300.0, math.radians(90.0))
@@ -196,7 +203,7 @@ def rows() -> list[Row]:
     found += [approach(case) for case in _read("published_approach")]
     found += [row for case in _read("published_bessel") for row in bessel(case)]
     found += [truncation(case) for case in _read("published_truncation")]
-    return found + signs() + beyond.rows()
+    return found + signs() + beyond.rows() + lines_of_charges()
 
 
 def _read(name: str) -> list[Case]:

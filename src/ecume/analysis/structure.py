@@ -1,0 +1,139 @@
+"""How floats are arranged, and how far they wander: hexatic order, pair distribution, shapes of rafts, paths."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from ecume.analysis.clusters import Clusters, Integers
+from ecume.errors import BadInput
+from ecume.trajectories.frame import Frame
+from ecume.units import Array, Length, Number
+
+Complexes = NDArray[np.complex128]
+FIRST_SHELL = 1.4
+"""Centers nearer than so many touching distances are neighbors: between the first shell of a lattice, 1, and the next,
+sqrt(3).
+"""
+
+
+def neighbor_pairs(frame: Frame, reach: Number = FIRST_SHELL) -> Integers:
+    """Pairs (i, j), i < j, whose centers are nearer than `reach` times R_i + R_j; shape (pairs, 2)."""
+    position, radius = frame.arrays["position"], frame.arrays["radius"]
+    if len(position) < 2:
+        return np.empty((0, 2), dtype=np.int64)
+    pairs = cKDTree(position).query_pairs(2.0 * reach * float(radius.max()), output_type="ndarray")
+    i, j = pairs.T
+    near = np.linalg.norm(position[j] - position[i], axis=1) < reach * (radius[i] + radius[j])
+    return np.asarray(pairs[near], dtype=np.int64)
+
+
+def hexatic_order(frame: Frame, reach: Number = FIRST_SHELL) -> Complexes:
+    """psi_6 of each float, the mean of exp(6 i phi) over its neighbors' directions; 0 for who has none.
+
+    Its size is 1 inside a triangular lattice, its phase six times the lattice's angle. The size of the mean of all
+    says how far one lattice reaches, the mean of the sizes how good lattices are, wherever they point.
+    """
+    position = frame.arrays["position"]
+    pairs = neighbor_pairs(frame, reach)
+    both = np.concatenate([pairs, pairs[:, ::-1]])
+    apart = position[both[:, 1]] - position[both[:, 0]]
+    turned = np.exp(6j * np.arctan2(apart[:, 1], apart[:, 0]))
+    count = np.bincount(both[:, 0], minlength=len(position))
+    total = np.zeros(len(position), np.complex128)
+    np.add.at(total, both[:, 0], turned)
+    return np.asarray(total / np.maximum(count, 1))
+
+
+class Region(NamedTuple):
+    """The part of the plane in which floats are: a disc around the origin, or else a rectangle of that size."""
+
+    radius: Length = 0.0
+    size: tuple[Length, Length] = (0.0, 0.0)
+
+    @property
+    def area(self) -> float:
+        """m^2."""
+        return float(np.pi * self.radius**2) if self.radius > 0.0 else self.size[0] * self.size[1]
+
+    def overlap(self, shift: Array) -> Array:
+        """The area that the region shares with itself moved by so much, averaged over all directions (m^2).
+
+        Of a disc the lens of two circles; of a rectangle a b - 2 (a + b) r/pi + r^2/pi, for r up to its shorter side.
+        """
+        if self.radius > 0.0:
+            half = np.minimum(shift / (2.0 * self.radius), 1.0)
+            lens = 2.0 * self.radius**2 * (np.arccos(half) - half * np.sqrt(1.0 - half**2))
+            return np.asarray(lens)
+        a, b = self.size
+        return np.asarray(a * b - 2.0 / np.pi * (a + b) * shift + shift**2 / np.pi)
+
+
+def pair_distribution(frames: Sequence[Frame], edges: Array, region: Region) -> Array:
+    """g(r) between the edges (m), the mean of the frames: pairs there are, over those of as many points by chance.
+
+    Chance is taken inside the region, whose border keeps far pairs rare: with points strewn at random g is 1 up to its
+    width.
+    """
+    widest = 2.0 * region.radius if region.radius > 0.0 else min(region.size)
+    if not (region.area > 0.0 and np.all(np.diff(edges) > 0.0) and edges[0] >= 0.0 and edges[-1] <= widest):
+        raise BadInput(f"edges: wanted distances that rise from 0 to at most {widest:g} m, the width of the region")
+    middle, nodes = 0.5 * (edges[1:] + edges[:-1]), np.polynomial.legendre.leggauss(8)
+    half = 0.5 * np.diff(edges)
+    r = middle[:, None] + half[:, None] * nodes[0]
+    by_chance = half * ((2.0 * np.pi * r * region.overlap(r)) @ nodes[1]) / region.area**2
+    counts = np.zeros(len(middle))
+    pairs = 0.0
+    for frame in frames:
+        position = frame.arrays["position"]
+        tree, count = cKDTree(position), len(position)
+        # Everyone is at no distance of itself, at the first edge already, and drops out of the difference.
+        counts += np.diff(tree.count_neighbors(tree, np.asarray(edges)))
+        pairs += count * (count - 1.0)
+    return np.asarray(counts / (pairs * by_chance))
+
+
+class Shapes(NamedTuple):
+    """How large and how long clusters are, one entry a cluster."""
+
+    center: Array
+    """(C, 2) m, of the floats' centers"""
+    gyration_radius: Array
+    """m, the root mean square distance of the centers from their middle; 0 for single floats"""
+    elongation: Array
+    """1 for what is round, infinite for a straight row: the root of the ratio of the two squares of gyration"""
+    angle: Array
+    """rad, of the long axis; from -pi/2 to pi/2"""
+
+
+def shapes_of(frame: Frame, clusters: Clusters) -> Shapes:
+    """The shapes of a frame's clusters."""
+    position, labels, sizes = frame.arrays["position"], clusters.labels, np.maximum(clusters.sizes, 1)
+    center = np.stack([np.bincount(labels, axis, len(sizes)) for axis in position.T], axis=1) / sizes[:, None]
+    x, y = (position - center[labels]).T
+    xx, xy, yy = (np.bincount(labels, product, len(sizes)) / sizes for product in (x * x, x * y, y * y))
+    mean, apart = 0.5 * (xx + yy), np.hypot(0.5 * (xx - yy), xy)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = np.where(mean > 0.0, (mean + apart) / np.maximum(mean - apart, 0.0), 1.0)
+    return Shapes(center, np.sqrt(2.0 * mean), np.sqrt(ratio), 0.5 * np.arctan2(2.0 * xy, xx - yy))
+
+
+def mean_square_displacement(tracks: Array, lags: Sequence[int]) -> Array:
+    """(lags,) m^2: the mean over floats and over all starts of how far they go in so many frames, squared.
+
+    `tracks`: (frames, floats, 2), as `ecume.analysis.series.tracks` makes them.
+    """
+    if any(not 0 <= lag < len(tracks) for lag in lags):
+        raise BadInput(f"lags: came {list(lags)}; wanted numbers of frames from 0 to {len(tracks) - 1}")
+    gone = [tracks[lag:] - tracks[: len(tracks) - lag] for lag in lags]
+    return np.array([np.mean(np.sum(each**2, axis=-1)) for each in gone])
+
+
+def approach(tracks: Array, radius: Array, pair: tuple[int, int]) -> Array:
+    """(frames,) m: the gap between two floats over time."""
+    i, j = pair
+    return np.asarray(np.linalg.norm(tracks[:, j] - tracks[:, i], axis=1) - radius[i] - radius[j])

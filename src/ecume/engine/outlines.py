@@ -1,0 +1,354 @@
+"""Outlines of bodies that turn in a plane: how far apart two are, where they are nearest, and along which line.
+
+An outline is an ellipse (a disc is one), or corners and edges with a disc that runs along them: a needle is one edge,
+a square four, a star as many as it has arms. So all but ellipses meet as discs and straight edges do, whether they are
+convex or not. Two ellipses are as far apart as the widest strip between them; its direction is what is looked for.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ecume._jit import compiled, compiled_inside
+from ecume.engine.cells import Integers
+from ecume.engine.walls import Walls, wall_distance
+from ecume.units import Array
+
+DIRECTIONS = 7
+"""Tried on either side of the line of centers, before the best is made better."""
+NEARNESS = 8
+"""Numbers of a place where two are near: gap, normal, arm of the one, arm of the other, and which feature it is."""
+
+
+class Outlines(NamedTuple):
+    """Of all bodies, each in its own frame, with its center in the origin."""
+
+    axes: Array
+    """(N, 2) semi-axes of an ellipse, the first along the body's own direction; zero for what has corners"""
+    rounding: Array
+    """(N,) radius of the disc that runs along corners and edges"""
+    corner: Array
+    """(V, 2)"""
+    first_corner: Integers
+    """(N + 1,)"""
+    edge: Integers
+    """(E, 2) the corners that it joins"""
+    first_edge: Integers
+    """(N + 1,)"""
+
+
+class Stance(NamedTuple):
+    """Where all bodies are and how they are turned."""
+
+    position: Array
+    """(N, 2)"""
+    angle: Array
+    """(N,)"""
+    corner: Array
+    """(V, 2) as seen from the center of each corner's body"""
+
+
+Ellipse = tuple[float, float, float]
+"""Semi-axes, and the angle of the first."""
+Near = tuple[float, float, float, float, float, float, float]
+"""Gap, normal from one to the other, and where they are nearest, as seen from the center of each."""
+
+
+@compiled
+def turn_corners(outlines: Outlines, stance: Stance) -> None:
+    """Corners as the bodies are turned now."""
+    for i in range(len(stance.angle)):
+        c, s = math.cos(stance.angle[i]), math.sin(stance.angle[i])
+        for k in range(outlines.first_corner[i], outlines.first_corner[i + 1]):
+            x, y = outlines.corner[k, 0], outlines.corner[k, 1]
+            stance.corner[k, 0], stance.corner[k, 1] = c * x - s * y, s * x + c * y
+
+
+@compiled_inside
+def breadth(ellipse: Ellipse, direction: float) -> tuple[float, float, float]:
+    """How far an ellipse reaches in a direction, h = sqrt(a^2 cos^2 + b^2 sin^2), and its first two slopes."""
+    a, b, turn = ellipse
+    c, s = math.cos(direction - turn), math.sin(direction - turn)
+    h = math.sqrt(a * a * c * c + b * b * s * s)
+    slope = (b * b - a * a) * c * s / h
+    return h, slope, ((b * b - a * a) * (c * c - s * s) - slope * slope) / h
+
+
+@compiled_inside
+def farthest_point(ellipse: Ellipse, direction: float) -> tuple[float, float]:
+    """The point of an ellipse farthest in a direction: h u + h' (u turned by 90 degrees)."""
+    h, slope, _ = breadth(ellipse, direction)
+    c, s = math.cos(direction), math.sin(direction)
+    return h * c - slope * s, h * s + slope * c
+
+
+@compiled_inside
+def strip(x: float, y: float, one: Ellipse, other: Ellipse, direction: float) -> tuple[float, float, float]:
+    """The width of the strip between two ellipses across a direction, negative where they overlap; its first two
+    slopes.
+    """
+    c, s = math.cos(direction), math.sin(direction)
+    h, slope, bend = breadth(one, direction)
+    h_other, slope_other, bend_other = breadth(other, direction)
+    along = x * c + y * s
+    return along - h - h_other, y * c - x * s - slope - slope_other, -along - bend - bend_other
+
+
+@compiled
+def widest_strip(x: float, y: float, one: Ellipse, other: Ellipse, reach: float) -> float:
+    """The direction across which two ellipses are farthest apart; any that shows them farther than `reach`.
+
+    Where they are apart the width has one maximum; overlapping ones have several, and the highest is taken. It is
+    bracketed from the best of some directions, those across each ellipse among them, and found by Newton's method.
+    """
+    ahead = math.atan2(y, x)
+    best, direction = strip(x, y, one, other, ahead)[0], ahead
+    if best > reach or (one[0] == one[1] and other[0] == other[1]):
+        return ahead
+    for k in range(2 * DIRECTIONS + 4):
+        if k < 4:
+            tried = (one[2] if k < 2 else other[2]) + (0.5 if k % 2 == 0 else -0.5) * math.pi
+        else:
+            side = k - 3 - DIRECTIONS
+            tried = ahead + side * 0.5 * math.pi / (DIRECTIONS + 1)
+        width = strip(x, y, one, other, tried)[0]
+        if width > reach:
+            return tried
+        if width > best:
+            best, direction = width, tried
+    return climb(x, y, one, other, direction)
+
+
+@compiled
+def climb(x: float, y: float, one: Ellipse, other: Ellipse, direction: float) -> float:
+    """The maximum of the strip's width next to a direction: the zero of its slope, between two of unlike sign."""
+    slope = strip(x, y, one, other, direction)[1]
+    if slope == 0.0:
+        return direction
+    step = math.copysign(0.01, slope)
+    near, far = direction, direction + step
+    for _ in range(12):
+        if strip(x, y, one, other, far)[1] * slope <= 0.0:
+            break
+        step *= 2.0
+        near, far = far, far + step
+    found = 0.5 * (near + far)
+    for _ in range(80):
+        _, value, bend = strip(x, y, one, other, found)
+        if value * slope > 0.0:
+            near = found
+        else:
+            far = found
+        # Newton's step where it stays between the two, else their middle.
+        going = found - value / bend if bend < 0.0 else far
+        if (going - near) * (going - far) >= 0.0:
+            going = 0.5 * (near + far)
+        if abs(going - found) <= 1e-15 * (1.0 + abs(found)):
+            return going
+        found = going
+    return found
+
+
+@compiled
+def ellipses_near(x: float, y: float, one: Ellipse, other: Ellipse, reach: float) -> Near:
+    """Two ellipses whose centers are (x, y) apart; the gap is a lower bound where it is above `reach`."""
+    direction = widest_strip(x, y, one, other, reach)
+    gap = strip(x, y, one, other, direction)[0]
+    on_one, on_other = farthest_point(one, direction), farthest_point(other, direction)
+    return gap, math.cos(direction), math.sin(direction), on_one[0], on_one[1], -on_other[0], -on_other[1]
+
+
+@compiled_inside
+def discs_near(x: float, y: float, one: float, other: float) -> tuple[float, float, float]:
+    """The gap of two discs and the direction from one to the other; the first axis where they have none."""
+    distance = math.sqrt(x * x + y * y)
+    if distance == 0.0:
+        return -one - other, 1.0, 0.0
+    return distance - one - other, x / distance, y / distance
+
+
+@compiled_inside
+def beside_edge(point_x: float, point_y: float, ends: tuple[float, float, float, float]) -> tuple[float, float, float]:
+    """Where along an edge a point lies (0 to 1 between its ends), and the normal of the edge on the point's side."""
+    x, y, to_x, to_y = ends
+    along_x, along_y = to_x - x, to_y - y
+    length = math.sqrt(along_x * along_x + along_y * along_y)
+    across = (along_x * (point_y - y) - along_y * (point_x - x)) / length
+    place = (along_x * (point_x - x) + along_y * (point_y - y)) / (length * length)
+    side = 1.0 if across >= 0.0 else -1.0
+    return place, -side * along_y / length, side * along_x / length
+
+
+@compiled_inside
+def edge_ends(outlines: Outlines, stance: Stance, edge: int) -> tuple[float, float, float, float]:
+    """The ends of an edge, as seen from the center of its body."""
+    k, m = outlines.edge[edge, 0], outlines.edge[edge, 1]
+    return stance.corner[k, 0], stance.corner[k, 1], stance.corner[m, 0], stance.corner[m, 1]
+
+
+@compiled_inside
+def note(near: Array, found: int, found_near: Near, feature: int) -> int:
+    """Write down a place where two are near; how many there are now."""
+    if found == len(near):
+        return found
+    row = near[found]
+    row[0], row[1], row[2], row[3], row[4], row[5], row[6] = found_near
+    row[7] = feature
+    return found + 1
+
+
+@compiled
+def corners_near(outlines: Outlines, stance: Stance, pair: tuple[int, int], reach: float, near: Array) -> int:
+    """Corners of one body near corners of another."""
+    i, j = pair
+    x, y = stance.position[j, 0] - stance.position[i, 0], stance.position[j, 1] - stance.position[i, 1]
+    one, other, found, feature = outlines.rounding[i], outlines.rounding[j], 0, 0
+    for k in range(outlines.first_corner[i], outlines.first_corner[i + 1]):
+        for m in range(outlines.first_corner[j], outlines.first_corner[j + 1]):
+            own_x, own_y = stance.corner[k, 0], stance.corner[k, 1]
+            its_x, its_y = stance.corner[m, 0], stance.corner[m, 1]
+            gap, to_x, to_y = discs_near(x + its_x - own_x, y + its_y - own_y, one, other)
+            if gap < reach:
+                place = (
+                    gap, to_x, to_y, own_x + one * to_x, own_y + one * to_y, its_x - other * to_x, its_y - other * to_y
+                )  # fmt: skip
+                found = note(near, found, place, feature)
+            feature += 1
+    return found
+
+
+@compiled
+def corners_near_edges(
+    outlines: Outlines, stance: Stance, pair: tuple[int, int], reach: float, near: Array, found: int
+) -> int:
+    """Corners of the pair's first body near edges of its second; after the `found` places that are there."""
+    i, j = pair
+    x, y = stance.position[j, 0] - stance.position[i, 0], stance.position[j, 1] - stance.position[i, 1]
+    one, other = outlines.rounding[i], outlines.rounding[j]
+    feature = 1000 if i < j else 2000
+    for k in range(outlines.first_corner[i], outlines.first_corner[i + 1]):
+        own_x, own_y = stance.corner[k, 0], stance.corner[k, 1]
+        for edge in range(outlines.first_edge[j], outlines.first_edge[j + 1]):
+            ends = edge_ends(outlines, stance, edge)
+            place, up_x, up_y = beside_edge(own_x - x, own_y - y, ends)
+            gap = (own_x - x - ends[0]) * up_x + (own_y - y - ends[1]) * up_y - one - other
+            if 0.0 < place < 1.0 and gap < reach:
+                foot_x = ends[0] + place * (ends[2] - ends[0]) + other * up_x
+                foot_y = ends[1] + place * (ends[3] - ends[1]) + other * up_y
+                at = (gap, -up_x, -up_y, own_x - one * up_x, own_y - one * up_y, foot_x, foot_y)
+                found = note(near, found, at if i < j else flipped(at), feature)
+            feature += 1
+    return found
+
+
+@compiled_inside
+def flipped(near: Near) -> Near:
+    """The same place as the other of the two sees it."""
+    return near[0], -near[1], -near[2], near[5], near[6], near[3], near[4]
+
+
+@compiled_inside
+def ellipse_of(outlines: Outlines, stance: Stance, i: int) -> Ellipse:
+    """A body that is an ellipse, as it is turned."""
+    return outlines.axes[i, 0], outlines.axes[i, 1], stance.angle[i]
+
+
+@compiled
+def ellipse_near_corners(
+    outlines: Outlines, stance: Stance, pair: tuple[int, int], reach: float, near: Array, found: int
+) -> int:
+    """An ellipse, the pair's first, near corners and edges of its second."""
+    i, j = pair
+    x, y = stance.position[j, 0] - stance.position[i, 0], stance.position[j, 1] - stance.position[i, 1]
+    ellipse, rounding, feature = ellipse_of(outlines, stance, i), outlines.rounding[j], 0
+    for m in range(outlines.first_corner[j], outlines.first_corner[j + 1]):
+        its_x, its_y = stance.corner[m, 0], stance.corner[m, 1]
+        one = ellipses_near(x + its_x, y + its_y, ellipse, (rounding, rounding, 0.0), reach)
+        if one[0] < reach:
+            at = (one[0], one[1], one[2], one[3], one[4], its_x + one[5], its_y + one[6])
+            found = note(near, found, at if i < j else flipped(at), feature)
+        feature += 1
+    for edge in range(outlines.first_edge[j], outlines.first_edge[j + 1]):
+        ends = edge_ends(outlines, stance, edge)
+        _, up_x, up_y = beside_edge(-x, -y, ends)
+        low_x, low_y = farthest_point(ellipse, math.atan2(-up_y, -up_x))
+        place, _, _ = beside_edge(low_x - x, low_y - y, ends)
+        gap = (low_x - x - ends[0]) * up_x + (low_y - y - ends[1]) * up_y - rounding
+        if 0.0 < place < 1.0 and gap < reach:
+            foot_x = ends[0] + place * (ends[2] - ends[0]) + rounding * up_x
+            foot_y = ends[1] + place * (ends[3] - ends[1]) + rounding * up_y
+            at = (gap, -up_x, -up_y, low_x, low_y, foot_x, foot_y)
+            found = note(near, found, at if i < j else flipped(at), feature)
+        feature += 1
+    return found
+
+
+@compiled
+def bodies_near(outlines: Outlines, stance: Stance, i: int, j: int, reach: float, near: Array) -> int:
+    """All places where two bodies, i < j, are nearer than `reach`, as far as there is room; how many."""
+    smooth_i, smooth_j = outlines.axes[i, 0] > 0.0, outlines.axes[j, 0] > 0.0
+    if smooth_i and smooth_j:
+        x, y = stance.position[j, 0] - stance.position[i, 0], stance.position[j, 1] - stance.position[i, 1]
+        one = ellipses_near(x, y, ellipse_of(outlines, stance, i), ellipse_of(outlines, stance, j), reach)
+        return note(near, 0, one, 0) if one[0] < reach else 0
+    if smooth_i:
+        return ellipse_near_corners(outlines, stance, (i, j), reach, near, 0)
+    if smooth_j:
+        return ellipse_near_corners(outlines, stance, (j, i), reach, near, 0)
+    found = corners_near(outlines, stance, (i, j), reach, near)
+    found = corners_near_edges(outlines, stance, (i, j), reach, near, found)
+    return corners_near_edges(outlines, stance, (j, i), reach, near, found)
+
+
+@compiled
+def farthest_from_origin(x: float, y: float, ellipse: Ellipse) -> float:
+    """The direction in which the point of an ellipse lies that is farthest from the origin, the center being (x, y).
+
+    Going on in the direction of the farthest point so far never comes nearer; Newton's method then ends it.
+    """
+    direction = math.atan2(y, x)
+    for _ in range(4):
+        far_x, far_y = farthest_point(ellipse, direction)
+        direction = math.atan2(y + far_y, x + far_x)
+    for _ in range(20):
+        _, slope, bend = breadth(ellipse, direction)
+        c, s = math.cos(direction), math.sin(direction)
+        value, change = c * y - s * x + slope, bend - c * x - s * y
+        if change >= 0.0:
+            far_x, far_y = farthest_point(ellipse, direction)
+            direction = math.atan2(y + far_y, x + far_x)
+        else:
+            direction -= value / change
+            if abs(value) <= 1e-15 * abs(change):
+                break
+    return direction
+
+
+@compiled
+def wall_near(
+    outlines: Outlines, stance: Stance, walls: Walls, pair: tuple[int, int], reach: float, near: Array
+) -> int:
+    """All places where body i is nearer than `reach` to wall number k, of the pair (i, k); how many."""
+    i, number = pair
+    x, y = stance.position[i, 0], stance.position[i, 1]
+    if outlines.axes[i, 0] > 0.0:
+        ellipse = ellipse_of(outlines, stance, i)
+        if number == 0 and walls.disc_radius < np.inf:
+            direction = farthest_from_origin(x, y, ellipse)
+        else:
+            _, in_x, in_y = wall_distance(walls, number, x, y)
+            direction = math.atan2(-in_y, -in_x)
+        far_x, far_y = farthest_point(ellipse, direction)
+        gap, in_x, in_y = wall_distance(walls, number, x + far_x, y + far_y)
+        return note(near, 0, (gap, -in_x, -in_y, far_x, far_y, 0.0, 0.0), 0) if gap < reach else 0
+    found, rounding = 0, outlines.rounding[i]
+    for k in range(outlines.first_corner[i], outlines.first_corner[i + 1]):
+        own_x, own_y = stance.corner[k, 0], stance.corner[k, 1]
+        distance, in_x, in_y = wall_distance(walls, number, x + own_x, y + own_y)
+        if distance - rounding < reach:
+            at = (distance - rounding, -in_x, -in_y, own_x - rounding * in_x, own_y - rounding * in_y, 0.0, 0.0)
+            found = note(near, found, at, k - outlines.first_corner[i])
+    return found

@@ -1,0 +1,218 @@
+"""The screened potential K0 in two parts: a short one, gone within a few spacings, and a smooth one for a grid.
+
+Ewald's way [ewald1921] for menisci: K0(x) = S + T with S(x) = (1/2) int_0^eta exp(-t - x^2/(4 t)) dt/t, which is the
+leaky well function of [hantush1955], and the same integral from eta on, T, whose waves end as exp(-eta k^2). Lengths
+are in capillary lengths, and eta is at most about one; with w = x^2/(4 eta) the short part falls off as exp(-w).
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+from ecume.errors import BadInput
+from ecume.laws.screened import decay
+from ecume.units import Number, Numbers
+
+DEGREE = 10
+TERMS = 40
+SHIFTS = (0.02, 0.05, 0.1, 0.2, 0.4, 0.7, 1.0, 1.5, 2.0, 4.0)
+FARTHEST = 25.0
+"""Up to this w `decay` holds; S is below 1e-12 there."""
+ALIASES = 3
+"""Copies of the spectrum on either side that a grid's errors are summed over."""
+WAVES = 48
+"""Wavenumbers along each axis in that sum."""
+
+
+class SplitFit(NamedTuple):
+    """The short pull from `lower` to `upper` (capillary lengths): a polynomial in s = slope / (w + shift) - offset."""
+
+    lower: float
+    upper: float
+    sharpness: float
+    """1/(4 eta)"""
+    shift: float
+    slope: float
+    offset: float
+    weights: tuple[float, ...]
+    error: float
+
+
+def short_energy(x: Numbers, eta: Number) -> Any:
+    """S(x) = (1/2) sum_n (-eta)^n/n! E_{n+1}(w), w = x^2/(4 eta): what is left of K0(x) for pairs. [hantush1955].
+
+    >>> round(float(short_energy(0.05, 1e-2)), 12)
+    1.124474263121
+    """
+    from scipy.special import expn
+
+    w = x * x / (4.0 * eta)
+    return 0.5 * sum((-eta) ** n / math.factorial(n) * expn(n + 1, w) for n in range(TERMS))
+
+
+def short_pull(x: Numbers, eta: Number) -> Any:
+    """-S'(x)/x = exp(-w)/x^2 sum_n (-eta)^n/n! w e^w E_n(w), where n = 0 gives 1. [hantush1955].
+
+    >>> round(float(short_pull(0.05, 1e-2)), 5)
+    375.20199
+    """
+    import numpy as np
+
+    w = x * x / (4.0 * eta)
+    return np.exp(-w) / (x * x) * _rest(w, eta)
+
+
+def _rest(w: Any, eta: float) -> Any:
+    """What multiplies exp(-w)/x^2: one at w = 0, exp(-eta) far out."""
+    import numpy as np
+    from scipy.special import expn
+
+    return 1.0 + np.exp(w) * w * sum((-eta) ** n / math.factorial(n) * expn(n, w) for n in range(1, TERMS))
+
+
+def smooth_wave(wavenumber_squared: Numbers, eta: Number) -> Any:
+    """The smooth part's transform, 2 pi exp(-eta (1 + k^2)) / (1 + k^2). [ewald1921].
+
+    >>> round(float(smooth_wave(0.0, 1.0)) / math.pi, 12) == round(2.0 / math.e, 12)
+    True
+    """
+    import numpy as np
+
+    return 2.0 * np.pi * np.exp(-eta * (1.0 + wavenumber_squared)) / (1.0 + wavenumber_squared)
+
+
+def smooth_wave_within(wavenumber_squared: Numbers, eta: Number, reach: Number) -> Any:
+    """The same with K0 cut off at a distance `reach` before it is smoothed: the copies of a periodic grid feel nothing.
+
+    Times 1 - c [K1(c) J0(k c) - k K0(c) J1(k c)]; nearer than c by some sqrt(eta) the potential is as it was. What
+    [vico2016] does for other potentials.
+
+    >>> round(float(smooth_wave_within(4.0, 0.1, 50.0) / smooth_wave(4.0, 0.1)), 12)
+    1.0
+    """
+    import numpy as np
+    from scipy.special import j0, j1, k0, k1
+
+    wavenumber = np.sqrt(wavenumber_squared)
+    cut = reach * (k1(reach) * j0(wavenumber * reach) - wavenumber * k0(reach) * j1(wavenumber * reach))
+    return smooth_wave(wavenumber_squared, eta) * (1.0 - cut)
+
+
+def smooth_self_energy(eta: Number) -> Number:
+    """T(0) = E_1(eta)/2: what a charge has with itself in the smooth part. [ewald1921].
+
+    >>> round(smooth_self_energy(1.0), 9)
+    0.109691967
+    """
+    from scipy.special import exp1
+
+    return 0.5 * float(exp1(eta))
+
+
+def short_error(w: Number) -> Number:
+    """The root of int (force)^2 d^2x that is lost beyond a cut at w: sqrt(pi E_1(2 w)), for unit charges. [kolafa1992].
+
+    >>> short_error(4.0) > short_error(5.0) > 1e-4
+    True
+    """
+    from scipy.special import exp1
+
+    return math.sqrt(math.pi * float(exp1(2.0 * w)))
+
+
+def grid_error(spacing: Number, order: int) -> Number:
+    """The root of int (error of the force)^2 d^2x for the smooth part on a grid, averaged over where the charge is.
+
+    sum over waves of |R|^2 - (U^2/sum U^2)^2 |R|^2, [hockney1988, eq. 8-23]'s least one for forces from multiplying by
+    i k, splines of that order and R = 2 pi exp(-k^2)/k. `spacing` is over sqrt(eta), which is far below one.
+
+    >>> grid_error(1.0, 6) < grid_error(1.0, 4) < grid_error(1.5, 4)
+    True
+    """
+    import numpy as np
+
+    far = math.pi / spacing
+    k = (np.arange(WAVES * ALIASES) + 0.5) * far / WAVES
+    squared = k[:, None] ** 2 + k[None, :] ** 2
+    kept = np.where(k < far, spline_share(k * spacing, order), 0.0)
+    power = (2.0 * np.pi) ** 2 * np.exp(-2.0 * squared) / squared
+    total = 4.0 * np.sum(power * (1.0 - np.outer(kept, kept) ** 2)) * (far / WAVES) ** 2
+    return math.sqrt(float(total)) / (2.0 * math.pi)
+
+
+def spline_share(phase: Any, order: int) -> Any:
+    """U^2 over its sum over all copies of the spectrum, U = sinc^p: how much of a wave a grid of splines keeps.
+    [hockney1988].
+
+    >>> round(float(spline_share(math.pi, 4)), 3)
+    0.5
+    """
+    import numpy as np
+
+    copies = np.arange(-ALIASES, ALIASES + 1)
+    waves = np.sinc(np.asarray(phase)[..., None] / (2.0 * np.pi) + copies) ** (2 * order)
+    return waves[..., ALIASES] / waves.sum(axis=-1)
+
+
+def crowd_force(touching: Number) -> Number:
+    """The root of int K1^2 d^2x beyond the touching distance x.
+
+    With charges of either sign at random this is the r.m.s. force on one, over 2 pi gamma A^2/L and the root of their
+    number in an area L^2: sqrt(pi x^2 [K0(x) K2(x) - K1(x)^2]). What the errors are compared with. [hockney1988].
+
+    >>> crowd_force(0.01) > crowd_force(0.1) > crowd_force(1.0)
+    True
+    """
+    from scipy.special import kn
+
+    return math.sqrt(math.pi * touching**2 * float(kn(0, touching) * kn(2, touching) - kn(1, touching) ** 2))
+
+
+def fit_short(eta: Number, lower: Number, upper: Number) -> SplitFit:
+    """Fit the short pull between two distances and measure the fit's largest relative error.
+
+    >>> fit_short(1e-3, 0.05, 0.2).error < 1e-9
+    True
+    """
+    sharpness = 0.25 / eta
+    if sharpness * upper**2 > FARTHEST:
+        raise BadInput(f"the short part is cut off at {upper!r}; wanted at most {math.sqrt(FARTHEST / sharpness)!r}")
+    return min((_fit(eta, lower, upper, shift) for shift in SHIFTS), key=lambda fit: fit.error)
+
+
+def _fit(eta: float, lower: float, upper: float, shift: float) -> SplitFit:
+    import numpy as np
+    from numpy.polynomial import chebyshev, polynomial
+
+    sharpness = 0.25 / eta
+    near, far = sharpness * lower**2, sharpness * upper**2
+    bounds = 1.0 / (far + shift), 1.0 / (near + shift)
+    middle, half = (bounds[0] + bounds[1]) / 2.0, (bounds[1] - bounds[0]) / 2.0
+    nodes = np.cos(np.pi * (np.arange(80) + 0.5) / 80)
+    weights = chebyshev.cheb2poly(chebyshev.chebfit(nodes, _rest(1.0 / (middle + half * nodes) - shift, eta), DEGREE))
+    w = np.geomspace(near, far, 1001)
+    fitted = polynomial.polyval((1.0 / (w + shift) - middle) / half, weights)
+    error = float(np.max(np.abs(fitted / _rest(w, eta) - 1.0)))
+    packed = tuple(float(each) for each in weights)
+    return SplitFit(lower, upper, sharpness, shift, 1.0 / half, middle / half, packed, error)
+
+
+def fitted_short_pull(x_squared: Number, fit: SplitFit) -> Number:
+    """`short_pull` from the square of x, within `fit.error` on [fit.lower, fit.upper]; below, as at fit.lower.
+    [hantush1955].
+
+    >>> fit = fit_short(1e-2, 0.05, 0.4)
+    >>> abs(fitted_short_pull(0.04, fit) / float(short_pull(0.2, 1e-2)) - 1.0) < 1e-7
+    True
+    """
+    x_squared = max(x_squared, fit.lower * fit.lower)
+    w = x_squared * fit.sharpness
+    shifted = w + fit.shift
+    inverse = 1.0 / (x_squared * shifted)
+    s = x_squared * inverse * fit.slope - fit.offset
+    c = fit.weights
+    q = ((c[10] * s + c[9]) * s + c[8]) * s + c[7]
+    q = ((q * s + c[6]) * s + c[5]) * s + c[4]
+    q = ((q * s + c[3]) * s + c[2]) * s + c[1]
+    return decay(w) * (shifted * inverse) * (q * s + c[0])

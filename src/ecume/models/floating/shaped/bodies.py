@@ -1,0 +1,87 @@
+"""What never changes about shapes while they move, and the scratch of their march."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ecume._jit import compiled
+from ecume.engine.cells import Integers
+from ecume.engine.levers import Levers, Party, make_levers
+from ecume.engine.outlines import Outlines
+from ecume.models.floating.parameters import Parameters
+from ecume.models.floating.state import State
+from ecume.units import Array
+
+
+class Shaped(NamedTuple):
+    """Outlines, charges, inertia and friction of all floats."""
+
+    outlines: Outlines
+    place: Array
+    """(P, 2) of the charges, in each body's own frame (m)"""
+    charge: Array
+    """(P,) m"""
+    first: Integers
+    """(N + 1,) the charges of body i are first[i] to first[i + 1]"""
+    wall_strength: Array
+    """(walls, P) J"""
+    inertia: Array
+    """(N,) kg m^2"""
+    friction: Array
+    """(N, 3) along and across each body (N s/m), against turning (N m s)"""
+    places: int
+    """at how many places two may be near"""
+
+
+class Crew(NamedTuple):
+    """Scratch; the first three as in `forces.Sorted`."""
+
+    charge: Array
+    radius: Array
+    force: Array
+    """(2, N)"""
+    torque: Array
+    """(N,) N m"""
+    turning: Array
+    """(N, 2) that of the state"""
+    at: Array
+    """(P, 2) the charges, as seen from the center of each one's body"""
+    angle: Array
+    """(N,)"""
+    corner: Array
+    """(V, 2)"""
+    mobility: Array
+    """(N, 3)"""
+    passage: Array
+    """(N + walls, 3) velocity and spin with which everyone goes through this step"""
+    before: Array
+    """(N + walls, 3)"""
+    levers: Levers
+
+
+def make_crew(parameters: Parameters, state: State, room: int) -> Crew:
+    """Scratch with room for that many contacts."""
+    many: Shaped = parameters.many
+    count, rows = len(state.position), len(parameters.kick.mobility)
+    return Crew(
+        charge=np.zeros(count),
+        radius=np.zeros(count),
+        force=np.zeros((2, count)),
+        torque=np.zeros(count),
+        turning=state.turning,
+        at=np.zeros_like(many.place),
+        angle=np.zeros(count),
+        corner=np.zeros_like(many.outlines.corner),
+        mobility=np.zeros((count, 3)),
+        passage=np.zeros((rows, 3)),
+        before=np.zeros((rows, 3)),
+        levers=make_levers(room, many.places),
+    )
+
+
+@compiled
+def party_of(parameters: Parameters, crew: Crew) -> Party:
+    """What the contact solver must know of shapes and walls."""
+    return Party(parameters.many.outlines, parameters.floats.radius, parameters.walls, crew.mobility)

@@ -1,0 +1,144 @@
+"""Forces and torques on shapes: their charges pull at one another as spheres do, at the ends of levers."""
+
+from __future__ import annotations
+
+import math
+
+from ecume._jit import admit, compiled
+from ecume.engine.neighbors import NeighborLists
+from ecume.engine.walls import wall_count, wall_distance
+from ecume.laws import capillarity, special
+from ecume.laws.capillarity import dish_energy, dish_force, pair_energy, pair_force, plane_wall_energy, plane_wall_force
+from ecume.models.floating.parameters import (
+    CAPILLARY_LENGTH,
+    CUTOFF,
+    DISH,
+    NO_PAIR_LAW,
+    NO_WALL_LAW,
+    STRENGTH,
+    Parameters,
+)
+from ecume.models.floating.shaped.bodies import Crew, Shaped
+from ecume.models.floating.state import State, Workspace
+from ecume.units import Array
+
+admit(special, capillarity)
+
+
+@compiled
+def turn_charges(many: Shaped, turning: Array, at: Array) -> None:
+    """The charges as the bodies are turned now."""
+    for i in range(len(turning)):
+        c, s = math.cos(turning[i, 0]), math.sin(turning[i, 0])
+        for p in range(many.first[i], many.first[i + 1]):
+            x, y = many.place[p, 0], many.place[p, 1]
+            at[p, 0], at[p, 1] = c * x - s * y, s * x + c * y
+
+
+@compiled
+def pull_pair(
+    parameters: Parameters, at: Array, pair: tuple[int, int], apart: tuple[float, float]
+) -> tuple[float, float, float, float]:
+    """Force on the first of two bodies (its second is `apart` from it), and the torques on both."""
+    many, (i, j), (x, y) = parameters.many, pair, apart
+    unit, length = parameters.pair[STRENGTH], parameters.pair[CAPILLARY_LENGTH]
+    force_x, force_y, torque_i, torque_j = 0.0, 0.0, 0.0, 0.0
+    for p in range(many.first[i], many.first[i + 1]):
+        on_x, on_y = 0.0, 0.0
+        for q in range(many.first[j], many.first[j + 1]):
+            to_x, to_y = x + at[q, 0] - at[p, 0], y + at[q, 1] - at[p, 1]
+            distance = math.sqrt(to_x * to_x + to_y * to_y)
+            pull = -pair_force(distance, unit * many.charge[p] * many.charge[q], length) / distance
+            on_x += pull * to_x
+            on_y += pull * to_y
+            torque_j -= pull * (at[q, 0] * to_y - at[q, 1] * to_x)
+        torque_i += at[p, 0] * on_y - at[p, 1] * on_x
+        force_x += on_x
+        force_y += on_y
+    return force_x, force_y, torque_i, torque_j
+
+
+@compiled
+def add_wall_forces(parameters: Parameters, position: Array, crew: Crew, force: Array) -> None:
+    """The menisci at the walls act on each charge."""
+    many, walls, length = parameters.many, parameters.walls, parameters.pair[CAPILLARY_LENGTH]
+    for i in range(len(position)):
+        for p in range(many.first[i], many.first[i + 1]):
+            x, y = position[i, 0] + crew.at[p, 0], position[i, 1] + crew.at[p, 1]
+            for number in range(wall_count(walls)):
+                distance, in_x, in_y = wall_distance(walls, number, x, y)
+                if parameters.wall_law == DISH:
+                    out = math.sqrt(x * x + y * y)
+                    away = dish_force(out, many.wall_strength[number, p], length, walls.disc_radius)
+                else:
+                    away = plane_wall_force(distance, many.wall_strength[number, p], length)
+                force[i, 0] += away * in_x
+                force[i, 1] += away * in_y
+                crew.torque[i] += away * (crew.at[p, 0] * in_y - crew.at[p, 1] * in_x)
+
+
+@compiled
+def shaped_forces(parameters: Parameters, position: Array, lists: NeighborLists, scratch: tuple[Crew, Array]) -> None:
+    """Forces and torques on all bodies at these positions; each pair once, so that they cancel to rounding."""
+    crew, force = scratch
+    many, cutoff = parameters.many, parameters.pair[CUTOFF]
+    turn_charges(many, crew.turning, crew.at)
+    force[:] = 0.0
+    crew.torque[:] = 0.0
+    order, first, neighbor = lists.cells.order, lists.rows.first, lists.rows.neighbor
+    for slot in range(len(order) if parameters.pair_law != NO_PAIR_LAW else 0):
+        i = order[slot]
+        for place in range(first[slot], first[slot + 1]):
+            j = order[neighbor[place]]
+            x, y = position[j, 0] - position[i, 0], position[j, 1] - position[i, 1]
+            if i < j and x * x + y * y < cutoff * cutoff:
+                force_x, force_y, torque_i, torque_j = pull_pair(parameters, crew.at, (i, j), (x, y))
+                force[i, 0] += force_x
+                force[i, 1] += force_y
+                force[j, 0] -= force_x
+                force[j, 1] -= force_y
+                crew.torque[i] += torque_i
+                crew.torque[j] += torque_j
+    if parameters.wall_law != NO_WALL_LAW:
+        add_wall_forces(parameters, position, crew, force)
+
+
+@compiled
+def energy_of_pair(parameters: Parameters, at: Array, pair: tuple[int, int], apart: tuple[float, float]) -> float:
+    """What two bodies have together (J), less what their whole charges have at the cutoff."""
+    many, (i, j), (x, y) = parameters.many, pair, apart
+    unit, length, cutoff = parameters.pair[STRENGTH], parameters.pair[CAPILLARY_LENGTH], parameters.pair[CUTOFF]
+    total = 0.0
+    for p in range(many.first[i], many.first[i + 1]):
+        for q in range(many.first[j], many.first[j + 1]):
+            distance = math.sqrt((x + at[q, 0] - at[p, 0]) ** 2 + (y + at[q, 1] - at[p, 1]) ** 2)
+            strength = unit * many.charge[p] * many.charge[q]
+            total += pair_energy(distance, strength, length) - pair_energy(cutoff, strength, length)
+    return total
+
+
+@compiled
+def shaped_energies(parameters: Parameters, state: State, workspace: Workspace) -> tuple[float, float]:
+    """Energies of all pairs and of all walls (J)."""
+    crew, many, cutoff = workspace.sorted_floats, parameters.many, parameters.pair[CUTOFF]
+    walls, length, lists = parameters.walls, parameters.pair[CAPILLARY_LENGTH], workspace.lists
+    turn_charges(many, state.turning, crew.at)
+    order, first, neighbor = lists.cells.order, lists.rows.first, lists.rows.neighbor
+    pairs, at_walls = 0.0, 0.0
+    for slot in range(len(order)):
+        i = order[slot]
+        for place in range(first[slot], first[slot + 1]):
+            j = order[neighbor[place]]
+            x, y = state.position[j, 0] - state.position[i, 0], state.position[j, 1] - state.position[i, 1]
+            if i < j and x * x + y * y < cutoff * cutoff and parameters.pair_law != NO_PAIR_LAW:
+                pairs += energy_of_pair(parameters, crew.at, (i, j), (x, y))
+        for p in range(many.first[i], many.first[i + 1]):
+            x, y = state.position[i, 0] + crew.at[p, 0], state.position[i, 1] + crew.at[p, 1]
+            for number in range(wall_count(walls) if parameters.wall_law != NO_WALL_LAW else 0):
+                if parameters.wall_law == DISH:
+                    out = math.sqrt(x * x + y * y)
+                    at_walls += dish_energy(out, many.wall_strength[number, p], length, walls.disc_radius)
+                else:
+                    distance = wall_distance(walls, number, x, y)[0]
+                    at_walls += plane_wall_energy(distance, many.wall_strength[number, p], length)
+    return pairs, at_walls

@@ -1,0 +1,111 @@
+"""What contacts do to shapes in one step: the same as to discs, with spins. See `ecume.models.floating.meeting`."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ecume._jit import compiled
+from ecume.engine import contacts
+from ecume.engine import levers as touching
+from ecume.engine.contacts import Goal, Memory
+from ecume.engine.levers import Levers
+from ecume.engine.outlines import Stance
+from ecume.models.floating.meeting import STEADY, TOLERABLE, restitution_of, share_restitution
+from ecume.models.floating.parameters import Parameters
+from ecume.models.floating.shaped.bodies import party_of
+from ecume.models.floating.state import COLLISIONS, DEEPEST, SWEEPS, UNCONVERGED, State, Workspace
+from ecume.units import Array
+
+
+@compiled
+def demand_stops(parameters: Parameters, levers: Levers, before: Array) -> float:
+    """Ask everyone to stop who comes together in this step and can bounce; the fastest of these approaches."""
+    touching.approaches(levers, before, levers.scratch)
+    slowest, fastest = TOLERABLE * parameters.slop / parameters.time_step, 0.0
+    for row in range(levers.total[0]):
+        speed, gap = levers.scratch[row], levers.gap[row]
+        comes = speed < -slowest and gap + parameters.time_step * speed < 0.0
+        if restitution_of(parameters, levers.second[row]) == 0.0:
+            comes = comes and gap < parameters.slop
+        levers.bound[row] = 0.0 if comes else -np.inf
+        if comes:
+            fastest = max(fastest, -speed)
+    return fastest
+
+
+@compiled
+def bounce(parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """Collisions: impulses on the passage, (1 + e) times those that stop everyone."""
+    crew, of_float = workspace.sorted_floats, workspace.restitution
+    levers = crew.levers
+    fastest = demand_stops(parameters, levers, crew.before)
+    if fastest <= 0.0:
+        return
+    levers.impulse[:] = 0.0
+    goal = Goal(contacts.CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
+    state.tally[SWEEPS] += touching.solve(levers, crew.before, goal)
+    share_restitution(parameters, levers, of_float)
+    for row in range(levers.total[0]):
+        if levers.impulse[row] > 0.0:
+            state.tally[COLLISIONS] += 1.0
+            levers.impulse[row] *= 1.0 + of_float[levers.first[row]]
+    touching.push_all(levers, levers.impulse, crew.passage)
+
+
+@compiled
+def solve_contacts(parameters: Parameters, state: State, levers: Levers, velocity: Array) -> None:
+    """Impulses on `velocity`, from those remembered; remembered in turn."""
+    memory = Memory(state.touches, state.touching, state.push)
+    touching.recall(levers, memory)
+    touching.approaches(levers, velocity, levers.scratch)
+    fastest = 0.0
+    for row in range(levers.total[0]):
+        fastest = max(fastest, levers.bound[row] - levers.scratch[row])
+    goal = Goal(contacts.CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
+    if fastest > 0.0:
+        sweeps = touching.solve(levers, velocity, goal)
+        state.tally[SWEEPS] += sweeps
+        state.tally[UNCONVERGED] += 1.0 if sweeps > contacts.MOST_SWEEPS else 0.0
+    else:
+        levers.impulse[:] = 0.0
+    touching.remember(levers, memory)
+
+
+@compiled
+def meet(parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """The first contact solves, on the passage: bounces, then a plastic one, so that nobody ends inside another."""
+    crew = workspace.sorted_floats
+    bounce(parameters, state, workspace)
+    for row in range(crew.levers.total[0]):
+        crew.levers.bound[row] = -max(crew.levers.gap[row], 0.0) / parameters.time_step
+    solve_contacts(parameters, state, crew.levers, crew.passage)
+
+
+@compiled
+def settle(parameters: Parameters, state: State, workspace: Workspace, reach: float) -> None:
+    """Find who touches whom at the new places, and undo deep overlaps, which changes no velocity."""
+    crew = workspace.sorted_floats
+    stance = Stance(state.position, crew.angle, crew.corner)
+    party, levers = party_of(parameters, crew), crew.levers
+    touching.gather(levers, workspace.candidates, stance, party, reach)
+    deepest = touching.deepest_overlap(levers)
+    state.tally[DEEPEST] = max(state.tally[DEEPEST], deepest)
+    if deepest > parameters.slop:
+        touching.separate(levers, workspace.candidates, stance, party, parameters.slop)
+        touching.gather(levers, workspace.candidates, stance, party, reach)
+
+
+@compiled
+def rest(parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """The last contact solve, on the passage, which is the velocity at the end of the step; `before` without the kick.
+
+    Whoever comes faster than by the kick alone is left to the next step, which sees a collision.
+    """
+    crew = workspace.sorted_floats
+    levers = crew.levers
+    touching.approaches(levers, crew.before, levers.change)
+    touching.approaches(levers, crew.passage, levers.scratch)
+    for row in range(levers.total[0]):
+        lasting = levers.change[row] >= -STEADY * abs(levers.scratch[row] - levers.change[row])
+        levers.bound[row] = -max(levers.gap[row], 0.0) / parameters.time_step if lasting else -np.inf
+    solve_contacts(parameters, state, levers, crew.passage)

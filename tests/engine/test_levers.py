@@ -1,0 +1,145 @@
+"""Impulses at the end of levers: momentum, angular momentum, energy, and bodies that lie against each other."""
+
+import math
+
+import numpy as np
+import pytest
+from tests.engine.test_outlines import needle, outlines, square
+
+from ecume.engine import levers as touching
+from ecume.engine.contacts import Goal, Memory, make_candidates
+from ecume.engine.outlines import Stance
+from ecume.engine.walls import dishes
+
+GOAL = Goal(1e-12, 1e-9)
+
+
+def party(bodies, mass=1.0, inertia=0.8, walls=None):
+    shapes = outlines(*bodies)
+    mobility = np.tile([1.0 / mass, 1.0 / mass, 1.0 / inertia], (len(bodies), 1))
+    return touching.Party(shapes, np.full(len(bodies), 3.0), dishes.no_walls() if walls is None else walls, mobility)
+
+
+def crowd(count, chance):
+    """Shapes of all kinds, packed loosely."""
+    kinds = [(1.2, 0.5), square(0.2), needle(0.2), (0.9, 0.9)]
+    side = math.ceil(math.sqrt(count))
+    places = np.array([(3.1 * (k % side), 3.1 * (k // side)) for k in range(count)])
+    bodies = [kinds[k % 4] for k in range(count)]
+    stance = Stance(places, chance.uniform(0.0, 7.0, count), np.zeros_like(outlines(*bodies).corner))
+    return bodies, stance
+
+
+def all_pairs(count):
+    candidates = make_candidates(count, count * count)
+    pairs = [list(range(i + 1, count)) for i in range(count)]
+    candidates.first[:] = np.cumsum([0, *map(len, pairs)])
+    candidates.partner[: count * (count - 1) // 2] = [j for row in pairs for j in row]
+    return candidates
+
+
+def gathered(who, stance, reach=1.0):
+    levers = touching.make_levers(400, 100)
+    assert touching.gather(levers, all_pairs(len(stance.angle)), stance, who, reach)
+    return levers
+
+
+def totals(stance, velocity, mass=1.0, inertia=0.8):
+    """Momentum, angular momentum about the origin, kinetic energy."""
+    momentum = mass * velocity[:, :2].sum(axis=0)
+    about = mass * (stance.position[:, 0] @ velocity[:, 1] - stance.position[:, 1] @ velocity[:, 0])
+    energy = 0.5 * mass * np.sum(velocity[:, :2] ** 2) + 0.5 * inertia * np.sum(velocity[:, 2] ** 2)
+    return *momentum, about + inertia * velocity[:, 2].sum(), energy
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_solve_keeps_both_momenta_and_takes_energy(seed):
+    chance = np.random.default_rng(seed)
+    bodies, stance = crowd(9, chance)
+    levers, velocity = gathered(party(bodies), stance), chance.normal(size=(9, 3))
+    before = totals(stance, velocity)
+    levers.bound[:] = 0.0
+    touching.solve(levers, velocity, GOAL)
+    after = totals(stance, velocity)
+    assert levers.total[0] > 4
+    assert after[:3] == pytest.approx(before[:3], abs=1e-12)
+    assert after[3] < before[3]
+    assert touching.residual(levers, velocity) < 1e-9
+
+
+def test_nobody_is_pulled_and_who_parts_is_left_alone():
+    stance = Stance(np.array([(0.0, 0.0), (2.0, 0.0)]), np.zeros(2), np.zeros((0, 2)))
+    levers = gathered(party([(1.0, 1.0), (1.0, 1.0)]), stance)
+    velocity = np.array([(-1.0, 0.0, 0.3), (1.0, 0.0, -0.2)])
+    touching.solve(levers, velocity, GOAL)
+    assert velocity.tolist() == [[-1.0, 0.0, 0.3], [1.0, 0.0, -0.2]]
+
+
+def test_a_blow_beside_the_middle_turns_what_is_hit():
+    """Impulse at the tip of a needle: J = 2 v / (1/m + 1/m + r^2/I), by Newton's laws."""
+    stance = Stance(np.array([(0.0, 0.0), (2.0, 1.3)]), np.array([0.0, 0.0]), np.zeros((2, 2)))
+    levers = gathered(party([needle(0.3), (1.0, 1.0)], mass=2.0, inertia=5.0), stance, reach=0.01)
+    velocity = np.array([(0.0, 0.0, 0.0), (0.0, -1.0, 0.0)])
+    touching.solve(levers, velocity, GOAL)
+    impulse = 1.0 / (0.5 + 0.5 + 2.0**2 / 5.0)
+    assert velocity[0] == pytest.approx([0.0, -0.5 * impulse, -2.0 * impulse / 5.0], abs=1e-12)
+    assert velocity[1] == pytest.approx([0.0, -1.0 + 0.5 * impulse, 0.0], abs=1e-12)
+
+
+@pytest.mark.parametrize("aside", [0.0, 0.3])
+def test_a_square_that_falls_flat_on_another_goes_on_with_it_as_one(aside):
+    """Two ends hold: the two stop, or turn as one piece with the angular momentum that they had, -aside."""
+    stance = Stance(np.array([(0.0, 0.0), (aside, 2.4)]), np.zeros(2), np.zeros((8, 2)))
+    levers = gathered(party([square(0.2), square(0.2)]), stance, reach=0.01)
+    velocity = np.array([(0.0, 1.0, 0.0), (0.0, -1.0, 0.0)])
+    touching.solve(levers, velocity, GOAL)
+    # Smooth edges glide: of the distance of the two centers only what lies along the edge is held.
+    spin = -aside / (2.0 * 0.8 + 0.5 * aside**2)
+    assert velocity[:, 2] == pytest.approx([spin, spin], abs=1e-9)
+    assert velocity[:, 1] == pytest.approx([-0.5 * aside * spin, 0.5 * aside * spin], abs=1e-9)
+    assert velocity[:, 0] == pytest.approx([0.0, 0.0], abs=1e-12)
+
+
+def test_what_glides_along_itself_gives_way_along_itself():
+    """Mobilities along and across differ: a push on the flank moves it less than one on the tip."""
+    mobility, lever, give = np.array([2.0, 1.0, 0.0]), np.array([1.0, 0.0, 0.0]), np.zeros(3)
+    assert touching.give_way(mobility, 0.0, lever, give) == pytest.approx(2.0)
+    assert touching.give_way(mobility, 0.5 * math.pi, lever, give) == pytest.approx(1.0)
+    assert touching.give_way(mobility, 0.25 * math.pi, lever, give) == pytest.approx(1.5)
+    assert give[:2] == pytest.approx([1.5, 0.5])
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_overlaps_are_undone_by_shifts_and_turns_about_one_center_of_mass(seed):
+    chance = np.random.default_rng(seed)
+    bodies, stance = crowd(6, chance)
+    stance.position[:] *= 0.72
+    who = party(bodies)
+    levers, middle = gathered(who, stance), stance.position.mean(axis=0)
+    assert touching.deepest_overlap(levers) > 1e-2
+    rounds = touching.separate(levers, all_pairs(6), stance, who, 1e-4)
+    assert rounds < 30
+    assert touching.deepest_overlap(gathered(who, stance)) <= 1e-4
+    assert stance.position.mean(axis=0) == pytest.approx(middle, abs=1e-9)
+
+
+def test_walls_stop_tips_and_stay():
+    who = party([needle(0.2)], walls=dishes.box((-2.2, -5.0), (9.0, 5.0)))
+    stance = Stance(np.array([(0.0, 0.0)]), np.zeros(1), np.zeros((2, 2)))
+    levers = gathered(who, stance, reach=0.1)
+    velocity = np.zeros((5, 3))
+    velocity[0, 0] = -1.0
+    touching.solve(levers, velocity, GOAL)
+    assert velocity == pytest.approx(np.zeros((5, 3)), abs=1e-12)
+
+
+def test_impulses_are_found_again_by_pair_and_feature():
+    stance = Stance(np.array([(0.0, 0.0), (0.3, 2.4)]), np.zeros(2), np.zeros((8, 2)))
+    levers = gathered(party([square(0.2), square(0.2)]), stance, reach=0.01)
+    memory = Memory(np.zeros(1, np.int64), np.zeros((8, 2), np.int64), np.zeros(8))
+    kept = 1.0 + np.arange(levers.total[0])
+    levers.impulse[: levers.total[0]] = kept
+    touching.remember(levers, memory)
+    levers.impulse[:] = 0.0
+    touching.recall(levers, memory)
+    assert levers.impulse[: levers.total[0]] == pytest.approx(kept)

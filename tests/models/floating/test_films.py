@@ -1,0 +1,102 @@
+"""Films between floats: two that approach take the longer, and nobody's momentum changes."""
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+
+from ecume.errors import SceneError
+from ecume.laws import capillarity
+from ecume.laws.drag import pair_factor
+from ecume.models import MODELS
+from ecume.models.floating.films import CLOSEST, film_excess, find_films, make_films, resist, slow_down
+from tests.models.floating.bowls import WATER, scene_of
+
+FLOATING = MODELS["floating"]
+BEAD = "radius = 3e-4\ndensity = 1050.0\ncontact_angle = 1.3089969\n"
+RADIUS = 3e-4
+
+
+def beads(places, *, films="{ roughness = 1e-6 }", integrator="overdamped", more="", **times):
+    listed = [list(place) for place in places]
+    motion = f'[motion]\nintegrator = "{integrator}"\nfilms = {films}\n{more}'
+    return scene_of(f"{WATER}[[floats]]\n{BEAD}positions = {listed}\n{motion}", **times)
+
+
+def set_up(scene):
+    parameters = FLOATING.parameters(scene)
+    state = FLOATING.start(scene, parameters)
+    return parameters, state, FLOATING.workspace(parameters, state, 1.0)
+
+
+def test_the_table_is_the_law_level_where_it_is_rough_and_zero_in_the_end():
+    films = make_films(1e-3, 4.0)
+    far = pair_factor(4.0)
+    for gap in (1e-3, 0.02, 0.3, 1.7):
+        assert film_excess(films, gap) == pytest.approx(pair_factor(2.0 + gap) - far, rel=1e-4)
+    assert film_excess(films, 0.0) == film_excess(films, -1e-3) == film_excess(films, 1e-3)
+    assert film_excess(films, 2.0) == film_excess(films, 5.0) == 0.0
+    assert make_films(0.0, 4.0).ends[0] == np.log(CLOSEST)
+
+
+def test_two_that_are_pushed_together_go_slower_by_lambda():
+    parameters, state, workspace = set_up(beads([(0.0, 0.0), (2.1 * RADIUS, 0.0)]))
+    pairs = find_films(parameters.many, parameters, state.position, workspace.lists)
+    velocity = np.array([[1e-3, 2e-4], [-1e-3, 5e-4]])
+    slow_down(pairs, parameters.kick.gain, velocity)
+    excess = pair_factor(2.1) - pair_factor(4.0)
+    wanted = np.array([[1e-3 / (1 + excess), 2e-4], [-1e-3 / (1 + excess), 5e-4]])
+    assert velocity == pytest.approx(wanted, rel=1e-5)
+
+
+def test_films_do_not_hold_up_a_crowd_that_goes_as_one_and_keep_momentum():
+    rng = np.random.default_rng(1)
+    places = 2.3 * RADIUS * np.array([(i, j) for i in range(4) for j in range(4)])
+    parameters, state, workspace = set_up(beads(places.tolist()))
+    pairs = find_films(parameters.many, parameters, state.position, workspace.lists)
+    assert len(pairs.friction) > 40
+    together = np.full((16, 2), 3e-3)
+    slow_down(pairs, parameters.kick.gain, together)
+    assert together == pytest.approx(np.full((16, 2), 3e-3), rel=1e-12)
+    given = 1e-3 * rng.normal(size=(16, 2))
+    slowed, force = given.copy(), np.zeros((16, 2))
+    assert 0 < slow_down(pairs, parameters.kick.gain, slowed) < 100
+    assert slowed.sum(axis=0) == pytest.approx(given.sum(axis=0), abs=1e-15)
+    resist(pairs, slowed, force)
+    assert slowed == pytest.approx(given + parameters.kick.gain[:, None] * force, abs=1e-12)
+    assert np.sum(slowed**2) < np.sum(given**2)
+
+
+@pytest.mark.compiled
+def test_two_beads_meet_when_the_law_says():
+    """The time from 4 R to 2.02 R, against the integral of zeta lambda / 2F."""
+    start, near = 4.0 * RADIUS, 2.02 * RADIUS
+    films = "{ roughness = 1e-6, reach = 50.0 }"
+    scene = beads([(-0.5 * start, 0.0), (0.5 * start, 0.0)], films=films, duration=20.0, frame_every=0.01)
+    parameters, state, workspace = set_up(scene)
+    length, charge = parameters.pair[1], parameters.floats.charge[0]
+    strength = capillarity.pair_strength(0.0728, charge, charge)
+    far = pair_factor(50.0)
+
+    def slowness(distance, film):
+        drag = (1.0 + pair_factor(distance / RADIUS) - far) if film else 1.0
+        return drag / (2.0 * parameters.kick.gain[0] * -capillarity.pair_force(distance, strength, length))
+
+    wanted, without = (quad(slowness, near, start, args=(film,))[0] for film in (True, False))
+    while np.ptp(state.position[:, 0]) > near:
+        assert FLOATING.advance(parameters, state, workspace, 1) == 0
+    found = int(state.step[0]) * parameters.time_step
+    assert found == pytest.approx(wanted, rel=5e-3)
+    assert found > 1.3 * without
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({"integrator": "velocity-verlet"}, "semi-implicit-euler"),
+        ({"more": "temperature = 300.0\n"}, "no temperature"),
+        ({"more": '[interaction]\nmethod = "multipole"\n'}, "superposition"),
+    ],
+)
+def test_what_films_do_not_go_with_is_told(changes, told):
+    with pytest.raises(SceneError, match=told):
+        FLOATING.parameters(beads([(0.0, 0.0), (1e-3, 0.0)], **changes))
