@@ -35,6 +35,20 @@ def test_papers_follow_the_options():
     assert "wendland1995" in papers("tank-at-rest")
     assert "schiller1933" not in papers("bouncing-particles", "motion.drag=stokes")
     assert "dalrymple2006" in papers("dam-break", "method.turbulence=smagorinsky")
+    assert "fourtakas2019" in papers("tank-at-rest")
+    assert "fourtakas2019" not in papers("tank-at-rest", "method.density_diffusion=molteni")
+    assert "molteni2009" in papers("tank-at-rest", "method.density_diffusion=molteni")
+    assert "brackbill1992" in papers("rounding-drop")
+    assert "akinci2013" not in papers("rounding-drop")
+    assert "akinci2013" in papers("rounding-drop", "method.surface_tension_model=cohesion")
+    assert "hosea1996" in papers("t1", "stepping.scheme=tr-bdf2")
+    assert "kennedy2003" in papers("t1")
+    assert "vassileva2005" in papers("cereal-discs")
+    assert "vassileva2005" not in papers("cereal-bowl")
+
+
+def test_liquids_by_name_bring_friction_and_its_paper():
+    assert {"morris1997", "monaghan2005"} & set(papers("channel"))
 
 
 def test_entries_are_whole():

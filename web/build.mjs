@@ -9,18 +9,21 @@ const here = dirname(fileURLToPath(import.meta.url));
 const out = process.argv[2] ?? join(here, "../src/ecume/show/view/bundle");
 mkdirSync(out, { recursive: true });
 
-const { outputFiles } = await build({
-  entryPoints: [join(here, "src/main.ts")],
-  absWorkingDir: here,
-  bundle: true,
-  minify: true,
-  format: "iife",
-  target: "es2022",
-  charset: "utf8",
-  legalComments: "inline",
-  write: false,
-});
-const script = outputFiles[0].text.replaceAll("</script", "<\\/script");
+async function bundled(name) {
+  const { outputFiles } = await build({
+    entryPoints: [join(here, "src", name)],
+    absWorkingDir: here,
+    bundle: true,
+    minify: true,
+    format: "iife",
+    target: "es2022",
+    charset: "utf8",
+    legalComments: "inline",
+    write: false,
+  });
+  return outputFiles[0].text.replaceAll("</script", "<\\/script");
+}
+
 const plot = readFileSync(join(here, "node_modules/uplot/dist/uPlot.min.css"), "utf8");
 const style = `${readFileSync(join(here, "src/style.css"), "utf8")}${plot.trim()}\n`;
 const licence = readFileSync(join(here, "node_modules/uplot/LICENSE"), "utf8");
@@ -32,7 +35,9 @@ for (const name of [...sources.map((one) => `src/${one}`), "build.mjs", "package
   digest.update(`${name}\n`).update(readFileSync(join(here, name)));
 }
 
-writeFileSync(join(out, "view.js"), script);
+writeFileSync(join(out, "view.js"), await bundled("main.ts"));
+writeFileSync(join(out, "play.js"), await bundled("play.ts"));
+for (const name of ["play.html", "play.css"]) writeFileSync(join(out, name), readFileSync(join(here, "src", name), "utf8"));
 writeFileSync(join(out, "view.css"), style);
 writeFileSync(join(out, "page.html"), readFileSync(join(here, "src/page.html"), "utf8"));
 writeFileSync(join(out, "LICENSES.txt"), `uPlot (curves), bundled in view.js and view.css:\n\n${licence}`);

@@ -9,6 +9,7 @@ nobody started: they are started before anything is loaded.
 
 from __future__ import annotations
 
+import functools
 import logging
 import math
 import os
@@ -177,6 +178,20 @@ class PartCache(HealingCache):
     _impl_class = PartFiles
 
 
+class TogetherFiles(WholeFiles):
+    """The same function with threads."""
+
+    def get_filename_base(self, name: str, flags: str) -> str:
+        """The beginning of the files' names."""
+        return f"together-{super().get_filename_base(name, flags)}"
+
+
+class TogetherCache(HealingCache):
+    """The disk cache of what compiled code calls without threads."""
+
+    _impl_class = TogetherFiles
+
+
 class AloneFiles(WholeFiles):
     """The same function without threads."""
 
@@ -276,6 +291,82 @@ def summing(function: Function) -> Function:
     made: Any = Spread(cast(FunctionType, function), fastmath=ANY_ORDER)
     kept: Function = made
     return kept
+
+
+OTHERS = ("comprehension", "reduction", "inplace_binop", "setitem", "numpy", "stencil", "fusion")
+PLAIN_LOOPS = dict.fromkeys(OTHERS, False)
+"""Only loops that say so are spread over threads: what array expressions become takes a second each to compile."""
+
+
+class Shared(Dispatcher):
+    """A pass with `prange` that compiled code calls without threads, and Python with them where the crowd is large."""
+
+    def __init__(self, function: FunctionType, crowd: Callable[..., int]) -> None:
+        super().__init__(function, {}, cache=True)
+        self.crowd, self.together = crowd, Dispatcher(function, {"parallel": PLAIN_LOOPS}, cache=True)
+        self.together._cache = TogetherCache(function)
+
+    def __call__(self, *arguments: Any) -> Any:
+        """Run the one or the other."""
+        if self.crowd(*arguments) < FEW:
+            return super().__call__(*arguments)
+        return self.together(*arguments)
+
+
+def shared(crowd: Callable[..., int]) -> Callable[[Function], Function]:
+    """Compile a pass for compiled code, for Python, and for threads; `crowd` tells its size from its arguments."""
+
+    def decorate(function: Function) -> Function:
+        if not isinstance(function, FunctionType) or numba.config.DISABLE_JIT:
+            return function
+        made: Any = Shared(function, crowd)
+        kept: Function = made
+        return kept
+
+    return decorate
+
+
+class Composed(Dispatcher):
+    """What compiled code calls as a part, and Python runs as it stands: what it consists of is compiled by itself."""
+
+    def __call__(self, *arguments: Any) -> Any:
+        """Run the function."""
+        return self.py_func(*arguments)
+
+
+def composed(function: Function) -> Function:
+    """A sequence of passes: compiled where few particles make it part of a whole, left to Python where there are many,
+    so that each pass may be spread over threads.
+    """
+    if not isinstance(function, FunctionType) or numba.config.DISABLE_JIT:
+        return function
+    made: Any = Composed(function, {}, cache=True)
+    kept: Function = made
+    return kept
+
+
+def where_there(default: Any = None) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
+    """Compile a function of something that a scene may lack, its first argument: where that is an empty tuple, the
+    answer is `default`, and nothing of the function is compiled.
+    """
+
+    def decorate(function: Callable[..., Any]) -> Callable[..., Any]:
+        made = _dispatcher(function, cache=True)
+
+        @functools.wraps(function)
+        def there(subject: Any, *rest: Any) -> Any:
+            return made(subject, *rest) if subject != () else default
+
+        if made is not function:
+
+            @numba.extending.overload(there, jit_options={**PART, "pipeline_class": Part}, strict=False)  # type: ignore[untyped-decorator]
+            def version(subject: Any, *rest: Any) -> Any:
+                missing = isinstance(subject, types.BaseTuple) and len(subject) == 0
+                return (lambda subject, *rest: default) if missing else (lambda subject, *rest: made(subject, *rest))
+
+        return there
+
+    return decorate
 
 
 def compiled_once(function: Function) -> Function:

@@ -20,23 +20,33 @@ from ecume.laws import (
     capillarity,
     contact,
     diffusion,
+    dipoles,
     drag,
     elasticity,
+    ellipsoids,
     flotation,
     images,
     interfaces,
     kernels,
+    lines,
     liquids,
     lubrication,
     meniscus,
+    multipole,
     pace,
+    quadrupoles,
     remote,
     rubbing,
+    split,
     states,
     surfaces,
     tension,
     viscous,
 )
+from ecume.laws.kernels import shapes
+from ecume.models.soft import schemes
+from ecume.models.sph import choosing, fields
+from ecume.models.sph.substances import filled
 
 Source = Callable[..., Any]
 KEY = re.compile(r"\b[a-z]+\d{4}[a-z]?\b")
@@ -96,23 +106,44 @@ def floating_sources(scene: Any) -> list[Source]:
     charge = flotation.CHARGES.get(str(scene.interaction.charge))
     laws: list[Source] = [charge] if charge else []
     laws += [capillarity.pair_energy, capillarity.pair_force]
+    laws += [multipole.solve] if scene.interaction.method != "superposition" else []
+    laws += [split.short_energy, split.smooth_wave, split.grid_error] if scene.interaction.sum == "grid" else []
+    magnets = any(given.magnetic_moment for given in (*scene.floats, *scene.rows))
+    laws += [dipoles.dipole_force] if magnets else []
     if scene.dish is not None:
         laws += capillarity.WALLS.get(str(scene.dish.law), ())
         laws += [meniscus.dish_height, *([images.plane_image_force] if scene.dish.image != "none" else [])]
     laws += [drag.immersion_factor, drag.stokes_friction] if scene.motion.drag else []
+    if any(species.shape is not None for species in scene.floats):
+        laws += [ellipsoids.ellipsoid_undulation, lines.spread_charges, quadrupoles.quadrupole_energy]
+        laws += [ellipsoids.ellipsoid_friction, ellipsoids.ellipsoid_turning_friction] if scene.motion.drag else []
+    laws += [brownian.diffusivity] if scene.motion.temperature else []
     return [*laws, contact.impulse]
 
 
 def sph_sources(scene: Any) -> list[Source]:
-    """Kernel, pressure, diffusion, friction, tension, steps."""
+    """Kernel, pressure, diffusion, friction, tension, steps: as the model chooses them."""
+    liquid, name = filled(scene.liquid), choosing.diffusion_of(scene, choosing.gravity_of(scene))
+    excess = diffusion.EXCESSES.get(FOURTAKAS.get(name, name))
     form = kernels.KERNELS[scene.method.kernel]
     laws: list[Source] = [form.value, states.tait_pressure, states.numerical_sound_speed]
-    laws += [diffusion.strength, *([diffusion.fourtakas_excess] if any(scene.gravity) else [diffusion.antuono_excess])]
+    laws += [diffusion.strength, excess] if excess is not None else []
     laws += [viscous.artificial_viscosity] if scene.method.artificial_viscosity else []
-    laws += [viscous.morris_friction] if scene.liquid.viscosity else []
-    laws += [tension.cohesion_kernel, tension.cohesion_strength_in_plane] if scene.liquid.surface_tension else []
-    laws += [viscous.eddy_viscosity, viscous.subparticle_stress] if scene.method.turbulence != "none" else []
+    if liquid.viscosity or choosing.turbulent(scene):
+        radial = choosing.friction_of(scene) == fields.RADIAL
+        laws += [viscous.radial_friction if radial else viscous.morris_friction]
+    laws += TENSION_LAWS[choosing.tension_of(scene)]
+    laws += [viscous.eddy_viscosity, viscous.subparticle_stress] if choosing.turbulent(scene) else []
     return [*laws, pace.acoustic_limit, pace.force_limit, *_liquid(scene.liquid.name)]
+
+
+FOURTAKAS = {"linear": "fourtakas-linear", "hydrostatic": "fourtakas"}
+"""What the diffusions that know of weight are called among the laws."""
+TENSION_LAWS: dict[str, list[Source]] = {
+    "none": [],
+    "cohesion": [tension.cohesion_kernel, tension.cohesion_strength_in_plane],
+    "csf": [tension.surface_weight, tension.steepness, shapes.wendland_c4_bend],
+}
 
 
 def tracers_sources(scene: Any) -> list[Source]:
@@ -132,8 +163,10 @@ def soft_sources(scene: Any) -> list[Source]:
     laws += [elasticity.contact_size, *surfaces.SURFACES[films.surface]]
     laws += [interfaces.INTERFACES[films.interface]] if films.interface != "rigid" else []
     laws += [rubbing.holding_force] if films.friction != "none" else []
-    return [*laws, *remote.REMOTE[scene.remote.law]]
+    return [*laws, *remote.REMOTE[scene.remote.law], *SCHEME_LAWS[scene.stepping.scheme]]
 
+
+SCHEME_LAWS: dict[str, list[Source]] = {"esdirk4": [schemes.esdirk4], "tr-bdf2": [schemes.tr_bdf2]}
 
 SOURCES: dict[str, Callable[[Any], list[Source]]] = {
     "floating": floating_sources,

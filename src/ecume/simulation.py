@@ -45,7 +45,7 @@ def moments(
         state = model.start(scene, parameters)
     if extra_laws:
         model = model.extended(extra_laws)
-    march = _March(model, parameters, state, patience)
+    march = March(model, parameters, state, patience)
     per_frame = parameters.steps_per_frame
     total = round(scene.duration / (per_frame * parameters.time_step)) * per_frame
     while True:
@@ -58,7 +58,7 @@ def moments(
         march.go(min(per_frame - step % per_frame, total - step))
 
 
-class _March:
+class March:
     """The open loop of one simulation: a workspace that grows, and how many steps fit into the patience."""
 
     def __init__(self, model: Model, parameters: Any, state: Any, patience: float) -> None:
@@ -68,6 +68,7 @@ class _March:
         self.workspace = model.workspace(parameters, state, self.room)
 
     def observe(self) -> Frame:
+        """The frame of this instant."""
         return self.model.observe(self.parameters, self.state, self.workspace)
 
     def go(self, most: int) -> None:

@@ -18,7 +18,7 @@ cli = CliRunner()
 
 
 def test_export_offers_what_trajectories_can_be_written_as() -> None:
-    assert {kind.value for kind in Format} == set(ecume.trajectories.exports.EXPORTS)
+    assert {kind.value for kind in Format} == {*ecume.trajectories.exports.EXPORTS, "pvd"}
     assert set(ENDINGS) == set(Format)
 
 
@@ -47,8 +47,8 @@ def cuts(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
 
     noted: list[Any] = []
 
-    def movie(directory: Path, out: Path | None, cut: Any, *, progress: Any) -> Path:
-        noted.append((cut, progress))
+    def movie(directory: Path, out: Path | None, cut: Any, *, progress: Any, workers: int) -> Path:
+        noted.append((cut, (progress, workers)))
         return out or directory / "results" / "movie.mp4"
 
     monkeypatch.setattr(ecume.show.movies, "movie", movie)
@@ -59,13 +59,16 @@ def test_movie_says_what_it_wrote(cuts: list[Any]) -> None:
     assert cli.invoke(app, ["movie", "bowl", "-o", "bowl.gif"]).stdout == "wrote bowl.gif\n"
     assert cli.invoke(app, ["movie", "bowl"]).stdout == f"wrote {Path('bowl/results/movie.mp4')}\n"
     assert cli.invoke(app, ["movie", "bowl", "-q"]).output == ""
-    assert [(cut.fps, cut.every, cut.size, progress) for cut, progress in cuts] == 3 * [(30, 1, None, None)]
+    usual = (30, 1, None, None, (1.0, None), (None, 1))
+    assert [(cut.fps, cut.every, cut.size, cut.eye, cut.aim, rest) for cut, rest in cuts] == 3 * [usual]
 
 
 def test_the_options_of_a_movie_reach_it(cuts: list[Any]) -> None:
     words = ["--fps", "10", "--every", "3", "--size", "640x480", "--from", "1500 ms", "--to", "2"]
+    words += ["--zoom", "2.5", "--follow", "7", "--azimuth", "10", "--workers", "2"]
     assert cli.invoke(app, ["movie", "bowl", *words]).exit_code == 0
-    ((cut, _),) = cuts
+    ((cut, (_, workers)),) = cuts
+    assert (cut.aim, cut.eye, workers) == ((2.5, 7), (10.0, 20.0), 2)
     assert (cut.fps, cut.every, cut.size, cut.start, cut.end) == (10, 3, (640, 480), 1.5, 2.0)
 
 

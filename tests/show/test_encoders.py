@@ -24,9 +24,11 @@ def probe(path):
     return subprocess.run(command, capture_output=True, check=True).stdout
 
 
-@pytest.mark.parametrize("count", [1, 7])
-def test_an_mp4_has_every_picture(tmp_path, count):
-    out = encoders.encode(pictures(count), tmp_path / "deep" / "film.mp4", 30)
+@pytest.mark.parametrize("channels", [3, 4])
+@pytest.mark.parametrize(("count", "suffix"), [(1, ".mp4"), (7, ".mp4"), (7, ".webm")])
+def test_a_video_has_every_picture(tmp_path, count, suffix, channels):
+    made = (picture[..., :channels] for picture in pictures(count))
+    out = encoders.encode(made, tmp_path / "deep" / f"film{suffix}", 30)
     raw = np.frombuffer(probe(out), dtype=np.uint8).reshape(-1, 64, 96, 3)
     assert len(raw) == count
     for n, picture in enumerate(raw):
@@ -43,6 +45,14 @@ def test_animations_have_every_picture_and_their_pace(tmp_path, suffix):
         film.load()
         assert film.info["duration"] == 50
         assert film.info["loop"] == 0
+
+
+def test_pictures_may_be_numbered_files(tmp_path):
+    first = encoders.encode(pictures(3), tmp_path / "deep" / "shot.png", 20)
+    assert first.name == "shot-0000.png"
+    assert sorted(path.name for path in first.parent.iterdir()) == [f"shot-000{n}.png" for n in range(3)]
+    with Image.open(first.with_name("shot-0002.png")) as picture:
+        assert (np.asarray(picture) == list(pictures(3))[2][..., :3]).all()
 
 
 def test_a_gif_keeps_the_colors_that_come_later_and_pays_for_what_moves_only(tmp_path):
@@ -102,7 +112,7 @@ def test_a_machine_without_the_package_has_no_ffmpeg(monkeypatch):
 
 
 def test_an_unknown_kind_of_movie_is_refused_with_those_there_are(tmp_path):
-    with pytest.raises(BadInput, match=r"'.avi'; wanted one of .mp4, .webp, .gif"):
+    with pytest.raises(BadInput, match=r"'.avi'; wanted one of .mp4, .webm, .webp, .gif, .png"):
         encoders.encode(pictures(1), tmp_path / "film.avi", 30)
 
 
@@ -120,8 +130,8 @@ def test_a_movie_that_fails_half_way_leaves_the_old_one_alone(tmp_path):
 
 
 def test_what_ffmpeg_complains_about_is_told(tmp_path, monkeypatch):
-    monkeypatch.setitem(encoders.CODECS, "libx264", ("-no-such-option", "1"))
-    monkeypatch.setattr(encoders, "_codec", lambda program: "libx264")
+    monkeypatch.setitem(encoders.CODECS[".mp4"], "libx264", ("-no-such-option", "1"))
+    monkeypatch.setattr(encoders, "_codec", lambda program, kind: "libx264")
     with pytest.raises(StorageError, match="ffmpeg gave up"):
         encoders.encode(pictures(200), tmp_path / "film.mp4", 30)
     assert list(tmp_path.iterdir()) == []

@@ -8,6 +8,7 @@ import os
 import resource
 from collections.abc import Callable
 from pathlib import Path
+from xml.etree import ElementTree
 
 import h5py
 import numpy as np
@@ -113,6 +114,47 @@ def test_vtk_is_read_by_vtk(tmp_path: Path, frames: Frames) -> None:
         assert energy.GetValue(0) == frame.numbers["kinetic_energy"]
 
 
+def test_a_list_of_vtk_files_is_read_by_vtk(tmp_path: Path, frames: Frames) -> None:
+    xml = pytest.importorskip("vtkmodules.vtkIOXML")
+    support = pytest.importorskip("vtkmodules.util.numpy_support")
+    written = frames(3, particles=5)
+    with Recorder(tmp_path / "traj") as recorder:
+        for number, frame in enumerate(written):
+            recorder.write(frame, number)
+    listed = export(tmp_path, "pvd", tmp_path / "out" / "the bowl & more.pvd")
+    named = ElementTree.parse(listed).getroot().findall("Collection/DataSet")
+    assert [float(entry.attrib["timestep"]) for entry in named] == [frame.time for frame in written]
+    for entry, frame in zip(named, written, strict=True):
+        reader = xml.vtkXMLPolyDataReader()
+        reader.SetFileName(str(listed.parent / entry.attrib["file"]))
+        reader.Update()
+        shown = reader.GetOutput()
+        points = support.vtk_to_numpy(shown.GetPoints().GetData())
+        np.testing.assert_array_equal(points[:, :2], frame.arrays["position"])
+        assert not points[:, 2:].any()
+        assert shown.GetNumberOfVerts() == len(points)
+        for name in ("species", "radius", "neighbors"):
+            data = support.vtk_to_numpy(shown.GetPointData().GetArray(name))
+            np.testing.assert_array_equal(data, frame.arrays[name].reshape(data.shape))
+        assert shown.GetFieldData().GetArray("kinetic_energy").GetValue(0) == frame.numbers["kinetic_energy"]
+
+
+def test_a_list_of_vtk_files_takes_the_place_of_the_former_and_of_nothing_else(
+    recorded: Recorded, tmp_path: Path
+) -> None:
+    run, out = recorded(2).parent, tmp_path / "a" / "b.pvd"
+    export(run, "pvd", out)
+    (tmp_path / "a" / "b" / "0002.vtp").write_text("of a longer one")
+    export(run, "pvd", out)
+    assert sorted(path.name for path in (tmp_path / "a" / "b").iterdir()) == ["0000.vtp", "0001.vtp"]
+    assert sorted(path.name for path in (tmp_path / "a").iterdir()) == ["b", "b.pvd"]
+    (tmp_path / "a" / "b" / "mine.txt").write_text("kept")
+    with pytest.raises(StorageError, match=r"holds what no export made \(mine.txt\)"):
+        export(run, "pvd", out)
+    assert sorted(path.name for path in (tmp_path / "a" / "b").iterdir()) == ["0000.vtp", "0001.vtp", "mine.txt"]
+    assert not (tmp_path / "a" / "b.part").exists()
+
+
 def test_numbers_are_one_line_a_frame_with_units(recorded: Recorded, frames: Frames, tmp_path: Path) -> None:
     with export(recorded(3).parent, "numbers", tmp_path / "numbers.csv").open(newline="") as file:
         heading, *rows = list(csv.reader(file))
@@ -122,7 +164,7 @@ def test_numbers_are_one_line_a_frame_with_units(recorded: Recorded, frames: Fra
 
 
 def test_a_kind_that_nobody_knows_is_refused_with_those_that_are(recorded: Recorded, tmp_path: Path) -> None:
-    with pytest.raises(BadInput, match="csv, numbers, xyz, vtk, npz"):
+    with pytest.raises(BadInput, match="csv, numbers, xyz, vtk, npz, pvd"):
         export(recorded(1).parent, "xlsx", tmp_path / "bowl.xlsx")
 
 

@@ -93,7 +93,7 @@ class Page {
       this.choice.range = high > low ? [low, high] : [low - 0.5, low + 0.5];
       const colors = colorsOf(this.run.header, coloring.map);
       const label = name.replaceAll("_", " ");
-      colorBar(element("bar"), scale(colors, label, coloring.unit, this.choice.range, coloring.log));
+      colorBar(element("bar"), scale(colors, label, coloring.unit, this.choice.range));
     }
     this.stage.stale();
     this.dirty = true;

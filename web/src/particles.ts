@@ -7,7 +7,7 @@ const VERTEX = `
 uniform mat4 matrix;
 uniform vec3 right, up, toward;
 uniform float part;
-uniform vec4 range; // low, high, logarithmic, of how many colors (0: of a scale)
+uniform vec3 range; // low, high, of how many colors (0: of a scale)
 in vec2 corner;
 in vec3 place, before;
 in float radius, value;
@@ -21,8 +21,7 @@ void main() {
   vec4 center = matrix * vec4(middle, 1.0);
   depth_slope = 0.5 * (front.z / front.w - center.z / center.w);
   inside = corner;
-  float at = range.z > 0.5 ? log(max(value, 1e-300)) : value;
-  color = range.w > 0.5 ? (value + 0.5) / range.w : clamp((at - range.x) / (range.y - range.x), 0.0, 1.0);
+  color = range.z > 0.5 ? (value + 0.5) / range.z : clamp((value - range.x) / (range.y - range.x), 0.0, 1.0);
   index = float(gl_InstanceID);
 }`;
 
@@ -59,7 +58,6 @@ void main() {
 
 export interface Look {
   range: [number, number];
-  log: boolean;
   kinds: number; // colors of a palette; 0 for a scale
   part: number; // of the way from the frame before
   ink: [number, number, number];
@@ -113,7 +111,7 @@ export class Particles {
     program.numbers("up", ...eye.up);
     program.numbers("toward", ...eye.toward);
     program.numbers("part", look.part);
-    program.numbers("range", look.range[0], look.range[1], look.log ? 1 : 0, look.kinds);
+    program.numbers("range", look.range[0], look.range[1], look.kinds);
     program.numbers("rim", ...look.ink, look.flat ? 1 : 0);
     program.numbers("edge", look.rims ? 1 : 0);
     program.numbers("chosen", look.chosen);

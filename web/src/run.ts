@@ -4,7 +4,6 @@ export interface Coloring {
   name: string;
   unit: string;
   map: string;
-  log: boolean;
 }
 
 export interface Place {

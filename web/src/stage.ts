@@ -119,10 +119,8 @@ export class Stage {
     const { eye, gl, canvas, run } = this;
     this.heights?.draw(eye);
     const coloring = this.coloring(choice.coloring);
-    const log = coloring?.log ?? false;
     this.particles.draw(eye, {
-      range: log ? [Math.log(choice.range[0]), Math.log(choice.range[1])] : choice.range,
-      log,
+      range: choice.range,
       kinds: coloring ? 0 : Math.max(run.header.species.length, 1),
       part,
       ink: styled("--ink"),

@@ -10,7 +10,7 @@ from typing import Annotated
 
 import typer
 
-from ecume.cli import pictures, runs, scenes, sweeps, validation, viewing
+from ecume.cli import benching, pictures, runs, scenes, sweeps, validation, viewing
 from ecume.cli.ends import Ending, warned
 
 app = typer.Typer(
@@ -30,16 +30,19 @@ Ends with 0 when done, 1 when a validation is not met, 2 for input that cannot b
 ALONE = (
     scenes.new,
     validation.validate,
+    benching.bench,
     runs.resume,
     runs.info,
     runs.repair,
     pictures.movie,
     pictures.plot,
     viewing.view,
+    viewing.play,
 )
 """Verbs that make sense by themselves: they list what there is, or mean the run in the current directory."""
 
-for verb in (*scenes.VERBS, *runs.VERBS, *pictures.VERBS, *viewing.VERBS, *sweeps.VERBS, *validation.VERBS):
+MODULES = (scenes, runs, pictures, viewing, sweeps, validation, benching)
+for verb in (verb for module in MODULES for verb in module.VERBS):
     app.command(no_args_is_help=verb not in ALONE)(verb)
 
 

@@ -26,12 +26,13 @@ RESULTS = "results"
 
 
 class Format(StrEnum):
-    """What a trajectory can be written as: the keys of `ecume.trajectories.exports.EXPORTS`."""
+    """What a trajectory can be written as: the keys of `ecume.trajectories.exports.EXPORTS`, and `pvd`."""
 
     CSV = "csv"
     NUMBERS = "numbers"
     XYZ = "xyz"
     VTK = "vtk"
+    PVD = "pvd"
     NPZ = "npz"
 
 
@@ -40,6 +41,7 @@ ENDINGS = {
     Format.NUMBERS: "-numbers.csv",
     Format.XYZ: ".xyz",
     Format.VTK: ".vtkhdf",
+    Format.PVD: ".pvd",
     Format.NPZ: ".npz",
 }
 
@@ -68,6 +70,15 @@ def pixels(text: str) -> tuple[int, int]:
     if match is None:
         raise typer.BadParameter(f"{text!r} is no size; wanted WIDTHxHEIGHT in pixels, such as 1280x960")
     return int(match[1]), int(match[2])
+
+
+def eye(azimuth: float | None, elevation: float | None) -> Any:
+    """From where to look; None where neither was asked for."""
+    from ecume.show.space import Eye
+
+    asked = {"azimuth": azimuth, "elevation": elevation}
+    given = {name: angle for name, angle in asked.items() if angle is not None}
+    return Eye(**given) if given else None
 
 
 def movie(
@@ -100,22 +111,38 @@ def movie(
             "--color", metavar="WHAT", help="Color a liquid by pressure, speed, density or region.", show_default=False
         ),
     ] = None,
+    zoom: Annotated[float, typer.Option("--zoom", metavar="Z", help="Show all so many times larger.")] = 1.0,
+    follow: Annotated[
+        int | None,
+        typer.Option("--follow", metavar="N", help="Keep particle N in the middle, from 0 on.", show_default=False),
+    ] = None,
+    azimuth: Annotated[
+        float | None,
+        typer.Option("--azimuth", metavar="DEGREES", help="Go around what is in space.", show_default=False),
+    ] = None,
+    elevation: Annotated[
+        float | None, typer.Option("--elevation", metavar="DEGREES", help="Look from above.", show_default=False)
+    ] = None,
+    workers: Annotated[int, typer.Option("--workers", metavar="N", help="Draw with N processes.")] = 1,
     quiet: Quiet = False,
 ) -> None:
-    """Make a movie of a run: .mp4, .webp or .gif, as the file is called.
+    """Make a movie of a run: .mp4, .webm, .webp or .gif, as the file is called, or .png for numbered pictures.
 
     Examples: `ecume movie runs/bowl` · `ecume movie runs/bowl -o bowl.gif --every 2 --fps 20 --size 480x360`
-    · `ecume movie runs/bowl --from "1 s" --to "3 s"` · `ecume movie runs/dam --color speed`
+    · `ecume movie runs/bowl --from "1 s" --to "3 s"` · `ecume movie runs/bowl --follow 3 --zoom 4`
+    · `ecume movie runs/dam --color speed --azimuth 60` · `ecume movie runs/bowl -o shots.png --every 10`
     """
     from ecume.run.directory import existing
+    from ecume.show.aiming import Aim
     from ecume.show.movies import Cut
     from ecume.show.movies import movie as make
 
     existing(directory)
-    asked: dict[str, Any] = {"start": start, "end": end, "size": size, "color": color}
+    asked: dict[str, Any] = {"start": start, "end": end, "size": size, "color": color, "eye": eye(azimuth, elevation)}
+    asked["aim"] = Aim(zoom, follow)
     cut = Cut(fps=fps, every=every, **{name: value for name, value in asked.items() if value is not None})
     with counted("pictures", quiet=quiet) as told:
-        made = make(directory, out, cut, progress=told)
+        made = make(directory, out, cut, progress=told, workers=workers)
     wrote(made, quiet=quiet)
 
 
@@ -136,6 +163,16 @@ def plot(
         bool,
         typer.Option("--integrators", help="Compare the integrators instead, into integrators.png; needs no run."),
     ] = False,
+    force_law: Annotated[
+        Path | None,
+        typer.Option(
+            "--force-law",
+            metavar="SCENE",
+            help="Draw the forces between a scene's floats instead, by superposition, corrected pairs and multipoles; "
+            "into NAME-forces.png, and needs no run.",
+            show_default=False,
+        ),
+    ] = None,
     quiet: Quiet = False,
 ) -> None:
     """Draw figures of a run, such as energies, clusters, paths, the force law. Left to itself, all of them.
@@ -145,8 +182,15 @@ def plot(
     Of a sweep: `curves`, `map` or `scatter`, as in `map:duration` for a measure that is not the table's first.
 
     Examples: `ecume plot runs/bowl` · `ecume plot runs/bowl --what paths -o paths.pdf` · `ecume plot --integrators`
-    · `ecume plot sweeps/durations --what curves:duration`
+    · `ecume plot sweeps/durations --what curves:duration` · `ecume plot --force-law bowl.toml`
     """
+    if force_law is not None and (integrators or directory != HERE or what):
+        raise BadInput("--force-law needs no run, no --what and no --integrators; it draws a scene's pairs")
+    if force_law is not None:
+        from ecume.show.floating.force_laws import force_law as draw
+
+        wrote(draw(force_law, out or Path(f"{force_law.stem}-forces.png")), quiet=quiet)
+        return
     if integrators and (directory != HERE or what):
         raise BadInput("--integrators needs no run and no --what; it draws two spheres of its own")
     if integrators:
@@ -205,7 +249,7 @@ def export(
         Format,
         typer.Option(
             "--to",
-            help="csv and xyz are text; numbers is a CSV of energies, gauges ...; vtk is for ParaView, npz for NumPy.",
+            help="csv, xyz: text; numbers: CSV of energies, gauges ...; vtk: ParaView (pvd: before 5.12); npz: NumPy.",
             show_default=False,
         ),
     ],

@@ -70,19 +70,27 @@ def sweep(
     elif task is not None:
         _work(directory, *task)
     elif array:
-        from ecume.sweep.arrays import write_array
-        from ecume.sweep.directory import laid_out
-        from ecume.sweep.points import load_sweep
-
-        typer.echo(f"wrote {write_array(laid_out(load_sweep(source), directory))}; hand it to sbatch")
+        _write_array(source, directory)
     else:
-        from ecume.sweep.running import Crew
-        from ecume.sweep.running import sweep as run_all
+        hands = {"workers": workers, "scheduler": scheduler, "slurm": slurm}
+        _run_all(source, directory, hands, quiet=quiet)
 
-        with counted("points", quiet=quiet) as told:
-            crew = Crew(workers=workers, scheduler=scheduler, slurm=slurm, progress=told)
-            done = run_all(source, directory, crew)
-        _end(done, quiet=quiet)
+
+def _write_array(source: Path, directory: Path) -> None:
+    from ecume.sweep.arrays import write_array
+    from ecume.sweep.directory import laid_out
+    from ecume.sweep.points import load_sweep
+
+    typer.echo(f"wrote {write_array(laid_out(load_sweep(source), directory))}; hand it to sbatch")
+
+
+def _run_all(source: Path, directory: Path, hands: dict[str, Any], *, quiet: bool) -> None:
+    """Run what is missing, and say what became of it."""
+    from ecume.sweep import running
+
+    with counted("points", quiet=quiet) as told:
+        done = running.sweep(source, directory, running.Crew(**hands, progress=told))
+    _end(done, quiet=quiet)
 
 
 def _end(done: Outcome, *, quiet: bool) -> None:

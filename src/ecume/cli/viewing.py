@@ -10,6 +10,7 @@ import typer
 
 from ecume.cli.pictures import wrote
 from ecume.cli.runs import HERE, Quiet, RunFolder, offer
+from ecume.cli.scenes import Overrides
 from ecume.errors import BadInput
 
 LOOK_EVERY = 0.5
@@ -84,4 +85,39 @@ def _follow(directory: Path) -> None:
     typer.echo(f"{directory}: {state()}")
 
 
-VERBS = (view,)
+def play(
+    scene: Annotated[
+        Path | None,
+        typer.Argument(
+            metavar="SCENE", help="A scene with floats in a dish; left out, a small bowl.", show_default=False
+        ),
+    ] = None,
+    overrides: Overrides = None,
+) -> None:
+    """Play with a bowl in the browser: drop floats, drag them, tilt the dish, change the liquid, while it is simulated.
+
+    Ends with Ctrl-C. `save as scene` on the page writes the TOML that goes on from there.
+
+    Examples: `ecume play` · `ecume play bowl.toml --set dish.contact_angle='"110 deg"'`
+    """
+    from ecume.scenes.load import load_scene
+    from ecume.scenes.templates import folder
+    from ecume.show.play.bowl import Bowl
+    from ecume.show.play.site import Game
+    from ecume.show.serving import served
+
+    changes = overrides or []
+    given = scene or (folder() / "cereal-bowl.toml").read_text(encoding="utf-8")
+    asked = load_scene(given, changes if scene else ["floats[0].count=12", *changes])
+    typer.echo("compiling, unless that was done before ...")
+    game = Game(Bowl(asked))
+    game.bowl.play(0.0)
+    with served(game) as address:
+        offer(address)
+        try:
+            game.run()
+        except KeyboardInterrupt:
+            typer.echo("the bowl is empty")
+
+
+VERBS = (view, play)

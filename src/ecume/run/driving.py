@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import importlib
 import itertools
 import os
 import time
@@ -42,6 +43,12 @@ class RunResult(NamedTuple):
     """Simulated, s."""
     seconds: float
     """Of wall time, in this session; 0 for a run that was done before."""
+
+    def _repr_html_(self) -> str | None:
+        """How it shows itself in a notebook: the player of `ecume view`, in at most 4 MB."""
+        # pictures stand far above: looked up only when a notebook asks
+        shown: str | None = importlib.import_module("ecume.show.view.embedded").shown(self.directory)
+        return shown
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -171,7 +178,7 @@ class _Session:
 
     def __init__(self, home: RunDirectory, scene: Any, habits: Habits, frames: int) -> None:
         self._home, self._habits = home, habits
-        self._recording = Recording(home, frames, species=[kind.name for kind in scene.kinds])
+        self._recording = Recording(home, frames, kinds=scene.kinds)
         self._pace, self._status = Pace(scene.duration), StatusFile(home)
         self._began = self._saved = time.monotonic()
         self.at = Progress(0, 0, 0.0, scene.duration, frames, 0.0, 0.0, None)

@@ -15,6 +15,7 @@ from ecume.errors import StorageError
 from ecume.run.directory import RunDirectory, json_of
 from ecume.run.manifest import changed
 from ecume.run.progress import note
+from ecume.scenes.common import Kind, colors_of
 from ecume.trajectories.durable import storing, write_whole
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import Trajectory
@@ -24,9 +25,10 @@ from ecume.trajectories.recorders import LARGEST, Recorder
 class Recording:
     """The open trajectory and the open table of numbers of a run; `frames` of them are behind us."""
 
-    def __init__(self, home: RunDirectory, frames: int, *, species: Sequence[str] = (), largest: int = LARGEST) -> None:
+    def __init__(self, home: RunDirectory, frames: int, *, kinds: Sequence[Kind] = (), largest: int = LARGEST) -> None:
         self._home, self.frames = home, frames
-        self._recorder = Recorder(home.trajectory, species=species, largest=largest)
+        names = [kind.name for kind in kinds]
+        self._recorder = Recorder(home.trajectory, species=names, colors=colors_of(kinds), largest=largest)
         self._former = Trajectory(home.trajectory)
         with storing(home.scalars):
             _cut_scalars(home, self._former, frames)

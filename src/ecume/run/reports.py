@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -36,6 +37,12 @@ class Info(NamedTuple):
     remaining: float | None
     """Seconds of wall time until it is done, while it runs."""
     manifest: dict[str, Any]
+
+    def _repr_html_(self) -> str | None:
+        """How it shows itself in a notebook: the player of `ecume view`, in at most 4 MB."""
+        # pictures stand far above: looked up only when a notebook asks
+        shown: str | None = importlib.import_module("ecume.show.view.embedded").shown(self.directory)
+        return shown
 
 
 def info(directory: str | os.PathLike[str]) -> Info:

@@ -1,6 +1,7 @@
 """Pictures in, a movie file out.
 
-MP4 through ffmpeg where there is one; animated WebP and GIF need nothing, so that there is always a movie.
+MP4 and WebM through ffmpeg where there is one; animated WebP and GIF need nothing, so that there is always a movie, and
+neither do numbered PNG files.
 """
 
 from __future__ import annotations
@@ -21,11 +22,20 @@ from ecume.trajectories.durable import replaceable
 
 Pixels = NDArray[np.uint8]
 CODECS = {
-    "libx264": ("-crf", "20", "-preset", "veryfast", "-pix_fmt", "yuv420p"),
-    "libopenh264": ("-b:v", "4M", "-pix_fmt", "yuv420p"),
-    "mpeg4": ("-q:v", "3", "-pix_fmt", "yuv420p"),
+    ".mp4": {
+        "libx264": ("-crf", "20", "-preset", "veryfast"),
+        "libopenh264": ("-b:v", "4M"),
+        "mpeg4": ("-q:v", "3"),
+    },
+    ".webm": {
+        "libvpx-vp9": ("-crf", "32", "-b:v", "0", "-deadline", "realtime", "-cpu-used", "6", "-row-mt", "1"),
+        "libsvtav1": ("-crf", "38", "-preset", "10"),
+        "libvpx": ("-crf", "10", "-b:v", "4M", "-deadline", "realtime"),
+    },
 }
-"""Video codecs, best first; the last one is part of every ffmpeg."""
+"""Video codecs by kind of file, best first; the last one is part of every ffmpeg, or of nearly every one."""
+PICTURES = ".png"
+"""Numbered pictures in place of a movie."""
 
 
 def ffmpeg() -> str | None:
@@ -43,18 +53,22 @@ def ffmpeg() -> str | None:
 
 
 def writable(out: Path) -> Path:
-    """The file that will be written for `out`: for an MP4 without an ffmpeg, an animated WebP of the same name."""
-    if out.suffix.lower() not in ENCODERS:
-        raise BadInput(f"{out.name}: no such kind of movie as {out.suffix!r}; wanted one of {', '.join(ENCODERS)}")
-    return out.with_suffix(".webp") if out.suffix.lower() == ".mp4" and ffmpeg() is None else out
+    """The file that will be written for `out`: for an MP4 or WebM without an ffmpeg, a WebP of the same name."""
+    if out.suffix.lower() not in (*ENCODERS, PICTURES):
+        known = ", ".join((*ENCODERS, PICTURES))
+        raise BadInput(f"{out.name}: no such kind of movie as {out.suffix!r}; wanted one of {known}")
+    return out.with_suffix(".webp") if out.suffix.lower() in CODECS and ffmpeg() is None else out
 
 
 def encode(pictures: Iterable[Pixels], out: Path, fps: int) -> Path:
-    """Write the pictures, each (height, width, 4), as a movie; the file that was written.
+    """Write the pictures, each (height, width, 3 or 4), as a movie; the file that was written, or the first of many.
 
     It appears under its name when it is whole. Raises StorageError where it cannot be written.
     """
     out = writable(out)
+    if out.suffix.lower() == PICTURES:
+        written = [_still(picture, out, number) for number, picture in enumerate(pictures)]
+        return written[0]
     there = replaceable(out)
     partial = there.with_name(f".{there.stem}.partial{out.suffix}")
     try:
@@ -70,14 +84,33 @@ def encode(pictures: Iterable[Pixels], out: Path, fps: int) -> Path:
     return out
 
 
-def _mp4(pictures: Iterator[Pixels], out: Path, fps: int) -> None:
-    program = ffmpeg() or "ffmpeg"
+def _still(picture: Pixels, out: Path, number: int) -> Path:
+    """One picture as a file of its own: `name-0000.png`, and so on."""
+    from PIL import Image
+
+    there = out.with_name(f"{out.stem}-{number:04d}{out.suffix}")
+    partial = there.with_name(f".{there.name}.partial")
+    try:
+        there.parent.mkdir(parents=True, exist_ok=True)
+        Image.fromarray(picture[:, :, :3].copy()).save(partial, format="png")
+        partial.replace(there)
+    except OSError as error:
+        with contextlib.suppress(OSError):
+            partial.unlink()
+        raise StorageError(f"{there}: cannot be written ({error.strerror or error})") from error
+    return there
+
+
+def _video(pictures: Iterator[Pixels], out: Path, fps: int) -> None:
+    program, kind = ffmpeg() or "ffmpeg", out.suffix.lower()
     first = next(pictures)
     # The codecs want even sides; a picture loses at most one row and one column.
     height, width = first.shape[0] // 2 * 2, first.shape[1] // 2 * 2
-    given = ("-f", "rawvideo", "-pix_fmt", "rgba", "-s", f"{width}x{height}", "-r", str(fps), "-i", "-")
-    codec = _codec(program)
-    wanted = ("-an", "-c:v", codec, *CODECS[codec], "-movflags", "+faststart", "-f", "mp4", str(out))
+    form = "rgba" if first.shape[2] == 4 else "rgb24"
+    given = ("-f", "rawvideo", "-pix_fmt", form, "-s", f"{width}x{height}", "-r", str(fps), "-i", "-")
+    codec = _codec(program, kind)
+    box = ("-movflags", "+faststart", "-f", "mp4") if kind == ".mp4" else ("-f", "webm")
+    wanted = ("-an", "-c:v", codec, *CODECS[kind][codec], "-pix_fmt", "yuv420p", *box, str(out))
     command = [program, "-hide_banner", "-loglevel", "error", "-y", *given, *wanted]
     with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE) as process:  # noqa: S603 - no shell; the names are ours
         complaint = _feed(process, (picture[:height, :width] for picture in itertools.chain([first], pictures)))
@@ -100,10 +133,10 @@ def _feed(process: subprocess.Popen[bytes], pictures: Iterator[Pixels]) -> str:
     return said.splitlines()[-1] if said else ""
 
 
-def _codec(program: str) -> str:
-    """The best codec that this ffmpeg has."""
+def _codec(program: str, kind: str) -> str:
+    """The best codec for this kind of file that this ffmpeg has."""
     listed = subprocess.run([program, "-hide_banner", "-encoders"], capture_output=True, text=True, check=False)  # noqa: S603 - as above
-    return next((codec for codec in CODECS if f" {codec} " in listed.stdout), "mpeg4")
+    return next((codec for codec in CODECS[kind] if f" {codec} " in listed.stdout), list(CODECS[kind])[-1])
 
 
 def _images(pictures: Iterator[Pixels]) -> Iterator[Any]:
@@ -142,4 +175,9 @@ def _palette(first: Any) -> Any:
     return made
 
 
-ENCODERS: dict[str, Callable[[Iterator[Pixels], Path, int], None]] = {".mp4": _mp4, ".webp": _webp, ".gif": _gif}
+ENCODERS: dict[str, Callable[[Iterator[Pixels], Path, int], None]] = {
+    ".mp4": _video,
+    ".webm": _video,
+    ".webp": _webp,
+    ".gif": _gif,
+}

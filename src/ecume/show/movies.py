@@ -5,7 +5,7 @@ from __future__ import annotations
 import bisect
 import math
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -13,24 +13,27 @@ from typing import Any
 import numpy as np
 
 from ecume.errors import BadInput
+from ecume.show.aiming import WIDE, Aim, aimed
+from ecume.show.drawing import drawn_by_many
 from ecume.show.encoders import encode, writable
 from ecume.show.floating.bowl import Bowl
 from ecume.show.picture import USUAL, Picture, Pixels, Size
-from ecume.show.soft.packing import Packing
+from ecume.show.soft.picture import soft_picture
+from ecume.show.space import Eye
 from ecume.show.sph.picture import liquid_picture
 from ecume.show.tracers import tracers_picture
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import open_trajectory
 
-FILMS: dict[str, Callable[[Any, Sequence[Frame], Size], Picture]] = {
+FILMS: dict[str, Callable[..., Picture]] = {
     "floating": Bowl,
-    "soft": Packing,
+    "soft": soft_picture,
     "sph": liquid_picture,
     "tracers": tracers_picture,
 }
-"""By model: what makes a picture of (scene, some frames of the run, size)."""
-COLORED: dict[str, Callable[[Any, Sequence[Frame], Size, str], Picture]] = {"sph": liquid_picture}
-"""Of these the pictures can be colored in several ways, by name."""
+"""By model: what makes a picture of (scene, some frames of the run, size), and of what else may be asked of it."""
+ASKED = {"color": ("sph",), "eye": ("sph", "soft", "tracers")}
+"""Of which models pictures can be colored in several ways, by name, and seen from anywhere."""
 
 FPS = 30
 SMALL = Size(640, 480)
@@ -58,6 +61,10 @@ class Cut:
     """Of the scene's time, s."""
     color: str | None = None
     """What colors mean, such as `pressure` or `speed`; left out, what is usual for the model."""
+    aim: Aim = WIDE
+    """What is looked at, and how closely."""
+    eye: Eye | None = None
+    """From where what is in space is seen; left out, as is usual for the model."""
 
     def __post_init__(self) -> None:
         if not 1 <= self.fps <= 240:
@@ -66,6 +73,8 @@ class Cut:
             raise BadInput(f"every is {self.every}; wanted 1 for each frame, 2 for each second one, and so on")
         if self.size is not None and not all(64 <= side <= 8192 for side in self.size):
             raise BadInput(f"size is {self.size[0]} x {self.size[1]}; wanted from 64 to 8192 pixels a side")
+        if not 0.01 <= self.aim.zoom <= 1000.0:
+            raise BadInput(f"zoom is {self.aim.zoom:g}; wanted 2 for twice as large, and so on, from 0.01 to 1000")
         if not self.start <= self.end:
             raise BadInput(f"{self._span()} there is no time")
 
@@ -99,14 +108,20 @@ def movie(
     cut: Cut = WHOLE,
     *,
     progress: Told | None = None,
+    workers: int = 1,
 ) -> Path:
-    """Make a movie of a run: `out` (.mp4, .webp or .gif), or its `results/movie.mp4`. Returns what was written.
+    """Make a movie of a run: `out` (.mp4, .webm, .webp, .gif, or .png for numbered pictures), or its
+    `results/movie.mp4`. Returns what was written, of many pictures the first.
 
-    Without an ffmpeg an MP4 becomes a WebP.
+    Without an ffmpeg an MP4 becomes a WebP. With `workers` so many processes draw the pictures, which stay the same.
     """
+    target = Path(directory) / "results" / "movie.mp4" if out is None else Path(out)
     with open_trajectory(directory) as trajectory:
-        target = Path(directory) / "results" / "movie.mp4" if out is None else Path(out)
-        return film(trajectory, trajectory.scene, target, cut, progress=progress)
+        if workers <= 1 or len(cut.shown(trajectory)) < 2 * workers:
+            return film(trajectory, trajectory.scene, target, cut, progress=progress)
+        target = writable(target)
+        drawn = drawn_by_many(Path(directory), cut, target, workers)
+        return encode(_counted(drawn, len(cut.shown(trajectory)), progress), target, cut.fps)
 
 
 def film(
@@ -118,27 +133,29 @@ def film(
     progress: Told | None = None,
 ) -> Path:
     """Make a movie of frames that need not come from a run, as `movie` does of those that do."""
-    if scene.model not in FILMS:
-        raise BadInput(f"there are no pictures of the model {scene.model!r}; there are of {', '.join(FILMS)}")
     target = writable(Path(out))
     shown = cut.shown(frames)
-    picture = _picture(scene, _sample(shown), cut.pixels(target), cut.color)
-    return encode(_told(picture, shown, progress), target, cut.fps)
+    picture = picture_of(scene, shown, cut, target)
+    return encode(_counted(map(picture.pixels, shown), len(shown), progress), target, cut.fps)
 
 
-def _picture(scene: Any, sample: Sequence[Frame], size: Size, color: str | None) -> Picture:
-    if color is None:
-        return FILMS[scene.model](scene, sample, size)
-    if scene.model not in COLORED:
-        raise BadInput(f"pictures of the model {scene.model!r} have colors of their own; leave color={color} out")
-    return COLORED[scene.model](scene, sample, size, color)
+def picture_of(scene: Any, shown: Sequence[Frame], cut: Cut, target: Path) -> Picture:
+    """The open picture in which these frames are shown."""
+    if scene.model not in FILMS:
+        raise BadInput(f"there are no pictures of the model {scene.model!r}; there are of {', '.join(FILMS)}")
+    asked: dict[str, Any] = {"color": cut.color, "eye": cut.eye}
+    given = {name: value for name, value in asked.items() if value is not None}
+    for name, value in given.items():
+        if scene.model not in ASKED[name]:
+            raise BadInput(f"pictures of the model {scene.model!r} take no {name}; leave {name} {value} out")
+    return aimed(FILMS[scene.model](scene, _sample(shown), cut.pixels(target), **given), cut.aim)
 
 
-def _told(picture: Picture, shown: Sequence[Frame], progress: Told | None) -> Iterator[Pixels]:
-    for done, frame in enumerate(shown, 1):
-        yield picture.pixels(frame)
+def _counted(pictures: Iterable[Pixels], count: int, progress: Told | None) -> Iterator[Pixels]:
+    for done, picture in enumerate(pictures, 1):
+        yield picture
         if progress is not None:
-            progress(done, len(shown))
+            progress(done, count)
 
 
 def _sample(frames: Sequence[Frame]) -> list[Frame]:

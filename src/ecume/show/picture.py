@@ -5,7 +5,6 @@ What never changes is drawn once; a movie then draws only the rest of each frame
 
 from __future__ import annotations
 
-import itertools
 import textwrap
 from collections.abc import Sequence
 from typing import Any, NamedTuple, Protocol
@@ -15,12 +14,16 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import EllipseCollection
+from matplotlib.colors import to_rgba_array
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from ecume.show.style import INK, MUTED, PALETTE, plain, scale_for
+from ecume.scenes.common import colors_of
+from ecume.show.splat import MANY, Splat, splat_in
+from ecume.show.style import INK, MUTED, plain, scale_for
 from ecume.trajectories.frame import Frame
+from ecume.units import Array
 
 DPI = 100
 LONGEST_TITLE = 50
@@ -36,12 +39,19 @@ class Picture(Protocol):
     """
 
     figure: Figure
+    view: View
+    bars: list[Artist]
+    layers: Layers
 
     def show(self, frame: Frame) -> None:
         """Put a frame into the picture."""
 
     def pixels(self, frame: Frame) -> Pixels:
         """The picture of a frame, shape (height, width, 4); good until the next one is asked for."""
+        ...
+
+    def place(self, frame: Frame, one: int) -> Array:
+        """Where a particle is seen (m)."""
         ...
 
 
@@ -88,8 +98,7 @@ class Species(NamedTuple):
 
 def species(scene: Any) -> list[Species]:
     """The species of a scene, in the order of their numbers; those without a color take the palette's next."""
-    palette = itertools.cycle(PALETTE)
-    return [Species(kind.name, kind.color or next(palette)) for kind in scene.kinds]
+    return [Species(kind.name, color) for kind, color in zip(scene.kinds, colors_of(scene.kinds), strict=True)]
 
 
 class Layers:
@@ -99,6 +108,10 @@ class Layers:
         self._figure, self._moving = figure, moving
         self._canvas: Any = FigureCanvasAgg(figure)  # Matplotlib leaves its canvases without types
         self._still: Any = None
+
+    def forget(self) -> None:
+        """What never changes has changed, such as the part of the world that is shown."""
+        self._still = None
 
     def pixels(self) -> Pixels:
         """What is seen now, shape (height, width, 4); good until the next time."""
@@ -122,20 +135,17 @@ def blank(size: Size) -> Figure:
     return Figure(figsize=(size.width / dpi, size.height / dpi), dpi=dpi, facecolor="white")
 
 
-def discs(axes: Axes, frame: Frame, kinds: Sequence[Species]) -> EllipseCollection:
+def discs(axes: Axes, frame: Frame, kinds: Sequence[Species]) -> EllipseCollection | Splat:
     """The particles of a frame, to scale whatever the picture's size."""
-    diameter = 2 * frame.arrays["radius"]
+    diameter, place = 2 * frame.arrays["radius"], frame.arrays["position"][:, :2]
+    colors = [kinds[kind].color for kind in frame.arrays["species"]]
+    if len(diameter) >= MANY:
+        painted = splat_in(axes, Splat(diameter / 2, rim=0.6), 2)
+        painted.put(place, None, to_rgba_array(colors))
+        return painted
+    look: dict[str, Any] = {"facecolors": colors, "edgecolors": INK, "linewidths": 0.6, "zorder": 2}
     circles = EllipseCollection(
-        diameter,
-        diameter,
-        np.zeros_like(diameter),
-        units="xy",
-        offsets=frame.arrays["position"][:, :2],
-        offset_transform=axes.transData,
-        facecolors=[kinds[kind].color for kind in frame.arrays["species"]],
-        edgecolors=INK,
-        linewidths=0.6,
-        zorder=2,
+        diameter, diameter, np.zeros_like(diameter), units="xy", offsets=place, offset_transform=axes.transData, **look
     )
     axes.add_collection(circles, autolim=False)
     return circles
@@ -147,13 +157,18 @@ def clock(axes: Axes) -> Any:
 
 
 def scale_bar(axes: Axes, view: View) -> list[Artist]:
-    """A bar of a round length in the lower left corner."""
+    """A bar of a round length in the lower left corner, on a pale ground, for axes that show as much as the view."""
     length = _round_length(view.width / 5)
-    left, bottom = view.left + 0.01 * view.width, view.bottom + 0.02 * view.height
-    (bar,) = axes.plot([left, left + length], [bottom] * 2, color=INK, linewidth=2.5, solid_capstyle="butt")
-    scale = scale_for(length, "m")
-    label = f"{length * scale.factor:g} {scale.unit}"
-    text = axes.text(left + length / 2, bottom + 0.012 * view.height, label, ha="center", va="bottom", fontsize=10)
+    part, scale = length / view.width, scale_for(length, "m")
+    (bar,) = axes.plot(
+        [0.015, 0.015 + part], [0.02] * 2, color=INK, linewidth=2.5, solid_capstyle="butt", transform=axes.transAxes
+    )
+    text = axes.text(
+        0.015 + part / 2, 0.032, f"{length * scale.factor:g} {scale.unit}", ha="center", va="bottom", fontsize=10,
+        transform=axes.transAxes, bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 1.5},
+    )  # fmt: skip
+    for artist in (bar, text):
+        artist.set_zorder(9)
     return [bar, text]
 
 

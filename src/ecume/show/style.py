@@ -14,10 +14,9 @@ from matplotlib.colors import LinearSegmentedColormap
 from matplotlib.figure import Figure
 
 from ecume.errors import BadInput, StorageError
+from ecume.scenes.common import PALETTE as PALETTE
 
 INK, MUTED, RIM = "#1d2733", "#6b7785", "#39444f"
-# Okabe and Ito's colors, in an order that also differs in brightness from one to the next.
-PALETTE = ("#d55e00", "#0072b2", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#f0e442", "#5b6670")
 HEIGHT_COLORS = LinearSegmentedColormap.from_list(
     "height", ["#8c4a1f", "#d99a63", "#f1d3b2", "#f6f7f5", "#b9d3e3", "#5d93bd", "#1f4e79"]
 )

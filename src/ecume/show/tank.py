@@ -32,7 +32,7 @@ from ecume.show.picture import (
     labels,
     scale_bar,
 )
-from ecume.show.splat import Splat
+from ecume.show.splat import MANY, Splat, splat_in
 from ecume.show.style import INK, MUTED, RIM, scale_for, style
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
@@ -122,15 +122,17 @@ class Tank:
             labels(axes, setting.title, setting.kinds if coloring is None else ())
             wires = [axes.add_line(Line2D(*ends.T, color=RIM, linewidth=0.9, zorder=4)) for ends in setting.wires]
             self.movers = draw_movers(axes, setting, sample[0])
-            bars = scale_bar(axes, self.view)
-            moving: list[Artist] = [self.particles.artist, *self.movers, *wires, *bars, self.time]
-        self._layers = Layers(self.figure, moving)
+            self.bars = scale_bar(axes, self.view)
+            moving: list[Artist] = [self.particles, *self.movers, *wires, *self.bars, self.time]
+        self.layers = Layers(self.figure, moving)
         self.show(sample[0])
 
-    def _particles(self, axes: Axes, frame: Frame) -> Discs | Splat:
+    def _particles(self, axes: Axes, frame: Frame) -> Circles | Splat:
+        if self.setting.radius is None and self.setting.camera is not None:
+            return splat_in(axes, Splat(frame.arrays["radius"], balls=True), 3)
         if self.setting.radius is None:
-            return Discs(axes, self.view, frame)
-        return Splat(axes, self.view, self.setting.radius, balls=self.setting.camera is not None)
+            return circles(axes, self.view, frame)
+        return splat_in(axes, Splat(self.setting.radius, balls=self.setting.camera is not None), 3)
 
     def _colors(self, frame: Frame) -> Any:
         own = to_rgba_array([kind.color for kind in self.setting.kinds])
@@ -154,7 +156,12 @@ class Tank:
     def pixels(self, frame: Frame) -> Pixels:
         """The picture of a frame, shape (height, width, 4); good until the next one is asked for."""
         self.show(frame)
-        return self._layers.pixels()
+        return self.layers.pixels()
+
+    def place(self, frame: Frame, one: int) -> Array:
+        """Where a particle is seen (m)."""
+        there: Array = seen(frame.arrays["position"][one : one + 1], self.setting.camera)[0]
+        return there
 
 
 def stand_apart(setting: Setting) -> bool:
@@ -170,25 +177,31 @@ def colored(setting: Setting, frame: Frame) -> Frame:
     return frame._replace(arrays={name: array[chosen] for name, array in frame.arrays.items()})
 
 
-class Discs:
-    """Particles of many sizes as circles."""
+def circles(axes: Axes, view: View, frame: Frame) -> Circles | Splat:
+    """Particles of many sizes; what would be too small to be seen is drawn larger."""
+    figure: Any = axes.figure
+    across = axes.get_position().width * float(figure.get_size_inches()[0]) * figure.dpi
+    pixel = view.width / across
+    diameter = np.maximum(2.0 * frame.arrays["radius"], LEAST_PIXELS * pixel)
+    rim = 0.4 if diameter.max() > 8.0 * pixel else 0.0
+    if len(diameter) >= MANY:
+        return splat_in(axes, Splat(diameter / 2.0, rim=rim), 3)
+    drawn = Circles(
+        diameter, diameter, np.zeros_like(diameter), units="xy", offsets=seen(frame.arrays["position"]),
+        offset_transform=axes.transData, edgecolors=INK, linewidths=rim, zorder=3,
+    )  # fmt: skip
+    axes.add_collection(drawn, autolim=False)
+    return drawn
 
-    def __init__(self, axes: Axes, view: View, frame: Frame) -> None:
-        figure: Any = axes.figure
-        across = axes.get_position().width * float(figure.get_size_inches()[0]) * figure.dpi
-        pixel = view.width / across
-        diameter = np.maximum(2.0 * frame.arrays["radius"], LEAST_PIXELS * pixel)
-        self.artist: Any = EllipseCollection(
-            diameter, diameter, np.zeros_like(diameter), units="xy", offsets=seen(frame.arrays["position"]),
-            offset_transform=axes.transData, edgecolors=INK, linewidths=0.4 if diameter.max() > 8.0 * pixel else 0.0,
-            zorder=3,
-        )  # fmt: skip
-        axes.add_collection(self.artist, autolim=False)
+
+class Circles(EllipseCollection):
+    """Few particles, as curves."""
 
     def put(self, places: Array, depth: Array | None, colors: Array) -> None:
         """Where they are seen, and their colors; circles have no depth."""
-        self.artist.set_offsets(places)
-        self.artist.set_facecolor(colors)
+        self.set_offsets(places)
+        shown: Any = colors
+        self.set_facecolor(shown)
 
 
 def seen(position: Array, camera: Array | None = None) -> Array:

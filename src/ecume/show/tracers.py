@@ -12,6 +12,7 @@ from ecume.analysis.series import number, series, times
 from ecume.errors import BadInput
 from ecume.show.curves import Frames, energies, over_time, thinned
 from ecume.show.picture import USUAL, Size, species
+from ecume.show.space import STANDING, Eye, Wires, wires_of
 from ecume.show.style import PALETTE, figure, legend_outside, plain, scale_for, style
 from ecume.show.tank import Round, Setting, Shape, Tank, seen
 from ecume.trajectories.frame import Frame
@@ -47,9 +48,36 @@ def _rectangle(low: Array, high: Array) -> Array:
     return np.array([(left, bottom), (right, bottom), (right, top), (left, top)])
 
 
-def tracers_picture(scene: Any, sample: Sequence[Frame], size: Size = USUAL) -> Tank:
-    """The tank from the side, each species in its color."""
-    return Tank(setting_of(scene), sample, size)
+def tracers_picture(scene: Any, sample: Sequence[Frame], size: Size = USUAL, eye: Eye | None = None) -> Tank:
+    """The tank from the side, or what is in space from where an eye stands; each species in its color."""
+    if eye is None:
+        return Tank(setting_of(scene), sample, size)
+    if sample[0].arrays["position"].shape[1] != 3:
+        raise BadInput("these particles are in the plane, and seen from before it; leave azimuth and elevation out")
+    return Tank(setting_in_space(scene, eye), sample, size)
+
+
+def setting_in_space(scene: Any, eye: Eye) -> Setting:
+    """The edges of tank and obstacles as they are seen; of what is round those of the box around it."""
+    camera = eye.camera(STANDING)
+    tank = wires_of(*_box_around(scene.tank), camera) if scene.tank is not None else Wires([], [])
+    solids = [edge for body in scene.obstacles for part in wires_of(*_box_around(body), camera) for edge in part]
+    holes = [hole for opening in scene.openings for hole in wires_of(opening.low, opening.high, camera).front]
+    wires = [*tank.front, *solids, *holes]
+    return Setting(scene.title, None, kinds=species(scene), wires=wires, behind=tank.behind, camera=camera)
+
+
+def _box_around(shape: Any) -> tuple[Array, Array]:
+    """The lowest and the highest corner of what is in space."""
+    size, low = getattr(shape, "size", None), getattr(shape, "low", None)
+    if size is not None:
+        return np.zeros(3), np.array(size)
+    if low is not None:
+        return np.array(low), np.array(shape.high)
+    if shape.vertices:
+        return np.min(shape.vertices, axis=0), np.max(shape.vertices, axis=0)
+    center = np.array(getattr(shape, "center", None) or (0.0, 0.0, 0.0))
+    return center - shape.radius, center + shape.radius
 
 
 def _mean_height(frame: Frame, index: int) -> float:

@@ -12,8 +12,9 @@ import math
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from ecume.errors import BadInput, EcumeError, SceneError
+from ecume.errors import BadInput
 from ecume.scenes.faults import read_path, value_at
+from ecume.scenes.files import beside, require_there
 from ecume.scenes.load import load_scene
 from ecume.scenes.schema import scene_hash, to_plain
 from ecume.scenes.templates import folder as templates_folder
@@ -124,16 +125,22 @@ def _plan(asked: Asked, point: Point) -> dict[str, Any]:
     if spec.process:
         return {"process": spec.process, "settings": point.settings}
     changes = [f"{key}={_toml(value)}" for key, value in point.settings.items()]
-    source = asked.folder / spec.scene if spec.scene else Path(str(templates_folder() / f"{spec.template}.toml"))
-    try:
-        scene = load_scene(source, changes)
-        if point.repeat:
-            scene = load_scene(source, [*changes, f"seed={scene.seed + point.repeat}"])
-    except SceneError:
-        raise
-    except EcumeError as error:
-        raise BadInput(f"{source}: {error}") from error
+    source = _source(asked)
+    seed = [f"seed={load_scene(source, changes).seed + point.repeat}"] if point.repeat else []
+    scene = load_scene(source, [*changes, *seed])
     return {"scene": to_plain(scene), "hash": scene_hash(scene)}
+
+
+def _source(asked: Asked) -> Path:
+    """The scene's file. Raises BadInput where it is not there."""
+    if asked.spec.template:
+        return Path(str(templates_folder() / f"{asked.spec.template}.toml"))
+    path = beside(asked.folder, asked.spec.scene)
+    try:
+        require_there(path, asked.folder)
+    except ValueError as error:
+        raise BadInput(f"scene: {asked.spec.scene} {error}") from error
+    return path
 
 
 def _told(job: Job) -> dict[str, Any]:

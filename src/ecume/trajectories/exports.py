@@ -23,6 +23,7 @@ from ecume.trajectories.durable import replacing, storing
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import Trajectory, open_trajectory
 from ecume.trajectories.vtkhdf import write_vtk
+from ecume.trajectories.vtp import write_pvd
 
 AXES = "xyz"
 SYMBOLS = ("H", "He", "Li", "Be", "B", "C", "N", "O", "F", "Ne", "Na", "Mg", "Al", "Si", "P", "S", "Cl", "Ar")
@@ -31,19 +32,23 @@ element a species."""
 
 
 def export(directory: str | os.PathLike[str], kind: str, out: str | os.PathLike[str]) -> Path:
-    """Write the trajectory of a run as `csv`, `xyz`, `vtk` or `npz`; the path of the new file comes back.
+    """Write the trajectory of a run as `csv`, `xyz`, `vtk`, `pvd` or `npz`; the path of the new file comes back.
 
     csv is one long table, a row a particle and frame, the unit in each heading; xyz is extended XYZ, for OVITO and ASE;
-    vtk is VTKHDF, which ParaView opens as a series in time; npz holds one array a quantity, for `numpy.load`.
+    vtk is VTKHDF, which ParaView opens as a series in time, pvd the same for its older versions, with a folder of
+    frames beside it; npz holds one array a quantity, for `numpy.load`.
     """
-    if kind not in EXPORTS:
-        raise BadInput(f"a trajectory cannot be written as {kind}; wanted one of {', '.join(EXPORTS)}")
+    if kind not in (*EXPORTS, "pvd"):
+        raise BadInput(f"a trajectory cannot be written as {kind}; wanted one of {', '.join((*EXPORTS, 'pvd'))}")
     path = Path(out)
     with open_trajectory(directory) as trajectory:
         if not len(trajectory):
             raise BadInput(f"{directory}: the run has no frames yet")
         with storing(path.parent):
             path.parent.mkdir(parents=True, exist_ok=True)
+        if kind == "pvd":
+            write_pvd(trajectory, path)
+            return path
         with replacing(path) as file:
             EXPORTS[kind](trajectory, file)
     return path

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
@@ -18,3 +19,9 @@ class Frame(NamedTuple):
     arrays: Mapping[str, NDArray[Any]]
     numbers: Mapping[str, float]
     units: Mapping[str, str]
+
+    def _repr_html_(self) -> str | None:
+        """How it shows itself in a notebook: its particles, to turn and to click."""
+        # pictures stand far above: looked up only when a notebook asks
+        shown: str | None = importlib.import_module("ecume.show.view.embedded").shown(self)
+        return shown

@@ -126,6 +126,12 @@ class Trajectory(Sequence[Frame]):
             segment.close()
         self._segments = []
 
+    def _repr_html_(self) -> str | None:
+        """How it shows itself in a notebook: the player of `ecume view`, in at most 4 MB."""
+        # pictures stand far above: looked up only when a notebook asks
+        shown: str | None = importlib.import_module("ecume.show.view.embedded").shown(self)
+        return shown
+
     def __enter__(self) -> Self:
         """The trajectory itself."""
         return self

@@ -27,9 +27,13 @@ class Recorder:
     A folder that holds frames is gone on with. When `write` returns, the frame is on the disk, whole.
     """
 
-    def __init__(self, folder: Path, *, species: Sequence[str] = (), largest: int = LARGEST) -> None:
-        """`species` are their names, in the order of their numbers: whoever opens the files sees them."""
-        self.folder, self._species, self._largest = folder, tuple(species), largest
+    def __init__(
+        self, folder: Path, *, species: Sequence[str] = (), colors: Sequence[str] = (), largest: int = LARGEST
+    ) -> None:
+        """`species` are their names, in the order of their numbers, and `colors` theirs, `#rrggbb`: whoever opens the
+        files sees them.
+        """
+        self.folder, self._species, self._colors, self._largest = folder, tuple(species), tuple(colors), largest
         with storing(folder):
             folder.mkdir(parents=True, exist_ok=True)
         self._segment: GrowingSegment | None = None
@@ -77,7 +81,8 @@ class Recorder:
 
     def _appended(self, segment: GrowingSegment, frame: Frame, step: int) -> bool:
         """Whether this segment has room for the frame, and now has it."""
-        chunks = schema.chunks_of(frame, step, schema.header_of(frame, segment.header.first, self._species))
+        header = schema.header_of(frame, segment.header.first, self._species)
+        chunks = schema.chunks_of(frame, step, header, self._colors)
         if not segment.takes(chunks) or segment.size + sum(chunk.nbytes for chunk in chunks.values()) > self._largest:
             return False
         segment.append(chunks)
@@ -87,6 +92,7 @@ class Recorder:
         """A new segment, that begins with this frame."""
         self.close()
         path = self.folder / f"{self._number:04d}.gsd"
-        segments.create(path, schema.chunks_of(frame, step, schema.header_of(frame, self.frames, self._species)))
+        header = schema.header_of(frame, self.frames, self._species)
+        segments.create(path, schema.chunks_of(frame, step, header, self._colors))
         self._segment = GrowingSegment(path, 1)
         self._number += 1

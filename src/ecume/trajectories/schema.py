@@ -69,10 +69,12 @@ def read(chunks: Chunks, source: object) -> Header:
     return header
 
 
-def chunks_of(frame: Frame, step: int, header: Header) -> Chunks:
-    """All chunks of a frame; its checksum is the last, so that whatever is cut short lacks it."""
+def chunks_of(frame: Frame, step: int, header: Header, colors: Sequence[str] = ()) -> Chunks:
+    """All chunks of a frame; its checksum is the last, so that whatever is cut short lacks it. `colors` are those of
+    the species, `#rrggbb`.
+    """
     chunks = {HEADER: written(header), "configuration/step": _column(np.array([step], np.uint64))}
-    chunks |= _shown(frame, header.species)
+    chunks |= _shown(frame, header.species) | _colored(frame, colors)
     for name in header.arrays:
         chunks[f"log/particles/{name}"] = _table(frame.arrays[name])
     for name, value in (("time", frame.time), *frame.numbers.items()):
@@ -141,6 +143,14 @@ def _types(frame: Frame, named: Sequence[str]) -> Chunks:
         "particles/typeid": _column(species.astype(np.uint32)),
         "particles/types": wide.view(np.int8).reshape(len(names), -1),
     }
+
+
+def _colored(frame: Frame, colors: Sequence[str]) -> Chunks:
+    """The color of each particle, under the name by which OVITO knows it; what never changes is written once."""
+    if not colors or "species" not in frame.arrays:
+        return {}
+    bytes_of = np.array([list(bytes.fromhex(color.removeprefix("#"))) for color in colors], np.float32)
+    return {"log/particles/Color": bytes_of[frame.arrays["species"] % len(colors)] / np.float32(255.0)}
 
 
 def _box(frame: Frame) -> NDArray[np.float32]:

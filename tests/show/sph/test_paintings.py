@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from ecume.errors import BadInput
-from ecume.show import splat
 from ecume.show.movies import Cut, film
 from ecume.show.picture import Species
-from ecume.show.sph.picture import camera_at, liquid_picture
+from ecume.show.space import Eye
+from ecume.show.sph.picture import liquid_picture
 from ecume.show.tank import seen
 
 from .conftest import SPACING, frame_of, scene_of
@@ -61,7 +61,7 @@ def test_one_peak_does_not_pale_all_other_particles(scene):
 
 
 def test_what_is_nearer_hides_what_is_farther():
-    camera = camera_at(0.0, 0.0)
+    camera = Eye(0.0, 0.0).camera()
     assert seen(np.array([[1.0, 2.0, 3.0]]), camera) == pytest.approx(np.array([[1.0, 2.0]]))
     cube = scene_of(dimension=3)
     frame = frame_of(dimension=3)
@@ -73,18 +73,6 @@ def test_what_is_nearer_hides_what_is_farther():
     both, only = (green(picture.pixels(shown)) for shown in (two, alone))
     assert 0 < both.sum() < colored(picture.pixels(two)).sum()
     assert both.sum() == pytest.approx(only.sum(), rel=0.03)
-
-
-def test_a_disc_has_the_area_of_its_radius_and_the_later_one_lies_on_top():
-    stamp = splat.stamp_of(10.0, ball=False)
-    assert len(stamp.row) == pytest.approx(np.pi * 100, rel=0.02)
-    canvas = splat.canvas_of(60, 60, stamp)
-    splat.paint(canvas, np.array([[30.0, 30.0], [30.0, 36.0]]), np.array([[255.0, 0, 0], [0, 255.0, 0]]), stamp)
-    pixels = splat.shown(canvas)
-    assert pixels.shape == (30, 30, 4)
-    assert pixels[15, 16].tolist() == [0, 255, 0, 255]
-    assert pixels[15, 11].tolist() == [255, 0, 0, 255]
-    assert pixels[0, 0, 3] == 0
 
 
 @pytest.mark.compiled

@@ -2,6 +2,7 @@
 
 import os
 import shutil
+import threading
 
 import numpy as np
 import pytest
@@ -9,6 +10,11 @@ from PIL import Image
 from tests.show.view.runs import run_of
 from tests.show.view.test_page import HOSTILE
 
+from ecume.scenes.load import load_scene
+from ecume.scenes.templates import folder
+from ecume.show.play.bowl import Bowl
+from ecume.show.play.site import Game
+from ecume.show.serving import served
 from ecume.show.view import save_page
 from ecume.show.view.live import Source, serving
 
@@ -162,3 +168,33 @@ def test_a_run_in_progress_is_followed_and_stopped(tab, tmp_path):
         tab.wait_for_selector("body[data-state=stopped]")
     assert tab.inner_text("#stop") == "stopped"
     assert tab.complaints == []
+
+
+def test_a_bowl_is_played_with(tab):
+    away = "floats[0].positions=[[-0.02, 0.02], [-0.01, 0.025], [0.01, 0.025], [0.02, 0.02]]"
+    game = Game(Bowl(load_scene((folder() / "cereal-bowl.toml").read_text(), ["floats[0].count=4", away])))
+    game.bowl.play(0.0)
+    loop = threading.Thread(target=game.run, daemon=True)
+    loop.start()
+    with served(game) as address:
+        tab.goto(address)
+        tab.wait_for_selector("body[data-drawn]", timeout=30_000)
+        tab.get_by_role("button", name="pause").click()
+        tab.get_by_role("radio", name="bead").click()
+        box = tab.locator("#canvas").bounding_box()
+        middle = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+        for number in range(10):
+            tab.mouse.click(middle[0] + 30 * (number % 4) - 45, middle[1] + 30 * (number // 4) - 30)
+            tab.wait_for_selector(f"#clock:has-text('{5 + number} floats')", timeout=60_000)
+        first, end = game.bowl.frame.numbers["clusters"], game.bowl.time + 1.5
+        tab.get_by_role("button", name="4×", exact=True).click()
+        while game.bowl.time < end:
+            tab.wait_for_timeout(100)
+        assert game.bowl.frame.numbers["clusters"] < first, "equal beads attract one another"
+        with tab.expect_download() as saved:
+            tab.get_by_role("button", name="save as scene").click()
+        assert len(load_scene(saved.value.path()).floats[1].positions) == 10
+        assert not tab.complaints
+        assert all(request.startswith((address.split("/?")[0], "blob:")) for request in tab.requests)
+    game.over.set()
+    loop.join()

@@ -8,7 +8,8 @@ import urllib.request
 import pytest
 from tests.show.view.runs import run_of
 
-from ecume.show.view.live import HOST, Source, serving
+from ecume.show.serving import HOST
+from ecume.show.view.live import Source, serving
 
 
 @pytest.fixture

@@ -17,7 +17,8 @@ from ecume.errors import BadInput
 from ecume.run import Habits, run
 from ecume.scenes.load import load_scene
 from ecume.show.view import save_page
-from ecume.show.view.page import color_map, page, policy_of
+from ecume.show.view.bundled import VIEW, policy_of
+from ecume.show.view.page import color_map, page
 from ecume.trajectories.exports import EXPORTS, export
 
 ROOT = Path(__file__).parents[3]
@@ -101,11 +102,11 @@ def test_a_size_that_holds_nothing_is_refused_with_one_that_does(tmp_path):
 
 
 def test_the_page_may_run_its_own_script_and_ask_nobody():
-    policy = policy_of(live=False)
+    policy = policy_of(VIEW, live=False)
     assert "default-src 'none'" in policy
     assert "connect-src 'none'" in policy
     assert "unsafe" not in policy
-    assert "connect-src 'self'" in policy_of(live=True)
+    assert "connect-src 'self'" in policy_of(VIEW, live=True)
     assert policy in page({"title": ""}, [])
 
 

@@ -154,13 +154,13 @@ class Packing:
                 axes.add_collection(lines, autolim=False)
             self.walls = {wall.side: _wall_line(axes, wall.side) for wall in scene.walls if wall.side in WALL_AXES}
             self.time = clock(axes)
-            bar = scale_bar(axes, self.view)
+            self.bars = scale_bar(axes, self.view)
             _gap_bar(axes, self.films)
             labels(axes, scene.title, kinds)
             _force_legend(axes, self.largest)
         below: list[Artist] = [self.beside, self.spheres, self.marks]
-        moving = [*below, self.forces, self.films, self.outline, *self.walls.values(), *bar, self.time]
-        self._layers = Layers(self.figure, moving)
+        moving = [*below, self.forces, self.films, self.outline, *self.walls.values(), *self.bars, self.time]
+        self.layers = Layers(self.figure, moving)
         self.show(sample[0])
 
     def show(self, frame: Frame) -> None:
@@ -196,7 +196,11 @@ class Packing:
     def pixels(self, frame: Frame) -> Pixels:
         """The picture of a frame, shape (height, width, 4); good until the next one is asked for."""
         self.show(frame)
-        return self._layers.pixels()
+        return self.layers.pixels()
+
+    def place(self, frame: Frame, one: int) -> Array:
+        """Where a particle is seen (m)."""
+        return frame.arrays["position"][one, :2]
 
 
 def marks_of(frame: Frame) -> NDArray[np.float64]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -13,14 +12,13 @@ from ecume.errors import BadInput
 from ecume.scenes.faults import suggestion
 from ecume.scenes.sph import SIDES
 from ecume.show.picture import USUAL, Size, Species
+from ecume.show.space import Eye, Wires, wires_of
 from ecume.show.sph.moving import movers_of
 from ecume.show.style import INK, PALETTE
-from ecume.show.tank import Coloring, Round, Setting, Shape, Tank, seen
+from ecume.show.tank import Coloring, Round, Setting, Shape, Tank
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
-AZIMUTH, ELEVATION = math.radians(28.0), math.radians(20.0)
-"""Where the eye stands: turned about the vertical, and above the floor."""
 FULL = 0.62
 """The radius with which particles are drawn, in spacings: neighbors on a lattice just overlap."""
 AIR = "white"
@@ -48,12 +46,16 @@ COLORINGS: Mapping[str, Coloring | None] = {
 """By the name that `ecume movie --color` takes; `region` colors by which [[fluid]] table a particle came from."""
 
 
-def liquid_picture(scene: Any, sample: Sequence[Frame], size: Size = USUAL, color: str | None = None) -> Tank:
+def liquid_picture(
+    scene: Any, sample: Sequence[Frame], size: Size = USUAL, color: str | None = None, eye: Eye | None = None
+) -> Tank:
     """The tank, its liquid colored by pressure where there is gravity, by speed elsewhere, or as `color` says."""
     name = color or usual_color(scene)
     if name not in COLORINGS:
         raise BadInput(f"no color is called {name!r}; {suggestion(name, COLORINGS)}")
-    setting = setting_of(scene) if len(scene.tank.low) == 2 else setting_in_space(scene)
+    if len(scene.tank.low) == 2 and eye is not None:
+        raise BadInput("this liquid is in the plane, and seen from before it; leave azimuth and elevation out")
+    setting = setting_of(scene) if len(scene.tank.low) == 2 else setting_in_space(scene, eye or Eye())
     return Tank(setting, sample, size, COLORINGS[name])
 
 
@@ -86,38 +88,17 @@ EDGES = (("bottom", 0, 1), ("right", 1, 2), ("top", 2, 3), ("left", 3, 0))
 KINDS = (("wall", ("wall",)), ("open", ("open", "inflow", "outflow")), ("periodic", ("periodic",)))
 
 
-def setting_in_space(scene: Any) -> Setting:
+def setting_in_space(scene: Any, eye: Eye) -> Setting:
     """The edges of a tank as they are seen from a corner; where all is open there are none."""
-    low, high = np.array(scene.tank.low), np.array(scene.tank.high)
-    camera = camera_at(AZIMUTH, ELEVATION)
+    camera = eye.camera()
     around = any(getattr(scene.tank, side).kind != "open" for side in SIDES)
-    solids = [np.array([solid.low, solid.high]) for solid in getattr(scene, "obstacles", ()) if solid.low is not None]
-    edges = [edge for box in solids for edge in edges_of(*box)]
-    tank = edges_of(low, high) if around else []
-    farthest = np.where(camera[2] > 0.0, low, high)
-    back = [(edge == farthest).all(axis=1).any() for edge in tank]
-    behind = [seen(edge, camera) for edge, hidden in zip(tank, back, strict=True) if hidden]
-    wires = [seen(edge, camera) for edge, hidden in zip(tank, back, strict=True) if not hidden]
-    wires += [seen(edge, camera) for edge in edges]
+    tank = wires_of(scene.tank.low, scene.tank.high, camera) if around else Wires([], [])
+    solids = [solid for solid in getattr(scene, "obstacles", ()) if solid.low is not None]
+    edges = [edge for solid in solids for part in wires_of(solid.low, solid.high, camera) for edge in part]
     return Setting(
-        scene.title, None, kinds=regions(scene), inside=AIR, wires=wires, behind=behind, camera=camera,
-        radius=FULL * scene.spacing, movers=movers_of(scene, camera), apart=len(scene.fluid),
+        scene.title, None, kinds=regions(scene), inside=AIR, wires=[*tank.front, *edges], behind=tank.behind,
+        camera=camera, radius=FULL * scene.spacing, movers=movers_of(scene, camera), apart=len(scene.fluid),
     )  # fmt: skip
-
-
-def camera_at(azimuth: float, elevation: float) -> Array:
-    """Its right, up, and towards it, (3, 3), when it is turned so far about y, and raised so far above the floor."""
-    right = np.array([math.cos(azimuth), 0.0, -math.sin(azimuth)])
-    level = np.array([math.sin(azimuth), 0.0, math.cos(azimuth)])
-    toward = math.cos(elevation) * level + math.sin(elevation) * np.array([0.0, 1.0, 0.0])
-    return np.array([right, np.cross(toward, right), toward])
-
-
-def edges_of(low: Array, high: Array) -> list[Array]:
-    """The twelve edges of a box, (2, 3) each."""
-    corners = [np.where(choice, high, low) for choice in itertools.product((False, True), repeat=3)]
-    pairs = itertools.combinations(corners, 2)
-    return [np.array(pair) for pair in pairs if np.count_nonzero(pair[0] != pair[1]) == 1]
 
 
 def rectangle(low: Any, high: Any) -> Array:

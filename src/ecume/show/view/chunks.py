@@ -16,7 +16,7 @@ STEPS = 65535
 """Of a quantized number, from the least to the largest that occurs: 1.5e-5 of the range."""
 FEW_STEPS = 255
 WIDE = 1e3
-"""The ratio of the largest to the least value from which on a positive quantity is colored by its logarithm."""
+"""The ratio of the largest to the least value from which on steps of one length would lose what is small."""
 ALIGNED = 4
 """Bytes that each array's place is a multiple of."""
 HIDDEN = ("position", "identity", "neighbor")
@@ -72,7 +72,7 @@ class _Packing:
 
 def pack(frames: Sequence[Frame], stage: Stage) -> Chunk:
     """These frames as one chunk."""
-    packing = _Packing()
+    frames, packing = [_with_inner_discs(frame, stage) for frame in frames], _Packing()
     counts = [len(frame.arrays["position"]) for frame in frames]
     packing.quantized("position", np.concatenate([frame.arrays["position"].ravel() for frame in frames]))
     steady = _quantities(packing, frames)
@@ -93,6 +93,13 @@ def pack(frames: Sequence[Frame], stage: Stage) -> Chunk:
         "links": links,
     }
     return Chunk(header, b"".join(packing.parts))
+
+
+def _with_inner_discs(frame: Frame, stage: Stage) -> Frame:
+    """Floats with a shape are drawn as outlines around discs, whose radius stands for that of the circle around."""
+    if stage.inner is None:
+        return frame
+    return frame._replace(arrays={**frame.arrays, "radius": stage.inner})
 
 
 def quantities(frame: Frame) -> dict[str, Numbers]:

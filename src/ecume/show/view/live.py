@@ -1,8 +1,4 @@
-"""The page of a run in progress: a server on this machine alone, for who has the address with its token.
-
-Everything asked needs the token; a page of somebody else's has none, and what it makes a browser ask comes with its own
-origin, or under a name of ours that is not the address: both are refused.
-"""
+"""The page of a run in progress, from a server on this machine."""
 
 from __future__ import annotations
 
@@ -14,18 +10,16 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
-from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
-from typing import Any, cast
-from urllib.parse import parse_qs, urlsplit
 
 from ecume.errors import BadInput, StorageError
+from ecume.show.serving import HTML, Answer, Query, served
+from ecume.show.view.bundled import VIEW, policy_of
 from ecume.show.view.chunks import pack
-from ecume.show.view.page import page, policy_of, run_header, stage_of
+from ecume.show.view.page import page, run_header, stage_of
 from ecume.show.view.staging import Stage
 from ecume.trajectories.reader import Trajectory, open_trajectory
 
-HOST = "127.0.0.1"
 MOST_FRAMES = 50
 """In one answer."""
 PATIENCE = 30.0
@@ -53,6 +47,26 @@ class Source:
     _lock: threading.Lock = field(default_factory=threading.Lock)
     _trajectory: Trajectory | None = None
     _stage: Stage | None = None
+
+    @property
+    def policy(self) -> str:
+        """What the browser may do with the page."""
+        return policy_of(VIEW, live=True)
+
+    def get(self, path: str, query: Query) -> Answer | None:
+        """The page, or frames."""
+        if path == "/":
+            return Answer(self.first_page().encode(), HTML)
+        if path == "/frames":
+            return Answer(self.frames(_whole(query.get("from", ["0"])[0])), "application/octet-stream")
+        return None
+
+    def post(self, path: str, body: bytes) -> Answer | None:
+        """Stop the run."""
+        if path != "/stop":
+            return None
+        self.stop()
+        return Answer(b"", "text/plain")
 
     def first_page(self) -> str:
         """The page, without frames yet."""
@@ -97,67 +111,6 @@ def awaited(directory: Path) -> Trajectory:
         time.sleep(EVERY)
 
 
-class _Answers(BaseHTTPRequestHandler):
-    """One request."""
-
-    server_version, sys_version = "ecume", ""
-
-    @property
-    def source(self) -> Source:
-        """The run."""
-        return cast(Source, self.server.source)  # type: ignore[attr-defined]
-
-    def do_GET(self) -> None:
-        """The page, or frames."""
-        asked = urlsplit(self.path)
-        query = parse_qs(asked.query)
-        if asked.path == "/" and self._trusted(query.get("token", [""])[0]):
-            self._answer(self.source.first_page().encode(), "text/html; charset=utf-8")
-        elif asked.path == "/frames" and self._trusted(self.headers.get("X-Token", "")):
-            self._answer(self.source.frames(_whole(query.get("from", ["0"])[0])), "application/octet-stream")
-        else:
-            self._refuse()
-
-    def do_POST(self) -> None:
-        """Stop the run."""
-        if urlsplit(self.path).path == "/stop" and self._trusted(self.headers.get("X-Token", "")):
-            self.source.stop()
-            self._answer(b"", "text/plain")
-        else:
-            self._refuse()
-
-    def _trusted(self, token: str) -> bool:
-        """Whether it comes from the page that we gave out: by its address, its origin, and the token."""
-        host, port = cast("tuple[str, int]", self.server.server_address)
-        ours = f"{host}:{port}"
-        origin = self.headers.get("Origin", f"http://{ours}")
-        known = secrets.compare_digest(token.encode(), self.source.token.encode())
-        return known and self.headers.get("Host") == ours and origin == f"http://{ours}"
-
-    def _answer(self, content: bytes, kind: str) -> None:
-        self.send_response(200)
-        headers = {
-            "Content-Type": kind,
-            "Content-Length": str(len(content)),
-            "Content-Security-Policy": policy_of(live=True),
-            "X-Content-Type-Options": "nosniff",
-            "Cache-Control": "no-store",
-            "Referrer-Policy": "no-referrer",
-            "Cross-Origin-Resource-Policy": "same-origin",
-        }
-        for name, value in headers.items():
-            self.send_header(name, value)
-        self.end_headers()
-        with contextlib.suppress(ConnectionError):  # the page was closed meanwhile
-            self.wfile.write(content)
-
-    def _refuse(self) -> None:
-        self.send_error(403, "not for you")
-
-    def log_message(self, *_: Any) -> None:
-        """Say nothing: the terminal belongs to the run."""
-
-
 def _whole(text: str) -> int:
     return int(text) if text.isdecimal() and len(text) < 10 else 0
 
@@ -165,17 +118,11 @@ def _whole(text: str) -> int:
 @contextlib.contextmanager
 def serving(source: Source) -> Iterator[str]:
     """Serve a run while the block lasts; the page's address. At the end the page is given time to hear of it."""
-    server = ThreadingHTTPServer((HOST, 0), _Answers)
-    server.daemon_threads = True
-    server.source = source  # type: ignore[attr-defined]
-    thread = threading.Thread(target=server.serve_forever, daemon=True)
-    thread.start()
-    try:
-        yield f"http://{HOST}:{server.server_address[1]}/?token={source.token}"
-    finally:
-        end = time.monotonic() + FAREWELL
-        while source.asked and not source.told and time.monotonic() < end:
-            time.sleep(EVERY)
-        time.sleep(EVERY)  # the last answer may be on its way
-        server.shutdown()
-        server.server_close()
+    with served(source) as address:
+        try:
+            yield address
+        finally:
+            end = time.monotonic() + FAREWELL
+            while source.asked and not source.told and time.monotonic() < end:
+                time.sleep(EVERY)
+            time.sleep(EVERY)  # the last answer may be on its way

@@ -4,13 +4,10 @@ from __future__ import annotations
 
 import base64
 import gzip
-import hashlib
-import html
 import json
 import math
 import os
 from collections.abc import Sequence
-from importlib import resources
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -20,6 +17,7 @@ import numpy as np
 from ecume.citing import in_words, papers_of
 from ecume.errors import BadInput
 from ecume.show.style import HEIGHT_COLORS
+from ecume.show.view.bundled import VIEW, data_of, filled, json_of
 from ecume.show.view.chunks import Chunk, pack, quantities
 from ecume.show.view.staging import STAGES, Stage
 from ecume.trajectories.durable import storing
@@ -97,37 +95,43 @@ def spacing(frames: Sequence[Frame], stage: Stage, empty: int, max_size: float) 
 
 
 def _coded(chunk: Chunk) -> float:
-    return IN_TEXT * len(gzip.compress(chunk.blob, 6)) + len(_json(chunk.header))
+    return IN_TEXT * len(gzip.compress(chunk.blob, 6)) + len(json_of(chunk.header))
 
 
 def run_header(trajectory: Trajectory, stage: Stage, *, live: bool = False) -> dict[str, Any]:
     """What the page is told of the run as a whole."""
-    scene, first, units = trajectory.scene, trajectory[0], trajectory.units
-    names = [name for name in _with_numbers(first, trajectory[-1]) if name != "species"]
-    colorings = [_coloring(name, units, first) for name in names]
-    known = [stage.usual if stage.usual in names else "species"]
+    scene = trajectory.scene
     return {
         "title": scene.title or f"{scene.model} run",
         "model": scene.model,
+        **looks(trajectory[0], trajectory[-1], stage),
+        "facts": _facts(trajectory),
+        "papers": [{"key": key, "text": in_words(key)} for key in papers_of(scene)],
+        "scene": _scene_text(trajectory.directory),
+        "live": live,
+    }
+
+
+def looks(first: Frame, last: Frame, stage: Stage) -> dict[str, Any]:
+    """What there is to be seen, and how, between two frames."""
+    names = [name for name in _with_numbers(first, last) if name != "species"]
+    colorings = [_coloring(name, first) for name in names]
+    return {
         "dimension": int(first.arrays["position"].shape[1]),
         "low": [float(value) for value in stage.low],
         "high": [float(value) for value in stage.high],
         "radius": stage.radius,
         "species": [{"name": kind.name, "color": hexadecimal(kind.color)} for kind in stage.kinds],
         "colorings": colorings,
-        "usual": known[0],
-        "numbers": [{"name": name, "unit": units.get(name, "1")} for name in first.numbers],
+        "usual": stage.usual if stage.usual in names else "species",
+        "numbers": [{"name": name, "unit": first.units.get(name, "1")} for name in first.numbers],
         "shown": [name for name in (*stage.curves, *first.numbers) if name in first.numbers][:2],
         "outlines": [line._asdict() | {"points": line.points.tolist()} for line in stage.lines],
         "sheet": None if stage.surface is None else stage.surface._asdict(),
         "linked": stage.links is not None,
         "widest": stage.widest,
         "maps": {name: color_map(name) for name in sorted({*(one["map"] for one in colorings), "height", "viridis"})},
-        "facts": _facts(trajectory),
-        "papers": [{"key": key, "text": in_words(key)} for key in papers_of(scene)],
-        "scene": _scene_text(trajectory.directory),
-        "live": live,
-    }  # fmt: skip
+    }
 
 
 def _with_numbers(first: Frame, last: Frame) -> list[str]:
@@ -136,13 +140,13 @@ def _with_numbers(first: Frame, last: Frame) -> list[str]:
     return [name for name in both[0] if any(np.isfinite(one[name]).any() for one in both)]
 
 
-def _coloring(name: str, units: Any, first: Frame) -> dict[str, Any]:
+def _coloring(name: str, first: Frame) -> dict[str, Any]:
     """How a quantity is colored."""
-    unit = units.get("velocity" if name == "speed" else name, "1")
+    unit = first.units.get("velocity" if name == "speed" else name, "1")
     values = quantities(first)[name]
     signed = bool(values.size and values.min() < 0.0 < values.max())
     colors = "RdBu_r" if signed else "cividis" if name in SLOW else "viridis"
-    return {"name": name, "unit": unit, "map": colors, "log": False}
+    return {"name": name, "unit": unit, "map": colors}
 
 
 def hexadecimal(color: str) -> str:
@@ -175,49 +179,9 @@ def _scene_text(directory: Path) -> str:
 
 def page(header: dict[str, Any], chunks: Sequence[Chunk], *, live: bool = False) -> str:
     """The whole page as text."""
-    parts = {name: _bundled(name) for name in ("page.html", "view.css", "view.js")}
-    data = [_data("run", "application/json", _json(header))]
+    data = [data_of("run", "application/json", json_of(header))]
     for number, chunk in enumerate(chunks):
-        data.append(_data(f"chunk-{number}", "application/json", _json(chunk.header)))
+        data.append(data_of(f"chunk-{number}", "application/json", json_of(chunk.header)))
         packed = gzip.compress(chunk.blob, 6, mtime=0)
-        data.append(_data(f"bytes-{number}", "text/plain", base64.b64encode(packed).decode()))
-    filled = {
-        "@POLICY@": policy_of(live=live),
-        "@TITLE@": html.escape(str(header.get("title", ""))),
-        "@STYLE@": parts["view.css"],
-        "@SCRIPT@": parts["view.js"],
-        "@DATA@": "\n".join(data),
-    }
-    text = parts["page.html"]
-    # Split and joined, not replaced one after the other: what stands in a scene is never taken for a mark of ours.
-    for mark in filled:
-        text = text.replace(mark, f"\0{mark}\0")
-    return "".join(filled.get(piece, piece) for piece in text.split("\0"))
-
-
-def policy_of(*, live: bool) -> str:
-    """What the browser may do with the page: run its script, use its style, and ask nobody but a server of ours."""
-    script, style = (_hash(_bundled(name)) for name in ("view.js", "view.css"))
-    connect = "'self'" if live else "'none'"
-    return (
-        f"default-src 'none'; script-src {script}; style-src {style}; img-src data: blob:; connect-src {connect}; "
-        "base-uri 'none'; form-action 'none'"
-    )
-
-
-def _hash(text: str) -> str:
-    return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
-
-
-def _bundled(name: str) -> str:
-    return resources.files("ecume.show.view").joinpath("bundle", name).read_text(encoding="utf-8")
-
-
-def _json(value: Any) -> str:
-    """JSON that no title can leave: what HTML could read is written as its number."""
-    text = json.dumps(value, separators=(",", ":"), allow_nan=False)
-    return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
-
-
-def _data(name: str, kind: str, text: str) -> str:
-    return f'<script type="{kind}" id="{name}">{text}</script>'
+        data.append(data_of(f"bytes-{number}", "text/plain", base64.b64encode(packed).decode()))
+    return filled(VIEW, str(header.get("title", "")), "\n".join(data), live=live)

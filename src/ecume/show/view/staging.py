@@ -11,11 +11,13 @@ import numpy as np
 from ecume.scenes.soft.walls import SIDES as WALL_SIDES
 from ecume.scenes.sph import SIDES
 from ecume.show.floating.bowl import height_colors, height_ticks, view_of
+from ecume.show.floating.shapes import outlines_in
 from ecume.show.floating.surface import sheet, surface, typical_meniscus
 from ecume.show.picture import species
 from ecume.show.soft.packing import WIDE, links_of
+from ecume.show.space import edges_of
 from ecume.show.sph.moving import edges, rotation, shape_of, side_line, turned
-from ecume.show.sph.picture import EDGES, FULL, edges_of, rectangle, regions, usual_color
+from ecume.show.sph.picture import EDGES, FULL, rectangle, regions, usual_color
 from ecume.show.style import scale_for
 from ecume.show.tank import Round
 from ecume.show.tracers import outline_of
@@ -86,6 +88,8 @@ class Stage(NamedTuple):
     lines: Sequence[Line] = ()
     movers: Callable[[Frame], list[Array]] | None = None
     """outlines of what moves, as many points in every frame"""
+    inner: Array | None = None
+    """(N,) m: radii of the discs inside the outlines of floats with a shape, which are drawn for them"""
     links: Callable[[Frame], Links] | None = None
     widest: float = 0.0
     """the gap up to which films are drawn (m)"""
@@ -112,7 +116,7 @@ def floating_stage(scene: Any, sample: Sequence[Frame]) -> Stage:
 
     ticks = [(place(one), f"{one:g}") for one in height_ticks(colors.norm, (lowest, highest))]
     ends = place(min(lowest, 0.0)), place(max(highest, 0.0))
-    dish = scene.dish
+    shapes, dish = on.shapes, scene.dish
     round_dish = dish.radius if dish is not None and dish.radius is not None else 0.0
     drawn = Surface(
         len(on.x), len(on.y), (view.left, view.right, view.bottom, view.top), round_dish, "height",
@@ -123,7 +127,14 @@ def floating_stage(scene: Any, sample: Sequence[Frame]) -> Stage:
         lines=[] if dish is None else [_dish(dish)],
         heights=lambda frame: np.asarray(np.clip(colors.norm(surface(frame, on) * scale.factor), 0.0, 1.0)),
         surface=drawn, curves=("kinetic_energy", "total_energy"),
+        movers=None if shapes is None else lambda frame: [closed(one) for one in outlines_in(frame, shapes)],
+        inner=None if shapes is None else np.array([np.hypot(*one.T).min() for one in shapes.outlines]),
     )  # fmt: skip
+
+
+def closed(points: Array) -> Array:
+    """A line that ends where it began."""
+    return np.concatenate([points, points[:1]])
 
 
 def _dish(dish: Any) -> Line:

@@ -1,0 +1,1 @@
+"""A bowl in the browser, played with while it is simulated."""

@@ -1,0 +1,269 @@
+"""A bowl that somebody plays with: floats are dropped, dragged, taken out, the dish is tilted, the liquid changed.
+
+Every change of the crowd or of the liquid is a new scene that begins where the old one stood, so that what is played is
+always a scene, and can be saved as one. What moves it is the model's own march.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import warnings
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ecume.errors import BadInput, Diverged, SceneError
+from ecume.models import MODELS
+from ecume.scenes.floating import FloatingScene, FloatSpec
+from ecume.show.play.sloshing import Slosh, current, swung
+from ecume.simulation import March
+from ecume.trajectories.frame import Frame
+from ecume.units import Array
+
+FASTEST = 0.15
+"""m/s: a hand drags no faster, and throws no faster."""
+GRASP = 0.05
+"""s in which a dragged float would reach the hand."""
+LONGEST = 0.1
+"""s of simulated time at once: a machine that is too slow plays in slow motion, and is not hurried."""
+ROOM = 1.02
+"""How far apart centers must be for a new float, in sums of radii."""
+TRIES = 60
+"""Places around the asked one where there may be room."""
+
+SHELF: dict[str, dict[str, Any]] = {
+    "cereal": {"radius": 1.5e-3, "density": 300.0, "contact_angle": math.radians(70.0), "color": "#f5deb3"},
+    "bead": {"radius": 1.2e-3, "density": 1250.0, "contact_angle": math.radians(95.0), "color": "#b2182b"},
+    "bubble": {"radius": 1.8e-3, "density": 40.0, "contact_angle": math.radians(25.0), "color": "#a6d8f0"},
+}
+"""What can be dropped into any bowl: what is light rises at the wall, what is heavy leaves it."""
+
+
+CHANGED = ("surface_tension", "viscosity", "density", "contact_angle")
+"""Numbers that can be changed while one plays."""
+
+
+class Hand(NamedTuple):
+    """A float that is held, and where it is dragged to (m)."""
+
+    one: int
+    x: float
+    y: float
+
+
+class Bowl:
+    """An open bowl. Its scene and its state are what they are between two calls; nothing happens meanwhile."""
+
+    def __init__(self, scene: Any) -> None:
+        if scene.model != "floating" or scene.dish is None:
+            raise BadInput("one plays with a dish of floats; wanted a scene of model 'floating' with a [dish]")
+        self.hand: Hand | None = None
+        self.slosh, self.tilt = Slosh(), (0.0, 0.0)
+        self.time = 0.0
+        self._begin(scene)
+
+    @property
+    def dish(self) -> Any:
+        """The wall around them."""
+        return self.scene.dish
+
+    @property
+    def frame(self) -> Frame:
+        """What is seen now."""
+        return self.march.observe()
+
+    def play(self, seconds: float) -> None:
+        """Go on by so much simulated time, at most `LONGEST`. Whatever diverges is brought to rest where it was."""
+        step = self.march.parameters.time_step
+        steps = max(1, round(min(seconds, LONGEST) / step))
+        kept = self.march.state.position.copy()
+        self.slosh = swung(self.slosh, self.tilt, self.scene, steps * step)
+        self._flow[:2] = self._own + current(self.slosh, self.scene)
+        self._drag()
+        try:
+            end = int(self.march.state.step[0]) + steps
+            while (left := end - int(self.march.state.step[0])) > 0:
+                self.march.go(left)
+        except Diverged:
+            species = self.march.parameters.floats.species
+            self._begin(placed(self.scene, kept, np.zeros_like(kept), species))
+        self.time += steps * step
+
+    def grasp(self, one: int, x: float, y: float) -> None:
+        """Drag a float towards a place. Raises BadInput where there is none of that number."""
+        if not 0 <= one < len(self.march.state.position):
+            raise BadInput(f"there is no float {one}")
+        self.hand = Hand(one, x, y)
+
+    def release(self) -> None:
+        """Let go: what was thrown flies on."""
+        self.hand = None
+
+    def drop(self, name: str, x: float, y: float) -> None:
+        """Drop a float of a species of the bowl, or of the shelf, where there is room near a place (m)."""
+        scene = self.present()
+        known = {species.name: index for index, species in enumerate(scene.floats)}
+        if name not in known and name not in SHELF:
+            raise BadInput(f"there is no {name!r} to drop; wanted one of {', '.join({**known, **SHELF})}")
+        taken = known.get(name)
+        radius = scene.floats[taken].radius if taken is not None else SHELF[name]["radius"]
+        place = self._room_near(x, y, radius)
+        if taken is None:
+            new = FloatSpec(name=name, positions=(place,), **SHELF[name])
+            self._begin(dataclasses.replace(scene, floats=(*scene.floats, new)))
+            return
+        old = scene.floats[taken]
+        more = dataclasses.replace(
+            old, count=old.count + 1, positions=(*old.positions, place), velocities=(*old.velocities, (0.0, 0.0))
+        )
+        self._begin(_with(scene, taken, more))
+
+    def take(self, one: int) -> None:
+        """Take a float out. The last one stays."""
+        frame, scene = self.frame, self.present()
+        if not 0 <= one < len(frame.arrays["species"]):
+            raise BadInput(f"there is no float {one}")
+        if len(frame.arrays["species"]) == 1:
+            raise BadInput("the last float stays")
+        kind = int(frame.arrays["species"][one])
+        within = int(np.count_nonzero(frame.arrays["species"][:one] == kind))
+        old = scene.floats[kind]
+        if old.count == 1:
+            left = tuple(species for index, species in enumerate(scene.floats) if index != kind)
+            self._begin(dataclasses.replace(scene, floats=left))
+            return
+        kept = [index for index in range(old.count) if index != within]
+        fewer = dataclasses.replace(
+            old,
+            count=old.count - 1,
+            positions=tuple(old.positions[index] for index in kept),
+            velocities=tuple(old.velocities[index] for index in kept),
+        )
+        self._begin(_with(scene, kind, fewer))
+
+    def change(self, part: str, key: str, value: float) -> None:
+        """Change a number of the `liquid` or the `dish`, or of a species by its name, such as its contact angle.
+
+        Raises BadInput for what scenes refuse, a float that would sink among them; then all stays as it was.
+        """
+        scene, number = self.present(), {key: value}
+        names = [species.name for species in scene.floats]
+        if part not in ("liquid", "dish", *names) or key not in CHANGED:
+            raise BadInput(f"there is no {part}.{key} to change; wanted liquid, dish, {', '.join(names)}")
+        try:
+            if part in names:
+                place = names.index(part)
+                changed = _with(scene, place, _replaced(scene.floats[place], number))
+            else:
+                changed = dataclasses.replace(scene, **{part: _replaced(getattr(scene, part), number)})
+            self._begin(changed)
+        except (TypeError, ValueError, SceneError) as fault:
+            raise BadInput(f"{part}.{key} = {value:g}: {_said(fault)}") from None
+
+    def present(self) -> FloatingScene:
+        """The scene as it stands: to go on from there is to simulate it."""
+        arrays = self.frame.arrays
+        return placed(self.scene, arrays["position"], arrays["velocity"], arrays["species"])
+
+    def _begin(self, scene: FloatingScene) -> None:
+        """Go on with another scene, at once and where it stands."""
+        model = MODELS["floating"]
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # superposition's errors are told by `ecume check`, once
+            parameters = model.parameters(_hurried(scene))
+            state = model.start(_hurried(scene), parameters)
+        self._flow, self._own = parameters.drift.flow.copy(), parameters.drift.flow[:2].copy()
+        drift = parameters.drift._replace(flow=self._flow, flows=True)
+        given = [v for species in scene.floats for v in (species.velocities or [species.velocity] * species.count)]
+        given += [(row.vx, row.vy) for row in scene.rows]
+        state.velocity[:] = np.array(given).reshape(-1, 2)
+        self.scene, self.hand = placed(scene, state.position, state.velocity, parameters.floats.species), None
+        self.march = March(model, parameters._replace(drift=drift), state, LONGEST)
+
+    def _drag(self) -> None:
+        if self.hand is None:
+            return
+        state = self.march.state
+        way = (np.array([self.hand.x, self.hand.y]) - state.position[self.hand.one]) / GRASP
+        state.velocity[self.hand.one] = way * min(1.0, FASTEST / max(float(np.hypot(*way)), 1e-300))
+
+    def _room_near(self, x: float, y: float, radius: float) -> tuple[float, float]:
+        """The nearest of some places on a spiral where a float of this radius touches nobody and no wall."""
+        arrays = self.frame.arrays
+        for number in range(TRIES):
+            away, angle = 0.5 * radius * math.sqrt(number), 2.4 * number
+            place = (x + away * math.cos(angle), y + away * math.sin(angle))
+            apart = np.hypot(*(arrays["position"] - place).T)
+            if _inside(self.scene.dish, place, radius) and (apart > ROOM * (arrays["radius"] + radius)).all():
+                return place
+        raise BadInput("there is no room here")
+
+
+def _inside(dish: Any, place: tuple[float, float], radius: float) -> bool:
+    if dish.radius is not None:
+        return math.hypot(*place) < float(dish.radius) - ROOM * radius
+    return all(abs(at) < float(side) / 2 - ROOM * radius for at, side in zip(place, dish.size, strict=True))
+
+
+def placed(scene: FloatingScene, position: Array, velocity: Array, species: Array) -> FloatingScene:
+    """A scene whose floats stand and go as these do; rows of one species become its own table."""
+    kinds = list(scene.kinds)
+    made = []
+    for index, kind in enumerate(kinds):
+        here = species == index
+        like = _like(scene, kind.name)
+        places = tuple(map(tuple, position[here].tolist()))
+        speeds = tuple(map(tuple, velocity[here].tolist()))
+        made.append(
+            dataclasses.replace(
+                like,
+                count=len(places),
+                placement="random",
+                spacing=None,
+                ring_radius=None,
+                color=kind.color,
+                positions=places,
+                velocities=speeds,
+                velocity=(0.0, 0.0),
+            )
+        )
+    return dataclasses.replace(scene, floats=tuple(made), rows=())
+
+
+def _like(scene: FloatingScene, name: str) -> FloatSpec:
+    """A table with what the floats of a species are."""
+    for species in scene.floats:
+        if species.name == name:
+            return species
+    row = next(row for row in scene.rows if row.species_name == name)
+    others = [other for other in scene.rows if other.species_name == name]
+    if any((other.radius, other.density) != (row.radius, row.density) for other in others):
+        raise BadInput(f"floats of {name} differ among themselves; give each kind a name of its own to play with them")
+    kept = ("radius", "density", "contact_angle", "surface_energies")
+    what: dict[str, Any] = {key: getattr(row, key) for key in kept}
+    return FloatSpec(name=name, **what)
+
+
+def _replaced(part: Any, number: dict[str, float]) -> Any:
+    return dataclasses.replace(part, **number)
+
+
+def _with(scene: FloatingScene, place: int, species: FloatSpec) -> FloatingScene:
+    return dataclasses.replace(scene, floats=(*scene.floats[:place], species, *scene.floats[place + 1 :]))
+
+
+def _hurried(scene: FloatingScene) -> FloatingScene:
+    """The scene as its time step must see it: any float may be thrown."""
+    thrown = [dataclasses.replace(species, velocities=(), velocity=(FASTEST, 0.0)) for species in scene.floats]
+    motion = dataclasses.replace(scene.motion, time_step=None)
+    return dataclasses.replace(scene, floats=tuple(thrown), motion=motion)
+
+
+def _said(fault: Exception) -> str:
+    """What a scene's check has to say, in one line."""
+    if isinstance(fault, SceneError):
+        return "; ".join(dict.fromkeys(one.message for one in fault.faults))
+    errors: Sequence[Any] = getattr(fault, "errors", list)()
+    return "; ".join(str(error["msg"]) for error in errors) or str(fault)

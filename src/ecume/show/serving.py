@@ -1,0 +1,121 @@
+"""Pages from this machine to this machine: a server for who has the address with its token, and for nobody else.
+
+Everything asked needs the token; a page of somebody else's has none, and what it makes a browser ask comes with its own
+origin, or under a name of ours that is not the address: both are refused.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import secrets
+import threading
+from collections.abc import Iterator, Mapping
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from typing import Any, NamedTuple, Protocol, cast
+from urllib.parse import parse_qs, urlsplit
+
+HOST = "127.0.0.1"
+HTML = "text/html; charset=utf-8"
+JSON = "application/json"
+MOST = 100_000
+"""Bytes that a page may send at once."""
+
+Query = Mapping[str, list[str]]
+
+
+class Answer(NamedTuple):
+    """What comes back."""
+
+    content: bytes
+    kind: str
+
+
+class Site(Protocol):
+    """What is served. It hears of nobody but whom it trusts."""
+
+    token: str
+
+    @property
+    def policy(self) -> str:
+        """What the browser may do with the pages."""
+        ...
+
+    def get(self, path: str, query: Query) -> Answer | None:
+        """A page, at `/`, or data; None for what there is not."""
+        ...
+
+    def post(self, path: str, body: bytes) -> Answer | None:
+        """Do what is asked; None for what nobody does."""
+        ...
+
+
+class _Requests(BaseHTTPRequestHandler):
+    """One request."""
+
+    server_version, sys_version = "ecume", ""
+
+    @property
+    def site(self) -> Site:
+        """What is served."""
+        return cast(Site, self.server.site)  # type: ignore[attr-defined]
+
+    def do_GET(self) -> None:
+        """A page has its token in its address, whoever asks for data in a header."""
+        asked = urlsplit(self.path)
+        query = parse_qs(asked.query)
+        token = query.get("token", [""])[0] if asked.path == "/" else self.headers.get("X-Token", "")
+        self._answer(self.site.get(asked.path, query) if self._trusted(token) else None)
+
+    def do_POST(self) -> None:
+        """Only with the token in a header."""
+        length = self.headers.get("Content-Length", "0")
+        size = int(length) if length.isdecimal() and len(length) < 10 else MOST + 1
+        if size > MOST or not self._trusted(self.headers.get("X-Token", "")):
+            self._answer(None)
+            return
+        self._answer(self.site.post(urlsplit(self.path).path, self.rfile.read(size)))
+
+    def _trusted(self, token: str) -> bool:
+        """Whether it comes from the page that we gave out: by its address, its origin, and the token."""
+        host, port = cast("tuple[str, int]", self.server.server_address)
+        ours = f"{host}:{port}"
+        origin = self.headers.get("Origin", f"http://{ours}")
+        known = secrets.compare_digest(token.encode(), self.site.token.encode())
+        return known and self.headers.get("Host") == ours and origin == f"http://{ours}"
+
+    def _answer(self, answer: Answer | None) -> None:
+        if answer is None:
+            self.send_error(403, "not for you")
+            return
+        self.send_response(200)
+        headers = {
+            "Content-Type": answer.kind,
+            "Content-Length": str(len(answer.content)),
+            "Content-Security-Policy": self.site.policy,
+            "X-Content-Type-Options": "nosniff",
+            "Cache-Control": "no-store",
+            "Referrer-Policy": "no-referrer",
+            "Cross-Origin-Resource-Policy": "same-origin",
+        }
+        for name, value in headers.items():
+            self.send_header(name, value)
+        self.end_headers()
+        with contextlib.suppress(ConnectionError):  # the page was closed meanwhile
+            self.wfile.write(answer.content)
+
+    def log_message(self, *_: Any) -> None:
+        """Say nothing: the terminal belongs to the run."""
+
+
+@contextlib.contextmanager
+def served(site: Site) -> Iterator[str]:
+    """Serve while the block lasts; the page's address."""
+    server = ThreadingHTTPServer((HOST, 0), _Requests)
+    server.daemon_threads = True
+    server.site = site  # type: ignore[attr-defined]
+    threading.Thread(target=server.serve_forever, daemon=True).start()
+    try:
+        yield f"http://{HOST}:{server.server_address[1]}/?token={site.token}"
+    finally:
+        server.shutdown()
+        server.server_close()

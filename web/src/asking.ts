@@ -1,0 +1,49 @@
+// What the page says to the server that gave it out, and hears from it.
+
+const token = new URLSearchParams(location.search).get("token") ?? "";
+
+async function ask(path: string, init: RequestInit = {}): Promise<Response> {
+  const answer = await fetch(path, { ...init, headers: { "X-Token": token }, cache: "no-store" });
+  if (!answer.ok) throw new Error(`the server answered ${answer.status}`);
+  return answer;
+}
+
+export interface Kind {
+  name: string;
+  color: string;
+  contact_angle: number | null;
+  density: number;
+}
+
+/** How all stands now. Lengths are in meters. */
+export interface Now {
+  time: number;
+  speed: number;
+  pace: number; // 1 where the machine keeps up
+  x: number[];
+  y: number[];
+  radius: number[];
+  species: number[];
+  kinds: Kind[];
+  clusters: number;
+  tilt: [number, number];
+  slope: [number, number];
+  liquid: Record<string, number>;
+  dish: Record<string, number>;
+  surface: string; // heights as bytes in base64, 128 being the level
+  highest: number;
+}
+
+export async function now(): Promise<Now> {
+  return (await (await ask("now")).json()) as Now;
+}
+
+export async function scene(): Promise<string> {
+  return (await ask("scene")).text();
+}
+
+/** Do something; why it was not done, or nothing. */
+export async function act(what: string, more: Record<string, unknown> = {}): Promise<string> {
+  const answer = await ask("do", { method: "POST", body: JSON.stringify({ what, ...more }) });
+  return ((await answer.json()) as { said: string }).said;
+}

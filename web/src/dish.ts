@@ -1,0 +1,124 @@
+// The picture of the bowl: the liquid's height as color, the dish, the floats as lit balls.
+
+import type { Now } from "./asking";
+
+export interface Bowl {
+  title: string;
+  radius: number | null;
+  size: [number, number] | null;
+  view: [number, number, number, number]; // left, right, bottom, top
+  grid: number;
+  shelf: { name: string; color: string; radius: number }[];
+  speeds: number[];
+  steepest: number;
+  map: string;
+}
+
+export function bytes(coded: string): Uint8Array {
+  return Uint8Array.from(atob(coded), (one) => one.charCodeAt(0));
+}
+
+/** A ball with light from the upper left. */
+export function ball(on: CanvasRenderingContext2D, x: number, y: number, radius: number, color: string): void {
+  const light = on.createRadialGradient(x - 0.35 * radius, y - 0.35 * radius, 0.1 * radius, x, y, radius);
+  light.addColorStop(0, `color-mix(in srgb, ${color} 55%, white)`);
+  light.addColorStop(0.6, color);
+  light.addColorStop(1, `color-mix(in srgb, ${color} 65%, black)`);
+  on.fillStyle = light;
+  on.beginPath();
+  on.arc(x, y, radius, 0, 2 * Math.PI);
+  on.fill();
+}
+
+export class Picture {
+  private readonly on: CanvasRenderingContext2D;
+  private readonly sheet = document.createElement("canvas");
+  private readonly colors: Uint8Array;
+  private painted = "";
+
+  constructor(
+    private readonly canvas: HTMLCanvasElement,
+    private readonly bowl: Bowl,
+  ) {
+    this.on = canvas.getContext("2d")!;
+    this.colors = bytes(bowl.map);
+  }
+
+  /** Pixels a meter, and where the middle is. */
+  private get place(): { scale: number; x: number; y: number } {
+    const [left, right, bottom, top] = this.bowl.view;
+    const { width, height } = this.canvas;
+    const scale = Math.min(width / (right - left), height / (top - bottom));
+    return { scale, x: width / 2 - (scale * (left + right)) / 2, y: height / 2 + (scale * (bottom + top)) / 2 };
+  }
+
+  /** Where a pointer is in the bowl (m). */
+  at(event: { clientX: number; clientY: number }): [number, number] {
+    const box = this.canvas.getBoundingClientRect();
+    const fine = this.canvas.width / box.width;
+    const { scale, x, y } = this.place;
+    return [((event.clientX - box.left) * fine - x) / scale, (y - (event.clientY - box.top) * fine) / scale];
+  }
+
+  draw(now: Now): void {
+    const { canvas, on } = this;
+    const fine = window.devicePixelRatio || 1;
+    const [width, height] = [Math.round(canvas.clientWidth * fine), Math.round(canvas.clientHeight * fine)];
+    if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
+    on.clearRect(0, 0, width, height);
+    this.liquid(now);
+    const { scale, x, y } = this.place;
+    for (let one = 0; one < now.x.length; one++) {
+      const kind = now.kinds[now.species[one]];
+      ball(on, x + scale * now.x[one], y - scale * now.y[one], scale * now.radius[one], kind.color);
+    }
+  }
+
+  private liquid(now: Now): void {
+    const { on } = this;
+    const { scale, x, y } = this.place;
+    if (now.surface !== this.painted) this.paint(now.surface);
+    on.save();
+    on.beginPath();
+    if (this.bowl.radius !== null) on.arc(x, y, scale * this.bowl.radius, 0, 2 * Math.PI);
+    else {
+      const [wide, high] = this.bowl.size!;
+      on.rect(x - (scale * wide) / 2, y - (scale * high) / 2, scale * wide, scale * high);
+    }
+    on.clip();
+    const [left, right, bottom, top] = this.bowl.view;
+    if (this.painted) on.drawImage(this.sheet, x + scale * left, y - scale * top, scale * (right - left), scale * (top - bottom));
+    // A slope against the dish shows as light from one side.
+    const far = Math.hypot(...now.slope);
+    if (far > 1e-3) {
+      const reach = (scale * (right - left)) / 2;
+      const [ux, uy] = [now.slope[0] / far, -now.slope[1] / far];
+      const shade = on.createLinearGradient(x - ux * reach, y - uy * reach, x + ux * reach, y + uy * reach);
+      const strong = Math.min(0.5, 2 * far);
+      shade.addColorStop(0, `rgba(0, 20, 50, ${strong})`);
+      shade.addColorStop(0.5, "rgba(128, 128, 128, 0)");
+      shade.addColorStop(1, `rgba(255, 255, 255, ${strong})`);
+      on.fillStyle = shade;
+      on.fillRect(x - reach, y - reach, 2 * reach, 2 * reach);
+    }
+    on.restore();
+    on.strokeStyle = getComputedStyle(document.documentElement).getPropertyValue("--rim");
+    on.lineWidth = 3 * (window.devicePixelRatio || 1);
+    on.stroke();
+  }
+
+  private paint(surface: string): void {
+    this.painted = surface;
+    if (!surface) return;
+    const heights = bytes(surface);
+    const rows = Math.round(heights.length / this.bowl.grid) || 1;
+    const columns = heights.length / rows;
+    [this.sheet.width, this.sheet.height] = [columns, rows];
+    const image = new ImageData(columns, rows);
+    for (let cell = 0; cell < heights.length; cell++) {
+      const color = 3 * heights[cell];
+      image.data.set([this.colors[color], this.colors[color + 1], this.colors[color + 2], 255], 4 * cell);
+    }
+    this.sheet.getContext("2d")!.putImageData(image, 0, 0);
+  }
+}
