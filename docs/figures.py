@@ -13,12 +13,16 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from figures_choices import FIGURES as CHOICE_FIGURES
+from figures_crowds import FIGURES as CROWD_FIGURES
 from figures_floating import FIGURES as FLOATING_FIGURES
 from figures_flows import FIGURES as FLOW_FIGURES
 from figures_many import FIGURES as MANY_FIGURES
+from figures_shapes import FIGURES as SHAPE_FIGURES
 from figures_soft import FIGURES as SOFT_FIGURES
 from figures_sph import FIGURES as SPH_FIGURES
 from figures_surfaces import FIGURES as SURFACE_FIGURES
+from figures_tanks import FIGURES as TANK_FIGURES
 from figures_tracers import FIGURES as TRACER_FIGURES
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -253,12 +257,16 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     "bowl-energies": bowl_energies,
     "integrators": integrators,
     "cereal-bowl": cereal_bowl,
+    **CHOICE_FIGURES,
     **FLOATING_FIGURES,
     **MANY_FIGURES,
+    **CROWD_FIGURES,
+    **SHAPE_FIGURES,
     **SOFT_FIGURES,
     **FLOW_FIGURES,
     **SPH_FIGURES,
     **SURFACE_FIGURES,
+    **TANK_FIGURES,
     **TRACER_FIGURES,
 }
 

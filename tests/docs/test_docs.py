@@ -35,9 +35,11 @@ SECTIONS = {
     "[[floats]]": floating.FloatSpec,
     "[floats.surface_energies]": floating.SurfaceEnergies,
     "[floats.disc]": floating.DiscSpec,
+    "[floats.shape]": floating.ShapeSpec,
     "[[rows]]": floating.FloatRow,
     "[dish]": floating.DishSpec,
     "[motion]": floating.MotionSpec,
+    "[motion.films]": floating.FilmsSpec,
     "[contacts]": floating.ContactSpec,
     "[interaction]": floating.InteractionSpec,
 }
@@ -81,9 +83,17 @@ def beside_a_run(tmp_path, monkeypatch):
 @pytest.mark.usefixtures("beside_a_run")
 @pytest.mark.parametrize("page", [page for page in PAGES if blocks(page, "python")], ids=name_of)
 def test_the_python_of_a_page_runs(page):
+    for name, scene in scenes_of(page).items():
+        Path(name).write_text(scene, encoding="utf-8")
     names = {"__name__": "page"}
     for number, code in enumerate(blocks(page, "python")):
         exec(compile(code, f"{page.name}, block {number}", "exec"), names)
+
+
+def scenes_of(page):
+    """The scenes that a page gives a file's name, in a comment at their top."""
+    named = ((re.match(r"# ([\w-]+\.toml)\n", text), text) for text in blocks(page, "toml"))
+    return {match[1]: text for match, text in named if match}
 
 
 @each_page

@@ -1,0 +1,72 @@
+"""Draws the clips of the gallery, with nothing but ecume: `python docs/clips.py [NAME ...]`.
+
+Each scene of `examples` becomes a short film and a picture of its most telling moment, in `docs/clips`. They stay
+in the repository for ever, so they are small: `MOST` bytes at most.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from PIL import Image
+
+import ecume
+from ecume.show.encoders import ffmpeg
+from ecume.show.movies import Cut, film
+
+ROOT = Path(__file__).parents[1]
+FOLDER = ROOT / "docs" / "clips"
+SIZE = (480, 360)
+FPS = 25
+FRAMES = 125
+"""At most: five seconds."""
+MOST = 300_000
+TELLING = {
+    "bouncing-tracers": 0.12,
+    "settling-grains": 0.3,
+    "dam-break": 0.75,
+    "dam-break-3d": 0.6,
+    "taylor-green": 0.0,
+    "rounding-drop": 0.08,
+    "swinging-drop": 0.25,
+}
+"""What part of the way the picture is from; where nothing is said, the end."""
+COLORED = {"sloshing": "pressure", "dam-break": "speed", "taylor-green": "speed", "channel": "speed"}
+
+
+def draw(name: str) -> None:
+    """A scene's film and picture."""
+    scene = ecume.load_scene(ROOT / "examples" / f"{name}.toml")
+    frames = list(ecume.simulate(scene))
+    cut = Cut(fps=FPS, every=-(-len(frames) // FRAMES), size=SIZE, color=COLORED.get(name))
+    with tempfile.TemporaryDirectory() as folder:
+        whole, still = Path(folder) / "film.mp4", Path(folder) / "still.png"
+        film(frames, scene, whole, cut)
+        # Slowly, for fewer bytes; and such that it begins to play before all of it is there.
+        run(
+            "-i",
+            whole,
+            *["-c:v", "libx264", "-crf", "30", "-preset", "veryslow", "-pix_fmt", "yuv420p", "-movflags", "+faststart"],
+            FOLDER / f"{name}.mp4",
+        )
+        instant = TELLING.get(name, 0.97) * len(cut.shown(frames)) / FPS
+        run("-ss", f"{instant:.3f}", "-i", whole, "-frames:v", "1", still)
+        with Image.open(still) as picture:
+            picture.save(FOLDER / f"{name}.webp", quality=70, method=6)
+    size = (FOLDER / f"{name}.mp4").stat().st_size
+    if size > MOST:
+        raise SystemExit(f"{name}: the film takes {size} bytes; wanted at most {MOST}: show fewer frames")
+
+
+def run(*arguments: object) -> None:
+    """Call ffmpeg."""
+    subprocess.run([str(ffmpeg()), "-y", "-loglevel", "error", *map(str, arguments)], check=True)  # noqa: S603  (our own words)
+
+
+if __name__ == "__main__":
+    FOLDER.mkdir(exist_ok=True)
+    for asked in sys.argv[1:] or sorted(path.stem for path in (ROOT / "examples").glob("*.toml")):
+        draw(asked)

@@ -1,0 +1,75 @@
+"""The page of the gallery, from the scenes in `examples` and their clips."""
+
+from __future__ import annotations
+
+import html
+import tomllib
+from pathlib import Path
+
+from writing import toctree
+
+ROOT = Path(__file__).parents[2]
+CLIPS = ROOT / "docs" / "clips"
+"""A picture (.webp) and a film (.mp4) of each, drawn by `python docs/clips.py`."""
+HEADINGS = {
+    "floating": "What floats",
+    "tracers": "What is carried and bounces",
+    "sph": "Liquids made of particles",
+    "soft": "Soft spheres with films between them",
+}
+
+
+def cards() -> str:
+    """All scenes, model by model."""
+    scenes = texts()
+    models = {name: str(tomllib.loads(text)["model"]) for name, text in scenes.items()}
+    parts = []
+    for model, heading in HEADINGS.items():
+        inside = "\n".join(card(name, scenes[name]) for name in scenes if models[name] == model)
+        parts.append(f'## {heading}\n\n<div class="gallery">\n{inside}\n</div>\n')
+    return "\n".join([*parts, toctree(f"gallery/{name}" for name in scenes)])
+
+
+def pages() -> dict[str, str]:
+    """A page for each scene with its text."""
+    return {f"gallery/{name}.md": alone(name, text) for name, text in texts().items()}
+
+
+def texts() -> dict[str, str]:
+    """The scenes' files, by name."""
+    return {path.stem: path.read_text(encoding="utf-8") for path in sorted((ROOT / "examples").glob("*.toml"))}
+
+
+def card(name: str, text: str) -> str:
+    """A clip with its title; no blank line, or Markdown would begin anew."""
+    return (
+        f'<figure>{clip(name)}<figcaption><strong><a href="gallery/{name}.html">{html.escape(title(text))}</a></strong>'
+        f"{html.escape(says(text))}</figcaption></figure>"
+    )
+
+
+def clip(name: str, above: str = "") -> str:
+    """Plays on demand; the picture is shown before."""
+    label = html.escape(f"a film of {name.replace('-', ' ')}")
+    file = f"{above}_clips/{name}"
+    return (
+        f'<video controls loop muted playsinline preload="none" poster="{file}.webp" src="{file}.mp4" '
+        f'aria-label="{label}"></video>'
+    )
+
+
+def alone(name: str, text: str) -> str:
+    """A scene's own page: clip, what it shows, its file."""
+    film = f'<div class="gallery"><figure>{clip(name, "../")}</figure></div>'
+    return f"# {title(text)}\n\n{says(text)}\n\n{film}\n\n`examples/{name}.toml`:\n\n```toml\n{text}```\n"
+
+
+def title(text: str) -> str:
+    """What the scene calls itself."""
+    return str(tomllib.loads(text)["title"])
+
+
+def says(text: str) -> str:
+    """What it shows: the comment it begins with."""
+    lines = text.split("\n\n", 1)[0].splitlines()
+    return " ".join(line.removeprefix("#").strip() for line in lines if line.startswith("#"))

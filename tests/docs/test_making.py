@@ -1,0 +1,101 @@
+"""The pages that are drawn from the code: nothing is missing there, and links and formulas are as wanted."""
+
+import dataclasses
+import importlib
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+from tests.contracts.test_laws import MODULES
+
+from ecume.scenes.schema import SCENES
+from ecume.validation import CASES
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture(scope="module")
+def makers():
+    """Imports a maker of pages by name, as `python docs/making` does."""
+    sys.path.insert(0, str(ROOT / "docs" / "making"))
+    yield importlib.import_module
+    sys.path.pop(0)
+
+
+@pytest.mark.parametrize("model", SCENES)
+def test_every_key_of_every_table_is_there_and_has_a_meaning(makers, model):
+    scenes = makers("scenes")
+    text = scenes.page(model)
+    for table in scenes.tables(SCENES[model]):
+        assert not table.path or f"## `{table.path}`\n" in text
+        rows = [scenes.row(field) for field in scenes.fields_of(table.kind)]
+        assert [row.split("`")[1] for row in rows] == [field.name for field in dataclasses.fields(table.kind)]
+        assert all(row in text and row.split(" | ")[-1].strip(" |") for row in rows), table
+
+
+def test_units_defaults_and_ranges_are_the_schema_s(makers):
+    text = makers("scenes").page("floating")
+    rows = {line.split("`")[1]: line for line in text.splitlines() if line.startswith("| `")}
+    assert rows["surface_tension"].startswith("| `surface_tension` | N/m | 0.0728 | 1e-9 to 1000 |")
+    assert rows["placement"].startswith("| `placement` | – | `random` | `random`, `lattice`, `ring` |")
+    assert "| s | *needed* | above 0, to 1e10 |" in rows["frame_every"]
+    assert "| rad | 45 deg |" in text  # of the dish
+
+
+def test_every_law_and_its_units_are_there(makers):
+    pages = makers("functions").pages()
+    told = "\n".join(text for name, text in pages.items() if "ecume.laws" in name)
+    for module in map(importlib.import_module, MODULES):
+        for name in getattr(module, "__all__", ()):
+            if callable(getattr(module, name)) and hasattr(getattr(module, name), "__name__"):
+                assert f"## {name}\n" in told, name
+    drag = pages["reference/python/ecume.laws.drag.md"]
+    assert "Units: `radius` m, `viscosity` Pa*s, `factor` 1, *returns* N*s/m." in drag
+
+
+def test_every_command_is_there(makers):
+    (text,) = makers("commands").pages().values()
+    assert all(f"## ecume {verb}\n" in text for verb in ("new", "run", "movie", "bench", "validate"))
+    assert "`--max-size` `MB` | Of the page; above it frames are left out. Left out: 50.0. |" in text
+
+
+def test_signs_in_docstrings_mean_themselves(makers):
+    writing = makers("writing")
+    assert writing.plain("a * b_c < `d*e` [keller1998, eq. 3] [1]") == r"a \* b\_c \< `d*e` [keller1998, eq. 3] \[1\]"
+
+
+def test_links_lead_from_where_a_page_stands_on_the_site_to_where_the_other_does(makers, tmp_path):
+    staging = makers("staging")
+    pages = dict(staging.written(tmp_path))
+    assert "](../contributing.md)" in pages["how-to/own-laws.md"]
+    assert "](benchmarks.md)" in pages["performance.md"]
+    assert "index.md" in pages
+    assert not any("../../" in text for text in pages.values())
+
+
+def test_papers_lead_to_the_bibliography_but_not_in_code(makers):
+    cited = makers("staging")._cited("Buoyancy [keller1998], not `[keller1998]`, not [one](two).", Path("physics/a.md"))
+    assert cited == r"Buoyancy \[[keller1998](../papers.md#keller1998)\], not `[keller1998]`, not [one](two)."
+
+
+def test_formulas_become_mathml(makers):
+    pytest.importorskip("latex2mathml", reason="comes with the extra docs")
+    mathml = makers("mathml")
+    assert "<mfrac>" in mathml.formula(r"\tfrac{2}{3}", "inline", None)
+
+
+def test_the_gallery_shows_every_example(makers):
+    cards = makers("gallery").cards()
+    for path in (ROOT / "examples").glob("*.toml"):
+        assert tomllib.loads(path.read_text(encoding="utf-8"))["title"].split("'")[0] in cards
+        assert f"_clips/{path.stem}.mp4" in cards
+
+
+def test_what_is_recorded_belongs_to_cases_and_benchmarks_of_today(makers):
+    from ecume.cli.benching import BENCHES
+
+    records = makers("records")
+    assert set(records.recorded("recorded-validation.json")) <= set(CASES)
+    assert set(records.recorded("recorded-benchmarks.json")) <= set(BENCHES)
+    assert all(f"`{name}`" in records.validation() for name in CASES)
