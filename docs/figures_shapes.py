@@ -96,7 +96,7 @@ def in_motion() -> Figure:
         ),
         (_run("needle"), (0, 24, 100)),
     )
-    size = Size(480, 360)
+    size = Size(384, 288)
     pictures = []
     for (scene, frames), shown in rows:
         picture = Bowl(scene, [frames[k] for k in shown], size)

@@ -19,8 +19,17 @@ from ecume.show.floating import figures
 from ecume.show.floating.figures import FLOATING_FIGURES as FIGURES
 from ecume.show.style import save, scale_for
 
-WITH_UNIT = re.compile(r".* \((s|mm|µm|[pnµm]?J|[pnµm]?N)\)$")
-PURE_NUMBERS = {"number of clusters", "floats in a cluster"}
+WITH_UNIT = re.compile(r".* \((s|mm|µm|mm²|[pnµm]?J|[pnµm]?N)\)$")
+PURE_NUMBERS = {
+    "number of clusters",
+    "floats in a cluster",
+    "floats in a raft",
+    r"hexatic order $|\psi_6|$",
+    "g(r), over chance",
+    "elongation (10 and more)",
+}
+MULTIPLES = re.compile(r".*, in (mean radii|capillary lengths)$")
+NOTHING_TO_DRAW = {"displacement": "three frames", "approach": "no two floats touch", "shapes": "no two floats touch"}
 
 
 def curve(axes, label):
@@ -28,13 +37,22 @@ def curve(axes, label):
     return line.get_xdata(), line.get_ydata()
 
 
+@pytest.fixture
+def meeting(frames):
+    """The frames, and one more in which a light float touches its neighbor."""
+    places = frames[-1].arrays["position"].copy()
+    places[1] = places[0] + np.array([0.0, 2.0 * frames[-1].arrays["radius"][0]])
+    last = frames[-1]._replace(time=1.1, arrays={**frames[-1].arrays, "position": places})
+    return [*frames, last]
+
+
 @pytest.mark.parametrize("what", FIGURES)
-def test_every_axis_has_a_name_and_a_unit(what, scene, frames):
-    drawn = FIGURES[what](frames, scene)
+def test_every_axis_has_a_name_and_a_unit(what, scene, meeting):
+    drawn = FIGURES[what](meeting, scene)
     labels = [label for axes in drawn.axes for label in (axes.get_xlabel(), axes.get_ylabel()) if label]
     assert labels
     for label in labels:
-        assert WITH_UNIT.match(label) or label in PURE_NUMBERS
+        assert WITH_UNIT.match(label) or MULTIPLES.match(label) or label in PURE_NUMBERS
 
 
 @pytest.mark.parametrize(
@@ -50,8 +68,8 @@ def test_equal_figures_are_equal_files(scene, frames, tmp_path):
 
 
 @pytest.mark.parametrize("what", FIGURES)
-def test_no_word_is_cut_off_or_lies_on_another(what, scene, frames):
-    drawn = FIGURES[what](frames, scene)
+def test_no_word_is_cut_off_or_lies_on_another(what, scene, meeting):
+    drawn = FIGURES[what](meeting, scene)
     canvas = FigureCanvasAgg(drawn)
     canvas.draw()
     for axes in drawn.axes:
@@ -82,9 +100,13 @@ def test_the_kinetic_energy_of_a_bowl_at_rest_keeps_its_decades_in_bounds(scene,
 
 
 @pytest.mark.parametrize("what", FIGURES)
-def test_a_run_of_one_frame_in_which_nothing_moves_can_be_drawn(what, scene, frames, tmp_path):
+def test_a_run_of_one_frame_in_which_nothing_moves_is_drawn_or_refused_in_a_word(what, scene, frames, tmp_path):
     rest = [frames[0]._replace(numbers=dict.fromkeys(frames[0].numbers, 0.0))]
-    assert save(FIGURES[what](rest, scene), tmp_path / "one.png").exists()
+    if what in NOTHING_TO_DRAW:
+        with pytest.raises(BadInput, match=NOTHING_TO_DRAW[what]):
+            FIGURES[what](rest, scene)
+    else:
+        assert save(FIGURES[what](rest, scene), tmp_path / "one.png").exists()
 
 
 def test_clusters_are_counted_frame_by_frame(scene, frames):
