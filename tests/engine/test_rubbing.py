@@ -54,7 +54,7 @@ def test_impulses_stay_inside_their_cone_and_what_slides_is_braked(friction):
     assert np.any(slides) if friction == 0.1 else friction == 0.0 or np.any(sticks)
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", [0, *(pytest.param(each, marks=pytest.mark.compiled) for each in (1, 2, 3))])
 def test_friction_keeps_momentum_and_angular_momentum_and_adds_no_energy(seed):
     position, mass, motion = shaken_raft(19, seed, spread=1.0)
     position = position + 1e-3 * np.random.default_rng(seed).uniform(size=position.shape)

@@ -60,6 +60,7 @@ def test_the_march_has_the_forces_of_the_solver(dish):
     assert forces(scene) == pytest.approx(found.forces, rel=1e-6, abs=1e-6 * np.abs(found.forces).max())
 
 
+@pytest.mark.compiled
 def test_two_discs_feel_the_same_by_corrected_pairs_as_by_multipoles():
     for apart in (2.0001, 2.03, 2.4, 5.0):
         places = [[0.0, 0.0], [apart * SMALL, 0.0]]

@@ -64,14 +64,21 @@ DISC = {"center": [0.0, 0.0], "radius": 1.0}
 
 BALL = {"center": [0.0, 0.0, 0.0], "radius": 0.6}
 
+# The slopes in space are tried without the JIT too; all else in space only with it, for time.
+IN_SPACE = pytest.mark.compiled
 
-@pytest.mark.parametrize(("fluid", "area"), [(DISC, 2.0 * np.pi), (BALL, 4.0 * np.pi * 0.6**2)])
+
+@pytest.mark.parametrize(
+    ("fluid", "area"), [(DISC, 2.0 * np.pi), pytest.param(BALL, 4.0 * np.pi * 0.6**2, marks=IN_SPACE)]
+)
 def test_contours_have_the_area_of_the_drop(fluid, area):
     parameters, _, workspace = begun(drop("csf", fluid))
     assert surface_energy(parameters, workspace) == pytest.approx(area, rel=0.1)
 
 
-@pytest.mark.parametrize("half", [(0.8, 0.4), (0.6, 0.3, 0.3)], ids=["in a plane", "in space"])
+@pytest.mark.parametrize(
+    "half", [(0.8, 0.4), pytest.param((0.6, 0.3, 0.3), marks=IN_SPACE)], ids=["in a plane", "in space"]
+)
 def test_the_work_of_a_stretch_is_what_the_area_of_a_box_gains(half):
     x, mass, a = pulled(drop("csf", {"low": [-each for each in half], "high": list(half)}))
     size, stretch = 2.0 * np.array(half), np.array([1.0, *[-1.0 / (len(half) - 1)] * (len(half) - 1)])
@@ -82,7 +89,7 @@ def test_the_work_of_a_stretch_is_what_the_area_of_a_box_gains(half):
     assert work == pytest.approx(gain, rel=0.1)
 
 
-@pytest.mark.parametrize("fluid", [DISC, BALL], ids=["disc", "ball"])
+@pytest.mark.parametrize("fluid", [DISC, pytest.param(BALL, marks=IN_SPACE)], ids=["disc", "ball"])
 @pytest.mark.parametrize("model", ["csf", "cohesion"])
 def test_surface_tension_changes_no_momentum(model, fluid):
     _, mass, a = pulled(drop(model, fluid, {"kind": "wall"}, jitter=0.2))
