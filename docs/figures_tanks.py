@@ -143,8 +143,8 @@ IN_SPACE = {
         {"low": [0.0, 0.0, 0.0], "high": [0.2, 0.2, 0.15], "color": "#4682b4"},
         {"low": [0.0, 0.0, 0.15], "high": [0.2, 0.2, 0.3], "color": "#d9772b"},
     ],
-    "obstacles": [{"low": [0.35, 0.0, 0.1], "high": [0.45, 0.15, 0.2], "color": "gray"}],
-    "bodies": [{"center": [0.1, 0.26, 0.15], "radius": 0.05, "density": 300.0, "color": "gold"}],
+    "obstacles": [{"low": [0.35, 0.0, 0.1], "high": [0.45, 0.15, 0.2], "color": "#8e44ad"}],
+    "bodies": [{"center": [0.1, 0.26, 0.15], "radius": 0.05, "density": 300.0, "color": "#c0392b"}],
     "liquid": {"fastest": 2.5},
 }  # fmt: skip
 

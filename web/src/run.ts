@@ -16,6 +16,7 @@ export interface Polyline {
   points: number[][];
   closed: boolean;
   dashed: boolean;
+  color: string | null; // null: as walls are
 }
 
 export interface Sheet {
@@ -55,6 +56,7 @@ export interface RunHeader {
   numbers: { name: string; unit: string }[];
   shown: string[]; // the numbers whose curves are shown at first
   outlines: Polyline[];
+  painted: (string | null)[]; // the colors of what moves, line by line; null or left out: as walls are
   sheet: Sheet | null;
   linked: boolean;
   widest: number; // the gap up to which films are drawn (m)

@@ -35,6 +35,11 @@ export function styled(name: string): [number, number, number] {
   return [r / 255, g / 255, b / 255];
 }
 
+/** A color of its own where there is one, from 0 to 1, opaque. */
+function paint(color: string | null | undefined, usual: number[]): number[] {
+  return color ? [...channels(color).map((value) => value / 255), 1] : usual;
+}
+
 /** Three coordinates a particle, whatever the dimension. */
 function inSpace(position: Float32Array, dimension: number): Float32Array {
   if (dimension === 3) return position;
@@ -170,15 +175,15 @@ export class Stage {
     const ink = [...styled("--rim"), 1];
     const ratio = Math.min(window.devicePixelRatio || 1, 2);
     for (const line of this.run.header.outlines) {
-      const color = line.dashed ? [...styled("--muted"), 1] : ink;
+      const color = line.dashed ? [...styled("--muted"), 1] : paint(line.color, ink);
       segments.path(line.points, line.closed, color, (line.dashed ? 1 : 2) * ratio);
     }
     const instant = this.shown;
     if (!instant) return segments;
     const d = this.run.header.dimension;
-    for (const mover of instant.movers) {
+    for (const [k, mover] of instant.movers.entries()) {
       const points = Array.from({ length: mover.length / d }, (_, i) => mover.subarray(d * i, d * i + d));
-      segments.path(points, d === 2, ink, 2 * ratio);
+      segments.path(points, d === 2, paint(this.run.header.painted[k], ink), 2 * ratio);
     }
     if (instant.links && choice.links) {
       this.forces(segments, instant.links, ratio);

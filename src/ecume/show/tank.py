@@ -6,7 +6,8 @@ of the setting sees.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import itertools
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -77,7 +78,7 @@ class Setting(NamedTuple):
     dotted: Sequence[Array] = ()
     """sides through which one side is left and the other entered: (2, 2), both ends of each"""
     wires: Sequence[Array] = ()
-    """edges of a tank in space as they are seen, before all particles: (2, 2), both ends of each"""
+    """edges of a tank and of solids in space as they are seen, before all particles: (n, 2) points of each"""
     behind: Sequence[Array] = ()
     """those behind all particles"""
     camera: Array | None = None
@@ -88,6 +89,10 @@ class Setting(NamedTuple):
     """the species from which on particles keep their own colors when others are colored by a quantity"""
     movers: Callable[[Frame], list[Array]] | None = None
     """outlines of what moves beside the particles, (n, 2) each, as many in every frame; in space their edges"""
+    body_colors: Sequence[str] = ()
+    wire_colors: Sequence[str] = ()
+    mover_colors: Sequence[str] = ()
+    """of each body, edge, mover; left out, one for all"""
 
 
 class Coloring(NamedTuple):
@@ -120,7 +125,7 @@ class Tank:
             self.particles = self._particles(axes, sample[0])
             self.time = clock(axes)
             labels(axes, setting.title, setting.kinds if coloring is None else ())
-            wires = [axes.add_line(Line2D(*ends.T, color=RIM, linewidth=0.9, zorder=4)) for ends in setting.wires]
+            wires = draw_wires(axes, setting)
             self.movers = draw_movers(axes, setting, sample[0])
             self.bars = scale_bar(axes, self.view)
             moving: list[Artist] = [self.particles, *self.movers, *wires, *self.bars, self.time]
@@ -258,8 +263,8 @@ def draw_setting(axes: Axes, setting: Setting) -> None:
     if setting.outline is not None:
         axes.add_patch(_patch(setting.outline, facecolor=setting.inside, edgecolor="none", zorder=0))
         axes.add_patch(_patch(setting.outline, facecolor="none", edgecolor=RIM, linewidth=2.0, zorder=2))
-    for body in setting.bodies:
-        axes.add_patch(_patch(body, facecolor=BODY, edgecolor=RIM, linewidth=1.5, zorder=2))
+    for body, color in zip(setting.bodies, each_color(setting.body_colors, BODY), strict=False):
+        axes.add_patch(_patch(body, facecolor=color, edgecolor=RIM, linewidth=1.5, zorder=2))
     for ends in setting.behind:
         axes.add_line(Line2D(*ends.T, color=RIM, linewidth=0.9, zorder=2))
     for ends in setting.gaps:
@@ -271,12 +276,27 @@ def draw_setting(axes: Axes, setting: Setting) -> None:
 
 def draw_movers(axes: Axes, setting: Setting, frame: Frame) -> list[Polygon]:
     """Filled in the plane, wires in space."""
-    look: dict[str, Any] = {"facecolor": BODY if setting.camera is None else "none", "edgecolor": RIM, "zorder": 3.5}
+    flat = setting.camera is None
     outlines = setting.movers(frame) if setting.movers else []
-    patches = [Polygon(outline, closed=True, linewidth=1.2, **look) for outline in outlines]
-    for patch in patches:
-        axes.add_patch(patch)
+    colors = each_color(setting.mover_colors, BODY if flat else RIM)
+    patches = []
+    for outline, color in zip(outlines, colors, strict=False):
+        look = {"facecolor": color, "edgecolor": RIM} if flat else {"facecolor": "none", "edgecolor": color}
+        patches.append(Polygon(outline, closed=True, linewidth=1.2, zorder=3.5, **look))
+        axes.add_patch(patches[-1])
     return patches
+
+
+def draw_wires(axes: Axes, setting: Setting) -> list[Line2D]:
+    """Edges before the particles."""
+    look: dict[str, Any] = {"linewidth": 0.9, "zorder": 4}
+    lines = zip(setting.wires, each_color(setting.wire_colors, RIM), strict=False)
+    return [axes.add_line(Line2D(*points.T, color=color, **look)) for points, color in lines]
+
+
+def each_color(colors: Sequence[str], usual: str) -> Iterable[str]:
+    """Those colors, or without end the usual one."""
+    return colors or itertools.repeat(usual)
 
 
 def _patch(shape: Shape, **look: Any) -> Circle | Polygon:

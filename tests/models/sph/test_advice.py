@@ -9,7 +9,7 @@ from ecume.models.sph.building import material_of
 from ecume.models.sph.record import SPH
 from ecume.scenes.schema import from_plain, to_plain
 
-from .scenes import tank
+from .scenes import free_blob, tank
 
 WARM = {"name": "water", "temperature": "50 degC"}
 
@@ -82,3 +82,9 @@ def test_the_cost_and_the_resolution_are_told():
 
 def test_a_lattice_in_space_has_its_neighbors_counted():
     assert [lattice_neighbors(3, reach) for reach in (1.1, 1.5, 2.0)] == [6, 18, 26]
+
+
+@pytest.mark.parametrize(("walls", "says"), [("mirror", "walls are mirrors"), ("reflect", "walls only reflect")])
+def test_what_holds_the_liquid_is_told(walls, says):
+    assert said(tank(walls=walls))["particles"][1] == says
+    assert said(free_blob())["particles"][1] == "no walls"

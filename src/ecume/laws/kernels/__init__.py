@@ -124,7 +124,7 @@ def kernel(name: str, dim: int = 2) -> Kernel:
     """
     if name not in KERNELS:
         close = difflib.get_close_matches(str(name), KERNELS, n=1)
-        guess = f"; did you mean {close[0]!r}?" if close else ""
+        guess = f"; did you mean {close[0]!r}?" if close else "."
         raise BadInput(f"no kernel is called {name!r}{guess} There are {', '.join(KERNELS)}")
     form = KERNELS[name]
     if dim not in form.normalizations:

@@ -9,7 +9,7 @@ import numpy as np
 
 from ecume.models.advice import LONG, Row, told_duration
 from ecume.models.sph import pacing
-from ecume.models.sph.choosing import smoothing_of, tension_of
+from ecume.models.sph.choosing import sides_of, smoothing_of, tension_of
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.solids import part_of, solids_of
 from ecume.models.sph.substances import told
@@ -52,12 +52,21 @@ def _resolution(scene: SphScene, parameters: Parameters, count: int) -> list[Row
     walls = parameters.boundary.dummies.position.shape[1]
     across, neighbors = particles_across(scene), lattice_neighbors(parameters.dimension, parameters.support / spacing)
     return [
-        ("particles", str(count), f"{walls} more in walls and solids" if walls else "walls are mirrors"),
+        ("particles", str(count), walls_remark(scene, walls)),
         ("resolution", f"{across:.0f} particles", f"across the liquid's smallest extent; {resolution_remark(across)}"),
         ("smoothing length", f"{smoothing:.4g} m", f"{smoothing / spacing:.3g} spacings"),
         ("neighbors", str(neighbors), neighbor_remark(neighbors, parameters.dimension, scene.method.kernel)),
         *thin_solids(scene, parameters),
     ]
+
+
+def walls_remark(scene: SphScene, dummies: int) -> str:
+    """What holds the liquid."""
+    if dummies:
+        return f"{dummies} more in walls and solids"
+    if all(side.kind != "wall" for side in sides_of(scene)):
+        return "no walls"
+    return "walls only reflect" if scene.tank.walls == "reflect" else "walls are mirrors"
 
 
 def thin_solids(scene: SphScene, parameters: Parameters) -> list[Row]:

@@ -31,6 +31,18 @@ def movers_of(scene: Any, camera: Array | None = None) -> Callable[[Frame], list
     return outlines
 
 
+def mover_colors(scene: Any, usual: str, flat: bool) -> list[str]:
+    """Of those lines, in their order: each body's own color, where it has one."""
+    bodies = [body.color or usual for body in scene.bodies for _ in range(lines_of(body, flat))]
+    driven = [side for side in SIDES if getattr(scene.tank, side).motion is not None]
+    return bodies + [usual] * (len(driven) * flat)
+
+
+def lines_of(body: Any, flat: bool) -> int:
+    """How many lines a body is drawn with: a box in space has twelve edges."""
+    return 1 if flat or body.radius is not None else 12
+
+
 def body_lines(body: Any, number: int, frame: Frame, camera: Array | None) -> list[Array]:
     """A body where it is: its outline in the plane; in space a circle, or the edges of a box."""
     shape, at = shape_of(body), {key: value for key, value in frame.numbers.items() if key.startswith(f"body{number}_")}
@@ -40,9 +52,15 @@ def body_lines(body: Any, number: int, frame: Frame, camera: Array | None) -> li
         turn = rotation(at[f"{name}_angle"])
         return [middle + corners(shape) @ turn.T]
     if isinstance(shape, Ball):
-        return [seen(middle[None], camera) + shape.radius * np.column_stack([np.cos(ROUND), np.sin(ROUND)])]
+        return [ball_outline(middle, shape.radius, camera)]
     turn = turned([at[f"{name}_q{part}"] for part in "wxyz"])
     return [seen(middle + edge @ turn.T, camera) for edge in edges(shape)]
+
+
+def ball_outline(middle: Array, radius: float, camera: Array) -> Array:
+    """A ball as it is seen: round from everywhere."""
+    outline: Array = seen(middle[None], camera) + radius * np.column_stack([np.cos(ROUND), np.sin(ROUND)])
+    return outline
 
 
 def shape_of(body: Any) -> Shape:

@@ -13,9 +13,9 @@ from ecume.scenes.faults import suggestion
 from ecume.scenes.sph import SIDES
 from ecume.show.picture import USUAL, Size, Species
 from ecume.show.space import Eye, Wires, wires_of
-from ecume.show.sph.moving import movers_of
-from ecume.show.style import INK, PALETTE
-from ecume.show.tank import Coloring, Round, Setting, Shape, Tank
+from ecume.show.sph.moving import ball_outline, mover_colors, movers_of
+from ecume.show.style import INK, PALETTE, RIM
+from ecume.show.tank import BODY, Coloring, Round, Setting, Shape, Tank
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
@@ -73,13 +73,15 @@ def setting_of(scene: Any) -> Setting:
     return Setting(
         scene.title,
         None if nothing_around else corners,
-        bodies=[outline(shape) for shape in getattr(scene, "obstacles", ())],
+        bodies=[outline(solid) for solid in scene.obstacles],
+        body_colors=[solid.color or BODY for solid in scene.obstacles],
         gaps=[] if nothing_around else of_kind["open"],
         kinds=regions(scene),
         inside=AIR,
         dotted=of_kind["periodic"],
         radius=FULL * scene.spacing,
         movers=movers_of(scene),
+        mover_colors=mover_colors(scene, BODY, flat=True),
         apart=len(scene.fluid),
     )
 
@@ -93,12 +95,28 @@ def setting_in_space(scene: Any, eye: Eye) -> Setting:
     camera = eye.camera()
     around = any(getattr(scene.tank, side).kind != "open" for side in SIDES)
     tank = wires_of(scene.tank.low, scene.tank.high, camera) if around else Wires([], [])
-    solids = [solid for solid in getattr(scene, "obstacles", ()) if solid.low is not None]
-    edges = [edge for solid in solids for part in wires_of(solid.low, solid.high, camera) for edge in part]
+    solids = [(line, solid.color or RIM) for solid in scene.obstacles for line in solid_lines(solid, camera)]
     return Setting(
-        scene.title, None, kinds=regions(scene), inside=AIR, wires=[*tank.front, *edges], behind=tank.behind,
-        camera=camera, radius=FULL * scene.spacing, movers=movers_of(scene, camera), apart=len(scene.fluid),
-    )  # fmt: skip
+        scene.title,
+        None,
+        kinds=regions(scene),
+        inside=AIR,
+        wires=[*tank.front, *(line for line, _ in solids)],
+        wire_colors=[RIM] * len(tank.front) + [color for _, color in solids],
+        behind=tank.behind,
+        camera=camera,
+        radius=FULL * scene.spacing,
+        movers=movers_of(scene, camera),
+        mover_colors=mover_colors(scene, RIM, flat=False),
+        apart=len(scene.fluid),
+    )
+
+
+def solid_lines(solid: Any, camera: Array) -> list[Array]:
+    """An obstacle in space as it is seen: the edges of a box, the outline of a ball."""
+    if solid.radius is not None:
+        return [ball_outline(np.array(solid.center), solid.radius, camera)]
+    return [edge for part in wires_of(solid.low, solid.high, camera) for edge in part]
 
 
 def rectangle(low: Any, high: Any) -> Array:

@@ -19,7 +19,7 @@ from ecume.errors import BadInput
 from ecume.show.style import HEIGHT_COLORS
 from ecume.show.view.bundled import VIEW, data_of, filled, json_of
 from ecume.show.view.chunks import Chunk, pack, quantities
-from ecume.show.view.staging import STAGES, Stage
+from ecume.show.view.staging import STAGES, Line, Stage
 from ecume.trajectories.durable import storing
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import Trajectory, open_trajectory
@@ -126,12 +126,19 @@ def looks(first: Frame, last: Frame, stage: Stage) -> dict[str, Any]:
         "usual": stage.usual if stage.usual in names else "species",
         "numbers": [{"name": name, "unit": first.units.get(name, "1")} for name in first.numbers],
         "shown": [name for name in (*stage.curves, *first.numbers) if name in first.numbers][:2],
-        "outlines": [line._asdict() | {"points": line.points.tolist()} for line in stage.lines],
+        "outlines": [_outline(line) for line in stage.lines],
+        "painted": [None if color is None else hexadecimal(color) for color in stage.mover_colors],
         "sheet": None if stage.surface is None else stage.surface._asdict(),
         "linked": stage.links is not None,
         "widest": stage.widest,
         "maps": {name: color_map(name) for name in sorted({*(one["map"] for one in colorings), "height", "viridis"})},
     }
+
+
+def _outline(line: Line) -> dict[str, Any]:
+    """A line that never moves."""
+    color = None if line.color is None else hexadecimal(line.color)
+    return {"points": line.points.tolist(), "closed": line.closed, "dashed": line.dashed, "color": color}
 
 
 def _with_numbers(first: Frame, last: Frame) -> list[str]:

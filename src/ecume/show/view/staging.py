@@ -27,6 +27,8 @@ from ecume.units import Array
 CELLS = 110
 """Of the surface's picture along its longer side."""
 ROUND = np.linspace(0.0, 2.0 * np.pi, 65)
+BALL_LINES, BOX_LINES = 3, 12
+"""With how many lines a solid is drawn in space."""
 
 
 class Links(Protocol):
@@ -56,6 +58,8 @@ class Line(NamedTuple):
     """(n, d) m"""
     closed: bool = False
     dashed: bool = False
+    color: str | None = None
+    """of a solid that has one of its own"""
 
 
 class Surface(NamedTuple):
@@ -88,6 +92,8 @@ class Stage(NamedTuple):
     lines: Sequence[Line] = ()
     movers: Callable[[Frame], list[Array]] | None = None
     """outlines of what moves, as many points in every frame"""
+    mover_colors: Sequence[str | None] = ()
+    """of each; None or left out, as walls are"""
     inner: Array | None = None
     """(N,) m: radii of the discs inside the outlines of floats with a shape, which are drawn for them"""
     links: Callable[[Frame], Links] | None = None
@@ -153,7 +159,7 @@ def circle(middle: Array, radius: float) -> Array:
 def sph_stage(scene: Any, sample: Sequence[Frame]) -> Stage:
     """The tank, obstacles, bodies, moving sides."""
     low, high = np.array(scene.tank.low), np.array(scene.tank.high)
-    lines = _tank_lines(scene, low, high) + [_solid(one) for one in scene.obstacles]
+    lines = _tank_lines(scene, low, high) + [_painted(_solid(one), one.color) for one in scene.obstacles]
     driven = [side for side in SIDES if getattr(scene.tank, side).motion is not None]
     flat = len(low) == 2
 
@@ -164,8 +170,19 @@ def sph_stage(scene: Any, sample: Sequence[Frame]) -> Stage:
     margin = 0.03 * float((high - low).max())
     return Stage(
         low - margin, high + margin, regions(scene), usual_color(scene), FULL * scene.spacing, _joined(lines),
-        movers if scene.bodies or (driven and flat) else None, curves=("kinetic_energy", "largest_pressure"),
+        movers if scene.bodies or (driven and flat) else None, _mover_colors(scene, low),
+        curves=("kinetic_energy", "largest_pressure"),
     )  # fmt: skip
+
+
+def _mover_colors(scene: Any, low: Array) -> list[str | None]:
+    """Of bodies, line by line; moving sides come after them, and have none."""
+    lines = [1 if len(low) == 2 else BALL_LINES if body.radius is not None else BOX_LINES for body in scene.bodies]
+    return [body.color for body, count in zip(scene.bodies, lines, strict=True) for _ in range(count)]
+
+
+def _painted(lines: list[Line], color: str | None) -> list[Line]:
+    return [line._replace(color=color) for line in lines]
 
 
 def _joined(lines: list[Line | list[Line]]) -> list[Line]:
@@ -200,7 +217,7 @@ def _ball(middle: Array, radius: float) -> list[Line]:
     if len(middle) == 2:
         return [Line(circle(middle, radius), closed=True)]
     flat = np.column_stack([circle(np.zeros(2), radius), np.zeros(len(ROUND))])
-    return [Line(middle + np.roll(flat, turn, axis=1), closed=True) for turn in range(3)]
+    return [Line(middle + np.roll(flat, turn, axis=1), closed=True) for turn in range(BALL_LINES)]
 
 
 def _body(body: Any, number: int, frame: Frame) -> list[Array]:
