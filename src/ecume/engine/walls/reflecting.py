@@ -10,7 +10,7 @@ from ecume.engine.cells import Integers
 from ecume.engine.walls.flight import CAPPED, MOST_EVENTS
 from ecume.engine.walls.passage import fly_all
 from ecume.engine.walls.sheets import GRAIN, SCALE, Sheet, sheet
-from ecume.engine.walls.surfaces import PLANE, Surfaces, described
+from ecume.engine.walls.surfaces import PLANE, Surfaces, described, numbers_of
 from ecume.errors import BadInput
 from ecume.units import Array
 
@@ -62,6 +62,7 @@ def reflect(
     >>> print(position.round(12), velocity, hits)
     [[0.5 0.6]] [[ 0. -1.]] [1]
     """
+    _require_step(dt, walls)
     new, fast, pushed, width = _prepared(position, velocity, acceleration, radius)
     packed = sheet(walls, restitution, tangential)
     _require_inside(new, width, walls, packed)
@@ -92,6 +93,7 @@ def trace(
     >>> trace([(0.9, 0.8)], [(1.0, 1.0)], 0.5, box((0, 0), (1, 1))).surface
     array([2, 3])
     """
+    _require_step(dt, walls)
     started = _prepared(position, velocity, acceleration, radius)
     packed = sheet(walls, restitution, tangential)
     _require_inside(started[0], started[3], walls, packed)
@@ -123,16 +125,23 @@ def _flown(started: Prepared, dt: float, packed: Sheet, log: Any, hits: Integers
     return fate
 
 
+def _require_step(dt: float, walls: Surfaces) -> None:
+    if not isinstance(walls, Surfaces):
+        raise BadInput(f"walls: came {type(walls).__name__}; wanted what box, polygon, planes, disc ... of walls make")
+    if not 0.0 <= dt < np.inf:
+        raise BadInput(f"dt: came {dt!r}; wanted zero or more seconds; reverse velocities to go back in time")
+
+
 def _prepared(position: Any, velocity: Any, acceleration: Any, radius: Any) -> Prepared:
     """Copies in the layout that compiled code wants."""
-    new, fast = np.array(position, np.float64, order="C"), np.array(velocity, np.float64, order="C")
+    new, fast = numbers_of(position, "position"), numbers_of(velocity, "velocity")
     if new.ndim != 2 or new.shape[1] not in (2, 3) or fast.shape != new.shape:
         raise BadInput(f"position, velocity: came shapes {new.shape}, {fast.shape}; wanted (N, 2) or (N, 3) for both")
-    pushed = np.zeros((1, new.shape[1])) if acceleration is None else np.array(acceleration, np.float64, order="C")
+    pushed = np.zeros((1, new.shape[1])) if acceleration is None else numbers_of(acceleration, "acceleration")
     pushed = np.atleast_2d(pushed)
     if pushed.shape not in ((1, new.shape[1]), new.shape):
         raise BadInput(f"acceleration: came shape {pushed.shape}; wanted ({new.shape[1]},) or {new.shape}")
-    width = np.atleast_1d(np.array(radius, np.float64))
+    width = np.atleast_1d(numbers_of(radius, "radius"))
     if width.shape not in ((1,), (len(new),)) or not np.all(width >= 0.0):
         raise BadInput(f"radius: came {radius!r}; wanted a length, or one for each of {len(new)} particles")
     for name, array in (("position", new), ("velocity", fast), ("acceleration", pushed)):

@@ -134,6 +134,9 @@ def opening(walls: Surfaces, number: int, low: Sequence[float], high: Sequence[f
     if corners.shape[1] != walls.dimension or not np.all(corners[0] <= corners[1]):
         raise BadInput(f"opening: came {low!r} and {high!r}; wanted two corners, the lower one first")
     wide = _padded(corners)
+    if not _meets(walls, number, wide):
+        told = described(walls, number)
+        raise BadInput(f"opening: {low!r} to {high!r} has no part in {told}; wanted a part of that surface")
     return walls._replace(
         hole=np.append(walls.hole, np.int64(number)),
         low=np.vstack([walls.low, wide[:1]]),
@@ -207,11 +210,32 @@ def _made(dimension: int, kind: int, place: Array, size: Array, velocity: Array)
     )
 
 
+def _meets(walls: Surfaces, number: int, corners: Array) -> bool:
+    """Whether a surface goes through the box between two corners (2, 3), or touches it but for rounding."""
+    middle, half = corners.mean(axis=0), 0.5 * (corners[1] - corners[0])
+    place, size = walls.place[number], float(walls.size[number])
+    if walls.kind[number] == PLANE:
+        least, most = (float(place @ middle + way * np.abs(place) @ half) for way in (-1.0, 1.0))
+    else:
+        away = np.abs(middle - place)
+        least, most = float(np.linalg.norm(np.maximum(away - half, 0.0))), float(np.linalg.norm(away + half))
+    slack = 1e-9 * (abs(size) + float(np.abs(corners).max()))
+    return least - slack <= size <= most + slack
+
+
 def _rows(given: Any, name: str) -> Array:
-    array = np.atleast_2d(np.array(given, np.float64))
+    array = np.atleast_2d(numbers_of(given, name))
     if array.ndim != 2 or array.shape[1] not in (2, 3) or not np.all(np.isfinite(array)):
         raise BadInput(f"{name}: came an array of shape {array.shape}; wanted finite numbers, (K, 2) or (K, 3)")
     return array
+
+
+def numbers_of(given: Any, name: str) -> Array:
+    """A copy as numbers."""
+    try:
+        return np.array(given, np.float64, order="C")
+    except (TypeError, ValueError) as error:
+        raise BadInput(f"{name}: came {str(given)[:60]}; wanted numbers") from error
 
 
 def _require_shape(array: Array, other: Array, name: str, its: str) -> None:
