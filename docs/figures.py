@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from figures_choices import FIGURES as CHOICE_FIGURES
 from figures_crowds import FIGURES as CROWD_FIGURES
+from figures_fits import FIGURES as FIT_FIGURES
 from figures_floating import FIGURES as FLOATING_FIGURES
 from figures_flows import FIGURES as FLOW_FIGURES
 from figures_many import FIGURES as MANY_FIGURES
@@ -259,6 +260,7 @@ FIGURES: dict[str, Callable[[], Figure]] = {
     "cereal-bowl": cereal_bowl,
     **CHOICE_FIGURES,
     **FLOATING_FIGURES,
+    **FIT_FIGURES,
     **MANY_FIGURES,
     **CROWD_FIGURES,
     **SHAPE_FIGURES,

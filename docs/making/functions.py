@@ -26,8 +26,8 @@ class Chapter(NamedTuple):
 CHAPTERS = {
     "scenes": Chapter("Scenes, runs, trajectories", "From a file to frames, and what is kept of them.", (
         "ecume.scenes.load", "ecume.scenes.schema", "ecume.simulation", "ecume.run", "ecume.trajectories.frame",
-        "ecume.trajectories.reader", "ecume.trajectories.exports", "ecume.sweep", "ecume.citing", "ecume.errors",
-        "ecume.units",
+        "ecume.trajectories.reader", "ecume.trajectories.exports", "ecume.sweep", "ecume.fitting", "ecume.citing",
+        "ecume.errors", "ecume.units",
     )),
     "laws": Chapter("Laws", "The physics: each formula stands here, once, with its paper.", ("ecume.laws",)),
     "analysis": Chapter("Analysis", "From frames to numbers.", ("ecume.analysis",)),

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from ecume.errors import BadInput, Diverged, EcumeError, FloaterSinks, RunExists, SceneError, Stopped, StorageError
+    from ecume.fitting import fit
     from ecume.run import resume
     from ecume.scenes.floating import (
         ContactSpec,
@@ -57,6 +58,7 @@ __all__ = [
     "StorageError",
     "SurfaceEnergies",
     "__version__",
+    "fit",
     "from_plain",
     "load_scene",
     "open_sweep",
@@ -70,6 +72,7 @@ __all__ = [
 
 _HOMES = {
     "ecume.errors": "BadInput Diverged EcumeError FloaterSinks RunExists SceneError Stopped StorageError",
+    "ecume.fitting": "fit",
     "ecume.run": "resume",
     "ecume.scenes.floating": "ContactSpec DishSpec FloatRow FloatSpec FloatingScene InteractionSpec LiquidSpec"
     " MotionSpec SurfaceEnergies",

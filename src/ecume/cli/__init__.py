@@ -10,7 +10,7 @@ from typing import Annotated
 
 import typer
 
-from ecume.cli import benching, pictures, runs, scenes, sweeps, validation, viewing
+from ecume.cli import benching, fits, pictures, runs, scenes, sweeps, validation, viewing
 from ecume.cli.ends import Ending, warned
 
 app = typer.Typer(
@@ -41,7 +41,7 @@ ALONE = (
 )
 """Verbs that make sense by themselves: they list what there is, or mean the run in the current directory."""
 
-MODULES = (scenes, runs, pictures, viewing, sweeps, validation, benching)
+MODULES = (scenes, runs, pictures, viewing, sweeps, fits, validation, benching)
 for verb in (verb for module in MODULES for verb in module.VERBS):
     app.command(no_args_is_help=verb not in ALONE)(verb)
 

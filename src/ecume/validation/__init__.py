@@ -59,6 +59,9 @@ CASES: dict[str, Case] = {
         _case("cavity", "A square driven by its lid, against corrected tables", long=True),
         _case("patch", "A spinning square of liquid: negative pressure, held together by shifting"),
         _case("drops", "Drops that are stretched and that swing, against exact motions", long=True),
+        _case(
+            "fitting", "Parameters from noisy tracks: how often 95 % intervals hold the truth, in 100 fits", long=True
+        ),
         _case("rest", "Sixty cereals rest after ten minutes, in milk and in syrup", long=True),
     )
 }

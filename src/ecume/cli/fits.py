@@ -1,0 +1,131 @@
+"""The verb fit."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from ecume.cli.ends import say
+from ecume.cli.runs import Quiet
+from ecume.cli.tables import print_table
+from ecume.errors import BadInput
+
+if TYPE_CHECKING:
+    from ecume.fitting import Estimate, Fit
+
+FITS = Path("fits")
+"""Where fits go when nobody says: `fits/beads` for `beads.csv`."""
+
+
+def in_unit(text: str, unit: str, option: str) -> float:
+    """A positive quantity from the command line. Raises BadInput."""
+    from ecume.units import Unit
+
+    try:
+        value = Unit(unit).number(float(text) if text.replace(".", "", 1).isdigit() else text)
+    except ValueError as fault:
+        raise BadInput(f"{option}: {fault}") from None
+    if not value > 0.0:
+        raise BadInput(f"{option}: came {text}; wanted more than zero")
+    return value
+
+
+def fit(
+    tracks: Annotated[
+        Path,
+        typer.Argument(metavar="TRACKS", help="A table: x, y, t, id, or of trackpy or TrackMate.", show_default=False),
+    ],
+    scene: Annotated[
+        Path, typer.Option("--scene", metavar="SCENE", help="What is fitted to them.", show_default=False)
+    ],
+    free: Annotated[
+        str,
+        typer.Option(
+            "--free", metavar="KEY,KEY", help="Its numbers that are not known, such as viscosity.", show_default=False
+        ),
+    ],
+    pixel: Annotated[
+        str | None, typer.Option("--pixel", metavar="SIZE", help="Of one pixel: '20 um'.", show_default=False)
+    ] = None,
+    rate: Annotated[
+        float | None,
+        typer.Option("--rate", min=1e-6, max=1e9, metavar="N", help="Frames a second.", show_default=False),
+    ] = None,
+    origin: Annotated[
+        tuple[float, float],
+        typer.Option("--origin", metavar="X Y", help="Where the scene's origin is, in the table's units."),
+    ] = (0.0, 0.0),
+    start: Annotated[
+        str,
+        typer.Option(
+            "--start", metavar="WHAT", help="What is fitted along: positions, moving (velocities too), scene."
+        ),
+    ] = "positions",
+    out: Annotated[
+        Path | None,
+        typer.Option("-o", "--out", metavar="DIR", help="Left out, fits/NAME for NAME.csv.", show_default=False),
+    ] = None,
+    quiet: Quiet = False,
+) -> None:
+    """Fit a scene's parameters to measured tracks, with 95 % intervals, and say what the tracks do not determine.
+
+    Writes the fitted scene, the numbers and a figure of the residuals.
+
+    Examples: `ecume fit beads.csv --scene two-spheres.toml --free contact_angle,viscosity`
+    · `ecume fit spots.csv --scene two-spheres.toml --free viscosity --pixel "20 um" --rate 25`
+    """
+    from ecume.fitting import Camera
+    from ecume.fitting import fit as fitted
+
+    camera = Camera(in_unit(pixel, "m", "--pixel") if pixel is not None else None, rate, origin)
+    names = [name.strip() for name in free.split(",")]
+    found = fitted(tracks, scene, names, start=start, camera=camera)
+    directory = out or FITS / tracks.stem
+    keep(found, directory)
+    if not quiet:
+        print_table(("", "value", "95 % interval", "unit"), map(_told, [*found.estimates, *found.derived]))
+        typer.echo(f"{found.noise * 1e6:.3g} um of noise; {directory} has the fitted scene, and a figure")
+    for remark in found.remarks:
+        say(remark)
+
+
+def _told(one: Estimate) -> tuple[str, str, str, str]:
+    interval = f"{one.low:.4g} to {one.high:.4g}" if one.determined else "not determined"
+    return one.name, f"{one.value:.4g}", interval, one.unit
+
+
+def keep(found: Fit, directory: Path) -> None:
+    """Write what a fit came to: `fitted.toml`, `fit.json` and `residuals.png`."""
+    from ecume.run.directory import as_json
+    from ecume.scenes.schema import to_toml
+    from ecume.show.fits import fit_figure
+    from ecume.show.style import save
+    from ecume.trajectories.durable import storing, write_whole
+
+    with storing(directory):
+        directory.mkdir(parents=True, exist_ok=True)
+    write_whole(directory / "fitted.toml", to_toml(found.scene))
+    write_whole(directory / "fit.json", as_json(plain_of(found)))
+    save(fit_figure(found), directory / "residuals.png")
+
+
+def plain_of(found: Fit) -> dict[str, Any]:
+    """The numbers of a fit; what is undetermined has no interval."""
+
+    def told(one: Estimate) -> dict[str, Any]:
+        interval = [one.low, one.high] if one.determined else None
+        return {"name": one.name, "value": one.value, "interval": interval, "unit": one.unit}
+
+    return {
+        "estimates": [told(one) for one in found.estimates],
+        "derived": [told(one) for one in found.derived],
+        "noise": found.noise,
+        "objects": list(found.tracks.names),
+        "remarks": found.remarks,
+        "rounds": found.rounds,
+    }
+
+
+VERBS = (fit,)

@@ -1,0 +1,10 @@
+"""Parameters of a scene from measured tracks: least squares over simulations, with confidence intervals.
+
+fit = ecume.fit("tracks.csv", "two-beads.toml", ["contact_angle", "viscosity"])
+print(fit.estimates)
+"""
+
+from ecume.fitting.estimating import Estimate, Fit, fit
+from ecume.fitting.tracks import Camera, Tracks, read_tracks
+
+__all__ = ["Camera", "Estimate", "Fit", "Tracks", "fit", "read_tracks"]

@@ -1,0 +1,188 @@
+"""A fit from its tracks to its estimates."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ecume.errors import BadInput
+from ecume.fitting.free import Free, free_parameters
+from ecume.fitting.quantities import Quantity, quantities_of
+from ecume.fitting.solving import STEP, Certainty, Solution, certainty, solved
+from ecume.fitting.starts import first_frame, first_seen, first_speeds, keeps_kinds, matched
+from ecume.fitting.tracks import Camera, Tracks, read_tracks
+from ecume.fitting.trial import STARTS, Problem, origin, residuals, scene_at, simulated, timed, values_at
+from ecume.scenes.faults import suggestion
+from ecume.scenes.load import load_scene
+from ecume.scenes.schema import Scene, from_plain, to_plain
+from ecume.units import Array
+
+MEMORY = 0.5
+"""The correlation of neighboring residuals beyond which they are no noise."""
+SHOWN = 0.1
+"""The least power that is told of a parameter in a combination."""
+
+
+class Estimate(NamedTuple):
+    """A number with its 95 percent interval; without one where the tracks do not determine it."""
+
+    name: str
+    value: float
+    low: float
+    high: float
+    unit: str
+
+    @property
+    def determined(self) -> bool:
+        """Whether the tracks say anything of it."""
+        return math.isfinite(self.high)
+
+
+class Fit(NamedTuple):
+    """What a fit came to."""
+
+    scene: Scene
+    """with what was fitted"""
+    estimates: list[Estimate]
+    """of the parameters that were free"""
+    derived: list[Estimate]
+    """of what follows from them"""
+    noise: float
+    """m: the standard deviation of what is left of each measured number"""
+    remarks: list[str]
+    tracks: Tracks
+    """in the order of the scene's particles"""
+    simulated: Array
+    """(T, N, 2) m, at the times of the tracks"""
+    rounds: int
+
+
+def fit(
+    tracks: Tracks | str | os.PathLike[str],
+    scene: Scene | str | Path,
+    free: Sequence[str],
+    *,
+    start: str = "positions",
+    camera: Camera = Camera(),  # noqa: B008  # it cannot change
+) -> Fit:
+    """The parameters of a scene with which its simulation is nearest to tracks, by least squares.
+
+    `free` are keys such as `contact_angle`, or paths such as `floats[0].radius`; the scene says where they begin, and
+    all else. `start` is what is fitted along: `positions` of everyone at the first instant, `moving` for velocities as
+    well, `scene` for nothing. Noise is taken to be the same for all measured numbers, and independent.
+    """
+    measured = tracks if isinstance(tracks, Tracks) else read_tracks(tracks, camera)
+    asked = load_scene(scene) if isinstance(scene, (str, Path)) else scene
+    problem = posed(measured, to_plain(asked), free, start)
+    simulated(scene_at(problem, origin(problem)), measured.times)  # what is wrong with the beginning is told as it is
+    solution = solved(lambda at: residuals(problem, at), origin(problem))
+    return concluded(problem, solution)
+
+
+def posed(measured: Tracks, plain: dict[str, Any], names: Sequence[str], start: str) -> Problem:
+    """The problem that a fit solves. Raises BadInput where the tracks do not fit the scene."""
+    if start not in STARTS:
+        raise BadInput(f"start: no such choice as {start!r}; {suggestion(start, STARTS)}")
+    free = free_parameters(plain, names)
+    plain = timed(plain, measured)
+    frame = first_frame(from_plain(plain))
+    found = start != "scene"
+    if not (found and keeps_kinds(plain) and len(measured.names) == len(frame.arrays["position"])):
+        measured = matched(measured, frame, centered=found)
+    there = first_seen(measured) if found else frame.arrays["position"]
+    seen = measured.position[np.isfinite(measured.position[:, :, 0])]
+    reach = float(np.ptp(seen, axis=0).max())
+    problem = Problem(plain, free, measured, start, reach, there, first_speeds(measured))
+    if (numbers := 2 * int(problem.seen.sum())) <= len(origin(problem)):
+        raise BadInput(f"{numbers} measured numbers are too few to fit {len(origin(problem))}")
+    return problem
+
+
+def concluded(problem: Problem, solution: Solution) -> Fit:
+    """The result of a solved problem."""
+    scene, at = scene_at(problem, solution.coordinates), solution.coordinates
+    sure = certainty(solution, len(problem.free))
+    there = simulated(scene, problem.tracks.times)
+    estimates = [_estimate(problem.free[n], float(at[n]), sure, n) for n in range(len(problem.free))]
+    derived = derived_estimates(problem, at, sure)
+    noise = solution.noise * problem.reach
+    remarks = [*_unsure(problem, at, sure), *_left(problem, there - problem.tracks.position)]
+    if not solution.converged:
+        remarks.insert(0, f"the fit had not settled after {solution.rounds} rounds; begin nearer")
+    return Fit(scene, estimates, derived, noise, remarks, problem.tracks, there, solution.rounds)
+
+
+def _estimate(free: Free, at: float, sure: Certainty, number: int) -> Estimate:
+    """A parameter; its interval is worked out on the scale on which it moves."""
+    unit = np.zeros(sure.directions.shape[1])
+    unit[number] = 1.0
+    off = sure.quantile * sure.error_of(unit)
+    if not math.isfinite(off):
+        return Estimate(free.name, free.at(at), 0.0, math.inf, free.unit)
+    return Estimate(free.name, free.at(at), free.at(at - off), free.at(at + off), free.unit)
+
+
+def derived_estimates(problem: Problem, at: Array, sure: Certainty) -> list[Estimate]:
+    """What follows from the parameters, by the slopes of its logarithms."""
+    here = quantities_of(scene_at(problem, at))
+    count = len(problem.free)
+    slopes = np.zeros((len(here), count))
+    for number, unit in enumerate(np.eye(len(at))[:count]):
+        there = quantities_of(scene_at(problem, at + STEP * unit))
+        slopes[:, number] = [math.log(moved.value / one.value) / STEP for one, moved in zip(here, there, strict=True)]
+    return [_derived(one, slope, sure) for one, slope in zip(here, slopes, strict=True)]
+
+
+def _derived(quantity: Quantity, slope: Array, sure: Certainty) -> Estimate:
+    name, value, unit = quantity
+    if not np.any(np.abs(slope) > 1e-9):
+        return Estimate(name, value, value, value, unit)
+    off = sure.quantile * sure.error_of(slope)
+    if not math.isfinite(off):
+        return Estimate(name, value, 0.0, math.inf, unit)
+    return Estimate(name, value, value * math.exp(-off), value * math.exp(off), unit)
+
+
+def _unsure(problem: Problem, at: Array, sure: Certainty) -> list[str]:
+    """Which combinations of the parameters the tracks do not determine, and which they do."""
+    loose, count = ~sure.determined, len(sure.errors)
+    if not loose.any():
+        return []
+    told = (
+        f"the tracks determine {count - int(loose.sum())} of {count} combinations; "
+        f"undetermined: {'; '.join(_combination(problem, at, row) for row in sure.directions[loose])}"
+    )
+    known = [
+        f"{_combination(problem, at, row)} to {100.0 * sure.quantile * error:.2g} %"
+        for row, error in zip(sure.directions[~loose], sure.errors[~loose], strict=True)
+    ]
+    return [told, *([f"determined: {'; '.join(known)}"] if known else []), "hold one of them fixed to know the others"]
+
+
+def _combination(problem: Problem, at: Array, direction: Array) -> str:
+    """A direction as a product of powers: its logarithm changes along it, and not across it.
+
+    The logarithm of p1^a p2^b has the slopes a and b in ln(p); one coordinate's slope is a part of ln(p)'s.
+    """
+    values = values_at(problem, at)
+    powers = [part / free.steepness(value) for part, free, value in zip(direction, problem.free, values, strict=True)]
+    largest = max(powers, key=abs)
+    shares = [(free.name, power / largest) for free, power in zip(problem.free, powers, strict=True)]
+    shown = [(name, share) for name, share in shares if abs(share) >= SHOWN]
+    return " ".join(name if abs(share - 1.0) < 5e-3 else f"{name}^{share:.2g}" for name, share in shown)
+
+
+def _left(problem: Problem, left: Array) -> list[str]:
+    """A remark where residuals hang together in time: then the scene misses something, and intervals are too narrow."""
+    seen = problem.seen
+    both = seen[1:] & seen[:-1]
+    one, other = left[:-1][both].ravel(), left[1:][both].ravel()
+    size = float(np.sqrt(np.sum(one**2) * np.sum(other**2)))
+    if len(one) < 20 or size == 0.0 or float(np.sum(one * other)) / size < MEMORY:
+        return []
+    return ["what is left is no noise, it hangs together in time: the scene misses something; intervals are too narrow"]

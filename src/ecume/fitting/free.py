@@ -1,0 +1,137 @@
+"""Parameters that are fitted: where they stand in a scene, and on which scale they move.
+
+What is positive moves by ratios, an angle between its two ends: so a fit never leaves what is possible.
+"""
+
+from __future__ import annotations
+
+import math
+import typing
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
+
+from ecume.errors import BadInput
+from ecume.scenes.faults import Path, read_path, suggestion, value_at, written
+from ecume.scenes.overrides import KEY, put
+from ecume.scenes.schema import SCENES
+from ecume.units import Unit
+
+ANGLE = "contact_angle"
+MOST = 20
+
+
+class Free(NamedTuple):
+    """One parameter: its name, all the places in the scene that share it, and where it starts."""
+
+    name: str
+    paths: tuple[Path, ...]
+    value: float
+    unit: str
+
+    @property
+    def angle(self) -> bool:
+        """Whether it lies between 0 and pi."""
+        return self.paths[0][-1] == ANGLE
+
+    def coordinate(self, value: float) -> float:
+        """On the scale on which it moves: ln(p), for an angle ln(p/(pi - p)).
+
+        >>> free = Free("x", (("liquid", "viscosity"),), 2.0, "Pa*s")
+        >>> round(free.at(free.coordinate(2.0)), 12)
+        2.0
+        """
+        return math.log(value / (math.pi - value)) if self.angle else math.log(value)
+
+    def at(self, coordinate: float) -> float:
+        """The parameter there; far beyond anything physical it stays where it is a number."""
+        bounded = min(max(coordinate, -300.0), 300.0)
+        return math.pi / (1.0 + math.exp(-bounded)) if self.angle else math.exp(bounded)
+
+    def steepness(self, value: float) -> float:
+        """How much ln(p) changes with the coordinate."""
+        return 1.0 - value / math.pi if self.angle else 1.0
+
+
+def free_parameters(plain: Mapping[str, Any], names: Sequence[str]) -> list[Free]:
+    """The parameters of these names, or paths such as `floats[0].radius`. Raises BadInput where there is none."""
+    if not names or len(names) > MOST:
+        raise BadInput(f"free: came {len(names)} parameters; wanted 1 to {MOST}, such as contact_angle,viscosity")
+    found = [_free(plain, name) for name in names]
+    places = [path for free in found for path in free.paths]
+    twice = next((path for path in places if places.count(path) > 1), None)
+    if twice is not None:
+        raise BadInput(f"free: {written(twice)} is named twice")
+    return found
+
+
+def _free(plain: Mapping[str, Any], name: str) -> Free:
+    there = KEY.fullmatch(name) is not None and value_at(plain, read_path(name), None) is not None
+    paths = (read_path(name),) if there else tuple(_places(plain, name))
+    if not paths:
+        raise BadInput(f"free: the scene has no number {name!r}; {suggestion(name, sorted(_numbers(plain)))}")
+    values = {value_at(plain, path, None) for path in paths}
+    if len(values) > 1:
+        raise BadInput(f"free: {name} is not the same everywhere; say which: {', '.join(map(written, paths))}")
+    (value,) = values
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        raise BadInput(f"free: {name} came {value!r}; wanted a parameter that is a number")
+    if value <= 0.0 or (paths[0][-1] == ANGLE and value >= math.pi):
+        raise BadInput(f"free: {name} starts at {value:g}; give it a start above zero (an angle below 180 deg)")
+    return Free(name, paths, float(value), unit_of(plain, paths[0]))
+
+
+def _places(plain: Mapping[str, Any], name: str) -> list[Path]:
+    """Where a short name stands: in the lists of a scene, which are its particles, before its tables."""
+    found = [path for path in _numbered(plain) if path[-1] == name]
+    listed = [path for path in found if any(isinstance(key, int) for key in path)]
+    return listed or found[:1]
+
+
+def _numbers(plain: Mapping[str, Any]) -> set[str]:
+    return {str(path[-1]) for path in _numbered(plain)}
+
+
+def _numbered(value: Any, path: Path = ()) -> Iterator[Path]:
+    """The paths of all numbers that have a name."""
+    if isinstance(value, Mapping):
+        for key, item in value.items():
+            yield from _numbered(item, (*path, key))
+    elif isinstance(value, (list, tuple)):
+        for place, item in enumerate(value):
+            if isinstance(item, Mapping):
+                yield from _numbered(item, (*path, place))
+    elif isinstance(value, (int, float)) and not isinstance(value, bool):
+        yield path
+
+
+def unit_of(plain: Mapping[str, Any], path: Path) -> str:
+    """The SI unit that the schema knows for a place in a scene."""
+    if path[-1] == ANGLE:
+        return "rad"
+    kind: Any = SCENES[plain["model"]]
+    for key in path:
+        kind = _below(kind, key)
+    return next((mark.symbol for mark in _marks(kind) if isinstance(mark, Unit)), "1")
+
+
+def _below(kind: Any, key: str | int) -> Any:
+    """The annotation one key further down."""
+    if isinstance(key, int):
+        return next(part for part in typing.get_args(kind) if part is not ...)
+    piece = next((part for part in (kind, *typing.get_args(kind)) if hasattr(part, "__dataclass_fields__")), None)
+    return typing.get_type_hints(piece, include_extras=True).get(key) if piece is not None else None
+
+
+def _marks(kind: Any) -> Iterator[Any]:
+    """All that annotations say, however deep."""
+    for part in typing.get_args(kind):
+        yield part
+        yield from _marks(part)
+
+
+def with_values(plain: dict[str, Any], free: Sequence[Free], values: Sequence[float]) -> dict[str, Any]:
+    """Put values into a scene's plain data, which it changes and gives back."""
+    for parameter, value in zip(free, values, strict=True):
+        for path in parameter.paths:
+            put(plain, path, float(value))
+    return plain

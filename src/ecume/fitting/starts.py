@@ -1,0 +1,84 @@
+"""Where the objects of tracks start in a scene, and which particle each of them is."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from scipy.optimize import linear_sum_assignment
+
+from ecume.errors import BadInput
+from ecume.fitting.tracks import Tracks
+from ecume.simulation import simulate
+from ecume.trajectories.frame import Frame
+from ecume.units import Array
+
+FIRST = 5
+"""Instants from which the speed at the start is guessed."""
+
+
+def first_frame(scene: Any) -> Frame:
+    """The scene's own start."""
+    frame = next(simulate(scene))
+    if frame.arrays["position"].shape[1] != 2:
+        raise BadInput("tracks are of particles in a plane; the scene's move in space")
+    return frame
+
+
+def matched(tracks: Tracks, frame: Frame, *, centered: bool) -> Tracks:
+    """The tracks in the order of the scene's particles: each is the one that starts nearest to it.
+
+    `centered`: but for a shift of all of them together. Raises BadInput unless there are as many.
+    """
+    there = frame.arrays["position"]
+    if len(there) != len(tracks.names):
+        raise BadInput(f"there are {len(tracks.names)} tracks and {len(there)} particles in the scene; wanted as many")
+    seen = first_seen(tracks)
+    if centered:
+        there, seen = there - there.mean(axis=0), seen - seen.mean(axis=0)
+    apart = np.linalg.norm(there[:, None] - seen[None], axis=2)
+    order = linear_sum_assignment(apart**2)[1]
+    return Tracks(tuple(tracks.names[place] for place in order), tracks.times, tracks.position[:, order])
+
+
+def first_seen(tracks: Tracks) -> Array:
+    """(N, 2) m: where each object was seen first."""
+    seen = np.isfinite(tracks.position[:, :, 0])
+    return np.array([tracks.position[np.argmax(seen[:, n]), n] for n in range(len(tracks.names))])
+
+
+def first_speeds(tracks: Tracks) -> Array:
+    """(N, 2) m/s: the slopes of straight lines through the first instants of each object."""
+    return np.array([_slope(tracks.times, tracks.position[:, n]) for n in range(len(tracks.names))])
+
+
+def _slope(times: Array, position: Array) -> Array:
+    seen = np.flatnonzero(np.isfinite(position[:, 0]))[:FIRST]
+    if len(seen) < 2:
+        return np.zeros(2)
+    return np.asarray(np.polyfit(times[seen], position[seen], 1)[0])
+
+
+def start_at(plain: dict[str, Any], position: Array, velocity: Array | None) -> dict[str, Any]:
+    """Let the floats of a scene's plain data start there; changes the data and gives it back."""
+    if plain["model"] != "floating":
+        raise BadInput(f"where particles of the model {plain['model']} start is the scene's to say: --start scene")
+    places = iter(range(len(position)))
+    for species in plain["floats"]:
+        mine = [next(places) for _ in range(species["count"])]
+        species |= {"placement": "random", "spacing": None, "ring_radius": None}
+        species["positions"] = position[mine].tolist()
+        if velocity is not None:
+            species["velocities"] = velocity[mine].tolist()
+    for row in plain["rows"]:
+        place = next(places)
+        row |= dict(zip("xy", position[place].tolist(), strict=True))
+        if velocity is not None:
+            row |= dict(zip(("vx", "vy"), velocity[place].tolist(), strict=True))
+    return plain
+
+
+def keeps_kinds(plain: Mapping[str, Any]) -> bool:
+    """Whether all particles of the scene are equal."""
+    return len(plain.get("floats", ())) + len(plain.get("rows", ())) == 1

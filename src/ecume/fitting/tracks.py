@@ -1,0 +1,212 @@
+"""Measured tracks: who was where and when, from the tables that tracking programs write.
+
+Columns are known by their heads: plain `x, y, t, id`, trackpy's `x, y, frame, particle`, TrackMate's `POSITION_X,
+POSITION_Y, POSITION_T or FRAME, TRACK_ID` with three more lines of heads, and those of `ecume export --to csv`. Other
+columns are left alone.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+import os
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from ecume.errors import BadInput
+from ecume.scenes.faults import echo
+from ecume.scenes.files import text_of
+from ecume.units import Array, factor
+
+MOST_BYTES = 256 * 2**20
+NAMES = {
+    "x": ("x", "position_x"),
+    "y": ("y", "position_y"),
+    "time": ("t", "time", "position_t"),
+    "frame": ("frame",),
+    "object": ("track_id", "particle", "track", "object", "id"),
+}
+"""What a column may be called, in small letters; the first that is there is taken."""
+HEAD = re.compile(r"\s*([^\[\](),;]*?)\s*(?:[\[(]\s*([^\[\]()]*?)\s*[\])])?\s*")
+UNITS = {"micron": "um", "microns": "um", "µm": "um", "sec": "s", "msec": "ms"}
+"""Words of TrackMate and ImageJ that are no units of ours."""
+PIXELS = ("pixel", "pixels", "px")
+FRAMES = ("frame", "frames")
+NOBODY = ("", "none", "nan")
+"""What stands in place of a track's number where a spot belongs to none."""
+
+
+class Camera(NamedTuple):
+    """What turns pixels into meters and frames into seconds; nothing, where the table says it itself."""
+
+    pixel: float | None = None
+    """m"""
+    rate: float | None = None
+    """frames a second"""
+    origin: tuple[float, float] = (0.0, 0.0)
+    """where the scene's origin is, in the units of the table"""
+
+
+class Tracks(NamedTuple):
+    """Where each object was at each instant."""
+
+    names: tuple[str, ...]
+    """of the objects, as the table has them"""
+    times: Array
+    """(T,) s, from the first instant on"""
+    position: Array
+    """(T, N, 2) m; not a number where an object was not seen"""
+
+
+class Column(NamedTuple):
+    """A column: its place, and what its numbers are multiplied with to be SI."""
+
+    place: int
+    scale: float
+
+
+def read_tracks(path: str | os.PathLike[str], camera: Camera = Camera()) -> Tracks:  # noqa: B008  # it cannot change
+    """The tracks of a table. Raises BadInput with what is wrong with it."""
+    file = Path(path)
+    try:
+        rows = _rows(text_of(file, MOST_BYTES))
+        columns, body = _columns(rows, camera)
+        return _gathered(_spots(body, columns), camera.origin, columns["x"].scale)
+    except ValueError as fault:
+        raise BadInput(f"{file}: {fault}") from None
+
+
+def _rows(text: str) -> list[tuple[int, list[str]]]:
+    """The cells of each line that has any, with its number."""
+    first = next((line for line in text.splitlines() if line.strip() and not line.startswith("#")), "")
+    reader = csv.reader(io.StringIO(text, newline=""), delimiter=max(",;\t", key=first.count), strict=True)
+    try:
+        found = [(reader.line_num, row) for row in reader if any(map(str.strip, row)) and not row[0].startswith("#")]
+    except csv.Error as error:
+        raise ValueError(f"line {reader.line_num}: {error}") from None
+    if not found:
+        raise ValueError("is empty; wanted a table with the columns x, y, t and id")
+    return found
+
+
+def _columns(
+    rows: list[tuple[int, list[str]]], camera: Camera
+) -> tuple[dict[str, Column], list[tuple[int, list[str]]]]:
+    """The columns that count, and the lines below the heads."""
+    heads = [HEAD.fullmatch(cell[:200]) for cell in rows[0][1]]
+    words = [match[1].lower() if match else "" for match in heads]
+    places = {kind: _place(words, known) for kind, known in NAMES.items()}
+    missing = [kind for kind in ("x", "y", "object") if places[kind] is None]
+    missing += ["t or frame"] if places["time"] is None and places["frame"] is None else []
+    if missing:
+        raise ValueError(
+            f"there is no column {', '.join(missing)}; wanted x, y, t and id, or what trackpy and TrackMate write"
+        )
+    body = rows[1:]
+    units = [(match[2] or "") if match else "" for match in heads]
+    if "POSITION_X" in rows[0][1]:
+        body, units = _trackmate(body, units)
+    return _scaled({kind: place for kind, place in places.items() if place is not None}, units, camera), body
+
+
+def _place(words: Sequence[str], known: Sequence[str]) -> int | None:
+    return next((words.index(name) for name in known if name in words), None)
+
+
+def _trackmate(body: list[tuple[int, list[str]]], units: list[str]) -> tuple[list[tuple[int, list[str]]], list[str]]:
+    """TrackMate repeats its heads in words, twice, and then writes units; each of the three lines may be missing."""
+    for _ in range(3):
+        if body and not any(re.fullmatch(r"[0-9]+", cell) for cell in body[0][1]):
+            given = [HEAD.fullmatch(cell[:200]) for cell in body[0][1]]
+            if any(match and match[2] for match in given):
+                units = [(match[2] or "") if match else "" for match in given]
+            body = body[1:]
+    return body, units
+
+
+def _scaled(places: Mapping[str, int], units: Sequence[str], camera: Camera) -> dict[str, Column]:
+    """Each column with its scale. Raises ValueError where the camera has to say it and does not."""
+    counted = "time" not in places
+    time = places["frame"] if counted else places["time"]
+    seconds = _time_scale("frame" if counted else _unit(units, time), camera)
+    found = {"time": Column(time, seconds), "object": Column(places["object"], 0.0)}
+    for axis in ("x", "y"):
+        unit = _unit(units, places[axis]) or ("pixel" if counted or camera.pixel is not None else "m")
+        found[axis] = Column(places[axis], _length_scale(unit, camera))
+    return found
+
+
+def _unit(units: Sequence[str], place: int) -> str:
+    word = units[place] if place < len(units) else ""
+    return UNITS.get(word, word)
+
+
+def _time_scale(unit: str, camera: Camera) -> float:
+    if unit.lower() in FRAMES or (not unit and camera.rate is not None):
+        if camera.rate is None:
+            raise ValueError("times are counted in frames; say how many there are in a second: --rate 25")
+        return 1.0 / camera.rate
+    return factor(unit, "s") if unit else 1.0
+
+
+def _length_scale(unit: str, camera: Camera) -> float:
+    if unit.lower() in PIXELS:
+        if camera.pixel is None:
+            raise ValueError("positions are in pixels; say how large one is: --pixel '20 um'")
+        return camera.pixel
+    return factor(unit, "m")
+
+
+Spot = tuple[str, float, float, float]
+"""Who, when (s), and where (m)."""
+
+
+def _spots(body: Sequence[tuple[int, list[str]]], columns: Mapping[str, Column]) -> list[Spot]:
+    """Every line that belongs to an object."""
+    found = []
+    for number, row in body:
+        if len(row) <= max(column.place for column in columns.values()):
+            raise ValueError(f"line {number}: {len(row)} cells are fewer than in the head")
+        who = row[columns["object"].place].strip()
+        if who.lower() not in NOBODY:
+            when, x, y = (_number(number, kind, row, columns[kind]) for kind in ("time", "x", "y"))
+            found.append((_named(who), when, x, y))
+    if not found:
+        raise ValueError("there are no positions below the head")
+    return found
+
+
+def _named(who: str) -> str:
+    """Pandas writes whole numbers of objects as `3.0`."""
+    return who[:-2] if re.fullmatch(r"[0-9]+\.0", who) else who
+
+
+def _number(line: int, kind: str, row: Sequence[str], column: Column) -> float:
+    cell = row[column.place].strip()
+    try:
+        value = float(cell) * column.scale
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise ValueError(f"line {line}, {kind}: came {echo(cell)}; wanted a number")
+    return value
+
+
+def _gathered(spots: Sequence[Spot], origin: tuple[float, float], scale: float) -> Tracks:
+    """Spots by instant and object."""
+    names = sorted({who for who, *_ in spots}, key=lambda name: (len(name), name))
+    times, rows = np.unique([when for _, when, _, _ in spots], return_inverse=True)
+    position = np.full((len(times), len(names), 2), np.nan)
+    column = {name: place for place, name in enumerate(names)}
+    for row, (who, when, x, y) in zip(rows, spots, strict=True):
+        if not math.isnan(position[row, column[who], 0]):
+            raise ValueError(f"object {who} is in two places at t = {when:g} s")
+        position[row, column[who]] = x - origin[0] * scale, y - origin[1] * scale
+    if len(times) < 3:
+        raise ValueError(f"there are only {len(times)} instants; motion shows in three or more")
+    return Tracks(tuple(names), times - times[0], position)
