@@ -39,13 +39,14 @@ def load_scene(path_or_text: str | File, overrides: Sequence[str] = ()) -> Scene
     source = source_of(path_or_text)
     raw = _parsed(source)
     changed, faults = overridden(raw, overrides)
-    faults += sources_followed(raw, source.folder)
+    dry = sources_followed(raw, source.folder)
     rows = rows_from(raw, source.folder)
     if rows.plain and not rows.faults:
         raw["rows"] = rows.plain
     scene, found = examined(raw, also=SOURCES)
-    # Without its rows a scene has nothing afloat, which is no fault of its own.
-    faults += rows.faults + rows.told([fault for fault in found if not (rows.faults and fault[0] == ("floats",))])
+    # Without its rows a scene has nothing afloat, without its file a region has no shape: no faults of their own.
+    excused = {path[:-1] or ("fluid",) for path, _ in dry} | ({("floats",)} if rows.faults else set())
+    faults += dry + rows.faults + rows.told([fault for fault in found if fault[0] not in excused])
     if scene is None or faults:
         raise SceneError(_placed(source, faults, changed), source.name)
     return scene

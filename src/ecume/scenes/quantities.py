@@ -36,12 +36,14 @@ LONGEST_NAME = 60
 MOST_PARTICLES = 100_000_000
 MOST_FRAMES = 10_000_000
 MOST_STEPS = 100_000_000_000
+FARTHEST = 1e3
+"""m, from the origin."""
 
 Size = Annotated[Length, Field(gt=0.0, le=1e3)]
 Radius = Annotated[Length, Field(ge=1e-8, le=1e3)]
 Undulation = Annotated[Length, Field(ge=0.0, le=1e-2)]
 Direction = Annotated[Angle, Field(ge=-1e3, le=1e3)]
-Coordinate = Annotated[Length, Field(ge=-1e3, le=1e3)]
+Coordinate = Annotated[Length, Field(ge=-FARTHEST, le=FARTHEST)]
 Velocity = Annotated[Speed, Field(ge=-1e3, le=1e3)]
 Duration = Annotated[Time, Field(gt=0.0, le=1e10)]
 PositiveDensity = Annotated[Density, Field(ge=1e-3, le=1e5)]

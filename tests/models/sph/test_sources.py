@@ -84,8 +84,9 @@ def test_a_table_that_gives_densities_is_believed(tmp_path):
 def test_a_table_of_no_use_is_refused_at_its_line(tmp_path, table, says):
     if table is not None:
         (tmp_path / "drop.csv").write_text(table)
-    with pytest.raises(SceneError, match=says):
+    with pytest.raises(SceneError, match=says) as refused:
         ecume.load_scene(written(tmp_path, 'particles_from = "drop.csv"'))
+    assert len(refused.value.faults) == 1
 
 
 def test_a_run_goes_on_from_the_frame_of_another_with_every_number_of_its_particles(tmp_path):
@@ -130,6 +131,11 @@ def test_an_stl_file_is_filled_with_liquid_in_its_unit(tmp_path):
     state, _ = liquid(written(tmp_path, 'outline_from = "cube.stl"\noutline_unit = "cm"', SPACE))
     assert state.position.shape == (3, 1000)
     assert state.position.min() == pytest.approx(0.3)
+    for times, says in ((500.0, "is 500 x 500 x 500 m large, larger than the tank"), (1e4, r"reaches to 1.25e\+04 m")):
+        (tmp_path / "cube.stl").write_text(stl(times * cube()))
+        with pytest.raises(SceneError, match=says) as refused:
+            liquid(written(tmp_path, 'outline_from = "cube.stl"', SPACE))
+        assert len(refused.value.faults) == 1
     (tmp_path / "cube.stl").write_text(stl(cube()[1:]))
     with pytest.raises(SceneError, match=r"fluid\[0\].outline_from: 'cube.stl' has holes"):
         liquid(written(tmp_path, 'outline_from = "cube.stl"', SPACE))

@@ -43,9 +43,21 @@ def checked_parameters(scene: SphScene) -> Parameters:
     there = psutil.virtual_memory().total
     if wanted > there:
         message = f"about {count:.3g} particles need {wanted / 1e9:.3g} GB, this machine has {there / 1e9:.3g} GB"
-        raise SceneError([Fault("spacing", f"came {scene.spacing:g} m: {message}; use a wider spacing")])
+        too_many = Fault("spacing", f"came {scene.spacing:g} m: {message}; use a wider spacing")
+        raise SceneError(regions_beyond(scene) or [too_many])
     require_right_split(scene)
     return parameters_of(scene)
+
+
+def regions_beyond(scene: SphScene) -> list[Fault]:
+    """Regions larger than their tank: a drawing in another unit, more likely than so much liquid."""
+    faults, room = [], np.array(scene.tank.high) - np.array(scene.tank.low)
+    for index, region in enumerate(scene.fluid):
+        low, high = part_of(region, scene.spacing).bounds()
+        if (high - low > room).any():
+            size = " x ".join(f"{length:.4g}" for length in high - low)
+            faults.append(Fault(f"fluid[{index}]", f"is {size} m large, larger than the tank; is a unit missing?"))
+    return faults
 
 
 def particles_expected(scene: SphScene) -> float:

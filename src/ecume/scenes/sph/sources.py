@@ -5,13 +5,15 @@ Reading a scene's file turns these keys into particles, vertices or triangles, s
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path as Folder
 from typing import Any
 
 from ecume.scenes.faults import Complaints, echo
 from ecume.scenes.files import beside, require_there, text_of
+from ecume.scenes.quantities import FARTHEST
 from ecume.scenes.tables import MOST_BYTES, TableFaults, lines_of
 
 TABLE, OUTLINE, UNIT, RUN = "particles_from", "outline_from", "outline_unit", "start_from"
@@ -122,7 +124,16 @@ def _outline_from(region: dict[str, Any], name: str, folder: Folder) -> None:
     if path.stat().st_size > MOST_MESH_BYTES:
         raise ValueError(f"is larger than {MOST_MESH_BYTES / 2**20:g} MiB")
     key, read = kinds[path.suffix.lower()]
-    region[key] = read(path, unit)
+    found = read(path, unit)
+    farthest = max(map(abs, _coordinates(found)))
+    if not farthest <= FARTHEST:
+        raise ValueError(f"reaches to {farthest:.4g} m, beyond {FARTHEST:g} m; is outline_unit missing?")
+    region[key] = found
+
+
+def _coordinates(points: Any) -> Iterable[float]:
+    """Of nested lists of points."""
+    return itertools.chain.from_iterable(map(_coordinates, points)) if isinstance(points, list) else (points,)
 
 
 def _meters(unit: object) -> float:
