@@ -22,6 +22,7 @@ class Moment(NamedTuple):
     frame: Frame | None
     step: int
     steps: int
+    parameters: Any = None
 
 
 def simulate(scene: Any, *, extra_laws: Sequence[Callable[..., float]] = ()) -> Iterator[Frame]:
@@ -52,7 +53,7 @@ def moments(
         state = march.state
         step = int(state.step[0])
         due = step % per_frame == 0
-        yield Moment(state, march.observe() if due else None, step, total)
+        yield Moment(state, march.observe() if due else None, step, total, parameters)
         if step >= total:
             return
         march.go(min(per_frame - step % per_frame, total - step))

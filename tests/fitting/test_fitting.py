@@ -21,8 +21,8 @@ from ecume.trajectories.frame import Frame
 
 BEADS = """
 model = "floating"
-duration = "1 s"
-frame_every = "40 ms"
+duration = "0.7 s"
+frame_every = "20 ms"
 [liquid]
 density = 998.0
 viscosity = "{viscosity} mPa*s"
@@ -234,7 +234,7 @@ def test_the_verb_writes_scene_numbers_and_figure(tmp_path, tracks, monkeypatch)
         for name, (px, py) in zip(tracks.names, there, strict=True)
     ]
     written(tmp_path, "x,y,frame,particle\n" + "\n".join(rows))
-    words = ["fit", "tracks.csv", "--scene", "beads.toml", "--free", "viscosity", "--pixel", "20 um", "--rate", "25"]
+    words = ["fit", "tracks.csv", "--scene", "beads.toml", "--free", "viscosity", "--pixel", "20 um", "--rate", "50"]
     done = CliRunner().invoke(app, words)
     assert done.exit_code == 0, done.output
     assert "viscosity" in done.stdout

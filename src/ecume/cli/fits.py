@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -63,6 +64,10 @@ def fit(
             "--start", metavar="WHAT", help="What is fitted along: positions, moving (velocities too), scene."
         ),
     ] = "positions",
+    until: Annotated[
+        float | None,
+        typer.Option("--until", min=0.0, metavar="S", help="Leave out what was seen later.", show_default=False),
+    ] = None,
     out: Annotated[
         Path | None,
         typer.Option("-o", "--out", metavar="DIR", help="Left out, fits/NAME for NAME.csv.", show_default=False),
@@ -81,7 +86,7 @@ def fit(
 
     camera = Camera(in_unit(pixel, "m", "--pixel") if pixel is not None else None, rate, origin)
     names = [name.strip() for name in free.split(",")]
-    found = fitted(tracks, scene, names, start=start, camera=camera)
+    found = fitted(tracks, scene, names, start=start, until=math.inf if until is None else until, camera=camera)
     directory = out or FITS / tracks.stem
     keep(found, directory)
     if not quiet:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from ecume.cli.ends import say
 from ecume.cli.progress import ahead, lasting, shown
 from ecume.cli.scenes import Overrides, SceneFile, placed
 
@@ -36,6 +37,15 @@ Threads = Annotated[
         show_default=False,
     ),
 ]
+Violation = Annotated[
+    str | None,
+    typer.Option(
+        "--on-violation",
+        metavar="warn|stop",
+        help="When energy, mass, overlaps ... leave their limits; left out, warn.",
+        show_default=False,
+    ),
+]
 Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Say nothing but errors.")]
 
 
@@ -55,6 +65,7 @@ def run(
     threads: Threads = None,
     force: Annotated[bool, typer.Option("--force", help="Replace a run that is there.")] = False,
     view: Annotated[bool, typer.Option("--view", help="Watch it in the browser while it runs.")] = False,
+    on_violation: Violation = None,
     quiet: Quiet = False,
 ) -> None:
     """Simulate a scene into a directory. Ctrl-C stops with a checkpoint.
@@ -72,12 +83,18 @@ def run(
     source = None if changes else scene.read_bytes()
     directory = out or RUNS / scene.stem
     with placed(scene, changes), watched(directory, wanted=view), shown(quiet=quiet) as told:
-        done = simulate(asked, directory, force=force, habits=Habits(threads=threads, progress=told, source=source))
-    if not quiet:
-        typer.echo(summary(done))
+        done = simulate(
+            asked,
+            directory,
+            force=force,
+            habits=Habits(threads=threads, progress=told, source=source, on_violation=on_violation),
+        )
+    _end(done, quiet=quiet)
 
 
-def resume(directory: RunFolder = HERE, threads: Threads = None, quiet: Quiet = False) -> None:
+def resume(
+    directory: RunFolder = HERE, threads: Threads = None, on_violation: Violation = None, quiet: Quiet = False
+) -> None:
     """Go on with a run that was stopped or killed; the result is the same, bit for bit, as without the stop.
 
     Examples: `ecume resume runs/bowl` · `ecume resume runs/bowl --threads 2 --quiet`
@@ -87,9 +104,19 @@ def resume(directory: RunFolder = HERE, threads: Threads = None, quiet: Quiet = 
     from ecume.run import resume as go_on
 
     with shown(quiet=quiet) as told:
-        done = go_on(directory, habits=Habits(threads=threads, progress=told))
+        done = go_on(directory, habits=Habits(threads=threads, progress=told, on_violation=on_violation))
+    _end(done, quiet=quiet)
+
+
+def _end(done: RunResult, *, quiet: bool) -> None:
+    """Say what a run came to, and what it broke."""
+    from ecume.run.directory import RunDirectory
+    from ecume.run.watching import BROKEN, told
+
     if not quiet:
         typer.echo(summary(done))
+    if (watch := told(RunDirectory(done.directory))).startswith(BROKEN):
+        say(f"warning: {done.directory}: {watch}; see {RunDirectory(done.directory).watch.name}")
 
 
 def info(directory: RunFolder = HERE) -> None:
@@ -171,6 +198,7 @@ def described(run: Info) -> list[tuple[str, str]]:
         ("checkpoint", "none" if run.checkpoint is None else f"at step {run.checkpoint}"),
         ("worked on", _worked(run.manifest.get("sessions", []))),
         ("size", f"{run.size / 1e6:.3g} MB"),
+        ("invariants", run.watch),
         ("remark", run.why),
     ]
     return [(name, value) for name, value in rows if value]

@@ -15,7 +15,7 @@ from ecume.fitting.free import Free, free_parameters
 from ecume.fitting.quantities import Quantity, quantities_of
 from ecume.fitting.solving import STEP, Certainty, Solution, certainty, solved
 from ecume.fitting.starts import first_frame, first_seen, first_speeds, keeps_kinds, matched
-from ecume.fitting.tracks import Camera, Tracks, read_tracks
+from ecume.fitting.tracks import Camera, Tracks, cut, read_tracks
 from ecume.fitting.trial import STARTS, Problem, origin, residuals, scene_at, simulated, timed, values_at
 from ecume.scenes.faults import suggestion
 from ecume.scenes.load import load_scene
@@ -24,6 +24,10 @@ from ecume.units import Array
 
 MEMORY = 0.5
 """The correlation of neighboring residuals beyond which they are no noise."""
+TOUCHING = 0.005
+"""The gap, over both radii, below which two particles count as touching."""
+MOST_PAIRED = 1000
+"""Particles whose pairs are looked at one by one."""
 SHOWN = 0.1
 """The least power that is told of a parameter in a combination."""
 
@@ -68,17 +72,19 @@ def fit(
     free: Sequence[str],
     *,
     start: str = "positions",
+    until: float = math.inf,
     camera: Camera = Camera(),  # noqa: B008  # it cannot change
 ) -> Fit:
     """The parameters of a scene with which its simulation is nearest to tracks, by least squares.
 
     `free` are keys such as `contact_angle`, or paths such as `floats[0].radius`; the scene says where they begin, and
     all else. `start` is what is fitted along: `positions` of everyone at the first instant, `moving` for velocities as
-    well, `scene` for nothing. Noise is taken to be the same for all measured numbers, and independent.
+    well, `scene` for nothing. What was seen later than `until` (s) is left out: contacts, say.
+    Noise is taken to be the same for all measured numbers, and independent.
     """
     measured = tracks if isinstance(tracks, Tracks) else read_tracks(tracks, camera)
     asked = load_scene(scene) if isinstance(scene, (str, Path)) else scene
-    problem = posed(measured, to_plain(asked), free, start)
+    problem = posed(cut(measured, until), to_plain(asked), free, start)
     simulated(scene_at(problem, origin(problem)), measured.times)  # what is wrong with the beginning is told as it is
     solution = solved(lambda at: residuals(problem, at), origin(problem))
     return concluded(problem, solution)
@@ -111,7 +117,8 @@ def concluded(problem: Problem, solution: Solution) -> Fit:
     estimates = [_estimate(problem.free[n], float(at[n]), sure, n) for n in range(len(problem.free))]
     derived = derived_estimates(problem, at, sure)
     noise = solution.noise * problem.reach
-    remarks = [*_unsure(problem, at, sure), *_left(problem, there - problem.tracks.position)]
+    left = there - problem.tracks.position
+    remarks = [*_unsure(problem, at, sure), *_met(scene, problem.tracks.times, there), *_left(problem, left)]
     if not solution.converged:
         remarks.insert(0, f"the fit had not settled after {solution.rounds} rounds; begin nearer")
     return Fit(scene, estimates, derived, noise, remarks, problem.tracks, there, solution.rounds)
@@ -175,6 +182,20 @@ def _combination(problem: Problem, at: Array, direction: Array) -> str:
     shares = [(free.name, power / largest) for free, power in zip(problem.free, powers, strict=True)]
     shown = [(name, share) for name, share in shares if abs(share) >= SHOWN]
     return " ".join(name if abs(share - 1.0) < 5e-3 else f"{name}^{share:.2g}" for name, share in shown)
+
+
+def _met(scene: Scene, times: Array, there: Array) -> list[str]:
+    """A remark where particles touch: when they do is known to a step, so that the residuals are rough from then on."""
+    radius = first_frame(scene).arrays.get("radius")
+    if radius is None or len(radius) > MOST_PAIRED:
+        return []
+    one, other = np.triu_indices(len(radius), 1)
+    gap = np.linalg.norm(there[:, one] - there[:, other], axis=2) - radius[one] - radius[other]
+    touching = (gap < TOUCHING * (radius[one] + radius[other])).any(axis=1)
+    if not touching.any():
+        return []
+    when = float(times[np.argmax(touching)])
+    return [f"particles touch at t = {when:.4g} s; tracks from there on say little, and make a fit rough: --until"]
 
 
 def _left(problem: Problem, left: Array) -> list[str]:

@@ -23,6 +23,8 @@ from ecume.scenes.faults import echo
 from ecume.scenes.files import text_of
 from ecume.units import Array, factor
 
+LEAST = 3
+"""Instants: motion shows in no fewer."""
 MOST_BYTES = 256 * 2**20
 NAMES = {
     "x": ("x", "position_x"),
@@ -79,6 +81,14 @@ def read_tracks(path: str | os.PathLike[str], camera: Camera = Camera()) -> Trac
         return _gathered(_spots(body, columns), camera.origin, columns["x"].scale)
     except ValueError as fault:
         raise BadInput(f"{file}: {fault}") from None
+
+
+def cut(tracks: Tracks, until: float) -> Tracks:
+    """The tracks up to a time (s). Raises BadInput where too little is left."""
+    early = tracks.times <= until
+    if early.sum() < LEAST:
+        raise BadInput(f"until: before {until:g} s there are {early.sum()} instants; wanted {LEAST} or more")
+    return tracks._replace(times=tracks.times[early], position=tracks.position[early])
 
 
 def _rows(text: str) -> list[tuple[int, list[str]]]:
@@ -207,6 +217,6 @@ def _gathered(spots: Sequence[Spot], origin: tuple[float, float], scale: float) 
         if not math.isnan(position[row, column[who], 0]):
             raise ValueError(f"object {who} is in two places at t = {when:g} s")
         position[row, column[who]] = x - origin[0] * scale, y - origin[1] * scale
-    if len(times) < 3:
-        raise ValueError(f"there are only {len(times)} instants; motion shows in three or more")
+    if len(times) < LEAST:
+        raise ValueError(f"there are only {len(times)} instants; motion shows in {LEAST} or more")
     return Tracks(tuple(names), times - times[0], position)

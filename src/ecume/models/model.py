@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
+from ecume.models.invariants import Invariant, nothing
 from ecume.trajectories.frame import Frame
 
 DONE, CROWDED, DIVERGED, EXCHANGE = 0, 1, 2, 3
@@ -51,5 +52,7 @@ class Model:
     """extended(extra_laws): the same model with the user's own pair laws compiled into it."""
     exchange: Callable[[Any, Any], Any] = field(kw_only=True, default=_same)
     """exchange(parameters, state): the state with who came and without who went; for crowds that change."""
+    invariants: Callable[[Any, Any], list[Invariant]] = field(kw_only=True, default=nothing)
+    """invariants(scene, parameters): what must hold from frame to frame, by the numbers that `observe` tells."""
     summary: Callable[[Any], list[tuple[str, str, str]]]
     """summary(scene): derived numbers for `ecume check`, as (name, value with unit, remark)."""

@@ -68,6 +68,11 @@ class RunDirectory:
         return self.path / "status.json"
 
     @property
+    def watch(self) -> Path:
+        """Whether what must hold has held so far."""
+        return self.path / "watch.json"
+
+    @property
     def done(self) -> Path:
         """There when the run came to its end."""
         return self.path / "DONE.json"
@@ -79,8 +84,8 @@ class RunDirectory:
 
     def parts(self) -> list[Path]:
         """All that a run makes but the lock, in the order in which it is removed: the manifest last."""
-        contents = [self.trajectory, self.checkpoints, self.scalars, self.log, self.status, self.done, self.failed]
-        return [*contents, self.scene, self.resolved, self.manifest]
+        contents = [self.trajectory, self.checkpoints, self.scalars, self.log, self.status, self.watch, self.done]
+        return [*contents, self.failed, self.scene, self.resolved, self.manifest]
 
 
 def existing(path: str | os.PathLike[str]) -> RunDirectory:

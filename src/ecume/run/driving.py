@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ecume.errors import Diverged, Stopped, StorageError
+from ecume.errors import BadInput, Diverged, Stopped, StorageError
 from ecume.run import checkpoints, manifest
 from ecume.run.checkpoints import Checkpoint
 from ecume.run.directory import RunDirectory, as_json, clear, existing, json_of, refuse_existing, sweep, write_json
@@ -21,12 +21,14 @@ from ecume.run.locking import held
 from ecume.run.progress import Pace, Progress, StatusFile, note
 from ecume.run.recording import Recording
 from ecume.run.stopping import Wish, wish_to_stop
+from ecume.run.watching import POLICIES, Watch, sentence
 from ecume.trajectories.durable import storing, write_whole
 from ecume.trajectories.reader import Trajectory
 from ecume.trajectories.repair import repair
 
 if TYPE_CHECKING:
     from ecume.simulation import Moment
+    from ecume.trajectories.frame import Frame
 
 
 OUTCOMES = {Stopped: "stopped", Diverged: "failed"}
@@ -63,6 +65,14 @@ class Habits:
     """Seconds of wall time."""
     source: bytes | None = None
     """The scene's file, byte for byte, to be kept beside what became of it."""
+    on_violation: str | None = None
+    """What becomes of a run that loses what its model must not lose, see `watching.POLICIES`; left out, what it began
+    with, or else `warn`."""
+
+    def __post_init__(self) -> None:
+        """Refuse what is no policy."""
+        if self.on_violation not in (None, *POLICIES):
+            raise BadInput(f"on_violation: came {self.on_violation!r}; wanted one of {', '.join(POLICIES)}")
 
 
 USUAL = Habits()
@@ -90,7 +100,7 @@ def run(
     with held(home):
         refuse_existing(home, force=force)
         clear(home)
-        _found(home, scene, extra_laws, habits.source)
+        _found(home, scene, extra_laws, habits)
         return _drive(home, scene, itertools.chain([first], moments), habits)
 
 
@@ -125,14 +135,18 @@ def _moments(scene: Any, state: Any, extra_laws: Sequence[Law], habits: Habits) 
     return moments(scene, state=state, extra_laws=extra_laws)
 
 
-def _found(home: RunDirectory, scene: Any, extra_laws: Sequence[Law], source: bytes | None) -> None:
+def _found(home: RunDirectory, scene: Any, extra_laws: Sequence[Law], habits: Habits) -> None:
     """What a run has before it begins; the manifest is last, and makes it one."""
     from ecume.scenes.schema import to_plain, to_toml
 
     plain = as_json(to_plain(scene))
-    write_whole(home.scene, to_toml(scene) if source is None else source)
+    write_whole(home.scene, to_toml(scene) if habits.source is None else habits.source)
     write_whole(home.resolved, plain)
-    write_json(home.manifest, manifest.first_manifest(scene, plain) | {"extra_laws": entries(extra_laws)})
+    write_json(
+        home.manifest,
+        manifest.first_manifest(scene, plain)
+        | {"extra_laws": entries(extra_laws), "on_violation": habits.on_violation or POLICIES[0]},
+    )
 
 
 def _checkpoint(home: RunDirectory, scene: Any) -> Checkpoint:
@@ -179,6 +193,7 @@ class _Session:
     def __init__(self, home: RunDirectory, scene: Any, habits: Habits, frames: int) -> None:
         self._home, self._habits = home, habits
         self._recording = Recording(home, frames, kinds=scene.kinds)
+        self._scene, self._watch = scene, Watch(home, [], POLICIES[0])
         self._pace, self._status = Pace(scene.duration), StatusFile(home)
         self._began = self._saved = time.monotonic()
         self.at = Progress(0, 0, 0.0, scene.duration, frames, 0.0, 0.0, None)
@@ -226,7 +241,11 @@ class _Session:
 
     def _begin(self, moment: Moment) -> None:
         from ecume._jit import use_threads
+        from ecume.models import MODELS
 
+        policy = self._habits.on_violation or json_of(self._home.manifest).get("on_violation", POLICIES[0])
+        invariants = MODELS[self._scene.model].invariants(self._scene, moment.parameters)
+        self._watch = Watch(self._home, invariants, policy)
         manifest.open_session(self._home, use_threads(self._habits.threads), moment.step)
         differences = manifest.changed(json_of(self._home.manifest))
         note(self._home, "begun" if moment.step == 0 else "resumed", step=moment.step, changed=differences)
@@ -234,6 +253,7 @@ class _Session:
     def _take(self, moment: Moment) -> None:
         if moment.frame is not None:
             self._recording.take(moment.frame, moment.step)
+            self._judge(moment.frame, moment.step)
         self.at = self._pace.progress(moment.step, moment.steps, self._recording.frames)
         self._status.tell("running", self.at)
         if self._habits.progress is not None:
@@ -242,9 +262,19 @@ class _Session:
     def _save(self, moment: Moment, before: int) -> None:
         """A checkpoint of this moment, before which there were so many frames."""
         self._recording.settle()
+        self._watch.keep()
         path = checkpoints.save(self._home, Checkpoint(moment.state, before))
         self._saved, self._status.last_checkpoint = time.monotonic(), moment.step
         note(self._home, "checkpoint", name=path.name)
+
+    def _judge(self, frame: Frame, step: int) -> None:
+        """What is broken for the first time is told; a run that ends by it says how it stands."""
+        try:
+            for verdict in self._watch.take(frame.time, frame.numbers, step):
+                note(self._home, "broken", what=sentence(verdict))
+        except Diverged:
+            self._watch.keep()
+            raise
 
     def _reached(self) -> dict[str, Any]:
         return {"step": self.at.step, "steps": self.at.steps, "time": self.at.time, "frames": self.at.frames}

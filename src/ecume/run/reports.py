@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 from ecume.errors import StorageError
 from ecume.run.directory import RunDirectory, existing, json_of
 from ecume.run.locking import held, is_held
+from ecume.run.watching import told as watched
 from ecume.trajectories.durable import storing
 from ecume.trajectories.reader import Trajectory
 from ecume.trajectories.repair import Repaired
@@ -37,6 +38,8 @@ class Info(NamedTuple):
     remaining: float | None
     """Seconds of wall time until it is done, while it runs."""
     manifest: dict[str, Any]
+    watch: str = ""
+    """Whether what must hold has held, in a line."""
 
     def _repr_html_(self) -> str | None:
         """How it shows itself in a notebook: the player of `ecume view`, in at most 4 MB."""
@@ -64,6 +67,7 @@ def info(directory: str | os.PathLike[str]) -> Info:
         size=sum(path.stat().st_size for path in home.path.rglob("*") if path.is_file()),
         remaining=status.get("remaining") if state == "running" else None,
         manifest=json_of(home.manifest),
+        watch=watched(home),
     )
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from ecume.models.floating.extending import advance_extended
 from ecume.models.floating.interacting import advance, scratch_for
+from ecume.models.floating.invariants import invariants
 from ecume.models.floating.observing import observe
 from ecume.models.floating.parameters import Parameters
 from ecume.models.floating.room import ROOMIER, checked_parameters
@@ -64,5 +65,6 @@ FLOATING = Model(
     observe=observe,
     diagnosis=diagnosis,
     extended=extended,
+    invariants=invariants,
     summary=summary,
 )

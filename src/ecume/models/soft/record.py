@@ -14,6 +14,7 @@ from ecume.models.model import Model
 from ecume.models.soft.advice import advice
 from ecume.models.soft.building import parameters_of, start
 from ecume.models.soft.cost import bytes_of
+from ecume.models.soft.invariants import invariants
 from ecume.models.soft.observing import observe
 from ecume.models.soft.parameters import Parameters
 from ecume.models.soft.state import CLOCK, LENGTH, State, workspace
@@ -66,6 +67,7 @@ SOFT = Model(
     observe=observe,
     diagnosis=diagnosis,
     extended=extended,
+    invariants=invariants,
     summary=summary,
 )
 """Soft spheres in a viscous liquid: Soft Dynamics."""

@@ -15,6 +15,7 @@ from ecume.models.sph.building import parameters_of
 from ecume.models.sph.choosing import kernel_of, smoothing_of
 from ecume.models.sph.fields import FIELDS, RATES
 from ecume.models.sph.gates import exchange, filled
+from ecume.models.sph.invariants import invariants
 from ecume.models.sph.laying import liquid_of
 from ecume.models.sph.motions import at_reference
 from ecume.models.sph.observing import observe
@@ -114,6 +115,7 @@ SPH = Model(
     observe=observe,
     diagnosis=diagnosis,
     extended=extended,
+    invariants=invariants,
     summary=summary,
     exchange=exchange,
 )

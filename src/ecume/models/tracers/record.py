@@ -10,6 +10,7 @@ from ecume.errors import BadInput
 from ecume.laws import brownian, drag
 from ecume.models.model import Model
 from ecume.models.tracers.arrivals import species_of
+from ecume.models.tracers.invariants import invariants
 from ecume.models.tracers.parameters import Parameters, parameters_of
 from ecume.models.tracers.starting import start
 from ecume.models.tracers.state import CAPPED, State, Workspace, came, exchange, workspace
@@ -145,5 +146,6 @@ TRACERS = Model(
     diagnosis=diagnosis,
     extended=extended,
     exchange=exchange,
+    invariants=invariants,
     summary=summary,
 )

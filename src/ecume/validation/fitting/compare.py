@@ -19,7 +19,7 @@ COUNT = 100
 NOISE = 5e-6
 """m, of each coordinate."""
 VISCOSITY, ANGLE = 5e-3, math.radians(100.0)
-TIMES = np.arange(26) / 25.0
+TIMES = np.arange(43) / 60.0
 ENOUGH, TOO_MANY = 90, 99
 STUDENT = 2.0
 """About what Student's distribution makes 95 percent of, with a hundred degrees of freedom."""

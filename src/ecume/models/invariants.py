@@ -1,0 +1,74 @@
+"""What a run must not lose while it goes on, said by each model as rows of names, limits and measures.
+
+A measure looks at the numbers of frames alone: at those of the first and of this one, and at the least and the largest
+so far. So a run that is resumed judges as one that was never stopped, from the lines that it has on disk.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, NamedTuple
+
+Numbers = Mapping[str, float]
+
+ENERGY = "energy"
+
+
+class Seen(NamedTuple):
+    """The numbers of a run's frames so far, `step` among them."""
+
+    first: Numbers
+    now: Numbers
+    least: Numbers
+    largest: Numbers
+
+
+class Invariant(NamedTuple):
+    """One thing that must hold."""
+
+    name: str
+    says: str
+    """what is compared with the limit"""
+    limit: float
+    value: Callable[[Seen], float]
+
+
+def energy_never_rises(limit: float) -> Invariant:
+    """Where nothing does work on the system: rises of the total energy, over what there was of motion and loss."""
+
+    def rise(seen: Seen) -> float:
+        scale = seen.largest["kinetic_energy"] + seen.largest["total_energy"] - seen.least["total_energy"]
+        return part_of(seen.now["total_energy"] - seen.least["total_energy"], scale)
+
+    return Invariant(ENERGY, "its rise above the least so far, over the energy that moved", limit, rise)
+
+
+def kept(name: str, keys: Sequence[str], scale: Callable[[Seen], float], limit: float) -> Invariant:
+    """Numbers that stay what they were at the start, up to a part of a scale."""
+
+    def change(seen: Seen) -> float:
+        return part_of(math.hypot(*(seen.now[key] - seen.first[key] for key in keys)), scale(seen))
+
+    return Invariant(name, "its change since the start, over its scale", limit, change)
+
+
+def at_most(name: str, says: str, key: str, limit: float, over: float = 1.0) -> Invariant:
+    """A number that stays below a limit."""
+    return Invariant(name, says, limit, lambda seen: seen.now[key] / over)
+
+
+def part_of(value: float, whole: float) -> float:
+    """A share of something; of nothing it is zero, if it is nothing itself.
+
+    >>> part_of(1.0, 4.0), part_of(0.0, 0.0)
+    (0.25, 0.0)
+    """
+    if whole > 0.0:
+        return value / whole
+    return 0.0 if value == 0.0 else math.inf
+
+
+def nothing(scene: Any, parameters: Any) -> list[Invariant]:
+    """Of a model that says nothing."""
+    return []

@@ -1,0 +1,122 @@
+"""What must hold is judged frame by frame, alike in runs that were stopped, told in a line, and may stop a run."""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+import toy
+
+from ecume.errors import BadInput, Diverged, Stopped
+from ecume.models import MODELS
+from ecume.models.invariants import Invariant, at_most, energy_never_rises, kept
+from ecume.run import Habits, RunDirectory, info, resume, run
+from ecume.run.watching import Watch, budget
+
+Scenes = Callable[..., toy.ToyScene]
+QUIET = {"kinetic_energy": 1.0, "total_energy": 5.0, "momentum_x": 2.0, "momentum_y": 0.0}
+
+
+def watched(tmp_path: Path, *invariants: Invariant, policy: str = "warn") -> Watch:
+    return Watch(RunDirectory(tmp_path), invariants, policy)
+
+
+def energies(watch: Watch, *totals: float) -> float:
+    for step, total in enumerate(totals):
+        watch.take(0.1 * step, {**QUIET, "total_energy": total}, step)
+    return watch.verdicts()[0].worst
+
+
+def test_energy_that_falls_holds_and_any_rise_counts_from_the_least_so_far(tmp_path: Path) -> None:
+    assert energies(watched(tmp_path, energy_never_rises(0.1)), 5.0, 3.0, 2.0) == 0.0
+    assert energies(watched(tmp_path, energy_never_rises(0.1)), 5.0, 2.0, 3.0) == pytest.approx(1.0 / (1.0 + 3.0))
+
+
+def test_the_worst_and_its_time_are_kept_when_all_is_well_again(tmp_path: Path) -> None:
+    watch = watched(tmp_path, at_most("density", "its change", "density_change", 0.1))
+    for step, change in enumerate((0.0, 0.3, 0.05)):
+        watch.take(0.1 * step, {"density_change": change}, step)
+    (verdict,) = watch.verdicts()
+    assert (verdict.worst, verdict.time, verdict.held) == (0.3, 0.1, False)
+
+
+def test_momentum_is_compared_with_the_start_over_its_scale(tmp_path: Path) -> None:
+    watch = watched(tmp_path, kept("momentum", ("momentum_x", "momentum_y"), lambda seen: 10.0, 0.1))
+    watch.take(0.0, QUIET, 0)
+    assert watch.take(1.0, {**QUIET, "momentum_y": 0.5}, 1) == []
+    (broken,) = watch.take(2.0, {**QUIET, "momentum_x": 5.0, "momentum_y": 4.0}, 2)
+    assert broken.worst == pytest.approx(0.5)
+
+
+def test_what_is_no_number_never_holds(tmp_path: Path) -> None:
+    watch = watched(tmp_path, at_most("density", "its change", "density_change", 0.1))
+    watch.take(0.0, {"density_change": 0.0}, 0)
+    (broken,) = watch.take(1.0, {"density_change": math.nan}, 1)
+    assert not broken.held
+
+
+def test_dissipation_is_known_where_nothing_is_injected() -> None:
+    first, now = {"total_energy": 5.0}, {"total_energy": 2.0}
+    closed = budget(first, now, closed=True)
+    assert (closed["injected"], closed["dissipated"], closed["change"]) == (0.0, 3.0, -3.0)
+    assert budget(first, now, closed=False)["dissipated"] is None
+
+
+def test_each_model_has_something_to_hold() -> None:
+    import ecume
+
+    for template in ("cereal-bowl", "taylor-green", "settling", "t1"):
+        scene = ecume.load_scene(Path(ecume.__file__).parent / "templates" / f"{template}.toml")
+        model = MODELS[scene.model]
+        names = [one.name for one in model.invariants(scene, model.parameters(scene))]
+        assert len(names) == len(set(names)) >= 1, template
+
+
+@pytest.fixture
+def hot(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A toy whose kinetic energy must stay below a limit that it leaves at about t = 0.1 s."""
+    limit = Invariant("heat", "the kinetic energy", 0.02, lambda seen: seen.now["kinetic_energy"])
+    monkeypatch.setitem(MODELS, "toy", dataclasses.replace(toy.model(), invariants=lambda *_: [limit]))
+
+
+@pytest.mark.usefixtures("hot")
+def test_a_run_that_breaks_an_invariant_says_so_and_goes_on(tmp_path: Path, scene: Scenes) -> None:
+    run(scene(), tmp_path / "run")
+    seen = info(tmp_path / "run")
+    assert seen.state == "done"
+    assert seen.watch.startswith("broken: heat (")
+    events = [json.loads(line) for line in (tmp_path / "run" / "log.jsonl").read_text().splitlines()]
+    assert sum(event["event"] == "broken" for event in events) == 1
+
+
+@pytest.mark.usefixtures("hot")
+def test_a_run_that_is_to_stop_stops_there_with_code_3_and_goes_on_when_told(tmp_path: Path, scene: Scenes) -> None:
+    with pytest.raises(Diverged, match=r"heat: the kinetic energy, is .*, more than 0.02, at t = "):
+        run(scene(), tmp_path / "run", habits=Habits(on_violation="stop"))
+    assert info(tmp_path / "run").state == "failed"
+    with pytest.raises(Diverged):
+        resume(tmp_path / "run")
+    assert resume(tmp_path / "run", habits=Habits(on_violation="warn")).frames == 51
+
+
+@pytest.mark.usefixtures("hot")
+def test_a_run_that_was_stopped_judges_like_one_that_was_not(tmp_path: Path, scene: Scenes) -> None:
+    def ask(progress: Any) -> None:
+        if progress.step == 300:
+            raise KeyboardInterrupt
+
+    run(scene(), tmp_path / "whole")
+    with pytest.raises((Stopped, KeyboardInterrupt)):
+        run(scene(), tmp_path / "parts", habits=Habits(progress=ask, checkpoint_every=0.0))
+    resume(tmp_path / "parts")
+    assert (tmp_path / "parts" / "watch.json").read_text() == (tmp_path / "whole" / "watch.json").read_text()
+
+
+def test_a_policy_that_there_is_not_is_refused() -> None:
+    with pytest.raises(BadInput, match="on_violation: came 'panic'"):
+        Habits(on_violation="panic")
