@@ -19,9 +19,10 @@ from ecume._jit import compiled
 from ecume.engine.contacts import MOST_SWEEPS, PATIENCE, Contacts, Goal, Memory
 from ecume.units import Array
 
-CALMER, CALMEST = 0.7, 0.1
-"""Sweeps that go in circles stop sliding surfaces by less at a time, down to this part: braced rafts with mu near 1
-need it.
+CALMER, CALMEST, STALLS = 0.7, 0.1, 8
+"""Friction follows from no potential: in braced rafts with mu near 1 sweeps may go in circles. After every so many
+looks that find no progress they stop sliding surfaces by less at a time, down to this part, and then wholly again:
+slow impulses that creep towards a far solution want haste, circles want calm, and the two look alike.
 """
 
 
@@ -190,7 +191,7 @@ def solve(contacts: Contacts, rubbing: Rubbing, motion: Motion, goal: Goal) -> i
     push_all(contacts, rubbing, (contacts.impulse, rubbing.impulse), motion)
     for row in range(contacts.total[0]):
         contacts.direction[row], rubbing.direction[row] = 0.0, 0.0
-    square_before, residual_before, eagerness = 0.0, np.inf, 1.0
+    square_before, residual_before, eagerness, stalls = 0.0, np.inf, 1.0, 0
     for sweep in range(1, MOST_SWEEPS + 1):
         largest = _sweep(contacts, rubbing, motion, eagerness)
         if largest <= goal.wanted and residual(contacts, rubbing, motion) <= goal.wanted:
@@ -200,8 +201,9 @@ def solve(contacts: Contacts, rubbing: Rubbing, motion: Motion, goal: Goal) -> i
             if left > 0.5 * residual_before:
                 if left <= goal.tolerable:
                     return sweep
-                # Friction follows from no potential: what is in a hurry may go in circles.
-                eagerness = max(CALMER * eagerness, CALMEST)
+                stalls += 1
+                if stalls % STALLS == 0:
+                    eagerness = CALMER * eagerness if eagerness > CALMEST else 1.0
             residual_before = left
         square = 0.0
         for row in range(contacts.total[0]):
