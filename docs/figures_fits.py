@@ -15,8 +15,8 @@ from ecume.show.fits import fit_figure
 BEADS = """
 model = "floating"
 title = "Two beads in glycerol and water"
-duration = "1 s"
-frame_every = "40 ms"
+duration = "0.6 s"
+frame_every = "20 ms"
 [liquid]
 density = 1150.0
 viscosity = "8 mPa*s"
@@ -25,14 +25,14 @@ surface_tension = "68 mN/m"
 radius = "1.2 mm"
 density = 1400.0
 contact_angle = "95 deg"
-positions = [["-3 mm", "0 mm"], ["3 mm", "1 mm"]]
+positions = [["-4 mm", "0 mm"], ["4 mm", "1 mm"]]
 """
 NOISE = 1e-5
 
 
 def residuals() -> Figure:
     """Tracks with ten micrometers of noise, and the fit through them."""
-    truth, times = load_scene(BEADS), np.linspace(0.0, 1.0, 41)
+    truth, times = load_scene(BEADS), np.linspace(0.0, 0.6, 37)
     seen = np.random.default_rng(1).normal(simulated(truth, times), NOISE)
     return fit_figure(fit(Tracks(("1", "2"), times, seen), truth, ["contact_angle", "viscosity"]))
 

@@ -21,7 +21,7 @@ from ecume.trajectories.frame import Frame
 
 BEADS = """
 model = "floating"
-duration = "0.7 s"
+duration = "0.6 s"
 frame_every = "20 ms"
 [liquid]
 density = 998.0
@@ -31,7 +31,7 @@ surface_tension = "72.8 mN/m"
 radius = "1.2 mm"
 density = 1300.0
 contact_angle = "{angle} deg"
-positions = [["-3 mm", "0 mm"], ["3 mm", "1 mm"]]
+positions = [["-4 mm", "0 mm"], ["4 mm", "1 mm"]]
 """
 NOISE = 3e-6
 CSV = "t,x,y,id\n0,0.001,0.002,a\n0.5,0.0015,0.002,a\n1,0.002,0.002,a\n0,0.01,0,b\n1,0.009,0,b\n"

@@ -19,7 +19,7 @@ COUNT = 100
 NOISE = 5e-6
 """m, of each coordinate."""
 VISCOSITY, ANGLE = 5e-3, math.radians(100.0)
-TIMES = np.arange(43) / 60.0
+TIMES = np.arange(37) / 60.0
 ENOUGH, TOO_MANY = 90, 99
 STUDENT = 2.0
 """About what Student's distribution makes 95 percent of, with a hundred degrees of freedom."""
@@ -28,12 +28,12 @@ CHANCE = 2.5
 
 
 def beads(viscosity: float, angle: float) -> FloatingScene:
-    """Two equal beads 6 mm apart."""
+    """Two equal beads 8 mm apart."""
     return FloatingScene(
-        duration=1.2,
-        frame_every=0.04,
+        duration=0.6,
+        frame_every=0.02,
         liquid=LiquidSpec(density=998.0, viscosity=viscosity, surface_tension=0.0728),
-        floats=(FloatSpec(radius=1.2e-3, density=1300.0, contact_angle=angle, positions=((-3e-3, 0.0), (3e-3, 1e-3))),),
+        floats=(FloatSpec(radius=1.2e-3, density=1300.0, contact_angle=angle, positions=((-4e-3, 0.0), (4e-3, 1e-3))),),
     )
 
 
