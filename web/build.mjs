@@ -36,8 +36,8 @@ for (const name of [...sources.map((one) => `src/${one}`), "build.mjs", "package
 }
 
 writeFileSync(join(out, "view.js"), await bundled("main.ts"));
-writeFileSync(join(out, "play.js"), await bundled("play.ts"));
-for (const name of ["play.html", "play.css"]) writeFileSync(join(out, name), readFileSync(join(here, "src", name), "utf8"));
+for (const name of ["play", "tank"]) writeFileSync(join(out, `${name}.js`), await bundled(`${name}.ts`));
+for (const name of ["play.html", "play.css", "tank.html"]) writeFileSync(join(out, name), readFileSync(join(here, "src", name), "utf8"));
 writeFileSync(join(out, "view.css"), style);
 writeFileSync(join(out, "page.html"), readFileSync(join(here, "src/page.html"), "utf8"));
 writeFileSync(join(out, "LICENSES.txt"), `uPlot (curves), bundled in view.js and view.css:\n\n${licence}`);

@@ -15,9 +15,9 @@ from ecume.errors import BadInput
 from ecume.scenes.load import load_scene
 from ecume.scenes.schema import to_toml
 from ecume.scenes.templates import folder
-from ecume.show.play.bowl import FASTEST, SHELF, Bowl
-from ecume.show.play.site import Game
+from ecume.show.play.bowl import CALMED, FASTEST, PUT_BACK, SHELF, Bowl
 from ecume.show.play.sloshing import DAMPING, Slosh, current, slosh_frequency, swung
+from ecume.show.play.toys import game_of
 from ecume.show.serving import served
 
 pytestmark = pytest.mark.compiled
@@ -137,6 +137,30 @@ def test_what_scenes_refuse_changes_nothing(bowl, part, key, value, says):
     bowl.play(0.05)
 
 
+def test_floats_that_diverge_are_brought_to_rest_and_then_put_back_to_the_last_change(bowl):
+    bowl.drop("bead", 0.01, 0.005)
+    dropped = places(bowl).copy()
+    bowl.tilt = (0.1, 0.0)
+    for _ in range(20):
+        bowl.play(1 / 60)
+    bowl.tilt, before, then = (0.0, 0.0), places(bowl).copy(), bowl.time
+    bowl.march.state.velocity[0] = np.nan
+    bowl.play(1 / 60)
+    assert bowl.news == [CALMED]
+    assert places(bowl) == pytest.approx(before)
+    assert not bowl.march.state.velocity.any()
+    assert bowl.time == then
+    bowl.march.state.velocity[0] = np.nan
+    bowl.play(1 / 60)
+    assert bowl.news == [CALMED, PUT_BACK]
+    assert places(bowl) == pytest.approx(dropped)
+    assert np.abs(before - dropped).max() > 1e-5
+    for _ in range(20):
+        bowl.play(1 / 60)
+    assert len(bowl.news) == 2
+    assert np.isfinite(places(bowl)).all()
+
+
 def test_the_saved_scene_goes_on_from_here(bowl):
     bowl.drop("bead", 0.01, 0.005)
     bowl.grasp(0, 0.03, 0.0)
@@ -188,7 +212,7 @@ def test_a_tilt_carries_floats_towards_the_low_side(bowl):
 
 @pytest.fixture
 def game():
-    made = Game(Bowl(scene_of()))
+    made = game_of(scene_of())
     loop = threading.Thread(target=made.run, daemon=True)
     loop.start()
     with served(made) as address:
@@ -238,7 +262,7 @@ def test_strangers_play_no_part(game):
             asked(game, path, body, token="guess")
         error.value.close()
         assert error.value.code == 403
-    assert len(game[0].bowl.frame.arrays["radius"]) == 3
+    assert len(game[0].toy.moving.frame.arrays["radius"]) == 3
 
 
 def test_it_pauses_and_goes_slower(game):

@@ -8,6 +8,14 @@ async function ask(path: string, init: RequestInit = {}): Promise<Response> {
   return answer;
 }
 
+/** What every toy tells of itself. */
+export interface Told {
+  time: number;
+  speed: number;
+  pace: number; // 1 where the machine keeps up
+  news: string[]; // what happened by itself, so far
+}
+
 export interface Kind {
   name: string;
   color: string;
@@ -15,11 +23,8 @@ export interface Kind {
   density: number;
 }
 
-/** How all stands now. Lengths are in meters. */
-export interface Now {
-  time: number;
-  speed: number;
-  pace: number; // 1 where the machine keeps up
+/** How a bowl stands now. Lengths are in meters. */
+export interface Now extends Told {
   x: number[];
   y: number[];
   radius: number[];
@@ -34,8 +39,19 @@ export interface Now {
   highest: number;
 }
 
-export async function now(): Promise<Now> {
-  return (await (await ask("now")).json()) as Now;
+/** How a tank stands now. Lengths are in meters. */
+export interface Poured extends Told {
+  places: string; // in base64: x and y of each particle, in 65535ths of the view
+  colors: string; // in base64: in 255ths of `most`
+  coloring: string;
+  most: number;
+  solids: [number, number][][];
+  wall: number; // how far the left one is pushed
+  leaning: number; // rad
+}
+
+export async function now<T extends Told>(): Promise<T> {
+  return (await (await ask("now")).json()) as T;
 }
 
 export async function scene(): Promise<string> {

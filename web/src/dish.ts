@@ -1,6 +1,7 @@
 // The picture of the bowl: the liquid's height as color, the dish, the floats as lit balls.
 
 import type { Now } from "./asking";
+import { bytes } from "./toy";
 
 export interface Bowl {
   title: string;
@@ -12,10 +13,6 @@ export interface Bowl {
   speeds: number[];
   steepest: number;
   map: string;
-}
-
-export function bytes(coded: string): Uint8Array {
-  return Uint8Array.from(atob(coded), (one) => one.charCodeAt(0));
 }
 
 /** A ball with light from the upper left. */

@@ -1,66 +1,41 @@
 // A bowl to play with: what hands do here is simulated by the program that gave out this page.
 
-import { act, now, scene, type Now } from "./asking";
+import type { Now } from "./asking";
 import { ball, Picture, type Bowl } from "./dish";
+import { DEGREE, element, header, Toy } from "./toy";
 
-const bowl = JSON.parse(document.getElementById("bowl")!.textContent!) as Bowl;
-const DEGREE = Math.PI / 180;
+const bowl = header<Bowl>();
 
-function element<T extends HTMLElement>(id: string): T {
-  return document.getElementById(id) as T;
-}
-
-class Play {
+class Play extends Toy<Now> {
   private readonly canvas = element<HTMLCanvasElement>("canvas");
   private readonly picture = new Picture(this.canvas, bowl);
-  private seen: Now | null = null;
   private chosen = bowl.shelf[0].name;
   private held = -1;
   private listed = "";
-  private drawn = 0;
   private sliders = new Map<string, HTMLInputElement>();
 
   constructor() {
-    element("title").textContent = bowl.title;
-    document.title = bowl.title;
-    this.speeds();
+    super("bowl", bowl.title, bowl.speeds);
     this.pointing();
     this.tilting();
     const liquid = element("numbers");
     this.slider(liquid, "surface tension", "liquid", "surface_tension", [10, 80], 1e-3, "mN/m");
     this.slider(liquid, "viscosity", "liquid", "viscosity", [0.5, 50], 1e-3, "mPa s");
-    element("save").addEventListener("click", () => void this.save());
-    window.addEventListener("resize", () => this.seen && this.picture.draw(this.seen));
     void this.follow();
   }
 
-  private async follow(): Promise<void> {
-    for (;;) {
-      try {
-        this.seen = await now();
-      } catch {
-        this.say("The program that this bowl runs in has ended.");
-        document.body.dataset.state = "ended";
-        return;
-      }
-      this.picture.draw(this.seen);
-      this.list(this.seen);
-      this.tell(this.seen);
-      document.body.dataset.drawn = String(++this.drawn);
-      await new Promise((resolve) => requestAnimationFrame(resolve));
-    }
+  protected draw(seen: Now): void {
+    this.picture.draw(seen);
   }
 
-  private tell({ time, pace, x, clusters, liquid, dish, kinds, speed }: Now): void {
-    const slow = speed > 0 && pace < 0.9 ? `, slow motion ${pace.toFixed(2)}×` : "";
-    element("clock").textContent = `${time.toFixed(1)} s · ${x.length} floats, ${clusters} groups${slow}`;
+  protected tell(seen: Now): void {
+    this.list(seen);
+    const { time, x, clusters, liquid, dish, kinds } = seen;
+    element("clock").textContent = `${time.toFixed(1)} s · ${x.length} floats, ${clusters} groups${this.slow(seen)}`;
     const told: [string, number][] = Object.entries(liquid).map(([key, value]) => [`liquid.${key}`, value]);
     told.push(["dish.contact_angle", dish.contact_angle]);
     for (const kind of kinds) if (kind.contact_angle !== null) told.push([`${kind.name}.contact_angle`, kind.contact_angle]);
     for (const [name, value] of told) this.show(name, value);
-    for (const button of element("speeds").children) {
-      button.setAttribute("aria-pressed", String(Number((button as HTMLElement).dataset.value) === speed));
-    }
   }
 
   /** Buttons and sliders for the species there are. */
@@ -113,16 +88,6 @@ class Play {
     const plain = value / Number(input.dataset.unit);
     input.value = String(plain);
     input.previousElementSibling!.textContent = `${Number(plain.toPrecision(3))} ${input.dataset.name}`;
-  }
-
-  private speeds(): void {
-    for (const speed of bowl.speeds) {
-      const button = document.createElement("button");
-      button.textContent = speed === 0 ? "pause" : speed < 1 ? `1/${1 / speed}×` : `${speed}×`;
-      button.dataset.value = String(speed);
-      button.addEventListener("click", () => void this.act("speed", { value: speed }));
-      element("speeds").append(button);
-    }
   }
 
   private near([x, y]: [number, number]): number {
@@ -184,26 +149,6 @@ class Play {
       if (!event.repeat) lean(...ways[event.key]);
     });
     this.canvas.addEventListener("keyup", (event) => event.key in ways && lean(0, 0));
-  }
-
-  private async act(what: string, more: Record<string, unknown> = {}): Promise<void> {
-    this.say(await act(what, more).catch((fault: Error) => fault.message));
-  }
-
-  private say(text: string): void {
-    const said = element("said");
-    if (text || !said.hidden) {
-      said.textContent = text;
-      said.hidden = !text;
-    }
-  }
-
-  private async save(): Promise<void> {
-    const link = document.createElement("a");
-    link.download = "bowl.toml";
-    link.href = URL.createObjectURL(new Blob([await scene()], { type: "application/toml" }));
-    link.click();
-    URL.revokeObjectURL(link.href);
   }
 }
 

@@ -89,35 +89,41 @@ def play(
     scene: Annotated[
         Path | None,
         typer.Argument(
-            metavar="SCENE", help="A scene with floats in a dish; left out, a small bowl.", show_default=False
+            metavar="SCENE",
+            help="Floats in a dish, or a tank of liquid in the plane; left out, a small bowl.",
+            show_default=False,
         ),
     ] = None,
+    tank: Annotated[bool, typer.Option("--tank", help="Play with a small tank of water.")] = False,
     overrides: Overrides = None,
 ) -> None:
-    """Play with a bowl in the browser: drop floats, drag them, tilt the dish, change the liquid, while it is simulated.
+    """Play in the browser while it is simulated: with a bowl (drop floats, drag them, tilt the dish, change the
+    liquid), or with a tank (pour, open a gate, push a wall, tilt).
 
     Ends with Ctrl-C. `save as scene` on the page writes the TOML that goes on from there.
 
-    Examples: `ecume play` · `ecume play bowl.toml --set dish.contact_angle='"110 deg"'`
+    Examples: `ecume play` · `ecume play --tank` · `ecume play bowl.toml --set dish.contact_angle='"110 deg"'`
     """
     from ecume.scenes.load import load_scene
     from ecume.scenes.templates import folder
-    from ecume.show.play.bowl import Bowl
-    from ecume.show.play.site import Game
+    from ecume.show.play.toys import game_of
     from ecume.show.serving import served
 
-    changes = overrides or []
-    given = scene or (folder() / "cereal-bowl.toml").read_text(encoding="utf-8")
-    asked = load_scene(given, changes if scene else ["floats[0].count=12", *changes])
+    if tank and scene is not None:
+        raise BadInput("--tank plays with a tank of its own; leave it out, or SCENE")
+    name = "small-tank" if tank else "cereal-bowl"
+    usual = [] if tank or scene else ["floats[0].count=12"]
+    given = scene or (folder() / f"{name}.toml").read_text(encoding="utf-8")
+    asked = load_scene(given, [*usual, *(overrides or [])])
+    game = game_of(asked)
     typer.echo("compiling, unless that was done before ...")
-    game = Game(Bowl(asked))
-    game.bowl.play(0.0)
+    game.toy.moving.play(0.0)
     with served(game) as address:
         offer(address)
         try:
             game.run()
         except KeyboardInterrupt:
-            typer.echo("the bowl is empty")
+            typer.echo("played enough")
 
 
 VERBS = (view, play)

@@ -110,6 +110,24 @@ def test_a_run_goes_on_from_the_frame_of_another_with_every_number_of_its_partic
         ecume.load_scene(tmp_path / "two.toml")
 
 
+SINGLE = "fluid=[{{particles={{positions=[{}]}}}}, {{particles={{positions=[[0.32, 0.31]]}}}}]"
+
+
+def test_single_particles_stay_where_they_are_however_near_and_above_an_open_top(tmp_path):
+    text, solid = written(tmp_path, ""), "obstacles=[{low=[0.52, 0.0], high=[0.9, 0.5]}]"
+    scene = ecume.load_scene(text, [SINGLE.format("[0.3, 0.3], [0.51, 0.3], [0.3, 2.2]"), solid])
+    state = start(scene, SPH.parameters(scene))
+    assert state.position.T.tolist() == [[0.3, 0.3], [0.51, 0.3], [0.3, 2.2], [0.32, 0.31]]
+    assert state.region.tolist() == [0, 0, 0, 1]
+
+
+@pytest.mark.parametrize(("place", "change"), [("[0.3, 2.2]", "tank.top.kind='wall'"), ("[-0.05, 0.3]", "seed=1")])
+def test_single_particles_behind_a_wall_are_refused(tmp_path, place, change):
+    scene = ecume.load_scene(written(tmp_path, ""), [SINGLE.format(place), change])
+    with pytest.raises(SceneError, match="reaches out of the tank"):
+        start(scene, SPH.parameters(scene))
+
+
 def test_a_surface_of_triangles_is_filled_and_knows_the_depth():
     mesh, points = Mesh(cube()), np.array([[0.3, 0.35, 0.8], [0.75, 0.75, 0.75], [0.2, 0.7, 0.7], [1.3, 0.5, 0.5]])
     assert mesh.inside(points).tolist() == [True, True, False, False]

@@ -1,5 +1,6 @@
 """The page in a real browser: it plays, colors, inspects, survives a hostile scene, and asks nobody anything."""
 
+import contextlib
 import os
 import shutil
 import threading
@@ -12,8 +13,7 @@ from tests.show.view.test_page import HOSTILE
 
 from ecume.scenes.load import load_scene
 from ecume.scenes.templates import folder
-from ecume.show.play.bowl import Bowl
-from ecume.show.play.site import Game
+from ecume.show.play.toys import game_of
 from ecume.show.serving import served
 from ecume.show.view import save_page
 from ecume.show.view.live import Source, serving
@@ -24,6 +24,11 @@ pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="Chromium is not instal
 FLAGS = [
     "--headless", "--no-sandbox", "--no-first-run", "--disable-background-networking", "--disable-component-update",
     "--disable-sync", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+]  # fmt: skip
+
+
+COARSE = [
+    "spacing=8 cm", 'obstacles=[{low = ["72 cm", "0 m"], high = ["104 cm", "1 m"]}]', 'fluid[1].low=["104 cm", "0 m"]',
 ]  # fmt: skip
 
 
@@ -170,13 +175,22 @@ def test_a_run_in_progress_is_followed_and_stopped(tab, tmp_path):
     assert tab.complaints == []
 
 
-def test_a_bowl_is_played_with(tab):
-    away = "floats[0].positions=[[-0.02, 0.02], [-0.01, 0.025], [0.01, 0.025], [0.02, 0.02]]"
-    game = Game(Bowl(load_scene((folder() / "cereal-bowl.toml").read_text(), ["floats[0].count=4", away])))
-    game.bowl.play(0.0)
+@contextlib.contextmanager
+def played(name, changes):
+    """A template that somebody plays with, and the address of its page."""
+    game = game_of(load_scene((folder() / f"{name}.toml").read_text(), changes))
+    game.toy.moving.play(0.0)
     loop = threading.Thread(target=game.run, daemon=True)
     loop.start()
     with served(game) as address:
+        yield game.toy.moving, address
+    game.over.set()
+    loop.join()
+
+
+def test_a_bowl_is_played_with(tab):
+    away = "floats[0].positions=[[-0.02, 0.02], [-0.01, 0.025], [0.01, 0.025], [0.02, 0.02]]"
+    with played("cereal-bowl", ["floats[0].count=4", away]) as (bowl, address):
         tab.goto(address)
         tab.wait_for_selector("body[data-drawn]", timeout=30_000)
         tab.get_by_role("button", name="pause").click()
@@ -186,15 +200,51 @@ def test_a_bowl_is_played_with(tab):
         for number in range(10):
             tab.mouse.click(middle[0] + 30 * (number % 4) - 45, middle[1] + 30 * (number // 4) - 30)
             tab.wait_for_selector(f"#clock:has-text('{5 + number} floats')", timeout=60_000)
-        first, end = game.bowl.frame.numbers["clusters"], game.bowl.time + 1.5
+        first, end = bowl.frame.numbers["clusters"], bowl.time + 1.5
         tab.get_by_role("button", name="4×", exact=True).click()
-        while game.bowl.time < end:
+        while bowl.time < end:
             tab.wait_for_timeout(100)
-        assert game.bowl.frame.numbers["clusters"] < first, "equal beads attract one another"
+        assert bowl.frame.numbers["clusters"] < first, "equal beads attract one another"
         with tab.expect_download() as saved:
             tab.get_by_role("button", name="save as scene").click()
         assert len(load_scene(saved.value.path()).floats[1].positions) == 10
         assert not tab.complaints
         assert all(request.startswith((address.split("/?")[0], "blob:")) for request in tab.requests)
-    game.over.set()
-    loop.join()
+
+
+def test_a_tank_is_played_with(tab):
+    with played("small-tank", COARSE) as (tank, address):
+        tab.goto(address)
+        tab.wait_for_selector("body[data-drawn]", timeout=30_000)
+        box = tab.locator("#canvas").bounding_box()
+        few = tank.count
+        tab.mouse.move(box["x"] + 0.7 * box["width"], box["y"] + 0.4 * box["height"])
+        tab.mouse.down()
+        while tank.count < few + 30:
+            tab.wait_for_timeout(50)
+        tab.mouse.up()
+        tab.get_by_role("radio", name="scoop").click()
+        many = tank.count
+        tab.mouse.click(box["x"] + 0.25 * box["width"], box["y"] + 0.75 * box["height"])
+        while tank.count >= many:
+            tab.wait_for_timeout(50)
+        tab.get_by_role("radio", name="pressure").click()
+        tab.wait_for_selector("#most:has-text('Pa')")
+        tab.get_by_role("button", name="open the gate").click()
+        tab.wait_for_selector("#open", state="hidden")
+        tab.get_by_role("button", name="make a wave").click()
+        while not tank.pushed:
+            tab.wait_for_timeout(50)
+        tab.locator("#canvas").focus()
+        tab.keyboard.down("ArrowRight")
+        while tank.leaning < 0.05:
+            tab.wait_for_timeout(50)
+        tab.keyboard.up("ArrowRight")
+        tab.screenshot(path=os.environ.get("ECUME_SCREENSHOT") or os.devnull, type="png")
+        with tab.expect_download() as saved:
+            tab.get_by_role("button", name="save as scene").click()
+        assert sum(len(part.particles.masses) for part in load_scene(saved.value.path()).fluid) == tank.count
+        tab.get_by_role("button", name="begin anew").click()
+        tab.wait_for_selector("#open", state="visible")
+        assert not tab.complaints
+        assert all(request.startswith((address.split("/?")[0], "blob:")) for request in tab.requests)

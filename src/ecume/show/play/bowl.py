@@ -30,6 +30,10 @@ LONGEST = 0.1
 """s of simulated time at once: a machine that is too slow plays in slow motion, and is not hurried."""
 ROOM = 1.02
 """How far apart centers must be for a new float, in sums of radii."""
+SOON = 0.2
+"""s after which floats that were brought to rest and diverge again are put back to where the last change left them."""
+CALMED = "The floats went too fast for their time step: they were brought to rest where they were."
+PUT_BACK = "The floats could not be brought to rest: they are back where the last change left them."
 TRIES = 60
 """Places around the asked one where there may be room."""
 
@@ -61,7 +65,7 @@ class Bowl:
             raise BadInput("one plays with a dish of floats; wanted a scene of model 'floating' with a [dish]")
         self.hand: Hand | None = None
         self.slosh, self.tilt = Slosh(), (0.0, 0.0)
-        self.time = 0.0
+        self.time, self.calmed, self.news = 0.0, -math.inf, list[str]()
         self._begin(scene)
 
     @property
@@ -86,10 +90,9 @@ class Bowl:
             end = int(self.march.state.step[0]) + steps
             while (left := end - int(self.march.state.step[0])) > 0:
                 self.march.go(left)
+            self.time += steps * step
         except Diverged:
-            species = self.march.parameters.floats.species
-            self._begin(placed(self.scene, kept, np.zeros_like(kept), species))
-        self.time += steps * step
+            self._calm(kept)
 
     def grasp(self, one: int, x: float, y: float) -> None:
         """Drag a float towards a place. Raises BadInput where there is none of that number."""
@@ -180,7 +183,16 @@ class Bowl:
         given += [(row.vx, row.vy) for row in scene.rows]
         state.velocity[:] = np.array(given).reshape(-1, 2)
         self.scene, self.hand = placed(scene, state.position, state.velocity, parameters.floats.species), None
-        self.march = March(model, parameters._replace(drift=drift), state, LONGEST)
+        self.march, self.last = March(model, parameters._replace(drift=drift), state, LONGEST), self.scene
+
+    def _calm(self, kept: Array) -> None:
+        """Bring the floats to rest where they last were, or, where that did not help just now, at the last change."""
+        again, last = self.time - self.calmed < SOON, self.last
+        species = self.march.parameters.floats.species
+        self.slosh, self.calmed = Slosh(), self.time
+        self._begin(_stilled(last) if again else placed(self.scene, kept, np.zeros_like(kept), species))
+        self.last = last
+        self.news.append(PUT_BACK if again else CALMED)
 
     def _drag(self) -> None:
         if self.hand is None:
@@ -244,6 +256,12 @@ def _like(scene: FloatingScene, name: str) -> FloatSpec:
     kept = ("radius", "density", "contact_angle", "surface_energies")
     what: dict[str, Any] = {key: getattr(row, key) for key in kept}
     return FloatSpec(name=name, **what)
+
+
+def _stilled(scene: FloatingScene) -> FloatingScene:
+    """The same at rest, of a scene without rows."""
+    rest = (dataclasses.replace(species, velocities=(), velocity=(0.0, 0.0)) for species in scene.floats)
+    return dataclasses.replace(scene, floats=tuple(rest))
 
 
 def _replaced(part: Any, number: dict[str, float]) -> Any:

@@ -20,6 +20,7 @@ class Parts(NamedTuple):
 
 VIEW = Parts("page.html", "view.css", "view.js")
 PLAY = Parts("play.html", "play.css", "play.js")
+TANK = Parts("tank.html", "play.css", "tank.js")
 
 
 def filled(parts: Parts, title: str, data: str, *, live: bool) -> str:

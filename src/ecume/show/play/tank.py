@@ -1,0 +1,233 @@
+"""A tank that somebody plays with: liquid is poured and scooped out, a gate opened, a wall pushed, the tank tilted.
+
+What moves it is the model's own march. A hand's push is the motion of a side, a tilt is what a shaken tank feels, an
+open gate is an obstacle less: so what is played is a scene at any moment, and can be saved as one.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import time
+from typing import Any
+
+import numpy as np
+
+from ecume.errors import BadInput, Diverged
+from ecume.laws.waves import wave_frequency
+from ecume.models import MODELS
+from ecume.models.sph.parameters import Drive, Liquid
+from ecume.models.sph.state import make_state
+from ecume.scenes.sph import SphScene
+from ecume.show.play.pouring import (
+    MOST,
+    Push,
+    fixed,
+    joined,
+    movable,
+    poured,
+    regions_of,
+    require_playable,
+    room_around,
+    those,
+    tilting,
+    with_hands,
+)
+from ecume.simulation import March
+
+LONGEST = 0.05
+"""s of simulated time at once: a machine that is too slow plays in slow motion, and is not hurried."""
+BUDGET = 0.04
+"""s of the clock at once: whoever looks must hear of it many times a second."""
+JET = 2.5
+"""What is poured at once reaches so many spacings around the hand."""
+LADLE = 4.0
+"""And what is scooped out so many."""
+GRASP = 0.15
+"""s in which the wall would reach the hand, the tank its tilt, and a wall that stands its highest speed."""
+PUSHED, STROKE = 0.25, 0.1
+"""How far a wall can be pushed, and how far it goes for a wave, over the tank's width."""
+HURRY = 0.3
+"""How fast a wall is pushed at most, over the fastest speed that the scene expects."""
+STEEPEST = math.radians(20.0)
+"""As far as a tank can be tilted."""
+SOON = 0.2
+"""s after which liquid that was calmed and breaks again is not worth keeping."""
+CALMED = "The liquid went too fast for its time step: it was brought to rest where it stood."
+ANEW = "The liquid could not be brought to rest: all begins anew."
+PER_PARTICLE = ("position", "velocity", "density", "mass", "region")
+
+
+class Tank:
+    """An open tank. Its scene and its state are what they are between two calls; nothing happens meanwhile."""
+
+    def __init__(self, scene: Any) -> None:
+        require_playable(scene)
+        self.first, self.time, self.news = fixed(scene), 0.0, list[str]()
+        self.anew()
+
+    def anew(self) -> None:
+        """Begin again, with all that was there at first."""
+        self.aim, self.tilt, self.leaning = 0.0, 0.0, 0.0
+        self.wave_since, self.calmed = -math.inf, -math.inf
+        self._begin(self.first, Push(), None)
+
+    @property
+    def count(self) -> int:
+        """Particles."""
+        return int(self.march.state.position.shape[1])
+
+    @property
+    def pushed(self) -> float:
+        """How far the left wall is from where the tank has it (m)."""
+        return self.push.at(self._now)
+
+    def play(self, seconds: float) -> None:
+        """Go on by so much simulated time, at most `LONGEST`, or as far as `BUDGET` allows. What diverges is calmed."""
+        step = self.march.parameters.time_step
+        steps = max(1, round(min(seconds, LONGEST) / step))
+        self._take_hands(steps * step)
+        kept, before = self.liquid(), self._step
+        try:
+            self._march(before + steps)
+            self.time += (self._step - before) * step
+        except Diverged:
+            self._calm(kept)
+
+    def pour(self, x: float, y: float) -> None:
+        """Pour some liquid at a place (m), as much as there is room for. Raises BadInput where there is none."""
+        liquid = self.liquid()
+        points = room_around(self.scene, (x, y), JET, self.pushed, liquid.position.T)
+        if not len(points):
+            raise BadInput("there is no room for liquid here")
+        if self.count + len(points) > MOST:
+            raise BadInput(f"there are {self.count} particles, and at most {MOST} are played with; scoop some out")
+        self._go_on(joined(liquid, poured(self.scene, self.march.parameters.material, points)))
+
+    def scoop(self, x: float, y: float) -> None:
+        """Take out the liquid around a place (m). Raises BadInput where there is none, or no other."""
+        liquid = self.liquid()
+        stays = np.hypot(*(liquid.position - np.array([[x], [y]]))) > LADLE * self.scene.spacing
+        if stays.all():
+            raise BadInput("there is no liquid here")
+        if not stays.any():
+            raise BadInput("the last of it stays")
+        self._go_on(those(liquid, stays))
+
+    def open_gate(self) -> None:
+        """Take out the first obstacle. Raises BadInput where there is none."""
+        if not self.scene.obstacles:
+            raise BadInput("there is no gate that could be opened")
+        opened = dataclasses.replace(self.scene, obstacles=self.scene.obstacles[1:])
+        self._begin(opened, Push(places=(self.pushed,)), self.liquid())
+
+    def drag(self, x: float) -> None:
+        """Let the left wall follow a hand at this place (m)."""
+        self._require_movable()
+        self.aim = min(max(x - self.scene.tank.low[0], 0.0), PUSHED * self.width)
+        self.wave_since = -math.inf
+
+    def wave(self) -> None:
+        """Push the left wall to and fro once, in the time in which the liquid swings."""
+        self._require_movable()
+        self.aim, self.wave_since = 0.0, self.time
+
+    def lean(self, angle: float) -> None:
+        """Tilt the tank so far (rad); a positive angle lets its right side sink."""
+        self.tilt = min(max(angle, -STEEPEST), STEEPEST)
+
+    def present(self) -> SphScene:
+        """The scene as it stands: to go on from there is to simulate it, without hands."""
+        held = self.pushed != 0.0 or self.leaning != 0.0
+        scene = with_hands(self.scene, self.pushed, self._pull) if held else self.scene
+        return dataclasses.replace(scene, fluid=regions_of(self.scene, self.liquid()))
+
+    def liquid(self) -> Liquid:
+        """The particles as they are now, in the order of their numbers."""
+        state = self.march.state
+        order = np.argsort(state.identity)
+        return Liquid(*(np.ascontiguousarray(getattr(state, name)[..., order]) for name in PER_PARTICLE))
+
+    @property
+    def width(self) -> float:
+        """Of the tank (m)."""
+        return float(self.scene.tank.high[0] - self.scene.tank.low[0])
+
+    @property
+    def period(self) -> float:
+        """In which the liquid swings to and fro, were it level (s)."""
+        depth = float(np.sum(self.march.state.mass)) / self.march.parameters.material.density / self.width
+        pull = math.hypot(*(self.scene.gravity or ()))
+        return 2.0 * math.pi / max(wave_frequency(math.pi / self.width, depth, pull), 1e-9)
+
+    def _begin(self, scene: SphScene, push: Push, liquid: Liquid | None) -> None:
+        """Go on with another scene; without a liquid with its own."""
+        model = MODELS["sph"]
+        parameters = model.parameters(with_hands(scene, push.at(0.0), (0.0, 0.0)))
+        state = model.start(scene, parameters) if liquid is None else make_state(parameters, liquid)
+        self.scene, self.push = scene, push
+        self.march = March(model, parameters, state, BUDGET / 4.0)
+
+    def _go_on(self, liquid: Liquid) -> None:
+        """Go on with other particles."""
+        self.push, parameters = Push(places=(self.pushed,)), self.march.parameters
+        self._drive()
+        self.march = March(self.march.model, self.march.parameters, make_state(parameters, liquid), BUDGET / 4.0)
+
+    def _march(self, end: int) -> None:
+        """Step by step, as long as the budget lasts."""
+        began = time.perf_counter()
+        while self._step < end and time.perf_counter() - began < BUDGET:
+            self.march.go(end - self._step)
+
+    def _calm(self, kept: Liquid) -> None:
+        """Bring liquid to rest where it last was whole; begin anew where that did not help just now."""
+        if self.time - self.calmed < SOON:
+            self.anew()
+            self.news.append(ANEW)
+            return
+        self.calmed = self.time
+        self._go_on(kept._replace(velocity=np.zeros_like(kept.velocity)))
+        self.news.append(CALMED)
+
+    def _take_hands(self, seconds: float) -> None:
+        """Let the wall and the tilt follow the hands for so long."""
+        now = self._now
+        self.leaning += min(1.0, seconds / GRASP) * (self.tilt - self.leaning)
+        fastest = HURRY * self.march.parameters.material.fastest
+        wanted = min(max((self._wanted - self.pushed) / GRASP, -fastest), fastest)
+        more = fastest * seconds / GRASP
+        speed = min(max(wanted, self.push.speed - more), self.push.speed + more)
+        self.push = self.push.then(now, seconds, speed, min(float(self.march.state.clock[1]), now))
+        self._drive()
+
+    @property
+    def _wanted(self) -> float:
+        """Where the wall should be soon (m): at the hand, or where the wave has it."""
+        phase = (self.time + GRASP - self.wave_since) / self.period
+        if phase > 1.0:
+            return self.aim
+        return 0.5 * STROKE * self.width * (1.0 - math.cos(2.0 * math.pi * phase))
+
+    def _drive(self) -> None:
+        """Tell the march what hands do."""
+        parameters = self.march.parameters
+        tilt = Drive(np.zeros(1), 0.0, 0.0, 0.0, np.zeros(1), np.array(self._pull)[:, None])
+        drives = tuple((side, self.push.drive()) for side, _ in parameters.drives)
+        self.march.parameters = parameters._replace(drives=drives, shake=tilt)
+
+    @property
+    def _pull(self) -> tuple[float, float]:
+        return tilting(self.scene, self.leaning)
+
+    @property
+    def _step(self) -> int:
+        return int(self.march.state.step[0])
+
+    @property
+    def _now(self) -> float:
+        return float(self.march.state.clock[0])
+
+    def _require_movable(self) -> None:
+        if not movable(self.scene):
+            raise BadInput("the left side of this tank is no wall that could be pushed")

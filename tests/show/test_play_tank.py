@@ -1,0 +1,272 @@
+"""A tank that is played with is the simulated one, whatever hands do to it, and can be saved as a scene."""
+
+import base64
+import json
+import math
+
+import numpy as np
+import pytest
+
+import ecume
+from ecume.errors import BadInput
+from ecume.scenes.load import load_scene
+from ecume.scenes.schema import to_toml
+from ecume.scenes.templates import folder
+from ecume.show.play import tank as playing
+from ecume.show.play.pouring import MOST, Push, tilting
+from ecume.show.play.tank import ANEW, CALMED, HURRY, PUSHED, STEEPEST, Tank
+from ecume.show.play.toys import game_of
+
+pytestmark = pytest.mark.compiled
+COARSE = ["spacing=8 cm", "obstacles=[{low = [0.72, 0.0], high = [1.04, 1.0]}]", "fluid[1].low=[1.04, 0.0]"]
+
+
+def scene_of(*changes):
+    return load_scene((folder() / "small-tank.toml").read_text(), [*COARSE, *changes])
+
+
+@pytest.fixture(autouse=True)
+def patient(monkeypatch):
+    """However slow the machine, it goes as far as it is asked to."""
+    monkeypatch.setattr(playing, "BUDGET", 1e3)
+
+
+@pytest.fixture
+def tank():
+    return Tank(scene_of())
+
+
+def play(tank, seconds):
+    end = tank.time + seconds
+    while tank.time < end:
+        tank.play(1 / 60)
+
+
+def places_of(tank):
+    return tank.liquid().position.T
+
+
+def mass(tank):
+    return float(tank.liquid().mass.sum())
+
+
+def simulated(scene, tank):
+    """The last of the same steps, by the plain way."""
+    step = tank.march.parameters.time_step
+    span = f"{round(tank.time / step) * step!r}"
+    text = to_toml(scene)
+    return list(
+        ecume.simulate(load_scene(text, [f"method.time_step={step}", f"duration={span}", f"frame_every={span}"]))
+    )[-1]
+
+
+def test_left_alone_it_goes_as_the_simulation_does(tank):
+    play(tank, 0.2)
+    last = simulated(tank.first, tank)
+    assert places_of(tank) == pytest.approx(last.arrays["position"], abs=1e-9)
+    assert last.numbers["largest_speed"] > 0.0
+
+
+def test_a_push_is_the_motion_of_the_side(tank):
+    rows = [(0.0, 0.0)]
+    for tick in range(20):
+        tank.drag(0.5 if tick < 8 else 0.1)
+        tank.play(1 / 60)
+        ends = [time for time in tank.push.times if rows[-1][0] + 1e-9 < time < tank.time - 1e-9]
+        rows += [(time, tank.push.at(time)) for time in (*ends, tank.time)]
+    times, places = (list(column) for column in zip(*rows, strict=True))
+    speeds = np.diff(places) / np.diff(times)
+    assert 0.9 < speeds.max() <= HURRY * 4.0 * (1 + 1e-9)
+    assert speeds[-1] < 0.0
+    motion = f"tank.left.motion={{ times = {times}, positions = {places} }}"
+    last = simulated(load_scene(to_toml(tank.first), [motion]), tank)
+    # Where a straight line ends, one sum of the played tank knows the speed before it, of the other that after it.
+    assert places_of(tank) == pytest.approx(last.arrays["position"], abs=1e-3)
+    assert tank.liquid().position[0].min() > tank.pushed - 0.01
+
+
+def test_a_hand_pushes_no_farther_than_it_may_and_a_wave_comes_back(tank):
+    tank.drag(9.0)
+    play(tank, 2.0)
+    assert tank.pushed == pytest.approx(PUSHED * 2.4, rel=1e-4)
+    farthest = []
+    tank.drag(0.0)
+    play(tank, 1.5)
+    tank.wave()
+    while tank.time < tank.wave_since + tank.period + 1.0:
+        tank.play(1 / 60)
+        farthest.append(tank.pushed)
+    assert max(farthest) == pytest.approx(0.24, rel=0.05)
+    assert tank.pushed == pytest.approx(0.0, abs=1e-3)
+
+
+def test_a_push_goes_on_evenly_and_forgets_what_was_before_the_lists():
+    push = Push(speed=1.0)
+    for now in (0.0, 0.1, 0.2, 0.3):
+        push = push.then(now, 0.1, 1.0, max(0.0, now - 0.15))
+    assert push.times[0] == pytest.approx(0.15)
+    assert push.times[-1] == pytest.approx(0.5)
+    assert push.places == pytest.approx(push.times)
+    faster = push.then(0.35, 0.1, 3.0, 0.35)
+    assert faster.times[0] == 0.35
+    assert faster.at(0.45) - faster.at(0.35) == pytest.approx(0.1 * 2.0)
+    assert np.diff(faster.places)[-1] / np.diff(faster.times)[-1] == pytest.approx(3.0)
+    assert (np.diff(faster.places) / np.diff(faster.times))[:-1] == pytest.approx(1.0 + 2.0 * (np.arange(8) + 0.5) / 8)
+
+
+def test_what_is_poured_adds_its_mass_and_falls(tank):
+    before, count = mass(tank), tank.count
+    tank.pour(2.0, 0.9)
+    more = tank.count - count
+    assert more > 15
+    assert mass(tank) - before == pytest.approx(more * 1000.0 * 0.08**2)
+    high = tank.liquid().position[1, -more:]
+    assert np.abs(high - 0.9).max() <= 0.2
+    play(tank, 0.2)
+    fallen = high - tank.liquid().position[1, -more:]
+    assert fallen == pytest.approx(0.5 * 9.81 * tank.time**2, abs=0.01)
+
+
+@pytest.mark.parametrize("place", [(0.3, 0.3), (0.88, 0.5), (3.5, 0.5), (1.5, -1.0)])
+def test_where_there_is_no_room_nothing_is_poured(tank, place):
+    before = tank.count
+    with pytest.raises(BadInput, match="no room for liquid here"):
+        tank.pour(*place)
+    assert tank.count == before
+
+
+def test_a_full_tank_is_not_poured_into(tank, monkeypatch):
+    monkeypatch.setattr(playing, "MOST", tank.count + 5)
+    with pytest.raises(BadInput, match="scoop some out"):
+        tank.pour(2.0, 0.9)
+
+
+def test_what_is_scooped_is_gone_and_the_last_of_it_stays(tank):
+    before = tank.liquid()
+    tank.scoop(1.8, 0.1)
+    after = tank.liquid()
+    assert tank.count < before.position.shape[1]
+    assert np.hypot(after.position[0] - 1.8, after.position[1] - 0.1).min() > 4 * 0.08
+    with pytest.raises(BadInput, match="there is no liquid here"):
+        tank.scoop(2.0, 1.1)
+    while np.ptp(tank.liquid().position, axis=1).max() > 0.5:
+        tank.scoop(*max(places_of(tank).tolist()))
+    with pytest.raises(BadInput, match="the last of it stays"):
+        tank.scoop(*places_of(tank).mean(axis=0))
+
+
+def test_a_gate_holds_the_column_until_it_is_opened(tank):
+    play(tank, 0.2)
+    column = tank.liquid().region == 0
+    assert tank.liquid().position[0, column].max() < 0.72
+    tank.open_gate()
+    play(tank, 0.3)
+    assert tank.liquid().position[0, column].max() > 1.0
+    with pytest.raises(BadInput, match="no gate"):
+        tank.open_gate()
+
+
+def test_a_tilt_turns_gravity_and_the_liquid_goes_down(tank):
+    scene = tank.first
+    for angle in (0.1, -0.3):
+        pull = np.array(scene.gravity) + tilting(scene, angle)
+        assert np.hypot(*pull) == pytest.approx(9.81)
+        assert math.atan2(pull[0], -pull[1]) == pytest.approx(angle)
+    pool = tank.liquid().region == 1
+    before = tank.liquid().position[0, pool].mean()
+    tank.lean(9.0)
+    play(tank, 0.3)
+    assert 0.8 * STEEPEST < tank.leaning < STEEPEST
+    assert tank.liquid().position[0, pool].mean() > before + 0.01
+
+
+def test_the_saved_scene_goes_on_from_here(tank):
+    tank.open_gate()
+    tank.pour(2.0, 1.1)
+    tank.drag(0.2)
+    tank.lean(0.2)
+    play(tank, 1.0)
+    tank.tilt = tank.leaning
+    tank.march.state.position[1, 0] = 1.3  # a splash above the open top
+    scene = load_scene(to_toml(tank.present()))
+    first, liquid = next(iter(ecume.simulate(scene))), tank.liquid()
+    order = np.argsort(liquid.region, kind="stable")
+    for name in ("position", "velocity", "density", "mass", "region"):
+        mine = getattr(liquid, name)[..., order].T
+        assert np.array_equal(first.arrays["species" if name == "region" else name], mine), name
+    assert scene.fluid[0].color == "#1f77b4"
+    assert first.numbers["left_position"] == pytest.approx(tank.pushed)
+    tank.drag(tank.pushed)
+    tank.time = 0.0
+    tank.play(1 / 60)
+    assert places_of(tank)[order] == pytest.approx(simulated(scene, tank).arrays["position"], abs=1e-3)
+
+
+def test_a_full_tank_can_be_saved_and_read_again(tank):
+    liquid = tank.liquid()
+    many = np.arange(MOST) % tank.count
+    tank._go_on(type(liquid)(*(np.ascontiguousarray(part[..., many]) for part in liquid)))
+    assert len(load_scene(to_toml(tank.present())).fluid) == 2
+
+
+def test_liquid_that_diverges_is_brought_to_rest_and_then_begins_anew(tank):
+    tank.open_gate()
+    play(tank, 0.1)
+    before, then = tank.liquid(), tank.time
+    tank.march.state.velocity[:, 0] = np.nan
+    tank.play(1 / 60)
+    assert tank.news == [CALMED]
+    assert tank.liquid().position == pytest.approx(before.position)
+    assert not tank.liquid().velocity.any()
+    assert tank.time == then
+    tank.march.state.velocity[:, 0] = np.nan
+    tank.play(1 / 60)
+    assert tank.news == [CALMED, ANEW]
+    assert len(tank.scene.obstacles) == 1
+    play(tank, 0.1)
+    assert len(tank.news) == 2
+
+
+@pytest.mark.parametrize(
+    ("name", "changes", "says"),
+    [
+        ("dam-break-3d", [], "in two dimensions"),
+        ("bouncing-particles", [], "scene of model 'tracers'"),
+        ("floating-bodies", [], "this one has bodies"),
+        ("channel", [], "in- or outflows"),
+        ("sloshing", [], r"this one has \[shake\]"),
+    ],
+)
+def test_only_tanks_of_liquid_are_played_with(name, changes, says):
+    with pytest.raises(BadInput, match=says):
+        game_of(load_scene((folder() / f"{name}.toml").read_text(), changes))
+
+
+def test_its_page_is_told_where_all_is_and_does_what_it_is_asked(tank):
+    game = game_of(scene_of())
+    said = [json.loads(game.post("/do", json.dumps(body).encode()).content)["said"] for body in ASKED]
+    assert [bool(text) for text in said] == REFUSED
+    told = json.loads(game.get("/now", {}).content)
+    tank = game.toy.moving
+    places = np.frombuffer(base64.b64decode(told["places"]), "<u2").reshape(-1, 2) / 65535.0
+    low, high = np.array([0.0, 0.0]), np.array([2.4, 1.2 * 1.35])
+    assert low + places * (high - low) == pytest.approx(tank.liquid().position.T, abs=1e-4)
+    assert told["coloring"] == "pressure"
+    assert told["solids"] == []
+    load_scene(game.get("/scene", {}).content.decode())
+
+
+ASKED = [
+    {"what": "pour", "x": 2.0, "y": 0.9}, {"what": "scoop", "x": 0.1, "y": 0.1}, {"what": "open"}, {"what": "open"},
+    {"what": "drag", "x": 0.1}, {"what": "wave"}, {"what": "lean", "angle": 0.1}, {"what": "color", "name": "pressure"},
+    {"what": "color", "name": "taste"}, {"what": "pour", "x": "nan", "y": 0}, {"what": "freeze"},
+]  # fmt: skip
+REFUSED = [False, False, False, True, False, False, False, False, True, True, True]
+
+
+def test_where_there_is_no_wall_nothing_is_pushed():
+    tank = Tank(scene_of('tank.walls="dummy"'))
+    with pytest.raises(BadInput, match="no wall that could be pushed"):
+        tank.drag(0.1)
+    with pytest.raises(BadInput, match="no wall that could be pushed"):
+        tank.wave()

@@ -1,0 +1,100 @@
+// What the pages of all toys share: the speeds, what is said, the scene to keep, and asking again and again how all stands.
+
+import { act, now, scene, type Told } from "./asking";
+
+export const DEGREE = Math.PI / 180;
+
+export function element<T extends HTMLElement>(id: string): T {
+  return document.getElementById(id) as T;
+}
+
+/** What the page was told once. */
+export function header<T>(): T {
+  return JSON.parse(document.getElementById("toy")!.textContent!) as T;
+}
+
+export function bytes(coded: string): Uint8Array {
+  return Uint8Array.from(atob(coded), (one) => one.charCodeAt(0));
+}
+
+export abstract class Toy<T extends Told> {
+  protected seen: T | null = null;
+  private drawn = 0;
+  private heard = 0;
+
+  protected constructor(
+    private readonly name: string,
+    title: string,
+    speeds: number[],
+  ) {
+    element("title").textContent = title;
+    document.title = title;
+    for (const speed of speeds) this.speed(speed);
+    element("save").addEventListener("click", () => void this.save());
+    window.addEventListener("resize", () => this.seen && this.draw(this.seen));
+  }
+
+  /** What is seen. */
+  protected abstract draw(seen: T): void;
+
+  /** What is said beside the picture. */
+  protected abstract tell(seen: T): void;
+
+  protected async follow(): Promise<void> {
+    for (;;) {
+      try {
+        this.seen = await now<T>();
+      } catch {
+        this.say(`The program that this ${this.name} runs in has ended.`);
+        document.body.dataset.state = "ended";
+        return;
+      }
+      this.draw(this.seen);
+      this.tell(this.seen);
+      this.mark(this.seen);
+      document.body.dataset.drawn = String(++this.drawn);
+      await new Promise((resolve) => requestAnimationFrame(resolve));
+    }
+  }
+
+  /** The speed that is on, and what happened by itself. */
+  private mark({ speed, news }: T): void {
+    for (const button of element("speeds").children) {
+      button.setAttribute("aria-pressed", String(Number((button as HTMLElement).dataset.value) === speed));
+    }
+    if (news.length > this.heard) this.say(news[news.length - 1]);
+    this.heard = news.length;
+  }
+
+  protected slow({ speed, pace }: T): string {
+    return speed > 0 && pace < 0.9 ? `, slow motion ${(speed * pace).toPrecision(2)}×` : "";
+  }
+
+  private speed(speed: number): void {
+    const button = document.createElement("button");
+    button.textContent = speed === 0 ? "pause" : speed < 1 ? `1/${1 / speed}×` : `${speed}×`;
+    button.dataset.value = String(speed);
+    button.addEventListener("click", () => void this.act("speed", { value: speed }));
+    element("speeds").append(button);
+  }
+
+  protected async act(what: string, more: Record<string, unknown> = {}): Promise<void> {
+    this.say(await act(what, more).catch((fault: Error) => fault.message));
+  }
+
+  protected say(text: string): void {
+    const said = element("said");
+    if (text || !said.hidden) {
+      said.textContent = text;
+      said.hidden = !text;
+    }
+  }
+
+  private async save(): Promise<void> {
+    const link = document.createElement("a");
+    link.download = `${this.name}.toml`;
+    link.href = URL.createObjectURL(new Blob([await scene()], { type: "application/toml" }));
+    link.click();
+    URL.revokeObjectURL(link.href);
+  }
+}
