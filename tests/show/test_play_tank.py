@@ -80,8 +80,9 @@ def test_a_push_is_the_motion_of_the_side(tank):
     assert speeds[-1] < 0.0
     motion = f"tank.left.motion={{ times = {times}, positions = {places} }}"
     last = simulated(load_scene(to_toml(tank.first), [motion]), tank)
-    # Where a straight line ends, one sum of the played tank knows the speed before it, of the other that after it.
-    assert places_of(tank) == pytest.approx(last.arrays["position"], abs=1e-3)
+    # Where a straight line ends, one sum of the played tank knows the speed before it, of the other that after it: a
+    # twentieth of a spacing may come of that.
+    assert places_of(tank) == pytest.approx(last.arrays["position"], abs=0.05 * 0.08)
     assert tank.liquid().position[0].min() > tank.pushed - 0.01
 
 
