@@ -102,6 +102,8 @@ def test_a_run_goes_on_from_the_frame_of_another_with_every_number_of_its_partic
     assert np.array_equal(state.density, last.arrays["density"])
     assert np.array_equal(state.mass, last.arrays["mass"])
     assert np.abs(last.arrays["velocity"]).max() > 0.01
+    (tmp_path / "two.toml").write_text(text.replace("spacing = 0.1", 'spacing = "10 cm"'))
+    assert ecume.load_scene(tmp_path / "two.toml").spacing == 0.1
     (tmp_path / "two.toml").write_text(text.replace("spacing = 0.1", "spacing = 0.2"))
     with pytest.raises(SceneError, match=r"start_from: 'one@-1' has a spacing of 0.1 m"):
         ecume.load_scene(tmp_path / "two.toml")

@@ -102,11 +102,21 @@ def _start_from(raw: dict[str, Any], name: str, folder: Folder) -> None:
     frame, scene = frame_of_run(folder, name)
     if scene.model != "sph":
         raise ValueError(f"is a run of the model {scene.model!r}; wanted one of sph")
-    if raw.setdefault("spacing", scene.spacing) != scene.spacing:
+    if _length(raw.setdefault("spacing", scene.spacing)) != scene.spacing:
         raise ValueError(f"has a spacing of {scene.spacing!r} m; leave spacing out, or write the same number")
     species = frame.arrays["species"]
     regions = [(species == number, region) for number, region in enumerate(scene.fluid) if (species == number).any()]
     raw["fluid"] = [_region(frame.arrays, mine, region) for mine, region in regions]
+
+
+def _length(said: object) -> object:
+    """In meters, if it is one."""
+    from ecume.units import parse
+
+    try:
+        return parse(said, "m") if isinstance(said, str) else said
+    except ValueError:
+        return said
 
 
 def _region(arrays: Mapping[str, Any], mine: Any, region: Any) -> dict[str, Any]:
