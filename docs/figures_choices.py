@@ -267,7 +267,11 @@ def steps() -> Figure:
         frames = simulated(tub(density))
         speed = [frame.numbers["body0_velocity_y"] for frame in frames]
         right.plot([frame.time for frame in frames], speed, color=color, label=f"{density:g} of the liquid's")
-    right.set(xlabel="time", ylabel="speed upwards", title="Discs by density, four spacings wide")
+    right.set(
+        xlabel="time / √(D/g)",
+        ylabel="speed upwards / √(gD)",
+        title="Discs by density, D over them, four spacings wide",
+    )
     right.legend()
     return drawn
 

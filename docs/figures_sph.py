@@ -203,11 +203,13 @@ def tension() -> Figure:
     """A square drop draws itself together."""
     drawn = figure(9.4, 2.9)
     frames = simulated(to_plain(load_scene(TEMPLATES / "rounding-drop.toml")) | {"frame_every": 0.005})
-    for axes, number in zip(drawn.subplots(1, 4), (0, 1, 2, -1), strict=True):
-        speed = np.linalg.norm(frames[number].arrays["velocity"], axis=1)
-        liquid(axes, frames[number], speed, 0.0, 0.12)
+    panels = drawn.subplots(1, 4)
+    for axes, number in zip(panels, (0, 1, 2, -1), strict=True):
+        speed = 1e3 * np.linalg.norm(frames[number].arrays["velocity"], axis=1)
+        dots = liquid(axes, frames[number], speed, 0.0, 120.0)
         axes.set(xlim=(-2e-3, 2e-3), ylim=(-2e-3, 2e-3))
         axes.set_title(f"{1e3 * frames[number].time:.0f} ms", y=0.93)
+    drawn.colorbar(dots, ax=panels, label="speed (mm/s)", shrink=0.7)
     return drawn
 
 

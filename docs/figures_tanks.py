@@ -212,19 +212,19 @@ def gauges() -> Figure:
     left.plot(3.2, 0.05, "s", color=PALETTE[1], markersize=8, clip_on=False)
     left.plot([2.0, 2.0], [0.0, 0.8], color=PALETTE[0])
     left.plot([1.2] * 7, np.linspace(0.0, 0.6, 7), "o", color=PALETTE[2], markersize=4)
-    left.set_title(f"t = {frames[32].time:g}: a place, a post, a row")
+    left.set_title(f"t = {frames[32].time:g}: a row, a post, a place")
     time = [frame.time for frame in frames]
     pressure = [frame.numbers["sensor_pressure"] for frame in frames]
-    middle.plot(time, pressure, color=PALETTE[1], label="sensor_pressure")
+    middle.plot(time, pressure, color=PALETTE[1], label="sensor_pressure / ρgH")
     middle.plot(
-        time, [10.0 * frame.numbers["post_level"] for frame in frames], color=PALETTE[0], label="10 · post_level"
+        time, [10.0 * frame.numbers["post_level"] for frame in frames], color=PALETTE[0], label="10 · post_level / H"
     )
-    middle.set(xlabel="time", title=f"over time; the first blow: {max(pressure):.0f}", ylim=(-0.1, 4.0))
-    middle.legend(loc="upper left")
+    middle.set(xlabel="time / √(H/g)", title=f"over time; the first blow: {max(pressure):.0f}", ylim=(-0.1, 5.0))
+    middle.legend(loc="upper right")
     for number, color in zip((10, 20, 40), PALETTE, strict=False):
         speed = [frames[number].numbers[f"line_{k}_velocity_x"] for k in range(1, 8)]
         right.plot(speed, np.linspace(0.0, 0.6, 7), "o-", color=color, label=f"t = {frames[number].time:g}")
-    right.set(xlabel="line_…_velocity_x", ylabel="height", title="along the row; dry places read zero")
+    right.set(xlabel="line_…_velocity_x / √(gH)", ylabel="height / H", title="along the row; dry places read zero")
     right.legend()
     return drawn
 
@@ -236,9 +236,9 @@ def turbulence() -> Figure:
     for name, color in zip(("none", "smagorinsky"), PALETTE, strict=False):
         frames = simulated(sheared({"turbulence": name, "friction": "morris", "jitter": 0.1}))
         y, speed = frames[-1].arrays["position"][:, 1], frames[-1].arrays["velocity"][:, 0]
-        left.plot(speed, y, ".", color=color, markersize=3, label=f'turbulence = "{name}"')
-    left.set(xlabel="speed", ylabel="height", title=f"a jump of speed, t = {frames[-1].time:g}")
-    left.legend()
+        left.plot(speed, y, ".", color=color, markersize=3, label=f'"{name}"')
+    left.set(xlabel="speed / U", ylabel="height / H", title=f"a jump of speed, t = {frames[-1].time:g} H/U")
+    left.legend(title="turbulence", loc="upper left", markerscale=3.0)
     cloud = {"count": 150, "low": [0.9, 0.48], "high": [1.1, 0.52]}
     ways = (
         {},

@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 
+from ecume.laws.viscous import friction_left
 from ecume.models.sph.evaluating import fill, take_both, take_forces, take_thickening
-from ecume.models.sph.fields import ACC, DIFFUSED, DRHO, FRICTION, LAMINAR, RADIAL, RHO, VOLUME
+from ecume.models.sph.fields import ACC, DIFFUSED, DRHO, FRICTION, LAMINAR, RADIAL, RHO, VOLUME, H
+from ecume.models.sph.friction import rub_radially
 from ecume.models.sph.record import SPH
 from ecume.scenes.schema import from_plain, to_plain
 from tests.models.sph.scenes import free_blob, tank
@@ -52,6 +54,26 @@ def test_a_liquid_that_turns_like_a_solid_feels_no_friction_and_one_that_shears_
     assert np.sum(push * v) < -0.1 * np.abs(push * v).sum()
     assert np.abs(push.sum(axis=1)).max() < 1e-12 * np.abs(push).sum()
     assert abs(np.sum(x[0] * push[1] - x[1] * push[0])) < 1e-12 * np.abs(push).sum()
+
+
+@pytest.mark.parametrize(("dimension", "lattice"), [(2, 1.0392), (3, 1.0766)])
+def test_a_surface_takes_as_much_of_the_friction_as_pairs_reach_through_it(dimension, lattice):
+    # `lattice` is what a stretch along the axes costs in an endless lattice.
+    count, stretch = 6, np.diag([1.0, -1.0] if dimension == 2 else [1.0, -0.5, -0.5])
+    round_one = {"center": [0.0] * dimension, "radius": 1.0, "velocity_gradient": stretch.tolist()}
+    plain = to_plain(free_blob(dimension, viscosity=1.0, jitter=0.05))
+    scene = from_plain({**plain, "spacing": 1.0 / count, "fluid": [round_one]})
+    parameters, state, workspace = at_start(scene)
+    fill(parameters, state, workspace)
+    workspace.rates[ACC : ACC + 3] = 0.0
+    lists = workspace.lists
+    rub_radially(
+        workspace.fields, lists.counts, lists.neighbor, parameters.numbers, parameters.choices, workspace.rates
+    )
+    power = -np.sum(state.mass * workspace.rates[ACC : ACC + dimension] * state.velocity)
+    full = lattice * 2.0 * np.sum(stretch**2) * len(state.mass) / count**dimension
+    reach = parameters.numbers[H] * (1.0 if dimension == 2 else 10.0 / 9.0)
+    assert power / full == pytest.approx(friction_left(reach, float(dimension), dimension), abs=0.5 / count**2)
 
 
 def test_friction_is_along_the_line_of_two_where_a_surface_is_free_and_along_their_motion_where_none_is():
