@@ -270,7 +270,7 @@ def steps() -> Figure:
     right.set(
         xlabel="time / √(D/g)",
         ylabel="speed upwards / √(gD)",
-        title="Discs by density, D over them, four spacings wide",
+        title="Discs by density, four spacings wide; D: their depth",
     )
     right.legend()
     return drawn
