@@ -26,6 +26,7 @@ ELSEWHERE = {
     "README.md": SITE,
     "CHANGELOG.md": "changelog.md",
     "CONTRIBUTING.md": "contributing.md",
+    "SECURITY.md": "security.md",
     "benchmarks/README.md": "benchmarks.md",
 }
 """Pages beside the folder `docs`, and what they are called on the site."""

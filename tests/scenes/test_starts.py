@@ -80,10 +80,15 @@ def test_a_start_that_cannot_be_is_refused(folder: Path, at: str, more: str, say
 
 
 @pytest.mark.parametrize("absolute", [True, False])
-def test_a_run_may_lie_anywhere(folder: Path, absolute: bool) -> None:
+def test_a_run_elsewhere_is_refused_unless_the_user_trusts_its_folder(
+    folder: Path, absolute: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
     (folder / "inner").mkdir()
     runs = f"{folder.as_posix()}/runs/" if absolute else "../runs/"
     (folder / "inner" / "scene.toml").write_text(SCENE.format("@0").replace("runs/", runs))
+    with pytest.raises(SceneError, match="leads out of the scene's folder"):
+        load_scene(folder / "inner" / "scene.toml")
+    monkeypatch.setenv("ECUME_SCENE_FOLDERS", str(folder / "runs"))
     assert load_scene(folder / "inner" / "scene.toml").rows[0].x == 0.0
 
 

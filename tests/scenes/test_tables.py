@@ -136,7 +136,7 @@ def test_what_stands_beside_a_table_must_fit(tmp_path: Path, more: str, says: st
         ("", "wanted the path of a file"),
         ("x\\u0000y", "wanted the path of a file"),
         ("nowhere.csv", "is not there; it is looked for from the scene's folder"),
-        ("/nowhere/bowl.csv", "is not there"),
+        ("/nowhere/bowl.csv", "leads out of the scene.s folder"),
         ("loop", "is not there"),
         ("x" * 900, "is not there"),
     ],
@@ -148,14 +148,29 @@ def test_a_table_that_cannot_be_read_is_told_by_its_key(tmp_path: Path, name: st
         load_scene(tmp_path / "scene.toml")
 
 
-def test_a_table_may_lie_anywhere(tmp_path: Path) -> None:
+@pytest.mark.parametrize("way", ["../bowl.csv", "link.csv", "linked/bowl.csv", "absolute", "~/bowl.csv"])
+def test_a_table_lies_in_the_folder_of_the_scene_or_in_one_that_the_user_trusts(
+    tmp_path: Path, way: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path))
     folder = tmp_path / "scenes"
     folder.mkdir()
     (tmp_path / "bowl.csv").write_text("x,y\n1,2\n")
     (folder / "link.csv").symlink_to(tmp_path / "bowl.csv")
-    for name in ("../bowl.csv", "link.csv", (tmp_path / "bowl.csv").as_posix()):
-        (folder / "scene.toml").write_text(SCENE.replace("bowl.csv", name) + DEFAULTS)
-        assert load_scene(folder / "scene.toml").rows[0].x == 1.0
+    (folder / "linked").symlink_to(tmp_path)
+    name = (tmp_path / "bowl.csv").as_posix() if way == "absolute" else way
+    (folder / "scene.toml").write_text(SCENE.replace("bowl.csv", name) + DEFAULTS)
+    with pytest.raises(SceneError, match="leads out of the scene's folder"):
+        load_scene(folder / "scene.toml")
+    monkeypatch.setenv("ECUME_SCENE_FOLDERS", os.pathsep.join(["/nowhere", str(tmp_path)]))
+    assert load_scene(folder / "scene.toml").rows[0].x == 1.0
+
+
+def test_a_table_in_a_folder_below_is_read(tmp_path: Path) -> None:
+    (tmp_path / "tables").mkdir()
+    (tmp_path / "tables" / "bowl.csv").write_text("x,y\n1,2\n")
+    (tmp_path / "scene.toml").write_text(SCENE.replace("bowl.csv", "tables/../tables/bowl.csv") + DEFAULTS)
+    assert load_scene(tmp_path / "scene.toml").rows[0].x == 1.0
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="no named pipes here")

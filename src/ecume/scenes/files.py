@@ -7,11 +7,14 @@ import os
 import stat
 from pathlib import Path
 
+TRUSTED = "ECUME_SCENE_FOLDERS"
+"""The variable of the environment that names folders, parted as in PATH, which scenes from elsewhere may read."""
+
 
 def beside(folder: Path, name: str) -> Path:
-    """The file or folder `name` as seen from `folder`; absolute paths, `..` and `~` mean what they always mean.
+    """The file or folder `name` as seen from `folder`, and inside of it, or of a folder that the user trusts.
 
-    Raises ValueError.
+    Links are followed before that is judged. Raises ValueError.
     """
     if not name or "\0" in name or len(name) > 1000:
         raise ValueError("wanted the path of a file")
@@ -19,7 +22,15 @@ def beside(folder: Path, name: str) -> Path:
         path = folder / Path(name).expanduser()
     except RuntimeError as error:
         raise ValueError(f"cannot be followed: {error}") from None
+    roots = [os.path.realpath(root) for root in (str(folder), *_trusted())]
+    there = Path(os.path.realpath(path))
+    if not any(there.is_relative_to(root) for root in roots):
+        raise ValueError(f"leads out of the scene's folder; copy it there, or name its folder in {TRUSTED}")
     return path
+
+
+def _trusted() -> list[str]:
+    return [place for place in os.environ.get(TRUSTED, "").split(os.pathsep) if place]
 
 
 def require_there(path: Path, folder: Path) -> None:

@@ -135,8 +135,8 @@ def _source(asked: Asked) -> Path:
     """The scene's file. Raises BadInput where it is not there."""
     if asked.spec.template:
         return Path(str(templates_folder() / f"{asked.spec.template}.toml"))
-    path = beside(asked.folder, asked.spec.scene)
     try:
+        path = beside(asked.folder, asked.spec.scene)
         require_there(path, asked.folder)
     except ValueError as error:
         raise BadInput(f"scene: {asked.spec.scene} {error}") from error

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -116,6 +117,7 @@ def _client(crew: Crew, cluster: Cluster, workers: int) -> Iterator[Any]:
         ) from error
     library: Any = distributed  # leaves its functions without types
     if crew.scheduler is not None:
+        require_safe(crew.scheduler)
         with library.Client(crew.scheduler) as client:
             yield client
     elif crew.slurm:
@@ -125,6 +127,19 @@ def _client(crew: Crew, cluster: Cluster, workers: int) -> Iterator[Any]:
         local = {"threads_per_worker": 1, "dashboard_address": None, "env": ONE_THREAD, "silence_logs": 50}
         with library.LocalCluster(workers, host="127.0.0.1", **local) as found, library.Client(found) as client:
             yield client
+
+
+def require_safe(address: str) -> None:
+    """Raise BadInput for a scheduler that is reached without encryption over a network: whoever can talk to it can run
+    code here and there.
+    """
+    kind, _, place = address.rpartition("://")
+    host = place.rpartition(":")[0].strip("[]")
+    here = host == "localhost" or host == "::1" or re.fullmatch(r"127(\.[0-9]{1,3}){3}", host) is not None
+    if kind not in ("tls", "wss", "inproc") and not here:
+        raise BadInput(
+            f"--scheduler {address}: not encrypted, and not on this machine; start the scheduler with TLS, and name it tls://..."
+        )
 
 
 @contextlib.contextmanager

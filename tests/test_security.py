@@ -1,0 +1,149 @@
+"""What SECURITY.md says: scenes run nothing and read nothing of others, servers are local, clusters encrypt."""
+
+import ast
+import contextlib
+import os
+import re
+import stat
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import ecume
+from ecume.errors import BadInput
+from ecume.show import serving
+from ecume.sweep import running, sweep
+from ecume.sweep.asked import Cluster
+from ecume.sweep.running import Crew, require_safe
+
+PACKAGE = Path(ecume.__file__).parent
+ROOT = Path(__file__).parents[1]
+CALLS = {"eval", "exec", "compile", "__import__", "execfile"}
+MODULES = {"pickle", "marshal", "shelve", "dill", "cloudpickle", "yaml", "code"}
+SHELLS = {"system", "popen", "spawnl", "execv"}
+
+
+def sources():
+    return sorted(PACKAGE.rglob("*.py"))
+
+
+def named(node):
+    return node.func.attr if isinstance(node.func, ast.Attribute) else getattr(node.func, "id", "")
+
+
+def forbidden(tree):
+    """What would run or unpickle something that comes from outside."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Call):
+            words = {keyword.arg: keyword.value for keyword in node.keywords}
+            bare = isinstance(node.func, ast.Name) and node.func.id in CALLS
+            of_os = isinstance(node.func, ast.Attribute) and getattr(node.func.value, "id", "") == "os"
+            unpickles = any(
+                key in words and not (isinstance(words[key], ast.Constant) and words[key].value is False)
+                for key in ("allow_pickle", "shell")
+            )
+            careless = named(node) == "load" and getattr(getattr(node.func, "value", None), "id", "") == "np"
+            if bare or (of_os and named(node) in SHELLS) or unpickles or (careless and "allow_pickle" not in words):
+                yield ast.unparse(node)
+        if isinstance(node, ast.Import | ast.ImportFrom):
+            names = {alias.name for alias in node.names} | {getattr(node, "module", "") or ""}
+            yield from names & MODULES
+
+
+def test_nothing_in_the_package_evaluates_or_unpickles():
+    found = {path.name: list(forbidden(ast.parse(path.read_text(encoding="utf-8")))) for path in sources()}
+    assert not {name: calls for name, calls in found.items() if calls}
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "eval('1')",
+        "np.load(f)",
+        "np.load(f, allow_pickle=True)",
+        "import pickle",
+        "os.system('ls')",
+        "run(x, shell=True)",
+    ],
+)
+def test_the_search_for_such_calls_finds_them(text):
+    assert list(forbidden(ast.parse(text)))
+
+
+@pytest.mark.parametrize(
+    "text", ["9**9**9 m", "1 m**9**9**9", "__import__('os').system('id') m", "1e999 m", "1 " + "m" * 99]
+)
+def test_units_are_never_worked_out_as_expressions(text):
+    code = f"from ecume.units import Unit\ntry:\n  Unit('m').number({text!r})\nexcept ValueError: print('refused')"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=20, check=True)
+    assert done.stdout == "refused\n"
+
+
+def test_a_sweep_reads_no_scene_outside_of_its_folder(tmp_path):
+    (tmp_path / "inner").mkdir()
+    (tmp_path / "secret.toml").write_text("a = 1")
+    (tmp_path / "inner" / "sweep.toml").write_text('scene = "../secret.toml"\n[[axes]]\nkey = "seed"\nvalues = [1]')
+    with pytest.raises(BadInput, match="leads out of the scene's folder"):
+        sweep(tmp_path / "inner" / "sweep.toml", tmp_path / "out", Crew(workers=1))
+    assert not (tmp_path / "out").exists()
+
+
+def test_servers_listen_to_this_machine_alone():
+    assert serving.HOST == "127.0.0.1"
+    bound = [
+        line.strip()
+        for path in sources()
+        for line in path.read_text(encoding="utf-8").splitlines()
+        if re.search(r"HTTPServer\(|0\.0\.0\.0|\.bind\(|LocalCluster\(", line)
+    ]
+    assert len(bound) == 2
+    assert all("HOST" in line or 'host="127.0.0.1"' in line for line in bound)
+
+
+@pytest.mark.parametrize("address", ["tls://big:8786", "tcp://127.0.0.1:8786", "localhost:8786", "tcp://[::1]:8786"])
+def test_a_scheduler_is_encrypted_or_here(address):
+    require_safe(address)
+
+
+@pytest.mark.parametrize(
+    "address", ["tcp://big:8786", "10.0.0.7:8786", "ws://big:80", "tcp://127.0.0.1.evil.org:1", "big"]
+)
+def test_a_scheduler_across_a_network_without_encryption_is_refused(address, tmp_path):
+    path = tmp_path / "bowls.toml"
+    path.write_text('template = "cereal-bowl"\n[[axes]]\nkey = "seed"\nvalues = [1]')
+    with pytest.raises(BadInput, match="not encrypted"):
+        sweep(path, tmp_path / "out", Crew(scheduler=address))
+
+
+def test_workers_on_a_cluster_are_encrypted(monkeypatch):
+    import dask_jobqueue
+
+    asked = {}
+
+    @contextlib.contextmanager
+    def cluster(**given):
+        asked.update(given)
+        yield type("Scaled", (), {"scale": lambda self, jobs: None})()
+
+    monkeypatch.setattr(dask_jobqueue, "SLURMCluster", cluster)
+    with running.slurm_cluster(Cluster()):
+        assert asked["security"].require_encryption is True
+        assert asked["security"].tls_scheduler_cert
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no such modes")
+def test_the_cache_of_compiled_code_is_made_for_its_owner_alone(tmp_path):
+    code = "from ecume._cache import root; print(root())"
+    environment = {**os.environ, "ECUME_CACHE_DIR": str(tmp_path / "cache")}
+    done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
+    assert stat.S_IMODE(Path(done.stdout.strip()).stat().st_mode) == 0o700
+
+
+def test_every_pinned_package_has_its_digest():
+    for lock in ROOT.glob("*.lock"):
+        text = re.sub(r"\\\n\s*", " ", lock.read_text(encoding="utf-8"))
+        pins = [line for line in text.splitlines() if line and not line.startswith(("#", " "))]
+        assert len(pins) > 20
+        assert all("==" in line and "--hash=sha256:" in line for line in pins)
