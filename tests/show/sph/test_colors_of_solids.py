@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from ecume.show.sph.picture import liquid_picture
+from ecume.show.sph.rendering import solids_of
 from ecume.show.view.page import looks
 from ecume.show.view.staging import sph_stage
 
@@ -44,6 +45,18 @@ def test_movies_draw_solids_in_their_colors(dimension, least, shapes):
     scene, frame = colored(dimension, *shapes)
     pixels = liquid_picture(scene, [frame]).pixels(frame)
     assert min(seen(pixels, GREEN), seen(pixels, PINK)) > least
+
+
+@pytest.mark.parametrize("shapes", [(BOX, DISC), (DISC, BOX)], ids=["a ball floats", "a box floats"])
+def test_rendered_solids_stand_where_they_are_in_their_colors(shapes):
+    scene, frame = colored(3, *shapes)
+    turned = {"body0_qw": np.sqrt(0.5), "body0_qz": np.sqrt(0.5)}
+    standing, floating = solids_of(scene, frame._replace(numbers=frame.numbers | turned))
+    assert (standing.color, floating.color) == (GREEN, PINK)
+    middles = {True: [1.0, 0.75, 0.5], False: [0.3, 0.7, 0.4]}
+    assert standing.middle == pytest.approx(middles[shapes[0] is DISC])
+    assert floating.middle == pytest.approx(middles[shapes[1] is DISC])
+    assert floating.turn @ [1.0, 0.0, 0.0] == pytest.approx([0.0, 1.0, 0.0])
 
 
 @pytest.mark.parametrize("dimension", [2, 3])

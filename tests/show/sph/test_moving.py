@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import ecume
+from ecume.models.sph.bodies import rotations
 from ecume.scenes.schema import from_plain
 from ecume.show.sph.moving import movers_of, turned
 from ecume.show.sph.picture import liquid_picture
@@ -66,6 +67,12 @@ def test_an_outline_is_where_its_body_is():
     assert np.arctan2(along[1], along[0]) == pytest.approx(numbers["body0_angle"])
     assert side[:, 0].max() == pytest.approx(0.05)
     assert liquid_picture(scene, frames).pixels(frames[-1]).shape[2] == 4
+
+
+def test_a_picture_turns_bodies_as_the_model_does():
+    turn = np.array([0.5, -0.1, 0.7, 0.5]) / np.linalg.norm([0.5, -0.1, 0.7, 0.5])
+    pose = np.array([[0.0, 0.0, 0.0, *turn]]).T
+    np.testing.assert_allclose(turned(list(turn)), rotations(pose)[0], atol=1e-15)
 
 
 @pytest.mark.compiled

@@ -101,7 +101,7 @@ def turned(quaternion: list[float]) -> Array:
     """In space, by a unit quaternion (w, x, y, z)."""
     w, axis = quaternion[0], np.array(quaternion[1:])
     cross = np.cross(np.eye(3), axis)
-    matrix: Array = np.eye(3) - 2.0 * w * cross + 2.0 * cross @ cross
+    matrix: Array = np.eye(3) + 2.0 * w * cross + 2.0 * cross @ cross
     return matrix
 
 
