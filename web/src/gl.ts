@@ -62,12 +62,16 @@ export class Program {
 export class Rows {
   private readonly buffer: WebGLBuffer;
   private room = 0;
+  private held: Float32Array | null = null;
 
   constructor(private readonly gl: GL) {
     this.buffer = gl.createBuffer()!;
   }
 
+  /** What is there already, the same array, is not sent again: whoever changes one sends another. */
   fill(values: Float32Array): void {
+    if (values === this.held) return;
+    this.held = values;
     const { gl } = this;
     gl.bindBuffer(gl.ARRAY_BUFFER, this.buffer);
     if (values.byteLength > this.room) {

@@ -11,6 +11,8 @@ import { type Choice, SPECIES, Stage } from "./stage";
 import { round, told } from "./told";
 
 const SPEEDS = [1 / 8, 1 / 4, 1 / 2, 1, 2, 4, 8];
+const SLOW = 40; // ms from picture to picture
+const PATIENCE = 8; // so many slow ones in a row are too many
 const ASK_EVERY = 1000; // ms, for news of a run in progress
 
 class Page {
@@ -21,6 +23,8 @@ class Page {
   private readonly choice: Choice = { coloring: SPECIES, range: [0, 1], chosen: -1, links: true };
   private follow = false;
   private dirty = true;
+  private slow = 0; // pictures in a row that came late
+  private last = 0; // when the last one came (ms)
   drawn = 0; // pictures so far
 
   constructor(
@@ -47,9 +51,21 @@ class Page {
 
   private tick(now: number): void {
     this.player.tick(now);
+    this.pace(now);
     if (this.stage.resize()) this.dirty = true;
     if (this.dirty && this.run.frames) this.draw();
     requestAnimationFrame((later) => this.tick(later));
+  }
+
+  /** While it plays and pictures come slowly, they are drawn with fewer pixels; one that stands still has all of them. */
+  private pace(now: number): void {
+    const { playing } = this.player;
+    this.slow = playing && now - this.last > SLOW ? this.slow + 1 : 0;
+    this.last = now;
+    if (!playing || this.slow >= PATIENCE) {
+      this.stage.hurry(playing);
+      this.slow = 0;
+    }
   }
 
   private draw(): void {

@@ -10,6 +10,7 @@ export interface Place {
   offset: number;
   length: number;
   kind: "u1" | "u2" | "u4" | "f4";
+  rows?: number; // so many frames, each as how far all went since the one before
 }
 
 export interface Polyline {
@@ -87,7 +88,21 @@ export interface Instant {
 
 type Raw = Uint8Array | Uint16Array | Uint32Array | Float32Array;
 
+/** Numbers from their differences from row to row: folded, so that small ones are small, all low bytes first. */
+export function summed(bytes: Uint8Array, rows: number): Uint16Array {
+  const size = bytes.length / 2;
+  const width = size / rows;
+  const found = new Uint16Array(size);
+  for (let at = 0; at < size; at++) {
+    const folded = bytes[at] | (bytes[size + at] << 8);
+    found[at] = (at < width ? 0 : found[at - width]) + ((folded >>> 1) ^ -(folded & 1));
+  }
+  return found;
+}
+
 export class Chunk {
+  private readonly whole = new Map<string, Uint16Array>();
+  private readonly steady = new Map<string, Float32Array>();
   private readonly starts: number[] = [0];
   private readonly linkStarts: number[] = [0];
 
@@ -98,6 +113,9 @@ export class Chunk {
   ) {
     for (const count of header.counts) this.starts.push(this.starts[this.starts.length - 1] + count);
     for (const count of header.links) this.linkStarts.push(this.linkStarts[this.linkStarts.length - 1] + count);
+    for (const [name, { offset, length, rows }] of Object.entries(header.places)) {
+      if (rows) this.whole.set(name, summed(new Uint8Array(bytes, offset, 2 * length), rows));
+    }
   }
 
   get frames(): number {
@@ -131,6 +149,8 @@ export class Chunk {
   }
 
   private raw(name: string): Raw {
+    const found = this.whole.get(name);
+    if (found) return found;
     const { offset, length, kind } = this.header.places[name];
     const make = { u1: Uint8Array, u2: Uint16Array, u4: Uint32Array, f4: Float32Array }[kind];
     return new make(this.bytes, offset, length);
@@ -138,8 +158,12 @@ export class Chunk {
 
   private particles(name: string, index: number, width: number): Float32Array {
     const steady = this.header.steady.includes(name);
+    const known = steady ? this.steady.get(name) : undefined;
+    if (known) return known;
     const begin = steady ? 0 : this.starts[index];
-    return this.real(name, width * begin, width * (begin + this.header.counts[index]));
+    const found = this.real(name, width * begin, width * (begin + this.header.counts[index]));
+    if (steady) this.steady.set(name, found);
+    return found;
   }
 
   /** Quantized numbers back in their units. */

@@ -13,6 +13,7 @@ const WIDEST = 9; // pixels, of the largest force
 const PULL = [0.7, 0.09, 0.17, 1];
 const PUSH = [0.13, 0.4, 0.67, 1];
 const MOST_RIMS = 5000; // particles
+const COARSEST = 0.5; // pixels over the page's
 
 export const SPECIES = "species";
 
@@ -28,8 +29,17 @@ function channels(color: string): [number, number, number] {
   return [(value >> 16) & 255, (value >> 8) & 255, value & 255];
 }
 
-/** A color of the page's style, from 0 to 1. */
+const inks = new Map<string, [number, number, number]>();
+
+/** A color of the page's style, from 0 to 1. To ask for it costs as much as to draw hundreds of particles. */
 export function styled(name: string): [number, number, number] {
+  const known = `${name} ${document.documentElement.dataset.light}`;
+  const ink = inks.get(known) ?? asked(name);
+  inks.set(known, ink);
+  return ink;
+}
+
+function asked(name: string): [number, number, number] {
   const value = getComputedStyle(document.documentElement).getPropertyValue(name).trim();
   const [r, g, b] = channels(value);
   return [r / 255, g / 255, b / 255];
@@ -58,7 +68,9 @@ export class Stage {
   private readonly heights: Heights | null;
   private readonly span: number;
   private readonly filmColors: Uint8Array;
+  private radii = new Float32Array(0);
   private filled = "";
+  private coarse = 1; // of pixels: less where the machine draws slowly
   shown: Instant | null = null;
 
   constructor(
@@ -90,13 +102,23 @@ export class Stage {
     return this.run.header.dimension === 2;
   }
 
+  /** Pixels of the drawing over the page's. */
+  private get ratio(): number {
+    return this.coarse * Math.min(window.devicePixelRatio || 1, 2);
+  }
+
+  /** Draw with fewer pixels, as long as that is to be seen, or with all of them again. */
+  hurry(slow: boolean): void {
+    this.coarse = slow ? Math.max(COARSEST, 0.75 * this.coarse) : 1;
+  }
+
   coloring(name: string): Coloring | undefined {
     return this.run.header.colorings.find((one) => one.name === name);
   }
 
   /** Fit the drawing to the room that the page gives it. */
   resize(): boolean {
-    const ratio = Math.min(window.devicePixelRatio || 1, 2);
+    const ratio = this.ratio;
     const [width, height] = [this.canvas.clientWidth * ratio, this.canvas.clientHeight * ratio].map(Math.round);
     if (width === this.canvas.width && height === this.canvas.height) return false;
     [this.canvas.width, this.canvas.height] = [Math.max(width, 1), Math.max(height, 1)];
@@ -144,14 +166,21 @@ export class Stage {
     const d = this.run.header.dimension;
     const place = inSpace(to.position, d);
     const before = from.count === to.count ? inSpace(from.position, d).slice() : place.slice();
-    for (let i = 0; i < to.count; i++) {
-      const gone = [0, 1, 2].map((k) => place[3 * i + k] - before[3 * i + k]);
-      if (Math.hypot(...gone) > FAR * this.span) before.set(place.subarray(3 * i, 3 * i + 3), 3 * i);
+    const far = (FAR * this.span) ** 2;
+    for (let x = 0; x < place.length; x += 3) {
+      const [dx, dy, dz] = [place[x] - before[x], place[x + 1] - before[x + 1], place[x + 2] - before[x + 2]];
+      if (dx * dx + dy * dy + dz * dz > far) [before[x], before[x + 1], before[x + 2]] = [place[x], place[x + 1], place[x + 2]];
     }
-    const radius = to.arrays["radius"] ?? new Float32Array(to.count).fill(this.run.header.radius);
+    const radius = to.arrays["radius"] ?? this.same(to.count);
     this.particles.fill(place, before, radius, this.values(to, choice.coloring));
     this.particles.colors.fill(this.palette(choice.coloring), !this.coloring(choice.coloring));
     if (to.sheet) this.heights?.fill(to.sheet);
+  }
+
+  /** The radius of all, where they have none of their own. */
+  private same(count: number): Float32Array {
+    if (this.radii.length !== count) this.radii = new Float32Array(count).fill(this.run.header.radius);
+    return this.radii;
   }
 
   /** Forget what lies on the graphics card, as after new frames or colors. */
@@ -160,7 +189,7 @@ export class Stage {
   }
 
   private values(instant: Instant, coloring: string): Float32Array {
-    return instant.arrays[coloring] ?? new Float32Array(instant.count);
+    return instant.arrays[coloring] ?? this.same(instant.count);
   }
 
   private palette(coloring: string): Uint8Array {
@@ -173,7 +202,7 @@ export class Stage {
   private segments(choice: Choice): Segments {
     const segments = new Segments();
     const ink = [...styled("--rim"), 1];
-    const ratio = Math.min(window.devicePixelRatio || 1, 2);
+    const { ratio } = this;
     for (const line of this.run.header.outlines) {
       const color = line.dashed ? [...styled("--muted"), 1] : paint(line.color, ink);
       segments.path(line.points, line.closed, color, (line.dashed ? 1 : 2) * ratio);

@@ -1,9 +1,11 @@
 """What the page is given is what the frames hold, to the steps of its numbers."""
 
+import gzip
+
 import numpy as np
 import pytest
 
-from ecume.show.view.chunks import FEW_STEPS, STEPS, pack, quantities
+from ecume.show.view.chunks import FEW_STEPS, STEPS, moves, pack, quantities
 from ecume.show.view.staging import Stage
 from ecume.trajectories.frame import Frame
 
@@ -30,11 +32,21 @@ def frames(count=4, particles=7, seed=3):
     ]
 
 
+def summed(coded, rows):
+    """As the page adds up how far numbers went from frame to frame."""
+    low, high = np.frombuffer(coded, np.uint8).reshape(2, rows, -1).astype(np.int64)
+    folded = low + 256 * high
+    turned = np.where(folded % 2, -(folded // 2) - 1, folded // 2)
+    return np.cumsum(turned, axis=0).ravel() % (STEPS + 1)
+
+
 def unpacked(chunk, name, top=None):
     """As the page reads an array: steps from the least to the largest."""
     place = chunk.header["places"][name]
     kind = KINDS[place["kind"]]
     raw = np.frombuffer(chunk.blob, kind, place["length"], place["offset"])
+    if "rows" in place:
+        raw = summed(chunk.blob[place["offset"] :][: 2 * place["length"]], place["rows"])
     if place["kind"] == "f4" or name not in chunk.header["ranges"]:
         return raw
     low, high = chunk.header["ranges"][name]
@@ -48,6 +60,20 @@ def test_positions_come_back_to_half_a_step():
     wanted = np.concatenate([frame.arrays["position"].ravel() for frame in given])
     assert (low, high) == (wanted.min(), wanted.max())
     np.testing.assert_allclose(unpacked(chunk, "position"), wanted, rtol=0, atol=0.501 * (high - low) / STEPS)
+
+
+@pytest.mark.parametrize(
+    "steps", [[[0, 65535, 7], [65535, 0, 7]], [[1, 2, 3]], [[9, 9, 9], [8, 40000, 9], [0, 1, 65535]]]
+)
+def test_moves_add_up_to_the_numbers(steps):
+    assert summed(moves(np.array(steps, float)), len(steps)).tolist() == np.ravel(steps).tolist()
+
+
+def test_what_moves_little_takes_little():
+    rng = np.random.default_rng(1)
+    steps = rng.uniform(5000.0, 60000.0, 2000) + np.cumsum(rng.integers(-40, 41, (50, 2000)), axis=0)
+    assert len(gzip.compress(moves(steps), 6)) < 0.52 * steps.size * 2
+    assert len(gzip.compress(steps.astype("<u2").tobytes(), 6)) > 0.8 * steps.size * 2
 
 
 def test_what_never_changes_stands_once():

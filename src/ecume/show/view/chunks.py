@@ -35,7 +35,9 @@ class Chunk(NamedTuple):
 class _Packing:
     """A blob that grows, and where what stands in it."""
 
-    def __init__(self) -> None:
+    def __init__(self, rows: int) -> None:
+        """So many frames with as many particles; 1 where their number changes."""
+        self.rows = rows
         self.parts: list[bytes] = []
         self.size = 0
         self.places: dict[str, dict[str, Any]] = {}
@@ -44,13 +46,23 @@ class _Packing:
 
     def add(self, name: str, values: Numbers, kind: str) -> None:
         """Bare numbers of a kind that the page knows."""
-        plain = np.ascontiguousarray(values, f"<{kind}").tobytes()
-        self.places[name] = {"offset": self.size, "length": int(values.size), "kind": kind}
+        self._put(name, values.size, kind, np.ascontiguousarray(values, f"<{kind}").tobytes())
+
+    def moved(self, name: str, values: Numbers) -> None:
+        """Numbers of two bytes, as how far they went since the frame before, where all frames have as many."""
+        if self.rows < 2 or values.size % self.rows:
+            self.add(name, values, "u2")
+            return
+        self._put(name, values.size, "u2", moves(values.reshape(self.rows, -1)))
+        self.places[name]["rows"] = self.rows
+
+    def _put(self, name: str, length: int, kind: str, plain: bytes) -> None:
+        self.places[name] = {"offset": self.size, "length": int(length), "kind": kind}
         plain += bytes(-len(plain) % ALIGNED)
         self.parts.append(plain)
         self.size += len(plain)
 
-    def quantized(self, name: str, values: Numbers, steps: int = STEPS) -> None:
+    def quantized(self, name: str, values: Numbers) -> None:
         """Numbers as steps from the least to the largest; as they are where that would lose or invent something."""
         low, high = (float(values.min()), float(values.max())) if values.size else (0.0, 1.0)
         if not np.isfinite([low, high]).all() or (low > 0.0 and high > WIDE * low):
@@ -58,9 +70,9 @@ class _Packing:
             low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 1.0)
             self.add(name, values, "f4")
         elif high > low:
-            self.add(name, np.rint((values - low) * (steps / (high - low))), "u1" if steps == FEW_STEPS else "u2")
+            self.moved(name, np.rint((values - low) * (STEPS / (high - low))))
         else:
-            self.add(name, np.zeros(values.shape), "u1" if steps == FEW_STEPS else "u2")
+            self.moved(name, np.zeros(values.shape))
         self.ranges[name] = [low, high]
 
     def scale(self, name: str, values: Numbers) -> None:
@@ -72,8 +84,9 @@ class _Packing:
 
 def pack(frames: Sequence[Frame], stage: Stage) -> Chunk:
     """These frames as one chunk."""
-    frames, packing = [_with_inner_discs(frame, stage) for frame in frames], _Packing()
+    frames = [_with_inner_discs(frame, stage) for frame in frames]
     counts = [len(frame.arrays["position"]) for frame in frames]
+    packing = _Packing(len(frames) if len(set(counts)) == 1 else 1)
     packing.quantized("position", np.concatenate([frame.arrays["position"].ravel() for frame in frames]))
     steady = _quantities(packing, frames)
     _numbers(packing, frames)
@@ -93,6 +106,17 @@ def pack(frames: Sequence[Frame], stage: Stage) -> Chunk:
         "links": links,
     }
     return Chunk(header, b"".join(packing.parts))
+
+
+def moves(steps: Numbers) -> bytes:
+    """Rows of numbers from 0 to 65535 as their differences from row to row (of the first from zero), modulo 65536.
+
+    They are folded, so that small ones are small whatever their sign, and the low bytes of all stand before the high
+    ones: of what moves little these are all zero, which gzip takes for nothing.
+    """
+    turned = np.diff(steps.astype(np.uint16), axis=0, prepend=np.zeros((1, steps.shape[1]), np.uint16)).view(np.int16)
+    folded = ((turned << 1) ^ (turned >> 15)).astype("<u2")
+    return np.ascontiguousarray(folded.ravel().view(np.uint8).reshape(-1, 2).T).tobytes()
 
 
 def _with_inner_discs(frame: Frame, stage: Stage) -> Frame:

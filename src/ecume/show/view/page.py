@@ -61,11 +61,14 @@ def save_page(
         stage = stage_of(trajectory)
         header = run_header(trajectory, stage)
         every = spacing(trajectory, stage, len(page(header, []).encode()), max_size)
-        shown = trajectory[::every]
-        text = page(header, [pack(list(shown), stage)])
-    content = text.encode()
-    if len(content) > MEGABYTE * max_size:
-        raise BadInput(f"the page takes {len(content) / MEGABYTE:.1f} MB; give a --max-size above that")
+        while True:
+            shown = trajectory[::every]
+            content = page(header, [pack(list(shown), stage)]).encode()
+            if len(content) <= MEGABYTE * max_size:
+                break
+            if len(shown) < 2:
+                raise BadInput(f"the page takes {len(content) / MEGABYTE:.1f} MB; give a --max-size above that")
+            every += 1
     with storing(target):
         target.parent.mkdir(parents=True, exist_ok=True)
         target.write_bytes(content)
@@ -82,11 +85,13 @@ def stage_of(trajectory: Trajectory) -> Stage:
 
 
 def spacing(frames: Sequence[Frame], stage: Stage, empty: int, max_size: float) -> int:
-    """Which frames fit into so many MB: each, each second ..., judged by the size of one in the middle.
+    """Which frames fit into so many MB: each, each second ..., judged by what one in the middle adds to the one before.
 
     `empty` is what the page takes without frames (bytes).
     """
-    one = _coded(pack([frames[len(frames) // 2]], stage))
+    middle = len(frames) // 2
+    pair = [frames[max(middle - 1, 0)], frames[middle]]
+    one = _coded(pack(pair, stage)) - _coded(pack(pair[:1], stage))
     fit = int((MEGABYTE * max_size - empty) / one)
     if fit < min(2, len(frames)):
         wanted = math.ceil(10 * (empty + 2 * one) / MEGABYTE) / 10
