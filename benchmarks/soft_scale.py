@@ -49,7 +49,7 @@ def packing(count: int, dimensions: int) -> SoftScene:
         "spheres": [{"radius": r, "modulus": 1e4, "count": count // 2} for r in (1e-3, 1.4e-3)],
         "box": {"size": [(volume / FILLED[dimensions]) ** (1 / dimensions)] * dimensions, "gap": 2e-5},
         "protocol": [{"time": 0.0}, {"time": 4.0, "strain": 1.0}],
-        "stepping": {"scheme": "tr-bdf2", "tolerance": 1e-3, "solver": "gradients"},
+        "stepping": {"scheme": "tr-bdf2", "tolerance": 1e-3, "solver": "iterative"},
     }  # fmt: skip
     scene = from_plain(plain)
     assert isinstance(scene, SoftScene)

@@ -11,6 +11,7 @@ from urllib.parse import unquote
 import pytest
 
 from ecume.cli import app
+from ecume.engine.sparse import SOLVERS
 from ecume.laws import drag, flotation
 from ecume.laws.capillarity import truncation_radius
 from ecume.laws.elasticity import PREFACTORS
@@ -19,7 +20,6 @@ from ecume.laws.remote import REMOTE
 from ecume.laws.rubbing import FRICTIONS
 from ecume.laws.surfaces import SURFACES
 from ecume.models.soft.schemes import SCHEMES
-from ecume.models.soft.solving import SOLVERS
 from ecume.scenes import floating
 from ecume.scenes.load import load_scene
 from ecume.scenes.starts import SOURCES

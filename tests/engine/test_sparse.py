@@ -1,9 +1,11 @@
 """Block systems: each way to solve gives what a dense solution gives."""
 
+import functools
+
 import numpy as np
 import pytest
 
-from ecume.engine import elimination, gradients, sparse
+from ecume.engine import blocks, elimination, gradients, inverses, sparse
 
 WIDTHS = {"layer": 2, "space": 3, "spinning": 6}
 
@@ -27,9 +29,9 @@ def system(width, held, count=30, lean=0.1):
     root = random.normal(size=(len(first), width, width))
     stiffness = root @ root.swapaxes(1, 2) * np.exp(random.normal(size=(len(first), 1, 1)))
     stiffness[:, 0, 1] += lean * np.abs(stiffness[:, 0, 1])
-    matrix = sparse.make_matrix(sparse.make_pattern(count, first, second), width)
+    matrix = blocks.make_matrix(blocks.make_pattern(count, first, second), width)
     diagonal = held * np.linspace(0.2, 0.4, count * width).reshape(count, width)
-    sparse.assemble(matrix, stiffness, diagonal)
+    blocks.assemble(matrix, stiffness, diagonal)
     dense = np.diag(diagonal.ravel())
     for i, j, block in zip(first, second, stiffness, strict=True):
         for a, b, sign in ((i, i, 1), (j, j, 1), (i, j, -1), (j, i, -1)):
@@ -38,15 +40,14 @@ def system(width, held, count=30, lean=0.1):
     return matrix, dense, right_sides(random, count, width, held)
 
 
-def by_gradients(matrix, right, solution, loose):
-    scratch = gradients.make_gradients(*right.shape[1:])
-    assert gradients.descend(matrix, right, solution, scratch, gradients.Goal(1e-12, 500)) > 0
-    for one in solution:
-        sparse.center(one, loose)
-    return True
+def solved(name, matrix, right, solution, loose):
+    if name == "cholmod":
+        pytest.importorskip("cvxopt")
+    kept = sparse.Kept(matrix.pattern, matrix.blocks.shape[1], accuracy=1e-12)
+    return sparse.SOLVERS[name](kept, matrix, right, solution, loose)
 
 
-WAYS = {"eliminate": elimination.eliminate, "factorize": elimination.factorize, "gradients": by_gradients}
+WAYS = {name: functools.partial(solved, name) for name in sparse.SOLVERS}
 
 
 @pytest.mark.parametrize("way", WAYS.values(), ids=WAYS)
@@ -68,12 +69,12 @@ def test_the_four_blocks_of_a_pair_may_differ(way):
     random, first, second = links(count)
     quads = 0.1 * random.normal(size=(len(first), 4, width, width))
     diagonal = random.uniform(20.0, 40.0, size=(count, width))
-    matrix = sparse.make_matrix(sparse.make_pattern(count, first, second), width)
-    sparse.assemble_quads(matrix, quads, diagonal)
+    matrix = blocks.make_matrix(blocks.make_pattern(count, first, second), width)
+    blocks.assemble_quads(matrix, quads, diagonal)
     dense = np.diag(diagonal.ravel())
     for i, j, four in zip(first, second, quads, strict=True):
         for (a, b), place in {
-            (i, i): sparse.OWN, (i, j): sparse.ACROSS, (j, i): sparse.BACK, (j, j): sparse.OTHER
+            (i, i): blocks.OWN, (i, j): blocks.ACROSS, (j, i): blocks.BACK, (j, j): blocks.OTHER
         }.items():  # fmt: skip
             dense[a * width : (a + 1) * width, b * width : (b + 1) * width] += four[place]
     right = right_sides(random, count, width, held=True)
@@ -88,9 +89,9 @@ def test_the_four_blocks_of_a_pair_may_differ(way):
 def test_chunks_swept_by_threads_give_the_bits_of_one_after_the_other(width):
     count = 2500
     random, first, second = links(count)
-    matrix = sparse.make_matrix(sparse.make_pattern(count, first, second), width)
+    matrix = blocks.make_matrix(blocks.make_pattern(count, first, second), width)
     root = random.normal(size=(len(first), width, width))
-    sparse.assemble(matrix, root @ root.swapaxes(1, 2), np.ones((count, width)))
+    blocks.assemble(matrix, root @ root.swapaxes(1, 2), np.ones((count, width)))
     right = random.normal(size=(1, count, width))
     assert gradients.make_gradients(*right.shape[1:]).sums.shape[0] > 2
     solutions = np.zeros((2, *right.shape))
@@ -103,20 +104,21 @@ def test_chunks_swept_by_threads_give_the_bits_of_one_after_the_other(width):
 def test_an_order_keeps_neighbors_together_and_changes_no_solution():
     matrix, dense, right = system(2, True)
     _, first, second = links(30)
-    shuffled = sparse.make_pattern(30, first, second, np.random.default_rng(2).permutation(30))
-    other = sparse.make_matrix(shuffled, 2)
+    shuffled = blocks.make_pattern(30, first, second, np.random.default_rng(2).permutation(30))
+    other = blocks.make_matrix(shuffled, 2)
     for i in range(30):
         for place in range(shuffled.start[shuffled.rank[i]], shuffled.start[shuffled.rank[i] + 1]):
             j = shuffled.order[shuffled.column[place]]
             other.blocks[place] = dense[2 * i : 2 * i + 2, 2 * j : 2 * j + 2]
-    for way in WAYS.values():
+    for name in ("dense", "iterative", "direct"):
+        way = WAYS[name]
         one, two = np.zeros_like(right), np.zeros_like(right)
         assert way(matrix, right, one, 0)
         assert way(other, right, two, 0)
         assert two == pytest.approx(one, abs=1e-9)
     x, y = np.meshgrid(np.arange(16.0), np.arange(16.0))
     position = np.stack([x.ravel(), y.ravel()], axis=1)[np.random.default_rng(1).permutation(256)]
-    near = position[sparse.near_order(position)]
+    near = position[blocks.near_order(position)]
     assert np.linalg.norm(np.diff(near, axis=0), axis=1).mean() < 2.0
     assert np.linalg.norm(np.diff(position, axis=0), axis=1).mean() > 5.0
 
@@ -124,26 +126,26 @@ def test_an_order_keeps_neighbors_together_and_changes_no_solution():
 @pytest.mark.parametrize("width", [2, 3, 5, 6])
 def test_the_diagonal_is_inverted_block_by_block(width):
     random = np.random.default_rng(1)
-    pattern = sparse.make_pattern(4, np.array([0, 1]), np.array([1, 3]))
-    matrix = sparse.make_matrix(pattern, width)
+    pattern = blocks.make_pattern(4, np.array([0, 1]), np.array([1, 3]))
+    matrix = blocks.make_matrix(pattern, width)
     matrix.blocks[:] = random.normal(size=matrix.blocks.shape)
     matrix.blocks[pattern.diagonal] += 5.0 * np.eye(width)
     inverse = np.zeros((4, width, width))
-    assert gradients.invert_diagonal(matrix, inverse)
+    assert inverses.invert_diagonal(matrix, inverse)
     assert inverse == pytest.approx(np.linalg.inv(matrix.blocks[pattern.diagonal]), abs=1e-12)
 
 
 def test_a_block_without_a_pivot_in_place_is_inverted_nevertheless():
     turned = np.eye(6)[::-1].copy()
     inverse = np.zeros((6, 6))
-    assert gradients.invert(turned, inverse, np.zeros((6, 12)))
+    assert inverses.invert(turned, inverse, np.zeros((6, 12)))
     assert inverse == pytest.approx(turned)
-    assert not gradients.invert(np.zeros((6, 6)), inverse, np.zeros((6, 12)))
+    assert not inverses.invert(np.zeros((6, 6)), inverse, np.zeros((6, 12)))
 
 
 def test_a_network_in_two_pieces_that_nothing_holds_has_no_solution():
-    matrix = sparse.make_matrix(sparse.make_pattern(4, np.array([0, 2]), np.array([1, 3])), 2)
-    sparse.assemble(matrix, np.stack([np.eye(2)] * 2), np.zeros((4, 2)))
+    matrix = blocks.make_matrix(blocks.make_pattern(4, np.array([0, 2]), np.array([1, 3])), 2)
+    blocks.assemble(matrix, np.stack([np.eye(2)] * 2), np.zeros((4, 2)))
     right = np.array([[[1.0, 0.0], [0.0, 0.0], [-1.0, 0.0], [0.0, 0.0]]])
     assert not elimination.eliminate(matrix, right, np.zeros((1, 4, 2)), 2)
 

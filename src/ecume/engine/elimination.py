@@ -1,4 +1,4 @@
-"""Direct solutions of block systems: dense elimination for a few particles, a sparse factorization for more.
+"""Direct solutions of block systems of a few particles, by dense elimination.
 
 Right sides and solutions are (R, N, b): several for one matrix, which is factorized once. Where nothing holds the
 particles in place, the first `loose` unknowns of all of them may shift together without resistance (as many as there
@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from ecume._jit import compiled
-from ecume.engine.sparse import Matrix, center
+from ecume.engine.blocks import Matrix, center
 from ecume.units import Array
 
 
@@ -91,24 +91,3 @@ def substitute(full: Array, size: int, column: int) -> None:
         for m in range(k + 1, size):
             value -= full[k, m] * full[m, column]
         full[k, column] = value / full[k, k]
-
-
-def factorize(matrix: Matrix, right: Array, solution: Array, loose: int) -> bool:
-    """Solve by SuperLU, whatever the matrix; whether there is a solution."""
-    from scipy.sparse import bsr_array
-    from scipy.sparse.linalg import splu
-
-    (several, count, width), pattern = right.shape, matrix.pattern
-    whole = bsr_array((matrix.blocks, pattern.column, pattern.start), shape=(count * width,) * 2).tocsc()
-    free = np.arange(loose, count * width)
-    solution[:] = 0.0
-    try:
-        factors = splu(whole[loose:, loose:], permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
-    except RuntimeError:  # SuperLU says so of a singular matrix
-        return False
-    rows = np.zeros((several, count * width))
-    rows[:, free] = factors.solve(right[:, pattern.order].reshape(several, -1)[:, free].T).T
-    solution[:, pattern.order] = rows.reshape(right.shape)
-    for one in solution:
-        center(one, loose)
-    return bool(np.isfinite(solution).all())

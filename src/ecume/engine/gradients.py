@@ -17,13 +17,11 @@ from typing import NamedTuple
 import numpy as np
 
 from ecume._jit import compiled, compiled_inside, inlined, prange, threaded
+from ecume.engine.blocks import CHUNK, Matrix
 from ecume.engine.cells import Integers
-from ecume.engine.sparse import CHUNK, Matrix, center
+from ecume.engine.inverses import invert_diagonal
 from ecume.units import Array
 
-MOST_ITERATIONS = 2000
-NEWTON = 1e-4
-"""How closely a step of Newton's method needs its linear system solved."""
 FEW = 2000
 """Particles below which threads are not worth waking."""
 RESIDUAL, SHADOW, SEARCH, IMAGE, LEFT, LEFT_IMAGE, SCALED, RAISED, AHEAD = range(9)
@@ -54,83 +52,6 @@ def make_gradients(count: int, width: int) -> Gradients:
     """Room for a solution."""
     chunks = (count + CHUNK - 1) // CHUNK
     return Gradients(np.zeros((9, count, width)), np.zeros((count, width, width)), np.zeros((chunks, 2)))
-
-
-@compiled
-def invert_diagonal(matrix: Matrix, inverse: Array) -> bool:
-    """The inverse of each row's own block; False where there is none."""
-    blocks, inside = matrix.blocks, matrix.pattern.inside
-    width = blocks.shape[1]
-    room = np.empty((width, 2 * width))
-    for row in range(len(inside)):
-        own = blocks[inside[row, 1]]
-        if width == 2:
-            good = invert_two(own, inverse[row])
-        elif width == 3:
-            good = invert_three(own, inverse[row])
-        else:
-            good = invert(own, inverse[row], room)
-        if not good:
-            return False
-    return True
-
-
-@compiled
-def invert_two(b: Array, inverse: Array) -> bool:
-    """By Cramer's rule."""
-    determinant = b[0, 0] * b[1, 1] - b[0, 1] * b[1, 0]
-    if not determinant > 0.0:
-        return False
-    inverse[0, 0], inverse[0, 1] = b[1, 1] / determinant, -b[0, 1] / determinant
-    inverse[1, 0], inverse[1, 1] = -b[1, 0] / determinant, b[0, 0] / determinant
-    return True
-
-
-@compiled
-def invert_three(b: Array, inverse: Array) -> bool:
-    """By Cramer's rule."""
-    determinant = 0.0
-    for k in range(3):
-        p, q = (k + 1) % 3, (k + 2) % 3
-        determinant += b[0, k] * (b[1, p] * b[2, q] - b[1, q] * b[2, p])
-    if not determinant > 0.0:
-        return False
-    for k in range(3):
-        for m in range(3):
-            p, q, r, s = (k + 1) % 3, (k + 2) % 3, (m + 1) % 3, (m + 2) % 3
-            inverse[m, k] = (b[p, r] * b[q, s] - b[p, s] * b[q, r]) / determinant
-    return True
-
-
-@compiled
-def invert(b: Array, inverse: Array, room: Array) -> bool:
-    """By Gauss's and Jordan's elimination with pivots, in `room` (b, 2b)."""
-    width = b.shape[0]
-    for k in range(width):
-        for m in range(width):
-            room[k, m] = b[k, m]
-            room[k, width + m] = 1.0 if k == m else 0.0
-    for k in range(width):
-        pivot = k
-        for i in range(k + 1, width):
-            if abs(room[i, k]) > abs(room[pivot, k]):
-                pivot = i
-        if not abs(room[pivot, k]) > 0.0:
-            return False
-        for m in range(2 * width):
-            room[k, m], room[pivot, m] = room[pivot, m], room[k, m]
-        scale = room[k, k]
-        for m in range(2 * width):
-            room[k, m] /= scale
-        for i in range(width):
-            factor = room[i, k]
-            if i != k and factor != 0.0:
-                for m in range(2 * width):
-                    room[i, m] -= factor * room[k, m]
-    for k in range(width):
-        for m in range(width):
-            inverse[k, m] = room[k, width + m]
-    return True
 
 
 class Rows(NamedTuple):
@@ -367,11 +288,3 @@ def descend(matrix: Matrix, right: Array, solution: Array, scratch: Gradients, g
     """
     solve = descend_together if right.shape[1] >= FEW else descend_alone
     return int(solve(matrix, (right, solution), scratch, goal))
-
-
-def follow_gradients(matrix: Matrix, right: Array, solution: Array, scratch: Gradients, loose: int) -> bool:
-    """Solve as closely as one of Newton's steps can use; of the first `loose` unknowns the mean is taken out."""
-    found = descend(matrix, right, solution, scratch, Goal(NEWTON, MOST_ITERATIONS)) >= 0
-    for one in solution:
-        center(one, loose)
-    return found

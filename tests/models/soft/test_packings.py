@@ -67,7 +67,7 @@ def test_a_start_that_does_not_fit_is_refused():
 @pytest.mark.parametrize(("dimensions", "filled"), [(2, 0.7), (3, 0.5)])
 def test_every_solver_finds_the_same_motion(dimensions, filled):
     scene = packing(dimensions, filled=filled, strain=0.01, duration=2.0)
-    ends = [marched(solved_by(scene, solver))[1] for solver in ("dense", "gradients", "direct")]
+    ends = [marched(solved_by(scene, solver))[1] for solver in ("dense", "iterative", "direct")]
     for end in ends[1:]:
         assert end.position == pytest.approx(ends[0].position, abs=1e-5)
         assert end.tally[ACCEPTED] == pytest.approx(ends[0].tally[ACCEPTED], abs=2)

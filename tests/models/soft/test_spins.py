@@ -9,8 +9,8 @@ import pytest
 from ecume.errors import BadInput, SceneError
 from ecume.models.soft import SOFT, t1_process
 from ecume.models.soft.films import answer
-from ecume.models.soft.newton import imbalance, resist
 from ecume.models.soft.protocol import drive_at
+from ecume.models.soft.pulling import imbalance, resist
 from ecume.models.soft.spins import carry, turn_pairs, turned_orientation
 from ecume.models.soft.stages import first_stage
 from ecume.models.soft.turning import unturn
@@ -182,7 +182,7 @@ def sheared(dimensions=2, solver="auto", strain=0.02):
 @pytest.mark.compiled
 @pytest.mark.parametrize("dimensions", [2, 3])
 def test_every_solver_finds_the_same_spins_and_shear_turns_spheres_by_half(dimensions):
-    ends = [marched(sheared(dimensions, solver))[1] for solver in ("dense", "gradients", "direct")]
+    ends = [marched(sheared(dimensions, solver))[1] for solver in ("dense", "iterative", "direct")]
     for end in ends[1:]:
         assert end.orientation == pytest.approx(ends[0].orientation, abs=1e-5)
     # In a homogeneous flow by half of the shear, clockwise.

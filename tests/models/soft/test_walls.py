@@ -1,12 +1,14 @@
 """Walls: the exact law of a sphere at one, what they push at each other with, walls that move and walls that yield."""
 
 import dataclasses
+import functools
 import math
 from importlib.resources import files
 
 import numpy as np
 import pytest
 
+from ecume.engine.sparse import SOLVERS
 from ecume.errors import SceneError
 from ecume.laws.drag import stokes_friction
 from ecume.laws.soft_pair import SoftPair, passage_time
@@ -158,17 +160,16 @@ def test_newtons_method_doubles_its_digits_at_walls(monkeypatch, top, rotation, 
     scene = channel({"top": top}, dimensions, rotation=rotation, stepping={"solver": "dense"}, count=5)
     parameters = SOFT.parameters(scene)
     state = SOFT.start(scene, parameters)
-    step = SOFT.workspace(parameters, state, 1.0).step
-    drive = drive_at(parameters.protocol, 0.0)
+    scratch = SOFT.workspace(parameters, state, 1.0)
+    step, drive = scratch.step, drive_at(parameters.protocol, 0.0)
     changes = []
     move = newton.move
     monkeypatch.setattr(newton, "move", lambda *given: changes.append(move(*given)) or changes[-1])
     parameters.weight[:] = 2e-4 * np.random.default_rng(1).normal(size=parameters.weight.shape)
     first_stage(parameters.contacts, step, drive)
-    way = "dense" if top else "direct"
-    solve = newton.newton_bordered if top else newton.newton_direct
-    given = (way,) if top else ()
-    assert solve(*given, parameters.contacts, step, Goal(drive, drive, 0.02, 1e-13))
+    march = newton.newton_bordered if top else newton.newton_many
+    solve = functools.partial(SOLVERS["dense" if top else "direct"], scratch.kept)
+    assert march(solve, parameters.contacts, step, Goal(drive, drive, 0.02, 1e-13))
     if dimensions == 3 and rotation:  # Turns add up there as vectors, which they do for small ones only.
         assert changes[-1] < 1e-2 * changes[-2] < 1e-8
     else:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ecume.engine.sparse import SOLVERS
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.laws.arguments import chosen
 from ecume.laws.drag import stokes_friction
@@ -21,7 +22,7 @@ from ecume.models.soft.packing import places
 from ecume.models.soft.parameters import Contacts, Parameters, Planes
 from ecume.models.soft.protocol import Protocol, drive_at, protocol_of, rules_at
 from ecume.models.soft.schemes import SCHEMES
-from ecume.models.soft.solving import AT_ONCE, SOLVERS, balance
+from ecume.models.soft.solving import AT_ONCE, balance
 from ecume.models.soft.stages import accept
 from ecume.models.soft.state import LENGTH, State, make_state, store, workspace
 from ecume.scenes.soft import SIDES, FilmSpec, SoftScene, SphereSpec, dimensions_of, sides_of
@@ -105,13 +106,13 @@ def start(scene: SoftScene, parameters: Parameters) -> State:
 
 def _balance(parameters: Parameters, state: State) -> None:
     drive, rules = drive_at(parameters.protocol, 0.0), rules_at(parameters.protocol, 0)
-    step = workspace(parameters, state, 1.0).step
+    scratch = workspace(parameters, state, 1.0)
     span = AT_ONCE * float(state.pace[LENGTH]) if parameters.drag.any() else 0.0
-    if not balance(parameters, step, (drive, drive, rules), span):
+    if not balance(parameters, scratch, (drive, drive, rules), state.effort, span):
         told = "these forces or stresses are more than the surfaces can balance; make them smaller"
         raise SceneError([Fault("protocol" if any(rules) else "spheres", told)])
-    accept(step)
-    store(parameters, state, step)
+    accept(scratch.step)
+    store(parameters, state, scratch.step)
 
 
 def _planes(scene: SoftScene) -> Planes:

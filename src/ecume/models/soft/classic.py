@@ -14,14 +14,14 @@ from typing import NamedTuple
 import numpy as np
 
 from ecume._jit import compiled
-from ecume.engine import elimination, sparse
+from ecume.engine import blocks, elimination
 from ecume.errors import BadInput
 from ecume.laws.arguments import require_positive
 from ecume.models.soft.building import parameters_of, start
 from ecume.models.soft.cluster import APART, DIAGONAL, HORIZONTAL, SQRT3, T1, VERTICAL, Effort, Instant, reached, told
 from ecume.models.soft.films import answer
-from ecume.models.soft.newton import imbalance
 from ecume.models.soft.parameters import Contacts
+from ecume.models.soft.pulling import imbalance
 from ecume.models.soft.state import workspace
 from ecume.models.soft.step import Step
 from ecume.scenes.soft import SoftScene
@@ -93,7 +93,7 @@ def velocities(contacts: Contacts, step: Step, places: Places, load_rate: float,
     answers.force[:] = answers.correction
     imbalance(step, load_rate, 1.0, False)
     bodies.diagonal[:] = 0.0
-    sparse.assemble(step.matrix, answers.stiffness, bodies.diagonal)
+    blocks.assemble(step.matrix, answers.stiffness, bodies.diagonal)
     right, change = step.borders.right[:1], step.borders.change[:1]
     if not elimination.eliminate(step.matrix, right, change, change.shape[2]):
         return False

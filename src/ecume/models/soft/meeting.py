@@ -8,8 +8,8 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
+from ecume.engine.blocks import near_order
 from ecume.engine.cells import Integers
-from ecume.engine.sparse import near_order
 from ecume.errors import Diverged
 from ecume.models.soft.cell import Box, box_of
 from ecume.models.soft.parameters import Parameters

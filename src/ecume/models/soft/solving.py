@@ -1,4 +1,4 @@
-"""Which way a step's linear systems are solved: `SOLVERS`, the table of them, and the choice."""
+"""Which way a step's linear systems are solved: the choice among `engine.sparse.SOLVERS`, and what it goes by."""
 
 from __future__ import annotations
 
@@ -7,10 +7,14 @@ from functools import partial
 
 import numpy as np
 
+from ecume.engine import sparse
+from ecume.engine.cells import Integers
+from ecume.engine.sparse import Kept
 from ecume.models.soft import newton, stages
 from ecume.models.soft.parameters import Contacts, Parameters
 from ecume.models.soft.protocol import Drive, Rules
 from ecume.models.soft.schemes import SCHEMES, Scheme
+from ecume.models.soft.state import Workspace
 from ecume.models.soft.step import During, Step
 
 FINE = 1e-13
@@ -23,63 +27,74 @@ AT_ONCE = 1e-9
 """Of a step: the time in which the liquid is to hold spheres where they are."""
 FEW = 72
 """Unknowns up to which elimination is the fastest."""
-MANY = {2: 400_000, 3: 30_000}
-"""Unknowns, in each dimension, beyond which a factorization takes too long to stand in for the gradients."""
+AGAIN = 50
+"""Steps without gradients after which they are tried again: what they take may have become less."""
+ITERATIONS, WITHOUT = range(2)
+"""Places in `State.effort`."""
 
-
-Solver = Callable[[Contacts, Step, Scheme, During, int], float]
+Way = Callable[[Contacts, Step, Scheme, During, int], float]
 """A way to begin a step, to balance, or to try a step: what came of it, or `stages.FAILED`."""
 
-SOLVERS: dict[str, Solver] = {
-    "dense": stages.dense,
-    "gradients": partial(stages.many, newton.newton_gradients),
-    "direct": partial(stages.many, newton.newton_direct),
-}
-BORDERED: dict[str, Solver] = {name: partial(stages.many, partial(newton.newton_bordered, name)) for name in SOLVERS}
-"""The same where the box answers to stresses."""
 
-
-def ways(parameters: Parameters, rules: Rules) -> tuple[Solver, ...]:
-    """The ways to try, one after the other: by the number of unknowns alone, so that a run chooses as the last one did.
-
-    Gradients may break down where the matrix is far from symmetric and positive; then a factorization stands in.
+def choices(parameters: Parameters, kept: Kept, effort: Integers) -> tuple[str, ...]:
+    """The solvers to try, one after the other: by the number of unknowns, the pattern and the state, so that a run
+    chooses as the last one did.
     """
-    table = BORDERED if any(rules) or len(parameters.walls.free) else SOLVERS
     if parameters.solver != "auto":
-        return (table[parameters.solver],)
-    unknowns = parameters.force.size
-    if unknowns <= FEW:
-        return (table["dense"],)
-    stands_in = unknowns <= MANY[parameters.dimensions]
-    return (table["gradients"], table["direct"]) if stands_in else (table["gradients"],)
+        return (parameters.solver,)
+    if parameters.force.size <= FEW:
+        return ("dense",)
+    ranked = sparse.ranking(kept, int(effort[ITERATIONS]))
+    return tuple(reversed(ranked)) if effort[WITHOUT] >= AGAIN else ranked
 
 
-def attempt(parameters: Parameters, step: Step, scheme: Scheme, during: During, rules: Rules) -> float:
+def way(parameters: Parameters, kept: Kept, rules: Rules, name: str) -> Way:
+    """A step by one of the solvers."""
+    solve = partial(sparse.SOLVERS[name], kept)
+    if any(rules) or len(parameters.walls.free):
+        return partial(stages.many, partial(newton.newton_bordered, solve))
+    return stages.dense if name == "dense" else partial(stages.many, partial(newton.newton_many, solve))
+
+
+def attempt(parameters: Parameters, scratch: Workspace, during: During, rules: Rules, effort: Integers) -> float:
     """Try a step: the estimated error, or `stages.FAILED`."""
-    error = stages.FAILED
+    step, kept, scheme = scratch.step, scratch.kept, SCHEMES[parameters.scheme]
     step.cell.rules[:] = rules
-    for way in ways(parameters, rules):
-        error = way(parameters.contacts, step, scheme, during, stages.STEP)
+    kept.iterations = kept.systems = 0
+    for name in choices(parameters, kept, effort):
+        error = way(parameters, kept, rules, name)(parameters.contacts, step, scheme, during, stages.STEP)
         if error != stages.FAILED:
             break
+    if kept.systems:
+        effort[:] = -(-kept.iterations // kept.systems), 0
+    else:
+        effort[WITHOUT] += 1
     return error
 
 
-def balance(parameters: Parameters, step: Step, at: tuple[Drive, Drive, Rules], span: float = 0.0) -> bool:
+def balance(
+    parameters: Parameters, scratch: Workspace, at: tuple[Drive, Drive, Rules], effort: Integers, span: float = 0.0
+) -> bool:
     """Move spheres and box to where forces and stresses balance while the gaps stay as they are; whether there is such
     a place. `at` is what was imposed, what is, and what answers to a stress.
 
     Spheres on which the liquid drags are held by it: a `span` of time that is next to none.
     """
-    origin, drive, rules = at
+    (origin, drive, rules), step, kept = at, scratch.step, scratch.kept
     step.cell.rules[:] = rules
     fine = FINE_SPUN if parameters.torque.shape[1] else FINE
     during, scheme = During(span, np.array([origin, drive]), fine), SCHEMES[parameters.scheme]
-    tries = (way(parameters.contacts, step, scheme, during, stages.BALANCE) for way in ways(parameters, rules))
-    return any(found != stages.FAILED for found in tries)
+    ways = (way(parameters, kept, rules, name) for name in choices(parameters, kept, effort))
+    return any(one(parameters.contacts, step, scheme, during, stages.BALANCE) != stages.FAILED for one in ways)
 
 
 def begin(parameters: Parameters, step: Step, drive: Drive) -> None:
     """Contacts and forces at the step's beginning, into `step`."""
     during, scheme = During(0.0, np.array([drive, drive]), FINE), SCHEMES[parameters.scheme]
-    ways(parameters, Rules(*map(int, step.cell.rules)))[0](parameters.contacts, step, scheme, during, stages.BEGIN)
+    few = parameters.solver == "auto" and parameters.force.size <= FEW
+    start = (
+        stages.dense
+        if (few or parameters.solver == "dense") and not any(step.cell.rules)
+        else partial(stages.many, newton.newton_dense)
+    )
+    start(parameters.contacts, step, scheme, during, stages.BEGIN)

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ecume._jit import compiled, compiled_inside
-from ecume.engine.sparse import Matrix
+from ecume.engine.blocks import Matrix
 from ecume.models.soft.contact import Vector
 from ecume.models.soft.films import Answers, Pairs, center_distance, turned
 from ecume.units import Array

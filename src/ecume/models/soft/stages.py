@@ -18,9 +18,10 @@ from ecume.models.soft.cell import (
     place_images,
 )
 from ecume.models.soft.films import answer
-from ecume.models.soft.newton import imbalance, newton_dense
+from ecume.models.soft.newton import newton_dense
 from ecume.models.soft.parameters import Contacts
 from ecume.models.soft.protocol import Drive
+from ecume.models.soft.pulling import imbalance
 from ecume.models.soft.schemes import Scheme
 from ecume.models.soft.spins import (
     begin_spins,

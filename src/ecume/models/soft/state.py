@@ -6,8 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ecume.engine import gradients, sparse
+from ecume.engine import blocks
 from ecume.engine.cells import Integers
+from ecume.engine.sparse import Kept
 from ecume.laws import elasticity
 from ecume.models.soft.borders import MOST, make_borders
 from ecume.models.soft.cell import make_cell
@@ -74,12 +75,16 @@ class State(NamedTuple):
     """(3,)"""
     tally: Integers
     """(3,) steps accepted, rejected for their error, and given up"""
+    effort: Integers
+    """(2,) what chooses the solver: iterations that a linear system last took, and steps since without any"""
 
 
 class Workspace(NamedTuple):
     """Scratch; a new one gives the same results."""
 
     step: Step
+    kept: Kept
+    """by the solvers, for as long as the contacts stay"""
     generation: int
     """of the contacts that it was made for"""
 
@@ -109,6 +114,7 @@ def make_state(parameters: Parameters, position: Array, room: int) -> State:
         cell_rate=np.zeros(5),
         pace=np.zeros(3),
         tally=np.zeros(3, np.int64),
+        effort=np.zeros(2, np.int64),
     )
 
 
@@ -118,7 +124,7 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
     contacts = int(state.contacts[0])
     pairs = pairs_of(parameters, state)
     stages, width = len(SCHEMES[parameters.scheme].times), dimensions + parameters.torque.shape[1]
-    pattern = sparse.make_pattern(count, pairs.first, pairs.second, state.order)
+    pattern = blocks.make_pattern(count, pairs.first, pairs.second, state.order)
     shared = make_borders(count, width, max(MOST, len(parameters.walls.free), width - dimensions))
     bodies = Bodies(
         position=state.position.copy(),
@@ -142,12 +148,11 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
         bodies=bodies,
         spins=make_spins(parameters.radius, parameters.spin_drag, parameters.torque, (stages, contacts, width)),
         walls=walls_of(parameters, state, stages),
-        matrix=sparse.make_matrix(pattern, width),
+        matrix=blocks.make_matrix(pattern, width),
         cell=make_cell(parameters.box, state.cell, state.cell_rate, stages),
         borders=shared,
-        gradients=gradients.make_gradients(count, width),
     )
-    return Workspace(step, int(state.generation[0]))
+    return Workspace(step, Kept(pattern, width), int(state.generation[0]))
 
 
 def store(parameters: Parameters, state: State, step: Step) -> None:

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ecume.engine.gradients import Gradients
-from ecume.engine.sparse import Matrix
+from ecume.engine.blocks import Matrix
 from ecume.models.soft.borders import (
     Borders,
 )
@@ -75,4 +74,3 @@ class Step(NamedTuple):
     matrix: Matrix
     cell: Cell
     borders: Borders
-    gradients: Gradients

@@ -42,7 +42,7 @@ def advance(parameters: Parameters, state: State, scratch: Workspace, steps: int
     until = int(state.step[0]) + steps
     while state.step[0] < until:
         length = one_step(parameters, state, scratch)
-        if not length > 0.0 or not jump(parameters, state, scratch.step):
+        if not length > 0.0 or not jump(parameters, state, scratch):
             return DIVERGED
         if renew_contacts(parameters, state):
             return CROWDED
@@ -58,7 +58,7 @@ def one_step(parameters: Parameters, state: State, scratch: Workspace) -> float:
         length, end = _next(parameters, state)
         interval = interval_at(parameters.protocol, float(state.pace[CLOCK]))
         during = During(length, _drives(parameters, state, (length, end)), parameters.tolerance)
-        error = attempt(parameters, scratch.step, scheme, during, rules_at(parameters.protocol, interval))
+        error = attempt(parameters, scratch, during, rules_at(parameters.protocol, interval), state.effort)
         ratio = max(error / parameters.tolerance, LEAST_ERROR)
         if error == NOT_SOLVED or not math.isfinite(error):
             state.pace[LENGTH] = AFTER_FAILURE * length
@@ -117,7 +117,7 @@ def _drives(parameters: Parameters, state: State, way: tuple[float, float]) -> A
     return np.array([drive_at(protocol, time, interval) for time in (*times, end)])
 
 
-def jump(parameters: Parameters, state: State, step: Step) -> bool:
+def jump(parameters: Parameters, state: State, scratch: Workspace) -> bool:
     """Where the protocol jumps at this time, find the new balance while all gaps stay as they are; whether there is
     one.
     """
@@ -128,10 +128,11 @@ def jump(parameters: Parameters, state: State, step: Step) -> bool:
     origin, drive = drive_at(protocol, now, interval - 1), drive_at(protocol, now, interval)
     dragged = bool(parameters.drag.any())
     span = AT_ONCE * float(state.pace[LENGTH]) if dragged else 0.0
-    if not balance(parameters, step, (origin, drive, rules_at(protocol, interval)), span):
+    at = (origin, drive, rules_at(protocol, interval))
+    if not balance(parameters, scratch, at, state.effort, span):
         return False
-    accept(step)
-    store(parameters, state, step)
+    accept(scratch.step)
+    store(parameters, state, scratch.step)
     return True
 
 

@@ -169,7 +169,7 @@ class SteppingSpec:
     tolerance: Tolerance = 1e-6
     """the error of ln(gap), and of directions in radians, that a step may make"""
     solver: LawName = "auto"
-    """`auto`, `dense`, `direct` or `gradients`: how a step's linear systems are solved"""
+    """`auto`, `dense`, `iterative`, `direct` or `cholmod`: how a step's linear systems are solved"""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)

@@ -1,0 +1,115 @@
+"""Block systems by CHOLMOD [chen2008], through cvxopt: an optional way, since both are under the GNU GPL.
+
+CHOLMOD factorizes what is symmetric and positive. So it is given a matrix's symmetric part, along an analysis that is
+made once for a pattern, and GMRES [saad1986] makes up for the rest in a few iterations. Its sums go by the BLAS at
+hand: bits may depend on the machine and its threads, the first ten digits do not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ecume.engine.blocks import Matrix, Pattern, center
+from ecume.engine.cells import Integers
+from ecume.engine.fronts import ACCURATE, USEFUL
+from ecume.errors import BadInput
+from ecume.units import Array
+
+MOST_ITERATIONS = 60
+
+
+class Analysis(NamedTuple):
+    """CHOLMOD's analysis of a pattern, and where its numbers come from."""
+
+    symbolic: Any
+    lower: Any
+    """the lower triangle as cvxopt keeps it, by columns"""
+    row: Integers
+    """of each of its numbers"""
+    column: Integers
+    place: Integers
+    """in all blocks"""
+    across: Integers
+    """and that of the number on the other side of the diagonal"""
+
+
+def library() -> Any:
+    """Cvxopt, or a word of where to get it."""
+    try:
+        import cvxopt
+        import cvxopt.cholmod
+    except ImportError:
+        told = "the solver cholmod needs cvxopt, which is under the GNU GPL: pip install 'ecume[cholmod]'"
+        raise BadInput(f"{told}, or choose auto, direct or iterative") from None
+    return cvxopt
+
+
+def analyze(pattern: Pattern, width: int) -> Analysis:
+    """Let CHOLMOD look at a pattern."""
+    cvxopt, count = library(), len(pattern.order)
+    here, there = np.repeat(np.arange(count), np.diff(pattern.start)), pattern.column
+    block = np.flatnonzero(there <= here)
+    mirror = np.searchsorted(here * count + there, there[block] * count + here[block])
+    k, m = (axis.ravel() for axis in np.indices((width, width)))
+    row, column = here[block, None] * width + k, there[block, None] * width + m
+    place, across = (block[:, None] * width + k) * width + m, (mirror[:, None] * width + m) * width + k
+    below = np.flatnonzero((row >= column).ravel())
+    order = below[np.lexsort((row.ravel()[below], column.ravel()[below]))]
+    row, column, place, across = (numbers.ravel()[order] for numbers in (row, column, place, across))
+    lower = cvxopt.spmatrix(1.0, row.tolist(), column.tolist(), (count * width,) * 2)
+    return Analysis(cvxopt.cholmod.symbolic(lower), lower, row, column, place, across)
+
+
+def solve(matrix: Matrix, analysis: Analysis, right: Array, solution: Array, loose: int) -> bool:
+    """Solve for all right sides; False where the symmetric part is not positive, or is not all that matters."""
+    from scipy.sparse import bsr_array
+
+    cvxopt, pattern, size = library(), matrix.pattern, right[0].size
+    numbers = matrix.blocks.ravel()
+    values = 0.5 * (numbers[analysis.place] + numbers[analysis.across])
+    held = analysis.column < loose  # nothing stands above the first rows' diagonal in the lower triangle
+    values[held] = analysis.row[held] == analysis.column[held]
+    analysis.lower.V = cvxopt.matrix(values)
+    try:
+        cvxopt.cholmod.numeric(analysis.lower, analysis.symbolic)
+    except ArithmeticError:  # so it says of what is not positive
+        return False
+    whole = bsr_array((matrix.blocks, pattern.column, pattern.start), shape=(size, size))
+
+    def factored(values: Array) -> Array:
+        found = cvxopt.matrix(np.ascontiguousarray(values, np.float64))
+        cvxopt.cholmod.solve(analysis.symbolic, found)
+        return np.array(found).ravel()
+
+    def product(values: Array) -> Array:
+        free = values.copy()
+        free[:loose] = 0.0
+        found = np.asarray(whole @ free)
+        found[:loose] = values[:loose]
+        return found
+
+    return all(
+        _one(one, found, (pattern.order, loose), (product, factored))
+        for one, found in zip(right, solution, strict=True)
+    )
+
+
+Map = Callable[[Array], Array]
+
+
+def _one(right: Array, solution: Array, at: tuple[Integers, int], ways: tuple[Map, Map]) -> bool:
+    """Solve for one right side with what CHOLMOD knows of the matrix."""
+    from scipy.sparse.linalg import LinearOperator, gmres
+
+    (order, loose), (size, (product, factored)) = at, (right.size, ways)
+    wanted = right[order].ravel()
+    wanted[:loose] = 0.0
+    whole, near = (LinearOperator((size, size), way, dtype=np.float64) for way in (product, factored))
+    found, _ = gmres(whole, wanted, M=near, rtol=0.1 * ACCURATE, restart=MOST_ITERATIONS, maxiter=1)
+    solution[order] = found.reshape(right.shape)
+    center(solution, loose)
+    left = np.abs(wanted - product(found)).max()
+    return bool(left <= USEFUL * np.abs(wanted).max())
