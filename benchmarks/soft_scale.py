@@ -1,21 +1,26 @@
 """How a step of sheared soft spheres grows with their number: periodic packings of two sizes, in layers and in space.
 
-    python benchmarks/soft_scale.py [--layers 1000 10000] [--spaces 1000 10000] [--steps 12]
+    python benchmarks/soft_scale.py [--layers 1000 10000] [--spaces 1000 10000] [--steps 12] [--threads 1 2]
 
-Processor time of one process, after compilation and after the first quick steps; the placement is not counted.
+Each packing is marched in a process of its own, after compilation and after the first quick steps; the placement is not
+counted. Processor time is that of all threads; wall time says what a second thread gains, and needs a quiet machine.
 """
 
 from __future__ import annotations
 
 import argparse
 import math
+import multiprocessing
+import os
 import resource
 import time
+from concurrent.futures import ProcessPoolExecutor
 from typing import NamedTuple
 
 import numpy as np
 from marching import machine
 
+from ecume.engine import sparse
 from ecume.models.soft import SOFT
 from ecume.models.soft.meeting import renew_contacts
 from ecume.models.soft.state import CLOCK
@@ -28,20 +33,36 @@ BEGIN = 14
 """Steps that are not counted: they grow from next to nothing."""
 
 
+class Asked(NamedTuple):
+    """What to march."""
+
+    count: int
+    dimensions: int
+    steps: int
+    solver: str
+    threads: int
+
+
 class Row(NamedTuple):
     """What one packing took."""
 
     count: int
     contacts: int
+    solver: str
+    """the one that solved the most systems"""
+    iterations: int
+    """of gradients a system, in the last step that took any"""
     step: float
     """s of processor time, an accepted step with all its tries"""
+    wall: float
+    """s of wall time"""
     strain: float
     """s of processor time, a unit of strain"""
     memory: float
-    """bytes a sphere, of the whole process at its largest"""
+    """bytes, of the process at its largest"""
 
 
-def packing(count: int, dimensions: int) -> SoftScene:
+def packing(count: int, dimensions: int, solver: str = "auto") -> SoftScene:
     """As many spheres of radius 1 as of radius 1.4, sheared by one unit in 4 s."""
     volume = count / 2 * sum(math.pi * r**2 if dimensions == 2 else 4 / 3 * math.pi * r**3 for r in (1e-3, 1.4e-3))
     plain = {
@@ -49,30 +70,74 @@ def packing(count: int, dimensions: int) -> SoftScene:
         "spheres": [{"radius": r, "modulus": 1e4, "count": count // 2} for r in (1e-3, 1.4e-3)],
         "box": {"size": [(volume / FILLED[dimensions]) ** (1 / dimensions)] * dimensions, "gap": 2e-5},
         "protocol": [{"time": 0.0}, {"time": 4.0, "strain": 1.0}],
-        "stepping": {"scheme": "tr-bdf2", "tolerance": 1e-3, "solver": "iterative"},
+        "stepping": {"scheme": "tr-bdf2", "tolerance": 1e-3, "solver": solver},
     }  # fmt: skip
     scene = from_plain(plain)
     assert isinstance(scene, SoftScene)
     return scene
 
 
-def measure(count: int, dimensions: int, steps: int) -> Row:
+def watched() -> dict[str, int]:
+    """How many systems each solver has solved from now on."""
+    systems = dict.fromkeys(sparse.SOLVERS, 0)
+    for name, solve in list(sparse.SOLVERS.items()):
+
+        def counted(*given: object, name: str = name, solve: sparse.Solve = solve) -> bool:
+            systems[name] += 1
+            return solve(*given)  # type: ignore[arg-type]
+
+        sparse.SOLVERS[name] = counted
+    return systems
+
+
+def measure(asked: Asked) -> Row:
     """March one packing."""
-    scene = packing(count, dimensions)
+    scene, systems = packing(asked.count, asked.dimensions, asked.solver), watched()
     parameters = SOFT.parameters(scene)
     state = SOFT.start(scene, parameters)
     scratch = SOFT.workspace(parameters, state, 1.0)
-    begin, clock = 0.0, 0.0
-    for number in range(BEGIN + steps):
+    clock, spent, waited = 0.0, 0.0, 0.0
+    for number in range(BEGIN + asked.steps):
         if number == BEGIN:
-            begin, clock = time.process_time(), float(state.pace[CLOCK])
+            clock, spent, waited = float(state.pace[CLOCK]), time.process_time(), time.perf_counter()
         if not one_step(parameters, state, scratch) > 0.0:
             raise SystemExit(SOFT.diagnosis(parameters, state))
         if renew_contacts(parameters, state):
             scratch = SOFT.workspace(parameters, state, 1.0)
-    spent = time.process_time() - begin
-    memory = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024 / count
-    return Row(count, int(state.contacts[0]), spent / steps, spent / (state.pace[CLOCK] - clock) * 4.0, memory)
+    spent, waited = time.process_time() - spent, time.perf_counter() - waited
+    return Row(
+        count=asked.count,
+        contacts=int(state.contacts[0]),
+        solver=max(systems, key=systems.__getitem__) if any(systems.values()) else "dense",
+        iterations=int(state.effort[0]),
+        step=spent / asked.steps,
+        wall=waited / asked.steps,
+        strain=spent / (state.pace[CLOCK] - clock) * 4.0,
+        memory=resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * 1024.0,
+    )
+
+
+def alone(asked: Asked) -> Row:
+    """The same in a process of its own, which has its own largest memory and number of threads."""
+    os.environ["NUMBA_NUM_THREADS"] = str(asked.threads)
+    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
+        return pool.submit(measure, asked).result()
+
+
+def grown(rows: list[Row], what: str) -> float:
+    """The power of their number with which something grows."""
+    counts, values = [row.count for row in rows], [getattr(row, what) for row in rows]
+    return float(np.polyfit(np.log(counts), np.log(values), 1)[0])
+
+
+def told(dimensions: int, threads: int, row: Row) -> str:
+    """A line of the table."""
+    kind = "layer" if dimensions == 2 else "space"
+    times = f"{row.step:.3g} | {row.wall:.3g} | {row.strain:.3g}"
+    return (
+        f"| {kind} | {row.count:,} | {row.contacts:,} | {threads} | {row.solver}, {row.iterations} | {times} "
+        f"| {row.memory / 1e6:.0f} |"
+    )
 
 
 def main() -> None:
@@ -81,18 +146,21 @@ def main() -> None:
     parser.add_argument("--layers", type=int, nargs="*", default=[1000, 10_000])
     parser.add_argument("--spaces", type=int, nargs="*", default=[1000, 10_000])
     parser.add_argument("--steps", type=int, default=12)
+    parser.add_argument("--solver", default="auto")
+    parser.add_argument("--threads", type=int, nargs="+", default=[1])
     asked = parser.parse_args()
     print(machine())
-    print("\n| dimensions | spheres | contacts | s a step | s a unit of strain | bytes a sphere |")
-    print("|---|---|---|---|---|---|")
+    print("\n| | spheres | contacts | threads | solver, iterations | s a step | wall s | s a unit of strain | MB |")
+    print("|---|---|---|---|---|---|---|---|---|")
     for dimensions, counts in ((2, asked.layers), (3, asked.spaces)):
-        rows = [measure(count, dimensions, asked.steps) for count in sorted(counts)]
-        for row in rows:
-            told = f"{row.count:,} | {row.contacts:,} | {row.step:.3g} | {row.strain:.3g} | {row.memory:.0f}"
-            print(f"| {dimensions} | {told} |", flush=True)
-        if len(rows) > 1:
-            power = np.polyfit(np.log([row.count for row in rows]), np.log([row.step for row in rows]), 1)[0]
-            print(f"| {dimensions} | a step grows with the power {power:.2f} of their number | | | | |")
+        for threads in asked.threads:
+            rows = []
+            for count in sorted(counts):
+                rows.append(alone(Asked(count, dimensions, asked.steps, asked.solver, threads)))
+                print(told(dimensions, threads, rows[-1]), flush=True)
+            if len(rows) > 1:
+                step, memory = grown(rows, "step"), grown(rows, "memory")
+                print(f"a step grows with the power {step:.2f} of their number, memory with {memory:.2f}", flush=True)
 
 
 if __name__ == "__main__":

@@ -4,8 +4,9 @@ import functools
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
-from ecume.engine import blocks, elimination, gradients, inverses, sparse
+from ecume.engine import blocks, dissection, elimination, fronts, gradients, inverses, sparse
 
 WIDTHS = {"layer": 2, "space": 3, "spinning": 6}
 
@@ -82,6 +83,45 @@ def test_the_four_blocks_of_a_pair_may_differ(way):
     assert way(matrix, right, solution, 0)
     for one, wanted in zip(solution, right, strict=True):
         assert dense @ one.ravel() == pytest.approx(wanted.ravel(), abs=1e-9)
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize("held", [True, False])
+@pytest.mark.parametrize("width", WIDTHS.values(), ids=WIDTHS)
+def test_a_factorization_of_many_fronts_leaves_nothing_over(width, held):
+    count = 900
+    x, y = np.meshgrid(np.arange(30.0), np.arange(30.0))
+    random = np.random.default_rng(5)
+    position = np.stack([x.ravel(), y.ravel()], axis=1) + 0.3 * random.uniform(size=(count, 2))
+    first, second = cKDTree(position, boxsize=30.3).query_pairs(1.4, output_type="ndarray").T
+    matrix = blocks.make_matrix(blocks.make_pattern(count, first, second, blocks.near_order(position)), width)
+    root = random.normal(size=(len(first), width, width))
+    blocks.assemble(matrix, root @ root.swapaxes(1, 2) + 0.1 * root, np.full((count, width), 0.1 * held))
+    right, solution = right_sides(random, count, width, held), np.zeros((3, count, width))
+    assert sparse.directly(sparse.Kept(matrix.pattern, width), matrix, right, solution, 0 if held else width)
+    for one, wanted in zip(solution, right, strict=True):
+        left = fronts.left_over(matrix, one[matrix.pattern.order], wanted[matrix.pattern.order], 0)
+        assert np.abs(left).max() < 1e-9
+
+
+def test_halves_know_nothing_of_each_other_but_through_what_parts_them():
+    _, first, second = links(200)
+    pattern = blocks.make_pattern(200, first, second)
+    tree = dissection.dissect(pattern)
+    assert sorted(tree.row) == list(range(200))
+    assert len(tree.parent) > 5
+    above = {t: {t} for t in range(len(tree.parent))}
+    for t in reversed(range(len(tree.parent))):
+        if tree.parent[t] >= 0:
+            assert tree.parent[t] > t
+            above[t] |= above[tree.parent[t]]
+    for row in range(200):
+        for column in pattern.column[pattern.start[row] : pattern.start[row + 1]]:
+            low, high = sorted((tree.front[row], tree.front[column]))
+            assert high in above[low]
+            if low != high:
+                later = row if tree.front[row] == high else column
+                assert later in tree.edge[tree.rim[low] : tree.rim[low + 1]]
 
 
 @pytest.mark.compiled

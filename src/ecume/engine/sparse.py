@@ -12,7 +12,7 @@ states choose alike. What is ill-conditioned takes more iterations, and so the d
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -28,6 +28,8 @@ NEWTON = 1e-4
 """How closely a step of Newton's method needs its linear system solved."""
 DENSER = 0.3
 """What an operation in a front takes, over one in a sweep of the gradients, which waits for the memory."""
+FEW = 10
+"""Iterations that no factorization is cheaper than: none is planned then."""
 MOST_WORK = 2e12
 """Operations of a factorization beyond which nothing is gained by standing in."""
 
@@ -96,16 +98,26 @@ def plan_of(kept: Kept) -> Plan:
     return kept.plan
 
 
-def ranking(kept: Kept, iterations: int) -> tuple[str, ...]:
-    """Which solvers to try, one after the other, where gradients last took so many iterations.
+def ranking(kept: Kept, iterations: int, again: bool) -> Iterator[str]:
+    """Which solvers to try, one after the other, where gradients last took so many iterations; `again` has them tried
+    first whatever they took.
 
     Gradients may break down where the matrix is far from symmetric and positive; then a factorization stands in.
     """
+    if again or not does_less(kept, iterations):
+        yield "iterative"
+        if fronts.operations(plan_of(kept)) <= MOST_WORK:
+            yield "direct"
+    else:
+        yield from ("direct", "iterative")
+
+
+def does_less(kept: Kept, iterations: int) -> bool:
+    """Whether a factorization does less than so many iterations."""
+    if iterations <= FEW:
+        return False
     direct = fronts.operations(plan_of(kept))
-    if direct > MOST_WORK:
-        return ("iterative",)
-    swept = iterations * operations_of_iteration(kept)
-    return ("direct", "iterative") if DENSER * direct < swept else ("iterative", "direct")
+    return direct <= MOST_WORK and DENSER * direct < iterations * operations_of_iteration(kept)
 
 
 def operations_of_iteration(kept: Kept) -> float:

@@ -73,6 +73,7 @@ def test_newtons_matrix_is_the_slope_of_forces_and_torques(dimensions, span):
 
     def left(change):
         step.bodies.position[:] = place + change[:, :dimensions]
+        step.bodies.moved[:] = step.bodies.position - step.bodies.before
         step.spins.turn[:] = turn + change[:, dimensions:]
         settle(parameters, step, span)
         imbalance(step, 1.0, span or 1e300, False)

@@ -15,10 +15,11 @@ from .test_packings import packing
 pytestmark = pytest.mark.compiled
 
 
-def marched(scene, steps=6):
+def marched(scene, steps=6, iterations=0):
     parameters = SOFT.parameters(scene)
     state = SOFT.start(scene, parameters)
     state.pace[LENGTH] = 0.05
+    state.effort[:] = iterations, 0
     scratch = SOFT.workspace(parameters, state, 1.0)
     for _ in range(steps):
         assert one_step(parameters, state, scratch) > 0.0
@@ -27,16 +28,18 @@ def marched(scene, steps=6):
     return state
 
 
-@pytest.mark.parametrize("rotation", [False, True])
-def test_a_step_has_the_same_bits_with_and_without_threads(monkeypatch, rotation):
+@pytest.mark.parametrize(("rotation", "iterations"), [(False, 0), (True, 0), (False, 2000)])
+def test_a_step_has_the_same_bits_with_and_without_threads(monkeypatch, rotation, iterations):
+    """By gradients, and where those are said to have taken many iterations, by a factorization."""
     scene = packing(count=300, strain=0.2, liquid={"viscosity": 1e-3, "drag": True}, rotation=rotation)
-    alone = marched(scene)
+    alone = marched(scene, iterations=iterations)
     monkeypatch.setattr(_jit, "FEW", 1)
     many = numba.get_num_threads()
     try:
         for threads in (1, 2):
             numba.set_num_threads(min(threads, many))
-            together = marched(scene)
+            together = marched(scene, iterations=iterations)
+            assert (together.effort[1] > 0) == (iterations > 0)
             for name, array in alone._asdict().items():
                 assert np.asarray(array).tobytes() == getattr(together, name).tobytes(), name
     finally:

@@ -107,6 +107,30 @@ def test_a_ceiling_yields_until_it_is_pushed_back_as_hard(dimensions):
     assert y[0] > y[1] > y[2]
 
 
+def test_a_plate_is_sheared_by_a_step_of_stress_while_the_pressure_on_it_stays():
+    """Creep between plates: at once, then slowly, and back in part when the stress is taken off."""
+    protocol = [
+        {"time": 0.0, "wall_shear": 0.0},
+        {"time": 1.0, "wall_shear": 0.0},
+        {"time": 1.0, "wall_shear": 1.0},
+        {"time": 3.0, "wall_shear": 1.0},
+        {"time": 3.0, "wall_shear": 0.0},
+    ]
+    top = {"pressure": 1e-3, "shear_stress": 2e-4}
+    scene = channel({"top": top}, duration=4.0, frame_every=0.25, protocol=protocol)
+    frames, width = list(simulate(scene)), scene.box.size[0]
+    x, pressed, sheared = (
+        np.array([frame.numbers[name] for frame in frames]) for name in ("top_x", "top_force_y", "top_force_x")
+    )
+    assert pressed == pytest.approx(np.full(17, 1e-3 * width), rel=1e-8)
+    assert sheared == pytest.approx(-2e-4 * width * np.repeat([0, 1, 0], [4, 8, 5]), abs=1e-8 * 2e-4 * width)
+    leap, creep, back = x[4] - x[3], x[11] - x[4], x[11] - x[12]
+    assert 0.0 < back == pytest.approx(leap, rel=0.5)
+    assert creep > 0.5 * leap
+    assert np.abs(x[:4]).max() < 0.1 * leap
+    assert x[16] > 0.2 * x[11]
+
+
 @pytest.mark.parametrize(
     ("top", "bottom"),
     [({"velocity": [0.3, 0.0]}, {}), ({}, {"velocity": [-0.3, 0.0]})],
@@ -244,6 +268,7 @@ REFUSED = [
     ({"walls": [FLOOR | {"pressure": 1.0}]}, "pressure", "there is none"),
     ({"walls": [FLOOR | {"velocity": [0.0, 0.0, 0.0]}]}, "velocity", "came 3 components"),
     ({"gravity": [0.0, -9.8]}, "density", "gravity needs it"),
+    ({"protocol": [{"time": 0.0, "wall_shear": 1.0}]}, "wall_shear", "multiplies the shear_stress of walls"),
 ]
 
 

@@ -66,14 +66,14 @@ def forces(scene: SoftScene, parameters: Parameters, pair: SoftPair, gap: float)
     """Estimates of the largest force between two spheres (N), by what brings it about; those that are not zero."""
     dimensions, across = parameters.dimensions, (2.0 * pair.radius) ** (parameters.dimensions - 1)
     courses = np.abs(parameters.protocol.courses[:, :, 0])
-    load = float(courses[:, 0].max())
-    walls = [abs(one or 0.0) for wall in scene.walls for one in (wall.pressure, wall.shear_stress)]
+    load, sheared = float(courses[:, LOAD].max()), float(courses[:, WALL_SHEAR].max())
+    walls = [max(abs(wall.pressure or 0.0), sheared * abs(wall.shear_stress or 0.0)) for wall in scene.walls]
     waves = np.abs(parameters.protocol.waves[:, 1]).max()
     weight, sides = np.abs(parameters.weight.sum(axis=0)).max(), sides_of(scene)
     base = math.prod(sides) / max(sides) if sides else across
     found = {
         "the largest pull": load * float(np.abs(parameters.force).max()),
-        "the largest stress, on a diameter": float(courses[:, 4:].max() + waves) * across,
+        "the largest stress, on a diameter": float(courses[:, [SHEAR, NORMAL]].max() + waves) * across,
         "the walls' largest stress, on a diameter": load * max(walls, default=0.0) * across,
         "the weight of all, on a diameter": float(weight) * min(across / base, 1.0),
         "spheres filled in closer than they fit": pressed_force(pair, fillings(parameters), dimensions),

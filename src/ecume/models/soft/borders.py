@@ -13,16 +13,15 @@ import numpy as np
 
 from ecume._jit import compiled, compiled_inside
 from ecume.models.soft.cell import Cell, Goal, gradient_of, stress_goal
-from ecume.models.soft.contact import Vector
 from ecume.models.soft.films import Answers, Pairs, center_distance
+from ecume.models.soft.links import ROUNDING, Vector
 from ecume.models.soft.spins import cross
-from ecume.models.soft.walls import Walls, column_of_wall, corner_of_walls
+from ecume.models.soft.wall_borders import column_of_wall, corner_of_walls
+from ecume.models.soft.walls import Walls
 from ecume.units import Array
 
 MOST = 2
 """Unknowns of a box."""
-ROUNDING = 2e-15
-"""What rounding leaves of a force, over stiffness times coordinates."""
 
 
 class Borders(NamedTuple):
@@ -187,7 +186,7 @@ def border(cell: Cell, web: Web, goal: Goal, borders: Borders) -> None:
 
 
 @compiled
-def border_walls(walls: Walls, load: float, borders: Borders, dimensions: int) -> None:
+def border_walls(walls: Walls, load: tuple[float, float], borders: Borders, dimensions: int) -> None:
     """All borders of a system whose walls yield to forces."""
     for unknown in range(len(walls.places.free)):
         column_of_wall(walls, (borders.right[1 + unknown], borders.rows[unknown]), unknown, dimensions)

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ecume.engine import cholmod
 from ecume.engine.sparse import SOLVERS
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.laws.arguments import chosen
@@ -16,8 +17,9 @@ from ecume.laws.interfaces import INTERFACES
 from ecume.laws.remote import REMOTE
 from ecume.laws.rubbing import FRICTIONS
 from ecume.laws.surfaces import SURFACES
-from ecume.models.soft.cell import Box, box_of, shape_at
-from ecume.models.soft.meeting import neighbors, open_all, pieces, wall_gaps
+from ecume.models.soft.cell import box_of, shape_at
+from ecume.models.soft.demands import require_balance, require_gaps, require_no_torque, require_one_piece
+from ecume.models.soft.meeting import open_all
 from ecume.models.soft.packing import places
 from ecume.models.soft.parameters import Contacts, Parameters, Planes
 from ecume.models.soft.protocol import Protocol, drive_at, protocol_of, rules_at
@@ -36,10 +38,12 @@ ROUNDING = 1e-12
 """Of the smallest radius: deflections below it have a smooth magnitude."""
 FIRST_STEP = 1e-6
 """Of the time between frames, or between moments of the protocol."""
+FIRST_SHEAR = 0.1
+"""Of what the tolerance may make of the narrowest gap, where something is sheared: forces that only begin are so large
+after the first step already that rounding is nothing beside them.
+"""
 REACH = 0.5
 """Of the smallest radius: how far films reach in a box, when the scene does not say."""
-UNBALANCED = 1e-9
-"""Of the largest force: what the sum of all forces may be where nothing holds the spheres."""
 ROOM = {2: 16, 3: 40}
 """Contacts a sphere that a state has room for, in each dimension."""
 
@@ -79,7 +83,7 @@ def parameters_of(scene: SoftScene) -> Parameters:
         tolerance=scene.stepping.tolerance,
         solver=scene.stepping.solver,
     )
-    _require_balance(parameters)
+    require_balance(parameters)
     return parameters
 
 
@@ -87,7 +91,7 @@ def start(scene: SoftScene, parameters: Parameters) -> State:
     """The state at time 0: spheres in place, films without flow, and the first forces balanced by deflections."""
     position = places(scene, parameters)
     drive = drive_at(parameters.protocol, 0.0)
-    _require_gaps(parameters, position, box_of(parameters.box, shape_at(parameters.box, drive), parameters.dimensions))
+    require_gaps(parameters, position, box_of(parameters.box, shape_at(parameters.box, drive), parameters.dimensions))
     count = len(position)
     room = min(ROOM[parameters.dimensions] * count, count * (count - 1) // 2)
     if parameters.box.any() or math.isinf(parameters.contacts.fade_to):
@@ -95,13 +99,26 @@ def start(scene: SoftScene, parameters: Parameters) -> State:
     state = make_state(parameters, position, room)
     state.cell[:] = shape_at(parameters.box, drive_at(parameters.protocol, 0.0))
     open_all(parameters, state)
-    state.pace[LENGTH] = FIRST_STEP * min(scene.frame_every, *_spans(parameters.protocol, scene.frame_every))
+    state.pace[LENGTH] = _first_length(scene, parameters, state)
     if not parameters.drag.any():
-        _require_one_piece(state)
-        _require_no_torque(parameters, state)
+        require_one_piece(state)
+        require_no_torque(parameters, state)
     if not parameters.drag.any() or any(rules_at(parameters.protocol, 0)) or len(parameters.walls.free):
         _balance(parameters, state)
     return state
+
+
+def _first_length(scene: SoftScene, parameters: Parameters, state: State) -> float:
+    """The first step (s)."""
+    longest = min(scene.frame_every, *_spans(parameters.protocol, scene.frame_every))
+    drive, wave = drive_at(parameters.protocol, 0.0), parameters.protocol.waves[0]
+    rate = abs(drive.rate) + abs(drive.growth) + abs(drive.height_rate) + float(wave[0] * wave[2])
+    speed = 2.0 * float(parameters.radius.max()) * rate + float(np.abs(parameters.walls.velocity).max(initial=0.0))
+    gaps = np.append(state.log_gap[: state.contacts[0]], state.wall_gap[state.touching.astype(bool)])
+    if speed == 0.0 or len(gaps) == 0:
+        return FIRST_STEP * longest
+    part = FIRST_SHEAR * parameters.tolerance ** (1.0 / SCHEMES[parameters.scheme].order)
+    return float(min(max(FIRST_STEP * longest, part * math.exp(gaps.min()) / speed), longest))
 
 
 def _balance(parameters: Parameters, state: State) -> None:
@@ -216,62 +233,9 @@ def _unknown_names(scene: SoftScene) -> list[Fault]:
             chosen(table, name, what)
         except BadInput as error:
             faults.append(Fault(path, str(error)))
+    if scene.stepping.solver == "cholmod":
+        try:
+            cholmod.library()
+        except BadInput as error:
+            faults.append(Fault("stepping.solver", str(error)))
     return faults
-
-
-def _require_balance(parameters: Parameters) -> None:
-    """Forces that nothing balances would push all spheres away together."""
-    if parameters.drag.any() or len(parameters.walls.axis):
-        return
-    force = parameters.force + parameters.weight
-    total, largest = np.abs(force.sum(axis=0)).max(), np.abs(force).max()
-    if total > UNBALANCED * largest * len(force):
-        raise SceneError(
-            [
-                Fault(
-                    "spheres",
-                    f"the forces on all spheres sum to {total:.3g} N, and nothing holds them; "
-                    "wanted a sum of zero, walls, or liquid.drag = true",
-                )
-            ]
-        )
-
-
-def _require_no_torque(parameters: Parameters, state: State) -> None:
-    """Spinning spheres that nothing holds would be turned all together without resistance."""
-    if parameters.torque.shape[1] == 0 or parameters.box.any() or len(parameters.walls.axis):
-        return
-    arm, force = np.zeros((2, len(state.position), 3))
-    arm[:, : parameters.dimensions], force[:, : parameters.dimensions] = state.position, parameters.force
-    own = parameters.torque * parameters.radius[:, None]
-    moment = np.cross(arm - arm.mean(axis=0), force)[:, -own.shape[1] :] + own
-    total, largest = np.abs(moment.sum(axis=0)).max(), np.abs(moment).max()
-    size = np.abs(parameters.force).max() * parameters.radius.max()
-    if total > UNBALANCED * max(largest, size) * len(moment):
-        told = f"forces and torques turn the spheres all together, with {total:.3g} N m, and nothing holds them"
-        raise SceneError([Fault("spheres", f"{told}; wanted no torque in sum, or liquid.drag = true")])
-
-
-def _require_gaps(parameters: Parameters, position: Array, box: Box) -> None:
-    """Undeformed spheres that overlap have no film between them."""
-    touching = parameters._replace(contacts=parameters.contacts._replace(fade_from=0.0))
-    pair, _, _ = neighbors(touching, position, box)
-    if len(pair):
-        first, second = pair[0]
-        told = f"spheres {first} and {second} overlap before they are deformed; wanted a gap for the film"
-        raise SceneError([Fault("spheres", told)])
-    gap = wall_gaps(parameters, position, parameters.walls.place)
-    if not (gap > 0.0).all():
-        sphere, wall = (int(index[0]) for index in np.nonzero(~(gap > 0.0)))
-        told = f"sphere {sphere} is in wall {wall} or beyond it; wanted a gap for the film"
-        raise SceneError([Fault("spheres", told)])
-
-
-def _require_one_piece(state: State) -> None:
-    """Without drag, what no film ties to the rest is nowhere in particular."""
-    piece = pieces(state)
-    if piece.max() > 0:
-        walled = state.touching.shape[1] > 0
-        alone = int(np.flatnonzero(piece != piece[-1 if walled else 0])[0])
-        told = f"sphere {alone} is tied to {'any wall' if walled else 'sphere 0'} by no film, and nothing else holds it"
-        raise SceneError([Fault("spheres", f"{told}; set films.reach higher, or liquid.drag = true")])

@@ -227,23 +227,25 @@ def deform(cell: Cell, goal: Goal, part: float) -> None:
 
 
 @compiled
-def carry_along(cell: Cell, old: Array, position: Array) -> None:
-    """Carry places along with the box from an old shape to the present one."""
+def carry_along(cell: Cell, old: Array, position: Array, moved: Array) -> None:
+    """Carry places along with the box from an old shape to the present one, and tell how far."""
     sides, shape = cell.sides, cell.shape
     same = True
     for k in range(4):
         same = same and shape[k] == old[k]
     if sides[0] == 0.0 or same:
         return
-    width, height = math.exp(shape[WIDTH] - old[WIDTH]), math.exp(shape[HEIGHT] - old[HEIGHT])
-    depth = math.exp(shape[DEPTH] - old[DEPTH])
+    width, height = math.expm1(shape[WIDTH] - old[WIDTH]), math.expm1(shape[HEIGHT] - old[HEIGHT])
+    depth = math.expm1(shape[DEPTH] - old[DEPTH])
     tilted = sides[0] * math.exp(shape[WIDTH]) * (shape[TILT] - old[TILT])
     per_height = tilted / (sides[1] * math.exp(old[HEIGHT]))
     for i in range(len(position)):
-        position[i, 0] = width * position[i, 0] + per_height * position[i, 1]
-        position[i, 1] *= height
+        along, up = width * position[i, 0] + per_height * position[i, 1], height * position[i, 1]
+        position[i, 0], position[i, 1] = position[i, 0] + along, position[i, 1] + up
+        moved[i, 0], moved[i, 1] = moved[i, 0] + along, moved[i, 1] + up
         if position.shape[1] == 3:
-            position[i, 2] *= depth
+            back = depth * position[i, 2]
+            position[i, 2], moved[i, 2] = position[i, 2] + back, moved[i, 2] + back
 
 
 @compiled

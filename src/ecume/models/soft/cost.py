@@ -43,7 +43,7 @@ def strain_of(parameters: Parameters, end: float) -> float:
     """All that the box is sheared and sized by until a time, back and forth; walls that go along count by a height."""
     protocol, total = parameters.protocol, 0.0
     spans = np.diff(np.append(np.minimum(protocol.times, end), end))
-    for (_, strain, scale, height, _, _), wave, span in zip(protocol.courses, protocol.waves, spans, strict=True):
+    for (_, strain, scale, height, *_), wave, span in zip(protocol.courses, protocol.waves, spans, strict=True):
         rates = abs(strain[1]) + abs(scale[1]) / scale[0] + abs(height[1])
         # A sine's mean speed is two over pi of its largest.
         total += span * (rates + 2.0 / np.pi * wave[0] * wave[2])

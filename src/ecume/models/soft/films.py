@@ -14,7 +14,8 @@ import numpy as np
 from ecume._jit import compiled, compiled_inside, prange, shared
 from ecume.engine.cells import Integers
 from ecume.laws import bubbles, elasticity
-from ecume.models.soft.contact import Body, Frame, Link, Start, Vector, dot, film_of, frame_of, linked
+from ecume.models.soft.contact import Body, film_of
+from ecume.models.soft.links import Frame, Link, Start, Vector, dot, frame_of, linked
 from ecume.models.soft.parameters import Contacts
 from ecume.units import Array
 

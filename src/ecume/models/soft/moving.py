@@ -102,9 +102,11 @@ def largest_change(by: Array, change: Array, dimensions: int, radius: Array) -> 
 def displace(bodies: Bodies, turn: Array, by: Array, part: float) -> None:
     """Add a part of Newton's change to places and spins."""
     position, change, dimensions = bodies.position, bodies.change, bodies.position.shape[1]
+    moved_by = bodies.moved
     for i in range(len(position)):
         x = moved(by, (position[i, 0], position[i, 1], position[i, 2] if dimensions == 3 else 0.0))
         for k in range(dimensions):
             position[i, k] += part * (change[i, k] + x[k])
+            moved_by[i, k] += part * (change[i, k] + x[k])
         for k in range(turn.shape[1]):
             turn[i, k] += part * change[i, dimensions + k]

@@ -26,12 +26,17 @@ from ecume.models.soft.parameters import Contacts
 from ecume.models.soft.pulling import imbalance, is_free, is_held, resist
 from ecume.models.soft.step import Step
 from ecume.models.soft.turning import unturn
-from ecume.models.soft.walls import Walls, answer_walls, missing_at_walls
+from ecume.models.soft.wall_borders import missing_at_walls
+from ecume.models.soft.walls import Walls, answer_walls
 from ecume.units import Array
 
 MOST_ITERATIONS = 12
 BALANCE = 1e-9
-"""The largest force that may be left on a sphere, over the largest there is."""
+"""The largest force that may be left on a sphere, over the largest there is, or what may be missing of a stress."""
+CLOSE, LIKELY = 1e-10, 0.1
+"""What is left is made less for as long as that halves it, down to this part of the largest force and of what rounding
+may leave: that is told from above.
+"""
 
 Solve = Callable[[Matrix, Array, Array, int], bool]
 """A solver of `engine.sparse` with what it keeps."""
@@ -62,7 +67,7 @@ def bordered(solve: Solve, step: Step, goal: Goal, loose: int) -> bool:
     if boxed or not isinstance(walls, Walls):
         border(step.cell, web_of(step), goal, step.borders)
     else:
-        border_walls(walls, goal.drive.load, step.borders, step.bodies.position.shape[1])
+        border_walls(walls, (goal.drive.load, goal.drive.wall_shear), step.borders, step.bodies.position.shape[1])
         count = len(walls.places.free)
     count = boxed or count
     found = solve(step.matrix, step.borders.right[: 1 + count], step.borders.change[: 1 + count], loose)
@@ -87,7 +92,8 @@ def unmet(step: Step, goal: Goal) -> float:
     """What is missing of the stresses that rule the box, or of the forces on walls."""
     if unknowns(step.cell) > 0:
         return missing_stress(step.cell, web_of(step), goal)
-    return float(missing_at_walls(step.walls, step.bodies.position, goal.drive.load))
+    load = (goal.drive.load, goal.drive.wall_shear)
+    return float(missing_at_walls(step.walls, step.bodies.position, load))
 
 
 @composed
@@ -95,7 +101,7 @@ def enter(step: Step, goal: Goal) -> None:
     """Put in what is imposed, and carry the spheres along with the box."""
     old = step.cell.shape.copy()
     impose(step.cell, goal)
-    carry_along(step.cell, old, step.bodies.position)
+    carry_along(step.cell, old, step.bodies.position, step.bodies.moved)
     place_images(step.pairs, step.cell)
 
 
@@ -113,13 +119,16 @@ def newton_with(
     enter(step, goal)
     bodies, load, span = step.bodies, goal.drive.load, goal.span
     loose = 0 if is_held(step) else bodies.position.shape[1]
-    last = math.inf
+    last, before = math.inf, math.inf
     for _ in range(MOST_ITERATIONS):
         answer(contacts, step.pairs, step.films, bodies.position, span, step.answers)
         answer_walls(step.walls, contacts, bodies.position, step.spins.turn, span)
         worst, largest, rounding = imbalance(step, load, span, False)
-        if last <= goal.fine and worst <= BALANCE * largest + rounding and missing(step, goal) <= BALANCE:
+        done = worst <= CLOSE * largest + LIKELY * rounding or worst > 0.5 * before
+        balanced = done and worst <= BALANCE * largest + rounding
+        if last <= goal.fine and balanced and missing(step, goal) <= BALANCE:
             return True
+        before = worst
         imbalance(step, load, span, True)
         resist(step, span)
         if not solve(step, goal, loose):

@@ -15,7 +15,7 @@ from ecume.models.soft.meeting import at_home, box_in, wraps
 from ecume.models.soft.parameters import Parameters
 from ecume.models.soft.protocol import drive_at
 from ecume.models.soft.solving import begin
-from ecume.models.soft.state import ACCEPTED, CLOCK, FAILED, REJECTED, State, Workspace
+from ecume.models.soft.state import ACCEPTED, CLOCK, FAILED, LEFT, REJECTED, State, Workspace
 from ecume.models.soft.step import Step
 from ecume.models.soft.walls import Walls, wall_energy
 from ecume.scenes.soft import SIDES
@@ -43,7 +43,6 @@ UNITS = {
     "elastic_energy": "J",
     "smallest_gap": "m",
     "mean_gap": "m",
-    "imbalance": "N",
     "largest_tension": "N",
     "largest_compression": "N",
 }
@@ -71,7 +70,7 @@ def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
         "largest_tension": float(tension.max(initial=0.0)),
         "largest_compression": float((-tension).max(initial=0.0)),
         "load": drive.load,
-        "imbalance": imbalance(parameters, step, drive.load),
+        "imbalance": float(state.pace[LEFT]),
         "contacts": float(len(tension)),
         "time_steps": float(state.tally[ACCEPTED]),
         "rejected_steps": float(state.tally[REJECTED] + state.tally[FAILED]),
@@ -165,23 +164,6 @@ def _remote_forces(parameters: Parameters, step: Step) -> Array:
         given = (contacts.hamaker, contacts.layer_strength, contacts.debye_length)
         return np.array([law(h, radius, *given) for h, radius in zip(gap, step.pairs.reduced_radius, strict=True)])
     return np.zeros(len(gap))
-
-
-def imbalance(parameters: Parameters, step: Step, load: float) -> float:
-    """What contacts, walls, weight and loads leave on a sphere at most (N).
-
-    Not a number where the liquid drags on spheres: then their velocities are in the balance.
-    """
-    if step.bodies.drag.any():
-        return math.nan
-    left = load * step.bodies.force + step.bodies.weight
-    force = step.answers.force[:, : left.shape[1]]
-    np.add.at(left, step.pairs.first, force)
-    np.add.at(left, step.pairs.second, -force)
-    if isinstance(step.walls, Walls):
-        touches = step.walls.touches
-        np.add.at(left, touches.first, touches.force[:, : left.shape[1]])
-    return float(np.abs(left).max())
 
 
 def _neighbors(parameters: Parameters, step: Step) -> dict[str, float]:

@@ -17,7 +17,7 @@ IMPOSED, STRESSED = 0, 1
 """What shears the box: its strain is imposed, or answers to a stress."""
 HIGH, ROOMY = 1, 2
 """What sizes the box: IMPOSED, or its height answers to a normal stress, or all of its sides to a pressure."""
-LOAD, STRAIN, SCALE, HEIGHT, SHEAR, NORMAL = range(6)
+LOAD, STRAIN, SCALE, HEIGHT, SHEAR, NORMAL, WALL_SHEAR = range(7)
 """Rows of a course."""
 
 
@@ -27,8 +27,8 @@ class Protocol(NamedTuple):
     times: Array
     """(T,) s, the first is 0"""
     courses: Array
-    """(T, 6, 2) value at the time, and slope (1/s) from there on: load, strain, scale, ln(height), shear stress, and
-    normal stress or pressure"""
+    """(T, 7, 2) value at the time, and slope (1/s) from there on: load, strain, scale, ln(height), shear stress,
+    normal stress or pressure, and the shear of walls"""
     waves: Array
     """(T, 3) amplitudes of the strain and of the shear stress, and the angular frequency (1/s)"""
     rules: Integers
@@ -57,6 +57,8 @@ class Drive(NamedTuple):
     shear_stress: float
     normal_stress: float
     """across top and bottom, or a pressure: compression is positive"""
+    wall_shear: float
+    """what the walls' shear stresses are multiplied by, beside the load"""
 
 
 class Rules(NamedTuple):
@@ -75,7 +77,7 @@ def drive_at(protocol: Protocol, time: float, interval: int | None = None) -> Dr
     """What is imposed at a time; in an interval that ends there if it is named, otherwise in the one that begins."""
     which = interval_at(protocol, time) if interval is None else interval
     since = time - float(protocol.times[which])
-    load, strain, scale, height, shear, normal = (
+    load, strain, scale, height, shear, normal, wall_shear = (
         float(value + slope * since) for value, slope in protocol.courses[which]
     )
     rate = float(protocol.courses[which, STRAIN, 1])
@@ -85,7 +87,7 @@ def drive_at(protocol: Protocol, time: float, interval: int | None = None) -> Dr
         rate += pace * of_strain * math.cos(pace * since)
         shear += of_stress * math.sin(pace * since)
     growth, height_rate = float(protocol.courses[which, SCALE, 1]) / scale, float(protocol.courses[which, HEIGHT, 1])
-    return Drive(load, strain, rate, scale, growth, height, height_rate, shear, normal)
+    return Drive(load, strain, rate, scale, growth, height, height_rate, shear, normal, wall_shear)
 
 
 def rules_at(protocol: Protocol, interval: int) -> Rules:
@@ -102,7 +104,7 @@ def next_turn(protocol: Protocol, time: float) -> float:
 class Course(NamedTuple):
     """Where a protocol stands, and how it goes on."""
 
-    values: tuple[float, ...] = (1.0, 0.0, 1.0, 0.0, 0.0, 0.0)
+    values: tuple[float, ...] = (1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
     shear_rate: float = 0.0
     height_rate: float = 0.0
     rules: Rules = Rules(IMPOSED, IMPOSED)
@@ -112,7 +114,8 @@ def protocol_of(stages: Sequence[StageSpec]) -> Protocol:
     """Moments as intervals."""
     if not stages or stages[0].time > 0.0:
         first = stages[0] if stages else StageSpec(time=0.0)
-        stages = (StageSpec(time=0.0, load=first.load, strain=first.strain, scale=first.scale), *stages)
+        reached = {name: getattr(first, name) for name in ("load", "strain", "scale", "wall_shear")}
+        stages = (StageSpec(time=0.0, **reached), *stages)
     rows, course, before = [], Course(), Course()
     for stage, following in itertools.zip_longest(stages, stages[1:]):
         course = begun(course, stage)
@@ -135,7 +138,7 @@ def protocol_of(stages: Sequence[StageSpec]) -> Protocol:
 def begun(course: Course, stage: StageSpec) -> Course:
     """A course as a moment has it go on."""
     normal = stage.normal_stress if stage.pressure is None else stage.pressure
-    given = (stage.load, stage.strain, stage.scale, None, stage.shear_stress, normal)
+    given = (stage.load, stage.strain, stage.scale, None, stage.shear_stress, normal, stage.wall_shear)
     values = tuple(old if new is None else new for old, new in zip(course.values, given, strict=True))
     shear, size = course.rules
     if stage.shear_stress is not None or stage.shear_rate is not None:
@@ -152,11 +155,11 @@ def begun(course: Course, stage: StageSpec) -> Course:
 
 def slopes_of(course: Course, following: StageSpec | None, span: float) -> tuple[float, ...]:
     """How load, strain, scale, height and stresses go on until the next moment, if there is one."""
-    slopes = [0.0, course.shear_rate, 0.0, course.height_rate, 0.0, 0.0]
+    slopes = [0.0, course.shear_rate, 0.0, course.height_rate, 0.0, 0.0, 0.0]
     if following is None:
         return tuple(slopes)
     normal = following.pressure if course.rules.size == ROOMY else following.normal_stress
-    goals = {LOAD: following.load, STRAIN: following.strain, SCALE: following.scale}
+    goals = {LOAD: following.load, STRAIN: following.strain, SCALE: following.scale, WALL_SHEAR: following.wall_shear}
     if course.rules.shear == STRESSED:
         goals[SHEAR] = following.shear_stress
     if course.rules.size != IMPOSED:
@@ -180,7 +183,7 @@ def jumped(before: Course, course: Course) -> bool:
         abs(new - old) > 1e-12 * (abs(new) + abs(old)) for old, new in zip(before.values, course.values, strict=True)
     ]
     counted = (
-        far[LOAD], far[STRAIN], far[SCALE],
+        far[LOAD], far[STRAIN], far[SCALE], far[WALL_SHEAR],
         far[SHEAR] and course.rules.shear == STRESSED, far[NORMAL] and course.rules.size != IMPOSED,
     )  # fmt: skip
     return new_rule or any(counted)

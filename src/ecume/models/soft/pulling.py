@@ -9,6 +9,7 @@ from ecume.engine import blocks
 from ecume.engine.blocks import Pattern
 from ecume.models.soft.cell import flow
 from ecume.models.soft.films import Answers, Pairs
+from ecume.models.soft.links import ROUNDING
 from ecume.models.soft.spins import add_torques, fill_quads, hold_spins, load_torques
 from ecume.models.soft.step import Bodies, Step
 from ecume.models.soft.turning import turn_first
@@ -17,8 +18,6 @@ from ecume.units import Array
 
 CHUNK = 256
 """Spheres or contacts that a thread takes at once."""
-ROUNDING = 2e-15
-"""What rounding leaves of a force, over stiffness times coordinates."""
 
 
 def count_pairs(pairs: Pairs, *_: object) -> int:
@@ -76,7 +75,8 @@ def pull(
 def load_sphere(bodies: Bodies, right: Array, i: int, along: Array, during: tuple[float, float]) -> tuple[float, float]:
     """External force and drag on a sphere, into `right`; the largest force, and of stiffness times place."""
     factor, span = during
-    external, weight, drag, position, start = bodies.force, bodies.weight, bodies.drag, bodies.position, bodies.start
+    external, weight, drag, position = bodies.force, bodies.weight, bodies.drag, bodies.position
+    moved, start = bodies.moved, bodies.start
     largest, stiffest, dimensions = 0.0, 0.0, position.shape[1]
     for k in range(dimensions):
         right[i, k] = factor * external[i, k] + weight[i, k]
@@ -85,8 +85,8 @@ def load_sphere(bodies: Bodies, right: Array, i: int, along: Array, during: tupl
             carried = start[i, k]
             for m in range(dimensions):
                 carried += along[k, m] * position[i, m]
-            right[i, k] -= drag[i] * (position[i, k] - carried) / span
-            stiffest = max(stiffest, drag[i] / span * abs(position[i, k]))
+            right[i, k] -= drag[i] * (moved[i, k] - carried) / span
+            stiffest = max(stiffest, drag[i] / span * max(abs(moved[i, k]), abs(carried)))
     return largest, stiffest
 
 

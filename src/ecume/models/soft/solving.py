@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import partial
 
 import numpy as np
@@ -36,16 +36,15 @@ Way = Callable[[Contacts, Step, Scheme, During, int], float]
 """A way to begin a step, to balance, or to try a step: what came of it, or `stages.FAILED`."""
 
 
-def choices(parameters: Parameters, kept: Kept, effort: Integers) -> tuple[str, ...]:
+def choices(parameters: Parameters, kept: Kept, effort: Integers) -> Iterator[str]:
     """The solvers to try, one after the other: by the number of unknowns, the pattern and the state, so that a run
     chooses as the last one did.
     """
     if parameters.solver != "auto":
-        return (parameters.solver,)
+        return iter((parameters.solver,))
     if parameters.force.size <= FEW:
-        return ("dense",)
-    ranked = sparse.ranking(kept, int(effort[ITERATIONS]))
-    return tuple(reversed(ranked)) if effort[WITHOUT] >= AGAIN else ranked
+        return iter(("dense",))
+    return sparse.ranking(kept, int(effort[ITERATIONS]), bool(effort[WITHOUT] >= AGAIN))
 
 
 def way(parameters: Parameters, kept: Kept, rules: Rules, name: str) -> Way:

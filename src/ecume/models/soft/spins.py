@@ -16,8 +16,8 @@ import numpy as np
 
 from ecume._jit import compiled, compiled_inside
 from ecume.engine.blocks import Matrix
-from ecume.models.soft.contact import Vector
 from ecume.models.soft.films import Answers, Pairs, center_distance, turned
+from ecume.models.soft.links import Vector
 from ecume.units import Array
 
 FIRM = 1e-9

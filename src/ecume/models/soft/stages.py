@@ -58,7 +58,7 @@ def begin_stage(step: Step, scheme: Scheme, stage: int, time_step: float) -> Non
     for i in range(len(bodies.drag)):
         if bodies.drag[i] > 0.0:
             for k in range(bodies.start.shape[1]):
-                value = bodies.before[i, k]
+                value = 0.0
                 for earlier in range(stage):
                     value += time_step * rows[stage, earlier] * bodies.slope[earlier, i, k]
                 bodies.start[i, k] = value
@@ -83,7 +83,7 @@ def end_stage(step: Step, goal: Goal, stage: int) -> None:
     for i in range(len(bodies.drag)):
         if bodies.drag[i] > 0.0:
             for k in range(bodies.start.shape[1]):
-                bodies.slope[stage, i, k] = (bodies.position[i, k] - bodies.start[i, k]) / span
+                bodies.slope[stage, i, k] = (bodies.moved[i, k] - bodies.start[i, k]) / span
     end_spins(step.spins, stage, span)
 
 
@@ -114,7 +114,8 @@ def first_places(step: Step, drive: Drive) -> None:
     copy_line(films.log_gap_start, step.log_gap)
     copy_rows(films.direction_start, step.direction)
     copy_rows(bodies.position, bodies.before)
-    copy_rows(bodies.start, bodies.before)
+    clear_rows(bodies.moved)
+    clear_rows(bodies.start)
     clear_rows(step.spins.turn)
     clear_rows(step.spins.start)
     turn_pairs(step.pairs, step.spins)
@@ -164,7 +165,7 @@ def error_of(step: Step, scheme: Scheme, time_step: float) -> float:
 @compiled_inside
 def drive_of(row: Array) -> Drive:
     """What is imposed, from the numbers of one stage."""
-    return Drive(row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7], row[8])
+    return Drive(row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7], row[8], row[9])
 
 
 @inlined

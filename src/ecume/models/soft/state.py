@@ -20,8 +20,10 @@ from ecume.models.soft.step import Bodies, Step
 from ecume.models.soft.walls import Touches, Walls, make_walls
 from ecume.units import Array
 
-LENGTH, PAST_ERROR, CLOCK = range(3)
-"""Places in `State.pace`: the next step (s), the last error over the tolerance, and the time (s)."""
+LENGTH, PAST_ERROR, CLOCK, LEFT = range(4)
+"""Places in `State.pace`: the next step (s), the last error over the tolerance, the time (s), and the largest force
+that is left on a sphere, over the typical one.
+"""
 ACCEPTED, REJECTED, FAILED = range(3)
 """Places in `State.tally`."""
 
@@ -72,7 +74,7 @@ class State(NamedTuple):
     cell_rate: Array
     """(5,) how fast, at the end of the last step (1/s)"""
     pace: Array
-    """(3,)"""
+    """(4,)"""
     tally: Integers
     """(3,) steps accepted, rejected for their error, and given up"""
     effort: Integers
@@ -112,7 +114,7 @@ def make_state(parameters: Parameters, position: Array, room: int) -> State:
         wall_rate=parameters.walls.velocity.copy(),
         cell=np.zeros(5),
         cell_rate=np.zeros(5),
-        pace=np.zeros(3),
+        pace=np.zeros(4),
         tally=np.zeros(3, np.int64),
         effort=np.zeros(2, np.int64),
     )
@@ -129,7 +131,8 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
     bodies = Bodies(
         position=state.position.copy(),
         before=state.position.copy(),
-        start=state.position.copy(),
+        moved=np.zeros((count, dimensions)),
+        start=np.zeros((count, dimensions)),
         slope=np.zeros((stages, count, dimensions)),
         drag=parameters.drag,
         force=parameters.force,
@@ -159,6 +162,7 @@ def store(parameters: Parameters, state: State, step: Step) -> None:
     """What a step has come to becomes the state: places, spins, gap vectors and the box."""
     contacts, dimensions = int(state.contacts[0]), state.position.shape[1]
     state.position[:] = step.bodies.before
+    state.pace[LEFT] = left_over(step)
     if state.spin.shape[1]:
         state.orientation[:] = turned_orientation(state.orientation, step.spins.turn / parameters.radius[:, None])
     state.log_gap[:contacts] = step.log_gap
@@ -201,6 +205,17 @@ def pairs_of(parameters: Parameters, state: State) -> Pairs:
         reduced_radius=np.asarray(elasticity.reduced_radius(radius[first], radius[second])),
         modulus=np.asarray(elasticity.pair_modulus(modulus[first], modulus[second])),
     )
+
+
+def left_over(step: Step) -> float:
+    """The largest force that a solution left on a sphere, over the typical force: the root mean square of those that
+    contacts bear, or of what pulls at the spheres where that is more.
+    """
+    forces = [step.answers.force, step.bodies.force, step.bodies.weight]
+    if isinstance(step.walls, Walls):
+        forces.append(step.walls.touches.force)
+    typical = max(float(np.sqrt((force**2).sum(axis=1).mean())) if len(force) else 0.0 for force in forces)
+    return float(np.abs(step.bodies.right).max() / typical) if typical > 0.0 else 0.0
 
 
 def in_space(vectors: Array) -> Array:

@@ -28,8 +28,10 @@ class Bodies(NamedTuple):
     """(N, d) m, of the stage"""
     before: Array
     """(N, d) at the step's beginning"""
+    moved: Array
+    """(N, d) m: how far from there, in digits of its own: short steps would drown in those of the places"""
     start: Array
-    """(N, d) where the stage starts from; means something with drag only"""
+    """(N, d) m: how far from there the stage starts; means something with drag only"""
     slope: Array
     """(S, N, d) m/s of the stages, with drag only"""
     drag: Array
@@ -52,7 +54,7 @@ class During(NamedTuple):
     length: float
     """s"""
     drives: Array
-    """(S, 9) what is imposed at each stage, as the fields of a `Drive`"""
+    """(S, 10) what is imposed at each stage, as the fields of a `Drive`"""
     tolerance: float
 
 

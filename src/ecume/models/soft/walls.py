@@ -12,19 +12,17 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ecume._jit import compiled, compiled_inside, where_there
+from ecume._jit import compiled_inside, where_there
 from ecume.engine.cells import Integers
-from ecume.models.soft.contact import Film, Frame, Link, Start, Vector, dot, film_of, frame_of, linked
+from ecume.models.soft.contact import Film, film_of
 from ecume.models.soft.films import normal_energy
+from ecume.models.soft.links import Frame, Link, Start, Vector, dot, frame_of, linked
 from ecume.models.soft.parameters import Contacts, Planes
 from ecume.models.soft.spins import axial, cross
 from ecume.units import Array
 
 FAR = 1e12
 """In radii: the center of a wall as a sphere, where its contacts are linearized."""
-
-ROUNDING = 2e-15
-"""What rounding leaves of a force, over stiffness times coordinates."""
 
 
 class Places(NamedTuple):
@@ -250,58 +248,6 @@ def resist_at_walls(walls: Walls, blocks: Array, own: Integers, dimensions: int)
                 blocks[place, 3, column] -= torque[0]
                 blocks[place, 4, column] -= torque[1]
                 blocks[place, 5, column] -= torque[2]
-
-
-@compiled
-def column_of_wall(walls: Walls, to: tuple[Array, Array], unknown: int, dimensions: int) -> None:
-    """The forces on spheres that a wall's displacement changes, and how its own force changes with the spheres'."""
-    (column, rows), touches = to, walls.touches
-    wall, axis = walls.places.free[unknown]
-    along = (1.0 if axis == 0 else 0.0, 1.0 if axis == 1 else 0.0, 1.0 if axis == 2 else 0.0)
-    column[:] = 0.0
-    rows[:] = 0.0
-    for c in range(len(touches.first)):
-        if touches.wall[c] == wall:
-            i, n = touches.first[c], normal_of(walls.places, wall)
-            f = pressed(touches.stiffness, c, along)
-            add_wrench(column, i, dimensions, (f, cross(n, f)))
-            for k in range(rows.shape[1]):
-                rows[i, k] += dot(pressed(touches.stiffness, c, displaced(k, dimensions, n)), along)
-
-
-@compiled
-def corner_of_walls(walls: Walls, load: float, borders: tuple[Array, Array]) -> None:
-    """What is missing of the force on each wall that yields, and how it changes with the walls."""
-    (left, corner), touches, free = borders, walls.touches, walls.places.free
-    for one in range(len(free)):
-        wall, axis = free[one]
-        left[one] = -load * walls.places.force[wall, axis]
-        corner[one, :] = 0.0
-        for c in range(len(touches.first)):
-            if touches.wall[c] == wall:
-                left[one] += touches.force[c, axis] + touches.correction[c, axis]
-                for other in range(len(free)):
-                    if free[other, 0] == wall:
-                        corner[one, other] += touches.stiffness[c, axis, free[other, 1]]
-
-
-@where_there(0.0)
-def missing_at_walls(walls: Walls, position: Array, load: float) -> float:
-    """The largest part of a force on a wall that is missing, less rounding."""
-    touches, worst = walls.touches, 0.0
-    for unknown in range(len(walls.places.free)):
-        wall, axis = walls.places.free[unknown]
-        wanted = load * walls.places.force[wall, axis]
-        total, whole, rounding = -wanted, abs(wanted), 0.0
-        for c in range(len(touches.first)):
-            if touches.wall[c] == wall:
-                total += touches.force[c, axis]
-                whole += abs(touches.force[c, axis])
-                size = abs(walls.places.place[wall, axis]) + abs(position[touches.first[c], axis])
-                rounding += ROUNDING * abs(touches.stiffness[c, axis, axis]) * size
-        if whole > 0.0:
-            worst = max(worst, (abs(total) - rounding) / whole)
-    return worst
 
 
 @where_there(0.0)

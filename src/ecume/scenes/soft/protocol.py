@@ -71,14 +71,16 @@ class OscillationSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class StageSpec:
-    """A moment of the protocol. Load, strain and scale are reached at it, evenly from the moment before; rates and
-    stresses rule from it on. What is left out goes on as it was. A time that stands twice is a jump.
+    """A moment of the protocol. Load, wall shear, strain and scale are reached at it, evenly from the moment before;
+    rates and stresses rule from it on. What is left out goes on as it was. A time that stands twice is a jump.
     """
 
     time: Instant
     """s"""
     load: Factor | None = None
     """what the spheres' forces are multiplied by; 1 at first"""
+    wall_shear: Factor | None = None
+    """what the walls' shear stresses are multiplied by beside it, so that pressures may stay as they are; 1 at first"""
     strain: Factor | None = None
     """shear strain of the box, along x from bottom to top, reached at this time"""
     shear_rate: StrainRate | None = None

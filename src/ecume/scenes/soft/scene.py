@@ -302,6 +302,9 @@ def _gravity(scene: SoftScene) -> Complaints:
 def _protocol(scene: SoftScene) -> Complaints:
     boxed = scene.box is not None and not scene.walls
     found = protocol_faults(scene.protocol, dimensions_of(scene), boxed)
+    if all(wall.shear_stress is None for wall in scene.walls):
+        given = [index for index, stage in enumerate(scene.protocol) if stage.wall_shear is not None]
+        found += [((index, "wall_shear"), "multiplies the shear_stress of walls; there is none") for index in given]
     return [(("protocol", *path), message) for path, message in found]
 
 

@@ -1,0 +1,117 @@
+"""How a step's linear systems are solved: every solver alike, and the cheapest by what is counted."""
+
+import sys
+
+import numpy as np
+import pytest
+
+from ecume.engine import fronts, sparse
+from ecume.errors import SceneError
+from ecume.models.soft import SOFT, solving
+from ecume.models.soft.films import answer
+from ecume.models.soft.protocol import drive_at
+from ecume.models.soft.pulling import imbalance, resist
+from ecume.models.soft.schemes import SCHEMES
+from ecume.models.soft.solving import ITERATIONS, WITHOUT, choices
+from ecume.models.soft.stages import begin_stage, first_stage
+
+from .clusters import marched
+from .test_packings import packing, solved_by
+
+pytestmark = pytest.mark.compiled
+
+
+def started(scene):
+    parameters = SOFT.parameters(scene)
+    state = SOFT.start(scene, parameters)
+    return parameters, state, SOFT.workspace(parameters, state, 1.0)
+
+
+def stage(scene, span):
+    """The system of the first of Newton's steps in a stage, as a matrix and what is left on the spheres."""
+    parameters, _, scratch = started(scene)
+    step = scratch.step
+    first_stage(parameters.contacts, step, drive_at(parameters.protocol, 0.0))
+    begin_stage(step, SCHEMES["tr-bdf2"], 1, span)
+    step.bodies.position[:] += 1e-4 * np.random.default_rng(1).normal(size=step.bodies.position.shape)
+    answer(parameters.contacts, step.pairs, step.films, step.bodies.position, span, step.answers)
+    imbalance(step, 1.0, span, True)
+    resist(step, span)
+    return step.matrix, step.borders.right[:1]
+
+
+@pytest.mark.parametrize("rotation", [False, True])
+@pytest.mark.parametrize(("dimensions", "filled"), [(2, 0.8), (3, 0.5)])
+@pytest.mark.parametrize("name", ["iterative", "direct", "cholmod"])
+def test_every_solver_gives_the_velocities_that_elimination_gives(name, dimensions, filled, rotation):
+    if name == "cholmod":
+        pytest.importorskip("cvxopt")
+    drag = {"viscosity": 1e-3, "drag": True}
+    matrix, right = stage(packing(dimensions, 20, filled, rotation=rotation, liquid=drag), 0.3)
+    wanted, found = np.zeros((2, *right.shape))
+    kept = sparse.Kept(matrix.pattern, right.shape[2], accuracy=1e-13)
+    assert sparse.SOLVERS["dense"](kept, matrix, right, wanted, 0)
+    assert sparse.SOLVERS[name](kept, matrix, right, found, 0)
+    assert np.abs(found - wanted).max() < 1e-10 * np.abs(wanted).max()
+
+
+def test_the_solver_is_the_one_that_does_less_and_gradients_are_tried_again_after_a_while():
+    parameters, state, scratch = started(packing(count=40))
+    direct = sparse.DENSER * fronts.operations(sparse.plan_of(scratch.kept))
+    even = int(direct / sparse.operations_of_iteration(scratch.kept))
+    for iterations, wanted in ((0, "iterative"), (even, "iterative"), (even + 1, "direct"), (2000, "direct")):
+        state.effort[:] = iterations, 0
+        assert next(choices(parameters, scratch.kept, state.effort)) == wanted
+    state.effort[:] = 2000, solving.AGAIN
+    assert list(choices(parameters, scratch.kept, state.effort)) == ["iterative", "direct"]
+
+
+def test_few_spheres_are_eliminated_and_a_solver_that_is_named_is_the_only_one():
+    for scene, wanted in ((packing(count=12), "dense"), (solved_by(packing(count=40), "iterative"), "iterative")):
+        parameters, state, scratch = started(scene)
+        assert list(choices(parameters, scratch.kept, state.effort)) == [wanted]
+
+
+def test_a_factorization_that_would_take_too_long_never_stands_in(monkeypatch):
+    parameters, state, scratch = started(packing(count=40))
+    monkeypatch.setattr(sparse, "MOST_WORK", 1.0)
+    state.effort[:] = 2000, 0
+    assert list(choices(parameters, scratch.kept, state.effort)) == ["iterative"]
+
+
+def test_a_factorization_stands_in_where_gradients_give_up_and_goes_first_from_then_on(monkeypatch):
+    monkeypatch.setattr(sparse, "MOST_ITERATIONS", 1)
+    monkeypatch.setattr(sparse, "DENSER", 0.0)
+    monkeypatch.setattr(sparse, "FEW", 0)
+    scene = packing(count=30, strain=0.01, duration=2.0)
+    auto, direct = (marched(solved_by(scene, name))[1] for name in ("auto", "direct"))
+    assert auto.position.tobytes() == direct.position.tobytes()
+    assert auto.effort[WITHOUT] > 0
+
+
+def test_a_plan_is_made_once_for_as_long_as_contacts_stay(monkeypatch):
+    made = []
+    plan = fronts.plan
+    monkeypatch.setattr(fronts, "plan", lambda *given: made.append(plan(*given)) or made[-1])
+    _, state = marched(solved_by(packing(count=30, strain=0.02, duration=4.0), "direct"), parts=10**9)
+    assert 1 <= len(made) <= state.generation[0] + 1 < state.tally[0]
+
+
+def test_interruptions_change_no_bit_while_solvers_take_turns(monkeypatch):
+    monkeypatch.setattr(sparse, "DENSER", 0.0)
+    monkeypatch.setattr(sparse, "FEW", 0)
+    monkeypatch.setattr(solving, "AGAIN", 3)
+    tried, directly = [], sparse.directly
+    monkeypatch.setitem(sparse.SOLVERS, "direct", lambda *given: tried.append(given[0]) or directly(*given))
+    scene = packing(count=25, strain=0.1, duration=10.0, frame_every=1.0)
+    whole, pieces = marched(scene, parts=10**9)[1], marched(scene, parts=1)[1]
+    assert tried
+    assert whole.effort[ITERATIONS] > 0
+    for name, array in whole._asdict().items():
+        assert getattr(pieces, name).tobytes() == array.tobytes(), name
+
+
+def test_a_scene_says_where_to_get_the_optional_solver(monkeypatch):
+    monkeypatch.setitem(sys.modules, "cvxopt", None)
+    with pytest.raises(SceneError, match=r"stepping\.solver: .*GNU GPL: pip install 'ecume\[cholmod\]'"):
+        SOFT.parameters(solved_by(packing(), "cholmod"))
