@@ -14,7 +14,7 @@ from ecume.models.advice import LONG, Row, told_duration
 from ecume.models.soft.building import prefactors_of
 from ecume.models.soft.cost import BYTES, bytes_of, seconds_of, steps_of
 from ecume.models.soft.parameters import Parameters
-from ecume.models.soft.protocol import drive_at
+from ecume.models.soft.protocol import LOAD, NORMAL, SHEAR, WALL_SHEAR, drive_at
 from ecume.models.soft.state import State
 from ecume.scenes.soft import SoftScene, sides_of
 
