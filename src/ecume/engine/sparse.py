@@ -6,13 +6,13 @@ something holds them): the mean is then taken out.
 
 `iterative` follows biconjugate gradients as closely as a step of Newton's method can use, `direct` factorizes along a
 plan that holds while the pattern does, `cholmod` has the symmetric part factorized by SuiteSparse, and `dense` is for a
-few particles. `ranking` tells which to try first: by operations that are counted, never by a clock, so that equal
+few particles. `does_less` tells which is cheaper: by operations that are counted, never by a clock, so that equal
 states choose alike. What is ill-conditioned takes more iterations, and so the direct way.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -98,26 +98,19 @@ def plan_of(kept: Kept) -> Plan:
     return kept.plan
 
 
-def ranking(kept: Kept, iterations: int, again: bool) -> Iterator[str]:
-    """Which solvers to try, one after the other, where gradients last took so many iterations; `again` has them tried
-    first whatever they took.
-
-    Gradients may break down where the matrix is far from symmetric and positive; then a factorization stands in.
-    """
-    if again or not does_less(kept, iterations):
-        yield "iterative"
-        if fronts.operations(plan_of(kept)) <= MOST_WORK:
-            yield "direct"
-    else:
-        yield from ("direct", "iterative")
-
-
 def does_less(kept: Kept, iterations: int) -> bool:
-    """Whether a factorization does less than so many iterations."""
-    if iterations <= FEW:
-        return False
-    direct = fronts.operations(plan_of(kept))
-    return direct <= MOST_WORK and DENSER * direct < iterations * operations_of_iteration(kept)
+    """Whether a factorization does less than so many iterations of gradients."""
+    return iterations > FEW and DENSER * work(kept) < iterations * operations_of_iteration(kept) and pays(kept)
+
+
+def pays(kept: Kept) -> bool:
+    """Whether a factorization is worth waiting for where gradients break down."""
+    return work(kept) <= MOST_WORK
+
+
+def work(kept: Kept) -> float:
+    """Operations of a factorization."""
+    return fronts.operations(plan_of(kept))
 
 
 def operations_of_iteration(kept: Kept) -> float:

@@ -19,7 +19,7 @@ def marched(scene, steps=6, iterations=0):
     parameters = SOFT.parameters(scene)
     state = SOFT.start(scene, parameters)
     state.pace[LENGTH] = 0.05
-    state.effort[:] = iterations, 0
+    state.effort[:] = iterations, 0, 0
     scratch = SOFT.workspace(parameters, state, 1.0)
     for _ in range(steps):
         assert one_step(parameters, state, scratch) > 0.0

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import partial
 
 import numpy as np
@@ -27,24 +27,31 @@ AT_ONCE = 1e-9
 """Of a step: the time in which the liquid is to hold spheres where they are."""
 FEW = 72
 """Unknowns up to which elimination is the fastest."""
-AGAIN = 50
+AGAIN = 10
 """Steps without gradients after which they are tried again: what they take may have become less."""
-ITERATIONS, WITHOUT = range(2)
+PATIENCE = 2
+"""Times that a step is shortened before a factorization stands in for gradients."""
+ITERATIONS, WITHOUT, BROKEN = range(3)
 """Places in `State.effort`."""
 
 Way = Callable[[Contacts, Step, Scheme, During, int], float]
 """A way to begin a step, to balance, or to try a step: what came of it, or `stages.FAILED`."""
 
 
-def choices(parameters: Parameters, kept: Kept, effort: Integers) -> Iterator[str]:
+def choices(parameters: Parameters, kept: Kept, effort: Integers) -> tuple[str, ...]:
     """The solvers to try, one after the other: by the number of unknowns, the pattern and the state, so that a run
     chooses as the last one did.
+
+    Gradients break down where the matrix is not positive: mostly since the step is too long. Where shorter ones break
+    down, too, a factorization stands in.
     """
     if parameters.solver != "auto":
-        return iter((parameters.solver,))
+        return (parameters.solver,)
     if parameters.force.size <= FEW:
-        return iter(("dense",))
-    return sparse.ranking(kept, int(effort[ITERATIONS]), bool(effort[WITHOUT] >= AGAIN))
+        return ("dense",)
+    if effort[WITHOUT] < AGAIN and sparse.does_less(kept, int(effort[ITERATIONS])):
+        return ("direct", "iterative")
+    return ("iterative", "direct") if effort[BROKEN] >= PATIENCE and sparse.pays(kept) else ("iterative",)
 
 
 def way(parameters: Parameters, kept: Kept, rules: Rules, name: str) -> Way:
@@ -64,10 +71,12 @@ def attempt(parameters: Parameters, scratch: Workspace, during: During, rules: R
         error = way(parameters, kept, rules, name)(parameters.contacts, step, scheme, during, stages.STEP)
         if error != stages.FAILED:
             break
-    if kept.systems:
-        effort[:] = -(-kept.iterations // kept.systems), 0
+    if error == stages.FAILED:  # which says little of what systems of shorter steps take
+        effort[BROKEN] += 1
+    elif kept.systems:
+        effort[:] = -(-kept.iterations // kept.systems), 0, 0
     else:
-        effort[WITHOUT] += 1
+        effort[WITHOUT], effort[BROKEN] = effort[WITHOUT] + 1, 0
     return error
 
 
@@ -83,7 +92,10 @@ def balance(
     step.cell.rules[:] = rules
     fine = FINE_SPUN if parameters.torque.shape[1] else FINE
     during, scheme = During(span, np.array([origin, drive]), fine), SCHEMES[parameters.scheme]
-    ways = (way(parameters, kept, rules, name) for name in choices(parameters, kept, effort))
+    names = choices(parameters, kept, effort)
+    if names == ("iterative",) and parameters.solver == "auto" and sparse.pays(kept):
+        names = ("iterative", "direct")
+    ways = (way(parameters, kept, rules, name) for name in names)
     return any(one(parameters.contacts, step, scheme, during, stages.BALANCE) != stages.FAILED for one in ways)
 
 

@@ -13,6 +13,7 @@ from ecume.laws import elasticity
 from ecume.models.soft.borders import MOST, make_borders
 from ecume.models.soft.cell import make_cell
 from ecume.models.soft.films import Pairs, make_answers, make_films
+from ecume.models.soft.links import ROUNDING
 from ecume.models.soft.parameters import Parameters
 from ecume.models.soft.schemes import SCHEMES
 from ecume.models.soft.spins import make_spins, turned_orientation
@@ -78,7 +79,8 @@ class State(NamedTuple):
     tally: Integers
     """(3,) steps accepted, rejected for their error, and given up"""
     effort: Integers
-    """(2,) what chooses the solver: iterations that a linear system last took, and steps since without any"""
+    """(3,) what chooses the solver: iterations that a linear system last took, steps since without any, and attempts
+    that failed since the last step that was solved"""
 
 
 class Workspace(NamedTuple):
@@ -116,7 +118,7 @@ def make_state(parameters: Parameters, position: Array, room: int) -> State:
         cell_rate=np.zeros(5),
         pace=np.zeros(4),
         tally=np.zeros(3, np.int64),
-        effort=np.zeros(2, np.int64),
+        effort=np.zeros(3, np.int64),
     )
 
 
@@ -209,13 +211,14 @@ def pairs_of(parameters: Parameters, state: State) -> Pairs:
 
 def left_over(step: Step) -> float:
     """The largest force that a solution left on a sphere, over the typical force: the root mean square of those that
-    contacts bear, or of what pulls at the spheres where that is more.
+    contacts bear, or of what pulls at the spheres where that is more. Zero where there is but rounding.
     """
     forces = [step.answers.force, step.bodies.force, step.bodies.weight]
     if isinstance(step.walls, Walls):
         forces.append(step.walls.touches.force)
     typical = max(float(np.sqrt((force**2).sum(axis=1).mean())) if len(force) else 0.0 for force in forces)
-    return float(np.abs(step.bodies.right).max() / typical) if typical > 0.0 else 0.0
+    rounding = ROUNDING * float((step.answers.stiffness.max(axis=(1, 2)) * step.pairs.radius_sum).max(initial=0.0))
+    return float(np.abs(step.bodies.right).max() / typical) if typical > rounding else 0.0
 
 
 def in_space(vectors: Array) -> Array:

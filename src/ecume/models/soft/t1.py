@@ -221,7 +221,7 @@ def _crossing(parameters: Parameters, span: Span, scratch: Workspace, unit: Unit
         times = span.begin.time + length * scheme.times
         drives = np.array([drive_at(parameters.protocol, float(time), interval) for time in times])
         during = During(length, drives, parameters.tolerance)
-        attempt(parameters, scratch, during, rules_at(parameters.protocol, interval), np.zeros(2, np.int64))
+        attempt(parameters, scratch, during, rules_at(parameters.protocol, interval), np.zeros(3, np.int64))
         return goal + _instant(scratch, span.begin.time + length, unit).tension_vertical
 
     length = span.end.time - span.begin.time
