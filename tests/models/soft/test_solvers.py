@@ -56,7 +56,8 @@ def test_every_solver_gives_the_velocities_that_elimination_gives(name, dimensio
     assert np.abs(found - wanted).max() < 1e-10 * np.abs(wanted).max()
 
 
-def test_the_solver_is_the_one_that_does_less_and_gradients_are_tried_again_after_a_while():
+def test_the_solver_is_the_one_that_does_less_and_gradients_are_tried_again_after_a_while(monkeypatch):
+    monkeypatch.setattr(sparse, "FEW", 0)
     parameters, state, scratch = started(packing(count=40))
     direct = sparse.DENSER * fronts.operations(sparse.plan_of(scratch.kept))
     even = int(direct / sparse.operations_of_iteration(scratch.kept))
@@ -78,6 +79,8 @@ def test_a_factorization_that_would_take_too_long_never_stands_in(monkeypatch):
     parameters, state, scratch = started(packing(count=40))
     state.effort[:] = 2000, 0, 9
     assert choices(parameters, scratch.kept, state.effort) == ("direct", "iterative")
+    state.effort[:] = 1, 0, 9
+    assert choices(parameters, scratch.kept, state.effort) == ("iterative", "direct")
     monkeypatch.setattr(sparse, "MOST_WORK", 1.0)
     assert choices(parameters, scratch.kept, state.effort) == ("iterative",)
 
