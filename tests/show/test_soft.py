@@ -8,7 +8,7 @@ import pytest
 
 from ecume.analysis.boxes import Box, at_home, box_of, nearest
 from ecume.errors import BadInput
-from ecume.scenes.soft import BoxSpec, OscillationSpec, SoftLiquid, SoftScene, SphereSpec, StageSpec
+from ecume.scenes.soft import BoxSpec, OscillationSpec, SoftLiquid, SoftScene, SphereSpec, StageSpec, WallSpec
 from ecume.show.movies import film
 from ecume.show.soft.figures import SOFT_FIGURES
 from ecume.show.soft.measures import flow_points, oscillations
@@ -81,6 +81,9 @@ def test_every_figure_can_be_drawn_or_says_why_not(name, scene, frames, boxed):
     if name in OF_BOXES:
         with pytest.raises(BadInput, match="no box"):
             SOFT_FIGURES[name](frames, scene)
+        walled = dataclasses.replace(boxed[0], protocol=(), walls=(WallSpec(side="bottom"),))
+        with pytest.raises(BadInput, match="no box without walls"):
+            SOFT_FIGURES[name](frames, walled)
     elif name not in ("coordination", "swaps"):
         SOFT_FIGURES[name](frames, scene).canvas.draw()
     if name != "moduli":

@@ -43,7 +43,7 @@ def choices(parameters: Parameters, kept: Kept, effort: Integers) -> tuple[str, 
     chooses as the last one did.
 
     Gradients break down where the matrix is not positive: mostly since the step is too long. Where shorter ones break
-    down, too, a factorization stands in.
+    down, too, a factorization stands in until they go through again.
     """
     if parameters.solver != "auto":
         return (parameters.solver,)
@@ -67,16 +67,17 @@ def attempt(parameters: Parameters, scratch: Workspace, during: During, rules: R
     step, kept, scheme = scratch.step, scratch.kept, SCHEMES[parameters.scheme]
     step.cell.rules[:] = rules
     kept.iterations = kept.systems = 0
+    name = ""
     for name in choices(parameters, kept, effort):
         error = way(parameters, kept, rules, name)(parameters.contacts, step, scheme, during, stages.STEP)
         if error != stages.FAILED:
             break
     if error == stages.FAILED:  # which says little of what systems of shorter steps take
         effort[BROKEN] += 1
-    elif kept.systems:
+    elif name == "iterative":
         effort[:] = -(-kept.iterations // kept.systems), 0, 0
     else:
-        effort[WITHOUT], effort[BROKEN] = effort[WITHOUT] + 1, 0
+        effort[WITHOUT] += 1
     return error
 
 

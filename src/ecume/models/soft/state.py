@@ -80,7 +80,7 @@ class State(NamedTuple):
     """(3,) steps accepted, rejected for their error, and given up"""
     effort: Integers
     """(3,) what chooses the solver: iterations that a linear system last took, steps since without any, and attempts
-    that failed since the last step that was solved"""
+    that failed since the last step that gradients solved"""
 
 
 class Workspace(NamedTuple):

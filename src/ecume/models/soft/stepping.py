@@ -56,6 +56,8 @@ def one_step(parameters: Parameters, state: State, scratch: Workspace) -> float:
     scheme = SCHEMES[parameters.scheme]
     for _ in range(MOST_TRIES):
         length, end = _next(parameters, state)
+        if not end > state.pace[CLOCK]:
+            break
         interval = interval_at(parameters.protocol, float(state.pace[CLOCK]))
         during = During(length, _drives(parameters, state, (length, end)), parameters.tolerance)
         error = attempt(parameters, scratch, during, rules_at(parameters.protocol, interval), state.effort)

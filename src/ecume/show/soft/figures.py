@@ -10,9 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ecume.analysis.series import number, series, times
-from ecume.errors import BadInput
 from ecume.show.curves import Frames, over_time, span, thinned
-from ecume.show.soft.measures import MEASURE_FIGURES
+from ecume.show.soft.measures import MEASURE_FIGURES, require_box
 from ecume.show.soft.packing import Packing
 from ecume.show.style import INK, PALETTE, figure, legend_outside, scale_for, style
 from ecume.trajectories.frame import Frame
@@ -87,8 +86,7 @@ def elastic_energy(frames: Frames, scene: Any) -> Figure:
 
 def stress(frames: Frames, scene: Any) -> Figure:
     """Shear stress and normal stress of a periodic box over time."""
-    if scene.box is None:
-        raise BadInput("there is no box whose stress could be drawn")
+    require_box(scene, "stress")
     shown = thinned(frames)
     shear, normal, pressure = series(shown, *map(number, ("shear_stress", "normal_stress", "pressure")))
     scale = scale_for(float(np.abs([shear, normal, pressure]).max()), shown[0].units["shear_stress"])

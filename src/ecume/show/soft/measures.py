@@ -71,7 +71,7 @@ def coordination(frames: Frames, scene: Any) -> Figure:
 
 def viscosity(frames: Frames, scene: Any) -> Figure:
     """Shear stress in its parts, and viscosity, over time."""
-    _require_box(scene, "stress")
+    require_box(scene, "stress")
     shown = thinned(frames)
     parts = [name for name in ("squeeze", "sliding", "remote") if f"stress_{name}_xy" in shown[0].numbers]
     total, *shares, thick = series(
@@ -151,7 +151,7 @@ def _outlines(axes: Axes, frame: Frame) -> None:
 
 def nonaffine(frames: Frames, scene: Any) -> Figure:
     """Motion beyond the box's own deformation up to the last frame, and what local deformations leave of it."""
-    _require_box(scene, "even deformation")
+    require_box(scene, "even deformation")
     before, after = _strain_apart(frames)
     moved = nonaffine_displacement(before, after)
     reach = NEAR * float(after.arrays["radius"].max())
@@ -202,7 +202,7 @@ def flow_points(frames: Frames, scene: SoftScene) -> list[FlowPoint]:
 
 def flow_curve(frames: Frames, scene: Any) -> Figure:
     """Friction and volume fraction over the viscous number: a point for each part of the protocol."""
-    _require_box(scene, "flow")
+    require_box(scene, "flow")
     found = flow_points(frames, scene)
     if not found:
         raise BadInput("nowhere in this run is the packing sheared while its normal stress is a compression")
@@ -240,7 +240,7 @@ def oscillations(frames: Frames, scene: SoftScene) -> list[tuple[float, Moduli]]
 
 def storage_and_loss(frames: Frames, scene: Any) -> Figure:
     """Stress over strain, and the storage and loss moduli of each oscillation in the protocol over its frequency."""
-    _require_box(scene, "stress")
+    require_box(scene, "stress")
     found = oscillations(frames, scene)
     if not found:
         raise BadInput("the protocol has no oscillation of a whole period; see protocol.oscillation")
@@ -263,9 +263,10 @@ def storage_and_loss(frames: Frames, scene: Any) -> Figure:
     return drawn
 
 
-def _require_box(scene: Any, what: str) -> None:
-    if scene.box is None:
-        raise BadInput(f"there is no box whose {what} could be drawn")
+def require_box(scene: Any, what: str) -> None:
+    """A box between walls has no strain and no stress of its own: frames tell none."""
+    if scene.box is None or scene.walls:
+        raise BadInput(f"there is no box{' without walls' if scene.walls else ''} whose {what} could be drawn")
 
 
 MEASURE_FIGURES = {
