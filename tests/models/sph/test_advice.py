@@ -4,7 +4,7 @@ import pytest
 
 from ecume.errors import SceneError
 from ecume.laws.liquids import liquid
-from ecume.models.sph.advice import lattice_neighbors, neighbor_remark
+from ecume.models.sph.advice import lattice_neighbors, neighbor_remark, seconds_a_step
 from ecume.models.sph.building import material_of
 from ecume.models.sph.record import SPH
 from ecume.scenes.schema import from_plain, to_plain
@@ -88,3 +88,11 @@ def test_a_lattice_in_space_has_its_neighbors_counted():
 def test_what_holds_the_liquid_is_told(walls, says):
     assert said(tank(walls=walls))["particles"][1] == says
     assert said(free_blob())["particles"][1] == "no walls"
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+def test_a_surface_that_is_drawn_together_costs_most(dimension):
+    plain = to_plain(free_blob(dimension))
+    taut = from_plain({**plain, "liquid": {**plain["liquid"], "surface_tension": 0.07}})
+    costs = [seconds_a_step(scene, SPH.parameters(scene), 10_000) for scene in (from_plain(plain), taut)]
+    assert 3.0 < costs[1] / costs[0] < 12.0

@@ -10,6 +10,7 @@ import numpy as np
 from ecume.models.advice import LONG, Row, told_duration
 from ecume.models.sph import pacing
 from ecume.models.sph.choosing import sides_of, smoothing_of, tension_of
+from ecume.models.sph.color import NODES
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.solids import part_of, solids_of
 from ecume.models.sph.substances import told
@@ -17,6 +18,8 @@ from ecume.scenes.sph import SphScene
 
 PAIRS_PER_SECOND = 1.5e8
 """Of the sums, on one core: a rough figure."""
+NODES_PER_SECOND = 1e8
+"""Of the color and its forces."""
 OVERHEAD = 3e-4
 """Seconds of a step that do not depend on how many particles there are."""
 FEW_NEIGHBORS, MANY_NEIGHBORS = {2: 12, 3: 30}, {2: 80, 3: 250}
@@ -104,8 +107,7 @@ def _tension(scene: SphScene, parameters: Parameters) -> list[Row]:
 def _cost(scene: SphScene, parameters: Parameters, count: int, bytes_each: float) -> list[Row]:
     frames = round(scene.duration / scene.frame_every)
     steps = frames * parameters.steps_per_frame
-    neighbors = lattice_neighbors(parameters.dimension, parameters.support / scene.spacing)
-    seconds = 2.0 * steps * (count * neighbors / PAIRS_PER_SECOND + OVERHEAD)
+    seconds = steps * seconds_a_step(scene, parameters, count)
     saves = 2 ** (parameters.dimension + 1)
     long = f"; a spacing twice as wide takes 1/{saves}" if seconds > LONG else ""
     return [
@@ -118,6 +120,14 @@ def _cost(scene: SphScene, parameters: Parameters, count: int, bytes_each: float
         ("memory", f"{1e-6 * count * bytes_each:.3g} MB", f"{bytes_each:.0f} bytes a particle"),
         ("time on this machine", told_duration(seconds), "roughly, after compilation" + long),
     ]
+
+
+def seconds_a_step(scene: SphScene, parameters: Parameters, count: int) -> float:
+    """Two sums over neighbors, and for the continuum surface force two over the nodes around each particle."""
+    neighbors = lattice_neighbors(parameters.dimension, parameters.support / scene.spacing)
+    reach = parameters.color_reach / (NODES * scene.spacing)
+    nodes = math.pi * reach**2 * (1.0 if parameters.dimension == 2 else 4.0 / 3.0 * reach)
+    return 2.0 * (count * (neighbors / PAIRS_PER_SECOND + nodes / NODES_PER_SECOND) + OVERHEAD)
 
 
 def particles_across(scene: SphScene) -> float:
