@@ -220,7 +220,7 @@ def gauges() -> Figure:
         time, [10.0 * frame.numbers["post_level"] for frame in frames], color=PALETTE[0], label="10 · post_level / H"
     )
     middle.set(xlabel="time / √(H/g)", title=f"over time; the first blow: {max(pressure):.0f}", ylim=(-0.1, 5.0))
-    middle.legend(loc="upper right", bbox_to_anchor=(1.0, 0.99), handlelength=0.8)
+    middle.legend(loc="upper right", handlelength=0.6, fontsize=7.5)
     for number, color in zip((10, 20, 40), PALETTE, strict=False):
         speed = [frames[number].numbers[f"line_{k}_velocity_x"] for k in range(1, 8)]
         right.plot(speed, np.linspace(0.0, 0.6, 7), "o-", color=color, label=f"t = {frames[number].time:g}")

@@ -54,6 +54,26 @@ def test_all_faults_are_told_at_once_with_their_places() -> None:
     assert told == [("liquid.density", 6, 1), ("floats[0].radius", 10, 1), ("dish.radios", 15, 1)]
 
 
+TANK = """\
+model = "sph"
+duration = 1
+frame_every = 1
+spacing = 0.1
+tank = { low = [0, 0], high = [1, 1] }
+fluid = [{ low = [0, 0], high = [1, 0.5] }]
+gauges = [{ name = "P", place = [0.5, 0.1], measures = MEASURES }]
+"""
+
+
+@pytest.mark.parametrize(
+    ("measures", "says"),
+    [('["temp"]', "came 'temp'; wanted one of pressure, velocity, level"), ("[]", "wanted a list of 1 or more")],
+)
+def test_a_list_whose_items_are_wrong_is_not_short_of_items_besides(measures: str, says: str) -> None:
+    (fault,) = faults_of(TANK.replace("MEASURES", measures))
+    assert says in fault.message
+
+
 def test_a_message_says_what_came_what_was_wanted_and_the_way_out() -> None:
     (fault,) = faults_of(BOWL.replace("count", "cuont"))
     assert str(fault) == "line 9, column 1: floats[0].cuont: no such key; did you mean count?"

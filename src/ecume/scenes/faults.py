@@ -75,6 +75,7 @@ def suggestion(word: str, choices: Iterable[str]) -> str:
 def faults_of(error: ValidationError, kind: type, raw: object, also: Sequence[str] = ()) -> list[tuple[Path, str]]:
     """All faults that pydantic found in `raw`, which was to be a `kind`; `also` are further keys of its top."""
     details = error.errors(include_url=False)
+    details = [detail for detail in details if not _emptied(detail, details)]
     found = [fault for detail in details[:MOST_FAULTS] for fault in _described(detail, kind, raw, also)]
     mistyped = {(*path[:-1], near) for path, message in found if (near := _meant(message)) is not None}
     told = [(path, message) for path, message in found if not (path in mistyped and message.startswith(MISSING))]
@@ -83,6 +84,13 @@ def faults_of(error: ValidationError, kind: type, raw: object, also: Sequence[st
 
 
 MISSING = "is missing"
+
+
+def _emptied(detail: ErrorDetails, details: Sequence[ErrorDetails]) -> bool:
+    """Whether a list is too short for the items that are wrong, which is no fault of its own."""
+    path = detail["loc"]
+    below = (other["loc"] for other in details if len(other["loc"]) > len(path))
+    return detail["type"] == "too_short" and any(other[: len(path)] == path for other in below)
 
 
 def _meant(message: str) -> str | None:
@@ -134,6 +142,7 @@ WORDING = {
     "dataclass_type": "wanted a table of keys and values",
     "tuple_type": "wanted a list",
     "too_long": "wanted a list of {max_length}",
+    "too_short": "wanted a list of {min_length} or more",
 }
 
 

@@ -14,6 +14,8 @@ from ecume.scenes.sph import BodySpec, SphScene
 from ecume.units import Array
 
 UPRIGHT = (1.0, 0.0, 0.0, 0.0)
+TOUCHING = 1e-3
+"""Of a spacing."""
 LEAST_DELAY = 4.0
 """In evaluations: sound must not make a body tremble."""
 ANSWERED = 0.2
@@ -55,10 +57,31 @@ def _require_possible(scene: SphScene) -> None:
             faults.append(Fault(f"bodies[{index}]", "a tank with bodies cannot have periodic sides; use walls"))
         if (ends[0] < low - 1e-9).any() or (ends[1] > high + 1e-9).any():
             faults.append(Fault(f"bodies[{index}]", "reaches out of the tank; wanted a body inside it"))
+    faults += _overlaps(scene)
     if scene.bodies and scene.method.pressure_split == "modified":
         faults.append(Fault("method.pressure_split", "came 'modified'; bodies need the whole pressure: use 'none'"))
     if faults:
         raise SceneError(faults)
+
+
+def _overlaps(scene: SphScene) -> list[Fault]:
+    """Bodies that start inside an obstacle or an earlier body, by more than what touching may round to."""
+    faults, slack = [], TOUCHING * scene.spacing
+    solids = [(f"obstacles[{n}]", shape_of(spec)) for n, spec in enumerate(scene.obstacles)]
+    for index, spec in enumerate(scene.bodies):
+        mine = shape_of(spec)
+        for name, other in solids:
+            deep = _overlap(mine, other, 0.5 * scene.spacing)
+            if deep > slack:
+                faults.append(Fault(f"bodies[{index}]", f"starts {deep:.3g} m inside {name}; leave room between them"))
+        solids.append((f"bodies[{index}]", mine))
+    return faults
+
+
+def _overlap(one: Shape, other: Shape, fine: float) -> float:
+    """How deep a point of either's rim is inside the other (m); negative where none is."""
+    pairs = (one, other), (other, one)
+    return max(-float(inside.nearest(outer.rim(fine))[0].min()) for outer, inside in pairs)
 
 
 def mass_of(spec: BodySpec, shape: Shape) -> float:
