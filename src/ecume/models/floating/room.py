@@ -8,6 +8,7 @@ from ecume.errors import Fault, SceneError
 from ecume.models.floating.building import parameters_of
 from ecume.models.floating.parameters import Parameters
 from ecume.models.floating.summing import Split
+from ecume.models.limits import within_steps
 from ecume.scenes.floating import FloatingScene
 
 ROOMIER = 1.6
@@ -25,7 +26,7 @@ def checked_parameters(scene: FloatingScene) -> Parameters:
     _require_memory(count, BYTES_PER_FLOAT * count)
     parameters = parameters_of(scene)
     _require_memory(count, memory_estimate(parameters))
-    return parameters
+    return within_steps(scene, parameters)
 
 
 def memory_estimate(parameters: Parameters) -> float:

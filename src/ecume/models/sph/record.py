@@ -9,6 +9,7 @@ import psutil
 
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.models.advice import Row
+from ecume.models.limits import within_steps
 from ecume.models.model import Model
 from ecume.models.sph.advice import advice
 from ecume.models.sph.building import parameters_of
@@ -47,7 +48,7 @@ def checked_parameters(scene: SphScene) -> Parameters:
         too_many = Fault("spacing", f"came {scene.spacing:g} m: {message}; use a wider spacing")
         raise SceneError(regions_beyond(scene) or [too_many])
     require_right_split(scene)
-    return parameters_of(scene)
+    return within_steps(scene, parameters_of(scene))
 
 
 def regions_beyond(scene: SphScene) -> list[Fault]:
@@ -80,7 +81,8 @@ def bytes_per_particle(scene: SphScene) -> float:
 
 def diagnosis(parameters: Parameters, state: State) -> str:
     """Who broke, when, and what to do."""
-    speed = np.sqrt((state.velocity**2).sum(axis=0))
+    with np.errstate(over="ignore"):  # whoever broke may be faster than any number
+        speed = np.sqrt((state.velocity**2).sum(axis=0))
     broken = ~np.isfinite([speed, *state.acceleration, *state.position]).all(axis=0)
     worst = int(np.flatnonzero(broken)[0]) if broken.any() else int(np.argmax(speed))
     what = "has no finite motion any more" if broken.any() else f"goes {speed[worst]:.3g} m/s"

@@ -8,13 +8,14 @@ import numpy as np
 
 from ecume.errors import BadInput
 from ecume.laws import brownian, drag
+from ecume.models.limits import require_memory, within_steps
 from ecume.models.model import Model
 from ecume.models.tracers.arrivals import species_of
 from ecume.models.tracers.invariants import invariants
 from ecume.models.tracers.parameters import Parameters, parameters_of
 from ecume.models.tracers.starting import start
 from ecume.models.tracers.state import CAPPED, State, Workspace, came, exchange, workspace
-from ecume.models.tracers.stepping import advance
+from ecume.models.tracers.stepping import NOWHERE, advance
 from ecume.scenes.tracers import TracersScene
 from ecume.trajectories.frame import Frame
 
@@ -29,6 +30,14 @@ ARRAY_UNITS = {
 }
 SECONDS_PER_STEP = 2e-5
 SECONDS_PER_PARTICLE = 5e-7
+BYTES_PER_PARTICLE = 400
+
+
+def checked_parameters(scene: TracersScene) -> Parameters:
+    """The parameters of a scene that fits into the machine, and comes to an end."""
+    count = sum(species.count for species in scene.particles)
+    require_memory("particles", f"{count} particles", BYTES_PER_PARTICLE * count)
+    return within_steps(scene, parameters_of(scene))
 
 
 def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
@@ -69,7 +78,7 @@ def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
 
 def diagnosis(parameters: Parameters, state: State) -> str:
     """Who is nowhere, when, and what to do."""
-    broken = ~np.isfinite(state.position).all(axis=1) | ~np.isfinite(state.velocity).all(axis=1)
+    broken = ~((np.abs(state.position) < NOWHERE) & (np.abs(state.velocity) < NOWHERE)).all(axis=1)
     worst = int(np.argmax(broken)) if broken.any() else int(np.argmax((state.velocity**2).sum(axis=1)))
     time = int(state.step[0]) * parameters.time_step
     what = "has no finite position any more" if broken.any() else f"is outside, at {state.position[worst].tolist()}"
@@ -86,7 +95,7 @@ def extended(extra_laws: Sequence[Callable[..., float]]) -> Model:
 
 def summary(scene: TracersScene) -> list[tuple[str, str, str]]:
     """Derived numbers: name, value with unit, remark. Raises SceneError for whatever would keep a run from starting."""
-    parameters = parameters_of(scene)
+    parameters = checked_parameters(scene)
     start(scene, parameters)
     fluid, frames = parameters.fluid, round(scene.duration / scene.frame_every)
     steps, count = frames * parameters.steps_per_frame, len(parameters.bodies.radius)
@@ -97,7 +106,7 @@ def summary(scene: TracersScene) -> list[tuple[str, str, str]]:
         *(row for index in range(len(scene.openings)) for row in coming(scene, parameters, index)),
         ("time step", f"{1e3 * parameters.time_step:.4g} ms", "exact between walls for linear drag"),
         ("steps", str(steps), f"{frames} frames of {parameters.steps_per_frame} steps"),
-        ("memory", f"{count * 400 / 1e6:.3g} MB", f"{count} particles"),
+        ("memory", f"{count * BYTES_PER_PARTICLE / 1e6:.3g} MB", f"{count} particles"),
         ("time on this machine", f"{steps * (SECONDS_PER_STEP + SECONDS_PER_PARTICLE * count):.2g} s", "roughly"),
     ]
 
@@ -138,7 +147,7 @@ def summary_of(scene: TracersScene, parameters: Parameters, index: int) -> list[
 TRACERS = Model(
     name="tracers",
     state=State,
-    parameters=parameters_of,
+    parameters=checked_parameters,
     start=start,
     workspace=workspace,
     advance=advance,

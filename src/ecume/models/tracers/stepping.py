@@ -19,6 +19,8 @@ from ecume.units import Array
 NOT_NOW = 1 << 40
 """The fate of those that a passage leaves out."""
 STARTED_OUTSIDE = -2
+NOWHERE = 1e100
+"""m, m/s: farther and faster than anybody gets; products of such numbers are no numbers any more."""
 
 
 @compiled
@@ -29,6 +31,16 @@ def choose(fate: Integers, left: Integers, overdamped: Integers, regime: int) ->
         fate[i] = 0 if left[i] < 0 and overdamped[i] == regime else NOT_NOW
         found += fate[i] == 0
     return found
+
+
+@compiled
+def all_somewhere(position: Array, velocity: Array) -> bool:
+    """Whether places and velocities are numbers, and not larger than can be: walls would put anybody back inside."""
+    for i in range(position.shape[0]):
+        for axis in range(position.shape[1]):
+            if not (abs(position[i, axis]) < NOWHERE and abs(velocity[i, axis]) < NOWHERE):
+                return False
+    return True
 
 
 @compiled
@@ -129,6 +141,8 @@ def advance(parameters: Parameters, state: State, scratch: Workspace, steps: int
     """March: see `ecume.models.model.Model.advance`."""
     overdamped = parameters.bodies.overdamped
     for _ in range(steps):
+        if not all_somewhere(state.position, state.velocity):
+            return DIVERGED
         if choose(scratch.fate, state.left, overdamped, 0) > 0 and not fly(parameters, state, scratch):
             return DIVERGED
         if choose(scratch.fate, state.left, overdamped, 1) > 0 and not creep(parameters, state, scratch):

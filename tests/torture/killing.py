@@ -1,0 +1,206 @@
+"""Processes that die: at random, inside of writes, by signals, two at once, with readers beside them."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import random
+import signal
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from ecume.errors import RunExists
+from ecume.run import Habits, RunDirectory, checkpoints, info, resume, run
+from ecume.run.checkpoints import Checkpoint
+from ecume.simulation import moments
+from ecume.sweep import open_sweep, sweep
+from ecume.sweep.running import Crew
+from ecume.trajectories.reader import open_trajectory
+from ecume.trajectories.recorders import Recorder
+
+from .trials import ONE_THREAD, SCENES, Outcome, Trial, ended, forked, go_on, results, scene_of, times, warmed
+
+PATIENCE = 120.0
+
+
+def killed(model: str) -> Callable[[float, Path], Outcome]:
+    """Runs of a model that are killed at random moments, and gone on with."""
+
+    def trial(scale: float, folder: Path) -> Outcome:
+        kills, scene, chance = times(scale, 50), scene_of(model), random.Random(model)
+        warmed(model)
+        began = time.monotonic()
+        run(scene, folder / "alone", habits=ONE_THREAD)
+        took, tried = time.monotonic() - began, 0
+        for _ in range(kills):
+            child = forked(lambda: go_on(scene, folder / "killed"))
+            time.sleep(chance.uniform(0.0, 2.0 * took / kills + 0.1))
+            os.kill(child, signal.SIGKILL)
+            tried += ended(child) == -signal.SIGKILL
+        go_on(scene, folder / "killed")
+        same = results(folder / "killed") == results(folder / "alone")
+        return Outcome(tried, tried if same else 0, "same bytes in the end" if same else "other bytes in the end")
+
+    return trial
+
+
+def killed_writing(scale: float, folder: Path) -> Outcome:
+    """Frames and checkpoints in a tight loop; whatever was said to be written is there, and whole."""
+    warmed("floating")
+    moment = next(moments(scene_of("floating")))
+    chance, tried, survived = random.Random(2), times(scale, 200), 0
+    for number in range(tried):
+        home = RunDirectory(folder / str(number))
+        home.path.mkdir()
+        there, told = os.pipe()
+        child = forked(lambda home=home, told=told: _write_for_ever(home, moment, told))
+        os.close(told)
+        time.sleep(chance.uniform(0.0, 0.1))
+        os.kill(child, signal.SIGKILL)
+        ended(child)
+        with os.fdopen(there, "rb") as pipe:
+            committed = len(pipe.read())
+        survived += _whole(home, committed, type(moment.state))
+    return Outcome(tried, survived, "frames that were committed are whole")
+
+
+def _write_for_ever(home: RunDirectory, moment: Any, told: int) -> None:
+    with Recorder(home.trajectory) as recorder:
+        for step in range(10**9):
+            recorder.write(moment.frame._replace(time=float(step)), step)
+            os.write(told, b"1")
+            checkpoints.save(home, Checkpoint(moment.state, step))
+
+
+def _whole(home: RunDirectory, committed: int, kind: type) -> bool:
+    """Whether all frames that were told are there, and a checkpoint if there was time for one."""
+    if not committed:
+        return True
+    with open_trajectory(home.trajectory) as trajectory:
+        frames = len(trajectory)
+        whole = [trajectory[number].time for number in range(frames)] == list(map(float, range(frames)))
+    found = checkpoints.newest(home, kind, frames, lambda *_: None)
+    return whole and frames >= committed and (found is not None or committed < 2)
+
+
+def asked_to_stop(scale: float, folder: Path) -> Outcome:
+    """Signals leave a checkpoint and code 75 within two seconds; the end is the same."""
+    scene = scene_of("floating")
+    warmed("floating")
+    run(scene, folder / "alone", habits=ONE_THREAD)
+    chance, tried, stopped = random.Random(3), 0, 0
+    slow = Habits(threads=1, checkpoint_every=1e9)
+    for number in range(times(scale, 30)):
+        name = ("SIGTERM", "SIGINT", "SIGUSR1")[number % 3]
+        child = forked(lambda: go_on(scene, folder / "asked", slow))
+        time.sleep(chance.uniform(0.1, 0.3))
+        began = time.monotonic()
+        os.kill(child, getattr(signal, name))
+        code = ended(child)
+        if code == 0:
+            break
+        tried += 1
+        stopped += code == 75 and time.monotonic() - began < 2.0
+    go_on(scene, folder / "asked")
+    same = results(folder / "asked") == results(folder / "alone")
+    return Outcome(tried, stopped if same else 0, "code 75 within 2 s")
+
+
+def two_at_once(scale: float, folder: Path) -> Outcome:
+    """A second run in the same directory is refused; a lock whose owner was killed is taken over."""
+    scene = scene_of("floating")
+    warmed("floating")
+    child = forked(lambda: run(scene, folder / "run", habits=ONE_THREAD))
+    until(lambda: info_state(folder / "run") == "running")
+    tried, refused = times(scale, 50), 0
+    for number in range(tried):
+        with contextlib.suppress(RunExists):
+            if number % 2:
+                resume(folder / "run")
+            else:
+                run(scene, folder / "run", force=True)
+            continue
+        refused += 1
+    os.kill(child, signal.SIGKILL)
+    ended(child)
+    resume(folder / "run", habits=ONE_THREAD)
+    run(scene, folder / "alone", habits=ONE_THREAD)
+    same = results(folder / "run") == results(folder / "alone")
+    return Outcome(tried, refused if same else 0, "then taken over from the dead")
+
+
+def info_state(folder: Path) -> str:
+    """How a run stands; nothing where it has not begun."""
+    try:
+        return info(folder).state
+    except ValueError:
+        return ""
+
+
+def read_while_written(scale: float, folder: Path) -> Outcome:
+    """Readers beside a writer see whole frames only."""
+    scene = scene_of("floating")
+    warmed("floating")
+    child = forked(lambda: run(scene, folder / "run", habits=ONE_THREAD))
+    until(lambda: info_state(folder / "run") == "running")
+    tried, good = times(scale, 500), 0
+    for _ in range(tried):
+        info(folder / "run")
+        with open_trajectory(folder / "run") as trajectory:
+            count = len(trajectory)
+            good += not count or abs(trajectory[count - 1].time - 0.05 * (count - 1)) < 1e-9
+    os.kill(child, signal.SIGTERM)
+    return Outcome(tried, good if ended(child) in (0, 75) else 0)
+
+
+SWEEP = """
+template = "cereal-bowl"
+[fixed]
+duration = "4 s"
+"floats[0].count" = 30
+[[axes]]
+key = "seed"
+values = {seeds}
+"""
+
+
+def swept(scale: float, folder: Path) -> Outcome:
+    """A sweep whose worker is killed, then its main process, again and again; the table is that of a quiet one."""
+    points = times(scale, 40)
+    file = folder / "bowls.toml"
+    file.write_text(SWEEP.format(seeds=list(range(1, points + 1))))
+    warmed("floating")
+    alone = Crew(workers=1)
+    chance = random.Random(5)
+    for _ in range(max(2, points // 4)):
+        child = forked(lambda: sweep(file, folder / "killed", alone))
+        time.sleep(chance.uniform(0.2, 0.8))
+        os.kill(child, signal.SIGKILL)
+        if ended(child) == 0:
+            break
+    done = sweep(file, folder / "killed", alone)
+    sweep(file, folder / "quiet", alone)
+    same = (folder / "killed" / "table.csv").read_bytes() == (folder / "quiet" / "table.csv").read_bytes()
+    states = open_sweep(folder / "killed").states()
+    return Outcome(points, states.count("done") if same and not done.failed else 0, "same table as a quiet sweep")
+
+
+def until(condition: Callable[[], bool]) -> None:
+    """Wait for it."""
+    end = time.monotonic() + PATIENCE
+    while not condition():
+        if time.monotonic() > end:
+            raise TimeoutError
+        time.sleep(0.005)
+
+
+TRIALS = (
+    *(Trial(f"R1 killed, {model}", "SIGKILL at random moments", killed(model)) for model in SCENES),
+    Trial("R2 killed while writing", "SIGKILL inside of frames and checkpoints", killed_writing),
+    Trial("R13 signals", "SIGTERM, SIGINT, SIGUSR1", asked_to_stop),
+    Trial("R14 two at once", "a second run in one directory", two_at_once),
+    Trial("R15 sweeps", "a sweep killed again and again", swept),
+    Trial("R16 readers", "reads while a run writes", read_while_written),
+)

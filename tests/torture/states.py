@@ -1,0 +1,214 @@
+"""States: gone on with from anywhere, spread over threads, poisoned, compiled from bad caches, marched for long."""
+
+from __future__ import annotations
+
+import copy
+import dataclasses
+import os
+import random
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import psutil
+
+from ecume.errors import Diverged
+from ecume.models.floating.parameters import SCHEMES as FLOATING_SCHEMES
+from ecume.models.soft.schemes import SCHEMES as SOFT_SCHEMES
+from ecume.run.recording import difference
+from ecume.scenes.load import load_scene
+from ecume.simulation import moments
+
+from .trials import SCENES, Outcome, Trial, scene_of, times, warmed
+
+WAYS: dict[str, tuple[str, str, tuple[str, ...]]] = {
+    "floating": ("motion", "integrator", FLOATING_SCHEMES),
+    "sph": ("method", "integrator", ("symplectic", "verlet")),
+    "soft": ("stepping", "scheme", tuple(SOFT_SCHEMES)),
+    "tracers": ("motion", "regime", ("inertial", "overdamped")),
+}
+"""Of each model the part of its scene that names an integrator, and all that there are."""
+SHORT = {"floating": "2 s", "sph": "0.05 s", "soft": "8 s", "tracers": "0.2 s"}
+
+
+def continued(model: str) -> Callable[[float, Path], Outcome]:
+    """From the state of each frame the rest of a run comes out the same, with each integrator of a model."""
+
+    def trial(scale: float, folder: Path) -> Outcome:
+        tried = survived = 0
+        part, key, ways = WAYS[model]
+        for way in ways[: times(scale, len(ways))]:
+            scene = scene_with(model, part, key, way)
+            whole = [(copied(one.state), one.frame) for one in moments(scene) if one.frame is not None]
+            for number in range(0, len(whole) - 1, max(1, len(whole) // 6)):
+                again = (one.frame for one in moments(scene, state=copied(whole[number][0])) if one.frame is not None)
+                tried += 1
+                survived += all(
+                    not difference(there, here) for here, (_, there) in zip(again, whole[number:], strict=True)
+                )
+        return Outcome(tried, survived, ", ".join(ways))
+
+    return trial
+
+
+def scene_with(model: str, part: str, key: str, way: str) -> Any:
+    """A short scene with an integrator; what has no inertia needs a liquid that drags."""
+    text, _ = SCENES[model]
+    text = text.format(duration=SHORT[model])
+    if model == "tracers":
+        text = text.replace("viscosity = 0.0", "viscosity = 1e-3").replace('drag = "none"', 'drag = "stokes"')
+    if f"[{part}]" in text:
+        return load_scene(text.replace(f"[{part}]", f'[{part}]\n{key} = "{way}"'))
+    return load_scene(f'{text}\n[{part}]\n{key} = "{way}"\n')
+
+
+def copied(state: Any) -> Any:
+    """A state of its own."""
+    return copy.deepcopy(state)
+
+
+THREADED = """
+import hashlib, sys
+from ecume._jit import use_threads
+from ecume.scenes.load import load_scene
+from ecume.simulation import moments
+use_threads(int(sys.argv[1]))
+digest = hashlib.sha256()
+for one in moments(load_scene(sys.argv[2])):
+    if one.frame is not None:
+        for array in one.frame.arrays.values(): digest.update(array.tobytes())
+print(digest.hexdigest())
+"""
+CROWDS = {
+    "floating": ("count = 40", "count = 2500", "2.5 cm", "20 cm", "0.1 s"),
+    "sph": ("spacing = 0.02", "spacing = 0.004", "", "", "10 ms"),
+    "tracers": ("count = 200", "count = 5000", "", "", "0.1 s"),
+}
+"""Of a model what makes its scene large enough for threads."""
+
+
+def threads(scale: float, folder: Path) -> Outcome:
+    """One, two and four threads give the same bits."""
+    tried = survived = 0
+    for model in list(CROWDS)[: times(scale, len(CROWDS))]:
+        old, new, narrow, wide, duration = CROWDS[model]
+        text = SCENES[model][0].format(duration=duration).replace(old, new).replace(narrow or "\0", wide)
+        file = folder / f"{model}.toml"
+        file.write_text(text.replace("50 ms", duration).replace("5 ms", duration))
+        found = {_digest(file, count) for count in (1, 2, 4)}
+        tried, survived = tried + 3, survived + (3 if len(found) == 1 else 0)
+    return Outcome(tried, survived, ", ".join(CROWDS))
+
+
+def _digest(file: Path, count: int) -> str:
+    environment = {**os.environ, "NUMBA_NUM_THREADS": "4"}
+    command = [sys.executable, "-c", THREADED, str(count), str(file)]
+    return subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout.strip()
+
+
+LATEST = 50
+"""Steps within which something that is no number has to be found."""
+
+
+def poisoned(model: str) -> Callable[[float, Path], Outcome]:
+    """Something that is no number gets into the state: found soon, with the particle named, and the time."""
+
+    def trial(scale: float, folder: Path) -> Outcome:
+        warmed(model)
+        chance, tried, survived, latest = random.Random(model), times(scale, 30), 0, 0
+        for _ in range(tried):
+            late = _found_after(model, chance)
+            survived += late is not None and late <= LATEST
+            latest = max(latest, late if late is not None else 10**9)
+        return Outcome(tried, survived, f"found after {latest} steps at most")
+
+    return trial
+
+
+def _found_after(model: str, chance: random.Random) -> int | None:
+    """After how many steps it is found; None where it is not, or where nobody is named."""
+    scene, wanted = scene_of(model, SHORT[model]), chance.randrange(3, 60)
+    # Who has left is no part of the march any more; a step of the soft model may go over many ticks.
+    state = next(copied(one.state) for one in moments(scene, patience=1e-9) if one.step >= min(wanted, one.steps // 2))
+    hurt = _steps(state)
+    field = chance.choice(("position", "log_gap") if model == "soft" else ("position", "velocity"))
+    # Who is put far away without any speed is turned back by the guard, or counts as lost: `mass` tells.
+    value = chance.choice((np.nan, np.inf, -np.inf) if field == "position" else (np.nan, np.inf, 1e300))
+    flat = getattr(state, field).reshape(-1)
+    flat[chance.randrange(int(state.contacts[0]) if field == "log_gap" else len(flat))] = value
+    try:
+        for one in moments(scene, state=state, patience=1e-9):
+            if one.step > hurt + LATEST:
+                return None
+    except Diverged as error:
+        named = re.search(r"(float|particle|spheres) [0-9]", str(error)) and re.search(r"t = [0-9.e+-]+ s", str(error))
+        return _steps(state) - hurt if named else None
+    return None
+
+
+def _steps(state: Any) -> int:
+    return int(state.step[0])
+
+
+def caches(scale: float, folder: Path) -> Outcome:
+    """Compiled code that is cut, that cannot be written, that is not there: the same bits."""
+    there = os.environ.get("ECUME_CACHE_DIR")
+    if there is None or scale < 0.5:
+        return Outcome(0, 0, "needs ECUME_CACHE_DIR, and minutes")
+    file = folder / "scene.toml"
+    file.write_text(FIRST_STEPS)
+    right = _digest(file, 1)
+    tried = survived = 0
+    for name, spoil in (("cut", _cut), ("read-only", _lock), ("empty", shutil.rmtree)):
+        place = folder / name
+        shutil.copytree(there, place)
+        spoil(place)
+        environment = {**os.environ, "ECUME_CACHE_DIR": str(place)}
+        command = [sys.executable, "-c", THREADED, "1", str(file)]
+        done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
+        tried, survived = tried + 1, survived + (done.stdout.strip() == right)
+    return Outcome(tried, survived, "cut, read-only, empty")
+
+
+FIRST_STEPS = SCENES["floating"][0].format(duration="0.1 s")
+
+
+def _cut(place: Path) -> None:
+    for path in place.rglob("*.nb?"):
+        os.truncate(path, path.stat().st_size // 2)
+
+
+def _lock(place: Path) -> None:
+    for path in (place, *place.rglob("*")):
+        path.chmod(0o555 if path.is_dir() else 0o444)
+
+
+SOAKED = 1_000_000
+GROWTH = 0.01
+
+
+def soaked(scale: float, folder: Path) -> Outcome:
+    """A million steps: memory and open files stay what they were."""
+    scene = dataclasses.replace(scene_of("floating"), duration=3600.0)
+    process, steps, before = psutil.Process(), times(scale, SOAKED), (0, 0)
+    for one in moments(scene):
+        if one.step < steps // 10:
+            before = (process.memory_info().rss, process.num_fds())
+        if one.step >= steps:
+            break
+    memory, files = process.memory_info().rss / before[0] - 1.0, process.num_fds() - before[1]
+    return Outcome(one.step, one.step if memory < GROWTH and files <= 0 else 0, f"{100 * memory:.2f} % more memory")
+
+
+TRIALS = (
+    *(Trial(f"R3 restarts, {model}", "from each state the same rest", continued(model)) for model in WAYS),
+    Trial("R4 threads", "1, 2 and 4, the same bits", threads),
+    *(Trial(f"R12 poisoned, {model}", "NaN, infinity, 1e300 in the state", poisoned(model)) for model in WAYS),
+    Trial("R18 caches", "compiled code cut, read-only, empty", caches),
+    Trial("R21 soak", "a million steps", soaked),
+)

@@ -1,0 +1,163 @@
+"""What a trial is, and what trials share: scenes, processes that can be killed, results to the byte."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from ecume.errors import EcumeError
+from ecume.run import Habits, RunDirectory, checkpoints, resume, run
+from ecume.scenes.load import load_scene
+
+DEFECT, SURPRISED = 70, 71
+"""How a process ends in which something went wrong that is no answer to a user."""
+
+
+class Outcome(NamedTuple):
+    """How often something was tried, and how often it was survived."""
+
+    tried: int
+    survived: int
+    note: str = ""
+
+
+class Trial(NamedTuple):
+    """One kind of hard times: from a scale, of which 1 is the whole, and an empty folder to what became of it."""
+
+    name: str
+    says: str
+    run: Callable[[float, Path], Outcome]
+
+
+FLOATING = """
+model = "floating"
+duration = "{duration}"
+frame_every = "50 ms"
+seed = 4
+[liquid]
+viscosity = "2 mPa*s"
+[[floats]]
+count = 40
+radius = "1.5 mm"
+density = 600
+contact_angle = "70 deg"
+[dish]
+radius = "2.5 cm"
+"""
+SPH = """
+model = "sph"
+duration = "{duration}"
+frame_every = "5 ms"
+spacing = 0.02
+[tank]
+low = [0.0, 0.0]
+high = [0.6, 0.4]
+[[fluid]]
+low = [0.0, 0.0]
+high = [0.3, 0.3]
+"""
+SOFT = """
+model = "soft"
+duration = "{duration}"
+frame_every = "0.4 s"
+[liquid]
+viscosity = 1e-6
+[[spheres]]
+radius = 1.0
+modulus = 1.0
+positions = [[-1.0005, 0.0]]
+force = [-1e-6, 0.0]
+[[spheres]]
+radius = 1.0
+modulus = 1.0
+positions = [[1.0005, 0.0]]
+force = [1e-6, 0.0]
+[films]
+prefactors = "paper"
+"""
+TRACERS = """
+model = "tracers"
+duration = "{duration}"
+frame_every = "10 ms"
+seed = 2
+[liquid]
+viscosity = 0.0
+gravity = 9.81
+[[particles]]
+count = 200
+radius = "1 mm"
+density = 2500.0
+[tank]
+size = [0.2, 0.2]
+[motion]
+drag = "none"
+"""
+SCENES = {
+    "floating": (FLOATING, "60 s"),
+    "sph": (SPH, "1 s"),
+    "soft": (SOFT, "80 s"),
+    "tracers": (TRACERS, "20 s"),
+}
+"""Of each model a scene, and how long it lasts in the whole."""
+ONE_THREAD = Habits(threads=1, checkpoint_every=0.05)
+
+
+def scene_of(model: str, duration: str | None = None) -> Any:
+    """The scene of a model."""
+    text, whole = SCENES[model]
+    return load_scene(text.format(duration=duration or whole))
+
+
+@cache
+def warmed(model: str) -> bool:
+    """Compile, or load, what a process that is forked from this one will need."""
+    from ecume.simulation import moments
+
+    return any(moment.step > 0 for moment in moments(scene_of(model)))
+
+
+def forked(work: Callable[[], object]) -> int:
+    """Do this in a process of its own, which begins at once; its number."""
+    sys.stdout.flush()
+    if child := os.fork():
+        return child
+    code = SURPRISED
+    try:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
+        work()
+        code = 0
+    except EcumeError as error:
+        code = error.exit_code if "\n" not in str(error) else DEFECT
+    except BaseException:  # whatever it is, it is told by the code
+        code = DEFECT
+    finally:
+        os._exit(code)
+
+
+def ended(child: int) -> int:
+    """Wait for a process; its exit code, or minus the signal that killed it."""
+    return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+
+
+def go_on(scene: Any, folder: Path, habits: Habits = ONE_THREAD) -> None:
+    """Resume a run, or begin it where it did not come to a manifest."""
+    if RunDirectory(folder).manifest.exists():
+        resume(folder, habits=habits)
+    else:
+        run(scene, folder, force=folder.exists(), habits=habits)
+
+
+def results(folder: Path) -> dict[str, bytes]:
+    """All bytes of a run's results: frames, numbers, the resolved scene, the last state."""
+    home = RunDirectory(folder)
+    files = [*home.trajectory.glob("*"), home.scalars, home.resolved, checkpoints.newest_first(home)[0]]
+    return {path.name: path.read_bytes() for path in files}
+
+
+def times(scale: float, whole: int) -> int:
+    """So many of a whole, one at least."""
+    return max(1, round(scale * whole))
