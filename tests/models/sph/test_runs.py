@@ -5,6 +5,8 @@ import pytest
 
 import ecume
 from ecume._jit import use_threads
+from ecume.models.model import DIVERGED
+from ecume.models.sph import stepping
 from ecume.models.sph.guard import turn_back
 from ecume.models.sph.record import SPH
 from ecume.models.sph.state import skin_for
@@ -86,13 +88,22 @@ def test_a_run_that_diverges_says_when_who_and_what_to_do(broken):
     parameters = SPH.parameters(scene)
     state = SPH.start(scene, parameters)
     getattr(state, broken)[0, 3] = np.nan
-    from ecume.models.model import DIVERGED
-
     assert SPH.advance(parameters, state, SPH.workspace(parameters, state, 1.0), 1) == DIVERGED
     said = SPH.diagnosis(parameters, state)
     assert "t = 0 s" in said
     assert "particle 3" in said
     assert "courant" in said
+
+
+def test_what_the_last_step_breaks_is_seen_before_anyone_draws_it(monkeypatch):
+    def burst(parameters, state, workspace, time):
+        state.velocity[0, 3] = 1e90
+
+    monkeypatch.setattr(stepping, "symplectic_step", burst)
+    scene = tank()
+    parameters = SPH.parameters(scene)
+    state = SPH.start(scene, parameters)
+    assert SPH.advance(parameters, state, SPH.workspace(parameters, state, 1.0), 1) == DIVERGED
 
 
 def test_a_moment_is_a_whole_state():

@@ -72,7 +72,8 @@ def advance(parameters: Parameters, state: State, workspace: Workspace, steps: i
         state.tally[MOST_SUBSTEPS] = max(state.tally[MOST_SUBSTEPS], divisions)
         if due(parameters, state):
             return EXCHANGE
-    return DONE
+    # What the last step broke must not become a frame.
+    return DONE if divisions_needed(parameters, state) <= MOST_DIVISIONS else DIVERGED
 
 
 def divisions_needed(parameters: Parameters, state: State) -> int:
