@@ -57,6 +57,7 @@ def advance(parameters: Parameters, state: State, workspace: Workspace, steps: i
     # Who is nowhere has no neighbors, and would do no harm that anyone notices.
     if not np.isfinite(state.position).all():
         return DIVERGED
+    status = DONE
     for _ in range(steps):
         divisions = divisions_needed(parameters, state)
         if divisions > MOST_DIVISIONS:
@@ -71,9 +72,10 @@ def advance(parameters: Parameters, state: State, workspace: Workspace, steps: i
         state.tally[SUBSTEPS] += divisions
         state.tally[MOST_SUBSTEPS] = max(state.tally[MOST_SUBSTEPS], divisions)
         if due(parameters, state):
-            return EXCHANGE
+            status = EXCHANGE
+            break
     # What the last step broke must not become a frame.
-    return DONE if divisions_needed(parameters, state) <= MOST_DIVISIONS else DIVERGED
+    return status if divisions_needed(parameters, state) <= MOST_DIVISIONS else DIVERGED
 
 
 def divisions_needed(parameters: Parameters, state: State) -> int:
