@@ -117,7 +117,7 @@ def test_a_scheduler_across_a_network_without_encryption_is_refused(address, tmp
         sweep(path, tmp_path / "out", Crew(scheduler=address))
 
 
-def test_workers_on_a_cluster_are_encrypted(monkeypatch):
+def test_workers_on_a_cluster_are_encrypted(monkeypatch, tmp_path):
     import dask_jobqueue
 
     asked = {}
@@ -128,9 +128,10 @@ def test_workers_on_a_cluster_are_encrypted(monkeypatch):
         yield type("Scaled", (), {"scale": lambda self, jobs: None})()
 
     monkeypatch.setattr(dask_jobqueue, "SLURMCluster", cluster)
-    with running.slurm_cluster(Cluster()):
+    with running.slurm_cluster(Cluster(), tmp_path):
         assert asked["security"].require_encryption is True
         assert asked["security"].tls_scheduler_cert
+        assert asked["shared_temp_directory"] == str(tmp_path)
 
 
 @pytest.mark.skipif(os.name == "nt", reason="Windows has no such modes")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -116,6 +117,16 @@ def test_a_run_that_diverges_says_when_who_and_what_to_do_and_keeps_its_frames(t
     seen = info(tmp_path / "run")
     assert (seen.state, seen.frames) == ("failed", 26)
     assert "take a smaller step" in seen.why
+
+
+def test_a_run_that_has_just_begun_is_one_without_frames(tmp_path: Path, scene: Scenes) -> None:
+    run(scene(), tmp_path / "run")
+    shutil.rmtree(tmp_path / "run" / "traj")
+    (tmp_path / "run" / "DONE.json").unlink()
+    assert info(tmp_path / "run").frames == 0
+    with open_trajectory(tmp_path / "run") as trajectory:
+        assert len(trajectory) == 0
+        assert trajectory.scene == scene()
 
 
 def test_two_checkpoints_are_kept(tmp_path: Path, scene: Scenes) -> None:

@@ -15,7 +15,7 @@ from pathlib import Path
 from ecume.run.manifest import circumstances
 
 from . import damage, inputs, killing, states
-from .trials import Outcome, Trial
+from .trials import Outcome, Trial, leave_nobody
 
 TRIALS: tuple[Trial, ...] = tuple(
     sorted(
@@ -32,7 +32,11 @@ def main(words: Sequence[str]) -> int:
     asked.add_argument("--scale", type=float, default=1.0)
     asked.add_argument("--record", type=Path)
     given = asked.parse_args(words)
-    chosen = [one for one in TRIALS if not given.names or any(name in one.name for name in given.names)]
+    chosen = [
+        one
+        for one in TRIALS
+        if not given.names or any(re.search(rf"\b{re.escape(name)}\b", one.name) for name in given.names)
+    ]
     rows, failed = [], 0
     for trial in chosen:
         began = time.monotonic()
@@ -47,11 +51,13 @@ def main(words: Sequence[str]) -> int:
 
 def tried(trial: Trial, scale: float) -> Outcome:
     """One trial in a folder of its own; what breaks it is its outcome."""
-    with tempfile.TemporaryDirectory(prefix="torture-") as folder:
+    with tempfile.TemporaryDirectory(prefix="torture-", ignore_cleanup_errors=True) as folder:
         try:
             return trial.run(scale, Path(folder))
         except Exception as error:  # whatever it is, the other trials go on
             return Outcome(1, 0, f"{type(error).__name__}: {' '.join(str(error).split())[:100]}")
+        finally:
+            leave_nobody()
 
 
 def row(trial: Trial, outcome: Outcome, seconds: float) -> str:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
 from collections.abc import Callable
 from functools import cache
@@ -15,6 +16,10 @@ from ecume.scenes.load import load_scene
 
 DEFECT, SURPRISED = 70, 71
 """How a process ends in which something went wrong that is no answer to a user."""
+
+
+CHILDREN: set[int] = set()
+"""Processes that were begun here and did not end yet."""
 
 
 class Outcome(NamedTuple):
@@ -97,10 +102,10 @@ size = [0.2, 0.2]
 drag = "none"
 """
 SCENES = {
-    "floating": (FLOATING, "60 s"),
-    "sph": (SPH, "1 s"),
-    "soft": (SOFT, "80 s"),
-    "tracers": (TRACERS, "20 s"),
+    "floating": (FLOATING, "30 s"),
+    "sph": (SPH, "0.5 s"),
+    "soft": (SOFT, "8 s"),
+    "tracers": (TRACERS, "1 s"),
 }
 """Of each model a scene, and how long it lasts in the whole."""
 ONE_THREAD = Habits(threads=1, checkpoint_every=0.05)
@@ -124,6 +129,7 @@ def forked(work: Callable[[], object]) -> int:
     """Do this in a process of its own, which begins at once; its number."""
     sys.stdout.flush()
     if child := os.fork():
+        CHILDREN.add(child)
         return child
     code = SURPRISED
     try:
@@ -140,7 +146,16 @@ def forked(work: Callable[[], object]) -> int:
 
 def ended(child: int) -> int:
     """Wait for a process; its exit code, or minus the signal that killed it."""
-    return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+    code = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
+    CHILDREN.discard(child)
+    return code
+
+
+def leave_nobody() -> None:
+    """End what a trial that broke off left behind."""
+    for child in list(CHILDREN):
+        os.kill(child, signal.SIGKILL)
+        ended(child)
 
 
 def go_on(scene: Any, folder: Path, habits: Habits = ONE_THREAD) -> None:

@@ -59,7 +59,7 @@ def sweep(file: str | os.PathLike[str], directory: str | os.PathLike[str], crew:
     missing = [job for job in _distinct(sweeping.jobs) if job.state != "done"]
     ready = len(_distinct(sweeping.jobs)) - len(missing)
     busy = 0
-    with _hands(crew, sweeping.spec.cluster, len(missing)) as results:
+    with _hands(crew, sweeping, len(missing)) as results:
         for done, word in enumerate(results(missing), 1):
             busy += word == "busy"
             if crew.progress is not None:
@@ -84,7 +84,7 @@ Results = Callable[[Sequence[Job]], Iterator[str]]
 
 
 @contextlib.contextmanager
-def _hands(crew: Crew, cluster: Cluster, missing: int) -> Iterator[Results]:
+def _hands(crew: Crew, sweeping: Sweeping, missing: int) -> Iterator[Results]:
     """What turns jobs into the words they end with."""
     workers = min(crew.workers or os.cpu_count() or 1, max(missing, 1))
     if not missing:
@@ -92,7 +92,7 @@ def _hands(crew: Crew, cluster: Cluster, missing: int) -> Iterator[Results]:
     elif crew.scheduler is None and not crew.slurm and workers == 1:
         yield lambda jobs: (work(str(job.folder)) for job in jobs)
     else:
-        with _client(crew, cluster, workers) as client:
+        with _client(crew, sweeping, workers) as client:
             yield lambda jobs: _spread(client, jobs, crew.retries)
 
 
@@ -108,7 +108,7 @@ def _spread(client: Any, jobs: Sequence[Job], retries: int) -> Iterator[str]:
 
 
 @contextlib.contextmanager
-def _client(crew: Crew, cluster: Cluster, workers: int) -> Iterator[Any]:
+def _client(crew: Crew, sweeping: Sweeping, workers: int) -> Iterator[Any]:
     try:
         import distributed
     except ImportError as error:
@@ -121,7 +121,7 @@ def _client(crew: Crew, cluster: Cluster, workers: int) -> Iterator[Any]:
         with library.Client(crew.scheduler) as client:
             yield client
     elif crew.slurm:
-        with slurm_cluster(cluster) as found, library.Client(found) as client:
+        with slurm_cluster(sweeping.spec.cluster, sweeping.path) as found, library.Client(found) as client:
             yield client
     else:
         local = {"threads_per_worker": 1, "dashboard_address": None, "env": ONE_THREAD, "silence_logs": 50}
@@ -143,8 +143,11 @@ def require_safe(address: str) -> None:
 
 
 @contextlib.contextmanager
-def slurm_cluster(asked: Cluster) -> Iterator[Any]:
-    """Workers that SLURM starts, encrypted between one another; each ends before its job does."""
+def slurm_cluster(asked: Cluster, folder: Path) -> Iterator[Any]:
+    """Workers that SLURM starts, encrypted between one another; each ends before its job does.
+
+    Their key lies in the sweep's folder while they work, for its owner's eyes only.
+    """
     try:
         import dask_jobqueue
         import distributed
@@ -164,6 +167,7 @@ def slurm_cluster(asked: Cluster) -> Iterator[Any]:
         job_script_prologue=[f"export {name}={value}" for name, value in ONE_THREAD.items()],
         worker_extra_args=["--lifetime", f"{lifetime}s", "--lifetime-stagger", "60s"],
         security=library.Security.temporary(),
+        shared_temp_directory=str(folder.resolve()),
     )
     with made as cluster:
         cluster.scale(jobs=asked.jobs)

@@ -32,7 +32,9 @@ def open_trajectory(path: str | os.PathLike[str]) -> Trajectory:
     what came since.
     """
     given = Path(path)
-    folder = given / "traj" if (given / "traj").is_dir() else given
+    # A run that has just begun has its scene, and no folder of frames yet.
+    begun = (given / "traj").is_dir() or (given / "resolved.json").is_file()
+    folder = given / "traj" if begun else given
     if not segment_files(folder) and folder == given:
         raise BadInput(f"{given}: no run is there; wanted a directory that `ecume run` made")
     return Trajectory(folder)
