@@ -102,7 +102,8 @@ def told(home: RunDirectory) -> str:
     broken = [f"{row['name']} ({_shown(row['worst'])}, limit {row['limit']:g})" for row in rows if not row["held"]]
     if broken:
         return f"{BROKEN}: {', '.join(broken)}"
-    return f"held: {', '.join(row['name'] for row in rows)}" if rows else ""
+    held = ", ".join(f"{row['name']} ({_shown(row['worst'])} of {row['limit']:g})" for row in rows)
+    return f"held: {held}" if rows else ""
 
 
 def _shown(worst: float | None) -> str:
