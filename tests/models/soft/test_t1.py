@@ -159,6 +159,8 @@ def test_the_papers_own_way_converges_with_its_order_and_leaves_the_balance(meth
         ({"forces": (0.0, 1e-7)}, "wanted 1e-07 or more"),
         ({"reduced_force": 1e-3, "method": "magic"}, "no method"),
         ({"reduced_force": 1e-3, "prefactors": "magic"}, "prefactors"),
+        ({"reduced_force": 1e-3, "rtol": 0.0}, "rtol is 0.0; wanted 1e-11 to 0.01"),
+        ({"reduced_force": 1e-3, "rtol": float("nan")}, "rtol is nan"),
     ],
 )
 def test_a_swap_that_cannot_be_is_refused(given, says):

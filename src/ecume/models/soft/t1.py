@@ -48,6 +48,8 @@ FAINTEST = 1e-7
 """The least kappa. The deflections that bear a smaller one are lost in the rounding of the centers' distance, about
 4e-16 radii: of 1e-7 it leaves 1e-8 in the balance and five times as many steps, of 1e-8 steps by the hundred thousand.
 """
+TOLERANCES = 1e-11, 1e-2
+"""What `rtol` may be, as in a scene."""
 CLOSE = 1e-13
 """Of a step: how closely the moment is found at which a threshold is crossed."""
 
@@ -80,6 +82,8 @@ def t1_process(
     pull = _forces(reduced_force, force_ratio, forces)
     for name, value in (("gap", gap), ("ramp", ramp), *(("threshold", one) for one in thresholds)):
         require_positive(name, value)
+    if not TOLERANCES[0] <= rtol <= TOLERANCES[1]:
+        raise BadInput(f"rtol is {rtol!r}; wanted {TOLERANCES[0]:g} to {TOLERANCES[1]:g}")
     chosen(dict.fromkeys(("implicit", *classic.SCHEMES)), method, "method")
     kappa = abs(pull[0] - pull[1] / SQRT3)
     if kappa < FAINTEST:
