@@ -50,6 +50,8 @@ BENCHES: dict[str, Bench] = {
         ),
         Bench("soft-scale", "A step of sheared soft spheres, and its growth with their number", "soft_scale.py",
               ("--layers", "1000", "--spaces", "1000", "--steps", "5"), long=True),
+        Bench("soft-solvers", "Linear systems of soft packings by each solver", "soft_solvers.py",
+              ("--layers", "1000", "--spaces"), long=True),
         Bench("soft-steps", "Steps of the T1 process, explicit and implicit", "soft_steps.py",
               ("--most", "10000"), long=True),
         Bench("sph-peers", "A cube of water in ecume, LAMMPS, PySPH and SPlisHSPlasH", "sph_peers.py",
