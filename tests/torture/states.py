@@ -41,8 +41,9 @@ def continued(model: str) -> Callable[[float, Path], Outcome]:
 
     def trial(scale: float, folder: Path) -> Outcome:
         tried = survived = 0
-        part, key, ways = WAYS[model]
-        for way in ways[: times(scale, len(ways))]:
+        part, key, every = WAYS[model]
+        ways = every[: times(scale, len(every))]
+        for way in ways:
             scene = scene_with(model, part, key, way)
             whole = [(copied(one.state), one.frame) for one in moments(scene) if one.frame is not None]
             for number in range(0, len(whole) - 1, max(1, len(whole) // 6)):
@@ -95,14 +96,15 @@ CROWDS = {
 def threads(scale: float, folder: Path) -> Outcome:
     """One, two and four threads give the same bits."""
     tried = survived = 0
-    for model in list(CROWDS)[: times(scale, len(CROWDS))]:
+    chosen = list(CROWDS)[: times(scale, len(CROWDS))]
+    for model in chosen:
         old, new, narrow, wide, duration = CROWDS[model]
         text = SCENES[model][0].format(duration=duration).replace(old, new).replace(narrow or "\0", wide)
         file = folder / f"{model}.toml"
         file.write_text(text.replace("50 ms", duration).replace("5 ms", duration))
         found = {_digest(file, count) for count in (1, 2, 4)}
         tried, survived = tried + 3, survived + (3 if len(found) == 1 else 0)
-    return Outcome(tried, survived, ", ".join(CROWDS))
+    return Outcome(tried, survived, ", ".join(chosen))
 
 
 def _digest(file: Path, count: int) -> str:
