@@ -1,5 +1,7 @@
+import json
 import math
 
+import numpy as np
 import pytest
 
 from ecume.validation.rows import Row, above, as_text, below, within
@@ -21,6 +23,12 @@ from ecume.validation.rows import Row, above, as_text, below, within
 )
 def test_a_row_is_met_when_its_number_is_as_expected(row, met):
     assert row.met == met
+
+
+@pytest.mark.parametrize("kind", ["within", "below", "above"])
+def test_what_is_met_can_be_written_down(kind):
+    row = Row("a", np.float64(1.0), np.float64(1.0), 0.5, kind)
+    assert json.dumps({"met": row.met}) in ('{"met": true}', '{"met": false}')
 
 
 @pytest.mark.parametrize("kind", ["within", "below", "above"])

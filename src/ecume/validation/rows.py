@@ -22,7 +22,7 @@ class Row(NamedTuple):
     @property
     def met(self) -> bool:
         """Whether the computed number is as expected; what is no number never is."""
-        return KINDS[self.kind](self)
+        return bool(KINDS[self.kind](self))
 
 
 KINDS: dict[str, Callable[[Row], bool]] = {
