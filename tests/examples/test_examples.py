@@ -52,6 +52,11 @@ def mirrored(frames):
     return turns - round(turns)
 
 
+def tips_apart(frames):
+    """How far two ellipsoids' middles are apart, over their length: 1 where they touch tip to tip."""
+    return math.dist(*frames[-1].arrays["position"]) / (2.0 * float(frames[-1].arrays["radius"].mean()))
+
+
 def second_height(frames):
     """How high the first ball rises after its first bounce, over where it fell from, both of its lowest point."""
     height = np.array([frame.arrays["position"][0, 1] for frame in frames]) - 8e-3
@@ -157,6 +162,9 @@ WANTED = {
     "rafts": Wanted(partial(last, "clusters"), 1, 0, "all attract, and one raft is left"),
     "heavy-and-light": Wanted(unlike_neighbors, 0, 0, "unlike charges repel"),
     "wall-climbing": Wanted(reach_of_the_light, 19e-3, 1e-5, "all light ones lie at the wall"),
+    "bubbles-and-beads": Wanted(unlike_neighbors, 0, 0, "unlike charges repel"),
+    "ellipsoids-docking": Wanted(tips_apart, 1.0, 1e-6, "they touch tip to tip"),
+    "pattern-formation": Wanted(partial(last, "clusters"), 5, 2, "dipoles keep rafts apart"),
     "docking-quadrupoles": Wanted(mirrored, 0.0, 0.01, "quadrupoles dock as mirror images"),
     "bouncing-tracers": Wanted(second_height, 0.64, 0.01, "a bounce leaves the restitution squared"),
     "settling-grains": Wanted(settling_of_the_coarse, 1.0, 0.02, "Stokes's law"),

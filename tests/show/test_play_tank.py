@@ -6,8 +6,10 @@ import math
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 import ecume
+from ecume.cli import app
 from ecume.errors import BadInput
 from ecume.scenes.load import load_scene
 from ecume.scenes.schema import to_toml
@@ -271,3 +273,15 @@ def test_where_there_is_no_wall_nothing_is_pushed():
         tank.drag(0.1)
     with pytest.raises(BadInput, match="no wall that could be pushed"):
         tank.wave()
+
+
+def test_the_command_line_plays_with_a_tank_of_its_own_or_with_a_scene_but_not_with_both(monkeypatch):
+    played = []
+    monkeypatch.setattr("ecume.show.play.site.Game.run", lambda game: played.append(game.toy.moving))
+    monkeypatch.setattr("ecume.cli.viewing.offer", lambda address: None)
+    both = CliRunner().invoke(app, ["play", "--tank", "mine.toml"])
+    assert both.exit_code == 2
+    assert "leave it out, or SCENE" in both.output
+    made = CliRunner().invoke(app, ["play", "--tank", *(word for change in COARSE for word in ("--set", change))])
+    assert made.exit_code == 0, made.output
+    assert played[0].scene.spacing == 0.08

@@ -32,10 +32,6 @@ export class Program {
     this.gl.useProgram(this.program);
   }
 
-  attribute(name: string): number {
-    return this.gl.getAttribLocation(this.program, name);
-  }
-
   private uniform(name: string): WebGLUniformLocation | null {
     if (!this.places.has(name)) this.places.set(name, this.gl.getUniformLocation(this.program, name));
     return this.places.get(name)!;
@@ -58,46 +54,74 @@ export class Program {
   }
 }
 
-/** Numbers on the graphics card, one row for each thing that is drawn. */
-export class Rows {
-  private readonly buffer: WebGLBuffer;
-  private room = 0;
-  private held: Float32Array | null = null;
+const WIDE = 1024; // texels in a line of a table
 
-  constructor(private readonly gl: GL) {
-    this.buffer = gl.createBuffer()!;
+/** A square as two triangles: which of its corners, from -1 to 1, the vertex is. */
+export const CORNERS = `
+vec2 corner_of() {
+  int k = gl_VertexID % 6;
+  return vec2(k == 1 || k == 2 || k == 4 ? 1.0 : -1.0, k == 2 || k == 4 || k == 5 ? 1.0 : -1.0);
+}`;
+
+/**
+ * What a vertex program needs to read its square's row of a table, four numbers at once, and which corner it is: two
+ * triangles a row, all in one call. Instances would do, too, but without a graphics card each one is a call of its own.
+ */
+export const SQUARES = `${CORNERS}
+uniform highp sampler2D table;
+int square_number() { return gl_VertexID / 6; }
+vec4 numbers(int each, int k) {
+  int at = each * square_number() + k;
+  return texelFetch(table, ivec2(at % ${WIDE}, at / ${WIDE}), 0);
+}`;
+
+/** Rows of numbers on the graphics card, so many times four for each square that is drawn. */
+export class Table {
+  private readonly texture: WebGLTexture;
+  private readonly nothing: WebGLVertexArrayObject;
+  private room = new Float32Array(0);
+  private lines = 0;
+  private count = 0;
+
+  constructor(
+    private readonly gl: GL,
+    private readonly each: number,
+  ) {
+    this.texture = gl.createTexture()!;
+    this.nothing = gl.createVertexArray()!;
   }
 
-  /** What is there already, the same array, is not sent again: whoever changes one sends another. */
-  fill(values: Float32Array): void {
-    if (values === this.held) return;
-    this.held = values;
-    const { gl } = this;
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.buffer);
-    if (values.byteLength > this.room) {
-      gl.bufferData(gl.ARRAY_BUFFER, values, gl.DYNAMIC_DRAW);
-      this.room = values.byteLength;
+  /** Room for so many rows, to be written into, and then sent. */
+  rows(count: number): Float32Array {
+    this.count = count;
+    const lines = Math.max(1, Math.ceil((count * this.each) / WIDE));
+    if (lines > this.room.length / (4 * WIDE)) this.room = new Float32Array(4 * WIDE * lines);
+    return this.room;
+  }
+
+  send(): void {
+    const { gl, room } = this;
+    gl.activeTexture(gl.TEXTURE0);
+    gl.bindTexture(gl.TEXTURE_2D, this.texture);
+    const lines = room.length / (4 * WIDE);
+    const used = Math.max(1, Math.ceil((this.count * this.each) / WIDE));
+    if (lines !== this.lines) {
+      gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA32F, WIDE, lines, 0, gl.RGBA, gl.FLOAT, room);
+      for (const way of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, way, gl.NEAREST);
+      this.lines = lines;
     } else {
-      gl.bufferSubData(gl.ARRAY_BUFFER, 0, values);
+      gl.texSubImage2D(gl.TEXTURE_2D, 0, 0, 0, WIDE, used, gl.RGBA, gl.FLOAT, room);
     }
   }
 
-  /** Let an attribute read `width` numbers a row from the `from`-th on; rows are `stride` numbers long. */
-  feed(attribute: number, width: number, stride = width, from = 0, each = 1): void {
-    if (attribute < 0) return;
+  draw(program: Program, unit: number): void {
     const { gl } = this;
-    gl.bindBuffer(gl.ARRAY_BUFFER, this.buffer);
-    gl.enableVertexAttribArray(attribute);
-    gl.vertexAttribPointer(attribute, width, gl.FLOAT, false, 4 * stride, 4 * from);
-    gl.vertexAttribDivisor(attribute, each);
+    gl.activeTexture(gl.TEXTURE0 + unit);
+    gl.bindTexture(gl.TEXTURE_2D, this.texture);
+    program.unit("table", unit);
+    gl.bindVertexArray(this.nothing);
+    gl.drawArrays(gl.TRIANGLES, 0, 6 * this.count);
   }
-}
-
-/** The corners of a square from -1 to 1, as a strip. */
-export function square(gl: GL): Rows {
-  const rows = new Rows(gl);
-  rows.fill(new Float32Array([-1, -1, 1, -1, -1, 1, 1, 1]));
-  return rows;
 }
 
 /** A row of colors. */

@@ -1,16 +1,15 @@
 // The liquid's surface from above, colored by its height.
 
 import type { Eye } from "./camera";
-import { Colors, type GL, Program, Rows, square } from "./gl";
+import { Colors, CORNERS, type GL, Program } from "./gl";
 import type { Sheet } from "./run";
 
-const VERTEX = `
+const VERTEX = `${CORNERS}
 uniform mat4 matrix;
 uniform vec4 view;
-in vec2 corner;
 out vec2 at, place;
 void main() {
-  at = 0.5 + 0.5 * corner;
+  at = 0.5 + 0.5 * corner_of();
   place = mix(view.xz, view.yw, at);
   gl_Position = matrix * vec4(place, 0.0, 1.0);
 }`;
@@ -27,7 +26,6 @@ void main() {
 
 export class Heights {
   private readonly program: Program;
-  private readonly corners: Rows;
   private readonly state: WebGLVertexArrayObject;
   private readonly texture: WebGLTexture;
   readonly colors: Colors;
@@ -38,9 +36,6 @@ export class Heights {
   ) {
     this.program = new Program(gl, VERTEX, FRAGMENT);
     this.state = gl.createVertexArray()!;
-    gl.bindVertexArray(this.state);
-    this.corners = square(gl);
-    this.corners.feed(this.program.attribute("corner"), 2, 2, 0, 0);
     this.texture = gl.createTexture()!;
     this.colors = new Colors(gl);
   }
@@ -69,6 +64,6 @@ export class Heights {
     program.unit("heights", 0);
     this.colors.bind(1);
     program.unit("colors", 1);
-    gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
+    gl.drawArrays(gl.TRIANGLES, 0, 6);
   }
 }

@@ -1,28 +1,27 @@
 // Spheres and discs as squares that face the eye, shaded in the fragment program.
 
 import type { Eye } from "./camera";
-import { Colors, type GL, Program, Rows, square } from "./gl";
+import { Colors, type GL, Program, SQUARES, Table } from "./gl";
 
-const VERTEX = `
+const VERTEX = `${SQUARES}
 uniform mat4 matrix;
 uniform vec3 right, up, toward;
 uniform float part;
 uniform vec3 range; // low, high, of how many colors (0: of a scale)
-in vec2 corner;
-in vec3 place, before;
-in float radius, value;
 out vec2 inside;
 out float color, depth_slope;
 flat out float index;
 void main() {
-  vec3 middle = mix(before, place, part);
-  gl_Position = matrix * vec4(middle + radius * (corner.x * right + corner.y * up), 1.0);
+  vec4 here = numbers(2, 0), before = numbers(2, 1);
+  float radius = here.w, value = before.w;
+  vec3 middle = mix(before.xyz, here.xyz, part);
+  inside = corner_of();
+  gl_Position = matrix * vec4(middle + radius * (inside.x * right + inside.y * up), 1.0);
   vec4 front = matrix * vec4(middle + radius * toward, 1.0);
   vec4 center = matrix * vec4(middle, 1.0);
   depth_slope = 0.5 * (front.z / front.w - center.z / center.w);
-  inside = corner;
   color = range.z > 0.5 ? (value + 0.5) / range.z : clamp((value - range.x) / (range.y - range.x), 0.0, 1.0);
-  index = float(gl_InstanceID);
+  index = float(square_number());
 }`;
 
 const FRAGMENT = `
@@ -68,43 +67,27 @@ export interface Look {
 
 export class Particles {
   private readonly program: Program;
-  private readonly corners: Rows;
-  private readonly places: Rows;
-  private readonly befores: Rows;
-  private readonly radii: Rows;
-  private readonly values: Rows;
-  private readonly state: WebGLVertexArrayObject;
+  private readonly table: Table;
   readonly colors: Colors;
-  private count = 0;
 
-  constructor(private readonly gl: GL) {
+  constructor(gl: GL) {
     this.program = new Program(gl, VERTEX, FRAGMENT);
-    this.state = gl.createVertexArray()!;
-    gl.bindVertexArray(this.state);
-    this.corners = square(gl);
-    [this.places, this.befores] = [new Rows(gl), new Rows(gl)];
-    [this.radii, this.values] = [new Rows(gl), new Rows(gl)];
+    this.table = new Table(gl, 2);
     this.colors = new Colors(gl);
   }
 
+  /** Places now and before, three coordinates each. */
   fill(place: Float32Array, before: Float32Array, radius: Float32Array, value: Float32Array): void {
-    this.gl.bindVertexArray(this.state);
-    this.count = radius.length;
-    this.places.fill(place);
-    this.befores.fill(before);
-    this.radii.fill(radius);
-    this.values.fill(value);
-    const at = (name: string): number => this.program.attribute(name);
-    this.corners.feed(at("corner"), 2, 2, 0, 0);
-    this.places.feed(at("place"), 3);
-    this.befores.feed(at("before"), 3);
-    this.radii.feed(at("radius"), 1);
-    this.values.feed(at("value"), 1);
+    const rows = this.table.rows(radius.length);
+    for (let one = 0, x = 0, at = 0; one < radius.length; one++, x += 3, at += 8) {
+      [rows[at], rows[at + 1], rows[at + 2], rows[at + 3]] = [place[x], place[x + 1], place[x + 2], radius[one]];
+      [rows[at + 4], rows[at + 5], rows[at + 6], rows[at + 7]] = [before[x], before[x + 1], before[x + 2], value[one]];
+    }
+    this.table.send();
   }
 
   draw(eye: Eye, look: Look): void {
-    const { gl, program } = this;
-    gl.bindVertexArray(this.state);
+    const { program } = this;
     program.use();
     program.matrix("matrix", eye.matrix);
     program.numbers("right", ...eye.right);
@@ -117,6 +100,6 @@ export class Particles {
     program.numbers("chosen", look.chosen);
     this.colors.bind(0);
     program.unit("colors", 0);
-    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, this.count);
+    this.table.draw(program, 1);
   }
 }

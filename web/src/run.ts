@@ -192,14 +192,21 @@ export class Chunk {
   }
 
   private links(index: number): Link | null {
-    if (!("links/x" in this.header.places)) return null;
+    if (!("links/pairs" in this.header.places)) return null;
     const [begin, end, d] = [this.linkStarts[index], this.linkStarts[index + 1], this.dimension];
-    return {
-      x: this.real("links/x", d * begin, d * end),
-      along: this.real("links/along", d * begin, d * end),
-      gap: this.real("links/gap", begin, end).map(Math.exp),
-      tension: this.real("links/tension", begin, end),
-    };
+    const position = this.particles("position", index, d);
+    const pairs = this.raw("links/pairs").subarray(2 * begin, 2 * end);
+    const [ways, across] = [this.raw("links/ways").subarray(begin, end), this.raw("links/across")];
+    const most = across.length / this.frames / d; // ways that each frame tells
+    const [x, along] = [new Float32Array(d * ways.length), new Float32Array(d * ways.length)];
+    for (let c = 0; c < ways.length; c++) {
+      for (let k = 0; k < d; k++) {
+        x[d * c + k] = position[d * pairs[2 * c] + k];
+        along[d * c + k] = position[d * pairs[2 * c + 1] + k] - x[d * c + k] + across[d * (most * index + ways[c]) + k];
+      }
+    }
+    const [gap, tension] = [this.real("links/gap", begin, end).map(Math.exp), this.real("links/tension", begin, end)];
+    return { x, along, gap, tension };
   }
 
   private sheet(index: number): Float32Array | null {

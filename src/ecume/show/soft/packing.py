@@ -71,6 +71,8 @@ class Links(NamedTuple):
     """(C, 2) m: of both"""
     gap: Array
     tension: Array
+    pairs: NDArray[np.int64]
+    """(C, 2) the numbers of both"""
 
 
 def links_of(frame: Frame) -> Links:
@@ -84,7 +86,8 @@ def links_of(frame: Frame) -> Links:
     along = nearest(position[second] - position[first], box_of(frame))
     slots = np.nonzero(frame.arrays["neighbor"] >= 0)
     here = np.linalg.norm(along, axis=1) < FARTHEST * (radius[found.pairs].sum(axis=1) + found.gap)
-    told = (position[first, :2], along[:, :2], radius[found.pairs], found.gap, frame.arrays["tension"][slots])
+    seen = position[first, :2], along[:, :2], radius[found.pairs], found.gap
+    told = (*seen, frame.arrays["tension"][slots], found.pairs)
     return Links(*(column[here] for column in told))
 
 
@@ -96,8 +99,8 @@ def links_around(frame: Frame) -> Links:
     far = _beside(frame) + float(np.linalg.norm(links.along, axis=1).max(initial=0.0))
     around = copies(links.first, box, far)
     # A copy of each contact's first sphere stands for the contact.
-    rest = (column[around.owner] for column in links[1:])
-    return Links(around.position, *rest)
+    rest: Any = links[1:]
+    return Links(around.position, *(column[around.owner] for column in rest))
 
 
 def flat_box(frame: Frame) -> Box | None:

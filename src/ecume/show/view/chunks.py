@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ecume.show.tank import RARE
-from ecume.show.view.staging import Stage
+from ecume.show.view.staging import Links, Stage
 from ecume.trajectories.frame import Frame
 
 STEPS = 65535
@@ -17,6 +17,8 @@ STEPS = 65535
 FEW_STEPS = 255
 WIDE = 1e3
 """The ratio of the largest to the least value from which on steps of one length would lose what is small."""
+NEAR = 1e-6
+"""Ways across a border that differ by less are one, over the size of all."""
 ALIGNED = 4
 """Bytes that each array's place is a multiple of."""
 HIDDEN = ("position", "identity", "neighbor")
@@ -73,6 +75,12 @@ class _Packing:
             self.moved(name, np.rint((values - low) * (STEPS / (high - low))))
         else:
             self.moved(name, np.zeros(values.shape))
+        self.ranges[name] = [low, high]
+
+    def few(self, name: str, values: Numbers) -> None:
+        """Numbers of which the page shows a color or a width: as one of few steps from the least to the largest."""
+        low, high = (float(values.min()), float(values.max())) if values.size else (0.0, 1.0)
+        self.add(name, np.rint((values - low) * (FEW_STEPS / max(high - low, 1e-300))), "u1")
         self.ranges[name] = [low, high]
 
     def scale(self, name: str, values: Numbers) -> None:
@@ -177,13 +185,32 @@ def _movers(packing: _Packing, frames: Sequence[Frame], stage: Stage) -> list[in
 
 
 def _links(packing: _Packing, frames: Sequence[Frame], stage: Stage) -> list[int]:
-    """Contacts; how many each frame has."""
+    """Contacts; how many each frame has.
+
+    They are told by the numbers of their particles, whose places are there: of frame after frame these are nearly the
+    same, which gzip takes for little. What leads from a particle to its copy across a border is one of few ways.
+    """
     if stage.links is None:
         return []
     links = [stage.links(frame) for frame in frames]
-    packing.quantized("links/x", np.concatenate([one.first.ravel() for one in links]))
-    packing.quantized("links/along", np.concatenate([one.along.ravel() for one in links]))
+    pairs = np.concatenate([one.pairs.ravel() for one in links])
+    packing.add("links/pairs", pairs, "u2" if pairs.max(initial=0) <= STEPS else "u4")
+    ways = [_ways(frame, one) for frame, one in zip(frames, links, strict=True)]
+    most = max(len(across) for _, across in ways)
+    padded = [np.pad(across, ((0, most - len(across)), (0, 0))) for _, across in ways]
+    packing.add("links/ways", np.concatenate([number for number, _ in ways]), "u1")
+    packing.add("links/across", np.stack(padded), "f4")
     # Gaps span many powers of ten.
-    packing.quantized("links/gap", np.log(np.concatenate([np.maximum(one.gap, 1e-300) for one in links])))
-    packing.quantized("links/tension", np.concatenate([one.tension for one in links]))
+    packing.few("links/gap", np.log(np.concatenate([np.maximum(one.gap, 1e-300) for one in links])))
+    packing.few("links/tension", np.concatenate([one.tension for one in links]))
     return [len(one.gap) for one in links]
+
+
+def _ways(frame: Frame, links: Links) -> tuple[Numbers, Numbers]:
+    """Which way each contact's second particle is shifted to, and these ways (W, d) (m): none, and across borders."""
+    first, second = links.pairs.T
+    place = frame.arrays["position"][:, : links.along.shape[1]]
+    shift = links.along - (place[second] - place[first])
+    size = NEAR * max(float(np.ptp(place)), 1e-300)
+    found, number = np.unique(np.rint(shift / size), axis=0, return_inverse=True)
+    return number.ravel(), size * found

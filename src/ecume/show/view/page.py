@@ -130,7 +130,7 @@ def looks(first: Frame, last: Frame, stage: Stage) -> dict[str, Any]:
         "colorings": colorings,
         "usual": stage.usual if stage.usual in names else "species",
         "numbers": [{"name": name, "unit": first.units.get(name, "1")} for name in first.numbers],
-        "shown": [name for name in (*stage.curves, *first.numbers) if name in first.numbers][:2],
+        "shown": [name for name in dict.fromkeys((*stage.curves, *first.numbers)) if name in first.numbers][:2],
         "outlines": [_outline(line) for line in stage.lines],
         "painted": [None if color is None else hexadecimal(color) for color in stage.mover_colors],
         "sheet": None if stage.surface is None else stage.surface._asdict(),

@@ -35,12 +35,12 @@ class Links(Protocol):
     """Contacts of a frame."""
 
     @property
-    def first(self) -> Array:
-        """(C, d) m: one end"""
+    def pairs(self) -> Any:
+        """(C, 2) the numbers of both particles"""
 
     @property
     def along(self) -> Array:
-        """(C, d) m: from there to the other"""
+        """(C, d) m: from the first to the second, or to its copy that is nearest"""
 
     @property
     def gap(self) -> Array:
