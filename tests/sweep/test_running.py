@@ -13,6 +13,7 @@ from typer.testing import CliRunner
 
 from ecume.cli import app
 from ecume.errors import BadInput
+from ecume.scenes.templates import copy_template
 from ecume.sweep import open_sweep, sweep
 from ecume.sweep.directory import existing_sweep, laid_out
 from ecume.sweep.points import load_sweep
@@ -210,6 +211,18 @@ def test_the_verb_tells_how_it_ends(file, tmp_path, monkeypatch):
     drawn = runner.invoke(app, ["plot", "sweeps/bowls", "--what", "curves", "--what", "scatter"])
     assert drawn.exit_code == 0
     assert (tmp_path / "sweeps/bowls/scatter.png").stat().st_size > 5000
+
+
+def test_a_sweep_is_gone_on_with_by_its_directory_too(file, tmp_path, monkeypatch):
+    """Where the file of its scene is not."""
+    monkeypatch.chdir(tmp_path)
+    copy_template("cereal-bowl", tmp_path / "bowl.toml")
+    file.write_text(BOWLS.replace('template = "cereal-bowl"', 'scene = "bowl.toml"'))
+    jobs = laid_out(load_sweep(file), tmp_path / "sweeps/bowls").jobs
+    work(str(jobs[0].folder))
+    done = CliRunner().invoke(app, ["sweep", "sweeps/bowls", "--workers", "1"])
+    assert done.exit_code == 0, done.output
+    assert "4 points done" in done.stdout
 
 
 def test_a_job_array_runs_each_point_once(file, tmp_path, monkeypatch):

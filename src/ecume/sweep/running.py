@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 from ecume.errors import BadInput
 from ecume.sweep.asked import Cluster
-from ecume.sweep.directory import Job, Sweeping, laid_out
+from ecume.sweep.directory import Job, Sweeping, existing_sweep, is_sweep, laid_out
 from ecume.sweep.points import load_sweep
 from ecume.sweep.results import write_table
 from ecume.sweep.working import work
@@ -55,7 +55,7 @@ USUAL = Crew()
 
 def sweep(file: str | os.PathLike[str], directory: str | os.PathLike[str], crew: Crew = USUAL) -> Outcome:
     """Run what is missing of a sweep, and write its table. Again after whatever happened, it goes on."""
-    sweeping = laid_out(load_sweep(Path(file)), Path(directory))
+    sweeping = _begun_or_laid_out(Path(file), Path(directory))
     missing = [job for job in _distinct(sweeping.jobs) if job.state != "done"]
     ready = len(_distinct(sweeping.jobs)) - len(missing)
     busy = 0
@@ -66,6 +66,14 @@ def sweep(file: str | os.PathLike[str], directory: str | os.PathLike[str], crew:
                 crew.progress(ready + done, ready + len(missing))
     write_table(sweeping)
     return outcome_of(sweeping, busy)
+
+
+def _begun_or_laid_out(file: Path, directory: Path) -> Sweeping:
+    """The sweep of a file. One named by its own directory has all its points there, but not its scene's file."""
+    asked = load_sweep(file)
+    if asked.spec.scene and is_sweep(directory) and file.resolve().parent == directory.resolve():
+        return existing_sweep(directory)
+    return laid_out(asked, directory)
 
 
 def outcome_of(sweeping: Sweeping, busy: int = 0) -> Outcome:
