@@ -54,6 +54,14 @@ def test_all_faults_are_told_at_once_with_their_places() -> None:
     assert told == [("liquid.density", 6, 1), ("floats[0].radius", 10, 1), ("dish.radios", 15, 1)]
 
 
+def test_a_liquid_by_its_name_alone_is_short_for_a_table() -> None:
+    short = TANK.replace("MEASURES", '["level"]') + 'liquid = "water"\ntemperature = "30 degC"\n'
+    whole = TANK.replace("MEASURES", '["level"]') + '[liquid]\nname = "water"\ntemperature = "30 degC"\n'
+    assert load_scene(short) == load_scene(whole)
+    (fault,) = faults_of(short.replace("30 degC", "30 m"))
+    assert (fault.path, fault.line) == ("liquid.temperature", 8)
+
+
 TANK = """\
 model = "sph"
 duration = 1

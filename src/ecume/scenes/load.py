@@ -39,6 +39,7 @@ def load_scene(path_or_text: str | File, overrides: Sequence[str] = ()) -> Scene
     source = source_of(path_or_text)
     raw = _parsed(source)
     changed, faults = overridden(raw, overrides)
+    name_liquid(raw)
     dry = sources_followed(raw, source.folder)
     rows = rows_from(raw, source.folder)
     if rows.plain and not rows.faults:
@@ -57,10 +58,19 @@ def located(error: SceneError, path_or_text: str | File, overrides: Sequence[str
     source = source_of(path_or_text)
     raw = _parsed(source)
     changed = overridden(raw, overrides)[0]
+    name_liquid(raw)
     sources_followed(raw, source.folder)
     rows = rows_from(raw, source.folder)
     faults = rows.told([(read_path(fault.path), fault.message) for fault in error.faults])
     return SceneError(_placed(source, faults, changed), source.name)
+
+
+def name_liquid(raw: dict[str, Any]) -> None:
+    """`liquid = "water"`, with a `temperature` beside it, is short for a table of these two."""
+    name = raw.get("liquid")
+    if isinstance(name, str):
+        told = {"temperature": raw.pop("temperature")} if "temperature" in raw else {}
+        raw["liquid"] = {"name": name, **told}
 
 
 def sources_followed(raw: dict[str, Any], folder: File) -> list[tuple[Path, str]]:
