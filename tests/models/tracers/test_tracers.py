@@ -1,13 +1,14 @@
 import dataclasses
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import ecume
-from ecume.errors import SceneError
+from ecume.errors import Diverged, SceneError
 from ecume.laws import brownian, drag
-from ecume.models import MODELS
+from ecume.models import MODELS, limits
 from ecume.scenes.tracers import (
     FluidSpec,
     ObstacleSpec,
@@ -174,6 +175,34 @@ def test_who_leaves_through_an_opening_is_counted_and_stays_out():
     numbers = last(scene).numbers
     assert numbers["left_through_opening_0"] == 50.0
     assert numbers["particles_inside"] == 50.0
+
+
+@pytest.mark.parametrize(
+    ("field", "value"), [("position", np.nan), ("position", 1e300), ("velocity", np.nan), ("velocity", np.inf)]
+)
+def test_who_is_nowhere_is_named_and_not_put_back_inside(field, value):
+    two = ParticleSpec(radius=1e-3, density=2500.0, positions=((0.5, 0.5), (0.2, 0.2)))
+    scene = TracersScene(particles=(two,), tank=TankSpec(size=(1.0, 1.0)), **STILL)
+    parameters = MODELS["tracers"].parameters(scene)
+    state = MODELS["tracers"].start(scene, parameters)
+    getattr(state, field)[1, 0] = value
+    with pytest.raises(Diverged, match="at t = 0 s particle 1 has no finite position"):
+        list(moments(scene, state=state))
+
+
+def test_a_run_that_would_never_end_is_refused():
+    slow = TracerMotionSpec(time_step=1e-9)
+    scene = TracersScene(particles=(QUARTZ,), motion=slow, duration=1e10, frame_every=1e3)
+    with pytest.raises(SceneError, match=r"duration: is 1e\+19 steps"):
+        MODELS["tracers"].parameters(scene)
+
+
+def test_more_tracers_than_the_memory_holds_are_refused_before_they_are_laid_out(monkeypatch):
+    monkeypatch.setattr(limits.psutil, "virtual_memory", lambda: SimpleNamespace(total=24e9))
+    many = ParticleSpec(radius=1e-6, density=2500.0, count=100_000_000)
+    scene = TracersScene(particles=(many,), tank=TankSpec(size=(1.0, 1.0)), **STILL)
+    with pytest.raises(SceneError, match="100000000 particles need about 40 GB"):
+        MODELS["tracers"].parameters(scene)
 
 
 @pytest.mark.compiled
