@@ -3,6 +3,7 @@ import pytest
 
 from ecume.engine import contacts as touching
 from ecume.engine.contacts import Bodies, Goal
+from ecume.engine.keyed import Memory
 from ecume.engine.placement import place_on_lattice
 from ecume.engine.walls.dishes import disc, no_walls
 
@@ -90,7 +91,7 @@ def test_a_warm_start_from_the_solution_needs_one_sweep():
     position, velocity = a_raft()
     mobility = np.ones(len(position))
     contacts = gathered(position, np.ones(len(position)), no_walls(), mobility)
-    memory = touching.Memory(np.zeros(1, np.int64), np.zeros((300, 2), np.int64), np.zeros(300))
+    memory = Memory(np.zeros(1, np.int64), np.zeros((300, 2), np.int64), np.zeros(300))
     cold = touching.solve(contacts, velocity.copy(), mobility, Goal(1e-9, 0.0))
     touching.remember(contacts, memory)
     contacts.impulse[:] = 0.0
@@ -101,7 +102,7 @@ def test_a_warm_start_from_the_solution_needs_one_sweep():
 def test_impulses_are_recalled_for_the_pairs_they_belong_to():
     position, _ = a_raft()
     contacts = gathered(position, np.ones(len(position)), no_walls(), np.ones(len(position)))
-    memory = touching.Memory(np.zeros(1, np.int64), np.zeros((300, 2), np.int64), np.zeros(300))
+    memory = Memory(np.zeros(1, np.int64), np.zeros((300, 2), np.int64), np.zeros(300))
     rows = contacts.total[0]
     contacts.impulse[:rows] = 100.0 * contacts.first[:rows] + contacts.second[:rows]
     touching.remember(contacts, memory)

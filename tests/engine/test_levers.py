@@ -7,7 +7,8 @@ import pytest
 from tests.engine.test_outlines import needle, outlines, square
 
 from ecume.engine import levers as touching
-from ecume.engine.contacts import Goal, Memory, make_candidates
+from ecume.engine.contacts import Goal, make_candidates
+from ecume.engine.keyed import Memory
 from ecume.engine.outlines import Stance
 from ecume.engine.walls import dishes
 

@@ -7,6 +7,7 @@ from tests.engine.test_contacts import a_raft, all_candidates
 from ecume.engine import contacts as touching
 from ecume.engine import rubbing as rough
 from ecume.engine.contacts import Bodies, Goal
+from ecume.engine.keyed import Memory
 from ecume.engine.rubbing import Motion
 from ecume.engine.walls.dishes import box, no_walls
 
@@ -133,7 +134,7 @@ def test_a_disc_on_a_slope_rolls_up_to_three_times_the_tangent_and_slips_beyond(
 def test_tangential_impulses_are_recalled_for_the_pairs_they_belong_to():
     position, _, motion = shaken_raft()
     contacts, rubbing = pressed(position, motion, np.ones(len(position)), 0.4, no_walls())
-    memory = touching.Memory(np.zeros(1, np.int64), np.zeros((300, 2), np.int64), np.zeros(300))
+    memory = Memory(np.zeros(1, np.int64), np.zeros((300, 2), np.int64), np.zeros(300))
     cold = motion._replace(velocity=motion.velocity.copy(), spin=motion.spin.copy())
     rubbed = np.zeros(300)
     first = rough.solve(contacts, rubbing, cold, Goal(1e-9, 0.0))

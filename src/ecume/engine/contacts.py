@@ -17,6 +17,7 @@ import numpy as np
 
 from ecume._jit import compiled, compiled_inside
 from ecume.engine.cells import Integers
+from ecume.engine.keyed import Keyed, Memory, recall_each, remember_each
 from ecume.engine.walls import Walls, wall_count, wall_distance
 from ecume.units import Array
 
@@ -67,15 +68,6 @@ class Contacts(NamedTuple):
     direction: Array
     """search direction of the conjugate gradient"""
     scratch: Array
-
-
-class Memory(NamedTuple):
-    """Impulses that last from step to step: a part of the state, since warm starts change the last bits."""
-
-    total: Integers
-    pair: Integers
-    """(capacity, 2)"""
-    impulse: Array
 
 
 def make_candidates(count: int, capacity: int) -> Candidates:
@@ -140,29 +132,21 @@ def weigh(contacts: Contacts, mobility: Array) -> None:
 
 
 @compiled
+def keyed(contacts: Contacts) -> Keyed:
+    """Who touches whom."""
+    return Keyed(contacts.total, contacts.first, contacts.second, contacts.impulse)
+
+
+@compiled
 def remember(contacts: Contacts, memory: Memory) -> None:
     """Keep the impulses of contacts that push."""
-    kept = 0
-    for row in range(contacts.total[0]):
-        if contacts.impulse[row] > 0.0 and kept < len(memory.impulse):
-            memory.pair[kept, 0], memory.pair[kept, 1] = contacts.first[row], contacts.second[row]
-            memory.impulse[kept] = contacts.impulse[row]
-            kept += 1
-    memory.total[0] = kept
+    remember_each(keyed(contacts), contacts.impulse, memory, memory.impulse)
 
 
 @compiled
 def recall(contacts: Contacts, memory: Memory) -> None:
-    """Start from the impulses of the step before. Both lists are ordered alike, so that one walk finds all."""
-    place, last = 0, memory.total[0]
-    for row in range(contacts.total[0]):
-        i, j = contacts.first[row], contacts.second[row]
-        while place < last and (
-            memory.pair[place, 0] < i or (memory.pair[place, 0] == i and memory.pair[place, 1] < j)
-        ):
-            place += 1
-        found = place < last and memory.pair[place, 0] == i and memory.pair[place, 1] == j
-        contacts.impulse[row] = memory.impulse[place] if found else 0.0
+    """Start from the impulses of the step before."""
+    recall_each(keyed(contacts), contacts.impulse, memory, memory.impulse)
 
 
 # In the loops below every array gets a name of its own, and none is handed to another function: Numba counts the

@@ -15,7 +15,8 @@ import numpy as np
 
 from ecume._jit import compiled
 from ecume.engine.cells import Integers
-from ecume.engine.contacts import MOST_SWEEPS, PATIENCE, Candidates, Goal, Memory
+from ecume.engine.contacts import MOST_SWEEPS, PATIENCE, Candidates, Goal
+from ecume.engine.keyed import Keyed, Memory, recall_each, remember_each
 from ecume.engine.outlines import NEARNESS, Outlines, Stance, bodies_near, turn_corners, wall_near
 from ecume.engine.walls import Walls, wall_count
 from ecume.units import Array
@@ -33,8 +34,8 @@ class Levers(NamedTuple):
     """(capacity,) i"""
     second: Integers
     """(capacity,) j, or N + wall"""
-    feature: Integers
-    """(capacity,) which corner on which edge"""
+    place: Integers
+    """(capacity,) the partner and the feature, which corner on which edge, as one number: j FEATURES + feature"""
     gap: Array
     lever: Array
     """(capacity, 6) J: what velocities and spins of i and j do to the gap"""
@@ -70,7 +71,7 @@ def make_levers(capacity: int, places: int) -> Levers:
         total=np.zeros(1, np.int64),
         first=np.zeros(capacity, np.int64),
         second=np.zeros(capacity, np.int64),
-        feature=np.zeros(capacity, np.int64),
+        place=np.zeros(capacity, np.int64),
         lever=np.zeros((capacity, 6)),
         give=np.zeros((capacity, 6)),
         near=np.zeros((places, NEARNESS)),
@@ -92,7 +93,7 @@ def give_way(mobility: Array, angle: float, lever: Array, give: Array) -> float:
 def write_row(levers: Levers, row: int, pair: tuple[int, int], near: Array, stance: Stance, mobility: Array) -> None:
     """A place where two are near, as a contact."""
     i, j = pair
-    levers.first[row], levers.second[row], levers.feature[row] = i, j, int(near[7])
+    levers.first[row], levers.second[row], levers.place[row] = i, j, j * FEATURES + int(near[7])
     levers.gap[row] = near[0]
     lever, give = levers.lever[row], levers.give[row]
     to_x, to_y = near[1], near[2]
@@ -136,30 +137,21 @@ def gather(levers: Levers, candidates: Candidates, stance: Stance, party: Party,
 
 
 @compiled
+def keyed(levers: Levers) -> Keyed:
+    """Who touches whom, and where."""
+    return Keyed(levers.total, levers.first, levers.place, levers.impulse)
+
+
+@compiled
 def remember(levers: Levers, memory: Memory) -> None:
-    """Keep the impulses of contacts that push; the partner and the feature share a number."""
-    kept = 0
-    for row in range(levers.total[0]):
-        if levers.impulse[row] > 0.0 and kept < len(memory.impulse):
-            memory.pair[kept, 0] = levers.first[row]
-            memory.pair[kept, 1] = levers.second[row] * FEATURES + levers.feature[row]
-            memory.impulse[kept] = levers.impulse[row]
-            kept += 1
-    memory.total[0] = kept
+    """Keep the impulses of contacts that push."""
+    remember_each(keyed(levers), levers.impulse, memory, memory.impulse)
 
 
 @compiled
 def recall(levers: Levers, memory: Memory) -> None:
-    """Start from the impulses of the step before. Both lists are ordered alike, so that one walk finds all."""
-    place, last = 0, memory.total[0]
-    for row in range(levers.total[0]):
-        i, key = levers.first[row], levers.second[row] * FEATURES + levers.feature[row]
-        while place < last and (
-            memory.pair[place, 0] < i or (memory.pair[place, 0] == i and memory.pair[place, 1] < key)
-        ):
-            place += 1
-        known = place < last and memory.pair[place, 0] == i and memory.pair[place, 1] == key
-        levers.impulse[row] = memory.impulse[place] if known else 0.0
+    """Start from the impulses of the step before."""
+    recall_each(keyed(levers), levers.impulse, memory, memory.impulse)
 
 
 @compiled

@@ -16,7 +16,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ecume._jit import compiled
-from ecume.engine.contacts import MOST_SWEEPS, PATIENCE, Contacts, Goal, Memory
+from ecume.engine.contacts import MOST_SWEEPS, PATIENCE, Contacts, Goal, keyed
+from ecume.engine.keyed import Memory, recall_each, remember_each
 from ecume.units import Array
 
 CALMER, CALMEST, STALLS = 0.7, 0.1, 8
@@ -216,23 +217,11 @@ def solve(contacts: Contacts, rubbing: Rubbing, motion: Motion, goal: Goal) -> i
 
 @compiled
 def remember(contacts: Contacts, rubbing: Rubbing, memory: Memory, rubbed: Array) -> None:
-    """Keep the tangential impulses in the order in which `contacts.remember` has kept those along the normals."""
-    kept = 0
-    for row in range(contacts.total[0]):
-        if contacts.impulse[row] > 0.0 and kept < memory.total[0]:
-            rubbed[kept] = rubbing.impulse[row]
-            kept += 1
+    """Keep the tangential impulses of the contacts that `contacts.remember` keeps."""
+    remember_each(keyed(contacts), rubbing.impulse, memory, rubbed)
 
 
 @compiled
 def recall(contacts: Contacts, rubbing: Rubbing, memory: Memory, rubbed: Array) -> None:
-    """Start from the tangential impulses of the step before; one walk finds all, as in `contacts.recall`."""
-    place, last = 0, memory.total[0]
-    for row in range(contacts.total[0]):
-        i, j = contacts.first[row], contacts.second[row]
-        while place < last and (
-            memory.pair[place, 0] < i or (memory.pair[place, 0] == i and memory.pair[place, 1] < j)
-        ):
-            place += 1
-        found = place < last and memory.pair[place, 0] == i and memory.pair[place, 1] == j
-        rubbing.impulse[row] = rubbed[place] if found else 0.0
+    """Start from the tangential impulses of the step before."""
+    recall_each(keyed(contacts), rubbing.impulse, memory, rubbed)

@@ -15,7 +15,8 @@ import numpy as np
 
 from ecume._jit import compiled, inlined
 from ecume.engine import contacts as touching
-from ecume.engine.contacts import Bodies, Contacts, Goal, Memory
+from ecume.engine.contacts import Bodies, Contacts, Goal
+from ecume.engine.keyed import Memory
 from ecume.models.floating.parameters import LEGACY, Parameters
 from ecume.models.floating.schemes import copy_rows
 from ecume.models.floating.state import COLLISIONS, DEEPEST, SWEEPS, UNCONVERGED, State, Workspace
