@@ -44,11 +44,11 @@ def seconds(work: Callable[[], object], repeats: int) -> float:
 def pull_of(march: March, kind: type) -> Callable[[], None]:
     """All pair forces in a precision."""
     lists, scratch = march.workspace.lists.rows, march.workspace.sorted_floats
-    rows = (lists.first, lists.neighbor, lists.sorted_position[0], lists.sorted_position[1])
+    rows = (lists.first, lists.later, lists.neighbor, lists.sorted_position[0], lists.sorted_position[1])
     floats, pair = (scratch.charge.astype(kind), scratch.radius), march.parameters.pair.astype(kind)
 
     def pull() -> None:
-        forces._pull_rows(0, scratch.force.shape[1], rows, floats, pair, scratch.force)
+        forces.pull(rows, floats, pair, scratch.force)
 
     pull()
     return pull

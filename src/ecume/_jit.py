@@ -249,6 +249,11 @@ def compiled_inside(function: Function) -> Function:
     return _dispatcher(function, cache=True, forceinline=True)
 
 
+def adding_inside(function: Function) -> Function:
+    """The same for sums that may be taken several terms at a time, always in the same order."""
+    return _dispatcher(function, cache=True, forceinline=True, fastmath={"reassoc"})
+
+
 def threaded(function: Function) -> Function:
     """The same, with `prange` over threads."""
     return _dispatcher(function, cache=True, parallel=True)

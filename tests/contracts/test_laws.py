@@ -42,6 +42,7 @@ from ecume.laws import (
     special,
     standoff,
     states,
+    swaying,
     tension,
     viscous,
     waves,
@@ -70,6 +71,7 @@ COMPILED = (
     bubbles,
     interfaces,
     rubbing,
+    swaying,
 )
 RESCALED = (
     brownian,
@@ -77,7 +79,7 @@ RESCALED = (
     flotation.equilibria, flotation.shapes, flotation.rims, flotation.lying, flotation.bubbles, flotation.spheroids,
     flotation.plane, flotation.closeness, images,
     states, column, viscous, diffusion, tension, pace, standoff, waves, sloshing, flows, lubrication, elasticity,
-    remote, soft_pair, quadrupoles, bubbles, interfaces, rubbing, ellipsoids,
+    remote, soft_pair, quadrupoles, bubbles, interfaces, rubbing, ellipsoids, swaying,
 )  # fmt: skip
 LIQUID = flotation.Liquid(density=3.0, surface_tension=0.7, viscosity=0.2, gravity=1.9, gas_density=0.4)
 SAMPLES = {
@@ -123,6 +125,7 @@ SAMPLES = {
     "viscosity_ratio": 2.3, "film_prefactors": (1.3, 0.7), "roughness": 0.03, "pull": 1.5, "limit": 1.49,
     "pair": soft_pair.SoftPair(0.21, 9.0, 0.3), "areal_mass": 1.6, "overlap": 0.4, "plane_weight": 1.3,
     "color": 0.4, "gradient": 2.1, "least": 0.9, "pair_distance": 0.2, "surface_per_volume": 1.4,
+    "damping": 0.4, "amplitude": 0.2, "velocity": 0.4, "slip": 0.7,
 }  # fmt: skip
 ODD = {"[length]": 7.3, "[mass]": 0.31, "[time]": 1.9}
 """Base units that no law has heard of."""

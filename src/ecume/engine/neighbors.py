@@ -1,8 +1,7 @@
 """Who is near whom: full lists with a skin, kept while nobody has moved by more than half of it.
 
-Each particle's list holds all its neighbors, so that one thread writes one particle's force: the sum has the same order
-and the same bits for any number of threads. Particles are renumbered cell by cell ("slots") so that neighbors lie close
-in memory.
+Particles are renumbered cell by cell ("slots") so that neighbors lie close in memory. Each slot's list holds all its
+neighbors in ascending order: sums over all of them, or over the later ones, which is each pair once, have one order.
 """
 
 from __future__ import annotations
@@ -28,6 +27,8 @@ class Rows(NamedTuple):
     """
 
     first: Integers
+    later: Integers
+    """(N,) where the neighbors with higher slots begin"""
     neighbor: Slots
     sorted_position: Array
     """(d, N) by slots"""
@@ -48,6 +49,7 @@ def make_lists(count: int, dimension: int, capacity: int) -> NeighborLists:
         cells=make_cells(count, dimension),
         rows=Rows(
             first=np.zeros(count + 1, np.int64),
+            later=np.zeros(count, np.int64),
             neighbor=np.zeros(max(capacity, 16), np.uint32),
             sorted_position=np.zeros((dimension, count)),
         ),
@@ -137,13 +139,28 @@ def build(lists: NeighborLists, position: Array, reach: float) -> bool:
     for slot in range(position.shape[0]):
         rows.first[slot + 1] += rows.first[slot]
     if rows.first[position.shape[0]] > len(rows.neighbor):
-        for slot in range(len(rows.first)):
-            rows.first[slot] = 0
+        for slot in range(position.shape[0]):
+            rows.first[slot + 1], rows.later[slot] = 0, 0
         lists.valid[0] = 0
         return False
     _visit_all(lists.cells, rows.sorted_position, reach, rows.first, rows.neighbor)
+    _part_rows(rows.first, rows.later, rows.neighbor)
     lists.valid[0] = 1
     return True
+
+
+@compiled
+def _part_rows(first: Integers, later: Integers, neighbor: Slots) -> None:
+    """Find where in each row the higher slots begin: cells are visited in their order, so that rows ascend."""
+    for slot in range(len(later)):
+        low, high = first[slot], first[slot + 1]
+        while low < high:
+            middle = (low + high) // 2
+            if neighbor[middle] < slot:
+                low = middle + 1
+            else:
+                high = middle
+        later[slot] = low
 
 
 @compiled

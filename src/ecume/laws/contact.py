@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Annotated
 
-from ecume.units import Mass, Number, Speed, Unit
+from ecume.units import Energy, Force, Friction, Length, Mass, Number, Speed, Unit
 
 Impulse = Annotated[float, Unit("N*s")]
+Stiffness = Annotated[float, Unit("N/m")]
 
 
 def impulse(approach_speed: Speed, mass_i: Mass, mass_j: Mass, restitution: Number) -> Impulse:
@@ -62,6 +64,45 @@ def legacy_coefficient(restitution: Number) -> Number:
     1.0
     """
     return 0.5 * (1.0 + restitution)
+
+
+def spring_push(overlap: Length, approach_speed: Speed, stiffness: Stiffness, friction: Friction) -> Force:
+    """Push of a spring and a dashpot between two that overlap; positive repels, and nothing ever draws them together.
+
+    F = max(k delta + c v, 0), delta > 0 the overlap and v its rate. [cundall1979].
+
+    >>> spring_push(0.1, -2.0, 10.0, 1.0), spring_push(0.1, 2.0, 10.0, 1.0)
+    (0.0, 3.0)
+    """
+    return max(stiffness * overlap + friction * approach_speed, 0.0)
+
+
+def spring_energy(overlap: Length, stiffness: Stiffness) -> Energy:
+    """Energy of the spring alone, k delta^2/2; zero where nothing overlaps. [cundall1979].
+
+    >>> spring_energy(0.1, 10.0), spring_energy(-0.1, 10.0)
+    (0.05000000000000001, 0.0)
+    """
+    return 0.5 * stiffness * max(overlap, 0.0) ** 2
+
+
+def dashpot_restitution(damping: Number) -> Number:
+    """Restitution of a lone collision over a spring k and a dashpot c = 2 zeta sqrt(k m), m the reduced mass.
+
+    It ends when the push has come down to zero, not when the overlap has: with s = sqrt(|1 - zeta^2|)
+    e = exp(-(zeta/s) atan2(2 zeta s, 2 zeta^2 - 1)) below zeta = 1, exp(-2) there, and beyond it
+    e = exp(-(zeta/s) ln((zeta + s)/(zeta - s))). [schwager2007].
+
+    >>> dashpot_restitution(0.0), round(dashpot_restitution(1.0) / math.exp(-2.0), 12)
+    (1.0, 1.0)
+    """
+    square = 1.0 - damping * damping
+    if abs(square) < 1e-12:
+        return math.exp(-2.0)
+    s = math.sqrt(abs(square))
+    if square > 0.0:
+        return math.exp(-damping / s * math.atan2(2.0 * damping * s, 2.0 * damping * damping - 1.0))
+    return math.exp(-damping / s * math.log((damping + s) / (damping - s)))
 
 
 def restitution_itself(restitution: Number) -> Number:

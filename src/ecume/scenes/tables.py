@@ -6,13 +6,15 @@ import csv
 import io
 import math
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path as Folder
 from typing import Any, NamedTuple
 
-from ecume.scenes.faults import echo, suggestion
+from ecume.scenes.faults import Complaints, Path, echo, suggestion
 from ecume.units import factor
 
 MOST_BYTES = 64 * 2**20
+MOST_MESSAGES = 20
 HEAD = re.compile(r"\s*([A-Za-z_]+)\s*(?:\[\s*([^\[\]]*?)\s*\])?\s*")
 LENGTH, SPEED, TEXT = "m", "m/s", ""
 COLUMNS = {
@@ -49,6 +51,21 @@ class TableFaults(ValueError):
     def __init__(self, messages: Sequence[str]) -> None:
         self.messages = tuple(messages)
         super().__init__("\n".join(messages))
+
+
+def followed(
+    path: Path, follow: Callable[[Any, str, Folder], None], into: Any, name: object, folder: Folder
+) -> Complaints:
+    """Let `follow` put what stands in a file into a scene's plain data; what is wrong with it comes back."""
+    if not isinstance(name, str):
+        return [(path, f"came {echo(name)}; wanted text")]
+    try:
+        follow(into, name, folder)
+    except TableFaults as faults:
+        return [(path, f"{name}, {message}") for message in faults.messages[:MOST_MESSAGES]]
+    except ValueError as fault:
+        return [(path, f"{echo(name)} {fault}")]
+    return []
 
 
 def lines_of(text: str, known: Mapping[str, str] = COLUMNS) -> list[Line]:

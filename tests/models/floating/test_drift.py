@@ -96,6 +96,23 @@ def test_a_float_takes_on_the_velocity_of_the_surface(flow, velocity, integrator
     assert frames[-1].arrays["velocity"][0] == pytest.approx(velocity, rel=0.02, abs=2e-5)
 
 
+def test_a_table_of_a_linear_flow_is_that_flow_and_ends_as_at_its_edge():
+    places = "[[0.4e-3, -0.3e-3], [0.1e-3, 0.7e-3], [5e-3, 0.2e-3]]"
+    body = f'[[floats]]\n{SMALL}positions = {places}\n[motion]\nintegrator = "overdamped"\n{ALONE}'
+    x, y = (-1e-3, 0.0, 1e-3), (-1e-3, -0.5e-3, 0.0, 0.5e-3, 1e-3)
+    vx, vy = [[-0.3 * b for b in y] for a in x], [[0.3 * a for b in y] for a in x]
+    table = f"nodes = {{ low = [-1e-3, -1e-3], high = [1e-3, 1e-3], vx = {vx}, vy = {vy} }}"
+    found = []
+    for flow in ("rotation = 0.3", table):
+        scene = scene_of(f"{WATER}[liquid.flow]\n{flow}\n{body}", duration=1e-3, frame_every=1e-3)
+        parameters = FLOATING.parameters(scene)
+        state = FLOATING.start(scene, parameters)
+        FLOATING.advance(parameters, state, FLOATING.workspace(parameters, state, 1.0), 1)
+        found.append(state.velocity.copy())
+    assert found[1][:2] == pytest.approx(found[0][:2], rel=1e-12)
+    assert found[1][2] == pytest.approx([-0.3 * 0.2e-3, 0.3 * 1e-3], rel=1e-12)
+
+
 def test_floats_on_one_surface_are_carried_as_well():
     body = f'[[floats]]\n{SMALL}positions = [[0.0, 0.0], [0.03, 0.0]]\n[motion]\nintegrator = "overdamped"\n'
     body += '[interaction]\nmethod = "multipole"\norder = 2\n'

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from ecume.engine.walls import dishes as wall_shapes
@@ -19,6 +21,7 @@ from ecume.models.floating.parameters import (
     LEGACY,
     PAIR_LAWS,
     SCHEMES,
+    SPRINGS,
     Parameters,
     pack_pair,
 )
@@ -47,6 +50,7 @@ def parameters_of(scene: FloatingScene) -> Parameters:
     mirrored = scene.dish is not None and scene.dish.image != "none"
     walls, scheme = walls_of(scene), SCHEMES.index(scene.motion.integrator)
     skin = max(0.2 * largest, min(0.4 * length, largest))
+    swings = drift.sway.turning if np.any(drift.sway.amplitude) else 0.0
     parameters = Parameters(
         time_step=0.0,
         steps_per_frame=1,
@@ -68,9 +72,11 @@ def parameters_of(scene: FloatingScene) -> Parameters:
         wall_restitution=scene.dish.restitution if scene.dish is not None else 0.0,
         slop=SLOP * smallest,
         drift=drift,
+        quickest=1.0 / swings if swings > 0.0 else math.inf,
         single=scene.interaction.precision == "single",
     )
-    return _with_friction(with_step(summed(with_method(parameters, scene), scene), scene), scene)
+    together = _with_springs(summed(with_method(parameters, scene), scene), scene)
+    return _with_friction(with_step(together, scene), scene)
 
 
 def with_method(parameters: Parameters, scene: FloatingScene) -> Parameters:
@@ -107,6 +113,18 @@ def with_method(parameters: Parameters, scene: FloatingScene) -> Parameters:
     return METHODS[scene.interaction.method](parameters, scene, kinds, numbers)
 
 
+def _with_springs(parameters: Parameters, scene: FloatingScene) -> Parameters:
+    """What soft contacts need beside all else."""
+    if parameters.contact_law != SPRINGS:
+        if scene.contacts.stiffness is not None:
+            raise _fault("contacts.stiffness", "means something only with contacts.law = 'spring-dashpot'")
+        return parameters
+    # Imported when asked for: its march is compiled for those who want soft contacts only.
+    from ecume.models.floating.springs import with_springs
+
+    return with_springs(parameters, scene)
+
+
 def _with_friction(parameters: Parameters, scene: FloatingScene) -> Parameters:
     """What surfaces that rub need beside all else."""
     if not scene.rubs:
@@ -133,7 +151,7 @@ def _check_names(scene: FloatingScene) -> None:
     choices = [
         ("motion.integrator", scene.motion.integrator, SCHEMES),
         ("motion.drag_law", scene.motion.drag_law, DRAG_LAWS),
-        ("contacts.law", scene.contacts.law, ("impulse", "none")),
+        ("contacts.law", scene.contacts.law, ("impulse", "spring-dashpot", "none")),
         ("interaction.law", str(scene.interaction.law), PAIR_LAWS),
         ("interaction.charge", str(scene.interaction.charge), tuple(flotation.CHARGES)),
         ("interaction.method", scene.interaction.method, ("superposition", "pair-corrected", "multipole")),

@@ -8,8 +8,9 @@ from typing import Any
 
 from ecume._jit import compiled_once
 from ecume.errors import BadInput
-from ecume.models.floating.forces import Screened, forces_with, pull_rows_with, screened_of, screened_pull
+from ecume.models.floating.forces import Screened, forces_with, screened_of, screened_pull
 from ecume.models.floating.parameters import ONE_SIDED, RARE, PairParameters, Parameters
+from ecume.models.floating.pulling import pull_pairs_with
 from ecume.models.floating.schemes import predict, predict_rarely_with
 from ecume.models.floating.state import State, Workspace
 from ecume.models.floating.stepping import march_with
@@ -86,7 +87,8 @@ def _advance_with_extra(laws: tuple[Callable[..., float], ...]) -> Callable[...,
 
     @compiled_once
     def pull(rows: Any, floats: Any, pair: Any, force: Any) -> None:
-        pull_rows_with(extended_pull, screened_of, 0, force.shape[1], rows, floats, pair, force)
+        force[:] = 0.0
+        pull_pairs_with(extended_pull, screened_of, (0, force.shape[1]), rows, floats, pair, (force[0], force[1]))
 
     @compiled_once
     def forces(parameters: Any, position: Any, lists: Any, scratch: Any) -> None:
@@ -121,6 +123,8 @@ def _require_pair_forces(parameters: Parameters) -> None:
             "'grid' or with dipoles, whose marches know no other forces; take method = 'superposition' and sum = "
             "'cells', or leave extra_laws out"
         )
+    if parameters.springs != ():
+        raise BadInput("extra_laws do not go with contacts.law = 'spring-dashpot'; take 'impulse'")
     if parameters.rough != ():
         raise BadInput("extra_laws do not go with friction; leave contacts.friction and dish.friction out")
     if parameters.single:

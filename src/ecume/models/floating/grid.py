@@ -23,7 +23,7 @@ from ecume.engine.cells import Integers
 from ecume.engine.neighbors import NeighborLists, Slots, farthest_move
 from ecume.laws import split as splitting
 from ecume.laws.split import SplitFit, fitted_short_pull, smooth_self_energy, smooth_wave, smooth_wave_within
-from ecume.models.floating.forces import ROWS_PER_TASK, Sorted, forces_with, pull_rows_with
+from ecume.models.floating.forces import Sorted, forces_with
 from ecume.models.floating.meeting import meet, rest
 from ecume.models.floating.parameters import (
     CAPILLARY_LENGTH,
@@ -33,6 +33,7 @@ from ecume.models.floating.parameters import (
     PairParameters,
     Parameters,
 )
+from ecume.models.floating.pulling import STRETCHES, pull_all_with, pull_pairs_with
 from ecume.models.floating.schemes import predict
 from ecume.models.floating.state import State, Workspace
 from ecume.models.floating.stepping import keep_lists, step_with
@@ -76,22 +77,22 @@ def short_pull(square: float, own: PairParameters, law: Short) -> float:
 
 
 @compiled
-def _pull_rows(start: int, stop: int, rows: Any, floats: Any, pair: Array, force: Array) -> None:
+def _pull_stretch(stretch: Any, rows: Any, floats: Any, pair: Array, window: Any) -> None:
     charge, radius = floats
-    pull_rows_with(short_pull, short_of, start, stop, rows, (charge, radius[:0]), pair, force)
+    pull_pairs_with(short_pull, short_of, stretch, rows, (charge, radius[:0]), pair, window)
 
 
 @threaded
-def _pull_in_threads(tasks: int, rows: Any, floats: Any, pair: Array, force: Array) -> None:
-    for task in prange(tasks):
-        start = int(np.int64(task)) * ROWS_PER_TASK
-        _pull_rows(start, min(start + ROWS_PER_TASK, force.shape[1]), rows, floats, pair, force)
+def _pull_in_threads(edge: Any, place: Any, rows: Any, floats: Any, pair: Array, along: Array, across: Array) -> None:
+    for k in prange(STRETCHES):
+        window = along[place[k] : place[k + 1]], across[place[k] : place[k + 1]]
+        _pull_stretch((edge[k], edge[k + 1]), rows, floats, pair, window)
 
 
 @compiled
 def pull_short(rows: Any, floats: Any, pair: Array, force: Array) -> None:
     """Short pair forces on all slots."""
-    _pull_in_threads((force.shape[1] + ROWS_PER_TASK - 1) // ROWS_PER_TASK, rows, floats, pair, force)
+    pull_all_with(_pull_stretch, _pull_in_threads, rows, floats, pair, force)
 
 
 @compiled

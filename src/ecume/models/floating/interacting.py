@@ -208,6 +208,10 @@ def advance(parameters: Parameters, state: State, workspace: Workspace, steps: i
 
         return march_shaped(parameters, state, workspace, steps)
     rare = parameters.scheme in RARE
+    if parameters.springs != ():
+        from ecume.models.floating.springs import march_springs
+
+        return march_springs(parameters, state, workspace, steps)
     if parameters.rough != ():
         from ecume.models.floating import rough_marches
 
@@ -230,6 +234,11 @@ def advance(parameters: Parameters, state: State, workspace: Workspace, steps: i
 
 def interaction_energies(parameters: Parameters, state: State, workspace: Workspace) -> tuple[float, float]:
     """Beyond superposed pairs and walls of spheres (J), pairs and walls; multipoles know no difference of the two."""
+    if parameters.springs != ():
+        from ecume.models.floating.springs import sums_of_spring_energies
+
+        among, at_walls = sums_of_spring_energies(parameters, state, workspace)
+        return float(among), float(at_walls)
     if isinstance(parameters.many, Shaped):
         from ecume.models.floating.shaped.forces import shaped_energies
 

@@ -9,8 +9,8 @@ from ecume._jit import admit, compiled, compiled_inside
 from ecume.engine.neighbors import NeighborLists
 from ecume.laws import capillarity
 from ecume.laws.capillarity import one_sided_legacy_force, pair_strength
-from ecume.models.floating.forces import Sorted, forces_with, pull_rows_with
-from ecume.models.floating.parameters import PairParameters, Parameters
+from ecume.models.floating.forces import Sorted, forces_with
+from ecume.models.floating.parameters import CAPILLARY_LENGTH, CUTOFF, SURFACE_TENSION, PairParameters, Parameters
 from ecume.models.floating.schemes import predict, predict_rarely_with
 from ecume.models.floating.state import State, Workspace
 from ecume.models.floating.stepping import march_with
@@ -22,15 +22,8 @@ LEAST_DISTANCE = 1e-300
 
 
 @compiled_inside
-def no_law(pair: Array) -> float:
-    """All constants are the pair's own."""
-    return 0.0
-
-
-@compiled_inside
-def one_sided_pull(square: float, own: PairParameters, law: float) -> float:
+def one_sided_pull(distance: float, own: PairParameters) -> float:
     """The pull (N) on i over the distance (m)."""
-    distance = max(math.sqrt(square), LEAST_DISTANCE)
     strength = pair_strength(own.surface_tension, own.charge_j, own.charge_j)
     touching = own.radius_i + own.radius_j
     return -one_sided_legacy_force(distance, strength, own.capillary_length, touching) / distance
@@ -38,8 +31,22 @@ def one_sided_pull(square: float, own: PairParameters, law: float) -> float:
 
 @compiled
 def pull_one_sided(rows: Any, floats: Any, pair: Array, force: Array) -> None:
-    """Forces on all slots."""
-    pull_rows_with(one_sided_pull, no_law, 0, force.shape[1], rows, floats, pair, force)
+    """Forces on all slots. What two do to each other is not the same: every slot looks at all of its neighbors."""
+    first, _, neighbor, x, y = rows
+    charge, radius = floats
+    length, tension, cutoff = pair[CAPILLARY_LENGTH], pair[SURFACE_TENSION], pair[CUTOFF]
+    for slot in range(force.shape[1]):
+        total_x, total_y = 0.0, 0.0
+        for place in range(first[slot], first[slot + 1]):
+            j = neighbor[place]
+            apart_x, apart_y = x[j] - x[slot], y[j] - y[slot]
+            distance = max(math.sqrt(apart_x * apart_x + apart_y * apart_y), LEAST_DISTANCE)
+            if distance < cutoff:
+                own = PairParameters(radius[slot], radius[j], charge[slot], charge[j], length, tension)
+                factor = one_sided_pull(distance, own)
+                total_x += factor * apart_x
+                total_y += factor * apart_y
+        force[0, slot], force[1, slot] = total_x, total_y
 
 
 @compiled

@@ -12,6 +12,7 @@ from ecume.engine.contacts import Candidates
 from ecume.engine.neighbors import Slots
 from ecume.engine.walls import Walls, wall_count, wall_distance
 from ecume.laws.capillarity import dish_energy, pair_energy, plane_wall_energy, two_point_legacy_energy
+from ecume.laws.swaying import sway_place
 from ecume.models.floating.interacting import inertia_of, interaction_energies, turns
 from ecume.models.floating.many import Many
 from ecume.models.floating.parameters import (
@@ -193,7 +194,20 @@ def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame
     }
     numbers = {name: float(numbers[name]) for name in NUMBER_UNITS}
     time = int(state.step[0]) * parameters.time_step
+    if parameters.drift.sway.moves:
+        numbers |= place_of_dish(parameters, time)
+        units |= {"dish_x": "m", "dish_y": "m"}
     return Frame(time, arrays, numbers, {**units, **NUMBER_UNITS})
+
+
+def place_of_dish(parameters: Parameters, time: float) -> dict[str, float]:
+    """Where a dish in motion is: floats are seen from it."""
+    sway = parameters.drift.sway
+    x, y = (
+        speed * time + sway_place(far, sway.turning, time)
+        for speed, far in zip(sway.velocity.tolist(), sway.amplitude.tolist(), strict=True)
+    )
+    return {"dish_x": x, "dish_y": y}
 
 
 def energies(parameters: Parameters, state: State, workspace: Workspace) -> dict[str, float]:
@@ -206,7 +220,7 @@ def energies(parameters: Parameters, state: State, workspace: Workspace) -> dict
     if not isinstance(parameters.many, (Many, Split, Shaped)):
         pairs += sum_of_pair_energies(state.position, parameters.floats.charge, parameters.pair, rows)
     if not isinstance(parameters.many, (Many, Shaped)):
-        walls = sum_of_wall_energies(parameters, state.position)
+        walls += sum_of_wall_energies(parameters, state.position)
     return {
         "kinetic_energy": kinetic,
         "pair_energy": pairs,

@@ -17,8 +17,8 @@ VELOCITY_VERLET, EXPLICIT_EULER, STORMER_VERLET, SEMI_IMPLICIT_EULER, RK4, OVERD
 RARE = (STORMER_VERLET, RK4)
 """Schemes that ask for forces on the way; their march is compiled when one of them is used."""
 
-CONTACT_LAWS = ("none", "impulse", "legacy")
-NO_CONTACTS, IMPULSE, LEGACY = range(3)
+CONTACT_LAWS = ("none", "impulse", "legacy", "spring-dashpot")
+NO_CONTACTS, IMPULSE, LEGACY, SPRINGS = range(4)
 
 NO_WALL_LAW, DISH, LEGACY_DISH, PLANE, TABLED = range(5)
 
@@ -65,11 +65,29 @@ class Kick(NamedTuple):
 DRAG_LAWS = ("stokes", "schiller-naumann")
 
 
+class Sway(NamedTuple):
+    """How the dish is moved; floats are seen from it."""
+
+    moves: bool
+    velocity: Array
+    """(2,) m/s, that stays"""
+    amplitude: Array
+    """(2,) m, of the swing"""
+    turning: float
+    """rad/s, of the swing"""
+    slip: float
+    """the part of its motion that the liquid does not go along with"""
+
+
 class Drift(NamedTuple):
     """What carries floats along beside forces: the flowing surface, and chance."""
 
     flow: Array
     """(6,) u_x, u_y at the origin (m/s), then du_x/dx, du_x/dy, du_y/dx, du_y/dy (1/s)"""
+    nodes: Array
+    """(2, X, Y) m/s: a flow at nodes, beside that; (2, 0, 0) where there is none"""
+    frame: Array
+    """(4,) of the nodes: the least x and y (m), then nodes for each meter along x and y"""
     flows: bool
     thermal: float
     """J: kT"""
@@ -77,7 +95,8 @@ class Drift(NamedTuple):
     thickness: float
     """s/m^2: the liquid's density over its viscosity where drag grows with the speed; zero where it is Stokes's"""
     jump: float
-    """m: farther than this chance carries nobody in a step, but one in a billion"""
+    """m: farther than this chance, but for one in a billion, and the dish carry nobody in a step"""
+    sway: Sway
 
 
 class Parameters(NamedTuple):
@@ -119,6 +138,8 @@ class Parameters(NamedTuple):
     """whether pair forces are worked out in single precision"""
     rough: Any = ()
     """nothing where surfaces are smooth; else a `rubbing.Rough`, which makes a march of its own"""
+    springs: Any = ()
+    """nothing where contacts are impulses; else a `springs.Springs`, which makes a march of its own"""
     stiffer: float = 1.0
     """how much stiffer contacts are than superposition says, at most"""
 

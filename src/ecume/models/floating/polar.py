@@ -9,10 +9,10 @@ import numpy as np
 
 from ecume._jit import admit, compiled, compiled_inside, prange, threaded
 from ecume.engine.cells import Integers
-from ecume.engine.neighbors import THREADS_FROM, NeighborLists, Slots
+from ecume.engine.neighbors import NeighborLists, Slots
 from ecume.laws import dipoles
 from ecume.laws.dipoles import dipole_energy, dipole_strength
-from ecume.models.floating.forces import ROWS_PER_TASK, Sorted, forces, pull_rows_with
+from ecume.models.floating.forces import Sorted, forces
 from ecume.models.floating.parameters import (
     CAPILLARY_LENGTH,
     CUTOFF,
@@ -21,6 +21,7 @@ from ecume.models.floating.parameters import (
     PairParameters,
     Parameters,
 )
+from ecume.models.floating.pulling import STRETCHES, pull_all_with, pull_pairs_with
 from ecume.models.floating.schemes import predict, predict_rarely_with
 from ecume.models.floating.state import State, Workspace
 from ecume.models.floating.stepping import march_with
@@ -75,16 +76,16 @@ def dipole_pull(square: float, own: PairParameters, strength: float) -> float:
 
 
 @compiled
-def _push_rows(start: int, stop: int, rows: Any, floats: Any, pair: Array, push: Array) -> None:
+def _push_stretch(stretch: Any, rows: Any, floats: Any, pair: Array, window: Any) -> None:
     moment, radius = floats
-    pull_rows_with(dipole_pull, strength_of, start, stop, rows, (moment, radius[:0]), pair, push)
+    pull_pairs_with(dipole_pull, strength_of, stretch, rows, (moment, radius[:0]), pair, window)
 
 
 @threaded
-def _push_in_threads(tasks: int, rows: Any, floats: Any, pair: Array, push: Array) -> None:
-    for task in prange(tasks):
-        start = int(np.int64(task)) * ROWS_PER_TASK
-        _push_rows(start, min(start + ROWS_PER_TASK, push.shape[1]), rows, floats, pair, push)
+def _push_in_threads(edge: Any, place: Any, rows: Any, floats: Any, pair: Array, along: Array, across: Array) -> None:
+    for k in prange(STRETCHES):
+        window = along[place[k] : place[k + 1]], across[place[k] : place[k + 1]]
+        _push_stretch((edge[k], edge[k + 1]), rows, floats, pair, window)
 
 
 @compiled
@@ -97,12 +98,8 @@ def polar_forces(parameters: Parameters, position: Array, lists: NeighborLists, 
     count = len(order)
     for slot in range(count):
         moment[slot] = everyone[order[slot]]
-    places = (rows.first, rows.neighbor, rows.sorted_position[0], rows.sorted_position[1])
-    if count >= THREADS_FROM:
-        tasks = (count + ROWS_PER_TASK - 1) // ROWS_PER_TASK
-        _push_in_threads(tasks, places, (moment, magnets.radius), pair, push)
-    else:
-        _push_rows(0, count, places, (moment, magnets.radius), pair, push)
+    places = (rows.first, rows.later, rows.neighbor, rows.sorted_position[0], rows.sorted_position[1])
+    pull_all_with(_push_stretch, _push_in_threads, places, (moment, magnets.radius), pair, push)
     for slot in range(count):
         force[order[slot], 0] += push[0, slot]
         force[order[slot], 1] += push[1, slot]

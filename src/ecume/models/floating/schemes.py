@@ -7,14 +7,16 @@ from collections.abc import Callable
 
 from ecume._jit import admit, compiled, inlined
 from ecume.engine.philox import counter_of, normals
-from ecume.laws import brownian, drag
+from ecume.laws import brownian, drag, swaying
 from ecume.laws.brownian import diffusivity
 from ecume.laws.drag import schiller_naumann_factor
-from ecume.models.floating.parameters import EXPLICIT_EULER, RK4, VELOCITY_VERLET, Kick, Parameters
+from ecume.laws.swaying import left_behind, sway_acceleration, sway_velocity
+from ecume.models.floating.currents import current_at
+from ecume.models.floating.parameters import EXPLICIT_EULER, OVERDAMPED, RK4, VELOCITY_VERLET, Kick, Parameters
 from ecume.models.floating.state import State, Workspace
 from ecume.units import Array
 
-admit(brownian, drag)
+admit(brownian, drag, swaying)
 
 
 @compiled
@@ -27,22 +29,37 @@ def give_kick(kick: Kick, velocity: Array, force: Array) -> None:
 
 
 @compiled
-def kick_floats(parameters: Parameters, state: State, force: Array) -> None:
-    """`give_kick`, with the drag of the scene's law."""
+def kick_floats(parameters: Parameters, state: State, force: Array, ahead: float) -> None:
+    """`give_kick`, with the drag of the scene's law and a dish in motion, `ahead` steps from now."""
     if parameters.drift.thickness > 0.0:
         give_fast_kick(parameters, state, force)
     else:
         give_kick(parameters.kick, state.velocity, force)
+    if parameters.drift.sway.moves:
+        leave_behind(parameters, state, (state.step[0] + ahead) * parameters.time_step)
+
+
+@compiled
+def leave_behind(parameters: Parameters, state: State, time: float) -> None:
+    """What the motion of the dish does to velocities as seen from it; what has no inertia feels its velocity only."""
+    sway, floats, gain, velocity = parameters.drift.sway, parameters.floats, parameters.kick.gain, state.velocity
+    for axis in range(2):
+        speed = sway.velocity[axis] + sway_velocity(sway.amplitude[axis], sway.turning, time)
+        change = sway_acceleration(sway.amplitude[axis], sway.turning, time)
+        change = 0.0 if parameters.scheme == OVERDAMPED else change
+        for i in range(velocity.shape[0]):
+            friction = floats.mass[i] / floats.relaxation_time[i]
+            velocity[i, axis] += gain[i] * left_behind(floats.mass[i], friction, change, speed, sway.slip)
 
 
 @compiled
 def give_fast_kick(parameters: Parameters, state: State, force: Array) -> None:
     """A drag that grows with the speed through the liquid: that of the kick's beginning, then as in `give_kick`."""
-    floats, flow, velocity = parameters.floats, parameters.drift.flow, state.velocity
+    floats, velocity = parameters.floats, state.velocity
     time = 0.5 * parameters.time_step if parameters.scheme == VELOCITY_VERLET else parameters.time_step
     for i in range(force.shape[0]):
-        x, y, friction = state.position[i, 0], state.position[i, 1], floats.mass[i] / floats.relaxation_time[i]
-        along, across = flow[0] + flow[2] * x + flow[3] * y, flow[1] + flow[4] * x + flow[5] * y
+        friction = floats.mass[i] / floats.relaxation_time[i]
+        along, across = current_at(parameters.drift, state.position[i, 0], state.position[i, 1])
         speed = math.sqrt((velocity[i, 0] - along) ** 2 + (velocity[i, 1] - across) ** 2)
         faster = schiller_naumann_factor(2.0 * floats.radius[i] * speed * parameters.drift.thickness)
         decay = math.exp(-time * faster / floats.relaxation_time[i])
@@ -102,9 +119,9 @@ def predict(parameters: Parameters, state: State, workspace: Workspace) -> None:
     """
     if parameters.scheme == EXPLICIT_EULER:
         copy_rows(workspace.passage, state.velocity)
-        kick_floats(parameters, state, workspace.force)
+        kick_floats(parameters, state, workspace.force, 0.5)
     else:
-        kick_floats(parameters, state, workspace.force)
+        kick_floats(parameters, state, workspace.force, 0.0 if parameters.scheme == VELOCITY_VERLET else 0.5)
         if parameters.drift.thermal > 0.0:
             jiggle(parameters, state.velocity, int(state.step[0]))
         copy_rows(workspace.passage, state.velocity)

@@ -21,6 +21,7 @@ from ecume.models.floating.parameters import (
     NO_CONTACTS,
     ONE_SIDED,
     RARE,
+    SPRINGS,
     STORMER_VERLET,
     VELOCITY_VERLET,
     Kick,
@@ -128,8 +129,8 @@ def step_with(
     if parameters.scheme != STORMER_VERLET:
         evaluate(parameters, state.position, workspace.lists, (workspace.sorted_floats, workspace.force))
     if parameters.scheme == VELOCITY_VERLET:
-        kick_floats(parameters, state, workspace.force)
-    if parameters.contact_law == IMPULSE:
+        kick_floats(parameters, state, workspace.force, 1.0)
+    if parameters.contact_law in (IMPULSE, SPRINGS):
         rest(parameters, state, workspace)
     state.step[0] += 1
 

@@ -65,8 +65,18 @@ def with_step(parameters: Parameters, scene: FloatingScene) -> Parameters:
             f"it is {time_step:.3g} s. Set motion.time_step, or use 'velocity-verlet'"
         )  # fmt: skip
     jump = FARTHEST_CHANCE * math.sqrt(2.0 * parameters.drift.thermal * float(kick.gain.max()) * time_step)
-    drift = parameters.drift._replace(jump=jump if parameters.drift.thermal > 0.0 else 0.0)
+    jump = (jump if parameters.drift.thermal > 0.0 else 0.0) + time_step * _swaying(parameters, kick)
+    drift = parameters.drift._replace(jump=jump)
     return parameters._replace(time_step=time_step, steps_per_frame=steps, kick=kick, drift=drift)
+
+
+def _swaying(parameters: Parameters, kick: Kick) -> float:
+    """The most that a dish in motion changes a velocity by in a kick (m/s)."""
+    sway, floats = parameters.drift.sway, parameters.floats
+    far = float(np.hypot(*sway.amplitude))
+    speed, change = float(np.hypot(*sway.velocity)) + far * sway.turning, far * sway.turning**2
+    change = 0.0 if parameters.scheme == OVERDAMPED else change
+    return sway.slip * float(np.max(kick.gain * floats.mass * (change + speed / floats.relaxation_time)))
 
 
 def _judge(asked: float, good: float) -> None:
@@ -87,9 +97,11 @@ def _speeds(scene: FloatingScene) -> float:
         reach = (
             scene.dish.radius if scene.dish.radius is not None else 0.5 * math.hypot(*(scene.dish.size or (0.0, 0.0)))
         )
-    flow = drift_of(scene).flow
-    flowing = math.hypot(flow[0], flow[1]) + reach * float(np.abs(flow[2:]).sum())
+    drift = drift_of(scene)
+    flow, nodes = drift.flow, np.hypot(drift.nodes[0], drift.nodes[1])
+    flowing = math.hypot(flow[0], flow[1]) + reach * float(np.abs(flow[2:]).sum()) + float(nodes.max(initial=0.0))
     speeds = [math.hypot(*each) for species in scene.floats for each in (species.velocities or [species.velocity])]
+    flowing += drift.sway.slip * (float(np.hypot(*drift.sway.velocity + drift.sway.turning * drift.sway.amplitude)))
     return max([flowing, *speeds, *(math.hypot(row.vx, row.vy) for row in scene.rows)])
 
 

@@ -5,17 +5,20 @@ from ecume.scenes.floating.scene import FloatingScene, species_of
 from ecume.scenes.floating.shapes import ShapeSpec
 from ecume.scenes.floating.surroundings import (
     ContactSpec,
+    DishMotionSpec,
     DishSpec,
     FilmsSpec,
     FlowSpec,
     InteractionSpec,
     LiquidSpec,
     MotionSpec,
+    NodesSpec,
 )
 
 __all__ = [
     "ContactSpec",
     "DiscSpec",
+    "DishMotionSpec",
     "DishSpec",
     "FilmsSpec",
     "FloatRow",
@@ -25,6 +28,7 @@ __all__ = [
     "InteractionSpec",
     "LiquidSpec",
     "MotionSpec",
+    "NodesSpec",
     "ShapeSpec",
     "SurfaceEnergies",
     "species_of",

@@ -10,7 +10,11 @@ from pydantic.dataclasses import dataclass
 from ecume.scenes.faults import Inconsistent
 from ecume.scenes.quantities import (
     STRICT,
+    Amplitude,
+    Coordinate,
+    Direction,
     Duration,
+    Frequency,
     GasDensity,
     Gravity,
     Heat,
@@ -21,6 +25,7 @@ from ecume.scenes.quantities import (
     Proportion,
     Roughness,
     Size,
+    Springiness,
     Switch,
     TurningRate,
     Velocity,
@@ -30,8 +35,36 @@ from ecume.units import Number
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
+class NodesSpec:
+    """Velocities at the nodes of a grid of equal steps, straight between them; beyond it as at its edge.
+
+    A file says `velocity_from = "table.csv"` instead, with the columns x, y, vx and vy.
+    """
+
+    low: tuple[Coordinate, Coordinate]
+    """The node with the least x and y (m)."""
+    high: tuple[Coordinate, Coordinate]
+    """The node with the largest (m)."""
+    vx: tuple[tuple[Velocity, ...], ...]
+    """Along x (m/s): a row for each x, in it one for each y."""
+    vy: tuple[tuple[Velocity, ...], ...]
+    """Along y (m/s), likewise."""
+
+    @model_validator(mode="after")
+    def _rectangular(self) -> Self:
+        shapes = {(len(part), len(row)) for part in (self.vx, self.vy) for row in part}
+        if len(shapes) != 1 or min(next(iter(shapes))) < 2:
+            raise Inconsistent([(("vx",), "wanted as many numbers in each row as in vy, at least 2 rows of 2")])
+        if not (self.low[0] < self.high[0] and self.low[1] < self.high[1]):
+            raise Inconsistent([(("high",), "wanted larger coordinates than low has")])
+        return self
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
 class FlowSpec:
-    """How the liquid's surface flows, which drags the floats along: a uniform flow and three linear ones, added up."""
+    """How the liquid's surface flows, which drags the floats along: a uniform flow, three linear ones and a table's,
+    added up.
+    """
 
     velocity: tuple[Velocity, Velocity] = (0.0, 0.0)
     """At the origin (m/s)."""
@@ -41,6 +74,8 @@ class FlowSpec:
     """About the origin, counterclockwise (1/s)."""
     stretching: TurningRate = 0.0
     """Apart along x and together along y, for each meter from the origin (1/s)."""
+    nodes: NodesSpec | None = None
+    """A flow of your own; a file says `velocity_from = "table.csv"` instead."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -70,6 +105,23 @@ class LiquidSpec:
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
+class DishMotionSpec:
+    """A dish that is drawn along, or swings to and fro; floats are where and as fast as they are seen from it."""
+
+    velocity: tuple[Velocity, Velocity] = (0.0, 0.0)
+    """Of the dish (m/s), which stays."""
+    amplitude: Amplitude = 0.0
+    """Of its swing (m), from rest: A(1 - cos(2 pi f t))."""
+    direction: Direction = 0.0
+    """Into which it swings first (rad, from the x axis)."""
+    frequency: Frequency = 1.0
+    """Of the swing (1/s)."""
+    carried: Proportion = 0.0
+    """The part of the dish's motion that the liquid goes along with: 0 for a frame in a wide pool, 1 for a closed dish
+    moved more slowly than its liquid sloshes, in which floats feel nothing of it."""
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
 class DishSpec:
     """A round or rectangular dish around the origin. A scene without one is an endless surface."""
 
@@ -90,6 +142,8 @@ class DishSpec:
     """What is left of a normal velocity after a bounce off the wall."""
     friction: Roughness = 0.0
     """Coulomb's coefficient at the wall; with one, floats spin."""
+    motion: DishMotionSpec | None = None
+    """How it is moved, if it is."""
 
     @model_validator(mode="after")
     def _one_shape(self) -> Self:
@@ -142,7 +196,10 @@ class ContactSpec:
     """The original's C, which means a restitution of 2C - 1; overrules `restitution`. In `legacy-2022` 0.3, if left
     out."""
     law: LawName = "impulse"
-    """`impulse` or `none`"""
+    """`impulse`, `spring-dashpot`, which is soft, or `none`."""
+    stiffness: Springiness | None = None
+    """Of the springs (N/m); left out, so stiff that what floats do to each other presses them in by a thousandth of a
+    radius."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)

@@ -7,14 +7,14 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path as Folder
 from typing import Any
 
 from ecume.scenes.faults import Complaints, echo
 from ecume.scenes.files import beside, require_there, text_of
 from ecume.scenes.quantities import FARTHEST
-from ecume.scenes.tables import MOST_BYTES, TableFaults, lines_of
+from ecume.scenes.tables import MOST_BYTES, followed, lines_of
 
 TABLE, OUTLINE, UNIT, RUN = "particles_from", "outline_from", "outline_unit", "start_from"
 LIQUID_COLUMNS = {
@@ -28,7 +28,6 @@ LIQUID_COLUMNS = {
     "mass": "kg",
 }
 """The columns of a table of liquid, and their SI units."""
-MOST_MESSAGES = 20
 MOST_MESH_BYTES = 256 * 2**20
 AXES = "xyz"
 
@@ -37,35 +36,20 @@ def follow_sources(raw: dict[str, Any], folder: Folder) -> Complaints:
     """Put what the scene's sources say into `raw`; what is wrong with them comes back."""
     faults: Complaints = []
     if RUN in raw:
-        faults += _told((RUN,), _start_from, raw, raw.pop(RUN), folder)
+        faults += followed((RUN,), _start_from, raw, raw.pop(RUN), folder)
     regions = raw.get("fluid")
     for index, region in enumerate(regions if isinstance(regions, list) else []):
         if not isinstance(region, dict):
             continue
         path = ("fluid", index)
         if TABLE in region:
-            faults += _told((*path, TABLE), _particles_from, region, region.pop(TABLE), folder)
+            faults += followed((*path, TABLE), _particles_from, region, region.pop(TABLE), folder)
         if OUTLINE in region:
-            faults += _told((*path, OUTLINE), _outline_from, region, region.pop(OUTLINE), folder)
+            faults += followed((*path, OUTLINE), _outline_from, region, region.pop(OUTLINE), folder)
         elif UNIT in region:
             region.pop(UNIT)
             faults.append(((*path, UNIT), "says nothing without outline_from"))
     return faults
-
-
-def _told(
-    path: Any, follow: Callable[[dict[str, Any], str, Folder], None], into: Any, name: object, folder: Folder
-) -> Complaints:
-    if not isinstance(name, str):
-        return [(path, f"came {echo(name)}; wanted text")]
-    try:
-        follow(into, name, folder)
-    except TableFaults as faults:
-        messages = faults.messages[:MOST_MESSAGES]
-        return [(path, f"{name}, {message}") for message in messages]
-    except ValueError as fault:
-        return [(path, f"{echo(name)} {fault}")]
-    return []
 
 
 def _there(folder: Folder, name: str) -> Folder:

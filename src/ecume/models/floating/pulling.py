@@ -1,0 +1,148 @@
+"""The loop over pairs, and how threads share it.
+
+Each pair is worked out once and counts for both. Slots are parted into stretches of about as many pairs each; a
+stretch adds up its pairs into a window of its own, from its first slot to the last one's last neighbor, and the windows
+are added up in order. How many stretches there are follows from the crowd alone, so that bits do not depend on threads.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ecume._jit import adding_inside, compiled, inlined
+from ecume.engine.cells import Integers
+from ecume.engine.neighbors import THREADS_FROM
+from ecume.models.floating.parameters import CAPILLARY_LENGTH, CUTOFF, SURFACE_TENSION, PairParameters
+from ecume.units import Array
+
+STRETCHES = 32
+PADDED = 8
+"""Neighbors are padded to a multiple of the vector width, since what is left over runs one by one."""
+
+
+class Stretches(NamedTuple):
+    """Which slots are whose, and where in the scratch a stretch's window lies."""
+
+    edge: Integers
+    """(STRETCHES + 1,) the first slot of each, and the end"""
+    place: Integers
+    """(STRETCHES + 1,)"""
+
+
+@compiled
+def stretches_of(first: Integers, later: Integers, neighbor: Any) -> Stretches:
+    """Stretches with as many pairs each, so far as whole rows allow."""
+    edge, place = np.zeros(STRETCHES + 1, np.int64), np.zeros(STRETCHES + 1, np.int64)
+    total = 0
+    for slot in range(len(later)):
+        total += first[slot + 1] - later[slot]
+    slot, pairs = 0, 0
+    for k in range(STRETCHES):
+        edge[k], last = slot, slot
+        while slot < len(later) and (k == STRETCHES - 1 or STRETCHES * pairs < (k + 1) * total):
+            found = first[slot + 1] - later[slot]
+            last = max(last, int(neighbor[first[slot + 1] - 1]) if found > 0 else slot)
+            pairs += found
+            slot += 1
+        place[k + 1] = place[k] + (last + 1 - edge[k] if slot > edge[k] else 0)
+    edge[STRETCHES] = slot
+    return Stretches(edge, place)
+
+
+@compiled
+def add_windows(stretches: Stretches, windows: Array, force: Array) -> None:
+    """Add up all windows in order."""
+    edge, place = stretches.edge, stretches.place
+    force[:] = 0.0
+    for k in range(STRETCHES):
+        for axis in range(2):
+            for spot in range(place[k], place[k + 1]):
+                force[axis, edge[k] + spot - place[k]] += windows[axis, spot]
+
+
+@adding_inside
+def sums(x: Array, y: Array, count: int) -> tuple[float, float]:
+    """Of the first `count` numbers, several at a time."""
+    total_x, total_y = 0.0, 0.0
+    for k in range(count):
+        total_x += x[k]
+        total_y += y[k]
+    return total_x, total_y
+
+
+@inlined
+def pull_pairs_with(
+    pull_of: Callable[..., float],
+    law_of: Callable[[Array], Any],
+    stretch: tuple[int, int],
+    rows: tuple[Any, Any, Any, Any, Any],
+    floats: tuple[Array, Array],
+    pair: Array,
+    window: tuple[Array, Array],
+) -> None:
+    """Add the forces of the pairs of a stretch of slots with later ones, by a law's pull over the distance.
+
+    Four plain loops instead of one: gather the neighbors, work out all their forces (this one vectorizes, without
+    changing a bit), give them to the neighbors, add them up in order. The second one is in the precision of `pair` and
+    of the charges; distances are taken and forces added up in double. Laws that look at no radius are given none.
+    """
+    first, later, neighbor, x, y = rows
+    charge, radius = floats
+    law, cutoff, length, tension = law_of(pair), pair[CUTOFF], pair[CAPILLARY_LENGTH], pair[SURFACE_TENSION]
+    nothing = cutoff - cutoff
+    longest, start = 0, np.uint64(stretch[0])
+    for slot in range(stretch[0], stretch[1]):
+        longest = max(longest, first[slot + 1] - later[slot])
+    room, kind = longest + PADDED, charge.dtype
+    apart_x, apart_y, charges, radii = np.empty(room, kind), np.empty(room, kind), np.zeros(room, kind), np.ones(room)
+    force_x, force_y = window
+    for slot in range(stretch[0], stretch[1]):
+        begin, found = np.uint64(later[slot]), np.uint64(first[slot + 1] - later[slot])
+        own_x, own_y, own_charge, own_radius = x[slot], y[slot], charge[slot], 0.0
+        for k in range(found):
+            j = np.uint64(neighbor[begin + k])
+            apart_x[k], apart_y[k], charges[k] = x[j] - own_x, y[j] - own_y, charge[j]
+        if len(radius) > 0:
+            own_radius = radius[slot]
+            for k in range(found):
+                radii[k] = radius[neighbor[begin + k]]
+        padded = (found + np.uint64(PADDED - 1)) // np.uint64(PADDED) * np.uint64(PADDED)
+        for k in range(found, padded):
+            apart_x[k], apart_y[k] = cutoff + cutoff, nothing
+        for k in range(padded):
+            square = apart_x[k] * apart_x[k] + apart_y[k] * apart_y[k]
+            own = PairParameters(own_radius, radii[k], own_charge, charges[k], length, tension)
+            factor = pull_of(square, own, law)
+            factor = factor if square < cutoff * cutoff else nothing
+            apart_x[k] *= factor
+            apart_y[k] *= factor
+        for k in range(found):
+            j = np.uint64(neighbor[begin + k]) - start
+            force_x[j] -= apart_x[k]
+            force_y[j] -= apart_y[k]
+        total_x, total_y = sums(apart_x, apart_y, padded)
+        force_x[np.uint64(slot) - start] += total_x
+        force_y[np.uint64(slot) - start] += total_y
+
+
+@inlined
+def pull_all_with(
+    pull_stretch: Callable[..., None],
+    pull_in_threads: Callable[..., None],
+    rows: tuple[Any, Any, Any, Any, Any],
+    floats: tuple[Array, Array],
+    pair: Array,
+    force: Array,
+) -> None:
+    """The forces of all pairs on all slots, by threads where there are many."""
+    if force.shape[1] < THREADS_FROM:
+        force[:] = 0.0
+        pull_stretch((0, force.shape[1]), rows, floats, pair, (force[0], force[1]))
+    else:
+        stretches = stretches_of(rows[0], rows[1], rows[2])
+        windows = np.zeros((2, stretches.place[STRETCHES]))
+        pull_in_threads(stretches.edge, stretches.place, rows, floats, pair, windows[0], windows[1])
+        add_windows(stretches, windows, force)

@@ -1,0 +1,107 @@
+"""Contacts as springs and dashpots."""
+
+import numpy as np
+import pytest
+
+from ecume.errors import BadInput, SceneError
+from ecume.laws.contact import dashpot_restitution
+from ecume.models import MODELS
+from ecume.simulation import moments, simulate
+from tests.models.floating.bowls import HEAVY, WATER, colliding, scene_of, two_floats
+from tests.models.floating.test_rafts import copied, end_of
+
+SOFT = 'law = "spring-dashpot"\n'
+
+
+def relative(frames):
+    """The speed at which two part, over that at which they came."""
+    first, last = (frame.arrays["velocity"][:, 0] for frame in (frames[0], frames[-1]))
+    return (last[1] - last[0]) / (first[0] - first[1])
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize("restitution", [0.1, 0.5, 0.9])
+def test_a_soft_collision_gives_back_what_was_asked(restitution):
+    scene = colliding(
+        (0.05, 0.0), densities=(1300.0, 700.0), contacts=f"{SOFT}restitution = {restitution}\nstiffness = 2.0"
+    )
+    frames = list(simulate(scene))
+    assert relative(frames) == pytest.approx(restitution, abs=2e-3)
+    moved = frames[-1].numbers["momentum_x"] / frames[0].numbers["momentum_x"]
+    assert moved == pytest.approx(1.0, abs=1e-13)
+    assert frames[-1].numbers["deepest_overlap"] > 1e-5
+
+
+@pytest.mark.compiled
+def test_springs_without_dashpots_keep_the_energy_even_where_they_are_pressed():
+    floats = "".join(
+        f"[[floats]]\nname = '{name}'\n{HEAVY}positions = [[{x}, {y}]]\nvelocity = [{vx}, 0.0]\n"
+        for name, x, y, vx in (("a", -2e-3, 2e-4, 0.05), ("b", 2e-3, 0.0, -0.02))
+    )
+    rest = '[motion]\ndrag = false\n[interaction]\nlaw = "none"\n'
+    dish = '[dish]\nradius = "5 mm"\nlaw = "none"\nrestitution = 1.0\n'
+    dish += f"[contacts]\n{SOFT}restitution = 1.0\nstiffness = 2.0\n"
+    frames = list(simulate(scene_of(WATER + floats + rest + dish, duration=0.4, frame_every=2e-3)))
+    total = np.array([frame.numbers["total_energy"] for frame in frames])
+    kinetic = np.array([frame.numbers["kinetic_energy"] for frame in frames])
+    assert np.min(kinetic) < 0.9 * total[0]
+    assert total == pytest.approx(total[0], rel=2e-3)
+
+
+@pytest.mark.compiled
+def test_a_pair_rests_where_the_spring_holds_its_pull():
+    scene = two_floats(2.05e-3, motion="", contacts=f"{SOFT}restitution = 0.2", duration=4.0, frame_every=0.5)
+    *_, last = simulate(scene)
+    parameters = MODELS["floating"].parameters(scene)
+    apart = np.ptp(last.arrays["position"][:, 0])
+    strength, length = parameters.pair[0] * parameters.floats.charge[0] ** 2, parameters.pair[1]
+    from scipy.special import k1
+
+    pull = strength / length * k1(apart / length)
+    assert 2e-3 - apart == pytest.approx(pull / parameters.springs.stiffness, rel=1e-3)
+    assert 0.0 < 2e-3 - apart < 1e-6
+    assert last.numbers["largest_speed"] < 1e-8
+
+
+@pytest.mark.compiled
+def test_soft_contacts_resume_bit_for_bit():
+    scene = scene_of(
+        f"{WATER}[[floats]]\ncount = 20\n{HEAVY}[dish]\nradius = 0.009\n[contacts]\n{SOFT}",
+        duration=0.2,
+        frame_every=0.02,
+    )
+    whole = end_of(scene)
+    halves = [copied(moment.state) for moment in moments(scene, patience=1e-3) if moment.step % 37 == 1]
+    assert len(halves) > 0
+    assert {end_of(scene, state=half) for half in halves[:: max(1, len(halves) // 3)]} == {whole}
+
+
+def test_a_dashpot_takes_more_the_stiffer_it_is():
+    assert dashpot_restitution(0.0) == 1.0
+    given = [dashpot_restitution(damping) for damping in (0.1, 0.5, 0.999999, 1.000001, 2.0, 5.0)]
+    assert all(np.diff(given) < 0.0)
+    # Integrated by hand to the moment at which the push is gone.
+    assert given[1] == pytest.approx(0.29843606, abs=1e-8)
+    assert given[4] == pytest.approx(0.04776873, abs=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("rest", "said"),
+    [
+        ("[contacts]\nstiffness = 2.0\n", "only with contacts.law"),
+        (f"[contacts]\n{SOFT}friction = 0.1\n", "without friction"),
+        (f"[contacts]\n{SOFT}restitution = 0.0\n", "0.05 or more"),
+        (f'[contacts]\n{SOFT}[interaction]\nlaw = "none"\n', "wanted N/m"),
+        (f'[contacts]\n{SOFT}[motion]\nintegrator = "rk4"\n', "velocity-verlet"),
+    ],
+)
+def test_what_does_not_go_with_springs_is_told(rest, said):
+    scene = scene_of(f"{WATER}[[floats]]\ncount = 2\n{HEAVY}{rest}")
+    with pytest.raises(SceneError, match=said):
+        MODELS["floating"].parameters(scene)
+
+
+def test_laws_of_a_users_own_want_impulses():
+    scene = scene_of(f"{WATER}[[floats]]\ncount = 2\n{HEAVY}[contacts]\n{SOFT}")
+    with pytest.raises(BadInput, match="spring-dashpot"):
+        list(simulate(scene, extra_laws=[lambda distance, pair: 0.0]))
