@@ -114,7 +114,7 @@ def floating_sources(scene: Any) -> list[Source]:
         laws += capillarity.WALLS.get(str(scene.dish.law), ())
         laws += [meniscus.dish_height, *([images.plane_image_force] if scene.dish.image != "none" else [])]
     laws += [drag.immersion_factor, drag.stokes_friction] if scene.motion.drag else []
-    if any(species.shape is not None for species in scene.floats):
+    if scene.shaped:
         laws += [ellipsoids.ellipsoid_undulation, lines.spread_charges, quadrupoles.quadrupole_energy]
         laws += [ellipsoids.ellipsoid_friction, ellipsoids.ellipsoid_turning_friction] if scene.motion.drag else []
     laws += [brownian.diffusivity] if scene.motion.temperature else []

@@ -107,3 +107,31 @@ def test_a_run_without_densities_is_of_another_model(folder: Path) -> None:
     (folder / "scene.toml").write_text(SCENE.format("").replace("bowl", "other"))
     with pytest.raises(SceneError, match="another model: its frames have no density"):
         load_scene(folder / "scene.toml")
+
+
+def test_discs_and_shapes_start_as_they_were_left(tmp_path: Path) -> None:
+    disc = {"name": "flake", "radius": 2e-3, "density": 500, "disc": {"thickness": 1e-3, "angle": 0.1}}
+    needle = {"name": "pin", "radius": 3e-3, "density": 900, "contact_angle": 1.2}
+    needle["shape"] = {"kind": "needle", "width": 5e-4}
+    scene = from_plain({"model": "floating", "duration": 1, "frame_every": 0.1, "floats": [disc, needle]})
+    run = tmp_path / "runs" / "bowl"
+    arrays = {
+        "position": np.array([[0.0, 0.1], [0.2, 0.3]]),
+        "velocity": np.array([[0.0, 0.0], [1e-3, 0.1]]),
+        "radius": np.array([2e-3, 3e-3]),
+        "density": np.array([500.0, 900.0]),
+        "contact_angle": np.array([np.nan, 1.2]),
+        "species": np.array([0, 1]),
+        "angle": np.array([0.4, 2.5]),
+        "spin": np.array([0.0, -3.0]),
+    }
+    with Recorder(run / "traj") as recorder:
+        recorder.write(Frame(0.0, arrays, {"kinetic_energy": 1.0}, {}), 0)
+    (run / "resolved.json").write_text(json.dumps(to_plain(scene)))
+    again = read(tmp_path)
+    flake, pin = again.rows  # type: ignore[attr-defined]
+    assert (flake.disc.thickness, flake.disc.angle, flake.contact_angle, flake.angle) == (1e-3, None, None, 0.4)
+    assert (pin.shape.kind, pin.shape.width, pin.contact_angle, pin.spin) == ("needle", 5e-4, 1.2, -3.0)
+    assert again.shaped  # type: ignore[attr-defined]
+    # What was read stands alone, and starts a run in turn.
+    assert from_plain(to_plain(again)) == again

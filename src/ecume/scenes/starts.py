@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import re
 from collections.abc import Mapping, Sequence
@@ -179,19 +180,33 @@ def frame_of_run(folder: Folder, name: str) -> tuple[Frame, Any]:
 
 def _rows_of_frame(frame: Frame, scene: Any) -> list[dict[str, Any]]:
     """The floats of one frame of a run. Raises ValueError."""
-    species = scene.kinds
-    if any(getattr(spec, "disc", None) is not None for spec in getattr(scene, "floats", ())):
-        raise ValueError("is a run of discs, and rows hold spheres; place them by positions")
-    if any(getattr(spec, "shape", None) is not None for spec in getattr(scene, "floats", ())):
-        raise ValueError("is a run of floats with a shape, and rows hold spheres; place them by positions")
+    species, figures = scene.kinds, _figures_of(scene)
     missing = [name for name in ARRAYS if name not in frame.arrays]
     if missing:
         raise ValueError(f"is a run of another model: its frames have no {missing[0]}")
     columns = [frame.arrays[name].tolist() for name in ARRAYS]
     rows = [_row_of_float(values, *species[kind]) for *values, kind in zip(*columns, strict=True)]
-    if MOMENT in frame.arrays:
-        rows = [{**row, MOMENT: m} for row, m in zip(rows, frame.arrays[MOMENT].tolist(), strict=True)]
-    return rows
+    for key in (name for name in BESIDE if name in frame.arrays):
+        rows = [{**row, key: number} for row, number in zip(rows, frame.arrays[key].tolist(), strict=True)]
+    return [{**_wetted(row), **figures.get(row["species_name"], {})} for row in rows]
+
+
+def _figures_of(scene: Any) -> dict[str, dict[str, Any]]:
+    """What discs and shapes of a scene are, by their species; their angles are those of the frame."""
+    found: dict[str, dict[str, Any]] = {}
+    for given in (*getattr(scene, "floats", ()), *getattr(scene, "rows", ())):
+        name = getattr(given, "name", None) or getattr(given, "species_name", "")
+        for key in ("disc", "shape"):
+            if getattr(given, key, None) is not None:
+                plain = TypeAdapter(type(getattr(given, key))).dump_python(getattr(given, key))
+                found[name] = {key: {part: value for part, value in plain.items() if value is not None}}
+                found[name][key].pop("angle", None)
+    return found
+
+
+def _wetted(row: dict[str, Any]) -> dict[str, Any]:
+    """Without the contact angle of what is pinned at an edge, which is no number."""
+    return row if math.isfinite(row["contact_angle"]) else {k: v for k, v in row.items() if k != "contact_angle"}
 
 
 def _numbered(frames: int) -> str:
@@ -199,7 +214,8 @@ def _numbered(frames: int) -> str:
     return f"there are 0 to {frames - 1}, and -1 for the last" if frames else "the run has no frames yet"
 
 
-MOMENT = "magnetic_moment"
+BESIDE = ("magnetic_moment", "angle", "spin")
+"""Of some floats only."""
 ARRAYS = ("position", "velocity", "radius", "density", "contact_angle", "species")
 
 

@@ -137,3 +137,19 @@ def test_the_two_point_wall_pulls_with_the_weight_of_the_wall_whatever_the_float
         text = f'[[floats]]\n{kind}positions = [[0.0, 0.0]]\n[dish]\nradius = 0.01\nlaw = "two-point-legacy"\n'
         strengths.append(FLOATING.parameters(scene_of(WATER + text)).wall_strength[0, 0])
     assert strengths[0] == strengths[1] > 0.0
+
+
+def test_rows_of_discs_and_shapes_float_and_turn_as_tables_of_them_do():
+    disc = 'radius = "2 mm"\ndensity = 500.0\n[{0}.disc]\nthickness = "1 mm"\n'
+    needle = 'radius = "3 mm"\ndensity = 900.0\ncontact_angle = 1.2\n[{0}.shape]\nkind = "needle"\nwidth = "0.5 mm"\n'
+    tables = f"[[floats]]\npositions = [[0.0, 0.0]]\n{disc}[[floats]]\npositions = [[0.02, 0.0]]\n{needle}angle = 0.7\n"
+    rows = f"[[rows]]\nx = 0.0\ny = 0.0\n{disc}[[rows]]\nx = 0.02\ny = 0.0\nangle = 0.7\nspin = -2.0\n{needle}"
+    found = []
+    for text, key in ((tables, "floats"), (rows, "rows")):
+        scene = scene_of(WATER + text.format(key))
+        parameters = FLOATING.parameters(scene)
+        found.append((parameters.floats, FLOATING.start(scene, parameters)))
+    for name in ("radius", "mass", "charge", "relaxation_time"):
+        assert np.array_equal(getattr(found[0][0], name), getattr(found[1][0], name))
+    assert found[1][1].turning[1].tolist() == [0.7, -2.0]
+    assert found[0][1].turning[1].tolist() == [0.7, 0.0]

@@ -13,7 +13,7 @@ from ecume.laws.contact import legacy_restitution
 from ecume.laws.screened import fit_k1
 from ecume.models.floating.dishes import wall_law_of, wall_strengths, wall_table_of, walls_of
 from ecume.models.floating.drifting import drift_of
-from ecume.models.floating.kinds import distinct_kinds, floats_of, has_shapes, moments_of
+from ecume.models.floating.kinds import distinct_kinds, floats_of, moments_of
 from ecume.models.floating.parameters import (
     CAPILLARY,
     CONTACT_LAWS,
@@ -81,10 +81,12 @@ def parameters_of(scene: FloatingScene) -> Parameters:
 
 def with_method(parameters: Parameters, scene: FloatingScene) -> Parameters:
     """What goes beyond superposition, where the scene asks for it."""
-    if scene.interaction.method != "multipole" and any(one.disc and one.disc.undulation for one in scene.floats):
+    if scene.interaction.method != "multipole" and any(
+        one.disc and one.disc.undulation for one in (*scene.floats, *scene.rows)
+    ):
         raise _fault("interaction.method", "discs with an undulation need 'multipole'")
     moment = moments_of(scene)
-    if has_shapes(scene):
+    if scene.shaped:
         if np.any(moment):
             raise _fault("floats", "magnets do not go with floats that have a shape")
         if scene.motion.films is not None:

@@ -72,7 +72,7 @@ def _of_the_dish(scene: FloatingScene) -> list[Fault]:
         ),
         ("motion.drag_law", motion.drag_law != DRAG_LAWS[0], "'stokes'"),
         ("motion.films", motion.films is not None, "no films"),
-        ("floats", any(species.shape is not None for species in scene.floats), "round floats"),
+        ("floats", scene.shaped, "round floats"),
     ]
     return [
         Fault(path, f"a dish in motion (dish.motion) goes with {wanted}") for path, there, wanted in against if there

@@ -57,9 +57,9 @@ def contact_angle_of(given: FloatSpec | FloatRow, liquid: flotation.Liquid) -> f
 def afloat(given: FloatSpec | FloatRow, scene: FloatingScene) -> Afloat:
     """How one kind of float floats. Raises BadInput where it does not."""
     liquid = liquid_of(scene)
-    if isinstance(given, FloatSpec) and given.disc is not None:
+    if given.disc is not None:
         return disc_afloat(given, given.disc, scene)
-    if isinstance(given, FloatSpec) and given.shape is not None:
+    if given.shape is not None:
         return shape_afloat(given, given.shape, scene)
     sphere = flotation.Sphere(given.radius, given.density, contact_angle_of(given, liquid))
     balance = flotation.equilibrium(sphere, liquid)
@@ -74,7 +74,7 @@ def afloat(given: FloatSpec | FloatRow, scene: FloatingScene) -> Afloat:
     return found._replace(figure=_round_figure(found, scene))
 
 
-def disc_afloat(given: FloatSpec, disc: DiscSpec, scene: FloatingScene) -> Afloat:
+def disc_afloat(given: FloatSpec | FloatRow, disc: DiscSpec, scene: FloatingScene) -> Afloat:
     """How a disc floats, pinned to one of its edges. Raises BadInput where it does not."""
     liquid = liquid_of(scene)
     solid = flotation.VerticalCylinder(given.radius, disc.thickness, given.density, 0.5 * math.pi)
@@ -88,7 +88,7 @@ def disc_afloat(given: FloatSpec, disc: DiscSpec, scene: FloatingScene) -> Afloa
     return found._replace(figure=_round_figure(found, scene))
 
 
-def shape_afloat(given: FloatSpec, shape: ShapeSpec, scene: FloatingScene) -> Afloat:
+def shape_afloat(given: FloatSpec | FloatRow, shape: ShapeSpec, scene: FloatingScene) -> Afloat:
     """How a float with a shape floats. Raises BadInput where it does not."""
     from ecume.models.floating.shaped.figures import Given, floated
 
@@ -112,16 +112,11 @@ def shape_afloat(given: FloatSpec, shape: ShapeSpec, scene: FloatingScene) -> Af
 
 def _round_figure(kind: Afloat, scene: FloatingScene) -> Any:
     """The figure of a sphere or a disc among shapes; none where there are no shapes."""
-    if not has_shapes(scene) or not isinstance(kind.body, flotation.Sphere | flotation.Disc):
+    if not scene.shaped or not isinstance(kind.body, flotation.Sphere | flotation.Disc):
         return None
     from ecume.models.floating.shaped.figures import round_figure
 
     return round_figure(kind.body, kind.charge, kind.mass, kind.friction)
-
-
-def has_shapes(scene: FloatingScene) -> bool:
-    """Whether any float has a shape."""
-    return any(species.shape is not None for species in scene.floats)
 
 
 def kinds_afloat(scene: FloatingScene) -> list[Afloat]:
@@ -130,8 +125,7 @@ def kinds_afloat(scene: FloatingScene) -> list[Afloat]:
     found: list[Afloat] = []
     known: dict[Any, Afloat | BadInput] = {}
     for where, given in _given(scene):
-        disc, shape = (given.disc, given.shape) if isinstance(given, FloatSpec) else (None, None)
-        key = (given.radius, given.density, given.contact_angle, given.surface_energies, disc, shape)
+        key = (given.radius, given.density, given.contact_angle, given.surface_energies, given.disc, given.shape)
         if key not in known:
             try:
                 known[key] = afloat(given, scene)

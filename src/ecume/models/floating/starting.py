@@ -63,8 +63,9 @@ def first_turns(state: State, scene: FloatingScene, parameters: Parameters) -> S
         return state
     if parameters.rough != ():
         state = state._replace(rub=np.zeros(len(state.push)))
-    angle = first_angles(scene)
-    return state._replace(turning=np.stack([angle, np.zeros_like(angle)], axis=1))
+    angle, spin = first_angles(scene), np.zeros(len(state.position))
+    spin[len(spin) - len(scene.rows) :] = [row.spin for row in scene.rows]
+    return state._replace(turning=np.stack([angle, spin], axis=1))
 
 
 def first_angles(scene: FloatingScene) -> Array:
@@ -74,7 +75,7 @@ def first_angles(scene: FloatingScene) -> Array:
     turned = [species.shape or species.disc for species in scene.floats]
     given = [math.nan if one is None or one.angle is None else one.angle for one in turned]
     told = np.repeat(given, [one.count for one in scene.floats])
-    told = np.concatenate([told, np.zeros(len(scene.rows))])
+    told = np.concatenate([told, [row.angle for row in scene.rows]])
     return np.where(np.isnan(told), chance, told)
 
 

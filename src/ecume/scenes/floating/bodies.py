@@ -23,6 +23,7 @@ from ecume.scenes.quantities import (
     Size,
     Switch,
     Tension,
+    TurningRate,
     Undulation,
     Velocity,
 )
@@ -127,6 +128,14 @@ class FloatRow:
     """as in FloatSpec"""
     magnetic_moment: MagneticMoment = 0.0
     """as in FloatSpec"""
+    disc: DiscSpec | None = None
+    """as in FloatSpec"""
+    shape: ShapeSpec | None = None
+    """as in FloatSpec"""
+    angle: Direction = 0.0
+    """rad, of what turns; overrules that of a disc or shape"""
+    spin: TurningRate = 0.0
+    """rad/s, of what turns"""
     species_name: Name = "float-1"
     """Rows of one name are one species."""
     color: Color | None = None
@@ -134,7 +143,7 @@ class FloatRow:
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        complaints = _wetting(self)
+        complaints = [*_wetting(self), *_figure(self)]
         if complaints:
             raise Inconsistent(complaints)
         return self
@@ -143,7 +152,7 @@ class FloatRow:
 def _wetting(body: FloatSpec | FloatRow) -> Complaints:
     """A contact angle comes from exactly one place."""
     given = [body.contact_angle is not None, body.surface_energies is not None]
-    if isinstance(body, FloatSpec) and (body.disc is not None or (body.shape and body.shape.kind in PINNED)):
+    if body.disc is not None or (body.shape is not None and body.shape.kind in PINNED):
         what = "disc" if body.disc is not None else str(body.shape and body.shape.kind)
         return (
             [((), f"a {what} pins the contact line: leave contact_angle and surface_energies out")]
@@ -156,7 +165,7 @@ def _wetting(body: FloatSpec | FloatRow) -> Complaints:
     return [((), f"wanted either contact_angle or surface_energies; came {came}")]
 
 
-def _figure(species: FloatSpec) -> Complaints:
+def _figure(species: FloatSpec | FloatRow) -> Complaints:
     """A float is a disc or another shape, which fits into its circle."""
     if species.shape is None:
         return []

@@ -72,6 +72,11 @@ class FloatingScene(Common):
         """Whether surfaces rub anywhere."""
         return self.contacts.friction > 0.0 or (self.dish is not None and self.dish.friction > 0.0)
 
+    @property
+    def shaped(self) -> bool:
+        """Whether any float is longer than wide, or has corners."""
+        return any(one.shape is not None for one in (*self.floats, *self.rows))
+
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         named = tuple(

@@ -32,7 +32,7 @@ class Shapes(NamedTuple):
 
 def shapes_of(scene: Any) -> Shapes | None:
     """The shapes of a scene's floats; none where all are round."""
-    if not any(species.shape is not None for species in scene.floats):
+    if not scene.shaped:
         return None
     from ecume.models.floating.kinds import distinct_kinds
     from ecume.models.floating.shaped.figures import charges_of, silhouette

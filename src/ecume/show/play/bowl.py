@@ -253,7 +253,7 @@ def _like(scene: FloatingScene, name: str) -> FloatSpec:
     others = [other for other in scene.rows if other.species_name == name]
     if any((other.radius, other.density) != (row.radius, row.density) for other in others):
         raise BadInput(f"floats of {name} differ among themselves; give each kind a name of its own to play with them")
-    kept = ("radius", "density", "contact_angle", "surface_energies")
+    kept = ("radius", "density", "contact_angle", "surface_energies", "disc", "shape")
     what: dict[str, Any] = {key: getattr(row, key) for key in kept}
     return FloatSpec(name=name, **what)
 
