@@ -18,7 +18,7 @@ cli = CliRunner()
 
 
 def test_export_offers_what_trajectories_can_be_written_as() -> None:
-    assert {kind.value for kind in Format} == {*ecume.trajectories.exports.EXPORTS, "pvd"}
+    assert {kind.value for kind in Format} == {*ecume.trajectories.exports.EXPORTS, "pvd", "heights", "heights-vtk"}
     assert set(ENDINGS) == set(Format)
 
 

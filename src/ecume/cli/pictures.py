@@ -26,7 +26,7 @@ RESULTS = "results"
 
 
 class Format(StrEnum):
-    """What a trajectory can be written as: the keys of `ecume.trajectories.exports.EXPORTS`, and `pvd`."""
+    """What a trajectory can be written as: the keys of `ecume.trajectories.exports.EXPORTS`, `pvd`, and heights."""
 
     CSV = "csv"
     NUMBERS = "numbers"
@@ -34,6 +34,8 @@ class Format(StrEnum):
     VTK = "vtk"
     PVD = "pvd"
     NPZ = "npz"
+    HEIGHTS = "heights"
+    HEIGHTS_VTK = "heights-vtk"
 
 
 ENDINGS = {
@@ -43,6 +45,8 @@ ENDINGS = {
     Format.VTK: ".vtkhdf",
     Format.PVD: ".pvd",
     Format.NPZ: ".npz",
+    Format.HEIGHTS: "-heights.npz",
+    Format.HEIGHTS_VTK: "-heights.pvd",
 }
 
 
@@ -249,7 +253,8 @@ def export(
         Format,
         typer.Option(
             "--to",
-            help="csv, xyz: text; numbers: CSV of energies, gauges ...; vtk: ParaView (pvd: before 5.12); npz: NumPy.",
+            help="csv, xyz: text; numbers: CSV of energies, gauges ...; vtk: ParaView (pvd: before 5.12); npz: NumPy; "
+            "heights, heights-vtk: the surface around floats on a grid, for NumPy (.npz, or -o FILE.npy) and ParaView.",
             show_default=False,
         ),
     ],
@@ -264,7 +269,13 @@ def export(
     from ecume.trajectories.exports import export as write
 
     existing(directory)
-    wrote(write(directory, to.value, out or directory / RESULTS / f"frames{ENDINGS[to]}"), quiet=quiet)
+    path = out or directory / RESULTS / f"frames{ENDINGS[to]}"
+    if to in (Format.HEIGHTS, Format.HEIGHTS_VTK):
+        from ecume.show.floating.fields import export_heights
+
+        wrote(export_heights(directory, path), quiet=quiet)
+        return
+    wrote(write(directory, to.value, path), quiet=quiet)
 
 
 def wrote(path: Path, *, quiet: bool) -> None:

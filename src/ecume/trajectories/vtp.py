@@ -9,7 +9,7 @@ from __future__ import annotations
 import base64
 import contextlib
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any
 from xml.sax.saxutils import quoteattr
@@ -28,23 +28,33 @@ HEAD = '<?xml version="1.0"?>\n<VTKFile type="{}" version="1.0" byte_order="Litt
 
 def write_pvd(trajectory: Trajectory, path: Path) -> None:
     """The list at `path`, the frames in the folder beside it that is called as it is, but for the ending."""
+    write_series(path, ".vtp", trajectory.times.tolist(), map(vtp_of, trajectory))
+
+
+def write_series(path: Path, ending: str, times: Sequence[float], files: Iterable[str]) -> None:
+    """A list of files at `path`, and they themselves in a folder beside it."""
     folder = path.with_suffix("") if path.suffix else path.with_name(f"{path.name}-frames")
-    with _replacing_folder(folder) as part:
-        for number, frame in enumerate(trajectory):
-            with storing(part), (part / _name(number)).open("wb") as file:
-                file.write(vtp_of(frame).encode())
+    names = [f"{number:04d}{ending}" for number in range(len(times))]
+    with _replacing_folder(folder, ending) as part:
+        for name, text in zip(names, files, strict=True):
+            with storing(part), (part / name).open("wb") as file:
+                file.write(text.encode())
     with replacing(path) as listed:
-        listed.write(_listing(trajectory, folder.name).encode())
+        listed.write(_listing(times, [f"{folder.name}/{name}" for name in names]).encode())
 
 
 def vtp_of(frame: Frame) -> str:
     """One frame: a vertex a particle with all arrays, and the numbers as field data."""
     position = frame.arrays["position"]
     rest = {name: array for name, array in frame.arrays.items() if name != "position"}
-    numbers = "".join(_array(name, np.array([value])) for name, value in frame.numbers.items())
-    points = _array("position", _in_space(position))
-    values = "".join(_array(name, _in_space(array) if name == "velocity" else array) for name, array in rest.items())
-    vertices = _array("connectivity", np.arange(len(position))) + _array("offsets", np.arange(1, len(position) + 1))
+    numbers = "".join(data_array(name, np.array([value])) for name, value in frame.numbers.items())
+    points = data_array("position", _in_space(position))
+    values = "".join(
+        data_array(name, _in_space(array) if name == "velocity" else array) for name, array in rest.items()
+    )
+    vertices = data_array("connectivity", np.arange(len(position))) + data_array(
+        "offsets", np.arange(1, len(position) + 1)
+    )
     piece = f'<Piece NumberOfPoints="{len(position)}" NumberOfVerts="{len(position)}">\n'
     return (
         f"{HEAD.format('PolyData')}<PolyData>\n<FieldData>\n{numbers}</FieldData>\n{piece}"
@@ -53,19 +63,15 @@ def vtp_of(frame: Frame) -> str:
     )
 
 
-def _listing(trajectory: Trajectory, folder: str) -> str:
+def _listing(times: Sequence[float], names: Sequence[str]) -> str:
     rows = "".join(
-        f'<DataSet timestep="{time!r}" part="0" file={quoteattr(f"{folder}/{_name(number)}")}/>\n'
-        for number, time in enumerate(trajectory.times.tolist())
+        f'<DataSet timestep="{time!r}" part="0" file={quoteattr(name)}/>\n'
+        for time, name in zip(times, names, strict=True)
     )
     return f"{HEAD.format('Collection')}<Collection>\n{rows}</Collection>\n</VTKFile>\n"
 
 
-def _name(number: int) -> str:
-    return f"{number:04d}.vtp"
-
-
-def _array(name: str, values: NDArray[Any]) -> str:
+def data_array(name: str, values: NDArray[Any]) -> str:
     """As base64: the number of bytes, then they."""
     plain = np.ascontiguousarray(values)
     text = base64.b64encode(np.uint64(plain.nbytes).tobytes() + plain.tobytes()).decode()
@@ -83,7 +89,7 @@ def _in_space(vectors: NDArray[Any]) -> NDArray[Any]:
 
 
 @contextlib.contextmanager
-def _replacing_folder(folder: Path) -> Iterator[Path]:
+def _replacing_folder(folder: Path, ending: str) -> Iterator[Path]:
     """A new content of a folder, as `replacing` of a file. What was made here before goes, and nothing else."""
     part = folder.with_name(f"{folder.name}.part")
     try:
@@ -92,18 +98,18 @@ def _replacing_folder(folder: Path) -> Iterator[Path]:
             part.mkdir(parents=True)
         yield part
         with storing(folder):
-            _clear(folder)
+            _clear(folder, ending)
             part.rename(folder)
     except BaseException:
         shutil.rmtree(part, ignore_errors=True)
         raise
 
 
-def _clear(folder: Path) -> None:
+def _clear(folder: Path, ending: str) -> None:
     """Remove a folder of frames. Raises StorageError, before anything goes, for one that holds anything else."""
     if not folder.exists():
         return
-    strange = [path.name for path in folder.iterdir() if path.suffix != ".vtp"] if folder.is_dir() else [folder.name]
+    strange = [path.name for path in folder.iterdir() if path.suffix != ending] if folder.is_dir() else [folder.name]
     if strange:
         raise StorageError(f"{folder}: holds what no export made ({strange[0]}); give another name with -o")
     shutil.rmtree(folder)

@@ -48,7 +48,7 @@ class Sheet(NamedTuple):
 
 def sheet(scene: Any, view: View, *, cells: int, closest: float) -> Sheet:
     """A grid of about `cells` by `cells` squares; `closest` is the smallest distance from a float's center (m)."""
-    liquid, multipoles, shapes = liquid_of(scene), _multipoles(scene), shapes_of(scene)
+    liquid, multipoles, shapes = liquid_of(scene), multipoles_of(scene), shapes_of(scene)
     closest *= 1.0 if shapes is None else INSIDE
     cells = cells if multipoles is None else min(cells, SOLVED_CELLS)
     cell = max(view.width, view.height) / cells
@@ -56,10 +56,11 @@ def sheet(scene: Any, view: View, *, cells: int, closest: float) -> Sheet:
     y = np.arange(view.bottom + cell / 2, view.top, cell)
     reach = max(CUTOFF * liquid.capillary_length, 1.01 * closest)
     table = _menisci(closest, reach, liquid.capillary_length)
-    return Sheet(x, y, dish_field(scene, x, y), closest, reach, table, multipoles, shapes)
+    still = np.asarray(dish_field(scene, x, y), np.float32)
+    return Sheet(x, y, still, closest, reach, table, multipoles, shapes)
 
 
-def _multipoles(scene: Any) -> Any:
+def multipoles_of(scene: Any) -> Any:
     """The model's parameters, if its floats go by multipoles."""
     if scene.interaction.method != "multipole":
         return None
@@ -86,19 +87,19 @@ def unit_meniscus(on: Sheet, distance: Array) -> Heights:
     return on.menisci[np.clip(index, 0, NODES)]
 
 
-def dish_field(scene: Any, x: Array, y: Array) -> Heights:
+def dish_field(scene: Any, x: Array, y: Array) -> Array:
     """The height that the dish alone gives the surface (m); shape (y, x)."""
     dish, liquid = scene.dish, liquid_of(scene)
     if dish is None or dish.law == "none":
-        return np.zeros((len(y), len(x)), dtype=np.float32)
+        return np.zeros((len(y), len(x)))
     if dish.radius is None:
         across, along = (
             _facing_walls(*side, dish.contact_angle, liquid) for side in zip((x, y), dish.size, strict=True)
         )
-        return np.asarray(across + along[:, None], dtype=np.float32)
+        return np.asarray(across + along[:, None])
     r = np.minimum(np.hypot(x, y[:, None]), dish.radius)
     height = meniscus.dish_height(r=r, dish_radius=dish.radius, contact_angle=dish.contact_angle, liquid=liquid)
-    return np.asarray(height, dtype=np.float32)
+    return np.asarray(height)
 
 
 def _facing_walls(nodes: Array, side: float, contact_angle: float, liquid: flotation.Liquid) -> Array:
@@ -121,7 +122,7 @@ def surface(frame: Frame, on: Sheet) -> Heights:
         closest = np.full(len(on.shapes.charge), on.closest)
         menisci = zip(charges_in(frame, on.shapes), closest, on.shapes.charge, strict=True)
     for (px, py), radius, charge in menisci:
-        rows, columns = _near(on.y, py, on.reach), _near(on.x, px, on.reach)
+        rows, columns = near(on.y, py, on.reach), near(on.x, px, on.reach)
         r = np.sqrt((on.x[columns] - px) ** 2 + ((on.y[rows] - py) ** 2)[:, None])
         height[rows, columns] += np.float32(charge) * unit_meniscus(on, np.maximum(r, radius))
     return height
@@ -129,13 +130,17 @@ def surface(frame: Frame, on: Sheet) -> Heights:
 
 def _solved_surface(frame: Frame, on: Sheet) -> Heights:
     """The solver's surface; beyond a round wall as at it, for its answer holds only inside."""
+    return np.asarray(on.still + solved_heights(on.multipoles, frame, on.x, on.y), np.float32)
+
+
+def solved_heights(multipoles: Any, frame: Frame, x: Array, y: Array) -> Array:
+    """What the solver's floats add to the walls' own meniscus (m), shape (y, x)."""
     from ecume.models.floating.heights import heights_at, solved
 
-    x, y = (grid.ravel() for grid in np.meshgrid(on.x, on.y))
-    inside = np.minimum(1.0, on.multipoles.walls.disc_radius / np.maximum(np.hypot(x, y), 1e-300))
-    many = on.multipoles.many
-    added = heights_at(many, solved(on.multipoles, frame), np.stack([inside * x, inside * y], axis=1))
-    return np.asarray(on.still + added.reshape(on.still.shape), np.float32)
+    across, along = (grid.ravel() for grid in np.meshgrid(x, y))
+    inside = np.minimum(1.0, multipoles.walls.disc_radius / np.maximum(np.hypot(across, along), 1e-300))
+    places = np.stack([inside * across, inside * along], axis=1)
+    return heights_at(multipoles.many, solved(multipoles, frame), places).reshape(len(y), len(x))
 
 
 def typical_meniscus(frame: Frame, on: Sheet) -> float:
@@ -148,7 +153,7 @@ def typical_meniscus(frame: Frame, on: Sheet) -> float:
     return alone if on.shapes is None else max(alone, on.shapes.rise)
 
 
-def _near(nodes: Array, center: float, reach: float) -> slice:
+def near(nodes: Array, center: float, reach: float) -> slice:
     """Which nodes lie within `reach` of `center`."""
     first, last = np.searchsorted(nodes, (center - reach, center + reach))
     return slice(int(first), int(last))
