@@ -6,12 +6,15 @@ import math
 from collections.abc import Callable
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Circle
 from scipy.special import k0, k1
 
 from ecume.laws import flotation, multipole
+from ecume.scenes.load import load_scene
 from ecume.show.style import HEIGHT_COLORS, INK, MUTED, PALETTE, figure, style
+from ecume.simulation import simulate
 from ecume.units import Array
 
 # Capillary length 1 m, surface tension 1 N/m: all comes out in gamma and L.
@@ -61,8 +64,6 @@ def hexagon(apart: float) -> Array:
 
 def _raft(axes: object) -> None:
     """Heights over the depth of one disc alone, and the forces."""
-    from matplotlib.axes import Axes
-
     assert isinstance(axes, Axes)  # noqa: S101  # for the type checker
     disc, places = flotation.Disc(0.5, 0.01), hexagon(1.1)
     found = multipole.solve(places, [disc] * 7, UNIT, 20)
@@ -84,4 +85,69 @@ def _raft(axes: object) -> None:
     bar.set_label("height / depth of one alone")
 
 
-FIGURES: dict[str, Callable[[], Figure]] = {"beyond-superposition": beyond_superposition}
+def levels() -> Figure:
+    """What superposition and corrected pairs make of a raft's corner, and of the way on which three discs meet."""
+    with style():
+        drawn = figure(9.6, 3.8)
+        left, right = drawn.subplots(1, 2)
+        gaps = np.geomspace(0.01, 3.0, 24)
+        for label, body, color in (
+            ("discs, a = 0.1 L", flotation.Disc(0.1, 1e-4), PALETTE[0]),
+            ("discs, a = L", flotation.Disc(1.0, 1e-4), PALETTE[4]),
+            ("spheres of 90°, a = 0.3 L", flotation.Sphere(0.3, 1500.0, 0.5 * math.pi), PALETTE[2]),
+        ):
+            shares = np.array([_corner(body, gap) for gap in gaps])
+            left.plot(gaps, shares[:, 0], "--", color=color)
+            left.plot(gaps, shares[:, 1], color=color, label=label)
+        left.plot([], [], "--", color=MUTED, label="superposition")
+        left.plot([], [], color=MUTED, label="pair-corrected")
+        left.axhline(1.0, color=MUTED, linewidth=0.8)
+        left.set(xscale="log", xlabel="gap / diameter", ylabel="corner force of seven / multipoles", ylim=(0.0, 1.3))
+        left.legend(fontsize=8, loc="lower right")
+        _meeting(right)
+    return drawn
+
+
+def _corner(body: flotation.Sphere | flotation.Disc, gap: float) -> tuple[float, float]:
+    """The pull on a corner of seven by superposition and by corrected pairs, over that of multipoles."""
+    places = hexagon(2.0 * body.radius * (1.0 + gap))
+    exact = multipole.solve(places, [body] * 7, UNIT, 20).forces[1, 0]
+    summed = corrected = 0.0
+    for place in np.delete(places, 1, axis=0):
+        away = place - places[1]
+        apart = float(np.hypot(*away))
+        summed += 2.0 * math.pi * _charge(body) ** 2 * k1(apart) * away[0] / apart
+        pair = multipole.solve([[0.0, 0.0], [apart, 0.0]], [body, body], UNIT, 20)
+        corrected += float(pair.forces[0, 0]) * away[0] / apart
+    return float(summed / exact), float(corrected / exact)
+
+
+def _meeting(axes: Axes) -> None:
+    """The gap of three cereal discs over time by each method."""
+    for method, color in (("superposition", PALETTE[0]), ("pair-corrected", PALETTE[2]), ("multipole", PALETTE[1])):
+        frames = list(simulate(load_scene(THREE.format(method=method))))
+        places = [frame.arrays["position"] for frame in frames]
+        gap = [1e3 * (float(np.hypot(*(place[1] - place[0]))) - 2.7e-3) for place in places]
+        axes.plot([frame.time for frame in frames], gap, color=color, label=method)
+    axes.set(xlabel="time (s)", ylabel="gap of three discs (mm)", ylim=(0.0, None))
+    axes.legend(fontsize=8)
+
+
+THREE = """
+model = "floating"
+duration = "1.2 s"
+frame_every = "0.02 s"
+[liquid]
+viscosity = "5 mPa*s"
+[[floats]]
+radius = "1.35 mm"
+density = 300.0
+disc = {{ thickness = "0.5 mm" }}
+placement = "ring"
+ring_radius = "3 mm"
+count = 3
+[interaction]
+method = "{method}"
+"""
+
+FIGURES: dict[str, Callable[[], Figure]] = {"beyond-superposition": beyond_superposition, "levels": levels}

@@ -42,6 +42,7 @@ BENCHES: dict[str, Bench] = {
         Bench("reflection", "Particles a second that go through a step with walls", "reflection.py"),
         Bench("crowd", "Sums over crowds: direct, with cells, with a grid", "crowd.py", ("sums",), long=True),
         Bench("multipole", "The multipole solver for rafts: time, memory, turns", "multipole.py", ("8",), long=True),
+        Bench("contacts", "Contacts of rafts: sweeps, what is left, time", "contacts.py", ("10000",), long=True),
         Bench("scaling", "Cost of a float and step, from one float to 10,000", "scaling.py", long=True),
         Bench("bowl", "Steps a second of sixty cereals, drifting and at rest", "bowl.py", long=True),
         Bench("compile", "Cold compilation, and the start with a filled cache", "compile.py", long=True),

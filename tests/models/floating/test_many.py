@@ -105,6 +105,27 @@ def test_energy_and_momentum_last_where_nothing_drags(method):
     assert abs(frames[-1].numbers["momentum_x"]) < 1e-12 * np.sqrt(2.0 * kinetic * mass)
 
 
+def ends(places, **options):
+    """How far the first two are apart after a while, by each method."""
+    found = {}
+    for method in ("superposition", "pair-corrected", "multipole"):
+        *_, last = simulate(discs(places, method, drag=False, time_step=2e-4, **options))
+        found[method] = float(np.hypot(*np.diff(last.arrays["position"][:2], axis=0)[0]))
+    return found
+
+
+@pytest.mark.compiled
+def test_two_discs_move_by_corrected_pairs_as_by_multipoles_and_three_nearly_so():
+    """From 1.1 diameters: corrections hold for a pair to the error of their table, and for three recover a part."""
+    places = 2.97e-3 * np.array([[0.0, 0.0], [1.0, 0.0], [0.5, 3.0**0.5 / 2]])
+    two, three = (ends(some, order=8, duration=0.04, frame_every=0.02) for some in (places[:2], places))
+    went = 2.97e-3 - two["multipole"]
+    assert two["pair-corrected"] == pytest.approx(two["multipole"], abs=2e-3 * went)
+    assert abs(two["superposition"] - two["multipole"]) > 0.03 * went
+    missing = {method: abs(end - three["multipole"]) for method, end in three.items()}
+    assert missing["pair-corrected"] < 0.7 * missing["superposition"]
+
+
 def test_what_does_not_go_together_is_refused():
     scene = discs([[0.0, 0.0]], "multipoles")
     with pytest.raises(SceneError, match="did you mean 'multipole'"):

@@ -1,5 +1,7 @@
 """Contacts as springs and dashpots."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -19,14 +21,20 @@ def relative(frames):
     return (last[1] - last[0]) / (first[0] - first[1])
 
 
+def at_step(scene, time_step):
+    """The scene with steps of its own: some hundred in a collision, where the advised one takes twenty."""
+    return dataclasses.replace(scene, motion=dataclasses.replace(scene.motion, time_step=time_step))
+
+
 @pytest.mark.compiled
 @pytest.mark.parametrize("restitution", [0.1, 0.5, 0.9])
 def test_a_soft_collision_gives_back_what_was_asked(restitution):
     scene = colliding(
         (0.05, 0.0), densities=(1300.0, 700.0), contacts=f"{SOFT}restitution = {restitution}\nstiffness = 2.0"
     )
-    frames = list(simulate(scene))
+    frames = list(simulate(at_step(scene, 1e-5)))
     assert relative(frames) == pytest.approx(restitution, abs=2e-3)
+    assert relative(list(simulate(scene))) == pytest.approx(restitution, abs=2e-2)
     moved = frames[-1].numbers["momentum_x"] / frames[0].numbers["momentum_x"]
     assert moved == pytest.approx(1.0, abs=1e-13)
     assert frames[-1].numbers["deepest_overlap"] > 1e-5
@@ -41,11 +49,12 @@ def test_springs_without_dashpots_keep_the_energy_even_where_they_are_pressed():
     rest = '[motion]\ndrag = false\n[interaction]\nlaw = "none"\n'
     dish = '[dish]\nradius = "5 mm"\nlaw = "none"\nrestitution = 1.0\n'
     dish += f"[contacts]\n{SOFT}restitution = 1.0\nstiffness = 2.0\n"
-    frames = list(simulate(scene_of(WATER + floats + rest + dish, duration=0.4, frame_every=2e-3)))
+    scene = scene_of(WATER + floats + rest + dish, duration=0.4, frame_every=2e-3)
+    frames = list(simulate(at_step(scene, 2e-5)))
     total = np.array([frame.numbers["total_energy"] for frame in frames])
     kinetic = np.array([frame.numbers["kinetic_energy"] for frame in frames])
     assert np.min(kinetic) < 0.9 * total[0]
-    assert total == pytest.approx(total[0], rel=2e-3)
+    assert total == pytest.approx(total[0], rel=2e-4)
 
 
 @pytest.mark.compiled

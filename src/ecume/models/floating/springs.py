@@ -1,7 +1,8 @@
 """Contacts as springs and dashpots instead of impulses: soft, and only as stable as the time step is short.
 
 The push of a contact is the spring's at the places and the dashpot's at the velocities that a step begins with;
-velocity Verlet has the other half of it at the end. Pushes are equal and opposite along the line of centers, so that
+velocity Verlet has the other half of it at the end, where dashpots see the velocities through the step: with those at
+its end a pair would rest off its balance. Pushes are equal and opposite along the line of centers, so that
 momentum and angular momentum are kept to rounding. Nothing bounds overlaps but the stiffness.
 """
 
@@ -138,10 +139,10 @@ def rest_springs(parameters: Parameters, state: State, workspace: Workspace) -> 
     if parameters.scheme != VELOCITY_VERLET:
         return
     contacts, passage = workspace.contacts, workspace.passage
-    copy_rows(passage, state.velocity)
     touching.gather(contacts, workspace.candidates, state.position, bodies_of(parameters), 0.0)
     touching.approaches(contacts, passage, contacts.change)
     push_apart(parameters, state, contacts, 0.5 * parameters.time_step)
+    copy_rows(passage, state.velocity)
     touching.push_all(contacts, contacts.impulse, passage, parameters.kick.mobility)
     copy_rows(state.velocity, passage)
 

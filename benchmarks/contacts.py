@@ -1,0 +1,87 @@
+"""Contacts of rafts, all solved together: sweeps, what is left, time.
+
+    python benchmarks/contacts.py [most contacts]
+
+A raft on a triangular lattice, closed up to a millionth of a radius, is pressed by its own menisci. The solver makes
+everyone stop from nothing, as in a raft's first step, and then from its last solution, after every pull has
+changed by up to a hundredth, as in each step that follows. One thread: a sweep goes from contact to contact.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+
+import numpy as np
+from marching import March, heavy_spheres, machine
+
+from ecume._jit import use_threads
+from ecume.engine import contacts as touching
+from ecume.engine.contacts import CONVERGED, Goal
+from ecume.models.floating.forces import forces
+from ecume.models.floating.meeting import TOLERABLE, bodies_of
+
+SPACING = 2.000001e-3
+CONTACTS_PER_FLOAT = 2.97
+SIZES = (1_000, 10_000, 100_000)
+CHANGE = 0.01
+
+
+def raft(contacts: int) -> March:
+    """A raft with about so many contacts."""
+    count = round(contacts / CONTACTS_PER_FLOAT)
+    return March(heavy_spheres(f'count = {count}\nplacement = "lattice"\nspacing = {SPACING}\n'))
+
+
+def pressed(march: March) -> np.ndarray:
+    """The velocities that menisci give in one kick."""
+    parameters, state, work = march.parameters, march.state, march.workspace
+    forces(parameters, state.position, work.lists, (work.sorted_floats, work.force))
+    return parameters.kick.gain[:, None] * work.force
+
+
+def solved(march: March, velocity: np.ndarray) -> tuple[int, float, float]:
+    """Sweeps, residual over the fastest approach, and seconds, from the impulses that stand in the contacts."""
+    parameters, contacts = march.parameters, march.workspace.contacts
+    mobility = parameters.kick.mobility
+    touching.approaches(contacts, velocity, contacts.scratch)
+    rows = contacts.total[0]
+    contacts.bound[:rows] = -np.maximum(contacts.gap[:rows], 0.0) / parameters.time_step
+    fastest = float(np.max(contacts.bound[:rows] - contacts.scratch[:rows]))
+    goal = Goal(CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
+    began = time.perf_counter()
+    sweeps = touching.solve(contacts, velocity, mobility, goal)
+    spent = time.perf_counter() - began
+    return sweeps, touching.residual(contacts, velocity) / fastest, spent
+
+
+def measured(size: int) -> None:
+    """One raft: from nothing, and from the last solution."""
+    march = raft(size)
+    work, kick = march.workspace, pressed(march)
+    touching.gather(work.contacts, work.candidates, march.state.position, bodies_of(march.parameters), 1e-6)
+    touching.weigh(work.contacts, march.parameters.kick.mobility)
+    work.contacts.impulse[:] = 0.0
+    chance = np.random.default_rng(1).uniform(1.0 - CHANGE, 1.0 + CHANGE, (len(kick), 1))
+    for start, velocity in (("nothing", kick.copy()), ("the last solution", kick * chance)):
+        sweeps, left, spent = solved(march, velocity)
+        each = 1e9 * spent / (sweeps * work.contacts.total[0])
+        print(
+            f"{work.contacts.total[0]:8d} contacts from {start:18s} {sweeps:6d} sweeps, {left:8.1e} left, "
+            f"{spent:8.3f} s, {each:5.1f} ns a contact and sweep",
+            flush=True,
+        )
+
+
+def main() -> None:
+    """All sizes up to the one asked for."""
+    use_threads(1)
+    print(machine(), "\n")
+    most = int(sys.argv[1]) if len(sys.argv) > 1 else max(SIZES)
+    measured(100)
+    for size in (size for size in SIZES if size <= most):
+        measured(size)
+
+
+if __name__ == "__main__":
+    main()
