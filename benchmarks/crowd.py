@@ -159,9 +159,9 @@ def sums() -> None:
     print("microseconds of a float and evaluation, 15 % covered, accuracy 1e-4")
     print("  radius   floats   direct    cells     grid")
     for radius in (2e-5, 1e-3):
-        for count in (500, 2000, 5000, 20_000, 100_000):
+        for count in (500, 2000, 5000, 20_000, 100_000, 1_000_000):
             cost = []
-            for make, most in ((direct, 2000), (cell_sum, 5000 if radius < 1e-3 else 20_000), (grid_sum, 100_000)):
+            for make, most in ((direct, 2000), (cell_sum, 5000 if radius < 1e-3 else 100_000), (grid_sum, 1_000_000)):
                 if count > most:
                     cost.append("       –")
                     continue
