@@ -4,9 +4,10 @@ out.
 
 from __future__ import annotations
 
+import functools
 import math
-from collections.abc import Mapping
-from typing import TypeVar
+from collections.abc import Callable, Mapping
+from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
 
@@ -19,6 +20,7 @@ LARGEST_BOND_NUMBER = 1e3
 SMALLEST = 5e-324
 """The least distance that is not zero: two centers in one place have neither an energy nor a direction."""
 Row = TypeVar("Row")
+Given = ParamSpec("Given")
 
 
 def require_positive(name: str, value: float, hint: str = "wanted a positive number") -> None:
@@ -78,6 +80,27 @@ def as_distances(name: str, value: Lengths, least: float = 0.0) -> Array:
         wanted = "zero or more" if least == 0.0 else "positive numbers"
         raise BadInput(f"{name} is {value!r}; wanted {wanted}, in meters")
     return distances
+
+
+def each_element(law: Callable[Given, float]) -> Callable[Given, float]:
+    """A law of single numbers that takes arrays as well, broadcast against one another, and then gives one back."""
+    single: Any = law
+
+    @functools.wraps(law)
+    def over(*given: Given.args, **named: Given.kwargs) -> Any:
+        every = [*given, *named.values()]
+        spread = [place for place, value in enumerate(every) if isinstance(value, (np.ndarray, list, tuple))]
+        if not spread:
+            return law(*given, **named)
+        found = []
+        arrays = np.broadcast_arrays(*(every[place] for place in spread))
+        for numbers in zip(*(array.ravel().tolist() for array in arrays), strict=True):
+            for place, number in zip(spread, numbers, strict=True):
+                every[place] = number
+            found.append(single(*every[: len(given)], **dict(zip(named, every[len(given) :], strict=True))))
+        return np.reshape(np.array(found), arrays[0].shape)
+
+    return over
 
 
 def as_given(values: Array) -> Real:

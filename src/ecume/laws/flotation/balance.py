@@ -8,7 +8,7 @@ from functools import lru_cache, partial
 from typing import NamedTuple
 
 from ecume.errors import BadInput, FloaterSinks
-from ecume.laws.arguments import require_angle, require_numbers, require_positive
+from ecume.laws.arguments import each_element, require_angle, require_numbers, require_positive
 from ecume.laws.flotation.bodies import weight_number
 from ecume.laws.flotation.carrying import Contact, Load, round_load, stable_load
 from ecume.laws.flotation.young_laplace import STEEPEST
@@ -155,6 +155,7 @@ def neutral_density_ratio(contact_angle: Angle) -> Number:
     return 0.5 + 0.75 * cosine - 0.25 * cosine**3
 
 
+@each_element
 @lru_cache(maxsize=KEPT)
 def sinking_density_ratio(bond_number: Number, contact_angle: Angle) -> Number:
     """D_max, the largest density ratio that floats: the maximum of the carried load over the filling angle.

@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 
 from ecume.errors import BadInput
-from ecume.laws.arguments import require_numbers
+from ecume.laws.arguments import each_element, require_numbers
 from ecume.laws.flotation.bodies import weight_number
 from ecume.units import Angle, Number
 
 
+@each_element
 def closure_contact_angle(bond_number: Number, density_ratio: Number) -> Angle:
     """The contact angle that the original project derives from B and D; raises BadInput where there is none.
 
