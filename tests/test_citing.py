@@ -45,6 +45,10 @@ def test_papers_follow_the_options():
     assert "kennedy2003" in papers("t1")
     assert "vassileva2005" in papers("cereal-discs")
     assert "vassileva2005" not in papers("cereal-bowl")
+    assert "moreau1988" in papers("cereal-bowl")
+    soft = papers("cereal-bowl", "contacts.law=spring-dashpot")
+    assert {"cundall1979", "schwager2007"} <= set(soft)
+    assert "moreau1988" not in soft
 
 
 def test_liquids_by_name_bring_friction_and_its_paper():

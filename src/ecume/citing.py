@@ -118,7 +118,8 @@ def floating_sources(scene: Any) -> list[Source]:
         laws += [ellipsoids.ellipsoid_undulation, lines.spread_charges, quadrupoles.quadrupole_energy]
         laws += [ellipsoids.ellipsoid_friction, ellipsoids.ellipsoid_turning_friction] if scene.motion.drag else []
     laws += [brownian.diffusivity] if scene.motion.temperature else []
-    return [*laws, contact.impulse]
+    soft = scene.contacts.law == "spring-dashpot"
+    return [*laws, *([contact.spring_push, contact.dashpot_restitution] if soft else [contact.impulse])]
 
 
 def sph_sources(scene: Any) -> list[Source]:
