@@ -171,6 +171,17 @@ class PartFiles(WholeFiles):
         """The beginning of the files' names."""
         return f"part-{super().get_filename_base(name, flags)}"
 
+    def rebuild(self, target: Any, payload: Any) -> Any:
+        """As code to be linked. Numba would make it ready to run as it stands, and what is compiled later in the same
+        process would find this first: a march from parts of the disk was twenty times slower than one read whole.
+        """
+        codegen = target.codegen()
+        kept, codegen._library_class = codegen._library_class, PartLibrary
+        try:
+            return super().rebuild(target, payload)
+        finally:
+            codegen._library_class = kept
+
 
 class PartCache(HealingCache):
     """The disk cache of parts: a whole made later, such as a march with a user's laws, finds them there."""
@@ -247,11 +258,6 @@ def compiled_inside(function: Function) -> Function:
     references.
     """
     return _dispatcher(function, cache=True, forceinline=True)
-
-
-def adding_inside(function: Function) -> Function:
-    """The same for sums that may be taken several terms at a time, always in the same order."""
-    return _dispatcher(function, cache=True, forceinline=True, fastmath={"reassoc"})
 
 
 def threaded(function: Function) -> Function:
