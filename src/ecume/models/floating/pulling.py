@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ecume._jit import adding_inside, compiled, inlined
+from ecume._jit import compiled, compiled_inside, inlined
 from ecume.engine.cells import Integers
 from ecume.engine.neighbors import THREADS_FROM
 from ecume.models.floating.parameters import CAPILLARY_LENGTH, CUTOFF, SURFACE_TENSION, PairParameters
@@ -63,14 +63,17 @@ def add_windows(stretches: Stretches, windows: Array, force: Array) -> None:
                 force[axis, edge[k] + spot - place[k]] += windows[axis, spot]
 
 
-@adding_inside
-def sums(x: Array, y: Array, count: int) -> tuple[float, float]:
-    """Of the first `count` numbers, several at a time."""
-    total_x, total_y = 0.0, 0.0
-    for k in range(count):
-        total_x += x[k]
-        total_y += y[k]
-    return total_x, total_y
+@compiled_inside
+def sums(x: Array, y: Array, fours: int) -> tuple[float, float]:
+    """Of the first `fours` times four numbers, four at a time, since each addition waits for the one before."""
+    a, b, c, d = 0.0, 0.0, 0.0, 0.0
+    e, f, g, h = 0.0, 0.0, 0.0, 0.0
+    one, two, three, four = np.uint64(1), np.uint64(2), np.uint64(3), np.uint64(4)
+    for number in range(fours):
+        k = np.uint64(number) * four
+        a, b, c, d = a + x[k], b + x[k + one], c + x[k + two], d + x[k + three]
+        e, f, g, h = e + y[k], f + y[k + one], g + y[k + two], h + y[k + three]
+    return (a + b) + (c + d), (e + f) + (g + h)
 
 
 @inlined
@@ -123,7 +126,7 @@ def pull_pairs_with(
             j = np.uint64(neighbor[begin + k]) - start
             force_x[j] -= apart_x[k]
             force_y[j] -= apart_y[k]
-        total_x, total_y = sums(apart_x, apart_y, padded)
+        total_x, total_y = sums(apart_x, apart_y, padded // np.uint64(4))
         force_x[np.uint64(slot) - start] += total_x
         force_y[np.uint64(slot) - start] += total_y
 
