@@ -116,23 +116,4 @@ def magnets() -> Figure:
     return drawn
 
 
-def colloids() -> Figure:
-    """Twelve hundred beads of the template `colloids`, in a dish as much smaller."""
-    scene = load_scene(
-        folder() / "colloids.toml",
-        ["floats[0].count=1200", "dish.radius=1.4 mm", "frame_every=30 s", "duration=10 min"],
-    )
-    frames = [frame for frame in simulate(scene) if round(frame.time) in (0, 120, 600)]
-    with style():
-        drawn = figure(9.6, 3.5)
-        for axes, frame in zip(drawn.subplots(1, 3), frames, strict=True):
-            for place, radius in zip(frame.arrays["position"], frame.arrays["radius"], strict=True):
-                axes.add_patch(Circle((1e3 * place[0], 1e3 * place[1]), 1e3 * radius, color=PALETTE[1], linewidth=0.0))
-            axes.add_patch(Circle((0.0, 0.0), 1.4, fill=False, edgecolor=INK))
-            axes.set(xlim=(-1.45, 1.45), ylim=(-1.45, 1.45), aspect="equal", xlabel="x (mm)", ylabel="y (mm)")
-            axes.set_title(f"{frame.time / 60.0:g} min", color=MUTED)
-            axes.grid(visible=False)
-    return drawn
-
-
-FIGURES: dict[str, Callable[[], Figure]] = {"crowds": crowds, "magnets": magnets, "colloids": colloids}
+FIGURES: dict[str, Callable[[], Figure]] = {"crowds": crowds, "magnets": magnets}

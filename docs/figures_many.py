@@ -135,7 +135,7 @@ def _meeting(axes: Axes) -> None:
 
 THREE = """
 model = "floating"
-duration = "1.5 s"
+duration = "1.2 s"
 frame_every = "0.02 s"
 [liquid]
 viscosity = "5 mPa*s"
