@@ -88,7 +88,7 @@ def each_element(law: Callable[Given, float]) -> Callable[Given, float]:
 
     @functools.wraps(law)
     def over(*given: Given.args, **named: Given.kwargs) -> Any:
-        every = [*given, *named.values()]
+        every: list[Any] = [*given, *named.values()]
         spread = [place for place, value in enumerate(every) if isinstance(value, (np.ndarray, list, tuple))]
         if not spread:
             return law(*given, **named)

@@ -195,7 +195,7 @@ def _figures_of(scene: Any) -> dict[str, dict[str, Any]]:
     """What discs and shapes of a scene are, by their species; their angles are those of the frame."""
     found: dict[str, dict[str, Any]] = {}
     for given in (*getattr(scene, "floats", ()), *getattr(scene, "rows", ())):
-        name = getattr(given, "name", None) or getattr(given, "species_name", "")
+        name = str(getattr(given, "name", None) or getattr(given, "species_name", ""))
         for key in ("disc", "shape"):
             if getattr(given, key, None) is not None:
                 plain = TypeAdapter(type(getattr(given, key))).dump_python(getattr(given, key))

@@ -81,9 +81,7 @@ def parameters_of(scene: FloatingScene) -> Parameters:
 
 def with_method(parameters: Parameters, scene: FloatingScene) -> Parameters:
     """What goes beyond superposition, where the scene asks for it."""
-    if scene.interaction.method != "multipole" and any(
-        one.disc and one.disc.undulation for one in (*scene.floats, *scene.rows)
-    ):
+    if scene.interaction.method != "multipole" and any(one.disc and one.disc.undulation for one in scene.given):
         raise _fault("interaction.method", "discs with an undulation need 'multipole'")
     moment = moments_of(scene)
     if scene.shaped:

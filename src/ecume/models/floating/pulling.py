@@ -64,7 +64,7 @@ def add_windows(stretches: Stretches, windows: Array, force: Array) -> None:
 
 
 @compiled_inside
-def sums(x: Array, y: Array, fours: int) -> tuple[float, float]:
+def sums(x: Array, y: Array, fours: Any) -> tuple[float, float]:
     """Of the first `fours` times four numbers, four at a time, since each addition waits for the one before."""
     a, b, c, d = 0.0, 0.0, 0.0, 0.0
     e, f, g, h = 0.0, 0.0, 0.0, 0.0

@@ -73,9 +73,14 @@ class FloatingScene(Common):
         return self.contacts.friction > 0.0 or (self.dish is not None and self.dish.friction > 0.0)
 
     @property
+    def given(self) -> tuple[FloatSpec | FloatRow, ...]:
+        """All that floats are given by: tables of species, then rows."""
+        return (*self.floats, *self.rows)
+
+    @property
     def shaped(self) -> bool:
         """Whether any float is longer than wide, or has corners."""
-        return any(one.shape is not None for one in (*self.floats, *self.rows))
+        return any(one.shape is not None for one in self.given)
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:

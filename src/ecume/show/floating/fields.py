@@ -58,8 +58,12 @@ def height_field(scene: Any, frame: Frame, *, cells: int = CELLS, view: View | N
         raise BadInput(f"came cells = {cells}; wanted at least 1")
     shown = view or view_of(scene, [frame])
     cell = max(shown.width, shown.height) / cells
-    x, y = (low + cell * (np.arange(max(1, round(side / cell))) + 0.5) for low, side in _sides(shown))
+    x, y = (_places(low, side, cell) for low, side in _sides(shown))
     return HeightField(x, y, dish_field(scene, x, y) + _menisci(scene, frame, x, y))
+
+
+def _places(low: float, side: float, cell: float) -> Array:
+    return np.asarray(low + cell * (np.arange(max(1, round(side / cell))) + 0.5), np.float64)
 
 
 def _sides(view: View) -> tuple[tuple[float, float], tuple[float, float]]:
