@@ -69,6 +69,24 @@ def test_a_lost_whole_is_made_anew_from_the_parts_on_the_disk(nested):
     assert run().stdout.split() == ["7.0", "0", "1"]
 
 
+LINKED = """
+(overload,) = middle.part.overloads.values()
+print(type(overload.library).__name__)
+"""
+
+
+def test_parts_of_the_disk_are_linked_and_never_run_where_they_stand(nested):
+    """Code that runs from a part as it was lowered is many times slower than the whole that it is optimized in."""
+    run, folder = nested
+    (folder.parent / "nested.py").write_text(MODULE + LINKED)
+    run()
+    for path in folder.rglob("nested.outer*"):
+        path.unlink()
+    result, library = run().stdout.splitlines()
+    assert result.split() == ["7.0", "0", "1"]
+    assert library == "PartLibrary"
+
+
 @pytest.mark.parametrize("suffix", ["nbc", "nbi"])
 def test_truncated_files_are_compiled_anew(nested, suffix):
     run, folder = nested

@@ -173,7 +173,7 @@ class PartFiles(WholeFiles):
 
     def rebuild(self, target: Any, payload: Any) -> Any:
         """As code to be linked. Numba would make it ready to run as it stands, and what is compiled later in the same
-        process would find this first: a march from parts of the disk was twenty times slower than one read whole.
+        process would find this first: a march from parts of the disk was fourteen times slower than one read whole.
         """
         codegen = target.codegen()
         kept, codegen._library_class = codegen._library_class, PartLibrary
