@@ -26,8 +26,8 @@ from ecume.show.view import save_page
 
 BALLS = """
 model = "tracers"
-duration = "6 s"
-frame_every = "20 ms"
+duration = "0.6 s"
+frame_every = "2 ms"
 seed = 1
 [liquid]
 density = "1.2 kg/m^3"
@@ -94,8 +94,8 @@ def film() -> None:
     """Seconds a movie takes."""
     with tempfile.TemporaryDirectory() as there:
         run(ecume.load_scene(BALLS.format(count=20_000)), Path(there) / "run")
-        cut, cores = Cut(size=(1280, 720), end=6.0 - 0.03), os.cpu_count() or 1
-        movie(Path(there) / "run", Path(there) / "first.mp4", Cut(size=(1280, 720), end=0.1))
+        cut, cores = Cut(size=(1280, 720), end=0.5985), os.cpu_count() or 1
+        movie(Path(there) / "run", Path(there) / "first.mp4", Cut(size=(1280, 720), end=0.01))
         for workers in dict.fromkeys((1, cores)):
             began = time.perf_counter()
             made = movie(Path(there) / "run", Path(there) / "film.mp4", cut, workers=workers)
