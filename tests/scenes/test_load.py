@@ -54,6 +54,20 @@ def test_all_faults_are_told_at_once_with_their_places() -> None:
     assert told == [("liquid.density", 6, 1), ("floats[0].radius", 10, 1), ("dish.radios", 15, 1)]
 
 
+@pytest.mark.parametrize(
+    ("change", "says"),
+    [
+        ("tank.left.velocity=[0, 1, 3]", "came 3 numbers; the tank has 2 dimensions"),
+        ("tank.left.velocity=[1, 0]", "came 1 m/s across the wall"),
+        ('tank.left={ kind = "open", velocity = [0, 1] }', 'is of a wall; this side is of kind = "open"'),
+        ('fluid[0].flow="couette"', "wanted one of taylor-green, standing-wave, poiseuille"),
+    ],
+)
+def test_what_no_side_or_flow_can_be_is_told_in_one_line(change: str, says: str) -> None:
+    (fault,) = faults_of(TANK.replace("MEASURES", '["level"]'), (change,))
+    assert says in fault.message
+
+
 def test_a_liquid_by_its_name_alone_is_short_for_a_table() -> None:
     short = TANK.replace("MEASURES", '["level"]') + 'liquid = "water"\ntemperature = "30 degC"\n'
     whole = TANK.replace("MEASURES", '["level"]') + '[liquid]\nname = "water"\ntemperature = "30 degC"\n'

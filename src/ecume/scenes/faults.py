@@ -119,7 +119,7 @@ def _wanted(detail: ErrorDetails) -> str:
     """What should have come, from the kind of complaint and its bounds."""
     bounds = detail.get("ctx", {})
     if detail["type"] == "literal_error":
-        choices = re.findall(r"'([^']*)'", str(bounds["expected"]))
+        choices = [word for word in re.findall(r"'([^']*)'", str(bounds["expected"])) if word]
         near = suggestion(str(detail["input"]), choices)
         return f"wanted one of {', '.join(choices)}" + ("" if near.startswith("known") else f"; {near}")
     wording = WORDING.get(detail["type"], detail["msg"][:1].lower() + detail["msg"][1:])

@@ -60,6 +60,11 @@ def test_a_liquid_that_nobody_knows_is_refused_at_its_key(table, says):
         SPH.parameters(scene_with(table))
 
 
+def test_a_pressure_that_nothing_asks_for_is_refused():
+    with pytest.raises(SceneError, match="background_pressure: is of pressure_force"):
+        SPH.parameters(scene_with(background_pressure=5.0))
+
+
 def test_few_and_many_neighbors_are_told_with_the_way_out():
     assert "raise method.smoothing" in said(scene_with(smoothing=0.9))["neighbors"][1]
     assert "lower method.smoothing" in said(scene_with(smoothing=3.0))["neighbors"][1]

@@ -158,7 +158,9 @@ def central_pull_of(scene: SphScene) -> tuple[float, Array]:
 
 def background_of(scene: SphScene, material: Material) -> float:
     """Pa, of the transport velocity; zero without."""
-    if chosen(scene.method.pressure_force, STRESSES, "method.pressure_force") != "transport":
-        return 0.0
     given = scene.method.background_pressure
+    if chosen(scene.method.pressure_force, STRESSES, "method.pressure_force") != "transport":
+        if given is not None:
+            raise SceneError([Fault("method.background_pressure", 'is of pressure_force = "transport" alone')])
+        return 0.0
     return material.density * material.sound_speed**2 if given is None else given

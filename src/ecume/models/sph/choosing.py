@@ -63,7 +63,9 @@ def chosen(name: str, names: Any, path: str) -> str:
     """A law's name, if there is such a law."""
     if name not in names:
         wanted = ", ".join(names)
-        raise SceneError([Fault(path, f"came {name!r}; wanted one of {wanted}; {suggestion(name, names)}")])
+        near = suggestion(name, names)
+        meant = "" if near.startswith("known") else f"; {near}"
+        raise SceneError([Fault(path, f"came {name!r}; wanted one of {wanted}{meant}")])
     return name
 
 

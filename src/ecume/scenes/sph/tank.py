@@ -54,6 +54,19 @@ class SideSpec:
         return self
 
 
+def _velocity_fault(side: SideSpec, axis: int, dimension: int) -> str:
+    """What is wrong with the velocity of a side that is normal to an axis; empty where nothing is."""
+    if side.velocity is None:
+        return ""
+    if side.kind != "wall":
+        return f'is of a wall; this side is of kind = "{side.kind}"'
+    if len(side.velocity) != dimension:
+        return f"came {len(side.velocity)} numbers; the tank has {dimension} dimensions"
+    if axis < dimension and side.velocity[axis] != 0.0:
+        return f"came {side.velocity[axis]:g} m/s across the wall; it goes along itself, and motion moves it across"
+    return ""
+
+
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class TankSpec:
     """A rectangular tank."""
@@ -90,6 +103,9 @@ class TankSpec:
             side = getattr(self, name)
             if side.motion is not None and (side.kind != "wall" or self.walls == "dummy"):
                 complaints.append(((name, "motion"), 'only a wall can move, and tank.walls must be "mirror"'))
+            fault = _velocity_fault(side, SIDES.index(name) // 2, len(self.low))
+            if fault:
+                complaints.append(((name, "velocity"), fault))
         for axis in range(len(self.low)):
             pair = SIDES[2 * axis : 2 * axis + 2]
             periodic = [getattr(self, side).kind == "periodic" for side in pair]
