@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import json
 import os
 import random
@@ -17,6 +18,7 @@ import pytest
 import toy
 
 from ecume.errors import RunExists, Stopped, StorageError
+from ecume.models import MODELS
 from ecume.run import Habits, Progress, RunDirectory, checkpoints, info, resume, run
 from ecume.trajectories.reader import open_trajectory
 
@@ -93,6 +95,20 @@ def test_a_signal_leaves_a_checkpoint_and_says_how_to_go_on(
     resume(tmp_path / "run")
     run(scene(duration=0.3), tmp_path / "other")
     assert results(tmp_path / "run") == results(tmp_path / "other")
+
+
+@pytest.mark.parametrize("name", ["SIGTERM", "SIGUSR1"])
+def test_a_signal_before_the_march_has_begun_is_not_lost(
+    tmp_path: Path, scene: Scenes, monkeypatch: pytest.MonkeyPatch, name: str
+) -> None:
+    def slow_start(*given: Any) -> Any:
+        os.kill(os.getpid(), getattr(signal, name))
+        return toy.start(*given)
+
+    monkeypatch.setitem(MODELS, "toy", dataclasses.replace(toy.model(), start=slow_start))
+    with pytest.raises(Stopped, match=f"stopped by {name} at step 0 of 300"):
+        run(scene(duration=0.3), tmp_path / "run")
+    assert info(tmp_path / "run").checkpoint == 0
 
 
 def test_a_process_that_is_asked_to_stop_ends_with_the_code_that_batch_systems_requeue(

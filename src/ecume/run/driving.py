@@ -20,7 +20,7 @@ from ecume.run.lawbook import Law, entries, require_same
 from ecume.run.locking import held
 from ecume.run.progress import Pace, Progress, StatusFile, note
 from ecume.run.recording import Recording
-from ecume.run.stopping import Wish, wish_to_stop
+from ecume.run.stopping import PATIENT, Wish, wish_to_stop
 from ecume.run.watching import POLICIES, Watch, sentence
 from ecume.trajectories.durable import storing, write_whole
 from ecume.trajectories.reader import Trajectory
@@ -93,15 +93,16 @@ def run(
     """
     home = RunDirectory(Path(directory))
     refuse_existing(home, force=force)
-    moments = _moments(scene, None, extra_laws, habits)
-    first = next(moments)  # a scene that cannot be run is refused before anything is written
-    with storing(home.path):
-        home.path.mkdir(parents=True, exist_ok=True)
-    with held(home):
-        refuse_existing(home, force=force)
-        clear(home)
-        _found(home, scene, extra_laws, habits)
-        return _drive(home, scene, itertools.chain([first], moments), habits)
+    with wish_to_stop(PATIENT) as wish:
+        moments = _moments(scene, None, extra_laws, habits)
+        first = next(moments)  # a scene that cannot be run is refused before anything is written
+        with storing(home.path):
+            home.path.mkdir(parents=True, exist_ok=True)
+        with held(home):
+            refuse_existing(home, force=force)
+            clear(home)
+            _found(home, scene, extra_laws, habits)
+            return _drive(_Session(home, scene, habits, 0), itertools.chain([first], moments), wish)
 
 
 def resume(directory: str | os.PathLike[str], *, extra_laws: Sequence[Law] = (), habits: Habits = USUAL) -> RunResult:
@@ -113,7 +114,7 @@ def resume(directory: str | os.PathLike[str], *, extra_laws: Sequence[Law] = (),
     from ecume.scenes.schema import from_plain
 
     home = existing(directory)
-    with held(home):
+    with wish_to_stop(PATIENT) as wish, held(home):
         if home.done.exists():
             done = json_of(home.done)
             return RunResult(home.path, done["frames"], done["steps"], done["time"], 0.0)
@@ -124,7 +125,7 @@ def resume(directory: str | os.PathLike[str], *, extra_laws: Sequence[Law] = (),
         with storing(home.failed):
             home.failed.unlink(missing_ok=True)
         moments = _moments(scene, checkpoint.state, extra_laws, habits)
-        return _drive(home, scene, moments, habits, checkpoint.frames)
+        return _drive(_Session(home, scene, habits, checkpoint.frames), moments, wish)
 
 
 def _moments(scene: Any, state: Any, extra_laws: Sequence[Law], habits: Habits) -> Iterator[Moment]:
@@ -172,11 +173,10 @@ def _frames_on_disk(home: RunDirectory) -> int:
         return trajectory.intact
 
 
-def _drive(home: RunDirectory, scene: Any, moments: Iterable[Moment], habits: Habits, frames: int = 0) -> RunResult:
+def _drive(session: _Session, moments: Iterable[Moment], wish: Wish) -> RunResult:
     """March to the end, and say how it ended, whichever way."""
-    session = _Session(home, scene, habits, frames)
     try:
-        with wish_to_stop() as wish, contextlib.closing(session):
+        with wish_to_stop(wish=wish), contextlib.closing(session):
             session.follow(moments, wish)
         session.succeed()
     except BaseException as error:
@@ -184,7 +184,7 @@ def _drive(home: RunDirectory, scene: Any, moments: Iterable[Moment], habits: Ha
             session.fail(error)
         raise
     at = session.at
-    return RunResult(home.path, at.frames, at.steps, at.time, session.seconds)
+    return RunResult(session.directory, at.frames, at.steps, at.time, session.seconds)
 
 
 class _Session:
@@ -197,6 +197,11 @@ class _Session:
         self._pace, self._status = Pace(scene.duration), StatusFile(home)
         self._began = self._saved = time.monotonic()
         self.at = Progress(0, 0, 0.0, scene.duration, frames, 0.0, 0.0, None)
+
+    @property
+    def directory(self) -> Path:
+        """Whose run it is."""
+        return self._home.path
 
     @property
     def seconds(self) -> float:

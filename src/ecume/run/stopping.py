@@ -6,11 +6,17 @@ import contextlib
 import os
 import signal
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from types import FrameType
 
 SIGNALS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGUSR1", "SIGBREAK") if hasattr(signal, name))
 """Ctrl-C, the batch system's farewell, its warning beforehand, and Windows' own; not every system has each."""
+
+
+PATIENT = tuple(number for number in SIGNALS if number.name in ("SIGTERM", "SIGUSR1"))
+"""What batch systems send. Before the march has begun only these wait for a checkpoint: who presses Ctrl-C while laws
+are compiled has nothing to lose.
+"""
 
 
 def ask_to_stop(process: int) -> None:
@@ -40,13 +46,13 @@ class Wish:
 
 
 @contextlib.contextmanager
-def wish_to_stop() -> Iterator[Wish]:
-    """What signals have asked for inside of this block. Only the main thread hears signals."""
-    wish = Wish()
+def wish_to_stop(signals: Sequence[signal.Signals] = SIGNALS, wish: Wish | None = None) -> Iterator[Wish]:
+    """What signals have asked for inside of this block, or had asked for before. Only the main thread hears signals."""
+    wish = Wish() if wish is None else wish
     if threading.current_thread() is not threading.main_thread():
         yield wish
         return
-    before = {number: signal.signal(number, wish.take) for number in SIGNALS}
+    before = {number: signal.signal(number, wish.take) for number in signals}
     try:
         yield wish
     finally:
