@@ -70,9 +70,19 @@ export class Picture {
     on.translate(width / 2, height / 2);
     on.rotate(seen.leaning);
     on.translate(-scale * this.middle[0], scale * this.middle[1]);
+    this.inside(seen);
     this.liquid(seen);
     this.solids(seen, fine);
     this.walls(seen, fine);
+  }
+
+  /** A ground on which the darkest liquid is seen, and the brightest. */
+  private inside({ wall }: Poured): void {
+    const { on, basin } = this;
+    const [[left, bottom], [right, top]] = [basin.low, basin.high];
+    this.path([[left + wall, bottom], [right, bottom], [right, top], [left + wall, top]]); // prettier-ignore
+    on.fillStyle = getComputedStyle(document.documentElement).getPropertyValue("--inside");
+    on.fill();
   }
 
   private liquid(seen: Poured): void {
