@@ -1,246 +1,27 @@
-"""How loops are compiled: the only file that imports Numba.
-
-Numba's disk cache has four traps, all closed here. It hashes only the file of the function itself, so that an edited
-law in another file silently gives the old result: folders are named by all text that goes into a module's code (see
-`_cache`). A truncated cache file raises from inside the unpickler: it is thrown away and compiled anew. A folder that
-cannot be written is an error at import: a temporary folder stands in. A function loaded from it may call threads that
-nobody started: they are started before anything is loaded.
-"""
+"""How loops are compiled: with `_parts`, the only file that imports Numba."""
 
 from __future__ import annotations
 
 import functools
-import logging
 import math
 import os
-import platform
 from collections.abc import Callable
-from pathlib import Path
 from types import FunctionType, ModuleType
 from typing import Any, TypeVar, cast
 
-import llvmlite
 import numba
 import numba.extending
 import numpy as np
 from numba.core import types
-from numba.core.caching import CompileResultCacheImpl, FunctionCache
-from numba.core.codegen import JITCodeLibrary
-from numba.core.compiler import Compiler
 from numba.core.imputils import lower_builtin
-from numba.core.registry import CPUDispatcher
 
-from ecume import _cache
+from ecume._parts import PART, AloneCache, Dispatcher, Part, TogetherCache
 
 # Threads that wait for their next loop by spinning keep whoever else computes here from going on, and are kept from it
 # themselves: on a busy machine loops over a few thousand particles took five times as long. Read when they start.
 os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
 
 Function = TypeVar("Function", bound=Callable[..., Any])
-log = logging.getLogger(__name__)
-
-
-COMPILER = f"Numba {numba.__version__}, LLVM {llvmlite.__version__}, Python {platform.python_version()}"
-
-
-class Place:
-    """Where the code of a function lies on the disk, and the stamp that it must bear: Numba's locator."""
-
-    def __init__(self, function: FunctionType, path: str) -> None:
-        self._line = function.__code__.co_firstlineno
-        self._folder = _cache.folder(Path(path).absolute(), COMPILER)
-
-    @classmethod
-    def from_function(cls, function: FunctionType, path: str) -> Place | None:
-        """None where there is no file."""
-        return cls(function, path) if Path(path).is_file() else None
-
-    def ensure_cache_path(self) -> None:
-        """There is a folder to write into."""
-        self._folder.mkdir(parents=True, exist_ok=True)
-
-    def get_cache_path(self) -> str:
-        """The folder."""
-        return str(self._folder)
-
-    def get_source_stamp(self) -> str:
-        """Of the text that the code comes from; part of the folder's name."""
-        return self._folder.name
-
-    def get_disambiguator(self) -> str:
-        """Functions of one name differ in their lines."""
-        return str(self._line)
-
-
-class WholeFiles(CompileResultCacheImpl):  # type: ignore[misc]  # Numba's types are left out: they are half there
-    """Files in our folders."""
-
-    _locator_classes = [Place]  # noqa: RUF012  # Numba's name
-
-
-class HealingCache(FunctionCache):  # type: ignore[misc]
-    """A disk cache that treats whatever it cannot read as absent."""
-
-    _impl_class = WholeFiles
-
-    def load_overload(self, *arguments: Any) -> Any:
-        # Threads must run before code that calls them is linked. Numba sees to that where a function was compiled
-        # together with its threaded parts; one made from parts of the disk would jump to nowhere.
-        numba.get_num_threads()
-        try:
-            return super().load_overload(*arguments)
-        except Exception as error:  # a damaged pickle raises nearly anything
-            log.warning("the compilation cache of %s was damaged (%s) and is made anew", self._name, error)
-            self.flush()
-            return None
-
-    def save_overload(self, *arguments: Any) -> None:
-        try:
-            super().save_overload(*arguments)
-        except (OSError, EOFError, ValueError) as error:  # full disk, or a damaged index
-            log.warning("the compilation cache of %s could not be written: %s", self._name, error)
-        except Exception as error:  # the index is a pickle too
-            log.warning("the compilation cache of %s was damaged (%s)", self._name, error)
-            self.flush()
-
-
-# Numba optimizes and emits every function, and again inside each of its callers, and theirs: with calls nested eight
-# deep most of a compilation was the same work done over. Here what compiled code calls is a part: typed and lowered
-# once, and optimized where it ends up, in the whole that Python calls.
-
-
-class PartLibrary(JITCodeLibrary):  # type: ignore[misc]
-    """Code that is never run where it stands, only linked into wholes: it is left as it was lowered."""
-
-    def _optimize_functions(self, module: Any) -> None:
-        module.data_layout = self._codegen._data_layout
-
-    def _optimize_final_module(self) -> None:
-        pass
-
-    def _finalize_final_module(self) -> None:
-        # No search for addresses of this process, which keep code from the disk: most are gone once a whole is
-        # optimized, and the whole looks for those that are left.
-        self._finalized = True
-
-    def get_pointer_to_function(self, name: str) -> int:
-        """Nowhere: Python does not call a part."""
-        self._ensure_finalized()
-        return 0
-
-    @property
-    def codegen(self) -> Any:
-        """Is told where the environment lies, and a part's lies in the wholes."""
-        return Nowhere
-
-    def serialize_using_object_code(self) -> Any:
-        """There is no object code."""
-        return self.serialize_using_bitcode()
-
-
-class Nowhere:
-    """Takes no environment."""
-
-    @staticmethod
-    def set_env(name: str, environment: Any) -> None:
-        """Do nothing."""
-
-
-class Part(Compiler):  # type: ignore[misc]
-    """Compiles for compiled code."""
-
-    def __init__(self, typing: Any, target: Any, library: Any, *rest: Any) -> None:
-        super().__init__(typing, target, library or PartLibrary(target.codegen(), "part"), *rest)
-
-
-class Whole(Compiler):  # type: ignore[misc]
-    """Compiles for Python, all parts included."""
-
-    def compile_extra(self, function: Any) -> Any:
-        """As ever; and the parts get their environments."""
-        result = super().compile_extra(function)
-        for environment in result._find_referenced_environments():
-            result.codegen.set_env(environment.env_name, environment)
-        return result
-
-
-class PartFiles(WholeFiles):
-    """Files of their own: the same function's whole has other code."""
-
-    def get_filename_base(self, name: str, flags: str) -> str:
-        """The beginning of the files' names."""
-        return f"part-{super().get_filename_base(name, flags)}"
-
-    def rebuild(self, target: Any, payload: Any) -> Any:
-        """As code to be linked. Numba would make it ready to run as it stands, and what is compiled later in the same
-        process would find this first: a march from parts of the disk was fourteen times slower than one read whole.
-        """
-        codegen = target.codegen()
-        kept, codegen._library_class = codegen._library_class, PartLibrary
-        try:
-            return super().rebuild(target, payload)
-        finally:
-            codegen._library_class = kept
-
-
-class PartCache(HealingCache):
-    """The disk cache of parts: a whole made later, such as a march with a user's laws, finds them there."""
-
-    _impl_class = PartFiles
-
-
-class TogetherFiles(WholeFiles):
-    """The same function with threads."""
-
-    def get_filename_base(self, name: str, flags: str) -> str:
-        """The beginning of the files' names."""
-        return f"together-{super().get_filename_base(name, flags)}"
-
-
-class TogetherCache(HealingCache):
-    """The disk cache of what compiled code calls without threads."""
-
-    _impl_class = TogetherFiles
-
-
-class AloneFiles(WholeFiles):
-    """The same function without threads."""
-
-    def get_filename_base(self, name: str, flags: str) -> str:
-        """The beginning of the files' names."""
-        return f"alone-{super().get_filename_base(name, flags)}"
-
-
-class AloneCache(HealingCache):
-    """The disk cache of loops that are compiled for threads as well."""
-
-    _impl_class = AloneFiles
-
-
-WHOLE = {"nopython": True, "nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
-PART = {**WHOLE, "no_cpython_wrapper": True}
-
-
-class Dispatcher(CPUDispatcher):  # type: ignore[misc]
-    """A compiled function: a whole where Python calls it, a part where compiled code does."""
-
-    def __init__(self, function: FunctionType, options: dict[str, Any], cache: bool) -> None:
-        super().__init__(function, targetoptions={**WHOLE, **options}, pipeline_class=Whole)
-        self.part = CPUDispatcher(function, targetoptions={**PART, **options}, pipeline_class=Part)
-        if cache:
-            self._cache, self.part._cache = HealingCache(function), PartCache(function)
-
-    def get_call_template(self, arguments: Any, keywords: Any) -> Any:
-        """How compiled code calls it. A 0 that stands in the caller is a number like any other, not a type of its own
-        with a compilation of its own.
-        """
-        plain = tuple(types.unliteral(argument) for argument in arguments)
-        return self.part.get_call_template(plain, {name: types.unliteral(kind) for name, kind in keywords.items()})
-
-    def get_overload(self, signature: Any) -> Any:
-        """What compiled code calls."""
-        return self.part.get_overload(signature)
-
 
 prange = numba.prange
 """A loop over threads; only inside a function that is `threaded`."""
