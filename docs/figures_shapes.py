@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from ecume.engine.outlines import ellipses_near
+from ecume.engine.ellipses import ellipses_near
 from ecume.laws import quadrupoles
 from ecume.laws.lines import Line
 from ecume.scenes.load import load_scene
