@@ -99,15 +99,15 @@ def gather(contacts: Contacts, candidates: Candidates, position: Array, bodies: 
     """Write down all contacts with a gap below `reach`, ordered by i, then j, walls last. False when there is no
     room.
     """
-    radius, walls, partner = bodies.radius, bodies.walls, candidates.partner
+    radius, walls, starts, partner = bodies.radius, bodies.walls, candidates.first, candidates.partner
     first, second, normal, gaps = contacts.first, contacts.second, contacts.normal, contacts.gap
     count, walls_here, found = position.shape[0], wall_count(walls), 0
     for i in range(count):
         x, y = position[i, 0], position[i, 1]
-        pairs = candidates.first[i + 1] - candidates.first[i]
+        pairs = starts[i + 1] - starts[i]
         for place in range(pairs + walls_here):
             if place < pairs:
-                j = partner[candidates.first[i] + place]
+                j = partner[starts[i] + place]
                 gap, to_x, to_y = pair_gap(position[j, 0] - x, position[j, 1] - y, radius[i] + radius[j])
             else:
                 j = count + place - pairs
