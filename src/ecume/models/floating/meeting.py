@@ -24,8 +24,6 @@ from ecume.units import Array
 
 STEADY = 2.0
 """At the end of a step, an approach faster than this many kicks is left for the next step to bounce."""
-BENT = 100.0
-"""How much room a curved path may be given, over the overlap that is left alone."""
 TOLERABLE = 1e-3
 """What a contact may err by in one step, over the overlap that is left alone; a slower approach does not bounce."""
 
@@ -174,28 +172,6 @@ def solve_contacts(parameters: Parameters, state: State, workspace: Workspace, v
     solve_contacts_with(solve_smooth, parameters, state, workspace, velocity)
 
 
-@compiled
-def demand_room(parameters: Parameters, contacts: Contacts, position: Array, passage: Array) -> None:
-    """Ask that nobody ends the step inside another, or in a wall.
-
-    Whoever goes past another on a straight line leaves it again: a distance d and a path s across it end at
-    sqrt(d^2 + s^2). Without that part pairs that roll over one another would stay s^2/2d apart, where a raft that folds
-    faster has more energy. A round wall bends the other way. s is that before the solve, and counts up to BENT.
-    """
-    radius, first, second, normal = parameters.floats.radius, contacts.first, contacts.second, contacts.normal
-    step, most = parameters.time_step, BENT * parameters.slop
-    for row in range(contacts.total[0]):
-        i, j = first[row], second[row]
-        across = normal[row, 0] * (passage[j, 1] - passage[i, 1]) - normal[row, 1] * (passage[j, 0] - passage[i, 0])
-        room, square = max(contacts.gap[row], 0.0), (step * across) ** 2
-        if j < len(radius):
-            room += min(0.5 * square / (radius[i] + radius[j]), most)
-        elif j == len(radius) and parameters.walls.disc_radius < np.inf:
-            room -= min(0.5 * square / (parameters.walls.disc_radius - radius[i]), most)
-        free = parameters.contact_law == LEGACY and j < len(radius)
-        contacts.bound[row] = -np.inf if free else -room / step
-
-
 @inlined
 def meet_with(
     bounce: Callable[..., None],
@@ -222,7 +198,9 @@ def meet_with(
         velocity[i, 0] -= passage[i, 0]
         velocity[i, 1] -= passage[i, 1]
     bounce(parameters, state, workspace)
-    demand_room(parameters, contacts, state.position, passage)
+    for row in range(contacts.total[0]):
+        free = parameters.contact_law == LEGACY and contacts.second[row] < len(velocity)
+        contacts.bound[row] = -np.inf if free else -max(contacts.gap[row], 0.0) / parameters.time_step
     solve_contacts(parameters, state, workspace, passage)
     for i in range(len(velocity)):
         velocity[i, 0] += passage[i, 0]
