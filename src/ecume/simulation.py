@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, NamedTuple
 
-from ecume.errors import Diverged
+from ecume.errors import BadInput, Diverged
 from ecume.models import MODELS
 from ecume.models.model import CROWDED, DIVERGED, EXCHANGE, Model
 from ecume.trajectories.frame import Frame
@@ -33,14 +33,24 @@ def simulate(scene: Any, *, extra_laws: Sequence[Callable[..., float]] = ()) -> 
 
 
 def moments(
-    scene: Any, *, state: Any = None, extra_laws: Sequence[Callable[..., float]] = (), patience: float = 0.25
+    scene: Any,
+    *,
+    state: Any = None,
+    extra_laws: Sequence[Callable[..., float]] = (),
+    patience: float = 0.25,
+    engine: Callable[[Model], Model] | None = None,
 ) -> Iterator[Moment]:
     """March through a scene and pause at every frame, and at least about every `patience` seconds of wall time.
 
     With `state` (of a checkpoint) the march goes on from there. Where it pauses changes no bit of the result.
-    The state of a moment is moved on by the next one: copy it to keep it.
+    The state of a moment is moved on by the next one: copy it to keep it. `engine` makes of the scene's model one that
+    marches in another way to the same bits.
     """
     model = MODELS[scene.model]
+    if engine is not None:
+        if extra_laws:
+            raise BadInput("extra_laws go with the usual engine only")
+        model = engine(model)
     parameters = model.parameters(scene)
     if state is None:
         state = model.start(scene, parameters)

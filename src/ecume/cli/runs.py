@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ecume.cli.ends import say
+from ecume.cli.engines import Engine, Ranks, marching
 from ecume.cli.progress import ahead, lasting, shown
 from ecume.cli.scenes import Overrides, SceneFile, placed
 
@@ -67,6 +68,8 @@ def run(
     view: Annotated[bool, typer.Option("--view", help="Watch it in the browser while it runs.")] = False,
     on_violation: Violation = None,
     quiet: Quiet = False,
+    engine: Engine = "local",
+    ranks: Ranks = None,
 ) -> None:
     """Simulate a scene into a directory. Ctrl-C stops with a checkpoint.
 
@@ -78,22 +81,28 @@ def run(
     from ecume.scenes.load import load_scene
 
     changes = overrides or []
-    asked = load_scene(scene, changes)
-    # With changes from the command line the file is no longer what was asked; the resolved scene is.
-    source = None if changes else scene.read_bytes()
     directory = out or RUNS / scene.stem
-    with placed(scene, changes), watched(directory, wanted=view), shown(quiet=quiet) as told:
-        done = simulate(
-            asked,
-            directory,
-            force=force,
-            habits=Habits(threads=threads, progress=told, source=source, on_violation=on_violation),
-        )
-    _end(done, quiet=quiet)
+    with marching(engine, ranks) as led:
+        asked = load_scene(scene, changes)
+        # With changes from the command line the file is no longer what was asked; the resolved scene is.
+        source = None if changes else scene.read_bytes()
+        with placed(scene, changes), watched(directory, wanted=view), shown(quiet=quiet) as told:
+            done = simulate(
+                asked,
+                directory,
+                force=force,
+                habits=Habits(threads=threads, progress=told, source=source, on_violation=on_violation, engine=led),
+            )
+        _end(done, quiet=quiet)
 
 
 def resume(
-    directory: RunFolder = HERE, threads: Threads = None, on_violation: Violation = None, quiet: Quiet = False
+    directory: RunFolder = HERE,
+    threads: Threads = None,
+    on_violation: Violation = None,
+    quiet: Quiet = False,
+    engine: Engine = "local",
+    ranks: Ranks = None,
 ) -> None:
     """Go on with a run that was stopped or killed; the result is the same, bit for bit, as without the stop.
 
@@ -103,9 +112,9 @@ def resume(
     from ecume.run import Habits
     from ecume.run import resume as go_on
 
-    with shown(quiet=quiet) as told:
-        done = go_on(directory, habits=Habits(threads=threads, progress=told, on_violation=on_violation))
-    _end(done, quiet=quiet)
+    with marching(engine, ranks) as led, shown(quiet=quiet) as told:
+        habits = Habits(threads=threads, progress=told, on_violation=on_violation, engine=led)
+        _end(go_on(directory, habits=habits), quiet=quiet)
 
 
 def _end(done: RunResult, *, quiet: bool) -> None:

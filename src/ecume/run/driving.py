@@ -27,6 +27,7 @@ from ecume.trajectories.reader import Trajectory
 from ecume.trajectories.repair import repair
 
 if TYPE_CHECKING:
+    from ecume.models.model import Model
     from ecume.simulation import Moment
     from ecume.trajectories.frame import Frame
 
@@ -65,6 +66,8 @@ class Habits:
     """Seconds of wall time."""
     source: bytes | None = None
     """The scene's file, byte for byte, to be kept beside what became of it."""
+    engine: Callable[[Model], Model] | None = None
+    """What marches in the place of the scene's model, to the same bits: see `ecume.run.ranks`."""
     on_violation: str | None = None
     """What becomes of a run that loses what its model must not lose, see `watching.POLICIES`; left out, what it began
     with, or else `warn`."""
@@ -133,7 +136,7 @@ def _moments(scene: Any, state: Any, extra_laws: Sequence[Law], habits: Habits) 
     from ecume.simulation import moments
 
     use_threads(habits.threads)
-    return moments(scene, state=state, extra_laws=extra_laws)
+    return moments(scene, state=state, extra_laws=extra_laws, engine=habits.engine)
 
 
 def _found(home: RunDirectory, scene: Any, extra_laws: Sequence[Law], habits: Habits) -> None:

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 from ecume._jit import admit, compiled, compiled_inside, inlined, prange, threaded
+from ecume.engine.cells import Integers
 from ecume.engine.neighbors import NeighborLists, sort_positions
 from ecume.engine.walls import wall_count, wall_distance
 from ecume.laws import capillarity, screened, special
@@ -26,7 +27,7 @@ from ecume.models.floating.parameters import (
     Parameters,
     unpack_fit,
 )
-from ecume.models.floating.pulling import STRETCHES, pull_all_with, pull_pairs_with
+from ecume.models.floating.pulling import pull_all_with, pull_pairs_with
 from ecume.models.floating.wall_tables import HEIGHT, IMAGE, tabled
 from ecume.units import Array
 
@@ -65,7 +66,7 @@ def _pull_stretch(stretch: Any, rows: Any, floats: Any, pair: Array, window: Any
 
 @threaded
 def _pull_in_threads(edge: Any, place: Any, rows: Any, floats: Any, pair: Array, along: Array, across: Array) -> None:
-    for k in prange(STRETCHES):
+    for k in prange(len(edge) - 1):
         window = along[place[k] : place[k + 1]], across[place[k] : place[k + 1]]
         _pull_stretch((edge[k], edge[k + 1]), rows, floats, pair, window)
 
@@ -112,11 +113,17 @@ def forces_with(
     sorted_force = sorted_floats.force
     charges = (sorted_floats.charge, sorted_floats.radius)
     pull_all((rows.first, rows.later, rows.neighbor, x, y), charges, sorted_floats.pair, sorted_force)
-    for slot in range(len(order)):
-        force[order[slot], 0], force[order[slot], 1] = sorted_force[0, slot], sorted_force[1, slot]
+    unsort(order, sorted_force, force)
     add_wall_forces(parameters, position, force)
     if parameters.drift.flows:
         add_flow(parameters, position, force)
+
+
+@compiled
+def unsort(order: Integers, sorted_force: Array, force: Array) -> None:
+    """Copy forces from the order of the slots into that of the floats."""
+    for slot in range(len(order)):
+        force[order[slot], 0], force[order[slot], 1] = sorted_force[0, slot], sorted_force[1, slot]
 
 
 @compiled

@@ -9,22 +9,21 @@ SciPy's; a crowd's step takes long enough.
 
 from __future__ import annotations
 
-import functools
 import math
+from collections.abc import Callable
 from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
 from scipy import fft
 
-from ecume._jit import admit, compiled, compiled_inside, plainly, prange, threaded
+from ecume._jit import admit, compiled, compiled_inside, prange, threaded
 from ecume.engine import splines
 from ecume.engine.cells import Integers
-from ecume.engine.neighbors import NeighborLists, Slots, farthest_move
+from ecume.engine.neighbors import NeighborLists, Slots
 from ecume.laws import split as splitting
 from ecume.laws.split import SplitFit, fitted_short_pull, smooth_self_energy, smooth_wave, smooth_wave_within
 from ecume.models.floating.forces import Sorted, forces_with
-from ecume.models.floating.meeting import meet, rest
 from ecume.models.floating.parameters import (
     CAPILLARY_LENGTH,
     CUTOFF,
@@ -33,12 +32,10 @@ from ecume.models.floating.parameters import (
     PairParameters,
     Parameters,
 )
-from ecume.models.floating.pulling import STRETCHES, pull_all_with, pull_pairs_with
-from ecume.models.floating.schemes import predict
+from ecume.models.floating.pulling import pull_all_with, pull_pairs_with
 from ecume.models.floating.state import State, Workspace
-from ecume.models.floating.stepping import keep_lists, step_with
+from ecume.models.floating.stepping import march_in_parts
 from ecume.models.floating.summing import SHORT_FIT, Split
-from ecume.models.model import DIVERGED, DONE
 from ecume.units import Array
 
 admit(splitting)
@@ -84,7 +81,7 @@ def _pull_stretch(stretch: Any, rows: Any, floats: Any, pair: Array, window: Any
 
 @threaded
 def _pull_in_threads(edge: Any, place: Any, rows: Any, floats: Any, pair: Array, along: Array, across: Array) -> None:
-    for k in prange(STRETCHES):
+    for k in prange(len(edge) - 1):
         window = along[place[k] : place[k + 1]], across[place[k] : place[k + 1]]
         _pull_stretch((edge[k], edge[k + 1]), rows, floats, pair, window)
 
@@ -227,26 +224,22 @@ def sum_of_short_energies(
     return total
 
 
-def march_split(parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
-    """March: see `ecume.models.model.Model.advance`."""
+def march_split_with(
+    evaluate_short: Callable[..., None], parameters: Parameters, state: State, workspace: Workspace, steps: int
+) -> int:
+    """March, with a short part that is summed in a way of one's own."""
     split: Split = parameters.many
     # Without the split, parameters are of the type that everyone's are: the parts are compiled once for all.
     bare = parameters._replace(many=())
     length = float(parameters.pair[CAPILLARY_LENGTH])
 
     def evaluate(bare: Parameters, position: Array, lists: NeighborLists, scratch: tuple[Sorted, Array]) -> None:
-        short_forces(bare, position, lists, scratch)
+        evaluate_short(bare, position, lists, scratch)
         add_smooth_forces(bare, split, position, grid_around(split, state.reference, length), scratch[1])
 
-    step = functools.partial(plainly(step_with), predict, evaluate, meet, rest, bare, state, workspace)
-    if workspace.ready[0] == 0:
-        evaluate(bare, state.position, workspace.lists, (workspace.sorted_floats, workspace.force))
-    workspace.ready[0] = 1
-    for _ in range(steps):
-        status = keep_lists(bare, state, workspace)
-        if status != DONE:
-            return status
-        step()
-        if not farthest_move(state.position, state.reference) <= 0.5 * parameters.skin:
-            return DIVERGED
-    return DONE
+    return march_in_parts(evaluate, bare, state, workspace, steps)
+
+
+def march_split(parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
+    """March: see `ecume.models.model.Model.advance`."""
+    return march_split_with(short_forces, parameters, state, workspace, steps)

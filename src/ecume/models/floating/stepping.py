@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from ecume._jit import compiled, inlined
+from ecume._jit import compiled, inlined, plainly
 from ecume.engine.contacts import Candidates
 from ecume.engine.neighbors import NeighborLists, build, farthest_move
 from ecume.models.floating.forces import Sorted, forces, sort_floats
@@ -176,6 +176,25 @@ def march_with(
 ) -> int:
     """`march_touching_with` contacts without friction."""
     return march_touching_with(predict, evaluate, meet, rest, parameters, state, workspace, steps)
+
+
+def march_in_parts(
+    evaluate: Callable[..., None], parameters: Parameters, state: State, workspace: Workspace, steps: int
+) -> int:
+    """The march as Python runs it, of compiled parts: where forces take what cannot be compiled. For schemes that ask
+    for no forces on the way.
+    """
+    if workspace.ready[0] == 0:
+        evaluate(parameters, state.position, workspace.lists, (workspace.sorted_floats, workspace.force))
+    workspace.ready[0] = 1
+    for _ in range(steps):
+        status = keep_lists(parameters, state, workspace)
+        if status != DONE:
+            return status
+        plainly(step_with)(predict, evaluate, meet, rest, parameters, state, workspace)
+        if not farthest_move(state.position, state.reference) <= 0.5 * parameters.skin:
+            return DIVERGED
+    return DONE
 
 
 @compiled
