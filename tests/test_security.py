@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 import ecume
+from ecume._cache import open_to_others
 from ecume.errors import BadInput
 from ecume.show import serving
 from ecume.sweep import running, sweep
@@ -140,6 +141,50 @@ def test_the_cache_of_compiled_code_is_made_for_its_owner_alone(tmp_path):
     environment = {**os.environ, "ECUME_CACHE_DIR": str(tmp_path / "cache")}
     done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
     assert stat.S_IMODE(Path(done.stdout.strip()).stat().st_mode) == 0o700
+
+
+PLANTED = """
+from ecume._jit import compiled
+
+@compiled
+def doubled(number):
+    return 2 * number
+
+print(doubled(21), sum(doubled.stats.cache_hits.values()))
+"""
+
+
+@pytest.mark.compiled
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no such modes")
+@pytest.mark.parametrize(
+    ("mode", "read"), [(0o700, True), (0o755, True), (0o770, False), (0o777, False), (0o1777, False)]
+)
+def test_compiled_code_in_a_folder_that_others_may_write_to_is_not_read(tmp_path, mode, read):
+    """Numba unpickles what lies there: whoever writes it is run."""
+    script, place = tmp_path / "script.py", tmp_path / "cache"
+    script.write_text(PLANTED)
+    environment = {**os.environ, "ECUME_CACHE_DIR": str(place), "PYTHONPATH": str(PACKAGE.parent), "PYTHONWARNINGS": ""}
+
+    def told():
+        return subprocess.run([sys.executable, script], env=environment, capture_output=True, text=True, check=True)
+
+    assert (told().stdout, told().stdout) == ("42 0\n", "42 1\n")
+    files = {path: path.stat().st_mtime_ns for path in place.rglob("*")}
+    (place / "compiled").chmod(mode)
+    done = told()
+    assert done.stdout == f"42 {int(read)}\n"
+    assert done.stderr.count("can be written by others") == (not read)
+    assert ("ECUME_CACHE_DIR" in done.stderr) == (not read)
+    assert {path: path.stat().st_mtime_ns for path in place.rglob("*")} == files
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no such modes")
+@pytest.mark.parametrize(("owner", "user", "fault"), [(7, 7, ""), (0, 7, ""), (8, 7, "user 8"), (8, 0, "user 8")])
+def test_compiled_code_is_its_users_own_or_the_administrators(monkeypatch, tmp_path, owner, user, fault):
+    monkeypatch.setattr(os, "getuid", lambda: user)
+    monkeypatch.setattr(Path, "stat", lambda self: os.stat_result((0o40700, 0, 0, 0, owner, 0, 0, 0, 0, 0)))
+    assert fault in open_to_others(tmp_path)
+    assert bool(open_to_others(tmp_path)) == bool(fault)
 
 
 def test_every_pinned_package_has_its_digest():

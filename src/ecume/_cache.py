@@ -15,8 +15,10 @@ import hashlib
 import os
 import re
 import shutil
+import stat
 import tempfile
 import time
+import warnings
 from collections.abc import Iterable, Sequence
 from functools import cache
 from pathlib import Path
@@ -32,7 +34,7 @@ UNUSED = 30 * DAY
 
 @cache
 def root() -> Path:
-    """Where all the folders are; a temporary place where nothing can be written."""
+    """Where all the folders are; a temporary place where nothing can be written, or where others can write."""
     import platformdirs
 
     asked = os.environ.get("ECUME_CACHE_DIR")
@@ -40,12 +42,41 @@ def root() -> Path:
     try:
         # Private to the user, since whoever writes there can make us run anything.
         place.mkdir(parents=True, exist_ok=True, mode=0o700)
+        if fault := open_to_others(place):
+            _warn_of(place, fault)
+            return _temporary()
         with tempfile.TemporaryFile(dir=place):
             pass
     except OSError:
-        place = Path(tempfile.mkdtemp(prefix="ecume-"))
-        atexit.register(shutil.rmtree, place, ignore_errors=True)
+        return _temporary()
     _prune(place)
+    return place
+
+
+def open_to_others(place: Path) -> str:
+    """Who else can write into a folder; nothing where nobody can but its owner, who must be this user, or the
+    machine's administrator. Windows keeps a user's folders by other means than modes.
+    """
+    if not hasattr(os, "getuid"):
+        return ""
+    told = place.stat()
+    if told.st_uid not in (os.getuid(), 0):
+        return f"belongs to user {told.st_uid}"
+    return "can be written by others" if told.st_mode & (stat.S_IWGRP | stat.S_IWOTH) else ""
+
+
+def _warn_of(place: Path, fault: str) -> None:
+    warnings.warn(
+        f"compiled code in {place} is not used: the folder {fault}, which lets them make you run anything; delete it, or "
+        "name one of your own by ECUME_CACHE_DIR. Until then everything is compiled anew in each process",
+        stacklevel=2,
+    )
+
+
+def _temporary() -> Path:
+    """A folder that goes with the process."""
+    place = Path(tempfile.mkdtemp(prefix="ecume-"))
+    atexit.register(shutil.rmtree, place, ignore_errors=True)
     return place
 
 
