@@ -67,8 +67,8 @@ def open_to_others(place: Path) -> str:
 
 def _warn_of(place: Path, fault: str) -> None:
     warnings.warn(
-        f"compiled code in {place} is not used: the folder {fault}, which lets them make you run anything; delete it, or "
-        "name one of your own by ECUME_CACHE_DIR. Until then everything is compiled anew in each process",
+        f"compiled code in {place} is not used: the folder {fault}, which lets them make you run anything. Delete it, "
+        "or name one of your own by ECUME_CACHE_DIR; until then everything is compiled anew in each process",
         stacklevel=2,
     )
 
