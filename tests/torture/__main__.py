@@ -1,9 +1,13 @@
-"""Runs trials and prints one table: `python -m tests.torture [--scale 0.1] [--record FILE] [NAME ...]`."""
+"""Runs trials and prints one table: `python -m tests.torture [--scale 0.1] [--record FILE] [NAME ...]`.
+
+A record keeps the rows of trials that were not run again, so that trials can be run one by one.
+"""
 
 from __future__ import annotations
 
 import argparse
 import datetime
+import os
 import re
 import sys
 import tempfile
@@ -14,12 +18,13 @@ from pathlib import Path
 
 from ecume.run.manifest import circumstances
 
-from . import damage, inputs, killing, states
+from . import compiled, damage, inputs, killing, regression, states, sweeping
 from .trials import Outcome, Trial, leave_nobody
 
+MODULES = killing, damage, inputs, states, sweeping, compiled, regression
 TRIALS: tuple[Trial, ...] = tuple(
     sorted(
-        (*killing.TRIALS, *damage.TRIALS, *inputs.TRIALS, *states.TRIALS),
+        (one for module in MODULES for one in module.TRIALS),
         key=lambda trial: int(re.findall(r"\d+", trial.name)[0]),
     )
 )
@@ -44,9 +49,23 @@ def main(words: Sequence[str]) -> int:
         failed += outcome.survived < outcome.tried
         rows.append(row(trial, outcome, time.monotonic() - began))
         print(rows[-1], flush=True)
-    if given.record is not None:
-        given.record.write_text(table(rows), encoding="utf-8")
+        if given.record is not None:
+            keep(given.record, rows, given.scale)
     return int(failed > 0)
+
+
+def keep(path: Path, rows: Sequence[str], scale: float) -> None:
+    """Put rows into a record, in place of those of the same trials. Ends where that is of other circumstances."""
+    head, former = circumstances_of(scale), path.read_text(encoding="utf-8").splitlines() if path.exists() else []
+    if former and former[0].split(", ", 1)[1] != head.split(", ", 1)[1]:
+        sys.exit(f"{path} is a record of other circumstances: {former[0]}; name another file")
+    kept = {name_of(row): row for row in (*former, *rows)}
+    path.write_text(table(head, [kept[one.name] for one in TRIALS if one.name in kept]), encoding="utf-8")
+
+
+def name_of(row: str) -> str:
+    """The trial whose row this is."""
+    return row.split(" | ")[0].removeprefix("| ")
 
 
 def tried(trial: Trial, scale: float) -> Outcome:
@@ -67,11 +86,15 @@ def row(trial: Trial, outcome: Outcome, seconds: float) -> str:
     return f"| {' | '.join(map(str, cells))} |"
 
 
-def table(rows: Sequence[str]) -> str:
-    """The table with the date and the kind of machine."""
-    machine = circumstances()
-    date = datetime.datetime.now(datetime.UTC).date().isoformat()
-    head = f"{date}, ecume {machine['ecume']}, Python {machine['python']}, {machine['processor']}"
+def circumstances_of(scale: float) -> str:
+    """The date, and the kind of machine."""
+    machine, date = circumstances(), datetime.datetime.now(datetime.UTC).date().isoformat()
+    of_all = f"scale {scale:g}, ecume {machine['ecume']}, Python {machine['python']}"
+    return f"{date}, {of_all}, {machine['processor']}, {os.cpu_count()} cores"
+
+
+def table(head: str, rows: Sequence[str]) -> str:
+    """The table below a line that says when and where."""
     return "\n".join([head, "", "| test | what | tried | survived | | took |", "|---|---|---|---|---|---|", *rows, ""])
 
 

@@ -109,8 +109,35 @@ def _frames(folder: Path) -> int:
         return len(trajectory)
 
 
+GOLDEN = Path(__file__).parents[1] / "golden"
+
+
+def left_behind(scale: float, folder: Path) -> Outcome:
+    """Runs that versions up to this one left half done: their frames are read, and stay, and the end comes."""
+    homes = sorted(path.parent for path in GOLDEN.glob("*/*/manifest.json"))
+    survived = 0
+    for golden in homes:
+        home = folder / golden.parent.name / golden.name
+        shutil.copytree(golden, home)
+        before = _frames(home)
+        done = resume(home, habits=ONE_THREAD)
+        survived += done.frames > before > 1 and (home / "DONE.json").exists() and _alike(home, golden, before)
+    return Outcome(len(homes), survived, ", ".join(sorted({path.parent.name for path in homes})))
+
+
+def _alike(home: Path, golden: Path, count: int) -> bool:
+    """Whether the first frames of two runs have the same bytes."""
+    with open_trajectory(home) as now, open_trajectory(golden) as then:
+        return all(
+            now[number].arrays[name].tobytes() == array.tobytes()
+            for number in range(count)
+            for name, array in then[number].arrays.items()
+        )
+
+
 TRIALS: tuple[Trial, ...] = (
     Trial("R5 disk full", "no file grows beyond a size", full_disk),
     Trial("R6 checkpoints", "cut, or with a bit changed", checkpoints_damaged),
     Trial("R7 trajectories", "cut, or with a bit changed, then repaired", trajectories_damaged),
+    Trial("R17 former versions", "runs they left half done, gone on with", left_behind),
 )

@@ -15,14 +15,10 @@ from ecume.errors import RunExists
 from ecume.run import Habits, RunDirectory, checkpoints, info, resume, run
 from ecume.run.checkpoints import Checkpoint
 from ecume.simulation import moments
-from ecume.sweep import open_sweep, sweep
-from ecume.sweep.running import Crew
 from ecume.trajectories.reader import open_trajectory
 from ecume.trajectories.recorders import Recorder
 
-from .trials import ONE_THREAD, SCENES, Outcome, Trial, ended, forked, go_on, results, scene_of, times, warmed
-
-PATIENCE = 120.0
+from .trials import ONE_THREAD, SCENES, Outcome, Trial, ended, forked, go_on, results, scene_of, times, until, warmed
 
 
 def killed(model: str) -> Callable[[float, Path], Outcome]:
@@ -94,8 +90,11 @@ def asked_to_stop(scale: float, folder: Path) -> Outcome:
     slow = Habits(threads=1, checkpoint_every=1e9)
     for number in range(times(scale, 30)):
         name = ("SIGTERM", "SIGINT", "SIGUSR1")[number % 3]
+        before = sessions(folder / "asked")
         child = forked(lambda: go_on(scene, folder / "asked", slow))
-        time.sleep(chance.uniform(0.1, 0.3))
+        # Who presses Ctrl-C before a run has begun has nothing to lose, and ends it at once.
+        until(lambda before=before: sessions(folder / "asked") > before)
+        time.sleep(chance.uniform(0.0, 0.2))
         began = time.monotonic()
         os.kill(child, getattr(signal, name))
         code = ended(child)
@@ -106,6 +105,14 @@ def asked_to_stop(scale: float, folder: Path) -> Outcome:
     go_on(scene, folder / "asked")
     same = results(folder / "asked") == results(folder / "alone")
     return Outcome(tried, stopped if same else 0, "code 75 within 2 s")
+
+
+def sessions(folder: Path) -> int:
+    """How often a march has begun in a run's directory."""
+    log = RunDirectory(folder).log
+    return (
+        sum(b'"begun"' in line or b'"resumed"' in line for line in log.read_bytes().splitlines()) if log.exists() else 0
+    )
 
 
 def two_at_once(scale: float, folder: Path) -> Outcome:
@@ -155,52 +162,10 @@ def read_while_written(scale: float, folder: Path) -> Outcome:
     return Outcome(tried, good if ended(child) in (0, 75) else 0)
 
 
-SWEEP = """
-template = "cereal-bowl"
-[fixed]
-duration = "4 s"
-"floats[0].count" = 30
-[[axes]]
-key = "seed"
-values = {seeds}
-"""
-
-
-def swept(scale: float, folder: Path) -> Outcome:
-    """A sweep whose worker is killed, then its main process, again and again; the table is that of a quiet one."""
-    points = times(scale, 40)
-    file = folder / "bowls.toml"
-    file.write_text(SWEEP.format(seeds=list(range(1, points + 1))))
-    warmed("floating")
-    alone = Crew(workers=1)
-    chance = random.Random(5)
-    for _ in range(max(2, points // 4)):
-        child = forked(lambda: sweep(file, folder / "killed", alone))
-        time.sleep(chance.uniform(0.2, 0.8))
-        os.kill(child, signal.SIGKILL)
-        if ended(child) == 0:
-            break
-    done = sweep(file, folder / "killed", alone)
-    sweep(file, folder / "quiet", alone)
-    same = (folder / "killed" / "table.csv").read_bytes() == (folder / "quiet" / "table.csv").read_bytes()
-    states = open_sweep(folder / "killed").states()
-    return Outcome(points, states.count("done") if same and not done.failed else 0, "same table as a quiet sweep")
-
-
-def until(condition: Callable[[], bool]) -> None:
-    """Wait for it."""
-    end = time.monotonic() + PATIENCE
-    while not condition():
-        if time.monotonic() > end:
-            raise TimeoutError
-        time.sleep(0.005)
-
-
 TRIALS = (
     *(Trial(f"R1 killed, {model}", "SIGKILL at random moments", killed(model)) for model in SCENES),
     Trial("R2 killed while writing", "SIGKILL inside of frames and checkpoints", killed_writing),
     Trial("R13 signals", "SIGTERM, SIGINT, SIGUSR1", asked_to_stop),
     Trial("R14 two at once", "a second run in one directory", two_at_once),
-    Trial("R15 sweeps", "a sweep killed again and again", swept),
     Trial("R16 readers", "reads while a run writes", read_while_written),
 )

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import copy
 import dataclasses
 import os
 import random
 import re
-import shutil
 import subprocess
 import sys
 from collections.abc import Callable
@@ -24,7 +22,7 @@ from ecume.run.recording import difference
 from ecume.scenes.load import load_scene
 from ecume.simulation import moments
 
-from .trials import SCENES, Outcome, Trial, scene_of, times, warmed
+from .trials import SCENES, Outcome, Trial, copied, scene_of, times, warmed
 
 WAYS: dict[str, tuple[str, str, tuple[str, ...]]] = {
     "floating": ("motion", "integrator", FLOATING_SCHEMES),
@@ -68,11 +66,6 @@ def scene_with(model: str, part: str, key: str, way: str) -> Any:
     return load_scene(f'{text}\n[{part}]\n{key} = "{way}"\n')
 
 
-def copied(state: Any) -> Any:
-    """A state of its own."""
-    return copy.deepcopy(state)
-
-
 THREADED = """
 import hashlib, sys
 from ecume._jit import use_threads
@@ -102,13 +95,14 @@ def threads(scale: float, folder: Path) -> Outcome:
         text = SCENES[model][0].format(duration=duration).replace(old, new).replace(narrow or "\0", wide)
         file = folder / f"{model}.toml"
         file.write_text(text.replace("50 ms", duration).replace("5 ms", duration))
-        found = {_digest(file, count) for count in (1, 2, 4)}
+        found = {digest_of(file, count) for count in (1, 2, 4)}
         tried, survived = tried + 3, survived + (3 if len(found) == 1 else 0)
     return Outcome(tried, survived, ", ".join(chosen))
 
 
-def _digest(file: Path, count: int) -> str:
-    environment = {**os.environ, "NUMBA_NUM_THREADS": "4"}
+def digest_of(file: Path, count: int, **environment: str) -> str:
+    """Of all bits of the frames that a process of its own computes of a scene with so many threads."""
+    environment = {**os.environ, "NUMBA_NUM_THREADS": "4", **environment}
     command = [sys.executable, "-c", THREADED, str(count), str(file)]
     return subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout.strip()
 
@@ -157,39 +151,6 @@ def _steps(state: Any) -> int:
     return int(state.step[0])
 
 
-def caches(scale: float, folder: Path) -> Outcome:
-    """Compiled code that is cut, that cannot be written, that is not there: the same bits."""
-    there = os.environ.get("ECUME_CACHE_DIR")
-    if there is None or scale < 0.5:
-        return Outcome(0, 0, "needs ECUME_CACHE_DIR, and minutes")
-    file = folder / "scene.toml"
-    file.write_text(FIRST_STEPS)
-    right = _digest(file, 1)
-    tried = survived = 0
-    for name, spoil in (("cut", _cut), ("read-only", _lock), ("empty", shutil.rmtree)):
-        place = folder / name
-        shutil.copytree(there, place)
-        spoil(place)
-        environment = {**os.environ, "ECUME_CACHE_DIR": str(place)}
-        command = [sys.executable, "-c", THREADED, "1", str(file)]
-        done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
-        tried, survived = tried + 1, survived + (done.stdout.strip() == right)
-    return Outcome(tried, survived, "cut, read-only, empty")
-
-
-FIRST_STEPS = SCENES["floating"][0].format(duration="0.1 s")
-
-
-def _cut(place: Path) -> None:
-    for path in place.rglob("*.nb?"):
-        os.truncate(path, path.stat().st_size // 2)
-
-
-def _lock(place: Path) -> None:
-    for path in (place, *place.rglob("*")):
-        path.chmod(0o555 if path.is_dir() else 0o444)
-
-
 SOAKED = 1_000_000
 GROWTH = 0.01
 
@@ -211,6 +172,5 @@ TRIALS = (
     *(Trial(f"R3 restarts, {model}", "from each state the same rest", continued(model)) for model in WAYS),
     Trial("R4 threads", "1, 2 and 4, the same bits", threads),
     *(Trial(f"R12 poisoned, {model}", "NaN, infinity, 1e300 in the state", poisoned(model)) for model in WAYS),
-    Trial("R18 caches", "compiled code cut, read-only, empty", caches),
     Trial("R21 soak", "a million steps", soaked),
 )

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import copy
 import os
 import signal
 import sys
+import time
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
@@ -18,6 +20,8 @@ DEFECT, SURPRISED = 70, 71
 """How a process ends in which something went wrong that is no answer to a user."""
 
 
+PATIENCE = 120.0
+"""Seconds to wait for what has to come."""
 CHILDREN: set[int] = set()
 """Processes that were begun here and did not end yet."""
 
@@ -117,6 +121,11 @@ def scene_of(model: str, duration: str | None = None) -> Any:
     return load_scene(text.format(duration=duration or whole))
 
 
+def copied(state: Any) -> Any:
+    """A state of its own."""
+    return copy.deepcopy(state)
+
+
 @cache
 def warmed(model: str) -> bool:
     """Compile, or load, what a process that is forked from this one will need."""
@@ -156,6 +165,15 @@ def leave_nobody() -> None:
     for child in list(CHILDREN):
         os.kill(child, signal.SIGKILL)
         ended(child)
+
+
+def until(condition: Callable[[], bool]) -> None:
+    """Wait for it."""
+    end = time.monotonic() + PATIENCE
+    while not condition():
+        if time.monotonic() > end:
+            raise TimeoutError
+        time.sleep(0.005)
 
 
 def go_on(scene: Any, folder: Path, habits: Habits = ONE_THREAD) -> None:

@@ -10,7 +10,7 @@ import typer
 
 from ecume.cli.progress import counted
 from ecume.cli.runs import Quiet, use_at_most
-from ecume.errors import BadInput
+from ecume.errors import BadInput, Stopped
 
 if TYPE_CHECKING:
     from ecume.sweep import Outcome
@@ -101,6 +101,11 @@ def _end(done: Outcome, *, quiet: bool) -> None:
         busy = f", {done.busy} elsewhere at work" if done.busy else ""
         typer.echo(
             f"{done.directory}: {done.done} points done, {len(done.failed)} failed{busy}; table.csv has them all"
+        )
+    if done.lost:
+        raise Stopped(
+            f"{done.lost} points are missing: their workers died again and again, of too little memory perhaps; what "
+            "is done stays done, and the same command goes on"
         )
     if done.failed:
         raise typer.Exit(1)

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import contextlib
+import logging
 import os
 import re
+from asyncio import CancelledError
+from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from ecume.errors import BadInput
+from ecume.errors import BadInput, Stopped
 from ecume.sweep.asked import Cluster
 from ecume.sweep.directory import Job, Sweeping, existing_sweep, is_sweep, laid_out
 from ecume.sweep.points import load_sweep
@@ -32,6 +35,8 @@ class Outcome(NamedTuple):
     """folders, and why"""
     busy: int
     """points that another process is working on"""
+    lost: int = 0
+    """points that were begun again and again, and whose worker died each time"""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -58,14 +63,14 @@ def sweep(file: str | os.PathLike[str], directory: str | os.PathLike[str], crew:
     sweeping = _begun_or_laid_out(Path(file), Path(directory))
     missing = [job for job in _distinct(sweeping.jobs) if job.state != "done"]
     ready = len(_distinct(sweeping.jobs)) - len(missing)
-    busy = 0
+    words: Counter[str] = Counter()
     with _hands(crew, sweeping, len(missing)) as results:
         for done, word in enumerate(results(missing), 1):
-            busy += word == "busy"
+            words[word] += 1
             if crew.progress is not None:
                 crew.progress(ready + done, ready + len(missing))
     write_table(sweeping)
-    return outcome_of(sweeping, busy)
+    return outcome_of(sweeping)._replace(busy=words["busy"], lost=words["lost"])
 
 
 def _begun_or_laid_out(file: Path, directory: Path) -> Sweeping:
@@ -76,11 +81,11 @@ def _begun_or_laid_out(file: Path, directory: Path) -> Sweeping:
     return laid_out(asked, directory)
 
 
-def outcome_of(sweeping: Sweeping, busy: int = 0) -> Outcome:
+def outcome_of(sweeping: Sweeping) -> Outcome:
     """How the sweep stands."""
     jobs = _distinct(sweeping.jobs)
     failed = [(job.folder, job.why) for job in jobs if job.state == "failed"]
-    return Outcome(sweeping.path, sum(job.state == "done" for job in jobs), failed, busy)
+    return Outcome(sweeping.path, sum(job.state == "done" for job in jobs), failed, 0)
 
 
 def _distinct(jobs: Sequence[Job]) -> list[Job]:
@@ -110,9 +115,25 @@ def _spread(client: Any, jobs: Sequence[Job], retries: int) -> Iterator[str]:
 
     library: Any = distributed  # leaves its functions without types
     futures = [client.submit(work, str(job.folder.resolve()), retries=retries, pure=False) for job in jobs]
-    for future in library.as_completed(futures):
-        error = future.exception()
-        yield future.result() if error is None else "lost"
+    ended = library.as_completed(futures)
+    while (word := _next_word(ended)) is not None:
+        yield word
+
+
+def _next_word(ended: Iterator[Any]) -> str | None:
+    """What the next job ended with; None after the last. Raises Stopped where the scheduler does not answer any more.
+
+    What breaks in there is Dask's connection to its scheduler, by one of half a dozen exceptions: whatever a job raises
+    is told as its answer.
+    """
+    try:
+        future = next(ended, None)
+        if future is None:
+            return None
+        lost = not future.cancelled() and future.exception() is not None
+        return "lost" if lost else str(future.result())
+    except (Exception, CancelledError) as error:
+        raise Stopped("the scheduler is gone; what is done stays done, and the same command goes on") from error
 
 
 @contextlib.contextmanager
@@ -124,6 +145,8 @@ def _client(crew: Crew, sweeping: Sweeping, workers: int) -> Iterator[Any]:
             "many workers need Dask, which is not installed: pip install 'ecume[sweep]', or --workers 1"
         ) from error
     library: Any = distributed  # leaves its functions without types
+    for name in ("distributed", "distributed.client"):  # what breaks is told by us, in a line
+        logging.getLogger(name).setLevel(logging.CRITICAL)
     if crew.scheduler is not None:
         require_safe(crew.scheduler)
         with library.Client(crew.scheduler) as client:
