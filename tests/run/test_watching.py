@@ -105,6 +105,25 @@ def test_a_run_that_is_to_stop_stops_there_with_code_3_and_goes_on_when_told(tmp
 
 
 @pytest.mark.usefixtures("hot")
+def test_the_scene_may_say_what_becomes_of_it_and_the_caller_overrides_it(tmp_path: Path, scene: Scenes) -> None:
+    strict = scene(on_violation="stop")
+    with pytest.raises(Diverged, match="heat"):
+        run(strict, tmp_path / "run")
+    with pytest.raises(Diverged, match="heat"):
+        resume(tmp_path / "run")
+    assert run(strict, tmp_path / "on", habits=Habits(on_violation="warn")).frames == 51
+    assert "stop" in (tmp_path / "on" / "scene.toml").read_text()
+
+
+def test_a_policy_that_there_is_not_is_refused_in_a_scene_too() -> None:
+    from ecume.errors import SceneError
+    from ecume.scenes.schema import from_plain
+
+    with pytest.raises(SceneError, match="on_violation: came 'panic'; wanted one of warn, stop"):
+        from_plain({"model": "tracers", "duration": 1.0, "frame_every": 1.0, "on_violation": "panic"})
+
+
+@pytest.mark.usefixtures("hot")
 def test_a_run_that_was_stopped_judges_like_one_that_was_not(tmp_path: Path, scene: Scenes) -> None:
     def ask(progress: Any) -> None:
         if progress.step == 300:

@@ -43,7 +43,7 @@ Violation = Annotated[
     typer.Option(
         "--on-violation",
         metavar="warn|stop",
-        help="When energy, mass, overlaps ... leave their limits; left out, warn.",
+        help="When energy, mass, overlaps ... leave their limits; left out, what the scene says, or warn.",
         show_default=False,
     ),
 ]

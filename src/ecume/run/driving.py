@@ -70,7 +70,7 @@ class Habits:
     """What marches in the place of the scene's model, to the same bits: see `ecume.run.ranks`."""
     on_violation: str | None = None
     """What becomes of a run that loses what its model must not lose, see `watching.POLICIES`; left out, what it began
-    with, or else `warn`."""
+    with, or else what its scene says."""
 
     def __post_init__(self) -> None:
         """Refuse what is no policy."""
@@ -149,7 +149,7 @@ def _found(home: RunDirectory, scene: Any, extra_laws: Sequence[Law], habits: Ha
     write_json(
         home.manifest,
         manifest.first_manifest(scene, plain)
-        | {"extra_laws": entries(extra_laws), "on_violation": habits.on_violation or POLICIES[0]},
+        | {"extra_laws": entries(extra_laws), "on_violation": habits.on_violation or scene.on_violation},
     )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Iterable
-from typing import NamedTuple, Self
+from typing import Literal, NamedTuple, Self
 
 from pydantic import model_validator
 from pydantic.dataclasses import dataclass
@@ -44,6 +44,8 @@ class Common:
     """The simulated time between two frames (s); the duration is a whole number of these."""
     seed: Seed = 0
     """What all randomness starts from: equal scenes give equal runs."""
+    on_violation: Literal["warn", "stop"] = "warn"
+    """What becomes of a run that loses what its model must not lose; `--on-violation` overrides it."""
 
     @property
     def kinds(self) -> tuple[Kind, ...]:
