@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,6 +14,10 @@ from ecume.laws.flotation.bodies import Liquid
 from ecume.laws.multipole.closures import Closure, closure_of
 from ecume.laws.multipole.walls import REACH, Basin, Dish, echoes_of, outer_height, outer_waves
 from ecume.units import Array
+
+if TYPE_CHECKING:
+    from ecume.laws.multipole.echoes import Echoes
+    from ecume.laws.multipole.graf import Rims, Waves
 
 DENSE = 2500
 """Unknowns up to which the system is solved by elimination."""
@@ -63,7 +67,7 @@ def solve(
     `Sphere` and `VerticalCylinder` of `ecume.laws.flotation`, and `Undulated`. [vassileva2005, watson1944].
     """
     from ecume.laws.multipole import echoes as echoing
-    from ecume.laws.multipole import graf, solving
+    from ecume.laws.multipole import graf
 
     places, length = _places(positions, bodies), liquid.capillary_length
     if not (isinstance(order, int) and 1 <= order <= MOST_ORDER):
@@ -72,32 +76,59 @@ def solve(
     closures = [known.setdefault(body, closure_of(body, liquid, order)) for body in bodies]
     rims, at = graf.make_rims(closures, REACH), places / length
     _require_apart(at, rims.radius, length)
-    echoes = echoes_of(walls, liquid, rims, at)
+    raft = _Raft(rims, echoes_of(walls, liquid, rims, at), at)
     outer = outer_waves(walls, liquid, at, rims.radius, order + 2)
     right = rims.source + rims.response * outer[:, : order + 1]
-    dense = chosen_method(method, len(closures) * (2 * order + 1))
-    iterations = 0
-    if dense:
-        amplitudes = solving.eliminate(rims, echoes, at, right)
-    else:
-        amplitudes = np.array(right if start is None else start, np.complex128)
-        krylov = solving.make_krylov(*right.shape)
-        iterations = solving.iterate(rims, echoes, at, right, amplitudes, krylov, tolerance)
-        if iterations < 0:
-            raise BadInput(
-                f"the multipoles of {len(closures)} bodies were not found to {tolerance:g}; rims that nearly touch "
-                "need a larger tolerance, a lower order, or method = 'dense'"
-            )
+    dense = chosen_method(method, right.shape[0] * (2 * order + 1))
+    amplitudes, iterations = _amplitudes(raft, right, start, None if dense else tolerance)
     waves = np.zeros((len(closures), order + 2), np.complex128)
-    echoing.incoming(rims, echoes, at, amplitudes, waves)
+    echoing.incoming(rims, raft.echoes, at, amplitudes, waves)
     waves += outer
-    force, torque = np.zeros((len(closures), 2)), np.zeros(len(closures))
+    return _solution(
+        (rims, walls, at, liquid),
+        amplitudes,
+        waves,
+        sum(closure.energy for closure in closures) + graf.energy(rims, amplitudes, waves, outer),
+        iterations,
+    )
+
+
+class _Raft(NamedTuple):
+    """What the linear system is made of, in capillary lengths."""
+
+    rims: Rims
+    echoes: Echoes
+    at: Array
+
+
+def _amplitudes(raft: _Raft, right: Waves, start: Waves | None, tolerance: float | None) -> tuple[Waves, int]:
+    """The amplitudes and the iterations they took; by elimination, without a tolerance. Raises BadInput."""
+    from ecume.laws.multipole import solving
+
+    if tolerance is None:
+        return solving.eliminate(*raft, right), 0
+    amplitudes = np.array(right if start is None else start, np.complex128)
+    iterations = solving.iterate(*raft, right, amplitudes, solving.make_krylov(*right.shape), tolerance)
+    if iterations < 0:
+        raise BadInput(
+            f"the multipoles of {len(right)} bodies were not found to {tolerance:g}; rims that nearly touch "
+            "need a larger tolerance, a lower order, or method = 'dense'"
+        )
+    return amplitudes, iterations
+
+
+def _solution(
+    setting: tuple[Any, Any, Array, Liquid], amplitudes: Waves, waves: Waves, energy: float, iterations: int
+) -> Solution:
+    """In SI, what the amplitudes mean for each body among the waves that come to it."""
+    from ecume.laws.multipole import graf
+
+    rims, _, at, liquid = setting
+    force, torque = np.zeros_like(at), np.zeros(len(at))
     graf.forces(rims, amplitudes, waves, force)
     graf.torques(rims, amplitudes, waves, torque)
-    alone = sum(closure.energy for closure in closures)
-    energy = alone + graf.energy(rims, amplitudes, waves, outer)
-    ring = amplitudes + waves[:, : order + 1]
-    tension = liquid.surface_tension
+    ring = amplitudes + waves[:, : amplitudes.shape[1]]
+    tension, length = liquid.surface_tension, liquid.capillary_length
     return Solution(
         forces=tension * length * force,
         torques=tension * length**2 * torque,
@@ -106,18 +137,16 @@ def solve(
         energy=tension * length**2 * energy,
         iterations=iterations,
         amplitudes=amplitudes,
-        setting=(rims, walls, at, liquid),
+        setting=setting,
     )
 
 
 def height(solution: Solution, x: ArrayLike, y: ArrayLike) -> Array:
     """Height of the surface (m) at points; inside a contact line, of the plane through it."""
-    from scipy.special import kve
-
     from ecume.laws.multipole.echoes import echo_heights
 
     rims, walls, at, liquid = solution.setting
-    length, orders = liquid.capillary_length, solution.amplitudes.shape[1]
+    length = liquid.capillary_length
     px, py = (np.asarray(each, float) / length for each in np.broadcast_arrays(x, y))
     total = outer_height(walls, liquid, px, py)
     echoes = echoes_of(walls, liquid, rims, at)
@@ -127,15 +156,23 @@ def height(solution: Solution, x: ArrayLike, y: ArrayLike) -> Array:
     for mirror in echoes.mirrors:
         for center, a, amplitude in zip(at, rims.radius, solution.amplitudes, strict=True):
             dx, dy = px - mirror[0] * center[0] - mirror[1], py - mirror[2] * center[1] - mirror[3]
-            r, angle = np.maximum(np.hypot(dx, dy), a), np.arctan2(mirror[2] * dy, mirror[0] * dx)
-            for order in range(orders):
-                share = kve(order, r) / kve(order, a) * np.exp(a - r)
-                wave = (amplitude[order] * np.exp(1j * order * angle)).real
-                total = total + mirror[4] * (1.0 if order == 0 else 2.0) * share * wave
+            total = total + mirror[4] * _waves_of(amplitude, a, mirror[0] * dx, mirror[2] * dy)
     for center, a, z, tilt in zip(at, rims.radius, solution.heights, solution.tilts, strict=True):
         dx, dy = px - center[0], py - center[1]
         total = np.where(np.hypot(dx, dy) < a, z / length + tilt[0] * dx + tilt[1] * dy, total)
     return length * total
+
+
+def _waves_of(amplitudes: Waves, radius: float, dx: Array, dy: Array) -> Array:
+    """What a body adds at points that far from its middle: the sum of A_m K_m(r)/K_m(a) e^{imφ} over m of both signs."""
+    from scipy.special import kve
+
+    r, angle = np.maximum(np.hypot(dx, dy), radius), np.arctan2(dy, dx)
+    total = np.zeros_like(r)
+    for m, amplitude in enumerate(amplitudes):
+        share = kve(m, r) / kve(m, radius) * np.exp(radius - r)
+        total += (1.0 if m == 0 else 2.0) * share * (amplitude * np.exp(1j * m * angle)).real
+    return total
 
 
 def chosen_method(method: str, unknowns: int) -> bool:
