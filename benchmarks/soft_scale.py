@@ -100,9 +100,10 @@ def measure(asked: Asked) -> Row:
     for number in range(BEGIN + asked.steps):
         if number == BEGIN:
             clock, spent, waited = float(state.pace[CLOCK]), time.process_time(), time.perf_counter()
-        if not one_step(parameters, state, scratch) > 0.0:
+        met = one_step(parameters, state, scratch)
+        if met is None:
             raise SystemExit(SOFT.diagnosis(parameters, state))
-        if renew_contacts(parameters, state):
+        if renew_contacts(parameters, state, met):
             scratch = SOFT.workspace(parameters, state, 1.0)
     spent, waited = time.process_time() - spent, time.perf_counter() - waited
     return Row(

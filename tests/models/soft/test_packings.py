@@ -10,7 +10,7 @@ from ecume.errors import SceneError
 from ecume.models.model import CROWDED
 from ecume.models.soft import SOFT
 from ecume.models.soft.cell import Box
-from ecume.models.soft.meeting import neighbors
+from ecume.models.soft.meeting import neighbors, newcomers
 from ecume.models.soft.state import ACCEPTED
 from ecume.scenes.schema import from_plain
 from ecume.simulation import simulate
@@ -99,6 +99,35 @@ def test_contacts_across_borders_are_found_from_wherever_spheres_have_gone():
     assert here[0].tolist() == there[0].tolist()
     for places, (pair, image, between) in ((position, here), (moved, there)):
         assert places[pair[:, 1]] - places[pair[:, 0]] + side * image == pytest.approx(between, abs=1e-10)
+
+
+@pytest.mark.parametrize("dimensions", [2, 3])
+def test_pairs_near_one_another_are_those_of_a_search_over_all_copies(dimensions):
+    scene = packing(dimensions, filled=0.5)
+    parameters = SOFT.parameters(scene)
+    position, side = SOFT.start(scene, parameters).position, parameters.box[0]
+    pair, image, _ = neighbors(parameters, position, Box(parameters.box[:dimensions], 0.4 * side))
+    wanted = []
+    for move in np.ndindex(*(5,) * dimensions):
+        copy = np.array(move) - 2
+        there = position + copy * side
+        there[:, 0] += 0.4 * side * copy[1]
+        gap = np.linalg.norm(there[None] - position[:, None], axis=2) - np.add.outer(*[parameters.radius] * 2)
+        for i, j in np.argwhere(gap < parameters.contacts.fade_from):
+            if i < j or (i == j and tuple(copy) > (0,) * dimensions):
+                wanted.append((int(i), int(j), *copy.tolist()))
+    assert [(*p, *i) for p, i in zip(pair.tolist(), image.tolist(), strict=True)] == sorted(wanted)
+
+
+def test_newcomers_are_near_and_not_in_contact():
+    scene = packing()
+    parameters = SOFT.parameters(scene)
+    state, box = SOFT.start(scene, parameters), Box(parameters.box[:2], 0.0)
+    pair, image, between = neighbors(parameters, state.position, box)
+    for left_out in ([], [0], [3, 4, len(pair) - 1], range(len(pair))):
+        known = np.delete(pair, left_out, axis=0), np.delete(image, left_out, axis=0)
+        found = newcomers(parameters, state.position, box, known)
+        assert [each.tolist() for each in found] == [each[list(left_out)].tolist() for each in (pair, image, between)]
 
 
 def test_interruptions_change_no_bit_while_contacts_come_and_go():

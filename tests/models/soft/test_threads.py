@@ -22,7 +22,7 @@ def marched(scene, steps=6, iterations=0):
     state.effort[:] = iterations, 0, 0
     scratch = SOFT.workspace(parameters, state, 1.0)
     for _ in range(steps):
-        assert one_step(parameters, state, scratch) > 0.0
+        assert one_step(parameters, state, scratch) is not None
         if renew_contacts(parameters, state):
             scratch = SOFT.workspace(parameters, state, 1.0)
     return state

@@ -164,7 +164,7 @@ def height(solution: Solution, x: ArrayLike, y: ArrayLike) -> Array:
 
 
 def _waves_of(amplitudes: Waves, radius: float, dx: Array, dy: Array) -> Array:
-    """What a body adds at points that far from its middle: the sum of A_m K_m(r)/K_m(a) e^{imφ} over m of both signs."""
+    """What a body adds at points that far from its middle: A_m K_m(r)/K_m(a) e^{imφ} over m of both signs."""
     from scipy.special import kve
 
     r, angle = np.maximum(np.hypot(dx, dy), radius), np.arctan2(dy, dx)

@@ -8,6 +8,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
+from ecume._jit import compiled, compiled_inside
 from ecume.engine.blocks import near_order
 from ecume.engine.cells import Integers
 from ecume.errors import Diverged
@@ -22,20 +23,60 @@ Found = tuple[Integers, Integers, Array]
 """Pairs, images, and the vectors between their centers."""
 
 
-def renew_contacts(parameters: Parameters, state: State) -> bool:
-    """Open and close contacts at the present places; whether there was anything to do."""
+def renew_contacts(parameters: Parameters, state: State, met: Found | None = None) -> bool:
+    """Open and close contacts at the present places; whether there was anything to do. `met` are the newcomers there,
+    where these were looked for before.
+    """
     if np.isinf(parameters.contacts.fade_to):
         return False
     walls = meet_walls(parameters, state)
     kept = _kept(parameters, state)
-    pair, image, between = neighbors(parameters, state.position, box_in(parameters, state))
-    known = keys(state.pair[: state.contacts[0]], state.image[: state.contacts[0]])
-    fresh = ~np.isin(keys(pair, image), known)
-    if kept.all() and not fresh.any():
+    if met is None:
+        known = state.pair[: state.contacts[0]], state.image[: state.contacts[0]]
+        met = newcomers(parameters, state.position, box_in(parameters, state), known)
+    if kept.all() and not len(met[0]):
         return walls
     _keep(state, np.flatnonzero(kept))
-    _open(parameters, state, (pair[fresh], image[fresh], between[fresh]))
+    _open(parameters, state, met)
     return True
+
+
+def newcomers(parameters: Parameters, position: Array, box: Box, known: tuple[Integers, Integers]) -> Found:
+    """The pairs below the reach that are not in contact; those that are, and their images, are `known`, in order.
+
+    Where films never fade everyone is in contact from the start.
+    """
+    if np.isinf(parameters.contacts.fade_to):
+        return np.zeros((0, 2), np.int64), np.zeros((0, position.shape[1]), np.int64), np.zeros((0, position.shape[1]))
+    pair, image, between = neighbors(parameters, position, box)
+    fresh = np.ones(len(pair), np.bool_)
+    strike_out(np.concatenate([pair, image], axis=1), np.concatenate(known, axis=1), fresh)
+    return pair[fresh], image[fresh], between[fresh]
+
+
+@compiled
+def strike_out(found: Integers, known: Integers, fresh: NDArray[np.bool_]) -> None:
+    """Mark those rows as not fresh that are known, too; both lists are in the same order, and name nobody twice."""
+    k = 0
+    for row in range(len(found)):
+        while k < len(known) and comes_before(known, k, found, row):
+            k += 1
+        fresh[row] = k == len(known) or comes_before(found, row, known, k)
+
+
+@compiled_inside
+def comes_before(rows: Integers, row: int, others: Integers, other: int) -> bool:
+    """Whether the first number that is not the same is less."""
+    for k in range(rows.shape[1]):
+        if rows[row, k] != others[other, k]:
+            return bool(rows[row, k] < others[other, k])
+    return False
+
+
+def order_of(pair: Integers, image: Integers) -> Integers:
+    """That in which contacts stand: by the first of the pair, the second, and the copy that is met."""
+    order: Integers = np.lexsort((*image.T[::-1], pair[:, 1], pair[:, 0]))
+    return order
 
 
 def open_all(parameters: Parameters, state: State) -> None:
@@ -80,22 +121,25 @@ def wall_gaps(parameters: Parameters, position: Array, wall: Array) -> Array:
 
 
 def neighbors(parameters: Parameters, position: Array, box: Box) -> Found:
-    """All pairs whose gap, without deflection, is below the reach; across periodic borders too."""
+    """All pairs whose gap, without deflection, is below the reach, in order; across periodic borders too.
+
+    A pair of which one is a copy is found from both sides; that is kept whose first is at home.
+    """
     radius = parameters.radius
     far = 2.0 * float(radius.max()) + parameters.contacts.fade_from
     place, owner, copy = _copies(position, box, far)
     found = cKDTree(place).query_pairs(far, output_type="ndarray")
-    found = found[(copy[found] == 0).all(axis=2).any(axis=1)]
-    pair, image = owner[found], copy[found[:, 1]] - copy[found[:, 0]]
+    found = found[found[:, 0] < len(position)]
+    first, second = owner[found[:, 0]], owner[found[:, 1]]
+    found = found[(first < second) | ((first == second) & ~_negative(copy[found[:, 1]]))]
     between = place[found[:, 1]] - place[found[:, 0]]
-    gap = np.linalg.norm(between, axis=1) - radius[pair].sum(axis=1)
-    image += wraps(position[pair[:, 0]], box) - wraps(position[pair[:, 1]], box)
-    turned = (pair[:, 0] > pair[:, 1]) | ((pair[:, 0] == pair[:, 1]) & _negative(image))
-    pair[turned], image[turned], between[turned] = pair[turned, ::-1], -image[turned], -between[turned]
-    near = np.flatnonzero(gap < parameters.contacts.fade_from)
-    _, unique = np.unique(keys(pair[near], image[near]), return_index=True)
-    chosen = near[unique]
-    return pair[chosen], image[chosen], between[chosen]
+    pair = owner[found]
+    near = np.linalg.norm(between, axis=1) - radius[pair[:, 0]] - radius[pair[:, 1]] < parameters.contacts.fade_from
+    pair, between, image = pair[near], between[near], copy[found[near, 1]]
+    away = wraps(position, box)
+    image += away[pair[:, 0]] - away[pair[:, 1]]
+    order = order_of(pair, image)
+    return pair[order], image[order], between[order]
 
 
 def box_in(parameters: Parameters, state: State) -> Box:
@@ -151,13 +195,6 @@ def _negative(image: Integers) -> NDArray[np.bool_]:
     return np.asarray(image[np.arange(len(image)), first] < 0)
 
 
-def keys(pair: Integers, image: Integers) -> NDArray[np.void]:
-    """A pair and its image as one value each, in the order of pairs."""
-    rows = np.ascontiguousarray(np.concatenate([pair, image], axis=1).astype(">i8"))
-    rows[:, 2:] += 2**62  # so that negative images sort, too
-    return rows.view(np.dtype((np.void, rows.itemsize * rows.shape[1]))).ravel()
-
-
 def _kept(parameters: Parameters, state: State) -> NDArray[np.bool_]:
     """Which contacts have not faded."""
     return np.asarray(np.exp(state.log_gap[: state.contacts[0]]) < parameters.contacts.fade_to)
@@ -184,9 +221,8 @@ def _open(parameters: Parameters, state: State, found: Found) -> None:
     state.pair[here:total], state.image[here:total] = pair, image
     state.log_gap[here:total] = np.log(gap)
     state.direction[here:total] = between / length[:, None]
-    order = np.argsort(keys(state.pair[:total], state.image[:total]), kind="stable")
     state.contacts[0] = total
-    _keep(state, order)
+    _keep(state, order_of(state.pair[:total], state.image[:total]))
     if len(state.position) > CROWD:
         state.order[:] = near_order(at_home(state.position, box_in(parameters, state)))
     state.generation[0] += 1

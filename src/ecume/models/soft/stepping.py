@@ -8,7 +8,7 @@ import numpy as np
 
 from ecume.models.model import CROWDED, DIVERGED, DONE
 from ecume.models.soft.cell import box_of
-from ecume.models.soft.meeting import keys, neighbors, renew_contacts, wall_gaps
+from ecume.models.soft.meeting import Found, newcomers, renew_contacts, wall_gaps
 from ecume.models.soft.parameters import Parameters
 from ecume.models.soft.protocol import drive_at, interval_at, next_turn, rules_at
 from ecume.models.soft.schemes import SCHEMES, Scheme
@@ -41,18 +41,18 @@ def advance(parameters: Parameters, state: State, scratch: Workspace, steps: int
         return CROWDED
     until = int(state.step[0]) + steps
     while state.step[0] < until:
-        length = one_step(parameters, state, scratch)
-        if not length > 0.0 or not jump(parameters, state, scratch):
+        met = one_step(parameters, state, scratch)
+        if met is None or not jump(parameters, state, scratch):
             return DIVERGED
-        if renew_contacts(parameters, state):
+        if renew_contacts(parameters, state, None if jumps_now(parameters, state) else met):
             return CROWDED
         if state.step[0] % parameters.steps_per_frame == 0:
             return DONE
     return DONE
 
 
-def one_step(parameters: Parameters, state: State, scratch: Workspace) -> float:
-    """Try until a step is good, and take it; its length (s), zero when there is none."""
+def one_step(parameters: Parameters, state: State, scratch: Workspace) -> Found | None:
+    """Try until a step is good, and take it; who has come near in it. None when there is no such step."""
     scheme = SCHEMES[parameters.scheme]
     for _ in range(MOST_TRIES):
         length, end = _next(parameters, state)
@@ -65,11 +65,11 @@ def one_step(parameters: Parameters, state: State, scratch: Workspace) -> float:
         if error == NOT_SOLVED or not math.isfinite(error):
             state.pace[LENGTH] = AFTER_FAILURE * length
             state.tally[FAILED] += 1
-        elif leapt(parameters, scratch.step):
-            state.pace[LENGTH] = 0.5 * length
-            state.tally[REJECTED] += 1
         elif ratio > 1.0:
             state.pace[LENGTH] = length * max(MOST_SHRINK, SAFETY * ratio ** (-1.0 / scheme.order))
+            state.tally[REJECTED] += 1
+        elif leapt(parameters, scratch.step, met := come_near(parameters, scratch.step)):
+            state.pace[LENGTH] = 0.5 * length
             state.tally[REJECTED] += 1
         else:
             _take(parameters, state, scratch, end)
@@ -78,29 +78,30 @@ def one_step(parameters: Parameters, state: State, scratch: Workspace) -> float:
                 _grown(state, length, ratio, scheme), state.pace[LENGTH] * (length < state.pace[LENGTH])
             )
             state.pace[PAST_ERROR] = ratio
-            return length
-    return 0.0
+            return met
+    return None
 
 
-def leapt(parameters: Parameters, step: Step) -> bool:
+def come_near(parameters: Parameters, step: Step) -> Found:
+    """The pairs that need a film at the end of a step, and have none."""
+    box = box_of(parameters.box, step.cell.shape, parameters.dimensions)
+    pair = np.stack([step.pairs.first, step.pairs.second], axis=1)
+    image = step.pairs.image[:, : parameters.dimensions].astype(np.int64)
+    return newcomers(parameters, step.bodies.position, box, (pair, image))
+
+
+def leapt(parameters: Parameters, step: Step, met: Found) -> bool:
     """Whether spheres have come so close in a step, to each other or to walls, that a film should have been between
     them long before.
     """
-    reach, moved = parameters.contacts.fade_from, step.bodies.position - step.bodies.before
-    largest = float(np.linalg.norm(moved - moved.mean(axis=0), axis=1).max())
-    if 2.0 * largest < (1.0 - NARROW) * reach and not len(parameters.walls.axis):
-        return False
     if isinstance(step.walls, Walls) and leapt_to_wall(parameters, step, step.walls):
         return True
-    narrow = parameters._replace(contacts=parameters.contacts._replace(fade_from=NARROW * reach))
-    if 2.0 * largest < (1.0 - NARROW) * reach:
+    reach, moved = parameters.contacts.fade_from, step.bodies.position - step.bodies.before
+    if 2.0 * float(np.linalg.norm(moved - moved.mean(axis=0), axis=1).max()) < (1.0 - NARROW) * reach:
         return False
-    box = box_of(parameters.box, step.cell.shape, parameters.dimensions)
-    pair, image, _ = neighbors(narrow, step.bodies.position, box)
-    known = np.stack([step.pairs.first, step.pairs.second], axis=1)
-    return bool(
-        (~np.isin(keys(pair, image), keys(known, step.pairs.image[:, : image.shape[1]].astype(np.int64)))).any()
-    )
+    pair, _, between = met
+    gap = np.linalg.norm(between, axis=1) - parameters.radius[pair].sum(axis=1)
+    return bool((gap < NARROW * reach).any())
 
 
 def leapt_to_wall(parameters: Parameters, step: Step, walls: Walls) -> bool:
@@ -123,10 +124,10 @@ def jump(parameters: Parameters, state: State, scratch: Workspace) -> bool:
     """Where the protocol jumps at this time, find the new balance while all gaps stay as they are; whether there is
     one.
     """
+    if not jumps_now(parameters, state):
+        return True
     protocol, now = parameters.protocol, float(state.pace[CLOCK])
     interval = interval_at(protocol, now)
-    if interval == 0 or now != protocol.times[interval] or not protocol.jumps[interval]:
-        return True
     origin, drive = drive_at(protocol, now, interval - 1), drive_at(protocol, now, interval)
     dragged = bool(parameters.drag.any())
     span = AT_ONCE * float(state.pace[LENGTH]) if dragged else 0.0
@@ -136,6 +137,13 @@ def jump(parameters: Parameters, state: State, scratch: Workspace) -> bool:
     accept(scratch.step)
     store(parameters, state, scratch.step)
     return True
+
+
+def jumps_now(parameters: Parameters, state: State) -> bool:
+    """Whether the protocol jumps at this time."""
+    protocol, now = parameters.protocol, float(state.pace[CLOCK])
+    interval = interval_at(protocol, now)
+    return interval != 0 and now == protocol.times[interval] and bool(protocol.jumps[interval])
 
 
 def _grown(state: State, length: float, ratio: float, scheme: Scheme) -> float:

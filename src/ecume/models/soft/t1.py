@@ -156,7 +156,7 @@ def _march(parameters: Parameters, state: State, scratch: Workspace, unit: Units
     axes = np.array([[across[0], across[1]], [-across[1], across[0]]]) / math.hypot(across[0], across[1])
     while state.step[0] < parameters.steps_per_frame:
         begin, kept = instant, (step.bodies.before.copy(), step.log_gap.copy(), step.direction.copy())
-        if not one_step(parameters, state, scratch) > 0.0:
+        if one_step(parameters, state, scratch) is None:
             raise Diverged(f"at t = {begin.time:g} no step is short enough; look at the gap and the forces")
         instant = _instant(scratch, float(state.pace[CLOCK]), unit)
         _mirror(state, step, axes)
