@@ -198,6 +198,22 @@ def test_text_that_is_no_toml_is_refused(text: str, says: str) -> None:
     assert says in fault.message
 
 
+@pytest.mark.parametrize(
+    ("line", "meant"),
+    [("radius = 1.5 mm  # a cereal", "1.5 mm"), ("duration=20s", "20s"), ("model = floating", "floating")],
+)
+def test_text_without_quotes_is_told_with_them(line: str, meant: str) -> None:
+    (fault,) = faults_of(f"seed = 1\n{line}\n")
+    assert fault.message.endswith(f'stands in quotes: "{meant}"')
+    assert fault.line == 2
+
+
+@pytest.mark.parametrize("line", ["radius == 3", "a = [1, 2", 'title = "bowl', "radius = ", "a = {b = 1", "=1"])
+def test_quotes_are_not_the_cure_of_other_faults(line: str) -> None:
+    (fault,) = faults_of(f"seed = 1\n{line}")
+    assert "quotes" not in fault.message
+
+
 def test_a_syntax_fault_has_its_line_and_column() -> None:
     (fault,) = faults_of('model = "floating"\nduration == 3\n')
     assert (fault.line, fault.column) == (2, 11)

@@ -17,6 +17,8 @@ from ecume.scenes.schema import Scene, examined
 from ecume.scenes.starts import SOURCES, rows_from
 from ecume.scenes.templates import templates
 
+BARE = re.compile(r"[^=#]*=\s*([\w.+-][^\"'\[\]{}#=]*[^\W\d_][^\"'\[\]{}#=]*?)\s*(?:#.*)?$")
+"""A line with words that stand without quotes."""
 MOST_BYTES = 2**20
 LONGEST_NAME = 200
 """Of a file: about a longer one the system would rather not be asked."""
@@ -137,7 +139,9 @@ def _syntax_fault(told: str, text: str) -> Fault:
     numbers = re.findall(r"\d+", place)
     ending = text.rstrip("\n").split("\n")
     line, column = map(int, numbers) if len(numbers) == 2 else (len(ending), len(ending[-1]) + 1)
-    return Fault("", f"is not TOML: {message or told}", line, column)
+    bare = BARE.match(ending[min(line, len(ending)) - 1])
+    hint = f'; text, units too, stands in quotes: "{bare[1]}"' if bare else ""
+    return Fault("", f"is not TOML: {message or told}{hint}", line, column)
 
 
 def _placed(source: Source, faults: Sequence[tuple[Path, str]], changed: set[Path]) -> list[Fault]:
