@@ -45,8 +45,10 @@ def _path(axes: Axes, tank: walls.Surfaces, start: tuple[float, float], way: tup
     axes.plot(*start, "o", color=INK)
     axes.plot(*traced.position[0], "o", markerfacecolor="white", color=INK)
     axes.plot(traced.place[:, 0], traced.place[:, 1], "s", color=PALETTE[0], markersize=5)
+    middle = np.mean(axes.patches[0].get_xy(), axis=0)
     for number, place in enumerate(traced.place, 1):
-        axes.annotate(f"{number}", place, (6, 3), textcoords="offset points", fontsize=7.5)
+        out = 11.0 * (place - middle) / math.hypot(*(place - middle))
+        axes.annotate(f"{number}", place, out, textcoords="offset points", fontsize=7.5, ha="center", va="center")
 
 
 def two_at_most() -> Figure:
@@ -71,7 +73,8 @@ def two_at_most() -> Figure:
         for chosen, color in ((~out, PALETTE[1]), (out, PALETTE[0])):
             axes.plot(places[chosen, 0], places[chosen, 1], ".", color=color, markersize=1.6)
         axes.set(xlim=(-1.6, 2.6), ylim=(-1.6, 2.6))
-        axes.text(0.5, -1.5, f"{100 * out.mean():.1f} % outside", ha="center", color=MUTED)
+        told = f"{100 * out.mean():.1f} % outside"
+        axes.text(0.5, 0.0, told, ha="center", va="top", color=MUTED, transform=axes.transAxes)
     return drawn
 
 
@@ -96,7 +99,9 @@ def settling_profile() -> Figure:
     for index, color in zip((0, 1, 3, 16), PALETTE, strict=False):
         height = (frames[index].arrays["position"][:, 1] - radius) / layer
         counts = np.histogram(height, edges)[0] / len(height) * 24
-        axes.stairs(counts, edges, orientation="horizontal", color=color, label=f"{frames[index].time:.2g} s")
+        axes.stairs(
+            counts, edges, orientation="horizontal", color=color, label=f"{float(f'{frames[index].time:.2g}'):g} s"
+        )
     y = np.linspace(0.0, 4.0, 200)
     axes.plot(4.0 * np.exp(-y) / -math.expm1(-4.0), y, "--", color=INK, linewidth=1.0, label="exp(-y W/kT)")
     legend_outside(axes)
