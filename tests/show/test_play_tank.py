@@ -14,6 +14,7 @@ from ecume.errors import BadInput
 from ecume.scenes.load import load_scene
 from ecume.scenes.schema import to_toml
 from ecume.scenes.templates import folder
+from ecume.show.play import pouring
 from ecume.show.play import tank as playing
 from ecume.show.play.pouring import MOST, Push, tilting
 from ecume.show.play.tank import ANEW, CALMED, HURRY, PUSHED, STEEPEST, Tank
@@ -169,6 +170,46 @@ def test_a_gate_holds_the_column_until_it_is_opened(tank):
         tank.open_gate()
 
 
+def test_a_gate_that_closes_pushes_aside_who_stands_there_and_holds_again(tank):
+    with pytest.raises(BadInput, match="no gate that could be closed"):
+        tank.close_gate()
+    tank.open_gate()
+    tank.lean(-STEEPEST)
+    play(tank, 0.6)
+    before = tank.liquid()
+    tank.close_gate()
+    after = tank.liquid()
+    assert np.array_equal(after.mass, before.mass)
+    assert np.array_equal(after.region, before.region)
+    moved = np.flatnonzero((after.position != before.position).any(axis=0))
+    in_the_way = (before.position[0] > 0.72 - 0.02) & (before.position[0] < 1.04 + 0.02) & (before.position[1] < 1.02)
+    assert np.array_equal(moved, np.flatnonzero(in_the_way))
+    assert len(moved) > 10
+    assert not after.velocity[:, moved].any()
+    left = after.position[0] < 0.88
+    apart = np.hypot(*(after.position[:, moved, None] - after.position[:, None])) > 0.8 * 0.08 - 1e-12
+    assert np.count_nonzero(~apart) == len(moved), "each is that near to itself alone"
+    tank.lean(0.0)
+    play(tank, 1.0)
+    x, y = tank.liquid().position
+    assert np.array_equal(x < 0.88, left), "nobody comes through"
+    assert not ((x > 0.72) & (x < 1.04) & (y < 1.0)).any()
+    assert np.count_nonzero(left) / 0.72 > 1.2 * np.count_nonzero(~left) / (2.4 - 1.04), "it stands higher at the left"
+    assert tank.news == []
+    assert tank.opened == 0
+
+
+def test_a_gate_stays_open_where_there_is_no_room_for_what_stands_there(tank, monkeypatch):
+    tank.open_gate()
+    play(tank, 0.3)
+    before = places_of(tank)
+    monkeypatch.setattr(pouring, "ROOM", 9.0)
+    with pytest.raises(BadInput, match="no room for the liquid that stands where the gate closes"):
+        tank.close_gate()
+    assert np.array_equal(places_of(tank), before)
+    assert tank.opened == 1
+
+
 def test_a_tilt_turns_gravity_and_the_liquid_goes_down(tank):
     scene = tank.first
     for angle in (0.1, -0.3):
@@ -256,15 +297,17 @@ def test_its_page_is_told_where_all_is_and_does_what_it_is_asked(tank):
     assert low + places * (high - low) == pytest.approx(tank.liquid().position.T, abs=1e-4)
     assert told["coloring"] == "pressure"
     assert told["solids"] == []
+    assert told["opened"] == 1
     load_scene(game.get("/scene", {}).content.decode())
 
 
 ASKED = [
     {"what": "pour", "x": 2.0, "y": 0.9}, {"what": "scoop", "x": 0.1, "y": 0.1}, {"what": "open"}, {"what": "open"},
+    {"what": "close"}, {"what": "close"}, {"what": "open"},
     {"what": "drag", "x": 0.1}, {"what": "wave"}, {"what": "lean", "angle": 0.1}, {"what": "color", "name": "pressure"},
     {"what": "color", "name": "taste"}, {"what": "pour", "x": "nan", "y": 0}, {"what": "freeze"},
 ]  # fmt: skip
-REFUSED = [False, False, False, True, False, False, False, False, True, True, True]
+REFUSED = [False, False, False, True, False, True, False, False, False, False, False, True, True, True]
 
 
 def test_where_there_is_no_wall_nothing_is_pushed():

@@ -46,6 +46,7 @@ export interface Poured extends Told {
   coloring: string;
   most: number;
   solids: [number, number][][];
+  opened: number; // gates
   wall: number; // how far the left one is pushed
   leaning: number; // rad
 }

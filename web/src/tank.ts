@@ -20,7 +20,7 @@ class Pool extends Toy<Poured> {
     super("tank", basin.title, basin.speeds);
     for (const tool of TOOLS) this.choice("tools", tool, () => (this.tool = tool)).setAttribute("aria-checked", String(tool === this.tool));
     for (const [name] of basin.colorings) this.choice("colorings", name, () => void this.act("color", { name }));
-    for (const deed of ["open", "wave", "anew"]) element(deed).addEventListener("click", () => void this.act(deed));
+    for (const deed of ["open", "close", "wave", "anew"]) element(deed).addEventListener("click", () => void this.act(deed));
     for (const id of ["wave", "push"]) element(id).hidden = !basin.movable;
     this.pointing();
     this.tilting();
@@ -35,6 +35,7 @@ class Pool extends Toy<Poured> {
     const count = seen.colors ? bytes(seen.colors).length : 0;
     element("clock").textContent = `${seen.time.toFixed(1)} s · ${count} particles${this.slow(seen)}`;
     element("open").hidden = !seen.solids.length;
+    element("close").hidden = !seen.opened;
     this.scale(seen);
   }
 

@@ -7,6 +7,7 @@ import math
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from ecume.engine.shapes import Flags
 from ecume.errors import BadInput
@@ -120,15 +121,42 @@ def those(liquid: Liquid, which: Flags) -> Liquid:
 
 def room_around(scene: SphScene, place: tuple[float, float], reach: float, pushed: float, taken: Array) -> Array:
     """(n, 2) places for liquid on a lattice around a place (m), where there is none and nothing solid."""
-    spacing, steps = scene.spacing, int(reach)
-    across = np.arange(-steps, steps + 1) * spacing
+    steps = int(reach)
+    across = np.arange(-steps, steps + 1) * scene.spacing
     points = np.array([(place[0] + dx, place[1] + dy) for dx in across for dy in across])
+    near = np.hypot(*(points - np.array(place)).T) <= reach * scene.spacing
+    return with_room(scene, points[near], pushed, taken)
+
+
+def with_room(scene: SphScene, points: Array, pushed: float, taken: Array) -> Array:
+    """Those of some places (n, 2) that are in the tank, where nothing is solid and no liquid stands."""
+    spacing = scene.spacing
     low, high = np.array([scene.tank.low[0] + pushed, scene.tank.low[1]]), np.array(scene.tank.high)
-    near = np.hypot(*(points - np.array(place)).T) <= reach * spacing
     inside = ((points > low + 0.5 * spacing) & (points < high - 0.5 * spacing)).all(axis=1)
-    apart = np.hypot(*(points[:, None] - taken[None]).transpose(2, 0, 1)).min(axis=1) > ROOM * spacing
-    free: Array = points[near & inside & apart & free_of(points, solids_of(scene), 2.0 * spacing)]
+    points = points[inside & free_of(points, solids_of(scene), 2.0 * spacing)]
+    free: Array = points[cKDTree(taken).query(points)[0] > ROOM * spacing]
     return free
+
+
+def pushed_aside(scene: SphScene, liquid: Liquid, pushed: float, rest: float) -> Liquid:
+    """The liquid without anything in solids: who stands there goes to the nearest place with room, the highest first,
+    and stands still there at the density of rest (kg/m^3). Its mass stays. Raises BadInput where there is no such room.
+    """
+    within = np.flatnonzero(~free_of(liquid.position.T, solids_of(scene), scene.spacing))
+    within = within[np.argsort(-liquid.position[1, within], kind="stable")]
+    outside = np.delete(liquid.position, within, axis=1)
+    low, high = scene.tank.low, scene.tank.high
+    axes = [np.arange(a + 0.5 * scene.spacing, b, scene.spacing) for a, b in zip(low, high, strict=True)]
+    places = with_room(scene, np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2), pushed, outside.T)
+    if len(places) < len(within):
+        raise BadInput("there is no room for the liquid that stands where the gate closes; scoop some out")
+    position, velocity, density = liquid.position.copy(), liquid.velocity.copy(), liquid.density.copy()
+    velocity[:, within], density[within] = 0.0, rest
+    for one in within:
+        nearest = int(np.argmin(((places - position[:, one]) ** 2).sum(axis=1)))
+        position[:, one] = places[nearest]
+        places = np.delete(places, nearest, axis=0)
+    return liquid._replace(position=position, velocity=velocity, density=density)
 
 
 def regions_of(scene: SphScene, liquid: Liquid) -> tuple[RegionSpec, ...]:

@@ -1,4 +1,4 @@
-"""A tank that somebody plays with: liquid is poured and scooped out, a gate opened, a wall pushed, the tank tilted.
+"""A tank that somebody plays with: liquid is poured and scooped out, gates open and close, a wall is pushed, all tilts.
 
 What moves it is the model's own march. A hand's push is the motion of a side, a tilt is what a shaken tank feels, an
 open gate is an obstacle less: so what is played is a scene at any moment, and can be saved as one.
@@ -26,6 +26,7 @@ from ecume.show.play.pouring import (
     joined,
     movable,
     poured,
+    pushed_aside,
     regions_of,
     require_playable,
     room_around,
@@ -120,6 +121,21 @@ class Tank:
             raise BadInput("there is no gate that could be opened")
         opened = dataclasses.replace(self.scene, obstacles=self.scene.obstacles[1:])
         self._begin(opened, Push(places=(self.pushed,)), self.liquid())
+
+    @property
+    def opened(self) -> int:
+        """How many gates are open."""
+        return len(self.first.obstacles) - len(self.scene.obstacles)
+
+    def close_gate(self) -> None:
+        """Put back the obstacle that was taken out last; liquid that stands there is pushed aside. Raises BadInput
+        where no gate is open, and where there is no room for that liquid.
+        """
+        if not self.opened:
+            raise BadInput("there is no gate that could be closed")
+        closed = dataclasses.replace(self.scene, obstacles=self.first.obstacles[self.opened - 1 :])
+        rest = self.march.parameters.material.density
+        self._begin(closed, Push(places=(self.pushed,)), pushed_aside(closed, self.liquid(), self.pushed, rest))
 
     def drag(self, x: float) -> None:
         """Let the left wall follow a hand at this place (m)."""

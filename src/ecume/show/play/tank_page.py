@@ -13,8 +13,8 @@ from ecume.models.sph.parameters import Liquid
 from ecume.show.play.pouring import movable
 from ecume.show.play.site import Asked, Deed, number
 from ecume.show.play.tank import PUSHED, STEEPEST, Tank
+from ecume.show.setting import Round
 from ecume.show.sph.picture import FULL, outline
-from ecume.show.tank import Round
 from ecume.show.view.bundled import TANK
 from ecume.show.view.page import color_map
 from ecume.units import Array
@@ -37,6 +37,7 @@ class TankPage:
             "pour": lambda asked: tank.pour(*_place(asked)),
             "scoop": lambda asked: tank.scoop(*_place(asked)),
             "open": lambda asked: tank.open_gate(),
+            "close": lambda asked: tank.close_gate(),
             "drag": lambda asked: tank.drag(number(asked["x"])),
             "wave": lambda asked: tank.wave(),
             "lean": lambda asked: tank.lean(number(asked["angle"])),
@@ -73,6 +74,7 @@ class TankPage:
             "coloring": self.color,
             "most": most,
             "solids": [_solid(shape) for shape in tank.scene.obstacles],
+            "opened": tank.opened,
             "wall": tank.pushed,
             "leaning": tank.leaning,
             "news": tank.news,
