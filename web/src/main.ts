@@ -104,6 +104,8 @@ class Page {
     (element("coloring") as HTMLSelectElement).value = name;
     const coloring = this.stage.coloring(name);
     element("bar").hidden = !coloring;
+    const scaled = coloring ? (this.run.header.apart ?? Infinity) : 0; // the species before this one have a scale's colors
+    [...element("kinds").children].forEach((one, kind) => ((one as HTMLElement).hidden = kind < scaled));
     if (coloring) {
       const [low, high] = this.run.range(`array/${name}`);
       this.choice.range = high > low ? [low, high] : [low - 0.5, low + 0.5];

@@ -52,7 +52,8 @@ export function inspect(run: Run, instant: Instant, chosen: number): void {
     if (value !== undefined) rows.push([name.replaceAll("_", " "), told(value, unit)]);
   }
   const heading = document.createElement("strong");
-  heading.textContent = `particle ${chosen}`;
+  const carried = header.apart !== null && (instant.arrays["species"]?.[chosen] ?? 0) >= header.apart;
+  heading.textContent = carried ? `particle ${chosen}, carried by the liquid` : `particle ${chosen}`;
   const list = document.createElement("dl");
   terms(list, rows);
   room.replaceChildren(heading, list);

@@ -7,20 +7,19 @@ const VERTEX = `${SQUARES}
 uniform mat4 matrix;
 uniform vec3 right, up, toward;
 uniform float part;
-uniform vec3 range; // low, high, of how many colors (0: of a scale)
 out vec2 inside;
 out float color, depth_slope;
 flat out float index;
 void main() {
   vec4 here = numbers(2, 0), before = numbers(2, 1);
-  float radius = here.w, value = before.w;
+  float radius = here.w, shade = before.w;
   vec3 middle = mix(before.xyz, here.xyz, part);
   inside = corner_of();
   gl_Position = matrix * vec4(middle + radius * (inside.x * right + inside.y * up), 1.0);
   vec4 front = matrix * vec4(middle + radius * toward, 1.0);
   vec4 center = matrix * vec4(middle, 1.0);
   depth_slope = 0.5 * (front.z / front.w - center.z / center.w);
-  color = range.z > 0.5 ? (value + 0.5) / range.z : clamp((value - range.x) / (range.y - range.x), 0.0, 1.0);
+  color = shade;
   index = float(square_number());
 }`;
 
@@ -56,8 +55,6 @@ void main() {
 }`;
 
 export interface Look {
-  range: [number, number];
-  kinds: number; // colors of a palette; 0 for a scale
   part: number; // of the way from the frame before
   ink: [number, number, number];
   flat: boolean;
@@ -76,12 +73,12 @@ export class Particles {
     this.colors = new Colors(gl);
   }
 
-  /** Places now and before, three coordinates each. */
-  fill(place: Float32Array, before: Float32Array, radius: Float32Array, value: Float32Array): void {
+  /** Places now and before, three coordinates each; where each color stands in the row of them, from 0 to 1. */
+  fill(place: Float32Array, before: Float32Array, radius: Float32Array, shade: Float32Array): void {
     const rows = this.table.rows(radius.length);
     for (let one = 0, x = 0, at = 0; one < radius.length; one++, x += 3, at += 8) {
       [rows[at], rows[at + 1], rows[at + 2], rows[at + 3]] = [place[x], place[x + 1], place[x + 2], radius[one]];
-      [rows[at + 4], rows[at + 5], rows[at + 6], rows[at + 7]] = [before[x], before[x + 1], before[x + 2], value[one]];
+      [rows[at + 4], rows[at + 5], rows[at + 6], rows[at + 7]] = [before[x], before[x + 1], before[x + 2], shade[one]];
     }
     this.table.send();
   }
@@ -94,7 +91,6 @@ export class Particles {
     program.numbers("up", ...eye.up);
     program.numbers("toward", ...eye.toward);
     program.numbers("part", look.part);
-    program.numbers("range", look.range[0], look.range[1], look.kinds);
     program.numbers("rim", ...look.ink, look.flat ? 1 : 0);
     program.numbers("edge", look.rims ? 1 : 0);
     program.numbers("chosen", look.chosen);

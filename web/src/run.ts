@@ -52,6 +52,7 @@ export interface RunHeader {
   high: number[];
   radius: number; // of particles without one of their own (m)
   species: { name: string; color: string }[];
+  apart: number | null; // the species from which on particles keep their own colors
   colorings: Coloring[];
   usual: string; // the coloring to begin with
   numbers: { name: string; unit: string }[];

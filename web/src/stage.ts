@@ -13,6 +13,7 @@ const WIDEST = 9; // pixels, of the largest force
 const PULL = [0.7, 0.09, 0.17, 1];
 const PUSH = [0.13, 0.4, 0.67, 1];
 const MOST_RIMS = 5000; // particles
+const SHADES = 256; // of a scale
 const COARSEST = 0.5; // pixels over the page's
 
 export const SPECIES = "species";
@@ -143,12 +144,9 @@ export class Stage {
   }
 
   private paint(part: number, choice: Choice): void {
-    const { eye, gl, canvas, run } = this;
+    const { eye, gl, canvas } = this;
     this.heights?.draw(eye);
-    const coloring = this.coloring(choice.coloring);
     this.particles.draw(eye, {
-      range: choice.range,
-      kinds: coloring ? 0 : Math.max(run.header.species.length, 1),
       part,
       ink: styled("--ink"),
       flat: this.flat,
@@ -172,8 +170,8 @@ export class Stage {
       if (dx * dx + dy * dy + dz * dz > far) [before[x], before[x + 1], before[x + 2]] = [place[x], place[x + 1], place[x + 2]];
     }
     const radius = to.arrays["radius"] ?? this.same(to.count);
-    this.particles.fill(place, before, radius, this.values(to, choice.coloring));
-    this.particles.colors.fill(this.palette(choice.coloring), !this.coloring(choice.coloring));
+    this.particles.fill(place, before, radius, this.shades(to, choice));
+    this.particles.colors.fill(this.palette(choice.coloring), true);
     if (to.sheet) this.heights?.fill(to.sheet);
   }
 
@@ -188,15 +186,28 @@ export class Stage {
     this.filled = "";
   }
 
-  private values(instant: Instant, coloring: string): Float32Array {
-    return instant.arrays[coloring] ?? this.same(instant.count);
+  /** Where the color of each particle stands in the palette, from 0 to 1. What has no number keeps its own color. */
+  private shades(instant: Instant, { coloring, range }: Choice): Float32Array {
+    const { species, apart } = this.run.header;
+    const [values, kinds] = [coloring === SPECIES ? undefined : instant.arrays[coloring], instant.arrays[SPECIES]];
+    const [own, steps] = [Math.max(species.length, 1), values ? SHADES : 0];
+    const [low, high] = range;
+    const found = new Float32Array(instant.count);
+    for (let one = 0; one < found.length; one++) {
+      const kind = kinds?.[one] ?? 0;
+      const part = values && kind < (apart ?? Infinity) ? (values[one] - low) / (high - low) : NaN;
+      const place = Number.isNaN(part) ? kind : own + Math.round((steps - 1) * Math.min(Math.max(part, 0), 1));
+      found[one] = (place + 0.5) / (own + steps);
+    }
+    return found;
   }
 
+  /** The own colors of all species, and then those of the scale. */
   private palette(coloring: string): Uint8Array {
+    const { header } = this.run;
+    const own = header.species.length ? header.species.flatMap((one) => channels(one.color)) : [90, 120, 160];
     const found = this.coloring(coloring);
-    if (found) return colorsOf(this.run.header, found.map);
-    const species = this.run.header.species;
-    return new Uint8Array(species.length ? species.flatMap((one) => channels(one.color)) : [90, 120, 160]);
+    return new Uint8Array(found ? [...own, ...colorsOf(header, found.map)] : own);
   }
 
   private segments(choice: Choice): Segments {

@@ -70,3 +70,10 @@ def scene():
 def frames():
     """Three instants of rest."""
     return [frame_of(0.1 * n) for n in range(3)]
+
+
+def carrying(frame, count=12):
+    """The same with so many carried particles in one place, under a pressure that no liquid has."""
+    arrays = {name: np.concatenate([array, array[:count]]) for name, array in frame.arrays.items()}
+    arrays["position"][-count:], arrays["pressure"][-count:], arrays["species"][-count:] = (1.0, 0.25), 1e9, 1
+    return frame._replace(arrays=arrays)

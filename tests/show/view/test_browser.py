@@ -7,7 +7,8 @@ import threading
 
 import numpy as np
 import pytest
-from PIL import Image
+from PIL import Image, ImageColor
+from tests.show.sph.conftest import carrying, frame_of, scene_of
 from tests.show.view.runs import run_of
 from tests.show.view.test_page import HOSTILE
 
@@ -16,7 +17,10 @@ from ecume.scenes.templates import folder
 from ecume.show.play.toys import game_of
 from ecume.show.serving import served
 from ecume.show.view import save_page
+from ecume.show.view.chunks import pack
 from ecume.show.view.live import Source, serving
+from ecume.show.view.page import hexadecimal, looks, page
+from ecume.show.view.staging import STAGES
 
 playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 CHROMIUM = os.environ.get("ECUME_CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser")
@@ -112,6 +116,35 @@ def test_a_particle_tells_its_numbers(tab, tmp_path):
     assert "1 mm" in told
     tab.mouse.click(box["x"] + 3, box["y"] + box["height"] - 3)
     assert not tab.is_visible("#inspector")
+
+
+def test_what_is_carried_keeps_its_color_and_says_what_it_is(tab, tmp_path):
+    scene = scene_of(carried=[{"positions": [[1.0, 0.25]], "color": "#ff0000"}])
+    frame = carrying(frame_of())
+    stage = STAGES["sph"](scene, [frame])
+    header = {"title": "", "model": "sph", "facts": [], "papers": [], "scene": "", "live": False}
+    (tmp_path / "page.html").write_text(page({**header, **looks(frame, frame, stage)}, [pack([frame], stage)]))
+    tab.goto((tmp_path / "page.html").as_uri())
+    tab.wait_for_selector("body[data-drawn]", timeout=30_000)
+    for coloring, others in (("pressure", "#fde725"), ("species", hexadecimal(stage.kinds[0].color))):
+        tab.select_option("#coloring", coloring)
+        tab.wait_for_timeout(200)
+        assert tab.inner_text("#kinds").split("\n") == (["region 1"] if coloring == "species" else []) + ["carried 1"]
+        tab.locator("#canvas").screenshot(path=tmp_path / "canvas.png")
+        with Image.open(tmp_path / "canvas.png") as picture:
+            colors = np.asarray(picture.convert("RGB")).astype(int)
+        colors[: len(colors) // 2] = 255  # there is the legend
+        y, x = np.nonzero((colors == (255, 0, 0)).all(axis=-1))
+        assert len(x) > 50, coloring
+        assert (np.abs(colors - ImageColor.getrgb(others)).max(axis=-1) <= 3).sum() > 500, coloring
+    box = tab.locator("#canvas").bounding_box()
+    x, y = box["x"] + x.mean(), box["y"] + y.mean()
+    tab.mouse.click(x, y)
+    assert "particle 400, carried by the liquid" in tab.inner_text("#inspector")
+    tab.mouse.click(x - 60, y)
+    assert "particle" in tab.inner_text("#inspector")
+    assert "carried" not in tab.inner_text("#inspector")
+    assert tab.complaints == []
 
 
 def test_dragging_moves_and_the_wheel_enlarges(tab, tmp_path):
@@ -232,6 +265,13 @@ def test_a_tank_is_played_with(tab):
         tab.wait_for_selector("#most:has-text('Pa')")
         tab.get_by_role("button", name="open the gate").click()
         tab.wait_for_selector("#open", state="hidden")
+        until = tank.time + 0.5
+        while tank.time < until:
+            tab.wait_for_timeout(50)
+        tab.get_by_role("button", name="close the gate").click()
+        tab.wait_for_selector("#close", state="hidden")
+        assert tab.locator("#open").is_visible()
+        assert not tank.opened
         tab.get_by_role("button", name="make a wave").click()
         while not tank.pushed:
             tab.wait_for_timeout(50)

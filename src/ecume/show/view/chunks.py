@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ecume.show.tank import RARE
-from ecume.show.view.staging import Links, Stage
+from ecume.show.view.stage import Links, Stage
 from ecume.trajectories.frame import Frame
 
 STEPS = 65535
@@ -96,7 +96,7 @@ def pack(frames: Sequence[Frame], stage: Stage) -> Chunk:
     counts = [len(frame.arrays["position"]) for frame in frames]
     packing = _Packing(len(frames) if len(set(counts)) == 1 else 1)
     packing.quantized("position", np.concatenate([frame.arrays["position"].ravel() for frame in frames]))
-    steady = _quantities(packing, frames)
+    steady = _quantities(packing, frames, stage)
     _numbers(packing, frames)
     movers = _movers(packing, frames, stage)
     links = _links(packing, frames, stage)
@@ -148,10 +148,11 @@ def quantities(frame: Frame) -> dict[str, Numbers]:
     return found
 
 
-def _quantities(packing: _Packing, frames: Sequence[Frame]) -> list[str]:
+def _quantities(packing: _Packing, frames: Sequence[Frame], stage: Stage) -> list[str]:
     """Quantities of the particles; the names of those that never change, which stand once."""
     steady = []
     columns = [quantities(frame) for frame in frames]
+    colored = [_colored(frame, stage) for frame in frames]
     for name, first in columns[0].items():
         each = [column[name] for column in columns]
         whole = f"array/{name}"
@@ -166,8 +167,15 @@ def _quantities(packing: _Packing, frames: Sequence[Frame]) -> list[str]:
             packing.ranges[whole] = [float(values.min(initial=0)), float(values.max(initial=1))]
         else:
             packing.quantized(whole, values)
-        packing.scale(whole, values)
+        packing.scale(whole, np.concatenate([one[which] for one, which in zip(each, colored, strict=False)]))
     return steady
+
+
+def _colored(frame: Frame, stage: Stage) -> Numbers:
+    """Whose values decide the range of colors: of all but those that keep their own."""
+    if stage.apart is None:
+        return np.ones(len(frame.arrays["position"]), bool)
+    return frame.arrays["species"] < stage.apart
 
 
 def _numbers(packing: _Packing, frames: Sequence[Frame]) -> None:

@@ -19,7 +19,8 @@ from ecume.errors import BadInput
 from ecume.show.style import HEIGHT_COLORS
 from ecume.show.view.bundled import VIEW, data_of, filled, json_of
 from ecume.show.view.chunks import Chunk, pack, quantities
-from ecume.show.view.staging import STAGES, Line, Stage
+from ecume.show.view.stage import Line, Stage
+from ecume.show.view.staging import STAGES
 from ecume.trajectories.durable import storing
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import Trajectory, open_trajectory
@@ -127,6 +128,7 @@ def looks(first: Frame, last: Frame, stage: Stage) -> dict[str, Any]:
         "high": [float(value) for value in stage.high],
         "radius": stage.radius,
         "species": [{"name": kind.name, "color": hexadecimal(kind.color)} for kind in stage.kinds],
+        "apart": stage.apart,
         "colorings": colorings,
         "usual": stage.usual if stage.usual in names else "species",
         "numbers": [{"name": name, "unit": first.units.get(name, "1")} for name in first.numbers],

@@ -2,108 +2,27 @@
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple, Protocol
+from typing import Any
 
 import numpy as np
 
 from ecume.scenes.soft.walls import SIDES as WALL_SIDES
-from ecume.scenes.sph import SIDES
 from ecume.show.floating.bowl import height_colors, height_ticks, view_of
 from ecume.show.floating.shapes import outlines_in
 from ecume.show.floating.surface import sheet, surface, typical_meniscus
 from ecume.show.picture import species
 from ecume.show.soft.packing import WIDE, links_of
 from ecume.show.space import edges_of
-from ecume.show.sph.moving import edges, rotation, shape_of, side_line, turned
-from ecume.show.sph.picture import EDGES, FULL, rectangle, regions, usual_color
+from ecume.show.sph.picture import rectangle
 from ecume.show.style import scale_for
-from ecume.show.tank import Round
-from ecume.show.tracers import outline_of
+from ecume.show.view.stage import Line, Stage, Surface, circle
+from ecume.show.view.tanks import sph_stage, tracers_stage
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
 CELLS = 110
 """Of the surface's picture along its longer side."""
-ROUND = np.linspace(0.0, 2.0 * np.pi, 65)
-BALL_LINES, BOX_LINES = 3, 12
-"""With how many lines a solid is drawn in space."""
-
-
-class Links(Protocol):
-    """Contacts of a frame."""
-
-    @property
-    def pairs(self) -> Any:
-        """(C, 2) the numbers of both particles"""
-
-    @property
-    def along(self) -> Array:
-        """(C, d) m: from the first to the second, or to its copy that is nearest"""
-
-    @property
-    def gap(self) -> Array:
-        """(C,) m"""
-
-    @property
-    def tension(self) -> Array:
-        """(C,) N"""
-
-
-class Line(NamedTuple):
-    """A line that never moves."""
-
-    points: Array
-    """(n, d) m"""
-    closed: bool = False
-    dashed: bool = False
-    color: str | None = None
-    """of a solid that has one of its own"""
-
-
-class Surface(NamedTuple):
-    """How the surface's heights are drawn."""
-
-    columns: int
-    rows: int
-    view: tuple[float, float, float, float]
-    round: float
-    """radius of a round dish (m); 0 for none"""
-    map: str
-    label: str
-    shown: tuple[float, float]
-    """the part of the scale that occurs, from 0 to 1"""
-    ticks: list[tuple[float, str]]
-
-
-class Stage(NamedTuple):
-    """What is around the particles."""
-
-    low: Array
-    """(d,) m: what is to be seen at first"""
-    high: Array
-    kinds: Sequence[Any]
-    """species, with names and colors"""
-    usual: str = "species"
-    """what colors mean at first"""
-    radius: float = 0.0
-    """of particles whose frames say none (m)"""
-    lines: Sequence[Line] = ()
-    movers: Callable[[Frame], list[Array]] | None = None
-    """outlines of what moves, as many points in every frame"""
-    mover_colors: Sequence[str | None] = ()
-    """of each; None or left out, as walls are"""
-    inner: Array | None = None
-    """(N,) m: radii of the discs inside the outlines of floats with a shape, which are drawn for them"""
-    links: Callable[[Frame], Links] | None = None
-    widest: float = 0.0
-    """the gap up to which films are drawn (m)"""
-    heights: Callable[[Frame], Array] | None = None
-    """(rows, columns) of the surface, as parts of its scale from 0 to 1"""
-    surface: Surface | None = None
-    curves: Sequence[str] = ()
-    """numbers whose curves are shown at first"""
 
 
 def floating_stage(scene: Any, sample: Sequence[Frame]) -> Stage:
@@ -111,22 +30,15 @@ def floating_stage(scene: Any, sample: Sequence[Frame]) -> Stage:
     view = view_of(scene, sample)
     closest = min(float(frame.arrays["radius"].min()) for frame in sample)
     on = sheet(scene, view, cells=CELLS, closest=closest)
-    heights = [surface(frame, on) for frame in sample]
+    heights = np.array([surface(frame, on) for frame in sample])
     largest = float(np.abs(heights).max())
     scale = scale_for(largest, "m")
     colors = height_colors(largest * scale.factor, typical_meniscus(sample[0], on) * scale.factor)
-    lowest, highest = float(np.min(heights)) * scale.factor, float(np.max(heights)) * scale.factor
-
-    def place(height: float) -> float:
-        return float(np.asarray(colors.norm(np.array([height])))[0])
-
-    ticks = [(place(one), f"{one:g}") for one in height_ticks(colors.norm, (lowest, highest))]
-    ends = place(min(lowest, 0.0)), place(max(highest, 0.0))
+    shown, ticks = _marks(colors.norm, scale.factor * float(heights.min()), scale.factor * float(heights.max()))
     shapes, dish = on.shapes, scene.dish
-    round_dish = dish.radius if dish is not None and dish.radius is not None else 0.0
     drawn = Surface(
-        len(on.x), len(on.y), (view.left, view.right, view.bottom, view.top), round_dish, "height",
-        f"height of the liquid ({scale.unit})", ends, ticks,
+        len(on.x), len(on.y), (view.left, view.right, view.bottom, view.top), getattr(dish, "radius", None) or 0.0,
+        "height", f"height of the liquid ({scale.unit})", shown, ticks,
     )  # fmt: skip
     return Stage(
         np.array([view.left, view.bottom]), np.array([view.right, view.top]), species(scene),
@@ -136,6 +48,16 @@ def floating_stage(scene: Any, sample: Sequence[Frame]) -> Stage:
         movers=None if shapes is None else lambda frame: [closed(one) for one in outlines_in(frame, shapes)],
         inner=None if shapes is None else np.array([np.hypot(*one.T).min() for one in shapes.outlines]),
     )  # fmt: skip
+
+
+def _marks(norm: Any, lowest: float, highest: float) -> tuple[tuple[float, float], list[tuple[float, str]]]:
+    """The part of a scale that occurs, the level included, and its ticks: both from 0 to 1."""
+
+    def place(height: float) -> float:
+        return float(np.asarray(norm(np.array([height])))[0])
+
+    ticks = [(place(one), f"{one:g}") for one in height_ticks(norm, (lowest, highest))]
+    return (place(min(lowest, 0.0)), place(max(highest, 0.0))), ticks
 
 
 def closed(points: Array) -> Array:
@@ -148,124 +70,6 @@ def _dish(dish: Any) -> Line:
         return Line(circle(np.zeros(2), dish.radius), closed=True)
     half = np.array(dish.size) / 2
     return Line(rectangle(-half, half), closed=True)
-
-
-def circle(middle: Array, radius: float) -> Array:
-    """Points around."""
-    points: Array = middle + radius * np.column_stack([np.cos(ROUND), np.sin(ROUND)])
-    return points
-
-
-def sph_stage(scene: Any, sample: Sequence[Frame]) -> Stage:
-    """The tank, obstacles, bodies, moving sides."""
-    low, high = np.array(scene.tank.low), np.array(scene.tank.high)
-    lines = _tank_lines(scene, low, high) + [_painted(_solid(one), one.color) for one in scene.obstacles]
-    driven = [side for side in SIDES if getattr(scene.tank, side).motion is not None]
-    flat = len(low) == 2
-
-    def movers(frame: Frame) -> list[Array]:
-        bodies = [line for number, body in enumerate(scene.bodies) for line in _body(body, number, frame)]
-        return bodies + [side_line(scene, side, frame) for side in driven if flat]
-
-    margin = 0.03 * float((high - low).max())
-    return Stage(
-        low - margin, high + margin, regions(scene), usual_color(scene), FULL * scene.spacing, _joined(lines),
-        movers if scene.bodies or (driven and flat) else None, _mover_colors(scene, low),
-        curves=("kinetic_energy", "largest_pressure"),
-    )  # fmt: skip
-
-
-def _mover_colors(scene: Any, low: Array) -> list[str | None]:
-    """Of bodies, line by line; moving sides come after them, and have none."""
-    lines = [1 if len(low) == 2 else BALL_LINES if body.radius is not None else BOX_LINES for body in scene.bodies]
-    return [body.color for body, count in zip(scene.bodies, lines, strict=True) for _ in range(count)]
-
-
-def _painted(lines: list[Line], color: str | None) -> list[Line]:
-    return [line._replace(color=color) for line in lines]
-
-
-def _joined(lines: list[Line | list[Line]]) -> list[Line]:
-    return list(itertools.chain.from_iterable(one if isinstance(one, list) else [one] for one in lines))
-
-
-def _tank_lines(scene: Any, low: Array, high: Array) -> list[Line | list[Line]]:
-    """Walls; dashed where what leaves comes back at the other side; nothing where all is open."""
-    kinds = {side: getattr(scene.tank, side).kind for side in SIDES[: 2 * len(low)]}
-    if len(low) == 3:
-        around = any(kind in ("wall", "periodic") for kind in kinds.values())
-        return [[Line(edge) for edge in edges_of(low, high)] if around else []]
-    corners = rectangle(low, high)
-    return [
-        Line(corners[[first, last]], dashed=kinds[side] == "periodic")
-        for side, first, last in EDGES
-        if kinds[side] in ("wall", "periodic")
-    ]
-
-
-def _solid(solid: Any) -> list[Line]:
-    """An obstacle; of a ball in space three circles."""
-    if solid.radius is not None:
-        return _ball(np.array(solid.center), solid.radius)
-    if solid.vertices:
-        return [Line(np.array(solid.vertices), closed=True)]
-    low, high = np.array(solid.low), np.array(solid.high)
-    return [Line(rectangle(low, high), closed=True)] if len(low) == 2 else [Line(edge) for edge in edges_of(low, high)]
-
-
-def _ball(middle: Array, radius: float) -> list[Line]:
-    if len(middle) == 2:
-        return [Line(circle(middle, radius), closed=True)]
-    flat = np.column_stack([circle(np.zeros(2), radius), np.zeros(len(ROUND))])
-    return [Line(middle + np.roll(flat, turn, axis=1), closed=True) for turn in range(BALL_LINES)]
-
-
-def _body(body: Any, number: int, frame: Frame) -> list[Array]:
-    """A body where it is; a round one with a spoke, so that its turning shows."""
-    shape, name = shape_of(body), f"body{number}_"
-    middle = np.array([frame.numbers[name + axis] for axis in "xyz"[: len(shape.middle())]])
-    if len(middle) == 2:
-        turn = rotation(frame.numbers[name + "angle"])
-        lines = [np.vstack([circle(np.zeros(2), body.radius), np.zeros(2)])] if body.radius is not None else None
-        return [middle + line @ turn.T for line in lines or [one.points for one in _solid_of(shape)]]
-    turn = turned([frame.numbers[f"{name}q{part}"] for part in "wxyz"])
-    parts = [one.points for one in _ball(np.zeros(3), body.radius)] if body.radius is not None else edges(shape)
-    return [middle + part @ turn.T for part in parts]
-
-
-def _solid_of(shape: Any) -> list[Line]:
-    if hasattr(shape, "vertices"):
-        return [Line(shape.vertices, closed=True)]
-    low, high = shape.bounds()
-    return [Line(rectangle(low, high), closed=True)]
-
-
-def tracers_stage(scene: Any, sample: Sequence[Frame]) -> Stage:
-    """The tank, obstacles and openings."""
-    places = np.concatenate([frame.arrays["position"] for frame in sample])
-    tank, dimension = scene.tank, places.shape[1]
-    lines = [_solid(one) for one in scene.obstacles]
-    low, high = places.min(axis=0), places.max(axis=0)
-    outline = outline_of(tank) if tank is not None else None
-    if outline is not None and dimension == 2:
-        points = circle(np.array(outline[:2]), outline.radius) if isinstance(outline, Round) else outline
-        lines.append([Line(points, closed=True)])
-        low, high = points.min(axis=0), points.max(axis=0)
-    elif tank is not None:
-        lines.append(_tank_in_space(tank))
-        corners = np.concatenate([line.points for line in lines[-1]])
-        low, high = corners.min(axis=0), corners.max(axis=0)
-    margin = 0.03 * float((high - low).max())
-    return Stage(low - margin, high + margin, species(scene), lines=_joined(list(lines)), curves=("kinetic_energy",))
-
-
-def _tank_in_space(tank: Any) -> list[Line]:
-    if getattr(tank, "radius", None) is not None:
-        return _ball(np.array(getattr(tank, "center", None) or (0.0, 0.0, 0.0)), tank.radius)
-    if getattr(tank, "size", None) is not None:
-        return [Line(edge) for edge in edges_of(np.zeros(3), np.array(tank.size))]
-    corners = np.array(tank.vertices)
-    return [Line(edge) for edge in edges_of(corners.min(axis=0), corners.max(axis=0))]
 
 
 def soft_stage(scene: Any, sample: Sequence[Frame]) -> Stage:
