@@ -82,12 +82,22 @@ def sides() -> Figure:
 def pulls() -> Figure:
     """Gravity askew; a pull to a point; a tank that is shaken by a sine and by a table; a side that moves."""
     drawn = figure(11.0, 4.8)
-    panels = drawn.subplots(2, 2).ravel()
+    for axes, draw in zip(drawn.subplots(2, 2).ravel(), (askew, to_a_point, shaken, driven), strict=True):
+        draw(axes)
+    return drawn
+
+
+def askew(axes: Axes) -> None:
+    """A surface that stands across gravity."""
     thick = {"artificial_viscosity": 0.3}
     last = simulated(pool(2.0, 0.6, gravity=[0.25, -0.97], method=thick, duration=8.0, frame_every=8.0))[-1]
-    by_speed(panels[0], last, 0.3, (2.0, 1.2))
-    panels[0].plot([0.0, 2.0], [0.6 - 0.25 / 0.97, 0.6 + 0.25 / 0.97], color=PALETTE[1])
-    panels[0].set_title("gravity = [0.25, −0.97], t = 8")
+    by_speed(axes, last, 0.3, (2.0, 1.2))
+    axes.plot([0.0, 2.0], [0.6 - 0.25 / 0.97, 0.6 + 0.25 / 0.97], color=PALETTE[1])
+    axes.set_title("gravity = [0.25, −0.97], t = 8")
+
+
+def to_a_point(axes: Axes) -> None:
+    """A square that becomes round."""
     square = {"low": [-0.5, -0.5], "high": [0.5, 0.5]}
     around = dict.fromkeys(("left", "right", "bottom", "top"), OPEN)
     free = {"low": [-1.0, -1.0], "high": [1.0, 1.0], **around}
@@ -95,21 +105,29 @@ def pulls() -> Figure:
     frames = simulated(pool(1.0, 0.5, tank=free, duration=6.0, frame_every=3.0, **drop))
     for frame, shift in zip(frames, (-1.4, 0.0, 1.4), strict=True):
         x, y = frame.arrays["position"].T
-        panels[1].plot(x + shift, y, ".", color=PALETTE[0], markersize=2)
-        panels[1].text(shift, -0.95, f"t = {frame.time:g}", ha="center")
-    panels[1].set(aspect="equal", xlim=(-2.2, 2.2), ylim=(-1.1, 0.8), title="central_pull on a square")
-    panels[1].set_axis_off()
-    shaken = {
+        axes.plot(x + shift, y, ".", color=PALETTE[0], markersize=2)
+        axes.text(shift, -0.95, f"t = {frame.time:g}", ha="center")
+    axes.set(aspect="equal", xlim=(-2.2, 2.2), ylim=(-1.1, 0.8), title="central_pull on a square")
+    axes.set_axis_off()
+
+
+def shaken(axes: Axes) -> None:
+    """The level in tanks that are shaken in two ways."""
+    ways = {
         "amplitude, frequency": {"amplitude": [0.1, 0.0], "frequency": 0.19},
         "times, accelerations": {"times": [0.0, 2.0, 2.01], "accelerations": [[0.2, 0.0], [0.2, 0.0], [0.0, 0.0]]},
     }
     gauge = {"name": "side", "place": [0.0, 0.0], "measures": ["level"]}
-    for (label, shake), color in zip(shaken.items(), PALETTE, strict=False):
+    for (label, shake), color in zip(ways.items(), PALETTE, strict=False):
         frames = simulated(pool(2.0, 0.6, shake=shake, gauges=[gauge], duration=7.0, frame_every=0.1))
         level = [frame.numbers["side_level"] for frame in frames]
-        panels[2].plot([frame.time for frame in frames], level, color=color, label=label)
-    panels[2].set(xlabel="time", ylabel="level at the left side", title="[shake]")
-    panels[2].legend()
+        axes.plot([frame.time for frame in frames], level, color=color, label=label)
+    axes.set(xlabel="time", ylabel="level at the left side", title="[shake]")
+    axes.legend()
+
+
+def driven(axes: Axes) -> None:
+    """Waves of a side that moves in two ways."""
     motions = {
         "amplitude, frequency, phase": {"amplitude": 0.12, "frequency": 0.45, "phase": "90 deg"},
         "times, positions": {"times": [0.0, 1.5], "positions": [0.0, 0.5]},
@@ -118,13 +136,10 @@ def pulls() -> Figure:
         moved = tank(5.0, 1.0, left={"motion": motion})
         last = simulated(pool(5.0, 0.4, tank=moved, duration=5.0, frame_every=5.0, spacing=0.05))[-1]
         x, y = last.arrays["position"].T
-        panels[3].scatter(
-            x, y + up, s=3.0, c=np.linalg.norm(last.arrays["velocity"], axis=1), cmap="viridis", linewidths=0
-        )
-        panels[3].text(5.0, up + 0.62, label, ha="right")
-    panels[3].set(aspect="equal", xlim=(-0.2, 5.05), ylim=(-0.05, 1.9), title="tank.left.motion, t = 5, by speed")
-    panels[3].set_axis_off()
-    return drawn
+        axes.scatter(x, y + up, s=3.0, c=np.linalg.norm(last.arrays["velocity"], axis=1), cmap="viridis", linewidths=0)
+        axes.text(5.0, up + 0.62, label, ha="right")
+    axes.set(aspect="equal", xlim=(-0.2, 5.05), ylim=(-0.05, 1.9), title="tank.left.motion, t = 5, by speed")
+    axes.set_axis_off()
 
 
 def colors() -> Figure:

@@ -8,6 +8,7 @@ from PIL import Image
 from ecume.errors import BadInput
 from ecume.show import movies
 from ecume.show.movies import Cut, film, movie
+from ecume.show.space import Eye
 
 
 @pytest.mark.parametrize(("every", "count"), [(1, 11), (2, 6), (5, 3), (100, 1)])
@@ -37,6 +38,8 @@ def test_a_movie_of_a_run_stands_among_its_results(opened, tmp_path, monkeypatch
         ({"every": 0}, "every is 0; wanted 1"),
         ({"size": (10, 10)}, "size is 10 x 10; wanted from 64"),
         ({"start": 2.0, "end": 1.0}, "from 2 s to 1 s there is no time"),
+        ({"color": "taste"}, "'floating' take no color; leave color taste out"),
+        ({"eye": Eye()}, "'floating' are seen from above alone; leave azimuth and elevation out"),
     ],
 )
 def test_what_cannot_be_shown_is_refused(scene, frames, tmp_path, asked, says):

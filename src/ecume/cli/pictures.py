@@ -261,7 +261,7 @@ def export(
     out: Out = None,
     quiet: Quiet = False,
 ) -> None:
-    """Write the frames of a run in another format.
+    """Write the frames of a run in another format. GSD, for OVITO and HOOMD, are the files in DIR/traj as they are.
 
     Examples: `ecume export runs/bowl --to csv` · `ecume export runs/bowl --to vtk -o bowl.vtkhdf`
     """

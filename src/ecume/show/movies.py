@@ -34,12 +34,16 @@ FILMS: dict[str, Callable[..., Picture]] = {
 """By model: what makes a picture of (scene, some frames of the run, size), and of what else may be asked of it."""
 ASKED = {"color": ("sph",), "eye": ("sph", "soft", "tracers")}
 """Of which models pictures can be colored in several ways, by name, and seen from anywhere."""
+REFUSED = {
+    "color": "take no color; leave color {} out",
+    "eye": "are seen from above alone; leave azimuth and elevation out",
+}
 
 FPS = 30
 SMALL = Size(640, 480)
 """Of a GIF, which stores nearly every pixel."""
-SAMPLES = 5
-"""How many frames of a run decide the range of the colors."""
+SAMPLES = 25
+"""How many frames of a run decide what there is to be seen, and the range of the colors."""
 
 Told = Callable[[int, int], None]
 """Is told how many pictures of how many are done."""
@@ -145,9 +149,9 @@ def picture_of(scene: Any, shown: Sequence[Frame], cut: Cut, target: Path) -> Pi
         raise BadInput(f"there are no pictures of the model {scene.model!r}; there are of {', '.join(FILMS)}")
     asked: dict[str, Any] = {"color": cut.color, "eye": cut.eye}
     given = {name: value for name, value in asked.items() if value is not None}
-    for name, value in given.items():
+    for name in given:
         if scene.model not in ASKED[name]:
-            raise BadInput(f"pictures of the model {scene.model!r} take no {name}; leave {name} {value} out")
+            raise BadInput(f"pictures of the model {scene.model!r} {REFUSED[name].format(given[name])}")
     return aimed(FILMS[scene.model](scene, _sample(shown), cut.pixels(target), **given), cut.aim)
 
 

@@ -1,18 +1,21 @@
 """A picture of a liquid has it where it is, in the colors that its bar explains."""
 
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import ImageColor
 
 from ecume.errors import BadInput
-from ecume.show.movies import Cut, film
+from ecume.show.movies import Cut, film, picture_of
 from ecume.show.picture import Species
 from ecume.show.space import Eye
 from ecume.show.sph.picture import liquid_picture
+from ecume.show.style import RIM
 from ecume.show.tank import seen
 
-from .conftest import SPACING, frame_of, scene_of
+from .conftest import SPACING, carrying, frame_of, scene_of
 
 
 def colored(pixels):
@@ -91,11 +94,42 @@ def test_five_thousand_particles_are_drawn_many_times_a_second():
 
 @pytest.mark.parametrize("color", ["pressure", "speed", "region"])
 def test_what_is_carried_keeps_its_color_and_does_not_stretch_the_liquid_s(color):
-    carrying = scene_of(carried=[{"positions": [[1.0, 0.25]], "color": "#ff0000"}])
-    frame = frame_of()
-    arrays = {name: np.concatenate([array, array[:1]]) for name, array in frame.arrays.items()}
-    arrays["position"][-1], arrays["pressure"][-1], arrays["species"][-1] = (1.0, 0.25), 1e9, 1
-    picture = liquid_picture(carrying, [frame._replace(arrays=arrays)], color=color)
-    red = (picture.pixels(frame._replace(arrays=arrays))[..., :3] == (255, 0, 0)).all(axis=-1)
+    scene = scene_of(carried=[{"positions": [[1.0, 0.25]], "color": "#ff0000"}])
+    frame = carrying(frame_of())
+    picture = liquid_picture(scene, [frame], color=color)
+    red = (picture.pixels(frame)[..., :3] == (255, 0, 0)).all(axis=-1)
     assert red.sum() > 50
     assert picture.mapping is None or picture.mapping.get_clim()[1] < 1e4
+
+
+def test_a_drop_that_swings_between_few_frames_is_never_cut_off():
+    sides = {side: {"kind": "open"} for side in ("left", "right", "bottom", "top")}
+    scene = scene_of(tank={"low": [-9.0, -9.0], "high": [9.0, 9.0], **sides})
+    still, frames = frame_of(), []
+    for step in range(161):  # four swings
+        stretched = still.arrays["position"] * (1.0 + 0.5 * np.sin(np.pi * step / 40.0) ** 2)
+        frames.append(still._replace(time=0.1 * step, arrays={**still.arrays, "position": stretched}))
+    picture = picture_of(scene, frames, Cut(size=(240, 180)), Path("a.png"))
+    assert picture.view.right > max(frame.arrays["position"][:, 0].max() for frame in frames) + 0.6 * SPACING
+
+
+def walled(left):
+    """Which parts of the left side, the floor and the open top have the color of walls, where liquid touches them."""
+    sides = {"left": {"kind": left}, "right": {"kind": left}, "top": {"kind": "open"}}
+    scene = scene_of(tank={"low": [0.0, 0.0], "high": [2.0, 1.0], **sides})
+    picture = liquid_picture(scene, [frame_of()])
+    shown = picture.pixels(frame_of())[::-1, :, :3].astype(int)
+    dark = np.abs(shown - ImageColor.getrgb(RIM)).max(axis=-1) < 20
+    (x0, y0), (x1, y1) = picture.figure.axes[0].transData.transform([(0.0, 0.0), (2.0, 1.0)]).round().astype(int)
+    _, wet = picture.figure.axes[0].transData.transform((0.0, 0.5)).astype(int)
+    side, floor = dark[y0 + 9 : wet - 9, x0 - 1 : x0 + 1], dark[y0 - 1 : y0 + 1, x0 + 9 : x1 - 9]
+    top = dark[y1 - 2 : y1 + 2, x0 + 9 : x1 - 9]
+    return side.any(axis=1).mean(), floor.any(axis=0).mean(), top.mean()
+
+
+def test_walls_stand_before_the_liquid_and_where_a_side_is_open_there_is_none():
+    assert walled("wall") == (1.0, 1.0, 0.0)
+    assert walled("open") == (0.0, 1.0, 0.0)
+    dotted, *others = walled("periodic")
+    assert 0.0 < dotted < 0.6
+    assert others == [1.0, 0.0]

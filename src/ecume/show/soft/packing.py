@@ -138,9 +138,7 @@ class Packing:
         self.figure = blank(size)
         links = [links_of(frame) for frame in sample]
         self.largest = max((float(np.abs(one.tension).max(initial=0.0)) for one in links), default=0.0)
-        gaps = np.concatenate([one.gap[one.gap < WIDE * one.radius.min(axis=1)] for one in links])
-        low, high = (float(gaps.min()), float(gaps.max())) if len(gaps) else (1e-6, 1e-3)
-        self.norm = LogNorm(0.5 * low, 2.0 * high)
+        self.norm = _gap_scale(links)
         kinds = species(scene)
         with style():
             axes = _axes(self.figure, self.view)
@@ -245,6 +243,13 @@ def _axes(figure: Figure, view: View) -> Axes:
     axes.set(xlim=(view.left, view.right), ylim=(view.bottom, view.top))
     axes.set_axis_off()
     return axes
+
+
+def _gap_scale(links: Sequence[Links]) -> LogNorm:
+    """From half the narrowest gap that is drawn to twice the widest."""
+    gaps = np.concatenate([one.gap[one.gap < WIDE * one.radius.min(axis=1)] for one in links])
+    low, high = (float(gaps.min()), float(gaps.max())) if len(gaps) else (1e-6, 1e-3)
+    return LogNorm(0.5 * low, 2.0 * high)
 
 
 def _gap_bar(axes: Axes, films: LineCollection) -> None:

@@ -12,10 +12,11 @@ from ecume.errors import BadInput
 from ecume.scenes.faults import suggestion
 from ecume.scenes.sph import SIDES
 from ecume.show.picture import USUAL, Size, Species
+from ecume.show.setting import BODY, Round, Setting, Shape
 from ecume.show.space import Eye, Wires, wires_of
 from ecume.show.sph.moving import ball_outline, mover_colors, movers_of
 from ecume.show.style import INK, PALETTE, RIM
-from ecume.show.tank import BODY, Coloring, Round, Setting, Shape, Tank
+from ecume.show.tank import Coloring, Tank
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
@@ -65,20 +66,20 @@ def usual_color(scene: Any) -> str:
 
 
 def setting_of(scene: Any) -> Setting:
-    """A tank in the plane: open sides are gaps in its walls, periodic ones are dotted."""
+    """A tank in the plane: nothing stands where a side is open, periodic ones are dotted, ones that move are movers."""
     corners = rectangle(scene.tank.low, scene.tank.high)
-    ends = {side: corners[[first, last]] for side, first, last in EDGES}
-    of_kind = {kind: [ends[side] for side in ends if getattr(scene.tank, side).kind in kinds] for kind, kinds in KINDS}
-    nothing_around = len(of_kind["open"]) == len(ends)
+    sides = [(getattr(scene.tank, side), corners[[first, last]]) for side, first, last in EDGES]
+    walls = [ends for side, ends in sides if side.kind == "wall" and side.motion is None]
+    nothing_around = all(side.kind in OPENINGS for side, _ in sides)
     return Setting(
         scene.title,
         None if nothing_around else corners,
+        walls=walls,
         bodies=[outline(solid) for solid in scene.obstacles],
         body_colors=[solid.color or BODY for solid in scene.obstacles],
-        gaps=[] if nothing_around else of_kind["open"],
         kinds=regions(scene),
         inside=AIR,
-        dotted=of_kind["periodic"],
+        dotted=[ends for side, ends in sides if side.kind == "periodic"],
         radius=FULL * scene.spacing,
         movers=movers_of(scene),
         mover_colors=mover_colors(scene, BODY, flat=True),
@@ -87,7 +88,7 @@ def setting_of(scene: Any) -> Setting:
 
 
 EDGES = (("bottom", 0, 1), ("right", 1, 2), ("top", 2, 3), ("left", 3, 0))
-KINDS = (("wall", ("wall",)), ("open", ("open", "inflow", "outflow")), ("periodic", ("periodic",)))
+OPENINGS = ("open", "inflow", "outflow")
 
 
 def setting_in_space(scene: Any, eye: Eye) -> Setting:
