@@ -203,7 +203,7 @@ def test_a_gate_stays_open_where_there_is_no_room_for_what_stands_there(tank, mo
     tank.open_gate()
     play(tank, 0.3)
     before = places_of(tank)
-    monkeypatch.setattr(pouring, "ROOM", 9.0)
+    monkeypatch.setattr(pouring, "ROOM", 99.0)
     with pytest.raises(BadInput, match="no room for the liquid that stands where the gate closes"):
         tank.close_gate()
     assert np.array_equal(places_of(tank), before)
