@@ -7,6 +7,7 @@ import re
 from typing import Any
 
 import typer.main
+from writing import cell
 
 from ecume.cli import app
 
@@ -36,7 +37,6 @@ def _row(one: Any) -> str:
         else f"`{one.metavar or one.name.upper()}`"
     )
     value = f" `{one.metavar}`" if one.param_type_name == "option" and one.metavar else ""
-    says = (one.help or "").replace("|", "\\|")
     usual = (
         f" Left out: {one.default}."
         if one.show_default
@@ -44,4 +44,4 @@ def _row(one: Any) -> str:
         and isinstance(one.default, (int, float, str))
         else ""
     )
-    return f"| {names}{value} | {says}{usual} |"
+    return f"| {cell(names + value)} | {cell((one.help or '') + usual)} |"
