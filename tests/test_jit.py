@@ -182,3 +182,43 @@ def test_a_law_called_in_single_precision_stays_in_it():
     kinds = {signature.return_type.name for signature in _laws.nopython_signatures}
     assert kinds == {"float32", "float64"}
     assert 0.0 < abs(single - double) < 1e-7
+
+
+@_jit.compiled_inside
+def called_by_a_sum_first(a, b, c):
+    return a * b - c
+
+
+@_jit.compiled_inside
+def called_by_a_sum_last(a, b, c):
+    return a * b - c
+
+
+@_jit.summing
+def summed_first(row, one):
+    row[0] = called_by_a_sum_first(row[1], one, 1.0)
+
+
+@_jit.summing
+def summed_last(row, one):
+    row[0] = called_by_a_sum_last(row[1], one, 1.0)
+
+
+@_jit.compiled
+def exact_after(a, b):
+    return called_by_a_sum_first(a, b, 1.0)
+
+
+@_jit.compiled
+def exact_before(a, b):
+    return called_by_a_sum_last(a, b, 1.0)
+
+
+@pytest.mark.compiled
+def test_the_bits_of_a_part_do_not_depend_on_who_calls_it_first():
+    """Where a sum may contract a product, a - b c is -2^-60 here, and 0 where it may not."""
+    row, a, b = np.array([0.0, 1.0 + 2.0**-30]), 1.0 + 2.0**-30, 1.0 - 2.0**-30
+    summed_first(row, b)
+    assert (exact_after(a, b), exact_before(a, b)) == (0.0, 0.0)
+    summed_last(row, b)
+    assert row[0] == 0.0

@@ -156,10 +156,7 @@ print(doubled(21), sum(doubled.stats.cache_hits.values()))
 
 @pytest.mark.compiled
 @pytest.mark.skipif(os.name == "nt", reason="Windows has no such modes")
-@pytest.mark.parametrize(
-    ("mode", "read"), [(0o700, True), (0o755, True), (0o770, False), (0o777, False), (0o1777, False)]
-)
-def test_compiled_code_in_a_folder_that_others_may_write_to_is_not_read(tmp_path, mode, read):
+def test_compiled_code_in_a_folder_that_others_may_write_to_is_not_read(tmp_path):
     """Numba unpickles what lies there: whoever writes it is run."""
     script, place = tmp_path / "script.py", tmp_path / "cache"
     script.write_text(PLANTED)
@@ -170,11 +167,12 @@ def test_compiled_code_in_a_folder_that_others_may_write_to_is_not_read(tmp_path
 
     assert (told().stdout, told().stdout) == ("42 0\n", "42 1\n")
     files = {path: path.stat().st_mtime_ns for path in place.rglob("*")}
-    (place / "compiled").chmod(mode)
-    done = told()
-    assert done.stdout == f"42 {int(read)}\n"
-    assert done.stderr.count("can be written by others") == (not read)
-    assert ("ECUME_CACHE_DIR" in done.stderr) == (not read)
+    for mode in (0o770, 0o1777):
+        (place / "compiled").chmod(mode)
+        done = told()
+        assert done.stdout == "42 0\n"
+        assert done.stderr.count("can be written by others") == 1
+        assert "ECUME_CACHE_DIR" in done.stderr
     assert {path: path.stat().st_mtime_ns for path in place.rglob("*")} == files
 
 

@@ -23,6 +23,8 @@ os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
+ANY_ORDER = {"reassoc", "contract", "nsz", "arcp"}
+"""What sums may do to be taken eight terms at a time. NaN and infinity stay what they are."""
 prange = numba.prange
 """A loop over threads; only inside a function that is `threaded`."""
 
@@ -41,6 +43,11 @@ def compiled_inside(function: Function) -> Function:
     return _dispatcher(function, cache=True, forceinline=True)
 
 
+def summed_inside(function: Function) -> Function:
+    """The same for loops that are `summing`, with their arithmetic, whoever calls it."""
+    return _dispatcher(function, cache=True, forceinline=True, fastmath=ANY_ORDER)
+
+
 def threaded(function: Function) -> Function:
     """The same, with `prange` over threads."""
     return _dispatcher(function, cache=True, parallel=True)
@@ -48,8 +55,6 @@ def threaded(function: Function) -> Function:
 
 FEW = 4000
 """Loops over fewer particles than this end sooner than a second thread wakes up."""
-ANY_ORDER = {"reassoc", "contract", "nsz", "arcp"}
-"""What sums may do to be taken eight terms at a time. NaN and infinity stay what they are."""
 
 
 class Spread:

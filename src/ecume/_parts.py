@@ -1,6 +1,6 @@
 """What compiled code consists of, and where it lies on the disk.
 
-Numba's disk cache has four traps, all closed here. It hashes only the file of the function itself, so that an edited
+Numba's disk cache has five traps, all closed here. It hashes only the file of the function itself, so that an edited
 law in another file silently gives the old result: folders are named by all text that goes into a module's code (see
 `_cache`). A truncated cache file raises from inside the unpickler: it is thrown away and compiled anew. A folder that
 cannot be written is an error at import: a temporary folder stands in. A function loaded from it may call threads that
@@ -206,6 +206,8 @@ class AloneCache(HealingCache):
 
 WHOLE = {"nopython": True, "nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
 PART = {**WHOLE, "no_cpython_wrapper": True}
+EXACT = {"fastmath": False}
+"""Said of each part: where nothing is said, Numba takes it from who calls it first, and on the disk that lasts."""
 
 
 class Dispatcher(CPUDispatcher):  # type: ignore[misc]
@@ -213,7 +215,7 @@ class Dispatcher(CPUDispatcher):  # type: ignore[misc]
 
     def __init__(self, function: FunctionType, options: dict[str, Any], cache: bool) -> None:
         super().__init__(function, targetoptions={**WHOLE, **options}, pipeline_class=Whole)
-        self.part = CPUDispatcher(function, targetoptions={**PART, **options}, pipeline_class=Part)
+        self.part = CPUDispatcher(function, targetoptions={**PART, **EXACT, **options}, pipeline_class=Part)
         if cache:
             self._cache, self.part._cache = HealingCache(function), PartCache(function)
 

@@ -1,4 +1,4 @@
-"""Each scene of the gallery runs, and one of its numbers is what physics wants."""
+"""Each scene of the gallery runs, one of its numbers is what physics wants, and all are as they were recorded."""
 
 import math
 from functools import partial
@@ -13,6 +13,7 @@ from ecume.analysis.clusters import touching_pairs
 from ecume.analysis.rearrangements import neighbor_swaps
 from ecume.laws.drag import stokes_settling_speed
 from ecume.laws.flows import drop_strain_change, taylor_green_decay
+from tests.torture.regression import differing, recorded
 
 ROOT = Path(__file__).parents[2]
 SCENES = sorted((ROOT / "examples").glob("*.toml"))
@@ -197,3 +198,5 @@ def test_an_example_runs_and_its_number_is_right(path):
     measure, value, tolerance, why = WANTED[path.stem]
     expected = exact_second_stretch() if path.stem == "swinging-drop" else value
     assert measure(frames) == pytest.approx(expected, abs=tolerance), why
+    # Of a change that is meant, the numbers are recorded anew: python -m tests.torture.regression NAME
+    assert differing(frames, recorded()[path.stem], same=False) == {}

@@ -67,6 +67,28 @@ def test_dissipation_is_known_where_nothing_is_injected() -> None:
     assert budget(first, now, closed=False)["dissipated"] is None
 
 
+def test_work_that_is_booked_may_raise_the_energy_and_is_not_dissipated(tmp_path: Path) -> None:
+    watch = watched(tmp_path, energy_never_rises(0.1))
+    for step, (total, work) in enumerate(((5.0, 0.0), (7.0, 2.5), (4.5, 2.5))):
+        watch.take(0.1 * step, {**QUIET, "total_energy": total, "injected_work": work}, step)
+    assert watch.verdicts()[0].worst == 0.0
+    watch.take(0.3, {**QUIET, "total_energy": 5.0, "injected_work": 2.5}, 3)
+    assert watch.verdicts()[0].worst == pytest.approx(0.5 / (1.0 + 3.0 + 2.5))
+    told = budget({"total_energy": 5.0}, {"total_energy": 4.5, "injected_work": 2.5}, closed=True)
+    assert (told["injected"], told["dissipated"]) == (2.5, 3.0)
+
+
+def test_a_dish_that_is_moved_does_work_that_nobody_books() -> None:
+    from ecume.scenes.schema import from_plain
+
+    bowl = {"radius": 0.03, "motion": {"amplitude": 1e-3}}
+    beads = [{"radius": 1e-3, "density": 600, "contact_angle": 1.2, "count": 2}]
+    for dish, judged in ((bowl, False), ({"radius": 0.03}, True)):
+        scene = from_plain({"model": "floating", "duration": 1.0, "frame_every": 0.1, "floats": beads, "dish": dish})
+        model = MODELS["floating"]
+        assert ("energy" in [one.name for one in model.invariants(scene, model.parameters(scene))]) == judged
+
+
 def test_each_model_has_something_to_hold() -> None:
     import ecume
 

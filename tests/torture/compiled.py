@@ -15,7 +15,6 @@ from .states import digest_of
 from .trials import SCENES, Outcome, Trial
 
 PACKAGE = Path(ecume.__file__).parent
-NOBODY = 65534
 LAW = """
 from ecume import _jit
 from ecume.laws import contact
@@ -34,7 +33,6 @@ FIRST_STEPS = SCENES["floating"][0].format(duration="0.1 s")
 
 def caches(scale: float, folder: Path) -> Outcome:
     """The right answer, whatever became of the folder; code that is good is used, and an edited law is."""
-    folder.chmod(0o755)
     (folder / "law.py").write_text(LAW)
     kept = folder / "kept"
     told = {"empty": _answer(folder, kept) == [RIGHT, "0"], "kept": _answer(folder, kept) == [RIGHT, "1"]}
@@ -42,7 +40,7 @@ def caches(scale: float, folder: Path) -> Outcome:
         place = folder / name
         shutil.copytree(kept, place)
         spoil(place)
-        told[name] = _answer(folder, place, stranger=name == "read-only") == [RIGHT, hits]
+        told[name] = _answer(folder, place) == [RIGHT, hits]
     told["nowhere"] = _answer(folder, folder / "law.py" / "below") == [RIGHT, "0"]
     told["four at once"] = _at_once(folder)
     told["edited"] = _edited(folder, kept)
@@ -52,16 +50,15 @@ def caches(scale: float, folder: Path) -> Outcome:
     return Outcome(len(told), len(told) - len(wrong), f"not {', '.join(wrong)}" if wrong else ", ".join(told))
 
 
-def _begun(folder: Path, place: Path, package: Path = PACKAGE, *, stranger: bool = False) -> subprocess.Popen[str]:
-    """A process that asks a law, with its compiled code in a place; as nobody in particular where we may choose."""
+def _begun(folder: Path, place: Path, package: Path = PACKAGE) -> subprocess.Popen[str]:
+    """A process that asks a law, with its compiled code in a place."""
     environment = {**os.environ, "ECUME_CACHE_DIR": str(place), "PYTHONPATH": str(package.parent)}
-    user = NOBODY if stranger and os.getuid() == 0 else None
     words, quiet = [sys.executable, str(folder / "law.py")], subprocess.DEVNULL
-    return subprocess.Popen(words, env=environment, stdout=subprocess.PIPE, stderr=quiet, text=True, user=user)
+    return subprocess.Popen(words, env=environment, stdout=subprocess.PIPE, stderr=quiet, text=True)
 
 
-def _answer(folder: Path, place: Path, package: Path = PACKAGE, *, stranger: bool = False) -> Sequence[str]:
-    return _begun(folder, place, package, stranger=stranger).communicate()[0].split()
+def _answer(folder: Path, place: Path, package: Path = PACKAGE) -> Sequence[str]:
+    return _begun(folder, place, package).communicate()[0].split()
 
 
 def _at_once(folder: Path) -> bool:
@@ -109,7 +106,7 @@ def _open(place: Path) -> None:
 SPOILED: dict[str, tuple[Callable[[Path], None], str]] = {
     "cut": (_cut, "0"),
     "emptied": (_empty, "0"),
-    "read-only": (_lock, "0"),
+    "read-only": (_lock, "1" if hasattr(os, "getuid") and os.getuid() == 0 else "0"),  # root writes all the same
     "open to others": (_open, "0"),
 }
 """What is done to a folder, and how often what is left of it is used."""

@@ -5,8 +5,10 @@ import re
 
 import pytest
 
+from ecume.trajectories.frame import Frame
 from tests.torture import __main__ as torture
 from tests.torture.inputs import mutant, swapped
+from tests.torture.regression import differing, recorded
 from tests.torture.trials import Outcome, Trial
 
 pytestmark = [
@@ -26,6 +28,7 @@ BRIEFLY = {
     "R12 poisoned, floating": 0.1,
     "R12 poisoned, soft": 0.1,
     "R12 poisoned, tracers": 0.1,
+    "R18 caches": 0.1,
 }
 """Trials, and what part of them is tried here."""
 TRIALS = {trial.name: trial for trial in torture.TRIALS}
@@ -43,13 +46,20 @@ def test_the_table_names_what_was_not_survived_and_the_rest_goes_on(tmp_path, ca
 
     trials = (Trial("R1 bad", "a defect", breaks), Trial("R2 good", "nothing", lambda *_: Outcome(3, 3)))
     monkeypatch.setattr(torture, "TRIALS", trials)
-    assert torture.main(["--record", str(tmp_path / "table.md")]) == 1
+    file = str(tmp_path / "table.md")
+    assert torture.main(["--record", file]) == 1
     assert torture.main(["R2"]) == 0
     table = (tmp_path / "table.md").read_text()
     assert "| R1 bad | a defect | 1 | 0 **NOT** | ValueError: a defect |" in table
     assert "| R2 good | nothing | 3 | 3 |" in table
-    assert re.match(r"20\d\d-\d\d-\d\d, ecume", table)
+    assert re.match(r"20\d\d-\d\d-\d\d, scale 1, ecume", table)
     assert capsys.readouterr().out.count("**NOT**") == 1
+    # Trials that are run one by one are put together; what was run at another scale is not.
+    monkeypatch.setattr(torture, "TRIALS", (trials[0]._replace(run=lambda *_: Outcome(1, 1)), trials[1]))
+    assert torture.main(["R1", "--record", file]) == 0
+    assert [line.split(" | ")[3] for line in (tmp_path / "table.md").read_text().splitlines()[4:]] == ["1", "3"]
+    with pytest.raises(SystemExit, match="of other circumstances"):
+        torture.main(["R1", "--record", file, "--scale", "0.5"])
 
 
 def test_mutants_differ_from_what_they_were_made_of():
@@ -59,3 +69,15 @@ def test_mutants_differ_from_what_they_were_made_of():
     assert sum(mutant(text, chance) != text for _ in range(100)) > 90
     assert swapped("radius") == "radisu"
     assert swapped("press") == "pressx"
+
+
+def test_a_number_that_changes_is_found():
+    (name, kept), *_ = ((name, one) for name, one in recorded().items() if one.frame == 200)
+    frames = [Frame(0.0, {}, kept.numbers, {})] * (kept.frame + 1)
+    assert differing(frames, kept, same=True) == differing(frames, kept, same=False) == {}
+    key = kept.steady[0]
+    frames[-1] = Frame(0.0, {}, {**kept.numbers, key: kept.numbers[key] * (1.0 + 1e-7)}, {})
+    assert list(differing(frames, kept, same=True)) == [key]
+    assert differing(frames, kept, same=False) == {}
+    frames[-1] = Frame(0.0, {}, {}, {})
+    assert set(differing(frames, kept, same=False)) == set(kept.steady), name

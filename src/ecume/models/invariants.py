@@ -13,6 +13,10 @@ from typing import Any, NamedTuple
 Numbers = Mapping[str, float]
 
 ENERGY = "energy"
+INJECTED = "injected_work"
+"""The number of a frame that tells what was done to the system from outside (J), where a model books it."""
+OWN = "energy_less_work"
+"""What is judged: the total energy less that work."""
 
 
 class Seen(NamedTuple):
@@ -34,14 +38,28 @@ class Invariant(NamedTuple):
     value: Callable[[Seen], float]
 
 
-def energy_never_rises(limit: float) -> Invariant:
-    """Where nothing does work on the system: rises of the total energy, over what there was of motion and loss."""
+def energy_never_rises(limit: float, floor: Callable[[Seen], float] = lambda seen: 0.0) -> Invariant:
+    """Where no work is done on the system but what is booked: rises of the energy less that work, over what there was
+    of motion, loss and work; what is as small as `floor` (J) is nothing.
+    """
 
     def rise(seen: Seen) -> float:
-        scale = seen.largest["kinetic_energy"] + seen.largest["total_energy"] - seen.least["total_energy"]
-        return part_of(seen.now["total_energy"] - seen.least["total_energy"], scale)
+        worked = seen.largest.get(INJECTED, 0.0) - seen.least.get(INJECTED, 0.0)
+        scale = seen.largest["kinetic_energy"] + seen.largest[OWN] - seen.least[OWN] + worked + floor(seen)
+        return part_of(seen.now[OWN] - seen.least[OWN], scale)
 
     return Invariant(ENERGY, "its rise above the least so far, over the energy that moved", limit, rise)
+
+
+def with_own(numbers: dict[str, float]) -> dict[str, float]:
+    """With the energy less the work that was done from outside, where there is an energy.
+
+    >>> with_own({"total_energy": 5.0, "injected_work": 2.0})["energy_less_work"]
+    3.0
+    """
+    if "total_energy" not in numbers:
+        return numbers
+    return {**numbers, OWN: numbers["total_energy"] - numbers.get(INJECTED, 0.0)}
 
 
 def kept(name: str, keys: Sequence[str], scale: Callable[[Seen], float], limit: float) -> Invariant:

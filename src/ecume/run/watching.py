@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from ecume.errors import Diverged, StorageError
-from ecume.models.invariants import ENERGY, Invariant, Numbers, Seen
+from ecume.models.invariants import ENERGY, INJECTED, Invariant, Numbers, Seen, with_own
 from ecume.run.directory import RunDirectory, json_of, write_json
 from ecume.trajectories.durable import storing
 
@@ -53,7 +53,7 @@ class Watch:
         return broken
 
     def _take(self, time: float, given: Mapping[str, float | None]) -> None:
-        now = {name: math.nan if value is None else float(value) for name, value in given.items()}
+        now = with_own({name: math.nan if value is None else float(value) for name, value in given.items()})
         first, least, largest = (self._seen.first, self._seen.least, self._seen.largest) if self._seen else (now,) * 3
         least = {name: min(least.get(name, value), value) for name, value in now.items()}
         largest = {name: max(largest.get(name, value), value) for name, value in now.items()}
@@ -80,13 +80,15 @@ class Watch:
 
 
 def budget(first: Numbers, now: Numbers, *, closed: bool) -> dict[str, float | None]:
-    """Where the energy went (J): in a closed system what is not there any more was dissipated.
+    """Where the energy went (J): what was injected, or there before, and is not there any more was dissipated.
 
-    Where something drives it, injected less dissipated is known, and neither alone.
+    Where something drives a system and is not booked, injected less dissipated is known, and neither alone.
     """
     change = now["total_energy"] - first["total_energy"]
-    apart = {"injected": 0.0, "dissipated": -change} if closed else {"injected": None, "dissipated": None}
-    return {"at the start": first["total_energy"], "now": now["total_energy"], "change": change, **apart}
+    injected = now.get(INJECTED, 0.0) - first.get(INJECTED, 0.0)
+    apart = (injected, injected - change) if closed else (None, None)
+    told = {"at the start": first["total_energy"], "now": now["total_energy"], "change": change}
+    return told | dict(zip(("injected", "dissipated"), apart, strict=True))
 
 
 def sentence(one: Verdict) -> str:

@@ -1,5 +1,6 @@
 """Sides that move, and tanks that are shaken."""
 
+import json
 import math
 
 import numpy as np
@@ -7,8 +8,11 @@ import pytest
 
 import ecume
 from ecume.errors import SceneError
+from ecume.models.sph.invariants import invariants
 from ecume.models.sph.motions import drive_at
 from ecume.models.sph.record import SPH
+from ecume.run import RunDirectory
+from ecume.run.watching import Watch
 from ecume.scenes.schema import from_plain, to_plain
 from tests.models.sph.scenes import tank
 from tests.models.sph.test_runs import copy_of, marched
@@ -39,7 +43,7 @@ def sway(time, length=1.0, depth=1.0, gravity=1.0):
 
 
 @pytest.mark.compiled
-def test_a_shaken_tank_sloshes_as_linear_theory_has_it():
+def test_a_shaken_tank_sloshes_as_linear_theory_has_it(tmp_path):
     scene = changed(tank(deep=16, jitter=0.0), shake=SHAKE, duration=4.0)
     frames = list(ecume.simulate(scene))
     found = np.array([frame.numbers["center_x"] - 0.5 for frame in frames])
@@ -47,6 +51,18 @@ def test_a_shaken_tank_sloshes_as_linear_theory_has_it():
     assert np.abs(wanted).max() > 5e-3
     # Sixteen particles deep it sloshes about one percent too slowly.
     assert np.abs(found - wanted).max() < 0.1 * np.abs(wanted).max()
+    # What the shake does is all the energy that comes, but for what the scheme itself loses and brings.
+    energy, work = (np.array([one.numbers[key] for one in frames]) for key in ("total_energy", "injected_work"))
+    assert work[-1] > 8e-4
+    assert np.abs(energy - energy[0] - work).max() < 0.03 * work[-1]
+    watch = Watch(RunDirectory(tmp_path), invariants(scene, SPH.parameters(scene)), "stop")
+    for number, frame in enumerate(frames):
+        watch.take(frame.time, frame.numbers, number)
+    watch.keep()
+    told = json.loads((tmp_path / "watch.json").read_text())
+    assert "energy" in [one["name"] for one in told["invariants"] if one["held"]]
+    assert told["energy"]["injected"] == work[-1]
+    assert told["energy"]["dissipated"] == pytest.approx(work[-1] - energy[-1] + energy[0])
 
 
 @pytest.mark.compiled

@@ -43,10 +43,13 @@ def _rows(scene: FloatingScene, parameters: Parameters) -> Iterator[Invariant]:
 
 
 def _driven(parameters: Parameters) -> bool:
-    """Whether anything does work on the floats, or their state is no motion: flow, chance, a law without an energy."""
+    """Whether anything does work on the floats, or their state is no motion: flow, chance, a dish that is moved, a law
+    without an energy.
+    """
     drift = parameters.drift
     one_sided = parameters.pair_law == ONE_SIDED
-    return bool(drift.flows or drift.thermal > 0.0 or one_sided or parameters.scheme == OVERDAMPED)
+    driven = drift.flows or drift.sway.moves or drift.thermal > 0.0
+    return bool(driven or one_sided or parameters.scheme == OVERDAMPED)
 
 
 def _alone(scene: FloatingScene, parameters: Parameters) -> bool:

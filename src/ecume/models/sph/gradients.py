@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ecume._jit import admit, compiled_inside, prange, summing
+from ecume._jit import admit, prange, summed_inside, summing
 from ecume.laws import diffusion
 from ecume.models.sph.fields import DIFFUSED, DIMENSION, INVERSE, KERNEL, LIQUID, RHO, SCALE, VOLUME, ZERO, G, X
 from ecume.models.sph.weights import slope_of
@@ -56,7 +56,7 @@ def fill_density_gradients(fields: Any, liquid: int, count: Any, neighbor: Any, 
         fields[G + 2, i] = gz
 
 
-@compiled_inside
+@summed_inside
 def solved(matrix: Any, x: float, y: float, z: float) -> Any:
     """The solution of a symmetric system (xx, yy, zz, xy, xz, yz); zero where it is nearly singular."""
     m00, m11, m22, m01, m02, m12 = matrix

@@ -9,6 +9,7 @@ import numpy as np
 
 from ecume.laws.enthalpy import tait_energy
 from ecume.laws.states import tait_pressure
+from ecume.models.invariants import INJECTED
 from ecume.models.sph.carried import GROUP_DENSITY, PRESSURE, surroundings
 from ecume.models.sph.evaluating import fill
 from ecume.models.sph.gauges import readings
@@ -16,7 +17,18 @@ from ecume.models.sph.loads import loads
 from ecume.models.sph.motions import drive_at, instant
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.standoff import Leaning, energy_of, everyone_leaning, load_of
-from ecume.models.sph.state import CAME, GUARD_HITS, LEFT, LOST, MOST_SUBSTEPS, PER_PARTICLE, SUBSTEPS, State, Workspace
+from ecume.models.sph.state import (
+    CAME,
+    GUARD_HITS,
+    LEFT,
+    LOST,
+    MOST_SUBSTEPS,
+    PER_PARTICLE,
+    SUBSTEPS,
+    WORK,
+    State,
+    Workspace,
+)
 from ecume.models.sph.tension import surface_energy
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
@@ -68,6 +80,7 @@ BODY_UNITS = {
 
 def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame:
     """The frame of this instant. In two dimensions energies, momenta and volumes are per meter of depth."""
+    still = parameters.gravity
     parameters = instant(parameters, state)
     leaning = everyone_leaning(parameters, state)
     solid, units = of_solids(parameters, state, workspace, leaning)
@@ -88,11 +101,14 @@ def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame
             for name, more in carried_arrays(parameters, state, workspace).items()
         }
     surface = surface_energy(parameters, workspace)
-    numbers = {**energies(parameters, state, propped, surface), **motion(state), **extremes(parameters, state)}
+    energy = energies(parameters._replace(gravity=still), state, propped, surface)
+    numbers = {**energy, **motion(state), **extremes(parameters, state)}
     numbers["leaning"] = float(sum(len(each.who) for each in leaning))
     read, read_units = readings(parameters.gauges, state, gauge_pressure(parameters, state), parameters.support)
     time = int(state.step[0]) * parameters.time_step
     listed = {name: float(numbers[name]) for name in NUMBER_UNITS}
+    if parameters.shake is not None:
+        listed[INJECTED], units = float(state.tally[WORK]), {**units, INJECTED: "J"}
     return Frame(time, arrays, {**listed, **solid, **read}, {**ARRAY_UNITS, **NUMBER_UNITS, **units, **read_units})
 
 
@@ -170,7 +186,9 @@ def gauge_pressure(parameters: Parameters, state: State) -> Array:
 
 
 def energies(parameters: Parameters, state: State, propped: float, surface: float) -> Mapping[str, float]:
-    """Of motion, in gravity, of compression, that of what leans on walls included, and of the surface."""
+    """Of motion, in gravity (a shake's pull is told as work), of compression, that of what leans on walls included, and
+    of the surface.
+    """
     material = parameters.material
     laws = material.density, material.sound_speed, material.exponent
     kinetic = 0.5 * float(np.sum(state.mass * (state.velocity**2).sum(axis=0)))

@@ -18,7 +18,7 @@ from ecume.models.sph.motion import largest
 from ecume.models.sph.parameters import Liquid, Parameters
 from ecume.units import Array
 
-SUBSTEPS, GUARD_HITS, RENEWALS, MOST_SUBSTEPS = range(4)
+SUBSTEPS, GUARD_HITS, RENEWALS, MOST_SUBSTEPS, WORK = range(5)
 """Places in `State.tally`."""
 CAME, LEFT, LOST, NEXT = range(4)
 """Places in `State.crowd`."""
@@ -82,7 +82,7 @@ class State(NamedTuple):
     ready: Integers
     """(1,) whether `acceleration` holds at the present positions"""
     tally: Array
-    """substeps, hits of the guard, renewals of the lists, most substeps in a step"""
+    """substeps, hits of the guard, renewals of the lists, most substeps in a step, J that a shake has brought"""
     hits: Integers
     """of the guard, by `Boundary.names`"""
     crowd: Integers
@@ -137,7 +137,7 @@ def make_state(parameters: Parameters, liquid: Liquid) -> State:
         clock=np.zeros(2),
         step=np.zeros(1, np.int64),
         ready=np.zeros(1, np.int64),
-        tally=np.zeros(4),
+        tally=np.zeros(5),
         hits=np.zeros(len(parameters.boundary.names), np.int64),
         crowd=np.array([0, 0, 0, count]),
     )

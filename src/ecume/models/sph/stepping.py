@@ -29,7 +29,7 @@ from ecume.models.sph.motion import (
     take_mean,
     thicken,
 )
-from ecume.models.sph.motions import at_reference, instant, way_of_sides
+from ecume.models.sph.motions import at_reference, instant, power_of_shake, way_of_sides
 from ecume.models.sph.parameters import DELTA_PLUS, SYMPLECTIC, Parameters
 from ecume.models.sph.state import (
     GUARD_HITS,
@@ -37,6 +37,7 @@ from ecume.models.sph.state import (
     RENEWALS,
     SORT_EVERY,
     SUBSTEPS,
+    WORK,
     State,
     Workspace,
     skin_for,
@@ -64,7 +65,11 @@ def advance(parameters: Parameters, state: State, workspace: Workspace, steps: i
             return DIVERGED
         for _ in range(divisions):
             feed(parameters, state)
+            before = power_of_shake(parameters, state)
             step(parameters, state, workspace, parameters.time_step / divisions)
+            if parameters.shake is not None:
+                mean = 0.5 * (before + power_of_shake(parameters, state))
+                state.tally[WORK] += mean * parameters.time_step / divisions
             if parameters.carried.start[-1]:
                 take_along(instant(parameters, state), state, workspace, parameters.time_step / divisions)
         state.step[0] += 1

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ecume._jit import admit, compiled_inside, inlined, prange, summing
+from ecume._jit import admit, compiled_inside, inlined, prange, summed_inside, summing
 from ecume.engine.lists import STRIDE
 from ecume.laws import diffusion, viscous
 from ecume.laws.kernels import KERNEL_CODES, shapes
@@ -86,7 +86,7 @@ def stretch_with(
         rates[DIFFUSED, i] = numbers[SCALE] * numbers[DELTA] * diffusing
 
 
-@compiled_inside
+@summed_inside
 def damping(approach: Any, square: Any, damper: Any) -> Any:
     """Artificial viscosity with the liquid's own density and sound speed for both of a pair, as delta-SPH has it
     (Antuono et al. 2012); positive for two that approach. `damper` is numbers H, SHARE, SOUND, ALPHA.
@@ -95,13 +95,13 @@ def damping(approach: Any, square: Any, damper: Any) -> Any:
     return viscous.artificial_viscosity(viscous.approach_speed(approach, square, h), share, sound, alpha)
 
 
-@compiled_inside
+@summed_inside
 def stretched(pull: Any, radial: Any) -> Any:
     """A pair's part of -div v: w_j F (v_j - v_i).x_ij (Monaghan 1994)."""
     return pull * radial
 
 
-@compiled_inside
+@summed_inside
 def pushed(pull: Any, own: Any, push: Any, damp: Any) -> Any:
     """A pair's force over x_ij: w_j F (P_i + P_j + damping); see `PUSH` and `WEIGHT`."""
     return pull * (own + push + damp)
@@ -176,13 +176,13 @@ def stretch_and_push_with(
         rates[ACC + 2, i] = numbers[SCALE] * az
 
 
-@compiled_inside
+@summed_inside
 def wendland(q: Any, kernel: int) -> Any:
     """The kernel most in use."""
     return shapes.wendland_c2_slope(q)
 
 
-@compiled_inside
+@summed_inside
 def cubic(q: Any, kernel: int) -> Any:
     """The second."""
     return shapes.cubic_spline_slope(q)

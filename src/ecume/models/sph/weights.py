@@ -7,13 +7,13 @@ from __future__ import annotations
 
 from typing import Any
 
-from ecume._jit import admit, compiled_inside
+from ecume._jit import admit, summed_inside
 from ecume.laws.kernels import shapes
 
 admit(shapes)
 
 
-@compiled_inside
+@summed_inside
 def slope_of(q: Any, kernel: int) -> Any:
     """f'(q)/q of the kernel with this number."""
     if kernel == 0:
@@ -35,7 +35,7 @@ def slope_of(q: Any, kernel: int) -> Any:
     return shapes.gaussian_slope(q)
 
 
-@compiled_inside
+@summed_inside
 def value_of(q: Any, kernel: int) -> Any:
     """f(q) of the kernel with this number."""
     if kernel == 0:
