@@ -30,6 +30,7 @@ export class Picture {
   private readonly on: CanvasRenderingContext2D;
   private readonly dots = document.createElement("canvas");
   private dotted = "";
+  private scale = 1; // pixels a meter
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
@@ -38,11 +39,13 @@ export class Picture {
     this.on = canvas.getContext("2d")!;
   }
 
-  /** Pixels a meter; the middle of the view is in the middle of the canvas. */
-  private get scale(): number {
+  /** Pixels a meter with which all of a view that leans so far is seen; its middle is in the middle of the canvas. */
+  private fitting(leaning: number): number {
     const [left, bottom, right, top] = this.basin.view;
-    const room = ROOM * (right - left);
-    return Math.min(this.canvas.width / (right - left + 2 * room), this.canvas.height / (top - bottom + 2 * room));
+    const room = 2 * ROOM * (right - left);
+    const [width, height, c, s] = [right - left, top - bottom, Math.cos(leaning), Math.abs(Math.sin(leaning))];
+    const [across, up] = [c * width + s * height + room, s * width + c * height + room];
+    return Math.min(this.canvas.width / across, this.canvas.height / up);
   }
 
   private get middle(): [number, number] {
@@ -54,17 +57,19 @@ export class Picture {
   at(event: { clientX: number; clientY: number }, leaning: number): [number, number] {
     const box = this.canvas.getBoundingClientRect();
     const fine = this.canvas.width / box.width;
-    const across = ((event.clientX - box.left) * fine - this.canvas.width / 2) / this.scale;
-    const up = (this.canvas.height / 2 - (event.clientY - box.top) * fine) / this.scale;
+    const scale = this.fitting(leaning);
+    const across = ((event.clientX - box.left) * fine - this.canvas.width / 2) / scale;
+    const up = (this.canvas.height / 2 - (event.clientY - box.top) * fine) / scale;
     const [c, s] = [Math.cos(leaning), Math.sin(leaning)];
     return [this.middle[0] + c * across - s * up, this.middle[1] + s * across + c * up];
   }
 
   draw(seen: Poured): void {
-    const { canvas, on, scale } = this;
+    const { canvas, on } = this;
     const fine = window.devicePixelRatio || 1;
     const [width, height] = [Math.round(canvas.clientWidth * fine), Math.round(canvas.clientHeight * fine)];
     if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
+    const scale = (this.scale = this.fitting(seen.leaning));
     on.setTransform(1, 0, 0, 1, 0, 0);
     on.clearRect(0, 0, width, height);
     on.translate(width / 2, height / 2);

@@ -1,6 +1,7 @@
 """The page in a real browser: it plays, colors, inspects, survives a hostile scene, and asks nobody anything."""
 
 import contextlib
+import io
 import os
 import shutil
 import threading
@@ -279,6 +280,13 @@ def test_a_tank_is_played_with(tab):
         tab.keyboard.down("ArrowRight")
         while tank.leaning < 0.05:
             tab.wait_for_timeout(50)
+        tank.lean(9.0)
+        while tank.leaning < 0.3:
+            tab.wait_for_timeout(50)
+        seen = Image.open(io.BytesIO(tab.locator("#canvas").screenshot())).convert("RGB")
+        around = np.asarray(seen)[90:-6, 6:-6]
+        edges = np.concatenate([around[-1], around[:, 0], around[:, -1]])
+        assert (edges == edges[0]).all(), "a tank that leans is seen whole"
         tab.keyboard.up("ArrowRight")
         tab.screenshot(path=os.environ.get("ECUME_SCREENSHOT") or os.devnull, type="png")
         with tab.expect_download() as saved:
