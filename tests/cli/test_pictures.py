@@ -63,6 +63,21 @@ def test_movie_says_what_it_wrote(cuts: list[Any]) -> None:
     assert [(cut.fps, cut.every, cut.size, cut.eye, cut.aim, rest) for cut, rest in cuts] == 3 * [usual]
 
 
+def test_a_movie_that_became_a_webp_says_why_and_the_way_to_an_mp4(monkeypatch: pytest.MonkeyPatch) -> None:
+    import ecume.show.movies
+
+    def movie(directory: Path, out: Path | None, cut: Any, **_: Any) -> Path:
+        return (out or directory / "movie.mp4").with_suffix(".webp")
+
+    monkeypatch.setattr(ecume.show.movies, "movie", movie)
+    for asked in ([], ["-o", "a.webm"]):
+        told = cli.invoke(app, ["movie", "bowl", *asked])
+        assert told.exit_code == 0
+        assert "no ffmpeg was found" in told.stderr
+        assert "install ffmpeg, or pip install 'ecume[movie]'" in told.stderr
+    assert not cli.invoke(app, ["movie", "bowl", "-o", "a.webp"]).stderr
+
+
 def test_the_options_of_a_movie_reach_it(cuts: list[Any]) -> None:
     words = ["--fps", "10", "--every", "3", "--size", "640x480", "--from", "1500 ms", "--to", "2"]
     words += ["--zoom", "2.5", "--follow", "7", "--azimuth", "10", "--workers", "2"]

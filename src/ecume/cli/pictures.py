@@ -148,6 +148,8 @@ def movie(
     with counted("pictures", quiet=quiet) as told:
         made = make(directory, out, cut, progress=told, workers=workers)
     wrote(made, quiet=quiet)
+    if made.suffix != (out or Path("movie.mp4")).suffix and not quiet:
+        say("no ffmpeg was found, so this is a WebP; for MP4 and WebM install ffmpeg, or pip install 'ecume[movie]'")
 
 
 def plot(
