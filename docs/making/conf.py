@@ -17,7 +17,7 @@ extensions = ["myst_parser", "mathml"]
 myst_enable_extensions = ["dollarmath", "attrs_inline", "deflist"]
 myst_heading_anchors = 4
 myst_links_external_new_tab = False
-pygments_style = "friendly"
+pygments_style = "a11y-high-contrast-light"  # comments, too, dark enough to be read (WCAG, 4.5 to 1)
 pygments_dark_style = "monokai"
 
 html_theme = "furo"
