@@ -12,9 +12,11 @@ from typing import Any, TypeVar, cast
 import numba
 import numba.extending
 import numpy as np
-from numba.core import types
+from llvmlite import ir
+from numba.core import cgutils, types
 from numba.core.imputils import lower_builtin
 
+from ecume._fused import LANES, fused, lane_sum
 from ecume._parts import PART, AloneCache, Dispatcher, Part, TogetherCache
 
 # Threads that wait for their next loop by spinning keep whoever else computes here from going on, and are kept from it
@@ -228,6 +230,45 @@ def _square_root(context: Any, builder: Any, signature: Any, arguments: Any) -> 
     """
     intrinsic = builder.module.declare_intrinsic("llvm.sqrt", [arguments[0].type])
     return builder.call(intrinsic, arguments)
+
+
+@numba.extending.type_callable(fused)  # type: ignore[untyped-decorator]
+def _type_fused(context: Any) -> Callable[..., Any]:
+    return lambda a, b, c: types.float32 if {a, b, c} == {types.float32} else types.float64
+
+
+@lower_builtin(fused, types.float32, types.float32, types.float32)  # type: ignore[untyped-decorator]
+@lower_builtin(fused, types.float64, types.float64, types.float64)  # type: ignore[untyped-decorator]
+def _fused(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    """The processor's own; Numba would leave it to LLVM whether a product and a sum are rounded once or twice."""
+    return builder.fma(*arguments)
+
+
+@numba.extending.type_callable(lane_sum)  # type: ignore[untyped-decorator]
+def _type_lane_sum(context: Any) -> Callable[..., Any]:
+    return lambda values, count: types.float64 if isinstance(values, types.Array) else None
+
+
+@lower_builtin(lane_sum, types.Array, types.Integer)  # type: ignore[untyped-decorator]
+def _lane_sum(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
+    """Lanes are a vector, whatever the processor makes of one: the bits are the same."""
+    kind = signature.args[0]
+    data = context.make_array(kind)(context, builder, arguments[0]).data
+    wide = ir.VectorType(ir.DoubleType(), LANES)
+    total = cgutils.alloca_once_value(builder, ir.Constant(wide, [0.0] * LANES))
+    blocks = builder.udiv(arguments[1], ir.Constant(arguments[1].type, LANES))
+    with cgutils.for_range(builder, blocks) as loop:
+        place = builder.gep(data, [builder.mul(loop.index, ir.Constant(loop.index.type, LANES))])
+        narrow = ir.VectorType(context.get_data_type(kind.dtype), LANES)
+        found = builder.load(place, typ=narrow, align=kind.dtype.bitwidth // 8)
+        found = found if narrow == wide else builder.fpext(found, wide)
+        builder.store(builder.fadd(builder.load(total, typ=wide), found), total)
+    lanes = builder.load(total, typ=wide)
+    each = [builder.extract_element(lanes, ir.Constant(ir.IntType(32), k)) for k in range(LANES)]
+    while len(each) > 1:
+        half = len(each) // 2
+        each = [builder.fadd(each[k], each[k + half]) for k in range(half)]
+    return each[0]
 
 
 def use_threads(count: int | None) -> int:

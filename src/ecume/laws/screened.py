@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
+from ecume._fused import fused
 from ecume.errors import BadInput
 from ecume.units import Number
 
@@ -68,22 +69,22 @@ def _fit(lower: float, upper: float, shift: float) -> ScreenedFit:
 
 
 def decay(x: Number) -> Number:
-    """exp(-x) for 0 <= x <= 25, relative error below 1e-12: the 32nd power of a short series.
+    """exp(-x) for 0 <= x <= 25: the 32nd power of a short series. Its relative error is below 1e-12 up to x = 12, and
+    grows to 1e-8 at 25, of what is 1e-11 there.
 
-    >>> abs(decay(3.0) / math.exp(-3.0) - 1) < 1e-12
+    >>> abs(decay(12.0) / math.exp(-12.0) - 1) < 1e-12 < abs(decay(25.0) / math.exp(-25.0) - 1) < 1e-8
     True
     """
     y = -x / HALVINGS
-    series = 1.0 + y * (1.0 + y * (1 / 2 + y * (1 / 6 + y * (1 / 24 + y * (1 / 120 + y * (1 / 720 + y * _tail(y)))))))
+    q = fused(fused(fused(y, 1 / 39916800, 1 / 3628800), y, 1 / 362880), y, 1 / 40320)
+    q = fused(fused(fused(q, y, 1 / 5040), y, 1 / 720), y, 1 / 120)
+    q = fused(fused(fused(q, y, 1 / 24), y, 1 / 6), y, 1 / 2)
+    series = fused(fused(q, y, 1.0), y, 1.0)
     power2 = series * series
     power4 = power2 * power2
     power8 = power4 * power4
     power16 = power8 * power8
     return power16 * power16
-
-
-def _tail(y: Number) -> Number:
-    return 1 / 5040 + y * (1 / 40320 + y * (1 / 362880 + y * (1 / 3628800 + y * (1 / 39916800))))
 
 
 def k1_over_x(x_squared: Number, fit: ScreenedFit) -> Number:
@@ -96,12 +97,12 @@ def k1_over_x(x_squared: Number, fit: ScreenedFit) -> Number:
     x = math.sqrt(x_squared)
     shifted = x + fit.shift
     inverse = 1.0 / (x_squared * shifted)
-    s = x_squared * inverse * fit.slope - fit.offset
+    s = fused(x_squared * inverse, fit.slope, -fit.offset)
     w = fit.weights
-    q = ((w[16] * s + w[15]) * s + w[14]) * s + w[13]
-    q = ((q * s + w[12]) * s + w[11]) * s + w[10]
-    q = ((q * s + w[9]) * s + w[8]) * s + w[7]
-    q = ((q * s + w[6]) * s + w[5]) * s + w[4]
-    q = ((q * s + w[3]) * s + w[2]) * s + w[1]
-    q = q * s + w[0]
-    return decay(x) * math.sqrt(1.0 + HALF_PI * x) * (shifted * inverse) * q
+    q = fused(fused(fused(w[16], s, w[15]), s, w[14]), s, w[13])
+    q = fused(fused(fused(q, s, w[12]), s, w[11]), s, w[10])
+    q = fused(fused(fused(q, s, w[9]), s, w[8]), s, w[7])
+    q = fused(fused(fused(q, s, w[6]), s, w[5]), s, w[4])
+    q = fused(fused(fused(q, s, w[3]), s, w[2]), s, w[1])
+    q = fused(q, s, w[0])
+    return decay(x) * math.sqrt(fused(HALF_PI, x, 1.0)) * (shifted * inverse) * q

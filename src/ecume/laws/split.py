@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
+from ecume._fused import fused
 from ecume.errors import BadInput
 from ecume.laws.screened import decay
 from ecume.units import Number, Numbers
@@ -210,9 +211,9 @@ def fitted_short_pull(x_squared: Number, fit: SplitFit) -> Number:
     w = x_squared * fit.sharpness
     shifted = w + fit.shift
     inverse = 1.0 / (x_squared * shifted)
-    s = x_squared * inverse * fit.slope - fit.offset
+    s = fused(x_squared * inverse, fit.slope, -fit.offset)
     c = fit.weights
-    q = ((c[10] * s + c[9]) * s + c[8]) * s + c[7]
-    q = ((q * s + c[6]) * s + c[5]) * s + c[4]
-    q = ((q * s + c[3]) * s + c[2]) * s + c[1]
-    return decay(w) * (shifted * inverse) * (q * s + c[0])
+    q = fused(fused(fused(c[10], s, c[9]), s, c[8]), s, c[7])
+    q = fused(fused(fused(q, s, c[6]), s, c[5]), s, c[4])
+    q = fused(fused(fused(q, s, c[3]), s, c[2]), s, c[1])
+    return decay(w) * (shifted * inverse) * fused(q, s, c[0])

@@ -12,7 +12,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ecume._jit import compiled, compiled_inside, inlined
+from ecume._fused import lane_sum
+from ecume._jit import compiled, inlined
 from ecume.engine.cells import Integers
 from ecume.engine.neighbors import THREADS_FROM
 from ecume.models.floating.parameters import CAPILLARY_LENGTH, CUTOFF, SURFACE_TENSION, PairParameters
@@ -63,19 +64,6 @@ def add_windows(stretches: Stretches, windows: Array, force: Array) -> None:
                 force[axis, edge[k] + spot - place[k]] += windows[axis, spot]
 
 
-@compiled_inside
-def sums(x: Array, y: Array, fours: Any) -> tuple[float, float]:
-    """Of the first `fours` times four numbers, four at a time, since each addition waits for the one before."""
-    a, b, c, d = 0.0, 0.0, 0.0, 0.0
-    e, f, g, h = 0.0, 0.0, 0.0, 0.0
-    one, two, three, four = np.uint64(1), np.uint64(2), np.uint64(3), np.uint64(4)
-    for number in range(fours):
-        k = np.uint64(number) * four
-        a, b, c, d = a + x[k], b + x[k + one], c + x[k + two], d + x[k + three]
-        e, f, g, h = e + y[k], f + y[k + one], g + y[k + two], h + y[k + three]
-    return (a + b) + (c + d), (e + f) + (g + h)
-
-
 @inlined
 def pull_pairs_with(
     pull_of: Callable[..., float],
@@ -89,7 +77,7 @@ def pull_pairs_with(
     """Add the forces of the pairs of a stretch of slots with later ones, by a law's pull over the distance.
 
     Four plain loops instead of one: gather the neighbors, work out all their forces (this one vectorizes, without
-    changing a bit), give them to the neighbors, add them up in order. The second one is in the precision of `pair` and
+    changing a bit), give them to the neighbors, add them up in lanes. The second one is in the precision of `pair` and
     of the charges; distances are taken and forces added up in double. Laws that look at no radius are given none.
     """
     first, later, neighbor, x, y = rows
@@ -126,9 +114,8 @@ def pull_pairs_with(
             j = np.uint64(neighbor[begin + k]) - start
             force_x[j] -= apart_x[k]
             force_y[j] -= apart_y[k]
-        total_x, total_y = sums(apart_x, apart_y, padded // np.uint64(4))
-        force_x[np.uint64(slot) - start] += total_x
-        force_y[np.uint64(slot) - start] += total_y
+        force_x[np.uint64(slot) - start] += lane_sum(apart_x, padded)
+        force_y[np.uint64(slot) - start] += lane_sum(apart_y, padded)
 
 
 @inlined

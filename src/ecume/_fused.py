@@ -1,0 +1,36 @@
+"""Arithmetic whose rounding the source says, and not the compiler: `_jit` lowers these functions as they stand here.
+
+So a sum has the same bits in every loop that it is compiled into, however the compiler arranges that loop.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+LANES = 8
+"""Partial sums of `lane_sum`: a vector of double precision, where processors have the widest."""
+
+
+def fused(a: float, b: float, c: float) -> float:
+    """What a b + c is: rounded once by compiled code, as the processor does it, and twice by Python.
+
+    >>> fused(2.0, 3.0, 4.0)
+    10.0
+    """
+    return a * b + c
+
+
+def lane_sum(values: Any, count: Any) -> float:
+    """The sum of the first `count` values, a multiple of LANES, in double precision: every eighth in one lane, since
+    each addition waits for the one before, and then the lanes by halves.
+
+    >>> lane_sum([1.0, 2.0] * 8, 16)
+    24.0
+    """
+    lanes = [0.0] * LANES
+    for k in range(count):
+        lanes[k % LANES] += float(values[k])
+    while len(lanes) > 1:
+        half = len(lanes) // 2
+        lanes = [lanes[k] + lanes[k + half] for k in range(half)]
+    return lanes[0]
