@@ -125,6 +125,21 @@ def test_overlaps_are_undone_without_moving_the_center_of_mass():
     assert position.T @ (1.0 / mobility) == pytest.approx(before, abs=1e-12)
 
 
+def test_undone_overlaps_move_angular_momentum_by_no_more_than_distances_change():
+    position = np.array([[-0.99, 0.0], [0.99, 0.0]])
+    velocity = np.array([[0.3, -0.4], [-0.2, 0.7]])
+    mobility = np.array([0.5, 2.0])
+
+    def turning():
+        return float(np.sum((position[:, 0] * velocity[:, 1] - position[:, 1] * velocity[:, 0]) / mobility))
+
+    before = turning()
+    contacts = gathered(position, np.ones(2), no_walls(), mobility)
+    touching.separate(contacts, position, Bodies(np.ones(2), no_walls(), mobility), 1e-6)
+    # What the two have about their center of mass is the reduced mass, 0.4, times 1.98 times how fast they slide.
+    assert turning() - before == pytest.approx(0.02 / 1.98 * 0.4 * 1.98 * 1.1, rel=1e-3)
+
+
 def test_two_centers_in_one_place_are_moved_apart_all_the_same():
     position = np.zeros((2, 2))
     contacts = gathered(position, np.ones(2), no_walls(), np.ones(2))

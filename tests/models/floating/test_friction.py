@@ -75,7 +75,9 @@ def test_momentum_and_angular_momentum_last_through_many_collisions_with_frictio
     for name in ("momentum_x", "momentum_y"):
         assert last[name] == pytest.approx(frames[0].numbers[name], abs=1e-12 * np.sum(pace))
     around = np.sum(pace * np.hypot(*arrays["position"].T))
-    assert last["angular_momentum"] == pytest.approx(frames[0].numbers["angular_momentum"], abs=1e-4 * around)
+    # Nobody got so deep into another that places had to be moved.
+    assert last["deepest_overlap"] < 1e-4 * np.min(arrays["radius"])
+    assert last["angular_momentum"] == pytest.approx(frames[0].numbers["angular_momentum"], abs=1e-12 * around)
 
 
 @pytest.mark.compiled
@@ -92,15 +94,12 @@ def test_friction_takes_energy_and_makes_none_in_a_bowl_that_comes_to_rest(among
 
 
 @pytest.mark.compiled
-@pytest.mark.parametrize(
-    ("integrator", "duration"), [("velocity-verlet", 0.5), ("semi-implicit-euler", 0.5), ("overdamped", 0.05)]
-)
-def test_half_a_rough_run_and_half_a_run_are_a_run_bit_for_bit(integrator, duration):
-    # Without inertia steps are short, and a rough raft at a wall takes thousands of sweeps in each.
+@pytest.mark.parametrize("integrator", ["velocity-verlet", "semi-implicit-euler", "overdamped"])
+def test_half_a_rough_run_and_half_a_run_are_a_run_bit_for_bit(integrator):
     body = f"{WATER}[[floats]]\ncount = 25\n{HEAVY}[dish]\nradius = 0.012\nfriction = 0.2\n"
     scene = scene_of(
         f'{body}[contacts]\nfriction = 0.4\n[motion]\nintegrator = "{integrator}"\n',
-        duration=duration,
+        duration=0.5,
         frame_every=0.05,
     )
     whole = end_of(scene)
@@ -108,6 +107,22 @@ def test_half_a_rough_run_and_half_a_run_are_a_run_bit_for_bit(integrator, durat
     assert len(halves) > 0
     for half in halves[:: max(1, len(halves) // 3)]:
         assert end_of(scene, state=half) == whole
+
+
+@pytest.mark.compiled
+def test_a_rough_raft_at_rest_at_a_wall_takes_tens_of_sweeps_a_step_without_inertia():
+    # One that is kicked before the drift alone is solved for once a step: a second solve, which has next to nothing to
+    # stop, began with all the impulses of the first, and took thousands of sweeps to lose them.
+    body = f"{WATER}[[floats]]\ncount = 20\n{HEAVY}[dish]\nradius = 0.0105\nfriction = 0.2\n"
+    scene = scene_of(
+        f'{body}[contacts]\nfriction = 0.4\n[motion]\nintegrator = "overdamped"\n', duration=0.2, frame_every=0.1
+    )
+    _, middle, end = simulate(scene)
+    steps = MODELS["floating"].parameters(scene).steps_per_frame
+    assert (end.numbers["contact_sweeps"] - middle.numbers["contact_sweeps"]) / steps < 100
+    # While a braced raft folds a few solves may end in circles; at rest none does.
+    assert end.numbers["unconverged_steps"] == middle.numbers["unconverged_steps"] <= 5
+    assert end.numbers["deepest_overlap"] < 1e-3 * 1e-3
 
 
 @pytest.mark.compiled

@@ -16,6 +16,8 @@ SCHEMES = ("velocity-verlet", "explicit-euler", "stormer-verlet", "semi-implicit
 VELOCITY_VERLET, EXPLICIT_EULER, STORMER_VERLET, SEMI_IMPLICIT_EULER, RK4, OVERDAMPED = range(6)
 RARE = (STORMER_VERLET, RK4)
 """Schemes that ask for forces on the way; their march is compiled when one of them is used."""
+KICKED_BEFORE = (SEMI_IMPLICIT_EULER, OVERDAMPED)
+"""Schemes whose only kick comes before the drift: nothing is pressed together after contacts were solved for it."""
 
 CONTACT_LAWS = ("none", "impulse", "legacy", "spring-dashpot")
 NO_CONTACTS, IMPULSE, LEGACY, SPRINGS = range(4)

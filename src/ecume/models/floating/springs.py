@@ -136,8 +136,6 @@ def meet_springs(parameters: Parameters, state: State, workspace: Workspace) -> 
 @compiled
 def rest_springs(parameters: Parameters, state: State, workspace: Workspace) -> None:
     """The pushes at the end of a step of velocity Verlet."""
-    if parameters.scheme != VELOCITY_VERLET:
-        return
     contacts, passage = workspace.contacts, workspace.passage
     touching.gather(contacts, workspace.candidates, state.position, bodies_of(parameters), 0.0)
     touching.approaches(contacts, passage, contacts.change)

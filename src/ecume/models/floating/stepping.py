@@ -18,6 +18,7 @@ from ecume.models.floating.forces import Sorted, forces, sort_floats
 from ecume.models.floating.meeting import meet, rest, settle
 from ecume.models.floating.parameters import (
     IMPULSE,
+    KICKED_BEFORE,
     NO_CONTACTS,
     ONE_SIDED,
     RARE,
@@ -130,7 +131,7 @@ def step_with(
         evaluate(parameters, state.position, workspace.lists, (workspace.sorted_floats, workspace.force))
     if parameters.scheme == VELOCITY_VERLET:
         kick_floats(parameters, state, workspace.force, 1.0)
-    if parameters.contact_law in (IMPULSE, SPRINGS):
+    if parameters.contact_law in (IMPULSE, SPRINGS) and parameters.scheme not in KICKED_BEFORE:
         rest(parameters, state, workspace)
     state.step[0] += 1
 

@@ -136,12 +136,12 @@ def step_shaped(parameters: Parameters, state: State, workspace: Workspace, ahea
     for i in range(len(state.position)):
         state.turning[i, 0] = crew.angle[i]
     shaped_forces(parameters, state.position, workspace.lists, (crew, force))
-    copy(crew.before, crew.passage)
-    kick(parameters, crew, force, crew.before, 0.0)
     if parameters.scheme == VELOCITY_VERLET:
+        copy(crew.before, crew.passage)
+        kick(parameters, crew, force, crew.before, 0.0)
         kick(parameters, crew, force, crew.passage, 1.0)
-    if parameters.contact_law != NO_CONTACTS:
-        rest(parameters, state, workspace)
+        if parameters.contact_law != NO_CONTACTS:
+            rest(parameters, state, workspace)
     store(state, crew.passage)
     state.step[0] += 1
 
