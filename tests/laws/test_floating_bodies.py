@@ -216,6 +216,23 @@ def test_a_standing_cylinder_sinks_when_its_upper_rim_gives_way():
         flotation.equilibrium(flotation.VerticalCylinder(radius, height, most * (1 + 1e-6), angle), WATER)
 
 
+@pytest.mark.parametrize(
+    ("theory", "body", "why"),
+    [
+        ("linear", flotation.Sphere(3e-3, 8000.0, 1.0), "top of this Sphere: it sinks"),
+        ("linear", flotation.HorizontalCylinder(3e-3, 8000.0, 1.2), "top of this HorizontalCylinder"),
+        ("closed-form", flotation.HorizontalCylinder(3e-3, 8000.0, 1.2), "top of this HorizontalCylinder"),
+        ("closed-form", flotation.Ellipsoid((3e-3, 2e-3, 3e-3), 8000.0, 1.2), "top of this Ellipsoid"),
+    ],
+)
+def test_no_theory_puts_a_contact_line_where_there_is_no_body(theory, body, why):
+    with pytest.raises(FloaterSinks, match=why):
+        flotation.equilibrium(body, WATER, theory)
+    below_oil = flotation.Liquid(1000.0, 0.03, 1e-3, gas_density=800.0)
+    with pytest.raises(FloaterSinks, match="bottom of this Sphere: it leaves the liquid"):
+        flotation.equilibrium(flotation.Sphere(6e-3, 100.0, 2.9), below_oil, "linear")
+
+
 def test_an_ellipsoid_sinks_where_a_sphere_of_its_axes_does():
     most = flotation.sinking_density_ratio((1e-3 / L) ** 2, 1.3) * WATER.density_difference + WATER.gas_density
     assert flotation.equilibrium(flotation.Ellipsoid((1e-3,) * 3, most * (1 - 1e-6), 1.3), WATER).floats

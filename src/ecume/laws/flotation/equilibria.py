@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
-from ecume.errors import BadInput
+from ecume.errors import BadInput, FloaterSinks
 from ecume.laws.arguments import chosen, require_numbers
 from ecume.laws.flotation.balance import BALANCES, CHARGES
 from ecume.laws.flotation.bodies import Disc, Liquid, Sphere, bond_number, density_ratio
@@ -24,6 +24,7 @@ Upright = Sphere | Disc | Bubble | VerticalCylinder | Ellipsoid
 """Bodies with a far field of K0, which pull at one another."""
 Body = Upright | HorizontalCylinder
 KEPT = 4096
+LEAVES = ("bottom", "leaves the liquid", "denser")
 
 
 @dataclass(frozen=True)
@@ -65,6 +66,13 @@ def equilibrium(body: Body, liquid: Liquid, theory: str = "nonlinear") -> Equili
     if type(body) not in FLOATING:
         raise BadInput(f"{body!r} is no floating body; there are {', '.join(kind.__name__ for kind in FLOATING)}")
     found, length = FLOATING[type(body)](body, liquid, theory), liquid.capillary_length
+    if not 0.0 <= found.filling_angle <= math.pi:
+        # Only nonlinear slopes know that they end; what the others take for one may lie where there is no body.
+        beyond, fate, cure = ("top", "sinks", "lighter") if found.slope_angle > 0.0 else LEAVES
+        raise FloaterSinks(
+            f"by the {theory} theory the contact line would lie beyond the {beyond} of this {type(body).__name__}: it "
+            f"{fate}; take a {cure} one, or theory = 'nonlinear', which knows how much the surface carries"
+        )
     return Equilibrium(
         slope_angle=found.slope_angle,
         filling_angle=found.filling_angle,
