@@ -8,6 +8,7 @@ from collections.abc import Iterable, Sequence
 import numpy as np
 
 from ecume.laws import capillarity, flotation
+from ecume.laws.flotation.rims import greatest_rim_load
 from ecume.models.floating.kinds import Afloat, kinds_afloat
 from ecume.models.floating.pace import LARGEST_OVER_CHOSEN, LOOSEST_OVER_CHOSEN
 from ecume.models.floating.parameters import CAPILLARY, CAPILLARY_LENGTH, STRENGTH, Parameters
@@ -116,20 +117,19 @@ def _summary_of_species(scene: FloatingScene) -> list[Row]:
     owners += [(row.species_name, 1) for row in scene.rows]
     for (name, count), kind in zip(owners, kinds_afloat(scene), strict=True):
         members[name][kind] = members[name].get(kind, 0) + count
-    liquid = liquid_of(scene)
-    return [row for name, found in members.items() for row in _summary_of(name, found, liquid)]
+    return [row for name, found in members.items() for row in _summary_of(name, found, scene)]
 
 
-def _summary_of(name: str, members: dict[Afloat, int], liquid: flotation.Liquid) -> list[Row]:
+def _summary_of(name: str, members: dict[Afloat, int], scene: FloatingScene) -> list[Row]:
     """One species: a number where all are alike, from the least to the greatest where they are not."""
+    liquid = liquid_of(scene)
     if any(is_shape(kind) for kind in members):
         return [row for kind in members for row in _summary_of_shape(name, kind)]
     if any(isinstance(kind.body, flotation.Disc) for kind in members):
-        return [row for kind in members for row in _summary_of_disc(name, kind, liquid)]
+        return [row for kind in members for row in _summary_of_disc(name, kind, scene)]
     spheres = [kind.body for kind in members if isinstance(kind.body, flotation.Sphere)]
     weights = [flotation.dimensionless_weight(sphere, liquid) for sphere in spheres]
     slopes = [kind.equilibrium.slope_angle for kind in members]
-    charges = [kind.charge for kind in members]
     rows = [
         ("Bond number", _numbers(flotation.bond_number(each, liquid) for each in spheres), "(R / capillary length)^2"),
         (
@@ -142,11 +142,7 @@ def _summary_of(name: str, members: dict[Afloat, int], liquid: flotation.Liquid)
         _filling(members),
         _heights(members),
         _closeness(spheres),
-        (
-            "capillary charge",
-            f"{_numbers(1e6 * charge for charge in charges)} um",
-            _by_sign(charges, "heavy: attract the heavy", "light: attract the light"),
-        ),
+        _charges(members),
     ]
     if len(members) > 1:
         radii = _numbers(1e3 * sphere.radius for sphere in spheres)
@@ -165,6 +161,12 @@ def _heights(members: dict[Afloat, int]) -> Row:
     return ("height of the contact line", f"{lines} mm", f"over the flat surface; of the center: {centers} mm")
 
 
+def _charges(members: Iterable[Afloat]) -> Row:
+    charges = [kind.charge for kind in members]
+    remark = _by_sign(charges, "heavy: attract the heavy", "light: attract the light") if any(charges) else "none"
+    return ("capillary charge", f"{_numbers(1e6 * charge for charge in charges)} um", remark)
+
+
 def _closeness(spheres: Sequence[flotation.Sphere]) -> Row:
     """How far from the truth two equal ones are that touch."""
     excess = [flotation.superposition_excess(sphere.contact_angle, 0.0) for sphere in spheres]
@@ -179,17 +181,20 @@ def _closeness(spheres: Sequence[flotation.Sphere]) -> Row:
     )
 
 
-def _summary_of_disc(name: str, kind: Afloat, liquid: flotation.Liquid) -> list[Row]:
-    """A disc: size, load, lean, slope and charge."""
-    disc, slope = kind.body, kind.equilibrium.slope_angle
+def _summary_of_disc(name: str, kind: Afloat, scene: FloatingScene) -> list[Row]:
+    """A disc: size, load, lean, slope, heights and charge."""
+    disc, slope, liquid = kind.body, kind.equilibrium.slope_angle, liquid_of(scene)
     assert isinstance(disc, flotation.Disc)  # noqa: S101  # a species is of one kind
     rows = [
         ("radius", f"{disc.radius / liquid.capillary_length:.4g}", "over the capillary length"),
-        ("load", f"{1e6 * disc.load:.4g} uN", "carried by the surface"),
+        ("load", f"{1e6 * disc.load:.4g} uN", f"sinks above {1e6 * greatest_rim_load(disc.radius, liquid):.4g} uN"),
         ("stability", f"{disc.stability:.3g}", "leans with its neighbors" if disc.tilting else "does not lean"),
         ("slope at the contact line", f"{math.degrees(slope):.3g} deg", _slope_remark([slope])),
-        ("capillary charge", f"{1e6 * kind.charge:.4g} um", "heavy: attract the heavy" if kind.charge > 0 else "light"),
+        _heights({kind: 1}),
+        _charges([kind]),
     ]
+    if scene.interaction.method == "superposition":
+        rows.append(("beyond superposition", "up to tenfold", "pinned rims in rafts; method = 'multipole' knows"))
     return [(f"{name}: {what}", value, remark) for what, value, remark in rows]
 
 
@@ -206,8 +211,10 @@ def _summary_of_shape(name: str, kind: Afloat) -> list[Row]:
     rise = "rises" if line.rise > 0.0 else "dips" if line.rise < 0.0 else "level"
     rows = [
         ("slope at the contact line", f"{math.degrees(slope):.3g} deg", _slope_remark([slope])),
+        _filling({kind: 1}),
+        _heights({kind: 1}),
         ("rise of the contact line", f"{1e6 * line.rise:.4g} um", f"{rise} {line.mode} times around"),
-        ("capillary charge", f"{1e6 * kind.charge:.4g} um", "heavy: attract the heavy" if kind.charge > 0 else "light"),
+        _charges([kind]),
         ("friction across over along", f"{across / along:.3g}", "how much easier it goes along itself"),
     ]
     return [(f"{name}: {what}", value, remark) for what, value, remark in rows]
@@ -233,7 +240,7 @@ def _slope_remark(slopes: Sequence[float]) -> str:
 
 def _numbers(values: Iterable[float], digits: int = 4) -> str:
     """The least and the greatest of some values, or the one they all are."""
-    ordered = sorted(values)
+    ordered = sorted(value + 0.0 for value in values)  # no minus before a zero
     return _span((f"{ordered[0]:.{digits}g}", f"{ordered[-1]:.{digits}g}"))
 
 
