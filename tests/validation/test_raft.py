@@ -2,12 +2,12 @@
 
 import pytest
 
-from ecume.validation.raft.compare import RISES, raft
+from ecume.validation.raft.compare import raft
 
 
 @pytest.mark.compiled
 @pytest.mark.parametrize("friction", [0.0, 0.3])
 def test_nineteen_attracted_floats_gather_and_nothing_sinks_or_is_made(friction):
-    rows = raft(0.04, friction, RISES)
+    rows = raft(0.04, friction)
     assert len(rows) >= 4
     assert [row.name for row in rows if not row.met] == []

@@ -94,12 +94,14 @@ def test_friction_takes_energy_and_makes_none_in_a_bowl_that_comes_to_rest(among
 
 
 @pytest.mark.compiled
-@pytest.mark.parametrize("integrator", ["velocity-verlet", "semi-implicit-euler", "overdamped"])
-def test_half_a_rough_run_and_half_a_run_are_a_run_bit_for_bit(integrator):
+@pytest.mark.parametrize(
+    ("integrator", "duration"), [("velocity-verlet", 0.5), ("semi-implicit-euler", 0.5), ("overdamped", 0.1)]
+)
+def test_half_a_rough_run_and_half_a_run_are_a_run_bit_for_bit(integrator, duration):
     body = f"{WATER}[[floats]]\ncount = 25\n{HEAVY}[dish]\nradius = 0.012\nfriction = 0.2\n"
     scene = scene_of(
         f'{body}[contacts]\nfriction = 0.4\n[motion]\nintegrator = "{integrator}"\n',
-        duration=0.5,
+        duration=duration,
         frame_every=0.05,
     )
     whole = end_of(scene)
