@@ -28,7 +28,7 @@ def exchanged(speed):
 print(exchanged(4.0), sum(exchanged.stats.cache_hits.values()))
 """
 RIGHT, EDITED = "6.0", "10.0"
-FIRST_STEPS = SCENES["floating"][0].format(duration="0.1 s")
+FIRST_STEPS = SCENES["tracers"][0].format(duration="20 ms")
 
 
 def caches(scale: float, folder: Path) -> Outcome:
