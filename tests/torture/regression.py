@@ -81,8 +81,8 @@ def off_by(frames: Sequence[Frame], kept: Recorded) -> dict[str, float]:
 
 def _off_by(frames: Sequence[Frame], name: str, value: float) -> float:
     numbers = [frame.numbers.get(name, math.nan) for frame in frames]
-    error = abs(numbers[-1] - value)
-    return error / float(np.nanmax(np.abs([value, *numbers]))) if error else 0.0
+    error, largest = abs(numbers[-1] - value), float(np.nanmax(np.abs([value, *numbers])))
+    return error / largest if largest > 0.0 else error
 
 
 def differing(frames: Sequence[Frame], kept: Recorded, *, same: bool) -> dict[str, float]:
