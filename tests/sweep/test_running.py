@@ -12,12 +12,12 @@ import pytest
 from typer.testing import CliRunner
 
 from ecume.cli import app
-from ecume.errors import BadInput
+from ecume.errors import BadInput, Stopped
 from ecume.scenes.templates import copy_template
 from ecume.sweep import open_sweep, sweep
 from ecume.sweep.directory import existing_sweep, laid_out
 from ecume.sweep.points import load_sweep
-from ecume.sweep.running import Crew
+from ecume.sweep.running import Crew, Outcome, _next_word
 from ecume.sweep.working import work
 
 BOWLS = """
@@ -103,6 +103,40 @@ def test_workers_of_dask_may_die(file, tmp_path):
     assert told.strip() == "4"
     sweep(file, tmp_path / "alone", ALONE)
     assert table(out) == table(tmp_path / "alone")
+
+
+class Answer:
+    """A future of Dask that has ended: with a word, an error, or the connection's."""
+
+    def __init__(self, word="", error=None, broken=None):
+        self.word, self.error, self.broken = word, error, broken
+
+    def cancelled(self):
+        return False
+
+    def exception(self):
+        return self.error
+
+    def result(self):
+        if self.broken:
+            raise self.broken
+        return self.word
+
+
+def test_a_scheduler_that_is_gone_is_told_in_a_line_with_code_75():
+    ended = iter([Answer("done"), Answer(error=RuntimeError("its worker died")), Answer(broken=OSError("closed"))])
+    assert [_next_word(ended), _next_word(ended)] == ["done", "lost"]
+    with pytest.raises(Stopped, match="the scheduler is gone; what is done stays done"):
+        _next_word(ended)
+    assert _next_word(ended) is None
+
+
+def test_points_that_are_lost_are_no_success(file, tmp_path, monkeypatch):
+    lost = Outcome(tmp_path, 3, [], 0, lost=1)
+    monkeypatch.setattr("ecume.sweep.running.sweep", lambda *_: lost)
+    done = CliRunner().invoke(app, ["sweep", str(file)])
+    assert done.exit_code == 75
+    assert "1 of the points are missing" in done.stderr
 
 
 def _kill_a_worker(out, sweeping):
