@@ -104,8 +104,8 @@ def _end(done: Outcome, *, quiet: bool) -> None:
         )
     if done.lost:
         raise Stopped(
-            f"{done.lost} of the points are missing: their workers died again and again, of too little memory perhaps; what "
-            "is done stays done, and the same command goes on"
+            f"{done.lost} of the points are missing: their workers died again and again, of too little memory perhaps; "
+            "what is done stays done, and the same command goes on"
         )
     if done.failed:
         raise typer.Exit(1)
