@@ -71,6 +71,7 @@ def test_a_quantity_is_read_in_si(text: str, symbol: str, value: float) -> None:
         ("20 degC", "K/m", "offset"),
         ("3 parsnips", "m", "no such unit"),
         ("2 m + 3 m", "m", "not how a unit is written"),
+        ("1,5 mm", "m", "decimals stand behind a point"),
         ("1 m;2 m", "m", "not how a unit is written"),
         ("1 __import__('os')", "m", "not how a unit is written"),
         ("1 __class__", "m", "no such unit"),

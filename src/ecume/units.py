@@ -115,7 +115,8 @@ def factor(unit: str, symbol: str) -> float:
         return COMMON[unit, symbol]
     plain = unit.strip().translate(TYPOGRAPHY)
     if len(plain) > LONGEST_TEXT or UNIT.fullmatch(plain) is None:
-        raise ValueError(f"{unit!r} is not how a unit is written; write for example {example(symbol)!r}")
+        hint = "; decimals stand behind a point" if plain.startswith(",") else ""
+        raise ValueError(f"{unit!r} is not how a unit is written{hint}; write for example {example(symbol)!r}")
     found, wanted = _in_base_units(POWER.sub(r"**(\1)", plain), symbol), _in_base_units(symbol, symbol)
     if found.units != wanted.units:
         raise ValueError(

@@ -67,7 +67,7 @@ def nonaffine_displacement(before: Frame, after: Frame, boxes: tuple[Box, Box] |
     For a periodic box, sheared or squeezed; nobody may have gone further than half of it against that.
     """
     start, end = _boxes(before, after, boxes)
-    if start is None or end is None:
+    if start is None or end is None or not (start.closed and end.closed):
         raise BadInput("an even deformation is that of a periodic box; these frames have none: see local_deformation")
     position = before.arrays["position"]
     even = position @ (end.tilt @ np.linalg.inv(start.tilt)).T

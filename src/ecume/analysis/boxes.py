@@ -21,13 +21,20 @@ class Box(NamedTuple):
     """A periodic box from the origin on; copies above and below are moved along x, after Lees and Edwards."""
 
     sides: Array
-    """(d,) m"""
+    """(d,) m; zero along an axis on which nothing comes again, as across walls"""
     strain: Number = 0.0
     """by how many of its heights a copy above is moved along x"""
 
     @property
+    def closed(self) -> bool:
+        """Whether it is periodic along each axis."""
+        return bool((self.sides > 0.0).all())
+
+    @property
     def volume(self) -> float:
-        """m^d"""
+        """m^d. Raises BadInput where an axis is open."""
+        if not self.closed:
+            raise BadInput("a box that is not periodic along each axis has no volume of its own")
         return float(np.prod(self.sides))
 
     @property
@@ -48,14 +55,10 @@ class Copies(NamedTuple):
 
 
 def box_of(frame: Frame) -> Box | None:
-    """The box that a frame tells of, if it is periodic."""
-    if SIDES[0] not in frame.numbers:
+    """The box that a frame tells of, periodic along the axes whose sides it tells; None where it tells none."""
+    sides = np.array([frame.numbers.get(name, 0.0) for name in SIDES[: frame.arrays["position"].shape[1]]])
+    if not sides.any():
         return None
-    dimensions = frame.arrays["position"].shape[1]
-    missing = [name for name in SIDES[:dimensions] if name not in frame.numbers]
-    if missing:
-        raise BadInput(f"the frames have a box, but no number {missing[0]!r}")
-    sides = np.array([frame.numbers[name] for name in SIDES[:dimensions]])
     tilt = frame.numbers.get("box_tilt")
     return Box(sides, frame.numbers.get("strain", 0.0) if tilt is None else tilt / float(sides[1]))
 
@@ -68,11 +71,16 @@ def nearest(between: Array, box: Box | None) -> Array:
     """
     if box is None:
         return between
-    boxes = np.round(between[:, 1] / box.sides[1])
+    boxes = np.round(_in_sides(between[:, 1], box.sides[1]))
     found = between.copy()
     found[:, 0] -= box.strain * box.sides[1] * boxes
-    found -= box.sides * np.round(found / box.sides)
+    found -= box.sides * np.round(_in_sides(found, box.sides))
     return found
+
+
+def _in_sides(along: Array, sides: Array) -> Array:
+    """How many sides long something is; nothing where there is no side."""
+    return np.asarray(np.divide(along, sides, out=np.zeros_like(along), where=sides > 0.0))
 
 
 def copies(position: Array, box: Box | None, margin: Length) -> Copies:
@@ -81,12 +89,12 @@ def copies(position: Array, box: Box | None, margin: Length) -> Copies:
         return Copies(position, np.arange(len(position)))
     home = at_home(position, box)
     places, owners = [home], [np.arange(len(home))]
-    reach = np.ceil(margin / box.sides).astype(int) + 1
-    for shift in itertools.product(*(range(-n, n + 1) for n in reach)):
+    reach = np.where(box.sides > 0.0, np.ceil(_in_sides(np.full(len(box.sides), margin), box.sides)) + 1.0, 0.0)
+    for shift in itertools.product(*(range(-n, n + 1) for n in reach.astype(int))):
         move = np.array(shift)
         if move.any():
             moved = home + box.tilt @ _beside(move, box)
-            seen = ((moved > -margin) & (moved < box.sides + margin)).all(axis=1)
+            seen = ((box.sides == 0.0) | ((moved > -margin) & (moved < box.sides + margin))).all(axis=1)
             places.append(moved[seen])
             owners.append(np.flatnonzero(seen))
     return Copies(np.concatenate(places), np.concatenate(owners))
@@ -94,15 +102,16 @@ def copies(position: Array, box: Box | None, margin: Length) -> Copies:
 
 def at_home(position: Array, box: Box) -> Array:
     """Each particle's copy in the box itself."""
-    rows = np.floor(position[:, 1] / box.sides[1])
+    rows = np.floor(_in_sides(position[:, 1], box.sides[1]))
     home = position.copy()
     home[:, 0] -= box.strain * box.sides[1] * rows
-    home -= box.sides * np.floor(home / box.sides)
+    home -= box.sides * np.floor(_in_sides(home, box.sides))
     return home
 
 
 def _beside(move: Integers, box: Box) -> Integers:
     """The same row of copies, counted from the one that lies beside the box now."""
     straight = move.copy()
-    straight[0] -= round(box.strain * box.sides[1] * move[1] / box.sides[0])
+    if box.strain != 0.0:
+        straight[0] -= round(box.strain * box.sides[1] * move[1] / box.sides[0])
     return straight

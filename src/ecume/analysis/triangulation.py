@@ -48,7 +48,7 @@ def neighbors_of(frame: Frame, box: Box | None = None) -> Neighbors:
 def radical_neighbors(position: Array, radius: Array, box: Box | None = None) -> Neighbors:
     """The pairs of neighbors among discs. They are edges of the lower hull of (x, y, x^2 + y^2 - r^2)."""
     count = len(position)
-    margin = 0.0 if box is None else MARGIN * np.sqrt(box.volume / max(count, 1))
+    margin = 0.0 if box is None else MARGIN * _spacing(position, box)
     around = copies(position, box, margin)
     place = around.position - around.position.mean(axis=0) if count else around.position
     unit = float(np.abs(place).max(initial=0.0)) or 1.0
@@ -56,6 +56,12 @@ def radical_neighbors(position: Array, radius: Array, box: Box | None = None) ->
     inside = (edges < count).any(axis=1)
     pairs = np.sort(around.owner[edges[inside]], axis=1)
     return _once(pairs, unit * border[inside])
+
+
+def _spacing(position: Array, box: Box) -> float:
+    """Between particles, on the average; along an axis that is open, of what they take up."""
+    sides = np.where(box.sides > 0.0, box.sides, np.ptp(position, axis=0)) if len(position) else box.sides
+    return float(np.sqrt(np.prod(sides) / max(len(position), 1)))
 
 
 def _edges(place: Array, radius: Array) -> tuple[Integers, Array]:

@@ -54,7 +54,8 @@ def require_numbers(bond_number: float, density_ratio: float, contact_angle: flo
     if bond_number > LARGEST_BOND_NUMBER:
         raise BadInput(
             f"the bond number is {bond_number:g}: a radius of {math.sqrt(bond_number):.0f} capillary lengths; "
-            f"these laws are for floaters up to {LARGEST_BOND_NUMBER:g}"
+            f"these laws are for floaters up to {LARGEST_BOND_NUMBER:g}; plain numbers are SI: "
+            "is the radius one in meters?"
         )
     if bond_number < LEAST_BOND_NUMBER:
         raise BadInput(

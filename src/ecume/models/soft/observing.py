@@ -27,6 +27,7 @@ SLOTS = {2: 8, 3: 16}
 STRESS = {2: "N/m", 3: "Pa"}
 """The unit of stress: in a layer, force over length."""
 VISCOSITY = {2: "N*s/m", 3: "Pa*s"}
+LENGTHS = ("box_width", "box_height", "box_depth")
 AXES = "xyz"
 SIDE_NAMES = {place: name for name, place in SIDES.items()}
 CLOSE = 0.1
@@ -76,7 +77,9 @@ def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
         "rejected_steps": float(state.tally[REJECTED] + state.tally[FAILED]),
     }
     if not parameters.box[: parameters.dimensions].all():
-        return Frame(float(state.pace[CLOCK]), arrays, numbers, UNITS | _wall_units(numbers))
+        sides = _sides(box)
+        units = UNITS | _wall_units(numbers) | dict.fromkeys(sides, "m")
+        return Frame(float(state.pace[CLOCK]), arrays, numbers | sides, units)
     volume = float(np.prod(box.sides))
     parts = stresses(parameters, step, volume)
     tensor, rate = np.sum(list(parts.values()), axis=0), float(state.cell_rate[STRAIN])
@@ -177,13 +180,17 @@ def _neighbors(parameters: Parameters, step: Step) -> dict[str, float]:
 def _box_numbers(parameters: Parameters, box: Box, strain: float) -> dict[str, float]:
     dimensions, radius = parameters.dimensions, parameters.radius
     filled = np.pi * radius**2 if dimensions == 2 else 4.0 / 3.0 * np.pi * radius**3
-    names = ("box_width", "box_height", "box_depth")[:dimensions]
     return {
         "strain": strain,
-        **dict(zip(names, box.sides.tolist(), strict=True)),
+        **_sides(box),
         "box_tilt": box.tilt,
         "volume_fraction": float(filled.sum() / np.prod(box.sides)),
     }
+
+
+def _sides(box: Box) -> dict[str, float]:
+    """The sides of the box along the axes on which it is periodic."""
+    return {name: float(side) for name, side in zip(LENGTHS, box.sides, strict=False) if side > 0.0}
 
 
 def _stress_numbers(tensor: Array, rate: float) -> dict[str, float]:
@@ -213,7 +220,7 @@ def _components(parts: Mapping[str, Array]) -> dict[str, float]:
 def _box_units(dimensions: int, numbers: Mapping[str, float]) -> dict[str, str]:
     stressed = [name for name in numbers if name.startswith("stress_")]
     units = dict.fromkeys(("pressure", "shear_stress", "normal_stress", *stressed), STRESS[dimensions])
-    units |= dict.fromkeys(("box_width", "box_height", "box_depth")[:dimensions], "m") | {"box_tilt": "m"}
+    units |= dict.fromkeys(LENGTHS[:dimensions], "m") | {"box_tilt": "m"}
     return units | {"strain_rate": "1/s", "viscosity": VISCOSITY[dimensions]}
 
 

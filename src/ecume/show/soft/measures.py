@@ -143,7 +143,10 @@ def _outlines(axes: Axes, frame: Frame) -> None:
         diameter, diameter, np.zeros_like(diameter), offsets=around.position, offset_transform=axes.transData, **look
     )
     axes.add_collection(rings, autolim=False)
-    low, high = (np.zeros(2), box.sides) if box else (position.min(axis=0) - margin, position.max(axis=0) + margin)
+    sides = np.zeros(2) if box is None else box.sides
+    low, high = np.where(
+        sides > 0.0, [np.zeros(2), sides], [position.min(axis=0) - margin, position.max(axis=0) + margin]
+    )
     axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal", xlabel="x (m)", ylabel="y (m)")
     axes.locator_params(nbins=5)
     axes.grid(visible=False)

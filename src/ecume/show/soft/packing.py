@@ -76,10 +76,7 @@ class Links(NamedTuple):
 
 
 def links_of(frame: Frame) -> Links:
-    """The contacts that a frame tells of; across a periodic border to the nearest copy.
-
-    Between walls a frame tells of no box, and contacts across the borders beside them are left out.
-    """
+    """The contacts that a frame tells of; across a periodic border to the nearest copy."""
     position, radius = frame.arrays["position"], frame.arrays["radius"]
     found = films(frame)
     first, second = found.pairs.T
@@ -114,20 +111,25 @@ def _beside(frame: Frame) -> float:
 
 
 def view_of(frames: Sequence[Frame]) -> View:
-    """The periodic box and some of what is beside it, or all that the spheres of these frames ever reach."""
-    boxes = [box for frame in frames if (box := flat_box(frame)) is not None]
-    if boxes:
-        width, height = np.max([box.sides for box in boxes], axis=0)
-        beside = 2.0 * _beside(frames[0])
-        return view_around(width / 2, height / 2, width + beside, height + beside)
-    edge = [frame.arrays["radius"][:, None] for frame in frames]
-    place = [frame.arrays["position"][:, :2] for frame in frames]
-    low = np.min([(x - r).min(axis=0) for x, r in zip(place, edge, strict=True)], axis=0)
-    high = np.max([(x + r).max(axis=0) for x, r in zip(place, edge, strict=True)], axis=0)
-    x, y = (low + high) / 2
-    margin = float(max(r.max() for r in edge))
-    below = 3.0 * margin if "bottom_y" in frames[0].numbers else margin  # room for the scale under a floor
-    return view_around(float(x), float(y), float(high[0] - low[0]) + margin, float(high[1] - low[1]) + below)
+    """The periodic box and some of what is beside it; along axes without, all that the spheres of these frames ever
+    reach.
+    """
+    low, high = reached(frames)
+    margin = np.full(2, max(float(frame.arrays["radius"].max()) for frame in frames))
+    if "bottom_y" in frames[0].numbers:
+        margin[1] *= 3.0  # room for the scale under a floor
+    sides = np.max([np.zeros(2) if (box := flat_box(frame)) is None else box.sides for frame in frames], axis=0)
+    low, high = np.where(sides > 0.0, 0.0, low), np.where(sides > 0.0, sides, high)
+    margin[sides > 0.0] = 2.0 * _beside(frames[0])
+    (x, y), (width, height) = (low + high) / 2, high - low + margin
+    return view_around(float(x), float(y), float(width), float(height))
+
+
+def reached(frames: Sequence[Frame]) -> tuple[Array, Array]:
+    """The lowest and the highest places, (2,) m, that spheres of these frames reach."""
+    edges = [(frame.arrays["position"][:, :2], frame.arrays["radius"][:, None]) for frame in frames]
+    low = np.min([(place - radius).min(axis=0) for place, radius in edges], axis=0)
+    return low, np.max([(place + radius).max(axis=0) for place, radius in edges], axis=0)
 
 
 class Packing:
@@ -184,7 +186,7 @@ class Packing:
     def _show_box(self, frame: Frame) -> None:
         """Outline and copies of a periodic box."""
         box = flat_box(frame)
-        self.outline.set_visible(box is not None)
+        self.outline.set_visible(box is not None and box.closed)
         if box is None:
             return
         place, radius = frame.arrays["position"][:, :2], frame.arrays["radius"]

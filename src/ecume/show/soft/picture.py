@@ -33,7 +33,7 @@ def soft_picture(scene: Any, sample: Sequence[Frame], size: Size = USUAL, eye: E
 
 def setting_in_space(scene: Any, sample: Sequence[Frame], eye: Eye) -> Setting:
     """The edges of a periodic box, which may change its size, around balls."""
-    camera, boxes = eye.camera(), [box for frame in sample if (box := box_of(frame)) is not None]
+    camera, boxes = eye.camera(), [box for frame in sample if (box := box_of(frame)) is not None and box.closed]
     if not boxes:
         return Setting(scene.title, None, kinds=species(scene), camera=camera)
     sides = np.array([box.sides for box in boxes])

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ecume.analysis.boxes import box_of
 from ecume.scenes.soft.walls import SIDES as WALL_SIDES
 from ecume.show.floating.bowl import height_colors, height_ticks, view_of
 from ecume.show.floating.shapes import outlines_in
@@ -78,7 +79,8 @@ def soft_stage(scene: Any, sample: Sequence[Frame]) -> Stage:
     places = [frame.arrays["position"] for frame in sample]
     low = np.min([(x - r).min(axis=0) for x, r in zip(places, reach, strict=True)], axis=0)
     high = np.max([(x + r).max(axis=0) for x, r in zip(places, reach, strict=True)], axis=0)
-    boxed = "box_width" in sample[0].numbers
+    box = box_of(sample[0])
+    boxed = box is not None and box.closed
     sides = [wall.side for wall in scene.walls]
 
     def around(frame: Frame) -> list[Array]:
