@@ -180,8 +180,50 @@ def _found_after(model: str, chance: random.Random) -> int | None:
             if one.step > hurt + LATEST:
                 return None
     except Diverged as error:
-        named = re.search(r"(float|particle|spheres) [0-9]", str(error)) and re.search(r"t = [0-9.e+-]+ s", str(error))
-        return _steps(state) - hurt if named else None
+        return _steps(state) - hurt if _named(str(error)) else None
+    return None
+
+
+def _named(told: str) -> bool:
+    """Whether a message says who, of what, at which time and step."""
+    parts = (
+        r"t = [0-9.e+-]+ s \(step [0-9]+\)",
+        r"(floats?|particle|spheres?) [0-9]",
+        r"finite [a-z]+ |goes|overlap|gap",
+    )
+    return all(re.search(part, told) for part in parts)
+
+
+def overlapping(model: str) -> Callable[[float, Path], Outcome]:
+    """One is put into its neighbor: both are named, soon."""
+
+    def trial(scale: float, folder: Path) -> Outcome:
+        warmed(model)
+        chance, tried, found = random.Random(model), times(scale, 20), []
+        for _ in range(tried):
+            found.append(_overlap_found_after(model, chance))
+        soon = [late for late in found if late is not None and late <= LATEST]
+        return Outcome(tried, len(soon), f"found after {max(soon, default=0)} steps at most, both named")
+
+    return trial
+
+
+def _overlap_found_after(model: str, chance: random.Random) -> int | None:
+    """After how many steps; None where it is not found, or not both are named."""
+    scene, wanted = scene_of(model, SHORT[model]), chance.randrange(3, 60)
+    state = next(copied(one.state) for one in moments(scene, patience=1e-9) if one.step >= min(wanted, one.steps // 2))
+    hurt, one = _steps(state), chance.randrange(len(state.position))
+    away = np.linalg.norm(state.position - state.position[one], axis=1)
+    away[one] = np.inf
+    other = int(np.argmin(away))
+    state.position[one] += 0.95 * (state.position[other] - state.position[one])
+    try:
+        for now in moments(scene, state=state, patience=1e-9):
+            if now.step > hurt + LATEST:
+                return None
+    except Diverged as error:
+        both = all(re.search(rf"\b{number}\b", str(error)) for number in (one, other))
+        return _steps(state) - hurt if both and "overlap" in str(error) and _named(str(error)) else None
     return None
 
 
@@ -210,5 +252,6 @@ TRIALS = (
     *(Trial(f"R3 restarts, {model}", "from each state the same rest", continued(model)) for model in WAYS),
     Trial("R4 threads", "1, 2 and 4, the same bits", threads),
     *(Trial(f"R12 poisoned, {model}", "NaN, infinity, 1e300 in the state", poisoned(model)) for model in WAYS),
+    *(Trial(f"R12 overlaps, {model}", "one put into another", overlapping(model)) for model in ("floating", "soft")),
     Trial("R21 soak", "a million steps", soaked),
 )

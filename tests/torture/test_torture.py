@@ -28,6 +28,8 @@ BRIEFLY = {
     "R12 poisoned, floating": 0.1,
     "R12 poisoned, soft": 0.1,
     "R12 poisoned, tracers": 0.1,
+    "R12 overlaps, floating": 0.1,
+    "R12 overlaps, soft": 0.1,
     "R18 caches": 0.1,
 }
 """Trials, and what part of them is tried here."""

@@ -186,7 +186,7 @@ def test_who_is_nowhere_is_named_and_not_put_back_inside(field, value):
     parameters = MODELS["tracers"].parameters(scene)
     state = MODELS["tracers"].start(scene, parameters)
     getattr(state, field)[1, 0] = value
-    with pytest.raises(Diverged, match="at t = 0 s particle 1 has no finite position"):
+    with pytest.raises(Diverged, match=rf"at t = 0 s \(step 0\) particle 1 has no finite {field}"):
         list(moments(scene, state=state))
 
 

@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from ecume.models.blame import DEEP, first_broken
 from ecume.models.floating.extending import advance_extended
 from ecume.models.floating.interacting import advance, scratch_for
 from ecume.models.floating.invariants import invariants
@@ -14,7 +15,7 @@ from ecume.models.floating.observing import observe
 from ecume.models.floating.parameters import Parameters
 from ecume.models.floating.room import ROOMIER, checked_parameters
 from ecume.models.floating.starting import start
-from ecume.models.floating.state import State, Workspace, make_workspace
+from ecume.models.floating.state import DEEPEST, State, Workspace, make_workspace
 from ecume.models.floating.stepping import renew_lists
 from ecume.models.floating.telling import summary
 from ecume.models.model import Model
@@ -37,17 +38,28 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
 
 def diagnosis(parameters: Parameters, state: State) -> str:
     """Who left the range where it means anything, when, and what to do."""
-    speed = np.hypot(state.velocity[:, 0], state.velocity[:, 1])
-    broken = ~np.isfinite(speed) | ~np.isfinite(state.position).all(axis=1)
-    worst = int(np.flatnonzero(broken)[0]) if broken.any() else int(np.argmax(speed))
-    time = int(state.step[0]) * parameters.time_step
-    what = "has no finite position any more" if broken.any() else f"goes {speed[worst]:.3g} m/s"
-    x, y = state.position[worst]
+    step, when = int(state.step[0]), int(state.step[0]) * parameters.time_step
     return (
-        f"at t = {time:.6g} s float {worst} {what} (at {x:.4g} m, {y:.4g} m): too far for one time step of "
+        f"at t = {when:.6g} s (step {step}) {_who_and_what(parameters, state)}: too far for one time step of "
         f"{parameters.time_step:.3g} s. Set motion.time_step = {0.25 * parameters.time_step:.2g}, "
         "or look for overlapping floats"
     )
+
+
+def _who_and_what(parameters: Parameters, state: State) -> str:
+    """Whose number is none, who were put apart, or who is the fastest."""
+    broken = first_broken({"position": state.position, "velocity": state.velocity})
+    if broken is not None:
+        return f"float {broken.particle} has no finite {broken.term} any more"
+    if state.tally[DEEPEST] > DEEP * parameters.floats.radius.min():
+        # Contacts have moved them out of each other: farther than anybody goes by itself.
+        one, other = np.argsort(-np.linalg.norm(state.position - state.reference, axis=1))[:2]
+        return f"floats {one} and {other} were put apart, from an overlap of {state.tally[DEEPEST]:.3g} m"
+    with np.errstate(over="ignore"):
+        speed = np.hypot(state.velocity[:, 0], state.velocity[:, 1])
+    fastest = int(np.argmax(speed))
+    x, y = state.position[fastest]
+    return f"float {fastest} goes {speed[fastest]:.3g} m/s (at {x:.4g} m, {y:.4g} m)"
 
 
 def extended(extra_laws: Sequence[Callable[..., float]]) -> Model:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
@@ -10,14 +9,16 @@ import psutil
 
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.models.advice import Row
+from ecume.models.blame import DEEP, first_broken
 from ecume.models.model import Model
 from ecume.models.soft.advice import advice
 from ecume.models.soft.building import parameters_of, start
 from ecume.models.soft.cost import bytes_of
 from ecume.models.soft.invariants import invariants
+from ecume.models.soft.meeting import box_in
 from ecume.models.soft.observing import observe
 from ecume.models.soft.parameters import Parameters
-from ecume.models.soft.state import CLOCK, LENGTH, State, workspace
+from ecume.models.soft.state import ACCEPTED, CLOCK, LENGTH, State, workspace
 from ecume.models.soft.stepping import advance
 from ecume.scenes.soft import SoftScene
 
@@ -36,14 +37,30 @@ def checked_parameters(scene: SoftScene) -> Parameters:
 
 def diagnosis(parameters: Parameters, state: State) -> str:
     """Who left the range where it means anything, when, and what to do."""
-    contacts = int(state.contacts[0])
-    narrowest = int(np.argmin(state.log_gap[:contacts]))
-    first, second = state.pair[narrowest]
+    when = f"at t = {state.pace[CLOCK]:.6g} s (step {state.tally[ACCEPTED]})"
+    broken = first_broken({"position": state.position, "velocity": state.velocity, "spin": state.spin})
+    told = f"sphere {broken.particle} has no finite {broken.term} any more" if broken else _closest(parameters, state)
     return (
-        f"at t = {state.pace[CLOCK]:.6g} s no step is short enough, {state.pace[LENGTH]:.3g} s neither; "
-        f"the narrowest gap, {math.exp(state.log_gap[narrowest]):.3g} m, is between spheres {first} and {second}: "
+        f"{when} no step is short enough, {state.pace[LENGTH]:.3g} s neither; {told}: "
         "look for forces that the surfaces cannot balance, or set stepping.tolerance lower"
     )
+
+
+def _closest(parameters: Parameters, state: State) -> str:
+    """The film whose gap is no number, the spheres that are in one another, or the narrowest gap."""
+    contacts, box = int(state.contacts[0]), box_in(parameters, state)
+    pair, image = state.pair[:contacts], state.image[:contacts]
+    with np.errstate(over="ignore"):
+        gap = np.exp(state.log_gap[:contacts])
+    between = state.position[pair[:, 1]] - state.position[pair[:, 0]] + image * box.sides
+    between[:, 0] += box.tilt * image[:, 1]
+    depth = parameters.radius[pair].sum(axis=1) - np.linalg.norm(between, axis=1)
+    none, deepest = first_broken({"gap": gap}), int(np.argmax(depth))
+    if none is None and depth[deepest] > DEEP * parameters.radius.min():
+        return f"spheres {pair[deepest, 0]} and {pair[deepest, 1]} overlap by {depth[deepest]:.3g} m"
+    at = int(np.argmin(gap)) if none is None else none.particle
+    what = f"the narrowest gap, {gap[at]:.3g} m, is" if none is None else "there is no finite gap any more"
+    return f"{what} between spheres {pair[at, 0]} and {pair[at, 1]}"
 
 
 def extended(extra_laws: Sequence[Callable[..., float]]) -> Model:

@@ -9,6 +9,7 @@ import psutil
 
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.models.advice import Row
+from ecume.models.blame import first_broken
 from ecume.models.limits import within_steps
 from ecume.models.model import Model
 from ecume.models.sph.advice import advice
@@ -83,15 +84,17 @@ def diagnosis(parameters: Parameters, state: State) -> str:
     """Who broke, when, and what to do."""
     with np.errstate(over="ignore"):  # whoever broke may be faster than any number
         speed = np.sqrt((state.velocity**2).sum(axis=0))
-    broken = ~np.isfinite([speed, *state.acceleration, *state.position]).all(axis=0)
-    worst = int(np.flatnonzero(broken)[0]) if broken.any() else int(np.argmax(speed))
-    what = "has no finite motion any more" if broken.any() else f"goes {speed[worst]:.3g} m/s"
+    terms = {"position": state.position.T, "density": state.density, "velocity": state.velocity.T, "speed": speed}
+    broken = first_broken({**terms, "acceleration": state.acceleration.T})
+    worst = int(np.argmax(speed)) if broken is None else broken.particle
+    what = f"goes {speed[worst]:.3g} m/s" if broken is None else f"has no finite {broken.term} any more"
     where = ", ".join(f"{x:.4g}" for x in state.position[:, worst])
-    time = int(state.step[0]) * parameters.time_step
+    step, when = int(state.step[0]), int(state.step[0]) * parameters.time_step
     return (
-        f"at t = {time:.6g} s particle {int(state.identity[worst])} {what} (at {where} m); the scene expects "
-        f"{parameters.material.fastest:.3g} m/s. Set liquid.fastest to what the flow reaches, or method.courant to "
-        f"{0.5 * parameters.courant:.2g}, or look for liquid that starts inside of other liquid or of a wall"
+        f"at t = {when:.6g} s (step {step}) particle {int(state.identity[worst])} {what} (at {where} m); the scene "
+        f"expects {parameters.material.fastest:.3g} m/s. Set liquid.fastest to what the flow reaches, or "
+        f"method.courant to {0.5 * parameters.courant:.2g}, or look for liquid that starts inside of other liquid or "
+        "of a wall"
     )
 
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from ecume.errors import BadInput
 from ecume.laws import brownian, drag
+from ecume.models.blame import first_broken
 from ecume.models.limits import require_memory, within_steps
 from ecume.models.model import Model
 from ecume.models.tracers.arrivals import species_of
@@ -18,6 +19,7 @@ from ecume.models.tracers.state import CAPPED, State, Workspace, came, exchange,
 from ecume.models.tracers.stepping import NOWHERE, advance
 from ecume.scenes.tracers import TracersScene
 from ecume.trajectories.frame import Frame
+from ecume.units import Array
 
 ARRAY_UNITS = {
     "position": "m",
@@ -78,14 +80,21 @@ def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
 
 def diagnosis(parameters: Parameters, state: State) -> str:
     """Who is nowhere, when, and what to do."""
-    broken = ~((np.abs(state.position) < NOWHERE) & (np.abs(state.velocity) < NOWHERE)).all(axis=1)
-    worst = int(np.argmax(broken)) if broken.any() else int(np.argmax((state.velocity**2).sum(axis=1)))
-    time = int(state.step[0]) * parameters.time_step
-    what = "has no finite position any more" if broken.any() else f"is outside, at {state.position[worst].tolist()}"
+    broken = first_broken({"position": _somewhere(state.position), "velocity": _somewhere(state.velocity)})
+    worst = int(np.argmax((state.velocity**2).sum(axis=1))) if broken is None else broken.particle
+    what = f"is outside, at {state.position[worst].tolist()}"
+    if broken is not None:
+        what = f"has no finite {broken.term} any more"
+    step, when = int(state.step[0]), int(state.step[0]) * parameters.time_step
     return (
-        f"at t = {time:.6g} s particle {worst} {what}: its step of {parameters.time_step:.3g} s was too long. Set "
-        f"motion.time_step = {0.25 * parameters.time_step:.2g}"
+        f"at t = {when:.6g} s (step {step}) particle {worst} {what}: its step of {parameters.time_step:.3g} s was too "
+        f"long. Set motion.time_step = {0.25 * parameters.time_step:.2g}"
     )
+
+
+def _somewhere(numbers: Array) -> Array:
+    """What is too large to be anything is no number."""
+    return np.where(np.abs(numbers) < NOWHERE, numbers, np.nan)
 
 
 def extended(extra_laws: Sequence[Callable[..., float]]) -> Model:
