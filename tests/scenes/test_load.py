@@ -306,6 +306,28 @@ def test_corrupted_scenes_give_scenes_or_faults_with_places(tmp_path: Path) -> N
     assert found.count(()) < 100
 
 
+@pytest.mark.parametrize(
+    ("spin", "told"),
+    [
+        ("[1.0, 2.0]", "bodies[0].spin: came a list of 2; wanted a list of 3"),
+        ("[]", "bodies[0].spin: came a list of 0; wanted a list of 3"),
+        ("[1.0, 2.0, 'x']", "bodies[0].spin[2]: came 'x'"),
+        ("[1e9, 0, 0]", "bodies[0].spin[0]: came 1000000000.0; wanted 1e+06 or less"),
+        ("1e9", "bodies[0].spin: came 1000000000.0; wanted 1e+06 or less"),
+        ("'abc'", "bodies[0].spin: came 'abc'"),
+    ],
+)
+def test_a_value_that_may_be_a_number_or_a_list_is_told_what_it_was_meant_to_be(
+    spin: str, told: str, tmp_path: Path
+) -> None:
+    (file,) = copy_template("floating-bodies", tmp_path / "bodies.toml")
+    text = file.read_text().replace("[[bodies]]", f"[[bodies]]\nspin = {spin}", 1)
+    with pytest.raises(SceneError) as refused:
+        load_scene(text)
+    (fault,) = refused.value.faults
+    assert f"{fault.path}: {fault.message}".startswith(told)
+
+
 def test_reading_a_scene_imports_no_compiler() -> None:
     heavy = "[name for name in ('numba', 'matplotlib', 'gsd') if name in sys.modules]"
     code = f"import sys, ecume; ecume.load_scene({BOWL!r}); print({heavy})"

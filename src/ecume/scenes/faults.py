@@ -76,7 +76,9 @@ def faults_of(error: ValidationError, kind: type, raw: object, also: Sequence[st
     """All faults that pydantic found in `raw`, which was to be a `kind`; `also` are further keys of its top."""
     details = error.errors(include_url=False)
     details = [detail for detail in details if not _emptied(detail, details)]
-    found = [fault for detail in details[:MOST_FAULTS] for fault in _described(detail, kind, raw, also)]
+    found = list(
+        dict.fromkeys(each for detail in details[:MOST_FAULTS] for each in _described(detail, kind, raw, also))
+    )
     mistyped = {(*path[:-1], near) for path, message in found if (near := _meant(message)) is not None}
     told = [(path, message) for path, message in found if not (path in mistyped and message.startswith(MISSING))]
     left = len(details) - MOST_FAULTS
@@ -101,11 +103,17 @@ def _meant(message: str) -> str | None:
 def _described(detail: ErrorDetails, kind: type, raw: object, also: Sequence[str]) -> list[tuple[Path, str]]:
     """One of pydantic's complaints as paths and messages."""
     path = tuple(detail["loc"])
+    if (label := _label_in(path)) is not None:
+        # A number or a list: complaints of what was not meant say nothing, and the label is no key of anybody's.
+        meant = isinstance(value_at(raw, path[:label], detail["input"]), list | tuple)
+        if meant != str(path[label]).startswith("tuple["):
+            return []
+        path = path[:label] + path[label + 1 :]
     if detail["type"] == "unexpected_keyword_argument":
         return [(path, f"no such key; {suggestion(str(path[-1]), _keys(kind, path[:-1], also))}")]
     if detail["type"] == "missing" and isinstance(path[-1], int):
         pair = value_at(raw, path[:-1], detail["input"])
-        return [(path[:-1], f"came {echo(pair)}; wanted a list of {len(typing.get_args(_kind_at(kind, path[:-1])))}")]
+        return [(path[:-1], f"came {echo(pair)}; wanted a list of {len(_items(_kind_at(kind, path[:-1])))}")]
     if detail["type"] == "missing":
         return [(path, f"{MISSING}{_hint(kind, path)}")]
     cause = detail.get("ctx", {}).get("error")
@@ -113,6 +121,18 @@ def _described(detail: ErrorDetails, kind: type, raw: object, also: Sequence[str
         return [(path + below, message) for below, message in cause.complaints]
     came = f"came {echo(value_at(raw, path, detail['input']))}"
     return [(path, f"{came}; {cause if cause is not None else _wanted(detail)}")]
+
+
+def _label_in(path: Path) -> int | None:
+    """Where a path names one of several kinds that a value may be of, such as `tuple[...]`."""
+    return next((place for place, key in enumerate(path) if isinstance(key, str) and "[" in key), None)
+
+
+def _items(kind: Any) -> tuple[Any, ...]:
+    """The kinds of a list's items; of the list among several kinds."""
+    if typing.get_origin(kind) is typing.Union:
+        return next(items for part in typing.get_args(kind) if (items := typing.get_args(part)))
+    return typing.get_args(kind)
 
 
 def _wanted(detail: ErrorDetails) -> str:
@@ -180,7 +200,7 @@ def _hint(kind: type, path: Path) -> str:
 def _kind_at(kind: Any, path: Path) -> Any:
     """The type of the piece at `path` of a `kind`."""
     for key in path:
-        kind = typing.get_args(kind)[0] if isinstance(key, int) else typing.get_type_hints(kind)[key]
+        kind = _items(kind)[0] if isinstance(key, int) else typing.get_type_hints(kind)[key]
         if isinstance(kind, types.UnionType):
             kind = next(part for part in typing.get_args(kind) if part is not type(None))
     return kind

@@ -11,6 +11,7 @@ from ecume.errors import Diverged, SceneError
 from ecume.laws import drag, flotation
 from ecume.models import MODELS
 from ecume.models.floating.kinds import afloat
+from ecume.models.floating.parameters import SCHEMES
 from ecume.models.floating.time_steps import StepWarning
 from ecume.simulation import simulate
 from tests.models.floating.bowls import HEAVY, LIGHT, WATER, lone_float_in_a_dish, scene_of, two_floats
@@ -215,6 +216,17 @@ def test_runge_kutta_refuses_a_liquid_too_viscous_for_it():
     scene = scene_of(f'{text}[[floats]]\n{HEAVY}count = 2\n[motion]\nintegrator = "rk4"\n')
     with pytest.raises(SceneError, match="rk4"):
         FLOATING.parameters(scene)
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_whatever_the_scheme_a_dish_does_not_move_by_itself(scheme):
+    scene = lone_float_in_a_dish(HEAVY, motion=f'integrator = "{scheme}"')
+    parameters = FLOATING.parameters(scene)
+    state = FLOATING.start(scene, parameters)
+    workspace = FLOATING.workspace(parameters, state, 1.0)
+    for _ in range(4):
+        FLOATING.advance(parameters, state, workspace, 1)
+        assert workspace.passage[1:].tolist() == [[0.0, 0.0]]
 
 
 def test_a_run_that_leaves_its_range_says_when_who_and_what_to_do():

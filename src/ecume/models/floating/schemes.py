@@ -72,8 +72,8 @@ def give_fast_kick(parameters: Parameters, state: State, force: Array) -> None:
 
 @compiled
 def drift(position: Array, velocity: Array, time: float) -> None:
-    """Straight on."""
-    for i in range(position.shape[0]):
+    """Straight on. The passage has a row more than there are floats where a dish stands around them: its own."""
+    for i in range(min(position.shape[0], velocity.shape[0])):
         position[i, 0] += time * velocity[i, 0]
         position[i, 1] += time * velocity[i, 1]
 

@@ -1,0 +1,33 @@
+"""Whom a run that diverged names, and which of its numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from ecume.units import Array
+
+DEEP = 0.1
+"""Of a radius: an overlap that is told; nothing comes to that by itself."""
+
+
+class Broken(NamedTuple):
+    """A number that is none."""
+
+    particle: int
+    term: str
+
+
+def first_broken(terms: Mapping[str, Array]) -> Broken | None:
+    """Whose number is none, of the first of these terms that has such numbers; their rows are particles.
+
+    >>> first_broken({"position": np.zeros((3, 2)), "velocity": np.array([0.0, 1.0, np.nan])})
+    Broken(particle=2, term='velocity')
+    """
+    for term, numbers in terms.items():
+        broken = ~np.isfinite(numbers.reshape(len(numbers), -1)).all(axis=1)
+        if broken.any():
+            return Broken(int(np.argmax(broken)), term)
+    return None
