@@ -26,7 +26,7 @@ from ecume.models.floating.parameters import (
     pack_pair,
 )
 from ecume.models.floating.summing import DEEPEST_TOUCH, summed
-from ecume.models.floating.time_steps import kick_of, with_step
+from ecume.models.floating.time_steps import good_step, kick_of, with_step
 from ecume.models.liquids import liquid_of
 from ecume.scenes.floating import FloatingScene
 
@@ -37,6 +37,14 @@ SLOP = 1e-4
 def parameters_of(scene: FloatingScene) -> Parameters:
     """Everything a run needs and never changes. Raises SceneError."""
     _check_names(scene)
+    parameters, asked = _parameters_with(scene, 1.0), scene.motion.time_step
+    longer = 1.0 if asked is None else asked / good_step(parameters, scene)
+    # Who goes farther in a step than usual needs lists that reach as much farther.
+    return parameters if longer <= 1.0 else _parameters_with(scene, longer)
+
+
+def _parameters_with(scene: FloatingScene, longer: float) -> Parameters:
+    """The same, with lists for steps that many times as long as the usual ones."""
     drift = drift_of(scene)
     floats, liquid = floats_of(scene), liquid_of(scene)
     length, pair_law = liquid.capillary_length, PAIR_LAWS.index(str(scene.interaction.law))
@@ -49,7 +57,7 @@ def parameters_of(scene: FloatingScene) -> Parameters:
     tension = liquid.surface_tension if pair_law == CAPILLARY else 0.0
     mirrored = scene.dish is not None and scene.dish.image != "none"
     walls, scheme = walls_of(scene), SCHEMES.index(scene.motion.integrator)
-    skin = max(0.2 * largest, min(0.4 * length, largest))
+    skin = longer * max(0.2 * largest, min(0.4 * length, largest))
     swings = drift.sway.turning if np.any(drift.sway.amplitude) else 0.0
     parameters = Parameters(
         time_step=0.0,
