@@ -328,6 +328,14 @@ def test_a_value_that_may_be_a_number_or_a_list_is_told_what_it_was_meant_to_be(
     assert f"{fault.path}: {fault.message}".startswith(told)
 
 
+@pytest.mark.parametrize("key", ["tuple[float]", "a[0]"])
+def test_an_unknown_key_is_told_even_where_it_looks_like_a_kind(key: str, tmp_path: Path) -> None:
+    (file,) = copy_template("floating-bodies", tmp_path / "bodies.toml")
+    text = file.read_text().replace("[[bodies]]", f"[[bodies]]\n'{key}' = [1.0]", 1)
+    with pytest.raises(SceneError, match="no such key"):
+        load_scene(text)
+
+
 def test_reading_a_scene_imports_no_compiler() -> None:
     heavy = "[name for name in ('numba', 'matplotlib', 'gsd') if name in sys.modules]"
     code = f"import sys, ecume; ecume.load_scene({BOWL!r}); print({heavy})"

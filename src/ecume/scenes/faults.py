@@ -103,7 +103,7 @@ def _meant(message: str) -> str | None:
 def _described(detail: ErrorDetails, kind: type, raw: object, also: Sequence[str]) -> list[tuple[Path, str]]:
     """One of pydantic's complaints as paths and messages."""
     path = tuple(detail["loc"])
-    if (label := _label_in(path)) is not None:
+    if (label := _label_in(kind, path)) is not None:
         # A number or a list: complaints of what was not meant say nothing, and the label is no key of anybody's.
         meant = isinstance(value_at(raw, path[:label], detail["input"]), list | tuple)
         if meant != str(path[label]).startswith("tuple["):
@@ -123,9 +123,12 @@ def _described(detail: ErrorDetails, kind: type, raw: object, also: Sequence[str
     return [(path, f"{came}; {cause if cause is not None else _wanted(detail)}")]
 
 
-def _label_in(path: Path) -> int | None:
-    """Where a path names one of several kinds that a value may be of, such as `tuple[...]`."""
-    return next((place for place, key in enumerate(path) if isinstance(key, str) and "[" in key), None)
+def _label_in(kind: type, path: Path) -> int | None:
+    """Where a path names one of several kinds that a value may be of: `tuple[...]`, which a key may be called, too."""
+    for place, key in enumerate(path):
+        if isinstance(key, str) and "[" in key and typing.get_origin(_kind_at(kind, path[:place])) is typing.Union:
+            return place
+    return None
 
 
 def _items(kind: Any) -> tuple[Any, ...]:
