@@ -90,6 +90,9 @@ def test_what_has_no_answer_is_refused(honeycomb, soft):
         gap_distribution(np.array([-1.0]))
     with pytest.raises(BadInput, match="part of a box"):
         volume_fraction(soft)
+    for left_out in ("box_width", "box_height"):
+        with pytest.raises(BadInput, match=f"sheared, but no number '{left_out}'"):
+            box_of(honeycomb._replace(numbers={k: v for k, v in honeycomb.numbers.items() if k != left_out}))
 
 
 def test_the_volume_fraction_of_spheres_in_space():

@@ -89,7 +89,7 @@ def generated(model: str) -> Any:
     """Scenes whose keys are right and whose values are anything."""
 
     def trial(scale: float, folder: Path) -> Outcome:
-        chance, tried, accepted = random.Random(model), times(scale, 3000), 0
+        chance, tried, accepted, silent = random.Random(model), times(scale, 3000), 0, 0
         usual = [
             plain for plain in map(tomllib.loads, texts()) if plain["model"] == model and "floats_from" not in plain
         ]
@@ -98,9 +98,10 @@ def generated(model: str) -> Any:
             try:
                 from_plain({**plain, "model": model})
                 accepted += 1
-            except SceneError:
-                pass
-        return Outcome(tried, tried, f"{accepted} were scenes")
+            except SceneError as error:
+                # A refusal that names nothing is no answer.
+                silent += not error.faults or not all(fault.message for fault in error.faults)
+        return Outcome(tried, tried - silent, f"{accepted} were scenes")
 
     return trial
 

@@ -59,8 +59,10 @@ def box_of(frame: Frame) -> Box | None:
     sides = np.array([frame.numbers.get(name, 0.0) for name in SIDES[: frame.arrays["position"].shape[1]]])
     if not sides.any():
         return None
-    tilt = frame.numbers.get("box_tilt")
-    return Box(sides, frame.numbers.get("strain", 0.0) if tilt is None else tilt / float(sides[1]))
+    tilt, strain = frame.numbers.get("box_tilt"), frame.numbers.get("strain", 0.0)
+    if not sides[:2].all() and (tilt or strain):
+        raise BadInput(f"the frames have a box that is sheared, but no number {SIDES[int(sides[0] > 0.0)]!r}")
+    return Box(sides, strain if tilt is None or not sides[1] else tilt / float(sides[1]))
 
 
 def nearest(between: Array, box: Box | None) -> Array:

@@ -49,6 +49,8 @@ def diagnosis(parameters: Parameters, state: State) -> str:
 def _closest(parameters: Parameters, state: State) -> str:
     """The film whose gap is no number, the spheres that are in one another, or the narrowest gap."""
     contacts, box = int(state.contacts[0]), box_in(parameters, state)
+    if contacts == 0:
+        return "no sphere has a film with another"
     pair, image = state.pair[:contacts], state.image[:contacts]
     with np.errstate(over="ignore"):
         gap = np.exp(state.log_gap[:contacts])
