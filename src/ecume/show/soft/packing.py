@@ -114,7 +114,7 @@ def view_of(frames: Sequence[Frame]) -> View:
     """The periodic box and some of what is beside it; along axes without, all that the spheres of these frames ever
     reach.
     """
-    low, high = reached(frames)
+    low, high = (end[:2] for end in reached(frames))
     margin = np.full(2, max(float(frame.arrays["radius"].max()) for frame in frames))
     if "bottom_y" in frames[0].numbers:
         margin[1] *= 3.0  # room for the scale under a floor
@@ -126,8 +126,8 @@ def view_of(frames: Sequence[Frame]) -> View:
 
 
 def reached(frames: Sequence[Frame]) -> tuple[Array, Array]:
-    """The lowest and the highest places, (2,) m, that spheres of these frames reach."""
-    edges = [(frame.arrays["position"][:, :2], frame.arrays["radius"][:, None]) for frame in frames]
+    """The lowest and the highest places, (d,) m, that spheres of these frames reach."""
+    edges = [(frame.arrays["position"], frame.arrays["radius"][:, None]) for frame in frames]
     low = np.min([(place - radius).min(axis=0) for place, radius in edges], axis=0)
     return low, np.max([(place + radius).max(axis=0) for place, radius in edges], axis=0)
 

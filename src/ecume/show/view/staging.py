@@ -13,7 +13,7 @@ from ecume.show.floating.bowl import height_colors, height_ticks, view_of
 from ecume.show.floating.shapes import outlines_in
 from ecume.show.floating.surface import sheet, surface, typical_meniscus
 from ecume.show.picture import species
-from ecume.show.soft.packing import WIDE, links_of
+from ecume.show.soft.packing import WIDE, links_of, reached
 from ecume.show.space import edges_of
 from ecume.show.sph.picture import rectangle
 from ecume.show.style import scale_for
@@ -75,10 +75,7 @@ def _dish(dish: Any) -> Line:
 
 def soft_stage(scene: Any, sample: Sequence[Frame]) -> Stage:
     """The periodic box, and contact forces."""
-    reach = [frame.arrays["radius"][:, None] for frame in sample]
-    places = [frame.arrays["position"] for frame in sample]
-    low = np.min([(x - r).min(axis=0) for x, r in zip(places, reach, strict=True)], axis=0)
-    high = np.max([(x + r).max(axis=0) for x, r in zip(places, reach, strict=True)], axis=0)
+    low, high = reached(sample)
     box = box_of(sample[0])
     boxed = box is not None and box.closed
     sides = [wall.side for wall in scene.walls]
