@@ -16,7 +16,7 @@ from ecume.errors import BadInput, Diverged, Stopped
 from ecume.models import MODELS
 from ecume.models.invariants import Invariant, at_most, energy_never_rises, kept
 from ecume.run import Habits, RunDirectory, info, resume, run
-from ecume.run.watching import Watch, budget
+from ecume.run.watching import Watch, budget, told
 
 Scenes = Callable[..., toy.ToyScene]
 QUIET = {"kinetic_energy": 1.0, "total_energy": 5.0, "momentum_x": 2.0, "momentum_y": 0.0}
@@ -78,15 +78,22 @@ def test_work_that_is_booked_may_raise_the_energy_and_is_not_dissipated(tmp_path
     assert (told["injected"], told["dissipated"]) == (2.5, 3.0)
 
 
-def test_a_dish_that_is_moved_does_work_that_nobody_books() -> None:
+def test_a_law_without_an_energy_has_no_line_of_it() -> None:
     from ecume.scenes.schema import from_plain
 
-    bowl = {"radius": 0.03, "motion": {"amplitude": 1e-3}}
     beads = [{"radius": 1e-3, "density": 600, "contact_angle": 1.2, "count": 2}]
-    for dish, judged in ((bowl, False), ({"radius": 0.03}, True)):
-        scene = from_plain({"model": "floating", "duration": 1.0, "frame_every": 0.1, "floats": beads, "dish": dish})
-        model = MODELS["floating"]
+    common = {"model": "floating", "duration": 1.0, "frame_every": 0.1, "floats": beads, "dish": {"radius": 0.03}}
+    for law, judged in (("one-sided-legacy", False), ("capillary", True)):
+        scene, model = from_plain({**common, "interaction": {"law": law}}), MODELS["floating"]
         assert ("energy" in [one.name for one in model.invariants(scene, model.parameters(scene))]) == judged
+
+
+def test_the_line_tells_what_was_injected_and_dissipated(tmp_path: Path) -> None:
+    watch = watched(tmp_path, energy_never_rises(0.1))
+    for step, (total, work) in enumerate(((5.0, 0.0), (4.5, 2.5))):
+        watch.take(0.1 * step, {**QUIET, "total_energy": total, "injected_work": work}, step)
+    watch.keep()
+    assert told(RunDirectory(tmp_path)) == "held: energy (0 of 0.1); injected 2.5 J, dissipated 3 J"
 
 
 def test_each_model_has_something_to_hold() -> None:

@@ -38,14 +38,16 @@ class Invariant(NamedTuple):
     value: Callable[[Seen], float]
 
 
-def energy_never_rises(limit: float, floor: Callable[[Seen], float] = lambda seen: 0.0) -> Invariant:
+def energy_never_rises(
+    limit: float, floor: Callable[[Seen], float] = lambda seen: 0.0, motion: Sequence[str] = ("kinetic_energy",)
+) -> Invariant:
     """Where no work is done on the system but what is booked: rises of the energy less that work, over what there was
-    of motion, loss and work; what is as small as `floor` (J) is nothing.
+    of motion, loss and work; what is as small as `floor` (J) is nothing. `motion` names the energy of motion, if any.
     """
 
     def rise(seen: Seen) -> float:
         worked = seen.largest.get(INJECTED, 0.0) - seen.least.get(INJECTED, 0.0)
-        scale = seen.largest["kinetic_energy"] + seen.largest[OWN] - seen.least[OWN] + worked + floor(seen)
+        scale = sum(seen.largest[name] for name in motion) + seen.largest[OWN] - seen.least[OWN] + worked + floor(seen)
         return part_of(seen.now[OWN] - seen.least[OWN], scale)
 
     return Invariant(ENERGY, "its rise above the least so far, over the energy that moved", limit, rise)

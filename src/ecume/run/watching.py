@@ -15,6 +15,7 @@ from ecume.trajectories.durable import storing
 POLICIES = ("warn", "stop")
 """What becomes of a run that breaks an invariant."""
 BROKEN = "broken"
+WORKS = "injected", "dissipated"
 
 
 class Verdict(NamedTuple):
@@ -88,7 +89,7 @@ def budget(first: Numbers, now: Numbers, *, closed: bool) -> dict[str, float | N
     injected = now.get(INJECTED, 0.0) - first.get(INJECTED, 0.0)
     apart = (injected, injected - change) if closed else (None, None)
     told = {"at the start": first["total_energy"], "now": now["total_energy"], "change": change}
-    return told | dict(zip(("injected", "dissipated"), apart, strict=True))
+    return told | dict(zip(WORKS, apart, strict=True))
 
 
 def sentence(one: Verdict) -> str:
@@ -97,15 +98,22 @@ def sentence(one: Verdict) -> str:
 
 
 def told(home: RunDirectory) -> str:
-    """In one line whether all held, as far as the run says; nothing of a run that says nothing."""
+    """In one line whether all held, and what work was done; nothing of a run that says nothing."""
     if not home.watch.exists():
         return ""
-    rows = json_of(home.watch).get("invariants", [])
+    kept = json_of(home.watch)
+    rows, work = kept.get("invariants", []), _work(kept.get("energy", {}))
     broken = [f"{row['name']} ({_shown(row['worst'])}, limit {row['limit']:g})" for row in rows if not row["held"]]
     if broken:
-        return f"{BROKEN}: {', '.join(broken)}"
+        return f"{BROKEN}: {', '.join(broken)}{work}"
     held = ", ".join(f"{row['name']} ({_shown(row['worst'])} of {row['limit']:g})" for row in rows)
-    return f"held: {held}" if rows else ""
+    return f"held: {held}{work}" if rows else ""
+
+
+def _work(energy: Mapping[str, float | None]) -> str:
+    """`; injected 3e-06 J, dissipated 2e-06 J`, of what is known."""
+    known = [f"{name} {energy[name]:.3g} J" for name in WORKS if energy.get(name) is not None]
+    return f"; {', '.join(known)}" if known else ""
 
 
 def _shown(worst: float | None) -> str:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from ecume.models.floating.booking import is_driven
 from ecume.models.floating.parameters import ONE_SIDED, OVERDAMPED, Parameters
-from ecume.models.invariants import Invariant, Seen, energy_never_rises, kept, part_of
+from ecume.models.invariants import INJECTED, Invariant, Seen, energy_never_rises, kept, part_of
 from ecume.scenes.floating import FloatingScene
 
 RISE = 1e-3
@@ -35,27 +36,31 @@ def _rows(scene: FloatingScene, parameters: Parameters) -> Iterator[Invariant]:
             "contacts", "steps whose contacts did not converge, over all", UNSETTLED,
             lambda seen: part_of(seen.now["unconverged_steps"], max(seen.now["step"], 1.0 / UNSETTLED)),
         )  # fmt: skip
-    if not _driven(parameters):
-        yield energy_never_rises(RISE)
+    if parameters.pair_law != ONE_SIDED:
+        yield _energy(parameters)
     if _alone(scene, parameters):
         mass = float(parameters.floats.mass.sum())
         yield kept("momentum", ("momentum_x", "momentum_y"), lambda seen: _momenta(seen, mass), ROUNDING)
 
 
-def _driven(parameters: Parameters) -> bool:
-    """Whether anything does work on the floats, or their state is no motion: flow, chance, a dish that is moved, a law
-    without an energy.
+def _energy(parameters: Parameters) -> Invariant:
+    """Energy less what is done from outside never rises. Without inertia it is all potential, and what chance does
+    with less than kT a float is nothing. A law that breaks Newton's third has none.
     """
-    drift = parameters.drift
-    one_sided = parameters.pair_law == ONE_SIDED
-    driven = drift.flows or drift.sway.moves or drift.thermal > 0.0
-    return bool(driven or one_sided or parameters.scheme == OVERDAMPED)
+    heat = len(parameters.floats.mass) * parameters.drift.thermal
+    motion = () if parameters.scheme == OVERDAMPED else ("kinetic_energy",)
+    energy = energy_never_rises(RISE, lambda seen: heat, motion)
+    if not is_driven(parameters):
+        return energy
+    # Runs that a former version began did not book.
+    return energy._replace(value=lambda seen: energy.value(seen) if INJECTED in seen.now else 0.0)
 
 
 def _alone(scene: FloatingScene, parameters: Parameters) -> bool:
     """Whether floats feel one another and nothing else."""
     dragged = any(math.isfinite(float(time)) for time in parameters.floats.relaxation_time)
-    return scene.dish is None and not dragged and not _driven(parameters)
+    pushed = is_driven(parameters) or parameters.pair_law == ONE_SIDED or parameters.scheme == OVERDAMPED
+    return scene.dish is None and not dragged and not pushed
 
 
 def _momenta(seen: Seen, mass: float) -> float:

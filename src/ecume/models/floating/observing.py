@@ -13,6 +13,7 @@ from ecume.engine.neighbors import Slots
 from ecume.engine.walls import Walls, wall_count, wall_distance
 from ecume.laws.capillarity import dish_energy, pair_energy, plane_wall_energy, two_point_legacy_energy
 from ecume.laws.swaying import sway_place
+from ecume.models.floating.booking import is_driven
 from ecume.models.floating.interacting import inertia_of, interaction_energies, turns
 from ecume.models.floating.many import Many
 from ecume.models.floating.parameters import (
@@ -20,6 +21,7 @@ from ecume.models.floating.parameters import (
     CUTOFF,
     DISH,
     NO_WALL_LAW,
+    OVERDAMPED,
     PLANE,
     STRENGTH,
     TABLED,
@@ -27,9 +29,10 @@ from ecume.models.floating.parameters import (
 )
 from ecume.models.floating.polar import Polar
 from ecume.models.floating.shaped.bodies import Shaped
-from ecume.models.floating.state import COLLISIONS, DEEPEST, SWEEPS, UNCONVERGED, State, Workspace
+from ecume.models.floating.state import COLLISIONS, DEEPEST, SWEEPS, UNCONVERGED, WORK, State, Workspace
 from ecume.models.floating.summing import Split
 from ecume.models.floating.wall_tables import HEIGHT, IMAGE, tabled
+from ecume.models.invariants import INJECTED
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
@@ -194,6 +197,8 @@ def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame
     }
     numbers = {name: float(numbers[name]) for name in NUMBER_UNITS}
     time = int(state.step[0]) * parameters.time_step
+    if is_driven(parameters) and len(state.tally) > WORK:
+        numbers[INJECTED], units[INJECTED] = float(state.tally[WORK]), "J"
     if parameters.drift.sway.moves:
         numbers |= place_of_dish(parameters, time)
         units |= {"dish_x": "m", "dish_y": "m"}
@@ -211,7 +216,7 @@ def place_of_dish(parameters: Parameters, time: float) -> dict[str, float]:
 
 
 def energies(parameters: Parameters, state: State, workspace: Workspace) -> dict[str, float]:
-    """Kinetic, pair and wall energies (J), and their sum."""
+    """Kinetic, pair and wall energies (J), and their sum: without the first where there is no inertia."""
     rows = workspace.lists.rows.first, workspace.lists.rows.neighbor, workspace.lists.cells.order
     kinetic = 0.5 * float(np.sum(parameters.floats.mass * np.sum(state.velocity**2, axis=1)))
     if turns(parameters):
@@ -225,7 +230,7 @@ def energies(parameters: Parameters, state: State, workspace: Workspace) -> dict
         "kinetic_energy": kinetic,
         "pair_energy": pairs,
         "wall_energy": walls,
-        "total_energy": kinetic + pairs + walls,
+        "total_energy": (0.0 if parameters.scheme == OVERDAMPED else kinetic) + pairs + walls,
     }
 
 

@@ -12,7 +12,7 @@ from ecume.models.floating.forces import Sorted
 from ecume.models.floating.parameters import Parameters
 from ecume.units import Array
 
-COLLISIONS, SWEEPS, UNCONVERGED, DEEPEST = range(4)
+COLLISIONS, SWEEPS, UNCONVERGED, DEEPEST, WORK = range(5)
 """Places in `State.tally`."""
 
 
@@ -42,7 +42,8 @@ class State(NamedTuple):
     turning: Array
     """(N, 2) angle (rad) and spin (rad/s) of floats that turn; (N, 0) where none does"""
     tally: Array
-    """collisions, contact sweeps, steps whose contacts did not converge, deepest overlap so far (m)"""
+    """collisions, contact sweeps, steps whose contacts did not converge, deepest overlap so far (m), and the work
+    done from outside (J)"""
 
 
 class Workspace(NamedTuple):
@@ -85,7 +86,7 @@ def make_state(position: Array, velocity: Array, orders: int = 0) -> State:
         rub=np.zeros(0),
         amplitudes=np.zeros((count, 2 * orders)),
         turning=np.zeros((count, 0)),
-        tally=np.zeros(4),
+        tally=np.zeros(5),
     )
 
 

@@ -14,6 +14,7 @@ from collections.abc import Callable
 from ecume._jit import compiled, inlined, plainly
 from ecume.engine.contacts import Candidates
 from ecume.engine.neighbors import NeighborLists, build, farthest_move
+from ecume.models.floating.booking import book, is_driven
 from ecume.models.floating.forces import Sorted, forces, sort_floats
 from ecume.models.floating.meeting import meet, rest, settle
 from ecume.models.floating.parameters import (
@@ -124,11 +125,16 @@ def step_with(
     predict(parameters, state, workspace)
     if parameters.contact_law != NO_CONTACTS:
         meet(parameters, state, workspace)
+    driven = is_driven(parameters)
+    if driven:
+        book(parameters, state, workspace, 0.0)
     drift(state.position, workspace.passage, parameters.time_step)
     if parameters.contact_law == IMPULSE:
         settle(parameters, state, workspace)
     if parameters.scheme != STORMER_VERLET:
         evaluate(parameters, state.position, workspace.lists, (workspace.sorted_floats, workspace.force))
+    if driven:
+        book(parameters, state, workspace, 1.0)
     if parameters.scheme == VELOCITY_VERLET:
         kick_floats(parameters, state, workspace.force, 1.0)
     if parameters.contact_law in (IMPULSE, SPRINGS) and parameters.scheme not in KICKED_BEFORE:
