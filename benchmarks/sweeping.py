@@ -16,7 +16,7 @@ from pathlib import Path
 from marching import machine
 
 from ecume.sweep import sweep
-from ecume.sweep.running import Crew
+from ecume.sweep.crews import Crew
 
 POINTS = 200
 WANTED = 1.8
@@ -35,7 +35,9 @@ values = [1e-5, 1e-4, 1e-3, 1e-2]
 def seconds(file: Path, folder: Path, workers: int) -> float:
     """For all points, from the pace of those after the first few."""
     ends: list[float] = []
-    done = sweep(file, folder, Crew(workers=workers, progress=lambda *_: ends.append(time.perf_counter())))
+    done = sweep(
+        file, folder, Crew(workers=workers, progress=lambda done, _: ends.append(time.perf_counter()) if done else None)
+    )
     assert not done.failed
     skipped = 4 * workers
     return (ends[-1] - ends[skipped]) * len(ends) / (len(ends) - 1 - skipped)

@@ -8,7 +8,7 @@ import pytest
 from ecume.errors import BadInput, SceneError
 from ecume.scenes.templates import sweep_templates
 from ecume.sweep.asked import READER
-from ecume.sweep.points import load_sweep, named, points_of, varied
+from ecume.sweep.points import load_sweep, points_of, varied
 
 
 def spec_of(text):
@@ -77,6 +77,26 @@ def test_the_seed_alone_decides_what_is_drawn():
     assert all(0 <= one["a"] <= 1 and 1e-3 <= one["b"] <= 10 for one in drawn_freely)
 
 
+def test_both_ends_of_a_span_may_carry_the_unit():
+    found = settings(SPAN.format('start = "1 mPa*s", stop = "1e2 mPa*s", count = 3, log = true'))
+    assert [one["a"] for one in found] == ["1.0 mPa*s", "10.0 mPa*s", "100.0 mPa*s"]
+
+
+def test_whole_numbers_are_rounded_where_that_is_asked_for():
+    found = settings(SPAN.format("start = 20, stop = 61, count = 4, whole = true"))
+    assert [one["a"] for one in found] == [20, 34, 47, 61]
+    assert all(isinstance(one["a"], int) for one in found)
+
+
+def test_what_is_fixed_may_stand_in_tables():
+    spec = spec_of('template = "t1"\nrepeats = 2\n[fixed]\nliquid.viscosity = 1\n"floats[0].count" = 3')
+    assert spec.fixed == {"liquid.viscosity": 1, "floats[0].count": 3}
+
+
+TWICE = 'template = "t1"\n[[axes]]\nkey = "{}"\nvalues = [1]\n{}\n[[axes]]\nkey = "{}"\nvalues = [1]\n{}\n'
+SPAN = 'template = "t1"\n[[axes]]\nkey = "a"\nspan = {{{}}}'
+
+
 @pytest.mark.parametrize(
     ("text", "says"),
     [
@@ -92,7 +112,23 @@ def test_the_seed_alone_decides_what_is_drawn():
         ('template = "t1"\n[[axis]]\nkey = "a"', "axis: no such key; did you mean axes?"),
         ('template = "t1"\nrepeats = 0', "repeats"),
         ('template = "dam-brake"\nrepeats = 2', "did you mean dam-break?"),
-        ('template = "t1"\nrepeats = ', "Invalid value"),
+        ('template = "t1"\nrepeats = ', "line 2, column 11: is not TOML: Invalid value"),
+        ("a = " + "[" * 3000, "nested too deeply"),
+        ('process = "t1"\nmeasures = ["final x"]\n[[axes]]\nkey = "gap"\nvalues = [1]', "tells its own numbers"),
+        ('template = "t1"\nrepeats = 2\nmeasures = ["finl top"]', "line 3, column 13: measures[0]: came 'finl top'"),
+        ('template = "t1"\nrepeats = 2\nmeasures = ["first top > 1.2.3"]', "or 'first top > 0.3'"),
+        (TWICE.format("a", "", "a", ""), "axes[1].key: a stands elsewhere, too"),
+        (TWICE.format("a", 'name = "x"', "b", 'name = "x"'), "axes[0].name: another column of the table is called x"),
+        (TWICE.format("a", 'name = "state"', "b", ""), "axes[0].name: another column of the table is called state"),
+        (TWICE.format("a", "", "b", "") + "[fixed]\nb = 1", "axes[1].key: b stands elsewhere, too"),
+        ('template = "t1"\nrepeats = 2\n[[axes]]\nkey = "seed"\nvalues = [1]', "repeats: each has a seed of its own"),
+        (SPAN.format('start = "1 mm", stop = "2 m"'), "or both with the same unit"),
+        (SPAN.format('start = "1 mm", stop = 2'), "or both with the same unit"),
+        (SPAN.format('start = "1 mm", stop = "2 mm", unit = "mm"'), "or both with the same unit"),
+        (SPAN.format("start = 1, stop = 2, count = 1"), "axes[0].span.count: came 1; wanted 2 or more"),
+        ('template = "t1"\n[[axes]]\nkey = "a"\nvalues = [nan]', "values[0]: came nan; wanted a finite number, text"),
+        ('template = "t1"\n[[axes]]\nrows = [[1]]', "axes[0]: wanted key, or keys with rows"),
+        ('template = "t1"\nrepeats = 2\n[cluster]\nwalltime = "1 h"', 'hours:minutes:seconds, such as "01:30:00"'),
     ],
 )
 def test_what_cannot_be_a_sweep_is_refused_with_its_place(tmp_path, text, says):
@@ -100,6 +136,7 @@ def test_what_cannot_be_a_sweep_is_refused_with_its_place(tmp_path, text, says):
     with pytest.raises(BadInput) as refused:
         load_sweep(tmp_path / "sweep.toml")
     assert says in str(refused.value)
+    assert "sweep.toml: " in str(refused.value)
 
 
 def test_all_faults_come_at_once(tmp_path):
@@ -122,4 +159,4 @@ def test_templates_are_sweeps(tmp_path, name):
     (path,) = copy_template(name, tmp_path / "sweep.toml")
     spec = load_sweep(path).spec
     assert len(points_of(spec)) >= 3
-    assert all(named(spec, key) for key in varied(spec))
+    assert all(spec.named(key) for key in varied(spec))

@@ -10,8 +10,12 @@ from ecume.sweep.figures import edges, sweep_figure
 class Made:
     """A sweep's table, made up."""
 
-    title, directory = "Costs $5", "nowhere"
+    title, directory, drawn = "Costs $5", "nowhere", False
     axes = ("gap", "force", "repeat")
+    ways = ("gap", "force")
+
+    def units(self, columns):
+        return {"gap": "m"}
 
     def table(self):
         rows = [
@@ -30,7 +34,9 @@ def test_curves_are_means_with_their_errors():
     (bars,) = first.lines[2]
     np.testing.assert_allclose([np.ptp(one[:, 1]) for one in bars.get_segments()], 2.0)
     assert axes.get_xscale() == "log"
-    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["force = 1", "force = 2"]
+    assert axes.get_xlabel() == "gap (m)"
+    assert axes.get_legend().get_title().get_text() == "force"
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["1", "2"]
 
 
 def test_a_map_has_a_field_for_each_pair():
@@ -46,6 +52,97 @@ def test_fields_lie_around_their_values_on_a_logarithmic_axis():
 def test_a_scatter_has_a_dot_for_each_run():
     (axes, *_) = sweep_figure(Made(), "scatter").axes
     assert len(axes.collections[0].get_offsets()) == 12
+
+
+class Wide(Made):
+    """Three axes, one of them of words, and a key that goes along with one."""
+
+    axes = ("gap", "width", "force", "law")
+    ways = ("gap", "force", "law")
+
+    def table(self):
+        return [
+            {"gap": gap, "width": 2 * gap, "force": force, "law": law, "state": "done", "time": gap * force * factor}
+            for gap in (1.0, 2.0, 3.0)
+            for force in (1.0, 2.0)
+            for law, factor in (("stokes", 1.0), ("none", 10.0))
+        ]
+
+
+def test_no_axis_is_averaged_over_by_curves():
+    (axes, *_) = sweep_figure(Wide(), "curves").axes
+    told = {text.get_text() for text in axes.get_legend().get_texts()}
+    assert told == {"1, stokes", "1, none", "2, stokes", "2, none"}
+    assert axes.get_xlabel() == "gap (m)"
+    ends = sorted(float(one.lines[0].get_ydata()[-1]) for one in axes.containers)
+    assert ends == [3.0, 6.0, 30.0, 60.0]
+    assert all(not one.has_yerr for one in axes.containers)
+
+
+def test_a_map_says_over_what_it_is_averaged_and_words_are_ticks():
+    axes, bar = sweep_figure(Wide(), "map").axes
+    assert bar.get_ylabel() == "time, mean over law"
+    np.testing.assert_allclose(axes.collections[0].get_array(), [[5.5, 11.0, 16.5], [11.0, 22.0, 33.0]])
+
+    class Words(Wide):
+        ways = ("gap", "law")
+
+    (axes, *_) = sweep_figure(Words(), "map").axes
+    assert [label.get_text() for label in axes.get_yticklabels()] == ["stokes", "none"]
+
+
+def test_what_was_never_reached_has_no_error_bar():
+    class Never(Made):
+        def table(self):
+            return [
+                {
+                    "gap": gap,
+                    "force": 1.0,
+                    "repeat": repeat,
+                    "state": "done",
+                    "time": np.inf if gap > 1 else 1.0 + repeat,
+                }
+                for gap in (1.0, 2.0)
+                for repeat in (0, 2)
+            ]
+
+    (axes, *_) = sweep_figure(Never(), "curves").axes
+    (bars,) = axes.containers[0].lines[2]
+    assert np.ptp(bars.get_segments()[0][:, 1]) == pytest.approx(2.0)
+
+
+class Drawn(Made):
+    """Points that lie on no grid."""
+
+    ways, drawn = ("gap", "force"), True
+
+    def table(self):
+        chance = np.random.default_rng(1)
+        return [
+            {"gap": gap, "force": force, "state": "done", "time": gap * force}
+            for gap, force in chance.uniform(1.0, 2.0, (20, 2))
+        ]
+
+
+def test_points_that_were_drawn_are_dots_and_no_curves():
+    with pytest.raises(BadInput, match="--what scatter"):
+        sweep_figure(Drawn(), "curves")
+    axes, bar = sweep_figure(Drawn(), "map").axes
+    assert len(axes.collections[0].get_offsets()) == 20
+    assert bar.get_ylabel() == "time"
+
+
+def test_too_many_curves_are_refused():
+    class Many(Made):
+        def table(self):
+            return [
+                {"gap": gap, "force": force, "state": "done", "time": gap}
+                for gap in np.arange(1.0, 50.0)
+                for force in np.arange(1.0, 40.0)
+            ]
+
+    with pytest.raises(BadInput, match="39 curves cannot be told apart"):
+        sweep_figure(Many(), "curves")
 
 
 @pytest.mark.parametrize(

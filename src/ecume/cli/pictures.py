@@ -204,7 +204,7 @@ def plot(
 
         wrote(integrator_comparison(out or Path("integrators.png")), quiet=quiet)
     elif (directory / "points.json").is_file():
-        _draw_sweep(directory, what or ["curves"], out, quiet=quiet)
+        _draw_sweep(directory, what or [], out, quiet=quiet)
     elif what:
         _draw(directory, what, out, quiet=quiet)
     else:
@@ -213,9 +213,11 @@ def plot(
 
 def _draw_sweep(directory: Path, names: list[str], out: Path | None, *, quiet: bool) -> None:
     """Figures of a sweep: `curves`, `map` or `scatter`, or `curves:duration` for a measure that is not its first."""
-    from ecume.sweep.figures import plot_sweep
+    from ecume.sweep.figures import kinds_of, plot_sweep
 
-    for name in names:
+    asked = names or kinds_of(directory)
+    _require_one(asked, out)
+    for name in asked:
         kind, _, measure = name.partition(":")
         wrote(plot_sweep(directory, kind, measure or None, out), quiet=quiet)
 
@@ -226,10 +228,15 @@ def _draw(directory: Path, names: list[str], out: Path | None, *, quiet: bool) -
     from ecume.show.figures import plot as draw
 
     existing(directory)
-    if out is not None and len(names) > 1:
-        raise BadInput(f"{len(names)} figures do not fit into {out}; give --what once, or leave -o out")
+    _require_one(names, out)
     for name in names:
         wrote(draw(directory, name, out), quiet=quiet)
+
+
+def _require_one(names: list[str], out: Path | None) -> None:
+    """Raise BadInput where several figures are to go into one file."""
+    if out is not None and len(names) > 1:
+        raise BadInput(f"{len(names)} figures do not fit into {out}; give --what once, or leave -o out")
 
 
 def _draw_all(directory: Path, out: Path | None, *, quiet: bool) -> None:

@@ -46,21 +46,59 @@ def _bar() -> Iterator[Told]:
 
 
 @contextmanager
-def counted(what: str, *, quiet: bool) -> Iterator[Callable[[int, int], None] | None]:
-    """What counts things that are done, `12 of 300 pictures`, on a terminal; elsewhere it is soon enough to be told
-    the end.
+def counted(what: str, *, quiet: bool, lines: bool = False) -> Iterator[Callable[[int, int], None] | None]:
+    """What counts things that are done, `12 of 300 points, 4 min left`: a bar on a terminal; elsewhere `lines`, or
+    nothing where it is soon enough to be told the end.
     """
-    if quiet or not sys.stderr.isatty():
+    if quiet or not (lines or sys.stderr.isatty()):
         yield None
-        return
+    elif sys.stderr.isatty():
+        with _counting_bar(Pace(what)) as told:
+            yield told
+    else:
+        yield CountLines(Pace(what))
+
+
+@contextmanager
+def _counting_bar(pace: Pace) -> Iterator[Callable[[int, int], None]]:
     from rich.console import Console
-    from rich.progress import BarColumn, TextColumn, TimeRemainingColumn
+    from rich.progress import BarColumn, TextColumn
     from rich.progress import Progress as Bars
 
-    columns = (BarColumn(), TextColumn("{task.description}"), TimeRemainingColumn())
-    with Bars(*columns, console=Console(stderr=True), transient=True) as bars:
-        bar = bars.add_task(what, total=None)
-        yield lambda done, of: bars.update(bar, total=of, completed=done, description=f"{done} of {of} {what}, left:")
+    # The time that is left is ours: Rich forgets what came more than half a minute ago.
+    with Bars(BarColumn(), TextColumn("{task.description}"), console=Console(stderr=True), transient=True) as bars:
+        bar = bars.add_task(pace.what, total=None)
+        yield lambda done, of: bars.update(bar, total=of, completed=done, description=pace(done, of))
+
+
+class Pace:
+    """How many are done, and how long the others take at the pace since the first word."""
+
+    def __init__(self, what: str) -> None:
+        self.what = what
+        self._first: tuple[float, int] | None = None
+
+    def __call__(self, done: int, of: int) -> str:
+        """`12 of 300 points, 4 min left`."""
+        now = time.monotonic()
+        since, before = self._first = self._first or (now, done)
+        left = f", {lasting((of - done) * (now - since) / (done - before))} left" if before < done < of else ""
+        return f"{done} of {of} {self.what}{left}"
+
+
+class CountLines:
+    """A plain line every ten seconds in which something was done."""
+
+    def __init__(self, pace: Pace) -> None:
+        self._pace = pace
+        self._last = time.monotonic()
+
+    def __call__(self, done: int, of: int) -> None:
+        """Say how many are done, if it is time to."""
+        said, now = self._pace(done, of), time.monotonic()
+        if now - self._last >= LINE_EVERY:
+            self._last = now
+            typer.echo(said, err=True)
 
 
 class Lines:

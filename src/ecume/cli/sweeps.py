@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ecume.cli.progress import counted
+from ecume.cli.ends import say
+from ecume.cli.progress import counted, lasting
 from ecume.cli.runs import Quiet, use_at_most
 from ecume.errors import BadInput, Stopped
 
@@ -63,6 +64,8 @@ def sweep(
     --status` · `ecume sweep durations.toml --array && sbatch sweeps/durations/array.sh`
     """
     use_at_most(1)
+    if sum((workers is not None, scheduler is not None, slurm, array, status)) > 1:
+        raise BadInput("wanted one of --workers, --scheduler, --slurm, --array and --status")
     directory = out or (file if file.is_dir() else SWEEPS / file.stem)
     source = file / "sweep.toml" if file.is_dir() else file
     if status:
@@ -78,25 +81,25 @@ def sweep(
 
 def _write_array(source: Path, directory: Path) -> None:
     from ecume.sweep.arrays import write_array
-    from ecume.sweep.directory import laid_out
-    from ecume.sweep.points import load_sweep
+    from ecume.sweep.directory import begun_or_laid_out
 
-    typer.echo(f"wrote {write_array(laid_out(load_sweep(source), directory))}; hand it to sbatch")
+    typer.echo(f"wrote {write_array(begun_or_laid_out(source, directory))}; hand it to sbatch")
 
 
 def _run_all(source: Path, directory: Path, hands: dict[str, Any], *, quiet: bool) -> None:
     """Run what is missing, and say what became of it."""
-    from ecume.sweep import running
+    from ecume.sweep import Crew, running
 
-    with counted("points", quiet=quiet) as told:
-        done = running.sweep(source, directory, running.Crew(**hands, progress=told))
+    def failed(folder: Path, why: str) -> None:
+        say(f"{folder}: {why}", named=False)
+
+    with counted("points", quiet=quiet, lines=True) as told:
+        done = running.sweep(source, directory, Crew(**hands, progress=told, failed=failed))
     _end(done, quiet=quiet)
 
 
 def _end(done: Outcome, *, quiet: bool) -> None:
     """What became of it; a sweep with failures is no success."""
-    for folder, why in done.failed:
-        typer.echo(f"{folder}: {why}", err=True)
     if not quiet:
         busy = f", {done.busy} elsewhere at work" if done.busy else ""
         typer.echo(
@@ -112,16 +115,15 @@ def _end(done: Outcome, *, quiet: bool) -> None:
 
 
 def _tell(directory: Path) -> None:
-    from collections import Counter
+    from ecume.sweep.standing import standing
 
-    from ecume.sweep import open_sweep
-    from ecume.sweep.directory import existing_sweep
-    from ecume.sweep.running import outcome_of
-
-    counts = Counter(open_sweep(directory).states())
-    typer.echo(f"{directory}: " + ", ".join(f"{counts[word]} {word}" for word in ("done", "failed", "missing")))
-    for folder, why in outcome_of(existing_sweep(directory)).failed:
-        typer.echo(f"{folder}: {why}")
+    now = standing(directory)
+    left = f"; {lasting(now.remaining)} left at the pace of the last points" if now.remaining is not None else ""
+    typer.echo(
+        f"{directory}: {now.done} done, {len(now.failed)} failed, {now.running} running, {now.missing} missing{left}"
+    )
+    for folder, why in now.failed:
+        say(f"{folder}: {why}", named=False)
 
 
 def _work(directory: Path, number: int, of: int) -> None:

@@ -6,17 +6,14 @@ What is positive moves by ratios, an angle between its two ends: so a fit never 
 from __future__ import annotations
 
 import math
-import typing
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from ecume.errors import BadInput
 from ecume.scenes.faults import Path, read_path, suggestion, value_at, written
+from ecume.scenes.kinds import ANGLE, unit_of
 from ecume.scenes.overrides import KEY, put
-from ecume.scenes.schema import SCENES
-from ecume.units import Unit
 
-ANGLE = "contact_angle"
 MOST = 20
 
 
@@ -102,31 +99,6 @@ def _numbered(value: Any, path: Path = ()) -> Iterator[Path]:
                 yield from _numbered(item, (*path, place))
     elif isinstance(value, (int, float)) and not isinstance(value, bool):
         yield path
-
-
-def unit_of(plain: Mapping[str, Any], path: Path) -> str:
-    """The SI unit that the schema knows for a place in a scene."""
-    if path[-1] == ANGLE:
-        return "rad"
-    kind: Any = SCENES[plain["model"]]
-    for key in path:
-        kind = _below(kind, key)
-    return next((mark.symbol for mark in _marks(kind) if isinstance(mark, Unit)), "1")
-
-
-def _below(kind: Any, key: str | int) -> Any:
-    """The annotation one key further down."""
-    if isinstance(key, int):
-        return next(part for part in typing.get_args(kind) if part is not ...)
-    piece = next((part for part in (kind, *typing.get_args(kind)) if hasattr(part, "__dataclass_fields__")), None)
-    return typing.get_type_hints(piece, include_extras=True).get(key) if piece is not None else None
-
-
-def _marks(kind: Any) -> Iterator[Any]:
-    """All that annotations say, however deep."""
-    for part in typing.get_args(kind):
-        yield part
-        yield from _marks(part)
 
 
 def with_values(plain: dict[str, Any], free: Sequence[Free], values: Sequence[float]) -> dict[str, Any]:

@@ -20,6 +20,8 @@ from ecume.scenes.templates import templates
 BARE = re.compile(r"[^=#]*=\s*([\w.+-][^\"'\[\]{}#=]*[^\W\d_][^\"'\[\]{}#=]*?)\s*(?:#.*)?$")
 """A line with words that stand without quotes."""
 MOST_BYTES = 2**20
+OVERRIDDEN = " (from --set)"
+"""Behind a fault that the command line brought in."""
 LONGEST_NAME = 200
 """Of a file: about a longer one the system would rather not be asked."""
 
@@ -39,7 +41,7 @@ def load_scene(path_or_text: str | File, overrides: Sequence[str] = ()) -> Scene
     looked for beside its file (beside nothing but the current folder when it is text).
     """
     source = source_of(path_or_text)
-    raw = _parsed(source)
+    raw = parsed(source)
     changed, faults = overridden(raw, overrides)
     name_liquid(raw)
     dry = sources_followed(raw, source.folder)
@@ -51,20 +53,20 @@ def load_scene(path_or_text: str | File, overrides: Sequence[str] = ()) -> Scene
     excused = {path[:-1] or ("fluid",) for path, _ in dry} | ({("floats",)} if rows.faults else set())
     faults += dry + rows.faults + rows.told([fault for fault in found if fault[0] not in excused])
     if scene is None or faults:
-        raise SceneError(_placed(source, faults, changed), source.name)
+        raise SceneError(placed(source, faults, changed), source.name)
     return scene
 
 
 def located(error: SceneError, path_or_text: str | File, overrides: Sequence[str] = ()) -> SceneError:
     """The same error with the lines and columns of the file; for faults that a model found in a scene that was read."""
     source = source_of(path_or_text)
-    raw = _parsed(source)
+    raw = parsed(source)
     changed = overridden(raw, overrides)[0]
     name_liquid(raw)
     sources_followed(raw, source.folder)
     rows = rows_from(raw, source.folder)
     faults = rows.told([(read_path(fault.path), fault.message) for fault in error.faults])
-    return SceneError(_placed(source, faults, changed), source.name)
+    return SceneError(placed(source, faults, changed), source.name)
 
 
 def name_liquid(raw: dict[str, Any]) -> None:
@@ -94,9 +96,13 @@ def source_of(path_or_text: str | File) -> Source:
         file = File(path_or_text) if "=" in path_or_text and "\n" not in path_or_text else None
         if file is None or len(path_or_text) > 255 or not file.is_file():
             return Source(_bounded(path_or_text), "scene", File())
-    path = File(path_or_text)
+    return source_in(File(path_or_text))
+
+
+def source_in(path: File, most_bytes: int = MOST_BYTES) -> Source:
+    """The text of a file. Raises SceneError where there is none."""
     try:
-        return Source(text_of(path, MOST_BYTES), str(path), path.parent)
+        return Source(text_of(path, most_bytes), str(path), path.parent)
     except NotText as fault:
         raise SceneError([Fault("", fault.message, fault.line, fault.column)], str(path)) from None
     except ValueError as fault:
@@ -120,7 +126,7 @@ def _bounded(text: str) -> str:
     return text
 
 
-def _parsed(source: Source) -> dict[str, Any]:
+def parsed(source: Source) -> dict[str, Any]:
     """The tables of a TOML text. Python's reader leaks two more exceptions than its own."""
     try:
         return tomllib.loads(source.text)
@@ -144,12 +150,12 @@ def _syntax_fault(told: str, text: str) -> Fault:
     return Fault("", f"is not TOML: {message or told}{hint}", line, column)
 
 
-def _placed(source: Source, faults: Sequence[tuple[Path, str]], changed: set[Path]) -> list[Fault]:
+def placed(source: Source, faults: Sequence[tuple[Path, str]], changed: set[Path]) -> list[Fault]:
     """Faults with their lines and columns; those that the command line brought in have none."""
     known = places(source.text)
-    placed = []
+    found = []
     for path, message in faults:
         overridden_here = any(path[: len(start)] == start for start in changed)
         line, column = (None, None) if overridden_here else place_of(path, known)
-        placed.append(Fault(written(path), message + " (from --set)" * overridden_here, line, column))
-    return sorted(placed, key=lambda fault: (fault.line is None, fault.line or 0, fault.column or 0))
+        found.append(Fault(written(path), message + OVERRIDDEN * overridden_here, line, column))
+    return sorted(found, key=lambda fault: (fault.line is None, fault.line or 0, fault.column or 0))

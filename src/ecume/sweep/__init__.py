@@ -4,7 +4,8 @@ ecume.sweep.sweep("durations.toml", "sweeps/durations")
 ecume.open_sweep("sweeps/durations").table()
 """
 
+from ecume.sweep.crews import Crew
 from ecume.sweep.results import Sweep, open_sweep
 from ecume.sweep.running import Outcome, sweep
 
-__all__ = ["Outcome", "Sweep", "open_sweep", "sweep"]
+__all__ = ["Crew", "Outcome", "Sweep", "open_sweep", "sweep"]

@@ -6,8 +6,8 @@ import shlex
 import sys
 from pathlib import Path
 
+from ecume.sweep.crews import ONE_THREAD
 from ecume.sweep.directory import Sweeping
-from ecume.sweep.running import ONE_THREAD
 from ecume.sweep.working import work
 from ecume.trajectories.durable import write_whole
 

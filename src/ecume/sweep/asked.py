@@ -2,34 +2,83 @@
 
 from __future__ import annotations
 
+import math
+import re
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field, TypeAdapter, model_validator
+from pydantic import AfterValidator, Field, PlainValidator, TypeAdapter, model_validator
 from pydantic.dataclasses import dataclass
 
 from ecume.scenes.faults import Complaints, Inconsistent
 from ecume.scenes.overrides import KEY
 from ecume.scenes.quantities import STRICT, Seed, Switch, Text
+from ecume.sweep.measures import read_measure
 
 MOST_POINTS = 1_000_000
+OWN_COLUMNS = ("state", "repeat")
+"""Of the table, whatever is asked."""
+QUANTITY = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s+(\S.*)")
 
-Key = Annotated[str, Field(max_length=600, pattern=rf"^(?:{KEY.pattern})$")]
-Value = int | float | str | bool | list[Any]
+
+def like(pattern: str, words: str) -> Callable[[str], str]:
+    """Takes text of this form, and says what was wanted otherwise."""
+    form = re.compile(pattern)
+
+    def fitting(text: str) -> str:
+        if form.fullmatch(text) is None:
+            raise ValueError(f"wanted {words}")
+        return text
+
+    return fitting
+
+
+def value(came: object) -> object:
+    """What may stand at a key of a scene."""
+    if not isinstance(came, (bool, int, float, str, list)) or (isinstance(came, float) and not math.isfinite(came)):
+        raise ValueError("wanted a finite number, text, true or false, or a list")
+    return came
+
+
+def measure(text: str) -> str:
+    """The words of a measure."""
+    read_measure(text)
+    return text
+
+
+Key = Annotated[str, Field(max_length=600), AfterValidator(like(KEY.pattern, "a key such as liquid.viscosity"))]
+Value = Annotated[Any, PlainValidator(value)]
 Whole = Annotated[int, Field(strict=True, ge=1, le=MOST_POINTS)]
 Finite = Annotated[float, Field(ge=-1e300, le=1e300)]
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class Span:
-    """From one number to another; the unit, if any, is written behind each: `unit = "mm"`."""
+    """From one number to another, `start = "1 mm"` and `stop = "9 mm"`, or with the unit apart: `unit = "mm"`."""
 
     start: Finite
     stop: Finite
-    count: Whole = 2
+    count: Annotated[int, Field(strict=True, ge=2, le=MOST_POINTS)] = 2
     """how many, both ends among them"""
     log: Switch = False
     """whether ratios between neighbors are equal, and not differences"""
+    whole: Switch = False
+    """whether numbers are rounded to whole ones, as of particles"""
     unit: Annotated[str, Field(max_length=40)] = ""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _with_units(cls, raw: Any) -> Any:
+        """Both ends may carry the unit instead."""
+        ends = ("start", "stop")
+        found = {end: QUANTITY.fullmatch(raw[end]) for end in ends if isinstance(_of(raw, end), str)}
+        if not found:
+            return raw
+        units = {match[2].strip() if match else "" for match in found.values()}
+        if len(found) < 2 or len(units) > 1 or "" in units or "unit" in raw:
+            raise Inconsistent([((), 'wanted two numbers, or both with the same unit: start = "1 mm", stop = "9 mm"')])
+        return raw | {end: float(match[1]) for end, match in found.items() if match} | {"unit": units.pop()}
 
     @model_validator(mode="after")
     def _ordered(self) -> Self:
@@ -69,7 +118,7 @@ class Axis:
         found += [
             (("rows", place), f"came {len(row)} values; wanted {len(self.keys)}, one for each of the keys")
             for place, row in enumerate(self.rows)
-            if len(row) != len(self.keys)
+            if self.keys and len(row) != len(self.keys)
         ]
         if found:
             raise Inconsistent(found)
@@ -101,9 +150,11 @@ class Cluster:
     """What a job of a cluster may use; for `--slurm` and `--array`."""
 
     partition: Text = ""
-    walltime: Annotated[str, Field(pattern=r"^[0-9]{1,4}:[0-5][0-9]:[0-5][0-9]$")] = "01:00:00"
+    walltime: Annotated[
+        str, AfterValidator(like(r"[0-9]{1,4}:[0-5][0-9]:[0-5][0-9]", 'hours:minutes:seconds, such as "01:30:00"'))
+    ] = "01:00:00"
     """hours:minutes:seconds"""
-    memory: Annotated[str, Field(pattern=r"^[0-9]{1,6}[KMGT]B?$")] = "2GB"
+    memory: Annotated[str, AfterValidator(like(r"[0-9]{1,6}[KMGT]B?", 'a size such as "2GB"'))] = "2GB"
     """of each job"""
     jobs: Annotated[int, Field(strict=True, ge=1, le=10_000)] = 4
     """at once, at most; one core each"""
@@ -123,30 +174,83 @@ class SweepSpec:
     process: Text = ""
     """or a process that makes its own scenes, such as `t1`; the axes are its arguments"""
     fixed: dict[Key, Value] = Field(default_factory=dict)
-    """keys of the scene that differ from its file in all points"""
+    """keys of the scene that differ from its file in all points; those of a table may stand in one"""
     axes: tuple[Axis, ...] = ()
     """each combination of their values is a point"""
     sampling: Sampling | None = None
-    """with axes as well, each combination is drawn anew"""
+    """with axes as well, each combination of their values has all points that are drawn"""
     repeats: Annotated[int, Field(strict=True, ge=1, le=100_000)] = 1
     """of each point, with a seed of its own: the scene's, and on from there"""
-    measures: tuple[Text, ...] = ()
+    measures: tuple[Annotated[Text, AfterValidator(measure)], ...] = ()
     """what the table has of each run: `final kinetic_energy`, `mean pressure`, `max top`, `first top > 0.3` ...; left
     out, the last value of every number"""
     cluster: Cluster = Cluster()
 
+    @model_validator(mode="before")
+    @classmethod
+    def _flat(cls, raw: Any) -> Any:
+        """`liquid.viscosity = 1` makes tables of TOML: each of their keys differs for itself."""
+        fixed = _of(raw, "fixed")
+        return raw | {"fixed": dict(_leaves(fixed))} if isinstance(fixed, dict) else raw
+
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        found: Complaints = []
-        if sum(map(bool, (self.scene, self.template, self.process))) != 1:
-            found.append(((), "wanted one of scene, template and process"))
-        if not self.axes and self.sampling is None and self.repeats == 1:
-            found.append((("axes",), "is missing; nothing varies"))
-        if self.process and self.repeats > 1:
-            found.append((("repeats",), "a process has no seed; its repeats would be equal"))
+        found: Complaints = [*self._incomplete(), *self._twice()]
         if found:
             raise Inconsistent(found)
         return self
+
+    def _incomplete(self) -> Iterator[tuple[tuple[str, ...], str]]:
+        if sum(map(bool, (self.scene, self.template, self.process))) != 1:
+            yield (), "wanted one of scene, template and process"
+        if not self.axes and self.sampling is None and self.repeats == 1:
+            yield ("axes",), "is missing; nothing varies"
+        if self.process and self.repeats > 1:
+            yield ("repeats",), "a process has no seed; its repeats would be equal"
+        if self.process and self.measures:
+            yield ("measures",), f"are of scenes; the process {self.process} tells its own numbers"
+
+    def _twice(self) -> Iterator[tuple[tuple[str | int, ...], str]]:
+        """What is said of one key, or called by one name, in two places."""
+        keys = self.keyed
+        times = Counter([*keys.values(), *self.fixed])
+        yield from ((place, f"{key} stands elsewhere, too") for place, key in keys.items() if times[key] > 1)
+        if self.repeats > 1 and "seed" in keys.values():
+            yield ("repeats",), "each has a seed of its own; they cannot be repeats of seeds that vary"
+        names = Counter([*OWN_COLUMNS, *self.measures, *(self.named(key) for key in dict.fromkeys(keys.values()))])
+        for place, axis in enumerate(self.axes):
+            if axis.name and names[axis.name] > 1:
+                yield ("axes", place, "name"), f"another column of the table is called {axis.name}"
+
+    @property
+    def keyed(self) -> dict[tuple[str | int, ...], str]:
+        """The keys that vary, in the order of the table's columns, by their places here."""
+        axes = [
+            (("axes", place, *end), key)
+            for place, axis in enumerate(self.axes)
+            for end, key in (
+                [(("key",), axis.key)] if axis.key else [(("keys", n), k) for n, k in enumerate(axis.keys)]
+            )
+        ]
+        drawn = enumerate(self.sampling.axes if self.sampling is not None else ())
+        return dict(axes) | {("sampling", "axes", place, "key"): axis.key for place, axis in drawn}
+
+    def named(self, key: str) -> str:
+        """What a key's column is called."""
+        return next((axis.name for axis in self.axes if axis.key == key and axis.name), key)
+
+
+def _of(raw: Any, key: str) -> Any:
+    return raw.get(key) if isinstance(raw, dict) else None
+
+
+def _leaves(table: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
+    """The keys of tables in tables, `a.b` each."""
+    for key, item in table.items():
+        if isinstance(item, dict) and item:
+            yield from _leaves(item, f"{above}{key}.")
+        else:
+            yield f"{above}{key}", item
 
 
 READER = TypeAdapter(SweepSpec)

@@ -9,18 +9,20 @@ from __future__ import annotations
 import hashlib
 import json
 import math
+import re
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from ecume.errors import BadInput
-from ecume.scenes.faults import read_path, value_at
+from ecume.errors import BadInput, Fault, SceneError
+from ecume.scenes.faults import echo, read_path, value_at
 from ecume.scenes.files import beside, require_there
-from ecume.scenes.load import load_scene
+from ecume.scenes.load import OVERRIDDEN, load_scene
 from ecume.scenes.schema import scene_hash, to_plain
 from ecume.scenes.templates import folder as templates_folder
 from ecume.sweep.asked import SweepSpec
 from ecume.sweep.points import Asked, Point, load_sweep, points_of, varied
-from ecume.sweep.processes import require_arguments
+from ecume.sweep.processes import require_arguments, require_settings
 from ecume.trajectories.durable import storing, write_whole
 
 KEY_LENGTH = 16
@@ -87,7 +89,7 @@ def laid_out(asked: Asked, directory: Path) -> Sweeping:
     spec = asked.spec
     if spec.process:
         require_arguments(spec.process, [*spec.fixed, *varied(spec)])
-    plans = [(point, _plan(asked, point)) for point in points_of(spec)]
+    plans = [(point, _checked_plan(asked, point)) for point in points_of(spec)]
     keys = varied(spec)
     jobs = [Job(point, directory / "points" / _digest(plan), _values(plan, keys)) for point, plan in plans]
     with storing(directory):
@@ -99,6 +101,14 @@ def laid_out(asked: Asked, directory: Path) -> Sweeping:
         write_whole(directory / "points.json", _json([_told(job) for job in jobs]).encode())
         write_whole(directory / "sweep.toml", asked.text.encode())
     return Sweeping(directory, spec, jobs)
+
+
+def begun_or_laid_out(file: Path, directory: Path) -> Sweeping:
+    """The sweep of a file. One named by its own directory has all its points there, but not its scene's file."""
+    asked = load_sweep(file)
+    if asked.spec.scene and is_sweep(directory) and file.resolve().parent == directory.resolve():
+        return existing_sweep(directory)
+    return laid_out(asked, directory)
 
 
 def existing_sweep(directory: Path) -> Sweeping:
@@ -114,15 +124,41 @@ def existing_sweep(directory: Path) -> Sweeping:
     return Sweeping(directory, load_sweep(directory / "sweep.toml").spec, jobs)
 
 
+def distinct(jobs: Sequence[Job]) -> list[Job]:
+    """Points that simulate the same share a folder."""
+    return list({job.folder: job for job in jobs}.values())
+
+
 def is_sweep(directory: Path) -> bool:
     """Whether a sweep is there."""
     return (directory / "points.json").is_file()
+
+
+def _checked_plan(asked: Asked, point: Point) -> dict[str, Any]:
+    """What is simulated at a point. Raises SceneError where that is nothing: what the sweep's file asks there is named,
+    and the lines of the scene's file where they are to blame.
+    """
+    try:
+        return _plan(asked, point)
+    except SceneError as error:
+        at = ", ".join(f"{key} = {echo(point.settings[key])}" for key in varied(asked.spec) if key in point.settings)
+        told = (_as_asked(fault, error.source) for fault in error.faults)
+        raise SceneError([Fault("", f"at {at}: {one}" if at else one) for one in told], asked.name) from None
+
+
+def _as_asked(fault: Fault, source: str) -> str:
+    """A fault of a scene as one of the sweep that makes it."""
+    if fault.line is not None:
+        return f"{source}: {fault}"
+    words = re.sub(r"^--set '[^']*': ", "", str(fault).removesuffix(OVERRIDDEN))
+    return words + ("; whole = true in a span rounds" if words.endswith("wanted a whole number") else "")
 
 
 def _plan(asked: Asked, point: Point) -> dict[str, Any]:
     """What is simulated at a point."""
     spec = asked.spec
     if spec.process:
+        require_settings(spec.process, point.settings)
         return {"process": spec.process, "settings": point.settings}
     changes = [f"{key}={_toml(value)}" for key, value in point.settings.items()]
     source = _source(asked)
@@ -157,7 +193,15 @@ def _values(plan: dict[str, Any], keys: list[str]) -> dict[str, Any]:
 
 
 def _toml(value: Any) -> str:
-    """A value as an override has it."""
+    """A value as an override has it, in one line.
+
+    >>> _toml([{"count": 5, "radius": "2 mm"}])
+    '[{"count" = 5, "radius" = "2 mm"}]'
+    """
+    if isinstance(value, dict):
+        return "{" + ", ".join(f"{json.dumps(key)} = {_toml(item)}" for key, item in value.items()) + "}"
+    if isinstance(value, list):
+        return "[" + ", ".join(map(_toml, value)) + "]"
     if isinstance(value, float) and not math.isfinite(value):
         raise BadInput(f"{value} is no value of a scene")
     return json.dumps(value)

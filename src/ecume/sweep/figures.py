@@ -1,11 +1,13 @@
-"""Figures of a sweep: a measure over one axis, a curve for each value of a second one, a map of two, or a scatter."""
+"""Figures of a sweep: a measure over one axis, a curve for each value of the others, a map of two, or a scatter."""
 
 from __future__ import annotations
 
+import itertools
 import math
+import re
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -21,30 +23,60 @@ from ecume.units import Array
 KINDS = ("curves", "map", "scatter")
 WIDE = 30.0
 """The ratio of the largest to the least positive value from which on an axis is logarithmic."""
-MOST_CURVES = len(PALETTE)
+DASHES = ("-", "--", ":")
+MOST_CURVES = len(DASHES) * len(PALETTE)
 
 
-def plot_sweep(directory: Path, kind: str = "curves", measure: str | None = None, out: Path | None = None) -> Path:
+class Column(NamedTuple):
+    """A column of the table as it is drawn: words stand at 0, 1, 2 ..."""
+
+    name: str
+    values: Array
+    words: tuple[str, ...] = ()
+    unit: str = ""
+
+    @property
+    def label(self) -> str:
+        """Of an axis."""
+        return f"{plain(self.name)} ({self.unit})" if self.unit else plain(self.name)
+
+    def at(self, value: float) -> str:
+        """One of its values, in a legend."""
+        return plain(self.words[int(value)]) if self.words else f"{value:g}"
+
+
+def plot_sweep(directory: Path, kind: str, measure: str | None = None, out: Path | None = None) -> Path:
     """Draw a figure of a sweep into `out`; left out, into its directory."""
     drawn = sweep_figure(open_sweep(directory), kind, measure)
-    return save(drawn, out or directory / f"{kind}.png")
+    name = f"{kind}-{re.sub(r'[^A-Za-z0-9]+', '-', measure).strip('-')}" if measure else kind
+    return save(drawn, out or directory / f"{name}.png")
+
+
+def kinds_of(directory: Path) -> list[str]:
+    """The figures that a sweep has something for."""
+    sweep = open_sweep(directory)
+    fits = {"curves": not sweep.drawn, "map": len(sweep.ways) > 1, "scatter": True}
+    return [kind for kind in KINDS if fits[kind]]
 
 
 def sweep_figure(sweep: Sweep, kind: str = "curves", measure: str | None = None) -> Figure:
     """The figure of a measure (left out, the first) over what varies."""
     if kind not in KINDS:
         raise BadInput(f"no such figure of a sweep as {kind!r}; {suggestion(kind, KINDS)}")
+    if kind == "curves" and sweep.drawn:
+        raise BadInput(f"{sweep.directory}: its points were drawn, and lie on no curves; --what scatter draws them")
     rows = [row for row in sweep.table() if row["state"] == "done"]
     if not rows:
         raise BadInput(f"{sweep.directory}: no point is done yet; there is nothing to draw")
-    axes = [name for name in sweep.axes if name != "repeat" and varies(rows, name)]
     shown = measured_column(rows, sweep.axes, measure)
+    units = sweep.units([*sweep.ways, shown])
+    axes = [column for name in sweep.ways if len(np.unique((column := column_of(rows, name, units)).values)) > 1]
     if not axes:
-        raise BadInput(f"{sweep.directory}: no axis of the sweep has numbers; there is nothing to draw over")
+        raise BadInput(f"{sweep.directory}: nothing varies in the points that are done; there is nothing to draw over")
     with style():
         drawn = figure()
         on = drawn.add_subplot(title=plain(sweep.title))
-        DRAWN[kind](on, rows, axes, shown)
+        DRAWN[kind](on, axes, column_of(rows, shown, units))
     return drawn
 
 
@@ -56,11 +88,6 @@ def measured_column(rows: Sequence[Row], axes: Sequence[str], asked: str | None)
     if not known:
         raise BadInput("the sweep has no measure that is a number")
     return asked or known[0]
-
-
-def varies(rows: Sequence[Row], name: str) -> bool:
-    """Whether a column has numbers, and not one only."""
-    return _numeric(rows, name) and len(np.unique(values_of(rows, name))) > 1
 
 
 def _numeric(rows: Sequence[Row], name: str) -> bool:
@@ -75,47 +102,77 @@ def values_of(rows: Sequence[Row], name: str) -> Array:
     return np.array([float(row[name]) for row in rows])
 
 
-def curves(on: Axes, rows: Sequence[Row], axes: Sequence[str], measure: str) -> None:
-    """Over the axis with most values, a curve for each value of the next; means and standard errors of what repeats."""
-    x_name, *others = sorted(axes, key=lambda name: -len(np.unique(values_of(rows, name))))
-    x, y = values_of(rows, x_name), values_of(rows, measure)
-    groups = values_of(rows, others[0]) if others else np.zeros(len(rows))
-    for place, group in enumerate(np.unique(groups)):
-        mine = groups == group
-        at = np.unique(x[mine])
-        means, errors = zip(*(_mean(y[mine & (x == value)]) for value in at), strict=True)
-        label = f"{plain(others[0])} = {group:g}" if others else None
-        color = PALETTE[place % MOST_CURVES]
-        on.errorbar(at, means, yerr=errors if np.any(errors) else None, fmt="o-", ms=4, color=color, label=label)
-    _scaled(on, x, y)
-    on.set(xlabel=plain(x_name), ylabel=plain(measure))
+def column_of(rows: Sequence[Row], name: str, units: dict[str, str]) -> Column:
+    """A column as it is drawn."""
+    if all(isinstance(row[name], (int, float)) and not isinstance(row[name], bool) for row in rows):
+        return Column(name, values_of(rows, name), unit=units.get(name, ""))
+    words = tuple(dict.fromkeys(str(row[name]) for row in rows))
+    return Column(name, np.array([float(words.index(str(row[name]))) for row in rows]), words)
+
+
+def curves(on: Axes, axes: Sequence[Column], measure: Column) -> None:
+    """Over the axis of numbers with most values, a curve for each combination of the others; means and standard errors
+    of what repeats.
+    """
+    x, *others = sorted(axes, key=lambda column: (bool(column.words), -len(np.unique(column.values))))
+    groups = sorted(set(zip(*(column.values for column in others), strict=True))) if others else [()]
+    if len(groups) > MOST_CURVES:
+        raise BadInput(f"{len(groups)} curves cannot be told apart; --what map or scatter draws them")
+    for group, (dash, color) in zip(groups, itertools.product(DASHES, PALETTE), strict=False):
+        mine = np.logical_and.reduce(
+            [np.isfinite(x.values), *(c.values == v for c, v in zip(others, group, strict=True))]
+        )
+        at = np.unique(x.values[mine])
+        means, errors = zip(*(_mean(measure.values[mine & (x.values == value)]) for value in at), strict=True)
+        label = ", ".join(column.at(value) for column, value in zip(others, group, strict=True)) or None
+        bars = errors if np.any(errors) else None
+        on.errorbar(at, means, yerr=bars, fmt="o", ls=dash, ms=4, color=color, label=label)
+    _scaled(on, x, measure)
     if others:
-        legend_outside(on)
+        legend_outside(on, ", ".join(column.label for column in others))
 
 
 def _mean(values: Array) -> tuple[float, float]:
-    """And its standard error, which one value alone has not."""
-    error = float(np.std(values, ddof=1) / math.sqrt(len(values))) if len(values) > 1 else 0.0
-    return float(np.mean(values)), error
+    """And its standard error, which one value alone has not, and none that is infinite."""
+    sure = len(values) > 1 and np.isfinite(values).all()
+    return float(np.mean(values)), float(np.std(values, ddof=1) / math.sqrt(len(values))) if sure else 0.0
 
 
-def colored_map(on: Axes, rows: Sequence[Row], axes: Sequence[str], measure: str) -> None:
-    """The measure over two axes."""
+def colored_map(on: Axes, axes: Sequence[Column], measure: Column) -> None:
+    """The measure over two axes, mean over the others; points that were drawn as dots."""
     if len(axes) < 2:
         raise BadInput("a map wants two axes; --what curves draws one")
-    x, y, z = (values_of(rows, name) for name in (*axes[:2], measure))
-    columns, lines = np.unique(x), np.unique(y)
+    x, y, *others = axes
+    norm = LogNorm() if wide(measure.values) else None
+    columns, lines = np.unique(x.values), np.unique(y.values)
+    if len(columns) * len(lines) > MOST_FIELDS * len(measure.values):
+        image: Any = on.scatter(x.values, y.values, c=measure.values, s=30, norm=norm)
+    else:
+        table = _averaged(x, y, measure)
+        image = on.pcolormesh(edges(columns), edges(lines), np.ma.masked_invalid(table), norm=norm)
+        on.grid(visible=False)
+    _scaled(on, x, y)
+    over = f", mean over {', '.join(plain(column.name) for column in others)}" if others else ""
+    _colorbar(on, image, measure.label + over)
+
+
+MOST_FIELDS = 4
+"""For each point; beyond that points lie on no grid."""
+
+
+def _averaged(x: Column, y: Column, z: Column) -> Array:
+    """The mean at each pair of values; NaN where there is none."""
+    columns, lines = np.unique(x.values), np.unique(y.values)
     table = np.full((len(lines), len(columns)), np.nan)
     for line, column in np.ndindex(table.shape):
-        here = z[(y == lines[line]) & (x == columns[column])]
+        here = z.values[(y.values == lines[line]) & (x.values == columns[column])]
         table[line, column] = here.mean() if len(here) else np.nan
-    norm = LogNorm() if wide(z) else None
-    image = on.pcolormesh(edges(columns), edges(lines), np.ma.masked_invalid(table), norm=norm)
-    _scaled(on, x, y)
-    on.set(xlabel=plain(axes[0]), ylabel=plain(axes[1]))
-    on.grid(visible=False)
+    return table
+
+
+def _colorbar(on: Axes, image: Any, label: str) -> None:
     owner: Any = on.get_figure(root=True)
-    owner.colorbar(image, ax=on, label=plain(measure))
+    owner.colorbar(image, ax=on, label=label)
 
 
 def edges(values: Array) -> Array:
@@ -135,16 +192,17 @@ def edges_between(values: Array) -> Array:
     return np.concatenate([[1.5 * values[0] - 0.5 * values[1]], middle, [1.5 * values[-1] - 0.5 * values[-2]]])
 
 
-def scatter(on: Axes, rows: Sequence[Row], axes: Sequence[str], measure: str) -> None:
+def scatter(on: Axes, axes: Sequence[Column], measure: Column) -> None:
     """A dot a point; of two axes the second is its color."""
-    x, y = values_of(rows, axes[0]), values_of(rows, measure)
-    color = values_of(rows, axes[1]) if len(axes) > 1 else None
-    dots = on.scatter(x, y, c=color, s=18, norm=LogNorm() if color is not None and wide(color) else None)
-    _scaled(on, x, y)
-    on.set(xlabel=plain(axes[0]), ylabel=plain(measure))
+    x, *others = axes
+    color = next((column for column in others if not column.words), None)
+    values = color.values if color is not None else None
+    dots = on.scatter(
+        x.values, measure.values, c=values, s=18, norm=LogNorm() if values is not None and wide(values) else None
+    )
+    _scaled(on, x, measure)
     if color is not None:
-        owner: Any = on.get_figure(root=True)
-        owner.colorbar(dots, ax=on, label=plain(axes[1]))
+        _colorbar(on, dots, color.label)
 
 
 DRAWN = {"curves": curves, "map": colored_map, "scatter": scatter}
@@ -156,8 +214,11 @@ def wide(values: Array) -> bool:
     return bool(len(finite) and finite.min() > 0.0 and finite.max() > WIDE * finite.min())
 
 
-def _scaled(on: Axes, x: Array, y: Array) -> None:
-    if wide(x):
-        on.set_xscale("log")
-    if wide(y):
-        on.set_yscale("log")
+def _scaled(on: Axes, x: Column, y: Column) -> None:
+    """Both axes with their labels, as wide as their values, or with words."""
+    on.set(xlabel=x.label, ylabel=y.label)
+    for column, axis, scale in ((x, on.xaxis, on.set_xscale), (y, on.yaxis, on.set_yscale)):
+        if column.words:
+            axis.set_ticks(range(len(column.words)), labels=[plain(word) for word in column.words])
+        elif wide(column.values):
+            scale("log")

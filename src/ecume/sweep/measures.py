@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from ecume.errors import BadInput
-from ecume.scenes.faults import suggestion
+from ecume.scenes.faults import echo
 from ecume.units import Array
 
 Measure = Callable[[Any], float]
@@ -51,7 +51,17 @@ MEASURES: dict[str, Callable[[Array, Array], float]] = {
     "std": spread,
 }
 """By name: from times and values to a number."""
-FIRST = re.compile(r"first\s+(\w+)\s*([<>])\s*([+-]?[0-9.]+(?:[eE][+-]?[0-9]+)?)")
+FIRST = re.compile(r"first\s+(\w+)\s*([<>])\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)")
+USUAL = re.compile(r"(\w+)\s+(\w+)")
+
+
+class Words(NamedTuple):
+    """What a measure's text says: how, and of which number."""
+
+    way: str
+    number: str
+    above: bool = True
+    bound: float = math.nan
 
 
 def first_crossing(times: Array, values: Array, above: bool, bound: float) -> float:
@@ -70,16 +80,31 @@ def first_crossing(times: Array, values: Array, above: bool, bound: float) -> fl
     return float(times[place - 1] + part * (times[place] - times[place - 1]))
 
 
+def read_measure(text: str) -> Words:
+    """What a text asks for. Raises ValueError where that is nothing.
+
+    >>> read_measure("first top > 0.3")
+    Words(way='first', number='top', above=True, bound=0.3)
+    """
+    if match := FIRST.fullmatch(text.strip()):
+        return Words("first", match[1], match[2] == ">", float(match[3]))
+    match = USUAL.fullmatch(text.strip())
+    if match is None or match[1] not in MEASURES:
+        raise ValueError(
+            f"wanted {', '.join(MEASURES)} of a number, as in 'final kinetic_energy', or 'first top > 0.3'"
+        )
+    return Words(match[1], match[2])
+
+
 def measure_of(text: str) -> Measure:
     """The measure that a text names. Raises BadInput where it names none."""
-    if match := FIRST.fullmatch(text.strip()):
-        name, above, bound = match[1], match[2] == ">", float(match[3])
-        return lambda run: first_crossing(run.times, run.numbers(name), above, bound)
-    way, _, name = text.strip().partition(" ")
-    if way not in MEASURES or not re.fullmatch(r"\w+", name.strip()):
-        known = [*(f"{one} NUMBER" for one in MEASURES), "first NUMBER > VALUE"]
-        raise BadInput(f"measures: {text!r}: {suggestion(text, known)}")
-    return lambda run: MEASURES[way](run.times, run.numbers(name.strip()))
+    try:
+        asked = read_measure(text)
+    except ValueError as fault:
+        raise BadInput(f"measures: came {echo(text)}; {fault}") from None
+    if asked.way == "first":
+        return lambda run: first_crossing(run.times, run.numbers(asked.number), asked.above, asked.bound)
+    return lambda run: MEASURES[asked.way](run.times, run.numbers(asked.number))
 
 
 def usual_measures(names: Sequence[str]) -> list[str]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import math
-import tomllib
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -12,11 +11,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from pydantic import ValidationError
 
-from ecume.errors import BadInput, Fault, SceneError
-from ecume.scenes.faults import faults_of, suggestion, written
+from ecume.errors import BadInput, SceneError
+from ecume.scenes.faults import echo, faults_of, suggestion
+from ecume.scenes.load import parsed, placed, source_in
 from ecume.scenes.templates import templates
 from ecume.sweep.asked import MOST_POINTS, READER, Axis, Sampling, Span, SweepSpec
-from ecume.trajectories.durable import storing
 
 MOST_BYTES = 2**22
 Settings = dict[str, Any]
@@ -30,27 +29,22 @@ class Asked(NamedTuple):
     text: str
     folder: Path
     """in which it looks for its scene"""
+    name: str = "sweep"
+    """what messages call it"""
 
 
 def load_sweep(path: Path) -> Asked:
-    """Read a sweep's file. Raises SceneError with all its faults, BadInput where it is no text."""
-    with storing(path):
-        content = path.read_bytes()
-    if len(content) > MOST_BYTES:
-        raise BadInput(f"{path}: {len(content)} bytes are too many for a sweep's file")
-    try:
-        text = content.decode()
-        raw = tomllib.loads(text)
-    except (UnicodeDecodeError, tomllib.TOMLDecodeError, RecursionError) as error:
-        raise BadInput(f"{path}: {error}") from error
+    """Read a sweep's file. Raises SceneError with all its faults, each with its line and column."""
+    source = source_in(path, MOST_BYTES)
+    raw = parsed(source)
     try:
         spec = READER.validate_python(raw)
     except ValidationError as error:
-        faults = [Fault(written(place), message) for place, message in faults_of(error, SweepSpec, raw)]
-        raise SceneError(faults, path.name) from error
+        raise SceneError(placed(source, faults_of(error, SweepSpec, raw), set()), source.name) from error
     if spec.template and spec.template not in templates():
-        raise BadInput(f"{path}: template: {spec.template!r}: {suggestion(spec.template, templates())}")
-    return Asked(spec, text, path.parent)
+        fault = f"came {echo(spec.template)}; {suggestion(spec.template, templates())}"
+        raise SceneError(placed(source, [(("template",), fault)], set()), source.name)
+    return Asked(spec, source.text, source.folder, source.name)
 
 
 class Point(NamedTuple):
@@ -80,14 +74,7 @@ def points_of(spec: SweepSpec) -> list[Point]:
 
 def varied(spec: SweepSpec) -> list[str]:
     """The keys that vary, in the order of the table's columns."""
-    keys = [key for axis in spec.axes for key in ([axis.key] if axis.key is not None else axis.keys)]
-    keys += [axis.key for axis in spec.sampling.axes] if spec.sampling is not None else []
-    return list(dict.fromkeys(keys))
-
-
-def named(spec: SweepSpec, key: str) -> str:
-    """What a key's column is called."""
-    return next((axis.name for axis in spec.axes if axis.key == key and axis.name), key)
+    return list(spec.keyed.values())
 
 
 def settings_of(axis: Axis) -> Iterator[Settings]:
@@ -118,7 +105,7 @@ def between(span: Span, parts: Any) -> Any:
 
 def with_unit(value: float, span: Span) -> Any:
     """A value as the scene's file would have it."""
-    short = float(f"{value:.15g}")  # 0.0001, and not 9.999999999999999e-05
+    short = round(value) if span.whole else float(f"{value:.15g}")  # 0.0001, and not 9.999999999999999e-05
     return f"{short!r} {span.unit}" if span.unit else short
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import csv
+import importlib
 import inspect
 import io
 import json
@@ -14,9 +16,12 @@ from typing import Any
 
 from ecume.errors import BadInput
 from ecume.run.lawbook import entries
+from ecume.scenes.faults import read_path, suggestion
+from ecume.scenes.kinds import unit_of
+from ecume.scenes.schema import from_plain
 from ecume.sweep.directory import Job, Sweeping, existing_sweep
-from ecume.sweep.measures import Measure, measure_of, usual_measures
-from ecume.sweep.points import named
+from ecume.sweep.measures import Measure, measure_of, read_measure, usual_measures
+from ecume.sweep.processes import process_of
 from ecume.trajectories.durable import storing, write_whole
 from ecume.trajectories.reader import open_trajectory
 
@@ -41,8 +46,31 @@ class Sweep:
     @property
     def axes(self) -> list[str]:
         """The columns of what varies."""
-        columns = [named(self._sweeping.spec, key) for key in self._sweeping.keys]
+        columns = [self._sweeping.spec.named(key) for key in self._sweeping.keys]
         return [*columns, *(["repeat"] if self._sweeping.spec.repeats > 1 else [])]
+
+    @property
+    def ways(self) -> list[str]:
+        """The columns that vary each for itself: of keys that go together the first stands for all."""
+        spec = self._sweeping.spec
+        axes = [axis.key or axis.keys[0] for axis in spec.axes]
+        sampled = [axis.key for axis in spec.sampling.axes] if spec.sampling is not None else []
+        return [spec.named(key) for key in [*axes, *sampled]]
+
+    @property
+    def drawn(self) -> bool:
+        """Whether points were drawn in several directions, so that hardly two have a value in common."""
+        sampling = self._sweeping.spec.sampling
+        return sampling is not None and len(sampling.axes) > 1
+
+    def units(self, columns: Sequence[str]) -> dict[str, str]:
+        """The units of these columns, as far as they have one."""
+        spec = self._sweeping.spec
+        if spec.process:
+            known = process_of(spec.process).units
+        else:
+            known = units_of_keys(self._sweeping) | units_of_measures(self._sweeping.jobs, columns)
+        return {column: known[column] for column in columns if known.get(column, "1") != "1"}
 
     @property
     def runs(self) -> list[Path]:
@@ -57,12 +85,21 @@ class Sweep:
         """A row a point: what varies, its state, and measures of what is done, NaN elsewhere.
 
         `measures` are texts such as `final kinetic_energy`, or functions of a trajectory, by the name of their column;
-        left out, those that the sweep's file names. `polars.DataFrame(sweep.table())` and pandas take it as it is.
+        left out, those that the sweep's file names.
         """
         asked = measures if measures is not None else self._asked()
         rows = [self._row(job, asked) for job in self._sweeping.jobs]
         columns = list(dict.fromkeys(name for row in rows for name in row))
         return [{name: row.get(name, math.nan) for name in columns} for row in rows]
+
+    def polars(self, measures: Mapping[str, str | Measure] | None = None) -> Any:
+        """The table as a DataFrame of Polars (`pip install 'ecume[tables]'`); what is missing is null."""
+        rows = self.table(measures)
+        return _library("polars").DataFrame(_with_nulls(rows), infer_schema_length=None, strict=False)
+
+    def pandas(self, measures: Mapping[str, str | Measure] | None = None) -> Any:
+        """The table as a DataFrame of Pandas, if that is installed; what is missing is NaN."""
+        return _library("pandas").DataFrame(_with_nulls(self.table(measures)))
 
     def _asked(self) -> dict[str, str | Measure] | None:
         named_ones = self._sweeping.spec.measures
@@ -72,7 +109,7 @@ class Sweep:
 
     def _row(self, job: Job, measures: Mapping[str, str | Measure] | None) -> Row:
         spec = self._sweeping.spec
-        row: Row = {named(spec, key): job.values.get(key) for key in self._sweeping.keys}
+        row: Row = {spec.named(key): job.values.get(key) for key in self._sweeping.keys}
         if spec.repeats > 1:
             row["repeat"] = job.point.repeat
         row["state"] = job.state
@@ -80,8 +117,63 @@ class Sweep:
             return row
         if spec.process:
             told: Row = json.loads(job.told.read_bytes())
-            return row | told
+            return row | {name: value for name, value in told.items() if name not in row}
         return row | measured(job, measures)
+
+
+def _library(name: str) -> Any:
+    """A library that ecume itself does without. Raises BadInput where it is not installed."""
+    try:
+        return importlib.import_module(name)
+    except ImportError as error:
+        raise BadInput(f"{name} is not installed: pip install 'ecume[tables]'; sweep.table() needs nothing") from error
+
+
+def _with_nulls(rows: Sequence[Row]) -> list[Row]:
+    """Rows in which nothing stands for what is not there, so that columns of words and of switches keep their kind."""
+    return [{name: None if _is_nan(value) else value for name, value in row.items()} for row in rows]
+
+
+def _is_nan(value: Any) -> bool:
+    return isinstance(value, float) and math.isnan(value)
+
+
+def units_of_keys(sweeping: Sweeping) -> dict[str, str]:
+    """The units of what varies in a scene, by column."""
+    plain = json.loads(sweeping.jobs[0].asked.read_bytes())["scene"]
+    return {sweeping.spec.named(key): unit_of(plain, read_path(key)) for key in sweeping.keys}
+
+
+def units_of_measures(jobs: Sequence[Job], columns: Sequence[str]) -> dict[str, str]:
+    """The units of measures that texts name, from the first run that is done."""
+    done = next((job for job in jobs if job.state == "done"), None)
+    if done is None:
+        return {}
+    with open_trajectory(done.run) as run:
+        known = run.units
+    found = {}
+    for text in columns:
+        with contextlib.suppress(ValueError):  # a column of another kind
+            words = read_measure(text)
+            found[text] = "s" if words.way == "first" else known.get(words.number, "1")
+    return found
+
+
+def require_numbers(sweeping: Sweeping) -> None:
+    """Raise BadInput where a measure is of a number that runs do not have; the first run begins for that, and no more.
+
+    A sweep should not end with it.
+    """
+    from ecume.simulation import simulate
+
+    wanted = {text: read_measure(text).number for text in sweeping.spec.measures}
+    if not wanted:
+        return
+    plan = json.loads(sweeping.jobs[0].asked.read_bytes())
+    numbers = next(simulate(from_plain(plan["scene"]))).numbers
+    for text, name in wanted.items():
+        if name not in numbers:
+            raise BadInput(f"measures: {text!r}: no number is called {name}; {suggestion(name, sorted(numbers))}")
 
 
 def measured(job: Job, measures: Mapping[str, str | Measure] | None) -> Row:

@@ -3,27 +3,20 @@
 from __future__ import annotations
 
 import contextlib
-import logging
 import os
-import re
-from asyncio import CancelledError
+import signal
+import threading
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from types import FrameType
+from typing import NamedTuple
 
-from ecume.errors import BadInput, Stopped
-from ecume.sweep.asked import Cluster
-from ecume.sweep.directory import Job, Sweeping, existing_sweep, is_sweep, laid_out
-from ecume.sweep.points import load_sweep
-from ecume.sweep.results import write_table
-from ecume.sweep.working import work
-
-ONE_THREAD = {"NUMBA_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
-"""Of a worker: there are as many workers as cores."""
-BEFORE_THE_END = 300
-"""Seconds before the end of a cluster's job in which a worker takes no more points."""
+from ecume.errors import Stopped
+from ecume.run.stopping import SIGNALS
+from ecume.sweep.crews import Crew, hands
+from ecume.sweep.directory import Job, Sweeping, begun_or_laid_out, distinct
+from ecume.sweep.results import require_numbers, write_table
 
 
 class Outcome(NamedTuple):
@@ -39,167 +32,65 @@ class Outcome(NamedTuple):
     """points that were begun again and again, and whose worker died each time"""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Crew:
-    """Who works."""
-
-    workers: int | None = None
-    """left out, as many as the machine has cores; 1 works in this process and needs no Dask"""
-    scheduler: str | None = None
-    """the address of a Dask scheduler that runs already"""
-    slurm: bool = False
-    """workers are jobs of SLURM"""
-    retries: int = 2
-    """of a point whose worker died"""
-    progress: Callable[[int, int], None] | None = None
-    """is told how many points of how many are done"""
-
-
 USUAL = Crew()
 
 
 def sweep(file: str | os.PathLike[str], directory: str | os.PathLike[str], crew: Crew = USUAL) -> Outcome:
-    """Run what is missing of a sweep, and write its table. Again after whatever happened, it goes on."""
-    sweeping = _begun_or_laid_out(Path(file), Path(directory))
-    missing = [job for job in _distinct(sweeping.jobs) if job.state != "done"]
-    ready = len(_distinct(sweeping.jobs)) - len(missing)
-    words: Counter[str] = Counter()
-    with _hands(crew, sweeping, len(missing)) as results:
-        for done, word in enumerate(results(missing), 1):
-            words[word] += 1
-            if crew.progress is not None:
-                crew.progress(ready + done, ready + len(missing))
+    """Run what is missing of a sweep, and write its table. Again after whatever happened, it goes on.
+
+    Raises Stopped when a signal asks for it: the same call goes on.
+    """
+    sweeping = begun_or_laid_out(Path(file), Path(directory))
+    jobs = distinct(sweeping.jobs)
+    missing = [job for job in jobs if job.state != "done"]
+    if missing:
+        require_numbers(sweeping)
+    try:
+        with _stopped_by_signals():
+            words = _worked(crew, sweeping, missing)
+    except Stopped as stopped:
+        done = sum(job.state == "done" for job in jobs)
+        why = str(stopped).partition(" at step ")[0].partition(";")[0]
+        raise Stopped(f"{why}; {done} of {len(jobs)} points are done, and the same command goes on") from stopped
     write_table(sweeping)
     return outcome_of(sweeping)._replace(busy=words["busy"], lost=words["lost"])
 
 
-def _begun_or_laid_out(file: Path, directory: Path) -> Sweeping:
-    """The sweep of a file. One named by its own directory has all its points there, but not its scene's file."""
-    asked = load_sweep(file)
-    if asked.spec.scene and is_sweep(directory) and file.resolve().parent == directory.resolve():
-        return existing_sweep(directory)
-    return laid_out(asked, directory)
+def _worked(crew: Crew, sweeping: Sweeping, missing: Sequence[Job]) -> Counter[str]:
+    """Run these points, and tell what becomes of them; how many ended with which word."""
+    words: Counter[str] = Counter()
+    count = len(distinct(sweeping.jobs))
+    tell = crew.progress or (lambda done, of: None)
+    with hands(crew, sweeping, len(missing)) as results:
+        tell(count - len(missing), count)
+        for job, word in results(missing):
+            words[word] += 1
+            if word == "failed" and crew.failed is not None:
+                crew.failed(job.folder, job.why)
+            tell(count - len(missing) + words.total(), count)
+    return words
+
+
+@contextlib.contextmanager
+def _stopped_by_signals() -> Iterator[None]:
+    """Signals that stop a run stop a sweep, between its runs and while it waits for workers, too."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def stop(number: int, _: FrameType | None) -> None:
+        raise Stopped(f"stopped by {signal.Signals(number).name}")
+
+    before = {number: signal.signal(number, stop) for number in SIGNALS}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def outcome_of(sweeping: Sweeping) -> Outcome:
     """How the sweep stands."""
-    jobs = _distinct(sweeping.jobs)
+    jobs = distinct(sweeping.jobs)
     failed = [(job.folder, job.why) for job in jobs if job.state == "failed"]
     return Outcome(sweeping.path, sum(job.state == "done" for job in jobs), failed, 0)
-
-
-def _distinct(jobs: Sequence[Job]) -> list[Job]:
-    """Points that simulate the same share a folder."""
-    return list({job.folder: job for job in jobs}.values())
-
-
-Results = Callable[[Sequence[Job]], Iterator[str]]
-
-
-@contextlib.contextmanager
-def _hands(crew: Crew, sweeping: Sweeping, missing: int) -> Iterator[Results]:
-    """What turns jobs into the words they end with."""
-    workers = min(crew.workers or os.cpu_count() or 1, max(missing, 1))
-    if not missing:
-        yield lambda jobs: iter(())
-    elif crew.scheduler is None and not crew.slurm and workers == 1:
-        yield lambda jobs: (work(str(job.folder)) for job in jobs)
-    else:
-        with _client(crew, sweeping, workers) as client:
-            yield lambda jobs: _spread(client, jobs, crew.retries)
-
-
-def _spread(client: Any, jobs: Sequence[Job], retries: int) -> Iterator[str]:
-    """The jobs on the workers of a Dask client: each is told a folder's name, and answers a word."""
-    import distributed
-
-    library: Any = distributed  # leaves its functions without types
-    futures = [client.submit(work, str(job.folder.resolve()), retries=retries, pure=False) for job in jobs]
-    ended = library.as_completed(futures)
-    while (word := _next_word(ended)) is not None:
-        yield word
-
-
-def _next_word(ended: Iterator[Any]) -> str | None:
-    """What the next job ended with; None after the last. Raises Stopped where the scheduler does not answer any more.
-
-    What breaks in there is Dask's connection to its scheduler, by one of half a dozen exceptions: whatever a job raises
-    is told as its answer.
-    """
-    try:
-        future = next(ended, None)
-        if future is None:
-            return None
-        lost = not future.cancelled() and future.exception() is not None
-        return "lost" if lost else str(future.result())
-    except (Exception, CancelledError) as error:
-        raise Stopped("the scheduler is gone; what is done stays done, and the same command goes on") from error
-
-
-@contextlib.contextmanager
-def _client(crew: Crew, sweeping: Sweeping, workers: int) -> Iterator[Any]:
-    try:
-        import distributed
-    except ImportError as error:
-        raise BadInput(
-            "many workers need Dask, which is not installed: pip install 'ecume[sweep]', or --workers 1"
-        ) from error
-    library: Any = distributed  # leaves its functions without types
-    for name in ("distributed", "distributed.client"):  # what breaks is told by us, in a line
-        logging.getLogger(name).setLevel(logging.CRITICAL)
-    if crew.scheduler is not None:
-        require_safe(crew.scheduler)
-        with library.Client(crew.scheduler) as client:
-            yield client
-    elif crew.slurm:
-        with slurm_cluster(sweeping.spec.cluster, sweeping.path) as found, library.Client(found) as client:
-            yield client
-    else:
-        local = {"threads_per_worker": 1, "dashboard_address": None, "env": ONE_THREAD, "silence_logs": 50}
-        with library.LocalCluster(workers, host="127.0.0.1", **local) as found, library.Client(found) as client:
-            yield client
-
-
-def require_safe(address: str) -> None:
-    """Raise BadInput for a scheduler that is reached without encryption over a network: whoever can talk to it can run
-    code here and there.
-    """
-    kind, _, place = address.rpartition("://")
-    host = place.rpartition(":")[0].strip("[]")
-    here = host == "localhost" or host == "::1" or re.fullmatch(r"127(\.[0-9]{1,3}){3}", host) is not None
-    if kind not in ("tls", "wss", "inproc") and not here:
-        raise BadInput(
-            f"--scheduler {address}: not encrypted, and not on this machine; start the scheduler with TLS, and name it tls://..."
-        )
-
-
-@contextlib.contextmanager
-def slurm_cluster(asked: Cluster, folder: Path) -> Iterator[Any]:
-    """Workers that SLURM starts, encrypted between one another; each ends before its job does.
-
-    Their key lies in the sweep's folder while they work, for its owner's eyes only.
-    """
-    try:
-        import dask_jobqueue
-        import distributed
-    except ImportError as error:
-        raise BadInput("--slurm needs dask-jobqueue: pip install 'ecume[sweep]'") from error
-    hours, minutes, seconds = map(int, asked.walltime.split(":"))
-    lifetime = max(3600 * hours + 60 * minutes + seconds - BEFORE_THE_END, 30)
-    jobqueue: Any = dask_jobqueue
-    library: Any = distributed
-    made = jobqueue.SLURMCluster(
-        queue=asked.partition or None,
-        cores=1,
-        processes=1,
-        memory=asked.memory,
-        walltime=asked.walltime,
-        job_extra_directives=list(asked.lines),
-        job_script_prologue=[f"export {name}={value}" for name, value in ONE_THREAD.items()],
-        worker_extra_args=["--lifetime", f"{lifetime}s", "--lifetime-stagger", "60s"],
-        security=library.Security.temporary(),
-        shared_temp_directory=str(folder.resolve()),
-    )
-    with made as cluster:
-        cluster.scale(jobs=asked.jobs)
-        yield cluster

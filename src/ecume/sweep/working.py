@@ -31,11 +31,17 @@ def work(folder: str) -> str:
         return "busy"
     except Stopped:
         raise
-    except EcumeError as error:
-        why = " ".join(str(error).split())
-        write_whole(job.failure, json.dumps({"why": why, "kind": type(error).__name__}).encode())
+    except Exception as error:  # whatever it is, the other points go on
+        _tell(job, error)
         return "failed"
     return "done"
+
+
+def _tell(job: Job, error: Exception) -> None:
+    """Keep in a line why a point failed; what is no answer to a user is named by its kind."""
+    kind, why = type(error).__name__, " ".join(str(error).split())
+    told = {"why": why if isinstance(error, EcumeError) else f"{kind}: {why}", "kind": kind}
+    write_whole(job.failure, json.dumps(told).encode())
 
 
 def _process(job: Job, plan: dict[str, object]) -> None:

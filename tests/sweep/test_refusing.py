@@ -1,0 +1,119 @@
+"""What cannot be run is refused before anything is, in the words of the sweep that asks for it."""
+
+import json
+
+import pytest
+
+from ecume.errors import BadInput
+from ecume.sweep import open_sweep, sweep
+from ecume.sweep.crews import Crew
+from ecume.sweep.directory import laid_out
+from ecume.sweep.points import load_sweep
+
+BOWLS = """
+title = "Bowls"
+template = "cereal-bowl"
+measures = ["final kinetic_energy", "max kinetic_energy"]
+[fixed]
+duration = "0.2 s"
+frame_every = "50 ms"
+"floats[0].count" = 5
+[[axes]]
+key = "seed"
+values = [1, 2, 3, 4]
+"""
+ALONE = Crew(workers=1)
+
+
+@pytest.fixture
+def file(tmp_path):
+    path = tmp_path / "bowls.toml"
+    path.write_text(BOWLS)
+    return path
+
+
+def test_an_argument_that_a_process_has_not_is_refused_before_anything_is_written(tmp_path):
+    path = tmp_path / "t1.toml"
+    path.write_text('process = "t1"\n[[axes]]\nkey = "gapp"\nvalues = [0.1]')
+    with pytest.raises(BadInput, match=r"no argument 'gapp'; did you mean gap\?"):
+        sweep(path, tmp_path / "out", ALONE)
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_scene_that_is_wrong_at_one_point_is_refused_before_anything_is_written(file, tmp_path):
+    file.write_text(BOWLS.replace('key = "seed"\nvalues = [1, 2, 3, 4]', 'key = "frame_every"\nvalues = [0.01, -1]'))
+    with pytest.raises(BadInput, match="frame_every"):
+        sweep(file, tmp_path / "out", ALONE)
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize(
+    ("axis", "says"),
+    [
+        (
+            'key = "liquid.viscocity"\nvalues = [1, 2]',
+            "at liquid.viscocity = 1: liquid.viscocity: no such key; did you mean",
+        ),
+        (
+            'key = "floats[7].radius"\nvalues = ["1 mm"]',
+            "at floats[7].radius = '1 mm': floats is a list; wanted one of it",
+        ),
+        (
+            'key = "floats[0].count"\nspan = {start = 3, stop = 6}',
+            "wanted a whole number; whole = true in a span rounds",
+        ),
+        (
+            'key = "liquid.viscosity"\nspan = {start = "1 kg", stop = "2 kg"}',
+            "'kg' measures mass, wanted mass / length",
+        ),
+        ('key = "model"\nvalues = ["sph"]', "cereal-bowl.toml: line 1, column 1: spacing: is missing"),
+    ],
+)
+def test_a_point_that_is_no_scene_is_told_as_the_sweep_asks_for_it(file, tmp_path, axis, says):
+    file.write_text(BOWLS.replace('"floats[0].count" = 5\n', "").replace('key = "seed"\nvalues = [1, 2, 3, 4]', axis))
+    with pytest.raises(BadInput) as refused:
+        sweep(file, tmp_path / "out", ALONE)
+    assert str(refused.value).startswith(f"{file}: at ")
+    assert says in str(refused.value)
+    assert "--set" not in str(refused.value)
+
+
+def test_a_number_that_runs_do_not_have_is_refused_before_they_are_run(file, tmp_path):
+    file.write_text(BOWLS.replace("final kinetic_energy", "final kinetic_enrgy"))
+    with pytest.raises(BadInput, match="no number is called kinetic_enrgy; did you mean kinetic_energy"):
+        sweep(file, tmp_path / "out", ALONE)
+    assert open_sweep(tmp_path / "out").states() == ["missing"] * 4
+
+
+def test_tables_may_be_fixed(file, tmp_path):
+    fixed = BOWLS.replace(
+        '"floats[0].count" = 5', 'floats = [{count = 3, radius = "2 mm", density = 300, contact_angle = 1.2}]'
+    )
+    file.write_text(fixed)
+    jobs = laid_out(load_sweep(file), tmp_path / "out").jobs
+    (floats,) = json.loads(jobs[0].asked.read_text())["scene"]["floats"]
+    assert (floats["count"], floats["radius"]) == (3, 2e-3)
+
+
+@pytest.mark.parametrize(
+    ("given", "says"),
+    [
+        ('key = "gap"\nvalues = ["wide"]', "at gap = 'wide': gap: came 'wide'; wanted a number"),
+        ('key = "forces"\nvalues = [[1, 2, 3]]', "forces: came a list of 3; wanted a list of numbers"),
+        ('key = "reduced_force"\nvalues = [1e-3]', "the process t1 wants gap, which neither varies nor is fixed"),
+    ],
+)
+def test_arguments_of_another_kind_are_refused_before_anything_is_run(tmp_path, given, says):
+    path = tmp_path / "t1.toml"
+    more = "" if "reduced_force" in given else "\n[fixed]\ngap = 0.1" * ("forces" in given)
+    path.write_text(f'process = "t1"\n[[axes]]\n{given}{more}')
+    with pytest.raises(BadInput) as refused:
+        laid_out(load_sweep(path), tmp_path / "out")
+    assert says in str(refused.value)
+
+
+@pytest.mark.parametrize("text", ["last kinetic_energy", "final", "first top", "final kinetic energy now"])
+def test_a_measure_that_there_is_not_is_refused(file, tmp_path, text):
+    sweep(file, tmp_path / "out", ALONE)
+    with pytest.raises(BadInput, match="measures"):
+        open_sweep(tmp_path / "out").table({"x": text})

@@ -1,0 +1,130 @@
+"""What a sweep tells: its table, for libraries too, and how far it is."""
+
+import os
+import sys
+import time
+
+import pytest
+
+from ecume.cli.progress import counted
+from ecume.errors import BadInput
+from ecume.sweep import open_sweep, sweep
+from ecume.sweep.crews import Crew
+from ecume.sweep.directory import laid_out
+from ecume.sweep.points import load_sweep
+from ecume.sweep.standing import remaining, standing
+
+BOWLS = """
+title = "Bowls"
+template = "cereal-bowl"
+measures = ["final kinetic_energy", "max kinetic_energy"]
+[fixed]
+duration = "0.2 s"
+frame_every = "50 ms"
+"floats[0].count" = 5
+[[axes]]
+key = "seed"
+values = [1, 2, 3, 4]
+"""
+ALONE = Crew(workers=1)
+
+
+@pytest.fixture
+def file(tmp_path):
+    path = tmp_path / "bowls.toml"
+    path.write_text(BOWLS)
+    return path
+
+
+class Frames:
+    """A library of tables that keeps what it is given."""
+
+    @staticmethod
+    def DataFrame(rows, **how):  # noqa: N802  # the name that the libraries have
+        return rows, how
+
+
+def test_tables_of_libraries_have_nothing_where_something_is_missing(tmp_path, monkeypatch):
+    path = tmp_path / "t1.toml"
+    path.write_text('process = "t1"\n[[axes]]\nkey = "gap"\nvalues = [0.1, -1.0]\n[fixed]\nreduced_force = 1e-3')
+    sweep(path, tmp_path / "out", ALONE)
+    found = open_sweep(tmp_path / "out")
+    monkeypatch.setitem(sys.modules, "polars", Frames)
+    monkeypatch.setitem(sys.modules, "pandas", Frames)
+    for rows, _ in (found.polars(), found.pandas()):
+        assert [row["outcome"] for row in rows] == ["t1", None]
+        assert [row["gap"] for row in rows] == [0.1, -1.0]
+    monkeypatch.setitem(sys.modules, "polars", None)
+    with pytest.raises(BadInput, match="polars is not installed"):
+        found.polars()
+
+
+@pytest.mark.parametrize("library", ["polars", "pandas"])
+def test_libraries_take_the_table_of_a_sweep_with_failures(tmp_path, library):
+    pytest.importorskip(library)
+    path = tmp_path / "t1.toml"
+    path.write_text('process = "t1"\n[[axes]]\nkey = "gap"\nvalues = [-1.0, 0.1]\n[fixed]\nreduced_force = 1e-3')
+    sweep(path, tmp_path / "out", ALONE)
+    table = getattr(open_sweep(tmp_path / "out"), library)()
+    assert list(table.columns)[:2] == ["gap", "state"]
+    assert table["outcome"].to_list()[1] == "t1"
+    assert table["duration"].mean() == pytest.approx(24.055464, rel=1e-4)
+
+
+def test_an_axis_keeps_its_numbers_where_a_process_tells_them_again(tmp_path):
+    path = tmp_path / "t1.toml"
+    path.write_text('process = "t1"\n[[axes]]\nkey = "reduced_force"\nvalues = [1e-2]\n[fixed]\ngap = 0.1')
+    (job,) = laid_out(load_sweep(path), tmp_path / "out").jobs
+    job.told.write_text('{"duration": 1.0, "reduced_force": 0.009999999999999998}')
+    (row,) = open_sweep(tmp_path / "out").table()
+    assert row["reduced_force"] == 1e-2
+
+
+def test_how_far_a_sweep_is_can_be_seen_from_outside(file, tmp_path):
+    jobs = laid_out(load_sweep(file), tmp_path / "out").jobs
+    before = time.time()
+    for place, job in enumerate(jobs[:2]):
+        job.run.mkdir()
+        (job.run / "DONE.json").write_text("{}")
+        os.utime(job.run / "DONE.json", (before - 4.0 + 2.0 * place,) * 2)
+    jobs[2].failure.write_text('{"why": "it sinks"}')
+    now = standing(tmp_path / "out")
+    assert (now.done, now.running, now.missing) == (2, 0, 1)
+    assert now.failed == [(jobs[2].folder, "it sinks")]
+    assert now.remaining == pytest.approx(4.0, abs=1.0)
+
+
+def test_a_pace_is_of_the_last_points_and_none_where_nobody_works():
+    assert remaining([0.0, 10.0, 20.0], waiting=4, now=22.0) == pytest.approx(44.0)
+    slow_then_fast = [float(n) * 1000.0 for n in range(10)] + [9000.0 + n for n in range(1, 60)]
+    assert remaining(slow_then_fast, waiting=100, now=9059.0) == pytest.approx(100.0, rel=0.05)
+    assert remaining([0.0, 10.0], waiting=4, now=10_000.0) is None
+    assert remaining([0.0], waiting=4, now=1.0) is None
+    assert remaining([0.0, 1.0], waiting=0, now=1.0) is None
+
+
+def test_words_on_the_way_are_for_logs_too(monkeypatch, capsys):
+    clock = iter([0.0, 0.0, 0.0, 1.0, 1.0, 20.0, 20.0])
+    monkeypatch.setattr("ecume.cli.progress.time.monotonic", lambda: next(clock))
+    with counted("points", quiet=False, lines=True) as told:
+        told(10, 300)
+        told(11, 300)
+        told(20, 300)
+    assert capsys.readouterr().err == "20 of 300 points, 9.33 min left\n"
+    with counted("points", quiet=False) as told:
+        assert told is None
+
+
+def test_measures_are_functions_too_and_are_kept(file, tmp_path):
+    sweep(file, tmp_path / "out", ALONE)
+    found = open_sweep(tmp_path / "out")
+    calls = []
+
+    def highest(run):
+        calls.append(1)
+        return float(max(frame.arrays["position"].max() for frame in run))
+
+    first = found.table({"highest": highest})
+    assert found.table({"highest": highest}) == first
+    assert len(calls) == 4
+    assert all(0.0 < row["highest"] < 0.04 for row in first)
