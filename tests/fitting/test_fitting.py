@@ -58,6 +58,9 @@ FORMATS = {
     "plain": (CSV, Camera()),
     "with units": (CSV.replace("x,y", "x [m],y (m)").replace("t,", "t [s],", 1), Camera(pixel=7.0)),
     "semicolons": (CSV.replace(",", ";"), Camera()),
+    "decimal commas": (CSV.replace(",", ";").replace(".", ","), Camera()),
+    "decimal commas and tabs": (CSV.replace(",", "\t").replace(".", ","), Camera()),
+    "lost now and then": (CSV + "0.5,,nan,b\n", Camera()),
     "trackpy": (TRACKPY, Camera(pixel=2e-5, rate=10.0)),
     "TrackMate": (TRACKMATE, Camera()),
     "TrackMate in pixels": (TRACKMATE.replace("micron", "pixel"), Camera(pixel=1e-6)),
@@ -106,6 +109,8 @@ def test_the_origin_is_in_the_units_of_the_table(tmp_path):
         ("x,y,t\n1,2,3\n", Camera(), "no column object"),
         (TRACKPY, Camera(pixel=1e-5), "say how many there are in a second"),
         (TRACKPY, Camera(rate=25.0), "say how large one is"),
+        (TRACKMATE.replace("(micron)", "").replace("(sec)", ""), Camera(), "positions have no unit; say what one is"),
+        (CSV.replace(",", ";").replace("0.0015", "1.000,5"), Camera(), "line 3, x: came '1.000,5'"),
         (CSV.replace("0.0015", "near"), Camera(), "line 3, x: came 'near'; wanted a number"),
         (CSV.replace("0.0015", "inf"), Camera(), "line 3, x: came 'inf'"),
         (CSV.replace("1,0.009,0,b", "0,0.009,0,b"), Camera(), "object b is in two places at t = 0 s"),
@@ -139,7 +144,8 @@ def test_a_short_name_means_the_particles_before_the_liquid():
         ("viscocity", "did you mean viscosity"),
         ("title", "came ''; wanted a parameter that is a number"),
         ("liquid.gas_density", "starts at 0"),
-        ("motion.drag", "came True; wanted a parameter that is a number"),
+        ("motion.drag", "came true; wanted a parameter that is a number"),
+        ("count", "came 2; wanted a parameter that is a number, and no whole one"),
     ],
 )
 def test_what_cannot_be_fitted_is_refused(name, why):

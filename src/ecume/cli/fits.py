@@ -33,45 +33,56 @@ def in_unit(text: str, unit: str, option: str) -> float:
     return value
 
 
+TrackFile = Annotated[
+    Path, typer.Argument(metavar="TRACKS", help="A table: x, y, t, id, or of trackpy or TrackMate.", show_default=False)
+]
+SceneFile = Annotated[
+    Path, typer.Option("--scene", metavar="SCENE", help="What is fitted to them.", show_default=False)
+]
+FreeKeys = Annotated[
+    str,
+    typer.Option(
+        "--free", metavar="KEY,KEY", help="Its numbers that are not known, such as viscosity.", show_default=False
+    ),
+]
+Pixel = Annotated[
+    str | None, typer.Option("--pixel", metavar="SIZE", help="Of one pixel: '20 um'.", show_default=False)
+]
+Rate = Annotated[
+    float | None, typer.Option("--rate", min=1e-6, max=1e9, metavar="N", help="Frames a second.", show_default=False)
+]
+Origin = Annotated[
+    tuple[float, float],
+    typer.Option("--origin", metavar="X Y", help="Where the scene's origin is, in the table's units."),
+]
+Only = Annotated[
+    str | None, typer.Option("--only", metavar="ID,ID", help="The objects that count.", show_default=False)
+]
+StartOf = Annotated[
+    str,
+    typer.Option("--start", metavar="WHAT", help="What is fitted along: positions, moving (velocities too), scene."),
+]
+Until = Annotated[
+    float | None,
+    typer.Option("--until", min=0.0, metavar="S", help="Leave out what was seen later.", show_default=False),
+]
+FitFolder = Annotated[
+    Path | None,
+    typer.Option("-o", "--out", metavar="DIR", help="Left out, fits/NAME for NAME.csv.", show_default=False),
+]
+
+
 def fit(
-    tracks: Annotated[
-        Path,
-        typer.Argument(metavar="TRACKS", help="A table: x, y, t, id, or of trackpy or TrackMate.", show_default=False),
-    ],
-    scene: Annotated[
-        Path, typer.Option("--scene", metavar="SCENE", help="What is fitted to them.", show_default=False)
-    ],
-    free: Annotated[
-        str,
-        typer.Option(
-            "--free", metavar="KEY,KEY", help="Its numbers that are not known, such as viscosity.", show_default=False
-        ),
-    ],
-    pixel: Annotated[
-        str | None, typer.Option("--pixel", metavar="SIZE", help="Of one pixel: '20 um'.", show_default=False)
-    ] = None,
-    rate: Annotated[
-        float | None,
-        typer.Option("--rate", min=1e-6, max=1e9, metavar="N", help="Frames a second.", show_default=False),
-    ] = None,
-    origin: Annotated[
-        tuple[float, float],
-        typer.Option("--origin", metavar="X Y", help="Where the scene's origin is, in the table's units."),
-    ] = (0.0, 0.0),
-    start: Annotated[
-        str,
-        typer.Option(
-            "--start", metavar="WHAT", help="What is fitted along: positions, moving (velocities too), scene."
-        ),
-    ] = "positions",
-    until: Annotated[
-        float | None,
-        typer.Option("--until", min=0.0, metavar="S", help="Leave out what was seen later.", show_default=False),
-    ] = None,
-    out: Annotated[
-        Path | None,
-        typer.Option("-o", "--out", metavar="DIR", help="Left out, fits/NAME for NAME.csv.", show_default=False),
-    ] = None,
+    tracks: TrackFile,
+    scene: SceneFile,
+    free: FreeKeys,
+    pixel: Pixel = None,
+    rate: Rate = None,
+    origin: Origin = (0.0, 0.0),
+    only: Only = None,
+    start: StartOf = "positions",
+    until: Until = None,
+    out: FitFolder = None,
     quiet: Quiet = False,
 ) -> None:
     """Fit a scene's parameters to measured tracks, with 95 % intervals, and say what the tracks do not determine.
@@ -81,12 +92,14 @@ def fit(
     Examples: `ecume fit beads.csv --scene two-spheres.toml --free contact_angle,viscosity`
     · `ecume fit spots.csv --scene two-spheres.toml --free viscosity --pixel "20 um" --rate 25`
     """
-    from ecume.fitting import Camera
+    from ecume.fitting import Camera, picked, read_tracks
     from ecume.fitting import fit as fitted
 
     camera = Camera(in_unit(pixel, "m", "--pixel") if pixel is not None else None, rate, origin)
-    names = [name.strip() for name in free.split(",")]
-    found = fitted(tracks, scene, names, start=start, until=math.inf if until is None else until, camera=camera)
+    measured = read_tracks(tracks, camera)
+    if only is not None:
+        measured = picked(measured, _words(only))
+    found = fitted(measured, scene, _words(free), start=start, until=math.inf if until is None else until)
     directory = out or FITS / tracks.stem
     keep(found, directory)
     if not quiet:
@@ -96,9 +109,16 @@ def fit(
         say(remark)
 
 
+def _words(text: str) -> list[str]:
+    return [word.strip() for word in text.split(",")]
+
+
 def _told(one: Estimate) -> tuple[str, str, str, str]:
-    interval = f"{one.low:.4g} to {one.high:.4g}" if one.determined else "not determined"
-    return one.name, f"{one.value:.4g}", interval, one.unit
+    """A row of the table, with as many digits as its interval shows."""
+    if not one.determined or one.high == one.low:
+        return one.name, f"{one.value:.4g}", "held" if one.determined else "not determined", one.unit
+    digits = min(max(4, 2 - math.floor(math.log10((one.high - one.low) / abs(one.value)))), 9)
+    return one.name, f"{one.value:.{digits}g}", f"{one.low:.{digits}g} to {one.high:.{digits}g}", one.unit
 
 
 def keep(found: Fit, directory: Path) -> None:

@@ -5,6 +5,6 @@ print(fit.estimates)
 """
 
 from ecume.fitting.estimating import Estimate, Fit, fit
-from ecume.fitting.tracks import Camera, Tracks, read_tracks
+from ecume.fitting.tracks import Camera, Tracks, picked, read_tracks
 
-__all__ = ["Camera", "Estimate", "Fit", "Tracks", "fit", "read_tracks"]
+__all__ = ["Camera", "Estimate", "Fit", "Tracks", "fit", "picked", "read_tracks"]

@@ -11,25 +11,25 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ecume.errors import BadInput
+from ecume.fitting.doubts import astray, met, no_noise, swapped, unsure
 from ecume.fitting.free import Free, free_parameters
 from ecume.fitting.quantities import Quantity, quantities_of
 from ecume.fitting.solving import STEP, Certainty, Solution, certainty, solved
-from ecume.fitting.starts import first_frame, first_seen, first_speeds, keeps_kinds, matched
+from ecume.fitting.starts import (
+    first_frame,
+    first_seen,
+    first_speeds,
+    keeps_kinds,
+    matched,
+    require_no_chance,
+    require_starts,
+)
 from ecume.fitting.tracks import Camera, Tracks, cut, read_tracks
-from ecume.fitting.trial import STARTS, Problem, origin, residuals, scene_at, simulated, timed, values_at
+from ecume.fitting.trial import STARTS, Problem, origin, residuals, scene_at, simulated, timed
 from ecume.scenes.faults import suggestion
 from ecume.scenes.load import load_scene
 from ecume.scenes.schema import Scene, from_plain, to_plain
 from ecume.units import Array
-
-MEMORY = 0.5
-"""The correlation of neighboring residuals beyond which they are no noise."""
-TOUCHING = 0.005
-"""The gap, over both radii, below which two particles count as touching."""
-MOST_PAIRED = 1000
-"""Particles whose pairs are looked at one by one."""
-SHOWN = 0.1
-"""The least power that is told of a parameter in a combination."""
 
 
 class Estimate(NamedTuple):
@@ -95,6 +95,9 @@ def posed(measured: Tracks, plain: dict[str, Any], names: Sequence[str], start: 
     if start not in STARTS:
         raise BadInput(f"start: no such choice as {start!r}; {suggestion(start, STARTS)}")
     free = free_parameters(plain, names)
+    require_no_chance(plain)
+    if start != "scene":
+        require_starts(plain, moving=start == "moving")
     plain = timed(plain, measured)
     frame = first_frame(from_plain(plain))
     found = start != "scene"
@@ -118,7 +121,13 @@ def concluded(problem: Problem, solution: Solution) -> Fit:
     derived = derived_estimates(problem, at, sure)
     noise = solution.noise * problem.reach
     left = there - problem.tracks.position
-    remarks = [*_unsure(problem, at, sure), *_met(scene, problem.tracks.times, there), *_left(problem, left)]
+    remarks = [
+        *swapped(problem.tracks),
+        *unsure(problem, at, sure),
+        *met(scene, problem.tracks.times, there),
+        *astray(problem, left),
+        *no_noise(problem, left),
+    ]
     if not solution.converged:
         remarks.insert(0, f"the fit had not settled after {solution.rounds} rounds; begin nearer")
     return Fit(scene, estimates, derived, noise, remarks, problem.tracks, there, solution.rounds)
@@ -131,7 +140,8 @@ def _estimate(free: Free, at: float, sure: Certainty, number: int) -> Estimate:
     off = sure.quantile * sure.error_of(unit)
     if not math.isfinite(off):
         return Estimate(free.name, free.at(at), 0.0, math.inf, free.unit)
-    return Estimate(free.name, free.at(at), free.at(at - off), free.at(at + off), free.unit)
+    low, high = sorted((free.at(at - off), free.at(at + off)))
+    return Estimate(free.name, free.at(at), low, high, free.unit)
 
 
 def derived_estimates(problem: Problem, at: Array, sure: Certainty) -> list[Estimate]:
@@ -153,57 +163,3 @@ def _derived(quantity: Quantity, slope: Array, sure: Certainty) -> Estimate:
     if not math.isfinite(off):
         return Estimate(name, value, 0.0, math.inf, unit)
     return Estimate(name, value, value * math.exp(-off), value * math.exp(off), unit)
-
-
-def _unsure(problem: Problem, at: Array, sure: Certainty) -> list[str]:
-    """Which combinations of the parameters the tracks do not determine, and which they do."""
-    loose, count = ~sure.determined, len(sure.errors)
-    if not loose.any():
-        return []
-    told = (
-        f"the tracks determine {count - int(loose.sum())} of {count} combinations; "
-        f"undetermined: {'; '.join(_combination(problem, at, row) for row in sure.directions[loose])}"
-    )
-    known = [
-        f"{_combination(problem, at, row)} to {100.0 * sure.quantile * error:.2g} %"
-        for row, error in zip(sure.directions[~loose], sure.errors[~loose], strict=True)
-    ]
-    return [told, *([f"determined: {'; '.join(known)}"] if known else []), "hold one of them fixed to know the others"]
-
-
-def _combination(problem: Problem, at: Array, direction: Array) -> str:
-    """A direction as a product of powers: its logarithm changes along it, and not across it.
-
-    The logarithm of p1^a p2^b has the slopes a and b in ln(p); one coordinate's slope is a part of ln(p)'s.
-    """
-    values = values_at(problem, at)
-    powers = [part / free.steepness(value) for part, free, value in zip(direction, problem.free, values, strict=True)]
-    largest = max(powers, key=abs)
-    shares = [(free.name, power / largest) for free, power in zip(problem.free, powers, strict=True)]
-    shown = [(name, share) for name, share in shares if abs(share) >= SHOWN]
-    return " ".join(name if abs(share - 1.0) < 5e-3 else f"{name}^{share:.2g}" for name, share in shown)
-
-
-def _met(scene: Scene, times: Array, there: Array) -> list[str]:
-    """A remark where particles touch: when they do is known to a step, so that the residuals are rough from then on."""
-    radius = first_frame(scene).arrays.get("radius")
-    if radius is None or len(radius) > MOST_PAIRED:
-        return []
-    one, other = np.triu_indices(len(radius), 1)
-    gap = np.linalg.norm(there[:, one] - there[:, other], axis=2) - radius[one] - radius[other]
-    touching = (gap < TOUCHING * (radius[one] + radius[other])).any(axis=1)
-    if not touching.any():
-        return []
-    when = float(times[np.argmax(touching)])
-    return [f"particles touch at t = {when:.4g} s; tracks from there on say little, and make a fit rough: --until"]
-
-
-def _left(problem: Problem, left: Array) -> list[str]:
-    """A remark where residuals hang together in time: then the scene misses something, and intervals are too narrow."""
-    seen = problem.seen
-    both = seen[1:] & seen[:-1]
-    one, other = left[:-1][both].ravel(), left[1:][both].ravel()
-    size = float(np.sqrt(np.sum(one**2) * np.sum(other**2)))
-    if len(one) < 20 or size == 0.0 or float(np.sum(one * other)) / size < MEMORY:
-        return []
-    return ["what is left is no noise, it hangs together in time: the scene misses something; intervals are too narrow"]

@@ -1,6 +1,6 @@
 """Parameters that are fitted: where they stand in a scene, and on which scale they move.
 
-What is positive moves by ratios, an angle between its two ends: so a fit never leaves what is possible.
+What is positive, or negative, moves by ratios, an angle between its two ends: so a fit never leaves what is possible.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
 from ecume.errors import BadInput
-from ecume.scenes.faults import Path, read_path, suggestion, value_at, written
+from ecume.scenes.faults import Path, echo, read_path, suggestion, value_at, written
 from ecume.scenes.kinds import ANGLE, unit_of
 from ecume.scenes.overrides import KEY, put
 
@@ -18,12 +18,17 @@ MOST = 20
 
 
 class Free(NamedTuple):
-    """One parameter: its name, all the places in the scene that share it, and where it starts."""
+    """One parameter: its name, all the places in the scene that share it, and where it starts.
+
+    Of a vector, such as the `force` of soft spheres, the size is fitted: directions, and ratios between vectors, stay.
+    """
 
     name: str
     paths: tuple[Path, ...]
     value: float
     unit: str
+    shares: tuple[float, ...] = ()
+    """what stands at each of the paths, over the value; left out, the value itself"""
 
     @property
     def angle(self) -> bool:
@@ -31,18 +36,18 @@ class Free(NamedTuple):
         return self.paths[0][-1] == ANGLE
 
     def coordinate(self, value: float) -> float:
-        """On the scale on which it moves: ln(p), for an angle ln(p/(pi - p)).
+        """On the scale on which it moves: ln |p|, for an angle ln(p/(pi - p)); a sign stays as it is.
 
         >>> free = Free("x", (("liquid", "viscosity"),), 2.0, "Pa*s")
         >>> round(free.at(free.coordinate(2.0)), 12)
         2.0
         """
-        return math.log(value / (math.pi - value)) if self.angle else math.log(value)
+        return math.log(value / (math.pi - value)) if self.angle else math.log(abs(value))
 
     def at(self, coordinate: float) -> float:
         """The parameter there; far beyond anything physical it stays where it is a number."""
         bounded = min(max(coordinate, -300.0), 300.0)
-        return math.pi / (1.0 + math.exp(-bounded)) if self.angle else math.exp(bounded)
+        return math.pi / (1.0 + math.exp(-bounded)) if self.angle else math.copysign(math.exp(bounded), self.value)
 
     def steepness(self, value: float) -> float:
         """How much ln(p) changes with the coordinate."""
@@ -51,8 +56,9 @@ class Free(NamedTuple):
 
 def free_parameters(plain: Mapping[str, Any], names: Sequence[str]) -> list[Free]:
     """The parameters of these names, or paths such as `floats[0].radius`. Raises BadInput where there is none."""
-    if not names or len(names) > MOST:
-        raise BadInput(f"free: came {len(names)} parameters; wanted 1 to {MOST}, such as contact_angle,viscosity")
+    count = len(names) if any(names) else 0
+    if not 1 <= count <= MOST:
+        raise BadInput(f"free: came {count} parameters; wanted 1 to {MOST}, such as contact_angle,viscosity")
     found = [_free(plain, name) for name in names]
     places = [path for free in found for path in free.paths]
     twice = next((path for path in places if places.count(path) > 1), None)
@@ -66,15 +72,33 @@ def _free(plain: Mapping[str, Any], name: str) -> Free:
     paths = (read_path(name),) if there else tuple(_places(plain, name))
     if not paths:
         raise BadInput(f"free: the scene has no number {name!r}; {suggestion(name, sorted(_numbers(plain)))}")
-    values = {value_at(plain, path, None) for path in paths}
-    if len(values) > 1:
+    values = [value_at(plain, path, None) for path in paths]
+    if all(map(_is_vector, values)):
+        return _sized(plain, name, paths)
+    if len(set(map(str, values))) > 1:
         raise BadInput(f"free: {name} is not the same everywhere; say which: {', '.join(map(written, paths))}")
-    (value,) = values
-    if isinstance(value, bool) or not isinstance(value, (int, float)):
-        raise BadInput(f"free: {name} came {value!r}; wanted a parameter that is a number")
-    if value <= 0.0 or (paths[0][-1] == ANGLE and value >= math.pi):
-        raise BadInput(f"free: {name} starts at {value:g}; give it a start above zero (an angle below 180 deg)")
+    value = values[0]
+    if not isinstance(value, float):
+        raise BadInput(f"free: {name} came {echo(value)}; wanted a parameter that is a number, and no whole one")
+    if value == 0.0 or (paths[0][-1] == ANGLE and not 0.0 < value < math.pi):
+        raise BadInput(f"free: {name} starts at {value:g}; give it a start that is not zero (an angle below 180 deg)")
     return Free(name, paths, float(value), unit_of(plain, paths[0]))
+
+
+def _is_vector(value: Any) -> bool:
+    """Whether it is a list of numbers."""
+    return isinstance(value, (list, tuple)) and len(value) > 0 and all(isinstance(part, float) for part in value)
+
+
+def _sized(plain: Mapping[str, Any], name: str, vectors: Sequence[Path]) -> Free:
+    """The size of the largest of some vectors, with which all their components grow."""
+    found: Any = [(path, value_at(plain, path, ())) for path in vectors]
+    parts = {(*path, place): part for path, vector in found for place, part in enumerate(vector) if part != 0.0}
+    if not parts:
+        raise BadInput(f"free: {name} starts at 0; give it a start that is not zero")
+    size = max(math.hypot(*vector) for _, vector in found)
+    shares = tuple(part / size for part in parts.values())
+    return Free(name, tuple(parts), size, unit_of(plain, next(iter(parts))), shares)
 
 
 def _places(plain: Mapping[str, Any], name: str) -> list[Path]:
@@ -89,21 +113,21 @@ def _numbers(plain: Mapping[str, Any]) -> set[str]:
 
 
 def _numbered(value: Any, path: Path = ()) -> Iterator[Path]:
-    """The paths of all numbers that have a name."""
+    """The paths of all numbers that have a name, and of all lists of numbers."""
     if isinstance(value, Mapping):
         for key, item in value.items():
             yield from _numbered(item, (*path, key))
+    elif _is_vector(value) or (isinstance(value, (int, float)) and not isinstance(value, bool)):
+        yield path
     elif isinstance(value, (list, tuple)):
         for place, item in enumerate(value):
             if isinstance(item, Mapping):
                 yield from _numbered(item, (*path, place))
-    elif isinstance(value, (int, float)) and not isinstance(value, bool):
-        yield path
 
 
 def with_values(plain: dict[str, Any], free: Sequence[Free], values: Sequence[float]) -> dict[str, Any]:
     """Put values into a scene's plain data, which it changes and gives back."""
     for parameter, value in zip(free, values, strict=True):
-        for path in parameter.paths:
-            put(plain, path, float(value))
+        for path, share in zip(parameter.paths, parameter.shares or (1.0,) * len(parameter.paths), strict=True):
+            put(plain, path, share * float(value))
     return plain

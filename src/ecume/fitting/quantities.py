@@ -42,7 +42,25 @@ def of_floats(scene: Any) -> list[Quantity]:
     return found
 
 
-QUANTITIES: dict[str, Callable[[Any], list[Quantity]]] = {"floating": of_floats}
+def of_tracers(scene: Any) -> list[Quantity]:
+    """Kind by kind: the speed at which it settles (or rises), and friction over mass, through which inertia shows.
+
+    Where inertia is over before the first picture, density, radius and viscosity show in the speed alone.
+    """
+    bodies = MODELS["tracers"].parameters(scene).bodies
+    names, found = [kind.name for kind in scene.kinds], []
+    for number, name in enumerate(names):
+        place = int(np.argmax(bodies.species == number))
+        of = f" of {name}" if len(names) > 1 else ""
+        speed, rate = abs(float(bodies.settling[place])), float(bodies.friction[place] / bodies.mass[place])
+        found += [Quantity(f"{word}{of}", value, unit) for word, value, unit in (
+            ("settling speed", speed if math.isfinite(speed) else 0.0, "m/s"),
+            ("friction/mass", 0.0 if bodies.overdamped[place] else rate, "1/s"),
+        )]  # fmt: skip
+    return found
+
+
+QUANTITIES: dict[str, Callable[[Any], list[Quantity]]] = {"floating": of_floats, "tracers": of_tracers}
 
 
 def quantities_of(scene: Any) -> list[Quantity]:

@@ -33,7 +33,11 @@ def matched(tracks: Tracks, frame: Frame, *, centered: bool) -> Tracks:
     """
     there = frame.arrays["position"]
     if len(there) != len(tracks.names):
-        raise BadInput(f"there are {len(tracks.names)} tracks and {len(there)} particles in the scene; wanted as many")
+        hint = "; name those that count (--only), and join what an object left that was lost and found again"
+        raise BadInput(
+            f"there are {len(tracks.names)} tracks and {len(there)} particles in the scene; wanted as many"
+            + hint * (len(tracks.names) > len(there))
+        )
     seen = first_seen(tracks)
     if centered:
         there, seen = there - there.mean(axis=0), seen - seen.mean(axis=0)
@@ -61,9 +65,24 @@ def _slope(times: Array, position: Array) -> Array:
 
 
 def start_at(plain: dict[str, Any], position: Array, velocity: Array | None) -> dict[str, Any]:
-    """Let the floats of a scene's plain data start there; changes the data and gives it back."""
-    if plain["model"] != "floating":
-        raise BadInput(f"where particles of the model {plain['model']} start is the scene's to say: --start scene")
+    """Let the particles of a scene's plain data start there; changes the data and gives it back."""
+    require_starts(plain, moving=velocity is not None)
+    STARTED[plain["model"]](plain, position, velocity)
+    return plain
+
+
+def require_starts(plain: Mapping[str, Any], *, moving: bool) -> None:
+    """Raise BadInput where the start of the scene's model cannot be fitted along."""
+    model = plain["model"]
+    if model not in STARTED:
+        raise BadInput(f"where particles of the model {model} start is the scene's to say: --start scene")
+    if moving and model == "soft":
+        raise BadInput("soft spheres have no inertia, and so no velocity to start with: --start positions")
+    if moving and any(species["count"] > 1 for species in plain.get("particles", ())):
+        raise BadInput("particles of a kind start with one velocity; write [[particles]] for each or --start positions")
+
+
+def _floats_start(plain: dict[str, Any], position: Array, velocity: Array | None) -> None:
     places = iter(range(len(position)))
     for species in plain["floats"]:
         mine = [next(places) for _ in range(species["count"])]
@@ -76,9 +95,37 @@ def start_at(plain: dict[str, Any], position: Array, velocity: Array | None) -> 
         row |= dict(zip("xy", position[place].tolist(), strict=True))
         if velocity is not None:
             row |= dict(zip(("vx", "vy"), velocity[place].tolist(), strict=True))
-    return plain
+
+
+def _tracers_start(plain: dict[str, Any], position: Array, velocity: Array | None) -> None:
+    places = iter(range(len(position)))
+    for species in plain["particles"]:
+        mine = [next(places) for _ in range(species["count"])]
+        species |= {"positions": position[mine].tolist(), "low": None, "high": None}
+        if velocity is not None:
+            species["velocity"] = velocity[mine[0]].tolist()
+
+
+def _spheres_start(plain: dict[str, Any], position: Array, velocity: Array | None) -> None:
+    places = iter(range(len(position)))
+    for species in plain["spheres"]:
+        mine = [next(places) for _ in range(species["count"] or len(species["positions"]))]
+        species |= {"positions": position[mine].tolist(), "count": None}
+
+
+STARTED = {"floating": _floats_start, "tracers": _tracers_start, "soft": _spheres_start}
+"""By model: lets particles start where they are told."""
+KINDS = ("floats", "rows", "particles", "spheres")
+"""What kinds of particles are called in scenes."""
 
 
 def keeps_kinds(plain: Mapping[str, Any]) -> bool:
     """Whether all particles of the scene are equal."""
-    return len(plain.get("floats", ())) + len(plain.get("rows", ())) == 1
+    return sum(len(plain.get(kinds, ())) for kinds in KINDS) == 1
+
+
+def require_no_chance(plain: Mapping[str, Any]) -> None:
+    """Raise BadInput where chance moves the particles: a simulation does not go where they went."""
+    motion = plain.get("motion", {})
+    if motion.get("brownian") or motion.get("temperature", 0.0) > 0.0:
+        raise BadInput("the liquid's heat kicks the particles of the scene, at random; a fit wants a scene without it")

@@ -19,12 +19,14 @@ from typing import NamedTuple
 import numpy as np
 
 from ecume.errors import BadInput
-from ecume.scenes.faults import echo
+from ecume.scenes.faults import echo, suggestion
 from ecume.scenes.files import text_of
 from ecume.units import Array, factor
 
 LEAST = 3
 """Instants: motion shows in no fewer."""
+MOST_NAMED = 20
+"""Objects that an error names."""
 MOST_BYTES = 256 * 2**20
 NAMES = {
     "x": ("x", "position_x"),
@@ -39,8 +41,10 @@ UNITS = {"micron": "um", "microns": "um", "µm": "um", "sec": "s", "msec": "ms"}
 """Words of TrackMate and ImageJ that are no units of ours."""
 PIXELS = ("pixel", "pixels", "px")
 FRAMES = ("frame", "frames")
+DECIMAL_COMMA = re.compile(r"([+-]?[0-9]*),([0-9]+(?:[eE][+-]?[0-9]+)?)")
+"""A number of programs that speak German or French, in a table parted by semicolons or tabs, or in quotes."""
 NOBODY = ("", "none", "nan")
-"""What stands in place of a track's number where a spot belongs to none."""
+"""What stands in place of a track's number where a spot belongs to none, and of a place where nobody was seen."""
 
 
 class Camera(NamedTuple):
@@ -91,10 +95,25 @@ def cut(tracks: Tracks, until: float) -> Tracks:
     return tracks._replace(times=tracks.times[early], position=tracks.position[early])
 
 
+def picked(tracks: Tracks, names: Sequence[str]) -> Tracks:
+    """These objects alone. Raises BadInput where there is no such one."""
+    for name in names:
+        if name not in tracks.names:
+            raise BadInput(f"no object is called {name!r}; {suggestion(name, tracks.names[:MOST_NAMED])}")
+    places = [place for place, name in enumerate(tracks.names) if name in names]
+    seen = np.isfinite(tracks.position[:, places, 0]).any(axis=1)
+    times = tracks.times[seen]
+    if len(times) < LEAST:
+        raise BadInput(f"{', '.join(names)}: seen at {len(times)} instants; motion shows in {LEAST} or more")
+    chosen = tuple(tracks.names[place] for place in places)
+    return Tracks(chosen, times - times[0], tracks.position[seen][:, places])
+
+
 def _rows(text: str) -> list[tuple[int, list[str]]]:
     """The cells of each line that has any, with its number."""
     first = next((line for line in text.splitlines() if line.strip() and not line.startswith("#")), "")
-    reader = csv.reader(io.StringIO(text, newline=""), delimiter=max(",;\t", key=first.count), strict=True)
+    mark = max(";\t,", key=first.count)
+    reader = csv.reader(io.StringIO(text, newline=""), delimiter=mark, strict=True)
     try:
         found = [(reader.line_num, row) for row in reader if any(map(str.strip, row)) and not row[0].startswith("#")]
     except csv.Error as error:
@@ -121,7 +140,9 @@ def _columns(
     units = [(match[2] or "") if match else "" for match in heads]
     if "POSITION_X" in rows[0][1]:
         body, units = _trackmate(body, units)
-    return _scaled({kind: place for kind, place in places.items() if place is not None}, units, camera), body
+    found = {kind: place for kind, place in places.items() if place is not None}
+    usual = "" if words[found["x"]] == "position_x" else "m"  # TrackMate's is anything, and stands in its last head
+    return _scaled(found, units, camera, usual), body
 
 
 def _place(words: Sequence[str], known: Sequence[str]) -> int | None:
@@ -139,14 +160,16 @@ def _trackmate(body: list[tuple[int, list[str]]], units: list[str]) -> tuple[lis
     return body, units
 
 
-def _scaled(places: Mapping[str, int], units: Sequence[str], camera: Camera) -> dict[str, Column]:
-    """Each column with its scale. Raises ValueError where the camera has to say it and does not."""
+def _scaled(places: Mapping[str, int], units: Sequence[str], camera: Camera, usual: str) -> dict[str, Column]:
+    """Each column with its scale; lengths without a unit are in the usual one. Raises ValueError where the camera has
+    to say it and does not.
+    """
     counted = "time" not in places
     time = places["frame"] if counted else places["time"]
     seconds = _time_scale("frame" if counted else _unit(units, time), camera)
     found = {"time": Column(time, seconds), "object": Column(places["object"], 0.0)}
     for axis in ("x", "y"):
-        unit = _unit(units, places[axis]) or ("pixel" if counted or camera.pixel is not None else "m")
+        unit = _unit(units, places[axis]) or ("pixel" if counted or camera.pixel is not None else usual)
         found[axis] = Column(places[axis], _length_scale(unit, camera))
     return found
 
@@ -165,6 +188,8 @@ def _time_scale(unit: str, camera: Camera) -> float:
 
 
 def _length_scale(unit: str, camera: Camera) -> float:
+    if not unit and camera.pixel is None:
+        raise ValueError("positions have no unit; say what one is: --pixel '1 um'")
     if unit.lower() in PIXELS:
         if camera.pixel is None:
             raise ValueError("positions are in pixels; say how large one is: --pixel '20 um'")
@@ -177,13 +202,14 @@ Spot = tuple[str, float, float, float]
 
 
 def _spots(body: Sequence[tuple[int, list[str]]], columns: Mapping[str, Column]) -> list[Spot]:
-    """Every line that belongs to an object."""
+    """Every line that belongs to an object, and says where that was."""
     found = []
     for number, row in body:
         if len(row) <= max(column.place for column in columns.values()):
             raise ValueError(f"line {number}: {len(row)} cells are fewer than in the head")
         who = row[columns["object"].place].strip()
-        if who.lower() not in NOBODY:
+        lost = any(row[columns[kind].place].strip().lower() in NOBODY for kind in ("x", "y"))
+        if who.lower() not in NOBODY and not lost:
             when, x, y = (_number(number, kind, row, columns[kind]) for kind in ("time", "x", "y"))
             found.append((_named(who), when, x, y))
     if not found:
@@ -199,7 +225,7 @@ def _named(who: str) -> str:
 def _number(line: int, kind: str, row: Sequence[str], column: Column) -> float:
     cell = row[column.place].strip()
     try:
-        value = float(cell) * column.scale
+        value = float(DECIMAL_COMMA.sub(r"\1.\2", cell)) * column.scale
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
