@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import argparse
 import datetime
+import math
 import os
 import re
 import sys
@@ -18,10 +19,10 @@ from pathlib import Path
 
 from ecume.run.manifest import circumstances
 
-from . import compiled, damage, inputs, killing, regression, states, sweeping
+from . import compiled, damage, inputs, killing, regression, states, strangers, sweeping
 from .trials import Outcome, Trial, leave_nobody
 
-MODULES = killing, damage, inputs, states, sweeping, compiled, regression
+MODULES = killing, damage, inputs, states, strangers, sweeping, compiled, regression
 TRIALS: tuple[Trial, ...] = tuple(
     sorted(
         (one for module in MODULES for one in module.TRIALS),
@@ -32,16 +33,8 @@ TRIALS: tuple[Trial, ...] = tuple(
 
 def main(words: Sequence[str]) -> int:
     """Run those trials whose names contain one of the words, or all; 1 where anything was not survived."""
-    asked = argparse.ArgumentParser(prog="torture")
-    asked.add_argument("names", nargs="*")
-    asked.add_argument("--scale", type=float, default=1.0)
-    asked.add_argument("--record", type=Path)
-    given = asked.parse_args(words)
-    chosen = [
-        one
-        for one in TRIALS
-        if not given.names or any(re.search(rf"\b{re.escape(name)}\b", one.name) for name in given.names)
-    ]
+    given = asked(words)
+    chosen = [one for one in TRIALS if not given.names or any(named(one, name) for name in given.names)]
     rows, failed = [], 0
     for trial in chosen:
         began = time.monotonic()
@@ -52,6 +45,39 @@ def main(words: Sequence[str]) -> int:
         if given.record is not None:
             keep(given.record, rows, given.scale)
     return int(failed > 0)
+
+
+def asked(words: Sequence[str]) -> argparse.Namespace:
+    """What the command line says. Ends with code 2 where a name is that of no trial."""
+    known = "\n".join(f"  {trial.name:32} {trial.says}" for trial in TRIALS)
+    about = (
+        "Hard times for runs, files and scenes: how often each was tried, and survived. Ends with 1 where one was not."
+    )
+    parser = argparse.ArgumentParser(
+        "torture", description=about, epilog=f"trials:\n{known}", formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("names", nargs="*", metavar="NAME", help="run these alone, such as R1, floating or sweeps")
+    parser.add_argument(
+        "--scale", type=_scale, default=1.0, help="what part of each is tried: 0.1 takes a minute or two"
+    )
+    parser.add_argument("--record", type=Path, metavar="FILE", help="keep the table there; rows of other trials stay")
+    given = parser.parse_args(words)
+    for name in given.names:
+        if not any(named(trial, name) for trial in TRIALS):
+            parser.error(f"no trial is called {name}; --help lists them")
+    return given
+
+
+def _scale(text: str) -> float:
+    """A positive number."""
+    if not 0.0 < float(text) < math.inf:
+        raise ValueError
+    return float(text)
+
+
+def named(trial: Trial, name: str) -> bool:
+    """Whether a word of a trial's name is this."""
+    return re.search(rf"\b{re.escape(name)}\b", trial.name, re.IGNORECASE) is not None
 
 
 def keep(path: Path, rows: Sequence[str], scale: float) -> None:

@@ -6,7 +6,6 @@ import dataclasses
 import random
 import re
 import resource
-import string
 import tomllib
 import typing
 from collections.abc import Iterator
@@ -20,12 +19,11 @@ from typer.testing import CliRunner
 from ecume.cli import app
 from ecume.errors import BadInput, SceneError
 from ecume.models import MODELS
-from ecume.run import run
 from ecume.scenes.load import load_scene
 from ecume.scenes.schema import SCENES, from_plain
 from ecume.scenes.templates import folder as templates
 
-from .trials import ONE_THREAD, Outcome, Trial, ended, forked, scene_of, times, warmed
+from .trials import Outcome, Trial, ended, forked, scene_of, times
 
 ENDS = (b"[", b"{", b'"', b"\\", b"\0", b"\xff", b"=", b"1e999", b"-", b"nan", b"9" * 400, b"[[", b"\n", b"#", b"''''")
 VALUES: tuple[Any, ...] = (
@@ -213,38 +211,10 @@ def _prepared(model: str, changes: dict[str, Any]) -> None:
         raise BadInput(" ".join(str(error).split())) from error
 
 
-HOSTILE = (
-    "</script><img src=x onerror=alert(1)>",
-    "';DROP TABLE runs;--",
-    "$\\input{/etc/passwd}$",
-    "../../etc",
-    "%s%n",
-    "\u202eedoc",
-)
-
-
-def hostile(scale: float, folder: Path) -> Outcome:
-    """Titles and names that want to be markup, paths or formulas are text on the page, and in the figures."""
-    from ecume.show.figures import plot
-    from ecume.show.view import save_page
-
-    warmed("floating")
-    survived = 0
-    for number, title in enumerate(HOSTILE):
-        scene = dataclasses.replace(scene_of("floating", "0.1 s"), title=title)
-        home = folder / f"{number} {''.join(letter for letter in title if letter in string.ascii_letters)}"
-        run(scene, home, habits=ONE_THREAD)
-        page = save_page(home, home / "page.html", 5.0).path.read_text(encoding="utf-8")
-        drawn = plot(home, "energies")
-        survived += "onerror=alert(1)>" not in page and drawn.stat().st_size > 1000
-    return Outcome(len(HOSTILE), survived, "as text")
-
-
 TRIALS = (
     Trial("R8 mutated scenes", "bytes of templates changed", mutated),
     Trial("R8 mutated scenes, command", "the same through the command line", through_the_command),
     *(Trial(f"R9 generated scenes, {model}", "right keys, any values", generated(model)) for model in SCENES),
     Trial("R10 typos", "each key of each template misspelt", typos),
     Trial("R11 absurd scenes", "refused before allocation", absurd),
-    Trial("R19 hostile titles", "on pages and in figures", hostile),
 )

@@ -30,7 +30,13 @@ BRIEFLY = {
     "R12 poisoned, tracers": 0.1,
     "R12 overlaps, floating": 0.1,
     "R12 overlaps, soft": 0.1,
+    "R13 signals": 0.1,
+    "R15 sweeps": 0.1,
+    "R16 readers": 0.1,
     "R18 caches": 0.1,
+    "R19 hostile titles": 0.3,
+    "R19 strangers": 1.0,
+    "R21 soak": 0.02,
 }
 """Trials, and what part of them is tried here."""
 TRIALS = {trial.name: trial for trial in torture.TRIALS}
@@ -62,6 +68,28 @@ def test_the_table_names_what_was_not_survived_and_the_rest_goes_on(tmp_path, ca
     assert [line.split(" | ")[3] for line in (tmp_path / "table.md").read_text().splitlines()[4:]] == ["1", "3"]
     with pytest.raises(SystemExit, match="of other circumstances"):
         torture.main(["R1", "--record", file, "--scale", "0.5"])
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["R99"], "no trial is called R99"),
+        (["--scale", "0"], "argument --scale"),
+        (["--scal"], "expected one argument"),
+    ],
+)
+def test_what_is_no_trial_is_told_in_a_line(words, told, capsys):
+    with pytest.raises(SystemExit) as ended:
+        torture.main(words)
+    assert ended.value.code == 2
+    assert told in capsys.readouterr().err
+
+
+def test_help_lists_all_trials_with_what_they_do(capsys):
+    with pytest.raises(SystemExit):
+        torture.main(["--help"])
+    told = capsys.readouterr().out
+    assert all(f"{trial.name} " in told and trial.says in told for trial in torture.TRIALS)
 
 
 def test_mutants_differ_from_what_they_were_made_of():
