@@ -17,7 +17,8 @@ from marching import March, heavy_spheres, machine
 
 from ecume._jit import use_threads
 from ecume.engine import contacts as touching
-from ecume.engine.contacts import CONVERGED, Goal
+from ecume.engine import sweeping
+from ecume.engine.sweeping import CONVERGED, Goal
 from ecume.models.floating.forces import forces
 from ecume.models.floating.meeting import TOLERABLE, bodies_of
 
@@ -50,9 +51,9 @@ def solved(march: March, velocity: np.ndarray) -> tuple[int, float, float]:
     fastest = float(np.max(contacts.bound[:rows] - contacts.scratch[:rows]))
     goal = Goal(CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
     began = time.process_time()
-    sweeps = touching.solve(contacts, velocity, mobility, goal)
+    sweeps = sweeping.solve(contacts, velocity, mobility, goal)
     spent = time.process_time() - began
-    return sweeps, touching.residual(contacts, velocity) / fastest, spent
+    return sweeps, sweeping.residual(contacts, velocity) / fastest, spent
 
 
 def measured(size: int) -> None:

@@ -22,6 +22,7 @@ from marching import March, heavy_spheres, machine
 from ecume._jit import compiled_once, use_threads
 from ecume.laws.special import bessel_k1
 from ecume.models.floating import forces, grid
+from ecume.models.floating.pulling import pairs_of
 from ecume.scenes.load import load_scene
 
 COUNT, SPACING = 2000, 2.02e-3
@@ -43,8 +44,7 @@ def seconds(work: Callable[[], object], repeats: int) -> float:
 
 def pull_of(march: March, kind: type) -> Callable[[], None]:
     """All pair forces in a precision."""
-    lists, scratch = march.workspace.lists.rows, march.workspace.sorted_floats
-    rows = (lists.first, lists.later, lists.neighbor, lists.sorted_position[0], lists.sorted_position[1])
+    scratch, rows = march.workspace.sorted_floats, pairs_of(march.workspace.lists.rows)
     floats, pair = (scratch.charge.astype(kind), scratch.radius), march.parameters.pair.astype(kind)
 
     def pull() -> None:

@@ -2,9 +2,11 @@ import numpy as np
 import pytest
 
 from ecume.engine import contacts as touching
-from ecume.engine.contacts import Bodies, Goal
+from ecume.engine import sweeping
+from ecume.engine.contacts import Bodies
 from ecume.engine.keyed import Memory
 from ecume.engine.placement import place_on_lattice
+from ecume.engine.sweeping import Goal
 from ecume.engine.walls.dishes import disc, no_walls
 
 
@@ -35,7 +37,7 @@ def test_solved_contacts_let_nobody_through_and_pull_nobody():
     position, velocity = a_raft()
     mobility = np.random.default_rng(1).uniform(0.5, 2.0, len(position))
     contacts = gathered(position, np.ones(len(position)), no_walls(), mobility)
-    touching.solve(contacts, velocity, mobility, Goal(1e-10, 0.0))
+    sweeping.solve(contacts, velocity, mobility, Goal(1e-10, 0.0))
     speed, rows = np.zeros(len(contacts.gap)), contacts.total[0]
     touching.approaches(contacts, velocity, speed)
     assert np.min(speed[:rows]) > -1e-10
@@ -48,7 +50,7 @@ def test_impulses_conserve_momentum_to_rounding_however_unlike_the_masses():
     mass = 10.0 ** np.random.default_rng(2).uniform(-2, 2, len(position))
     before = mass @ velocity
     contacts = gathered(position, np.ones(len(position)), no_walls(), 1.0 / mass)
-    touching.solve(contacts, velocity, 1.0 / mass, Goal(1e-9, 0.0))
+    sweeping.solve(contacts, velocity, 1.0 / mass, Goal(1e-9, 0.0))
     assert mass @ velocity == pytest.approx(before, abs=1e-13 * np.sum(mass * np.abs(velocity[:, 0])))
 
 
@@ -56,7 +58,7 @@ def test_plastic_contacts_never_add_kinetic_energy():
     position, velocity = a_raft()
     before = np.sum(velocity**2)
     contacts = gathered(position, np.ones(len(position)), no_walls(), np.ones(len(position)))
-    touching.solve(contacts, velocity, np.ones(len(position)), Goal(1e-10, 0.0))
+    sweeping.solve(contacts, velocity, np.ones(len(position)), Goal(1e-10, 0.0))
     assert np.sum(velocity**2) < before
 
 
@@ -74,7 +76,7 @@ def test_the_solution_is_that_of_a_general_quadratic_solver():
         jacobian[row, 2 * j : 2 * j + 2] += contacts.normal[row]
     impulses, _ = nnls(jacobian.T, -velocity.ravel(), maxiter=1000)
     expected = velocity.ravel() + jacobian.T @ impulses
-    touching.solve(contacts, velocity, mobility, Goal(1e-12, 0.0))
+    sweeping.solve(contacts, velocity, mobility, Goal(1e-12, 0.0))
     assert velocity.ravel() == pytest.approx(expected, abs=1e-9)
 
 
@@ -83,7 +85,7 @@ def test_a_wall_stops_what_leans_on_it_through_others():
     velocity = np.array([[1.0, 0.0], [1.0, 0.0], [1.0, 0.0], [0.0, 0.0]])
     mobility = np.array([1.0, 1.0, 1.0, 0.0])
     contacts = gathered(position, np.ones(3), disc(5.0), mobility)
-    touching.solve(contacts, velocity, mobility, Goal(1e-12, 0.0))
+    sweeping.solve(contacts, velocity, mobility, Goal(1e-12, 0.0))
     assert velocity[:, 0] == pytest.approx(np.zeros(4), abs=1e-11)
 
 
@@ -92,11 +94,11 @@ def test_a_warm_start_from_the_solution_needs_one_sweep():
     mobility = np.ones(len(position))
     contacts = gathered(position, np.ones(len(position)), no_walls(), mobility)
     memory = Memory(np.zeros(1, np.int64), np.zeros((300, 2), np.int64), np.zeros(300))
-    cold = touching.solve(contacts, velocity.copy(), mobility, Goal(1e-9, 0.0))
+    cold = sweeping.solve(contacts, velocity.copy(), mobility, Goal(1e-9, 0.0))
     touching.remember(contacts, memory)
     contacts.impulse[:] = 0.0
     touching.recall(contacts, memory)
-    assert touching.solve(contacts, velocity.copy(), mobility, Goal(1e-9, 0.0)) == 1 < cold
+    assert sweeping.solve(contacts, velocity.copy(), mobility, Goal(1e-9, 0.0)) == 1 < cold
 
 
 def test_impulses_are_recalled_for_the_pairs_they_belong_to():

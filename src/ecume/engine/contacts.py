@@ -1,11 +1,6 @@
-"""Contacts that last: impulses solved for all touching pairs at once, and overlaps removed without touching velocities.
+"""Contacts that last: who touches whom, what they remember, and overlaps removed without touching velocities.
 
-Moreau's and Jean's time stepping: the unknowns are the impulses p >= 0 of a step, the conditions are
-n.(w_j - w_i) >= bound where p > 0 only if it is an equality. `w` is the velocity with which particles will go through
-the step, so that with bound = -gap/dt nobody ends up inside another: contacts are seen before they happen. Solved by
-projected Gauss-Seidel sweeps, sped up by the nonsmooth conjugate gradient of Silcowitz-Hansen, Niebe & Erleben (2010),
-until the residual is small enough - however many sweeps that takes: a count of sweeps instead lets large rafts creep
-into themselves.
+How their impulses are found: `ecume.engine.sweeping`.
 """
 
 from __future__ import annotations
@@ -21,11 +16,7 @@ from ecume.engine.keyed import Keyed, Memory, recall_each, remember_each
 from ecume.engine.walls import Walls, wall_count, wall_distance
 from ecume.units import Array
 
-MOST_SWEEPS = 20_000
-PATIENCE = 128
-"""Sweeps after which the residual should have halved."""
-CONVERGED = 1e-7
-"""The residual wanted, as a fraction of the fastest approach that the contacts have to stop."""
+MOST_ROUNDS = 20_000
 
 
 class Bodies(NamedTuple):
@@ -178,105 +169,15 @@ def push_all(contacts: Contacts, impulse: Array, velocity: Array, mobility: Arra
 
 
 @compiled
-def _sweep(contacts: Contacts, velocity: Array, mobility: Array) -> float:
-    """One Gauss-Seidel sweep over all contacts; the largest change in it, as a relative velocity."""
-    first, second, normal = contacts.first, contacts.second, contacts.normal
-    impulse, bound, weight, change = contacts.impulse, contacts.bound, contacts.weight, contacts.change
-    largest = 0.0
-    for row in range(contacts.total[0]):
-        i, j = np.uint64(first[row]), np.uint64(second[row])
-        x, y = normal[row, 0], normal[row, 1]
-        speed = x * (velocity[j, 0] - velocity[i, 0]) + y * (velocity[j, 1] - velocity[i, 1])
-        new = max(impulse[row] + weight[row] * (bound[row] - speed), 0.0)
-        step = new - impulse[row]
-        impulse[row], change[row] = new, step
-        on_i, on_j = mobility[i] * step, mobility[j] * step
-        velocity[i, 0] -= on_i * x
-        velocity[i, 1] -= on_i * y
-        velocity[j, 0] += on_j * x
-        velocity[j, 1] += on_j * y
-        largest = max(largest, abs(on_i) + abs(on_j))
-    return largest
-
-
-@compiled
-def residual(contacts: Contacts, velocity: Array) -> float:
-    """By how much the worst contact breaks the conditions (m/s): it lets through, or pushes what leaves."""
-    speed, impulse, bound, weight = contacts.scratch, contacts.impulse, contacts.bound, contacts.weight
-    approaches(contacts, velocity, speed)
-    worst = 0.0
-    for row in range(contacts.total[0]):
-        if weight[row] > 0.0:
-            excess = speed[row] - bound[row]
-            worst = max(worst, -excess, min(excess, impulse[row] / weight[row]))
-    return worst
-
-
-@compiled
-def _accelerate(contacts: Contacts, velocity: Array, mobility: Array, ratio: float) -> None:
-    """Go on along the conjugate direction: p += ratio * d, kept positive; d = ratio * d + the change of the last
-    sweep.
-    """
-    impulse, change, direction, step = contacts.impulse, contacts.change, contacts.direction, contacts.scratch
-    for row in range(contacts.total[0]):
-        along, old = ratio * direction[row], impulse[row]
-        impulse[row] = max(old + along, 0.0)
-        step[row] = impulse[row] - old
-        direction[row] = along + change[row]
-    if ratio > 0.0:
-        push_all(contacts, step, velocity, mobility)
-
-
-class Goal(NamedTuple):
-    """When impulses are good enough, as residuals (m/s)."""
-
-    wanted: float
-    tolerable: float
-    """good enough once more sweeps do not help"""
-
-
-@compiled
-def solve(contacts: Contacts, velocity: Array, mobility: Array, goal: Goal) -> int:
-    """Change `velocity` by the contacts' impulses until the residual is as wanted.
-
-    The impulses that stand in the contacts are the start. Returns the number of sweeps, MOST_SWEEPS + 1 if they were
-    not enough.
-    """
-    push_all(contacts, contacts.impulse, velocity, mobility)
-    for row in range(contacts.total[0]):
-        contacts.direction[row] = 0.0
-    square_before, residual_before = 0.0, np.inf
-    for sweep in range(1, MOST_SWEEPS + 1):
-        largest = _sweep(contacts, velocity, mobility)
-        if largest <= goal.wanted and residual(contacts, velocity) <= goal.wanted:
-            return sweep
-        if sweep % PATIENCE == 0:
-            # In a raft braced more than it needs, gaps that disagree in the last digits leave impulses that creep for
-            # ever along a direction in which no velocity changes.
-            left = residual(contacts, velocity)
-            if left <= goal.tolerable and left > 0.5 * residual_before:
-                return sweep
-            residual_before = left
-        square = 0.0
-        for row in range(contacts.total[0]):
-            square += contacts.change[row] ** 2
-        # A gradient that grows means that contacts opened or closed: forget the direction.
-        ratio = square / square_before if 0.0 < square <= square_before else 0.0
-        _accelerate(contacts, velocity, mobility, ratio)
-        square_before = square
-    return MOST_SWEEPS + 1
-
-
-@compiled
 def separate(contacts: Contacts, position: Array, bodies: Bodies, slop: float) -> int:
     """Move overlapping bodies apart, each by its share, until none overlaps by more than `slop`; velocities stay as
     they are.
 
-    Returns the number of sweeps. The contacts' normals are those of the new places afterwards.
+    Returns the number of rounds. The contacts' normals are those of the new places afterwards.
     """
     first, second, weight = contacts.first, contacts.second, contacts.weight
     radius, mobility, count = bodies.radius, bodies.mobility, position.shape[0]
-    for sweep in range(MOST_SWEEPS):
+    for rounds in range(MOST_ROUNDS):
         deepest = 0.0
         for row in range(contacts.total[0]):
             i, j = first[row], second[row]
@@ -295,5 +196,5 @@ def separate(contacts: Contacts, position: Array, bodies: Bodies, slop: float) -
                     position[j, 0] -= mobility[j] * share * to_x
                     position[j, 1] -= mobility[j] * share * to_y
         if deepest <= slop:
-            return sweep
-    return MOST_SWEEPS
+            return rounds
+    return MOST_ROUNDS

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ecume._jit import compiled, prange, threaded
+from ecume._jit import compiled, compiled_inside, prange, threaded
 from ecume.engine.cells import Cells, Integers, make_cells, sort_into_cells
 from ecume.units import Array
 
@@ -19,6 +19,14 @@ Slots = np.ndarray[tuple[int, ...], np.dtype[np.uint32]]
 
 THREADS_FROM = 2000
 """Below this many particles starting threads takes longer than they save."""
+CHUNK = 256
+"""Slots that a thread takes at a time."""
+STRETCHES = 32
+"""Parts of all pairs that are summed each by itself; how many must not depend on the threads."""
+
+
+Span = tuple[int, int, int]
+"""Slots from the first and up to the second, and the longest run of slots that is searched."""
 
 
 class Rows(NamedTuple):
@@ -32,6 +40,10 @@ class Rows(NamedTuple):
     neighbor: Slots
     sorted_position: Array
     """(d, N) by slots"""
+    edge: Integers
+    """(STRETCHES + 1,) the first slot of each stretch (see `part_pairs`), and the end"""
+    place: Integers
+    """(STRETCHES + 1,) where in a scratch a stretch's window lies"""
 
 
 class NeighborLists(NamedTuple):
@@ -52,6 +64,8 @@ def make_lists(count: int, dimension: int, capacity: int) -> NeighborLists:
             later=np.zeros(count, np.int64),
             neighbor=np.zeros(max(capacity, 16), np.uint32),
             sorted_position=np.zeros((dimension, count)),
+            edge=np.zeros(STRETCHES + 1, np.int64),
+            place=np.zeros(STRETCHES + 1, np.int64),
         ),
         valid=np.zeros(1, np.int64),
     )
@@ -67,100 +81,207 @@ def sort_positions(lists: NeighborLists, position: Array) -> None:
             lists.rows.sorted_position[axis, slot] = position[i, axis]
 
 
+@compiled_inside
+def _run_beside(cells: Cells, cell: int, number: int) -> tuple[int, int]:
+    """The slots, from the first and up to the last, in the `number`-th of the 3^(d - 1) rows of three cells around
+    `cell`; none outside the grid.
+    """
+    shape, last = cells.shape, len(cells.shape) - 1
+    along, stride, other, inside = cell % shape[last], shape[last], 0, True
+    cell //= shape[last]
+    for axis in range(last - 1, -1, -1):
+        place = cell % shape[axis] + number % 3 - 1
+        cell //= shape[axis]
+        number //= 3
+        inside = inside and 0 <= place < shape[axis]
+        other += place * stride
+        stride *= shape[axis]
+    if not inside:
+        return 0, 0
+    return cells.start[other + max(along - 1, 0)], cells.start[other + min(along + 1, shape[last] - 1) + 1]
+
+
 @compiled
-def _visit(cells: Cells, x: Array, slot: int, reach: float, found_slots: Slots) -> int:
-    """Count the neighbors of one slot, and write down as many as there is room for."""
-    dimension = x.shape[0]
-    cell = cells.cell[cells.order[slot]]
+def _longest_run(cells: Cells, count: int) -> int:
+    """At least the most slots in three cells that follow one another."""
+    longest, every = 0, 1
+    for axis in range(len(cells.shape)):
+        every *= cells.shape[axis]
+    for cell in range(every):
+        longest = max(longest, cells.start[min(cell + 3, every)] - cells.start[cell])
+    return min(longest, count)
+
+
+@compiled
+def _count(cells: Cells, x: Array, slots: Span, reach: float, first: Integers, later: Integers) -> None:
+    """How many neighbors each of some slots has, into `first[slot + 1]`; how many are earlier ones, into `later`."""
+    square, distance = reach * reach, np.empty(slots[2], np.float64)
+    for slot in range(slots[0], slots[1]):
+        cell, found, earlier = cells.cell[cells.order[slot]], 0, 0
+        for number in range(3 ** (x.shape[0] - 1)):
+            begin, end = _run_beside(cells, cell, number)
+            _squares_of(x, slot, np.uint64(begin), distance[: end - begin])
+            if begin <= slot < end:
+                distance[slot - begin] = math.inf
+            split = max(min(end, slot) - begin, 0)
+            before = _nearer(distance[:split], square)
+            found += before + _nearer(distance[split : end - begin], square)
+            earlier += before
+        first[slot + 1], later[slot] = found, earlier
+
+
+@compiled_inside
+def _nearer(distance: Array, square: float) -> int:
+    """How many are."""
     found = 0
-    for number in range(3**dimension):
-        other, inside = _cell_beside(cells.shape, cell, number)
-        if not inside:
-            continue
-        for candidate in range(cells.start[other], cells.start[other + 1]):
-            square = 0.0
-            for axis in range(dimension):
-                apart = x[axis, candidate] - x[axis, slot]
-                square += apart * apart
-            if square < reach * reach and candidate != slot:
-                if found < len(found_slots):
-                    found_slots[found] = candidate
-                found += 1
+    for n in range(np.uint64(len(distance))):
+        found += np.int64(distance[n] < square)
     return found
 
 
 @compiled
-def _cell_beside(shape: Integers, cell: int, number: int) -> tuple[int, bool]:
-    """The `number`-th of the 3^d cells around `cell`, and whether it is inside the grid."""
-    other, stride, inside = 0, 1, True
-    for axis in range(len(shape) - 1, -1, -1):
-        along = cell % shape[axis] + number % 3 - 1
-        cell //= shape[axis]
-        number //= 3
-        inside = inside and 0 <= along < shape[axis]
-        other += along * stride
-        stride *= shape[axis]
-    return other, inside
+def _write(cells: Cells, x: Array, slots: Span, reach: float, first: Integers, neighbor: Slots) -> None:
+    """Write down the neighbors of some slots.
+
+    Distances of a run first, then its slots, each written over the last one that was too far: loops without a branch.
+    """
+    square, distance = reach * reach, np.empty(slots[2], np.float64)
+    found = np.empty(3 ** (x.shape[0] - 1) * slots[2] + 1, np.uint32)
+    for slot in range(slots[0], slots[1]):
+        cell, at = cells.cell[cells.order[slot]], np.uint64(0)
+        for number in range(3 ** (x.shape[0] - 1)):
+            begin, end = _run_beside(cells, cell, number)
+            start = np.uint64(begin)
+            _squares_of(x, slot, start, distance[: end - begin])
+            if begin <= slot < end:
+                distance[slot - begin] = math.inf
+            for n in range(np.uint64(end - begin)):
+                found[at] = start + n
+                at += np.uint64(distance[n] < square)
+        row = neighbor[first[slot] : first[slot + 1]]
+        row[:] = found[: len(row)]
+
+
+@compiled_inside
+def _squares_of(x: Array, slot: int, start: int, distance: Array) -> None:
+    """The squared distances of a slot from a run of others."""
+    own, others = x[0, slot], x[0]
+    for n in range(np.uint64(len(distance))):
+        apart = others[start + n] - own
+        distance[n] = apart * apart
+    for axis in range(1, x.shape[0]):
+        own, others = x[axis, slot], x[axis]
+        for n in range(np.uint64(len(distance))):
+            apart = others[start + n] - own
+            distance[n] += apart * apart
+
+
+# Inside a prange Numba writes to a copy of an array that is reached through a tuple: hence the bare arrays. Slots are
+# signed as outside of threads, so that one compilation serves both.
 
 
 @threaded
-def _visit_in_threads(cells: Cells, x: Array, reach: float, first: Integers, neighbor: Slots) -> None:
-    # Inside a prange Numba writes to a copy of an array that is reached through a tuple: hence the bare arrays.
-    for row in prange(len(first) - 1):
-        # Signed as outside of threads, so that one compilation serves both.
-        slot = int(np.int64(row))
-        if len(neighbor) == 0:
-            first[slot + 1] = _visit(cells, x, slot, reach, neighbor)
-        else:
-            _visit(cells, x, slot, reach, neighbor[first[slot] : first[slot + 1]])
+def _count_in_threads(cells: Cells, x: Array, slots: Span, reach: float, first: Integers, later: Integers) -> None:
+    low, high, longest = slots
+    for chunk in prange((high - low + CHUNK - 1) // CHUNK):
+        begin = low + int(np.int64(chunk)) * CHUNK
+        _count(cells, x, (begin, min(begin + CHUNK, high), longest), reach, first, later)
 
 
-@compiled
-def _visit_all(cells: Cells, x: Array, reach: float, first: Integers, neighbor: Slots) -> None:
-    """Without room (`neighbor` empty) count into `first`, else write."""
-    if len(first) > THREADS_FROM:
-        _visit_in_threads(cells, x, reach, first, neighbor)
-        return
-    for slot in range(len(first) - 1):
-        if len(neighbor) == 0:
-            first[slot + 1] = _visit(cells, x, slot, reach, neighbor)
-        else:
-            _visit(cells, x, slot, reach, neighbor[first[slot] : first[slot + 1]])
+@threaded
+def _write_in_threads(cells: Cells, x: Array, slots: Span, reach: float, first: Integers, neighbor: Slots) -> None:
+    low, high, longest = slots
+    for chunk in prange((high - low + CHUNK - 1) // CHUNK):
+        begin = low + int(np.int64(chunk)) * CHUNK
+        _write(cells, x, (begin, min(begin + CHUNK, high), longest), reach, first, neighbor)
 
 
 @compiled
 def build(lists: NeighborLists, position: Array, reach: float) -> bool:
     """List all neighbors nearer than `reach`. False when there is no room for them: the lists are then empty."""
-    rows = lists.rows
-    sort_into_cells(lists.cells, position, reach)
-    sort_positions(lists, position)
-    rows.first[0] = 0
-    _visit_all(lists.cells, rows.sorted_position, reach, rows.first, rows.neighbor[:0])
-    for slot in range(position.shape[0]):
-        rows.first[slot + 1] += rows.first[slot]
-    if rows.first[position.shape[0]] > len(rows.neighbor):
-        for slot in range(position.shape[0]):
-            rows.first[slot + 1], rows.later[slot] = 0, 0
-        lists.valid[0] = 0
+    count_neighbors(lists, position, reach, (0, position.shape[0]))
+    if not make_room(lists):
         return False
-    _visit_all(lists.cells, rows.sorted_position, reach, rows.first, rows.neighbor)
-    _part_rows(rows.first, rows.later, rows.neighbor)
-    lists.valid[0] = 1
+    write_neighbors(lists, reach, (0, STRETCHES))
+    place_windows(lists.rows.place)
     return True
 
 
 @compiled
-def _part_rows(first: Integers, later: Integers, neighbor: Slots) -> None:
-    """Find where in each row the higher slots begin: cells are visited in their order, so that rows ascend."""
+def count_neighbors(lists: NeighborLists, position: Array, reach: float, slots: tuple[int, int]) -> None:
+    """Sort everyone into slots, and count the neighbors of some slots: all into `first[slot + 1]`, the earlier ones
+    into `later[slot]`.
+    """
+    rows = lists.rows
+    sort_into_cells(lists.cells, position, reach)
+    sort_positions(lists, position)
+    span = slots[0], slots[1], _longest_run(lists.cells, position.shape[0])
+    if slots[1] - slots[0] >= THREADS_FROM:
+        _count_in_threads(lists.cells, rows.sorted_position, span, reach, rows.first, rows.later)
+    else:
+        _count(lists.cells, rows.sorted_position, span, reach, rows.first, rows.later)
+
+
+@compiled
+def make_room(lists: NeighborLists) -> bool:
+    """From counts to where rows begin, and who sums which. False when there is no room for all: the lists are then
+    empty.
+    """
+    first, later = lists.rows.first, lists.rows.later
+    first[0] = 0
     for slot in range(len(later)):
-        low, high = first[slot], first[slot + 1]
-        while low < high:
-            middle = (low + high) // 2
-            if neighbor[middle] < slot:
-                low = middle + 1
-            else:
-                high = middle
-        later[slot] = low
+        later[slot] += first[slot]
+        first[slot + 1] += first[slot]
+    fits = first[len(later)] <= len(lists.rows.neighbor)
+    if not fits:
+        for slot in range(len(later)):
+            first[slot + 1], later[slot] = 0, 0
+    part_pairs(first, later, lists.rows.edge)
+    lists.valid[0] = 1 if fits else 0
+    return bool(fits)
+
+
+@compiled
+def part_pairs(first: Integers, later: Integers, edge: Integers) -> None:
+    """Stretches of slots with as many pairs each, a pair counting for its lower slot, so far as whole rows allow."""
+    total = 0
+    for slot in range(len(later)):
+        total += first[slot + 1] - later[slot]
+    slot, pairs = 0, 0
+    for k in range(STRETCHES):
+        edge[k] = slot
+        while slot < len(later) and (k == STRETCHES - 1 or STRETCHES * pairs < (k + 1) * total):
+            pairs += first[slot + 1] - later[slot]
+            slot += 1
+    edge[STRETCHES] = slot
+
+
+@compiled
+def write_neighbors(lists: NeighborLists, reach: float, stretches: tuple[int, int]) -> None:
+    """Write the rows of some stretches, from one up to another, and how wide their windows are: from a stretch's first
+    slot to the last one's last neighbor.
+    """
+    rows = lists.rows
+    low, high = rows.edge[stretches[0]], rows.edge[stretches[1]]
+    span = low, high, _longest_run(lists.cells, len(rows.later))
+    if high - low >= THREADS_FROM:
+        _write_in_threads(lists.cells, rows.sorted_position, span, reach, rows.first, rows.neighbor)
+    else:
+        _write(lists.cells, rows.sorted_position, span, reach, rows.first, rows.neighbor)
+    for k in range(stretches[0], stretches[1]):
+        last = rows.edge[k] - 1
+        for slot in range(rows.edge[k], rows.edge[k + 1]):
+            alone = rows.first[slot + 1] == rows.later[slot]
+            last = max(last, slot if alone else np.int64(rows.neighbor[rows.first[slot + 1] - 1]))
+        rows.place[k + 1] = last + 1 - rows.edge[k]
+
+
+@compiled
+def place_windows(place: Integers) -> None:
+    """From how wide windows are to where they lie."""
+    place[0] = 0
+    for k in range(STRETCHES):
+        place[k + 1] += place[k]
 
 
 @compiled

@@ -16,8 +16,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ecume._jit import compiled
-from ecume.engine.contacts import MOST_SWEEPS, PATIENCE, Contacts, Goal, keyed
+from ecume.engine.contacts import Contacts, keyed
 from ecume.engine.keyed import Memory, recall_each, remember_each
+from ecume.engine.sweeping import MOST_SWEEPS, PATIENCE, Goal
 from ecume.units import Array
 
 CALMER, CALMEST, STALLS = 0.7, 0.1, 8

@@ -27,7 +27,7 @@ from ecume.models.floating.parameters import (
     Parameters,
     unpack_fit,
 )
-from ecume.models.floating.pulling import pull_all_with, pull_pairs_with
+from ecume.models.floating.pulling import pairs_of, pull_all_with, pull_pairs_with
 from ecume.models.floating.wall_tables import HEIGHT, IMAGE, tabled
 from ecume.units import Array
 
@@ -108,12 +108,9 @@ def forces_with(
     """The forces on all floats at these positions; the neighbor lists must hold there."""
     sorted_floats, force = scratch
     sort_positions(lists, position)
-    rows, order = lists.rows, lists.cells.order
-    x, y = rows.sorted_position[0], rows.sorted_position[1]
-    sorted_force = sorted_floats.force
-    charges = (sorted_floats.charge, sorted_floats.radius)
-    pull_all((rows.first, rows.later, rows.neighbor, x, y), charges, sorted_floats.pair, sorted_force)
-    unsort(order, sorted_force, force)
+    sorted_force, charges = sorted_floats.force, (sorted_floats.charge, sorted_floats.radius)
+    pull_all(pairs_of(lists.rows), charges, sorted_floats.pair, sorted_force)
+    unsort(lists.cells.order, sorted_force, force)
     add_wall_forces(parameters, position, force)
     if parameters.drift.flows:
         add_flow(parameters, position, force)

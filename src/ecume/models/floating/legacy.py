@@ -32,7 +32,7 @@ def one_sided_pull(distance: float, own: PairParameters) -> float:
 @compiled
 def pull_one_sided(rows: Any, floats: Any, pair: Array, force: Array) -> None:
     """Forces on all slots. What two do to each other is not the same: every slot looks at all of its neighbors."""
-    first, _, neighbor, x, y = rows
+    first, _, neighbor, x, y, _, _ = rows
     charge, radius = floats
     length, tension, cutoff = pair[CAPILLARY_LENGTH], pair[SURFACE_TENSION], pair[CUTOFF]
     for slot in range(force.shape[1]):

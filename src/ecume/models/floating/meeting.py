@@ -15,8 +15,10 @@ import numpy as np
 
 from ecume._jit import compiled, inlined
 from ecume.engine import contacts as touching
-from ecume.engine.contacts import Bodies, Contacts, Goal
+from ecume.engine import sweeping
+from ecume.engine.contacts import Bodies, Contacts
 from ecume.engine.keyed import Memory
+from ecume.engine.sweeping import Goal
 from ecume.models.floating.parameters import LEGACY, Parameters
 from ecume.models.floating.schemes import copy_rows
 from ecume.models.floating.state import COLLISIONS, DEEPEST, SWEEPS, UNCONVERGED, State, Workspace
@@ -99,7 +101,7 @@ def bounce_with(
         return
     for row in range(contacts.total[0]):
         contacts.impulse[row] = 0.0
-    goal = Goal(touching.CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
+    goal = Goal(sweeping.CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
     state.tally[SWEEPS] += stop(parameters, workspace, before, goal)
     share_restitution(parameters, contacts, of_float)
     for row in range(contacts.total[0]):
@@ -113,7 +115,7 @@ def bounce_with(
 def solve_smooth(parameters: Parameters, workspace: Workspace, velocity: Array, goal: Goal) -> int:
     """Contacts without friction: how many sweeps their solution takes."""
     touching.weigh(workspace.contacts, parameters.kick.mobility)
-    return touching.solve(workspace.contacts, velocity, parameters.kick.mobility, goal)
+    return sweeping.solve(workspace.contacts, velocity, parameters.kick.mobility, goal)
 
 
 @compiled
@@ -144,7 +146,7 @@ def goal_of(parameters: Parameters, contacts: Contacts, velocity: Array) -> Goal
     fastest = 0.0
     for row in range(contacts.total[0]):
         fastest = max(fastest, contacts.bound[row] - contacts.scratch[row])
-    return Goal(touching.CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
+    return Goal(sweeping.CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
 
 
 @inlined
@@ -162,7 +164,7 @@ def solve_contacts_with(
         for row in range(contacts.total[0]):
             contacts.impulse[row] = 0.0
     state.tally[SWEEPS] += sweeps
-    state.tally[UNCONVERGED] += 1.0 if sweeps > touching.MOST_SWEEPS else 0.0
+    state.tally[UNCONVERGED] += 1.0 if sweeps > sweeping.MOST_SWEEPS else 0.0
     touching.remember(contacts, memory)
 
 

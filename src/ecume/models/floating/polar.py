@@ -21,7 +21,7 @@ from ecume.models.floating.parameters import (
     PairParameters,
     Parameters,
 )
-from ecume.models.floating.pulling import STRETCHES, pull_all_with, pull_pairs_with
+from ecume.models.floating.pulling import pairs_of, pull_all_with, pull_pairs_with
 from ecume.models.floating.schemes import predict, predict_rarely_with
 from ecume.models.floating.state import State, Workspace
 from ecume.models.floating.stepping import march_with
@@ -83,7 +83,7 @@ def _push_stretch(stretch: Any, rows: Any, floats: Any, pair: Array, window: Any
 
 @threaded
 def _push_in_threads(edge: Any, place: Any, rows: Any, floats: Any, pair: Array, along: Array, across: Array) -> None:
-    for k in prange(STRETCHES):
+    for k in prange(len(edge) - 1):
         window = along[place[k] : place[k + 1]], across[place[k] : place[k + 1]]
         _push_stretch((edge[k], edge[k + 1]), rows, floats, pair, window)
 
@@ -98,8 +98,7 @@ def polar_forces(parameters: Parameters, position: Array, lists: NeighborLists, 
     count = len(order)
     for slot in range(count):
         moment[slot] = everyone[order[slot]]
-    places = (rows.first, rows.later, rows.neighbor, rows.sorted_position[0], rows.sorted_position[1])
-    pull_all_with(_push_stretch, _push_in_threads, places, (moment, magnets.radius), pair, push)
+    pull_all_with(_push_stretch, _push_in_threads, pairs_of(rows), (moment, magnets.radius), pair, push)
     for slot in range(count):
         force[order[slot], 0] += push[0, slot]
         force[order[slot], 1] += push[1, slot]

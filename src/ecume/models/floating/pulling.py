@@ -8,55 +8,31 @@ are added up in order. How many stretches there are follows from the crowd alone
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
 from ecume._fused import lane_sum
-from ecume._jit import compiled, inlined
+from ecume._jit import compiled, compiled_inside, inlined
 from ecume.engine.cells import Integers
-from ecume.engine.neighbors import THREADS_FROM
+from ecume.engine.neighbors import STRETCHES, THREADS_FROM, Rows
 from ecume.models.floating.parameters import CAPILLARY_LENGTH, CUTOFF, SURFACE_TENSION, PairParameters
 from ecume.units import Array
 
-STRETCHES = 32
 PADDED = 8
 """Neighbors are padded to a multiple of the vector width, since what is left over runs one by one."""
 
 
-class Stretches(NamedTuple):
-    """Which slots are whose, and where in the scratch a stretch's window lies."""
-
-    edge: Integers
-    """(STRETCHES + 1,) the first slot of each, and the end"""
-    place: Integers
-    """(STRETCHES + 1,)"""
+@compiled_inside
+def pairs_of(rows: Rows) -> Any:
+    """What sums over pairs want of the lists, in two dimensions."""
+    x, y = rows.sorted_position[0], rows.sorted_position[1]
+    return rows.first, rows.later, rows.neighbor, x, y, rows.edge, rows.place
 
 
 @compiled
-def stretches_of(first: Integers, later: Integers, neighbor: Any) -> Stretches:
-    """Stretches with as many pairs each, so far as whole rows allow."""
-    edge, place = np.zeros(STRETCHES + 1, np.int64), np.zeros(STRETCHES + 1, np.int64)
-    total = 0
-    for slot in range(len(later)):
-        total += first[slot + 1] - later[slot]
-    slot, pairs = 0, 0
-    for k in range(STRETCHES):
-        edge[k], last = slot, slot
-        while slot < len(later) and (k == STRETCHES - 1 or STRETCHES * pairs < (k + 1) * total):
-            found = first[slot + 1] - later[slot]
-            last = max(last, int(neighbor[first[slot + 1] - 1]) if found > 0 else slot)
-            pairs += found
-            slot += 1
-        place[k + 1] = place[k] + (last + 1 - edge[k] if slot > edge[k] else 0)
-    edge[STRETCHES] = slot
-    return Stretches(edge, place)
-
-
-@compiled
-def add_windows(stretches: Stretches, windows: Array, force: Array) -> None:
+def add_windows(edge: Integers, place: Integers, windows: Array, force: Array) -> None:
     """Add up all windows in order."""
-    edge, place = stretches.edge, stretches.place
     force[:] = 0.0
     for k in range(STRETCHES):
         for axis in range(2):
@@ -69,7 +45,7 @@ def pull_pairs_with(
     pull_of: Callable[..., float],
     law_of: Callable[[Array], Any],
     stretch: tuple[int, int],
-    rows: tuple[Any, Any, Any, Any, Any],
+    rows: Any,
     floats: tuple[Array, Array],
     pair: Array,
     window: tuple[Array, Array],
@@ -80,7 +56,7 @@ def pull_pairs_with(
     changing a bit), give them to the neighbors, add them up in lanes. The second one is in the precision of `pair` and
     of the charges; distances are taken and forces added up in double. Laws that look at no radius are given none.
     """
-    first, later, neighbor, x, y = rows
+    first, later, neighbor, x, y, _, _ = rows
     charge, radius = floats
     law, cutoff, length, tension = law_of(pair), pair[CUTOFF], pair[CAPILLARY_LENGTH], pair[SURFACE_TENSION]
     nothing = cutoff - cutoff
@@ -122,7 +98,7 @@ def pull_pairs_with(
 def pull_all_with(
     pull_stretch: Callable[..., None],
     pull_in_threads: Callable[..., None],
-    rows: tuple[Any, Any, Any, Any, Any],
+    rows: Any,
     floats: tuple[Array, Array],
     pair: Array,
     force: Array,
@@ -132,7 +108,7 @@ def pull_all_with(
         force[:] = 0.0
         pull_stretch((0, force.shape[1]), rows, floats, pair, (force[0], force[1]))
     else:
-        stretches = stretches_of(rows[0], rows[1], rows[2])
-        windows = np.zeros((2, stretches.place[STRETCHES]))
-        pull_in_threads(stretches.edge, stretches.place, rows, floats, pair, windows[0], windows[1])
-        add_windows(stretches, windows, force)
+        edge, place = rows[5], rows[6]
+        windows = np.zeros((2, place[STRETCHES]))
+        pull_in_threads(edge, place, rows, floats, pair, windows[0], windows[1])
+        add_windows(edge, place, windows, force)

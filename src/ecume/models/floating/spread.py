@@ -17,12 +17,12 @@ import numpy as np
 
 from ecume._jit import plainly
 from ecume.engine.cells import Integers
-from ecume.engine.neighbors import THREADS_FROM, NeighborLists
+from ecume.engine.neighbors import STRETCHES, THREADS_FROM, NeighborLists
 from ecume.errors import BadInput
 from ecume.models.floating import forces, grid
 from ecume.models.floating.forces import Sorted, forces_with
 from ecume.models.floating.parameters import ONE_SIDED, RARE, SCHEMES, Parameters
-from ecume.models.floating.pulling import STRETCHES, add_windows, stretches_of
+from ecume.models.floating.pulling import add_windows
 from ecume.models.floating.state import State, Workspace
 from ecume.models.floating.stepping import march_in_parts
 from ecume.models.floating.summing import Split
@@ -56,14 +56,14 @@ def pull_shared(share: Share, alone: Pull, together: Pull, rows: Any, floats: An
     if force.shape[1] < THREADS_FROM:
         alone(rows, floats, pair, force)
         return
-    stretches = stretches_of(rows[0], rows[1], rows[2])
+    edge, place = rows[5], rows[6]
     mine = np.arange(share.ranks + 1) * STRETCHES // share.ranks
     own = slice(mine[share.rank], mine[share.rank + 1] + 1)
-    windows = np.zeros((2, stretches.place[STRETCHES]))
-    together(stretches.edge[own], stretches.place[own], rows, floats, pair, windows[0], windows[1])
+    windows = np.zeros((2, place[STRETCHES]))
+    together(edge[own], place[own], rows, floats, pair, windows[0], windows[1])
     for along in windows:
-        share.gather(along, stretches.place[mine])
-    add_windows(stretches, windows, force)
+        share.gather(along, place[mine])
+    add_windows(edge, place, windows, force)
 
 
 def shared_forces(

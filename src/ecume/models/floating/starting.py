@@ -173,7 +173,7 @@ def _overlapping(floats: Floats, position: Array, which: Integers, names: list[s
     capacity = 64 * len(which)
     lists, candidates = make_lists(len(which), 2, capacity), contacts.make_candidates(len(which), capacity)
     reach = 2.0 * float(radius.max())
-    if not (build(lists, places, reach) and list_candidates(candidates, lists, places, radius, 0.0)):
+    if not (build(lists, places, reach) and list_candidates(candidates, lists, radius, 0.0)):
         return [Fault("floats", f"more than {capacity} pairs of floats overlap")]
     faults = []
     for i in range(len(which)):

@@ -11,7 +11,10 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from ecume._jit import compiled, inlined, plainly
+import numpy as np
+
+from ecume._jit import compiled, compiled_inside, inlined, plainly
+from ecume.engine.cells import Integers
 from ecume.engine.contacts import Candidates
 from ecume.engine.neighbors import NeighborLists, build, farthest_move
 from ecume.models.floating.booking import book, is_driven
@@ -36,31 +39,68 @@ from ecume.units import Array
 
 
 @compiled
-def list_candidates(candidates: Candidates, lists: NeighborLists, reference: Array, radius: Array, skin: float) -> bool:
-    """Pairs that may touch while the lists hold, ordered by i, then j. False when there is no room."""
-    order, first, neighbor, slot_of = lists.cells.order, lists.rows.first, lists.rows.neighbor, lists.cells.cell
-    partner, starts = candidates.partner, candidates.first
+def list_candidates(candidates: Candidates, lists: NeighborLists, radius: Array, skin: float) -> bool:
+    """Pairs that may touch while the lists hold, ordered by i, then j. False when there is no room.
+
+    Slot by slot, since neighbors lie close there; then sorted by counting.
+    """
+    order, rows, room = lists.cells.order, lists.rows, len(candidates.partner)
+    x, y, first, later, neighbor = (
+        rows.sorted_position[0],
+        rows.sorted_position[1],
+        rows.first,
+        rows.later,
+        rows.neighbor,
+    )
+    lower, higher, found, widest = np.empty(room, np.int64), np.empty(room, np.int64), 0, radius.max()
     for slot in range(len(order)):
-        slot_of[order[slot]] = slot
-    found = 0
-    for i in range(len(order)):
-        starts[i] = found
-        slot = slot_of[i]
-        for place in range(first[slot], first[slot + 1]):
-            j = order[neighbor[place]]
-            x, y = reference[j, 0] - reference[i, 0], reference[j, 1] - reference[i, 1]
-            within = radius[i] + radius[j] + skin
-            if j > i and x * x + y * y < within * within:
-                if found == len(partner):
-                    return False
-                spot = found
-                while spot > starts[i] and partner[spot - 1] > j:
-                    partner[spot] = partner[spot - 1]
-                    spot -= 1
-                partner[spot] = j
-                found += 1
-    starts[len(order)] = found
+        i, own_x, own_y = order[slot], x[slot], y[slot]
+        farthest = (radius[i] + widest + skin) ** 2
+        for place in range(later[slot], first[slot + 1]):
+            other = np.uint64(neighbor[place])
+            along, across = x[other] - own_x, y[other] - own_y
+            square = along * along + across * across
+            if square <= farthest:
+                j = order[other]
+                within = radius[i] + radius[j] + skin
+                if square < within * within:
+                    if found == room:
+                        return False
+                    lower[found], higher[found] = min(i, j), max(i, j)
+                    found += 1
+    sort_pairs(candidates, lower[:found], higher[:found])
     return True
+
+
+@compiled
+def sort_pairs(candidates: Candidates, lower: Integers, higher: Integers) -> None:
+    """Write down pairs by the lower, then by the higher."""
+    starts, partner, count = candidates.first, candidates.partner, len(candidates.first) - 1
+    for i in range(count + 1):
+        starts[i] = 0
+    for i in lower:
+        starts[i + 1] += 1
+    for i in range(count):
+        starts[i + 1] += starts[i]
+    # From the end, so that what a start was moved down by is what was written.
+    ends = starts[1:].copy()
+    for number in range(len(lower)):
+        i, j = lower[number], higher[number]
+        ends[i] -= 1
+        partner[ends[i]] = j
+    for i in range(count):
+        _ascend(partner, starts[i], starts[i + 1])
+
+
+@compiled_inside
+def _ascend(values: Integers, begin: int, end: int) -> None:
+    """Sort a few."""
+    for place in range(begin + 1, end):
+        value, spot = values[place], place
+        while spot > begin and values[spot - 1] > value:
+            values[spot] = values[spot - 1]
+            spot -= 1
+        values[spot] = value
 
 
 @compiled
@@ -70,7 +110,7 @@ def renew_lists(
     """Neighbor lists and candidates at the reference positions. False when there is no room."""
     if not build(lists, reference, parameters.reach):
         return False
-    if not list_candidates(candidates, lists, reference, parameters.floats.radius, parameters.skin):
+    if not list_candidates(candidates, lists, parameters.floats.radius, parameters.skin):
         lists.valid[0] = 0
         return False
     sort_floats(parameters, lists, sorted_floats)

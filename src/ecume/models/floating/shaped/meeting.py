@@ -7,10 +7,10 @@ import numpy as np
 from ecume._jit import compiled
 from ecume.engine import contacts
 from ecume.engine import levers as touching
-from ecume.engine.contacts import Goal
 from ecume.engine.keyed import Memory
 from ecume.engine.levers import Levers
 from ecume.engine.outlines import Stance
+from ecume.engine.sweeping import Goal
 from ecume.models.floating.meeting import STEADY, TOLERABLE, restitution_of, share_restitution
 from ecume.models.floating.parameters import Parameters
 from ecume.models.floating.shaped.bodies import party_of
