@@ -154,3 +154,46 @@ def test_contacts_without_room_say_so():
     contacts = touching.make_contacts(3)
     bodies = Bodies(np.ones(len(position)), no_walls(), np.ones(len(position)))
     assert not touching.gather(contacts, all_candidates(position), position, bodies, 1e-6)
+
+
+def many_pairs(pairs=70):
+    """Pairs that touch, side by side; the last stand at a wall and at one another."""
+    x = np.repeat(5.0 * np.arange(pairs), 2)
+    y = np.tile([0.0, 2.0], pairs)
+    return np.column_stack([x - x.mean(), y])
+
+
+@pytest.mark.parametrize("colliding", [(), (3,), (3, 4, 40), tuple(range(70))])
+def test_what_sweeps_leave_out_changes_no_bit(colliding):
+    position = many_pairs()
+    dish = disc(float(np.hypot(*position.T).max()) + 1.0)
+    mobility = np.append(np.random.default_rng(2).uniform(0.5, 2.0, len(position)), 0.0)
+    velocity = np.zeros((len(position) + 1, 2))
+    velocity[3:-2:2, 1] = 0.1  # all but those at the wall part
+    for pair in colliding:
+        velocity[2 * pair : 2 * pair + 2] = [[0.1, 1.0], [0.2, -1.0 - 0.1 * pair]]
+    goal, whole, left_out = Goal(1e-12, 0.0), velocity.copy(), velocity.copy()
+    contacts, other = (gathered(position, np.ones(len(position)), dish, mobility) for _ in range(2))
+    assert contacts.total[0] >= sweeping.MANY or not colliding
+    sweeping.solve(contacts, left_out, mobility, goal)
+    sweeping._sweep(other, whole, mobility)
+    if colliding:
+        sweeping._go_on(other, whole, mobility, goal)
+    assert (np.abs(contacts.impulse) > 0.0).any() == bool(colliding)
+    assert np.array_equal(left_out, whole)
+    assert np.array_equal(contacts.impulse, other.impulse)
+
+
+def test_who_hangs_together_is_found_through_floats_and_not_through_walls():
+    position = np.column_stack([2.0 * np.arange(80.0), np.zeros(80)])
+    position[40:, 0] += 1.0
+    position -= position.mean(axis=0)
+    mobility = np.append(np.ones(80), 0.0)
+    contacts = gathered(position, np.ones(80), disc(float(np.abs(position).max()) + 1.0), mobility)
+    walls = int((contacts.second[: contacts.total[0]] == 80).sum())
+    assert walls == 2
+    contacts.impulse[1] = 1.0  # between the second and the third of a row of forty
+    rows = sweeping._stirred(contacts, mobility)
+    assert {int(contacts.first[row]) for row in rows} == set(range(39))
+    contacts.impulse[1] = 0.0
+    assert len(sweeping._stirred(contacts, mobility)) == 0

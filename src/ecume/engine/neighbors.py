@@ -120,7 +120,7 @@ def _count(cells: Cells, x: Array, slots: Span, reach: float, first: Integers, l
         cell, found, earlier = cells.cell[cells.order[slot]], 0, 0
         for number in range(3 ** (x.shape[0] - 1)):
             begin, end = _run_beside(cells, cell, number)
-            _squares_of(x, slot, np.uint64(begin), distance[: end - begin])
+            _squares_of(x, slot, begin, distance[: end - begin])
             if begin <= slot < end:
                 distance[slot - begin] = math.inf
             split = max(min(end, slot) - begin, 0)
@@ -135,7 +135,7 @@ def _nearer(distance: Array, square: float) -> int:
     """How many are."""
     found = 0
     for n in range(np.uint64(len(distance))):
-        found += np.int64(distance[n] < square)
+        found += 1 if distance[n] < square else 0
     return found
 
 
@@ -152,7 +152,7 @@ def _write(cells: Cells, x: Array, slots: Span, reach: float, first: Integers, n
         for number in range(3 ** (x.shape[0] - 1)):
             begin, end = _run_beside(cells, cell, number)
             start = np.uint64(begin)
-            _squares_of(x, slot, start, distance[: end - begin])
+            _squares_of(x, slot, begin, distance[: end - begin])
             if begin <= slot < end:
                 distance[slot - begin] = math.inf
             for n in range(np.uint64(end - begin)):
@@ -165,14 +165,14 @@ def _write(cells: Cells, x: Array, slots: Span, reach: float, first: Integers, n
 @compiled_inside
 def _squares_of(x: Array, slot: int, start: int, distance: Array) -> None:
     """The squared distances of a slot from a run of others."""
-    own, others = x[0, slot], x[0]
+    place, own, others = np.uint64(start), x[0, slot], x[0]
     for n in range(np.uint64(len(distance))):
-        apart = others[start + n] - own
+        apart = others[place + n] - own
         distance[n] = apart * apart
     for axis in range(1, x.shape[0]):
         own, others = x[axis, slot], x[axis]
         for n in range(np.uint64(len(distance))):
-            apart = others[start + n] - own
+            apart = others[place + n] - own
             distance[n] += apart * apart
 
 
