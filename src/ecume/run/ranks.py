@@ -46,7 +46,8 @@ def share_of(ranks: Any) -> Share:
     def gather(row: Any, bounds: Any) -> None:
         from mpi4py import MPI
 
-        ranks.Allgatherv(MPI.IN_PLACE, [row, np.diff(bounds), bounds[:-1], MPI.DOUBLE])
+        kind = MPI.DOUBLE if row.dtype.kind == "f" else MPI.INT64_T
+        ranks.Allgatherv(MPI.IN_PLACE, [row, np.diff(bounds), bounds[:-1], kind])
 
     return Share(ranks.rank, ranks.size, gather)
 
@@ -84,7 +85,15 @@ class Lead(Crew):
         """The model whose march is done by all ranks. Raises BadInput for one that is not spread."""
         if model.name != "floating":
             raise BadInput(f"--engine mpi: goes with the model 'floating', and not with {model.name!r}")
-        return dataclasses.replace(model, workspace=self.workspace, advance=self.advance)
+
+        def observe(parameters: Any, state: Any, workspace: Any) -> Any:
+            """See `Model.observe`: energies take all rows."""
+            from ecume.models.floating.spread import complete_lists
+
+            complete_lists(self.share, parameters, state, workspace)
+            return model.observe(parameters, state, workspace)
+
+        return dataclasses.replace(model, workspace=self.workspace, advance=self.advance, observe=observe)
 
     def workspace(self, parameters: Any, state: Any, room: float) -> Any:
         """See `Crew.workspace`."""

@@ -13,7 +13,7 @@ import pytest
 
 from ecume.errors import BadInput
 from ecume.models.floating import FLOATING, spread
-from ecume.models.floating.spread import Share, march_shared, require_spreadable
+from ecume.models.floating.spread import Share, complete_lists, march_shared, require_spreadable
 from ecume.models.model import DONE
 from ecume.scenes.load import load_scene
 
@@ -110,10 +110,14 @@ def test_a_march_on_ranks_is_that_of_one(ranks: int, changes: tuple[str, ...]) -
         march_shared(share, parameters, own, scratch, 0)
         first = scratch.force.copy()
         assert march_shared(share, parameters, own, scratch, STEPS) == DONE
-        return own, first
+        complete_lists(share, parameters, own, scratch)
+        assert np.array_equal(scratch.candidates.first, alone.candidates.first)
+        return own, first, FLOATING.observe(parameters, own, scratch).numbers
 
-    (one, _), *_ = on_ranks(1, march_here)
-    for own, first in on_ranks(ranks, march_here):
+    (one, _, seen), *_ = on_ranks(1, march_here)
+    assert seen["pair_energy"] == pytest.approx(FLOATING.observe(parameters, state, alone).numbers["pair_energy"])
+    for own, first, numbers in on_ranks(ranks, march_here):
+        assert numbers == seen
         # A crowd this small is one stretch in one process: its sums have another order, in the last bits.
         assert np.abs(first - force).max() < 1e-12 * np.abs(force).max()
         assert np.abs(own.position - state.position).max() < 1e-9 * parameters.floats.radius.min()

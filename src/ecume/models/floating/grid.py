@@ -10,7 +10,6 @@ SciPy's; a crowd's step takes long enough.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -34,7 +33,7 @@ from ecume.models.floating.parameters import (
 )
 from ecume.models.floating.pulling import pull_all_with, pull_pairs_with
 from ecume.models.floating.state import State, Workspace
-from ecume.models.floating.stepping import march_in_parts
+from ecume.models.floating.stepping import Parts, march_in_parts
 from ecume.models.floating.summing import SHORT_FIT, Split
 from ecume.units import Array
 
@@ -224,9 +223,7 @@ def sum_of_short_energies(
     return total
 
 
-def march_split_with(
-    evaluate_short: Callable[..., None], parameters: Parameters, state: State, workspace: Workspace, steps: int
-) -> int:
+def march_split_with(parts: Parts, parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
     """March, with a short part that is summed in a way of one's own."""
     split: Split = parameters.many
     # Without the split, parameters are of the type that everyone's are: the parts are compiled once for all.
@@ -234,12 +231,12 @@ def march_split_with(
     length = float(parameters.pair[CAPILLARY_LENGTH])
 
     def evaluate(bare: Parameters, position: Array, lists: NeighborLists, scratch: tuple[Sorted, Array]) -> None:
-        evaluate_short(bare, position, lists, scratch)
+        parts.evaluate(bare, position, lists, scratch)
         add_smooth_forces(bare, split, position, grid_around(split, state.reference, length), scratch[1])
 
-    return march_in_parts(evaluate, bare, state, workspace, steps)
+    return march_in_parts(parts._replace(evaluate=evaluate), bare, state, workspace, steps)
 
 
 def march_split(parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
     """March: see `ecume.models.model.Model.advance`."""
-    return march_split_with(short_forces, parameters, state, workspace, steps)
+    return march_split_with(Parts(short_forces), parameters, state, workspace, steps)

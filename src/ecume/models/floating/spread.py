@@ -1,10 +1,11 @@
-"""One crowd on many ranks: each sums the pair forces of its own part of the pairs, and does all else as if alone.
+"""One crowd on many ranks: each has the neighbors of its own part of the crowd and sums the forces of their pairs, and
+does all else as if alone.
 
-Everyone holds the whole state and the whole lists. The stretches that threads share (see `pulling`) are shared out in
-unbroken runs; the windows that others filled are gathered, and all windows are added up in order, as in one process.
-Kicks, drag, chance, contacts and walls are the same compiled code on the same numbers, so that everyone comes to the
-same bits, which are those of a run without ranks. It is the replicated-data way [plimpton1995, sec. 3]: its limit is
-what everyone does, not the messages.
+Everyone holds the whole state. The stretches that threads share (see `pulling`) are shared out in unbroken runs, and
+with them the rows of the lists; who may touch is told to everyone, and the windows of forces that others filled are
+gathered and added up in order, as in one process. Kicks, drag, chance, contacts and walls are the same compiled code on
+the same numbers, so that everyone comes to the same bits, which are those of a run without ranks. It is the
+replicated-data way [plimpton1995, sec. 3]: its limit is what everyone does, and the messages.
 """
 
 from __future__ import annotations
@@ -17,14 +18,31 @@ import numpy as np
 
 from ecume._jit import plainly
 from ecume.engine.cells import Integers
-from ecume.engine.neighbors import STRETCHES, THREADS_FROM, NeighborLists
+from ecume.engine.contacts import Candidates
+from ecume.engine.neighbors import (
+    STRETCHES,
+    THREADS_FROM,
+    NeighborLists,
+    count_neighbors,
+    make_room,
+    place_windows,
+    sort_positions,
+    write_neighbors,
+)
 from ecume.errors import BadInput
 from ecume.models.floating import forces, grid
-from ecume.models.floating.forces import Sorted, forces_with
+from ecume.models.floating.forces import Sorted, forces_with, sort_floats
 from ecume.models.floating.parameters import ONE_SIDED, RARE, SCHEMES, Parameters
 from ecume.models.floating.pulling import add_windows
 from ecume.models.floating.state import State, Workspace
-from ecume.models.floating.stepping import march_in_parts
+from ecume.models.floating.stepping import (
+    Parts,
+    find_pairs,
+    keep_lists_with,
+    march_in_parts,
+    renew_lists,
+    sort_pairs,
+)
 from ecume.models.floating.summing import Split
 from ecume.units import Array
 
@@ -36,7 +54,7 @@ class Share(NamedTuple):
 
     rank: int
     ranks: int
-    gather: Callable[[Array, Integers], None]
+    gather: Callable[[Any, Integers], None]
     """gather(row, bounds): fill in the others' parts of a row; part k reaches from bounds[k] up to bounds[k + 1]"""
 
 
@@ -51,19 +69,83 @@ def require_spreadable(parameters: Parameters) -> None:
         raise BadInput(f"--engine mpi: goes with symmetric pair laws, and with integrators other than {rare}")
 
 
+def stretches_of(share: Share) -> Integers:
+    """Where each rank's stretches begin, and the end."""
+    return np.arange(share.ranks + 1) * STRETCHES // share.ranks
+
+
 def pull_shared(share: Share, alone: Pull, together: Pull, rows: Any, floats: Any, pair: Array, force: Array) -> None:
     """Pair forces on all slots; `together` fills the windows of some stretches, `alone` does all of a small crowd."""
     if force.shape[1] < THREADS_FROM:
         alone(rows, floats, pair, force)
         return
-    edge, place = rows[5], rows[6]
-    mine = np.arange(share.ranks + 1) * STRETCHES // share.ranks
-    own = slice(mine[share.rank], mine[share.rank + 1] + 1)
+    edge, place, all_of = rows[5], rows[6], stretches_of(share)
+    own = slice(all_of[share.rank], all_of[share.rank + 1] + 1)
     windows = np.zeros((2, place[STRETCHES]))
     together(edge[own], place[own], rows, floats, pair, windows[0], windows[1])
     for along in windows:
-        share.gather(along, place[mine])
+        share.gather(along, place[all_of])
     add_windows(edge, place, windows, force)
+
+
+def renew_shared(
+    share: Share,
+    parameters: Parameters,
+    reference: Array,
+    lists: NeighborLists,
+    candidates: Candidates,
+    scratch: Sorted,
+) -> bool:
+    """Lists and candidates at the reference positions, of which everyone makes a part and holds the own rows alone.
+    False when there is no room for all of them. See `stepping.renew_lists`.
+    """
+    rows, count, rank = lists.rows, len(reference), share.rank
+    if count < THREADS_FROM:
+        return renew_lists(parameters, reference, lists, candidates, scratch)
+    slots, all_of = np.arange(share.ranks + 1) * count // share.ranks, stretches_of(share)
+    count_neighbors(lists, reference, parameters.reach, (slots[rank], slots[rank + 1]))
+    share.gather(rows.first[1:], slots)
+    share.gather(rows.later, slots)
+    if not make_room(lists):
+        return False
+    write_neighbors(lists, parameters.reach, (all_of[rank], all_of[rank + 1]))
+    share.gather(rows.place[1:], all_of)
+    place_windows(rows.place)
+    if not share_pairs(share, parameters, lists, candidates):
+        lists.valid[0] = 0
+        return False
+    sort_floats(parameters, lists, scratch)
+    return True
+
+
+def share_pairs(share: Share, parameters: Parameters, lists: NeighborLists, candidates: Candidates) -> bool:
+    """Tell everyone who may touch whom, by the rows that each rank holds. False when there is no room."""
+    edge, room = lists.rows.edge[stretches_of(share)], len(candidates.partner)
+    own = edge[share.rank], edge[share.rank + 1]
+    found = find_pairs(lists, own, parameters.floats.radius, parameters.skin, room)
+    counts = np.zeros(share.ranks, np.int64)
+    counts[share.rank] = len(found[0])
+    share.gather(counts, np.arange(share.ranks + 1))
+    bounds = np.concatenate([[0], np.cumsum(counts)])
+    if bounds[-1] > room:
+        return False
+    pairs = np.empty((2, bounds[-1]), np.int64)
+    for every, mine in zip(pairs, found, strict=True):
+        every[bounds[share.rank] : bounds[share.rank + 1]] = mine
+        share.gather(every, bounds)
+    sort_pairs(candidates, *pairs)
+    return True
+
+
+def complete_lists(share: Share, parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """Write the rows that other ranks hold, too: for sums that one rank takes by itself."""
+    lists, all_of = workspace.lists, stretches_of(share)
+    place = lists.rows.place.copy()
+    sort_positions(lists, state.reference)
+    for low, high in ((0, all_of[share.rank]), (all_of[share.rank + 1], STRETCHES)):
+        write_neighbors(lists, parameters.reach, (low, high))
+    lists.rows.place[:] = place
+    sort_positions(lists, state.position)
 
 
 def shared_forces(
@@ -82,6 +164,6 @@ def march_shared(share: Share, parameters: Parameters, state: State, workspace: 
     law: Any = grid if isinstance(parameters.many, Split) else forces
     alone = grid.pull_short if law is grid else forces.pull
     evaluate = functools.partial(shared_forces, functools.partial(pull_shared, share, alone, law._pull_in_threads))
-    if law is grid:
-        return grid.march_split_with(evaluate, parameters, state, workspace, steps)
-    return march_in_parts(evaluate, parameters, state, workspace, steps)
+    keep = functools.partial(plainly(keep_lists_with), functools.partial(renew_shared, share))
+    march = grid.march_split_with if law is grid else march_in_parts
+    return march(Parts(evaluate, keep), parameters, state, workspace, steps)

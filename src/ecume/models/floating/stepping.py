@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
@@ -39,21 +40,17 @@ from ecume.units import Array
 
 
 @compiled
-def list_candidates(candidates: Candidates, lists: NeighborLists, radius: Array, skin: float) -> bool:
-    """Pairs that may touch while the lists hold, ordered by i, then j. False when there is no room.
-
-    Slot by slot, since neighbors lie close there; then sorted by counting.
+def find_pairs(
+    lists: NeighborLists, slots: tuple[int, int], radius: Array, skin: float, room: int
+) -> tuple[Integers, Integers]:
+    """Who of some slots may touch whom of the later ones, while the lists hold: the lower of each pair, and the higher.
+    One more than there is room for when there are too many.
     """
-    order, rows, room = lists.cells.order, lists.rows, len(candidates.partner)
-    x, y, first, later, neighbor = (
-        rows.sorted_position[0],
-        rows.sorted_position[1],
-        rows.first,
-        rows.later,
-        rows.neighbor,
-    )
-    lower, higher, found, widest = np.empty(room, np.int64), np.empty(room, np.int64), 0, radius.max()
-    for slot in range(len(order)):
+    order, rows, widest, found = lists.cells.order, lists.rows, radius.max(), 0
+    x, y = rows.sorted_position[0], rows.sorted_position[1]
+    first, later, neighbor = rows.first, rows.later, rows.neighbor
+    lower, higher = np.empty(room + 1, np.int64), np.empty(room + 1, np.int64)
+    for slot in range(slots[0], slots[1]):
         i, own_x, own_y = order[slot], x[slot], y[slot]
         farthest = (radius[i] + widest + skin) ** 2
         for place in range(later[slot], first[slot + 1]):
@@ -64,11 +61,21 @@ def list_candidates(candidates: Candidates, lists: NeighborLists, radius: Array,
                 j = order[other]
                 within = radius[i] + radius[j] + skin
                 if square < within * within:
-                    if found == room:
-                        return False
                     lower[found], higher[found] = min(i, j), max(i, j)
                     found += 1
-    sort_pairs(candidates, lower[:found], higher[:found])
+                    if found > room:
+                        return lower, higher
+    return lower[:found], higher[:found]
+
+
+@compiled
+def list_candidates(candidates: Candidates, lists: NeighborLists, radius: Array, skin: float) -> bool:
+    """Pairs that may touch while the lists hold, ordered by i, then j. False when there is no room."""
+    room = len(candidates.partner)
+    lower, higher = find_pairs(lists, (0, len(radius)), radius, skin, room)
+    if len(lower) > room:
+        return False
+    sort_pairs(candidates, lower, higher)
     return True
 
 
@@ -131,8 +138,8 @@ def farthest_ahead(kick: Kick, velocity: Array, force: Array) -> float:
     return fastest
 
 
-@compiled
-def keep_lists(parameters: Parameters, state: State, workspace: Workspace) -> int:
+@inlined
+def keep_lists_with(renew: Callable[..., bool], parameters: Parameters, state: State, workspace: Workspace) -> int:
     """New lists before anyone leaves the old ones' reach; nothing but the reference positions changes in the state."""
     ahead = parameters.time_step * farthest_ahead(parameters.kick, state.velocity, workspace.force)
     ahead += parameters.drift.jump
@@ -144,10 +151,16 @@ def keep_lists(parameters: Parameters, state: State, workspace: Workspace) -> in
         copy_rows(workspace.stages[0], state.reference)
         copy_rows(state.reference, state.position)
         lists, candidates, sorted_floats = workspace.lists, workspace.candidates, workspace.sorted_floats
-        if not renew_lists(parameters, state.reference, lists, candidates, sorted_floats):
+        if not renew(parameters, state.reference, lists, candidates, sorted_floats):
             copy_rows(state.reference, workspace.stages[0])
             return CROWDED
     return DONE
+
+
+@compiled
+def keep_lists(parameters: Parameters, state: State, workspace: Workspace) -> int:
+    """`keep_lists_with` lists of everyone's neighbors."""
+    return keep_lists_with(renew_lists, parameters, state, workspace)
 
 
 @inlined
@@ -225,20 +238,27 @@ def march_with(
     return march_touching_with(predict, evaluate, meet, rest, parameters, state, workspace, steps)
 
 
-def march_in_parts(
-    evaluate: Callable[..., None], parameters: Parameters, state: State, workspace: Workspace, steps: int
-) -> int:
+class Parts(NamedTuple):
+    """What a march in parts is made of."""
+
+    evaluate: Callable[..., None]
+    """works out all forces at given positions"""
+    keep: Callable[..., int] = keep_lists
+    """makes new lists in time"""
+
+
+def march_in_parts(parts: Parts, parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
     """The march as Python runs it, of compiled parts: where forces take what cannot be compiled. For schemes that ask
     for no forces on the way.
     """
     if workspace.ready[0] == 0:
-        evaluate(parameters, state.position, workspace.lists, (workspace.sorted_floats, workspace.force))
+        parts.evaluate(parameters, state.position, workspace.lists, (workspace.sorted_floats, workspace.force))
     workspace.ready[0] = 1
     for _ in range(steps):
-        status = keep_lists(parameters, state, workspace)
+        status = parts.keep(parameters, state, workspace)
         if status != DONE:
             return status
-        plainly(step_with)(predict, evaluate, meet, rest, parameters, state, workspace)
+        plainly(step_with)(predict, parts.evaluate, meet, rest, parameters, state, workspace)
         if not farthest_move(state.position, state.reference) <= 0.5 * parameters.skin:
             return DIVERGED
     return DONE
