@@ -99,16 +99,30 @@ def bounce_with(
     fastest = demand_stops(parameters, contacts, before)
     if fastest <= 0.0:
         return
-    for row in range(contacts.total[0]):
-        contacts.impulse[row] = 0.0
+    push_nobody(contacts)
     goal = Goal(sweeping.CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
     state.tally[SWEEPS] += stop(parameters, workspace, before, goal)
     share_restitution(parameters, contacts, of_float)
+    state.tally[COLLISIONS] += thrown_back(contacts, of_float)
+    push(parameters, workspace)
+
+
+@compiled
+def push_nobody(contacts: Contacts) -> None:
+    """No impulses."""
+    for row in range(contacts.total[0]):
+        contacts.impulse[row] = 0.0
+
+
+@compiled
+def thrown_back(contacts: Contacts, of_float: Array) -> float:
+    """How many bounce; into `scratch` by what each impulse that stops is multiplied."""
+    many = 0.0
     for row in range(contacts.total[0]):
         bounces = contacts.impulse[row] > 0.0
-        state.tally[COLLISIONS] += 1.0 if bounces else 0.0
+        many += 1.0 if bounces else 0.0
         contacts.scratch[row] = 1.0 + of_float[contacts.first[row]] if bounces else 0.0
-    push(parameters, workspace)
+    return many
 
 
 @compiled
@@ -161,8 +175,7 @@ def solve_contacts_with(
     if goal.wanted > 0.0:
         sweeps = solve(parameters, workspace, velocity, goal)
     else:
-        for row in range(contacts.total[0]):
-            contacts.impulse[row] = 0.0
+        push_nobody(contacts)
     state.tally[SWEEPS] += sweeps
     state.tally[UNCONVERGED] += 1.0 if sweeps > sweeping.MOST_SWEEPS else 0.0
     touching.remember(contacts, memory)
@@ -185,13 +198,23 @@ def meet_with(
     """The first contact solves: bounces, then a plastic one on the passage, so that nobody ends the step inside
     another.
 
-    The velocity changes with the passage. `before` holds the velocities before the kick, and is used up.
+    The velocity changes with the passage; `before`, the velocities before the kick, is used up.
     """
-    contacts, passage, before, decay = workspace.contacts, workspace.passage, workspace.before, parameters.kick.decay
-    velocity = state.velocity
+    contacts = workspace.contacts
     # Twice the pace for a pair that meets head on, and twice again for those whom others push.
     reach = 4.0 * workspace.ahead[0] + parameters.slop
     touching.gather(contacts, workspace.candidates, state.position, bodies_of(parameters), reach)
+    set_out(parameters, state, workspace)
+    bounce(parameters, state, workspace)
+    demand_gaps(parameters, contacts)
+    solve_contacts(parameters, state, workspace, workspace.passage)
+    add_rows(state.velocity, workspace.passage)
+
+
+@compiled
+def set_out(parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """What contacts can change apart from what they cannot."""
+    passage, before, decay, velocity = workspace.passage, workspace.before, parameters.kick.decay, state.velocity
     for i in range(len(velocity)):
         # Only what drag leaves of a velocity can bounce: in syrup nothing does.
         before[i, 0] *= decay[i]
@@ -199,14 +222,22 @@ def meet_with(
         # What the velocity has beside the passage is kept, and the passage's own changes are added to it.
         velocity[i, 0] -= passage[i, 0]
         velocity[i, 1] -= passage[i, 1]
-    bounce(parameters, state, workspace)
+
+
+@compiled
+def demand_gaps(parameters: Parameters, contacts: Contacts) -> None:
+    """Ask everyone to close no more than the gap in this step."""
     for row in range(contacts.total[0]):
-        free = parameters.contact_law == LEGACY and contacts.second[row] < len(velocity)
+        free = parameters.contact_law == LEGACY and contacts.second[row] < len(parameters.floats.radius)
         contacts.bound[row] = -np.inf if free else -max(contacts.gap[row], 0.0) / parameters.time_step
-    solve_contacts(parameters, state, workspace, passage)
-    for i in range(len(velocity)):
-        velocity[i, 0] += passage[i, 0]
-        velocity[i, 1] += passage[i, 1]
+
+
+@compiled
+def add_rows(to: Array, from_: Array) -> None:
+    """Of the first as many."""
+    for i in range(len(to)):
+        to[i, 0] += from_[i, 0]
+        to[i, 1] += from_[i, 1]
 
 
 @compiled
@@ -247,16 +278,21 @@ def demand_rest(parameters: Parameters, contacts: Contacts, velocity: Array, bef
 @inlined
 def rest_with(solve_contacts: Callable[..., None], parameters: Parameters, state: State, workspace: Workspace) -> None:
     """The last contact solve: on the velocity at the end of the step, so that what is pressed together rests."""
-    contacts, passage, before, decay = workspace.contacts, workspace.passage, workspace.before, parameters.kick.decay
-    count = len(state.position)
-    for i in range(count):
-        before[i, 0] = decay[i] * passage[i, 0]
-        before[i, 1] = decay[i] * passage[i, 1]
+    contacts, passage, before = workspace.contacts, workspace.passage, workspace.before
+    slow_down(before, passage, parameters.kick.decay)
     copy_rows(passage, state.velocity)
     touching.approaches(contacts, before, contacts.change)
     demand_rest(parameters, contacts, passage, contacts.change)
     solve_contacts(parameters, state, workspace, passage)
     copy_rows(state.velocity, passage)
+
+
+@compiled
+def slow_down(to: Array, velocity: Array, decay: Array) -> None:
+    """What drag leaves of velocities."""
+    for i in range(len(decay)):
+        to[i, 0] = decay[i] * velocity[i, 0]
+        to[i, 1] = decay[i] * velocity[i, 1]
 
 
 @compiled

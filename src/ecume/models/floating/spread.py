@@ -17,8 +17,10 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ecume._jit import plainly
+from ecume.engine import contacts as touching
+from ecume.engine import sweeping
 from ecume.engine.cells import Integers
-from ecume.engine.contacts import Candidates
+from ecume.engine.contacts import Candidates, Contacts
 from ecume.engine.neighbors import (
     STRETCHES,
     THREADS_FROM,
@@ -29,8 +31,9 @@ from ecume.engine.neighbors import (
     sort_positions,
     write_neighbors,
 )
+from ecume.engine.sweeping import Goal
 from ecume.errors import BadInput
-from ecume.models.floating import forces, grid
+from ecume.models.floating import forces, grid, meeting
 from ecume.models.floating.forces import Sorted, forces_with, sort_floats
 from ecume.models.floating.parameters import ONE_SIDED, RARE, SCHEMES, Parameters
 from ecume.models.floating.pulling import add_windows
@@ -47,6 +50,8 @@ from ecume.models.floating.summing import Split
 from ecume.units import Array
 
 Pull = Callable[..., None]
+FEW_CONTACTS = 2000
+"""Fewer are solved by everyone: messages would take longer."""
 
 
 class Share(NamedTuple):
@@ -159,11 +164,55 @@ def shared_forces(
     plainly(forces_with)(pull_all, parameters, position, lists, scratch)
 
 
+def solve_shared(share: Share, parameters: Parameters, workspace: Workspace, velocity: Array, goal: Goal) -> int:
+    """Impulses of contacts: see `meeting.solve_smooth`. Each rank solves some of the islands."""
+    contacts, mobility = workspace.contacts, parameters.kick.mobility
+    if contacts.total[0] < FEW_CONTACTS:
+        return meeting.solve_smooth(parameters, workspace, velocity, goal)
+    touching.weigh(contacts, mobility)
+    if sweeping.begin(contacts, velocity, mobility, goal):
+        return 1
+    islands = sweeping.islands_of(contacts, mobility)
+    some = sweeping.some_contacts(contacts, islands.rows)
+    all_of = np.searchsorted(islands.first, np.arange(share.ranks + 1) * len(islands.rows) // share.ranks)
+    own = islands.first[all_of[share.rank] : all_of[share.rank + 1] + 1]
+    sweeps = np.zeros(share.ranks, np.int64)
+    sweeps[share.rank] = sweeping.solve_islands(some, own, velocity, mobility, goal)
+    share.gather(sweeps, np.arange(share.ranks + 1))
+    share.gather(some.impulse, islands.first[all_of])
+    share_velocities(share, some, islands.first[all_of], velocity)
+    sweeping.take_over(contacts, islands.rows, some)
+    return int(sweeps.max())
+
+
+def share_velocities(share: Share, some: Contacts, bounds: Integers, velocity: Array) -> None:
+    """Tell everyone how fast the bodies are whose contacts each rank solved: who hangs on two ranks' is no body that
+    can be moved.
+    """
+    owner = np.full(len(velocity), share.ranks)
+    for rank in range(share.ranks):
+        part = slice(bounds[rank], bounds[rank + 1])
+        owner[some.first[part]], owner[some.second[part]] = rank, rank
+    each = [np.flatnonzero(owner == rank) for rank in range(share.ranks)]
+    bodies, ends = np.concatenate(each), np.cumsum([0, *map(len, each)])
+    for axis in range(2):
+        along = velocity[bodies, axis]
+        share.gather(along, ends)
+        velocity[bodies, axis] = along
+
+
 def march_shared(share: Share, parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
     """March: see `ecume.models.model.Model.advance`."""
     law: Any = grid if isinstance(parameters.many, Split) else forces
     alone = grid.pull_short if law is grid else forces.pull
-    evaluate = functools.partial(shared_forces, functools.partial(pull_shared, share, alone, law._pull_in_threads))
-    keep = functools.partial(plainly(keep_lists_with), functools.partial(renew_shared, share))
+    solve = functools.partial(solve_shared, share)
+    bounce = functools.partial(plainly(meeting.bounce_with), solve, meeting.push_smooth)
+    solve_contacts = functools.partial(plainly(meeting.solve_contacts_with), solve)
+    parts = Parts(
+        functools.partial(shared_forces, functools.partial(pull_shared, share, alone, law._pull_in_threads)),
+        functools.partial(plainly(keep_lists_with), functools.partial(renew_shared, share)),
+        functools.partial(plainly(meeting.meet_with), bounce, solve_contacts),
+        functools.partial(plainly(meeting.rest_with), solve_contacts),
+    )
     march = grid.march_split_with if law is grid else march_in_parts
-    return march(Parts(evaluate, keep), parameters, state, workspace, steps)
+    return march(parts, parameters, state, workspace, steps)

@@ -245,6 +245,9 @@ class Parts(NamedTuple):
     """works out all forces at given positions"""
     keep: Callable[..., int] = keep_lists
     """makes new lists in time"""
+    meet: Callable[..., None] = meet
+    rest: Callable[..., None] = rest
+    """what contacts do on the way, and at the end"""
 
 
 def march_in_parts(parts: Parts, parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
@@ -258,7 +261,7 @@ def march_in_parts(parts: Parts, parameters: Parameters, state: State, workspace
         status = parts.keep(parameters, state, workspace)
         if status != DONE:
             return status
-        plainly(step_with)(predict, parts.evaluate, meet, rest, parameters, state, workspace)
+        plainly(step_with)(predict, parts.evaluate, parts.meet, parts.rest, parameters, state, workspace)
         if not farthest_move(state.position, state.reference) <= 0.5 * parameters.skin:
             return DIVERGED
     return DONE
