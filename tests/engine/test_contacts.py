@@ -164,7 +164,7 @@ def many_pairs(pairs=70):
 
 
 @pytest.mark.parametrize("colliding", [(), (3,), (3, 4, 40), tuple(range(70))])
-def test_what_sweeps_leave_out_changes_no_bit(colliding):
+def test_each_island_is_solved_as_if_it_were_alone(colliding):
     position = many_pairs()
     dish = disc(float(np.hypot(*position.T).max()) + 1.0)
     mobility = np.append(np.random.default_rng(2).uniform(0.5, 2.0, len(position)), 0.0)
@@ -172,28 +172,50 @@ def test_what_sweeps_leave_out_changes_no_bit(colliding):
     velocity[3:-2:2, 1] = 0.1  # all but those at the wall part
     for pair in colliding:
         velocity[2 * pair : 2 * pair + 2] = [[0.1, 1.0], [0.2, -1.0 - 0.1 * pair]]
-    goal, whole, left_out = Goal(1e-12, 0.0), velocity.copy(), velocity.copy()
-    contacts, other = (gathered(position, np.ones(len(position)), dish, mobility) for _ in range(2))
-    assert contacts.total[0] >= sweeping.MANY or not colliding
-    sweeping.solve(contacts, left_out, mobility, goal)
-    sweeping._sweep(other, whole, mobility)
-    if colliding:
-        sweeping._go_on(other, whole, mobility, goal)
-    assert (np.abs(contacts.impulse) > 0.0).any() == bool(colliding)
-    assert np.array_equal(left_out, whole)
-    assert np.array_equal(contacts.impulse, other.impulse)
+    contacts = gathered(position, np.ones(len(position)), dish, mobility)
+    assert contacts.total[0] >= sweeping.MANY
+    together = velocity.copy()
+    sweeping.solve(contacts, together, mobility, Goal(1e-12, 0.0))
+    assert (contacts.impulse > 0.0).any() == bool(colliding)
+    for pair in range(len(position) // 2):
+        both = [2 * pair, 2 * pair + 1]
+        alone = np.vstack([velocity[both], np.zeros((1, 2))])
+        rows = gathered(position[both], np.ones(2), dish, np.append(mobility[both], 0.0))
+        sweeping.solve(rows, alone, np.append(mobility[both], 0.0), Goal(1e-12, 0.0))
+        assert np.array_equal(together[both], alone[:2])
+    assert not together[-1].any()
 
 
-def test_who_hangs_together_is_found_through_floats_and_not_through_walls():
+def two_rows_of_forty():
+    """Contacts of floats side by side, with a gap in the middle and walls at both ends."""
     position = np.column_stack([2.0 * np.arange(80.0), np.zeros(80)])
     position[40:, 0] += 1.0
     position -= position.mean(axis=0)
     mobility = np.append(np.ones(80), 0.0)
-    contacts = gathered(position, np.ones(80), disc(float(np.abs(position).max()) + 1.0), mobility)
-    walls = int((contacts.second[: contacts.total[0]] == 80).sum())
-    assert walls == 2
-    contacts.impulse[1] = 1.0  # between the second and the third of a row of forty
-    rows = sweeping._stirred(contacts, mobility)
-    assert {int(contacts.first[row]) for row in rows} == set(range(39))
-    contacts.impulse[1] = 0.0
-    assert len(sweeping._stirred(contacts, mobility)) == 0
+    return gathered(position, np.ones(80), disc(float(np.abs(position).max()) + 1.0), mobility), mobility
+
+
+def test_islands_hang_together_by_floats_and_not_by_walls():
+    contacts, mobility = two_rows_of_forty()
+    assert (contacts.second[: contacts.total[0]] == 80).sum() == 2
+    assert len(sweeping.islands_of(contacts, mobility).rows) == 0, "nobody pushes"
+    contacts.impulse[1] = 1.0  # between the second and the third
+    one = sweeping.islands_of(contacts, mobility)
+    assert len(one.first) == 2
+    assert set(contacts.first[one.rows]) | set(contacts.second[one.rows]) == {*range(40), 80}
+    assert (np.diff(one.rows) > 0).all()
+    contacts.change[contacts.total[0] - 1] = -1.0
+    both = sweeping.islands_of(contacts, mobility)
+    assert list(both.first) == [0, 40, 80]
+    assert sorted(both.rows) == list(range(80))
+
+
+def test_a_float_that_is_pinned_parts_islands():
+    contacts, mobility = two_rows_of_forty()
+    contacts.impulse[:] = 1.0
+    mobility[20] = 0.0
+    assert [len(part) for part in parts_of(sweeping.islands_of(contacts, mobility))] == [21, 19, 40]
+
+
+def parts_of(islands):
+    return np.split(islands.rows, islands.first[1:-1])
