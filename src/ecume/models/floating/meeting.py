@@ -195,8 +195,7 @@ def meet_with(
     state: State,
     workspace: Workspace,
 ) -> None:
-    """The first contact solves: bounces, then a plastic one on the passage, so that nobody ends the step inside
-    another.
+    """The first contact solves: bounces, then a plastic one on the passage: nobody ends the step inside another.
 
     The velocity changes with the passage; `before`, the velocities before the kick, is used up.
     """
@@ -233,11 +232,11 @@ def demand_gaps(parameters: Parameters, contacts: Contacts) -> None:
 
 
 @compiled
-def add_rows(to: Array, from_: Array) -> None:
-    """Of the first as many."""
+def add_rows(to: Array, others: Array) -> None:
+    """Add rows to as many others."""
     for i in range(len(to)):
-        to[i, 0] += from_[i, 0]
-        to[i, 1] += from_[i, 1]
+        to[i, 0] += others[i, 0]
+        to[i, 1] += others[i, 1]
 
 
 @compiled
