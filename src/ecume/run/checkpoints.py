@@ -78,4 +78,11 @@ def _loaded(path: Path, kind: type) -> Checkpoint:
     if int(arrays.pop("crc32")[0]) != checksum(arrays):
         raise ValueError("its checksum does not fit its data")
     frames = int(arrays.pop("frames")[0])
-    return Checkpoint(kind(**{name.removeprefix(FIELD): array for name, array in arrays.items()}), frames)
+    kept = {name.removeprefix(FIELD): array for name, array in arrays.items()}
+    return Checkpoint(kind(**{**_unknown_then(kind), **kept}), frames)
+
+
+def _unknown_then(kind: type) -> dict[str, NDArray[Any]]:
+    """What states have by now that those of former versions had not: fields with defaults, as copies to write to."""
+    defaults: dict[str, NDArray[Any]] = getattr(kind, "_field_defaults", {})
+    return {name: array.copy() for name, array in defaults.items()}

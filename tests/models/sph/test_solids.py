@@ -238,7 +238,7 @@ def test_a_collision_keeps_momentum_spin_included_and_takes_its_share_of_the_app
 
     before, energy = momenta(), bodies.mass @ (motion[:3] ** 2).sum(axis=0) + bodies.inertia[2] @ motion[5] ** 2
     place = pose.copy()
-    assert collide(bodies, parameters.boundary.guard.sheet, (pose, motion), 0.0) > 0
+    assert collide(bodies, parameters.boundary.guard.sheet, (pose, motion), 0.0)[0] > 0
     moved, pose[...] = pose.copy(), place
     after = momenta()
     np.testing.assert_allclose(after[0], before[0], atol=1e-12)

@@ -8,7 +8,7 @@ import numpy as np
 
 from ecume.engine.shapes import Shape
 from ecume.errors import Fault, SceneError
-from ecume.models.sph.parameters import Bodies, Boundary, Dummies
+from ecume.models.sph.parameters import Bodies, Boundary, Dummies, Parameters
 from ecume.models.sph.solids import shape_of
 from ecume.scenes.sph import BodySpec, SphScene
 from ecume.units import Array
@@ -168,6 +168,17 @@ def pushed(bodies: Bodies, pose: Array, motion: Array, load: tuple[Array, Array]
     push[: len(gravity)] += gravity[:, None]
     push[3:] = np.einsum("nab,nb->na", inverse_inertia(bodies, turn), angular).T
     return push
+
+
+def energy_of_bodies(parameters: Parameters, pose: Array, motion: Array) -> float:
+    """Of their motion and spin, and in gravity and in the pull to a point (J)."""
+    bodies, place = parameters.bodies, pose[: parameters.dimension]
+    if not bodies.shapes:
+        return 0.0
+    spin = np.einsum("nba,bn->an", rotations(pose), motion[3:])
+    energy = 0.5 * float(bodies.mass @ (motion[:3] ** 2).sum(axis=0) + np.sum(bodies.inertia * spin**2))
+    away = ((place - parameters.pull_center[:, None]) ** 2).sum(axis=0)
+    return energy + float(bodies.mass @ (0.5 * parameters.pull_rate**2 * away - parameters.gravity @ place))
 
 
 def carry(pose: Array, motion: Array, time: float) -> None:

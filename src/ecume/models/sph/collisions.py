@@ -39,11 +39,11 @@ class Contact(NamedTuple):
     """(3,) of a wall"""
 
 
-def collide(bodies: Bodies, sheet: Sheet, state: tuple[Array, Array], calm: float) -> int:
-    """Resolve all contacts of bodies with poses and motions, in place; how many there were at first. What approaches
-    more slowly than `calm` does not bounce.
+def collide(bodies: Bodies, sheet: Sheet, state: tuple[Array, Array], calm: float) -> tuple[int, float]:
+    """Resolve all contacts of bodies with poses and motions, in place; how many there were at first, and what walls
+    that move did (J). What approaches more slowly than `calm` does not bounce.
     """
-    first = 0
+    first, work = 0, 0.0
     for sweep in range(SWEEPS):
         found = list(contacts(bodies, sheet, state[0]))
         first = first if sweep else len(found)
@@ -51,8 +51,8 @@ def collide(bodies: Bodies, sheet: Sheet, state: tuple[Array, Array], calm: floa
             break
         for contact in found:
             _separate(bodies, state[0], contact)
-            _strike(bodies, state, contact, calm)
-    return first
+            work += float(_strike(bodies, state, contact, calm) @ contact.velocity)
+    return first, work
 
 
 def contacts(bodies: Bodies, sheet: Sheet, pose: Array) -> Iterator[Contact]:
@@ -113,7 +113,8 @@ def _separate(bodies: Bodies, pose: Array, contact: Contact) -> None:
     pose[:3, contact.other] -= contact.depth * mine / (mine + theirs) * contact.normal
 
 
-def _strike(bodies: Bodies, state: tuple[Array, Array], contact: Contact, calm: float) -> None:
+def _strike(bodies: Bodies, state: tuple[Array, Array], contact: Contact, calm: float) -> Array:
+    """The impulse on the body."""
     pose, motion = state
     pair = [contact.body] if contact.other == NOTHING else [contact.body, contact.other]
     arms = [contact.point - pose[:3, body] for body in pair]
@@ -121,7 +122,7 @@ def _strike(bodies: Bodies, state: tuple[Array, Array], contact: Contact, calm: 
     approach = speeds[0] - (contact.velocity if contact.other == NOTHING else speeds[1])
     normal_speed = float(approach @ contact.normal)
     if normal_speed >= 0.0:
-        return
+        return np.zeros(3)
     give_way = sum(_compliance(bodies, body, pose, arm) for body, arm in zip(pair, arms, strict=True))
     bounce = min(bodies.restitution[body] for body in pair) if normal_speed < -calm else 0.0
     # Sticking, unless friction is too weak for it: then the tangential part is cut to Coulomb's cone.
@@ -138,6 +139,7 @@ def _strike(bodies: Bodies, state: tuple[Array, Array], contact: Contact, calm: 
     give(bodies, pair[0], state, (wanted, arms[0]))
     if len(pair) == 2:
         give(bodies, pair[1], state, (-wanted, arms[1]))
+    return wanted
 
 
 def _compliance(bodies: Bodies, body: int, pose: Array, arm: Array) -> Array:

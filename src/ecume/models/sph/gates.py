@@ -27,10 +27,12 @@ from ecume.models.sph.state import (
     PER_PARTICLE,
     RENEWALS,
     SORT_EVERY,
+    WORK,
     State,
     skin_for,
     sort_state,
 )
+from ecume.models.sph.work import brought
 from ecume.scenes.sph import SIDES, SphScene
 from ecume.units import Array
 
@@ -233,6 +235,9 @@ def _crossings(parameters: Parameters, state: State) -> tuple[Integers, Integers
 def exchange(parameters: Parameters, state: State) -> State:
     """The state with who came, and without who went; its lists are to be made anew."""
     comes, out, back, gone = _crossings(parameters, state)
+    enter, leave = np.zeros_like(gone), gone & (state.zone == 0)
+    enter[comes], enter[back], leave[out] = True, True, True
+    state.books[WORK] += brought(parameters, state, enter & ~gone, leave)
     for gate in parameters.gates:
         if not gate.enters:
             away = gate.inward * (state.position[gate.axis, out] - gate.place)

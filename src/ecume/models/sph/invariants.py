@@ -9,6 +9,7 @@ import numpy as np
 
 from ecume.models.invariants import Invariant, Seen, at_most, energy_never_rises, kept, part_of
 from ecume.models.sph.parameters import Parameters
+from ecume.models.sph.work import untold
 from ecume.scenes.sph import SphScene
 from ecume.scenes.sph.tank import SIDES
 
@@ -19,9 +20,7 @@ RISE = 0.02
 TURNED_BACK = 1e-3
 """Hits of the guard, a particle and step."""
 FAINT = 0.05
-"""Of the speed that is expected: what goes so slowly in a shaken tank has no more energy than layers lose and gain as
-they settle.
-"""
+"""Of the speed that is expected: what goes so slowly has no more energy than layers lose and gain as they settle."""
 DRIFT = 1e-6
 """Of momentum."""
 
@@ -40,8 +39,8 @@ def _rows(scene: SphScene, parameters: Parameters) -> Iterator[Invariant]:
         return part_of(seen.now["guard_hits"] * volume, seen.first["volume"] * max(seen.now["step"], 1.0))
 
     yield Invariant("guard", "particles turned back behind a wall, a particle and step", TURNED_BACK, turned_back)
-    if not _driven(scene):
-        yield energy_never_rises(RISE, _faint(parameters)) if scene.shake is not None else energy_never_rises(RISE)
+    if not untold(parameters):
+        yield energy_never_rises(RISE, _faint(parameters))
     if _alone(scene):
         density = parameters.material.density
 
@@ -52,27 +51,18 @@ def _rows(scene: SphScene, parameters: Parameters) -> Iterator[Invariant]:
 
 
 def _faint(parameters: Parameters) -> Callable[[Seen], float]:
-    """The energy of a faint motion: a tank that has been shaken for a moment has less, and settles."""
+    """The energy of a faint motion, and of a weight that is lifted by a particle's size: a liquid at rest moves by some
+    hundredths of that while its layers settle.
+    """
     material = parameters.material
-    speed = FAINT * material.fastest
-    return lambda seen: 0.5 * material.density * seen.first["volume"] * speed**2
+    pull = float(np.linalg.norm(parameters.gravity))
+    each = material.density * (0.5 * (FAINT * material.fastest) ** 2 + pull * parameters.spacing)
+    return lambda seen: each * seen.first["volume"]
 
 
 def _kinds(scene: SphScene) -> list[str]:
     """What each side of the tank is."""
     return [getattr(scene.tank, side).kind for side in SIDES[: 2 * len(scene.tank.low)]]
-
-
-def _driven(scene: SphScene) -> bool:
-    """Whether anything does work on the liquid that nobody books; that of a shake is booked, see `power_of_shake`."""
-    sides = [getattr(scene.tank, side) for side in SIDES]
-    flowing = any(kind in ("inflow", "outflow") for kind in _kinds(scene))
-    around = any(
-        kind == "periodic" and (scene.gravity or ())[number // 2] != 0.0 for number, kind in enumerate(_kinds(scene))
-    )
-    hidden = scene.method.surface_tension_model == "cohesion" or scene.method.pressure_split == "original"
-    moved = any(side.motion is not None or side.velocity is not None for side in sides)
-    return bool(flowing or around or hidden or moved or scene.bodies)
 
 
 def _alone(scene: SphScene) -> bool:

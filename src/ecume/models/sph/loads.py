@@ -188,6 +188,22 @@ def forces_of_images(parameters: Parameters, workspace: Workspace) -> tuple[dict
     return found, _places(parameters, workspace, mine)
 
 
+def force_of_mirror(parameters: Parameters, workspace: Workspace, mine: Integers, what: tuple[int, int]) -> float:
+    """What one mirror does to some of the liquid along an axis (N), as `forces_of_images` has it; `what`: the mirror's
+    side, and the axis.
+    """
+    images, owner, (side, axis) = workspace.images, parameters.boundary.image_owner, what
+    real = len(workspace.lists.counts)
+    chains, solid = chains_of(images, real), roots_of(images, real) >= workspace.rates.shape[1]
+    borne, crossed = np.zeros((2, 1 << len(owner)), np.bool_)
+    for chain in np.flatnonzero(np.bincount(chains, minlength=1)):
+        borne[chain] = _bearer(owner, int(chain), axis) == side
+        crossed[chain] = axis in _crossed(owner, int(chain))
+    group = np.full(workspace.fields.shape[1], -1)
+    group[real:][borne[chains] & (crossed[chains] | ~solid)] = 0
+    return float(forces_on(parameters, workspace, mine, group)[0, axis].sum())
+
+
 def roots_of(images: Images, real: int) -> Integers:
     """Which real column each image is of in the end."""
     roots = images.source

@@ -107,14 +107,6 @@ def _shaken(parameters: Parameters, more: Array) -> Parameters:
     return parameters._replace(gravity=parameters.gravity + more, numbers=numbers)
 
 
-def power_of_shake(parameters: Parameters, state: State) -> float:
-    """What a shake does to the liquid (W, in the tank's frame): its pull times the momentum. None without a shake."""
-    if parameters.shake is None:
-        return 0.0
-    pull = drive_at(parameters.shake, float(state.clock[0]))[0]
-    return float(pull @ np.sum(state.mass * state.velocity, axis=1))
-
-
 def way_of_sides(parameters: Parameters, state: State) -> float:
     """How far sides moved since the lists were made: their images went twice as far."""
     now, then = (float(time) for time in state.clock)

@@ -7,10 +7,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ecume.laws.enthalpy import tait_energy
 from ecume.laws.states import tait_pressure
 from ecume.models.invariants import INJECTED
 from ecume.models.sph.carried import GROUP_DENSITY, PRESSURE, surroundings
+from ecume.models.sph.energies import energies, liquid_alone
 from ecume.models.sph.evaluating import fill
 from ecume.models.sph.gauges import readings
 from ecume.models.sph.loads import loads
@@ -23,13 +23,13 @@ from ecume.models.sph.state import (
     LEFT,
     LOST,
     MOST_SUBSTEPS,
-    PER_PARTICLE,
     SUBSTEPS,
     WORK,
     State,
     Workspace,
 )
 from ecume.models.sph.tension import surface_energy
+from ecume.models.sph.work import booked
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
@@ -107,8 +107,11 @@ def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame
     read, read_units = readings(parameters.gauges, state, gauge_pressure(parameters, state), parameters.support)
     time = int(state.step[0]) * parameters.time_step
     listed = {name: float(numbers[name]) for name in NUMBER_UNITS}
-    if parameters.shake is not None:
-        listed[INJECTED], units = float(state.tally[WORK]), {**units, INJECTED: "J"}
+    if parameters.bodies.shapes:
+        listed["bodies_energy"] = energy["bodies_energy"]
+    if booked(parameters):
+        listed[INJECTED] = float(state.books[WORK])
+    units |= {name: "J" for name in (INJECTED, "bodies_energy") if name in listed}
     return Frame(time, arrays, {**listed, **solid, **read}, {**ARRAY_UNITS, **NUMBER_UNITS, **units, **read_units})
 
 
@@ -128,14 +131,6 @@ def carried_arrays(parameters: Parameters, state: State, workspace: Workspace) -
         "mass": np.zeros(count),
         "species": carried.regions + group,
     }
-
-
-def liquid_alone(parameters: Parameters, state: State) -> State:
-    """Without the buffers behind in- and outflows."""
-    if not parameters.gates:
-        return state
-    liquid = state.zone == 0
-    return state._replace(**{name: getattr(state, name)[..., liquid] for name in PER_PARTICLE})
 
 
 def of_solids(
@@ -183,26 +178,6 @@ def gauge_pressure(parameters: Parameters, state: State) -> Array:
     depth = parameters.surface - state.position[1]
     pressure -= material.density * parameters.hydrostatic[1] * depth
     return pressure
-
-
-def energies(parameters: Parameters, state: State, propped: float, surface: float) -> Mapping[str, float]:
-    """Of motion, in gravity (a shake's pull is told as work), of compression, that of what leans on walls included, and
-    of the surface.
-    """
-    material = parameters.material
-    laws = material.density, material.sound_speed, material.exponent
-    kinetic = 0.5 * float(np.sum(state.mass * (state.velocity**2).sum(axis=0)))
-    potential = -float(np.sum(state.mass * (parameters.gravity @ state.position)))
-    away = state.position - parameters.pull_center[:, None]
-    potential += 0.5 * parameters.pull_rate**2 * float(np.sum(state.mass * (away**2).sum(axis=0)))
-    elastic = float(np.sum(state.mass * tait_energy(state.density, *laws))) + propped
-    return {
-        "kinetic_energy": kinetic,
-        "potential_energy": potential,
-        "elastic_energy": elastic,
-        "surface_energy": surface,
-        "total_energy": kinetic + potential + elastic + surface,
-    }
 
 
 def motion(state: State) -> Mapping[str, float]:

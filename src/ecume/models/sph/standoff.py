@@ -98,11 +98,17 @@ def everyone_leaning(parameters: Parameters, state: State) -> list[Leaning]:
     if guard.reach == 0.0:
         return []
     for owner in np.unique(guard.owner):
-        push = np.zeros_like(state.position)
-        push_off(state.position, *_sheet_of(guard, owner)[:2], guard.reach, speed_of(parameters), push)
-        who = np.flatnonzero(push.any(axis=0))
-        found.append(Leaning(int(owner), who, push[:, who]))
+        found.append(leaning_on(parameters, state, int(owner)))
     return found + [at_body(parameters, state, body) for body in range(len(parameters.bodies.shapes))]
+
+
+def leaning_on(parameters: Parameters, state: State, owner: int) -> Leaning:
+    """Who leans on a wall or an obstacle."""
+    guard, push = parameters.boundary.guard, np.zeros_like(state.position)
+    if guard.reach > 0.0:
+        push_off(state.position, *_sheet_of(guard, owner)[:2], guard.reach, speed_of(parameters), push)
+    who = np.flatnonzero(push.any(axis=0))
+    return Leaning(owner, who, push[:, who])
 
 
 def _sheet_of(guard: Guard, owner: int) -> Sheet:

@@ -18,8 +18,10 @@ from ecume.models.sph.motion import largest
 from ecume.models.sph.parameters import Liquid, Parameters
 from ecume.units import Array
 
-SUBSTEPS, GUARD_HITS, RENEWALS, MOST_SUBSTEPS, WORK = range(5)
+SUBSTEPS, GUARD_HITS, RENEWALS, MOST_SUBSTEPS = range(4)
 """Places in `State.tally`."""
+WORK, RATE = range(2)
+"""Places in `State.books`."""
 CAME, LEFT, LOST, NEXT = range(4)
 """Places in `State.crowd`."""
 SORT_EVERY = 16
@@ -82,11 +84,13 @@ class State(NamedTuple):
     ready: Integers
     """(1,) whether `acceleration` holds at the present positions"""
     tally: Array
-    """substeps, hits of the guard, renewals of the lists, most substeps in a step, J that a shake has brought"""
+    """substeps, hits of the guard, renewals of the lists, most substeps in a step"""
     hits: Integers
     """of the guard, by `Boundary.names`"""
     crowd: Integers
     """how many came, left and were lost; the number that the next one will have"""
+    books: Array = np.zeros(2)
+    """J that came from outside; W of the forces that bring it, at the end of the last step: see `work`"""
 
 
 @dataclass
@@ -137,9 +141,10 @@ def make_state(parameters: Parameters, liquid: Liquid) -> State:
         clock=np.zeros(2),
         step=np.zeros(1, np.int64),
         ready=np.zeros(1, np.int64),
-        tally=np.zeros(5),
+        tally=np.zeros(4),
         hits=np.zeros(len(parameters.boundary.names), np.int64),
         crowd=np.array([0, 0, 0, count]),
+        books=np.zeros(2),
     )
 
 

@@ -29,11 +29,12 @@ from ecume.models.sph.motion import (
     take_mean,
     thicken,
 )
-from ecume.models.sph.motions import at_reference, instant, power_of_shake, way_of_sides
+from ecume.models.sph.motions import at_reference, instant, way_of_sides
 from ecume.models.sph.parameters import DELTA_PLUS, SYMPLECTIC, Parameters
 from ecume.models.sph.state import (
     GUARD_HITS,
     MOST_SUBSTEPS,
+    RATE,
     RENEWALS,
     SORT_EVERY,
     SUBSTEPS,
@@ -44,6 +45,7 @@ from ecume.models.sph.state import (
     sort_state,
     workspace_at,
 )
+from ecume.models.sph.work import book, lifted, of_guard, power_of_shake
 
 MOST_DIVISIONS = 64
 """A step that must be divided more often than this will not recover."""
@@ -65,11 +67,9 @@ def advance(parameters: Parameters, state: State, workspace: Workspace, steps: i
             return DIVERGED
         for _ in range(divisions):
             feed(parameters, state)
-            before = power_of_shake(parameters, state)
+            began = power_of_shake(parameters, state) + float(state.books[RATE]), bool(state.ready[0])
             step(parameters, state, workspace, parameters.time_step / divisions)
-            if parameters.shake is not None:
-                mean = 0.5 * (before + power_of_shake(parameters, state))
-                state.tally[WORK] += mean * parameters.time_step / divisions
+            book(parameters, state, workspace, began, parameters.time_step / divisions)
             if parameters.carried.start[-1]:
                 take_along(instant(parameters, state), state, workspace, parameters.time_step / divisions)
         state.step[0] += 1
@@ -153,12 +153,15 @@ def turn_all_back(now: Parameters, state: State, time: float) -> None:
     guard, bodies = now.boundary.guard, now.bodies
     if bodies.shapes:
         calm = CALM * now.material.fastest
-        collide(bodies, guard.sheet, (state.pose, state.motion), calm)
+        state.books[WORK] += collide(bodies, guard.sheet, (state.pose, state.motion), calm)[1]
         inside = keep_out(bodies, state.pose, state.motion, (state.position, state.velocity, state.mass))
         state.tally[GUARD_HITS] += inside
+    before = state.velocity.copy() if now.drives else state.velocity
     hits = turn_back(guard, state.position, state.velocity, state.transport, time)
     np.add.at(state.hits, guard.owner, hits)
     state.tally[GUARD_HITS] += hits.sum()
+    if now.drives and hits.any():
+        state.books[WORK] += of_guard(now, state, before)
 
 
 def way_of_solids(parameters: Parameters, state: State) -> float:
@@ -184,4 +187,5 @@ def wrap(parameters: Parameters, state: State) -> None:
     sides = parameters.boundary.sides
     for side in np.flatnonzero(sides.mirrors == 0):
         out = sides.normal[side] @ (state.position - sides.point[side][:, None]) < 0.0
+        state.books[WORK] += lifted(parameters, state, out, sides.shift[side])
         state.position[:, out] += sides.shift[side][:, None]

@@ -68,6 +68,7 @@ def plan_flights(
     push: Array,
     kick: Array,
     noise: Array,
+    shift: Array,
     numbers: tuple[float, int, int, int, float, float, float, float, float, float, float],
 ) -> None:
     """The parabola of each particle with inertia: it ends where the exact motion ends.
@@ -97,12 +98,12 @@ def plan_flights(
                 start -= weight[i]
             push[i, axis] = start * way
             kick[i, axis] = start * (gain - way) * h
-            noise[i, axis] = 0.0
+            noise[i, axis], shift[i, axis] = 0.0, 0.0
             if fast > 0.0:
                 one, other = normals(counter_of(i, step, axis), seed)
-                shift = both * one + far * other
-                push[i, axis] += 2.0 * shift / (h * h)
-                noise[i, axis] = fast * one - 2.0 * shift / h
+                way_by_chance = both * one + far * other
+                push[i, axis] += 2.0 * way_by_chance / (h * h)
+                noise[i, axis], shift[i, axis] = fast * one - 2.0 * way_by_chance / h, way_by_chance
 
 
 @compiled
@@ -117,7 +118,9 @@ def land(
     fate: Integers,
     time: float,
 ) -> None:
-    """After the flights: who met nothing has the exact velocity; who met a wall keeps what it was left with."""
+    """After the flights: who met nothing has the exact velocity; who met a wall keeps what it was left with, and no
+    kick.
+    """
     for i in range(position.shape[0]):
         if fate[i] != 0:
             continue
@@ -130,6 +133,8 @@ def land(
             velocity[i, axis] += noise[i, axis]
             if off <= 1e-13 * scale:
                 velocity[i, axis] += kick[i, axis]
+            else:
+                kick[i, axis] = 0.0
 
 
 @compiled

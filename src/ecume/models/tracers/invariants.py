@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from ecume.models.invariants import Invariant, Numbers, Seen, energy_never_rises
 from ecume.models.tracers.parameters import Parameters
 from ecume.scenes.tracers import TracersScene
@@ -13,9 +11,9 @@ RISE = 1e-6
 
 
 def invariants(scene: TracersScene, parameters: Parameters) -> list[Invariant]:
-    """The rows of a scene. Who leaves takes energy along, and who comes in brings some."""
+    """The rows of a scene. What the liquid and openings bring is booked, see `work`."""
     everyone = Invariant("mass", "particles that are neither inside nor gone through an opening", 0.0, _missing)
-    return [everyone] if _driven(scene, parameters) else [everyone, energy_never_rises(RISE)]
+    return [everyone, energy_never_rises(RISE)]
 
 
 def _missing(seen: Seen) -> float:
@@ -27,10 +25,3 @@ def _missing(seen: Seen) -> float:
 
 def _through(way: str, numbers: Numbers) -> float:
     return sum(value for name, value in numbers.items() if name.startswith(f"{way}_through_opening_"))
-
-
-def _driven(scene: TracersScene, parameters: Parameters) -> bool:
-    """Whether the liquid flows or kicks, somebody comes or goes, or velocities are no state."""
-    fluid = parameters.fluid
-    flowing = bool(np.any(fluid.flow)) or fluid.shear_rate != 0.0
-    return bool(flowing or fluid.thermal > 0.0 or scene.openings or np.any(parameters.bodies.overdamped))

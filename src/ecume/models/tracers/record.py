@@ -9,14 +9,16 @@ import numpy as np
 from ecume.errors import BadInput
 from ecume.laws import brownian, drag
 from ecume.models.blame import first_broken
+from ecume.models.invariants import INJECTED
 from ecume.models.limits import require_memory, within_steps
 from ecume.models.model import Model
 from ecume.models.tracers.arrivals import species_of
 from ecume.models.tracers.invariants import invariants
 from ecume.models.tracers.parameters import Parameters, parameters_of
 from ecume.models.tracers.starting import start
-from ecume.models.tracers.state import CAPPED, State, Workspace, came, exchange, workspace
+from ecume.models.tracers.state import CAPPED, State, Workspace, came, workspace
 from ecume.models.tracers.stepping import NOWHERE, advance
+from ecume.models.tracers.work import brings, exchange, lent
 from ecume.scenes.tracers import TracersScene
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
@@ -73,7 +75,9 @@ def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
         **{f"came_through_opening_{m}": float((entered == m).sum()) for m in range(holes)},
         "flights_cut_short": float(state.tally[CAPPED]),
     }
-    units = {name: "J" if name.endswith("energy") else "1" for name in numbers}
+    if brings(parameters):
+        numbers[INJECTED] = float(state.work[0]) + lent(parameters, state)
+    units = {name: "J" if name.endswith(("energy", INJECTED)) else "1" for name in numbers}
     units |= {"mean_height": "m", "largest_speed": "m/s"}
     return Frame(int(state.step[0]) * parameters.time_step, arrays, numbers, {**ARRAY_UNITS, **units})
 

@@ -29,6 +29,8 @@ class State(NamedTuple):
     """(K,) how often each wall was hit"""
     tally: Integers
     """(1,) flights with more bounces than a step may have"""
+    work: Array = np.zeros(1)
+    """(1,) J that came from outside: see `work`"""
 
 
 class Workspace(NamedTuple):
@@ -44,6 +46,8 @@ class Workspace(NamedTuple):
     """(N, d) what the exact velocity has more than the parabola's, as long as no wall is met"""
     noise: Array
     """(N, d) the part of that which is chance, and stays"""
+    shift: Array
+    """(N, d) the part of the way that is chance"""
     radius: Array
     hits: Integers
     """(N,)"""
@@ -61,6 +65,7 @@ def make_state(position: Array, velocity: Array, surfaces: int) -> State:
         np.full(count, -1, np.int64),
         np.zeros(surfaces, np.int64),
         np.zeros(1, np.int64),
+        np.zeros(1),
     )
 
 
@@ -69,20 +74,9 @@ def came(parameters: Parameters, state: State) -> int:
     return len(state.position) - (len(parameters.bodies.radius) - len(parameters.arrivals.step))
 
 
-def exchange(parameters: Parameters, state: State) -> State:
-    """The state with everyone who is there by now."""
-    arrivals, first = parameters.arrivals, came(parameters, state)
-    last = int(np.searchsorted(arrivals.step, int(state.step[0]), side="right"))
-    return state._replace(
-        position=np.concatenate([state.position, arrivals.position[first:last]]),
-        velocity=np.concatenate([state.velocity, arrivals.velocity[first:last]]),
-        left=np.concatenate([state.left, np.full(last - first, -1, np.int64)]),
-    )
-
-
 def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
     """Nothing here can overflow."""
     count, shape = len(state.position), state.position.shape
-    a, b, c, d, e = (np.zeros(shape) for _ in range(5))
+    a, b, c, d, e, f = (np.zeros(shape) for _ in range(6))
     radius = np.ascontiguousarray(parameters.bodies.radius[:count])
-    return Workspace(a, b, c, d, e, radius, np.zeros(count, np.int64), np.zeros(count, np.int64))
+    return Workspace(a, b, c, d, e, f, radius, np.zeros(count, np.int64), np.zeros(count, np.int64))

@@ -14,10 +14,9 @@ from ecume.models.model import DIVERGED, DONE, EXCHANGE
 from ecume.models.tracers.flights import land, plan_drifts, plan_flights, plan_steps
 from ecume.models.tracers.parameters import Parameters
 from ecume.models.tracers.state import CAPPED, State, Workspace
+from ecume.models.tracers.work import NOT_NOW, booked, work_of_drifts, work_of_flights, work_of_steps
 from ecume.units import Array
 
-NOT_NOW = 1 << 40
-"""The fate of those that a passage leaves out."""
 STARTED_OUTSIDE = -2
 NOWHERE = 1e100
 """m, m/s: farther and faster than anybody gets; products of such numbers are no numbers any more."""
@@ -77,6 +76,7 @@ def copy(target: Array, source: Array) -> None:
 def passed(parameters: Parameters, state: State, scratch: Workspace, time: float, sheet: Sheet) -> bool:
     """Those without inertia go on with the velocities of `travel`."""
     fill(scratch.push, 0.0)
+    copy(scratch.origin, state.position)
     tally = (scratch.hits, scratch.fate, state.hits)
     reflect_all(state.position, scratch.travel, scratch.push, time, sheet, scratch.radius, tally)
     return note_fates(state, scratch.fate)
@@ -93,7 +93,7 @@ def fly(parameters: Parameters, state: State, scratch: Workspace) -> bool:
     )  # fmt: skip
     plan_flights(
         state.position, state.velocity, bodies.mass, bodies.push, bodies.friction, bodies.radius, scratch.fate,
-        scratch.push, scratch.kick, scratch.noise, numbers,
+        scratch.push, scratch.kick, scratch.noise, scratch.shift, numbers,
     )  # fmt: skip
     copy(scratch.origin, state.position)
     copy(scratch.travel, state.velocity)
@@ -103,6 +103,8 @@ def fly(parameters: Parameters, state: State, scratch: Workspace) -> bool:
         state.position, state.velocity, scratch.origin, scratch.travel, scratch.push, scratch.kick, scratch.noise,
         scratch.fate, h,
     )  # fmt: skip
+    if booked(parameters):
+        state.work[0] += work_of_flights(parameters, state, scratch)
     return note_fates(state, scratch.fate)
 
 
@@ -112,15 +114,20 @@ def creep(parameters: Parameters, state: State, scratch: Workspace) -> bool:
     bodies, fluid, h = parameters.bodies, parameters.fluid, parameters.time_step
     flow = (fluid.flow[0], fluid.flow[1], fluid.flow[2], fluid.shear_rate)
     plan_drifts(state.position, bodies.settling, scratch.fate, 0.5 * h, flow, scratch.travel)
-    well = passed(parameters, state, scratch, 0.5 * h, parameters.stopping)
+    well, books = passed(parameters, state, scratch, 0.5 * h, parameters.stopping), booked(parameters)
+    if books:
+        state.work[0] += work_of_drifts(parameters, state, scratch, 0.5 * h)
     if fluid.thermal > 0.0:
         choose(scratch.fate, state.left, bodies.overdamped, 1)
         chance = (parameters.seed, state.step[0], fluid.thermal)
         plan_steps(bodies.friction, scratch.fate, chance, h, scratch.travel)
         well = passed(parameters, state, scratch, h, parameters.mirroring) and well
+        state.work[0] += work_of_steps(parameters, state, scratch)
     choose(scratch.fate, state.left, bodies.overdamped, 1)
     plan_drifts(state.position, bodies.settling, scratch.fate, 0.5 * h, flow, scratch.travel)
     well = passed(parameters, state, scratch, 0.5 * h, parameters.stopping) and well
+    if books:
+        state.work[0] += work_of_drifts(parameters, state, scratch, 0.5 * h)
     for i in range(len(scratch.fate)):
         if scratch.fate[i] == 0:
             for axis in range(state.velocity.shape[1]):

@@ -1,0 +1,159 @@
+"""What is done to the liquid and its bodies from outside, booked so that their energy less this work never rises.
+
+Walls that move, and liquid behind in- and outflows, do work by their forces F, pair by pair as the sums over neighbors
+have them. A wall's is W = integral of F.w dt, F its force on the liquid and w its velocity; a shake's is M.a, with the
+pull a and the momentum M. A buffer's particle b does F_ib.(v_i + v_b)/2 to the particle i before it: the flux of
+energy of a pair, the mean of what i gains and what b loses. What that leaves, F_ib.(v_i - v_b)/2, is dissipated where
+it is friction, and compresses i where it is pressure, up to (P_i - P_b)(v_i - v_b)/2, of second order. Who crosses a
+border takes its energy along, and who passes a periodic side is lifted, in gravity, by the length of the tank.
+
+Rates are booked by the trapezoidal rule, which is exact for kicks: each force kicks half before and half after the
+velocity that it is multiplied with.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ecume.engine.cells import Integers
+from ecume.engine.walls.sheets import SIZE, SPEED
+from ecume.models.sph.energies import energy_of, liquid_alone, potential_of
+from ecume.models.sph.loads import force_of_mirror, forces_on, roots_of
+from ecume.models.sph.motions import drive_at, instant
+from ecume.models.sph.parameters import NO_TENSION, Parameters
+from ecume.models.sph.standoff import leaning_on, load_of
+from ecume.models.sph.state import RATE, WORK, State, Workspace
+from ecume.units import Array
+
+
+def booked(parameters: Parameters) -> bool:
+    """Whether there is anything that may bring energy, or take it away."""
+    around = parameters.boundary.sides.shift @ parameters.gravity
+    return bool(parameters.shake is not None or forces_work(parameters) or around.any() or leaks(parameters))
+
+
+def forces_work(parameters: Parameters) -> bool:
+    """Whether there are walls that move, or buffers."""
+    sliding = len(moving_sides(parameters)) or parameters.boundary.dummies.velocity.any()
+    return bool(parameters.drives or parameters.gates or sliding)
+
+
+def leaks(parameters: Parameters) -> bool:
+    """Whether liquid may be lost through a side, other than one that it would have to rise to."""
+    outwards = np.array([-parameters.gravity, parameters.gravity])
+    return bool((np.isfinite(parameters.bounds) & (outwards >= 0.0)).any())
+
+
+def untold(parameters: Parameters) -> bool:
+    """Whether surface tension does work that nobody books: it pulls at what moves, and is not among the loads."""
+    return parameters.tension != NO_TENSION and bool(parameters.drives or parameters.gates or parameters.bodies.shapes)
+
+
+def book(parameters: Parameters, state: State, workspace: Workspace, began: tuple[float, bool], time: float) -> None:
+    """Add the work of a step that is done; `began`: the rate (W) before it, and whether forces were known then."""
+    if parameters.shake is None and not forces_work(parameters):
+        return
+    rate = power_of_forces(instant(parameters, state), state, workspace)
+    before, known = began
+    after = rate + power_of_shake(parameters, state)
+    state.books[WORK] += 0.5 * ((before if known else before + rate) + after) * time
+    state.books[RATE] = rate
+
+
+def power_of_shake(parameters: Parameters, state: State) -> float:
+    """What a shake does to liquid and bodies (W, in the tank's frame): its pull times the momentum."""
+    if parameters.shake is None:
+        return 0.0
+    pull, liquid = drive_at(parameters.shake, float(state.clock[0]))[0], liquid_alone(parameters, state)
+    momentum = np.sum(liquid.mass * liquid.velocity, axis=1)
+    if parameters.bodies.shapes:
+        momentum = momentum + state.motion[: len(pull)] @ parameters.bodies.mass
+    return float(pull @ momentum)
+
+
+def power_of_forces(now: Parameters, state: State, workspace: Workspace) -> float:
+    """Of moving sides and of buffers (W), out of a filled workspace."""
+    power = 0.0
+    for row in moving_sides(now):
+        power += power_of_side(now, state, workspace, int(row))
+    if len(lids(now)):
+        power += power_of_lids(now, workspace)
+    return power + power_of_buffers(now, state, workspace) if now.gates else power
+
+
+def moving_sides(now: Parameters) -> Integers:
+    """Which rows of the sides' table are mirrors that move now."""
+    boundary, d = now.boundary, now.dimension
+    return np.flatnonzero((boundary.image_owner >= 0) & boundary.table[:, 2 * d : 3 * d].any(axis=1))
+
+
+def power_of_side(now: Parameters, state: State, workspace: Workspace, row: int) -> float:
+    """Of a side with images, and of those who lean on it (W)."""
+    boundary, d = now.boundary, now.dimension
+    side, velocity = int(boundary.image_owner[row]), boundary.table[row, 2 * d : 3 * d]
+    normal, place = boundary.sides.normal[row], boundary.sides.point[row]
+    near = np.flatnonzero(normal @ (state.position - place[:, None]) < now.support)
+    lean, power = load_of(now, state, leaning_on(now, state, side))[0], 0.0
+    for axis in np.flatnonzero(velocity):
+        force = force_of_mirror(now, workspace, near, (side, int(axis))) - float(lean[axis])
+        power += float(velocity[axis]) * force
+    return power
+
+
+def lids(parameters: Parameters) -> Integers:
+    """Which dummies stand in sides that move along themselves."""
+    dummies = parameters.boundary.dummies
+    return np.flatnonzero(dummies.velocity.any(axis=0) & (dummies.owner < 2 * parameters.dimension))
+
+
+def power_of_lids(now: Parameters, workspace: Workspace) -> float:
+    """Of layers of dummies that move (W): beside them only periodic sides have images."""
+    mine, first = lids(now), workspace.rates.shape[1]
+    group = np.zeros(workspace.fields.shape[1], np.int64)
+    force = forces_on(now, workspace, first + mine, group)[0]
+    return -float(np.sum(force[: now.dimension] * now.boundary.dummies.velocity[:, mine]))
+
+
+def power_of_buffers(now: Parameters, state: State, workspace: Workspace) -> float:
+    """Of the liquid behind in- and outflows (W): the mean of what the one gains and the other loses."""
+    real, liquid = len(workspace.lists.counts), workspace.rates.shape[1]
+    root = np.concatenate([np.arange(real), roots_of(workspace.images, real)])
+    held = np.zeros(real, np.int64)
+    held[:liquid] = np.where(state.zone > 0, 1, 2)
+    buffer, inside = (np.where(held[root] == kind, 0, -1) for kind in (1, 2))
+    behind, before = np.flatnonzero(state.zone > 0), before_gates(now, state)
+    lost = forces_on(now, workspace, behind, inside)[0]
+    gained = forces_on(now, workspace, before, buffer)[0]
+    d = now.dimension
+    return 0.5 * float(np.sum(gained[:d] * state.velocity[:, before]) - np.sum(lost[:d] * state.velocity[:, behind]))
+
+
+def before_gates(now: Parameters, state: State) -> Integers:
+    """The liquid that buffers reach."""
+    near = np.zeros(len(state.zone), np.bool_)
+    for gate in now.gates:
+        near |= np.abs(state.position[gate.axis] - gate.place) < 2.0 * now.support
+    return np.flatnonzero(near & (state.zone == 0))
+
+
+def lifted(parameters: Parameters, state: State, out: Array, shift: Array) -> float:
+    """What it takes to bring liquid from one periodic side to the other (J)."""
+    who = out & (state.zone == 0)
+    mass, position = state.mass[who], state.position[:, who]
+    return potential_of(parameters, mass, position + shift[:, None]) - potential_of(parameters, mass, position)
+
+
+def brought(parameters: Parameters, state: State, entering: Array, leaving: Array) -> float:
+    """The energy of those who come in, less that of those who go (J)."""
+    return energy_of(parameters, state, entering) - energy_of(parameters, state, leaving)
+
+
+def of_guard(now: Parameters, state: State, before: Array) -> float:
+    """What moving sides do to those whom the guard turned back (J), from their velocities before."""
+    work, guard, d = 0.0, now.boundary.guard, now.dimension
+    for side, _ in now.drives:
+        row = guard.sheet.number[guard.owner == side][0]
+        near = row[:d] @ state.position - row[SIZE] < now.spacing
+        change = row[:d] @ (state.velocity - before)[:, near]
+        work += float(row[SPEED : SPEED + d] @ row[:d]) * float(state.mass[near] @ change)
+    return work

@@ -1,0 +1,134 @@
+"""What the liquid and openings bring to tracers, booked so that their energy less this work never rises.
+
+Drag G on a particle takes at most what it gives to the liquid: G.v = G.u - (dissipation), with u the liquid's velocity.
+So a liquid that flows does the work of G.u: over a step u stands still, as it does in the flight. The liquid's kicks
+bring heat: what the energy with them is more than that without. Who comes in or goes out takes its energy along. What
+has no inertia has no energy of motion: that of its velocity in a frame is lent by the liquid.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ecume._jit import compiled
+from ecume.models.tracers.parameters import Parameters
+from ecume.models.tracers.state import State, Workspace, came
+
+NOT_NOW = 1 << 40
+"""The fate of those that a passage leaves out."""
+
+
+@compiled
+def booked(parameters: Parameters) -> bool:
+    """Whether the liquid flows or kicks, or somebody may go."""
+    flow = parameters.fluid.flow
+    moved = flow[0] != 0.0 or flow[1] != 0.0 or flow[2] != 0.0 or parameters.fluid.shear_rate != 0.0
+    return bool(moved or parameters.fluid.thermal > 0.0 or len(parameters.bouncing.hole) > 0)
+
+
+@compiled
+def flow_at(parameters: Parameters, height: float, axis: int) -> float:
+    """A component of the liquid's velocity (m/s)."""
+    fluid = parameters.fluid
+    return fluid.flow[axis] + (fluid.shear_rate * height if axis == 0 else 0.0)
+
+
+@compiled
+def work_of_flights(parameters: Parameters, state: State, scratch: Workspace) -> float:
+    """On those with inertia, in the step that they flew (J)."""
+    total, bodies, last = 0.0, parameters.bodies, state.position.shape[1] - 1
+    for i in range(len(scratch.fate)):
+        if scratch.fate[i] <= 0:
+            carried = carry_of_flight(parameters, scratch, i)
+            total += bodies.mass[i] * (carried + heat_of_flight(parameters, state, scratch, i))
+        elif scratch.fate[i] < NOT_NOW:
+            energy = bodies.push[i] * scratch.origin[i, last]
+            for axis in range(last + 1):
+                energy += 0.5 * scratch.travel[i, axis] ** 2
+            total -= bodies.mass[i] * energy
+    return total
+
+
+@compiled
+def carry_of_flight(parameters: Parameters, scratch: Workspace, i: int) -> float:
+    """The impulse of the steady drag times the liquid's velocity, per mass (J/kg)."""
+    h, last, work = parameters.time_step, scratch.origin.shape[1] - 1, 0.0
+    height = scratch.origin[i, last] + 0.5 * h * scratch.travel[i, last]
+    for axis in range(last + 1):
+        impulse = h * scratch.push[i, axis] - 2.0 * scratch.shift[i, axis] / h + scratch.kick[i, axis]
+        if axis == last:
+            impulse += h * parameters.bodies.push[i]
+        work += impulse * flow_at(parameters, height, axis)
+    return work
+
+
+@compiled
+def heat_of_flight(parameters: Parameters, state: State, scratch: Workspace, i: int) -> float:
+    """By chance, per mass (J/kg): in a free flight exactly; where walls are met, chance pushes along the parabola."""
+    h, last, heat = parameters.time_step, scratch.origin.shape[1] - 1, 0.0
+    for axis in range(last + 1):
+        shift, kicked = scratch.shift[i, axis], scratch.noise[i, axis]
+        if scratch.hits[i] > 0:
+            heat += 2.0 * shift / (h * h) * (state.position[i, axis] - scratch.origin[i, axis])
+        else:
+            kicked += 2.0 * shift / h
+            heat += parameters.bodies.push[i] * shift if axis == last else 0.0
+        heat += kicked * (state.velocity[i, axis] - 0.5 * kicked)
+    return heat
+
+
+@compiled
+def work_of_drifts(parameters: Parameters, state: State, scratch: Workspace, time: float) -> float:
+    """On those without inertia, in a time: the drag, by what the liquid is faster, times its velocity (J)."""
+    total, bodies, last = 0.0, parameters.bodies, state.position.shape[1] - 1
+    for i in range(len(scratch.fate)):
+        start, weight = scratch.origin[i, last], bodies.mass[i] * bodies.push[i]
+        if scratch.fate[i] <= 0:
+            friction = weight / bodies.settling[i] if bodies.settling[i] != 0.0 else bodies.friction[i]
+            height = start - 0.5 * time * bodies.settling[i]
+            for axis in range(last + 1):
+                flow = flow_at(parameters, height, axis)
+                behind = time * flow - (state.position[i, axis] - scratch.origin[i, axis])
+                total += friction * behind * flow
+        elif scratch.fate[i] < NOT_NOW:
+            total -= weight * start
+    return total
+
+
+@compiled
+def work_of_steps(parameters: Parameters, state: State, scratch: Workspace) -> float:
+    """On those without inertia, by chance: the height that they gained (J)."""
+    total, bodies, last = 0.0, parameters.bodies, state.position.shape[1] - 1
+    for i in range(len(scratch.fate)):
+        if scratch.fate[i] < NOT_NOW:
+            end = state.position[i, last] if scratch.fate[i] <= 0 else 0.0
+            total += bodies.mass[i] * bodies.push[i] * (end - scratch.origin[i, last])
+    return total
+
+
+def brings(parameters: Parameters) -> bool:
+    """Whether there is anything that may bring energy, or take it away."""
+    return bool(booked(parameters) or np.any(parameters.bodies.overdamped))
+
+
+def lent(parameters: Parameters, state: State) -> float:
+    """The energy of motion of those inside who have no inertia (J)."""
+    some = (state.left < 0) & (parameters.bodies.overdamped[: len(state.left)] == 1)
+    mass = parameters.bodies.mass[: len(state.left)][some]
+    return 0.5 * float(np.sum(mass * (state.velocity[some] ** 2).sum(axis=1)))
+
+
+def exchange(parameters: Parameters, state: State) -> State:
+    """The state with everyone who is there by now; they bring their energy along."""
+    arrivals, first, bodies = parameters.arrivals, came(parameters, state), parameters.bodies
+    last = int(np.searchsorted(arrivals.step, int(state.step[0]), side="right"))
+    position, velocity = arrivals.position[first:last], arrivals.velocity[first:last]
+    here = slice(len(state.left), len(state.left) + last - first)
+    moving = 0.5 * (velocity**2).sum(axis=1) * (bodies.overdamped[here] == 0)
+    brought = float(bodies.mass[here] @ (moving + bodies.push[here] * position[:, -1]))
+    return state._replace(
+        position=np.concatenate([state.position, position]),
+        velocity=np.concatenate([state.velocity, velocity]),
+        left=np.concatenate([state.left, np.full(last - first, -1, np.int64)]),
+        work=state.work + brought,
+    )
