@@ -1,9 +1,10 @@
 """What the liquid and openings bring to tracers, booked so that their energy less this work never rises.
 
 Drag G on a particle takes at most what it gives to the liquid: G.v = G.u - (dissipation), with u the liquid's velocity.
-So a liquid that flows does the work of G.u: over a step u stands still, as it does in the flight. The liquid's kicks
-bring heat: what the energy with them is more than that without. Who comes in or goes out takes its energy along. What
-has no inertia has no energy of motion: that of its velocity in a frame is lent by the liquid.
+So a liquid that flows does the work of G.u: over a step u stands still, as it does in the flight. In a step in which a
+wall is met drag pushes on as if there were none, and may bring more, G.v: then that counts. The liquid's kicks bring
+heat: what the energy with them is more than that without. Who comes in or goes out takes its energy along. What has no
+inertia has no energy of motion: that of its velocity in a frame is lent by the liquid.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from ecume._jit import compiled
-from ecume.models.tracers.parameters import Parameters
+from ecume.models.tracers.parameters import NO_DRAG, Parameters
 from ecume.models.tracers.state import State, Workspace, came
 
 NOT_NOW = 1 << 40
@@ -20,46 +21,64 @@ NOT_NOW = 1 << 40
 
 @compiled
 def booked(parameters: Parameters) -> bool:
-    """Whether the liquid flows or kicks, or somebody may go."""
-    flow = parameters.fluid.flow
-    moved = flow[0] != 0.0 or flow[1] != 0.0 or flow[2] != 0.0 or parameters.fluid.shear_rate != 0.0
-    return bool(moved or parameters.fluid.thermal > 0.0 or len(parameters.bouncing.hole) > 0)
+    """Whether the liquid flows or kicks, or drags at those who meet walls, or somebody may go."""
+    drags = parameters.drag != NO_DRAG and parameters.fluid.viscosity > 0.0
+    return bool(
+        (drags and len(parameters.bouncing.kind) > 0) or stirred(parameters) or len(parameters.bouncing.hole) > 0
+    )
+
+
+@compiled
+def stirred(parameters: Parameters) -> bool:
+    """Whether the liquid flows or kicks."""
+    flow, fluid = parameters.fluid.flow, parameters.fluid
+    return bool(fluid.thermal > 0.0 or fluid.shear_rate != 0.0 or flow[0] != 0.0 or flow[1] != 0.0 or flow[2] != 0.0)
 
 
 @compiled
 def flow_at(parameters: Parameters, height: float, axis: int) -> float:
     """A component of the liquid's velocity (m/s)."""
     fluid = parameters.fluid
-    return fluid.flow[axis] + (fluid.shear_rate * height if axis == 0 else 0.0)
+    speed: float = fluid.flow[axis] + (fluid.shear_rate * height if axis == 0 else 0.0)
+    return speed
 
 
 @compiled
 def work_of_flights(parameters: Parameters, state: State, scratch: Workspace) -> float:
     """On those with inertia, in the step that they flew (J)."""
-    total, bodies, last = 0.0, parameters.bodies, state.position.shape[1] - 1
+    total, bodies, moved = 0.0, parameters.bodies, stirred(parameters)
     for i in range(len(scratch.fate)):
         if scratch.fate[i] <= 0:
-            carried = carry_of_flight(parameters, scratch, i)
-            total += bodies.mass[i] * (carried + heat_of_flight(parameters, state, scratch, i))
+            if moved or scratch.hits[i] > 0:
+                carried = carry_of_flight(parameters, state, scratch, i)
+                total += bodies.mass[i] * (carried + heat_of_flight(parameters, state, scratch, i))
         elif scratch.fate[i] < NOT_NOW:
-            energy = bodies.push[i] * scratch.origin[i, last]
-            for axis in range(last + 1):
-                energy += 0.5 * scratch.travel[i, axis] ** 2
-            total -= bodies.mass[i] * energy
+            total -= bodies.mass[i] * energy_before(parameters, scratch, i)
     return total
 
 
 @compiled
-def carry_of_flight(parameters: Parameters, scratch: Workspace, i: int) -> float:
-    """The impulse of the steady drag times the liquid's velocity, per mass (J/kg)."""
-    h, last, work = parameters.time_step, scratch.origin.shape[1] - 1, 0.0
+def energy_before(parameters: Parameters, scratch: Workspace, i: int) -> float:
+    """Of one with inertia at the start of the step, per mass (J/kg)."""
+    last = scratch.origin.shape[1] - 1
+    energy: float = parameters.bodies.push[i] * scratch.origin[i, last]
+    for axis in range(last + 1):
+        energy += 0.5 * scratch.travel[i, axis] ** 2
+    return energy
+
+
+@compiled
+def carry_of_flight(parameters: Parameters, state: State, scratch: Workspace, i: int) -> float:
+    """The impulse of the steady drag times the liquid's velocity, or its force along the way, per mass (J/kg)."""
+    h, last, by_flow, along = parameters.time_step, scratch.origin.shape[1] - 1, 0.0, 0.0
     height = scratch.origin[i, last] + 0.5 * h * scratch.travel[i, last]
     for axis in range(last + 1):
         impulse = h * scratch.push[i, axis] - 2.0 * scratch.shift[i, axis] / h + scratch.kick[i, axis]
         if axis == last:
             impulse += h * parameters.bodies.push[i]
-        work += impulse * flow_at(parameters, height, axis)
-    return work
+        by_flow += impulse * flow_at(parameters, height, axis)
+        along += impulse / h * (state.position[i, axis] - scratch.origin[i, axis])
+    return max(by_flow, along) if scratch.hits[i] > 0 else by_flow
 
 
 @compiled

@@ -1,0 +1,177 @@
+"""What is done to a liquid from outside is booked: where it goes to is known, and energy never rises beyond it."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+import ecume
+from ecume.models.sph.collisions import collide
+from ecume.models.sph.energies import energy_of_bodies
+from ecume.models.sph.guard import turn_back
+from ecume.models.sph.invariants import invariants
+from ecume.models.sph.motions import instant
+from ecume.models.sph.record import SPH
+from ecume.models.sph.state import WORK
+from ecume.models.sph.work import brought, of_guard
+from ecume.run import RunDirectory
+from ecume.run.watching import Watch
+from ecume.scenes.schema import from_plain, to_plain
+from tests.models.sph.scenes import OPEN, PERIODIC, tank
+from tests.models.sph.test_gates import channel
+from tests.models.sph.test_motions import PUSH, with_side
+from tests.models.sph.test_moving_bodies import tub
+from tests.models.sph.test_solids import changed
+
+
+def books(scene, tmp_path):
+    """Energy, booked work and energy less work of each frame, once all that must hold has held."""
+    watch, rows = Watch(RunDirectory(tmp_path), invariants(scene, SPH.parameters(scene)), "warn"), []
+    for number, frame in enumerate(ecume.simulate(scene)):
+        watch.take(frame.time, frame.numbers, number)
+        rows.append((frame.numbers["total_energy"], frame.numbers.get("injected_work", 0.0)))
+    verdicts = {one.name: one for one in watch.verdicts()}
+    assert verdicts["energy"].held, verdicts["energy"]
+    energy, work = np.array(rows).T
+    return energy - energy[0], work, energy - energy[0] - work
+
+
+def between_plates(walls, **changes):
+    """A lid that drags liquid of density 1 over a floor a meter below; round about along x."""
+    lid = {"low": [0.0, 0.0], "high": [0.75, 1.0], "walls": walls, "left": PERIODIC, "right": PERIODIC}
+    plain = {
+        "model": "sph",
+        "duration": 1.4,
+        "frame_every": 0.2,
+        "spacing": 0.125,
+        "gravity": [0.0, 0.0],
+        "liquid": {"density": 1.0, "viscosity": 0.5, "fastest": 1.0},
+        "tank": {**lid, "top": {"velocity": [1.0, 0.0]}},
+        "fluid": [{"low": [0.0, 0.0], "high": [0.75, 1.0]}],
+    }
+    return from_plain({**plain, **changes})
+
+
+@pytest.mark.compiled
+def test_a_slow_piston_does_the_work_of_lifting(tmp_path):
+    slow = {"times": [0.0, 4.0], "positions": [0.0, 0.2]}
+    scene = changed(with_side(tank(jitter=0.0), "left", motion=slow), duration=4.0, frame_every=1.0)
+    energy, work, _ = books(scene, tmp_path)
+    # A square of water becomes as much narrower as it becomes higher: its middle rises by an eighth.
+    assert work[-1] == pytest.approx(0.125, rel=0.05)
+    assert energy[-1] == pytest.approx(work[-1], rel=0.01)
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize("walls", ["mirror", "dummy"])
+def test_a_lid_brings_what_friction_takes(walls, tmp_path):
+    energy, work, own = books(between_plates(walls), tmp_path)
+    # In steady flow its stress, of viscosity and shear rate, times its speed and length; all of it is lost.
+    power = 0.5 * 1.0 * 0.75
+    assert np.diff(work)[-1] / 0.2 == pytest.approx(power, rel=0.02)
+    assert -np.diff(own)[-1] / 0.2 == pytest.approx(power, rel=0.02)
+    # A third of the mass goes as fast as the lid, in energy.
+    assert energy[-1] == pytest.approx(0.75 / 6.0, rel=0.02)
+
+
+@pytest.mark.compiled
+def test_gravity_along_periodic_sides_brings_what_friction_takes(tmp_path):
+    pulled = to_plain(between_plates("mirror", gravity=[1.0, 0.0], duration=2.4))
+    pulled["tank"]["top"] = {"kind": "wall"}
+    scene = from_plain(pulled)
+    *_, last = ecume.simulate(scene)
+    _, work, own = books(scene, tmp_path)
+    assert -np.diff(own)[-1] / 0.2 == pytest.approx(last.numbers["momentum_x"], rel=0.01)
+    # Each particle that comes around is lifted by the length of the tank: whole ones are counted.
+    assert work[-1] > 0.0
+    assert work[-1] / (0.125**2 * 0.75) == pytest.approx(round(work[-1] / (0.125**2 * 0.75)), abs=1e-9)
+
+
+@pytest.mark.compiled
+def test_a_channel_brings_in_what_friction_takes_and_carries_out_the_rest(tmp_path):
+    energy, work, own = books(channel(), tmp_path)
+    # Poiseuille's pressure gradient, twelve times viscosity and mean speed, over two meters.
+    assert np.diff(own)[1:] / -0.5 == pytest.approx(1.2, rel=0.06)
+    assert work[-1] == pytest.approx(1.2 * 1.5, rel=0.1)
+    assert np.abs(energy).max() < 0.1 * work[-1]
+
+
+@pytest.mark.compiled
+def test_a_stream_that_nothing_rubs_gains_and_loses_nothing(tmp_path):
+    plain = to_plain(channel())
+    sides = {"left": {"kind": "inflow", "speed": 0.5, "level": 0.5}, "right": {"kind": "outflow", "level": 0.5}}
+    plain["tank"] |= {**sides, "top": OPEN}
+    plain |= {"gravity": [0.0, -1.0], "liquid": {"density": 1.0, "sound_speed": 10.0}, "frame_every": 0.1}
+    plain["fluid"] = [{"low": [0.0, 0.0], "high": [2.0, 0.5], "velocity": [0.5, 0.0]}]
+    energy, _, own = books(from_plain(plain), tmp_path)
+    # A row that comes in before another goes out is a twentieth of all the motion; the account knows it to 1e-3.
+    assert np.abs(energy).max() > 5e-3
+    assert np.abs(own).max() < 1e-4
+
+
+@pytest.mark.compiled
+def test_what_a_body_loses_the_liquid_has_and_nobody_gains(tmp_path):
+    scene = dataclasses.replace(tub(4.0), duration=0.4)
+    first, *_, last = ecume.simulate(scene)
+    energy, work, _ = books(scene, tmp_path)
+    lost = first.numbers["bodies_energy"] - last.numbers["bodies_energy"]
+    assert lost > 5e-3
+    assert np.all(work == 0.0)
+    # What starts all of a sudden loses a part of it to sound.
+    assert 0.5 * lost < energy[-1] + lost < lost
+
+
+def test_who_comes_in_brings_its_energy_and_who_is_lost_takes_it_along():
+    plain = to_plain(tank(jitter=0.0))
+    plain["tank"] |= {"bottom": OPEN}
+    scene = from_plain(plain)
+    parameters = SPH.parameters(scene)
+    state = SPH.start(scene, parameters)
+    state.velocity[1] = -3.0
+    state.position[1, 5] = -9.0
+    each = state.mass[5] * (0.5 * 9.0 - 9.0)
+    alone = np.arange(64) == 5
+    assert brought(parameters, state, ~alone & alone, alone) == pytest.approx(-each, rel=0.01)
+    after = SPH.exchange(parameters, state)
+    assert after.position.shape[1] == 63
+    assert after.books[WORK] == pytest.approx(-each, rel=0.01)
+
+
+def test_the_guard_of_a_moving_wall_does_work_as_a_bat_does():
+    """An elastic wall gives whoever it hits the energy that it gains."""
+    plain = to_plain(with_side(tank(jitter=0.0), "left", motion=PUSH))
+    scene = from_plain({**plain, "tank": {**plain["tank"], "restitution": 1.0}})
+    parameters = SPH.parameters(scene)
+    state = SPH.start(scene, parameters)
+    state.clock[0] = 0.5
+    now = instant(parameters, state)
+    who = np.argsort(state.position[0])[:3]
+    state.position[0, who], state.velocity[0, who] = 0.099, -1.0
+    before = state.velocity.copy()
+    turn_back(now.boundary.guard, state.position, state.velocity, np.zeros_like(before), 0.01)
+    np.testing.assert_allclose(state.velocity[0, who], 1.0 + 2.0 * 0.2)
+    gained = 0.5 * float(state.mass @ (state.velocity**2 - before**2).sum(axis=0))
+    assert of_guard(now, state, before) == pytest.approx(gained, rel=1e-12)
+
+
+def test_a_wall_that_strikes_a_body_brings_what_the_body_gains():
+    plain = to_plain(with_side(tank(jitter=0.0), "left", motion=PUSH))
+    body = {"center": [0.3, 1.5], "radius": 0.2, "density": 0.5, "velocity": [-1.0, 0.0]}
+    scene = from_plain({**plain, "bodies": [{**body, "restitution": 1.0, "friction": 0.0}]})
+    parameters = SPH.parameters(scene)
+    state = SPH.start(scene, parameters)
+    state.clock[0], state.pose[0] = 0.5, 0.29
+    before = energy_of_bodies(parameters, state.pose, state.motion)
+    now = instant(parameters, state)
+    hits, work = collide(now.bodies, now.boundary.guard.sheet, (state.pose, state.motion), 0.0)
+    assert hits == 1
+    assert 1.2 < state.motion[0, 0] < 1.0 + 2.0 * 0.2  # it spins, too
+    assert work == pytest.approx(energy_of_bodies(parameters, state.pose, state.motion) - before, rel=1e-9)
+
+
+def test_what_is_pulled_by_a_surface_and_moves_has_no_line_of_energy():
+    plain = to_plain(with_side(tank(jitter=0.0), "left", motion=PUSH))
+    plain["liquid"] |= {"surface_tension": 0.01}
+    for scene, judged in ((from_plain(plain), False), (with_side(from_plain(plain), "left", motion=None), True)):
+        names = [one.name for one in invariants(scene, SPH.parameters(scene))]
+        assert ("energy" in names) == judged

@@ -1,0 +1,109 @@
+"""What liquid and openings bring to tracers is booked: their energy less that never rises, particle by particle."""
+
+import numpy as np
+import pytest
+
+import ecume
+from ecume.models import MODELS
+from ecume.models.invariants import ENERGY
+from ecume.scenes.tracers import (
+    FluidSpec,
+    OpeningSpec,
+    ParticleSpec,
+    TankSpec,
+    TracerMotionSpec,
+    TracersScene,
+)
+
+
+def books(scene):
+    """Energy and booked work of each frame."""
+    numbers = [frame.numbers for frame in ecume.simulate(scene)]
+    return np.array([[one["total_energy"], one["injected_work"]] for one in numbers]).T
+
+
+def grain(velocity=None, place=(0.01, 0.01)):
+    return ParticleSpec(radius=1e-3, density=2500.0, positions=(place,), velocity=velocity)
+
+
+def alone(particle, **changes):
+    liquid = FluidSpec(viscosity=1e-2, **changes.pop("liquid", {}))
+    return TracersScene(**{"duration": 0.2, "frame_every": 0.01, "particles": (particle,), "liquid": liquid, **changes})
+
+
+@pytest.mark.parametrize("regime", ["inertial", "overdamped"])
+def test_a_grain_that_the_liquid_keeps_up_costs_its_weight_times_the_speed(regime):
+    motion = TracerMotionSpec(regime=regime, drag="stokes", time_step=1e-3)
+    parameters = MODELS["tracers"].parameters(alone(grain(), motion=motion))
+    bodies = parameters.bodies
+    weight, speed = float(bodies.mass[0] * bodies.push[0]), float(bodies.settling[0])
+    energy, work = books(alone(grain((0.0, 0.0)), motion=motion, liquid={"flow": (0.0, speed)}))
+    np.testing.assert_allclose(work, weight * speed * 0.01 * np.arange(21), rtol=1e-9, atol=1e-20)
+    np.testing.assert_allclose(energy, energy[0], rtol=1e-9)
+
+
+@pytest.mark.parametrize("drag", ["stokes", "schiller-naumann"])
+@pytest.mark.parametrize("regime", ["inertial", "overdamped"])
+def test_no_grain_that_bounces_in_a_stream_has_energy_from_nowhere(drag, regime):
+    dice = np.random.default_rng(3)
+    for flow in (None, (0.3, 0.1)):
+        for _ in range(12):
+            particle = grain(tuple(dice.uniform(-1.0, 1.0, 2)), tuple(dice.uniform(0.002, 0.018, 2)))
+            scene = alone(
+                particle,
+                liquid={"flow": flow, "shear_rate": 0.0 if flow is None else 5.0},
+                tank=TankSpec(size=(0.02, 0.02)),
+                motion=TracerMotionSpec(drag=drag, regime=regime),
+            )
+            energy, work = books(scene)
+            own = energy - work
+            assert np.diff(own).max() <= 1e-12 * np.abs(own).max()
+            assert own[-1] < own[0]
+
+
+@pytest.mark.compiled
+def test_chance_brings_as_much_heat_as_drag_takes():
+    """In equilibrium half of kT an axis and relaxation time, twice; steps take what they have of it."""
+    dust = ParticleSpec(radius=1e-6, density=2000.0, positions=((0.0, 0.0),) * 400)
+    motion = TracerMotionSpec(drag="stokes", brownian=True, regime="inertial")
+    probe = {"particles": (dust,), "liquid": FluidSpec(gravity=0.0), "motion": motion}
+    parameters = MODELS["tracers"].parameters(TracersScene(duration=1e-5, frame_every=1e-6, **probe))
+    late = float(parameters.bodies.mass[0] / parameters.bodies.friction[0])
+    scene = TracersScene(duration=100.0 * late, frame_every=25.0 * late, **probe)
+    parameters = MODELS["tracers"].parameters(scene)
+    steps = 4 * parameters.steps_per_frame
+    each = 2 * 400 * 0.5 * parameters.fluid.thermal * -np.expm1(-2.0 * parameters.time_step / late)
+    energy, work = books(scene)
+    assert work[-1] == pytest.approx(steps * each, rel=5.0 * np.sqrt(2.0 / (800 * steps)) + 1e-2)
+    assert energy[-1] == pytest.approx(400 * parameters.fluid.thermal, rel=5.0 / np.sqrt(400))
+    assert np.all(np.diff(energy - work) < 0.0)
+
+
+def test_who_comes_and_goes_takes_its_energy_along():
+    """In a vacuum nothing else changes it."""
+    ball = ParticleSpec(name="ball", radius=1e-3, density=1000.0, positions=((0.5, 0.3), (0.2, 0.6)))
+    scene = TracersScene(
+        duration=1.5,
+        frame_every=0.1,
+        liquid=FluidSpec(viscosity=0.0, density=1e-3),
+        particles=(ball,),
+        tank=TankSpec(size=(1.0, 0.8)),
+        openings=(
+            OpeningSpec(wall=0, low=(0.0, 0.3), high=(0.0, 0.6), rate=10.0, velocity=(2.0, 0.5)),
+            OpeningSpec(wall=2, low=(1.0, 0.0), high=(1.0, 0.8)),
+        ),
+        motion=TracerMotionSpec(drag="none"),
+    )
+    *_, last = ecume.simulate(scene)
+    assert last.numbers["came_through_opening_0"] == 15
+    assert last.numbers["left_through_opening_1"] > 3
+    energy, work = books(scene)
+    assert np.ptp(energy) > 0.5 * energy[0]
+    np.testing.assert_allclose(energy - work, energy[0], rtol=1e-10)
+
+
+def test_every_scene_has_a_line_of_energy():
+    model = MODELS["tracers"]
+    for liquid in ({}, {"shear_rate": 3.0}):
+        scene = alone(grain(), liquid=liquid)
+        assert ENERGY in [one.name for one in model.invariants(scene, model.parameters(scene))]
