@@ -74,9 +74,21 @@ def test_chance_brings_as_much_heat_as_drag_takes():
     steps = 4 * parameters.steps_per_frame
     each = 2 * 400 * 0.5 * parameters.fluid.thermal * -np.expm1(-2.0 * parameters.time_step / late)
     energy, work = books(scene)
-    assert work[-1] == pytest.approx(steps * each, rel=5.0 * np.sqrt(2.0 / (800 * steps)) + 1e-2)
-    assert energy[-1] == pytest.approx(400 * parameters.fluid.thermal, rel=5.0 / np.sqrt(400))
+    assert work[-1] / (steps * each) == pytest.approx(1.0, abs=5.0 * np.sqrt(4.0 / (800 * steps)))
+    assert energy[-1] / (400 * parameters.fluid.thermal) == pytest.approx(1.0, abs=5.0 * np.sqrt(1.0 / 400))
     assert np.all(np.diff(energy - work) < 0.0)
+
+
+@pytest.mark.compiled
+def test_without_inertia_chance_changes_nothing_of_what_settling_costs():
+    silt = ParticleSpec(radius=1e-6, density=2000.0, positions=((0.0, 0.0),) * 50)
+    motion = TracerMotionSpec(drag="stokes", brownian=True, regime="overdamped", time_step=0.01)
+    scene = TracersScene(duration=0.5, frame_every=0.1, particles=(silt,), motion=motion)
+    bodies = MODELS["tracers"].parameters(scene).bodies
+    energy, work = books(scene)
+    lost = float(np.sum(bodies.mass * bodies.push * bodies.settling)) * 0.1 * np.arange(6)
+    assert np.abs(np.diff(work)).max() > 0.01 * lost[1]
+    np.testing.assert_allclose(work - energy + energy[0], lost, rtol=1e-9, atol=1e-9 * lost[1])
 
 
 def test_who_comes_and_goes_takes_its_energy_along():
