@@ -106,5 +106,13 @@ def test_what_a_run_loses_is_what_it_had_less_what_it_has():
     units = {"kinetic_energy": "J", "total_energy": "J", "front": "m"}
     numbers = [{"kinetic_energy": 1.0, "total_energy": 5.0 - n, "front": 0.0} for n in range(3)]
     budget = energy_budget(Frame(float(n), {}, numbers[n], units) for n in range(3))
-    assert set(budget) == {"time", "kinetic_energy", "total_energy", "lost"}
-    assert budget["lost"].tolist() == [0.0, 1.0, 2.0]
+    assert set(budget) == {"time", "kinetic_energy", "total_energy", "lost", "dissipated"}
+    assert budget["lost"].tolist() == budget["dissipated"].tolist() == [0.0, 1.0, 2.0]
+
+
+def test_what_was_done_to_it_and_is_not_there_was_dissipated():
+    numbers = [{"total_energy": 5.0 + n, "injected_work": 1.0 + 3.0 * n} for n in range(3)]
+    units = {"total_energy": "J", "injected_work": "J"}
+    budget = energy_budget(Frame(float(n), {}, numbers[n], units) for n in range(3))
+    assert budget["lost"].tolist() == [0.0, -1.0, -2.0]
+    assert budget["dissipated"].tolist() == [0.0, 2.0, 4.0]

@@ -39,6 +39,7 @@ def test_a_run_of_that_version_is_read_and_gone_on_with(golden, tmp_path):
     done = resume(home)
     assert info(home).state == "done"
     assert done.frames > len(before)
+    assert not list((home / "ckpt").glob("*.damaged"))
     with open_trajectory(home) as trajectory:
         for frame, former in zip(trajectory, before, strict=False):
             np.testing.assert_array_equal(frame.arrays["position"], former.arrays["position"])

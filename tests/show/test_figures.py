@@ -91,6 +91,19 @@ def test_energies_add_up_and_what_is_lost_is_dissipated(scene, frames):
     assert time == pytest.approx([frame.time for frame in frames])
 
 
+def test_what_was_injected_is_dissipated_where_energy_does_not_rise_by_it(scene, frames):
+    driven = [
+        frame._replace(
+            numbers={**frame.numbers, "injected_work": n * 1e-6}, units={**frame.units, "injected_work": "J"}
+        )
+        for n, frame in enumerate(frames)
+    ]
+    (axes,) = curves.energies(driven, scene).axes
+    (_, total), (_, injected), (_, lost) = (curve(axes, label) for label in ("total", "injected", "dissipated"))
+    assert injected[-1] > 0.0
+    assert lost == pytest.approx(total[0] - total + injected)
+
+
 def test_the_kinetic_energy_of_a_bowl_at_rest_keeps_its_decades_in_bounds(scene, frames):
     asleep = frames[-1]._replace(time=2.0, numbers={**frames[-1].numbers, "kinetic_energy": 1e-200})
     still = frames[-1]._replace(time=3.0, numbers={**frames[-1].numbers, "kinetic_energy": 0.0})

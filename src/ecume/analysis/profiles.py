@@ -9,6 +9,7 @@ import numpy as np
 
 from ecume.analysis.gauges import linear_values_at, points_along
 from ecume.analysis.series import number, series, times
+from ecume.models.invariants import INJECTED
 from ecume.trajectories.frame import Frame
 from ecume.units import Array, Length
 
@@ -40,9 +41,10 @@ def velocity_profile(frame: Frame, ends: tuple[Sequence[float], Sequence[float]]
 def energy_budget(frames: Iterable[Frame]) -> Mapping[str, Array]:
     """Each kind of energy over time (J; J/m in the plane), and what was lost since the first frame.
 
-    Keys: `time` (s), every number of the frames in joule, `lost`.
+    Keys: `time` (s), every number of the frames in joule, `lost`, and `dissipated`: that, and what work was injected.
     """
     kept = list(frames)
     names = [name for name, unit in kept[0].units.items() if unit == "J"]
     curves = dict(zip(names, series(kept, *map(number, names)), strict=True))
-    return {"time": times(kept), **curves, "lost": curves["total_energy"][0] - curves["total_energy"]}
+    lost, work = curves["total_energy"][0] - curves["total_energy"], curves.get(INJECTED, np.zeros(len(kept)))
+    return {"time": times(kept), **curves, "lost": lost, "dissipated": lost + work - work[0]}

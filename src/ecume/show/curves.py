@@ -13,6 +13,7 @@ from matplotlib.ticker import MaxNLocator
 
 from ecume.analysis.clusters import touching_clusters
 from ecume.analysis.series import number, series, times
+from ecume.models.invariants import INJECTED
 from ecume.show.style import INK, PALETTE, figure, legend_outside, plain, scale_for, style
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
@@ -26,12 +27,14 @@ Frames = Sequence[Frame]
 
 
 def energies(frames: Frames, scene: Any) -> Figure:
-    """Kinetic and potential energies, their sum, and what the run has lost of it since it began."""
+    """Kinetic and potential energies, their sum, the work that came from outside, and what the run has lost."""
     shown = thinned(frames)
     names = [name for name, unit in shown[0].units.items() if unit == "J" and name != "total_energy"]
     *parts, total = series(shown, *map(number, [*names, "total_energy"]))
-    labels = [name.removesuffix("_energy") for name in names]
-    curves = [*zip(labels, parts, strict=True), ("total", total), ("dissipated", total[0] - total)]
+    labels = [name.removesuffix("_energy").replace(INJECTED, "injected") for name in names]
+    work = dict(zip(names, parts, strict=True)).get(INJECTED, np.zeros(len(total)))
+    lost = total[0] - total + work - work[0]
+    curves = [*zip(labels, parts, strict=True), ("total", total), ("dissipated", lost)]
     scale = scale_for(max(float(np.abs(values).max()) for _, values in curves), "J")
     with style():
         drawn = figure()
