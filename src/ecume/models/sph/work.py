@@ -21,7 +21,7 @@ from ecume.models.sph.energies import energy_of, liquid_alone, potential_of
 from ecume.models.sph.loads import force_of_mirror, forces_on, roots_of
 from ecume.models.sph.motions import drive_at, instant
 from ecume.models.sph.parameters import NO_TENSION, Parameters
-from ecume.models.sph.standoff import leaning_on, load_of
+from ecume.models.sph.standoff import leaning_on
 from ecume.models.sph.state import RATE, WORK, State, Workspace
 from ecume.units import Array
 
@@ -93,11 +93,12 @@ def power_of_side(now: Parameters, state: State, workspace: Workspace, row: int)
     side, velocity = int(boundary.image_owner[row]), boundary.table[row, 2 * d : 3 * d]
     normal, place = boundary.sides.normal[row], boundary.sides.point[row]
     near = np.flatnonzero(normal @ (state.position - place[:, None]) < now.support)
-    lean, power = load_of(now, state, leaning_on(now, state, side))[0], 0.0
+    few = state._replace(position=np.ascontiguousarray(state.position[:, near]), mass=state.mass[near])
+    leaning = leaning_on(now, few, side)
+    force = leaning.push @ few.mass[leaning.who]
     for axis in np.flatnonzero(velocity):
-        force = force_of_mirror(now, workspace, near, (side, int(axis))) - float(lean[axis])
-        power += float(velocity[axis]) * force
-    return power
+        force[axis] += force_of_mirror(now, workspace, near, (side, int(axis)))
+    return float(force @ velocity)
 
 
 def lids(parameters: Parameters) -> Integers:
