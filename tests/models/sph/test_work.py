@@ -13,7 +13,7 @@ from ecume.models.sph.invariants import invariants
 from ecume.models.sph.motions import instant
 from ecume.models.sph.record import SPH
 from ecume.models.sph.state import WORK
-from ecume.models.sph.work import brought, of_guard
+from ecume.models.sph.work import brought, of_guard, power_of_shake
 from ecume.run import RunDirectory
 from ecume.run.watching import Watch
 from ecume.scenes.schema import from_plain, to_plain
@@ -167,6 +167,15 @@ def test_a_wall_that_strikes_a_body_brings_what_the_body_gains():
     assert hits == 1
     assert 1.2 < state.motion[0, 0] < 1.0 + 2.0 * 0.2  # it spins, too
     assert work == pytest.approx(energy_of_bodies(parameters, state.pose, state.motion) - before, rel=1e-9)
+
+
+def test_a_shake_pulls_at_bodies_too():
+    scene = changed(tub(0.5), shake={"amplitude": [2.0, 0.0], "frequency": 0.25})
+    parameters = SPH.parameters(scene)
+    state = SPH.start(scene, parameters)
+    state.velocity[0], state.motion[0], state.clock[0] = 0.1, -3.0, 1.0
+    momentum = 0.1 * float(state.mass.sum()) - 3.0 * float(parameters.bodies.mass[0])
+    assert power_of_shake(parameters, state) == pytest.approx(2.0 * momentum, rel=1e-12)
 
 
 def test_what_is_pulled_by_a_surface_and_moves_has_no_line_of_energy():

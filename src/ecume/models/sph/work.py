@@ -53,7 +53,8 @@ def book(parameters: Parameters, state: State, workspace: Workspace, began: tupl
     """Add the work of a step that is done; `began`: the rate (W) before it, and whether forces were known then."""
     if parameters.shake is None and not forces_work(parameters):
         return
-    rate = power_of_forces(instant(parameters, state), state, workspace)
+    with np.errstate(over="ignore", invalid="ignore"):  # the march says so where somebody is nowhere
+        rate = power_of_forces(instant(parameters, state), state, workspace)
     before, known = began
     after = rate + power_of_shake(parameters, state)
     state.books[WORK] += 0.5 * ((before if known else before + rate) + after) * time
@@ -145,8 +146,9 @@ def lifted(parameters: Parameters, state: State, out: Array, shift: Array) -> fl
 
 
 def brought(parameters: Parameters, state: State, entering: Array, leaving: Array) -> float:
-    """The energy of those who come in, less that of those who go (J)."""
-    return energy_of(parameters, state, entering) - energy_of(parameters, state, leaving)
+    """The energy of those who come in, less that of those who go (J); no number where one of them is nowhere."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        return energy_of(parameters, state, entering) - energy_of(parameters, state, leaving)
 
 
 def of_guard(now: Parameters, state: State, before: Array) -> float:
