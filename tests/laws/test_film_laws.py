@@ -10,6 +10,7 @@ from scipy.special import ellipe, ellipk, jv
 from ecume.laws.bubbles import (
     bubble_energy,
     bubble_force,
+    bubble_gap_energy,
     bubble_stiffness,
     flattened,
     flattening_length,
@@ -37,6 +38,14 @@ def test_a_bubbles_force_is_the_slope_of_its_energy(body, film_area, compression
     assert force == pytest.approx(energy, rel=1e-7)
     assert bubble_force(-compression, film_area, *body, 0.7) == -force
     assert bubble_energy(-compression, film_area, *body, 0.7) > 0.0
+
+
+@each_pair
+@pytest.mark.parametrize("compression", [-0.05, 0.4])
+@pytest.mark.parametrize("film_area", [1e-3, 0.4])
+def test_what_a_film_does_to_the_energy_of_a_held_bubble_is_its_slope(body, film_area, compression):
+    by_area = slope(lambda area: bubble_energy(compression, area, *body, 0.7), film_area, 1e-4)
+    assert bubble_gap_energy(compression, film_area, *body, 0.7) == pytest.approx(by_area * film_area, rel=1e-5)
 
 
 @each_pair

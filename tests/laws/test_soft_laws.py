@@ -10,6 +10,7 @@ from ecume.laws.elasticity import (
     PREFACTORS,
     Prefactors,
     contact_size,
+    gap_energy,
     pair_modulus,
     reduced_radius,
     surface_energy,
@@ -70,6 +71,18 @@ def test_the_physical_prefactors_give_hertz_contact_of_incompressible_spheres():
 def test_the_force_is_the_slope_of_the_energy(prefactors, compression):
     energy = slope(lambda x: surface_energy(x, **BODY, prefactors=prefactors), compression)
     assert surface_force(compression, **BODY, prefactors=prefactors) == pytest.approx(energy, rel=1e-8)
+
+
+@pytest.mark.parametrize("compression", [-0.4, 1e-5, 0.02])
+@each_choice
+def test_what_a_gap_does_to_the_energy_of_a_held_deflection_is_its_slope(prefactors, compression):
+    """A quarter of k delta^2 at a wide gap, where the stiffness goes as the root of the gap."""
+    by_gap = slope(lambda gap: surface_energy(compression, **{**BODY, "gap": gap}, prefactors=prefactors), BODY["gap"])
+    film = prefactors.gap_weight * BODY["gap"]
+    stiffness = prefactors.normal * BODY["modulus"] * math.sqrt(2.0 * BODY["reduced_radius"] * film)
+    found = gap_energy(compression, stiffness, prefactors.deflection_weight * abs(compression) / film)
+    assert found == pytest.approx(by_gap * BODY["gap"], rel=1e-6)
+    assert gap_energy(compression, stiffness, 0.0) == pytest.approx(0.25 * stiffness * compression**2)
 
 
 def test_compression_repels_and_tension_pulls_as_much():

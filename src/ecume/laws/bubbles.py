@@ -154,3 +154,39 @@ def excess_moment(facet_area: Area, rest: Area) -> SquaredArea:
     if x < 0.01:
         return rest * facet_area * x * x * (1 / 3 - x * (1 / 4 - x * (1 / 5 - x * (1 / 6 - x / 7))))
     return rest**2 * (0.5 * x * x - x + math.log1p(x))
+
+
+def bubble_gap_energy(
+    compression: Length, film_area: Area, radius_sum: Length, reduced_radius: Length, surface_tension: SurfaceTension
+) -> Energy:
+    """The slope a_h^2 dU/d(a_h^2) of `bubble_energy`, at a deflection that is held; that over the gap, h dU/dh.
+
+    4 pi gamma/l^2 a_h^2 times the sum over the bubbles of J(a_h^2) - J(a_h^2 + c), J of `spread_moment`: minus the
+    slope of the complementary energy at a force that is held. [morse1993].
+
+    >>> body = {"radius_sum": 2.0, "reduced_radius": 0.5, "surface_tension": 1.0}
+    >>> step = bubble_energy(0.1, 0.01001, **body) - bubble_energy(0.1, 0.00999, **body)
+    >>> round(step / 2e-5 * 0.01 / bubble_gap_energy(0.1, 0.01, **body), 5)
+    1.0
+    """
+    length, scale = flattening_length(radius_sum, reduced_radius), 4.0 * math.pi * surface_tension * film_area
+    found = flattened(compression, film_area, radius_sum, reduced_radius)
+    narrow = spread_moment(found, film_area)
+    if reduced_radius > 0.5 * radius_sum:
+        return scale / length**2 * (narrow - spread_moment(found, film_area + EDGE * radius_sum**2))
+    difference = math.sqrt(max(0.25 * radius_sum**2 - reduced_radius * radius_sum, 0.0))
+    near = spread_moment(found, film_area + EDGE * (0.5 * radius_sum - difference) ** 2)
+    far = spread_moment(found, film_area + EDGE * (0.5 * radius_sum + difference) ** 2)
+    return scale / length**2 * (2.0 * narrow - near - far)
+
+
+def spread_moment(facet_area: Area, rest: Area) -> Area:
+    """The J(b) = p - b ln(1 + p/b), the integral of p/(b + p) over p up to the facet's area over pi.
+
+    >>> round(spread_moment(1e-4, 1.0) / (1e-8 / 2), 4), round(spread_moment(1.0, 1.0), 6)
+    (0.9999, 0.306853)
+    """
+    x = facet_area / rest
+    if x < 0.01:
+        return facet_area * x * (1 / 2 - x * (1 / 3 - x * (1 / 4 - x * (1 / 5 - x / 6))))
+    return rest * (x - math.log1p(x))

@@ -129,3 +129,17 @@ def bent_energy(deflection: Length, stiffness: Stiffness, ratio: Number) -> Ener
     root = math.sqrt(1.0 + ratio)
     shape = (((3.0 * root + 6.0) * root + 4.0) * root + 2.0) / (7.5 * (root + 1.0) ** 2)
     return stiffness * deflection**2 * shape
+
+
+def gap_energy(deflection: Length, stiffness: Stiffness, ratio: Number) -> Energy:
+    """The slope h dU/dh of `bent_energy` over the gap, at a deflection that is held: k delta^2 (s + 2) / (3 (s + 1)^2).
+
+    A wider film has a wider contact, which is stiffer. The film feels nothing of that: force and gap have no potential
+    in common, and this is what surfaces take or give beside the work that is done on them. From [rognon2009, eq. 12 to
+    14].
+
+    >>> gap_energy(2.0, 3.0, 0.0)
+    3.0
+    """
+    root = math.sqrt(1.0 + ratio)
+    return stiffness * deflection**2 * (root + 2.0) / (3.0 * (root + 1.0) ** 2)

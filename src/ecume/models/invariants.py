@@ -15,6 +15,8 @@ Numbers = Mapping[str, float]
 ENERGY = "energy"
 INJECTED = "injected_work"
 """The number of a frame that tells what was done to the system from outside (J), where a model books it."""
+DISSIPATED = "dissipated_work"
+"""And what was lost (J), where a model books that, too."""
 OWN = "energy_less_work"
 """What is judged: the total energy less that work."""
 

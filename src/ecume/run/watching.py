@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from ecume.errors import Diverged, StorageError
-from ecume.models.invariants import ENERGY, INJECTED, Invariant, Numbers, Seen, with_own
+from ecume.models.invariants import DISSIPATED, ENERGY, INJECTED, Invariant, Numbers, Seen, with_own
 from ecume.run.directory import RunDirectory, json_of, write_json
 from ecume.trajectories.durable import storing
 
@@ -81,13 +81,15 @@ class Watch:
 
 
 def budget(first: Numbers, now: Numbers, *, closed: bool) -> dict[str, float | None]:
-    """Where the energy went (J): what was injected, or there before, and is not there any more was dissipated.
+    """Where the energy went (J): what was injected, or there before, and is not there any more was dissipated, unless
+    that is booked, too.
 
     Where something drives a system and is not booked, injected less dissipated is known, and neither alone.
     """
     change = now["total_energy"] - first["total_energy"]
     injected = now.get(INJECTED, 0.0) - first.get(INJECTED, 0.0)
-    apart = (injected, injected - change) if closed else (None, None)
+    lost = now[DISSIPATED] - first.get(DISSIPATED, 0.0) if DISSIPATED in now else injected - change
+    apart = (injected, lost) if closed else (None, None)
     told = {"at the start": first["total_energy"], "now": now["total_energy"], "change": change}
     return told | dict(zip(WORKS, apart, strict=True))
 

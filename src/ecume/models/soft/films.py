@@ -178,6 +178,18 @@ def normal_energy(contacts: Contacts, body: Body, gap: float, stretch: float) ->
     return elasticity.bent_energy(stretch, stiffness, ratio)
 
 
+@compiled_inside
+def gap_energy_of(contacts: Contacts, body: Body, gap: float, stretch: float) -> float:
+    """Its slope over ln(gap), at a deflection that is held (J)."""
+    radius_sum, reduced_radius, modulus = body
+    rest = 2.0 * reduced_radius * contacts.gap_weight * gap
+    if contacts.surface == 1:
+        return bubbles.bubble_gap_energy(stretch, rest, radius_sum, reduced_radius, contacts.surface_tension)
+    ratio = contacts.deflection_weight * abs(stretch) / (contacts.gap_weight * gap)
+    stiffness = elasticity.surface_stiffness(math.sqrt(rest), modulus, contacts.normal)
+    return elasticity.gap_energy(stretch, stiffness, ratio)
+
+
 @compiled
 def stored_energy(contacts: Contacts, pairs: Pairs, films: Films, position: Array) -> float:
     """What the surfaces' deflections hold (J): exact along the normal; along the surface at its present stiffness."""

@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import numpy as np
 
 from ecume.engine.cells import Integers
 from ecume.laws.remote import REMOTE
+from ecume.models.invariants import DISSIPATED
+from ecume.models.invariants import INJECTED as INJECTED_WORK
+from ecume.models.soft.booking import DRAG, FILMS, INJECTED, SIZE, elastic_energy
 from ecume.models.soft.cell import STRAIN, TILT, WIDTH, Box
-from ecume.models.soft.films import stored_energy
 from ecume.models.soft.meeting import at_home, box_in, wraps
 from ecume.models.soft.parameters import Parameters
 from ecume.models.soft.protocol import drive_at
 from ecume.models.soft.solving import begin
 from ecume.models.soft.state import ACCEPTED, CLOCK, FAILED, LEFT, REJECTED, State, Workspace
 from ecume.models.soft.step import Step
-from ecume.models.soft.walls import Walls, wall_energy
+from ecume.models.soft.walls import Walls
 from ecume.scenes.soft import SIDES
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
@@ -32,6 +34,7 @@ AXES = "xyz"
 SIDE_NAMES = {place: name for name, place in SIDES.items()}
 CLOSE = 0.1
 """Of the smaller radius: whose gap is narrower counts as a neighbor in `coordination` and `mean_gap`."""
+SIZE_WORK, STAKE = "size_work", "contact_work"
 UNITS = {
     "position": "m",
     "velocity": "m/s",
@@ -42,6 +45,12 @@ UNITS = {
     "angle": "rad",
     "spin": "rad/s",
     "elastic_energy": "J",
+    "remote_energy": "J",
+    "total_energy": "J",
+    INJECTED_WORK: "J",
+    DISSIPATED: "J",
+    SIZE_WORK: "J",
+    STAKE: "J",
     "smallest_gap": "m",
     "mean_gap": "m",
     "largest_tension": "N",
@@ -64,7 +73,7 @@ def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
         **_spinning(state),
     }
     numbers = {
-        "elastic_energy": _elastic_energy(parameters, step),
+        "elastic_energy": (held := elastic_energy(parameters.contacts, step)),
         "smallest_gap": float(np.exp(step.log_gap.min(initial=np.inf))),
         **_neighbors(parameters, step),
         **_wall_numbers(parameters, state, step),
@@ -76,6 +85,7 @@ def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
         "time_steps": float(state.tally[ACCEPTED]),
         "rejected_steps": float(state.tally[REJECTED] + state.tally[FAILED]),
     }
+    numbers |= _budget(parameters, state, step, held)
     if not parameters.box[: parameters.dimensions].all():
         sides = _sides(box)
         units = UNITS | _wall_units(numbers) | dict.fromkeys(sides, "m")
@@ -112,11 +122,45 @@ def velocity_at_home(parameters: Parameters, state: State, box: Box) -> Array:
     return velocity
 
 
-def _elastic_energy(parameters: Parameters, step: Step) -> float:
-    """What all deflections hold (J)."""
-    contacts, position = parameters.contacts, step.bodies.position
-    between = stored_energy(contacts, step.pairs, step.films, position)
-    return float(between + wall_energy(step.walls, contacts, position))
+def _budget(parameters: Parameters, state: State, step: Step, held: float) -> dict[str, float]:
+    """The energy's books (J): what there is, was put in and was dissipated, and what the surfaces' law took besides.
+
+    Runs that a former version began have none.
+    """
+    if not len(state.books):
+        return {}
+    remote = {"remote_energy": _remote_energy(parameters, step)} if parameters.contacts.remote else {}
+    told = {"total_energy": held + sum(remote.values()), INJECTED_WORK: state.books[INJECTED]}
+    told |= {DISSIPATED: state.books[FILMS] + state.books[DRAG], SIZE_WORK: state.books[SIZE]}
+    told |= {STAKE: _stake(step.answers.force, step.direction, np.exp(step.log_gap), step.pairs.radius_sum)}
+    if isinstance(step.walls, Walls):
+        touches = step.walls.touches
+        normal = np.eye(3)[step.walls.places.axis[touches.wall]]
+        told[STAKE] += _stake(touches.force, normal, np.exp(touches.log_gap), touches.radius)
+    return remote | {name: float(value) for name, value in told.items()}
+
+
+def _stake(force: Array, normal: Array, gap: Array, radius_sum: Array) -> float:
+    """What contacts' forces do while gaps open by their own width, and directions turn by a radian (J): that is what
+    tolerances are of.
+    """
+    pull = np.abs((force * normal).sum(axis=1))
+    along = np.sqrt(np.maximum((force**2).sum(axis=1) - pull**2, 0.0))
+    return float((pull * gap + along * (radius_sum + gap)).sum())
+
+
+def _remote_energy(parameters: Parameters, step: Step) -> float:
+    """What films hold by remote forces (J), less what they would at their reach."""
+    contacts = parameters.contacts
+    gap, radius = np.exp(step.log_gap), step.pairs.reduced_radius
+    if isinstance(step.walls, Walls):
+        touches = step.walls.touches
+        gap, radius = np.append(gap, np.exp(touches.log_gap)), np.append(radius, touches.radius)
+    law = _remote_law(parameters, list(REMOTE.values())[contacts.remote].energy)
+    reach = contacts.fade_from
+    return float(
+        sum(law(h, r) - (law(reach, r) if reach < math.inf else 0.0) for h, r in zip(gap, radius, strict=True))
+    )
 
 
 def _wall_numbers(parameters: Parameters, state: State, step: Step) -> dict[str, float]:
@@ -158,15 +202,19 @@ def stresses(parameters: Parameters, step: Step, volume: float) -> dict[str, Arr
 
 def _remote_forces(parameters: Parameters, step: Step) -> Array:
     """The repulsion across each film (N)."""
-    contacts, gap = parameters.contacts, np.exp(step.log_gap)
-    name = list(REMOTE)[contacts.remote]
-    law = REMOTE[name].force
+    law = _remote_law(parameters, list(REMOTE.values())[parameters.contacts.remote].force)
+    return np.array([law(h, r) for h, r in zip(np.exp(step.log_gap), step.pairs.reduced_radius, strict=True)])
+
+
+def _remote_law(parameters: Parameters, law: Callable[..., float]) -> Callable[[float, float], float]:
+    """A law of `REMOTE` with the scene's constants, of gap and reduced radius alone."""
+    contacts, name = parameters.contacts, list(REMOTE)[parameters.contacts.remote]
     if name == "steric":
-        return np.array([law(h, contacts.steric_strength, contacts.steric_length) for h in gap])
+        return lambda gap, radius: law(gap, contacts.steric_strength, contacts.steric_length)
     if name == "dlvo":
         given = (contacts.hamaker, contacts.layer_strength, contacts.debye_length)
-        return np.array([law(h, radius, *given) for h, radius in zip(gap, step.pairs.reduced_radius, strict=True)])
-    return np.zeros(len(gap))
+        return lambda gap, radius: law(gap, radius, *given)
+    return lambda gap, radius: law(gap)
 
 
 def _neighbors(parameters: Parameters, step: Step) -> dict[str, float]:

@@ -24,6 +24,10 @@ class Scheme(NamedTuple):
     """(S,) of the stages, in steps"""
     error: Array
     """(S,) weights of the slopes in the difference from the embedded scheme"""
+    weights: Array
+    """(2, S) of the slopes in a step; and of what is no slope in its mean over a step, by the more accurate of the
+    scheme and the embedded one
+    """
     order: int
     """of the scheme; the embedded one's is one less"""
 
@@ -34,7 +38,10 @@ def _scheme(rows: list[list[float]], diagonal: float, embedded: list[float], ord
     for stage, row in enumerate(rows):
         lower[stage, : len(row)] = row
     whole = lower + diagonal * np.diag([0.0] + [1.0] * (count - 1))
-    return Scheme(lower, diagonal, whole.sum(axis=1), whole[-1] - np.array(embedded), order)
+    times, pair = whole.sum(axis=1), (whole[-1], np.array(embedded))
+    # A cubic's mean tells which of the two is of the higher order.
+    mean = min(pair, key=lambda weights: abs(weights @ times**3 - 1 / 4) + abs(weights @ times**2 - 1 / 3))
+    return Scheme(lower, diagonal, times, pair[0] - pair[1], np.array([pair[0], mean]), order)
 
 
 def esdirk4() -> Scheme:

@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 from ecume._jit import compiled, compiled_inside, composed, inlined, plainly
 from ecume.engine.copying import clear_rows, copy_line, copy_rows
+from ecume.models.soft.booking import book_stage
 from ecume.models.soft.cell import (
     STRAIN,
     WIDTH,
@@ -176,12 +177,15 @@ def attempt_with(newton: Callable[..., bool], contacts: Contacts, step: Step, sc
     """
     span = scheme.diagonal * during.length
     origin = drive_of(during.drives[0])
+    book_stage(contacts, step, scheme, during, 0)
     for stage in range(1, len(scheme.times)):
         begin_stage(step, scheme, stage, during.length)
         goal = Goal(drive_of(during.drives[stage]), origin, span, 1e-3 * during.tolerance)
         if not newton(contacts, step, goal):
             return FAILED
         end_stage(step, goal, stage)
+        if scheme.weights[0, stage] != 0.0:
+            book_stage(contacts, step, scheme, during, stage)
     of_walls = float(wall_error(step.walls, scheme, during.length))
     return max(error_of(step, scheme, during.length), cell_error(step.cell, scheme, during.length), of_walls)
 

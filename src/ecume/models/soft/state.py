@@ -17,7 +17,7 @@ from ecume.models.soft.links import ROUNDING
 from ecume.models.soft.parameters import Parameters
 from ecume.models.soft.schemes import SCHEMES
 from ecume.models.soft.spins import make_spins, turned_orientation
-from ecume.models.soft.step import Bodies, Step
+from ecume.models.soft.step import Bodies, Step, make_books
 from ecume.models.soft.walls import Touches, Walls, make_walls
 from ecume.units import Array
 
@@ -27,7 +27,8 @@ that is left on a sphere, over the typical one.
 """
 ACCEPTED, REJECTED, FAILED = range(3)
 """Places in `State.tally`."""
-
+NO_BOOKS = np.zeros(0)
+"""Of runs that a former version began: nothing is booked."""
 
 UPRIGHT = {0: np.zeros(0), 1: np.zeros(1), 3: np.array([1.0, 0.0, 0.0, 0.0])}
 """The orientation at time 0, by the components of a spin."""
@@ -81,6 +82,8 @@ class State(NamedTuple):
     effort: Integers
     """(3,) what chooses the solver: iterations that a linear system last took, steps since without any, and attempts
     that failed since the last step that gradients solved"""
+    books: Array = NO_BOOKS
+    """(4,) J: work from outside, and where it went: see `booking`"""
 
 
 class Workspace(NamedTuple):
@@ -119,6 +122,7 @@ def make_state(parameters: Parameters, position: Array, room: int) -> State:
         pace=np.zeros(4),
         tally=np.zeros(3, np.int64),
         effort=np.zeros(3, np.int64),
+        books=np.zeros(4),
     )
 
 
@@ -156,6 +160,7 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
         matrix=blocks.make_matrix(pattern, width),
         cell=make_cell(parameters.box, state.cell, state.cell_rate, stages),
         borders=shared,
+        books=make_books(stages, contacts + int(state.touching.sum())),
     )
     return Workspace(step, Kept(pattern, width), int(state.generation[0]))
 

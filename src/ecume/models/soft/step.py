@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+import numpy as np
+
 from ecume.engine.blocks import Matrix
 from ecume.models.soft.borders import (
     Borders,
@@ -58,6 +60,19 @@ class During(NamedTuple):
     tolerance: float
 
 
+class Books(NamedTuple):
+    """What the energy's books need of a step; see `booking`."""
+
+    lines: Array
+    """(S + 1, 8) a line for each stage, zero for those that do not count; in the last what the step adds to
+    `State.books` (J)
+    """
+    sheared: Array
+    """(C + walls', 2) N/m and m^2: of each contact at the last stage, the stiffness along the surface, and the shear
+    squared
+    """
+
+
 class Step(NamedTuple):
     """All that a step works with."""
 
@@ -76,3 +91,9 @@ class Step(NamedTuple):
     matrix: Matrix
     cell: Cell
     borders: Borders
+    books: Books
+
+
+def make_books(stages: int, contacts: int) -> Books:
+    """Room for so many contacts."""
+    return Books(np.zeros((stages + 1, 8)), np.zeros((contacts, 2)))

@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from ecume.models.model import CROWDED, DIVERGED, DONE
+from ecume.models.soft.booking import FILMS, INJECTED, elastic_energy, released
 from ecume.models.soft.cell import box_of
 from ecume.models.soft.meeting import Found, newcomers, renew_contacts, wall_gaps
 from ecume.models.soft.parameters import Parameters
@@ -44,6 +45,8 @@ def advance(parameters: Parameters, state: State, scratch: Workspace, steps: int
         met = one_step(parameters, state, scratch)
         if met is None or not jump(parameters, state, scratch):
             return DIVERGED
+        if len(state.books):
+            state.books[FILMS] += released(parameters.contacts, scratch.step)
         if renew_contacts(parameters, state, None if jumps_now(parameters, state) else met):
             return CROWDED
         if state.step[0] % parameters.steps_per_frame == 0:
@@ -72,6 +75,8 @@ def one_step(parameters: Parameters, state: State, scratch: Workspace) -> Found 
             state.pace[LENGTH] = 0.5 * length
             state.tally[REJECTED] += 1
         else:
+            if len(state.books):
+                state.books[:] += scratch.step.books.lines[-1, : len(state.books)]
             _take(parameters, state, scratch, end)
             # A step that was cut short for a frame says little about how long the next may be.
             state.pace[LENGTH] = max(
@@ -122,7 +127,7 @@ def _drives(parameters: Parameters, state: State, way: tuple[float, float]) -> A
 
 def jump(parameters: Parameters, state: State, scratch: Workspace) -> bool:
     """Where the protocol jumps at this time, find the new balance while all gaps stay as they are; whether there is
-    one.
+    one. A jump is what would have been a quick ramp: its work is what deflections take up.
     """
     if not jumps_now(parameters, state):
         return True
@@ -132,10 +137,13 @@ def jump(parameters: Parameters, state: State, scratch: Workspace) -> bool:
     dragged = bool(parameters.drag.any())
     span = AT_ONCE * float(state.pace[LENGTH]) if dragged else 0.0
     at = (origin, drive, rules_at(protocol, interval))
+    before = elastic_energy(parameters.contacts, scratch.step)
     if not balance(parameters, scratch, at, state.effort, span):
         return False
     accept(scratch.step)
     store(parameters, state, scratch.step)
+    if len(state.books):
+        state.books[INJECTED] += elastic_energy(parameters.contacts, scratch.step) - before
     return True
 
 

@@ -1,0 +1,152 @@
+"""The energy's books of soft spheres: exact where a force stays, and closing the better the finer the steps are."""
+
+import dataclasses
+import math
+
+import numpy as np
+import pytest
+
+from ecume.laws.elasticity import PREFACTORS, surface_energy
+from ecume.laws.soft_pair import SoftPair, deflection_under_force
+from ecume.models.invariants import ENERGY, Seen
+from ecume.models.soft import SOFT
+from ecume.models.soft.booking import DRAG, FILMS, INJECTED, SIZE
+from ecume.scenes.schema import from_plain
+from ecume.scenes.soft import StageSpec
+from ecume.simulation import simulate
+
+from .clusters import marched, pull_apart
+from .test_packings import packing
+from .test_walls import channel
+
+PAIR, FORCE = SoftPair(1.0, 1.0, 1.0), 1e-3
+SPUN = {"viscosity": 1e-3, "drag": True}
+
+
+def stepped(scene, tolerance, scheme="tr-bdf2"):
+    return dataclasses.replace(scene, stepping=dataclasses.replace(scene.stepping, tolerance=tolerance, scheme=scheme))
+
+
+def ends(scene):
+    """The first and the last frame's numbers, and their differences."""
+    frames = list(simulate(scene))
+    first, last = frames[0].numbers, frames[-1].numbers
+    return first, last, {name: last[name] - first[name] for name in last}
+
+
+def missing(change):
+    """What the books do not tell of."""
+    return change["injected_work"] - sum(change[key] for key in ("total_energy", "dissipated_work", "size_work"))
+
+
+def test_a_pair_under_a_force_that_stays_is_booked_exactly():
+    """The film takes F times what the gap opens by; what deflections take beside what they hold is the size's."""
+    scene = pull_apart(0.01, FORCE, tolerance=1e-8, duration=1e4)
+    first, last, change = ends(scene)
+    gaps = first["smallest_gap"], last["smallest_gap"]
+    stretch = [deflection_under_force(PAIR, gap, FORCE) for gap in gaps]
+    held = [
+        surface_energy(one, gap=gap, reduced_radius=0.5, modulus=1.0, prefactors=PREFACTORS["paper"])
+        for one, gap in zip(stretch, gaps, strict=True)
+    ]
+    opened, stretched = gaps[1] - gaps[0], stretch[1] - stretch[0]
+    assert opened > 0.015
+    assert change["injected_work"] == pytest.approx(FORCE * (opened + stretched), rel=1e-7)
+    assert change["dissipated_work"] == pytest.approx(FORCE * opened, rel=1e-6)
+    assert change["total_energy"] == pytest.approx(held[1] - held[0], rel=1e-6)
+    assert change["size_work"] == pytest.approx(FORCE * stretched - (held[1] - held[0]), rel=1e-5)
+    assert change["size_work"] < 0.0  # a gap that opens stiffens its contact
+
+
+@pytest.mark.parametrize(("scheme", "order"), [("tr-bdf2", 2), ("esdirk4", 4)])
+def test_what_the_books_miss_falls_with_the_order_of_the_scheme(scheme, order):
+    left, steps = [], []
+    for tolerance in (1e-4, 1e-6):
+        _, last, change = ends(stepped(pull_apart(0.01, FORCE, duration=2e4), tolerance, scheme))
+        left.append(abs(missing(change)))
+        steps.append(last["time_steps"])
+    assert math.log(left[0] / left[1]) > 0.95 * order * math.log(steps[1] / steps[0])
+
+
+def ramped():
+    """Two spheres that a load parts, which grows."""
+    scene = pull_apart(0.01, 0.01, duration=50.0)
+    return dataclasses.replace(scene, protocol=(StageSpec(time=0.0, load=0.0), StageSpec(time=50.0, load=1.0)))
+
+
+def sinking():
+    """Two spheres that sink onto a wall, where a torque that grows rolls one of them along."""
+    one, other = (
+        {"radius": 1.0, "modulus": 1.0, "density": 2.0, "positions": [[x, 1.02]], "torque": [torque]}
+        for x, torque in ((0.0, -0.01), (2.1, 0.0))
+    )
+    return from_plain({
+        "model": "soft", "duration": 2.0, "frame_every": 2.0, "gravity": [0.0, -1e-3], "rotation": True,
+        "liquid": {"viscosity": 1e-3, "density": 1.0, "drag": True}, "spheres": [one, other],
+        "walls": [{"side": "bottom", "position": 0.0}],
+        "protocol": [{"time": 0.0, "load": 0.0}, {"time": 2.0, "load": 1.0}],
+    })  # fmt: skip
+
+
+RUN = {"count": 3, "duration": 2.0}
+DRIVEN = {
+    "a load": ramped,
+    "weights and torques": sinking,
+    "shear and size": lambda: packing(**RUN, protocol=[{"time": 0.0}, {"time": 2.0, "strain": 0.1, "scale": 0.99}]),
+    "drag": lambda: packing(**RUN, strain=0.1, liquid=SPUN),
+    "spins": lambda: packing(3, **RUN, filled=0.45, strain=0.1, rotation=True, liquid=SPUN),
+    "friction": lambda: packing(
+        **RUN, strain=0.1, films={"friction": "coulomb", "friction_coefficient": 0.5, "roughness": 0.03}
+    ),
+    "unlike stiffnesses": lambda: packing(**RUN, strain=0.1, films={"tangential": 0.4}),
+    "remote": lambda: packing(**RUN, strain=0.1, remote={"law": "steric", "strength": 2e-3, "length": 0.05}),
+    "bubbles": lambda: packing(
+        **RUN, strain=0.1, films={"surface": "bubble"}, liquid={"viscosity": 1e-3, "surface_tension": 0.5}
+    ),
+    "stresses": lambda: packing(**RUN, protocol=[{"time": 0.0, "pressure": 1e-3, "shear_stress": 2e-4}]),
+    "a wall that goes": lambda: channel({"top": {"velocity": [0.05, -0.02], "modulus": 2.0}}, count=5, rotation=True),
+    "a wall that yields": lambda: channel({"top": {"velocity": [0.05, 0.0], "pressure": 1e-3}}, count=5),
+}  # fmt: skip
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize("driven", DRIVEN)
+def test_what_is_put_in_is_held_dissipated_or_the_sizes(driven):
+    """Whoever drives, to a ten-thousandth of what moved; each part of the books is more."""
+    scheme = "esdirk4" if driven in ("a load", "weights and torques") else "tr-bdf2"
+    _, _, change = ends(stepped(DRIVEN[driven](), 1e-6, scheme))
+    moved = change["dissipated_work"] + abs(change["total_energy"])
+    assert abs(missing(change)) < 1e-4 * moved
+    assert abs(change["size_work"]) > 2e-4 * moved
+
+
+def test_a_jump_does_the_work_that_deflections_take_up():
+    spheres = pull_apart(0.01, FORCE, tolerance=1e-4, duration=20.0, frames=2)
+    loads = ((0.0, 1.0), (10.0, 1.0), (10.0, 2.0))
+    jumping = dataclasses.replace(spheres, protocol=tuple(StageSpec(time=time, load=load) for time, load in loads))
+    calm, last = (list(simulate(scene))[1].numbers for scene in (spheres, jumping))
+    taken_up = last["total_energy"] - calm["total_energy"]
+    assert taken_up > 2.0 * calm["total_energy"]
+    assert last["injected_work"] - calm["injected_work"] == pytest.approx(taken_up, rel=1e-6)
+
+
+@pytest.mark.compiled
+def test_books_of_a_run_that_pauses_have_the_bits_of_one_that_does_not():
+    scene = stepped(packing(count=3, duration=2.0, strain=0.1, liquid=SPUN), 1e-3)
+    books = [marched(scene, parts=parts)[1].books for parts in (1, 10**6)]
+    assert books[0].tobytes() == books[1].tobytes()
+    assert np.all(books[0][[INJECTED, FILMS, DRAG]] > 0.0)
+    assert books[0][SIZE] != 0.0
+
+
+def test_the_run_of_a_former_version_goes_on_without_books():
+    scene = pull_apart(0.01, FORCE, tolerance=1e-3, duration=1.0)
+    parameters = SOFT.parameters(scene)
+    state = SOFT.start(scene, parameters)
+    former = type(state)(**{key: value for key, value in state._asdict().items() if key != "books"})
+    scratch = SOFT.workspace(parameters, former, 1.0)
+    SOFT.advance(parameters, former, scratch, parameters.steps_per_frame)
+    numbers = SOFT.observe(parameters, former, scratch).numbers
+    assert "injected_work" not in numbers
+    (energy,) = (one for one in SOFT.invariants(scene, parameters) if one.name == ENERGY)
+    assert energy.value(Seen(numbers, numbers, numbers, numbers)) == 0.0
