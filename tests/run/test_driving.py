@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import re
 import shutil
@@ -151,8 +152,10 @@ def test_a_changed_program_is_found_out_when_it_computes_a_frame_again(tmp_path:
     home.done.unlink()
     for path in checkpoints.newest_first(home):
         path.unlink()
-    resolved = home.resolved.read_text()
-    home.resolved.write_text(re.sub(r'"seed": 7', '"seed": 8', resolved))
+    other = re.sub(r'"seed": 7', '"seed": 8', home.resolved.read_text())  # stands for a program that computes otherwise
+    home.resolved.write_text(other)
+    digest = hashlib.sha256(other.encode()).hexdigest()
+    home.manifest.write_text(json.dumps(json.loads(home.manifest.read_text()) | {"scene_sha256": digest}))
     with pytest.raises(StorageError, match=r"frame 0 .* came out otherwise than before, in position"):
         resume(tmp_path / "run")
     assert len(open_trajectory(tmp_path / "run")) == 51

@@ -142,7 +142,9 @@ def info(directory: RunFolder = HERE) -> None:
 
 
 def repair(directory: RunFolder = HERE) -> None:
-    """Make what is left of a damaged trajectory readable: whole frames stay, each damaged one is named.
+    """Make what is left of a damaged run readable: whole frames stay, each damaged one is named.
+
+    A damaged `resolved.json` is made anew from `scene.toml`; what a run says again when it goes on is set aside.
 
     Example: `ecume repair runs/bowl`
     """

@@ -103,6 +103,8 @@ def _way_out(home: RunDirectory) -> str:
         scene = home.path.suffix == ".toml" and home.path.is_file()
         return "that is a scene: name the directory of its run" if scene else "`ecume run` makes them"
     if is_run_directory(home):
+        if any(home.trajectory.glob("*")):
+            return "its manifest.json is gone: put it back from a copy; ecume.open_trajectory still reads its frames"
         return "it was killed before it began: run it again with --force"
     found = [path.parent for pattern in ("*", "runs/*") for path in home.path.glob(f"{pattern}/manifest.json")]
     if not found:

@@ -18,6 +18,7 @@ from ecume.run.checkpoints import Checkpoint
 from ecume.run.directory import RunDirectory, as_json, clear, existing, json_of, refuse_existing, sweep, write_json
 from ecume.run.lawbook import Law, entries, require_same
 from ecume.run.locking import held
+from ecume.run.mending import plain_scene
 from ecume.run.progress import Pace, Progress, StatusFile, note
 from ecume.run.recording import Recording
 from ecume.run.stopping import PATIENT, Wish, wish_to_stop
@@ -123,7 +124,7 @@ def resume(directory: str | os.PathLike[str], *, extra_laws: Sequence[Law] = (),
             return RunResult(home.path, done["frames"], done["steps"], done["time"], 0.0)
         require_same(home, extra_laws)
         sweep(home)
-        scene = from_plain(json_of(home.resolved))
+        scene = from_plain(plain_scene(home))
         checkpoint = _checkpoint(home, scene)
         with storing(home.failed):
             home.failed.unlink(missing_ok=True)

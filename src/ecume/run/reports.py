@@ -4,17 +4,20 @@ from __future__ import annotations
 
 import importlib
 import os
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 from ecume.errors import StorageError
 from ecume.run.directory import RunDirectory, existing, json_of
 from ecume.run.locking import held, is_held
+from ecume.run.mending import mended
 from ecume.run.watching import told as watched
 from ecume.trajectories.durable import storing
 from ecume.trajectories.reader import Trajectory
 from ecume.trajectories.repair import Repaired
-from ecume.trajectories.repair import repair as repair_trajectory
+
+Told = TypeVar("Told")
 
 
 class Info(NamedTuple):
@@ -51,13 +54,15 @@ class Info(NamedTuple):
 def info(directory: str | os.PathLike[str]) -> Info:
     """What a run is and how far it came; reads what there is, also while it is written and after it was killed."""
     home = existing(directory)
-    status = _status(home)
-    frames, why = _frames(home)
+    unsaid: dict[str, Any] = {}
+    status, no_status = _read(lambda: _status(home), unsaid, home)
+    watch, no_watch = _read(lambda: watched(home), "", home)
+    frames, no_frames = _frames(home)
     state, reason = _state(home, status)
     return Info(
         directory=home.path,
         state=state,
-        why=reason or why,
+        why="; ".join(part for part in (no_status, no_watch, no_frames, reason) if part),
         step=int(status.get("step", 0)),
         steps=int(status.get("steps", 0)),
         time=float(status.get("time", 0.0)),
@@ -67,15 +72,25 @@ def info(directory: str | os.PathLike[str]) -> Info:
         size=sum(path.stat().st_size for path in home.path.rglob("*") if path.is_file()),
         remaining=status.get("remaining") if state == "running" else None,
         manifest=json_of(home.manifest),
-        watch=watched(home),
+        watch=watch,
     )
 
 
 def repair(directory: str | os.PathLike[str]) -> Repaired:
-    """Make what is left of a damaged trajectory readable: whole frames stay, each damaged one is named."""
+    """Make what is left of a damaged run readable: whole frames stay, each damaged one is named; files beside them are
+    made anew or set aside.
+    """
     home = existing(directory)
     with held(home):
-        return repair_trajectory(home.trajectory)
+        return mended(home)
+
+
+def _read(what: Callable[[], Told], otherwise: Told, home: RunDirectory) -> tuple[Told, str]:
+    """What a run says of itself; where that is damaged, something else, and why."""
+    try:
+        return what(), ""
+    except StorageError as error:
+        return otherwise, f"{error}; `ecume repair {home.path}` sets it aside"
 
 
 def _state(home: RunDirectory, status: dict[str, Any]) -> tuple[str, str]:
