@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from ecume.engine import sweeping
 from ecume.errors import BadInput
 from ecume.models.floating import FLOATING, spread
 from ecume.models.floating.spread import Share, complete_lists, march_shared, require_spreadable
@@ -80,6 +81,9 @@ def begun(*changes: str) -> tuple[Any, Any]:
 @pytest.fixture(autouse=True)
 def _small_crowds_are_shared(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(spread, "THREADS_FROM", 1)
+    if os.environ.get("NUMBA_DISABLE_JIT") == "1":  # what is compiled keeps its constants
+        monkeypatch.setattr(spread, "FEW_CONTACTS", 1)
+        monkeypatch.setattr(sweeping, "MANY", 1)
 
 
 def copied(state: Any) -> Any:
