@@ -1,6 +1,7 @@
-"""A crowd of heavy spheres on ranks with one thread each: steps alone and together, in turns.
+"""A crowd of heavy spheres, or a tank, on ranks with one thread each: steps alone and together, in turns.
 
-    python benchmarks/ranks.py --floats 100000 --ranks 2
+    python benchmarks/ranks.py --particles 100000 --ranks 2
+    python benchmarks/ranks.py --model sph
 
 Starts itself with the launcher of the extra `mpi`. Where other work keeps the cores busy the wall time says little: the
 processor's time that a rank takes for its own part, messages left out, stands beside it.
@@ -13,6 +14,8 @@ import os
 import subprocess
 import sys
 import time
+from collections.abc import Callable
+from importlib.resources import files
 from typing import Any
 
 import numpy as np
@@ -46,10 +49,11 @@ class Clock:
 def main() -> int:
     """Start the ranks, or be one."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--floats", type=int, default=100_000)
+    parser.add_argument("--model", choices=("floating", "sph"), default="floating")
+    parser.add_argument("--particles", type=int, default=100_000, help="about so many, of a tank")
     parser.add_argument("--ranks", type=int, default=2)
     parser.add_argument("--steps", type=int, default=20)
-    parser.add_argument("--spacing", type=float, help="m, of a lattice; left out, floats cover 15 %%")
+    parser.add_argument("--spacing", type=float, help="m, of a lattice of floats; left out, they cover 15 %%")
     asked = parser.parse_args()
     if "PMI_SIZE" in os.environ:
         measure(asked)
@@ -65,30 +69,53 @@ def main() -> int:
     return subprocess.run(command, env={**os.environ, "NUMBA_NUM_THREADS": "1", **QUIET}, check=False).returncode
 
 
-def measure(asked: argparse.Namespace) -> None:
-    """All ranks together; the first prints."""
-    from ecume.models import MODELS
-    from ecume.models.floating.spread import march_shared
-    from ecume.run.ranks import share_of, world
+def scene_of(asked: argparse.Namespace) -> Any:
+    """Loose floats, or a column of liquid that falls."""
+    from ecume.scenes.load import load_scene
 
-    everyone, clock = world(), Clock()
+    if asked.model == "sph":
+        text = (files("ecume") / "templates" / "dam-break-3d.toml").read_text(encoding="utf-8")
+        liquid: Any = load_scene(text).fluid[0]
+        volume = float(np.prod(np.array(liquid.high) - np.array(liquid.low)))
+        return load_scene(text, [f"spacing={(volume / asked.particles) ** (1.0 / 3.0)}"])
     lattice = f'placement = "lattice"\nspacing = {asked.spacing}\n' if asked.spacing else ""
-    scene, model = heavy_spheres(f"count = {asked.floats}\n{lattice}"), MODELS["floating"]
-    parameters = model.parameters(scene)
-    states = [model.start(scene, parameters) for _ in range(2)]
-    share = share_of(everyone)
+    return heavy_spheres(f"count = {asked.particles}\n{lattice}")
+
+
+def marches(asked: argparse.Namespace, everyone: Any, clock: Clock) -> tuple[Callable[[int], Any], ...]:
+    """The first rank's march alone, that of all together, and whether both came to the same bits."""
+    from ecume.models import MODELS
+    from ecume.run.ranks import share_of, spread_of
+
+    model, spread, share = MODELS[asked.model], spread_of(asked.model), share_of(everyone)
     share = share._replace(gather=clock.around(share.gather))
-    workspace = model.workspace(parameters, states[0], 1.0)
-    own = model.workspace(parameters, states[1], 1.0)
+    scene = scene_of(asked)
+    parameters = model.parameters(scene)
+    spread.require_spreadable(parameters)
+    one, many = (model.start(scene, parameters) for _ in range(2))
+    whole, own = model.workspace(parameters, one, 1.0), spread.workspace_shared(share, parameters, many, 1.0)
 
     def alone(steps: int) -> None:
         if everyone.rank == 0:
-            model.advance(parameters, states[0], workspace, steps)
+            model.advance(parameters, one, whole, steps)
 
     def together(steps: int) -> None:
-        march_shared(share, parameters, states[1], own, steps)
+        spread.march_shared(share, parameters, many, own, steps)
 
-    def cost(march: Any) -> Any:
+    def same(_: int) -> bool:
+        return all(np.array_equal(a, b, equal_nan=True) for a, b in zip(one, many, strict=True))
+
+    return alone, together, same
+
+
+def measure(asked: argparse.Namespace) -> None:
+    """All ranks together; the first prints."""
+    from ecume.run.ranks import world
+
+    everyone, clock = world(), Clock()
+    alone, together, same = marches(asked, everyone, clock)
+
+    def cost(march: Callable[[int], Any]) -> Any:
         wait(everyone)
         began, clock.messages[:] = clock.now(), 0.0
         march(asked.steps)
@@ -100,18 +127,21 @@ def measure(asked: argparse.Namespace) -> None:
     told = []
     for number in range(ROUNDS):
         one, many = cost(alone), cost(together)
-        slowest = np.max(everyone.gather(many) or [many], axis=0)
-        told.append((one, slowest))
+        told.append((one, np.max(everyone.gather(many) or [many], axis=0)))
         if everyone.rank == 0:
-            print(
-                f"round {number}: alone {one[0]:.1f} ms a step ({one[1]:.1f} of the processor); {everyone.size} ranks "
-                f"{slowest[0]:.1f} ms ({slowest[2]:.1f} of the processor for the largest part, messages left out)"
-            )
+            print(f"round {number}: {in_words(everyone.size, *told[-1])}", flush=True)
     if everyone.rank == 0:
-        same = all(np.array_equal(a, b) for a, b in zip(*states, strict=True))
+        print(f"{machine()}\nabout {asked.particles} particles of the model {asked.model}, the same bits: {same(0)}")
         wall, work = (np.median([one[k] / many[m] for one, many in told]) for k, m in ((0, 0), (1, 2)))
-        print(f"{machine()}\n{asked.floats} floats, the same bits: {same}")
         print(f"median of {ROUNDS}: {wall:.2f} times as fast by the wall, {work:.2f} times by the processor's time")
+
+
+def in_words(ranks: int, one: Any, many: Any) -> str:
+    """What a round came to."""
+    return (
+        f"alone {one[0]:.1f} ms a step ({one[1]:.1f} of the processor); {ranks} ranks {many[0]:.1f} ms "
+        f"({many[2]:.1f} of the processor for the largest part, messages left out)"
+    )
 
 
 def wait(everyone: Any) -> None:

@@ -93,7 +93,7 @@ def test_a_model_that_is_not_spread_is_refused_once_by_all_ranks(tmp_path: Path)
     scene = str(files("ecume") / "templates" / "t1.toml")
     told = ended(tmp_path, "run", scene, "--engine", "mpi")
     assert told.returncode == 2
-    assert told.stderr == "ecume: --engine mpi: goes with the model 'floating', and not with 'soft'\n"
+    assert told.stderr == "ecume: --engine mpi: goes with the models 'floating' and 'sph', and not with 'soft'\n"
     assert not (tmp_path / "runs").exists()
 
 

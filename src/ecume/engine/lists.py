@@ -30,6 +30,7 @@ SLICES = 4
 """Cells in a reach along the last axis."""
 STRIDE = 8
 """Rows of neighbors go on to a multiple of this with the particle itself, so that whole vectors can be read."""
+EVERYONE = (0, 2**62)
 ROOMIER = 1.1
 OUTLIERS = 0.02
 
@@ -134,17 +135,27 @@ def _counting_sort(
                 there[axis, place] = position[axis, i]
 
 
-def neighbor_lists(position: Array, passive: tuple[int, int], reach: float, before: Lists) -> Lists:
+def neighbor_lists(
+    position: Array, passive: tuple[int, int], reach: float, before: Lists, own: tuple[int, int] = EVERYONE
+) -> Lists:
     """All neighbors closer than `reach` of the first particles of a crowd, (d, N); nobody is its own.
 
     Particles from `passive[0]` up to `passive[1]` are not neighbors of one another: walls do not act on walls. The
-    lists take the place of those before, which were of as many particles, or are roomier.
+    lists take the place of those before, which were of as many particles, or are roomier. Only rows from `own[0]` up to
+    `own[1]` are written.
     """
     if not position.shape[1]:
         return before
     grid = grid_around(position, reach)
     crowd = sorted_crowd(position, grid)
-    limits = np.array([*passive, _longest_run(crowd.start, 2 * math.ceil(reach / grid.edge[-1]) + 2)])
+    limits = np.array(
+        [
+            *passive,
+            own[0],
+            min(own[1], len(before.counts)),
+            _longest_run(crowd.start, 2 * math.ceil(reach / grid.edge[-1]) + 2),
+        ]
+    )
     lists = before
     while True:
         _fill(*crowd, *grid, reach, limits, *lists)
@@ -172,8 +183,8 @@ def _fill(
     branch.
     """
     dimension, everyone = position.shape
-    centers, room = neighbor.shape
-    first, last, longest = limits[0], limits[1], limits[2]
+    room = neighbor.shape[1]
+    first, last, low_row, end_row, longest = limits[0], limits[1], limits[2], limits[3], limits[4]
     deep = dimension == 3
     x, y, z = position[dimension - 1], position[dimension - 2], position[0]
     slices, rows, layers = shape[dimension - 1], shape[dimension - 2], shape[0] if deep else 1
@@ -185,7 +196,7 @@ def _fill(
         found = np.empty(9 * longest + STRIDE, np.int32)
         for place in range(INDEX(chunk * CHUNK), INDEX(min(everyone, (chunk + 1) * CHUNK))):
             i = order[place]
-            if i >= centers:
+            if not low_row <= i < end_row:
                 continue
             xi, yi, zi = x[place], y[place], z[place]
             row = cell_at((yi - y_low) / y_edge, rows)

@@ -10,6 +10,7 @@ from __future__ import annotations
 import contextlib
 import dataclasses
 import functools
+import importlib
 import signal
 import sys
 import traceback
@@ -23,11 +24,13 @@ from ecume.errors import BadInput, EcumeError
 from ecume.run.stopping import SIGNALS
 
 if TYPE_CHECKING:
-    from ecume.models.floating.spread import Share
+    from ecume.engine.sharing import Share
     from ecume.models.model import Model
 
 MARCH, WORKSPACE, END = range(3)
 """What followers are told."""
+SPREAD = ("floating", "sph")
+"""Models that are."""
 
 
 def world() -> Any:
@@ -41,15 +44,23 @@ def world() -> Any:
 
 def share_of(ranks: Any) -> Share:
     """The part of the rank that asks."""
-    from ecume.models.floating.spread import Share
+    from mpi4py import MPI
+
+    from ecume.engine.sharing import Share
+
+    kinds = {"d": MPI.DOUBLE, "f": MPI.FLOAT, "l": MPI.INT64_T, "q": MPI.INT64_T}
 
     def gather(row: Any, bounds: Any) -> None:
-        from mpi4py import MPI
-
-        kind = MPI.DOUBLE if row.dtype.kind == "f" else MPI.INT64_T
-        ranks.Allgatherv(MPI.IN_PLACE, [row, np.diff(bounds), bounds[:-1], kind])
+        ranks.Allgatherv(MPI.IN_PLACE, [row, np.diff(bounds), bounds[:-1], kinds[row.dtype.char]])
 
     return Share(ranks.rank, ranks.size, gather)
+
+
+def spread_of(name: str) -> Any:
+    """How a model is spread. Raises BadInput for one that is not."""
+    if name not in SPREAD:
+        raise BadInput(f"--engine mpi: goes with the models {' and '.join(map(repr, SPREAD))}, and not with {name!r}")
+    return importlib.import_module(f"ecume.models.{name}.spread")
 
 
 class Crew:
@@ -58,17 +69,13 @@ class Crew:
     def __init__(self, ranks: Any) -> None:
         self.ranks, self.share = ranks, share_of(ranks)
 
-    def workspace(self, parameters: Any, state: Any, room: float) -> Any:
+    def workspace(self, name: str, parameters: Any, state: Any, room: float) -> Any:
         """See `ecume.models.model.Model.workspace`."""
-        from ecume.models.floating.record import workspace
+        return spread_of(name).workspace_shared(self.share, parameters, state, room)
 
-        return workspace(parameters, state, room)
-
-    def advance(self, parameters: Any, state: Any, workspace: Any, steps: int) -> int:
+    def advance(self, name: str, parameters: Any, state: Any, workspace: Any, steps: int) -> int:
         """See `ecume.models.model.Model.advance`; all ranks together."""
-        from ecume.models.floating.spread import march_shared
-
-        status = march_shared(self.share, parameters, state, workspace, steps)
+        status: int = spread_of(name).march_shared(self.share, parameters, state, workspace, steps)
         bits = zlib.crc32(state.velocity.tobytes(), zlib.crc32(state.position.tobytes()))
         if len(set(self.ranks.allgather((status, bits)))) > 1:
             raise EcumeError(
@@ -83,30 +90,28 @@ class Lead(Crew):
 
     def engine(self, model: Model) -> Model:
         """The model whose march is done by all ranks. Raises BadInput for one that is not spread."""
-        if model.name != "floating":
-            raise BadInput(f"--engine mpi: goes with the model 'floating', and not with {model.name!r}")
+        spread = spread_of(model.name)
 
         def observe(parameters: Any, state: Any, workspace: Any) -> Any:
-            """See `Model.observe`: energies take all rows."""
-            from ecume.models.floating.spread import complete_lists
+            return model.observe(parameters, state, spread.complete(self.share, parameters, state, workspace))
 
-            complete_lists(self.share, parameters, state, workspace)
-            return model.observe(parameters, state, workspace)
+        return dataclasses.replace(
+            model,
+            workspace=functools.partial(self.workspace, model.name),
+            advance=functools.partial(self.advance, model.name),
+            observe=observe,
+        )
 
-        return dataclasses.replace(model, workspace=self.workspace, advance=self.advance, observe=observe)
-
-    def workspace(self, parameters: Any, state: Any, room: float) -> Any:
+    def workspace(self, name: str, parameters: Any, state: Any, room: float) -> Any:
         """See `Crew.workspace`."""
-        from ecume.models.floating.spread import require_spreadable
+        spread_of(name).require_spreadable(parameters)
+        with self._together(WORKSPACE, name, parameters, state, room):
+            return super().workspace(name, parameters, state, room)
 
-        require_spreadable(parameters)
-        with self._together(WORKSPACE, parameters, state, room):
-            return super().workspace(parameters, state, room)
-
-    def advance(self, parameters: Any, state: Any, workspace: Any, steps: int) -> int:
+    def advance(self, name: str, parameters: Any, state: Any, workspace: Any, steps: int) -> int:
         """See `Crew.advance`."""
         with self._together(MARCH, steps):
-            return super().advance(parameters, state, workspace, steps)
+            return super().advance(name, parameters, state, workspace, steps)
 
     def end(self) -> None:
         """Let the others go."""
@@ -156,8 +161,9 @@ def _follow(ranks: Any) -> None:
         if order == END:
             return
         if order == WORKSPACE:
-            parameters, state, room = what
-            march = functools.partial(crew.advance, parameters, state, crew.workspace(parameters, state, room))
+            name, parameters, state, room = what
+            made = crew.workspace(name, parameters, state, room)
+            march = functools.partial(crew.advance, name, parameters, state, made)
         elif march is not None:
             with contextlib.suppress(EcumeError):  # the first rank has the same one, and tells it
                 march(what[0])

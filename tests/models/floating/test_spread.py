@@ -12,9 +12,10 @@ import numpy as np
 import pytest
 
 from ecume.engine import sweeping
+from ecume.engine.sharing import Share
 from ecume.errors import BadInput
 from ecume.models.floating import FLOATING, spread
-from ecume.models.floating.spread import Share, complete_lists, march_shared, require_spreadable
+from ecume.models.floating.spread import complete, march_shared, require_spreadable
 from ecume.models.model import DONE
 from ecume.scenes.load import load_scene
 
@@ -114,7 +115,7 @@ def test_a_march_on_ranks_is_that_of_one(ranks: int, changes: tuple[str, ...]) -
         march_shared(share, parameters, own, scratch, 0)
         first = scratch.force.copy()
         assert march_shared(share, parameters, own, scratch, STEPS) == DONE
-        complete_lists(share, parameters, own, scratch)
+        complete(share, parameters, own, scratch)
         assert np.array_equal(scratch.candidates.first, alone.candidates.first)
         return own, first, FLOATING.observe(parameters, own, scratch).numbers
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -31,12 +31,14 @@ from ecume.engine.neighbors import (
     sort_positions,
     write_neighbors,
 )
+from ecume.engine.sharing import Share
 from ecume.engine.sweeping import Goal
 from ecume.errors import BadInput
 from ecume.models.floating import forces, grid, meeting
 from ecume.models.floating.forces import Sorted, forces_with, sort_floats
 from ecume.models.floating.parameters import ONE_SIDED, RARE, SCHEMES, Parameters
 from ecume.models.floating.pulling import add_windows
+from ecume.models.floating.record import workspace
 from ecume.models.floating.state import State, Workspace
 from ecume.models.floating.stepping import (
     Parts,
@@ -54,17 +56,8 @@ FEW_CONTACTS = 2000
 """Fewer are solved by everyone: messages would take longer."""
 
 
-class Share(NamedTuple):
-    """Which of the ranks this is, and how it speaks with the others."""
-
-    rank: int
-    ranks: int
-    gather: Callable[[Any, Integers], None]
-    """gather(row, bounds): fill in the others' parts of a row; part k reaches from bounds[k] up to bounds[k + 1]"""
-
-
 def require_spreadable(parameters: Parameters) -> None:
-    """Raise BadInput for what is not spread over ranks."""
+    """Raise BadInput for floats that are not spread over ranks."""
     if parameters.many != () and not isinstance(parameters.many, Split):
         raise BadInput("--engine mpi: goes with superposed menisci of smooth round floats, without dipoles or films")
     if parameters.rough != () or parameters.springs != ():
@@ -74,17 +67,12 @@ def require_spreadable(parameters: Parameters) -> None:
         raise BadInput(f"--engine mpi: goes with symmetric pair laws, and with integrators other than {rare}")
 
 
-def stretches_of(share: Share) -> Integers:
-    """Where each rank's stretches begin, and the end."""
-    return np.arange(share.ranks + 1) * STRETCHES // share.ranks
-
-
 def pull_shared(share: Share, alone: Pull, together: Pull, rows: Any, floats: Any, pair: Array, force: Array) -> None:
     """Pair forces on all slots; `together` fills the windows of some stretches, `alone` does all of a small crowd."""
     if force.shape[1] < THREADS_FROM:
         alone(rows, floats, pair, force)
         return
-    edge, place, all_of = rows[5], rows[6], stretches_of(share)
+    edge, place, all_of = rows[5], rows[6], share.parts(STRETCHES)
     own = slice(all_of[share.rank], all_of[share.rank + 1] + 1)
     windows = np.zeros((2, place[STRETCHES]))
     together(edge[own], place[own], rows, floats, pair, windows[0], windows[1])
@@ -107,7 +95,7 @@ def renew_shared(
     rows, count, rank = lists.rows, len(reference), share.rank
     if count < THREADS_FROM:
         return renew_lists(parameters, reference, lists, candidates, scratch)
-    slots, all_of = np.arange(share.ranks + 1) * count // share.ranks, stretches_of(share)
+    slots, all_of = share.parts(count), share.parts(STRETCHES)
     count_neighbors(lists, reference, parameters.reach, (slots[rank], slots[rank + 1]))
     share.gather(rows.first[1:], slots)
     share.gather(rows.later, slots)
@@ -125,7 +113,7 @@ def renew_shared(
 
 def share_pairs(share: Share, parameters: Parameters, lists: NeighborLists, candidates: Candidates) -> bool:
     """Tell everyone who may touch whom, by the rows that each rank holds. False when there is no room."""
-    edge, room = lists.rows.edge[stretches_of(share)], len(candidates.partner)
+    edge, room = lists.rows.edge[share.parts(STRETCHES)], len(candidates.partner)
     own = edge[share.rank], edge[share.rank + 1]
     found = find_pairs(lists, own, parameters.floats.radius, parameters.skin, room)
     counts = np.zeros(share.ranks, np.int64)
@@ -142,15 +130,21 @@ def share_pairs(share: Share, parameters: Parameters, lists: NeighborLists, cand
     return True
 
 
-def complete_lists(share: Share, parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """Write the rows that other ranks hold, too: for sums that one rank takes by itself."""
-    lists, all_of = workspace.lists, stretches_of(share)
+def complete(share: Share, parameters: Parameters, state: State, workspace: Workspace) -> Workspace:
+    """With the rows of lists that other ranks hold, too: for sums that one rank takes by itself."""
+    lists, all_of = workspace.lists, share.parts(STRETCHES)
     place = lists.rows.place.copy()
     sort_positions(lists, state.reference)
     for low, high in ((0, all_of[share.rank]), (all_of[share.rank + 1], STRETCHES)):
         write_neighbors(lists, parameters.reach, (low, high))
     lists.rows.place[:] = place
     sort_positions(lists, state.position)
+    return workspace
+
+
+def workspace_shared(share: Share, parameters: Parameters, state: State, room: float) -> Workspace:
+    """See `ecume.models.model.Model.workspace`; everyone has all."""
+    return workspace(parameters, state, room)
 
 
 def shared_forces(
@@ -174,7 +168,7 @@ def solve_shared(share: Share, parameters: Parameters, workspace: Workspace, vel
         return 1
     islands = sweeping.islands_of(contacts, mobility)
     some = sweeping.some_contacts(contacts, islands.rows)
-    all_of = np.searchsorted(islands.first, np.arange(share.ranks + 1) * len(islands.rows) // share.ranks)
+    all_of = np.searchsorted(islands.first, share.parts(len(islands.rows)))
     own = islands.first[all_of[share.rank] : all_of[share.rank + 1] + 1]
     sweeps = np.zeros(share.ranks, np.int64)
     sweeps[share.rank] = sweeping.solve_islands(some, own, velocity, mobility, goal)

@@ -6,6 +6,7 @@ from typing import Any, cast
 
 import numpy as np
 
+from ecume.engine.lists import EVERYONE
 from ecume.errors import Fault, SceneError
 from ecume.laws import diffusion
 from ecume.laws.kernels import KERNEL_CODES, Kernel, kernel
@@ -20,6 +21,7 @@ from ecume.models.sph.fields import (
     INVERSE,
     KERNEL,
     LAMINAR,
+    LAST,
     NO_FRICTION,
     NUMBERS,
     ONE,
@@ -185,7 +187,7 @@ def turbulent(scene: SphScene) -> bool:
 def choices_of(scene: SphScene, pull: Array) -> Any:
     """The table of choices that sums read."""
     choices = np.zeros(CHOICES, np.int64)
-    choices[DIMENSION] = len(scene.tank.low)
+    choices[DIMENSION], choices[LAST] = len(scene.tank.low), EVERYONE[1]
     choices[KERNEL] = KERNEL_CODES[scene.method.kernel]
     choices[DIFFUSION] = DIFFUSIONS.index(diffusion_of(scene, pull))
     choices[STRESS] = STRESSES.index(scene.method.pressure_force)

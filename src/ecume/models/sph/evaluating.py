@@ -11,7 +11,9 @@ from ecume.models.sph.fields import (
     ACC,
     ANTUONO,
     DELTA,
+    DIFFUSED,
     DIFFUSION,
+    DRHO,
     ENTHALPY,
     FRICTION,
     HYDROSTATIC,
@@ -74,6 +76,7 @@ def take_both(parameters: Parameters, state: State, workspace: Workspace, time: 
     if alone and choices[STRESS] != TRANSPORT:
         sums = sums_of(choices)
         sums.both(workspace.fields, lists.counts, lists.neighbor, parameters.numbers, choices, workspace.rates)
+        hear(workspace, DRHO, DIFFUSED, ACC, ACC + 1, ACC + 2)
     else:
         _sum_stretch(parameters, workspace)
         _sum_push(parameters, workspace)
@@ -90,12 +93,21 @@ def _sum_stretch(parameters: Parameters, workspace: Workspace) -> None:
         add_gradient_diffusion(
             workspace.fields, lists.counts, lists.neighbor, numbers, choices, factor, workspace.rates
         )
+    hear(workspace, DRHO, DIFFUSED)
+
+
+def hear(workspace: Workspace, *rows: int) -> None:
+    """Where ranks share the sums out: what the others came to."""
+    if workspace.share is not None:
+        for row in rows:
+            workspace.share.gather(workspace.rates[row], workspace.share.parts(workspace.rates.shape[1]))
 
 
 def _sum_push(parameters: Parameters, workspace: Workspace) -> None:
     lists, choices = workspace.lists, parameters.choices
     push = push_transported if choices[STRESS] == TRANSPORT else sums_of(choices).push
     push(workspace.fields, lists.counts, lists.neighbor, parameters.numbers, choices, workspace.rates)
+    hear(workspace, ACC, ACC + 1, ACC + 2)
 
 
 def _store_thickening(parameters: Parameters, state: State, workspace: Workspace) -> None:
@@ -118,6 +130,7 @@ def _store_acceleration(parameters: Parameters, state: State, workspace: Workspa
         rubbing = rub_radially if choices[FRICTION] == RADIAL else rub
         workspace.rates[ACC : ACC + 3] = 0.0
         rubbing(workspace.fields, lists.counts, lists.neighbor, parameters.numbers, choices, workspace.rates)
+        hear(workspace, ACC, ACC + 1, ACC + 2)
         state.acceleration[...] += workspace.rates[ACC : ACC + parameters.dimension]
     push_off_walls(parameters, state)
     _push_bodies(parameters, state, workspace)

@@ -31,8 +31,9 @@ viscosity is divided by, a density where pressures are over density squared."""
 NUMBERS = 14
 
 # Places in the table of choices.
-DIMENSION, KERNEL, DIFFUSION, STRESS, FRICTION = range(5)
-CHOICES = 5
+DIMENSION, KERNEL, DIFFUSION, STRESS, FRICTION, FIRST, LAST = range(7)
+"""FIRST, LAST: whose sums are taken, from one particle of the liquid up to another."""
+CHOICES = 7
 
 NO_DIFFUSION, MOLTENI, ANTUONO, LINEAR, HYDROSTATIC = range(5)
 SUM, MONAGHAN, TRANSPORT = range(3)

@@ -8,7 +8,25 @@ from typing import Any
 import numpy as np
 
 from ecume._jit import prange, summing
-from ecume.models.sph.fields import ACC, DIMENSION, INVERSE, KERNEL, MU, RHO, SCALE, SOFT, VOLUME, ZERO, P, U, V, W, X
+from ecume.models.sph.fields import (
+    ACC,
+    DIMENSION,
+    FIRST,
+    INVERSE,
+    KERNEL,
+    LAST,
+    MU,
+    RHO,
+    SCALE,
+    SOFT,
+    VOLUME,
+    ZERO,
+    P,
+    U,
+    V,
+    W,
+    X,
+)
 from ecume.models.sph.weights import slope_of
 
 INDEX = np.uint64
@@ -20,7 +38,7 @@ def rub(fields: Any, count: Any, neighbor: Any, numbers: Any, choices: Any, rate
     22; Adami et al. 2012, eq. 8). A wall that lets the liquid slip has no viscosity.
     """
     kernel, deep, inverse, zero = choices[KERNEL], choices[DIMENSION] == 3, numbers[INVERSE], numbers[ZERO]
-    for particle in prange(rates.shape[1]):
+    for particle in prange(choices[FIRST], min(choices[LAST], rates.shape[1])):
         i = INDEX(particle)
         x, y, z = fields[X, i], fields[X + 1, i], fields[X + 2, i]
         u, v, w = fields[U, i], fields[U + 1, i], fields[U + 2, i]
@@ -51,7 +69,7 @@ def rub_radially(fields: Any, count: Any, neighbor: Any, numbers: Any, choices: 
     """
     kernel, deep, inverse, zero = choices[KERNEL], choices[DIMENSION] == 3, numbers[INVERSE], numbers[ZERO]
     factor = numbers[SCALE] * 4.0 * (choices[DIMENSION] + 2)
-    for particle in prange(rates.shape[1]):
+    for particle in prange(choices[FIRST], min(choices[LAST], rates.shape[1])):
         i = INDEX(particle)
         x, y, z = fields[X, i], fields[X + 1, i], fields[X + 2, i]
         u, v, w = fields[U, i], fields[U + 1, i], fields[U + 2, i]

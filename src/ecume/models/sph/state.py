@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from ecume.engine.cells import Integers
 from ecume.engine.images import Images, images_of, positions_of_images
 from ecume.engine.lists import Lists, grid_around, neighbor_lists, room_for, sorted_crowd
+from ecume.engine.sharing import Share
 from ecume.models.sph.carried import Crowd
-from ecume.models.sph.fields import FIELDS, LIQUID, MU, RATES, VOLUME, U, V, X
+from ecume.models.sph.fields import FIELDS, FIRST, LAST, LIQUID, MU, RATES, VOLUME, U, V, X
 from ecume.models.sph.motion import largest
 from ecume.models.sph.parameters import Liquid, Parameters
 from ecume.units import Array
@@ -105,6 +106,8 @@ class Workspace:
     """(d + 1, N) rates of velocity and density at the last positions"""
     crowd: Crowd | None
     """for what is carried to look around in; None where nothing is"""
+    share: Share | None = None
+    """where ranks march together"""
 
     def take(self, other: Workspace) -> None:
         """Become the other."""
@@ -195,7 +198,8 @@ def workspace_at(parameters: Parameters, state: State, before: Workspace | None 
     liquid, count = state.reference.shape[1], real.shape[1]
     guess = likely_neighbors(parameters.dimension, reach / parameters.spacing)
     lists = before.lists if before else room_for(count, guess)
-    lists = neighbor_lists(everyone, (liquid, count), reach, lists)
+    own = int(parameters.choices[FIRST]), int(parameters.choices[LAST])
+    lists = neighbor_lists(everyone, (liquid, count), reach, lists, own)
     crowd = crowd_of(everyone, parameters.support, float(state.skin[0])) if parameters.carried.start[-1] else None
     columns = count + len(images.source)
     if before and before.fields.shape[1] == columns:

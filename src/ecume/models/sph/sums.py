@@ -26,9 +26,11 @@ from ecume.models.sph.fields import (
     DIFFUSED,
     DIMENSION,
     DRHO,
+    FIRST,
     G0,
     INVERSE,
     KERNEL,
+    LAST,
     LIQUID,
     PUSH,
     SCALE,
@@ -56,13 +58,14 @@ def whole(count: Any) -> Any:
 
 @inlined
 def stretch_with(
-    slope: Any, kernel: int, deep: bool, fields: Any, count: Any, neighbor: Any, numbers: Any, soft: int, rates: Any
+    slope: Any, choices: Any, deep: bool, fields: Any, count: Any, neighbor: Any, numbers: Any, soft: int, rates: Any
 ) -> None:
     """Continuity, and the diffusion of s, which is density or enthalpy, beyond g.x_ij by which s changes along x when
     the liquid is at rest (Antuono et al. 2010, Fourtakas et al. 2019; see `ecume.laws.diffusion`). Dummies do not take
     part in that.
     """
-    for particle in prange(rates.shape[1]):
+    kernel = choices[KERNEL]
+    for particle in prange(choices[FIRST], min(choices[LAST], rates.shape[1])):
         i = INDEX(particle)
         x, y, z = fields[X, i], fields[X + 1, i], fields[X + 2, i]
         u, v, w = fields[V, i], fields[V + 1, i], fields[V + 2, i]
@@ -109,10 +112,11 @@ def pushed(pull: Any, own: Any, push: Any, damp: Any) -> Any:
 
 @inlined
 def push_with(
-    slope: Any, kernel: int, deep: bool, fields: Any, count: Any, neighbor: Any, numbers: Any, rates: Any
+    slope: Any, choices: Any, deep: bool, fields: Any, count: Any, neighbor: Any, numbers: Any, rates: Any
 ) -> None:
     """Pressure and damping; dummies do not damp."""
-    for particle in prange(rates.shape[1]):
+    kernel = choices[KERNEL]
+    for particle in prange(choices[FIRST], min(choices[LAST], rates.shape[1])):
         i = INDEX(particle)
         x, y, z = fields[X, i], fields[X + 1, i], fields[X + 2, i]
         u, v, w = fields[V, i], fields[V + 1, i], fields[V + 2, i]
@@ -142,10 +146,11 @@ def push_with(
 
 @inlined
 def stretch_and_push_with(
-    slope: Any, kernel: int, deep: bool, fields: Any, count: Any, neighbor: Any, numbers: Any, rates: Any
+    slope: Any, choices: Any, deep: bool, fields: Any, count: Any, neighbor: Any, numbers: Any, rates: Any
 ) -> None:
     """Both at once, without diffusion and dummies: each field is gathered once."""
-    for particle in prange(rates.shape[1]):
+    kernel = choices[KERNEL]
+    for particle in prange(choices[FIRST], min(choices[LAST], rates.shape[1])):
         i = INDEX(particle)
         x, y, z = fields[X, i], fields[X + 1, i], fields[X + 2, i]
         u, v, w = fields[V, i], fields[V + 1, i], fields[V + 2, i]
@@ -192,84 +197,81 @@ def cubic(q: Any, kernel: int) -> Any:
 def stretch_wendland(fields: Any, count: Any, neighbor: Any, numbers: Any, choices: Any, soft: int, rates: Any) -> None:
     """`stretch_with` Wendland's C2."""
     if choices[DIMENSION] == 3:
-        stretch_with(wendland, 0, True, fields, count, neighbor, numbers, soft, rates)
+        stretch_with(wendland, choices, True, fields, count, neighbor, numbers, soft, rates)
     else:
-        stretch_with(wendland, 0, False, fields, count, neighbor, numbers, soft, rates)
+        stretch_with(wendland, choices, False, fields, count, neighbor, numbers, soft, rates)
 
 
 @summing
 def stretch_cubic(fields: Any, count: Any, neighbor: Any, numbers: Any, choices: Any, soft: int, rates: Any) -> None:
     """`stretch_with` the cubic spline."""
     if choices[DIMENSION] == 3:
-        stretch_with(cubic, 0, True, fields, count, neighbor, numbers, soft, rates)
+        stretch_with(cubic, choices, True, fields, count, neighbor, numbers, soft, rates)
     else:
-        stretch_with(cubic, 0, False, fields, count, neighbor, numbers, soft, rates)
+        stretch_with(cubic, choices, False, fields, count, neighbor, numbers, soft, rates)
 
 
 @summing
 def stretch_any(fields: Any, count: Any, neighbor: Any, numbers: Any, choices: Any, soft: int, rates: Any) -> None:
     """`stretch_with` any kernel."""
-    kernel = choices[KERNEL]
     if choices[DIMENSION] == 3:
-        stretch_with(slope_of, kernel, True, fields, count, neighbor, numbers, soft, rates)
+        stretch_with(slope_of, choices, True, fields, count, neighbor, numbers, soft, rates)
     else:
-        stretch_with(slope_of, kernel, False, fields, count, neighbor, numbers, soft, rates)
+        stretch_with(slope_of, choices, False, fields, count, neighbor, numbers, soft, rates)
 
 
 @summing
 def push_wendland(fields: Any, count: Any, neighbor: Any, numbers: Any, choices: Any, rates: Any) -> None:
     """`push_with` Wendland's C2."""
     if choices[DIMENSION] == 3:
-        push_with(wendland, 0, True, fields, count, neighbor, numbers, rates)
+        push_with(wendland, choices, True, fields, count, neighbor, numbers, rates)
     else:
-        push_with(wendland, 0, False, fields, count, neighbor, numbers, rates)
+        push_with(wendland, choices, False, fields, count, neighbor, numbers, rates)
 
 
 @summing
 def push_cubic(fields: Any, count: Any, neighbor: Any, numbers: Any, choices: Any, rates: Any) -> None:
     """`push_with` the cubic spline."""
     if choices[DIMENSION] == 3:
-        push_with(cubic, 0, True, fields, count, neighbor, numbers, rates)
+        push_with(cubic, choices, True, fields, count, neighbor, numbers, rates)
     else:
-        push_with(cubic, 0, False, fields, count, neighbor, numbers, rates)
+        push_with(cubic, choices, False, fields, count, neighbor, numbers, rates)
 
 
 @summing
 def push_any(fields: Any, count: Any, neighbor: Any, numbers: Any, choices: Any, rates: Any) -> None:
     """`push_with` any kernel."""
-    kernel = choices[KERNEL]
     if choices[DIMENSION] == 3:
-        push_with(slope_of, kernel, True, fields, count, neighbor, numbers, rates)
+        push_with(slope_of, choices, True, fields, count, neighbor, numbers, rates)
     else:
-        push_with(slope_of, kernel, False, fields, count, neighbor, numbers, rates)
+        push_with(slope_of, choices, False, fields, count, neighbor, numbers, rates)
 
 
 @summing
 def both_wendland(fields: Any, count: Any, neighbor: Any, numbers: Any, choices: Any, rates: Any) -> None:
     """`stretch_and_push_with` Wendland's C2."""
     if choices[DIMENSION] == 3:
-        stretch_and_push_with(wendland, 0, True, fields, count, neighbor, numbers, rates)
+        stretch_and_push_with(wendland, choices, True, fields, count, neighbor, numbers, rates)
     else:
-        stretch_and_push_with(wendland, 0, False, fields, count, neighbor, numbers, rates)
+        stretch_and_push_with(wendland, choices, False, fields, count, neighbor, numbers, rates)
 
 
 @summing
 def both_cubic(fields: Any, count: Any, neighbor: Any, numbers: Any, choices: Any, rates: Any) -> None:
     """`stretch_and_push_with` the cubic spline."""
     if choices[DIMENSION] == 3:
-        stretch_and_push_with(cubic, 0, True, fields, count, neighbor, numbers, rates)
+        stretch_and_push_with(cubic, choices, True, fields, count, neighbor, numbers, rates)
     else:
-        stretch_and_push_with(cubic, 0, False, fields, count, neighbor, numbers, rates)
+        stretch_and_push_with(cubic, choices, False, fields, count, neighbor, numbers, rates)
 
 
 @summing
 def both_any(fields: Any, count: Any, neighbor: Any, numbers: Any, choices: Any, rates: Any) -> None:
     """`stretch_and_push_with` any kernel."""
-    kernel = choices[KERNEL]
     if choices[DIMENSION] == 3:
-        stretch_and_push_with(slope_of, kernel, True, fields, count, neighbor, numbers, rates)
+        stretch_and_push_with(slope_of, choices, True, fields, count, neighbor, numbers, rates)
     else:
-        stretch_and_push_with(slope_of, kernel, False, fields, count, neighbor, numbers, rates)
+        stretch_and_push_with(slope_of, choices, False, fields, count, neighbor, numbers, rates)
 
 
 class Sums(NamedTuple):

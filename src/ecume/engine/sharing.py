@@ -1,0 +1,23 @@
+"""What ranks that march together know of one another."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ecume.engine.cells import Integers
+
+
+class Share(NamedTuple):
+    """Which of the ranks this is, and how it speaks with the others."""
+
+    rank: int
+    ranks: int
+    gather: Callable[[Any, Integers], None]
+    """gather(row, bounds): fill in the others' parts of a row; part k reaches from bounds[k] up to bounds[k + 1]"""
+
+    def parts(self, count: int) -> Integers:
+        """Where each rank's part of so many begins, and the end."""
+        return np.arange(self.ranks + 1) * count // self.ranks

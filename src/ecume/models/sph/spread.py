@@ -1,0 +1,55 @@
+"""One tank on many ranks: each lists the neighbors of its own part of the liquid, sums over them, and does all else as
+if alone.
+
+Everyone holds the whole state. Particles stand in cell order, so that a part is a region of the tank; rates that others
+summed are gathered, and everyone goes on with the same numbers: the same bits for any number of ranks, and those of a
+run without. See `ecume.models.floating.spread`.
+"""
+
+from __future__ import annotations
+
+from ecume.engine.sharing import Share
+from ecume.errors import BadInput
+from ecume.models.sph import stepping
+from ecume.models.sph.fields import ANTUONO, DIFFUSION, FIRST, LAST, STRESS, TRANSPORT
+from ecume.models.sph.parameters import DELTA_PLUS, NO_TENSION, Parameters
+from ecume.models.sph.record import workspace
+from ecume.models.sph.state import State, Workspace
+
+
+def require_spreadable(parameters: Parameters) -> None:
+    """Raise BadInput for tanks that are not spread over ranks."""
+    choices = parameters.choices
+    if parameters.boundary.dummies.position.shape[1] or parameters.moves or parameters.gates:
+        raise BadInput(
+            "--engine mpi: goes with tanks whose sides are mirrors or periodic and stand still, and without solids, "
+            "in- and outflows"
+        )
+    if choices[STRESS] == TRANSPORT or choices[DIFFUSION] == ANTUONO or parameters.shifting == DELTA_PLUS:
+        raise BadInput("--engine mpi: goes without transport velocity, shifting, and diffusion by gradients of density")
+    if parameters.tension != NO_TENSION or parameters.turbulence or parameters.carried.start[-1]:
+        raise BadInput("--engine mpi: goes without surface tension, turbulence, and what liquids carry along")
+
+
+def own_part(share: Share, parameters: Parameters, state: State) -> Parameters:
+    """With the particles whose sums this rank takes."""
+    choices, parts = parameters.choices.copy(), share.parts(state.position.shape[1])
+    choices[FIRST], choices[LAST] = parts[share.rank], parts[share.rank + 1]
+    return parameters._replace(choices=choices)
+
+
+def workspace_shared(share: Share, parameters: Parameters, state: State, room: float) -> Workspace:
+    """See `ecume.models.model.Model.workspace`: lists of the own part."""
+    made = workspace(own_part(share, parameters, state), state, room)
+    made.share = share
+    return made
+
+
+def march_shared(share: Share, parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
+    """March: see `ecume.models.model.Model.advance`."""
+    return stepping.advance(own_part(share, parameters, state), state, workspace, steps)
+
+
+def complete(share: Share, parameters: Parameters, state: State, scratch: Workspace) -> Workspace:
+    """Lists of everyone: for sums that one rank takes by itself."""
+    return workspace(parameters, state, 1.0)
