@@ -15,7 +15,7 @@ from ecume.cli import app
 from ecume.errors import Stopped
 from ecume.scenes.templates import copy_template
 from ecume.sweep import open_sweep, sweep
-from ecume.sweep.crews import Crew, next_word
+from ecume.sweep.crews import Crew, _client, next_word
 from ecume.sweep.directory import existing_sweep, laid_out
 from ecume.sweep.points import load_sweep
 from ecume.sweep.running import Outcome
@@ -72,6 +72,12 @@ def test_many_workers_make_the_same_table(file, tmp_path):
     sweep(file, tmp_path / "alone", ALONE)
     assert sweep(file, tmp_path / "many", Crew(workers=2)).done == 4
     assert table(tmp_path / "many") == table(tmp_path / "alone")
+
+
+@pytest.mark.compiled  # processes: once is enough
+def test_as_many_workers_of_dask_are_started_as_are_asked_for(file, tmp_path):
+    with _client(Crew(workers=3), laid_out(load_sweep(file), tmp_path / "out"), 3) as client:
+        assert len(client.scheduler_info(n_workers=-1)["workers"]) == 3
 
 
 def test_a_worker_that_is_killed_loses_nothing(file, tmp_path):

@@ -60,6 +60,8 @@ BENCHES: dict[str, Bench] = {
         Bench("sweeping", "A sweep of 200 T1 processes by one worker and by two", "sweeping.py", long=True),
         Bench("ranks", "A crowd of 100,000 floats on one rank of MPI and on two", "ranks.py",
               ("--steps", "8"), needs=("mpi4py",), long=True),
+        Bench("ranks-sph", "A tank of 100,000 particles on one rank of MPI and on two", "ranks.py",
+              ("--model", "sph", "--steps", "8"), needs=("mpi4py",), long=True),
         Bench("page", "A page of 2,000 particles: size, opening, pictures a second without a graphics card",
               "looking.py", ("page",), needs=("playwright",), long=True),
         Bench("movie", "A movie of 20,000 balls, 300 pictures at 720p", "looking.py", ("movie",), long=True),

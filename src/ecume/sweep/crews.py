@@ -24,6 +24,8 @@ BEFORE_THE_END = 300
 
 WAIT = "10 s"
 """For a scheduler's first answer."""
+UNWATCHED = {"distributed.worker.profile.enabled": False}
+"""Dask looks a hundred times a second what its threads do, for pages that nobody opens here; workers inherit it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -96,6 +98,7 @@ def next_word(ended: Iterator[Any]) -> tuple[Any, str] | None:
 @contextlib.contextmanager
 def _client(crew: Crew, sweeping: Sweeping, workers: int) -> Iterator[Any]:
     try:
+        import dask.config
         import distributed
     except ImportError as error:
         raise BadInput(
@@ -113,7 +116,11 @@ def _client(crew: Crew, sweeping: Sweeping, workers: int) -> Iterator[Any]:
             yield client
     else:
         local = {"threads_per_worker": 1, "dashboard_address": None, "env": ONE_THREAD, "silence_logs": 50}
-        with library.LocalCluster(workers, host="127.0.0.1", **local) as found, library.Client(found) as client:
+        with (
+            dask.config.set(UNWATCHED),
+            library.LocalCluster(n_workers=workers, host="127.0.0.1", **local) as found,
+            library.Client(found) as client,
+        ):
             yield client
 
 
