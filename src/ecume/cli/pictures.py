@@ -2,25 +2,34 @@
 
 from __future__ import annotations
 
-import re
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
+from ecume.cli.asking import (
+    Azimuth,
+    Begin,
+    Color,
+    Elevation,
+    End,
+    Every,
+    Follow,
+    ForceLaw,
+    Fps,
+    Integrators,
+    Out,
+    PictureSize,
+    What,
+    Workers,
+    Zoom,
+)
 from ecume.cli.ends import say
 from ecume.cli.progress import counted
 from ecume.cli.runs import HERE, Quiet, RunFolder
 from ecume.errors import BadInput
 
-Out = Annotated[
-    Path | None,
-    typer.Option(
-        "-o", "--out", metavar="FILE", help="Where to write it; left out, in DIR/results.", show_default=False
-    ),
-]
-NUMBER = re.compile(r"\s*[+-]?[0-9]+\.?[0-9]*(?:[eE][+-]?[0-9]+)?\s*")
 RESULTS = "results"
 """The folder in a run's directory for what is made of it: movies, figures, exports."""
 
@@ -50,32 +59,6 @@ ENDINGS = {
 }
 
 
-def _figures(incomplete: str) -> list[str]:
-    """Figures that begin so, for the shell's completion."""
-    from ecume.show.figures import FIGURES
-
-    known = dict.fromkeys(name for figures in FIGURES.values() for name in figures)
-    return [name for name in known if name.startswith(incomplete)]
-
-
-def seconds(text: str) -> float:
-    """A time from the command line: `2.5`, `2 s`, `3 min`."""
-    from ecume.units import parse
-
-    try:
-        return float(text) if NUMBER.fullmatch(text) else parse(text, "s")
-    except ValueError as fault:
-        raise typer.BadParameter(str(fault)) from None
-
-
-def pixels(text: str) -> tuple[int, int]:
-    """A size from the command line: `1280x960`."""
-    match = re.fullmatch(r"\s*([0-9]{1,6})\s*[x×]\s*([0-9]{1,6})\s*", text)
-    if match is None:
-        raise typer.BadParameter(f"{text!r} is no size; wanted WIDTHxHEIGHT in pixels, such as 1280x960")
-    return int(match[1]), int(match[2])
-
-
 def eye(azimuth: float | None, elevation: float | None) -> Any:
     """From where to look; None where neither was asked for."""
     from ecume.show.space import Eye
@@ -88,46 +71,17 @@ def eye(azimuth: float | None, elevation: float | None) -> Any:
 def movie(
     directory: RunFolder = HERE,
     out: Out = None,
-    fps: Annotated[int, typer.Option("--fps", metavar="N", help="Pictures a second.")] = 30,
-    every: Annotated[int, typer.Option("--every", metavar="N", help="Show each N-th frame only.")] = 1,
-    size: Annotated[
-        Any,
-        typer.Option(
-            "--size",
-            parser=pixels,
-            metavar="WxH",
-            help="Of the picture, in pixels; left out, 960x720, and 640x480 for a GIF.",
-            show_default=False,
-        ),
-    ] = None,
-    start: Annotated[
-        Any,
-        typer.Option(
-            "--from", parser=seconds, metavar="TIME", help="Where to begin: 2.5 or '2.5 s'.", show_default=False
-        ),
-    ] = None,
-    end: Annotated[
-        Any, typer.Option("--to", parser=seconds, metavar="TIME", help="Where to end.", show_default=False)
-    ] = None,
-    color: Annotated[
-        str | None,
-        typer.Option(
-            "--color", metavar="WHAT", help="Color a liquid by pressure, speed, density or region.", show_default=False
-        ),
-    ] = None,
-    zoom: Annotated[float, typer.Option("--zoom", metavar="Z", help="Show all so many times larger.")] = 1.0,
-    follow: Annotated[
-        int | None,
-        typer.Option("--follow", metavar="N", help="Keep particle N in the middle, from 0 on.", show_default=False),
-    ] = None,
-    azimuth: Annotated[
-        float | None,
-        typer.Option("--azimuth", metavar="DEGREES", help="Go around what is in space.", show_default=False),
-    ] = None,
-    elevation: Annotated[
-        float | None, typer.Option("--elevation", metavar="DEGREES", help="Look from above.", show_default=False)
-    ] = None,
-    workers: Annotated[int, typer.Option("--workers", metavar="N", help="Draw with N processes.")] = 1,
+    fps: Fps = 30,
+    every: Every = 1,
+    size: PictureSize = None,
+    start: Begin = None,
+    end: End = None,
+    color: Color = None,
+    zoom: Zoom = 1.0,
+    follow: Follow = None,
+    azimuth: Azimuth = None,
+    elevation: Elevation = None,
+    workers: Workers = 1,
     quiet: Quiet = False,
 ) -> None:
     """Make a movie of a run: .mp4, .webm, .webp or .gif, as the file is called, or .png for numbered pictures.
@@ -154,31 +108,10 @@ def movie(
 
 def plot(
     directory: RunFolder = HERE,
-    what: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--what",
-            metavar="NAME",
-            help="Which figure; may stand many times.",
-            autocompletion=_figures,
-            show_default=False,
-        ),
-    ] = None,
+    what: What = None,
     out: Out = None,
-    integrators: Annotated[
-        bool,
-        typer.Option("--integrators", help="Compare the integrators instead, into integrators.png; needs no run."),
-    ] = False,
-    force_law: Annotated[
-        Path | None,
-        typer.Option(
-            "--force-law",
-            metavar="SCENE",
-            help="Draw the forces between a scene's floats instead, by superposition, corrected pairs and multipoles; "
-            "into NAME-forces.png, and needs no run.",
-            show_default=False,
-        ),
-    ] = None,
+    integrators: Integrators = False,
+    force_law: ForceLaw = None,
     quiet: Quiet = False,
 ) -> None:
     """Draw figures of a run, such as energies, clusters, paths, the force law. Left to itself, all of them.
@@ -190,25 +123,34 @@ def plot(
     Examples: `ecume plot runs/bowl` · `ecume plot runs/bowl --what paths -o paths.pdf` · `ecume plot --integrators`
     · `ecume plot sweeps/durations --what curves:duration` · `ecume plot --force-law bowl.toml`
     """
-    if force_law is not None and (integrators or directory != HERE or what):
-        raise BadInput("--force-law needs no run, no --what and no --integrators; it draws a scene's pairs")
-    if force_law is not None:
-        from ecume.show.floating.force_laws import force_law as draw
-
-        wrote(draw(force_law, out or Path(f"{force_law.stem}-forces.png")), quiet=quiet)
-        return
-    if integrators and (directory != HERE or what):
-        raise BadInput("--integrators needs no run and no --what; it draws two spheres of its own")
-    if integrators:
-        from ecume.show.floating.integrators import integrator_comparison
-
-        wrote(integrator_comparison(out or Path("integrators.png")), quiet=quiet)
+    if force_law is not None or integrators:
+        _require_alone(force_law, integrators=integrators, of_a_run=directory != HERE or bool(what))
+        wrote(_without_a_run(force_law, out), quiet=quiet)
     elif (directory / "points.json").is_file():
         _draw_sweep(directory, what or [], out, quiet=quiet)
     elif what:
         _draw(directory, what, out, quiet=quiet)
     else:
         _draw_all(directory, out, quiet=quiet)
+
+
+def _require_alone(force_law: Path | None, *, integrators: bool, of_a_run: bool) -> None:
+    """Raise BadInput where a figure that needs no run comes with one, or with the other such figure."""
+    if force_law is not None and (integrators or of_a_run):
+        raise BadInput("--force-law needs no run, no --what and no --integrators; it draws a scene's pairs")
+    if integrators and of_a_run:
+        raise BadInput("--integrators needs no run and no --what; it draws two spheres of its own")
+
+
+def _without_a_run(force_law: Path | None, out: Path | None) -> Path:
+    """The forces between a scene's floats, or the integrators side by side."""
+    if force_law is not None:
+        from ecume.show.floating.force_laws import force_law as draw
+
+        return draw(force_law, out or Path(f"{force_law.stem}-forces.png"))
+    from ecume.show.floating.integrators import integrator_comparison
+
+    return integrator_comparison(out or Path("integrators.png"))
 
 
 def _draw_sweep(directory: Path, names: list[str], out: Path | None, *, quiet: bool) -> None:
