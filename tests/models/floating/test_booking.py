@@ -63,8 +63,19 @@ def test_what_drifts_steadily_is_given_as_much_as_drag_takes():
     scene = in_a_current('integrator = "overdamped"', duration=1.0, frame_every=0.5)
     _, half, whole = (frame.numbers for frame in simulate(scene))
     power = friction_of(FLOATING.parameters(scene)) * SPEED**2
-    assert [half[INJECTED], whole[INJECTED]] == pytest.approx([0.5 * power, power], rel=1e-12)
+    assert [half[INJECTED], whole[INJECTED]] == pytest.approx([0.5 * power, power], rel=1e-12, abs=0.0)
     assert whole["total_energy"] == 0.0
+
+
+def test_a_current_that_grows_along_the_way_is_booked_in_the_middle_of_each_step():
+    """Without inertia, at u = s x: zeta s dx^2/2, whatever the steps, as a pull that is straight in the place does."""
+    flow, there = "[liquid.flow]\nstretching = 2.0\n", f"[[floats]]\n{HEAVY}positions = [[1e-3, 0.0]]\n"
+    scene = scene_of(WATER + flow + there + '[motion]\nintegrator = "overdamped"\n' + APART, duration=0.5)
+    *_, last = simulate(scene)
+    gained = last.arrays["position"][0, 0] ** 2 - 1e-6
+    assert gained > 4e-6
+    wanted = 0.5 * friction_of(FLOATING.parameters(scene)) * 2.0 * gained
+    assert last.numbers[INJECTED] == pytest.approx(wanted, rel=1e-9, abs=0.0)
 
 
 def test_a_float_on_which_nothing_drags_has_back_after_a_swing_what_the_dish_has_put_in():
@@ -78,7 +89,9 @@ def test_a_dish_that_is_drawn_through_a_liquid_pays_for_the_drag():
     """The float stays in the liquid, and is seen to go back at the dish's speed: zeta V^2."""
     scene = dish("velocity = [0.02, 0.0]\n", motion='integrator = "overdamped"', duration=0.5, frame_every=0.5)
     *_, last = simulate(scene)
-    assert last.numbers[INJECTED] == pytest.approx(friction_of(FLOATING.parameters(scene)) * 4e-4 * 0.5, rel=1e-9)
+    assert last.numbers[INJECTED] == pytest.approx(
+        friction_of(FLOATING.parameters(scene)) * 4e-4 * 0.5, rel=1e-9, abs=0.0
+    )
 
 
 def test_what_chance_does_to_the_energy_is_heat():

@@ -14,9 +14,10 @@ import math
 from ecume._jit import compiled
 from ecume.laws.drag import schiller_naumann_factor
 from ecume.laws.swaying import left_behind, sway_acceleration, sway_velocity
-from ecume.models.floating.currents import current_at
+from ecume.models.floating.currents import current_at, straight_current
 from ecume.models.floating.parameters import OVERDAMPED, Parameters
 from ecume.models.floating.state import WORK, State, Workspace
+from ecume.units import Array
 
 
 @compiled
@@ -27,33 +28,28 @@ def is_driven(parameters: Parameters) -> bool:
 
 
 @compiled
-def faster(parameters: Parameters, state: State, i: int, along: float, across: float) -> float:
-    """Drag over Stokes's, of a float in a current."""
-    slip = math.sqrt((state.velocity[i, 0] - along) ** 2 + (state.velocity[i, 1] - across) ** 2)
-    return float(schiller_naumann_factor(2.0 * parameters.floats.radius[i] * slip * parameters.drift.thickness))
-
-
-@compiled
-def power_of_current(parameters: Parameters, state: State, workspace: Workspace) -> float:
-    """That of the current's drag along the passage, and of the heat that chance gives (W)."""
-    mass, relaxation, drift = parameters.floats.mass, parameters.floats.relaxation_time, parameters.drift
-    position, passage, force, power = state.position, workspace.passage, workspace.force, 0.0
+def power_of_current(parameters: Parameters, state: State, passage: Array) -> float:
+    """That of the current's drag along the passage, in its middle (W)."""
+    mass, relaxation, radius = parameters.floats.mass, parameters.floats.relaxation_time, parameters.floats.radius
+    drift, position, velocity, half = parameters.drift, state.position, state.velocity, 0.5 * parameters.time_step
+    flow, thickness, tabled, power = drift.flow, drift.thickness, drift.nodes.shape[1] > 0, 0.0
     for i in range(len(position)):
-        along, across = current_at(drift, position[i, 0], position[i, 1])
+        x, y = position[i, 0] + half * passage[i, 0], position[i, 1] + half * passage[i, 1]
+        # The whole of `drift` is slow to hand over.
+        along, across = current_at(drift, x, y) if tabled else straight_current(flow, x, y)
         friction = mass[i] / relaxation[i]
-        if drift.thickness > 0.0:
-            friction *= faster(parameters, state, i, along, across)
+        if thickness > 0.0:
+            slip = math.sqrt((velocity[i, 0] - along) ** 2 + (velocity[i, 1] - across) ** 2)
+            friction *= schiller_naumann_factor(2.0 * radius[i] * slip * thickness)
         power += friction * (along * passage[i, 0] + across * passage[i, 1])
-        if drift.thermal > 0.0:
-            power -= force[i, 0] * passage[i, 0] + force[i, 1] * passage[i, 1]
     return power
 
 
 @compiled
-def power_of_dish(parameters: Parameters, workspace: Workspace, time: float) -> float:
+def power_of_dish(parameters: Parameters, passage: Array, time: float) -> float:
     """That of a dish in motion, as seen from it (W)."""
     mass, relaxation, sway = parameters.floats.mass, parameters.floats.relaxation_time, parameters.drift.sway
-    passage, power = workspace.passage, 0.0
+    power = 0.0
     for axis in range(2):
         speed = sway.velocity[axis] + sway_velocity(sway.amplitude[axis], sway.turning, time)
         change = sway_acceleration(sway.amplitude[axis], sway.turning, time)
@@ -65,14 +61,23 @@ def power_of_dish(parameters: Parameters, workspace: Workspace, time: float) -> 
 
 
 @compiled
-def book(parameters: Parameters, state: State, workspace: Workspace, ahead: float) -> None:
-    """Half of a step's work: by the forces where the passage begins, or, one step `ahead`, where it ends."""
-    drift, tally = parameters.drift, state.tally
+def book(parameters: Parameters, state: State, passage: Array) -> None:
+    """A step's work, by the forces in the middle of the passage."""
+    drift, tally, time = parameters.drift, state.tally, parameters.time_step
     # Runs of former versions have no place for it.
     if len(tally) <= WORK:
         return
-    half = 0.5 * parameters.time_step
-    if drift.flows or drift.thermal > 0.0:
-        tally[WORK] += half * power_of_current(parameters, state, workspace)
+    if drift.flows:
+        tally[WORK] += time * power_of_current(parameters, state, passage)
     if drift.sway.moves and not drift.thermal > 0.0:
-        tally[WORK] += half * power_of_dish(parameters, workspace, (state.step[0] + ahead) * parameters.time_step)
+        tally[WORK] += time * power_of_dish(parameters, passage, (state.step[0] + 0.5) * time)
+
+
+@compiled
+def book_heat(parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """Half a step's heat, by the forces where the passage begins, or ends; a dish in motion is a part of it."""
+    passage, force, power = workspace.passage, workspace.force, 0.0
+    if parameters.drift.thermal > 0.0 and len(state.tally) > WORK:
+        for i in range(len(force)):
+            power += force[i, 0] * passage[i, 0] + force[i, 1] * passage[i, 1]
+        state.tally[WORK] -= 0.5 * parameters.time_step * power

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
-from ecume._jit import compiled
+from ecume._jit import compiled, compiled_inside
 from ecume.models.floating.parameters import Drift
+from ecume.units import Array
+
+
+@compiled_inside
+def straight_current(flow: Array, x: float, y: float) -> tuple[float, float]:
+    """That of a flow which is uniform, and linear in the place."""
+    return flow[0] + flow[2] * x + flow[3] * y, flow[1] + flow[4] * x + flow[5] * y
 
 
 @compiled
 def current_at(drift: Drift, x: float, y: float) -> tuple[float, float]:
     """The velocity of the surface (m/s)."""
-    flow = drift.flow
-    along, across = flow[0] + flow[2] * x + flow[3] * y, flow[1] + flow[4] * x + flow[5] * y
+    along, across = straight_current(drift.flow, x, y)
     if drift.nodes.shape[1] > 0:
         more_along, more_across = between_nodes(drift, x, y)
         along, across = along + more_along, across + more_across

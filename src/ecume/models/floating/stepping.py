@@ -18,7 +18,7 @@ from ecume._jit import compiled, compiled_inside, inlined, plainly
 from ecume.engine.cells import Integers
 from ecume.engine.contacts import Candidates
 from ecume.engine.neighbors import NeighborLists, build, farthest_move
-from ecume.models.floating.booking import book, is_driven
+from ecume.models.floating.booking import book, book_heat, is_driven
 from ecume.models.floating.forces import Sorted, forces, sort_floats
 from ecume.models.floating.meeting import meet, rest, settle
 from ecume.models.floating.parameters import (
@@ -180,14 +180,15 @@ def step_with(
         meet(parameters, state, workspace)
     driven = is_driven(parameters)
     if driven:
-        book(parameters, state, workspace, 0.0)
+        book(parameters, state, workspace.passage)
+        book_heat(parameters, state, workspace)
     drift(state.position, workspace.passage, parameters.time_step)
     if parameters.contact_law == IMPULSE:
         settle(parameters, state, workspace)
     if parameters.scheme != STORMER_VERLET:
         evaluate(parameters, state.position, workspace.lists, (workspace.sorted_floats, workspace.force))
     if driven:
-        book(parameters, state, workspace, 1.0)
+        book_heat(parameters, state, workspace)
     if parameters.scheme == VELOCITY_VERLET:
         kick_floats(parameters, state, workspace.force, 1.0)
     if parameters.contact_law in (IMPULSE, SPRINGS) and parameters.scheme not in KICKED_BEFORE:
