@@ -3,8 +3,11 @@
 import json
 
 import pytest
+from typer.testing import CliRunner
 
-from ecume.errors import BadInput
+from ecume.cli import app
+from ecume.errors import BadInput, SceneError, StorageError
+from ecume.scenes.load import load_scene
 from ecume.sweep import open_sweep, sweep
 from ecume.sweep.crews import Crew
 from ecume.sweep.directory import laid_out
@@ -117,3 +120,30 @@ def test_a_measure_that_there_is_not_is_refused(file, tmp_path, text):
     sweep(file, tmp_path / "out", ALONE)
     with pytest.raises(BadInput, match="measures"):
         open_sweep(tmp_path / "out").table({"x": text})
+
+
+def test_a_scene_is_no_sweep_and_a_sweep_no_scene(file, tmp_path):
+    (tmp_path / "bowl.toml").write_text('model = "floating"\nduration = "1 s"')
+    with pytest.raises(SceneError, match="is a scene and no sweep; `ecume run` runs it"):
+        load_sweep(tmp_path / "bowl.toml")
+    with pytest.raises(SceneError, match=r"is a sweep and no scene: ecume sweep .*bowls\.toml"):
+        load_scene(file)
+
+
+@pytest.mark.parametrize("text", ["[", '{"gap": 1}', ""])
+def test_damaged_files_of_a_sweep_are_told_in_a_line(tmp_path, text):
+    path = tmp_path / "t1.toml"
+    path.write_text('process = "t1"\n[[axes]]\nkey = "gap"\nvalues = [0.1]\n[fixed]\nreduced_force = 1e-3')
+    (job,) = laid_out(load_sweep(path), tmp_path / "out").jobs
+    (tmp_path / "out" / "points.json").write_text(text)
+    for verb in (["sweep", str(tmp_path / "out"), "--status"], ["plot", str(tmp_path / "out")]):
+        told = CliRunner().invoke(app, verb)
+        assert told.exit_code == 4
+        assert "points.json: damaged" in told.stderr
+        assert "sweep again: that makes it anew" in told.stderr
+    job.asked.write_text(text)
+    (again,) = laid_out(load_sweep(path), tmp_path / "out").jobs
+    assert json.loads(again.asked.read_text())["settings"]["gap"] == 0.1
+    job.told.write_text("3")
+    with pytest.raises(StorageError, match=r"told\.json: damaged; delete it"):
+        open_sweep(tmp_path / "out").table()

@@ -52,6 +52,9 @@ def sweep(
         str | None,
         typer.Option("--scheduler", metavar="ADDRESS", help="Of a Dask scheduler that runs.", show_default=False),
     ] = None,
+    retries: Annotated[
+        int, typer.Option("--retries", min=0, max=100, metavar="N", help="Of a point whose worker died.")
+    ] = 2,
     slurm: Annotated[bool, typer.Option("--slurm", help="Workers are jobs of SLURM.")] = False,
     array: Annotated[bool, typer.Option("--array", help="Only write a job array for sbatch.")] = False,
     task: Annotated[Any, typer.Option("--task", parser=task_of, hidden=True)] = None,
@@ -75,7 +78,7 @@ def sweep(
     elif array:
         _write_array(source, directory)
     else:
-        hands = {"workers": workers, "scheduler": scheduler, "slurm": slurm}
+        hands = {"workers": workers, "scheduler": scheduler, "slurm": slurm, "retries": retries}
         _run_all(source, directory, hands, quiet=quiet)
 
 

@@ -22,6 +22,8 @@ BARE = re.compile(r"[^=#]*=\s*([\w.+-][^\"'\[\]{}#=]*[^\W\d_][^\"'\[\]{}#=]*?)\s
 MOST_BYTES = 2**20
 OVERRIDDEN = " (from --set)"
 """Behind a fault that the command line brought in."""
+OF_SWEEPS = {"axes", "sampling", "process", "template"}
+"""Keys that only a sweep's file has."""
 LONGEST_NAME = 200
 """Of a file: about a longer one the system would rather not be asked."""
 
@@ -42,6 +44,8 @@ def load_scene(path_or_text: str | File, overrides: Sequence[str] = ()) -> Scene
     """
     source = source_of(path_or_text)
     raw = parsed(source)
+    if "model" not in raw and OF_SWEEPS & raw.keys():
+        raise SceneError([Fault("", f"is a sweep and no scene: ecume sweep {source.name}")], source.name)
     changed, faults = overridden(raw, overrides)
     name_liquid(raw)
     dry = sources_followed(raw, source.folder)

@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from ecume.errors import BadInput, Fault, SceneError
+from ecume.errors import BadInput, Fault, SceneError, StorageError
 from ecume.scenes.faults import echo, read_path, value_at
 from ecume.scenes.files import beside, require_there
 from ecume.scenes.load import OVERRIDDEN, load_scene
@@ -68,7 +68,7 @@ class Job(NamedTuple):
         """Why it failed, in a line."""
         if self.state != "failed":
             return ""
-        return str(json.loads(self.failure.read_text(encoding="utf-8"))["why"])
+        return str(json_at(self.failure, dict).get("why", ""))
 
 
 class Sweeping(NamedTuple):
@@ -96,7 +96,7 @@ def laid_out(asked: Asked, directory: Path) -> Sweeping:
         directory.mkdir(parents=True, exist_ok=True)
         for job, (_, plan) in zip(jobs, plans, strict=True):
             job.folder.mkdir(parents=True, exist_ok=True)
-            if not job.asked.exists():
+            if not job.asked.exists() or job.asked.read_bytes() != _json(plan).encode():
                 write_whole(job.asked, _json(plan).encode())
         write_whole(directory / "points.json", _json([_told(job) for job in jobs]).encode())
         write_whole(directory / "sweep.toml", asked.text.encode())
@@ -116,12 +116,24 @@ def existing_sweep(directory: Path) -> Sweeping:
     path = directory / "points.json"
     if not path.is_file():
         raise BadInput(f"{directory}: no sweep is there; wanted a directory that `ecume sweep` made")
-    with storing(path):
-        told = json.loads(path.read_bytes())
+    told = json_at(path, list)
     jobs = [
         Job(Point(one["settings"], one["repeat"]), directory / "points" / one["folder"], one["values"]) for one in told
     ]
     return Sweeping(directory, load_sweep(directory / "sweep.toml").spec, jobs)
+
+
+def json_at(path: Path, kind: type) -> Any:
+    """What a file of a sweep tells. Raises StorageError where it is damaged."""
+    with storing(path):
+        text = path.read_bytes()
+    try:
+        found = json.loads(text)
+    except ValueError as error:
+        raise StorageError(f"{path}: damaged: {error}; delete it, and sweep again: that makes it anew") from error
+    if not isinstance(found, kind):
+        raise StorageError(f"{path}: damaged; delete it, and sweep again: that makes it anew")
+    return found
 
 
 def distinct(jobs: Sequence[Job]) -> list[Job]:

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from pydantic import ValidationError
 
-from ecume.errors import BadInput, SceneError
+from ecume.errors import BadInput, Fault, SceneError
 from ecume.scenes.faults import echo, faults_of, suggestion
 from ecume.scenes.load import parsed, placed, source_in
 from ecume.scenes.templates import templates
@@ -37,6 +37,9 @@ def load_sweep(path: Path) -> Asked:
     """Read a sweep's file. Raises SceneError with all its faults, each with its line and column."""
     source = source_in(path, MOST_BYTES)
     raw = parsed(source)
+    if "model" in raw:
+        told = "is a scene and no sweep; `ecume run` runs it, `ecume new raft-growth` writes a sweep"
+        raise SceneError([Fault("", told)], source.name)
     try:
         spec = READER.validate_python(raw)
     except ValidationError as error:

@@ -19,7 +19,7 @@ from ecume.run.lawbook import entries
 from ecume.scenes.faults import read_path, suggestion
 from ecume.scenes.kinds import unit_of
 from ecume.scenes.schema import from_plain
-from ecume.sweep.directory import Job, Sweeping, existing_sweep
+from ecume.sweep.directory import Job, Sweeping, existing_sweep, json_at
 from ecume.sweep.measures import Measure, measure_of, read_measure, usual_measures
 from ecume.sweep.processes import process_of
 from ecume.trajectories.durable import storing, write_whole
@@ -116,7 +116,7 @@ class Sweep:
         if job.state != "done":
             return row
         if spec.process:
-            told: Row = json.loads(job.told.read_bytes())
+            told: Row = json_at(job.told, dict)
             return row | {name: value for name, value in told.items() if name not in row}
         return row | measured(job, measures)
 
