@@ -10,7 +10,9 @@ from ecume.laws.elasticity import PREFACTORS, surface_energy
 from ecume.laws.soft_pair import SoftPair, deflection_under_force
 from ecume.models.invariants import ENERGY, Seen
 from ecume.models.soft import SOFT
-from ecume.models.soft.booking import DRAG, FILMS, INJECTED, SIZE
+from ecume.models.soft.booking import DRAG, FILMS, INJECTED, SIZE, elastic_energy, released
+from ecume.models.soft.protocol import drive_at
+from ecume.models.soft.solving import begin
 from ecume.scenes.schema import from_plain
 from ecume.scenes.soft import StageSpec
 from ecume.simulation import simulate
@@ -128,6 +130,23 @@ def test_a_jump_does_the_work_that_deflections_take_up():
     taken_up = last["total_energy"] - calm["total_energy"]
     assert taken_up > 2.0 * calm["total_energy"]
     assert last["injected_work"] - calm["injected_work"] == pytest.approx(taken_up, rel=1e-6, abs=0.0)
+
+
+@pytest.mark.compiled
+def test_films_take_what_contacts_hold_that_fade():
+    scene = channel({}, count=5)
+    parameters = SOFT.parameters(scene)
+    state = SOFT.start(scene, parameters)
+    step = SOFT.workspace(parameters, state, 1.0).step
+    begin(parameters, step, drive_at(parameters.protocol, 0.0))
+    assert len(step.log_gap) > 0 < len(step.walls.touches.first)
+    assert released(parameters.contacts, step) == 0.0
+    gone = math.log(1.1 * parameters.contacts.fade_to)
+    for log_gap in (step.log_gap, step.films.log_gap, step.walls.touches.log_gap):
+        log_gap[:] = gone
+    held = elastic_energy(parameters.contacts, step)
+    assert held > 0.0
+    assert released(parameters.contacts, step) == pytest.approx(held, rel=1e-12, abs=0.0)
 
 
 @pytest.mark.compiled
