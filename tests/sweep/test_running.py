@@ -198,8 +198,9 @@ def test_what_breaks_in_a_point_is_told_in_a_line_and_the_rest_goes_on(file, tmp
 
 
 @pytest.mark.skipif(os.name == "nt", reason="Windows has no such signals")
-@pytest.mark.parametrize("workers", [1, 2])
-def test_a_signal_stops_a_sweep_that_the_same_command_goes_on_with(file, tmp_path, workers):
+@pytest.mark.parametrize(("workers", "name"), [(1, "SIGTERM"), (2, "SIGTERM"), (2, "SIGINT")])
+def test_a_signal_stops_a_sweep_that_the_same_command_goes_on_with(file, tmp_path, workers, name):
+    """Ctrl-C goes to everybody, the workers among them, who are silent."""
     file.write_text(BOWLS.replace('"0.2 s"', '"20 s"'))
     command = [
         sys.executable,
@@ -212,13 +213,14 @@ def test_a_signal_stops_a_sweep_that_the_same_command_goes_on_with(file, tmp_pat
         "--workers",
         str(workers),
     ]
-    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as sweeping:
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, start_new_session=True) as sweeping:
         while not list((tmp_path / "out").glob("points/*/run/scalars.jsonl")) and sweeping.poll() is None:
             time.sleep(0.01)
-        sweeping.send_signal(signal.SIGTERM)
+        time.sleep(0.3)
+        os.killpg(sweeping.pid, signal.SIGINT) if name == "SIGINT" else sweeping.terminate()
         told = sweeping.communicate(timeout=60)[1]
     assert sweeping.returncode == Stopped.exit_code
-    assert "ecume: stopped by SIGTERM; " in told
+    assert told.startswith(f"ecume: stopped by {name}; ")
     assert "of 4 points are done, and the same command goes on" in told
     assert "Traceback" not in told
 

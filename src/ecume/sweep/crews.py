@@ -6,6 +6,8 @@ import contextlib
 import logging
 import os
 import re
+import signal
+import threading
 from asyncio import CancelledError
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
@@ -116,12 +118,26 @@ def _client(crew: Crew, sweeping: Sweeping, workers: int) -> Iterator[Any]:
             yield client
     else:
         local = {"threads_per_worker": 1, "dashboard_address": None, "env": ONE_THREAD, "silence_logs": 50}
-        with (
-            dask.config.set(UNWATCHED),
-            library.LocalCluster(n_workers=workers, host="127.0.0.1", **local) as found,
-            library.Client(found) as client,
-        ):
-            yield client
+        with dask.config.set(UNWATCHED):
+            with _leaving_interrupts_to_us():
+                cluster = library.LocalCluster(n_workers=workers, host="127.0.0.1", **local)
+            with cluster as found, library.Client(found) as client:
+                yield client
+
+
+@contextlib.contextmanager
+def _leaving_interrupts_to_us() -> Iterator[None]:
+    """Ctrl-C reaches all processes of a terminal. Those that begin in here take no notice of it: we end them, and they
+    need not tell of it in fifty lines each.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def connected(library: Any, address: str) -> Any:
