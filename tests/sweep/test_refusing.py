@@ -3,36 +3,15 @@
 import json
 
 import pytest
+from tests.sweep.four_bowls import ALONE, BOWLS
 from typer.testing import CliRunner
 
 from ecume.cli import app
 from ecume.errors import BadInput, SceneError, StorageError
 from ecume.scenes.load import load_scene
 from ecume.sweep import open_sweep, sweep
-from ecume.sweep.crews import Crew
 from ecume.sweep.directory import laid_out
 from ecume.sweep.points import load_sweep
-
-BOWLS = """
-title = "Bowls"
-template = "cereal-bowl"
-measures = ["final kinetic_energy", "max kinetic_energy"]
-[fixed]
-duration = "0.2 s"
-frame_every = "50 ms"
-"floats[0].count" = 5
-[[axes]]
-key = "seed"
-values = [1, 2, 3, 4]
-"""
-ALONE = Crew(workers=1)
-
-
-@pytest.fixture
-def file(tmp_path):
-    path = tmp_path / "bowls.toml"
-    path.write_text(BOWLS)
-    return path
 
 
 def test_an_argument_that_a_process_has_not_is_refused_before_anything_is_written(tmp_path):

@@ -9,6 +9,7 @@ import time
 
 import psutil
 import pytest
+from tests.sweep.four_bowls import ALONE, BOWLS
 from typer.testing import CliRunner
 
 from ecume.cli import app
@@ -20,27 +21,6 @@ from ecume.sweep.directory import existing_sweep, laid_out
 from ecume.sweep.points import load_sweep
 from ecume.sweep.running import Outcome
 from ecume.sweep.working import work
-
-BOWLS = """
-title = "Bowls"
-template = "cereal-bowl"
-measures = ["final kinetic_energy", "max kinetic_energy"]
-[fixed]
-duration = "0.2 s"
-frame_every = "50 ms"
-"floats[0].count" = 5
-[[axes]]
-key = "seed"
-values = [1, 2, 3, 4]
-"""
-ALONE = Crew(workers=1)
-
-
-@pytest.fixture
-def file(tmp_path):
-    path = tmp_path / "bowls.toml"
-    path.write_text(BOWLS)
-    return path
 
 
 def table(directory):

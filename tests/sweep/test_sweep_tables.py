@@ -5,35 +5,14 @@ import sys
 import time
 
 import pytest
+from tests.sweep.four_bowls import ALONE
 
 from ecume.cli.progress import counted
 from ecume.errors import BadInput
 from ecume.sweep import open_sweep, sweep
-from ecume.sweep.crews import Crew
 from ecume.sweep.directory import laid_out
 from ecume.sweep.points import load_sweep
 from ecume.sweep.standing import remaining, standing
-
-BOWLS = """
-title = "Bowls"
-template = "cereal-bowl"
-measures = ["final kinetic_energy", "max kinetic_energy"]
-[fixed]
-duration = "0.2 s"
-frame_every = "50 ms"
-"floats[0].count" = 5
-[[axes]]
-key = "seed"
-values = [1, 2, 3, 4]
-"""
-ALONE = Crew(workers=1)
-
-
-@pytest.fixture
-def file(tmp_path):
-    path = tmp_path / "bowls.toml"
-    path.write_text(BOWLS)
-    return path
 
 
 class Frames:
