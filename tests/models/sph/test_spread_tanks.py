@@ -67,6 +67,7 @@ def test_a_tank_on_ranks_is_that_of_one(ranks: int, changes: tuple[str, ...]) ->
     ("change", "told"),
     [
         ("tank.walls=dummy", "mirrors or periodic"),
+        ("tank.bottom.velocity=[0.1, 0.0]", "stand still"),
         ("method.density_diffusion=antuono", "without transport velocity"),
         ("method.turbulence=smagorinsky", "without surface tension"),
     ],

@@ -15,12 +15,14 @@ from ecume.models.sph.fields import ANTUONO, DIFFUSION, FIRST, LAST, STRESS, TRA
 from ecume.models.sph.parameters import DELTA_PLUS, NO_TENSION, Parameters
 from ecume.models.sph.record import workspace
 from ecume.models.sph.state import State, Workspace
+from ecume.models.sph.work import forces_work
 
 
 def require_spreadable(parameters: Parameters) -> None:
     """Raise BadInput for tanks that are not spread over ranks."""
     choices = parameters.choices
-    if parameters.boundary.dummies.position.shape[1] or parameters.moves or parameters.gates:
+    solid = parameters.boundary.dummies.position.shape[1] > 0
+    if solid or forces_work(parameters):
         raise BadInput(
             "--engine mpi: goes with tanks whose sides are mirrors or periodic and stand still, and without solids, "
             "in- and outflows"
