@@ -148,14 +148,8 @@ def neighbor_lists(
         return before
     grid = grid_around(position, reach)
     crowd = sorted_crowd(position, grid)
-    limits = np.array(
-        [
-            *passive,
-            own[0],
-            min(own[1], len(before.counts)),
-            _longest_run(crowd.start, 2 * math.ceil(reach / grid.edge[-1]) + 2),
-        ]
-    )
+    longest = _longest_run(crowd.start, 2 * math.ceil(reach / grid.edge[-1]) + 2)
+    limits = np.array([*passive, own[0], min(own[1], len(before.counts)), longest])
     lists = before
     while True:
         _fill(*crowd, *grid, reach, limits, *lists)

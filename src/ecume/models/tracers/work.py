@@ -2,8 +2,9 @@
 
 Drag G on a particle takes at most what it gives to the liquid: G.v = G.u - (dissipation), with u the liquid's velocity.
 So a liquid that flows does the work of G.u: over a step u stands still, as it does in the flight. In a step in which a
-wall is met drag pushes on as if there were none, and may bring more, G.v: then that counts. The liquid's kicks bring
-heat: what the energy with them is more than that without. Who comes in or goes out takes its energy along. What has no
+wall is met drag pushes on as if there were none, and in a flow may bring more, G.v: then that counts. A liquid at rest
+brings nothing: what drag gives there after a bounce is an error, and is judged as one. The liquid's kicks bring heat:
+what the energy with them is more than that without. Who comes in or goes out takes its energy along. What has no
 inertia has no energy of motion: that of its velocity in a frame is lent by the liquid.
 """
 
@@ -12,7 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from ecume._jit import compiled
-from ecume.models.tracers.parameters import NO_DRAG, Parameters
+from ecume.models.tracers.parameters import Parameters
 from ecume.models.tracers.state import State, Workspace, came
 
 NOT_NOW = 1 << 40
@@ -21,11 +22,8 @@ NOT_NOW = 1 << 40
 
 @compiled
 def booked(parameters: Parameters) -> bool:
-    """Whether the liquid flows or kicks, or drags at those who meet walls, or somebody may go."""
-    drags = parameters.drag != NO_DRAG and parameters.fluid.viscosity > 0.0
-    return bool(
-        (drags and len(parameters.bouncing.kind) > 0) or stirred(parameters) or len(parameters.bouncing.hole) > 0
-    )
+    """Whether the liquid flows or kicks, or somebody may go."""
+    return bool(stirred(parameters) or len(parameters.bouncing.hole) > 0)
 
 
 @compiled
@@ -49,7 +47,7 @@ def work_of_flights(parameters: Parameters, state: State, scratch: Workspace) ->
     total, bodies, moved = 0.0, parameters.bodies, stirred(parameters)
     for i in range(len(scratch.fate)):
         if scratch.fate[i] <= 0:
-            if moved or scratch.hits[i] > 0:
+            if moved:
                 carried = carry_of_flight(parameters, state, scratch, i)
                 total += bodies.mass[i] * (carried + heat_of_flight(parameters, state, scratch, i))
         elif scratch.fate[i] < NOT_NOW:
