@@ -1,14 +1,16 @@
 import math
 import os
+import platform
 import subprocess
 import sys
 import types
 from pathlib import Path
 
+import llvmlite.binding
 import numpy as np
 import pytest
 
-from ecume import _jit
+from ecume import _jit, _parts
 
 pytestmark = pytest.mark.compiled
 
@@ -140,6 +142,91 @@ def test_a_whole_from_the_disk_finds_its_threads_though_its_parts_came_from_ther
         ["15.0", "0", "1"],
         ["15.0", "1", "0"],
     ]
+
+
+SUMMED = """
+import hashlib
+
+import numpy as np
+from ecume import _jit
+
+@_jit.summed_inside
+def pull(square, weight):
+    q = np.sqrt(square) * 0.7
+    return weight * (1.0 - 0.5 * q) * (1.0 - 0.5 * q) * (1.0 - 0.5 * q) * (2.0 * q + 1.0)
+
+@_jit.summing
+def sums(fields, neighbor, rates):
+    for i in _jit.prange(fields.shape[1]):
+        x, y = fields[0, i], fields[1, i]
+        ax, ay, total = 0.0, 0.0, 0.0
+        for k in range(neighbor.shape[1]):
+            j = np.uint64(neighbor[i, k])
+            dx, dy = fields[0, j] - x, fields[1, j] - y
+            force = pull(dx * dx + dy * dy, fields[2, j])
+            total += force * (dx * fields[2, j] + dy * fields[0, j])
+            ax += force * dx / (1.0 + dx * dx)
+            ay += force * dy
+        rates[0, i], rates[1, i], rates[2, i] = total, ax, ay
+
+random = np.random.default_rng(1)
+fields, neighbor = random.normal(size=(3, 5000)), random.integers(0, 5000, (5000, 48)).astype(np.int32)
+rates = np.zeros((3, 5000))
+sums(fields, neighbor, rates)
+print(hashlib.sha256(rates.tobytes()).hexdigest()[:12], sum(sums.together.stats.cache_hits.values()))
+"""
+
+
+def test_code_that_was_just_compiled_gives_the_bits_of_code_from_the_disk(tmp_path):
+    script = tmp_path / "summed.py"
+    script.write_text(SUMMED)
+    places = {"ECUME_CACHE_DIR": str(tmp_path / "cache"), "PYTHONPATH": str(Path(_jit.__file__).parents[1])}
+
+    def run():
+        words = [sys.executable, str(script)]
+        return subprocess.run(words, env={**os.environ, **places}, capture_output=True, text=True, check=True).stdout
+
+    (compiled, none), (loaded, one) = run().split(), run().split()
+    assert (none, one) == ("0", "1")
+    assert compiled == loaded
+
+
+FEATURES = {name for names in _parts.LEVELS.values() for name in names}
+
+
+def test_processors_of_one_level_of_the_instruction_set_get_the_same_code():
+    older = set(_parts.LEVELS["x86-64-v3"])
+    assert _parts.instruction_set(dict.fromkeys(FEATURES, True)) == "x86-64-v4"
+    assert _parts.instruction_set(dict.fromkeys({*FEATURES, "amx-tile", "avx512vbmi"}, True)) == "x86-64-v4"
+    assert _parts.instruction_set(dict.fromkeys(older, True)) == "x86-64-v3"
+    assert _parts.instruction_set({**dict.fromkeys(FEATURES, True), "avx512vl": False}) == "x86-64-v3"
+    for missing in older:
+        assert _parts.instruction_set({**dict.fromkeys(FEATURES, True), missing: False}) is None
+
+
+TARGET = """
+from ecume import _jit
+from numba.core.registry import cpu_target
+print(*cpu_target.target_context.codegen().magic_tuple()[1:])
+"""
+
+
+@pytest.mark.skipif(platform.machine() not in ("x86_64", "AMD64"), reason="levels are those of x86-64")
+def test_code_is_compiled_for_a_level_unless_the_user_names_a_processor():
+    def target(**names):
+        places = {"PYTHONPATH": str(Path(_jit.__file__).parents[1])}
+        environment = {name: value for name, value in os.environ.items() if not name.startswith("NUMBA_CPU")}
+        return subprocess.run(
+            [sys.executable, "-c", TARGET],
+            env={**environment, **places, **names},
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout.split()
+
+    level = _parts.instruction_set(llvmlite.binding.get_host_cpu_features())
+    assert level is None or target() == [level]
+    assert target(NUMBA_CPU_NAME="generic") == ["generic"]
 
 
 @_jit.compiled

@@ -5,19 +5,26 @@ law in another file silently gives the old result: folders are named by all text
 `_cache`). A truncated cache file raises from inside the unpickler: it is thrown away and compiled anew. A folder that
 cannot be written is an error at import: a temporary folder stands in. A function loaded from it may call threads that
 nobody started: they are started before anything is loaded.
+
+Code is compiled for one of two levels of the x86-64 instruction set instead of for the processor at hand: version 4
+(with AVX-512) where there is one, else version 3 (AVX2 and fused multiply-adds). All processors of a level then run the
+same instructions, so that results do not depend on the model of the processor, at the same speed.
 """
 
 from __future__ import annotations
 
+import contextlib
 import logging
 import platform
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from types import FunctionType
 from typing import Any
 
 import llvmlite
+import llvmlite.binding
 import numba
-from numba.core import types
+from numba.core import config, types
 from numba.core.caching import CompileResultCacheImpl, FunctionCache
 from numba.core.codegen import JITCodeLibrary
 from numba.core.compiler import Compiler
@@ -26,6 +33,33 @@ from numba.core.registry import CPUDispatcher
 from ecume import _cache
 
 log = logging.getLogger(__name__)
+
+LEVELS = {
+    "x86-64-v4": ("avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl"),
+    "x86-64-v3": ("avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe"),
+}
+"""Levels of the x86-64 instruction set, the highest first, and what each adds to the one below."""
+
+
+def instruction_set(features: Mapping[str, bool]) -> str | None:
+    """The highest level that a processor with these features supports; None for others, such as Arm, or before 2013.
+
+    >>> instruction_set(dict.fromkeys(LEVELS["x86-64-v3"], True))
+    'x86-64-v3'
+    """
+    usable = [name for name, needed in LEVELS.items() if all(features.get(one) for one in needed + LEVELS["x86-64-v3"])]
+    return usable[0] if usable else None
+
+
+def compile_for_levels() -> None:
+    """Have Numba compile for a level of the instruction set, unless NUMBA_CPU_NAME names a processor."""
+    if config.CPU_NAME is None and config.CPU_FEATURES is None:
+        level = instruction_set(llvmlite.binding.get_host_cpu_features())
+        if level is not None:
+            config.CPU_NAME, config.CPU_FEATURES = level, ""
+
+
+compile_for_levels()
 
 COMPILER = f"Numba {numba.__version__}, LLVM {llvmlite.__version__}, Python {platform.python_version()}"
 
@@ -140,12 +174,34 @@ class Part(Compiler):  # type: ignore[misc]
         super().__init__(typing, target, library or PartLibrary(target.codegen(), "part"), *rest)
 
 
+@contextlib.contextmanager
+def libraries_are_parts(codegen: Any) -> Iterator[None]:
+    """Make every code library that is created inside this block a part."""
+    kept, codegen._library_class = codegen._library_class, PartLibrary
+    try:
+        yield
+    finally:
+        codegen._library_class = kept
+
+
 class Whole(Compiler):  # type: ignore[misc]
-    """Compiles for Python, all parts included."""
+    """Compiles for Python, all parts included.
+
+    The bodies of threaded loops are parts too. Numba would optimize and emit each of them by itself, and again inside
+    the whole, under one name; the linker then runs the first one in the process that compiles and the second one in
+    processes that read the disk. Where sums may be reordered, these two differ in their last bits.
+    """
+
+    def __init__(self, typing: Any, target: Any, library: Any, *rest: Any) -> None:
+        if library is None:
+            library = target.codegen().create_library("whole")
+            library.enable_object_caching()
+        super().__init__(typing, target, library, *rest)
 
     def compile_extra(self, function: Any) -> Any:
-        """As ever; and the parts get their environments."""
-        result = super().compile_extra(function)
+        """Compile the function with everything it calls; the parts get their environments."""
+        with libraries_are_parts(self.state.targetctx.codegen()):
+            result = super().compile_extra(function)
         for environment in result._find_referenced_environments():
             result.codegen.set_env(environment.env_name, environment)
         return result
@@ -162,12 +218,8 @@ class PartFiles(WholeFiles):
         """As code to be linked. Numba would make it ready to run as it stands, and what is compiled later in the same
         process would find this first: a march from parts of the disk was fourteen times slower than one read whole.
         """
-        codegen = target.codegen()
-        kept, codegen._library_class = codegen._library_class, PartLibrary
-        try:
+        with libraries_are_parts(target.codegen()):
             return super().rebuild(target, payload)
-        finally:
-            codegen._library_class = kept
 
 
 class PartCache(HealingCache):
