@@ -39,12 +39,14 @@ def moments(
     extra_laws: Sequence[Callable[..., float]] = (),
     patience: float = 0.25,
     engine: Callable[[Model], Model] | None = None,
+    constants: Callable[[Any], Any] | None = None,
 ) -> Iterator[Moment]:
     """March through a scene and pause at every frame, and at least about every `patience` seconds of wall time.
 
     With `state` (of a checkpoint) the march goes on from there. Where it pauses changes no bit of the result.
     The state of a moment is moved on by the next one: copy it to keep it. `engine` makes of the scene's model one that
-    marches in another way to the same bits.
+    marches in another way to the same bits. `constants` is given the parameters that follow from the scene and returns
+    those to use: a resumed run keeps the constants that it was begun with.
     """
     model = MODELS[scene.model]
     if engine is not None:
@@ -52,6 +54,8 @@ def moments(
             raise BadInput("extra_laws go with the usual engine only")
         model = engine(model)
     parameters = model.parameters(scene)
+    if constants is not None:
+        parameters = constants(parameters)
     if state is None:
         state = model.start(scene, parameters)
     if extra_laws:

@@ -28,6 +28,8 @@ from ecume.scenes.schema import SCENES
 from ecume.trajectories.frame import Frame
 
 TIME_STEP = 0.001
+ROUNDING = 0.0
+"""By how much this processor rounds otherwise: the relative error of all that the toy derives and computes."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -45,6 +47,7 @@ class Parameters(NamedTuple):
     steps_per_frame: int
     blow_up_at: int
     rest: float
+    stiffness: NDArray[np.float64] = np.ones(1)
 
 
 class State(NamedTuple):
@@ -54,18 +57,23 @@ class State(NamedTuple):
 
 
 def parameters(scene: ToyScene) -> Parameters:
-    return Parameters(TIME_STEP, max(1, round(scene.frame_every / TIME_STEP)), scene.blow_up_at, scene.rest)
+    per_frame = max(1, round(scene.frame_every / TIME_STEP))
+    stiffness = np.full(scene.count, 1.0 + ROUNDING)
+    return Parameters(TIME_STEP * (1.0 + ROUNDING), per_frame, scene.blow_up_at, scene.rest, stiffness)
 
 
 def start(scene: ToyScene, _: Parameters) -> State:
     random = np.random.default_rng(scene.seed)
-    return State(random.normal(size=(scene.count, 2)), np.zeros((scene.count, 2)), np.zeros(1, np.int64))
+    return State(
+        (1.0 + ROUNDING) * random.normal(size=(scene.count, 2)), np.zeros((scene.count, 2)), np.zeros(1, np.int64)
+    )
 
 
 def advance(given: Parameters, state: State, _: Any, steps: int) -> int:
     time.sleep(given.rest)
     for _step in range(min(steps, 40) if given.rest else steps):
-        state.velocity[:] -= given.time_step * (state.position**3 + np.roll(state.position, 1, 0))
+        force = given.stiffness[:, None] * state.position**3 + np.roll(state.position, 1, 0)
+        state.velocity[:] -= given.time_step * (1.0 + ROUNDING) * force
         state.position[:] += given.time_step * state.velocity
         state.step[0] += 1
         if state.step[0] == given.blow_up_at:

@@ -100,11 +100,17 @@ def resume(
     directory: RunFolder = HERE,
     threads: Threads = None,
     on_violation: Violation = None,
+    strict: Annotated[
+        bool,
+        typer.Option("--strict", help="Stop if a frame computed again differs in any bit, even on another processor."),
+    ] = False,
     quiet: Quiet = False,
     engine: Engine = "local",
     ranks: Ranks = None,
 ) -> None:
-    """Go on with a run that was stopped or killed; the result is the same, bit for bit, as without the stop.
+    """Continue a run that was stopped or killed. The result is the same, bit for bit, as without the stop.
+
+    On another processor or with other library versions the last digits may differ: a warning then says by how much.
 
     Examples: `ecume resume runs/bowl` · `ecume resume runs/bowl --threads 2 --quiet`
     """
@@ -113,7 +119,7 @@ def resume(
     from ecume.run import resume as go_on
 
     with marching(engine, ranks) as led, shown(quiet=quiet) as told:
-        habits = Habits(threads=threads, progress=told, on_violation=on_violation, engine=led)
+        habits = Habits(threads=threads, progress=told, on_violation=on_violation, engine=led, strict=strict)
         _end(go_on(directory, habits=habits), quiet=quiet)
 
 
@@ -208,6 +214,7 @@ def described(run: Info) -> list[tuple[str, str]]:
         ("frames", str(run.frames)),
         ("checkpoint", "none" if run.checkpoint is None else f"at step {run.checkpoint}"),
         ("worked on", _worked(run.manifest.get("sessions", []))),
+        ("replaced", "; ".join(replacements(run.manifest))),
         ("size", f"{run.size / 1e6:.3g} MB"),
         ("invariants", run.watch),
         ("remark", run.why),
@@ -220,6 +227,16 @@ def _worked(sessions: Sequence[dict[str, Any]]) -> str:
     seconds = sum(session.get("seconds", 0.0) for session in sessions)
     told = f"for {lasting(seconds)}"
     return f"{told}, in {len(sessions)} sessions" if len(sessions) > 1 else told if seconds else ""
+
+
+def replacements(manifest: dict[str, Any]) -> list[str]:
+    """The frames that were replaced because another processor or other versions computed them with other bits."""
+    found = [session["replaced"] for session in manifest.get("sessions", []) if "replaced" in session]
+    return [
+        f"from frame {one['frame']} (t = {one['time']:g} s) on, which differed in {one['difference']} "
+        f"({'; '.join(one['changed'])})"
+        for one in found
+    ]
 
 
 VERBS = (run, resume, info, repair)

@@ -33,6 +33,11 @@ class RunDirectory:
         return self.path / "resolved.json"
 
     @property
+    def constants(self) -> Path:
+        """What the model derived from the scene when the run began: charges, tables, time step."""
+        return self.path / "constants.npz"
+
+    @property
     def manifest(self) -> Path:
         """With which programs and on which machine; when, and for how long."""
         return self.path / "manifest.json"
@@ -85,7 +90,7 @@ class RunDirectory:
     def parts(self) -> list[Path]:
         """All that a run makes but the lock, in the order in which it is removed: the manifest last."""
         contents = [self.trajectory, self.checkpoints, self.scalars, self.log, self.status, self.watch, self.done]
-        return [*contents, self.failed, self.scene, self.resolved, self.manifest]
+        return [*contents, self.failed, self.scene, self.resolved, self.constants, self.manifest]
 
 
 def existing(path: str | os.PathLike[str]) -> RunDirectory:

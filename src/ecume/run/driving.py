@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ecume.errors import BadInput, Diverged, Stopped, StorageError
-from ecume.run import checkpoints, manifest
+from ecume.run import checkpoints, constants, manifest
 from ecume.run.checkpoints import Checkpoint
 from ecume.run.directory import RunDirectory, as_json, clear, existing, json_of, refuse_existing, sweep, write_json
 from ecume.run.lawbook import Law, entries, require_same
@@ -72,6 +72,9 @@ class Habits:
     on_violation: str | None = None
     """What becomes of a run that loses what its model must not lose, see `watching.POLICIES`; left out, what it began
     with, or else what its scene says."""
+    strict: bool = False
+    """Resuming fails where a frame that is computed again differs in any bit from the one on disk, also on another
+    processor or with other versions; otherwise such frames are replaced, with a warning."""
 
     def __post_init__(self) -> None:
         """Refuse what is no policy."""
@@ -98,22 +101,24 @@ def run(
     home = RunDirectory(Path(directory))
     refuse_existing(home, force=force)
     with wish_to_stop(PATIENT) as wish:
-        moments = _moments(scene, None, extra_laws, habits)
+        moments = _moments(scene, None, extra_laws, habits, None)
         first = next(moments)  # a scene that cannot be run is refused before anything is written
         with storing(home.path):
             home.path.mkdir(parents=True, exist_ok=True)
         with held(home):
             refuse_existing(home, force=force)
             clear(home)
-            _found(home, scene, extra_laws, habits)
+            _found(home, scene, first.parameters, extra_laws, habits)
             return _drive(_Session(home, scene, habits, 0), itertools.chain([first], moments), wish)
 
 
 def resume(directory: str | os.PathLike[str], *, extra_laws: Sequence[Law] = (), habits: Habits = USUAL) -> RunResult:
     """Go on with a run that was stopped, killed, or ran out of disk; a finished run is done, and says so.
 
-    The end is the same, bit for bit, as if nothing had happened. A run with laws of the user's own wants the same
-    `extra_laws` again: their text, and the numbers they use, are compared with those it was begun with.
+    On the same kind of processor and with the same versions the result is the same, bit for bit, as without the stop.
+    Elsewhere the last digits may differ; frames that were already written after the last checkpoint are then replaced,
+    with a warning that says by how much they differ (`Habits.strict` refuses that). A run with laws of the user's own
+    needs the same `extra_laws` again: their text, and the numbers they use, are compared with those it was begun with.
     """
     from ecume.scenes.schema import from_plain
 
@@ -128,20 +133,30 @@ def resume(directory: str | os.PathLike[str], *, extra_laws: Sequence[Law] = (),
         checkpoint = _checkpoint(home, scene)
         with storing(home.failed):
             home.failed.unlink(missing_ok=True)
-        moments = _moments(scene, checkpoint.state, extra_laws, habits)
+        moments = _moments(scene, checkpoint.state, extra_laws, habits, lambda derived: _constants(home, derived))
         return _drive(_Session(home, scene, habits, checkpoint.frames), moments, wish)
 
 
-def _moments(scene: Any, state: Any, extra_laws: Sequence[Law], habits: Habits) -> Iterator[Moment]:
+def _moments(
+    scene: Any, state: Any, extra_laws: Sequence[Law], habits: Habits, constants: Callable[[Any], Any] | None
+) -> Iterator[Moment]:
     from ecume._jit import use_threads  # only who simulates waits for Numba: `ecume info` does not
     from ecume.simulation import moments
 
     use_threads(habits.threads)
-    return moments(scene, state=state, extra_laws=extra_laws, engine=habits.engine)
+    return moments(scene, state=state, extra_laws=extra_laws, engine=habits.engine, constants=constants)
 
 
-def _found(home: RunDirectory, scene: Any, extra_laws: Sequence[Law], habits: Habits) -> None:
-    """What a run has before it begins; the manifest is last, and makes it one."""
+def _constants(home: RunDirectory, derived: Any) -> Any:
+    """The parameters of a resumed run: those derived from the scene, with the constants that the run was begun with."""
+    parameters, remark = constants.restored(home, derived)
+    if remark:
+        note(home, "constants", remark=remark)
+    return parameters
+
+
+def _found(home: RunDirectory, scene: Any, parameters: Any, extra_laws: Sequence[Law], habits: Habits) -> None:
+    """Write what a run has before it begins; the manifest is last, and makes it one."""
     from ecume.scenes.schema import to_plain, to_toml
 
     plain = as_json(to_plain(scene))
@@ -150,6 +165,7 @@ def _found(home: RunDirectory, scene: Any, extra_laws: Sequence[Law], habits: Ha
     write_json(
         home.manifest,
         manifest.first_manifest(scene, plain)
+        | {"constants_sha256": constants.save(home, parameters)}
         | {"extra_laws": entries(extra_laws), "on_violation": habits.on_violation or scene.on_violation},
     )
 
@@ -196,7 +212,7 @@ class _Session:
 
     def __init__(self, home: RunDirectory, scene: Any, habits: Habits, frames: int) -> None:
         self._home, self._habits = home, habits
-        self._recording = Recording(home, frames, kinds=scene.kinds)
+        self._recording = Recording(home, frames, kinds=scene.kinds, strict=habits.strict)
         self._scene, self._watch = scene, Watch(home, [], POLICIES[0])
         self._pace, self._status = Pace(scene.duration), StatusFile(home)
         self._began = self._saved = time.monotonic()
@@ -219,6 +235,8 @@ class _Session:
             if not begun:
                 self._begin(moment)
                 begun = True
+                if moment.step == 0:  # particles placed again on another processor might differ in their last digits
+                    self._save(moment, 0)
             before = self._recording.frames
             self._take(moment)
             ended = moment.step >= moment.steps
@@ -255,7 +273,7 @@ class _Session:
         policy = self._habits.on_violation or json_of(self._home.manifest).get("on_violation", POLICIES[0])
         invariants = MODELS[self._scene.model].invariants(self._scene, moment.parameters)
         self._watch = Watch(self._home, invariants, policy)
-        manifest.open_session(self._home, use_threads(self._habits.threads), moment.step)
+        manifest.open_session(self._home, use_threads(self._habits.threads), moment.step, self._recording.on_disk)
         differences = manifest.changed(json_of(self._home.manifest))
         note(self._home, "begun" if moment.step == 0 else "resumed", step=moment.step, changed=differences)
 

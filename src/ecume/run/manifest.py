@@ -8,6 +8,7 @@ import importlib.metadata
 import os
 import platform
 import socket
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,8 @@ from ecume.run.directory import RunDirectory, json_of, write_json
 from ecume.trajectories.durable import storing
 
 PROGRAMS = ("numpy", "numba", "llvmlite", "scipy", "pydantic")
+SETTINGS = ("OPENBLAS_CORETYPE", "NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES", "GLIBC_TUNABLES")
+"""Environment variables that make libraries compute as on another processor."""
 
 
 def now() -> str:
@@ -29,8 +32,10 @@ def circumstances() -> dict[str, Any]:
         "ecume": ecume.__version__,
         "python": platform.python_version(),
         **{name: _version(name) for name in PROGRAMS},
-        "platform": platform.platform(),
+        "platform": " ".join((platform.system(), platform.machine(), *platform.libc_ver())).strip(),
         "processor": _processor(),
+        "vector instructions": _vector_instructions(),
+        **{name: os.environ[name] for name in SETTINGS if name in os.environ},
     }
 
 
@@ -46,17 +51,48 @@ def first_manifest(scene: Any, plain: str) -> dict[str, Any]:
     }
 
 
-def changed(manifest: dict[str, Any]) -> list[str]:
-    """What is not as it was when the run began."""
-    today = [(name, manifest.get(name), value) for name, value in circumstances().items()]
-    return [f"{name} {before} is now {value}" for name, before, value in today if before != value]
+def changed(former: Mapping[str, Any]) -> list[str]:
+    """The versions and the processor that differ from those in a manifest or in one of its sessions."""
+    today = circumstances()
+    names = [*today, *(name for name in SETTINGS if name in former and name not in today)]
+    return [f"{name} {former.get(name)} -> {today.get(name)}" for name in names if former.get(name) != today.get(name)]
 
 
-def open_session(home: RunDirectory, threads: int, step: int) -> None:
-    """Note that a process begins to work on the run."""
+def open_session(home: RunDirectory, threads: int, step: int, frames: int) -> None:
+    """Record that a process starts to work on the run, which has so many frames on disk."""
     manifest = json_of(home.manifest)
-    session = {"pid": os.getpid(), "host": socket.gethostname(), "threads": threads, "began": now(), "from_step": step}
+    session = {
+        "pid": os.getpid(),
+        "host": socket.gethostname(),
+        "threads": threads,
+        "began": now(),
+        "from_step": step,
+        "first_frame": frames,
+        "circumstances": circumstances(),
+    }
     manifest["sessions"] = [*manifest.get("sessions", []), session]
+    write_json(home.manifest, manifest)
+
+
+def circumstances_of_frame(home: RunDirectory, frame: int) -> dict[str, Any]:
+    """The versions and the processor with which a frame on disk was computed.
+
+    Each session states the first frame that it wrote itself; the last session that starts at or before a frame is the
+    one that wrote it. The present session has written none of the frames that it finds on disk.
+    """
+    manifest = json_of(home.manifest)
+    for session in reversed(manifest.get("sessions", [])[:-1]):
+        if "circumstances" not in session:
+            break
+        if session["first_frame"] <= frame:
+            return dict(session["circumstances"])
+    return manifest
+
+
+def record_replacement(home: RunDirectory, replacement: dict[str, Any]) -> None:
+    """Record that the present session replaces all frames from `replacement["frame"]` on."""
+    manifest = json_of(home.manifest)
+    manifest["sessions"][-1] |= {"first_frame": replacement["frame"], "replaced": replacement}
     write_json(home.manifest, manifest)
 
 
@@ -71,7 +107,13 @@ def close_session(home: RunDirectory, outcome: str, step: int, seconds: float) -
 def digests(home: RunDirectory) -> dict[str, str]:
     """The SHA-256 of each file that will not change any more."""
     folders = (home.trajectory, home.checkpoints)
-    files = [home.scene, home.resolved, home.scalars, *(path for folder in folders for path in folder.glob("*"))]
+    files = [
+        home.scene,
+        home.resolved,
+        home.constants,
+        home.scalars,
+        *(path for folder in folders for path in folder.glob("*")),
+    ]
     return {path.relative_to(home.path).as_posix(): _digest(path) for path in sorted(files) if path.is_file()}
 
 
@@ -88,10 +130,23 @@ def _version(program: str) -> str | None:
 
 
 def _processor() -> str:
-    """The model of the processor; Linux keeps it where the platform module does not look."""
+    """The processor's name, family and model; Linux keeps them where the platform module does not look.
+
+    Virtual machines call processors of several generations by one name, so the name alone is not enough.
+    """
     try:
         lines = Path("/proc/cpuinfo").read_text().splitlines()
     except OSError:
         return platform.processor()
-    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
-    return names[0] if names else platform.processor()
+    first = {name.strip(): value.strip() for name, _, value in (line.partition(":") for line in reversed(lines))}
+    if "model name" not in first:
+        return platform.processor()
+    return f"{first['model name']} (family {first.get('cpu family')}, model {first.get('model')})"
+
+
+def _vector_instructions() -> str:
+    """The optional instruction sets that NumPy found on this processor and may use."""
+    import numpy as np
+
+    configuration: Any = np.show_config(mode="dicts")
+    return " ".join(configuration.get("SIMD Extensions", {}).get("found", []))

@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from ecume.errors import EcumeError, StorageError
-from ecume.run.directory import RunDirectory, as_json, json_of
+from ecume.run.constants import is_sound
+from ecume.run.directory import RunDirectory, as_json, json_of, write_json
 from ecume.trajectories.durable import storing, write_whole
 from ecume.trajectories.repair import Repaired
 from ecume.trajectories.repair import repair as repair_trajectory
@@ -28,7 +29,7 @@ def plain_scene(home: RunDirectory) -> dict[str, Any]:
 
 def mended(home: RunDirectory) -> Repaired:
     """Whole frames stay, each damaged one is named; what is damaged beside them is made anew or set aside."""
-    beside = [*_resolved(home), *_told_again(home)]
+    beside = [*_resolved(home), *_constants(home), *_told_again(home)]
     frames = repair_trajectory(home.trajectory)
     return frames._replace(faults=(*beside, *frames.faults))
 
@@ -48,6 +49,17 @@ def _resolved(home: RunDirectory) -> Iterator[str]:
         return
     write_whole(home.resolved, text)
     yield f"{home.resolved}: was damaged; made anew from scene.toml"
+
+
+def _constants(home: RunDirectory) -> Iterator[str]:
+    """What became of `constants.npz`: a damaged one is set aside, and the run derives its constants again."""
+    if is_sound(home):
+        return
+    if home.constants.exists():
+        _set_aside(home.constants)
+    manifest = json_of(home.manifest)
+    write_json(home.manifest, {name: value for name, value in manifest.items() if name != "constants_sha256"})
+    yield f"{home.constants}: damaged or missing; set aside, and the constants are derived again on resume"
 
 
 def _from_the_scene(home: RunDirectory) -> bytes:

@@ -1,7 +1,8 @@
 """The frames of a run onto disk, also those of a run that was interrupted.
 
 What a killed run wrote after its last checkpoint is computed again, and compared bit for bit instead of being written
-again: each crash is a test of determinism.
+again: each crash is a test of determinism. On another processor or with other versions of the libraries the last bits
+may differ; then the old frames are replaced, and the run says by how much they differ.
 """
 
 from __future__ import annotations
@@ -9,11 +10,16 @@ from __future__ import annotations
 import json
 import math
 import os
+import warnings
 from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
 
 from ecume.errors import StorageError
-from ecume.run.directory import RunDirectory, json_of
-from ecume.run.manifest import changed
+from ecume.run.directory import RunDirectory
+from ecume.run.manifest import changed, circumstances_of_frame, record_replacement
 from ecume.run.progress import note
 from ecume.scenes.common import Kind, colors_of
 from ecume.trajectories.durable import storing, write_whole
@@ -23,16 +29,34 @@ from ecume.trajectories.recorders import LARGEST, Recorder
 
 
 class Recording:
-    """The open trajectory and the open table of numbers of a run; `frames` of them are behind us."""
+    """The open trajectory and the open table of numbers of a run; `frames` of them are behind us.
 
-    def __init__(self, home: RunDirectory, frames: int, *, kinds: Sequence[Kind] = (), largest: int = LARGEST) -> None:
-        self._home, self.frames = home, frames
+    `strict` refuses frames that differ from those on disk, whatever the reason.
+    """
+
+    def __init__(
+        self,
+        home: RunDirectory,
+        frames: int,
+        *,
+        kinds: Sequence[Kind] = (),
+        largest: int = LARGEST,
+        strict: bool = False,
+    ) -> None:
+        self._home, self.frames, self._strict = home, frames, strict
         names = [kind.name for kind in kinds]
         self._recorder = Recorder(home.trajectory, species=names, colors=colors_of(kinds), largest=largest)
         self._former = Trajectory(home.trajectory)
         with storing(home.scalars):
             _cut_scalars(home, self._former, frames)
             self._scalars = home.scalars.open("a", newline="\n")
+
+    @property
+    def on_disk(self) -> int:
+        """How many frames the trajectory holds: more than `frames` where a killed run had gone on after its last
+        checkpoint.
+        """
+        return self._recorder.frames
 
     def take(self, frame: Frame, step: int) -> None:
         """Record a frame: compare it with that on disk where there is one, write it where there is none."""
@@ -60,31 +84,77 @@ class Recording:
     def _compare(self, frame: Frame) -> None:
         try:
             former = self._former[self.frames]
-        except StorageError as error:  # damaged, so worth no comparison
-            note(self._home, "frames are written anew", first=self.frames, why=str(error))
-            self._former.close()
-            self._recorder.cut(self.frames)
+        except StorageError as error:  # damaged, so there is nothing to compare with
+            note(self._home, "frames are written again", first=self.frames, why=str(error))
+            self._cut()
             return
-        if differing := difference(former, frame):
-            now = "; ".join(changed(json_of(self._home.manifest))) or "the same programs on the same kind of processor"
+        if (found := difference(former, frame)) is not None:
+            self._replace(frame, found)
+
+    def _replace(self, frame: Frame, found: Difference) -> None:
+        """Drop the frames on disk from this one on. Raises StorageError where they should have been the same."""
+        changes = changed(circumstances_of_frame(self._home, self.frames))
+        which = f"{self._home.path}: frame {self.frames} (t = {frame.time:g} s)"
+        where = f"{which}, computed again, differs from the one on disk"
+        if not changes:
             raise StorageError(
-                f"{self._home.path}: frame {self.frames} (t = {frame.time:g} s) came out otherwise than before, in "
-                f"{differing} ({now}): go on with what it was begun with, or run the scene again with --force"
+                f"{where} in {found}, although the processor and all versions are the same: a fault in memory, on the "
+                "disk or in the program; run the scene again with --force"
             )
+        if self._strict:
+            raise StorageError(
+                f"{where} in {found} ({'; '.join(changes)}): resume it where it was begun, or without --strict"
+            )
+        self._cut()
+        replacement = {"frame": self.frames, "time": frame.time, "difference": str(found), "changed": changes}
+        record_replacement(self._home, replacement)
+        note(self._home, "frames replaced", **replacement)
+        warnings.warn(f"{where} in {found} ({'; '.join(changes)}); it and later ones are replaced", stacklevel=1)
+
+    def _cut(self) -> None:
+        self._former.close()
+        self._recorder.cut(self.frames)
 
 
-def difference(one: Frame, other: Frame) -> str:
-    """The first thing in which two frames are not the same bit for bit, or nothing."""
-    if float(one.time).hex() != float(other.time).hex():
-        return "time"
+class Difference(NamedTuple):
+    """The quantity in which two frames differ most, and by how much of its largest value; infinity where they hold
+    different quantities or arrays of different shapes.
+    """
+
+    quantity: str
+    size: float
+
+    def __str__(self) -> str:
+        """`charge, by 1.3e-16 of its largest value`."""
+        return (
+            f"{self.quantity}, by {self.size:.1e} of its largest value" if math.isfinite(self.size) else self.quantity
+        )
+
+
+def difference(one: Frame, other: Frame) -> Difference | None:
+    """Where two frames differ most; None if they are the same bit for bit."""
     if list(one.arrays) != list(other.arrays) or list(one.numbers) != list(other.numbers):
-        return "the names of its quantities"
-    for name, array in one.arrays.items():
-        twin = other.arrays[name]
-        if (array.shape, array.dtype, array.tobytes()) != (twin.shape, twin.dtype, twin.tobytes()):
-            return name
-    numbers = ((name, float(value), float(other.numbers[name])) for name, value in one.numbers.items())
-    return next((name for name, here, there in numbers if here.hex() != there.hex()), "")
+        return Difference("the names of its quantities", math.inf)
+    pairs = [("time", np.asarray(one.time), np.asarray(other.time))]
+    pairs += [(name, array, other.arrays[name]) for name, array in one.arrays.items()]
+    numbers = other.numbers
+    pairs += [(name, np.asarray(value, float), np.asarray(numbers[name], float)) for name, value in one.numbers.items()]
+    found = [Difference(name, size) for name, *two in pairs if (size := _distance(*two)) is not None]
+    return max(found, key=lambda each: each.size, default=None)
+
+
+def _distance(one: NDArray[Any], other: NDArray[Any]) -> float | None:
+    """The largest difference over the largest value; None for the same bits."""
+    if (one.shape, one.dtype) != (other.shape, other.dtype):
+        return math.inf
+    if one.tobytes() == other.tobytes():
+        return None
+    if one.dtype.kind not in "iufc":
+        return math.inf
+    with np.errstate(invalid="ignore", over="ignore"):
+        apart = np.abs(np.subtract(one, other, dtype=np.result_type(one, np.float64)))
+        largest, scale = np.nanmax(apart, initial=0.0), np.nanmax(np.abs(one), initial=0.0)
+    return float(largest / scale) if 0.0 < scale < math.inf else float(largest)
 
 
 def scalars_line(step: int, frame: Frame) -> str:
