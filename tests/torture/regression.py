@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ecume.run.manifest import PROGRAMS, circumstances
+from ecume.run.manifest import circumstances
 from ecume.scenes.load import load_scene
 from ecume.simulation import moments
 from ecume.trajectories.frame import Frame
@@ -54,8 +54,9 @@ def same_machine() -> bool:
 
 
 def kind() -> dict[str, Any]:
-    """What can change a bit."""
-    return {name: circumstances()[name] for name in ("python", *PROGRAMS, "processor")}
+    """What can change a bit: versions, the processor, and settings that make libraries compute as on another one."""
+    today = circumstances()
+    return {name: value for name, value in today.items() if name not in ("ecume", "platform")}
 
 
 def frames_until(name: str, frame: int, shift: float = 0.0) -> list[Frame]:

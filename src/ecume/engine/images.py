@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ecume._portable import dot, product
 from ecume.engine.cells import Integers
 from ecume.units import Array
 
@@ -64,7 +65,7 @@ def positions_of_images(position: Array, images: Images, sides: Sides) -> Array:
 
 def distance_before(position: Array, sides: Sides, side: int) -> Array:
     """How far each stands before a side."""
-    distance: Array = sides.normal[side] @ position - sides.normal[side] @ sides.point[side]
+    distance: Array = product(sides.normal[side], position) - dot(sides.normal[side], sides.point[side])
     return distance
 
 

@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.spatial import cKDTree
 
+from ecume._portable import product
 from ecume.engine.shapes import Flags
 from ecume.units import Array
 
@@ -57,9 +58,9 @@ class Mesh(NamedTuple):
         volume = (one * across).sum(axis=1)
         # A ray along a triangle's own plane misses it.
         volume = np.where(volume == 0.0, np.nan, volume)
-        u = (points @ across.T - (corner * across).sum(axis=1)) / volume
-        v = (points @ beside.T - (corner * beside).sum(axis=1)) / volume
-        way = (points @ normal.T - (corner * normal).sum(axis=1)) / volume
+        u = (product(points, across.T) - (corner * across).sum(axis=1)) / volume
+        v = (product(points, beside.T) - (corner * beside).sum(axis=1)) / volume
+        way = (product(points, normal.T) - (corner * normal).sum(axis=1)) / volume
         hit = (u >= 0.0) & (v >= 0.0) & (u + v <= 1.0) & (way > 0.0)
         found: Array = np.where(hit, way, np.inf)
         return found

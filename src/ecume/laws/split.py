@@ -80,7 +80,9 @@ def smooth_wave(wavenumber_squared: Numbers, eta: Number) -> Any:
     """
     import numpy as np
 
-    return 2.0 * np.pi * np.exp(-eta * (1.0 + wavenumber_squared)) / (1.0 + wavenumber_squared)
+    from ecume._portable import exp
+
+    return 2.0 * np.pi * exp(-eta * (1.0 + wavenumber_squared)) / (1.0 + wavenumber_squared)
 
 
 def smooth_wave_within(wavenumber_squared: Numbers, eta: Number, reach: Number) -> Any:
@@ -151,8 +153,10 @@ def spline_share(phase: Any, order: int) -> Any:
     """
     import numpy as np
 
+    from ecume._portable import power, sinc
+
     copies = np.arange(-ALIASES, ALIASES + 1)
-    waves = np.sinc(np.asarray(phase)[..., None] / (2.0 * np.pi) + copies) ** (2 * order)
+    waves = power(sinc(np.asarray(phase)[..., None] / (2.0 * np.pi) + copies), 2 * order)
     return waves[..., ALIASES] / waves.sum(axis=-1)
 
 

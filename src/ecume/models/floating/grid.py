@@ -17,6 +17,7 @@ import numpy as np
 from scipy import fft
 
 from ecume._jit import admit, compiled, compiled_inside, prange, threaded
+from ecume._portable import exp, log, power, sinc
 from ecume.engine import splines
 from ecume.engine.cells import Integers
 from ecume.engine.neighbors import NeighborLists, Slots
@@ -111,8 +112,8 @@ def grid_around(split: Split, reference: Array, length: float) -> Grid:
     """Room for the crowd, for splines beyond its edges, and for as much nothing as keeps its copies apart."""
     low = reference.min(axis=0) - split.margin
     span = reference.max(axis=0) + split.margin - low
-    rungs = np.ceil(RUNGS * np.log2(span / split.spacing))
-    extent = split.spacing * 2.0 ** (rungs / RUNGS)
+    rungs = np.ceil(RUNGS * log(span / split.spacing) / math.log(2.0))
+    extent = split.spacing * exp(math.log(2.0) * rungs / RUNGS)
     diagonal = float(np.hypot(*extent))
     soft = 2.0 * math.sqrt(splitting.FARTHEST * split.eta) * length
     near = diagonal + soft < split.far
@@ -157,7 +158,7 @@ def waves_of(shape: tuple[int, int], spacing: float, eta: float, order: int, rea
 def _undone(phase: Array, order: int) -> Array:
     """U^2/(sum U^2)^2 of one axis."""
     share = np.asarray(splitting.spline_share(phase, order))
-    kept: Array = share**2 / np.sinc(phase / (2.0 * np.pi)) ** (2 * order)
+    kept: Array = share * share / power(sinc(phase / (2.0 * np.pi)), 2 * order)
     return kept
 
 

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ecume._jit import compiled
+from ecume._portable import phase_factor
 from ecume.engine.neighbors import NeighborLists
 from ecume.laws.flotation import Disc, Liquid, Sphere
 from ecume.laws.meniscus import facing_amplitude, plane_amplitude
@@ -216,7 +217,7 @@ def many_energy(parameters: Parameters, state: State) -> float:
     crowd = make_crowd(parameters, state.amplitudes.copy(), state.turning)
     resolve(many, state.position, crowd)
     orders = crowd.amplitudes.shape[1]
-    turned = many.rims.source * np.exp(-1j * np.arange(orders) * crowd.turning[:, :1])
+    turned = many.rims.source * phase_factor(-np.arange(orders) * crowd.turning[:, :1])
     return (
         many.tension
         * many.length**2

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ecume._jit import compiled, compiled_inside
+from ecume._portable import dots, solve
 from ecume.models.soft.cell import Cell, Goal, gradient_of, stress_goal
 from ecume.models.soft.films import Answers, Pairs, center_distance
 from ecume.models.soft.links import ROUNDING, Vector
@@ -197,9 +198,9 @@ def close(borders: Borders, count: int) -> Array | None:
     """The unknowns' change, from the solutions of all right sides, which become one; None where there is none."""
     by = borders.change.reshape(len(borders.change), -1)
     rows = borders.rows[:count].reshape(count, -1)
-    matrix = borders.corner[:count, :count] + rows @ by[1 : 1 + count].T
+    matrix = borders.corner[:count, :count] + dots(rows, by[1 : 1 + count])
     try:
-        found = np.linalg.solve(matrix, -borders.left[:count] - rows @ by[0])
+        found = solve(matrix, -borders.left[:count] - dots(rows, by[:1])[:, 0])
     except np.linalg.LinAlgError:
         return None
     for unknown, value in enumerate(found):

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ecume._jit import compiled
+from ecume._portable import exp
 from ecume.engine.cells import Integers
 from ecume.engine.copying import clear_rows
 from ecume.models.soft.films import Pairs
@@ -69,7 +70,7 @@ class Box(NamedTuple):
 
 def box_of(sides: Array, shape: Array, dimensions: int) -> Box:
     """The box of a shape."""
-    now = sides[:dimensions] * np.exp(shape[WIDTH : WIDTH + dimensions])
+    now = sides[:dimensions] * exp(shape[WIDTH : WIDTH + dimensions])
     return Box(now, float(shape[TILT] * now[0]))
 
 

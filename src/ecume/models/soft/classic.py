@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ecume._jit import compiled
+from ecume._portable import exp
 from ecume.engine import blocks, elimination
 from ecume.errors import BadInput
 from ecume.laws.arguments import require_positive
@@ -179,7 +180,7 @@ def places_like(step: Step) -> Places:
 
 def places_of(step: Step) -> Places:
     """The present ones."""
-    reach = step.pairs.radius_sum + np.exp(step.log_gap)
+    reach = step.pairs.radius_sum + exp(step.log_gap)
     return Places(step.bodies.before.copy(), reach[:, None] * step.direction)
 
 
@@ -227,7 +228,7 @@ def _records(scene: SoftScene, course: Course) -> Iterator[tuple[Array, float]]:
 def _instant(row: Array, kappa: float, scene: SoftScene) -> Instant:
     gap, tension, slide = (row[1 + k :: 3] for k in range(3))
     # By the gap vectors: the centers' angle differs by the deflections.
-    across, along = 2.0 + np.exp(gap[[HORIZONTAL, VERTICAL]])
+    across, along = 2.0 + exp(gap[[HORIZONTAL, VERTICAL]])
     return Instant(
         time=float(row[0]),
         angle=math.atan2(along, across),

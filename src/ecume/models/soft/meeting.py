@@ -9,6 +9,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from ecume._jit import compiled, compiled_inside
+from ecume._portable import log
 from ecume.engine.blocks import near_order
 from ecume.engine.cells import Integers
 from ecume.errors import Diverged
@@ -96,7 +97,7 @@ def meet_walls(parameters: Parameters, state: State) -> bool:
     touching, contacts = state.touching.astype(bool), parameters.contacts
     gap = wall_gaps(parameters, state.position, state.wall)
     fresh = ~touching & (gap < contacts.fade_from)
-    gone = touching & ~(np.exp(state.wall_gap) < contacts.fade_to)
+    gone = touching & ~(state.wall_gap < log(contacts.fade_to))
     if not (fresh.any() or gone.any()):
         return False
     if (gap[fresh] <= 0.0).any():
@@ -104,7 +105,7 @@ def meet_walls(parameters: Parameters, state: State) -> bool:
         raise Diverged(f"sphere {met} met a wall without a film between them; set films.reach higher")
     state.touching[:] = (touching & ~gone) | fresh
     sphere, wall = np.nonzero(fresh)
-    state.wall_gap[sphere, wall] = np.log(gap[sphere, wall])
+    state.wall_gap[sphere, wall] = log(gap[sphere, wall])
     dimensions = state.position.shape[1]
     slip = (state.wall[wall, :dimensions] - state.position[sphere]) / parameters.radius[sphere, None]
     slip[np.arange(len(sphere)), parameters.walls.axis[wall]] = 0.0
@@ -197,7 +198,7 @@ def _negative(image: Integers) -> NDArray[np.bool_]:
 
 def _kept(parameters: Parameters, state: State) -> NDArray[np.bool_]:
     """Which contacts have not faded."""
-    return np.asarray(np.exp(state.log_gap[: state.contacts[0]]) < parameters.contacts.fade_to)
+    return np.asarray(state.log_gap[: state.contacts[0]] < log(parameters.contacts.fade_to))
 
 
 def _keep(state: State, kept: Integers) -> None:
@@ -219,7 +220,7 @@ def _open(parameters: Parameters, state: State, found: Found) -> None:
         first, second = pair[np.argmin(gap)]
         raise Diverged(f"spheres {first} and {second} met without a film between them; set films.reach higher")
     state.pair[here:total], state.image[here:total] = pair, image
-    state.log_gap[here:total] = np.log(gap)
+    state.log_gap[here:total] = log(gap)
     state.direction[here:total] = between / length[:, None]
     state.contacts[0] = total
     _keep(state, order_of(state.pair[:total], state.image[:total]))

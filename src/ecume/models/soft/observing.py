@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
+from ecume._portable import exp, log
 from ecume.engine.cells import Integers
 from ecume.laws.remote import REMOTE
 from ecume.models.invariants import DISSIPATED
@@ -74,7 +75,7 @@ def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
     }
     numbers = {
         "elastic_energy": (held := elastic_energy(parameters.contacts, step)),
-        "smallest_gap": float(np.exp(step.log_gap.min(initial=np.inf))),
+        "smallest_gap": float(exp(step.log_gap.min(initial=np.inf))),
         **_neighbors(parameters, step),
         **_wall_numbers(parameters, state, step),
         "largest_tension": float(tension.max(initial=0.0)),
@@ -132,11 +133,11 @@ def _budget(parameters: Parameters, state: State, step: Step, held: float) -> di
     remote = {"remote_energy": _remote_energy(parameters, step)} if parameters.contacts.remote else {}
     told = {"total_energy": held + sum(remote.values()), INJECTED_WORK: state.books[INJECTED]}
     told |= {DISSIPATED: state.books[FILMS] + state.books[DRAG], SIZE_WORK: state.books[SIZE]}
-    told |= {STAKE: _stake(step.answers.force, step.direction, np.exp(step.log_gap), step.pairs.radius_sum)}
+    told |= {STAKE: _stake(step.answers.force, step.direction, exp(step.log_gap), step.pairs.radius_sum)}
     if isinstance(step.walls, Walls):
         touches = step.walls.touches
         normal = np.eye(3)[step.walls.places.axis[touches.wall]]
-        told[STAKE] += _stake(touches.force, normal, np.exp(touches.log_gap), touches.radius)
+        told[STAKE] += _stake(touches.force, normal, exp(touches.log_gap), touches.radius)
     return remote | {name: float(value) for name, value in told.items()}
 
 
@@ -152,10 +153,10 @@ def _stake(force: Array, normal: Array, gap: Array, radius_sum: Array) -> float:
 def _remote_energy(parameters: Parameters, step: Step) -> float:
     """What films hold by remote forces (J), less what they would at their reach."""
     contacts = parameters.contacts
-    gap, radius = np.exp(step.log_gap), step.pairs.reduced_radius
+    gap, radius = exp(step.log_gap), step.pairs.reduced_radius
     if isinstance(step.walls, Walls):
         touches = step.walls.touches
-        gap, radius = np.append(gap, np.exp(touches.log_gap)), np.append(radius, touches.radius)
+        gap, radius = np.append(gap, exp(touches.log_gap)), np.append(radius, touches.radius)
     law = _remote_law(parameters, list(REMOTE.values())[contacts.remote].energy)
     reach = contacts.fade_from
     return float(
@@ -197,13 +198,13 @@ def stresses(parameters: Parameters, step: Step, volume: float) -> dict[str, Arr
     parts = {"squeeze": pull + push, "sliding": force - pull}
     if parameters.contacts.remote:
         parts["remote"] = -push
-    return {name: np.asarray(part.T @ between / volume) for name, part in parts.items()}
+    return {name: np.einsum("ca,cb->ab", part, between) / volume for name, part in parts.items()}
 
 
 def _remote_forces(parameters: Parameters, step: Step) -> Array:
     """The repulsion across each film (N)."""
     law = _remote_law(parameters, list(REMOTE.values())[parameters.contacts.remote].force)
-    return np.array([law(h, r) for h, r in zip(np.exp(step.log_gap), step.pairs.reduced_radius, strict=True)])
+    return np.array([law(h, r) for h, r in zip(exp(step.log_gap), step.pairs.reduced_radius, strict=True)])
 
 
 def _remote_law(parameters: Parameters, law: Callable[..., float]) -> Callable[[float, float], float]:
@@ -220,8 +221,8 @@ def _remote_law(parameters: Parameters, law: Callable[..., float]) -> Callable[[
 def _neighbors(parameters: Parameters, step: Step) -> dict[str, float]:
     """How many neighbors are close, and the geometric mean of their gaps."""
     radius = np.minimum(parameters.radius[step.pairs.first], parameters.radius[step.pairs.second])
-    close = step.log_gap[step.log_gap < np.log(CLOSE * radius)]
-    mean = float(np.exp(close.mean())) if len(close) else math.nan
+    close = step.log_gap[step.log_gap < log(CLOSE * radius)]
+    mean = float(exp(close.mean())) if len(close) else math.nan
     return {"coordination": 2.0 * len(close) / len(parameters.radius), "mean_gap": mean}
 
 
@@ -282,7 +283,7 @@ def _slots(parameters: Parameters, step: Step, tension: Array) -> dict[str, Arra
     shear = step.answers.force[told] - tension[told, None] * step.direction[told]
     values = {
         "neighbor": step.pairs.second[told],
-        "gap": np.exp(step.log_gap[told]),
+        "gap": exp(step.log_gap[told]),
         "tension": tension[told],
         "shear": np.linalg.norm(shear, axis=1),
     }

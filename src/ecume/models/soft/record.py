@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import psutil
 
+from ecume._portable import exp
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.models.advice import Row
 from ecume.models.blame import DEEP, first_broken
@@ -53,7 +54,7 @@ def _closest(parameters: Parameters, state: State) -> str:
         return "no sphere has a film with another"
     pair, image = state.pair[:contacts], state.image[:contacts]
     with np.errstate(over="ignore"):
-        gap = np.exp(state.log_gap[:contacts])
+        gap = exp(state.log_gap[:contacts])
     between = state.position[pair[:, 1]] - state.position[pair[:, 0]] + image * box.sides
     between[:, 0] += box.tilt * image[:, 1]
     depth = parameters.radius[pair].sum(axis=1) - np.linalg.norm(between, axis=1)

@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ecume._portable import exp, product
 from ecume.errors import BadInput, Diverged
 from ecume.laws.arguments import chosen, require_positive
 from ecume.models.soft import classic
@@ -169,13 +170,13 @@ def _mirror(state: State, step: Step, axes: Array) -> None:
     Forces that press along fixed directions turn a cluster over, as they would a rod between two fingers: from one
     part in 1e16 it happens in swaps that last 1e5 units.
     """
-    place, direction = state.position @ axes.T, state.direction @ axes.T
+    place, direction = product(state.position, axes.T), product(state.direction, axes.T)
     for group, vectors in ((slice(0, 2), place), (slice(2, 4), place), (DIAGONALS, direction)):
         vectors[group] = np.sign(vectors[group]) * np.abs(vectors[group]).mean(axis=0)
     place[:2, 1] = place[2:, 0] = direction[HORIZONTAL, 1] = direction[VERTICAL, 0] = 0.0
     state.log_gap[DIAGONALS] = state.log_gap[DIAGONALS].mean()
-    state.position[:] = place @ axes
-    state.direction[:] = direction @ axes / np.linalg.norm(direction, axis=1)[:, None]
+    state.position[:] = product(place, axes)
+    state.direction[:] = product(direction, axes) / np.linalg.norm(direction, axis=1)[:, None]
     step.bodies.before[:], step.log_gap[:] = state.position, state.log_gap
     step.direction[:, :2] = state.direction
 
@@ -189,7 +190,7 @@ def _first(parameters: Parameters, scratch: Workspace, unit: Units) -> Instant:
 def _instant(scratch: Workspace, time: float, unit: Units) -> Instant:
     """The step's end as numbers: what the last solution left in `films` and `answers`."""
     films, force = scratch.step.films, scratch.step.answers.force
-    gap, tension = np.exp(films.log_gap) / unit.length, (force * films.direction).sum(axis=1) / unit.force
+    gap, tension = exp(films.log_gap) / unit.length, (force * films.direction).sum(axis=1) / unit.force
     x, y, _ = films.direction[DIAGONAL]
     return Instant(
         time=time,

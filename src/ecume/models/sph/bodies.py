@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
 
+from ecume._portable import dot, length, product, sinc
 from ecume.engine.shapes import Shape
 from ecume.errors import Fault, SceneError
 from ecume.models.sph.parameters import Bodies, Boundary, Dummies, Parameters
@@ -176,9 +178,9 @@ def energy_of_bodies(parameters: Parameters, pose: Array, motion: Array) -> floa
     if not bodies.shapes:
         return 0.0
     spin = np.einsum("nba,bn->an", rotations(pose), motion[3:])
-    energy = 0.5 * float(bodies.mass @ (motion[:3] ** 2).sum(axis=0) + np.sum(bodies.inertia * spin**2))
+    energy = 0.5 * float(np.sum(bodies.mass * (motion[:3] ** 2).sum(axis=0)) + np.sum(bodies.inertia * spin**2))
     away = ((place - parameters.pull_center[:, None]) ** 2).sum(axis=0)
-    return energy + float(bodies.mass @ (0.5 * parameters.pull_rate**2 * away - parameters.gravity @ place))
+    return energy + dot(bodies.mass, 0.5 * parameters.pull_rate**2 * away - product(parameters.gravity, place))
 
 
 def carry(pose: Array, motion: Array, time: float) -> None:
@@ -190,11 +192,11 @@ def carry(pose: Array, motion: Array, time: float) -> None:
 
 def turned(quaternion: Array, angle: Array) -> Array:
     """A quaternion after a turn by a vector of angle (rad) about the axes of space."""
-    size = float(np.sqrt(angle @ angle))
-    share = np.sinc(0.5 * size / np.pi) * 0.5
-    a, (b, c, d) = np.cos(0.5 * size), share * angle
+    size = length(angle)
+    share = sinc(0.5 * size / np.pi) * 0.5
+    a, (b, c, d) = math.cos(0.5 * size), share * angle
     w, x, y, z = quaternion
-    product = np.array(
+    turn = np.array(
         [
             a * w - b * x - c * y - d * z,
             a * x + b * w + c * z - d * y,
@@ -202,7 +204,7 @@ def turned(quaternion: Array, angle: Array) -> Array:
             a * z + b * y - c * x + d * w,
         ]
     )
-    result: Array = product / np.sqrt(product @ product)
+    result: Array = turn / length(turn)
     return result
 
 
@@ -210,8 +212,8 @@ def farthest_way(bodies: Bodies, pose: Array, reference: Array) -> float:
     """No point of any body went farther than this since the reference."""
     most = 0.0
     for body, rim in enumerate(bodies.rims):
-        way = float(np.linalg.norm(pose[:3, body] - reference[:3, body]))
-        turn = 2.0 * min(1.0, float(np.linalg.norm(pose[3:, body] - reference[3:, body])))
+        way = length(pose[:3, body] - reference[:3, body])
+        turn = 2.0 * min(1.0, length(pose[3:, body] - reference[3:, body]))
         most = max(most, way + turn * float(np.sqrt((rim**2).sum(axis=1).max())))
     return most
 
@@ -227,10 +229,10 @@ def keep_out(bodies: Bodies, pose: Array, motion: Array, liquid: tuple[Array, Ar
         away = position - pose[:d, body : body + 1]
         close = np.flatnonzero((away**2).sum(axis=0) < reach**2)
         turn = rotations(pose[:, body : body + 1])[0][:d, :d]
-        gap, normal = shape.nearest(away[:, close].T @ turn)
+        gap, normal = shape.nearest(product(away[:, close].T, turn))
         inside = np.flatnonzero(gap < 0.0)
         for i, depth, own in zip(close[inside], -gap[inside], normal[inside], strict=True):
-            out = turn @ own
+            out = product(turn, own)
             position[:, i] += depth * out
             _bounce(bodies, body, (pose, motion), (position[:, i], velocity[:, i], float(mass[i]), out))
         hits += len(inside)
@@ -243,10 +245,10 @@ def _bounce(bodies: Bodies, body: int, state: tuple[Array, Array], particle: tup
     x, v, mass, out = particle
     arm, normal = np.pad(x, (0, 3 - len(x))) - pose[:3, body], np.pad(out, (0, 3 - len(out)))
     surface = motion[:3, body] + np.cross(motion[3:, body], arm)
-    approach = float((v - surface[: len(v)]) @ out)
+    approach = dot(v - surface[: len(v)], out)
     if approach < 0.0:
-        turning = np.cross(inverse_inertia_of(bodies, body, pose) @ np.cross(arm, normal), arm)
-        impulse = -approach / (1.0 / mass + 1.0 / bodies.mass[body] + normal @ turning) * normal
+        turning = np.cross(product(inverse_inertia_of(bodies, body, pose), np.cross(arm, normal)), arm)
+        impulse = -approach / (1.0 / mass + 1.0 / bodies.mass[body] + dot(normal, turning)) * normal
         v += impulse[: len(v)] / mass
         give(bodies, body, state, (-impulse, arm))
 
@@ -256,7 +258,7 @@ def give(bodies: Bodies, body: int, state: tuple[Array, Array], impulse: tuple[A
     pose, motion = state
     inverse = inverse_inertia_of(bodies, body, pose)
     motion[:3, body] += impulse[0] / bodies.mass[body]
-    motion[3:, body] += inverse @ np.cross(impulse[1], impulse[0])
+    motion[3:, body] += product(inverse, np.cross(impulse[1], impulse[0]))
 
 
 def inverse_inertia_of(bodies: Bodies, body: int, pose: Array) -> Array:
@@ -264,5 +266,5 @@ def inverse_inertia_of(bodies: Bodies, body: int, pose: Array) -> Array:
     turn = rotations(pose[:, body : body + 1])[0]
     own = bodies.inertia[:, body]
     inverse = np.divide(1.0, own, out=np.zeros(3), where=own > 0.0)
-    found: Array = (turn * inverse) @ turn.T
+    found: Array = product(turn * inverse, turn.T)
     return found

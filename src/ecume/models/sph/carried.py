@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ecume._jit import admit, compiled, compiled_inside, prange, spread
+from ecume._portable import product
 from ecume.engine.lists import Grid, Sorted, cell_at
 from ecume.engine.philox import counter_of, normals
 from ecume.laws import brownian, drag
@@ -108,7 +109,7 @@ def surroundings(parameters: Any, workspace: Any, position: Array) -> Array:
 def wrap(sides: Any, position: Array) -> None:
     """Who left through a periodic side comes in through the opposite one."""
     for side in np.flatnonzero(sides.mirrors == 0):
-        out = sides.normal[side] @ (position - sides.point[side][:, None]) < 0.0
+        out = product(sides.normal[side], position - sides.point[side][:, None]) < 0.0
         position[:, out] += sides.shift[side][:, None]
 
 

@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ecume._portable import dot, length, product, solve
 from ecume.engine.shapes import Shape
 from ecume.engine.walls import Sheet
 from ecume.engine.walls.sheets import SIZE, SPEED
@@ -51,17 +52,17 @@ def collide(bodies: Bodies, sheet: Sheet, state: tuple[Array, Array], calm: floa
             break
         for contact in found:
             _separate(bodies, state[0], contact)
-            work += float(_strike(bodies, state, contact, calm) @ contact.velocity)
+            work += dot(_strike(bodies, state, contact, calm), contact.velocity)
     return first, work
 
 
 def contacts(bodies: Bodies, sheet: Sheet, pose: Array) -> Iterator[Contact]:
     """The deepest point of every pair that overlaps."""
-    rims = [pose[:3, b] + rim @ rotations(pose[:, b : b + 1])[0].T for b, rim in enumerate(bodies.rims)]
+    rims = [pose[:3, b] + product(rim, rotations(pose[:, b : b + 1])[0].T) for b, rim in enumerate(bodies.rims)]
     none = np.zeros(3)
     for body, rim in enumerate(rims):
         for k in np.flatnonzero((sheet.kind[:, 0] == PLANE) & (sheet.kind[:, 2] == 0)):
-            gap = rim @ sheet.number[k, :3] - sheet.number[k, SIZE]
+            gap = product(rim, sheet.number[k, :3]) - sheet.number[k, SIZE]
             deep = int(np.argmin(gap))
             if gap[deep] < 0.0:
                 velocity = sheet.number[k, SPEED : SPEED + 3]
@@ -82,11 +83,11 @@ def _between(
     shape, pose = solid
     d = len(shape.middle())
     turn = np.eye(3) if pose is None else rotations(pose)[0]
-    own = rim if pose is None else (rim - pose[:3, 0]) @ turn
+    own = rim if pose is None else product(rim - pose[:3, 0], turn)
     gap, normal = shape.nearest(own[:, :d])
     deep = int(np.argmin(gap))
     if gap[deep] < 0.0:
-        out = turn[:, :d] @ normal[deep]
+        out = product(turn[:, :d], normal[deep])
         yield Contact(body, other, rim[deep], out, -float(gap[deep]), velocity)
 
 
@@ -101,7 +102,7 @@ def _flipped(found: Iterator[Contact], body: int) -> Iterator[Contact]:
 
 def _close(bodies: Bodies, pose: Array, one: int, other: int) -> bool:
     reach = sum(np.sqrt((bodies.rims[body] ** 2).sum(axis=1).max()) for body in (one, other))
-    return bool(np.linalg.norm(pose[:3, one] - pose[:3, other]) < reach)
+    return bool(length(pose[:3, one] - pose[:3, other]) < reach)
 
 
 def _separate(bodies: Bodies, pose: Array, contact: Contact) -> None:
@@ -120,21 +121,21 @@ def _strike(bodies: Bodies, state: tuple[Array, Array], contact: Contact, calm: 
     arms = [contact.point - pose[:3, body] for body in pair]
     speeds = [motion[:3, body] + np.cross(motion[3:, body], arm) for body, arm in zip(pair, arms, strict=True)]
     approach = speeds[0] - (contact.velocity if contact.other == NOTHING else speeds[1])
-    normal_speed = float(approach @ contact.normal)
+    normal_speed = dot(approach, contact.normal)
     if normal_speed >= 0.0:
         return np.zeros(3)
     give_way = sum(_compliance(bodies, body, pose, arm) for body, arm in zip(pair, arms, strict=True))
     bounce = min(bodies.restitution[body] for body in pair) if normal_speed < -calm else 0.0
     # Sticking, unless friction is too weak for it: then the tangential part is cut to Coulomb's cone.
-    wanted = np.asarray(np.linalg.solve(give_way, -approach - bounce * normal_speed * contact.normal), dtype=np.float64)
-    along = float(wanted @ contact.normal)
+    wanted = solve(give_way, -approach - bounce * normal_speed * contact.normal)
+    along = dot(wanted, contact.normal)
     across = wanted - along * contact.normal
     limit = min(bodies.friction[body] for body in pair) * along
-    size = float(np.linalg.norm(across))
+    size = length(across)
     if size > limit or along <= 0.0:
         slip = across / size if size > 0.0 else across
         way = contact.normal + min(bodies.friction[body] for body in pair) * slip
-        along = -(1.0 + bounce) * normal_speed / float(contact.normal @ give_way @ way)
+        along = -(1.0 + bounce) * normal_speed / dot(contact.normal, product(give_way, way))
         wanted = along * way
     give(bodies, pair[0], state, (wanted, arms[0]))
     if len(pair) == 2:
@@ -146,5 +147,5 @@ def _compliance(bodies: Bodies, body: int, pose: Array, arm: Array) -> Array:
     """(3, 3) the velocity at the arm's end of a unit impulse there."""
     cross = np.cross(np.eye(3), arm)
     inverse = inverse_inertia_of(bodies, body, pose)
-    found: Array = np.eye(3) / bodies.mass[body] + cross @ inverse @ cross.T
+    found: Array = np.eye(3) / bodies.mass[body] + product(product(cross, inverse), cross.T)
     return found

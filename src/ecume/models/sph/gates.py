@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from ecume._jit import admit, compiled
+from ecume._portable import length
 from ecume.engine.cells import Integers
 from ecume.errors import Fault, SceneError
 from ecume.laws import enthalpy as enthalpies
@@ -87,7 +88,7 @@ def _walled(scene: SphScene, axis: int) -> bool:
 def bounds_of(scene: SphScene) -> Array:
     """(2, d) beyond which liquid that went through an open side is lost: one diagonal of the tank away from it."""
     low, high = np.array(scene.tank.low), np.array(scene.tank.high)
-    ends, far = np.array([low, high]), float(np.linalg.norm(high - low))
+    ends, far = np.array([low, high]), length(high - low)
     for number in range(2 * len(low)):
         kind = side_of(scene, number).kind
         sign = 2.0 * (number % 2) - 1.0

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ecume._jit import prange, spread
+from ecume._portable import dot
 from ecume.engine.cells import Integers
 from ecume.engine.shapes import Ball, Polygon, Shape
 from ecume.engine.walls import Sheet, Surfaces, box, disc, outside, planes, polygon, reflect_all, sheet, together
@@ -133,7 +134,7 @@ def _push_inside(guard: Guard, x: Array, v: Array, hits: Integers) -> None:
             return
         normal = np.array(inward_normal(kind, number, k, here, 0.0))[: len(x)]
         x += (guard.radius * (1.0 + 1e-9) - gap_to(kind, number, k, here, 0.0)) * normal
-        approach = float((v - number[k, SPEED : SPEED + len(x)]) @ normal)
+        approach = dot(v - number[k, SPEED : SPEED + len(x)], normal)
         if approach < 0.0:
             v -= (1.0 + number[k, RESTITUTION]) * approach * normal
         hits[k] += 1

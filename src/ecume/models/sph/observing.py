@@ -184,8 +184,8 @@ def motion(state: State) -> Mapping[str, float]:
     """Momentum and center of mass; z is zero in two dimensions."""
     total = float(np.sum(state.mass))
     momentum, center = np.zeros(3), np.zeros(3)
-    momentum[: len(state.velocity)] = state.velocity @ state.mass
-    center[: len(state.position)] = state.position @ state.mass / total
+    momentum[: len(state.velocity)] = np.sum(state.velocity * state.mass, axis=1)
+    center[: len(state.position)] = np.sum(state.position * state.mass, axis=1) / total
     names = "xyz"
     return {
         **{f"momentum_{name}": momentum[axis] for axis, name in enumerate(names)},

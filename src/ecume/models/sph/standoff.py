@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ecume._jit import admit, prange, spread
+from ecume._portable import dot, product
 from ecume.engine.cells import Integers
 from ecume.engine.walls import Sheet
 from ecume.engine.walls.sheets import inward_normal, piece_gap
@@ -85,11 +86,11 @@ def at_body(parameters: Parameters, state: State, body: int) -> Leaning:
     size = float(np.sqrt((bodies.rims[body] ** 2).sum(axis=1).max()))
     close = np.flatnonzero((away**2).sum(axis=0) < (size + reach) ** 2)
     turn = rotations(state.pose[:, body : body + 1])[0][:d, :d]
-    gap, normal = shape.nearest(away[:, close].T @ turn)
+    gap, normal = shape.nearest(product(away[:, close].T, turn))
     near = gap < reach
     push = [standoff.standoff_push(own, reach, speed_of(parameters)) for own in gap[near]]
     owner = len(parameters.boundary.names) - len(bodies.shapes) + body
-    return Leaning(owner, close[near], np.array(push) * (turn @ normal[near].T))
+    return Leaning(owner, close[near], np.array(push) * product(turn, normal[near].T))
 
 
 def everyone_leaning(parameters: Parameters, state: State) -> list[Leaning]:
@@ -132,4 +133,4 @@ def energy_of(parameters: Parameters, state: State, leaning: Leaning) -> float:
     reach, speed = parameters.boundary.guard.reach, speed_of(parameters)
     gap = reach - np.sqrt((leaning.push**2).sum(axis=0)) * (reach / speed) ** 2
     energy = [standoff.standoff_energy(own, reach, speed) for own in gap]
-    return float(state.mass[leaning.who] @ np.array(energy))
+    return dot(state.mass[leaning.who], energy)

@@ -10,6 +10,7 @@ import math
 
 import numpy as np
 
+from ecume._portable import product
 from ecume.models.model import DIVERGED, DONE, EXCHANGE
 from ecume.models.sph.bodies import carry, farthest_way, keep_out
 from ecume.models.sph.carried import take_along
@@ -186,6 +187,6 @@ def wrap(parameters: Parameters, state: State) -> None:
     """Who left through a periodic side comes in through the opposite one."""
     sides = parameters.boundary.sides
     for side in np.flatnonzero(sides.mirrors == 0):
-        out = sides.normal[side] @ (state.position - sides.point[side][:, None]) < 0.0
+        out = product(sides.normal[side], state.position - sides.point[side][:, None]) < 0.0
         state.books[WORK] += lifted(parameters, state, out, sides.shift[side])
         state.position[:, out] += sides.shift[side][:, None]

@@ -14,7 +14,9 @@ velocity that it is multiplied with.
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
+from ecume._portable import dot, product
 from ecume.engine.cells import Integers
 from ecume.engine.walls.sheets import SIZE, SPEED
 from ecume.models.sph.energies import energy_of, liquid_alone, potential_of
@@ -28,7 +30,7 @@ from ecume.units import Array
 
 def booked(parameters: Parameters) -> bool:
     """Whether there is anything that may bring energy, or take it away."""
-    around = parameters.boundary.sides.shift @ parameters.gravity
+    around = product(parameters.boundary.sides.shift, parameters.gravity)
     return bool(parameters.shake is not None or forces_work(parameters) or around.any() or leaks(parameters))
 
 
@@ -68,8 +70,8 @@ def power_of_shake(parameters: Parameters, state: State) -> float:
     pull, liquid = drive_at(parameters.shake, float(state.clock[0]))[0], liquid_alone(parameters, state)
     momentum = np.sum(liquid.mass * liquid.velocity, axis=1)
     if parameters.bodies.shapes:
-        momentum = momentum + state.motion[: len(pull)] @ parameters.bodies.mass
-    return float(pull @ momentum)
+        momentum = momentum + np.sum(state.motion[: len(pull)] * parameters.bodies.mass, axis=1)
+    return dot(pull, momentum)
 
 
 def power_of_forces(now: Parameters, state: State, workspace: Workspace) -> float:
@@ -93,13 +95,13 @@ def power_of_side(now: Parameters, state: State, workspace: Workspace, row: int)
     boundary, d = now.boundary, now.dimension
     side, velocity = int(boundary.image_owner[row]), boundary.table[row, 2 * d : 3 * d]
     normal, place = boundary.sides.normal[row], boundary.sides.point[row]
-    near = np.flatnonzero(normal @ (state.position - place[:, None]) < now.support)
+    near = np.flatnonzero(product(normal, state.position - place[:, None]) < now.support)
     few = state._replace(position=np.ascontiguousarray(state.position[:, near]), mass=state.mass[near])
     leaning = leaning_on(now, few, side)
-    force = leaning.push @ few.mass[leaning.who]
+    force = np.sum(leaning.push * few.mass[leaning.who], axis=1)
     for axis in np.flatnonzero(velocity):
         force[axis] += force_of_mirror(now, workspace, near, (side, int(axis)))
-    return float(force @ velocity)
+    return dot(force, velocity)
 
 
 def lids(parameters: Parameters) -> Integers:
@@ -138,7 +140,7 @@ def before_gates(now: Parameters, state: State) -> Integers:
     return np.flatnonzero(near & (state.zone == 0))
 
 
-def lifted(parameters: Parameters, state: State, out: Array, shift: Array) -> float:
+def lifted(parameters: Parameters, state: State, out: NDArray[np.bool_], shift: Array) -> float:
     """What it takes to bring liquid from one periodic side to the other (J)."""
     who = out & (state.zone == 0)
     mass, position = state.mass[who], state.position[:, who]
@@ -156,7 +158,7 @@ def of_guard(now: Parameters, state: State, before: Array) -> float:
     work, guard, d = 0.0, now.boundary.guard, now.dimension
     for side, _ in now.drives:
         row = guard.sheet.number[guard.owner == side][0]
-        near = row[:d] @ state.position - row[SIZE] < now.spacing
-        change = row[:d] @ (state.velocity - before)[:, near]
-        work += float(row[SPEED : SPEED + d] @ row[:d]) * float(state.mass[near] @ change)
+        near = product(row[:d], state.position) - row[SIZE] < now.spacing
+        change = product(row[:d], (state.velocity - before)[:, near])
+        work += dot(row[SPEED : SPEED + d], row[:d]) * dot(state.mass[near], change)
     return work

@@ -12,6 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ecume._jit import compiled
+from ecume._portable import product
 from ecume.engine.cells import Integers
 from ecume.engine.philox import counter_of, uniforms
 from ecume.engine.walls import Entrance, Surfaces, clearance, entrance
@@ -116,7 +117,7 @@ def velocity_at(places: Array, hole: OpeningSpec, stream: Stream, species: int) 
 
 def inward_speed(door: Entrance, velocity: Array) -> Array:
     """(n,) m/s."""
-    speed: Array = velocity @ door.normal
+    speed: Array = product(velocity, door.normal)
     return speed
 
 

@@ -13,6 +13,7 @@ from __future__ import annotations
 import numpy as np
 
 from ecume._jit import compiled
+from ecume._portable import dot
 from ecume.models.tracers.parameters import Parameters
 from ecume.models.tracers.state import State, Workspace, came
 
@@ -142,7 +143,7 @@ def exchange(parameters: Parameters, state: State) -> State:
     position, velocity = arrivals.position[first:last], arrivals.velocity[first:last]
     here = slice(len(state.left), len(state.left) + last - first)
     moving = 0.5 * (velocity**2).sum(axis=1) * (bodies.overdamped[here] == 0)
-    brought = float(bodies.mass[here] @ (moving + bodies.push[here] * position[:, -1]))
+    brought = dot(bodies.mass[here], moving + bodies.push[here] * position[:, -1])
     return state._replace(
         position=np.concatenate([state.position, position]),
         velocity=np.concatenate([state.velocity, velocity]),

@@ -1,0 +1,48 @@
+"""The processors that this one can be made to look like."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+ROOT = Path(__file__).parents[2]
+
+
+def _found() -> str:
+    """The optional instruction sets that NumPy uses here."""
+    return " ".join(np.show_config(mode="dicts")["SIMD Extensions"].get("found", []))
+
+
+PROCESSORS: dict[str, dict[str, str]] = {
+    "native": {},
+    "openblas-prescott": {"OPENBLAS_CORETYPE": "Prescott"},
+    "openblas-haswell": {"OPENBLAS_CORETYPE": "Haswell"},
+    "openblas-zen": {"OPENBLAS_CORETYPE": "Zen"},
+    "openblas-skylakex": {"OPENBLAS_CORETYPE": "SkylakeX"},
+    "numpy-baseline": {"NPY_DISABLE_CPU_FEATURES": _found()},
+    "numba-generic": {"NUMBA_CPU_NAME": "generic"},
+    "all-of-it": {
+        "OPENBLAS_CORETYPE": "Prescott",
+        "NPY_DISABLE_CPU_FEATURES": _found(),
+        "NUMBA_CPU_NAME": "generic",
+    },
+}
+"""The environment variables that make the libraries compute as on another processor. The last one is as different
+as can be: what libraries would do on the oldest processor that they support."""
+
+
+def same_code(one: str, other: str) -> bool:
+    """Whether Numba compiles the same code on both."""
+    return PROCESSORS[one].get("NUMBA_CPU_NAME") == PROCESSORS[other].get("NUMBA_CPU_NAME")
+
+
+def on(processor: str, words: Sequence[str], **options: object) -> subprocess.CompletedProcess[str]:
+    """Run Python with these words on a processor."""
+    path = os.pathsep.join([str(ROOT), str(ROOT / "src"), os.environ.get("PYTHONPATH", "")])
+    environment = {**os.environ, "PYTHONPATH": path, **PROCESSORS[processor]}
+    return subprocess.run([sys.executable, *words], env=environment, cwd=ROOT, text=True, check=False, **options)  # type: ignore[call-overload,no-any-return]
