@@ -19,6 +19,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ecume._jit import compiled, compiled_inside
+from ecume.engine import active_set
 from ecume.engine.cells import Integers
 from ecume.engine.contacts import Contacts, push_all
 from ecume.units import Array
@@ -28,6 +29,8 @@ PATIENCE = 128
 """Sweeps after which the residual should have halved."""
 CONVERGED = 1e-7
 """The residual wanted, as a fraction of the fastest approach that the contacts have to stop."""
+ENOUGH = 4_000
+"""Sweeps after which a small island is solved by an active-set method instead."""
 MANY = 64
 """Fewer contacts are taken for one island."""
 
@@ -236,18 +239,39 @@ def solve_islands(contacts: Contacts, first: Integers, velocity: Array, mobility
     for island in range(len(first) - 1):
         span = first[island], first[island + 1]
         if not _residual(span, who, push, velocity) <= goal.wanted:
-            most = max(most, _go_on(span, who, push, (velocity, mobility), goal))
+            small = span[1] - span[0] <= active_set.LARGEST
+            sweeps = _go_on(span, who, push, (velocity, mobility), goal, ENOUGH if small else MOST_SWEEPS)
+            if small and sweeps > ENOUGH:
+                sweeps = solve_exactly(contacts, span, velocity, mobility, goal)
+            most = max(most, sweeps)
     return most
 
 
+@compiled
+def solve_exactly(contacts: Contacts, span: Span, velocity: Array, mobility: Array, goal: Goal) -> int:
+    """Solve an island by an active-set method after ENOUGH sweeps; their number, MOST_SWEEPS + 1 if it is not good
+    enough.
+    """
+    begin, end = span
+    bound = contacts.bound[begin:end]
+    rows = begin + np.flatnonzero((bound > -np.inf) & (contacts.weight[begin:end] > 0.0))
+    pair = contacts.first[rows], contacts.second[rows], contacts.normal[rows]
+    impulse = contacts.impulse[rows]
+    if not active_set.nearest_velocity(pair, contacts.bound[rows], impulse, velocity, mobility):
+        return MOST_SWEEPS + 1
+    contacts.impulse[rows] = impulse
+    left = _residual(span, who_of(contacts), push_of(contacts), velocity)
+    return ENOUGH if left <= max(goal.wanted, goal.tolerable) else MOST_SWEEPS + 1
+
+
 @compiled_inside
-def _go_on(span: Span, who: Who, push: Push, motion: Motion, goal: Goal) -> int:
-    """Sweeps of an island after the first: the number of all."""
+def _go_on(span: Span, who: Who, push: Push, motion: Motion, goal: Goal, most: int) -> int:
+    """Sweeps of an island after the first: the number of all, one more than `most` if they were not enough."""
     velocity, change, direction = motion[0], push[3], push[4]
     for row in range(span[0], span[1]):
         direction[row] = 0.0
     square_before, residual_before = 0.0, np.inf
-    for sweep in range(2, MOST_SWEEPS + 1):
+    for sweep in range(2, most + 1):
         square = 0.0
         for row in range(span[0], span[1]):
             square += change[row] ** 2
@@ -265,7 +289,7 @@ def _go_on(span: Span, who: Who, push: Push, motion: Motion, goal: Goal) -> int:
             if left <= goal.tolerable and left > 0.5 * residual_before:
                 return sweep
             residual_before = left
-    return MOST_SWEEPS + 1
+    return most + 1
 
 
 @compiled

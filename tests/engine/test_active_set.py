@@ -1,0 +1,96 @@
+"""Contacts solved exactly: the nearest velocities that break no condition."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.optimize import nnls
+
+from ecume.engine import active_set, sweeping
+from ecume.engine.contacts import make_contacts
+from ecume.engine.sweeping import Goal
+
+sizes = st.tuples(st.integers(1, 12), st.integers(1, 12), st.integers(0, 2**32 - 1))
+
+
+@given(size=sizes)
+def test_the_least_squares_are_those_of_scipy(size):
+    rows, columns, seed = size
+    random = np.random.default_rng(seed)
+    matrix, right = random.normal(size=(rows, columns)), random.normal(size=rows)
+    solution, found = active_set.nonnegative_least_squares(matrix, right, random.random(columns) < 0.5)
+    expected, rest = nnls(matrix, right)
+    assert found
+    assert solution.min() >= 0.0
+    assert np.linalg.norm(matrix @ solution - right) == pytest.approx(rest, abs=1e-10)
+    if columns <= rows:
+        np.testing.assert_allclose(solution, expected, atol=1e-7)
+
+
+def raft(rings: int, seed: int, crowding: float = 1e-7):
+    """A hexagonal raft, braced by more contacts than it needs, whose floats all want to its middle."""
+    random = np.random.default_rng(seed)
+    axes = np.array([[1.0, 0.0], [0.5, 0.75**0.5]])
+    places = [(a, b) for a in range(-rings, rings + 1) for b in range(-rings, rings + 1) if abs(a + b) <= rings]
+    position = np.array(places) @ axes + crowding * random.normal(size=(len(places), 2))
+    apart = np.linalg.norm(position[:, None] - position[None], axis=2)
+    first, second = (found.astype(np.int64) for found in np.nonzero(np.triu(apart < 1.1, 1)))
+    contacts, total = make_contacts(len(first) + 3), len(first)
+    contacts.total[0], contacts.first[:total], contacts.second[:total] = total, first, second
+    contacts.normal[:total] = (position[second] - position[first]) / apart[first, second][:, None]
+    mobility = random.uniform(0.5, 2.0, len(position))
+    contacts.bound[:total] = -crowding * random.uniform(0.0, 1.0, total)
+    contacts.weight[:total] = 1.0 / (mobility[first] + mobility[second])
+    velocity = -position + random.normal(size=position.shape)
+    return contacts, velocity, mobility
+
+
+def optimality(contacts, start, velocity, mobility):
+    """By how much the worst contact lets through, pushes what leaves, or pulls; and what impulses leave unexplained."""
+    total = contacts.total[0]
+    first, second, normal = contacts.first[:total], contacts.second[:total], contacts.normal[:total]
+    impulse = contacts.impulse[:total]
+    speed = ((velocity[second] - velocity[first]) * normal).sum(axis=1)
+    expected = start.copy()
+    np.add.at(expected, first, -(mobility[first] * impulse)[:, None] * normal)
+    np.add.at(expected, second, (mobility[second] * impulse)[:, None] * normal)
+    excess = speed - contacts.bound[:total]
+    return max(-excess.min(), np.minimum(excess, impulse).max(), -impulse.min()), np.abs(expected - velocity).max()
+
+
+@settings(deadline=None, max_examples=25)
+@given(rings=st.integers(1, 3), seed=st.integers(0, 2**32 - 1), swept=st.integers(0, 3))
+def test_the_velocities_of_a_braced_raft_are_the_nearest_ones_allowed(rings, seed, swept):
+    contacts, start, mobility = raft(rings, seed)
+    total = contacts.total[0]
+    velocity = start.copy()
+    contacts.impulse[:total] = 0.1 * swept  # from whatever impulses
+    pair = contacts.first[:total], contacts.second[:total], contacts.normal[:total]
+    active_set._push(pair, contacts.impulse[:total], velocity, mobility)
+    assert active_set.nearest_velocity(pair, contacts.bound[:total], contacts.impulse[:total], velocity, mobility)
+    wrong, unexplained = optimality(contacts, start, velocity, mobility)
+    assert wrong < 1e-12 * np.abs(start).max()
+    assert unexplained < 1e-12 * np.abs(start).max()
+
+
+@settings(deadline=None, max_examples=25)
+@given(rings=st.integers(1, 3), seed=st.integers(0, 2**32 - 1))
+def test_any_braced_raft_converges(rings, seed):
+    contacts, start, mobility = raft(rings, seed)
+    velocity = start.copy()
+    sweeps = sweeping.solve(contacts, velocity, mobility, Goal(1e-9, 1e-7))
+    assert sweeps <= sweeping.MOST_SWEEPS
+    wrong, unexplained = optimality(contacts, start, velocity, mobility)
+    assert wrong <= 1e-7
+    assert unexplained < 1e-12
+
+
+def test_a_fixed_body_stays():
+    contacts, start, mobility = raft(1, 3)
+    total, velocity = contacts.total[0], start.copy()
+    mobility[0], velocity[0] = 0.0, 0.0
+    pair = contacts.first[:total], contacts.second[:total], contacts.normal[:total]
+    assert active_set.nearest_velocity(pair, contacts.bound[:total], contacts.impulse[:total], velocity, mobility)
+    assert velocity[0].tolist() == [0.0, 0.0]
