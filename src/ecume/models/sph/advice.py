@@ -7,6 +7,7 @@ import math
 
 import numpy as np
 
+from ecume.laws.kernels import KERNELS
 from ecume.models.advice import LONG, Row, told_duration
 from ecume.models.sph import pacing
 from ecume.models.sph.choosing import sides_of, smoothing_of, tension_of
@@ -24,9 +25,9 @@ OVERHEAD = 3e-4
 """Seconds of a step that do not depend on how many particles there are."""
 FEW_NEIGHBORS, MANY_NEIGHBORS = {2: 12, 3: 30}, {2: 80, 3: 250}
 PAIRING = {2: 25, 3: 65}
-"""Neighbors above which particles of a kernel whose Fourier transform turns negative come to lie in pairs."""
-STIFF = ("wendland-c2", "wendland-c4", "wendland-c6")
-"""Kernels whose particles never pair [dehnen2012]."""
+"""Neighbors above which particles of a kernel whose Fourier transform turns negative come to lie in pairs
+[dehnen2012].
+"""
 COARSE, FINE = 8, 20
 """Particles across the smallest extent: a first look, and what pressures can be read from."""
 FAST = 0.11
@@ -160,7 +161,7 @@ def neighbor_remark(neighbors: int, dimension: int, kernel: str) -> str:
         return "few, sums are rough: raise method.smoothing"
     if neighbors > MANY_NEIGHBORS[dimension]:
         return "many, each costs: lower method.smoothing"
-    if neighbors > PAIRING[dimension] and kernel not in STIFF:
+    if neighbors > PAIRING[dimension] and KERNELS[kernel].pairing:
         return f"so many that particles pair with {kernel}: lower method.smoothing, or take wendland-c2"
     return "good"
 

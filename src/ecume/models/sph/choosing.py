@@ -9,7 +9,7 @@ import numpy as np
 from ecume.engine.lists import EVERYONE
 from ecume.errors import Fault, SceneError
 from ecume.laws import diffusion
-from ecume.laws.kernels import KERNEL_CODES, Kernel, kernel
+from ecume.laws.kernels import KERNEL_CODES, KERNELS, Kernel, kernel
 from ecume.models.sph.fields import (
     ALPHA,
     CHOICES,
@@ -42,15 +42,6 @@ from ecume.scenes.sph import SphScene
 from ecume.units import Array
 
 TURBULENCES = ("none", "smagorinsky")
-SMOOTHING = {
-    "wendland-c2": (2.0, 1.6),
-    "wendland-c4": (2.0, 1.8),
-    "wendland-c6": (2.2, 2.0),
-    "quintic-spline": (1.3, 1.2),
-    "quartic-spline": (1.3, 1.2),
-    "lucy": (2.6, 2.4),
-}
-"""Smoothing lengths in spacings that suit a kernel, in two and in three dimensions; 1.3 and 1.2 for all others."""
 DIFFUSIONS = ("none", "molteni", "antuono", "linear", "hydrostatic")
 FRICTIONS = ("morris", "monaghan")
 STRESSES = ("sum", "monaghan", "transport")
@@ -98,13 +89,13 @@ def modified(scene: SphScene) -> bool:
 
 def kernel_of(scene: SphScene) -> Kernel:
     """The scene's kernel in its dimension."""
-    return kernel(chosen(scene.method.kernel, tuple(KERNEL_CODES), "method.kernel"), dim=len(scene.tank.low))
+    return kernel(chosen(scene.method.kernel, KERNELS, "method.kernel"), dim=len(scene.tank.low))
 
 
 def smoothing_of(scene: SphScene) -> float:
     """The smoothing length (m)."""
     given = scene.method.smoothing
-    usual = SMOOTHING.get(scene.method.kernel, (1.3, 1.2))[len(scene.tank.low) - 2]
+    usual = KERNELS[chosen(scene.method.kernel, KERNELS, "method.kernel")].smoothing[len(scene.tank.low)]
     return scene.spacing * (usual if given is None else given)
 
 

@@ -48,6 +48,7 @@ from ecume.models.sph.state import (
 from ecume.models.sph.sums import sums_of
 from ecume.models.sph.tension import pull
 from ecume.models.sph.turbulence import stir
+from ecume.models.sph.weights import require_kernel
 from ecume.units import Array
 
 
@@ -172,6 +173,7 @@ def fill(parameters: Parameters, state: State, workspace: Workspace) -> None:
     """The liquid's columns, its images', the walls', and the images of those."""
     fields, lists = workspace.fields, workspace.lists
     numbers, choices = parameters.numbers, parameters.choices
+    require_kernel(choices)
     count = state.position.shape[1]
     real = len(lists.counts)
     by_mass = bool(choices[STRESS] == MONAGHAN)
