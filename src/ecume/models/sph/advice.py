@@ -15,6 +15,7 @@ from ecume.models.sph.color import NODES
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.solids import part_of, solids_of
 from ecume.models.sph.substances import told
+from ecume.models.sph.tension import TENSIONS
 from ecume.scenes.sph import SphScene
 
 PAIRS_PER_SECOND = 1.5e8
@@ -32,13 +33,6 @@ COARSE, FINE = 8, 20
 """Particles across the smallest extent: a first look, and what pressures can be read from."""
 FAST = 0.11
 """The Mach number above which a liquid is compressed by more than a percent or so."""
-ROUGH = {
-    ("cohesion", 2): "swings below a tenth are too fast, wide ones right within 5 %",
-    ("cohesion", 3): "draws round, but does not swing: particles that keep their neighbors hold each other",
-    ("csf", 2): "periods and pressures within some percent at ten particles a radius",
-    ("csf", 3): "periods within 9 % at five particles a radius, 5 % at six; pressures within 14 %",
-}
-"""How well a model of surface tension does, by dimension."""
 
 
 def advice(scene: SphScene, parameters: Parameters, count: int, bytes_each: float) -> list[Row]:
@@ -102,7 +96,9 @@ def _liquid(scene: SphScene, parameters: Parameters) -> list[Row]:
 
 def _tension(scene: SphScene, parameters: Parameters) -> list[Row]:
     model = tension_of(scene)
-    return [] if model == "none" else [("surface", f"tension by {model}", ROUGH[model, parameters.dimension])]
+    return (
+        [] if model == "none" else [("surface", f"tension by {model}", TENSIONS[model].accuracy[parameters.dimension])]
+    )
 
 
 def _cost(scene: SphScene, parameters: Parameters, count: int, bytes_each: float) -> list[Row]:

@@ -30,7 +30,7 @@ from ecume.models.sph.motion import (
     thicken,
 )
 from ecume.models.sph.motions import at_reference, instant, way_of_sides
-from ecume.models.sph.parameters import DELTA_PLUS, SYMPLECTIC, Parameters
+from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.state import (
     GUARD_HITS,
     MOST_SUBSTEPS,
@@ -56,7 +56,7 @@ CALM = 0.01
 
 def advance(parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
     """March that many steps; each is divided where speeds or forces ask for it."""
-    step = symplectic_step if parameters.integrator == SYMPLECTIC else verlet_step
+    step = INTEGRATORS[parameters.integrator]
     # Who is nowhere has no neighbors, and would do no harm that anyone notices.
     if not np.isfinite(state.position).all():
         return DIVERGED
@@ -137,7 +137,7 @@ def kick_all(state: State, time: float) -> None:
 def move(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
     """Drift with the velocity and the transport, turn back whoever got through a wall, renew the lists when due."""
     drift(state.position, state.velocity, time)
-    if parameters.background > 0.0 or parameters.shifting == DELTA_PLUS:
+    if parameters.transports:
         drift(state.position, state.transport, time)
     state.clock[0] += time
     if parameters.bodies.shapes:
@@ -189,3 +189,7 @@ def wrap(parameters: Parameters, state: State) -> None:
         out = sides.normal[side] @ (state.position - sides.point[side][:, None]) < 0.0
         state.books[WORK] += lifted(parameters, state, out, sides.shift[side])
         state.position[:, out] += sides.shift[side][:, None]
+
+
+INTEGRATORS = {"symplectic": symplectic_step, "verlet": verlet_step}
+"""By name."""
