@@ -10,6 +10,7 @@ import math
 
 import numpy as np
 
+from ecume.laws.pace import force_limit
 from ecume.models.model import DIVERGED, DONE, EXCHANGE
 from ecume.models.sph.bodies import carry, farthest_way, keep_out
 from ecume.models.sph.carried import take_along
@@ -49,7 +50,6 @@ from ecume.models.sph.work import book, lifted, of_guard, power_of_shake
 
 MOST_DIVISIONS = 64
 """A step that must be divided more often than this will not recover."""
-FORCE_COURANT = 0.25
 CALM = 0.01
 """What collides more slowly than this part of the fastest speed does not bounce."""
 
@@ -90,7 +90,7 @@ def divisions_needed(parameters: Parameters, state: State) -> int:
     if not (math.isfinite(speed) and math.isfinite(force)):
         return MOST_DIVISIONS + 1
     sound = parameters.courant * h / (parameters.material.sound_speed + speed)
-    longest = min(sound, FORCE_COURANT * math.sqrt(h / force) if force > 0.0 else math.inf)
+    longest = min(sound, force_limit(h, force))
     return min(max(1, math.ceil(parameters.time_step / longest * (1.0 - 1e-9) - 0.1)), MOST_DIVISIONS + 1)
 
 
