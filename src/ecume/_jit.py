@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import math
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from types import FunctionType, ModuleType
 from typing import Any, TypeVar, cast
 
@@ -185,6 +185,30 @@ def plainly(function: Function) -> Function:
     """A function that is `inlined` elsewhere, as Python runs it: for what it is given that cannot be compiled."""
     kept: Function = getattr(function, "py_func", function)
     return kept
+
+
+def selection(name: str, laws: Mapping[int, Callable[[Any], Any]], module: str, file: str) -> Any:
+    """A function `name(x, code)` for loops that are `summing`: the law with this code at x.
+
+    It is made from a table of laws, as source text with one branch for each row, so that no branch can be forgotten
+    (`dataclasses` make `__init__` in the same way). A law that is passed as an argument or caught in a closure would be
+    compiled again in each process; a function with the laws as its globals is cached on the disk like any other.
+    `module` and `file` are those of the caller, which must import the table and its laws: their text names the folder
+    of the compiled code (see `_cache`). For the same reason the table must not change while the program runs.
+
+    The last branch has no test of the code, since one more branch makes the compiler arrange each loop in another way,
+    which rounds its sums differently: the caller refuses unknown codes before a loop begins.
+    """
+    found: dict[str, Any] = {"__name__": module}
+    lines, distinct = [f"def {name}(x, code):"], list(dict.fromkeys(laws.values()))
+    for number, law in enumerate(distinct):
+        found[f"law_{number}"] = law
+        if law is not distinct[-1]:
+            codes = " or ".join(f"code == {code:d}" for code in laws if laws[code] is law)
+            lines += [f"    if {codes}:", f"        return law_{number}(x)"]
+    lines += [f"    return law_{len(distinct) - 1}(x)"]
+    exec(compile("\n".join(lines), file, "exec"), found)  # noqa: S102  # of the names above, nothing from outside
+    return summed_inside(found[name])
 
 
 def admit(*modules: ModuleType) -> None:

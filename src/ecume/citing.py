@@ -40,13 +40,12 @@ from ecume.laws import (
     split,
     states,
     surfaces,
-    tension,
     viscous,
 )
-from ecume.laws.kernels import shapes
 from ecume.models.soft import schemes
-from ecume.models.sph import choosing, fields
+from ecume.models.sph import choosing, methods
 from ecume.models.sph.substances import filled
+from ecume.models.sph.tension import TENSIONS
 
 Source = Callable[..., Any]
 KEY = re.compile(r"\b[a-z]+\d{4}[a-z]?\b")
@@ -125,26 +124,16 @@ def floating_sources(scene: Any) -> list[Source]:
 def sph_sources(scene: Any) -> list[Source]:
     """Kernel, pressure, diffusion, friction, tension, steps: as the model chooses them."""
     liquid, name = filled(scene.liquid), choosing.diffusion_of(scene, choosing.gravity_of(scene))
-    excess = diffusion.EXCESSES.get(FOURTAKAS.get(name, name))
+    excess = methods.DIFFUSIONS[name].excess
     form = kernels.KERNELS[scene.method.kernel]
     laws: list[Source] = [form.value, states.tait_pressure, states.numerical_sound_speed]
     laws += [diffusion.strength, excess] if excess is not None else []
     laws += [viscous.artificial_viscosity] if scene.method.artificial_viscosity else []
     if liquid.viscosity or choosing.turbulent(scene):
-        radial = choosing.friction_of(scene) == fields.RADIAL
-        laws += [viscous.radial_friction if radial else viscous.morris_friction]
-    laws += TENSION_LAWS[choosing.tension_of(scene)]
+        laws += [choosing.friction_of(scene).law]
+    laws += TENSIONS[choosing.tension_of(scene)].laws
     laws += [viscous.eddy_viscosity, viscous.subparticle_stress] if choosing.turbulent(scene) else []
     return [*laws, pace.acoustic_limit, pace.force_limit, *_liquid(scene.liquid.name)]
-
-
-FOURTAKAS = {"linear": "fourtakas-linear", "hydrostatic": "fourtakas"}
-"""What the diffusions that know of weight are called among the laws."""
-TENSION_LAWS: dict[str, list[Source]] = {
-    "none": [],
-    "cohesion": [tension.cohesion_kernel, tension.cohesion_strength_in_plane],
-    "csf": [tension.surface_weight, tension.steepness, shapes.wendland_c4_bend],
-}
 
 
 def tracers_sources(scene: Any) -> list[Source]:

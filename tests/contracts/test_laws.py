@@ -57,7 +57,6 @@ COMPILED = (
     capillarity,
     contact,
     kernels.shapes,
-    kernels.lines,
     states,
     column,
     viscous,
@@ -125,7 +124,7 @@ SAMPLES = {
     "viscosity_ratio": 2.3, "film_prefactors": (1.3, 0.7), "roughness": 0.03, "pull": 1.5, "limit": 1.49,
     "pair": soft_pair.SoftPair(0.21, 9.0, 0.3), "areal_mass": 1.6, "overlap": 0.4, "plane_weight": 1.3,
     "color": 0.4, "gradient": 2.1, "least": 0.9, "pair_distance": 0.2, "surface_per_volume": 1.4,
-    "damping": 0.4, "amplitude": 0.2, "velocity": 0.4, "slip": 0.7,
+    "dim": 2, "damping": 0.4, "amplitude": 0.2, "velocity": 0.4, "slip": 0.7,
 }  # fmt: skip
 ODD = {"[length]": 7.3, "[mass]": 0.31, "[time]": 1.9}
 """Base units that no law has heard of."""

@@ -8,8 +8,11 @@ from pathlib import Path
 import pytest
 
 from ecume.laws.kernels import KERNELS
-from ecume.models.sph.choosing import DIFFUSIONS, FRICTIONS, PRECISIONS, STRESSES, TURBULENCES
-from ecume.models.sph.parameters import INTEGRATORS, SHIFTINGS, TENSIONS
+from ecume.models.sph.choosing import PRECISIONS, TURBULENCES
+from ecume.models.sph.methods import DIFFUSIONS, FRICTIONS, PRESSURE_FORCES
+from ecume.models.sph.shifting import SHIFTINGS
+from ecume.models.sph.stepping import INTEGRATORS
+from ecume.models.sph.tension import TENSIONS
 from ecume.scenes import sph
 from ecume.scenes.common import Common
 from ecume.scenes.sph.scene import MethodSpec, RegionSpec
@@ -20,7 +23,7 @@ FAMILIES = {
     "kernel": KERNELS,
     "density_diffusion": DIFFUSIONS,
     "friction": FRICTIONS,
-    "pressure_force": STRESSES,
+    "pressure_force": PRESSURE_FORCES,
     "shifting": SHIFTINGS,
     "surface_tension_model": TENSIONS,
     "turbulence": TURBULENCES,

@@ -7,12 +7,12 @@ import pytest
 
 import ecume
 from ecume.errors import SceneError
-from ecume.models.sph.carried import FLOW, PRESSURE, WHOLE, surroundings, take_along
+from ecume.models.sph.carried import EDDIES, FLOW, PRESSURE, WHOLE, surroundings, take_along
 from ecume.models.sph.choosing import kernel_of, smoothing_of
-from ecume.models.sph.evaluating import fill
+from ecume.models.sph.evaluating import fill, take_forces
 from ecume.models.sph.fields import LIQUID, VOLUME, P, V, X
 from ecume.models.sph.record import SPH
-from ecume.scenes.schema import from_plain
+from ecume.scenes.schema import from_plain, to_plain
 from ecume.scenes.sph import CarriedSpec
 from tests.models.sph.scenes import free_blob
 
@@ -138,3 +138,35 @@ def test_looking_into_the_cells_around_finds_what_looking_at_everyone_does(dimen
 def test_a_carried_particle_has_the_pressure_of_the_liquid_around_it():
     *_, last = ecume.simulate(cup({"positions": [[0.015, 0.02], [0.015, 0.01]]}))
     np.testing.assert_allclose(last.arrays["pressure"][-2:], 1000.0 * 9.81 * np.array([0.02, 0.03]), rtol=0.05)
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize("viscosity", [0.0, 40.0])
+def test_eddies_alone_scatter_tracers_and_not_the_viscosity_of_the_liquid(viscosity):
+    strain, schmidt, count, time = 3.0, 0.5, 20_000, 1e-3
+    spec = {"count": count, "low": [-0.2, -0.2], "high": [0.2, 0.2], "eddy_dispersion": True, "schmidt": schmidt}
+    plain = to_plain(free_blob(viscosity=viscosity, turbulence="smagorinsky", jitter=0.0))
+    scene = from_plain({**plain, "carried": [spec]})
+    parameters = SPH.parameters(scene)
+    state = SPH.start(scene, parameters)
+    workspace = SPH.workspace(parameters, state, 1.0)
+
+    def scattered(gradient):
+        """Where a step brings tracers beside where the flow carries them."""
+        state.velocity[...] = np.array(gradient) @ state.position
+        state.density[...] = parameters.material.density
+        take_forces(parameters, state, workspace, time)
+        before = state.carried_position.copy()
+        around = surroundings(parameters, workspace, before)
+        take_along(parameters, state, workspace, time)
+        return state.carried_position - before - time * around[FLOW : FLOW + 2], around[EDDIES]
+
+    # Smagorinsky's viscosity, (0.12 spacing)^2 |S|, over the Schmidt number.
+    eddies = (0.12 * scene.spacing) ** 2 * strain
+    away, seen = scattered([[0.0, strain], [0.0, 0.0]])
+    np.testing.assert_allclose(seen, eddies, rtol=1e-6)
+    np.testing.assert_allclose((away**2).mean(axis=1), 2.0 * eddies / schmidt * time, rtol=0.04)
+    # Without strain there are no eddies, and nothing scatters.
+    away, seen = scattered([[0.0, -strain], [strain, 0.0]])
+    assert np.abs(away).max() < 1e-3 * np.sqrt(2.0 * eddies / schmidt * time)
+    assert seen.max() < 1e-5 * eddies

@@ -99,7 +99,7 @@ def test_what_the_last_step_breaks_is_seen_before_anyone_draws_it(monkeypatch):
     def burst(parameters, state, workspace, time):
         state.velocity[0, 3] = 1e90
 
-    monkeypatch.setattr(stepping, "symplectic_step", burst)
+    monkeypatch.setitem(stepping.INTEGRATORS, "symplectic", burst)
     scene = tank()
     parameters = SPH.parameters(scene)
     state = SPH.start(scene, parameters)

@@ -1,7 +1,7 @@
 """Smoothing kernels: W(r, h) = sigma / h^dim f(r/h), by name.
 
-`kernel("wendland-c2", dim=2)` is for people and arrays. Compiled loops call the shapes, `shapes.wendland_c2_value(q)`
-and `shapes.wendland_c2_slope(q)`, which is f'(q)/q, and choose by the number in `KERNEL_CODES`.
+`kernel("wendland-c2", dim=2)` is for people and arrays. The formulas and the table of all kernels are in `shapes`;
+compiled loops call them through `ecume.models.sph.weights`, by the number in `KERNEL_CODES`.
 """
 
 from __future__ import annotations
@@ -9,38 +9,22 @@ from __future__ import annotations
 import difflib
 import math
 import warnings
-from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
-from typing import Annotated, Any, NamedTuple
+from typing import Annotated, Any
 
 import numpy as np
 
 from ecume.errors import BadInput
 from ecume.laws.arguments import as_given
-from ecume.laws.kernels import lines, shapes
+from ecume.laws.kernels.shapes import KERNEL_CODES, KERNELS, Form, Shape, gaussian_deficit
 from ecume.units import Array, Lengths, Number, Numbers, Real, Unit
 
-Shape = Callable[[Any], Any]
+__all__ = ["KERNELS", "KERNEL_CODES", "Form", "Kernel", "Shape", "gaussian_deficit", "kernel"]
+
 PerLength = Annotated[Real, Unit("1/m")]
 PANEL, NODES = 0.5, 20
 """Panels whose edges hold every knot of the splines, and enough Gauss points to integrate each piece exactly."""
-
-
-class Form(NamedTuple):
-    """A kernel before its dimension is chosen."""
-
-    value: Shape
-    """f(q)"""
-    slope: Shape
-    """f'(q)/q"""
-    support: float
-    """in smoothing lengths"""
-    normalizations: Mapping[int, float]
-    """sigma by dimension"""
-    line: tuple[Shape, Shape] | None = None
-    """value and slope in one dimension, where they differ"""
-    warning: str = ""
 
 
 @dataclass(frozen=True)
@@ -135,17 +119,6 @@ def kernel(name: str, dim: int = 2) -> Kernel:
     return Kernel(name, dim, form.support, form.normalizations[dim], value, slope)
 
 
-def gaussian_deficit(dim: int) -> Number:
-    """What a Gaussian loses of its integral when it is cut at 3h: 2.2e-5, 1.2e-4, 4.4e-4 in 1D, 2D, 3D.
-
-    >>> f"{gaussian_deficit(2):.5e}"
-    '1.23410e-04'
-    """
-    end = shapes.GAUSSIAN_SUPPORT
-    tail = math.exp(-end * end)
-    return (math.erfc(end), tail, math.erfc(end) + 2.0 * end / math.sqrt(math.pi) * tail)[dim - 1]
-
-
 def _smoothing_length(h: Lengths) -> Array:
     length: Array = np.asarray(h, dtype=np.float64)
     if not bool(np.all((length > 0.0) & np.isfinite(length))):
@@ -170,56 +143,3 @@ def _quadrature(support: float) -> tuple[Array, Array]:
     edges = np.arange(0.0, support, PANEL)[:, np.newaxis]
     q: Array = (edges + 0.5 * PANEL * (nodes + 1.0)).ravel()
     return q, np.tile(0.5 * PANEL * weights, len(edges))
-
-
-PI = math.pi
-NEGATIVE = (
-    "liu-quartic is negative for 1.6957 h < r < 2 h, and lets particles attract each other beyond 1.8 h; "
-    "it is here for comparison: wendland-c2 or quintic-spline do better"
-)
-WHOLE_GAUSSIAN = {1: PI**-0.5, 2: 1.0 / PI, 3: PI**-1.5}
-CUT_GAUSSIAN = {dim: sigma / (1.0 - gaussian_deficit(dim)) for dim, sigma in WHOLE_GAUSSIAN.items()}
-KERNELS: dict[str, Form] = {
-    "cubic-spline": Form(
-        shapes.cubic_spline_value, shapes.cubic_spline_slope, 2.0,
-        {1: 1.0, 2: 15 / (7 * PI), 3: 3 / (2 * PI)},
-    ),
-    "quartic-spline": Form(
-        shapes.quartic_spline_value, shapes.quartic_spline_slope, 2.5,
-        {1: 1 / 24, 2: 96 / (1199 * PI), 3: 1 / (20 * PI)},
-    ),
-    "liu-quartic": Form(
-        shapes.liu_quartic_value, shapes.liu_quartic_slope, 2.0,
-        {1: 1.0, 2: 15 / (7 * PI), 3: 315 / (208 * PI)}, warning=NEGATIVE,
-    ),
-    "lucy": Form(
-        shapes.lucy_value, shapes.lucy_slope, 1.0,
-        {1: 1.25, 2: 5 / PI, 3: 105 / (16 * PI)},
-    ),
-    "quintic-spline": Form(
-        shapes.quintic_spline_value, shapes.quintic_spline_slope, 3.0,
-        {1: 1 / 120, 2: 7 / (478 * PI), 3: 1 / (120 * PI)},
-    ),
-    "wendland-c2": Form(
-        shapes.wendland_c2_value, shapes.wendland_c2_slope, 2.0,
-        {1: 5 / 8, 2: 7 / (4 * PI), 3: 21 / (16 * PI)},
-        (lines.wendland_c2_line_value, lines.wendland_c2_line_slope),
-    ),
-    "wendland-c4": Form(
-        shapes.wendland_c4_value, shapes.wendland_c4_slope, 2.0,
-        {1: 3 / 4, 2: 9 / (4 * PI), 3: 495 / (256 * PI)},
-        (lines.wendland_c4_line_value, lines.wendland_c4_line_slope),
-    ),
-    "wendland-c6": Form(
-        shapes.wendland_c6_value, shapes.wendland_c6_slope, 2.0,
-        {1: 55 / 64, 2: 39 / (14 * PI), 3: 1365 / (512 * PI)},
-        (lines.wendland_c6_line_value, lines.wendland_c6_line_slope),
-    ),
-    "gaussian": Form(shapes.gaussian_value, shapes.gaussian_slope, shapes.GAUSSIAN_SUPPORT, CUT_GAUSSIAN),
-    "gaussian-raw": Form(shapes.gaussian_value, shapes.gaussian_slope, shapes.GAUSSIAN_SUPPORT, WHOLE_GAUSSIAN),
-}  # fmt: skip
-"""By name. `gaussian` is cut at 3h and weighs one; `gaussian-raw` is cut without making up for what is lost, as it
-often is.
-"""
-KERNEL_CODES: dict[str, int] = {name: code for code, name in enumerate(KERNELS)}
-"""What compiled loops branch on."""

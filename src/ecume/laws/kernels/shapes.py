@@ -1,20 +1,30 @@
-"""The shapes of the smoothing kernels, f(q) with q = r/h, and their slopes over the distance, f'(q)/q.
+"""The shapes of the smoothing kernels, f(q) with q = r/h, their slopes over the distance, f'(q)/q, and their table.
 
 The same lines run on numbers, on arrays and in compiled loops, for every q >= 0: instead of branches they have
 truncated powers, `positive(a - q)` to some power, which are zero beyond a. Slopes come as f'(q)/q because that is
 what a gradient needs, grad W = (1/r)(dW/dr) x; so written they are finite at q = 0, where most f' are a difference of
 large terms, and exactly zero beyond the support.
+
+A kernel is defined in this file alone: two functions, and a row of the table `KERNELS` at the end, which holds
+everything that depends on the kernel. The compiled loops of the sph model are made from that table.
+
+In one dimension Wendland's kernels have shapes of their own (`..._line_...`): there positive definite functions of the
+same smoothness have a lower degree [wendland1995, dehnen2012].
 """
 
 from __future__ import annotations
 
-from typing import Annotated
+import math
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+from typing import Annotated, Any, NamedTuple
 
 import numpy as np
 
-from ecume.units import Unit, Value
+from ecume.units import Number, Unit, Value
 
 Pure = Annotated[Value, Unit("1")]
+Shape = Callable[[Any], Any]
 GAUSSIAN_SUPPORT = 3.0
 
 
@@ -238,5 +248,166 @@ def gaussian_slope(q: Pure[Value]) -> Pure[Value]:
     return -2.0 * gaussian_value(q)
 
 
+def gaussian_deficit(dim: int) -> Number:
+    """What a Gaussian loses of its integral when it is cut at 3h: 2.2e-5, 1.2e-4, 4.4e-4 in 1D, 2D, 3D.
+
+    >>> f"{gaussian_deficit(2):.5e}"
+    '1.23410e-04'
+    """
+    end = GAUSSIAN_SUPPORT
+    tail = math.exp(-end * end)
+    return (math.erfc(end), tail, math.erfc(end) + 2.0 * end / math.sqrt(math.pi) * tail)[dim - 1]
+
+
+def wendland_c2_line_value(q: Pure[Value]) -> Pure[Value]:
+    """(1-q/2)^3 (1+3q/2), support 2. [dehnen2012].
+
+    >>> wendland_c2_line_value(1.0)
+    0.3125
+    """
+    left = positive(1.0 - 0.5 * q)
+    return (left * left * left) * (1.0 + 1.5 * q)
+
+
+def wendland_c2_line_slope(q: Pure[Value]) -> Pure[Value]:
+    """f'(q)/q of Wendland's C2 on a line, -3 (1-q/2)^2. [dehnen2012].
+
+    >>> wendland_c2_line_slope(1.0)
+    -0.75
+    """
+    left = positive(1.0 - 0.5 * q)
+    return -3.0 * (left * left)
+
+
+def wendland_c4_line_value(q: Pure[Value]) -> Pure[Value]:
+    """(1-q/2)^5 (1 + 5q/2 + 2q^2), support 2. [dehnen2012].
+
+    >>> wendland_c4_line_value(0.0)
+    1.0
+    """
+    left = positive(1.0 - 0.5 * q)
+    return (left * left) * (left * left) * left * (1.0 + q * (2.5 + 2.0 * q))
+
+
+def wendland_c4_line_slope(q: Pure[Value]) -> Pure[Value]:
+    """f'(q)/q of Wendland's C4 on a line, -(7/2)(1+2q)(1-q/2)^4. [dehnen2012].
+
+    >>> wendland_c4_line_slope(0.0)
+    -3.5
+    """
+    left = positive(1.0 - 0.5 * q)
+    return -3.5 * (1.0 + 2.0 * q) * (left * left) * (left * left)
+
+
+def wendland_c6_line_value(q: Pure[Value]) -> Pure[Value]:
+    """(1-q/2)^7 (1 + 7q/2 + 19q^2/4 + 21q^3/8), support 2. [dehnen2012].
+
+    >>> wendland_c6_line_value(0.0)
+    1.0
+    """
+    left = positive(1.0 - 0.5 * q)
+    cube = left * left * left
+    return (cube * cube) * left * (1.0 + q * (3.5 + q * (4.75 + 2.625 * q)))
+
+
+def wendland_c6_line_slope(q: Pure[Value]) -> Pure[Value]:
+    """f'(q)/q of Wendland's C6 on a line, -(9/2 + 27q/2 + 105q^2/8)(1-q/2)^6. [dehnen2012].
+
+    >>> wendland_c6_line_slope(0.0)
+    -4.5
+    """
+    left = positive(1.0 - 0.5 * q)
+    cube = left * left * left
+    return -(4.5 + q * (13.5 + 13.125 * q)) * (cube * cube)
+
+
 def _fifth(x: Pure[Value]) -> Pure[Value]:
     return (x * x) * (x * x) * x
+
+
+class Form(NamedTuple):
+    """Everything that depends on the choice of a kernel, before its dimension is chosen."""
+
+    value: Shape
+    """f(q)"""
+    slope: Shape
+    """f'(q)/q"""
+    support: float
+    """where the kernel ends, in smoothing lengths"""
+    normalizations: Mapping[int, float]
+    """sigma by dimension"""
+    smoothing: Mapping[int, float]
+    """the default smoothing length of a tank in particle spacings, by dimension"""
+    pairing: bool
+    """whether particles with many neighbors form pairs, as they do where the kernel's Fourier transform is negative"""
+    line: tuple[Shape, Shape] | None = None
+    """value and slope in one dimension, where they differ"""
+    warning: str = ""
+
+
+PI = math.pi
+NEGATIVE = (
+    "liu-quartic is negative for 1.6957 h < r < 2 h, and lets particles attract each other beyond 1.8 h; "
+    "it is here for comparison: wendland-c2 or quintic-spline do better"
+)
+WHOLE_GAUSSIAN = {1: PI**-0.5, 2: 1.0 / PI, 3: PI**-1.5}
+CUT_GAUSSIAN = {dim: sigma / (1.0 - gaussian_deficit(dim)) for dim, sigma in WHOLE_GAUSSIAN.items()}
+KERNELS: Mapping[str, Form] = MappingProxyType({
+    "cubic-spline": Form(
+        cubic_spline_value, cubic_spline_slope, support=2.0,
+        normalizations={1: 1.0, 2: 15 / (7 * PI), 3: 3 / (2 * PI)},
+        smoothing={2: 1.3, 3: 1.2}, pairing=True,
+    ),
+    "quartic-spline": Form(
+        quartic_spline_value, quartic_spline_slope, support=2.5,
+        normalizations={1: 1 / 24, 2: 96 / (1199 * PI), 3: 1 / (20 * PI)},
+        smoothing={2: 1.3, 3: 1.2}, pairing=True,
+    ),
+    "liu-quartic": Form(
+        liu_quartic_value, liu_quartic_slope, support=2.0,
+        normalizations={1: 1.0, 2: 15 / (7 * PI), 3: 315 / (208 * PI)},
+        smoothing={2: 1.3, 3: 1.2}, pairing=True, warning=NEGATIVE,
+    ),
+    "lucy": Form(
+        lucy_value, lucy_slope, support=1.0,
+        normalizations={1: 1.25, 2: 5 / PI, 3: 105 / (16 * PI)},
+        smoothing={2: 2.6, 3: 2.4}, pairing=True,
+    ),
+    "quintic-spline": Form(
+        quintic_spline_value, quintic_spline_slope, support=3.0,
+        normalizations={1: 1 / 120, 2: 7 / (478 * PI), 3: 1 / (120 * PI)},
+        smoothing={2: 1.3, 3: 1.2}, pairing=True,
+    ),
+    "wendland-c2": Form(
+        wendland_c2_value, wendland_c2_slope, support=2.0,
+        normalizations={1: 5 / 8, 2: 7 / (4 * PI), 3: 21 / (16 * PI)},
+        smoothing={2: 2.0, 3: 1.6}, pairing=False,
+        line=(wendland_c2_line_value, wendland_c2_line_slope),
+    ),
+    "wendland-c4": Form(
+        wendland_c4_value, wendland_c4_slope, support=2.0,
+        normalizations={1: 3 / 4, 2: 9 / (4 * PI), 3: 495 / (256 * PI)},
+        smoothing={2: 2.0, 3: 1.8}, pairing=False,
+        line=(wendland_c4_line_value, wendland_c4_line_slope),
+    ),
+    "wendland-c6": Form(
+        wendland_c6_value, wendland_c6_slope, support=2.0,
+        normalizations={1: 55 / 64, 2: 39 / (14 * PI), 3: 1365 / (512 * PI)},
+        smoothing={2: 2.2, 3: 2.0}, pairing=False,
+        line=(wendland_c6_line_value, wendland_c6_line_slope),
+    ),
+    "gaussian": Form(
+        gaussian_value, gaussian_slope, support=GAUSSIAN_SUPPORT, normalizations=CUT_GAUSSIAN,
+        smoothing={2: 1.3, 3: 1.2}, pairing=True,
+    ),
+    "gaussian-raw": Form(
+        gaussian_value, gaussian_slope, support=GAUSSIAN_SUPPORT, normalizations=WHOLE_GAUSSIAN,
+        smoothing={2: 1.3, 3: 1.2}, pairing=True,
+    ),
+})  # fmt: skip
+"""By name. `gaussian` is cut at 3h and normalized to one; `gaussian-raw` is cut without a correction for the missing
+tail, as it often is. Read-only: compiled code on the disk is named by the text of this file, and would not notice a row
+that is added while the program runs.
+"""
+KERNEL_CODES: Mapping[str, int] = MappingProxyType({name: code for code, name in enumerate(KERNELS)})
+"""The number of each kernel in compiled loops."""

@@ -7,6 +7,7 @@ import math
 
 import numpy as np
 
+from ecume.laws.kernels import KERNELS
 from ecume.models.advice import LONG, Row, told_duration
 from ecume.models.sph import pacing
 from ecume.models.sph.choosing import sides_of, smoothing_of, tension_of
@@ -14,6 +15,7 @@ from ecume.models.sph.color import NODES
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.solids import part_of, solids_of
 from ecume.models.sph.substances import told
+from ecume.models.sph.tension import TENSIONS
 from ecume.scenes.sph import SphScene
 
 PAIRS_PER_SECOND = 1.5e8
@@ -24,20 +26,13 @@ OVERHEAD = 3e-4
 """Seconds of a step that do not depend on how many particles there are."""
 FEW_NEIGHBORS, MANY_NEIGHBORS = {2: 12, 3: 30}, {2: 80, 3: 250}
 PAIRING = {2: 25, 3: 65}
-"""Neighbors above which particles of a kernel whose Fourier transform turns negative come to lie in pairs."""
-STIFF = ("wendland-c2", "wendland-c4", "wendland-c6")
-"""Kernels whose particles never pair [dehnen2012]."""
+"""Neighbors above which particles of a kernel whose Fourier transform turns negative come to lie in pairs
+[dehnen2012].
+"""
 COARSE, FINE = 8, 20
 """Particles across the smallest extent: a first look, and what pressures can be read from."""
 FAST = 0.11
 """The Mach number above which a liquid is compressed by more than a percent or so."""
-ROUGH = {
-    ("cohesion", 2): "swings below a tenth are too fast, wide ones right within 5 %",
-    ("cohesion", 3): "draws round, but does not swing: particles that keep their neighbors hold each other",
-    ("csf", 2): "periods and pressures within some percent at ten particles a radius",
-    ("csf", 3): "periods within 9 % at five particles a radius, 5 % at six; pressures within 14 %",
-}
-"""How well a model of surface tension does, by dimension."""
 
 
 def advice(scene: SphScene, parameters: Parameters, count: int, bytes_each: float) -> list[Row]:
@@ -101,7 +96,9 @@ def _liquid(scene: SphScene, parameters: Parameters) -> list[Row]:
 
 def _tension(scene: SphScene, parameters: Parameters) -> list[Row]:
     model = tension_of(scene)
-    return [] if model == "none" else [("surface", f"tension by {model}", ROUGH[model, parameters.dimension])]
+    return (
+        [] if model == "none" else [("surface", f"tension by {model}", TENSIONS[model].accuracy[parameters.dimension])]
+    )
 
 
 def _cost(scene: SphScene, parameters: Parameters, count: int, bytes_each: float) -> list[Row]:
@@ -160,7 +157,7 @@ def neighbor_remark(neighbors: int, dimension: int, kernel: str) -> str:
         return "few, sums are rough: raise method.smoothing"
     if neighbors > MANY_NEIGHBORS[dimension]:
         return "many, each costs: lower method.smoothing"
-    if neighbors > PAIRING[dimension] and kernel not in STIFF:
+    if neighbors > PAIRING[dimension] and KERNELS[kernel].pairing:
         return f"so many that particles pair with {kernel}: lower method.smoothing, or take wendland-c2"
     return "good"
 

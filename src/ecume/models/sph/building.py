@@ -13,7 +13,6 @@ from ecume.models.sph.boundaries import boundary_of
 from ecume.models.sph.carried import carried_of
 from ecume.models.sph.choosing import (
     PRECISIONS,
-    STRESSES,
     choices_of,
     chosen,
     color_reach_of,
@@ -23,6 +22,7 @@ from ecume.models.sph.choosing import (
     kernel_of,
     modified,
     numbers_of,
+    pressure_force_of,
     shifting_of,
     sides_of,
     smoothing_of,
@@ -33,16 +33,16 @@ from ecume.models.sph.gates import bounds_of, gates_of
 from ecume.models.sph.gauges import gauges_of
 from ecume.models.sph.motions import drives_of, fastest_drive, shake_of
 from ecume.models.sph.pacing import steps_of
-from ecume.models.sph.parameters import INTEGRATORS, SHIFTINGS, TENSIONS, Material, Parameters
+from ecume.models.sph.parameters import Material, Parameters
 from ecume.models.sph.solids import part_of
 from ecume.models.sph.starting import velocity_in
+from ecume.models.sph.stepping import INTEGRATORS
 from ecume.models.sph.substances import filled
+from ecume.models.sph.tension import TENSIONS
 from ecume.scenes.sph import SphScene
 from ecume.units import Array
 
 NUMERICAL_MACH = 0.1
-COHESIVE = 6.0
-"""A quarter of the pressure inside that cohesion calls up, in tensions over supports."""
 
 
 def material_of(scene: SphScene) -> Material:
@@ -97,9 +97,8 @@ def capillary_speed(scene: SphScene, bounds: list[tuple[Array, Array]]) -> float
     narrowest = min(float((high - low).min()) for low, high in bounds)
     density = 1000.0 if scene.liquid.density is None else scene.liquid.density
     pressure = laplace_pressure(filled(scene.liquid).surface_tension or 0.0, 0.5 * narrowest, len(scene.tank.low))
-    if tension_of(scene) == "cohesion":
-        support = kernel_of(scene).support * smoothing_of(scene)
-        pressure += COHESIVE * (filled(scene.liquid).surface_tension or 0.0) / support
+    support = kernel_of(scene).support * smoothing_of(scene)
+    pressure += TENSIONS[tension_of(scene)].inner_pressure * (filled(scene.liquid).surface_tension or 0.0) / support
     return math.sqrt(2.0 * pressure / density)
 
 
@@ -136,10 +135,10 @@ def parameters_of(scene: SphScene) -> Parameters:
         pull_rate=rate,
         pull_center=center,
         moves=bool(bodies.shapes or drives or shake),
-        integrator=INTEGRATORS.index(chosen(method.integrator, INTEGRATORS, "method.integrator")),
-        shifting=SHIFTINGS.index(shifting_of(scene)),
+        integrator=chosen(method.integrator, INTEGRATORS, "method.integrator"),
+        shifting=shifting_of(scene),
         background=background_of(scene, material),
-        tension=TENSIONS.index(tension_of(scene)),
+        tension=tension_of(scene),
         color_reach=color_reach_of(scene),
         carried=carried_of(scene, shape.normalization / smoothing ** len(scene.tank.low)),
         turbulence=turbulent(scene),
@@ -159,7 +158,7 @@ def central_pull_of(scene: SphScene) -> tuple[float, Array]:
 def background_of(scene: SphScene, material: Material) -> float:
     """Pa, of the transport velocity; zero without."""
     given = scene.method.background_pressure
-    if chosen(scene.method.pressure_force, STRESSES, "method.pressure_force") != "transport":
+    if not pressure_force_of(scene).transported:
         if given is not None:
             raise SceneError([Fault("method.background_pressure", 'is of pressure_force = "transport" alone')])
         return 0.0

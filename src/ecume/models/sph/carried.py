@@ -25,8 +25,6 @@ from ecume.units import Array
 
 admit(brownian, drag)
 
-REACH = 4.0
-"""In smoothing lengths: no kernel goes farther."""
 INSIDE = 0.5
 """The part of a kernel's full surroundings from which on a particle is in the liquid."""
 GROUP_RADIUS, GROUP_DENSITY, GROUP_DIFFUSION = 0, 1, 2
@@ -100,9 +98,9 @@ def surroundings(parameters: Any, workspace: Any, position: Array) -> Array:
     if crowd is None:
         return around
     reach = parameters.support + 0.5 * crowd.skin
+    liquid = parameters.carried.weight, parameters.material.viscosity, parameters.support, reach
     look_around(position, around, workspace.fields, parameters.numbers, parameters.choices, parameters.origin,
-                (parameters.carried.weight, parameters.material.viscosity, reach), crowd.sorted.order,
-                crowd.sorted.start, *crowd.grid)  # fmt: skip
+                liquid, crowd.sorted.order, crowd.sorted.start, *crowd.grid)  # fmt: skip
     return around
 
 
@@ -116,14 +114,15 @@ def wrap(sides: Any, position: Array) -> None:
 @spread
 def look_around(
     position: Any, around: Any, fields: Any, table: Any, choices: Any, origin: Any,
-    liquid: tuple[float, float, float], order: Any, start: Any, low: Any, edge: Any, shape: Any,
+    liquid: tuple[float, float, float, float], order: Any, start: Any, low: Any, edge: Any, shape: Any,
 ) -> None:  # fmt: skip
-    """Shepard's means at each place, over the cells around it; liquid = (the kernel's factor, viscosity, how far away
-    its cells may be).
+    """Shepard's means at each place, over the cells around it; liquid = (the kernel's factor, viscosity, the kernel's
+    support, how far away its cells may be).
     """
     kernel, inverse, dimension = choices[KERNEL], float(table[INVERSE]), choices[DIMENSION]
     deep, last = dimension == 3, dimension - 1
-    weighs, viscosity, reach = liquid
+    weighs, viscosity, support, reach = liquid
+    farthest = (support * inverse) ** 2
     for i in prange(position.shape[1]):
         whole, eddies, pressure, u, v, w = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         x, y, z = position[last, i], position[last - 1, i], position[0, i]
@@ -143,7 +142,7 @@ def look_around(
                     for axis in range(dimension):
                         away = (fields[X + axis, j] + origin[axis] - position[axis, i]) * inverse
                         square += away * away
-                    if square < REACH * REACH:
+                    if square < farthest:
                         weight = weighs * value_of(math.sqrt(square), kernel) * fields[VOLUME, j]
                         whole += weight
                         eddies += weight * (fields[MU, j] - viscosity) / fields[RHO, j]

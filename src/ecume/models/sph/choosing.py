@@ -9,23 +9,22 @@ import numpy as np
 from ecume.engine.lists import EVERYONE
 from ecume.errors import Fault, SceneError
 from ecume.laws import diffusion
-from ecume.laws.kernels import KERNEL_CODES, Kernel, kernel
+from ecume.laws.kernels import KERNEL_CODES, KERNELS, Kernel, kernel
 from ecume.models.sph.fields import (
     ALPHA,
     CHOICES,
     DELTA,
     DIFFUSION,
     DIMENSION,
+    ENTHALPY,
     FRICTION,
     G0,
     INVERSE,
     KERNEL,
-    LAMINAR,
     LAST,
     NO_FRICTION,
     NUMBERS,
     ONE,
-    RADIAL,
     REFERENCE,
     SCALE,
     SHARE,
@@ -34,29 +33,19 @@ from ecume.models.sph.fields import (
     STRESS,
     H,
 )
-from ecume.models.sph.parameters import SHIFTINGS, TENSIONS, Material
+from ecume.models.sph.methods import DIFFUSIONS, FRICTIONS, PRESSURE_FORCES, Friction, PressureForce
+from ecume.models.sph.parameters import Material
+from ecume.models.sph.shifting import SHIFTINGS
 from ecume.models.sph.solids import part_of
 from ecume.models.sph.substances import filled
+from ecume.models.sph.tension import TENSIONS
 from ecume.scenes.faults import suggestion
 from ecume.scenes.sph import SphScene
 from ecume.units import Array
 
-TURBULENCES = ("none", "smagorinsky")
-SMOOTHING = {
-    "wendland-c2": (2.0, 1.6),
-    "wendland-c4": (2.0, 1.8),
-    "wendland-c6": (2.2, 2.0),
-    "quintic-spline": (1.3, 1.2),
-    "quartic-spline": (1.3, 1.2),
-    "lucy": (2.6, 2.4),
-}
-"""Smoothing lengths in spacings that suit a kernel, in two and in three dimensions; 1.3 and 1.2 for all others."""
-DIFFUSIONS = ("none", "molteni", "antuono", "linear", "hydrostatic")
-FRICTIONS = ("morris", "monaghan")
-STRESSES = ("sum", "monaghan", "transport")
+TURBULENCES = {"none": False, "smagorinsky": True}
+"""Whether eddies add a viscosity: see `turbulence.stir`."""
 PRECISIONS: dict[str, type[np.floating[Any]]] = {"double": np.float64, "single": np.float32}
-COLOR_REACHES = {2: 4.8, 3: 4.0}
-"""Of the color's kernel, in spacings: narrower ones see single particles, wider ones flatten what is curved."""
 USUAL_ALPHA = 0.02
 """Of the artificial viscosity, where the liquid has none of its own."""
 
@@ -98,13 +87,13 @@ def modified(scene: SphScene) -> bool:
 
 def kernel_of(scene: SphScene) -> Kernel:
     """The scene's kernel in its dimension."""
-    return kernel(chosen(scene.method.kernel, tuple(KERNEL_CODES), "method.kernel"), dim=len(scene.tank.low))
+    return kernel(chosen(scene.method.kernel, KERNELS, "method.kernel"), dim=len(scene.tank.low))
 
 
 def smoothing_of(scene: SphScene) -> float:
     """The smoothing length (m)."""
     given = scene.method.smoothing
-    usual = SMOOTHING.get(scene.method.kernel, (1.3, 1.2))[len(scene.tank.low) - 2]
+    usual = KERNELS[chosen(scene.method.kernel, KERNELS, "method.kernel")].smoothing[len(scene.tank.low)]
     return scene.spacing * (usual if given is None else given)
 
 
@@ -114,24 +103,22 @@ def numbers_of(scene: SphScene, material: Material, pull: Array) -> Array:
     given = scene.method.artificial_viscosity
     alpha = USUAL_ALPHA * (material.viscosity == 0.0) if given is None else given
     spring = material.density / material.sound_speed**2
-    name = diffusion_of(scene, pull)
+    term = DIFFUSIONS[diffusion_of(scene, pull)]
     numbers = np.zeros(NUMBERS)
     numbers[ONE], numbers[H], numbers[INVERSE] = 1.0, smoothing, 1.0 / smoothing
     numbers[SCALE] = shape.normalization / smoothing ** (dimension + 2)
     numbers[SOFT] = 0.01 * smoothing**2
     # By volume the viscosity's term is not per density squared.
-    by_mass = scene.method.pressure_force == "monaghan"
-    numbers[SHARE] = material.density if by_mass else 1.0 / material.density
+    numbers[SHARE] = material.density if pressure_force_of(scene).by_mass else 1.0 / material.density
     numbers[ALPHA], numbers[SOUND] = alpha, material.sound_speed
-    if name != "none":
+    if term.excess is not None:
         numbers[DELTA] = diffusion.strength(scene.method.diffusion, smoothing, material.sound_speed)
-    if name == "hydrostatic":
+    if term.field == ENTHALPY:
         numbers[DELTA] *= spring
-        numbers[G0 : G0 + dimension] = pull
-    elif name == "linear":
-        numbers[G0 : G0 + dimension] = spring * pull
-    shifts = shifting_of(scene) == "delta-plus"
-    numbers[REFERENCE] = float(cast(float, shape.shape(scene.spacing / smoothing))) if shifts else 0.0
+    if term.balances_weight:
+        numbers[G0 : G0 + dimension] = term.rise(material.density, material.sound_speed) * pull
+    tensile = SHIFTINGS[shifting_of(scene)].tensile
+    numbers[REFERENCE] = float(cast(float, shape.shape(scene.spacing / smoothing))) if tensile else 0.0
     return numbers.astype(PRECISIONS[scene.method.precision])
 
 
@@ -144,11 +131,16 @@ def diffusion_of(scene: SphScene, pull: Array) -> str:
     return chosen(name, DIFFUSIONS, "method.density_diffusion")
 
 
-def friction_of(scene: SphScene) -> int:
+def pressure_force_of(scene: SphScene) -> PressureForce:
+    """The form of the pressure force."""
+    return PRESSURE_FORCES[chosen(scene.method.pressure_force, PRESSURE_FORCES, "method.pressure_force")]
+
+
+def friction_of(scene: SphScene) -> Friction:
     """The form of the viscosity: the one that is right at a free surface, where there may be one."""
     if scene.method.friction == "automatic":
-        return RADIAL if free_surface(scene) else LAMINAR
-    return {"morris": LAMINAR, "monaghan": RADIAL}[chosen(scene.method.friction, FRICTIONS, "method.friction")]
+        return FRICTIONS["monaghan" if free_surface(scene) else "morris"]
+    return FRICTIONS[chosen(scene.method.friction, FRICTIONS, "method.friction")]
 
 
 def free_surface(scene: SphScene) -> bool:
@@ -163,7 +155,7 @@ def shifting_of(scene: SphScene) -> str:
     """The shifting by its name. Where there is no surface flows pile particles up along their stagnation lines."""
     name = scene.method.shifting
     if name == "automatic":
-        return "delta-plus" if not free_surface(scene) and scene.method.pressure_force != "transport" else "none"
+        return "delta-plus" if not free_surface(scene) and not pressure_force_of(scene).transported else "none"
     return chosen(name, SHIFTINGS, "method.shifting")
 
 
@@ -176,12 +168,12 @@ def tension_of(scene: SphScene) -> str:
 
 def color_reach_of(scene: SphScene) -> float:
     """How far the continuum surface force looks (m); zero without."""
-    return COLOR_REACHES[len(scene.tank.low)] * scene.spacing if tension_of(scene) == "csf" else 0.0
+    return TENSIONS[tension_of(scene)].color_reaches[len(scene.tank.low)] * scene.spacing
 
 
 def turbulent(scene: SphScene) -> bool:
     """Whether eddies smaller than particles are reckoned with."""
-    return chosen(scene.method.turbulence, TURBULENCES, "method.turbulence") == "smagorinsky"
+    return TURBULENCES[chosen(scene.method.turbulence, TURBULENCES, "method.turbulence")]
 
 
 def choices_of(scene: SphScene, pull: Array) -> Any:
@@ -189,7 +181,7 @@ def choices_of(scene: SphScene, pull: Array) -> Any:
     choices = np.zeros(CHOICES, np.int64)
     choices[DIMENSION], choices[LAST] = len(scene.tank.low), EVERYONE[1]
     choices[KERNEL] = KERNEL_CODES[scene.method.kernel]
-    choices[DIFFUSION] = DIFFUSIONS.index(diffusion_of(scene, pull))
-    choices[STRESS] = STRESSES.index(scene.method.pressure_force)
-    choices[FRICTION] = friction_of(scene) if filled(scene.liquid).viscosity or turbulent(scene) else NO_FRICTION
+    choices[DIFFUSION] = DIFFUSIONS[diffusion_of(scene, pull)].code
+    choices[STRESS] = pressure_force_of(scene).code
+    choices[FRICTION] = friction_of(scene).code if filled(scene.liquid).viscosity or turbulent(scene) else NO_FRICTION
     return choices

@@ -9,35 +9,24 @@ from ecume.models.sph.columns import fill_images, fill_liquid, fill_weights
 from ecume.models.sph.dummies import read_liquid
 from ecume.models.sph.fields import (
     ACC,
-    ANTUONO,
     DELTA,
     DIFFUSED,
-    DIFFUSION,
     DRHO,
-    ENTHALPY,
     FRICTION,
-    HYDROSTATIC,
-    MONAGHAN,
-    NO_DIFFUSION,
     NO_FRICTION,
-    RADIAL,
-    RHO,
     SCALE,
-    STRESS,
-    SUM,
-    TRANSPORT,
     W,
 )
-from ecume.models.sph.friction import push_transported, rub, rub_radially
 from ecume.models.sph.gates import still
 from ecume.models.sph.gradients import add_gradient_diffusion, fill_density_gradients
 from ecume.models.sph.loads import forces_on_dummies, total
+from ecume.models.sph.methods import FRICTIONS, diffusion_of, pressure_of, row_of
 from ecume.models.sph.motion import (
     store_acceleration,
     store_thickening,
 )
 from ecume.models.sph.motions import instant
-from ecume.models.sph.parameters import DELTA_PLUS, NO_TENSION, Parameters
+from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.shifting import shift
 from ecume.models.sph.standoff import push_off_bodies, push_off_walls
 from ecume.models.sph.state import (
@@ -48,6 +37,7 @@ from ecume.models.sph.state import (
 from ecume.models.sph.sums import sums_of
 from ecume.models.sph.tension import pull
 from ecume.models.sph.turbulence import stir
+from ecume.models.sph.weights import require_kernel
 from ecume.units import Array
 
 
@@ -72,8 +62,8 @@ def take_both(parameters: Parameters, state: State, workspace: Workspace, time: 
     parameters = instant(parameters, state)
     fill(parameters, state, workspace)
     choices, lists = parameters.choices, workspace.lists
-    alone = choices[DIFFUSION] == NO_DIFFUSION and len(lists.counts) == state.position.shape[1]
-    if alone and choices[STRESS] != TRANSPORT:
+    diffuses = diffusion_of(choices).excess is not None
+    if not diffuses and len(lists.counts) == state.position.shape[1] and pressure_of(choices).loop is None:
         sums = sums_of(choices)
         sums.both(workspace.fields, lists.counts, lists.neighbor, parameters.numbers, choices, workspace.rates)
         hear(workspace, DRHO, DIFFUSED, ACC, ACC + 1, ACC + 2)
@@ -86,9 +76,11 @@ def take_both(parameters: Parameters, state: State, workspace: Workspace, time: 
 
 def _sum_stretch(parameters: Parameters, workspace: Workspace) -> None:
     lists, choices, numbers = workspace.lists, parameters.choices, parameters.numbers
-    soft = ENTHALPY if choices[DIFFUSION] == HYDROSTATIC else RHO
-    sums_of(choices).stretch(workspace.fields, lists.counts, lists.neighbor, numbers, choices, soft, workspace.rates)
-    if choices[DIFFUSION] == ANTUONO:
+    diffusion = diffusion_of(choices)
+    sums_of(choices).stretch(
+        workspace.fields, lists.counts, lists.neighbor, numbers, choices, diffusion.field, workspace.rates
+    )
+    if diffusion.gradients:
         factor = numbers[DELTA] * numbers[SCALE]
         add_gradient_diffusion(
             workspace.fields, lists.counts, lists.neighbor, numbers, choices, factor, workspace.rates
@@ -105,14 +97,13 @@ def hear(workspace: Workspace, *rows: int) -> None:
 
 def _sum_push(parameters: Parameters, workspace: Workspace) -> None:
     lists, choices = workspace.lists, parameters.choices
-    push = push_transported if choices[STRESS] == TRANSPORT else sums_of(choices).push
+    push = pressure_of(choices).loop or sums_of(choices).push
     push(workspace.fields, lists.counts, lists.neighbor, parameters.numbers, choices, workspace.rates)
     hear(workspace, ACC, ACC + 1, ACC + 2)
 
 
 def _store_thickening(parameters: Parameters, state: State, workspace: Workspace) -> None:
-    by_mass = parameters.choices[STRESS] == MONAGHAN
-    store_thickening(state.thickening, workspace.rates, state.density, by_mass)
+    store_thickening(state.thickening, workspace.rates, state.density, pressure_of(parameters.choices).by_mass)
     if parameters.gates:
         still(state)
 
@@ -120,23 +111,23 @@ def _store_thickening(parameters: Parameters, state: State, workspace: Workspace
 def _store_acceleration(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
     """Pressure is per weight, friction per mass; and gravity."""
     choices, lists = parameters.choices, workspace.lists
-    per_volume = choices[STRESS] == SUM
+    per_volume = pressure_of(choices).per_volume
     store_acceleration(state.acceleration, workspace.rates, state.density, parameters.gravity, per_volume)
     if parameters.pull_rate > 0.0:
         state.acceleration[...] -= parameters.pull_rate**2 * (state.position - parameters.pull_center[:, None])
     if parameters.turbulence:
         stir(parameters, workspace)
     if choices[FRICTION] != NO_FRICTION:
-        rubbing = rub_radially if choices[FRICTION] == RADIAL else rub
+        rubbing = row_of(FRICTIONS, choices[FRICTION]).loop
         workspace.rates[ACC : ACC + 3] = 0.0
         rubbing(workspace.fields, lists.counts, lists.neighbor, parameters.numbers, choices, workspace.rates)
         hear(workspace, ACC, ACC + 1, ACC + 2)
         state.acceleration[...] += workspace.rates[ACC : ACC + parameters.dimension]
     push_off_walls(parameters, state)
     _push_bodies(parameters, state, workspace)
-    if parameters.tension != NO_TENSION:
+    if parameters.tension != "none":
         pull(parameters, state, workspace)
-    if parameters.background > 0.0 or parameters.shifting == DELTA_PLUS:
+    if parameters.transports:
         shift(parameters, state, workspace, time)
     if parameters.gates:
         still(state)
@@ -172,9 +163,10 @@ def fill(parameters: Parameters, state: State, workspace: Workspace) -> None:
     """The liquid's columns, its images', the walls', and the images of those."""
     fields, lists = workspace.fields, workspace.lists
     numbers, choices = parameters.numbers, parameters.choices
+    require_kernel(choices)
     count = state.position.shape[1]
     real = len(lists.counts)
-    by_mass = bool(choices[STRESS] == MONAGHAN)
+    by_mass, gradients = pressure_of(choices).by_mass, diffusion_of(choices).gradients
     of_liquid = state.position, state.velocity, state.density, state.mass
     fill_liquid(fields, *of_liquid, parameters.constants, parameters.origin, by_mass)
     if parameters.background > 0.0:
@@ -185,14 +177,14 @@ def fill(parameters: Parameters, state: State, workspace: Workspace) -> None:
         put_dummies(parameters, fields, count)
     if len(images.source):
         fill_images(images.source, *of_images)
-    if choices[DIFFUSION] == ANTUONO:
+    if gradients:
         fill_density_gradients(fields, count, lists.counts, lists.neighbor, numbers, choices)
     if real > count:
         clip, constants, dummies = parameters.walls_clip, parameters.constants, parameters.boundary.dummies
         pulls = pulls_of(parameters.bodies, dummies, (state.pose, state.motion, state.felt), parameters.gravity)
         pulls -= parameters.pull_rate**2 * (dummies.position - parameters.pull_center[:, None])
         read_liquid(fields, count, lists.counts, lists.neighbor, numbers, choices, pulls, clip, constants)
-    if len(images.source) and (real > count or choices[DIFFUSION] == ANTUONO):
+    if len(images.source) and (real > count or gradients):
         fill_images(images.source, *of_images)
     if fields.shape[1] > count:
         fill_weights(fields, count, by_mass)

@@ -19,6 +19,7 @@ from ecume.errors import Fault, SceneError
 from ecume.laws import enthalpy as enthalpies
 from ecume.laws.flows import channel_speed
 from ecume.models.sph.columns import C0, GAMMA, RHO0
+from ecume.models.sph.methods import PRESSURE_FORCES
 from ecume.models.sph.parameters import Gate, Parameters
 from ecume.models.sph.state import (
     CAME,
@@ -44,7 +45,8 @@ ENDS = ("inflow", "outflow")
 def gates_of(scene: SphScene, support: float) -> tuple[Gate, ...]:
     """The sides with a buffer behind them."""
     found, tank = [], scene.tank
-    if scene.method.pressure_force == "transport" and any(side_of(scene, k).kind in ENDS for k in range(len(SIDES))):
+    transported = PRESSURE_FORCES[scene.method.pressure_force].transported
+    if transported and any(side_of(scene, k).kind in ENDS for k in range(len(SIDES))):
         message = "came 'transport', which is for closed flows; with in- and outflows use 'sum'"
         raise SceneError([Fault("method.pressure_force", message)])
     layers = int(np.ceil(support / scene.spacing - 1e-9))

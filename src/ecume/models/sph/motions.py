@@ -8,7 +8,8 @@ import numpy as np
 
 from ecume.engine.walls.sheets import SIZE, SPEED
 from ecume.models.sph.bodies import placed
-from ecume.models.sph.fields import DIFFUSION, G0, HYDROSTATIC, LINEAR
+from ecume.models.sph.fields import G0
+from ecume.models.sph.methods import diffusion_of
 from ecume.models.sph.parameters import Boundary, Drive, Parameters
 from ecume.models.sph.state import State
 from ecume.scenes.sph import SIDES, MotionSpec, ShakeSpec, SphScene
@@ -102,8 +103,8 @@ def _shaken(parameters: Parameters, more: Array) -> Parameters:
     sides, numbers = parameters.boundary.sides, parameters.numbers.copy()
     held = more * (np.abs(sides.normal[sides.mirrors == 0]).sum(axis=0) == 0.0)
     material = parameters.material
-    factor = {HYDROSTATIC: 1.0, LINEAR: material.density / material.sound_speed**2}
-    numbers[G0 : G0 + len(more)] += factor.get(int(parameters.choices[DIFFUSION]), 0.0) * held
+    diffusion = diffusion_of(parameters.choices)
+    numbers[G0 : G0 + len(more)] += diffusion.rise(material.density, material.sound_speed) * held
     return parameters._replace(gravity=parameters.gravity + more, numbers=numbers)
 
 

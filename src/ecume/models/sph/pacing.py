@@ -16,7 +16,6 @@ from ecume.laws.pace import (
 from ecume.models.sph.bodies import mass_of
 from ecume.models.sph.boundaries import holds
 from ecume.models.sph.choosing import friction_of, kernel_of, smoothing_of, tension_of
-from ecume.models.sph.fields import RADIAL
 from ecume.models.sph.parameters import Material
 from ecume.models.sph.solids import shape_of
 from ecume.scenes.sph import BodySpec, SphScene
@@ -44,7 +43,7 @@ def body_limit(scene: SphScene, spec: BodySpec, material: Material) -> float:
     areal_mass = mass_of(spec, shape) / shape.surface()
     pressed = body_sound_limit(areal_mass, material.density, material.sound_speed, kernel.overlap / h)
     viscosity = material.viscosity * holds(spec, material)
-    if friction_of(scene) == RADIAL:
+    if friction_of(scene).radial:
         viscosity *= radial_excess(kernel.dim)
     return min(pressed, body_drag_limit(areal_mass, viscosity, float(kernel.over_plane(0.0)) / h))
 

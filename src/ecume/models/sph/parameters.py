@@ -13,13 +13,6 @@ from ecume.models.sph.carried import Carried
 from ecume.models.sph.guard import Guard
 from ecume.units import Array
 
-INTEGRATORS = ("symplectic", "verlet")
-SYMPLECTIC, VERLET = range(2)
-SHIFTINGS = ("none", "delta-plus")
-NO_SHIFTING, DELTA_PLUS = range(2)
-TENSIONS = ("none", "cohesion", "csf")
-NO_TENSION, COHESION, CSF = range(3)
-
 
 class Material(NamedTuple):
     """The liquid."""
@@ -187,12 +180,14 @@ class Parameters(NamedTuple):
     """(2, d) beyond which liquid is lost"""
     moves: bool
     """whether anything but the liquid does"""
-    integrator: int
-    shifting: int
+    integrator: str
+    """a name of `stepping.INTEGRATORS`"""
+    shifting: str
+    """a name of `shifting.SHIFTINGS`"""
     background: float
     """Pa, of the transport velocity; zero without"""
-    tension: int
-    """which model of surface tension"""
+    tension: str
+    """a name of `tension.TENSIONS`"""
     color_reach: float
     """m, how far the continuum surface force looks; zero without"""
     carried: Carried
@@ -205,3 +200,8 @@ class Parameters(NamedTuple):
     """of what the sums over neighbors read and write; the state is always in double precision"""
     origin: Array
     """(d,) m: positions that sums read are relative to this"""
+
+    @property
+    def transports(self) -> bool:
+        """Whether particles move with a transport velocity beside the liquid's."""
+        return self.background > 0.0 or self.shifting != "none"

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +25,7 @@ from ecume.models.sph.fields import (
     X,
 )
 from ecume.models.sph.motion import largest
-from ecume.models.sph.parameters import DELTA_PLUS, Parameters
+from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.state import State, Workspace
 from ecume.models.sph.weights import slope_of, value_of
 from ecume.units import Array
@@ -43,14 +44,7 @@ def shift(parameters: Parameters, state: State, workspace: Workspace, time: floa
     numbers, choices = parameters.numbers, parameters.choices
     sum_crowd(workspace.fields, lists.counts, lists.neighbor, numbers, choices, workspace.rates)
     crowd = workspace.rates[CROWD : CROWD + parameters.dimension].astype(np.float64)
-    if parameters.shifting == DELTA_PLUS:
-        fastest = min(parameters.material.fastest, largest(state.velocity))
-        transport = delta_plus(parameters, crowd, fastest)
-        calm = near_surface(parameters, workspace)
-        transport[:, calm] = 0.0
-    else:
-        transport = of_background(parameters, state, crowd, time)
-    state.transport[...] = transport
+    state.transport[...] = SHIFTINGS[parameters.shifting].transport(parameters, state, workspace, crowd, time)
     keep_volume(state, workspace.rates[EVEN : EVEN + parameters.dimension].astype(np.float64), time)
 
 
@@ -72,18 +66,22 @@ def keep_volume(state: State, crowd: NDArray[np.floating], time: float) -> None:
         state.density[moved] *= 1.0 - 2.0 * time * float(spread.sum()) / count
 
 
-def of_background(parameters: Parameters, state: State, crowd: Array, time: float) -> Array:
+def of_background(parameters: Parameters, state: State, workspace: Workspace, crowd: Array, time: float) -> Array:
     """Half a step's velocity from a background pressure p_b: (dt/2) (2 p_b / rho) sum_j V_j F x_ij (Adami et al. 2013,
     eq. 13, with equal volumes).
     """
     return time * parameters.background / state.density * crowd
 
 
-def delta_plus(parameters: Parameters, crowd: Array, fastest: float) -> Array:
-    """4 h u sum_j (1 + R (W/W(dx))^4) V_j F x_ij, no faster than half the fastest speed u (Sun et al. 2017)."""
+def delta_plus(parameters: Parameters, state: State, workspace: Workspace, crowd: Array, time: float) -> Array:
+    """4 h u sum_j (1 + R (W/W(dx))^4) V_j F x_ij, no faster than half the fastest speed u, and zero near a surface (Sun
+    et al. 2017).
+    """
+    fastest = min(parameters.material.fastest, largest(state.velocity))
     transport = 4.0 * parameters.numbers[H] * fastest * crowd
     speed = np.sqrt((transport**2).sum(axis=0))
     limited: Array = transport * np.minimum(1.0, MOST * fastest / np.maximum(speed, 1e-300))
+    limited[:, near_surface(parameters, workspace)] = 0.0
     return limited
 
 
@@ -151,3 +149,16 @@ def spread_flags(near: Any, flags: Any, count: Any, neighbor: Any) -> None:
         for k in range(count[i]):
             if flags[neighbor[i, k]]:
                 near[i] = True
+
+
+class Shifting(NamedTuple):
+    """How particles are kept evenly spread."""
+
+    transport: Callable[[Parameters, State, Workspace, Array, float], Array]
+    """the velocity (d, N) of the next drift beside the liquid's own, from the crowding vector"""
+    tensile: bool
+    """whether the crowding vector counts near neighbors more: see `sum_crowd`"""
+
+
+SHIFTINGS = {"none": Shifting(of_background, tensile=False), "delta-plus": Shifting(delta_plus, tensile=True)}
+"""By name; without shifting only a background pressure, where there is one, spreads particles."""

@@ -11,8 +11,9 @@ from __future__ import annotations
 from ecume.engine.sharing import Share
 from ecume.errors import BadInput
 from ecume.models.sph import stepping
-from ecume.models.sph.fields import ANTUONO, DIFFUSION, FIRST, LAST, STRESS, TRANSPORT
-from ecume.models.sph.parameters import DELTA_PLUS, NO_TENSION, Parameters
+from ecume.models.sph.fields import FIRST, LAST
+from ecume.models.sph.methods import diffusion_of, pressure_of
+from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.record import workspace
 from ecume.models.sph.state import State, Workspace
 from ecume.models.sph.work import forces_work
@@ -27,9 +28,9 @@ def require_spreadable(parameters: Parameters) -> None:
             "--engine mpi: goes with tanks whose sides are mirrors or periodic and stand still, and without solids, "
             "in- and outflows"
         )
-    if choices[STRESS] == TRANSPORT or choices[DIFFUSION] == ANTUONO or parameters.shifting == DELTA_PLUS:
+    if pressure_of(choices).transported or diffusion_of(choices).gradients or parameters.transports:
         raise BadInput("--engine mpi: goes without transport velocity, shifting, and diffusion by gradients of density")
-    if parameters.tension != NO_TENSION or parameters.turbulence or parameters.carried.start[-1]:
+    if parameters.tension != "none" or parameters.turbulence or parameters.carried.start[-1]:
         raise BadInput("--engine mpi: goes without surface tension, turbulence, and what liquids carry along")
 
 

@@ -11,6 +11,7 @@ import math
 import numpy as np
 
 from ecume._portable import product
+from ecume.laws.pace import force_limit
 from ecume.models.model import DIVERGED, DONE, EXCHANGE
 from ecume.models.sph.bodies import carry, farthest_way, keep_out
 from ecume.models.sph.carried import take_along
@@ -31,7 +32,7 @@ from ecume.models.sph.motion import (
     thicken,
 )
 from ecume.models.sph.motions import at_reference, instant, way_of_sides
-from ecume.models.sph.parameters import DELTA_PLUS, SYMPLECTIC, Parameters
+from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.state import (
     GUARD_HITS,
     MOST_SUBSTEPS,
@@ -50,14 +51,13 @@ from ecume.models.sph.work import book, lifted, of_guard, power_of_shake
 
 MOST_DIVISIONS = 64
 """A step that must be divided more often than this will not recover."""
-FORCE_COURANT = 0.25
 CALM = 0.01
 """What collides more slowly than this part of the fastest speed does not bounce."""
 
 
 def advance(parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
     """March that many steps; each is divided where speeds or forces ask for it."""
-    step = symplectic_step if parameters.integrator == SYMPLECTIC else verlet_step
+    step = INTEGRATORS[parameters.integrator]
     # Who is nowhere has no neighbors, and would do no harm that anyone notices.
     if not np.isfinite(state.position).all():
         return DIVERGED
@@ -91,7 +91,7 @@ def divisions_needed(parameters: Parameters, state: State) -> int:
     if not (math.isfinite(speed) and math.isfinite(force)):
         return MOST_DIVISIONS + 1
     sound = parameters.courant * h / (parameters.material.sound_speed + speed)
-    longest = min(sound, FORCE_COURANT * math.sqrt(h / force) if force > 0.0 else math.inf)
+    longest = min(sound, force_limit(h, force))
     return min(max(1, math.ceil(parameters.time_step / longest * (1.0 - 1e-9) - 0.1)), MOST_DIVISIONS + 1)
 
 
@@ -138,7 +138,7 @@ def kick_all(state: State, time: float) -> None:
 def move(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
     """Drift with the velocity and the transport, turn back whoever got through a wall, renew the lists when due."""
     drift(state.position, state.velocity, time)
-    if parameters.background > 0.0 or parameters.shifting == DELTA_PLUS:
+    if parameters.transports:
         drift(state.position, state.transport, time)
     state.clock[0] += time
     if parameters.bodies.shapes:
@@ -190,3 +190,7 @@ def wrap(parameters: Parameters, state: State) -> None:
         out = product(sides.normal[side], state.position - sides.point[side][:, None]) < 0.0
         state.books[WORK] += lifted(parameters, state, out, sides.shift[side])
         state.position[:, out] += sides.shift[side][:, None]
+
+
+INTEGRATORS = {"symplectic": symplectic_step, "verlet": verlet_step}
+"""By name."""

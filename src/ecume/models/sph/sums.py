@@ -18,7 +18,7 @@ import numpy as np
 from ecume._jit import admit, compiled_inside, inlined, prange, summed_inside, summing
 from ecume.engine.lists import STRIDE
 from ecume.laws import diffusion, viscous
-from ecume.laws.kernels import KERNEL_CODES, shapes
+from ecume.laws.kernels import KERNEL_CODES, KERNELS, Shape, shapes
 from ecume.models.sph.fields import (
     ACC,
     ALPHA,
@@ -282,12 +282,15 @@ class Sums(NamedTuple):
     both: Any
 
 
-WENDLAND = Sums(stretch_wendland, push_wendland, both_wendland)
-CUBIC = Sums(stretch_cubic, push_cubic, both_cubic)
 ANY = Sums(stretch_any, push_any, both_any)
+CLOSED: dict[Shape, Sums] = {
+    shapes.wendland_c2_slope: Sums(stretch_wendland, push_wendland, both_wendland),
+    shapes.cubic_spline_slope: Sums(stretch_cubic, push_cubic, both_cubic),
+}
+"""Faster loops for one kernel, by the formula that is written into them."""
+SUMS = {KERNEL_CODES[name]: CLOSED.get(form.slope, ANY) for name, form in KERNELS.items()}
 
 
 def sums_of(choices: Any) -> Sums:
     """The sums with the kernel of a scene."""
-    named = {KERNEL_CODES["wendland-c2"]: WENDLAND, KERNEL_CODES["cubic-spline"]: CUBIC}
-    return named.get(int(choices[KERNEL]), ANY)
+    return SUMS[int(choices[KERNEL])]

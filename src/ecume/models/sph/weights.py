@@ -1,57 +1,25 @@
-"""Kernels by their numbers, for compiled loops.
+"""The kernels in compiled loops, by their numbers in `ecume.laws.kernels.KERNEL_CODES`.
 
-The numbers are those of `ecume.laws.kernels.KERNEL_CODES`.
+`slope_of(q, kernel)` is f'(q)/q and `value_of(q, kernel)` is f(q). Both are made from the table `KERNELS`, one branch
+for each row, so that no kernel can be missing. They do not test for numbers that no kernel has: `require_kernel` does,
+before any loop runs.
 """
 
 from __future__ import annotations
 
 from typing import Any
 
-from ecume._jit import admit, summed_inside
-from ecume.laws.kernels import shapes
+from ecume._jit import admit, selection
+from ecume.laws.kernels import KERNEL_CODES, KERNELS, shapes
+from ecume.models.sph.fields import KERNEL
 
 admit(shapes)
 
-
-@summed_inside
-def slope_of(q: Any, kernel: int) -> Any:
-    """f'(q)/q of the kernel with this number."""
-    if kernel == 0:
-        return shapes.cubic_spline_slope(q)
-    if kernel == 1:
-        return shapes.quartic_spline_slope(q)
-    if kernel == 2:
-        return shapes.liu_quartic_slope(q)
-    if kernel == 3:
-        return shapes.lucy_slope(q)
-    if kernel == 4:
-        return shapes.quintic_spline_slope(q)
-    if kernel == 5:
-        return shapes.wendland_c2_slope(q)
-    if kernel == 6:
-        return shapes.wendland_c4_slope(q)
-    if kernel == 7:
-        return shapes.wendland_c6_slope(q)
-    return shapes.gaussian_slope(q)
+slope_of = selection("slope_of", {KERNEL_CODES[name]: form.slope for name, form in KERNELS.items()}, __name__, __file__)
+value_of = selection("value_of", {KERNEL_CODES[name]: form.value for name, form in KERNELS.items()}, __name__, __file__)
 
 
-@summed_inside
-def value_of(q: Any, kernel: int) -> Any:
-    """f(q) of the kernel with this number."""
-    if kernel == 0:
-        return shapes.cubic_spline_value(q)
-    if kernel == 1:
-        return shapes.quartic_spline_value(q)
-    if kernel == 2:
-        return shapes.liu_quartic_value(q)
-    if kernel == 3:
-        return shapes.lucy_value(q)
-    if kernel == 4:
-        return shapes.quintic_spline_value(q)
-    if kernel == 5:
-        return shapes.wendland_c2_value(q)
-    if kernel == 6:
-        return shapes.wendland_c4_value(q)
-    if kernel == 7:
-        return shapes.wendland_c6_value(q)
-    return shapes.gaussian_value(q)
+def require_kernel(choices: Any) -> None:
+    """Raise ValueError where the table of choices names no kernel."""
+    if choices[KERNEL] not in KERNEL_CODES.values():
+        raise ValueError(f"choices[KERNEL]: got {choices[KERNEL]}; expected a number of KERNEL_CODES, {KERNEL_CODES}")

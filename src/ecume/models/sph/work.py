@@ -22,7 +22,7 @@ from ecume.engine.walls.sheets import SIZE, SPEED
 from ecume.models.sph.energies import energy_of, liquid_alone, potential_of
 from ecume.models.sph.loads import force_of_mirror, forces_on, roots_of
 from ecume.models.sph.motions import drive_at, instant
-from ecume.models.sph.parameters import NO_TENSION, Parameters
+from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.standoff import leaning_on
 from ecume.models.sph.state import RATE, WORK, State, Workspace
 from ecume.units import Array
@@ -48,7 +48,7 @@ def leaks(parameters: Parameters) -> bool:
 
 def untold(parameters: Parameters) -> bool:
     """Whether surface tension does work that nobody books: it pulls at what moves, and is not among the loads."""
-    return parameters.tension != NO_TENSION and bool(parameters.drives or parameters.gates or parameters.bodies.shapes)
+    return parameters.tension != "none" and bool(parameters.drives or parameters.gates or parameters.bodies.shapes)
 
 
 def book(parameters: Parameters, state: State, workspace: Workspace, began: tuple[float, bool], time: float) -> None:

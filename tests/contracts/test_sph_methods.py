@@ -1,0 +1,76 @@
+"""Every form of the equations that a tank may choose acts on solids as on liquid, and none is a default for others."""
+
+import numpy as np
+import pytest
+from tests.models.sph.scenes import free_blob
+from tests.models.sph.test_moving_bodies import blob
+
+from ecume.models.sph.evaluating import take_both, take_forces, take_thickening
+from ecume.models.sph.fields import DIFFUSION, FRICTION, STRESS
+from ecume.models.sph.methods import DIFFUSIONS, FRICTIONS, PRESSURE_FORCES
+from ecume.models.sph.record import SPH
+from ecume.models.sph.shifting import SHIFTINGS
+from ecume.models.sph.stepping import INTEGRATORS
+from ecume.models.sph.tension import TENSIONS, surface_energy
+
+
+def at_start(scene):
+    """Parameters, state and workspace of a scene whose liquid moves and has pressure."""
+    parameters = SPH.parameters(scene)
+    state = SPH.start(scene, parameters)
+    state.density[...] *= 1.0 + 0.01 * np.sin(7.0 * state.position[0])
+    state.velocity[...] = np.sin(5.0 * state.position[::-1])
+    state.transport[...] = 0.1 * np.cos(4.0 * state.position)
+    return parameters, state, SPH.workspace(parameters, state, 1.0)
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize("friction", FRICTIONS)
+@pytest.mark.parametrize("force", PRESSURE_FORCES)
+def test_a_body_gets_the_momentum_that_the_liquid_loses(force, friction):
+    method = {"jitter": 0.2, "pressure_force": force, "friction": friction}
+    liquid = {"density": 1000.0, "sound_speed": 10.0, "fastest": 1.0, "viscosity": 20.0}
+    scene = blob(gravity=[0.0, 0.0], liquid=liquid, method=method)
+    parameters, state, workspace = at_start(scene)
+    take_forces(parameters, state, workspace, parameters.time_step)
+    on_liquid = state.acceleration @ state.mass
+    on_body = state.push[:2, 0] * parameters.bodies.mass[0]
+    assert np.abs(on_body).max() > 1.0
+    np.testing.assert_allclose(on_body, -on_liquid, rtol=1e-9)
+
+
+@pytest.mark.parametrize("table", [PRESSURE_FORCES, FRICTIONS, DIFFUSIONS])
+def test_each_row_has_a_code_of_its_own(table):
+    assert len({row.code for row in table.values()}) == len(table)
+
+
+@pytest.mark.parametrize("place", [STRESS, DIFFUSION, FRICTION])
+@pytest.mark.parametrize("code", [-1, 9])
+@pytest.mark.parametrize("take", [take_both, take_forces])
+def test_a_code_without_a_row_is_refused(place, code, take):
+    parameters, state, workspace = at_start(free_blob(viscosity=1.0))
+    parameters.choices[place] = code
+    with pytest.raises(ValueError, match=f"got the code {code}; expected one of"):
+        take(parameters, state, workspace, parameters.time_step)
+
+
+def test_a_diffusion_without_a_row_is_refused_where_density_alone_is_computed():
+    parameters, state, workspace = at_start(free_blob())
+    parameters.choices[DIFFUSION] = 9
+    with pytest.raises(ValueError, match="got the code 9; expected one of"):
+        take_thickening(parameters, state, workspace)
+
+
+@pytest.mark.parametrize("choice", ["integrator", "shifting", "tension"])
+def test_a_name_without_a_row_is_refused(choice):
+    parameters, state, workspace = at_start(free_blob())
+    assert "mine" not in {**INTEGRATORS, **SHIFTINGS, **TENSIONS}
+    wrong = parameters._replace(**{choice: "mine"})
+    with pytest.raises(KeyError, match="mine"):
+        SPH.advance(wrong, state, workspace, 1)
+
+
+def test_an_energy_of_an_unknown_surface_tension_is_refused():
+    parameters, _, workspace = at_start(free_blob())
+    with pytest.raises(KeyError, match="mine"):
+        surface_energy(parameters._replace(tension="mine"), workspace)
