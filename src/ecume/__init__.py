@@ -13,6 +13,8 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
+from ecume import _hooks
+
 if TYPE_CHECKING:
     from ecume.errors import BadInput, Diverged, EcumeError, FloaterSinks, RunExists, SceneError, Stopped, StorageError
     from ecume.fitting import fit
@@ -93,6 +95,21 @@ def __getattr__(name: str) -> Any:
     if name not in _HOME_OF:
         raise AttributeError(f"ecume has no {name}")
     return getattr(importlib.import_module(_HOME_OF[name]), name)
+
+
+def _html_of(subject: Any) -> str | None:
+    """A picture for a notebook: what draws it is imported when a notebook asks."""
+    html: str | None = importlib.import_module("ecume.show.view.embedded").shown(subject)
+    return html
+
+
+def _scene_of(plain: dict[str, Any]) -> Any:
+    """A scene out of plain data: scenes are imported when somebody asks for one."""
+    return importlib.import_module("ecume.scenes.schema").from_plain(plain)
+
+
+_hooks.html_of.register(_html_of)
+_hooks.scene_of.register(_scene_of)
 
 
 def __dir__() -> list[str]:

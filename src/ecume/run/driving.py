@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import importlib
 import itertools
 import os
 import time
@@ -12,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from ecume._hooks import html_of
 from ecume.errors import BadInput, Diverged, Stopped, StorageError
 from ecume.run import checkpoints, constants, manifest
 from ecume.run.checkpoints import Checkpoint
@@ -50,9 +50,7 @@ class RunResult(NamedTuple):
 
     def _repr_html_(self) -> str | None:
         """How it shows itself in a notebook: the player of `ecume view`, in at most 4 MB."""
-        # pictures stand far above: looked up only when a notebook asks
-        shown: str | None = importlib.import_module("ecume.show.view.embedded").shown(self.directory)
-        return shown
+        return html_of(self.directory)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import importlib
 import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
+from ecume._hooks import html_of
 from ecume.errors import StorageError
 from ecume.run.directory import RunDirectory, existing, json_of
 from ecume.run.locking import held, is_held
@@ -46,9 +46,7 @@ class Info(NamedTuple):
 
     def _repr_html_(self) -> str | None:
         """How it shows itself in a notebook: the player of `ecume view`, in at most 4 MB."""
-        # pictures stand far above: looked up only when a notebook asks
-        shown: str | None = importlib.import_module("ecume.show.view.embedded").shown(self.directory)
-        return shown
+        return html_of(self.directory)
 
 
 def info(directory: str | os.PathLike[str]) -> Info:

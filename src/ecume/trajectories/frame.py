@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from numpy.typing import NDArray
+
+from ecume._hooks import html_of
 
 
 class Frame(NamedTuple):
@@ -22,6 +23,4 @@ class Frame(NamedTuple):
 
     def _repr_html_(self) -> str | None:
         """How it shows itself in a notebook: its particles, to turn and to click."""
-        # pictures stand far above: looked up only when a notebook asks
-        shown: str | None = importlib.import_module("ecume.show.view.embedded").shown(self)
-        return shown
+        return html_of(self)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import bisect
 import contextlib
-import importlib
 import json
 import os
 from collections.abc import Sequence
@@ -14,6 +13,7 @@ from typing import Any, Self, overload
 import numpy as np
 from numpy.typing import NDArray
 
+from ecume._hooks import html_of, scene_of
 from ecume.errors import BadInput, StorageError
 from ecume.trajectories import schema
 from ecume.trajectories.durable import storing
@@ -63,8 +63,7 @@ class Trajectory(Sequence[Frame]):
         path = self.directory / "resolved.json"
         with storing(path):
             plain = json.loads(path.read_bytes())
-        # scenes stand above trajectories, so that a scene can start from a frame: looked up only when asked for
-        return importlib.import_module("ecume.scenes.schema").from_plain(plain)
+        return scene_of(plain)
 
     @property
     def intact(self) -> int:
@@ -130,9 +129,7 @@ class Trajectory(Sequence[Frame]):
 
     def _repr_html_(self) -> str | None:
         """How it shows itself in a notebook: the player of `ecume view`, in at most 4 MB."""
-        # pictures stand far above: looked up only when a notebook asks
-        shown: str | None = importlib.import_module("ecume.show.view.embedded").shown(self)
-        return shown
+        return html_of(self)
 
     def __enter__(self) -> Self:
         """The trajectory itself."""

@@ -1,0 +1,42 @@
+"""What a higher layer adds to the objects of a lower one.
+
+A frame shows itself in a notebook by a picture, and a trajectory knows its scene, but pictures and scenes stand in
+higher layers, which lower ones do not import. The top of the package registers here what to call.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Generic, TypeVar
+
+Given = TypeVar("Given")
+Found = TypeVar("Found")
+
+
+class Hook(Generic[Given, Found]):
+    """A function that is registered later, by a higher layer.
+
+    >>> double: Hook[int, int] = Hook()
+    >>> double.register(lambda number: 2 * number)
+    >>> double(21)
+    42
+    """
+
+    def __init__(self) -> None:
+        self._function: Callable[[Given], Found] | None = None
+
+    def register(self, function: Callable[[Given], Found]) -> None:
+        """Call this function from now on."""
+        self._function = function
+
+    def __call__(self, given: Given) -> Found:
+        """Call the registered function. Raises LookupError where there is none."""
+        if self._function is None:
+            raise LookupError("nothing is registered here")
+        return self._function(given)
+
+
+html_of: Hook[Any, str | None] = Hook()
+"""The picture of a frame, a trajectory or the directory of a run as HTML; None where there is nothing to draw."""
+scene_of: Hook[dict[str, Any], Any] = Hook()
+"""The scene that plain data describe."""

@@ -1,0 +1,77 @@
+"""No layer imports a higher one by a string, where import-linter cannot see it."""
+
+import ast
+import subprocess
+import sys
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+import ecume
+from ecume._hooks import Hook
+
+PACKAGE = Path(ecume.__file__).parent
+ROOT = PACKAGE.parents[1]
+IMPORTERS = ("import_module", "__import__")
+
+
+def layers() -> dict[str, int]:
+    """The floor of each module that pyproject.toml names, the highest with the lowest number."""
+    contracts = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["importlinter"]["contracts"]
+    floors = contracts[0]["layers"]
+    return {name.strip(): number for number, floor in enumerate(floors) for name in floor.split("|")}
+
+
+def floor_of(module: str, floors: dict[str, int]) -> int:
+    """The floor of a module, or of the package that it is in."""
+    parts = module.split(".")
+    return next(floors[name] for n in range(len(parts), 0, -1) if (name := ".".join(parts[:n])) in floors)
+
+
+def strings_in(text: str) -> Iterator[str]:
+    """The names, or their beginnings, of our modules that a file imports by a string."""
+    for node in ast.walk(ast.parse(text)):
+        if isinstance(node, ast.Call) and getattr(node.func, "attr", getattr(node.func, "id", "")) in IMPORTERS:
+            named = node.args[0]
+            first = named.values[0] if isinstance(named, ast.JoinedStr) else named
+            value = first.value if isinstance(first, ast.Constant) else ""
+            if str(value).startswith("ecume."):
+                yield str(value).rstrip(".")
+
+
+def upward(path: Path) -> list[str]:
+    """The modules of higher layers, or of other packages in the same one, that a file imports by a string."""
+    floors = layers()
+    module = ".".join(("ecume", *path.relative_to(PACKAGE).with_suffix("").parts)).removesuffix(".__init__")
+    if module == "ecume":  # the top, which hands out everything
+        return []
+    here, package = floor_of(module, floors), module.split(".")[1]
+    return [
+        name
+        for name in strings_in(path.read_text(encoding="utf-8"))
+        if floor_of(name, floors) <= here and name.split(".")[1] != package
+    ]
+
+
+def test_no_module_imports_a_higher_layer_by_a_string():
+    found = {path.relative_to(PACKAGE).as_posix(): names for path in PACKAGE.rglob("*.py") if (names := upward(path))}
+    assert found == {}
+
+
+@pytest.mark.parametrize("line", ['importlib.import_module("ecume.show.x")', 'import_module(f"ecume.show.{name}")'])
+def test_such_imports_are_found(line):
+    assert [name.split(".")[1] for name in strings_in(f"def f(name):\n    return {line}.shown(1)\n")] == ["show"]
+
+
+def test_a_hook_without_a_function_says_so():
+    with pytest.raises(LookupError, match="registered"):
+        Hook()(1)
+
+
+def test_a_trajectory_knows_its_scene_and_its_picture_whatever_was_imported():
+    script = "from ecume.trajectories import frame, reader\nfrom ecume import _hooks\n"
+    script += "import sys\nassert 'ecume.show' not in sys.modules and 'ecume.scenes' not in sys.modules\n"
+    script += "assert _hooks.html_of._function and _hooks.scene_of._function\n"
+    subprocess.run([sys.executable, "-c", script], check=True)
