@@ -22,6 +22,7 @@ from marching import March, heavy_spheres, machine
 from ecume._jit import compiled_once, use_threads
 from ecume.laws.special import bessel_k1
 from ecume.models.floating import forces, grid
+from ecume.models.floating.pair_choice import summed_law
 from ecume.models.floating.pulling import pairs_of
 from ecume.scenes.load import load_scene
 
@@ -46,9 +47,10 @@ def pull_of(march: March, kind: type) -> Callable[[], None]:
     """All pair forces in a precision."""
     scratch, rows = march.workspace.sorted_floats, pairs_of(march.workspace.lists.rows)
     floats, pair = (scratch.charge.astype(kind), scratch.radius), march.parameters.pair.astype(kind)
+    law = summed_law(march.parameters._replace(single=kind is np.float32))
 
     def pull() -> None:
-        forces.pull(rows, floats, pair, scratch.force)
+        forces.pull(law, rows, floats, pair, scratch.force)
 
     pull()
     return pull
@@ -139,7 +141,7 @@ def grid_sum(count: int, radius: float, accuracy: float) -> Callable[[], None]:
     bare, length, position = parameters._replace(many=()), float(parameters.pair[1]), march.state.position
 
     def go() -> None:
-        grid.short_forces(bare, position, march.workspace.lists, scratch)
+        forces.forces(parameters.many.short, bare, position, march.workspace.lists, scratch)
         around = grid.grid_around(parameters.many, march.state.reference, length)
         grid.add_smooth_forces(bare, parameters.many, position, around, scratch[1])
 

@@ -5,6 +5,7 @@ import subprocess
 import sys
 import types
 from pathlib import Path
+from typing import NamedTuple
 
 import llvmlite.binding
 import numpy as np
@@ -258,6 +259,61 @@ SOFTENING = 0.125
 @_jit.compiled
 def _laws(values: np.ndarray) -> float:
     return _law(values[0])
+
+
+class Twice(NamedTuple):
+    x: float
+
+
+class Thrice(NamedTuple):
+    x: float
+
+
+def twice(given):
+    return 2.0 * given.x
+
+
+def thrice(given):
+    return 3.0 * given.x
+
+
+multiple = _jit.by_type(lambda kind: {Twice: twice, Thrice: thrice}[kind])
+
+
+@_jit.compiled
+def two_multiples(one, other):
+    return multiple(one), multiple(other)
+
+
+def test_the_type_of_an_argument_chooses_the_function_that_is_compiled_in():
+    assert two_multiples(Twice(1.0), Thrice(1.0)) == (2.0, 3.0)
+    assert two_multiples(Thrice(1.0), Twice(1.0)) == (3.0, 2.0)
+    assert multiple(Thrice(1.0)) == 3.0
+    with pytest.raises(Exception, match="No implementation of function"):
+        two_multiples(1.0, Twice(1.0))
+
+
+OF_THIS_PROCESS = """
+from ecume import _jit
+
+Mine = _jit.of_this_process("Mine", ["x"])
+
+@_jit.compiled
+def outer(given):
+    return given
+
+print(outer(Mine(2.0)).x, outer((2.0,))[0])
+"""
+
+
+def test_nothing_is_kept_on_disk_for_types_that_no_other_process_knows(tmp_path):
+    (tmp_path / "mine.py").write_text(OF_THIS_PROCESS)
+    places = {"ECUME_CACHE_DIR": str(tmp_path / "cache"), "PYTHONPATH": str(Path(_jit.__file__).parents[1])}
+    done = subprocess.run(
+        [sys.executable, str(tmp_path / "mine.py")], env={**os.environ, **places}, capture_output=True, text=True
+    )
+    assert done.stdout == "2.0 2.0\n", done.stderr
+    assert len(list((tmp_path / "cache").rglob("*.nbc"))) == 1
 
 
 def test_a_law_called_in_single_precision_stays_in_it():

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import collections
 import functools
 import math
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from types import FunctionType, ModuleType
 from typing import Any, TypeVar, cast
 
@@ -17,7 +18,7 @@ from numba.core import cgutils, types
 from numba.core.imputils import lower_builtin
 
 from ecume._fused import LANES, fused, lane_sum
-from ecume._parts import PART, AloneCache, Dispatcher, Part, TogetherCache
+from ecume._parts import PART, UNKEPT, AloneCache, Dispatcher, Part, TogetherCache
 
 # Threads that wait for their next loop by spinning keep whoever else computes here from going on, and are kept from it
 # themselves: on a busy machine loops over a few thousand particles took five times as long. Read when they start.
@@ -166,6 +167,35 @@ def where_there(default: Any = None) -> Callable[[Callable[..., Any]], Callable[
         return there
 
     return decorate
+
+
+def by_type(choice: Callable[[type], Callable[..., Any]], place: int = -1) -> Callable[..., Any]:
+    """A function that dispatches on the type of one argument, a NamedTuple: it calls `choice(type)`. Compiled code
+    contains only the function that was chosen. The file that calls `by_type` must import, by name, every file that
+    defines a choice, so that the disk cache notices changes: see `_cache`.
+    """
+
+    def chosen(*arguments: Any) -> Any:
+        return choice(type(arguments[place]))(*arguments)
+
+    if numba.config.DISABLE_JIT:
+        return chosen
+
+    @numba.extending.overload(chosen, jit_options={**PART, "forceinline": True, "pipeline_class": Part}, strict=False)  # type: ignore[untyped-decorator]
+    def version(*arguments: Any) -> Any:
+        if not isinstance(arguments[place], types.BaseNamedTuple):
+            return None
+        made = choice(arguments[place].instance_class)
+        if not isinstance(made, FunctionType):
+            return lambda *arguments: made(*arguments)
+        return in_single(made) if types.float32 in arguments and types.float64 not in arguments else made
+
+    return chosen
+
+
+def of_this_process(name: str, fields: Iterable[str]) -> Any:
+    """A NamedTuple class that exists in this process only: code compiled for it is not written to the disk cache."""
+    return collections.namedtuple(f"{UNKEPT}{name}", fields)
 
 
 def compiled_once(function: Function) -> Function:

@@ -63,6 +63,9 @@ compile_for_levels()
 
 COMPILER = f"Numba {numba.__version__}, LLVM {llvmlite.__version__}, Python {platform.python_version()}"
 
+UNKEPT = "OfThisProcess"
+"""Prefix of the names of types that exist in one process only: code compiled for them is not cached on disk."""
+
 
 class Place:
     """Where the code of a function lies on the disk, and the stamp that it must bear: Numba's locator."""
@@ -104,20 +107,24 @@ class HealingCache(FunctionCache):  # type: ignore[misc]
 
     _impl_class = WholeFiles
 
-    def load_overload(self, *arguments: Any) -> Any:
+    def load_overload(self, signature: Any, *arguments: Any) -> Any:
+        if UNKEPT in str(signature):
+            return None
         # Threads must run before code that calls them is linked. Numba sees to that where a function was compiled
         # together with its threaded parts; one made from parts of the disk would jump to nowhere.
         numba.get_num_threads()
         try:
-            return super().load_overload(*arguments)
+            return super().load_overload(signature, *arguments)
         except Exception as error:  # a damaged pickle raises nearly anything
             log.warning("the compilation cache of %s was damaged (%s) and is made anew", self._name, error)
             self.flush()
             return None
 
-    def save_overload(self, *arguments: Any) -> None:
+    def save_overload(self, signature: Any, *arguments: Any) -> None:
+        if UNKEPT in str(signature):
+            return
         try:
-            super().save_overload(*arguments)
+            super().save_overload(signature, *arguments)
         except (OSError, EOFError, ValueError) as error:  # full disk, or a damaged index
             log.warning("the compilation cache of %s could not be written: %s", self._name, error)
         except Exception as error:  # the index is a pickle too

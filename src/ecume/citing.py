@@ -34,6 +34,7 @@ from ecume.laws import (
     meniscus,
     multipole,
     pace,
+    pair_laws,
     quadrupoles,
     remote,
     rubbing,
@@ -104,7 +105,8 @@ def floating_sources(scene: Any) -> list[Source]:
     """Where floats sit, how they attract, what the dish does, drag and collisions."""
     charge = flotation.CHARGES.get(str(scene.interaction.charge))
     laws: list[Source] = [charge] if charge else []
-    laws += [capillarity.pair_energy, capillarity.pair_force]
+    row = pair_laws.PAIR_LAWS.get(str(scene.interaction.law))
+    laws += row.papers if row is not None else ()
     laws += [multipole.solve] if scene.interaction.method != "superposition" else []
     laws += [split.short_energy, split.smooth_wave, split.grid_error] if scene.interaction.sum == "grid" else []
     magnets = any(given.magnetic_moment for given in (*scene.floats, *scene.rows))

@@ -2,8 +2,11 @@ import numpy as np
 import pytest
 
 from ecume.laws.contact import impulse
+from ecume.models import MODELS
 from ecume.simulation import simulate
 from tests.models.floating.bowls import HEAVY, WATER, colliding, scene_of
+
+FLOATING = MODELS["floating"]
 
 
 def last_and_first(scene):
@@ -56,6 +59,54 @@ def test_a_wall_turns_the_normal_velocity_back_by_its_restitution():
     rest = '[motion]\ndrag = false\n[interaction]\nlaw = "none"\n'
     after, _ = last_and_first(scene_of(WATER + floats + dish + rest, duration=0.3, frame_every=0.1))
     assert after.arrays["velocity"][0] == pytest.approx([-0.03, 0.01], rel=1e-12)
+
+
+@pytest.mark.parametrize("order", [(0, 1), (1, 0)])
+def test_simultaneous_collisions_have_the_least_restitution_among_them(order):
+    """A float hits another one in the moment in which that one hits a softer wall: both collisions are as soft as the
+    wall, whichever float has the lower number.
+    """
+    middle, thrown = (
+        f"positions = [[{8.999e-3!r}, 0.0]]\nvelocity = [0.02, 0.0]",
+        f"positions = [[{6.998e-3!r}, 0.0]]\nvelocity = [0.05, 0.0]",
+    )
+    floats = "".join(f"[[floats]]\n{HEAVY}{(middle, thrown)[which]}\n" for which in order)
+    dish = '[dish]\nsize = [0.02, 0.02]\nlaw = "none"\nrestitution = 0.1\n'
+    rest = '[motion]\ndrag = false\ntime_step = 1e-4\n[interaction]\nlaw = "none"\n[contacts]\nrestitution = 0.9\n'
+    after, before = last_and_first(scene_of(WATER + floats + dish + rest, duration=1e-2, frame_every=1e-2))
+    expected = [(-0.1 * 0.02, -0.1 * 0.05)[which] for which in order]
+    assert after.arrays["velocity"][:, 0] == pytest.approx(expected, rel=1e-6)
+    assert after.numbers["kinetic_energy"] == pytest.approx(0.01 * before.numbers["kinetic_energy"], rel=1e-6)
+    assert after.numbers["collisions"] == 2
+
+
+@pytest.mark.parametrize("kicks", [6.0, 12.0, 35.0])
+def test_floats_that_attract_each_other_bounce_if_they_meet_faster_than_a_few_kicks(kicks):
+    """A kick is the change of the approach speed by the attraction in half a step. Floats that meet much faster than
+    that bounce; only those that the attraction presses together come to rest. The attraction in the few steps before
+    and after the collision changes the speeds by some kicks.
+    """
+    still = pair_about_to_meet(0.0, 1e-9)
+    parameters = FLOATING.parameters(still)
+    state = FLOATING.start(still, parameters)
+    workspace = FLOATING.workspace(parameters, state, 1.0)
+    FLOATING.advance(parameters, state, workspace, 0)
+    speed = float(kicks * 2.0 * parameters.kick.gain[0] * abs(workspace.force[0, 0]))
+    for steps_to_contact in np.linspace(0.3, 3.6, 9).tolist():
+        frames = simulate(pair_about_to_meet(0.5 * speed, steps_to_contact * speed * parameters.time_step))
+        parting = max(float(np.diff(frame.arrays["velocity"][:, 0])[0]) for frame in frames)
+        assert parting / speed > 0.8 - 2.4 / kicks, steps_to_contact
+
+
+def pair_about_to_meet(speed, gap):
+    """Two heavy floats that attract each other, each with this speed, in steps of 1 ms."""
+    half = 1e-3 + 0.5 * gap
+    floats = "".join(
+        f"[[floats]]\n{HEAVY}positions = [[{way * half!r}, 0.0]]\nvelocity = [{-way * speed!r}, 0.0]\n"
+        for way in (-1, 1)
+    )
+    rest = "[motion]\ndrag = false\ntime_step = 1e-3\n[contacts]\nrestitution = 0.8\n"
+    return scene_of(WATER + floats + rest, duration=6e-3, frame_every=1e-3)
 
 
 def test_without_contacts_floats_pass_through_each_other():

@@ -4,11 +4,11 @@ import pytest
 from ecume import _jit
 from ecume.engine.neighbors import THREADS_FROM
 from ecume.laws import flotation
-from ecume.laws.screened import fit_k1
+from ecume.laws.pair_laws import PAIR_LAWS, Setting
 from ecume.models import MODELS
 from ecume.models.floating.forces import forces
 from ecume.models.floating.observing import observe
-from ecume.models.floating.parameters import SURFACE_TENSION, pack_pair, unpack_fit
+from ecume.models.floating.pair_choice import law_of, summed_law
 from ecume.models.floating.state import make_state
 from tests.models.floating.bowls import HEAVY, LIGHT, WATER, bowl, scene_of
 
@@ -18,7 +18,8 @@ FLOATING = MODELS["floating"]
 def forces_at(parameters, position):
     state = make_state(position, np.zeros_like(position))
     workspace = FLOATING.workspace(parameters, state, 1.0)
-    forces(parameters, state.position, workspace.lists, (workspace.sorted_floats, workspace.force))
+    scratch = workspace.sorted_floats, workspace.force
+    forces(summed_law(parameters), parameters, state.position, workspace.lists, scratch)
     return workspace.force
 
 
@@ -102,7 +103,9 @@ def test_forces_have_the_same_bits_for_any_number_of_threads():
 
 
 def test_packed_constants_come_out_as_they_went_in():
-    fit = fit_k1(0.3, 9.0)
-    pair = pack_pair(1.0, 2.0, 3.0, 4.0, fit)
-    assert unpack_fit(pair) == fit
-    assert pair[SURFACE_TENSION] == 4.0
+    parameters = FLOATING.parameters(a_mixed_crowd())
+    liquid, smallest = flotation.Liquid(1000.0, 0.0728, 1e-3), 1e-3
+    setting = Setting(liquid.capillary_length, 0.0728, 1.8 * smallest, parameters.cutoff + smallest)
+    assert law_of(parameters) == PAIR_LAWS["capillary"].make_constants(setting)
+    single = summed_law(parameters._replace(single=True))
+    assert {type(each) for each in single} == {np.float32}

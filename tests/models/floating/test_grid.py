@@ -8,6 +8,7 @@ from ecume import _jit
 from ecume.errors import SceneError
 from ecume.models import MODELS
 from ecume.models.floating import grid, summing
+from ecume.models.floating.forces import forces
 from ecume.models.floating.observing import observe
 from tests.models.floating.bowls import WATER, scene_of
 
@@ -31,7 +32,8 @@ def set_up(scene):
 
 def grid_forces(parameters, state, workspace):
     bare, length = parameters._replace(many=()), parameters.pair[1]
-    grid.short_forces(bare, state.position, workspace.lists, (workspace.sorted_floats, workspace.force))
+    scratch = workspace.sorted_floats, workspace.force
+    forces(parameters.many.short, bare, state.position, workspace.lists, scratch)
     around = grid.grid_around(parameters.many, state.reference, length)
     grid.add_smooth_forces(bare, parameters.many, state.position, around, workspace.force)
     return workspace.force.copy()

@@ -8,6 +8,7 @@ from ecume.errors import SceneError
 from ecume.laws import capillarity, dipoles
 from ecume.models import MODELS
 from ecume.models.floating.observing import observe
+from ecume.models.floating.pair_choice import summed_law
 from ecume.models.floating.polar import polar_forces
 from ecume.models.floating.state import make_state
 from ecume.scenes.load import load_scene
@@ -29,7 +30,8 @@ def forces_of(scene):
     parameters = FLOATING.parameters(scene)
     state = FLOATING.start(scene, parameters)
     workspace = FLOATING.workspace(parameters, state, 1.0)
-    polar_forces(parameters, state.position, workspace.lists, (workspace.sorted_floats, workspace.force))
+    scratch = workspace.sorted_floats, workspace.force
+    polar_forces(summed_law(parameters), parameters, state.position, workspace.lists, scratch)
     return parameters, state, workspace
 
 

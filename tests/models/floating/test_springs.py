@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from ecume.errors import BadInput, SceneError
+from ecume.errors import SceneError
 from ecume.laws.contact import dashpot_restitution
 from ecume.models import MODELS
 from ecume.simulation import moments, simulate
@@ -108,9 +108,3 @@ def test_what_does_not_go_with_springs_is_told(rest, said):
     scene = scene_of(f"{WATER}[[floats]]\ncount = 2\n{HEAVY}{rest}")
     with pytest.raises(SceneError, match=said):
         MODELS["floating"].parameters(scene)
-
-
-def test_laws_of_a_users_own_want_impulses():
-    scene = scene_of(f"{WATER}[[floats]]\ncount = 2\n{HEAVY}[contacts]\n{SOFT}")
-    with pytest.raises(BadInput, match="spring-dashpot"):
-        list(simulate(scene, extra_laws=[lambda distance, pair: 0.0]))

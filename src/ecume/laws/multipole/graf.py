@@ -93,7 +93,9 @@ def receive(rims: Rims, pair: tuple[int, int], place: Array, turned: Waves, scra
     if gap > rims.range:
         return
     orders, wanted = len(turned), len(waves)
-    most = int(NEGLIGIBLE / math.log((rims.radius[i] + rims.radius[j]) / distance)) if gap > 0.0 else 2 * orders
+    # Zero, too, where the gap is that of rounding: then no order is negligible.
+    falls = math.log((rims.radius[i] + rims.radius[j]) / distance)
+    most = int(NEGLIGIBLE / falls) if falls < 0.0 else 2 * orders
     most = max(4, min(most, 2 * orders))
     outgoing_ladder(distance, rims.reference, scratch[: min(most, wanted + orders) + 1])
     turn = complex(x / distance, y / distance)

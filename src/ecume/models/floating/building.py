@@ -10,16 +10,15 @@ from ecume.engine.walls import dishes as wall_shapes
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.laws import capillarity, flotation, images
 from ecume.laws.contact import legacy_restitution
-from ecume.laws.screened import fit_k1
+from ecume.laws.pair_laws import PAIR_LAWS, Setting
 from ecume.models.floating.dishes import wall_law_of, wall_strengths, wall_table_of, walls_of
 from ecume.models.floating.drifting import drift_of
 from ecume.models.floating.kinds import distinct_kinds, floats_of, moments_of
+from ecume.models.floating.pair_choice import NAMES, require
 from ecume.models.floating.parameters import (
-    CAPILLARY,
     CONTACT_LAWS,
     DRAG_LAWS,
     LEGACY,
-    PAIR_LAWS,
     SCHEMES,
     SPRINGS,
     Parameters,
@@ -47,14 +46,15 @@ def _parameters_with(scene: FloatingScene, longer: float) -> Parameters:
     """The same, with lists for steps that many times as long as the usual ones."""
     drift = drift_of(scene)
     floats, liquid = floats_of(scene), liquid_of(scene)
-    length, pair_law = liquid.capillary_length, PAIR_LAWS.index(str(scene.interaction.law))
+    length, row = liquid.capillary_length, PAIR_LAWS[str(scene.interaction.law)]
     cutoff = capillarity.truncation_radius(scene.interaction.accuracy) * length
     smallest, largest = float(floats.radius.min()), float(floats.radius.max())
+    setting = Setting(length, liquid.surface_tension, 2.0 * DEEPEST_TOUCH * smallest, cutoff + largest)
     try:
-        fit = fit_k1(2.0 * DEEPEST_TOUCH * smallest / length, (cutoff + largest) / length)
+        law = row.make_constants(setting)
     except BadInput as error:
         raise _fault("floats", str(error)) from None
-    tension = liquid.surface_tension if pair_law == CAPILLARY else 0.0
+    strength = law.strength if row.menisci else 0.0
     mirrored = scene.dish is not None and scene.dish.image != "none"
     walls, scheme = walls_of(scene), SCHEMES.index(scene.motion.integrator)
     skin = longer * max(0.2 * largest, min(0.4 * length, largest))
@@ -65,8 +65,8 @@ def _parameters_with(scene: FloatingScene, longer: float) -> Parameters:
         scheme=scheme,
         floats=floats,
         kick=kick_of(scheme, 1.0, floats, wall_shapes.wall_count(walls)),
-        pair_law=pair_law,
-        pair=pack_pair(capillarity.pair_strength(tension, 1.0, 1.0), length, cutoff, liquid.surface_tension, fit),
+        pair_law=NAMES.index(str(scene.interaction.law)),
+        pair=pack_pair(strength, length, cutoff, liquid.surface_tension, law),
         cutoff=cutoff,
         skin=skin,
         reach=max(cutoff, 2.0 * largest) + skin,
@@ -114,9 +114,9 @@ def with_method(parameters: Parameters, scene: FloatingScene) -> Parameters:
         return with_films(parameters, scene)
     if scene.interaction.method == "superposition":
         return parameters
-    from ecume.models.floating.interacting import METHODS, require_capillary
+    from ecume.models.floating.interacting import METHODS
 
-    require_capillary(parameters)
+    require(parameters, "interaction.method", repr(scene.interaction.method), "menisci")
     kinds, numbers = distinct_kinds(scene)
     return METHODS[scene.interaction.method](parameters, scene, kinds, numbers)
 
@@ -160,7 +160,7 @@ def _check_names(scene: FloatingScene) -> None:
         ("motion.integrator", scene.motion.integrator, SCHEMES),
         ("motion.drag_law", scene.motion.drag_law, DRAG_LAWS),
         ("contacts.law", scene.contacts.law, ("impulse", "spring-dashpot", "none")),
-        ("interaction.law", str(scene.interaction.law), PAIR_LAWS),
+        ("interaction.law", str(scene.interaction.law), NAMES),
         ("interaction.charge", str(scene.interaction.charge), tuple(flotation.CHARGES)),
         ("interaction.method", scene.interaction.method, ("superposition", "pair-corrected", "multipole")),
         ("interaction.sum", scene.interaction.sum, ("auto", "cells", "grid")),

@@ -7,7 +7,7 @@ with its slopes; between them it is a cubic, whose derivative is the force. What
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -128,10 +128,10 @@ def add_corrections(tables: Corrected, position: Array, lists: NeighborLists, fo
 
 @compiled
 def corrected_forces(
-    parameters: Parameters, position: Array, lists: NeighborLists, scratch: tuple[Sorted, Array]
+    law: Any, parameters: Parameters, position: Array, lists: NeighborLists, scratch: tuple[Sorted, Array]
 ) -> None:
     """Superposition, walls, and the corrections."""
-    superposed_forces(parameters, position, lists, scratch)
+    superposed_forces(law, parameters, position, lists, scratch)
     add_corrections(parameters.many, position, lists, scratch[1])
 
 
@@ -141,18 +141,18 @@ def corrected_energy(parameters: Parameters, state: State, workspace: Workspace)
 
 
 @compiled
-def march_corrected(parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
+def march_corrected(law: Any, parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
     """The march of floats by corrected pair forces."""
-    return march_with(predict, corrected_forces, parameters, state, workspace, steps)
+    return march_with(predict, corrected_forces, law, parameters, state, workspace, steps)
 
 
 @compiled
-def predict_corrected_rarely(parameters: Parameters, state: State, workspace: Workspace) -> None:
+def predict_corrected_rarely(law: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """For schemes that ask for forces on the way."""
-    predict_rarely_with(corrected_forces, parameters, state, workspace)
+    predict_rarely_with(corrected_forces, law, parameters, state, workspace)
 
 
 @compiled
-def march_corrected_rarely(parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
+def march_corrected_rarely(law: Any, parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
     """The march for these schemes."""
-    return march_with(predict_corrected_rarely, corrected_forces, parameters, state, workspace, steps)
+    return march_with(predict_corrected_rarely, corrected_forces, law, parameters, state, workspace, steps)

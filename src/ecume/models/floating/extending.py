@@ -1,4 +1,4 @@
-"""The march with a user's own pair laws compiled into it."""
+"""A user's own pair laws, compiled into the simulation together with the pair law of the scene."""
 
 from __future__ import annotations
 
@@ -6,16 +6,15 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from ecume._jit import compiled_once
+from ecume._jit import compiled_once, of_this_process
 from ecume.errors import BadInput
-from ecume.models.floating.forces import Screened, forces_with, screened_of, screened_pull
-from ecume.models.floating.parameters import ONE_SIDED, RARE, PairParameters, Parameters
-from ecume.models.floating.pulling import pull_pairs_with
-from ecume.models.floating.schemes import predict, predict_rarely_with
+from ecume.laws.pair_laws import add_row, row_of
+from ecume.models.floating.interacting import advance_by, sums_pairs
+from ecume.models.floating.pair_choice import lacks, summed_law
+from ecume.models.floating.parameters import PairParameters, Parameters
+from ecume.models.floating.pulling import LEAST_DISTANCE, pull_by_force
 from ecume.models.floating.state import State, Workspace
-from ecume.models.floating.stepping import march_with
 
-LEAST_DISTANCE = 1e-300
 ROUNDING = 1e-12
 """By how much of itself a force may change when i and j are swapped: sums in another order, no more."""
 
@@ -73,62 +72,48 @@ def _named(law: object) -> str:
 
 
 def _advance_with_extra(laws: tuple[Callable[..., float], ...]) -> Callable[..., int]:
-    """The march with the laws' sum compiled in. A function a law: a tuple of functions is no value for compiled
-    code.
-    """
+    """`advance` with the sum of the laws added to the pair law of the scene."""
     extra = _no_law
     for law in laws:
         extra = _sum_of(compiled_once(law), extra)
-
-    @compiled_once
-    def extended_pull(square: float, own: PairParameters, law: Screened) -> float:
-        distance = max(math.sqrt(square), LEAST_DISTANCE)
-        return screened_pull(square, own, law) - extra(distance, own) / distance
-
-    @compiled_once
-    def pull(rows: Any, floats: Any, pair: Any, force: Any) -> None:
-        force[:] = 0.0
-        pull_pairs_with(extended_pull, screened_of, (0, force.shape[1]), rows, floats, pair, (force[0], force[1]))
-
-    @compiled_once
-    def forces(parameters: Any, position: Any, lists: Any, scratch: Any) -> None:
-        forces_with(pull, parameters, position, lists, scratch)
-
-    @compiled_once
-    def predict_rarely(parameters: Any, state: Any, scratch: Any) -> None:
-        predict_rarely_with(forces, parameters, state, scratch)
-
-    @compiled_once
-    def march(parameters: Any, state: Any, scratch: Any, steps: int) -> int:
-        return march_with(predict, forces, parameters, state, scratch, steps)
-
-    @compiled_once
-    def march_rarely(parameters: Any, state: Any, scratch: Any, steps: int) -> int:
-        return march_with(predict_rarely, forces, parameters, state, scratch, steps)
+    known: dict[type, type] = {}
 
     def advance(parameters: Parameters, state: State, scratch: Workspace, steps: int) -> int:
-        _require_pair_forces(parameters)
-        return (march_rarely if parameters.scheme in RARE else march)(parameters, state, scratch, steps)
+        _require_pair_sums(parameters)
+        law = summed_law(parameters)
+        constants = known.setdefault(type(law), _extended(type(law), extra))
+        return advance_by(constants(*law), parameters, state, scratch, steps)
 
     return advance
 
 
-def _require_pair_forces(parameters: Parameters) -> None:
-    """Refuse scenes whose march is another one than that which the laws are compiled into."""
-    if parameters.pair_law == ONE_SIDED:
-        raise BadInput("extra_laws do not go with interaction.law = 'one-sided-legacy'; take 'capillary' or 'none'")
-    if parameters.many != ():
+def _extended(constants: type, extra: Callable[..., float]) -> Any:
+    """The type of constants that makes compiled code run a pair law plus the user's laws."""
+    row = row_of(constants)
+    alone = compiled_once(row.pull or pull_by_force)
+
+    def pull(square: float, own: PairParameters, law: Any) -> float:
+        distance = max(math.sqrt(square), LEAST_DISTANCE)
+        return alone(square, own, law) - extra(distance, own) / distance
+
+    both = of_this_process(constants.__name__, constants._fields)  # type: ignore[attr-defined]  # a NamedTuple's
+    # Without threads, since compiling the parallel loop takes several seconds longer.
+    add_row(row._replace(constants=both, pull=pull, needs_radii=True, threaded=False))
+    return both
+
+
+def _require_pair_sums(parameters: Parameters) -> None:
+    """Raise BadInput for scenes whose forces are not a sum over pairs of floats."""
+    if missing := lacks(parameters, "reciprocal"):
+        raise BadInput(f"extra_laws need {missing}")
+    if not sums_pairs(parameters):
         raise BadInput(
-            "extra_laws do not go with interaction.method = 'multipole' or 'pair-corrected', with interaction.sum = "
-            "'grid' or with dipoles, whose marches know no other forces; take method = 'superposition' and sum = "
-            "'cells', or leave extra_laws out"
+            "extra_laws need forces that are a sum over pairs of floats: got interaction.method = 'multipole', "
+            "interaction.sum = 'grid' or floats with a shape; expected method = 'superposition' or 'pair-corrected', "
+            "and sum = 'cells'"
         )
-    if parameters.springs != ():
-        raise BadInput("extra_laws do not go with contacts.law = 'spring-dashpot'; take 'impulse'")
-    if parameters.rough != ():
-        raise BadInput("extra_laws do not go with friction; leave contacts.friction and dish.friction out")
     if parameters.single:
-        raise BadInput("extra_laws want interaction.precision = 'double'")
+        raise BadInput("extra_laws: got interaction.precision = 'single'; expected 'double'")
 
 
 @compiled_once

@@ -9,7 +9,7 @@ gradients. What two films' ends do cancels to rounding.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -154,9 +154,9 @@ def slow_down(pairs: Pairs, gain: Array, velocity: Array) -> int:
 
 
 @compiled
-def predict_slowed(parameters: Parameters, state: State, workspace: Workspace) -> None:
+def predict_slowed(law: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """`predict`, with films."""
-    predict(parameters, state, workspace)
+    predict(law, parameters, state, workspace)
     pairs = find_films(parameters.many, parameters, state.position, workspace.lists)
     if len(pairs.friction) > 0:
         slow_down(pairs, parameters.kick.gain, state.velocity)
@@ -164,6 +164,6 @@ def predict_slowed(parameters: Parameters, state: State, workspace: Workspace) -
 
 
 @compiled
-def march_slowed(parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
+def march_slowed(law: Any, parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
     """The march of floats with films between them."""
-    return march_with(predict_slowed, forces, parameters, state, workspace, steps)
+    return march_with(predict_slowed, forces, law, parameters, state, workspace, steps)

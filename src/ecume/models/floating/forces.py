@@ -6,75 +6,26 @@ import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from ecume._jit import admit, compiled, compiled_inside, inlined, prange, threaded
+from ecume._jit import admit, compiled, inlined
 from ecume.engine.cells import Integers
 from ecume.engine.neighbors import NeighborLists, sort_positions
 from ecume.engine.walls import wall_count, wall_distance
-from ecume.laws import capillarity, screened, special
+from ecume.laws import capillarity, special
 from ecume.laws.capillarity import dish_force, plane_wall_force, two_point_legacy_force
-from ecume.laws.screened import ScreenedFit, k1_over_x
-from ecume.models.floating import parameters as constants
 from ecume.models.floating.currents import current_at
 from ecume.models.floating.parameters import (
     CAPILLARY_LENGTH,
     DISH,
-    INVERSE_SQUARE,
     NO_WALL_LAW,
     PLANE,
-    STRENGTH,
     TABLED,
-    PairParameters,
     Parameters,
-    unpack_fit,
 )
-from ecume.models.floating.pulling import pairs_of, pull_all_with, pull_pairs_with
+from ecume.models.floating.pulling import pairs_of, pull
 from ecume.models.floating.wall_tables import HEIGHT, IMAGE, tabled
 from ecume.units import Array
 
-admit(screened, special, capillarity, constants)
-
-
-class Screened(NamedTuple):
-    """Constants of the capillary pair law as its loop wants them, in the precision of the sums."""
-
-    scale: float
-    """N/m per square of a charge: 2 pi gamma / L^2"""
-    inverse_square: float
-    """1/m^2: of the capillary length"""
-    fit: ScreenedFit
-
-
-@compiled_inside
-def screened_of(pair: Array) -> Screened:
-    """Unpack the constants."""
-    return Screened(pair[STRENGTH] * pair[INVERSE_SQUARE], pair[INVERSE_SQUARE], unpack_fit(pair))
-
-
-@compiled_inside
-def screened_pull(square: float, own: PairParameters, law: Screened) -> float:
-    """The pull (N) over the distance (m): towards the neighbor where the charges agree; the same for both of a pair, so
-    that their forces cancel to the bit.
-    """
-    return law.scale * (own.charge_i * own.charge_j) * k1_over_x(square * law.inverse_square, law.fit)
-
-
-@compiled
-def _pull_stretch(stretch: Any, rows: Any, floats: Any, pair: Array, window: Any) -> None:
-    charge, radius = floats
-    pull_pairs_with(screened_pull, screened_of, stretch, rows, (charge, radius[:0]), pair, window)
-
-
-@threaded
-def _pull_in_threads(edge: Any, place: Any, rows: Any, floats: Any, pair: Array, along: Array, across: Array) -> None:
-    for k in prange(len(edge) - 1):
-        window = along[place[k] : place[k + 1]], across[place[k] : place[k + 1]]
-        _pull_stretch((edge[k], edge[k + 1]), rows, floats, pair, window)
-
-
-@compiled
-def pull(rows: Any, floats: Any, pair: Array, force: Array) -> None:
-    """Pair forces on all slots."""
-    pull_all_with(_pull_stretch, _pull_in_threads, rows, floats, pair, force)
+admit(special, capillarity)
 
 
 class Sorted(NamedTuple):
@@ -100,6 +51,7 @@ def sort_floats(parameters: Parameters, lists: NeighborLists, sorted_floats: Sor
 @inlined
 def forces_with(
     pull_all: Callable[..., None],
+    law: Any,
     parameters: Parameters,
     position: Array,
     lists: NeighborLists,
@@ -109,7 +61,7 @@ def forces_with(
     sorted_floats, force = scratch
     sort_positions(lists, position)
     sorted_force, charges = sorted_floats.force, (sorted_floats.charge, sorted_floats.radius)
-    pull_all(pairs_of(lists.rows), charges, sorted_floats.pair, sorted_force)
+    pull_all(law, pairs_of(lists.rows), charges, sorted_floats.pair, sorted_force)
     unsort(lists.cells.order, sorted_force, force)
     add_wall_forces(parameters, position, force)
     if parameters.drift.flows:
@@ -162,6 +114,6 @@ def add_wall_forces(parameters: Parameters, position: Array, force: Array) -> No
 
 
 @compiled
-def forces(parameters: Parameters, position: Array, lists: NeighborLists, scratch: tuple[Any, Array]) -> None:
-    """`forces_with` ecume's own pair law alone; scratch is a `Sorted`, or has the same."""
-    forces_with(pull, parameters, position, lists, scratch)
+def forces(law: Any, parameters: Parameters, position: Array, lists: NeighborLists, scratch: tuple[Any, Array]) -> None:
+    """`forces_with` the loops of `pulling`; scratch is a `Sorted`, or has the same."""
+    forces_with(pull, law, parameters, position, lists, scratch)

@@ -16,29 +16,27 @@ from typing import Any, NamedTuple
 import numpy as np
 from scipy import fft
 
-from ecume._jit import admit, compiled, compiled_inside, prange, threaded
+from ecume._jit import compiled
 from ecume._portable import exp, log, power, sinc
 from ecume.engine import splines
 from ecume.engine.cells import Integers
 from ecume.engine.neighbors import NeighborLists, Slots
 from ecume.laws import split as splitting
-from ecume.laws.split import SplitFit, fitted_short_pull, smooth_self_energy, smooth_wave, smooth_wave_within
-from ecume.models.floating.forces import Sorted, forces_with
+from ecume.laws.pair_laws import Short
+from ecume.laws.split import smooth_self_energy, smooth_wave, smooth_wave_within
+from ecume.models.floating.forces import Sorted, forces
+from ecume.models.floating.pair_choice import law_in_precision
 from ecume.models.floating.parameters import (
     CAPILLARY_LENGTH,
     CUTOFF,
     INVERSE_SQUARE,
     STRENGTH,
-    PairParameters,
     Parameters,
 )
-from ecume.models.floating.pulling import pull_all_with, pull_pairs_with
 from ecume.models.floating.state import State, Workspace
 from ecume.models.floating.stepping import Parts, march_in_parts
-from ecume.models.floating.summing import SHORT_FIT, Split
+from ecume.models.floating.summing import Split
 from ecume.units import Array
-
-admit(splitting)
 
 WORKERS = 4
 """Parts that a transform is done in, whatever the machine: so that bits do not depend on it."""
@@ -46,56 +44,6 @@ RUNGS = 4
 """A crowd's extent is rounded up to a power of 2^(1/4), so that most new lists find the waves of the old."""
 TABLE = 16384
 """Places at which the short part's energy is tabled, over the logarithm of the distance."""
-
-
-class Short(NamedTuple):
-    """Constants of the short pair law as its loop wants them."""
-
-    scale: float
-    """N/m per square of a charge"""
-    inverse_square: float
-    """1/m^2: of the capillary length"""
-    fit: SplitFit
-
-
-@compiled_inside
-def short_of(pair: Array) -> Short:
-    """Unpack the constants."""
-    p = pair[SHORT_FIT:]
-    weights = (p[7], p[8], p[9], p[10], p[11], p[12], p[13], p[14], p[15], p[16], p[17])
-    fit = SplitFit(p[0], p[1], p[2], p[3], p[4], p[5], weights, p[6])
-    return Short(pair[STRENGTH] * pair[INVERSE_SQUARE], pair[INVERSE_SQUARE], fit)
-
-
-@compiled_inside
-def short_pull(square: float, own: PairParameters, law: Short) -> float:
-    """The pull (N) over the distance (m)."""
-    return law.scale * (own.charge_i * own.charge_j) * fitted_short_pull(square * law.inverse_square, law.fit)
-
-
-@compiled
-def _pull_stretch(stretch: Any, rows: Any, floats: Any, pair: Array, window: Any) -> None:
-    charge, radius = floats
-    pull_pairs_with(short_pull, short_of, stretch, rows, (charge, radius[:0]), pair, window)
-
-
-@threaded
-def _pull_in_threads(edge: Any, place: Any, rows: Any, floats: Any, pair: Array, along: Array, across: Array) -> None:
-    for k in prange(len(edge) - 1):
-        window = along[place[k] : place[k + 1]], across[place[k] : place[k + 1]]
-        _pull_stretch((edge[k], edge[k + 1]), rows, floats, pair, window)
-
-
-@compiled
-def pull_short(rows: Any, floats: Any, pair: Array, force: Array) -> None:
-    """Short pair forces on all slots."""
-    pull_all_with(_pull_stretch, _pull_in_threads, rows, floats, pair, force)
-
-
-@compiled
-def short_forces(parameters: Parameters, position: Array, lists: NeighborLists, scratch: tuple[Sorted, Array]) -> None:
-    """All forces but those of the smooth part."""
-    forces_with(pull_short, parameters, position, lists, scratch)
 
 
 class Grid(NamedTuple):
@@ -192,14 +140,14 @@ def split_energy(parameters: Parameters, state: State, workspace: Workspace) -> 
     own = smooth_self_energy(split.eta) * charge
     smooth = 0.5 * float(np.sum(charge * (splines.fields(spread, potential)[:, 0] - own)))
     listed = rows.first, rows.neighbor, workspace.lists.cells.order
-    short = sum_of_short_energies(state.position, charge, listed, *_short_table(pair, split.eta))
+    short = sum_of_short_energies(state.position, charge, listed, *_short_table(pair, split.short, split.eta))
     return -float(pair[STRENGTH]) * (smooth + short)
 
 
-def _short_table(pair: Array, eta: float) -> tuple[Array, Array]:
+def _short_table(pair: Array, short: Short, eta: float) -> tuple[Array, Array]:
     """The short part over the logarithm of the squared distance (m^2); and from where to where."""
-    ends = np.log(np.array([(0.1 * pair[SHORT_FIT] * pair[CAPILLARY_LENGTH]) ** 2, pair[CUTOFF] ** 2]))
-    x = np.sqrt(np.exp(np.linspace(float(ends[0]), float(ends[1]), TABLE)) * pair[INVERSE_SQUARE])
+    ends = log(np.array([(0.1 * short.lower * pair[CAPILLARY_LENGTH]) ** 2, pair[CUTOFF] ** 2]))
+    x = np.sqrt(exp(np.linspace(float(ends[0]), float(ends[1]), TABLE)) * pair[INVERSE_SQUARE])
     return ends, np.asarray(splitting.short_energy(x, eta))
 
 
@@ -231,13 +179,16 @@ def march_split_with(parts: Parts, parameters: Parameters, state: State, workspa
     bare = parameters._replace(many=())
     length = float(parameters.pair[CAPILLARY_LENGTH])
 
-    def evaluate(bare: Parameters, position: Array, lists: NeighborLists, scratch: tuple[Sorted, Array]) -> None:
-        parts.evaluate(bare, position, lists, scratch)
+    def evaluate(
+        law: Any, bare: Parameters, position: Array, lists: NeighborLists, scratch: tuple[Sorted, Array]
+    ) -> None:
+        parts.evaluate(law, bare, position, lists, scratch)
         add_smooth_forces(bare, split, position, grid_around(split, state.reference, length), scratch[1])
 
-    return march_in_parts(parts._replace(evaluate=evaluate), bare, state, workspace, steps)
+    short = law_in_precision(parameters, split.short)
+    return march_in_parts(parts._replace(evaluate=evaluate), short, bare, state, workspace, steps)
 
 
 def march_split(parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
     """March: see `ecume.models.model.Model.advance`."""
-    return march_split_with(Parts(short_forces), parameters, state, workspace, steps)
+    return march_split_with(Parts(forces), parameters, state, workspace, steps)

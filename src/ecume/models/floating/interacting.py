@@ -14,11 +14,10 @@ from ecume.laws import drag, flotation
 from ecume.laws.dipoles import dipole_force, dipole_strength
 from ecume.laws.multipole import Undulated
 from ecume.models.floating import corrected, films, grid, many, polar, stepping
+from ecume.models.floating.pair_choice import require, summed_law
 from ecume.models.floating.parameters import (
-    CAPILLARY,
     DISH,
     NO_WALL_LAW,
-    ONE_SIDED,
     OVERDAMPED,
     PLANE,
     RARE,
@@ -96,8 +95,9 @@ def with_dipoles(parameters: Parameters, scene: FloatingScene, moment: Array) ->
 
     Two that touch are a spring of 4 F/l; six of them at most.
     """
-    if scene.interaction.method != "superposition" or parameters.pair_law == ONE_SIDED:
-        raise _fault("interaction.method", "magnets go with 'superposition', and not with 'one-sided-legacy'")
+    if scene.interaction.method != "superposition":
+        raise _fault("interaction.method", "magnets go with 'superposition'")
+    require(parameters, "interaction.law", "a magnet", "reciprocal")
     if scene.rubs:
         raise _fault("contacts.friction", "magnets go without friction")
     radius, walls = parameters.floats.radius, parameters.walls
@@ -121,8 +121,9 @@ def with_films(parameters: Parameters, scene: FloatingScene) -> Parameters:
     """Films between floats. Raises SceneError where they go by another method, or have no drag."""
     asked, motion = scene.motion.films, scene.motion
     assert asked is not None  # noqa: S101  # for the type checker: the caller has looked
-    if scene.interaction.method != "superposition" or parameters.pair_law == ONE_SIDED:
+    if scene.interaction.method != "superposition":
         raise _fault("motion.films", "films go with interaction.method = 'superposition', and not with dipoles")
+    require(parameters, "motion.films", "a film", "reciprocal")
     if parameters.scheme not in (OVERDAMPED, SEMI_IMPLICIT_EULER) or motion.drag_law != "stokes":
         raise _fault(
             "motion.films", "films want motion.integrator = 'overdamped' or 'semi-implicit-euler', and Stokes's drag"
@@ -136,12 +137,6 @@ def with_films(parameters: Parameters, scene: FloatingScene) -> Parameters:
         many=films.make_films(asked.roughness / smallest, asked.reach),
         reach=max(parameters.reach, asked.reach * largest + parameters.skin),
     )
-
-
-def require_capillary(parameters: Parameters) -> None:
-    """Refuse another pair law. Raises SceneError."""
-    if parameters.pair_law != CAPILLARY:
-        raise _fault("interaction.method", "only interaction.law = 'capillary' goes beyond superposition")
 
 
 METHODS: dict[str, Callable[[Parameters, FloatingScene, Sequence[Any], Integers], Parameters]] = {
@@ -203,6 +198,16 @@ def scratch_for(parameters: Parameters, state: State, plain: Any, room: int) -> 
 
 def advance(parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
     """See `ecume.models.model.Model.advance`."""
+    return advance_by(summed_law(parameters), parameters, state, workspace, steps)
+
+
+def sums_pairs(parameters: Parameters) -> bool:
+    """Whether the forces include the sum of the pair law over pairs of floats."""
+    return not isinstance(parameters.many, (many.Many, Split, Shaped))
+
+
+def advance_by(law: Any, parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
+    """Advance with the pair law that has these constants."""
     if isinstance(parameters.many, Shaped):
         from ecume.models.floating.shaped.marching import march_shaped
 
@@ -211,25 +216,25 @@ def advance(parameters: Parameters, state: State, workspace: Workspace, steps: i
     if parameters.springs != ():
         from ecume.models.floating.springs import march_springs
 
-        return march_springs(parameters, state, workspace, steps)
+        return march_springs(law, parameters, state, workspace, steps)
     if parameters.rough != ():
         from ecume.models.floating import rough_marches
 
-        return rough_marches.advance(parameters, state, workspace, steps)
+        return rough_marches.advance(law, parameters, state, workspace, steps)
     if turned_by_rims(parameters):
-        return many.march_turning(parameters, state, workspace, steps)
+        return many.march_turning(law, parameters, state, workspace, steps)
     if isinstance(parameters.many, many.Many):
-        return (many.march_many_rarely if rare else many.march_many)(parameters, state, workspace, steps)
+        return (many.march_many_rarely if rare else many.march_many)(law, parameters, state, workspace, steps)
     if isinstance(parameters.many, Split):
         return grid.march_split(parameters, state, workspace, steps)
     if isinstance(parameters.many, polar.Polar):
-        return (polar.march_polar_rarely if rare else polar.march_polar)(parameters, state, workspace, steps)
+        return (polar.march_polar_rarely if rare else polar.march_polar)(law, parameters, state, workspace, steps)
     if isinstance(parameters.many, films.Films):
-        return films.march_slowed(parameters, state, workspace, steps)
+        return films.march_slowed(law, parameters, state, workspace, steps)
     if isinstance(parameters.many, corrected.Corrected):
         march = corrected.march_corrected_rarely if rare else corrected.march_corrected
-        return march(parameters, state, workspace, steps)
-    return stepping.advance(parameters, state, workspace, steps)
+        return march(law, parameters, state, workspace, steps)
+    return stepping.advance(law, parameters, state, workspace, steps)
 
 
 def interaction_energies(parameters: Parameters, state: State, workspace: Workspace) -> tuple[float, float]:

@@ -6,7 +6,8 @@ import math
 from collections.abc import Iterator
 
 from ecume.models.floating.booking import is_driven
-from ecume.models.floating.parameters import ONE_SIDED, OVERDAMPED, Parameters
+from ecume.models.floating.pair_choice import row_of
+from ecume.models.floating.parameters import OVERDAMPED, Parameters
 from ecume.models.invariants import INJECTED, Invariant, Seen, energy_never_rises, kept, part_of
 from ecume.scenes.floating import FloatingScene
 
@@ -36,7 +37,7 @@ def _rows(scene: FloatingScene, parameters: Parameters) -> Iterator[Invariant]:
             "contacts", "steps whose contacts did not converge, over all", UNSETTLED,
             lambda seen: part_of(seen.now["unconverged_steps"], max(seen.now["step"], 1.0 / UNSETTLED)),
         )  # fmt: skip
-    if parameters.pair_law != ONE_SIDED:
+    if row_of(parameters).energy is not None:
         yield _energy(parameters)
     if _alone(scene, parameters):
         mass = float(parameters.floats.mass.sum())
@@ -59,7 +60,7 @@ def _energy(parameters: Parameters) -> Invariant:
 def _alone(scene: FloatingScene, parameters: Parameters) -> bool:
     """Whether floats feel one another and nothing else."""
     dragged = any(math.isfinite(float(time)) for time in parameters.floats.relaxation_time)
-    pushed = is_driven(parameters) or parameters.pair_law == ONE_SIDED or parameters.scheme == OVERDAMPED
+    pushed = is_driven(parameters) or not row_of(parameters).reciprocal or parameters.scheme == OVERDAMPED
     return scene.dish is None and not dragged and not pushed
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -195,7 +195,9 @@ def resolve(many: Many, position: Array, crowd: Crowd) -> int:
 
 
 @compiled
-def many_forces(parameters: Parameters, position: Array, lists: NeighborLists, scratch: tuple[Crowd, Array]) -> None:
+def many_forces(
+    law: Any, parameters: Parameters, position: Array, lists: NeighborLists, scratch: tuple[Crowd, Array]
+) -> None:
     """The forces on all floats at these positions, walls included; NaN where the amplitudes were not found."""
     crowd, force = scratch
     many = parameters.many
@@ -226,9 +228,9 @@ def many_energy(parameters: Parameters, state: State) -> float:
 
 
 @compiled
-def march_many(parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
+def march_many(law: Any, parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
     """The march of floats by multipoles."""
-    return march_with(predict, many_forces, parameters, state, workspace, steps)
+    return march_with(predict, many_forces, law, parameters, state, workspace, steps)
 
 
 @compiled
@@ -241,10 +243,10 @@ def give_turns(many: Many, torque: Array, turning: Array, time: float) -> None:
 
 
 @compiled
-def march_turning(parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
+def march_turning(law: Any, parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
     """The same for floats that turn: half a kick of the spins before and after each step, the angles in between."""
     time, many, crowd = parameters.time_step, parameters.many, workspace.sorted_floats
-    march_many(parameters, state, workspace, 0)
+    march_many(law, parameters, state, workspace, 0)
     for _ in range(steps):
         status = keep_lists(parameters, state, workspace)
         if status != DONE:
@@ -252,7 +254,7 @@ def march_turning(parameters: Parameters, state: State, workspace: Workspace, st
         give_turns(many, crowd.torque, crowd.turning, 0.5 * time)
         for i in range(len(crowd.turning)):
             crowd.turning[i, 0] += time * crowd.turning[i, 1]
-        status = march_many(parameters, state, workspace, 1)
+        status = march_many(law, parameters, state, workspace, 1)
         if status != DONE:
             return status
         give_turns(many, crowd.torque, crowd.turning, 0.5 * time)
@@ -260,12 +262,12 @@ def march_turning(parameters: Parameters, state: State, workspace: Workspace, st
 
 
 @compiled
-def predict_many_rarely(parameters: Parameters, state: State, workspace: Workspace) -> None:
+def predict_many_rarely(law: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """For schemes that ask for forces on the way."""
-    predict_rarely_with(many_forces, parameters, state, workspace)
+    predict_rarely_with(many_forces, law, parameters, state, workspace)
 
 
 @compiled
-def march_many_rarely(parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
+def march_many_rarely(law: Any, parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
     """The march for these schemes."""
-    return march_with(predict_many_rarely, many_forces, parameters, state, workspace, steps)
+    return march_with(predict_many_rarely, many_forces, law, parameters, state, workspace, steps)

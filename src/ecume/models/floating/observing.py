@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -11,11 +12,12 @@ from ecume.engine.cells import Integers
 from ecume.engine.contacts import Candidates
 from ecume.engine.neighbors import Slots
 from ecume.engine.walls import Walls, wall_count, wall_distance
-from ecume.laws.capillarity import dish_energy, pair_energy, plane_wall_energy, two_point_legacy_energy
+from ecume.laws.capillarity import dish_energy, plane_wall_energy, two_point_legacy_energy
 from ecume.laws.swaying import sway_place
 from ecume.models.floating.booking import is_driven
-from ecume.models.floating.interacting import inertia_of, interaction_energies, turns
+from ecume.models.floating.interacting import inertia_of, interaction_energies, sums_pairs, turns
 from ecume.models.floating.many import Many
+from ecume.models.floating.pair_choice import law_of, row_of
 from ecume.models.floating.parameters import (
     CAPILLARY_LENGTH,
     CUTOFF,
@@ -23,14 +25,16 @@ from ecume.models.floating.parameters import (
     NO_WALL_LAW,
     OVERDAMPED,
     PLANE,
-    STRENGTH,
+    SURFACE_TENSION,
     TABLED,
+    Floats,
+    PairParameters,
     Parameters,
 )
 from ecume.models.floating.polar import Polar
+from ecume.models.floating.pulling import pair_energy
 from ecume.models.floating.shaped.bodies import Shaped
 from ecume.models.floating.state import COLLISIONS, DEEPEST, SWEEPS, UNCONVERGED, WORK, State, Workspace
-from ecume.models.floating.summing import Split
 from ecume.models.floating.wall_tables import HEIGHT, IMAGE, tabled
 from ecume.models.invariants import INJECTED
 from ecume.trajectories.frame import Frame
@@ -69,13 +73,15 @@ CONTACT_GAP = 1e-3
 
 
 @compiled
-def sum_of_pair_energies(position: Array, charge: Array, pair: Array, rows: tuple[Integers, Slots, Integers]) -> float:
+def sum_of_pair_energies(
+    law: Any, position: Array, floats: Floats, pair: Array, rows: tuple[Integers, Slots, Integers]
+) -> float:
     """Exact energies of all pairs within the cutoff, each less its value there, so that a pair that parts changes
     nothing.
     """
     first, neighbor, order = rows
-    length, cutoff = pair[CAPILLARY_LENGTH], pair[CUTOFF]
-    total = 0.0
+    length, tension, cutoff = pair[CAPILLARY_LENGTH], pair[SURFACE_TENSION], pair[CUTOFF]
+    radius, charge, total = floats.radius, floats.charge, 0.0
     for slot in range(len(order)):
         i = order[slot]
         own = 0.0
@@ -84,8 +90,8 @@ def sum_of_pair_energies(position: Array, charge: Array, pair: Array, rows: tupl
             x, y = position[j, 0] - position[i, 0], position[j, 1] - position[i, 1]
             distance = math.sqrt(x * x + y * y)
             if i < j and 0.0 < distance < cutoff:
-                strength = pair[STRENGTH] * charge[i] * charge[j]
-                own += pair_energy(distance, strength, length) - pair_energy(cutoff, strength, length)
+                two = PairParameters(radius[i], radius[j], charge[i], charge[j], length, tension)
+                own += pair_energy(distance, two, law) - pair_energy(cutoff, two, law)
         total += own
     return total
 
@@ -222,8 +228,8 @@ def energies(parameters: Parameters, state: State, workspace: Workspace) -> dict
     if turns(parameters):
         kinetic += 0.5 * float(np.sum(inertia_of(parameters) * state.turning[:, 1] ** 2))
     pairs, walls = interaction_energies(parameters, state, workspace)
-    if not isinstance(parameters.many, (Many, Split, Shaped)):
-        pairs += sum_of_pair_energies(state.position, parameters.floats.charge, parameters.pair, rows)
+    if sums_pairs(parameters) and row_of(parameters).energy is not None:
+        pairs += sum_of_pair_energies(law_of(parameters), state.position, parameters.floats, parameters.pair, rows)
     if not isinstance(parameters.many, (Many, Shaped)):
         walls += sum_of_wall_energies(parameters, state.position)
     return {

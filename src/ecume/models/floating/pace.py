@@ -6,14 +6,10 @@ import math
 
 import numpy as np
 
-from ecume.laws.capillarity import pair_strength
-from ecume.laws.special import bessel_k0, bessel_k1
+from ecume.models.floating.pair_choice import law_of, row_of, two_floats
 from ecume.models.floating.parameters import (
     CAPILLARY_LENGTH,
-    ONE_SIDED,
     OVERDAMPED,
-    STRENGTH,
-    SURFACE_TENSION,
     TABLED,
     Floats,
     Parameters,
@@ -29,33 +25,36 @@ LARGEST_OVER_CHOSEN = 20.0
 RAFT_NEIGHBORS = 6.0
 PACKED = 0.9069
 """Of the surface that touching discs cover on a triangular lattice."""
+FINE = 1e-6
+"""Step of finite differences, over the distance."""
+PLACES = 400
+"""Number of distances for the integral of a force over a half-plane."""
 SKIN_PER_STEP = 0.1
 """Nobody may go farther in a step, over the skin."""
 
 
-def pair_stiffness(parameters: Parameters, reach: float, charges: float) -> float:
-    """|dF/dl| = (S/L^2) (K0(x) + K1(x)/x) at the distance `reach` = x L, for a product of charges (N/m)."""
-    length = parameters.pair[CAPILLARY_LENGTH]
-    x = reach / length
-    unit = parameters.pair[STRENGTH]
-    if parameters.pair_law == ONE_SIDED:  # whose strength is no constant of the pair
-        unit = pair_strength(float(parameters.pair[SURFACE_TENSION]), 1.0, 1.0)
-    strength = abs(unit * charges)
-    return parameters.stiffer * float(strength / length**2 * (bessel_k0(x) + bessel_k1(x) / x))
+def pair_stiffness(parameters: Parameters, radius: tuple[float, float], charge: tuple[float, float]) -> float:
+    """The stiffness |dF/dl| of the pair law for two floats in contact (N/m)."""
+    row, law, distance = row_of(parameters), law_of(parameters), radius[0] + radius[1]
+    own = two_floats(parameters, radius, charge)
+    if row.stiffness is not None:
+        return parameters.stiffer * float(row.stiffness(distance, own, law))
+    near, far = (float(row.force((1.0 + change) * distance, own, law)) for change in (-FINE, FINE))
+    return parameters.stiffer * abs(far - near) / (2.0 * FINE * distance)
 
 
 def stiffness_over_mass(parameters: Parameters) -> tuple[Array, Array]:
     """Of each distinct kind of float in the crowd's worst place: stiffness (N/m) and mass (kg)."""
     floats = parameters.floats
     kinds = np.unique(np.stack([floats.radius, np.abs(floats.charge), floats.mass], axis=1), axis=0)
-    # The strongest partner of any kind bounds them all: a table of a thousand different floats costs a thousand
-    # evaluations.
-    strongest, smallest = float(np.max(kinds[:, 1])), float(np.min(kinds[:, 0]))
+    # The strongest partner of any kind, as small or as large as any, bounds them all: a table of a thousand different
+    # floats costs two thousand evaluations.
+    strongest, extremes = float(np.max(kinds[:, 1])), {float(np.min(kinds[:, 0])), float(np.max(kinds[:, 0]))}
     wall = wall_stiffness(parameters)
-    strongest_felt = np.full(len(kinds), strongest) if parameters.pair_law == ONE_SIDED else kinds[:, 1]
     stiffness = [
-        2.0 * RAFT_NEIGHBORS * pair_stiffness(parameters, radius + smallest, felt * strongest) + wall
-        for radius, felt in zip(kinds[:, 0], strongest_felt, strict=True)
+        2.0 * RAFT_NEIGHBORS * max(pair_stiffness(parameters, (radius, other), (felt, strongest)) for other in extremes)
+        + wall
+        for radius, felt in kinds[:, :2].tolist()
     ]
     return np.array(stiffness), kinds[:, 2]
 
@@ -94,17 +93,26 @@ def chosen_step(parameters: Parameters, speed: float) -> float:
 
 
 def gathering_speed(parameters: Parameters) -> float:
-    """The fastest that walls and all others together can draw a float that has no inertia (m/s).
-
-    At the edge of a raft of all floats F = pi S A n min(L, r), where n is the raft's charge per area and r its radius:
-    a half-plane's pull, or that of the whole raft as if it stood in its middle.
-    """
+    """The fastest that walls and all others together, in a raft, can move a float that has no inertia (m/s)."""
     floats, length = parameters.floats, float(parameters.pair[CAPILLARY_LENGTH])
     mobility, charge = floats.relaxation_time / floats.mass, np.abs(floats.charge)
     area = math.pi * float(np.sum(floats.radius**2)) / PACKED
-    crowd = math.pi * float(np.sum(charge)) / area * min(length, math.sqrt(area / math.pi))
     walls = np.abs(parameters.wall_strength).sum(axis=0) / length
-    return float(np.max(mobility * (parameters.stiffer * abs(parameters.pair[STRENGTH]) * charge * crowd + walls)))
+    return float(np.max(mobility * (parameters.stiffer * raft_pull(parameters, charge, area) + walls)))
+
+
+def raft_pull(parameters: Parameters, charge: Array, area: float) -> Array:
+    """The force of the pair law on each float at the edge of a raft of all floats that covers this area (N)."""
+    row, law, floats = row_of(parameters), law_of(parameters), parameters.floats
+    if row.raft_pull is not None:
+        return np.asarray(row.raft_pull(charge, area, float(parameters.pair[CAPILLARY_LENGTH]), law))
+    # A half-plane of floats with the largest charge: F = 2 n int |F(l)| l dl, with n floats per m^2.
+    near, strongest = 2.0 * float(floats.radius.min()), float(charge.max())
+    own = two_floats(parameters, (0.5 * near, 0.5 * near), (strongest, strongest))
+    distance = np.geomspace(near, max(parameters.cutoff, 2.0 * near), PLACES)
+    force = np.array([abs(float(row.force(each, own, law))) for each in distance.tolist()])
+    whole = 2.0 * len(charge) / area * float(np.trapezoid(force * distance, distance))
+    return np.full(len(charge), whole)
 
 
 def wandering_step(parameters: Parameters) -> float:

@@ -9,8 +9,10 @@ import numpy as np
 
 from ecume.engine.cells import Integers
 from ecume.engine.walls import Walls
-from ecume.laws.screened import DEGREE, ScreenedFit
-from ecume.units import Array, Length, SurfaceTension
+from ecume.laws.pair_laws import PairParameters
+from ecume.units import Array
+
+__all__ = ["PairParameters"]
 
 SCHEMES = ("velocity-verlet", "explicit-euler", "stormer-verlet", "semi-implicit-euler", "rk4", "overdamped")
 VELOCITY_VERLET, EXPLICIT_EULER, STORMER_VERLET, SEMI_IMPLICIT_EULER, RK4, OVERDAMPED = range(6)
@@ -23,20 +25,6 @@ CONTACT_LAWS = ("none", "impulse", "legacy", "spring-dashpot")
 NO_CONTACTS, IMPULSE, LEGACY, SPRINGS = range(4)
 
 NO_WALL_LAW, DISH, LEGACY_DISH, PLANE, TABLED = range(5)
-
-PAIR_LAWS = ("none", "capillary", "one-sided-legacy")
-NO_PAIR_LAW, CAPILLARY, ONE_SIDED = range(3)
-
-
-class PairParameters(NamedTuple):
-    """What a user's own pair law may look at, beside the distance of the two centers."""
-
-    radius_i: Length
-    radius_j: Length
-    charge_i: Length
-    charge_j: Length
-    capillary_length: Length
-    surface_tension: SurfaceTension
 
 
 class Floats(NamedTuple):
@@ -110,6 +98,7 @@ class Parameters(NamedTuple):
     floats: Floats
     kick: Kick
     pair_law: int
+    """the index of the row in `ecume.laws.pair_laws.PAIR_LAWS`"""
     pair: Array
     """constants of the pair law, packed: see `pack_pair`"""
     cutoff: float
@@ -146,22 +135,10 @@ class Parameters(NamedTuple):
     """how much stiffer contacts are than superposition says, at most"""
 
 
-STRENGTH, CAPILLARY_LENGTH, CUTOFF, SURFACE_TENSION, INVERSE_SQUARE, FIT = range(6)
+STRENGTH, CAPILLARY_LENGTH, CUTOFF, SURFACE_TENSION, INVERSE_SQUARE, OWN = range(6)
 
 
-def pack_pair(
-    strength: float, capillary_length: float, cutoff: float, surface_tension: float, fit: ScreenedFit
-) -> Array:
-    """The pair law's constants as one array: Numba's threads take no nested tuples."""
-    of_fit = (fit.lower, fit.upper, fit.shift, fit.slope, fit.offset, fit.error)
+def pack_pair(strength: float, capillary_length: float, cutoff: float, surface_tension: float, own: Any) -> Array:
+    """The constants of pairs as one array: those that do not depend on the pair law, then the constants of the law."""
     # The inverse square of the length stands here since a loop in single precision has no literal of its own.
-    return np.array([strength, capillary_length, cutoff, surface_tension, capillary_length**-2, *of_fit, *fit.weights])
-
-
-def unpack_fit(pair: Array) -> ScreenedFit:
-    """The fit of K1 in packed constants."""
-    w = pair[FIT + 6 :]
-    weights = (
-        w[0], w[1], w[2], w[3], w[4], w[5], w[6], w[7], w[8], w[9], w[10], w[11], w[12], w[13], w[14], w[15], w[DEGREE]
-    )  # fmt: skip
-    return ScreenedFit(pair[FIT], pair[FIT + 1], pair[FIT + 2], pair[FIT + 3], pair[FIT + 4], weights, pair[FIT + 5])
+    return np.array([strength, capillary_length, cutoff, surface_tension, capillary_length**-2, *own])

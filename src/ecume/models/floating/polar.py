@@ -7,21 +7,21 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ecume._jit import admit, compiled, compiled_inside, prange, threaded
+from ecume._jit import admit, compiled
 from ecume.engine.cells import Integers
 from ecume.engine.neighbors import NeighborLists, Slots
 from ecume.laws import dipoles
 from ecume.laws.dipoles import dipole_energy, dipole_strength
+from ecume.laws.pair_laws import Dipoles
 from ecume.models.floating.forces import Sorted, forces
 from ecume.models.floating.parameters import (
     CAPILLARY_LENGTH,
     CUTOFF,
     STRENGTH,
     SURFACE_TENSION,
-    PairParameters,
     Parameters,
 )
-from ecume.models.floating.pulling import pairs_of, pull_all_with, pull_pairs_with
+from ecume.models.floating.pulling import pairs_of, pull
 from ecume.models.floating.schemes import predict, predict_rarely_with
 from ecume.models.floating.state import State, Workspace
 from ecume.models.floating.stepping import march_with
@@ -63,42 +63,19 @@ def make_magnets(plain: Sorted, polar: Polar) -> Magnets:
     return Magnets(*plain, np.zeros_like(polar.moment), np.zeros_like(plain.force))
 
 
-@compiled_inside
-def strength_of(pair: Array) -> float:
-    """Of two unit moments."""
-    return float(pair[STRENGTH])
-
-
-@compiled_inside
-def dipole_pull(square: float, own: PairParameters, strength: float) -> float:
-    """-F/l (N/m) of `dipoles.dipole_force`, from the square of the distance: for charges, there are moments."""
-    return -3.0 * strength * (own.charge_i * own.charge_j) / (square * square * math.sqrt(square))
-
-
 @compiled
-def _push_stretch(stretch: Any, rows: Any, floats: Any, pair: Array, window: Any) -> None:
-    moment, radius = floats
-    pull_pairs_with(dipole_pull, strength_of, stretch, rows, (moment, radius[:0]), pair, window)
-
-
-@threaded
-def _push_in_threads(edge: Any, place: Any, rows: Any, floats: Any, pair: Array, along: Array, across: Array) -> None:
-    for k in prange(len(edge) - 1):
-        window = along[place[k] : place[k + 1]], across[place[k] : place[k + 1]]
-        _push_stretch((edge[k], edge[k + 1]), rows, floats, pair, window)
-
-
-@compiled
-def polar_forces(parameters: Parameters, position: Array, lists: NeighborLists, scratch: tuple[Magnets, Array]) -> None:
+def polar_forces(
+    law: Any, parameters: Parameters, position: Array, lists: NeighborLists, scratch: tuple[Magnets, Array]
+) -> None:
     """Menisci, walls and dipoles."""
     magnets, force = scratch
-    forces(parameters, position, lists, (magnets, force))
+    forces(law, parameters, position, lists, (magnets, force))
     order, rows, moment, push = lists.cells.order, lists.rows, magnets.moment, magnets.push
     pair, everyone = parameters.many.pair, parameters.many.moment
     count = len(order)
     for slot in range(count):
         moment[slot] = everyone[order[slot]]
-    pull_all_with(_push_stretch, _push_in_threads, pairs_of(rows), (moment, magnets.radius), pair, push)
+    pull(Dipoles(pair[STRENGTH]), pairs_of(rows), (moment, magnets.radius), pair, push)
     for slot in range(count):
         force[order[slot], 0] += push[0, slot]
         force[order[slot], 1] += push[1, slot]
@@ -123,18 +100,18 @@ def sum_of_dipole_energies(position: Array, polar: Polar, listed: tuple[Integers
 
 
 @compiled
-def march_polar(parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
+def march_polar(law: Any, parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
     """The march of floats that are magnets."""
-    return march_with(predict, polar_forces, parameters, state, workspace, steps)
+    return march_with(predict, polar_forces, law, parameters, state, workspace, steps)
 
 
 @compiled
-def predict_polar_rarely(parameters: Parameters, state: State, workspace: Workspace) -> None:
+def predict_polar_rarely(law: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """For schemes that ask for forces on the way."""
-    predict_rarely_with(polar_forces, parameters, state, workspace)
+    predict_rarely_with(polar_forces, law, parameters, state, workspace)
 
 
 @compiled
-def march_polar_rarely(parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
+def march_polar_rarely(law: Any, parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
     """The march for these schemes."""
-    return march_with(predict_polar_rarely, polar_forces, parameters, state, workspace, steps)
+    return march_with(predict_polar_rarely, polar_forces, law, parameters, state, workspace, steps)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from ecume._jit import compiled
 from ecume.models.floating import corrected, many
 from ecume.models.floating.corrected import corrected_forces
@@ -16,45 +18,47 @@ from ecume.models.model import DONE
 
 
 @compiled
-def march_rough(parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
+def march_rough(law: Any, parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
     """By superposition."""
-    return march_touching_with(predict, forces, meet_rough, rest_rough, parameters, state, workspace, steps)
+    return march_touching_with(predict, forces, meet_rough, rest_rough, law, parameters, state, workspace, steps)
 
 
 @compiled
-def march_rough_corrected(parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
+def march_rough_corrected(law: Any, parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
     """By corrected pair forces."""
-    return march_touching_with(predict, corrected_forces, meet_rough, rest_rough, parameters, state, workspace, steps)
+    return march_touching_with(
+        predict, corrected_forces, meet_rough, rest_rough, law, parameters, state, workspace, steps
+    )
 
 
 @compiled
-def march_rough_many(parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
+def march_rough_many(law: Any, parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
     """By multipoles."""
-    return march_touching_with(predict, many_forces, meet_rough, rest_rough, parameters, state, workspace, steps)
+    return march_touching_with(predict, many_forces, meet_rough, rest_rough, law, parameters, state, workspace, steps)
 
 
 @compiled
-def march_rough_turning(parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
+def march_rough_turning(law: Any, parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
     """By multipoles whose torques turn the floats as well: half a kick of the spins before and after each step."""
     time, crowd = parameters.time_step, workspace.sorted_floats
-    march_rough_many(parameters, state, workspace, 0)
+    march_rough_many(law, parameters, state, workspace, 0)
     for _ in range(steps):
         status = keep_lists(parameters, state, workspace)
         if status != DONE:
             return status
         give_turns(parameters.many, crowd.torque, state.turning, 0.5 * time)
-        status = march_rough_many(parameters, state, workspace, 1)
+        status = march_rough_many(law, parameters, state, workspace, 1)
         if status != DONE:
             return status
         give_turns(parameters.many, crowd.torque, state.turning, 0.5 * time)
     return DONE
 
 
-def advance(parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
+def advance(law: Any, parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
     """See `ecume.models.model.Model.advance`."""
     if isinstance(parameters.many, many.Many):
         turned = len(parameters.many.inertia) > 0
-        return (march_rough_turning if turned else march_rough_many)(parameters, state, workspace, steps)
+        return (march_rough_turning if turned else march_rough_many)(law, parameters, state, workspace, steps)
     if isinstance(parameters.many, corrected.Corrected):
-        return march_rough_corrected(parameters, state, workspace, steps)
-    return march_rough(parameters, state, workspace, steps)
+        return march_rough_corrected(law, parameters, state, workspace, steps)
+    return march_rough(law, parameters, state, workspace, steps)

@@ -9,7 +9,8 @@ import numpy as np
 from ecume.errors import Fault, SceneError
 from ecume.laws import drag, flotation, turning
 from ecume.models.floating.kinds import Afloat, distinct_kinds
-from ecume.models.floating.parameters import IMPULSE, ONE_SIDED, OVERDAMPED, RARE, VELOCITY_VERLET, Parameters
+from ecume.models.floating.pair_choice import require
+from ecume.models.floating.parameters import IMPULSE, OVERDAMPED, RARE, VELOCITY_VERLET, Parameters
 from ecume.models.floating.rubbing import Rough
 from ecume.scenes.floating import FloatingScene
 from ecume.units import Array
@@ -19,8 +20,9 @@ def with_friction(parameters: Parameters, scene: FloatingScene) -> Parameters:
     """The parameters of floats that rub. Raises SceneError where they cannot."""
     among, at_walls = scene.contacts.friction, scene.dish.friction if scene.dish is not None else 0.0
     key = "contacts.friction" if among > 0.0 else "dish.friction"
-    if parameters.contact_law != IMPULSE or parameters.pair_law == ONE_SIDED:
-        raise _fault(key, "friction needs contacts.law = 'impulse', and neither a legacy coefficient nor a legacy law")
+    require(parameters, key, "friction", "reciprocal")
+    if parameters.contact_law != IMPULSE:
+        raise _fault(key, "friction needs contacts.law = 'impulse', without a legacy coefficient")
     if parameters.scheme in RARE:
         raise _fault(key, "friction goes with 'velocity-verlet', the Euler schemes and 'overdamped'")
     kinds, number = distinct_kinds(scene)

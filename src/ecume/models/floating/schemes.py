@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import Any
 
 from ecume._jit import admit, compiled, inlined
 from ecume.engine.philox import counter_of, normals
@@ -113,7 +114,7 @@ def jiggle(parameters: Parameters, velocity: Array, step: int) -> None:
 
 
 @compiled
-def predict(parameters: Parameters, state: State, workspace: Workspace) -> None:
+def predict(law: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """The smooth part up to the drift: `passage` is the displacement over the time step, and the velocity has its
     kick.
     """
@@ -128,7 +129,9 @@ def predict(parameters: Parameters, state: State, workspace: Workspace) -> None:
 
 
 @inlined
-def runge_kutta_with(evaluate: Callable[..., None], parameters: Parameters, state: State, workspace: Workspace) -> None:
+def runge_kutta_with(
+    evaluate: Callable[..., None], law: Any, parameters: Parameters, state: State, workspace: Workspace
+) -> None:
     """The classical scheme of fourth order, drag included: passage and velocity change by the weighted means of four
     stages.
     """
@@ -145,7 +148,7 @@ def runge_kutta_with(evaluate: Callable[..., None], parameters: Parameters, stat
             drift(position, velocity, ahead)
             copy_rows(velocity, state.velocity)
             drift(velocity, slope, ahead)
-            evaluate(parameters, position, workspace.lists, (workspace.sorted_floats, push))
+            evaluate(law, parameters, position, workspace.lists, (workspace.sorted_floats, push))
         accelerate(parameters, velocity, push, slope)
         weight = 1.0 / 6.0 if stage in (0, 3) else 1.0 / 3.0
         drift(passage, velocity, weight)
@@ -155,20 +158,20 @@ def runge_kutta_with(evaluate: Callable[..., None], parameters: Parameters, stat
 
 @inlined
 def predict_rarely_with(
-    evaluate: Callable[..., None], parameters: Parameters, state: State, workspace: Workspace
+    evaluate: Callable[..., None], law: Any, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
     """`predict` for the schemes that ask for forces on the way.
 
     Stoermer's scheme is the drift-kick-drift form, whose midpoints obey x(t+dt) = 2 x(t) - x(t-dt) + dt^2 a.
     """
     if parameters.scheme == RK4:
-        runge_kutta_with(evaluate, parameters, state, workspace)
+        runge_kutta_with(evaluate, law, parameters, state, workspace)
         return
     passage, middle = workspace.passage, workspace.stages[0]
     copy_rows(passage, state.velocity)
     copy_rows(middle, state.position)
     drift(middle, state.velocity, 0.5 * parameters.time_step)
-    evaluate(parameters, middle, workspace.lists, (workspace.sorted_floats, workspace.force))
+    evaluate(law, parameters, middle, workspace.lists, (workspace.sorted_floats, workspace.force))
     give_kick(parameters.kick, state.velocity, workspace.force)
     for i in range(len(middle)):
         passage[i, 0] = 0.5 * (passage[i, 0] + state.velocity[i, 0])

@@ -34,10 +34,11 @@ from ecume.engine.neighbors import (
 from ecume.engine.sharing import Share
 from ecume.engine.sweeping import Goal
 from ecume.errors import BadInput
-from ecume.models.floating import forces, grid, meeting
+from ecume.models.floating import grid, meeting
 from ecume.models.floating.forces import Sorted, forces_with, sort_floats
-from ecume.models.floating.parameters import ONE_SIDED, RARE, SCHEMES, Parameters
-from ecume.models.floating.pulling import add_windows
+from ecume.models.floating.pair_choice import lacks, summed_law
+from ecume.models.floating.parameters import RARE, SCHEMES, Parameters
+from ecume.models.floating.pulling import add_windows, pull_in_threads, pull_parallel
 from ecume.models.floating.record import workspace
 from ecume.models.floating.state import State, Workspace
 from ecume.models.floating.stepping import (
@@ -62,20 +63,22 @@ def require_spreadable(parameters: Parameters) -> None:
         raise BadInput("--engine mpi: goes with superposed menisci of smooth round floats, without dipoles or films")
     if parameters.rough != () or parameters.springs != ():
         raise BadInput("--engine mpi: goes without friction between floats, and with contacts that are no springs")
-    if parameters.pair_law == ONE_SIDED or parameters.scheme in RARE:
+    if missing := lacks(parameters, "reciprocal"):
+        raise BadInput(f"--engine mpi: needs {missing}")
+    if parameters.scheme in RARE:
         rare = ", ".join(repr(SCHEMES[each]) for each in RARE)
-        raise BadInput(f"--engine mpi: goes with symmetric pair laws, and with integrators other than {rare}")
+        raise BadInput(f"--engine mpi: goes with integrators other than {rare}")
 
 
-def pull_shared(share: Share, alone: Pull, together: Pull, rows: Any, floats: Any, pair: Array, force: Array) -> None:
-    """Pair forces on all slots; `together` fills the windows of some stretches, `alone` does all of a small crowd."""
+def pull_shared(share: Share, law: Any, rows: Any, floats: Any, pair: Array, force: Array) -> None:
+    """Pair forces on all slots: the windows of some stretches, or all of a small crowd."""
     if force.shape[1] < THREADS_FROM:
-        alone(rows, floats, pair, force)
+        pull_parallel(law, rows, floats, pair, force)
         return
     edge, place, all_of = rows[5], rows[6], share.parts(STRETCHES)
     own = slice(all_of[share.rank], all_of[share.rank + 1] + 1)
     windows = np.zeros((2, place[STRETCHES]))
-    together(edge[own], place[own], rows, floats, pair, windows[0], windows[1])
+    pull_in_threads(law, edge[own], place[own], rows, floats, pair, windows[0], windows[1])
     for along in windows:
         share.gather(along, place[all_of])
     add_windows(edge, place, windows, force)
@@ -149,13 +152,14 @@ def workspace_shared(share: Share, parameters: Parameters, state: State, room: f
 
 def shared_forces(
     pull_all: Pull,
+    law: Any,
     parameters: Parameters,
     position: Array,
     lists: NeighborLists,
     scratch: tuple[Sorted, Array],
 ) -> None:
     """The forces on all floats."""
-    plainly(forces_with)(pull_all, parameters, position, lists, scratch)
+    plainly(forces_with)(pull_all, law, parameters, position, lists, scratch)
 
 
 def solve_shared(share: Share, parameters: Parameters, workspace: Workspace, velocity: Array, goal: Goal) -> int:
@@ -197,16 +201,15 @@ def share_velocities(share: Share, some: Contacts, bounds: Integers, velocity: A
 
 def march_shared(share: Share, parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
     """March: see `ecume.models.model.Model.advance`."""
-    law: Any = grid if isinstance(parameters.many, Split) else forces
-    alone = grid.pull_short if law is grid else forces.pull
     solve = functools.partial(solve_shared, share)
     bounce = functools.partial(plainly(meeting.bounce_with), solve, meeting.push_smooth)
     solve_contacts = functools.partial(plainly(meeting.solve_contacts_with), solve)
     parts = Parts(
-        functools.partial(shared_forces, functools.partial(pull_shared, share, alone, law._pull_in_threads)),
+        functools.partial(shared_forces, functools.partial(pull_shared, share)),
         functools.partial(plainly(keep_lists_with), functools.partial(renew_shared, share)),
         functools.partial(plainly(meeting.meet_with), bounce, solve_contacts),
         functools.partial(plainly(meeting.rest_with), solve_contacts),
     )
-    march = grid.march_split_with if law is grid else march_in_parts
-    return march(parts, parameters, state, workspace, steps)
+    if isinstance(parameters.many, Split):
+        return grid.march_split_with(parts, parameters, state, workspace, steps)
+    return march_in_parts(parts, summed_law(parameters), parameters, state, workspace, steps)

@@ -9,7 +9,7 @@ momentum and angular momentum are kept to rounding. Nothing bounds overlaps but 
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ecume._jit import admit, compiled
 from ecume.engine import contacts as touching
@@ -17,16 +17,14 @@ from ecume.engine.contacts import Contacts
 from ecume.errors import Fault, SceneError
 from ecume.laws import contact
 from ecume.laws.contact import dashpot_restitution, spring_energy, spring_push
-from ecume.laws.special import bessel_k1
 from ecume.models.floating.forces import forces
 from ecume.models.floating.meeting import bodies_of
 from ecume.models.floating.pace import RAFT_NEIGHBORS
+from ecume.models.floating.pair_choice import law_of, require, row_of, two_floats
 from ecume.models.floating.parameters import (
-    CAPILLARY,
     CAPILLARY_LENGTH,
     OVERDAMPED,
     SEMI_IMPLICIT_EULER,
-    STRENGTH,
     VELOCITY_VERLET,
     Parameters,
 )
@@ -60,7 +58,8 @@ def with_springs(parameters: Parameters, scene: FloatingScene) -> Parameters:
     slow = parameters.scheme == OVERDAMPED
     if parameters.scheme not in (VELOCITY_VERLET, SEMI_IMPLICIT_EULER, OVERDAMPED):
         raise _fault("law", "'spring-dashpot' goes with 'velocity-verlet', 'semi-implicit-euler' and 'overdamped'")
-    if parameters.many != () or parameters.pair_law not in (0, CAPILLARY) or scene.rubs:
+    require(parameters, "contacts.law", "'spring-dashpot'", "reciprocal")
+    if parameters.many != () or scene.rubs:
         raise _fault(
             "law", "'spring-dashpot' goes with superposed pairs in cells, without friction, films, magnets or shapes"
         )
@@ -79,7 +78,8 @@ def stiffness_of(parameters: Parameters) -> float:
     """N/m: so stiff that six neighbors and the walls press nobody in by more than SHALLOW. Raises SceneError."""
     floats, length = parameters.floats, float(parameters.pair[CAPILLARY_LENGTH])
     smallest, strongest = float(floats.radius.min()), float(abs(floats.charge).max())
-    pull = float(parameters.pair[STRENGTH]) * strongest**2 / length * float(bessel_k1(2.0 * smallest / length))
+    touching = two_floats(parameters, (smallest, smallest), (strongest, strongest))
+    pull = abs(float(row_of(parameters).force(2.0 * smallest, touching, law_of(parameters))))
     walls = float(abs(parameters.wall_strength).max(initial=0.0)) / length
     if pull + walls == 0.0:
         raise _fault("stiffness", "left out, and nothing presses the floats together; wanted N/m")
@@ -146,9 +146,9 @@ def rest_springs(parameters: Parameters, state: State, workspace: Workspace) -> 
 
 
 @compiled
-def march_springs(parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
+def march_springs(law: Any, parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
     """The march of soft contacts."""
-    return march_touching_with(predict, forces, meet_springs, rest_springs, parameters, state, workspace, steps)
+    return march_touching_with(predict, forces, meet_springs, rest_springs, law, parameters, state, workspace, steps)
 
 
 @compiled

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -25,7 +25,6 @@ from ecume.models.floating.parameters import (
     IMPULSE,
     KICKED_BEFORE,
     NO_CONTACTS,
-    ONE_SIDED,
     RARE,
     SPRINGS,
     STORMER_VERLET,
@@ -169,13 +168,14 @@ def step_with(
     evaluate: Callable[..., None],
     meet: Callable[..., None],
     rest: Callable[..., None],
+    law: Any,
     parameters: Parameters,
     state: State,
     workspace: Workspace,
 ) -> None:
     """One time step."""
     copy_rows(workspace.before, state.velocity)
-    predict(parameters, state, workspace)
+    predict(law, parameters, state, workspace)
     if parameters.contact_law != NO_CONTACTS:
         meet(parameters, state, workspace)
     driven = is_driven(parameters)
@@ -186,7 +186,7 @@ def step_with(
     if parameters.contact_law == IMPULSE:
         settle(parameters, state, workspace)
     if parameters.scheme != STORMER_VERLET:
-        evaluate(parameters, state.position, workspace.lists, (workspace.sorted_floats, workspace.force))
+        evaluate(law, parameters, state.position, workspace.lists, (workspace.sorted_floats, workspace.force))
     if driven:
         book_heat(parameters, state, workspace)
     if parameters.scheme == VELOCITY_VERLET:
@@ -202,6 +202,7 @@ def march_touching_with(
     evaluate: Callable[..., None],
     meet: Callable[..., None],
     rest: Callable[..., None],
+    law: Any,
     parameters: Parameters,
     state: State,
     workspace: Workspace,
@@ -212,13 +213,13 @@ def march_touching_with(
     """
     # Stoermer's scheme looks at no force between its steps.
     if workspace.ready[0] == 0 and parameters.scheme != STORMER_VERLET:
-        evaluate(parameters, state.position, workspace.lists, (workspace.sorted_floats, workspace.force))
+        evaluate(law, parameters, state.position, workspace.lists, (workspace.sorted_floats, workspace.force))
     workspace.ready[0] = 1
     for _ in range(steps):
         status = keep_lists(parameters, state, workspace)
         if status != DONE:
             return status
-        step_with(predict, evaluate, meet, rest, parameters, state, workspace)
+        step_with(predict, evaluate, meet, rest, law, parameters, state, workspace)
         if parameters.scheme == STORMER_VERLET:
             clear(workspace.force)
         if not farthest_move(state.position, state.reference) <= 0.5 * parameters.skin:
@@ -230,13 +231,14 @@ def march_touching_with(
 def march_with(
     predict: Callable[..., None],
     evaluate: Callable[..., None],
+    law: Any,
     parameters: Parameters,
     state: State,
     workspace: Workspace,
     steps: int,
 ) -> int:
     """`march_touching_with` contacts without friction."""
-    return march_touching_with(predict, evaluate, meet, rest, parameters, state, workspace, steps)
+    return march_touching_with(predict, evaluate, meet, rest, law, parameters, state, workspace, steps)
 
 
 class Parts(NamedTuple):
@@ -251,47 +253,43 @@ class Parts(NamedTuple):
     """what contacts do on the way, and at the end"""
 
 
-def march_in_parts(parts: Parts, parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
+def march_in_parts(
+    parts: Parts, law: Any, parameters: Parameters, state: State, workspace: Workspace, steps: int
+) -> int:
     """The march as Python runs it, of compiled parts: where forces take what cannot be compiled. For schemes that ask
     for no forces on the way.
     """
     if workspace.ready[0] == 0:
-        parts.evaluate(parameters, state.position, workspace.lists, (workspace.sorted_floats, workspace.force))
+        parts.evaluate(law, parameters, state.position, workspace.lists, (workspace.sorted_floats, workspace.force))
     workspace.ready[0] = 1
     for _ in range(steps):
         status = parts.keep(parameters, state, workspace)
         if status != DONE:
             return status
-        plainly(step_with)(predict, parts.evaluate, parts.meet, parts.rest, parameters, state, workspace)
+        plainly(step_with)(predict, parts.evaluate, parts.meet, parts.rest, law, parameters, state, workspace)
         if not farthest_move(state.position, state.reference) <= 0.5 * parameters.skin:
             return DIVERGED
     return DONE
 
 
 @compiled
-def march(parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
-    """`march_with` ecume's own laws alone."""
-    return march_with(predict, forces, parameters, state, workspace, steps)
+def march(law: Any, parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
+    """The march of floats by a pair law."""
+    return march_with(predict, forces, law, parameters, state, workspace, steps)
 
 
 @compiled
-def predict_rarely(parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """`predict_rarely_with` ecume's own laws alone."""
-    predict_rarely_with(forces, parameters, state, workspace)
+def predict_rarely(law: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """For schemes that ask for forces on the way."""
+    predict_rarely_with(forces, law, parameters, state, workspace)
 
 
 @compiled
-def march_rarely(parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
+def march_rarely(law: Any, parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
     """The march for schemes that are seldom asked for: compiled when one is."""
-    return march_with(predict_rarely, forces, parameters, state, workspace, steps)
+    return march_with(predict_rarely, forces, law, parameters, state, workspace, steps)
 
 
-def advance(parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
+def advance(law: Any, parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
     """See `ecume.models.model.Model.advance`."""
-    if parameters.pair_law == ONE_SIDED:
-        # Imported when asked for: this march is compiled for comparisons only.
-        from ecume.models.floating import legacy
-
-        one_sided = legacy.march_one_sided_rarely if parameters.scheme in RARE else legacy.march_one_sided
-        return one_sided(parameters, state, workspace, steps)
-    return (march_rarely if parameters.scheme in RARE else march)(parameters, state, workspace, steps)
+    return (march_rarely if parameters.scheme in RARE else march)(law, parameters, state, workspace, steps)

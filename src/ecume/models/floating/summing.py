@@ -10,19 +10,19 @@ import numpy as np
 
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.laws import split as splitting
+from ecume.laws.pair_laws import Short, short_constants
 from ecume.laws.split import SplitFit
 from ecume.models.floating.pace import PACKED
+from ecume.models.floating.pair_choice import lacks, row_of
 from ecume.models.floating.parameters import (
-    CAPILLARY,
     CAPILLARY_LENGTH,
     CUTOFF,
-    INVERSE_SQUARE,
     RARE,
     SCHEMES,
+    STRENGTH,
     Parameters,
 )
 from ecume.scenes.floating import FloatingScene
-from ecume.units import Array
 
 DEEPEST_TOUCH = 0.9
 """Pair laws are fitted down to this part of the smallest touching distance."""
@@ -42,8 +42,6 @@ GAIN = 2.0
 MOST_POINTS = 2**28
 WIDEST = 0.1
 """Eta above which waves as long as the capillary length would count, which the error of a grid leaves aside."""
-SHORT_FIT = INVERSE_SQUARE + 1
-"""Where the short law's fit begins among its packed constants."""
 
 
 class Split(NamedTuple):
@@ -63,16 +61,8 @@ class Split(NamedTuple):
     """what a step is reckoned to cost, in pairs: with cells alone, and with the grid"""
     points: float
     """of the grid, about"""
-
-
-def pack_short(pair: Array, cutoff: float, fit: SplitFit) -> Array:
-    """Constants of the short law, the first of them as in `parameters.pack_pair`, and as many in all."""
-    packed = np.zeros_like(pair)
-    packed[:SHORT_FIT] = pair[:SHORT_FIT]
-    packed[CUTOFF] = cutoff
-    of_fit = (fit.lower, fit.upper, fit.sharpness, fit.shift, fit.slope, fit.offset, fit.error, *fit.weights)
-    packed[SHORT_FIT : SHORT_FIT + len(of_fit)] = of_fit
-    return packed
+    short: Short
+    """constants of what is summed pair by pair"""
 
 
 def crowd_area(parameters: Parameters, scene: FloatingScene) -> float:
@@ -186,15 +176,16 @@ def _splits(crowd: Crowd, accuracy: float) -> list[Choice]:
 def summed(parameters: Parameters, scene: FloatingScene) -> Parameters:
     """The parameters, with a grid where it is asked for, or cheaper. Raises SceneError where there can be none."""
     asked = scene.interaction.sum
-    plain = parameters.many == () and parameters.pair_law == CAPILLARY and parameters.scheme not in RARE
+    plain = parameters.many == () and row_of(parameters).menisci and parameters.scheme not in RARE
     plain = plain and not scene.rubs
     fits = FINEST <= scene.interaction.accuracy <= LOOSEST
     if asked == "grid" and not (plain and fits):
         rare = ", ".join(repr(SCHEMES[each]) for each in RARE)
         why = (
-            "a grid goes with interaction.law = 'capillary' and method = 'superposition', without dipoles and "
-            "friction, and with "
-            f"integrators other than {rare}"
+            f"a grid needs {missing}"
+            if (missing := lacks(parameters, "menisci"))
+            else "a grid goes with method = 'superposition', without dipoles and friction, and with integrators other "
+            f"than {rare}"
             if not plain
             else f"a grid is not finer than an accuracy of {FINEST:g}"
         )
@@ -222,11 +213,14 @@ def _with_grid(parameters: Parameters, choice: Choice, fit: SplitFit, cells: flo
         margin=parameters.skin,
         work=(cells, choice.work),
         points=choice.points,
+        short=short_constants(float(parameters.pair[STRENGTH]), length, fit),
     )
     cutoff = choice.cutoff * length
     widest = 2.0 * float(parameters.floats.radius.max())
+    pair = parameters.pair.copy()
+    pair[CUTOFF] = cutoff
     return parameters._replace(
-        pair=pack_short(parameters.pair, cutoff, fit),
+        pair=pair,
         cutoff=cutoff,
         reach=max(cutoff, widest) + parameters.skin,
         many=many,

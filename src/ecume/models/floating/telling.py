@@ -11,7 +11,8 @@ from ecume.laws import capillarity, flotation
 from ecume.laws.flotation.rims import greatest_rim_load
 from ecume.models.floating.kinds import Afloat, kinds_afloat
 from ecume.models.floating.pace import LARGEST_OVER_CHOSEN, LOOSEST_OVER_CHOSEN
-from ecume.models.floating.parameters import CAPILLARY, CAPILLARY_LENGTH, STRENGTH, Parameters
+from ecume.models.floating.pair_choice import law_of, row_of, two_floats
+from ecume.models.floating.parameters import Parameters
 from ecume.models.floating.room import checked_parameters, memory_estimate
 from ecume.models.floating.starting import start
 from ecume.models.floating.summing import Split
@@ -44,6 +45,7 @@ def summary(scene: FloatingScene) -> list[Row]:
     return [
         ("capillary length", f"{length * 1e3:.4g} mm", "how far a meniscus reaches"),
         *_summary_of_species(scene),
+        *_summary_of_pairs(parameters),
         *_summary_of_chance(parameters),
         *_summary_of_sums(parameters, length),
         ("floats", str(count), f"{len(scene.kinds)} species"),
@@ -72,18 +74,25 @@ def _summary_of_sums(parameters: Parameters, length: float) -> list[Row]:
     return rows
 
 
+def _summary_of_pairs(parameters: Parameters) -> list[Row]:
+    """The lines that the pair law adds to the report."""
+    lines = row_of(parameters).check_lines
+    return [] if lines is None else lines(law_of(parameters))
+
+
 def _summary_of_chance(parameters: Parameters) -> list[Row]:
     """What two that touch gain, over kT."""
-    thermal, floats, pair = parameters.drift.thermal, parameters.floats, parameters.pair
-    if thermal == 0.0 or parameters.pair_law != CAPILLARY:
+    thermal, floats = parameters.drift.thermal, parameters.floats
+    row, law = row_of(parameters), law_of(parameters)
+    if thermal == 0.0 or row.energy is None or not row.has_force:
         return []
-    kinds = np.unique(np.stack([floats.radius, np.abs(floats.charge)]), axis=1)
+    kinds = np.unique(np.stack([floats.radius, np.abs(floats.charge)]), axis=1).T.tolist()
     bonds = [
-        -capillarity.pair_energy(2.0 * radius, pair[STRENGTH] * charge**2, pair[CAPILLARY_LENGTH]) / thermal
-        for radius, charge in kinds.T
+        -row.energy(2.0 * radius, two_floats(parameters, (radius, radius), (charge, charge)), law) / thermal
+        for radius, charge in kinds
     ]
     weak = "below kT: chance parts them, and nothing gathers" if min(bonds) < 1.0 else "of two that touch"
-    return [("capillary bond", f"{_numbers(bonds, 3)} kT", weak)]
+    return [(row.bond, f"{_numbers(bonds, 3)} kT", weak)]
 
 
 def _summary_of_steps(parameters: Parameters, scene: FloatingScene) -> list[Row]:

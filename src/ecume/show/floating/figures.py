@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 from ecume.analysis.series import tracks
 from ecume.errors import BadInput
-from ecume.laws.capillarity import pair_force, pair_strength
+from ecume.laws.pair_laws import PAIR_LAWS, PairLaw, PairParameters, Setting
 from ecume.models.liquids import liquid_of
 from ecume.show.curves import Frames, clusters, energies, kinetic_energy, thinned
 from ecume.show.floating.bowl import Bowl, dish_outline, view_of
@@ -51,29 +51,30 @@ def paths(frames: Frames, scene: Any) -> Figure:
 
 
 class Pair(NamedTuple):
-    """Two species that pull at each other."""
+    """Two species and the force between them."""
 
     label: str
     touching: float
-    strength: float
+    force: Callable[[float], float]
 
 
 def force_law(frames: Frames, scene: Any) -> Figure:
     """The force between two floats over their distance, for each pair of species; a dot where they touch."""
-    if scene.interaction.law != "capillary":
+    row = PAIR_LAWS[str(scene.interaction.law)]
+    if not (row.has_force and row.reciprocal):
         raise BadInput(f"the law between these floats is {scene.interaction.law!r}: there is no force to draw")
     length = liquid_of(scene).capillary_length
-    pairs = _pairs(frames[0], scene)
+    pairs = _pairs(frames[0], scene, row)
     reach = max(FURTHEST * length, 1.5 * max(pair.touching for pair in pairs))
     with style():
         drawn = figure(6.4, 4.2)
         axes = drawn.add_subplot(xlabel="distance of the centers (mm)", title=plain(scene.title))
-        largest = max(abs(pair_force(pair.touching, pair.strength, length)) for pair in pairs)
+        largest = max(abs(pair.force(pair.touching)) for pair in pairs)
         scale = scale_for(largest, "N")
         for pair, color in zip(pairs, itertools.cycle(PALETTE[1:]), strict=False):
             distance = np.linspace(pair.touching, reach, 300)
-            force = np.array([pair_force(float(r), pair.strength, length) for r in distance]) * scale.factor
-            attracts = pair.strength > 0
+            force = np.array([pair.force(r) for r in distance.tolist()]) * scale.factor
+            attracts = pair.force(pair.touching) < 0.0
             label = f"{plain(pair.label)}: {'attract' if attracts else 'repel'}"
             axes.plot(1e3 * distance, np.abs(force), "-" if attracts else "--", color=color, label=label)
             axes.plot(1e3 * distance[:1], np.abs(force[:1]), "o", color=color, markersize=5)
@@ -100,19 +101,30 @@ def _discs(axes: Axes, centers: Array, radius: Array, colors: Sequence[str]) -> 
     axes.add_collection(EllipseCollection(2 * radius, 2 * radius, 0 * radius, units="xy", **look))
 
 
-def _pairs(frame: Frame, scene: Any) -> list[Pair]:
-    """Each pair of species, with the radius and charge that its floats have in the run."""
-    arrays, tension = frame.arrays, scene.liquid.surface_tension
+def _pairs(frame: Frame, scene: Any, row: PairLaw) -> list[Pair]:
+    """Each pair of species with a force between them, for the radii and charges that their floats have in the run."""
+    arrays, liquid = frame.arrays, liquid_of(scene)
+    length, tension = liquid.capillary_length, liquid.surface_tension
     kinds = [
         (kind.name, float(np.median(arrays["radius"][chosen])), float(np.median(arrays["charge"][chosen])))
         for index, kind in enumerate(species(scene))
         if (chosen := arrays["species"] == index).any()
     ]
+    radii = [radius for _, radius, _ in kinds]
+    law = row.make_constants(Setting(length, tension, 2.0 * min(radii), FURTHEST * length + 2.0 * max(radii)))
+
+    def force_of(own: PairParameters) -> Callable[[float], float]:
+        return lambda distance: row.force(distance, own, law)
+
     found = [
-        Pair(f"{a} – {b}", radius_a + radius_b, pair_strength(tension, charge_a, charge_b))
+        Pair(
+            f"{a} – {b}",
+            radius_a + radius_b,
+            force_of(PairParameters(radius_a, radius_b, charge_a, charge_b, length, tension)),
+        )
         for (a, radius_a, charge_a), (b, radius_b, charge_b) in itertools.combinations_with_replacement(kinds, 2)
     ]
-    charged = [pair for pair in found if pair.strength != 0.0]
+    charged = [pair for pair in found if pair.force(pair.touching) != 0.0]
     if not charged:
         raise BadInput("these floats leave the surface flat: there is no force to draw")
     return charged

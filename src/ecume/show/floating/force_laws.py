@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 from ecume.errors import BadInput
 from ecume.laws import capillarity
 from ecume.laws.multipole.graf import forces
+from ecume.laws.pair_laws import PAIR_LAWS
 from ecume.models.floating import corrected, many
 from ecume.models.floating.interacting import bodies_of
 from ecume.models.floating.kinds import Afloat, distinct_kinds
@@ -41,8 +42,9 @@ class Forces(NamedTuple):
 def force_law(path: str | os.PathLike[str], out: str | os.PathLike[str]) -> Path:
     """Draw the forces between all kinds of floats of a scene's file into `out`, by each method."""
     scene: Any = load_scene(Path(path))
-    if scene.model != "floating" or scene.interaction.law != "capillary":
-        raise BadInput(f"{os.fspath(path)}: wanted a scene of floats with interaction.law = 'capillary'")
+    if scene.model != "floating" or not PAIR_LAWS[str(scene.interaction.law)].menisci:
+        named = [repr(name) for name, row in PAIR_LAWS.items() if row.menisci]
+        raise BadInput(f"{os.fspath(path)}: expected a scene of floats with interaction.law = {' or '.join(named)}")
     return save(drawn_forces(scene), Path(out))
 
 

@@ -14,10 +14,9 @@ from ecume.engine.outlines import Outlines, Stance, bodies_near, turn_corners, w
 from ecume.engine.walls import wall_count
 from ecume.errors import Fault, SceneError
 from ecume.models.floating.dishes import wall_strengths
+from ecume.models.floating.pair_choice import lacks, row_of
 from ecume.models.floating.parameters import (
-    CAPILLARY,
     DISH,
-    NO_PAIR_LAW,
     NO_WALL_LAW,
     OVERDAMPED,
     PLANE,
@@ -106,8 +105,8 @@ def _require_known(parameters: Parameters, scene: FloatingScene) -> None:
         ),
         (
             "interaction.law",
-            parameters.pair_law not in (CAPILLARY, NO_PAIR_LAW),
-            "floats with a shape interact by 'capillary' or 'none'",
+            row_of(parameters).has_force and bool(lacks(parameters, "menisci")),
+            f"a float with a shape needs {lacks(parameters, 'menisci')}",
         ),
         (
             "dish.law",

@@ -13,7 +13,6 @@ from ecume.models.floating.parameters import (
     CAPILLARY_LENGTH,
     CUTOFF,
     DISH,
-    NO_PAIR_LAW,
     NO_WALL_LAW,
     STRENGTH,
     Parameters,
@@ -86,7 +85,7 @@ def shaped_forces(parameters: Parameters, position: Array, lists: NeighborLists,
     force[:] = 0.0
     crew.torque[:] = 0.0
     order, first, neighbor = lists.cells.order, lists.rows.first, lists.rows.neighbor
-    for slot in range(len(order) if parameters.pair_law != NO_PAIR_LAW else 0):
+    for slot in range(len(order) if parameters.pair[STRENGTH] != 0.0 else 0):
         i = order[slot]
         for place in range(first[slot], first[slot + 1]):
             j = order[neighbor[place]]
@@ -130,7 +129,7 @@ def shaped_energies(parameters: Parameters, state: State, workspace: Workspace) 
         for place in range(first[slot], first[slot + 1]):
             j = order[neighbor[place]]
             x, y = state.position[j, 0] - state.position[i, 0], state.position[j, 1] - state.position[i, 1]
-            if i < j and x * x + y * y < cutoff * cutoff and parameters.pair_law != NO_PAIR_LAW:
+            if i < j and x * x + y * y < cutoff * cutoff and parameters.pair[STRENGTH] != 0.0:
                 pairs += energy_of_pair(parameters, crew.at, (i, j), (x, y))
         for p in range(many.first[i], many.first[i + 1]):
             x, y = state.position[i, 0] + crew.at[p, 0], state.position[i, 1] + crew.at[p, 1]

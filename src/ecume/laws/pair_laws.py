@@ -1,0 +1,317 @@
+"""The table of pair laws: the forces between two floats, one of which a scene chooses (`interaction.law`).
+
+A row of the table holds everything that depends on the choice. Its functions take and return plain numbers, so that
+they can be compiled into a simulation. `own` describes the two floats, and `law` holds the constants of the law. These
+are a NamedTuple of plain numbers, and compiled code selects the law by its type: each formula has a type of its own.
+Forces are positive when they repel.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import Annotated, Any, NamedTuple
+
+from ecume.laws.capillarity import one_sided_legacy_force, pair_energy, pair_force, pair_strength
+from ecume.laws.dipoles import DipoleStrength, dipole_energy, dipole_force
+from ecume.laws.screened import DEGREE, ScreenedFit, fit_k1, k1_over_x
+from ecume.laws.special import bessel_k0, bessel_k1
+from ecume.laws.split import SplitFit, fitted_short_pull
+from ecume.units import Area, Energy, Force, Length, Number, SurfaceTension, Unit
+
+Stiffness = Annotated[float, Unit("N/m")]
+InverseArea = Annotated[float, Unit("1/m^2")]
+
+
+class PairParameters(NamedTuple):
+    """The two floats of a pair, as pair laws see them beside the distance of their centers."""
+
+    radius_i: Length
+    radius_j: Length
+    charge_i: Length
+    charge_j: Length
+    capillary_length: Length
+    surface_tension: SurfaceTension
+
+
+class Setting(NamedTuple):
+    """The liquid and the range of distances for which a law computes its constants."""
+
+    capillary_length: Length
+    surface_tension: SurfaceTension
+    closest: Length
+    """the shortest distance between two centers at which the law must be accurate"""
+    farthest: Length
+    """the longest such distance"""
+
+
+class PairLaw(NamedTuple):
+    """A row of the table: a pair law and everything that depends on it."""
+
+    constants: type
+    """the type of `law`: a NamedTuple of plain numbers that no other formula uses"""
+    make_constants: Callable[[Setting], Any]
+    """make_constants(setting): the constants, an instance of `constants`. Raises BadInput"""
+    force: Callable[[float, PairParameters, Any], float]
+    """force(distance, own, law) between the two floats (N), positive when it repels; if the law is not reciprocal, the
+    force on float i
+    """
+    energy: Callable[[float, PairParameters, Any], float] | None
+    """energy(distance, own, law) (J), whose derivative is minus the force; None if the law has no potential"""
+    papers: tuple[Callable[..., Any], ...]
+    """functions whose docstrings name the references that `ecume cite` lists"""
+    pull: Callable[[float, PairParameters, Any], float] | None = None
+    """pull(square, own, law) = -force/distance (N/m) from the square of the distance, in the form that is fast in the
+    loop over pairs: without branches and library calls the loop vectorizes. Default: computed from `force`
+    """
+    stiffness: Callable[[float, PairParameters, Any], float] | None = None
+    """stiffness(distance, own, law) = |dF/dl| (N/m), which limits the time step. Default: finite differences"""
+    raft_pull: Callable[[Any, Any, float, Any], Any] | None = None
+    """raft_pull(charge, area, capillary_length, law): the force (N) on each float at the edge of a raft of all floats
+    that covers this area (m^2), which limits the time step without inertia. Default: the integral over a half-plane
+    """
+    bond: str = "pair bond"
+    """the name that `ecume check` gives to the energy of two touching floats in units of kT"""
+    check_lines: Callable[[Any], list[tuple[str, str, str]]] | None = None
+    """check_lines(law): additional lines of `ecume check` (name, value with unit, remark)"""
+    needs_radii: bool = True
+    """whether the force depends on the radii; gathering them takes time"""
+    threaded: bool = True
+    """whether several threads may compute the sum over pairs"""
+    reciprocal: bool = True
+    """whether the forces on the two floats are equal and opposite"""
+    menisci: bool = False
+    """whether the law is the superposition of menisci, which multipoles, corrected pairs, grids and shapes refine"""
+    has_force: bool = True
+    """whether the force can differ from zero"""
+
+
+class Capillary(NamedTuple):
+    """Constants of the capillary law. The fit of K1 is stored flat since threads do not accept nested tuples."""
+
+    strength: SurfaceTension
+    """2 pi gamma"""
+    inverse_square: InverseArea
+    """of the capillary length"""
+    lower: Number
+    shift: Number
+    slope: Number
+    offset: Number
+    w0: Number
+    w1: Number
+    w2: Number
+    w3: Number
+    w4: Number
+    w5: Number
+    w6: Number
+    w7: Number
+    w8: Number
+    w9: Number
+    w10: Number
+    w11: Number
+    w12: Number
+    w13: Number
+    w14: Number
+    w15: Number
+    w16: Number
+
+
+def capillary_constants(setting: Setting) -> Capillary:
+    """The constants of the capillary law. Raises BadInput if the floats are too small for the fit of K1."""
+    return _capillary(pair_strength(setting.surface_tension, 1.0, 1.0), setting)
+
+
+def no_constants(setting: Setting) -> Capillary:
+    """The constants of the capillary law with zero strength."""
+    return _capillary(0.0, setting)
+
+
+def _capillary(strength: float, setting: Setting) -> Capillary:
+    length = setting.capillary_length
+    fit = fit_k1(setting.closest / length, setting.farthest / length)
+    assert len(fit.weights) == DEGREE + 1  # noqa: S101  # as many as there are fields
+    return Capillary(strength, length**-2, fit.lower, fit.shift, fit.slope, fit.offset, *fit.weights)
+
+
+def capillary_force(distance: Length, own: PairParameters, law: Capillary) -> Force:
+    """The capillary force between two floats: `capillarity.pair_force`. [nicolson1949, canbraun2022]."""
+    return pair_force(distance, law.strength * (own.charge_i * own.charge_j), own.capillary_length)
+
+
+def capillary_energy(distance: Length, own: PairParameters, law: Capillary) -> Energy:
+    """The capillary energy of two floats: `capillarity.pair_energy`. [nicolson1949, canbraun2022]."""
+    return pair_energy(distance, law.strength * own.charge_i * own.charge_j, own.capillary_length)
+
+
+def capillary_pull(square: Area, own: PairParameters, law: Capillary) -> Stiffness:
+    """The capillary attraction divided by the distance, from the fit of K1. It is symmetric in i and j to the last bit,
+    so that the forces cancel exactly. [nicolson1949].
+    """
+    weights = (
+        law.w0, law.w1, law.w2, law.w3, law.w4, law.w5, law.w6, law.w7, law.w8, law.w9, law.w10, law.w11, law.w12,
+        law.w13, law.w14, law.w15, law.w16,
+    )  # fmt: skip
+    fit = ScreenedFit(law.lower, law.lower, law.shift, law.slope, law.offset, weights, law.lower)
+    scale = law.strength * law.inverse_square
+    return scale * (own.charge_i * own.charge_j) * k1_over_x(square * law.inverse_square, fit)
+
+
+def capillary_stiffness(distance: Length, own: PairParameters, law: Capillary) -> Stiffness:
+    """The stiffness |dF/dl| = (S/L^2) (K0(x) + K1(x)/x) at the distance x L. [nicolson1949]."""
+    x = distance / own.capillary_length
+    strength = abs(law.strength * (own.charge_i * own.charge_j))
+    return strength / own.capillary_length**2 * (bessel_k0(x) + bessel_k1(x) / x)
+
+
+def capillary_raft_pull(charge: Any, area: Area, capillary_length: Length, law: Capillary) -> Any:
+    """The force F = pi S A n min(L, r) on a float of charge A at the edge of a raft, where n is the raft's charge per
+    area and r its radius: the attraction of a half-plane, or of the whole raft if it were at its center.
+    """
+    crowd = math.pi * float(charge.sum()) / area * min(capillary_length, math.sqrt(area / math.pi))
+    return abs(law.strength) * charge * crowd
+
+
+class OneSided(NamedTuple):
+    """Constants of the pair law of the original program."""
+
+    strength: SurfaceTension
+
+
+def one_sided_constants(setting: Setting) -> OneSided:
+    """The constants of the pair law of the original program."""
+    return OneSided(pair_strength(setting.surface_tension, 1.0, 1.0))
+
+
+def one_sided_force(distance: Length, own: PairParameters, law: OneSided) -> Force:
+    """The force on float i, which depends on the charge of float j alone: `capillarity.one_sided_legacy_force`.
+    [canbraun2022, eq. 21].
+    """
+    strength = pair_strength(own.surface_tension, own.charge_j, own.charge_j)
+    return one_sided_legacy_force(distance, strength, own.capillary_length, own.radius_i + own.radius_j)
+
+
+def one_sided_stiffness(distance: Length, own: PairParameters, law: OneSided) -> Stiffness:
+    """The stiffness of the capillary law between two floats with the larger of the charges."""
+    x, charge = distance / own.capillary_length, max(abs(own.charge_i), abs(own.charge_j))
+    return law.strength * charge * charge / own.capillary_length**2 * (bessel_k0(x) + bessel_k1(x) / x)
+
+
+class Dipoles(NamedTuple):
+    """Constants of the force between upright dipoles, whose moments take the place of the charges."""
+
+    strength: DipoleStrength
+    """of two unit moments"""
+
+
+def dipoles_force(distance: Length, own: PairParameters, law: Dipoles) -> Force:
+    """The force between two moments: `dipoles.dipole_force`. [jackson1999, par. 5.7]."""
+    return dipole_force(distance, law.strength * own.charge_i * own.charge_j)
+
+
+def dipoles_energy(distance: Length, own: PairParameters, law: Dipoles) -> Energy:
+    """The energy of two moments: `dipoles.dipole_energy`. [jackson1999, par. 5.7]."""
+    return dipole_energy(distance, law.strength * own.charge_i * own.charge_j)
+
+
+def dipoles_pull(square: Area, own: PairParameters, law: Dipoles) -> Stiffness:
+    """The force between two moments divided by minus the distance. [jackson1999, par. 5.7]."""
+    return -3.0 * law.strength * (own.charge_i * own.charge_j) / (square * square * math.sqrt(square))
+
+
+class Short(NamedTuple):
+    """Constants of the short-range part of the capillary law, used when a grid sums the long-range part."""
+
+    strength: SurfaceTension
+    inverse_square: InverseArea
+    lower: Number
+    upper: Number
+    sharpness: Number
+    shift: Number
+    slope: Number
+    offset: Number
+    w0: Number
+    w1: Number
+    w2: Number
+    w3: Number
+    w4: Number
+    w5: Number
+    w6: Number
+    w7: Number
+    w8: Number
+    w9: Number
+    w10: Number
+
+
+def short_constants(strength: SurfaceTension, capillary_length: Length, fit: SplitFit) -> Short:
+    """The constants of the short-range part."""
+    found = fit.lower, fit.upper, fit.sharpness, fit.shift, fit.slope, fit.offset
+    return Short(strength, capillary_length**-2, *found, *fit.weights)
+
+
+def short_pull(square: Area, own: PairParameters, law: Short) -> Stiffness:
+    """The attraction of the short-range part divided by the distance."""
+    weights = law.w0, law.w1, law.w2, law.w3, law.w4, law.w5, law.w6, law.w7, law.w8, law.w9, law.w10
+    numbers = law.lower, law.upper, law.sharpness, law.shift, law.slope, law.offset
+    fit = SplitFit(*numbers, weights, law.lower)
+    scale = law.strength * law.inverse_square
+    return scale * (own.charge_i * own.charge_j) * fitted_short_pull(square * law.inverse_square, fit)
+
+
+def short_force(distance: Length, own: PairParameters, law: Short) -> Force:
+    """The force of the short-range part."""
+    return -short_pull(distance * distance, own, law) * distance
+
+
+CAPILLARY = PairLaw(
+    Capillary,
+    capillary_constants,
+    capillary_force,
+    capillary_energy,
+    papers=(pair_energy, pair_force),
+    pull=capillary_pull,
+    stiffness=capillary_stiffness,
+    raft_pull=capillary_raft_pull,
+    bond="capillary bond",
+    needs_radii=False,
+    menisci=True,
+)
+PAIR_LAWS = {
+    "none": CAPILLARY._replace(make_constants=no_constants, papers=(), menisci=False, has_force=False),
+    "capillary": CAPILLARY,
+    "one-sided-legacy": PairLaw(
+        OneSided,
+        one_sided_constants,
+        one_sided_force,
+        energy=None,
+        papers=(one_sided_legacy_force, pair_force),
+        stiffness=one_sided_stiffness,
+        reciprocal=False,
+    ),
+}
+"""The choices of `interaction.law`. To add a law, add a row: see CONTRIBUTING."""
+INTERNAL = (
+    PairLaw(Dipoles, lambda setting: None, dipoles_force, dipoles_energy, (), dipoles_pull, needs_radii=False),
+    PairLaw(Short, lambda setting: None, short_force, None, (), short_pull, needs_radii=False),
+)
+"""Laws that belong to other options (magnets, grids) and use the same loop over pairs."""
+CAPABILITIES = {
+    "reciprocal": "exerts equal and opposite forces on the two floats",
+    "menisci": "is the superposition of menisci",
+}
+"""What an option can require of a pair law, in words."""
+
+
+def row_of(constants: type) -> PairLaw:
+    """The row whose constants have this type. Raises LookupError."""
+    row = _BY_CONSTANTS.get(constants)
+    if row is None:
+        raise LookupError(f"no pair law has constants of the type {constants.__name__}")
+    return row
+
+
+def add_row(row: PairLaw) -> None:
+    """Register a further law for the lifetime of this process, so that compiled code finds it."""
+    _BY_CONSTANTS[row.constants] = row
+
+
+_BY_CONSTANTS: dict[type, PairLaw] = {row.constants: row for row in (*INTERNAL, *PAIR_LAWS.values())}

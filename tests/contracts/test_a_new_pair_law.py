@@ -1,0 +1,130 @@
+"""CONTRIBUTING's recipe for a pair law, followed to the letter in a copy of the package."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+REPELLING = '''
+import ecume
+for friction in (0.0, 0.3):
+    scene = ecume.load_scene("""
+model = "floating"
+duration = 0.1
+frame_every = 0.02
+[liquid]
+density = 1000.0
+viscosity = "1 mPa*s"
+surface_tension = "72.8 mN/m"
+[[floats]]
+radius = 1e-3
+density = 1300.0
+contact_angle = "90 deg"
+positions = [[-1.1e-3, 0.0], [1.1e-3, 0.0]]
+[interaction]
+law = "yukawa"
+[contacts]
+friction = %r
+""" % friction)
+    frames = list(ecume.simulate(scene))
+    apart = [abs(frame.arrays["position"][1, 0] - frame.arrays["position"][0, 0]) for frame in frames]
+    energy = [frame.numbers["total_energy"] for frame in frames]
+    assert all(later > earlier for earlier, later in zip(apart, apart[1:])), apart
+    assert all(later < earlier for earlier, later in zip(energy, energy[1:])), energy
+    print(f"{1e3 * apart[-1]:.6f} mm")
+'''
+
+
+def block(name):
+    """A block of code of the page."""
+    page = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    (found,) = re.findall(rf"```python {name}\n(.*?)```", page, re.DOTALL)
+    return found
+
+
+@pytest.fixture(scope="module")
+def copy(tmp_path_factory):
+    """The package with the new law: one file is changed."""
+    folder = tmp_path_factory.mktemp("copy")
+    for part in ("src", "tests", "docs"):
+        shutil.copytree(ROOT / part, folder / part, ignore=shutil.ignore_patterns("__pycache__", "*.png", "*.mp4"))
+    shutil.copy(ROOT / "pyproject.toml", folder)
+    path = folder / "src" / "ecume" / "laws" / "pair_laws.py"
+    text = path.read_text(encoding="utf-8")
+    before, table, rows = text.partition("PAIR_LAWS = {\n")
+    above, first, rest = before.partition("CAPILLARY = PairLaw(\n")
+    assert table
+    assert first
+    path.write_text(
+        above + block("yukawa") + "\n\n" + first + rest + table + block("yukawa-row") + rows, encoding="utf-8"
+    )
+    return folder
+
+
+def python(folder, *arguments, **environment):
+    places = {"PYTHONPATH": os.pathsep.join([str(folder / "src"), str(folder)])}
+    asked = {**os.environ, **places, **environment}
+    return subprocess.run([sys.executable, *arguments], cwd=folder, env=asked, capture_output=True, text=True)
+
+
+def test_two_floats_repel_by_a_new_law_with_friction_and_without(copy):
+    done = python(copy, "-c", REPELLING)
+    assert done.returncode == 0, done.stderr
+    smooth, rough = done.stdout.splitlines()
+    assert smooth == rough
+    assert float(smooth.removesuffix(" mm")) > 2.5
+    again = python(copy, "-c", REPELLING, NUMBA_DEBUG_CACHE="1").stdout
+    assert "data saved" not in again, "a second process compiled what the first one had"
+    assert ("data loaded" in again) == (os.environ.get("NUMBA_DISABLE_JIT") != "1")
+
+
+def test_a_new_law_holds_what_all_others_hold(copy):
+    chosen = "yukawa and not documentation"
+    page = "tests/contracts/test_pair_laws.py"
+    done = python(
+        copy, "-m", "pytest", "-v", "-p", "no:cacheprovider", "-k", chosen, "-m", "not compiled", page,
+        NUMBA_DISABLE_JIT="1",
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout
+    assert re.search(r"[2-9]\d passed", done.stdout), done.stdout
+
+
+KNOWING = '''
+import ecume
+from ecume.citing import papers_of
+from ecume.models.floating import FLOATING
+from ecume.show.floating.figures import force_law
+scene = ecume.load_scene("""
+model = "floating"
+duration = 1.0
+frame_every = 0.1
+[[floats]]
+count = 2
+radius = 1e-4
+density = 1100.0
+contact_angle = "90 deg"
+[motion]
+integrator = "overdamped"
+temperature = "300 K"
+[interaction]
+law = "yukawa"
+""")
+print(papers_of(scene))
+print([name for name, _, _ in FLOATING.summary(scene)])
+print(force_law([next(ecume.simulate(scene))], scene).axes[0].get_legend_handles_labels()[1])
+'''
+
+
+def test_check_cite_and_the_figure_know_a_new_law(copy):
+    done = python(copy, "-c", KNOWING, NUMBA_DISABLE_JIT="1")
+    assert done.returncode == 0, done.stderr
+    papers, summary, drawn = done.stdout.splitlines()
+    assert "israelachvili2011" in papers
+    assert "nicolson1949" not in papers
+    assert "pair bond" in summary
+    assert "repel" in drawn
