@@ -1,12 +1,15 @@
 """A scene's papers are those that its laws name, and follow its options."""
 
 import inspect
+from dataclasses import fields
 
 import pytest
 from typer.testing import CliRunner
 
-from ecume.citing import SOURCES, bibliography, bibtex, cited, in_words, papers_of
+from ecume.citing import bibliography, bibtex, cited, in_words, papers_of
 from ecume.cli import app
+from ecume.models import MODELS
+from ecume.models.model import Model
 from ecume.scenes.load import load_scene
 from ecume.scenes.templates import copy_template, folder, templates
 
@@ -24,7 +27,7 @@ def test_every_template_has_papers(name):
 def test_every_law_behind_a_template_names_its_paper():
     for name in templates():
         scene = load_scene(str(folder() / f"{name}.toml"))
-        laws = [law for law in SOURCES[scene.model](scene) if not law.__name__.startswith("no_")]
+        laws = [law for law in MODELS[scene.model].laws(scene) if not law.__name__.startswith("no_")]
         silent = {law.__name__ for law in laws if not cited(inspect.getdoc(law) or "")}
         assert silent <= {"nonlinear_charge"}, name
 
@@ -49,6 +52,12 @@ def test_papers_follow_the_options():
     soft = papers("cereal-bowl", "contacts.law=spring-dashpot")
     assert {"cundall1979", "schwager2007"} <= set(soft)
     assert "moreau1988" not in soft
+
+
+def test_a_model_that_names_no_laws_rests_on_no_paper(monkeypatch):
+    without = {part.name: getattr(MODELS["tracers"], part.name) for part in fields(Model) if part.name != "laws"}
+    monkeypatch.setitem(MODELS, "tracers", Model(**without))
+    assert papers("settling") == []
 
 
 def test_liquids_by_name_bring_friction_and_its_paper():

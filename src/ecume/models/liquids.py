@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from ecume.laws import flotation
+from ecume.laws import flotation, liquids
+from ecume.models.model import Source
 
 
 def liquid_of(scene: Any) -> flotation.Liquid:
@@ -13,3 +14,9 @@ def liquid_of(scene: Any) -> flotation.Liquid:
     return flotation.Liquid(
         given.density, given.surface_tension, given.viscosity, gravity=given.gravity, gas_density=given.gas_density
     )
+
+
+def correlations_of(name: str | None) -> list[Source]:
+    """The correlations behind the properties of a liquid that a scene names."""
+    known = liquids.LIQUIDS.get(name or "", ())
+    return [getattr(part, "func", part) for part in known if callable(part)]

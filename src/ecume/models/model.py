@@ -12,6 +12,15 @@ from ecume.trajectories.frame import Frame
 DONE, CROWDED, DIVERGED, EXCHANGE = 0, 1, 2, 3
 
 
+Source = Callable[..., Any]
+"""A law whose docstring cites its paper."""
+
+
+def no_laws(scene: Any) -> list[Source]:
+    """A model that rests on no paper."""
+    return []
+
+
 def _same(parameters: Any, state: Any) -> Any:
     """The crowd of most models never changes."""
     return state
@@ -54,5 +63,7 @@ class Model:
     """exchange(parameters, state): the state with who came and without who went; for crowds that change."""
     invariants: Callable[[Any, Any], list[Invariant]] = field(kw_only=True, default=nothing)
     """invariants(scene, parameters): what must hold from frame to frame, by the numbers that `observe` tells."""
+    laws: Callable[[Any], list[Source]] = field(kw_only=True, default=no_laws)
+    """laws(scene): the laws that a scene uses, for `ecume cite`."""
     summary: Callable[[Any], list[tuple[str, str, str]]]
     """summary(scene): derived numbers for `ecume check`, as (name, value with unit, remark)."""

@@ -14,6 +14,7 @@ from ecume.models.floating.invariants import invariants
 from ecume.models.floating.observing import observe
 from ecume.models.floating.parameters import Parameters
 from ecume.models.floating.room import ROOMIER, checked_parameters
+from ecume.models.floating.sources import laws_of
 from ecume.models.floating.starting import start
 from ecume.models.floating.state import DEEPEST, State, Workspace, make_workspace
 from ecume.models.floating.stepping import renew_lists
@@ -78,5 +79,6 @@ FLOATING = Model(
     diagnosis=diagnosis,
     extended=extended,
     invariants=invariants,
+    laws=laws_of,
     summary=summary,
 )

@@ -19,6 +19,7 @@ from ecume.models.soft.invariants import invariants
 from ecume.models.soft.meeting import box_in
 from ecume.models.soft.observing import observe
 from ecume.models.soft.parameters import Parameters
+from ecume.models.soft.sources import laws_of
 from ecume.models.soft.state import ACCEPTED, CLOCK, LENGTH, State, workspace
 from ecume.models.soft.stepping import advance
 from ecume.scenes.soft import SoftScene
@@ -88,6 +89,7 @@ SOFT = Model(
     diagnosis=diagnosis,
     extended=extended,
     invariants=invariants,
+    laws=laws_of,
     summary=summary,
 )
 """Soft spheres in a viscous liquid: Soft Dynamics."""

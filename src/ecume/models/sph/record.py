@@ -23,6 +23,7 @@ from ecume.models.sph.motions import at_reference
 from ecume.models.sph.observing import observe
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.solids import part_of
+from ecume.models.sph.sources import laws_of
 from ecume.models.sph.splitting import require_right_split
 from ecume.models.sph.state import State, Workspace, likely_neighbors, make_state, workspace_at
 from ecume.models.sph.stepping import advance
@@ -121,6 +122,7 @@ SPH = Model(
     diagnosis=diagnosis,
     extended=extended,
     invariants=invariants,
+    laws=laws_of,
     summary=summary,
     exchange=exchange,
 )

@@ -15,6 +15,7 @@ from ecume.models.model import Model
 from ecume.models.tracers.arrivals import species_of
 from ecume.models.tracers.invariants import invariants
 from ecume.models.tracers.parameters import Parameters, parameters_of
+from ecume.models.tracers.sources import laws_of
 from ecume.models.tracers.starting import start
 from ecume.models.tracers.state import CAPPED, State, Workspace, came, workspace
 from ecume.models.tracers.stepping import NOWHERE, advance
@@ -169,5 +170,6 @@ TRACERS = Model(
     extended=extended,
     exchange=exchange,
     invariants=invariants,
+    laws=laws_of,
     summary=summary,
 )
