@@ -92,7 +92,7 @@ def test_a_run_goes_on_elsewhere_and_says_once_what_changed_and_by_how_much(
     home = left_at(scene(), tmp_path / "run")
     before = positions(home.path)
     processor("B", ROUNDING)
-    with pytest.warns(UserWarning, match=r"frame 18 .* differs .* by \d\.\de-1\d of its .*processor A -> B") as told:
+    with pytest.warns(UserWarning, match=r"frame 18 .* in position by \d\.\de-1\d m .*processor A -> B") as told:
         done = resume(home.path)
     assert len(told) == 1
     assert (done.frames, info(home.path).state) == (51, "done")
@@ -251,6 +251,8 @@ def same(one: Any, other: Any) -> bool:
         return False
     if isinstance(one, tuple):
         return len(one) == len(other) and all(map(same, one, other))
+    if isinstance(one, np.ndarray):
+        return (one.shape, one.dtype, one.tobytes()) == (other.shape, other.dtype, other.tobytes())
     return repr(one) == repr(other)
 
 
@@ -258,9 +260,7 @@ def same(one: Any, other: Any) -> bool:
 def test_any_constants_come_back_to_the_bit(tmp_path_factory: Any, tree: Outer) -> None:
     home = RunDirectory(tmp_path_factory.mktemp("run"))
     home.manifest.write_text(json.dumps({"constants_sha256": constants.save(home, tree)}))
-    nudged = tree._replace(
-        time_step=tree.time_step * (1 + 1e-12), inner=tree.inner._replace(charge=tree.inner.charge * 1.5)
-    )
+    nudged = tree._replace(time_step=tree.time_step * (1 + 1e-12), inner=tree.inner._replace(charge=-tree.inner.charge))
     assert same(constants.restored(home, nudged).parameters, tree)
     other = tree._replace(inner=tree.inner._replace(count=tree.inner.count + 1))
     kept = constants.restored(home, other)
@@ -290,16 +290,29 @@ def test_constants_keep_their_layout_in_memory(tmp_path: Path, layout: str) -> N
     values=st.lists(st.floats(-1e3, 1e3), min_size=1, max_size=6),
     changes=st.lists(st.sampled_from([0.0, 1e-15, 1e-9, -0.5]), min_size=6, max_size=6),
 )
-def test_the_difference_of_two_frames_is_the_largest_one_over_the_largest_value(
+def test_the_difference_of_two_frames_is_that_of_the_first_quantity_that_differs(
     values: list[float], changes: list[float]
 ) -> None:
     one = np.array(values)
     other = one * (1.0 + np.array(changes[: len(values)]))
-    frames = [Frame(0.0, {"position": array}, {}, {}) for array in (one, other)]
+    frames = [
+        Frame(0.0, {"species": np.arange(2), "position": array}, {"noise": noise}, {"position": "m"})
+        for array, noise in ((one, 1e-19), (other, -1e-19))
+    ]
     found = difference(*frames)
+    assert found is not None
     if one.tobytes() == other.tobytes():
-        assert found is None
+        assert (found.quantity, found.others, found.relative) == ("noise", 0, 2.0)
+        assert difference(frames[0], frames[0]) is None
     else:
-        assert found is not None
-        assert found.quantity == "position"
-        assert found.size == pytest.approx(np.abs(one - other).max() / (np.abs(one).max() or 1.0))
+        apart, largest = np.abs(one - other).max(), np.abs(one).max()
+        assert (found.quantity, found.unit, found.others) == ("position", "m", 1)
+        assert found.size == pytest.approx(apart)
+        assert found.relative == pytest.approx(apart / largest)
+        assert str(found).endswith("of its largest value) and 1 more quantity")
+
+
+def test_frames_of_other_shapes_or_quantities_differ_in_these() -> None:
+    one, two = (Frame(0.0, {"position": np.zeros((count, 2))}, {}, {}) for count in (1, 2))
+    assert str(difference(one, two)) == "position"
+    assert str(difference(one, one._replace(numbers={"energy": 1.0}))) == "the names of its quantities"

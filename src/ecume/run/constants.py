@@ -154,5 +154,6 @@ def _relative(one: NDArray[Any], other: NDArray[Any]) -> float:
     """The largest difference of two arrays over their largest value; what is not finite in both is left out."""
     finite = np.isfinite(one) & np.isfinite(other)
     scale = float(np.abs(one[finite]).max(initial=0.0))
-    largest = float(np.abs(one[finite] - other[finite]).max(initial=0.0))
+    with np.errstate(over="ignore"):
+        largest = float(np.abs(one[finite] - other[finite]).max(initial=0.0))
     return largest / scale if scale > 0.0 else largest

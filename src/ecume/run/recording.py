@@ -117,44 +117,51 @@ class Recording:
 
 
 class Difference(NamedTuple):
-    """The quantity in which two frames differ most, and by how much of its largest value; infinity where they hold
-    different quantities or arrays of different shapes.
-    """
+    """How two frames differ: the first quantity that is not the same, arrays before numbers, and how many more."""
 
     quantity: str
     size: float
+    """in the quantity's unit; infinite where shapes or types differ"""
+    relative: float
+    """over its largest value"""
+    unit: str
+    others: int
 
     def __str__(self) -> str:
-        """`charge, by 1.3e-16 of its largest value`."""
-        return (
-            f"{self.quantity}, by {self.size:.1e} of its largest value" if math.isfinite(self.size) else self.quantity
-        )
+        """`position by 1.1e-17 m (1.3e-16 of its largest value) and 3 more quantities`."""
+        unit = f" {self.unit}" if self.unit not in ("", "1") else ""
+        size = f" by {self.size:.1e}{unit} ({self.relative:.1e} of its largest value)" if self.size < math.inf else ""
+        others = f" and {self.others} more {'quantities' if self.others > 1 else 'quantity'}" if self.others else ""
+        return f"{self.quantity}{size}{others}"
 
 
 def difference(one: Frame, other: Frame) -> Difference | None:
-    """Where two frames differ most; None if they are the same bit for bit."""
+    """How two frames differ; None if they are the same bit for bit."""
     if list(one.arrays) != list(other.arrays) or list(one.numbers) != list(other.numbers):
-        return Difference("the names of its quantities", math.inf)
+        return Difference("the names of its quantities", math.inf, math.inf, "", 0)
     pairs = [("time", np.asarray(one.time), np.asarray(other.time))]
     pairs += [(name, array, other.arrays[name]) for name, array in one.arrays.items()]
     numbers = other.numbers
     pairs += [(name, np.asarray(value, float), np.asarray(numbers[name], float)) for name, value in one.numbers.items()]
-    found = [Difference(name, size) for name, *two in pairs if (size := _distance(*two)) is not None]
-    return max(found, key=lambda each: each.size, default=None)
-
-
-def _distance(one: NDArray[Any], other: NDArray[Any]) -> float | None:
-    """The largest difference over the largest value; None for the same bits."""
-    if (one.shape, one.dtype) != (other.shape, other.dtype):
-        return math.inf
-    if one.tobytes() == other.tobytes():
+    differing = [(name, here, there) for name, here, there in pairs if not _same(here, there)]
+    if not differing:
         return None
-    if one.dtype.kind not in "iufc":
-        return math.inf
+    name, here, there = differing[0]
+    return Difference(name, *_distance(here, there), str(one.units.get(name, "")), len(differing) - 1)
+
+
+def _same(one: NDArray[Any], other: NDArray[Any]) -> bool:
+    return (one.shape, one.dtype) == (other.shape, other.dtype) and one.tobytes() == other.tobytes()
+
+
+def _distance(one: NDArray[Any], other: NDArray[Any]) -> tuple[float, float]:
+    """The largest difference of two arrays, and that over their largest value."""
+    if (one.shape, one.dtype) != (other.shape, other.dtype) or one.dtype.kind not in "iufc":
+        return math.inf, math.inf
     with np.errstate(invalid="ignore", over="ignore"):
         apart = np.abs(np.subtract(one, other, dtype=np.result_type(one, np.float64)))
-        largest, scale = np.nanmax(apart, initial=0.0), np.nanmax(np.abs(one), initial=0.0)
-    return float(largest / scale) if 0.0 < scale < math.inf else float(largest)
+        largest, scale = float(np.nanmax(apart, initial=0.0)), float(np.nanmax(np.abs(one), initial=0.0))
+    return largest, largest / scale if 0.0 < scale < math.inf else largest
 
 
 def scalars_line(step: int, frame: Frame) -> str:

@@ -59,6 +59,8 @@ def wall_strengths(scene: FloatingScene, floats: Floats) -> Array:
         ]
         return np.array([rows])
     amplitudes = _amplitudes(scene, liquid) if scene.dish.law != "none" else [0.0] * count
+    if len(amplitudes) != count:  # compiled loops would read beyond the end
+        raise _fault("dish", f"the shape has {count} walls, and {scene.dish.law!r} knows menisci of {len(amplitudes)}")
     return np.array(
         [[capillarity.wall_strength(tension, charge, wall) for charge in floats.charge] for wall in amplitudes]
     )
