@@ -29,6 +29,8 @@ from ecume.scenes.schema import from_plain, to_plain
 ROOT = Path(__file__).parents[2]
 PACKAGE = Path(ecume.__file__).parent
 EACH = pytest.mark.parametrize("name", KERNELS)
+# Plain Python takes most of a minute for each kernel in 3D.
+DIMENSIONS = pytest.mark.parametrize("dimension", [2, pytest.param(3, marks=pytest.mark.compiled)])
 pytestmark = pytest.mark.filterwarnings("ignore:liu-quartic")
 
 
@@ -87,7 +89,7 @@ def close(found, expected):
 
 
 @EACH
-@pytest.mark.parametrize("dimension", [2, 3])
+@DIMENSIONS
 def test_the_sums_of_a_tank_are_those_of_the_formulas_of_the_row(name, dimension):
     scene = free_blob(dimension, kernel=name, viscosity=1.0, friction="morris", density_diffusion="none")
     parameters, state, workspace = at_start(scene)
@@ -103,7 +105,7 @@ def test_the_sums_of_a_tank_are_those_of_the_formulas_of_the_row(name, dimension
 
 
 @EACH
-@pytest.mark.parametrize("dimension", [2, 3])
+@DIMENSIONS
 def test_the_mass_density_summed_over_particles_is_that_of_the_row(name, dimension):
     spec = {"count": 20, "low": [-0.3] * dimension, "high": [0.3] * dimension}
     scene = from_plain({**to_plain(free_blob(dimension, kernel=name)), "carried": [spec]})
