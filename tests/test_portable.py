@@ -28,6 +28,11 @@ def test_the_ends_of_the_numbers_are_those_of_numpy():
     ends = np.array([np.inf, -np.inf, np.nan, 0.0, 800.0, -800.0, -1.0])
     np.testing.assert_array_equal(_portable.exp(ends), np.exp(ends))
     np.testing.assert_array_equal(_portable.log(ends), np.log(ends))
+    for name in ("sin", "cos", "sinc"):
+        found = getattr(_portable, name)(ends)
+        np.testing.assert_allclose(found, getattr(np, name)(ends), rtol=1e-12, atol=1e-15)
+    np.testing.assert_array_equal(_portable.power(ends, 3.0), ends**3.0)
+    assert np.isnan(_portable.solve([[np.nan, 0.0], [0.0, 1.0]], [1.0, 1.0])).any()
     assert isinstance(_portable.exp(1.0), float)
 
 
@@ -62,6 +67,19 @@ def test_solutions_solve(count, seed):
     np.testing.assert_allclose(found, np.linalg.solve(matrix, known), rtol=1e-13 * scale, atol=1e-13 * scale)
     np.testing.assert_array_equal(matrix, kept[0])
     np.testing.assert_array_equal(known, kept[1])
+
+
+@given(count=st.integers(0, 5), size=st.integers(1, 3), seed=st.integers(0, 2**32 - 1))
+def test_many_definite_systems_are_solved_at_once(count, size, seed):
+    random = np.random.default_rng(seed)
+    half = random.normal(size=(count, size, size))
+    matrices, right = half @ np.swapaxes(half, 1, 2) + np.eye(size), random.normal(size=(count, size, 2))
+    np.testing.assert_allclose(_portable.solve_definite(matrices, right), np.linalg.solve(matrices, right), atol=1e-9)
+
+
+def test_products_of_unequal_inner_axes_are_refused():
+    with pytest.raises(ValueError, match="inner axes differ"):
+        _portable.product(np.eye(2), np.ones((3, 2)))
 
 
 def test_equations_without_a_solution_are_refused():

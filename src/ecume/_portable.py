@@ -41,10 +41,18 @@ def _logarithm(value: float) -> float:
     return math.log(value) if 0.0 < value < math.inf else float(np.log(value))
 
 
+def _sine(value: float) -> float:
+    return math.sin(value) if math.isfinite(value) else math.nan
+
+
+def _cosine(value: float) -> float:
+    return math.cos(value) if math.isfinite(value) else math.nan
+
+
 exp = _elementwise(_exponential)
 log = _elementwise(_logarithm)
-sin = _elementwise(math.sin)
-cos = _elementwise(math.cos)
+sin = _elementwise(_sine)
+cos = _elementwise(_cosine)
 
 
 def power(values: ArrayLike, exponent: float) -> Any:
@@ -53,7 +61,14 @@ def power(values: ArrayLike, exponent: float) -> Any:
     >>> power([2.0, 3.0], 2.0).tolist()
     [4.0, 9.0]
     """
-    return _elementwise(lambda value: math.pow(value, exponent))(values)
+
+    def raised(value: float) -> float:
+        try:
+            return math.pow(value, exponent)
+        except (OverflowError, ValueError):
+            return float(np.power(value, exponent))
+
+    return _elementwise(raised)(values)
 
 
 def sinc(values: ArrayLike) -> Any:
@@ -74,6 +89,8 @@ def product(matrix: ArrayLike, vectors: ArrayLike) -> NDArray[np.float64]:
     [21.0, 43.0]
     """
     left, right = np.asarray(matrix), np.asarray(vectors)
+    if left.shape[-1] != len(right):
+        raise ValueError(f"inner axes differ: {left.shape} and {right.shape}")
     spread = (Ellipsis, None) if right.ndim > 1 else (Ellipsis,)
     total = left[..., 0][spread] * right[0]
     for k in range(1, left.shape[-1]):
@@ -119,10 +136,30 @@ def dots(ones: ArrayLike, others: ArrayLike) -> NDArray[np.float64]:
     return np.array([[dot(one, other) for other in np.asarray(others)] for one in np.asarray(ones)])
 
 
+def solve_definite(matrices: ArrayLike, right: ArrayLike) -> NDArray[np.float64]:
+    """The solutions of many small systems, (n, d, d) and (n, d, c), with positive definite matrices.
+
+    >>> solve_definite([[[2.0, 0.0], [0.0, 4.0]]], [[[2.0], [8.0]]]).tolist()
+    [[[1.0], [2.0]]]
+    """
+    rows, known = np.array(matrices, np.float64), np.array(right, np.float64)
+    size = rows.shape[1]
+    for k in range(size):
+        for i in range(k + 1, size):
+            share = (rows[:, i, k] / rows[:, k, k])[:, None]
+            rows[:, i] -= share * rows[:, k]
+            known[:, i] -= share * known[:, k]
+    for k in reversed(range(size)):
+        for j in range(k + 1, size):
+            known[:, k] -= rows[:, k, j, None] * known[:, j]
+        known[:, k] /= rows[:, k, k, None]
+    return known
+
+
 def solve(matrix: ArrayLike, right: ArrayLike) -> NDArray[np.float64]:
     """The solution of a few linear equations, by Gaussian elimination with partial pivoting.
 
-    Raises LinAlgError where there is none.
+    Raises LinAlgError where there is none; not a number where a coefficient is none.
 
     >>> solve([[0.0, 2.0], [4.0, 0.0]], [2.0, 8.0]).tolist()
     [2.0, 1.0]
@@ -131,7 +168,7 @@ def solve(matrix: ArrayLike, right: ArrayLike) -> NDArray[np.float64]:
     count = len(known)
     for k in range(count):
         pivot = k + int(np.argmax(np.abs(rows[k:, k])))
-        if not abs(rows[pivot, k]) > 0.0:
+        if rows[pivot, k] == 0.0:
             raise np.linalg.LinAlgError("singular matrix")
         rows[[k, pivot]], known[[k, pivot]] = rows[[pivot, k]], known[[pivot, k]]
         for i in range(k + 1, count):

@@ -50,7 +50,7 @@ def test_a_run_of_that_version_is_read_and_resumed(golden, tmp_path):
     with (
         warnings.catch_warnings()
     ):  # of other last digits, if this is another processor than the one they were begun on
-        warnings.filterwarnings("ignore", message=".*differs from the one on disk in .*")
+        warnings.filterwarnings("ignore", message=".*differs from the one on disk|.*constants are derived again")
         done = resume(home)
     assert info(home).state == "done"
     assert done.frames > len(before)

@@ -6,7 +6,6 @@ python -m tests.processors.worker resume FOLDER COPY SCENE ...    # prints a lin
 
 from __future__ import annotations
 
-import contextlib
 import json
 import os
 import shutil
@@ -47,8 +46,12 @@ def begin(home: RunDirectory, name: str) -> None:
         if at.frames == STOP + 1:
             os.kill(os.getpid(), signal.SIGTERM)
 
-    with contextlib.suppress(Stopped):
+    try:
         run(scene_of(name), home.path, habits=Habits(threads=1, progress=progress))
+    except Stopped:
+        pass
+    else:
+        sys.exit(f"{name}: came to its end before it could be killed")
     saved = {path.name: path.read_bytes() for path in checkpoints.newest_first(home)}
     resume(home.path, habits=Habits(threads=1))
     home.done.unlink()

@@ -24,7 +24,7 @@ from ecume.run import Habits, RunDirectory, checkpoints, constants, info, manife
 from ecume.run.recording import difference
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
-from ecume.trajectories.reader import open_trajectory
+from ecume.trajectories.reader import Trajectory, open_trajectory
 
 Scenes = Callable[..., toy.ToyScene]
 Processor = Callable[..., None]
@@ -213,10 +213,37 @@ def test_damaged_constants_are_refused_until_repair_sets_them_aside(tmp_path: Pa
     content = bytearray(home.constants.read_bytes())
     content[len(content) // 2] ^= 1
     home.constants.write_bytes(bytes(content))
+    before = [home.manifest.read_bytes(), home.status.read_bytes()]
     with pytest.raises(StorageError, match=r"constants.npz: damaged.*ecume repair"):
         resume(home.path)
+    assert [home.manifest.read_bytes(), home.status.read_bytes()] == before
     assert any("constants.npz" in fault for fault in repair(home.path).faults)
-    assert resume(home.path).frames == 51
+    with pytest.raises(StorageError, match=r"derived again.*--strict"):
+        resume(home.path, habits=Habits(strict=True))
+    with pytest.warns(UserWarning, match="constants are derived again"):
+        assert resume(home.path).frames == 51
+
+
+def test_frames_after_a_damaged_one_are_those_of_the_processor_that_wrote_them(
+    tmp_path: Path, scene: Scenes, processor: Processor, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    home = left_at(scene(), tmp_path / "run")
+    saved = saved_in(home)
+    processor("B", ROUNDING)
+    kept = Trajectory.__getitem__
+
+    def damaged(self: Trajectory, index: int) -> Frame:
+        if index == SEVENTEEN + 1:
+            raise StorageError("frame 18 is damaged")
+        return kept(self, index)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Trajectory, "__getitem__", damaged)
+        resume(home.path)
+    as_if_killed(home, saved)
+    processor("A")
+    with pytest.warns(UserWarning, match="processor B -> A"):
+        resume(home.path)
 
 
 class Inner(NamedTuple):

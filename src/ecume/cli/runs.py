@@ -108,9 +108,10 @@ def resume(
     engine: Engine = "local",
     ranks: Ranks = None,
 ) -> None:
-    """Continue a run that was stopped or killed. The result is the same, bit for bit, as without the stop.
+    """Continue a run that was stopped or killed.
 
-    On another processor or with other library versions the last digits may differ: a warning then says by how much.
+    On the same processor and versions the result is the same, bit for bit, as without the stop. Elsewhere the last
+    digits may differ: a warning then says by how much.
 
     Examples: `ecume resume runs/bowl` · `ecume resume runs/bowl --threads 2 --quiet`
     """

@@ -25,7 +25,9 @@ LARGEST = 128
 DEPENDENT = 1e-10
 """What must be left of a column beside the others, over its length, for it to count as independent."""
 OPTIMAL = 1e-13
-"""The largest gradient that still counts as zero, where the columns are of length one."""
+"""The largest gradient that still counts as zero, where the longest columns are about one."""
+FEASIBLE = 1e-12
+"""What must be left of the last row: less is rounding, and no velocity fulfills all conditions."""
 
 
 @compiled
@@ -37,6 +39,8 @@ def nearest_velocity(
     False, and no change, where no solution was found.
     """
     bodies, number = _numbered(pair)
+    if not mobility[bodies].max() > 0.0:
+        return False
     matrix, strength = _columns(pair, number, mobility[bodies])
     free = _without_impulses(pair, impulse, velocity, mobility)
     need = _needs(pair, bound, free)
@@ -48,7 +52,7 @@ def nearest_velocity(
     right[len(right) - 1] = 1.0
     solution, found = nonnegative_least_squares(matrix, right, impulse > 0.0)
     rest = 1.0 - (matrix[len(matrix) - 1] * solution).sum()
-    if not found or not rest > 0.0:
+    if not found or not rest > FEASIBLE:
         return False
     impulse[:] = solution * (scale / (rest * strength * strength))
     velocity[:] = free
@@ -130,8 +134,8 @@ def nonnegative_least_squares(matrix: Array, right: Array, guess: Choice) -> tup
     for _ in range(10 * count):
         if not settled:
             return solution, False
-        entering, steepest = -1, OPTIMAL
         rest = right - _applied(matrix, solution)
+        entering, steepest = -1, OPTIMAL
         for k in range(count):
             gradient = 0.0
             for row in range(len(rest)):
@@ -163,7 +167,7 @@ def _applied(matrix: Array, solution: Array) -> Array:
 @compiled
 def _settle(matrix: Array, right: Array, solution: Array, passive: Choice) -> bool:
     """Go to the least squares of the passive components, as far as none becomes negative; these leave, one by one."""
-    for _ in range(len(solution) + 1):
+    for _ in range(2 * len(solution) + 2):
         target = _least_squares(matrix, right, passive)
         share = 1.0
         for k in range(len(solution)):

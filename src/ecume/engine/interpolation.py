@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from ecume._portable import solve_definite
 from ecume.engine.cells import Integers
 from ecume.units import Array
 
@@ -73,7 +74,7 @@ def planes(pairs: Near, weight: Array, values: Array) -> Array:
     moment = _mean_of_pairs(pairs, weight, off[:, :, None] * flat[:, None, :])
     known = np.asarray(np.isfinite(spread).all(axis=(1, 2)))
     known[known] = np.linalg.eigvalsh(spread[known])[:, 0] > FEW * pairs.reach**2
-    slope = np.linalg.solve(spread[known], moment[known])
+    slope = solve_definite(spread[known], moment[known])
     mean[known] -= np.einsum("pa,pac->pc", middle[known], slope).reshape(mean[known].shape)
     return mean
 

@@ -241,27 +241,29 @@ def solve_islands(contacts: Contacts, first: Integers, velocity: Array, mobility
         if not _residual(span, who, push, velocity) <= goal.wanted:
             small = span[1] - span[0] <= active_set.LARGEST
             sweeps = _go_on(span, who, push, (velocity, mobility), goal, ENOUGH if small else MOST_SWEEPS)
-            if small and sweeps > ENOUGH:
-                sweeps = solve_exactly(contacts, span, velocity, mobility, goal)
+            if small and sweeps > ENOUGH and not solve_exactly(contacts, span, velocity, mobility, goal):
+                sweeps = _go_on(span, who, push, (velocity, mobility), goal, MOST_SWEEPS)
             most = max(most, sweeps)
     return most
 
 
 @compiled
-def solve_exactly(contacts: Contacts, span: Span, velocity: Array, mobility: Array, goal: Goal) -> int:
-    """Solve an island by an active-set method after ENOUGH sweeps; their number, MOST_SWEEPS + 1 if it is not good
-    enough.
-    """
+def solve_exactly(contacts: Contacts, span: Span, velocity: Array, mobility: Array, goal: Goal) -> bool:
+    """Solve an island by an active-set method; whether that was good enough, and no change where it was not."""
     begin, end = span
+    before, slower = contacts.impulse[begin:end].copy(), velocity.copy()
     bound = contacts.bound[begin:end]
     rows = begin + np.flatnonzero((bound > -np.inf) & (contacts.weight[begin:end] > 0.0))
     pair = contacts.first[rows], contacts.second[rows], contacts.normal[rows]
     impulse = contacts.impulse[rows]
     if not active_set.nearest_velocity(pair, contacts.bound[rows], impulse, velocity, mobility):
-        return MOST_SWEEPS + 1
+        return False
     contacts.impulse[rows] = impulse
     left = _residual(span, who_of(contacts), push_of(contacts), velocity)
-    return ENOUGH if left <= max(goal.wanted, goal.tolerable) else MOST_SWEEPS + 1
+    if left <= max(goal.wanted, goal.tolerable):
+        return True
+    contacts.impulse[begin:end], velocity[:] = before, slower
+    return False
 
 
 @compiled_inside

@@ -6,7 +6,7 @@ no constant changes in the middle of a run.
 
 Only numbers are read back, into parameters that were derived again from the scene: floating-point numbers and arrays
 of the same shape and type, and the number of steps per frame. Everything else (counts, indices, choices) must be what
-the scene gives, or nothing is read back at all. So a file that was tampered with can change numbers, and nothing else.
+the scene gives, or nothing is read back at all, and the run warns. So this file can change numbers, and nothing else.
 """
 
 from __future__ import annotations
@@ -34,6 +34,8 @@ class Restored(NamedTuple):
 
     parameters: Any
     remark: str
+    kept: bool
+    """Whether they are the run's own constants, and not derived again."""
 
 
 def save(home: RunDirectory, parameters: Any) -> str:
@@ -57,21 +59,26 @@ def is_sound(home: RunDirectory) -> bool:
     return home.constants.is_file() and digest(home) == expected
 
 
-def restored(home: RunDirectory, parameters: Any) -> Restored:
-    """The parameters of a run that is resumed, given those derived from its scene just now. Raises StorageError where
-    the file is damaged.
-    """
-    if json_of(home.manifest).get("constants_sha256") is None:
-        return Restored(parameters, "derived again: the run was begun without storing them")
+def require_sound(home: RunDirectory) -> None:
+    """Raise StorageError where the file is damaged or missing."""
     if not is_sound(home):
         raise StorageError(
             f"{home.constants}: damaged: it is not what the run began with; `ecume repair {home.path}` sets it aside, "
             "and the run then derives its constants again"
         )
+
+
+def restored(home: RunDirectory, parameters: Any) -> Restored:
+    """The parameters of a run that is resumed, given those derived from its scene just now. Raises StorageError where
+    the file is damaged.
+    """
+    if json_of(home.manifest).get("constants_sha256") is None:
+        return Restored(parameters, "derived again, since none are stored with the run", False)
+    require_sound(home)
     stored = _load(home)
     if misfit := _misfit(stored, _numbers(parameters)):
-        return Restored(parameters, f"derived again: {misfit}")
-    return Restored(_with(parameters, stored, ""), _drift(stored, _numbers(parameters)))
+        return Restored(parameters, f"derived again: {misfit}", False)
+    return Restored(_with(parameters, stored, ""), _drift(stored, _numbers(parameters)), True)
 
 
 def _load(home: RunDirectory) -> Stored:

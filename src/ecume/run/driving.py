@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+import functools
 import itertools
 import os
 import time
+import warnings
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -128,10 +130,12 @@ def resume(directory: str | os.PathLike[str], *, extra_laws: Sequence[Law] = (),
         require_same(home, extra_laws)
         sweep(home)
         scene = from_plain(plain_scene(home))
+        constants.require_sound(home)
         checkpoint = _checkpoint(home, scene)
         with storing(home.failed):
             home.failed.unlink(missing_ok=True)
-        moments = _moments(scene, checkpoint.state, extra_laws, habits, lambda derived: _constants(home, derived))
+        restore = functools.partial(_constants, home, strict=habits.strict)
+        moments = _moments(scene, checkpoint.state, extra_laws, habits, restore)
         return _drive(_Session(home, scene, habits, checkpoint.frames), moments, wish)
 
 
@@ -145,12 +149,16 @@ def _moments(
     return moments(scene, state=state, extra_laws=extra_laws, engine=habits.engine, constants=constants)
 
 
-def _constants(home: RunDirectory, derived: Any) -> Any:
+def _constants(home: RunDirectory, derived: Any, *, strict: bool) -> Any:
     """The parameters of a resumed run: those derived from the scene, with the constants that the run was begun with."""
-    parameters, remark = constants.restored(home, derived)
-    if remark:
-        note(home, "constants", remark=remark)
-    return parameters
+    restored = constants.restored(home, derived)
+    if restored.remark:
+        note(home, "constants", remark=restored.remark)
+    if not restored.kept:
+        if strict:
+            raise StorageError(f"{home.path}: its constants would be {restored.remark}; --strict refuses that")
+        warnings.warn(f"{home.path}: its constants are {restored.remark}; last digits may change here", stacklevel=1)
+    return restored.parameters
 
 
 def _found(home: RunDirectory, scene: Any, parameters: Any, extra_laws: Sequence[Law], habits: Habits) -> None:
@@ -214,6 +222,7 @@ class _Session:
         self._scene, self._watch = scene, Watch(home, [], POLICIES[0])
         self._pace, self._status = Pace(scene.duration), StatusFile(home)
         self._began = self._saved = time.monotonic()
+        self._opened = False
         self.at = Progress(0, 0, 0.0, scene.duration, frames, 0.0, 0.0, None)
 
     @property
@@ -271,6 +280,7 @@ class _Session:
         policy = self._habits.on_violation or json_of(self._home.manifest).get("on_violation", POLICIES[0])
         invariants = MODELS[self._scene.model].invariants(self._scene, moment.parameters)
         self._watch = Watch(self._home, invariants, policy)
+        self._opened = True
         manifest.open_session(self._home, use_threads(self._habits.threads), moment.step, self._recording.on_disk)
         differences = manifest.changed(json_of(self._home.manifest))
         note(self._home, "begun" if moment.step == 0 else "resumed", step=moment.step, changed=differences)
@@ -306,4 +316,5 @@ class _Session:
 
     def _close_books(self, outcome: str, why: str = "") -> None:
         note(self._home, outcome, step=self.at.step, why=why)
-        manifest.close_session(self._home, outcome, self.at.step, self.seconds)
+        if self._opened:  # else the last session in the manifest is that of another process
+            manifest.close_session(self._home, outcome, self.at.step, self.seconds)

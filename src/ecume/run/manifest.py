@@ -54,7 +54,9 @@ def first_manifest(scene: Any, plain: str) -> dict[str, Any]:
 def changed(former: Mapping[str, Any]) -> list[str]:
     """The versions and the processor that differ from those in a manifest or in one of its sessions."""
     today = circumstances()
-    names = [*today, *(name for name in SETTINGS if name in former and name not in today)]
+    names = [name for name in today if name in former] + [
+        name for name in SETTINGS if (name in former) != (name in today)
+    ]
     return [f"{name} {former.get(name)} -> {today.get(name)}" for name in names if former.get(name) != today.get(name)]
 
 
@@ -89,10 +91,10 @@ def circumstances_of_frame(home: RunDirectory, frame: int) -> dict[str, Any]:
     return manifest
 
 
-def record_replacement(home: RunDirectory, replacement: dict[str, Any]) -> None:
-    """Record that the present session replaces all frames from `replacement["frame"]` on."""
+def record(home: RunDirectory, **facts: Any) -> None:
+    """Record facts about the present session: the `first_frame` that it writes itself, which frames it `replaced`."""
     manifest = json_of(home.manifest)
-    manifest["sessions"][-1] |= {"first_frame": replacement["frame"], "replaced": replacement}
+    manifest["sessions"][-1] |= facts
     write_json(home.manifest, manifest)
 
 

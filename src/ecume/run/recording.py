@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from ecume.errors import StorageError
 from ecume.run.directory import RunDirectory
-from ecume.run.manifest import changed, circumstances_of_frame, record_replacement
+from ecume.run.manifest import changed, circumstances_of_frame, record
 from ecume.run.progress import note
 from ecume.scenes.common import Kind, colors_of
 from ecume.trajectories.durable import storing, write_whole
@@ -105,23 +105,26 @@ class Recording:
             raise StorageError(
                 f"{where} in {found} ({'; '.join(changes)}): resume it where it was begun, or without --strict"
             )
-        self._cut()
+        # Recorded before the frames go: a process that is killed in between leaves frames that are replaced next time.
         replacement = {"frame": self.frames, "time": frame.time, "difference": str(found), "changed": changes}
-        record_replacement(self._home, replacement)
+        record(self._home, replaced=replacement)
         note(self._home, "frames replaced", **replacement)
+        self._cut()
         warnings.warn(f"{where} in {found} ({'; '.join(changes)}); it and later ones are replaced", stacklevel=1)
 
     def _cut(self) -> None:
+        """Drop the frames on disk from this one on: the present session writes them."""
         self._former.close()
         self._recorder.cut(self.frames)
+        record(self._home, first_frame=self.frames)
 
 
 class Difference(NamedTuple):
-    """How two frames differ: the first quantity that is not the same, arrays before numbers, and how many more."""
+    """How two frames differ: the first quantity that is not the same (time, arrays, numbers), and how many more."""
 
     quantity: str
     size: float
-    """in the quantity's unit; infinite where shapes or types differ"""
+    """in the quantity's unit; infinite where shapes, types or finite values differ"""
     relative: float
     """over its largest value"""
     unit: str
@@ -156,7 +159,9 @@ def _same(one: NDArray[Any], other: NDArray[Any]) -> bool:
 
 def _distance(one: NDArray[Any], other: NDArray[Any]) -> tuple[float, float]:
     """The largest difference of two arrays, and that over their largest value."""
-    if (one.shape, one.dtype) != (other.shape, other.dtype) or one.dtype.kind not in "iufc":
+    if (one.shape, one.dtype) != (other.shape, other.dtype) or one.dtype.kind not in "fc":
+        return math.inf, math.inf
+    if not np.array_equal(np.isfinite(one), np.isfinite(other)):
         return math.inf, math.inf
     with np.errstate(invalid="ignore", over="ignore"):
         apart = np.abs(np.subtract(one, other, dtype=np.result_type(one, np.float64)))

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
 
-from ecume._portable import dot, length, product, sinc
+from ecume._portable import cos, dot, length, product, sinc
 from ecume.engine.shapes import Shape
 from ecume.errors import Fault, SceneError
 from ecume.models.sph.parameters import Bodies, Boundary, Dummies, Parameters
@@ -194,7 +193,7 @@ def turned(quaternion: Array, angle: Array) -> Array:
     """A quaternion after a turn by a vector of angle (rad) about the axes of space."""
     size = length(angle)
     share = sinc(0.5 * size / np.pi) * 0.5
-    a, (b, c, d) = math.cos(0.5 * size), share * angle
+    a, (b, c, d) = cos(0.5 * size), share * angle
     w, x, y, z = quaternion
     turn = np.array(
         [
