@@ -125,7 +125,10 @@ PAIRS_ALONE = {*SCHEMES, "friction", "springs", "films", "single"}
 """Options with which floats feel the pair law and nothing else."""
 PLACES = [(0.0, 0.0), (3.1e-3, 0.4e-3), (-0.5e-3, 4.2e-3), (5.2e-3, 4.9e-3)]
 KINDS = [(1e-3, 1300.0), (1e-3, 200.0), (1.2e-3, 600.0), (0.9e-3, 1300.0)]
-combined = pytest.mark.parametrize(("name", "option"), [*itertools.product(PAIR_LAWS, OPTIONS)])
+SLOW = ("capillary", "pair-corrected")
+"""Its tables of pairs take minutes as plain Python."""
+EVERY = [pair for pair in itertools.product(PAIR_LAWS, OPTIONS) if pair != SLOW]
+combined = pytest.mark.parametrize(("name", "option"), [*EVERY, pytest.param(*SLOW, marks=pytest.mark.compiled)])
 
 
 def scene_with(name, option, **changes):
@@ -221,8 +224,8 @@ def my_own(distance: float, own: PairParameters) -> float:
     return 1e-3 * own.radius_i * own.radius_j / distance
 
 
-# With the JIT each march is compiled with the user's law by itself, which takes ten seconds: one is enough there.
-WITH_MINE = [*itertools.product(PAIR_LAWS, OPTIONS)] if PLAIN else [("capillary", "friction")]
+# With the JIT each march is compiled with the user's law by itself, which takes ten seconds: two are enough there.
+WITH_MINE = EVERY if PLAIN else [("capillary", "friction"), SLOW]
 NO_SUMS = {"multipole": "sum over pairs", "shapes": "sum over pairs", "single": "expected 'double'"}
 """What takes no laws of a user's own, and why."""
 
