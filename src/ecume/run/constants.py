@@ -158,7 +158,7 @@ def _drift(stored: Stored, derived: Stored) -> str:
 
 
 def _relative(one: NDArray[Any], other: NDArray[Any]) -> float:
-    """The largest difference of two arrays over their largest value; what is not finite in both is left out."""
+    """The largest difference of two arrays over their largest value; values that are not finite in both are ignored."""
     finite = np.isfinite(one) & np.isfinite(other)
     scale = float(np.abs(one[finite]).max(initial=0.0))
     with np.errstate(over="ignore"):
