@@ -6,11 +6,12 @@ Nothing heavy is imported before a verb runs, so that `ecume --help` answers at 
 from __future__ import annotations
 
 import warnings
+from collections.abc import Callable
 from typing import Annotated
 
 import typer
 
-from ecume.cli import benching, fits, pictures, runs, scenes, sweeps, validation, viewing
+from ecume.cli import benching, fits, pictures, run_lists, runs, scenes, sweeps, validation, viewing
 from ecume.cli.ends import Ending, warned
 
 app = typer.Typer(
@@ -33,6 +34,7 @@ ALONE = (
     benching.bench,
     runs.resume,
     runs.info,
+    run_lists.list_runs,
     runs.repair,
     pictures.movie,
     pictures.plot,
@@ -41,9 +43,12 @@ ALONE = (
 )
 """Verbs that make sense by themselves: they list what there is, or mean the run in the current directory."""
 
-MODULES = (scenes, runs, pictures, viewing, sweeps, fits, validation, benching)
+NAMES: dict[Callable[..., None], str] = {run_lists.list_runs: "list"}
+"""Verbs whose names are Python's own words."""
+
+MODULES = (scenes, runs, run_lists, pictures, viewing, sweeps, fits, validation, benching)
 for verb in (verb for module in MODULES for verb in module.VERBS):
-    app.command(no_args_is_help=verb not in ALONE)(verb)
+    app.command(NAMES.get(verb), no_args_is_help=verb not in ALONE)(verb)
 
 
 def _version(asked: bool) -> None:

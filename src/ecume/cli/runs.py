@@ -15,6 +15,7 @@ from ecume.cli.ends import say
 from ecume.cli.engines import Engine, Ranks, marching
 from ecume.cli.progress import ahead, lasting, shown
 from ecume.cli.scenes import Laws, Overrides, SceneFile, placed
+from ecume.cli.tables import Json, print_json
 
 if TYPE_CHECKING:
     from ecume.run import Info, RunResult
@@ -140,14 +141,18 @@ def _end(done: RunResult, *, quiet: bool) -> None:
         say(f"warning: {done.directory}: {watch}; see {RunDirectory(done.directory).watch.name}")
 
 
-def info(directory: RunFolder = HERE) -> None:
+def info(directory: RunFolder = HERE, json: Json = False) -> None:
     """Say what a run is and how far it came; also while it is written, and after it was killed.
 
     Example: `ecume info runs/bowl`
     """
     from ecume.run import info as look
 
-    rows = described(look(directory))
+    found = look(directory)
+    if json:
+        print_json(found._asdict())
+        return
+    rows = described(found)
     width = max(len(name) for name, _ in rows)
     for name, value in rows:
         typer.echo(f"{name:<{width}}  {value}")

@@ -9,7 +9,9 @@ from typing import Annotated
 
 import typer
 
-from ecume.cli.tables import print_table
+from ecume.cli.tables import Json, print_json, print_table
+
+CHECK_COLUMNS = ("quantity", "value", "remark")
 
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="A scene file.", show_default=False)]
 Overrides = Annotated[
@@ -66,7 +68,7 @@ def new(
         typer.echo(f"wrote {path}")
 
 
-def check(scene: SceneFile, overrides: Overrides = None, laws: Laws = None) -> None:
+def check(scene: SceneFile, overrides: Overrides = None, laws: Laws = None, json: Json = False) -> None:
     """Say all that is wrong with a scene, or what follows from it: lengths, charges, time step, memory, time.
 
     Examples: `ecume check bowl.toml` · `ecume check bowl.toml --set "dish.radius=4 cm" --set floats[0].count=60`
@@ -84,7 +86,10 @@ def check(scene: SceneFile, overrides: Overrides = None, laws: Laws = None) -> N
         rows = list((model.extended(own) if own else model).summary(asked))
     if own:
         rows.append(("own laws", ", ".join(named(law) for law in own), "up to the cutoff; not in the energy"))
-    print_table(("quantity", "value", "remark"), rows)
+    if json:
+        print_json([dict(zip(CHECK_COLUMNS, row, strict=True)) for row in rows])
+        return
+    print_table(CHECK_COLUMNS, rows)
 
 
 @contextmanager

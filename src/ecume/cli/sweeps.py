@@ -11,6 +11,7 @@ import typer
 from ecume.cli.ends import say
 from ecume.cli.progress import counted, lasting
 from ecume.cli.runs import Quiet, use_at_most
+from ecume.cli.tables import Json, print_json
 from ecume.errors import BadInput, Stopped
 
 if TYPE_CHECKING:
@@ -59,6 +60,7 @@ def sweep(
     array: Annotated[bool, typer.Option("--array", help="Only write a job array for sbatch.")] = False,
     task: Annotated[Any, typer.Option("--task", parser=task_of, hidden=True)] = None,
     status: Annotated[bool, typer.Option("--status", help="Only say how far it is.")] = False,
+    json: Json = False,
     quiet: Quiet = False,
 ) -> None:
     """Run a scene many times, each point in a directory of its own; only what is missing is run.
@@ -69,10 +71,12 @@ def sweep(
     use_at_most(1)
     if sum((workers is not None, scheduler is not None, slurm, array, status)) > 1:
         raise BadInput("wanted one of --workers, --scheduler, --slurm, --array and --status")
+    if json and not status:
+        raise BadInput("--json goes with --status")
     directory = out or (file if file.is_dir() else SWEEPS / file.stem)
     source = file / "sweep.toml" if file.is_dir() else file
     if status:
-        _tell(directory)
+        _tell(directory, json=json)
     elif task is not None:
         _work(directory, *task)
     elif array:
@@ -117,10 +121,13 @@ def _end(done: Outcome, *, quiet: bool) -> None:
         raise typer.Exit(1)
 
 
-def _tell(directory: Path) -> None:
+def _tell(directory: Path, *, json: bool) -> None:
     from ecume.sweep.standing import standing
 
     now = standing(directory)
+    if json:
+        print_json(now._asdict())
+        return
     left = f"; {lasting(now.remaining)} left at the pace of the last points" if now.remaining is not None else ""
     typer.echo(
         f"{directory}: {now.done} done, {len(now.failed)} failed, {now.running} running, {now.missing} missing{left}"

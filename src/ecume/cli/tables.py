@@ -1,15 +1,20 @@
-"""Tables on the terminal."""
+"""Tables and JSON on the terminal."""
 
 from __future__ import annotations
 
+import json
+import math
 import sys
-from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
 
 if TYPE_CHECKING:
     from rich.text import Text
 
-
+Json = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 AS_WIDE_AS_IT_IS = 1000
 """Columns; more than any table has."""
 
@@ -27,3 +32,18 @@ def print_table(columns: Sequence[str], rows: Iterable[Sequence[str | Text]], *,
         table.add_row(*(Text(cell) if isinstance(cell, str) else cell for cell in row))
     # Into a file or a pipe nothing is wrapped or cut off.
     Console(width=None if sys.stdout.isatty() else AS_WIDE_AS_IT_IS).print(table)
+
+
+def print_json(value: object) -> None:
+    """Print a value as JSON; NaN and infinity become null."""
+    typer.echo(json.dumps(_plain(value), indent=2))
+
+
+def _plain(value: object) -> object:
+    if isinstance(value, Mapping):
+        return {str(key): _plain(each) for key, each in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(each) for each in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return str(value) if isinstance(value, Path) else value

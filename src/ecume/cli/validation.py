@@ -13,7 +13,7 @@ import typer
 from ecume.cli.ends import say
 from ecume.cli.keeping import Record, keep
 from ecume.cli.progress import lasting
-from ecume.cli.tables import print_table
+from ecume.cli.tables import Json, print_json, print_table
 from ecume.errors import BadInput, EcumeError
 
 if TYPE_CHECKING:
@@ -44,6 +44,7 @@ def validate(
     everything: Annotated[bool, typer.Option("--all", help="Every case.")] = False,
     quick: Annotated[bool, typer.Option("--quick", help="Leave out those that take minutes.")] = False,
     record: Record = None,
+    json: Json = False,
 ) -> None:
     """Compare what ecume computes with published numbers, other methods and demands. Ends with 1 when one is not met.
 
@@ -58,8 +59,10 @@ def validate(
         )
         return
     asked = [case for case in _chosen(names or [], everything=everything) if not (quick and case.long)]
-    results = [_compared(case, record) for case in asked]
-    if not all(results):
+    results = [_compared(case, record, shown=not json) for case in asked]
+    if json:
+        print_json(results)
+    if not all(result["met"] for result in results):
         raise typer.Exit(NOT_MET)
 
 
@@ -76,8 +79,8 @@ def _chosen(names: Sequence[str], *, everything: bool) -> list[Case]:
     return [CASES[name] for name in dict.fromkeys(names)] if names else list(CASES.values())
 
 
-def _compared(case: Case, record: Path | None) -> bool:
-    """Print one case's table; whether all of it is met. A case that breaks off is not met, and the others go on."""
+def _compared(case: Case, record: Path | None, *, shown: bool) -> dict[str, Any]:
+    """The result of one case, printed as a table if it is `shown`. A case that fails is not met."""
     began, worked = time.monotonic(), time.process_time()
     if sys.stderr.isatty():
         typer.echo(f"{case.name} …", err=True)
@@ -85,15 +88,16 @@ def _compared(case: Case, record: Path | None) -> bool:
         rows = case.rows()
     except EcumeError as error:
         say(f"{case.name}: NOT MET: {error}")
-        return False
-    print_table((case.name, *NUMBERS, ""), map(_told, rows), numbers=NUMBERS)
+        return {"case": case.name, "met": False, "error": str(error), "rows": []}
     met = sum(row.met for row in rows)
-    typer.echo(f"{case.name}: {met} of {len(rows)} met, {lasting(time.monotonic() - began)}\n")
+    if shown:
+        print_table((case.name, *NUMBERS, ""), map(_told, rows), numbers=NUMBERS)
+        typer.echo(f"{case.name}: {met} of {len(rows)} met, {lasting(time.monotonic() - began)}\n")
+    plain = [_plain(row) for row in rows]
     if record is not None:
-        # Of the processor: what the wall clock says depends on what else the machine does.
-        seconds = time.process_time() - worked
-        keep(record, case.name, {"seconds": seconds, "rows": [_plain(row) for row in rows]})
-    return bool(rows) and met == len(rows)
+        # Processor time: wall time depends on what else the machine does.
+        keep(record, case.name, {"seconds": time.process_time() - worked, "rows": plain})
+    return {"case": case.name, "met": bool(rows) and met == len(rows), "rows": plain}
 
 
 def _plain(row: Row) -> dict[str, Any]:

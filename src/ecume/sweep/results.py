@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import contextlib
 import csv
-import importlib
 import inspect
 import io
 import json
@@ -14,7 +13,6 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ecume._extras import install
 from ecume.errors import BadInput
 from ecume.run.lawbook import entries
 from ecume.scenes.faults import read_path, suggestion
@@ -25,6 +23,7 @@ from ecume.sweep.measures import Measure, measure_of, read_measure, usual_measur
 from ecume.sweep.processes import process_of
 from ecume.trajectories.durable import storing, write_whole
 from ecume.trajectories.reader import open_trajectory
+from ecume.trajectories.tables import library
 
 CACHE = "measures.json"
 TABLE = "table.csv"
@@ -96,11 +95,11 @@ class Sweep:
     def polars(self, measures: Mapping[str, str | Measure] | None = None) -> Any:
         """The table as a DataFrame of Polars (extra `tables`); what is missing is null."""
         rows = self.table(measures)
-        return _library("polars").DataFrame(_with_nulls(rows), infer_schema_length=None, strict=False)
+        return library("polars").DataFrame(_with_nulls(rows), infer_schema_length=None, strict=False)
 
     def pandas(self, measures: Mapping[str, str | Measure] | None = None) -> Any:
         """The table as a DataFrame of Pandas, if that is installed; what is missing is NaN."""
-        return _library("pandas").DataFrame(_with_nulls(self.table(measures)))
+        return library("pandas").DataFrame(_with_nulls(self.table(measures)))
 
     def _asked(self) -> dict[str, str | Measure] | None:
         named_ones = self._sweeping.spec.measures
@@ -120,14 +119,6 @@ class Sweep:
             told: Row = json_at(job.told, dict)
             return row | {name: value for name, value in told.items() if name not in row}
         return row | measured(job, measures)
-
-
-def _library(name: str) -> Any:
-    """A library that ecume itself does without. Raises BadInput where it is not installed."""
-    try:
-        return importlib.import_module(name)
-    except ImportError as error:
-        raise BadInput(f"{name} is not installed: {install('tables')}; sweep.table() needs nothing") from error
 
 
 def _with_nulls(rows: Sequence[Row]) -> list[Row]:

@@ -21,6 +21,12 @@ class Frame(NamedTuple):
     numbers: Mapping[str, float]
     units: Mapping[str, str]
 
+    def __repr__(self) -> str:
+        """`Frame(time=0.5 s, 60 particles; arrays: position, velocity; numbers: clusters, kinetic_energy)`."""
+        count = len(next(iter(self.arrays.values()), ()))
+        arrays, numbers = ", ".join(self.arrays), ", ".join(self.numbers)
+        return f"Frame(time={self.time:.6g} s, {count} particles; arrays: {arrays}; numbers: {numbers})"
+
     def _repr_html_(self) -> str | None:
         """How it shows itself in a notebook: its particles, to turn and to click."""
         return html_of(self)

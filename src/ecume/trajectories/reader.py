@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ecume._hooks import html_of, scene_of
 from ecume.errors import BadInput, StorageError
-from ecume.trajectories import schema
+from ecume.trajectories import schema, tables
 from ecume.trajectories.durable import storing
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.recorders import segment_files
@@ -126,6 +126,26 @@ class Trajectory(Sequence[Frame]):
         for segment in self._segments:
             segment.close()
         self._segments = []
+
+    def polars(self, *, particles: bool = False) -> Any:
+        """The numbers of all frames as a DataFrame of Polars, a row per frame; with `particles`, the arrays instead.
+
+        Of an array each component is a column (`position_x`); `frame` and `particle` count from 0.
+        """
+        return tables.library("polars").DataFrame(self._table(particles))
+
+    def pandas(self, *, particles: bool = False) -> Any:
+        """The same as a DataFrame of Pandas."""
+        return tables.library("pandas").DataFrame(self._table(particles))
+
+    def _table(self, particles: bool) -> dict[str, NDArray[Any]]:
+        return tables.of_particles(self) if particles else tables.of_numbers(self)
+
+    def __repr__(self) -> str:
+        """`Trajectory('runs/bowl', 151 frames, 0 s to 12 s)`."""
+        times = self.times
+        span = f", {times[0]:.6g} s to {times[-1]:.6g} s" if len(times) else ""
+        return f"Trajectory({str(self.directory)!r}, {len(self)} frames{span})"
 
     def _repr_html_(self) -> str | None:
         """How it shows itself in a notebook: the player of `ecume view`, in at most 4 MB."""
