@@ -97,3 +97,76 @@ def test_a_new_figure_is_drawn_with_its_unit(made):
     assert re.fullmatch(r"largest speed \(.*m/s\)", made[1]["label"])
     assert len(made[1]["drawn"]) == len(made[1]["speeds"])
     assert made[1]["drawn"][-1] / made[1]["drawn"][1] == pytest.approx(made[1]["speeds"][-1] / made[1]["speeds"][1])
+
+
+BEADS = """
+import json
+from pathlib import Path
+from ecume.citing import papers_of
+from ecume.cli.scenes import check
+from ecume.errors import SceneError, Stopped
+from ecume.models import MODELS
+from ecume.run import Habits, resume, run
+from ecume.scenes.load import load_scene
+from ecume.show.figures import plot
+from ecume.show.movies import Cut, movie
+from ecume.trajectories.reader import open_trajectory
+
+def stop(progress):
+    if progress.step > 700:
+        raise Stopped("half way")
+
+scene = load_scene('model = "beads"\\nduration = 2.0\\nframe_every = 0.1\\ncount = 5\\nseed = 3\\n')
+run(scene, "whole")
+try:
+    run(scene, "halves", habits=Habits(progress=stop, checkpoint_every=0.0))
+except Stopped:
+    resume("halves")
+with open_trajectory("whole") as whole, open_trajectory("halves") as halves:
+    same = [one.arrays["position"].tobytes() == other.arrays["position"].tobytes()
+            for one, other in zip(whole, halves, strict=True)]
+    energy = [frame.numbers["total_energy"] for frame in whole]
+try:
+    load_scene('model = "beds"\\nduration = 2.0\\nframe_every = 0.1\\n')
+except SceneError as error:
+    refused = str(error)
+print(json.dumps({
+    "same": same,
+    "energy": energy,
+    "papers": papers_of(scene),
+    "movie": movie("whole", "ring.gif", Cut(every=10, size=(240, 180))).stat().st_size,
+    "figure": plot("whole", "energies").stat().st_size,
+    "models": list(MODELS),
+    "refused": refused,
+}))
+"""
+
+
+@pytest.fixture(scope="module")
+def ring(tmp_path_factory):
+    """What a process printed that ran the model of the page; and which files of the package there are besides."""
+    copy = Copy(tmp_path_factory.mktemp("beads"))
+    copy.write("models/beads.py", block("beads"))
+    copy.edit("models/__init__.py", "after", "HOMES = {", block("beads-row"))
+    (told,) = copy.printed(BEADS, NUMBA_DISABLE_JIT="1")
+    return json.loads(told), {path.name for path in copy.changed}
+
+
+def test_a_new_model_is_a_file_and_a_row(ring):
+    told, changed = ring
+    assert changed == {"__init__.py"}
+    assert told["models"][0] == "beads"
+    assert '"beads"' in told["refused"]
+
+
+def test_a_new_model_keeps_its_energy_and_resumes_bit_for_bit(ring):
+    told, _ = ring
+    assert told["energy"] == pytest.approx([told["energy"][0]] * 21, rel=1e-2)
+    assert told["same"] == [True] * 21
+
+
+def test_a_new_model_is_cited_and_drawn(ring):
+    told, _ = ring
+    assert told["papers"] == ["landau1987"]
+    assert told["movie"] > 1000
+    assert told["figure"] > 1000
