@@ -1,13 +1,25 @@
-"""Coverage in every process that runs tests, however many there are."""
+"""Which pass of scripts/test runs a test, and coverage in every process that runs tests, however many there are."""
 
 import os
+from pathlib import Path
 
 import coverage
+import pytest
+
+TESTS = Path(__file__).parent
+PLAIN = ("laws", "contracts", "engine", "models")
+"""Folders whose tests can run as plain Python, without the compiler."""
 
 # Where scripts/test asks for it. Begins before anything of the package is imported: lines that run at import count.
 MEASURED = coverage.Coverage() if "ECUME_TESTS_MEASURED" in os.environ else None
 if MEASURED is not None:
     MEASURED.start()
+
+
+def pytest_itemcollected(item):
+    """Mark what the plain pass runs, so that `-m` can choose it or leave it out."""
+    if item.path.relative_to(TESTS).parts[0] in PLAIN and item.get_closest_marker("compiled") is None:
+        item.add_marker(pytest.mark.plain)
 
 
 def pytest_unconfigure():

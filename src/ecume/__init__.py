@@ -108,8 +108,14 @@ def _scene_of(plain: dict[str, Any]) -> Any:
     return importlib.import_module("ecume.scenes.schema").from_plain(plain)
 
 
+def _scenes_of_models(_: None) -> Any:
+    """The scenes of models that have no row in `SCENES`."""
+    return importlib.import_module("ecume.models").SCENES_OF_MODELS
+
+
 _hooks.html_of.register(_html_of)
 _hooks.scene_of.register(_scene_of)
+_hooks.scenes_of_models.register(_scenes_of_models)
 
 
 def __dir__() -> list[str]:

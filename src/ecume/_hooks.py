@@ -6,7 +6,7 @@ higher layers, which lower ones do not import. The top of the package registers 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any, Generic, TypeVar
 
 Given = TypeVar("Given")
@@ -40,3 +40,5 @@ html_of: Hook[Any, str | None] = Hook()
 """The picture of a frame, a trajectory or the directory of a run as HTML; None where there is nothing to draw."""
 scene_of: Hook[dict[str, Any], Any] = Hook()
 """The scene that plain data describe."""
+scenes_of_models: Hook[None, Mapping[str, Any]] = Hook()
+"""The types of scenes that models bring along, by the names of the models."""

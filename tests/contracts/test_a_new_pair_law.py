@@ -2,14 +2,10 @@
 
 import os
 import re
-import shutil
-import subprocess
-import sys
-from pathlib import Path
 
 import pytest
+from tests.contracts.recipes import Copy, block
 
-ROOT = Path(__file__).parents[2]
 REPELLING = '''
 import ecume
 for friction in (0.0, 0.3):
@@ -40,45 +36,20 @@ friction = %r
 '''
 
 
-def block(name):
-    """A block of code of the page."""
-    page = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
-    (found,) = re.findall(rf"```python {name}\n(.*?)```", page, re.DOTALL)
-    return found
-
-
 @pytest.fixture(scope="module")
 def copy(tmp_path_factory):
     """The package with the new law: one file is changed."""
-    folder = tmp_path_factory.mktemp("copy")
-    for part in ("src", "tests", "docs"):
-        shutil.copytree(ROOT / part, folder / part, ignore=shutil.ignore_patterns("__pycache__", "*.png", "*.mp4"))
-    shutil.copy(ROOT / "pyproject.toml", folder)
-    path = folder / "src" / "ecume" / "laws" / "pair_laws.py"
-    text = path.read_text(encoding="utf-8")
-    before, table, rows = text.partition("PAIR_LAWS = {\n")
-    above, first, rest = before.partition("CAPILLARY = PairLaw(\n")
-    assert table
-    assert first
-    path.write_text(
-        above + block("yukawa") + "\n\n" + first + rest + table + block("yukawa-row") + rows, encoding="utf-8"
-    )
-    return folder
-
-
-def python(folder, *arguments, **environment):
-    places = {"PYTHONPATH": os.pathsep.join([str(folder / "src"), str(folder)])}
-    asked = {**os.environ, **places, **environment}
-    return subprocess.run([sys.executable, *arguments], cwd=folder, env=asked, capture_output=True, text=True)
+    made, file = Copy(tmp_path_factory.mktemp("copy"), ("src", "tests", "docs")), "laws/pair_laws.py"
+    made.edit(file, "before", "CAPILLARY = PairLaw(", block("yukawa") + "\n\n")
+    made.edit(file, "after", "PAIR_LAWS = {", block("yukawa-row"))
+    return made
 
 
 def test_two_floats_repel_by_a_new_law_with_friction_and_without(copy):
-    done = python(copy, "-c", REPELLING)
-    assert done.returncode == 0, done.stderr
-    smooth, rough = done.stdout.splitlines()
+    smooth, rough = copy.printed(REPELLING)
     assert smooth == rough
     assert float(smooth.removesuffix(" mm")) > 2.5
-    again = python(copy, "-c", REPELLING, NUMBA_DEBUG_CACHE="1").stdout
+    again = copy.python("-c", REPELLING, NUMBA_DEBUG_CACHE="1").stdout
     assert "data saved" not in again, "a second process compiled what the first one had"
     assert ("data loaded" in again) == (os.environ.get("NUMBA_DISABLE_JIT") != "1")
 
@@ -86,8 +57,8 @@ def test_two_floats_repel_by_a_new_law_with_friction_and_without(copy):
 def test_a_new_law_holds_what_all_others_hold(copy):
     chosen = "yukawa and not documentation"
     page = "tests/contracts/test_pair_laws.py"
-    done = python(
-        copy, "-m", "pytest", "-v", "-p", "no:cacheprovider", "-k", chosen, "-m", "not compiled", page,
+    done = copy.python(
+        "-m", "pytest", "-v", "-p", "no:cacheprovider", "-k", chosen, "-m", "not compiled", page,
         NUMBA_DISABLE_JIT="1",
     )  # fmt: skip
     assert done.returncode == 0, done.stdout
@@ -121,9 +92,7 @@ print(force_law([next(ecume.simulate(scene))], scene).axes[0].get_legend_handles
 
 
 def test_check_cite_and_the_figure_know_a_new_law(copy):
-    done = python(copy, "-c", KNOWING, NUMBA_DISABLE_JIT="1")
-    assert done.returncode == 0, done.stderr
-    papers, summary, drawn = done.stdout.splitlines()
+    papers, summary, drawn = copy.printed(KNOWING, NUMBA_DISABLE_JIT="1")
     assert "israelachvili2011" in papers
     assert "nicolson1949" not in papers
     assert "pair bond" in summary

@@ -128,7 +128,9 @@ KINDS = [(1e-3, 1300.0), (1e-3, 200.0), (1.2e-3, 600.0), (0.9e-3, 1300.0)]
 SLOW = ("capillary", "pair-corrected")
 """Its tables of pairs take minutes as plain Python."""
 EVERY = [pair for pair in itertools.product(PAIR_LAWS, OPTIONS) if pair != SLOW]
-combined = pytest.mark.parametrize(("name", "option"), [*EVERY, pytest.param(*SLOW, marks=pytest.mark.compiled)])
+combined = pytest.mark.parametrize(
+    ("name", "option"), [*EVERY, pytest.param(*SLOW, marks=[pytest.mark.compiled, pytest.mark.long])]
+)
 
 
 def scene_with(name, option, **changes):

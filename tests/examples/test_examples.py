@@ -17,6 +17,8 @@ from tests.torture.regression import differing, recorded
 
 ROOT = Path(__file__).parents[2]
 SCENES = sorted((ROOT / "examples").glob("*.toml"))
+LONG = ("channel", "dam-break", "rounding-drop", "settling-packing", "sloshing")
+"""Take seconds each."""
 
 
 class Wanted(NamedTuple):
@@ -192,7 +194,9 @@ def test_every_example_has_its_number_and_its_clip():
 
 
 @pytest.mark.compiled
-@pytest.mark.parametrize("path", SCENES, ids=lambda path: path.stem)
+@pytest.mark.parametrize(
+    "path", [pytest.param(path, marks=[pytest.mark.long] * (path.stem in LONG), id=path.stem) for path in SCENES]
+)
 def test_an_example_runs_and_its_number_is_right(path):
     frames = list(ecume.simulate(ecume.load_scene(path)))
     measure, value, tolerance, why = WANTED[path.stem]

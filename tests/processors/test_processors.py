@@ -15,6 +15,7 @@ from .settings import PROCESSORS
 
 pytestmark = pytest.mark.compiled
 SCENES = ("bowl", "cereal-discs", "channel", "sheared-packing", "bouncing-tracers")
+LONG = ("openblas-prescott", "numpy-baseline", "numba-generic")
 
 
 @pytest.fixture(scope="module")
@@ -26,13 +27,17 @@ def begun(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.mark.timeout(900)
-@pytest.mark.parametrize("processor", ["openblas-prescott", "openblas-zen", "numpy-baseline", "numba-generic"])
+@pytest.mark.parametrize(
+    "processor",
+    ["openblas-zen", *(pytest.param(one, marks=pytest.mark.long) for one in LONG)],
+)
 def test_a_run_goes_on_on_any_processor(begun: Path, processor: str, tmp_path: Path) -> None:
     runs = resume(processor, begun, tmp_path / "copy", SCENES)
     assert len(runs) == len(SCENES)
     assert faults("native", processor, runs) == []
 
 
+@pytest.mark.long
 @pytest.mark.timeout(900)
 def test_a_run_comes_back_from_the_oldest_processor(tmp_path: Path) -> None:
     begin("all-of-it", tmp_path / "old", SCENES)

@@ -65,6 +65,7 @@ def bits(home: Path) -> dict[str, bytes]:
     return {path.name: path.read_bytes() for path in [*(home / "traj").iterdir(), home / "scalars.jsonl"]}
 
 
+@pytest.mark.long
 @with_ranks
 @pytest.mark.compiled
 def test_a_run_stopped_on_two_ranks_and_resumed_on_one_is_that_of_one_process(tmp_path: Path) -> None:

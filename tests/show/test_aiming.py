@@ -164,6 +164,15 @@ def test_many_processes_draw_what_one_draws(tmp_path):
     together = list(drawn_by_many(run, cut, tmp_path / "a.gif", 2))
     assert len(alone) == len(together) > 4
     assert all((one == other).all() for one, other in zip(alone, together, strict=True))
-    heard = []
+
+
+@pytest.mark.long
+@pytest.mark.compiled
+def test_a_movie_by_many_processes_tells_how_far_it_is(tmp_path):
+    text = (folder() / "two-spheres.toml").read_text()
+    run = driving.run(load_scene(text), tmp_path / "run").directory
+    cut, heard = Cut(size=(96, 72), every=20), []
+    with ecume.open_trajectory(run) as trajectory:
+        count = len(cut.shown(trajectory))
     movie(run, tmp_path / "a.gif", cut, workers=2, progress=lambda *now: heard.append(now))
-    assert heard[-1] == (len(alone), len(alone))
+    assert heard[-1] == (count, count)

@@ -218,11 +218,12 @@ def test_an_unknown_figure_is_refused_with_those_there_are(opened, tmp_path, mon
         plot(tmp_path, "xyz")
 
 
-def test_a_model_without_figures_is_refused_by_name(opened, tmp_path, monkeypatch):
-    opened.scene = types.SimpleNamespace(model="toy")
+def test_a_model_without_figures_of_its_own_has_those_of_its_energies(opened, tmp_path, monkeypatch):
+    opened.scene = types.SimpleNamespace(model="toy", title="toy")
     monkeypatch.setattr("ecume.show.figures.open_trajectory", lambda directory: opened)
-    with pytest.raises(BadInput, match="no figures of the model 'toy'; there are of floating"):
-        plot(tmp_path, "energies")
+    assert plot(tmp_path, "energies", tmp_path / "energies.png").stat().st_size > 1000
+    with pytest.raises(BadInput, match="'clusters'; known: energies, kinetic-energy"):
+        plot(tmp_path, "clusters")
 
 
 def test_an_unknown_format_is_refused_with_those_there_are(scene, frames, tmp_path):

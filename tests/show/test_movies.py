@@ -2,13 +2,15 @@
 
 import types
 
+import numpy as np
 import pytest
 from PIL import Image
 
 from ecume.errors import BadInput
 from ecume.show import movies
-from ecume.show.movies import Cut, film, movie
+from ecume.show.movies import Cut, film, movie, picture_of
 from ecume.show.space import Eye
+from ecume.trajectories.frame import Frame
 
 
 @pytest.mark.parametrize(("every", "count"), [(1, 11), (2, 6), (5, 3), (100, 1)])
@@ -67,9 +69,13 @@ def test_a_time_in_which_there_is_no_frame_is_refused_with_those_there_are(frame
         Cut(start=2.0).shown(frames)
 
 
-def test_a_model_without_pictures_is_refused_by_name(frames, tmp_path):
-    with pytest.raises(BadInput, match="no pictures of the model 'toy'; there are of floating"):
-        film(frames, types.SimpleNamespace(model="toy"), tmp_path / "film.gif")
+def test_a_model_without_pictures_of_its_own_shows_its_particles(frames, tmp_path):
+    plain = types.SimpleNamespace(model="toy", title="toy", kinds=())
+    alike = [Frame(0.0, {**frames[0].arrays, "species": 0 * frames[0].arrays["species"]}, {}, {})]
+    picture = picture_of(plain, alike, Cut(size=(320, 240)), tmp_path / "film.gif")
+    seen = picture.pixels(alike[0])
+    assert seen.shape == (240, 320, 4)
+    assert np.ptp(seen[..., :3].astype(float), axis=2).max() > 50.0
 
 
 def test_a_run_without_frames_is_refused(scene, tmp_path):

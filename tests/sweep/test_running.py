@@ -73,6 +73,7 @@ def test_a_worker_that_is_killed_loses_nothing(file, tmp_path):
     assert table(tmp_path / "out") == table(tmp_path / "whole")
 
 
+@pytest.mark.long
 def test_workers_of_dask_may_die(file, tmp_path):
     """The first worker that begins a point is killed; its point is given to another."""
     file.write_text(BOWLS.replace('"0.2 s"', '"10 s"'))
@@ -178,7 +179,10 @@ def test_what_breaks_in_a_point_is_told_in_a_line_and_the_rest_goes_on(file, tmp
 
 
 @pytest.mark.skipif(os.name == "nt", reason="Windows has no such signals")
-@pytest.mark.parametrize(("workers", "name"), [(1, "SIGTERM"), (2, "SIGTERM"), (2, "SIGINT")])
+@pytest.mark.parametrize(
+    ("workers", "name"),
+    [(1, "SIGTERM"), *(pytest.param(2, name, marks=pytest.mark.long) for name in ("SIGTERM", "SIGINT"))],
+)
 def test_a_signal_stops_a_sweep_that_the_same_command_goes_on_with(file, tmp_path, workers, name):
     """Ctrl-C goes to everybody, the workers among them, who are silent."""
     file.write_text(BOWLS.replace('"0.2 s"', '"20 s"'))

@@ -2,21 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, MutableMapping
+import importlib
+from collections.abc import Iterator, Mapping, MutableMapping
+from typing import Any
 
 from ecume.models.model import Model
+
+HOMES = {
+    "floating": "ecume.models.floating:FLOATING",
+    "soft": "ecume.models.soft:SOFT",
+    "sph": "ecume.models.sph:SPH",
+    "tracers": "ecume.models.tracers:TRACERS",
+}
+"""Where each model is: its package, and the name of its record there."""
 
 
 class _Models(MutableMapping[str, Model]):
     """A table whose own rows are imported late: a scene is checked without Numba."""
 
     def __init__(self) -> None:
-        self._known: dict[str, Model | None] = {"floating": None, "soft": None, "sph": None, "tracers": None}
+        self._known: dict[str, Model | None] = dict.fromkeys(HOMES)
 
     def __getitem__(self, name: str) -> Model:
         found = self._known[name]
         if found is None:
-            found = self._known[name] = _imported(name)
+            home, record = HOMES[name].split(":")
+            found = self._known[name] = getattr(importlib.import_module(home), record)
         return found
 
     def __setitem__(self, name: str, model: Model) -> None:
@@ -32,25 +43,21 @@ class _Models(MutableMapping[str, Model]):
         return len(self._known)
 
 
-def _imported(name: str) -> Model:
-    if name == "floating":
-        from ecume.models.floating import FLOATING
-
-        return FLOATING
-    if name == "soft":
-        from ecume.models.soft import SOFT
-
-        return SOFT
-    if name == "sph":
-        from ecume.models.sph import SPH
-
-        return SPH
-    if name == "tracers":
-        from ecume.models.tracers import TRACERS
-
-        return TRACERS
-    raise KeyError(name)
-
-
 MODELS = _Models()
 """Every model by the name that scenes use."""
+
+
+class _Scenes(Mapping[str, Any]):
+    """The type of the scenes of each model, read from its record."""
+
+    def __getitem__(self, name: str) -> Any:
+        return MODELS[name].scene
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(MODELS)
+
+    def __len__(self) -> int:
+        return len(MODELS)
+
+
+SCENES_OF_MODELS = _Scenes()

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
+from ecume.errors import BadInput
 from ecume.models.invariants import Invariant, nothing
 from ecume.trajectories.frame import Frame
 
@@ -18,6 +19,16 @@ Source = Callable[..., Any]
 
 def no_laws(scene: Any) -> list[Source]:
     """A model that rests on no paper."""
+    return []
+
+
+def no_extra_laws(extra_laws: Any) -> Model:
+    """A model without pair laws."""
+    raise BadInput(f"extra_laws: got {len(extra_laws)}; expected none: this model has no pair laws")
+
+
+def no_summary(scene: Any) -> list[tuple[str, str, str]]:
+    """A model that derives nothing of interest."""
     return []
 
 
@@ -57,13 +68,15 @@ class Model:
     """observe(parameters, state, workspace): the frame of this instant."""
     diagnosis: Callable[[Any, Any], str]
     """diagnosis(parameters, state): which particle, when, why, and what to do; for a state that came back DIVERGED."""
-    extended: Callable[[Any], Model]
+    extended: Callable[[Any], Model] = field(kw_only=True, default=no_extra_laws)
     """extended(extra_laws): the same model with the user's own pair laws compiled into it."""
+    scene: Any = field(kw_only=True, default=None)
+    """The type of its scenes, for a model that has no row in `ecume.scenes.schema.SCENES`."""
     exchange: Callable[[Any, Any], Any] = field(kw_only=True, default=_same)
     """exchange(parameters, state): the state with who came and without who went; for crowds that change."""
     invariants: Callable[[Any, Any], list[Invariant]] = field(kw_only=True, default=nothing)
     """invariants(scene, parameters): what must hold from frame to frame, by the numbers that `observe` tells."""
     laws: Callable[[Any], list[Source]] = field(kw_only=True, default=no_laws)
     """laws(scene): the laws that a scene uses, for `ecume cite`."""
-    summary: Callable[[Any], list[tuple[str, str, str]]]
+    summary: Callable[[Any], list[tuple[str, str, str]]] = field(kw_only=True, default=no_summary)
     """summary(scene): derived numbers for `ecume check`, as (name, value with unit, remark)."""

@@ -11,12 +11,13 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, MutableMapping, Sequence
 from functools import cache
 from typing import Any, cast
 
 from pydantic import TypeAdapter, ValidationError
 
+from ecume import _hooks
 from ecume.errors import SceneError
 from ecume.scenes.common import Common
 from ecume.scenes.faults import Path, as_faults, echo, faults_of, suggestion
@@ -28,12 +29,31 @@ from ecume.scenes.tracers import TracersScene
 Scene = FloatingScene | SoftScene | SphScene | TracersScene
 """Any scene. Each model adds its own."""
 
-SCENES: dict[str, type[Common]] = {
-    "floating": FloatingScene,
-    "soft": SoftScene,
-    "sph": SphScene,
-    "tracers": TracersScene,
-}
+
+class _Scenes(MutableMapping[str, type[Common]]):
+    """A table with the rows of this file, which no model is imported for, and those that other models bring along."""
+
+    def __init__(self, rows: Mapping[str, type[Common]]) -> None:
+        self._rows = dict(rows)
+
+    def __getitem__(self, name: str) -> type[Common]:
+        return self._rows[name] if name in self._rows else _hooks.scenes_of_models(None)[name]
+
+    def __setitem__(self, name: str, kind: type[Common]) -> None:
+        self._rows[name] = kind
+
+    def __delitem__(self, name: str) -> None:
+        del self._rows[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(dict.fromkeys([*self._rows, *_hooks.scenes_of_models(None)]))
+
+    def __len__(self) -> int:
+        return len(list(iter(self)))
+
+
+SCENES = _Scenes({"floating": FloatingScene, "soft": SoftScene, "sph": SphScene, "tracers": TracersScene})
+"""The type of the scenes of each model, by its name."""
 
 
 def from_plain(plain: Mapping[str, Any]) -> Scene:

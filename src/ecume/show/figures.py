@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from ecume.errors import BadInput
 from ecume.scenes.faults import suggestion
-from ecume.show.curves import Frames
+from ecume.show.curves import Frames, energies, kinetic_energy
 from ecume.show.floating.figures import FLOATING_FIGURES
 from ecume.show.soft.figures import SOFT_FIGURES
 from ecume.show.sph.figures import SPH_FIGURES
@@ -26,6 +26,8 @@ FIGURES: dict[str, Mapping[str, Callable[[Frames, Any], Figure]]] = {
     "soft": SOFT_FIGURES,
 }
 """By model, then by the name that `ecume plot --what` takes."""
+COMMON_FIGURES = {"energies": energies, "kinetic-energy": kinetic_energy}
+"""Of a model that has none of its own; they need the numbers `kinetic_energy` and `total_energy`."""
 
 
 def plot(directory: str | os.PathLike[str], what: str, out: str | os.PathLike[str] | None = None) -> Path:
@@ -45,10 +47,8 @@ def plot(directory: str | os.PathLike[str], what: str, out: str | os.PathLike[st
 
 
 def figures_of(scene: Any) -> Mapping[str, Callable[[Frames, Any], Figure]]:
-    """The figures there are of runs of this scene. Raises BadInput where its model has none."""
-    if scene.model not in FIGURES:
-        raise BadInput(f"there are no figures of the model {scene.model!r}; there are of {', '.join(FIGURES)}")
-    return FIGURES[scene.model]
+    """The figures there are of runs of this scene."""
+    return FIGURES.get(scene.model, COMMON_FIGURES)
 
 
 def figures_of_run(directory: str | os.PathLike[str]) -> list[str]:

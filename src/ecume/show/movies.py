@@ -21,6 +21,7 @@ from ecume.show.picture import USUAL, Picture, Pixels, Size
 from ecume.show.soft.picture import soft_picture
 from ecume.show.space import Eye
 from ecume.show.sph.picture import liquid_picture
+from ecume.show.tank import particles_picture
 from ecume.show.tracers import tracers_picture
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import open_trajectory
@@ -31,7 +32,8 @@ FILMS: dict[str, Callable[..., Picture]] = {
     "sph": liquid_picture,
     "tracers": tracers_picture,
 }
-"""By model: what makes a picture of (scene, some frames of the run, size), and of what else may be asked of it."""
+"""By model: what makes a picture of (scene, some frames of the run, size), and of what else may be asked of it.
+Models that have no row show their particles."""
 ASKED = {"color": ("sph",), "eye": ("sph", "soft", "tracers")}
 """Of which models pictures can be colored in several ways, by name, and seen from anywhere."""
 REFUSED = {
@@ -145,14 +147,13 @@ def film(
 
 def picture_of(scene: Any, shown: Sequence[Frame], cut: Cut, target: Path) -> Picture:
     """The open picture in which these frames are shown."""
-    if scene.model not in FILMS:
-        raise BadInput(f"there are no pictures of the model {scene.model!r}; there are of {', '.join(FILMS)}")
     asked: dict[str, Any] = {"color": cut.color, "eye": cut.eye}
     given = {name: value for name, value in asked.items() if value is not None}
     for name in given:
         if scene.model not in ASKED[name]:
             raise BadInput(f"pictures of the model {scene.model!r} {REFUSED[name].format(given[name])}")
-    return aimed(FILMS[scene.model](scene, _sample(shown), cut.pixels(target), **given), cut.aim)
+    film_of: Callable[..., Picture] = FILMS.get(scene.model, particles_picture)
+    return aimed(film_of(scene, _sample(shown), cut.pixels(target), **given), cut.aim)
 
 
 def _counted(pictures: Iterable[Pixels], count: int, progress: Told | None) -> Iterator[Pixels]:

@@ -23,15 +23,17 @@ from ecume.show.picture import (
     Layers,
     Pixels,
     Size,
+    Species,
     View,
     blank,
     clock,
     labels,
     scale_bar,
+    species,
 )
 from ecume.show.setting import Setting, colored, draw_movers, draw_setting, draw_wires, extent, stand_apart
 from ecume.show.splat import MANY, Splat, splat_in
-from ecume.show.style import INK, MUTED, scale_for, style
+from ecume.show.style import INK, MUTED, PALETTE, scale_for, style
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
@@ -206,3 +208,9 @@ def color_bar(axes: Axes, coloring: Coloring, sample: Sequence[Frame]) -> Scalar
     pane.grid(visible=False)
     pane.tick_params(labelsize=10)
     return mapping
+
+
+def particles_picture(scene: Any, sample: Sequence[Frame], size: Size = USUAL) -> Tank:
+    """Particles and nothing around them: the picture of a model that has none of its own."""
+    kinds = species(scene) or [Species("", PALETTE[0])]
+    return Tank(Setting(scene.title, None, kinds=kinds), sample, size)

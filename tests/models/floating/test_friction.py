@@ -95,7 +95,8 @@ def test_friction_takes_energy_and_makes_none_in_a_bowl_that_comes_to_rest(among
 
 @pytest.mark.compiled
 @pytest.mark.parametrize(
-    ("integrator", "duration"), [("velocity-verlet", 0.5), ("semi-implicit-euler", 0.5), ("overdamped", 0.1)]
+    ("integrator", "duration"),
+    [("velocity-verlet", 0.5), ("semi-implicit-euler", 0.5), pytest.param("overdamped", 0.1, marks=pytest.mark.long)],
 )
 def test_half_a_rough_run_and_half_a_run_are_a_run_bit_for_bit(integrator, duration):
     body = f"{WATER}[[floats]]\ncount = 25\n{HEAVY}[dish]\nradius = 0.012\nfriction = 0.2\n"
@@ -128,12 +129,13 @@ def test_a_rough_raft_at_rest_at_a_wall_takes_tens_of_sweeps_a_step_without_iner
 
 
 @pytest.mark.compiled
-def test_a_large_rough_raft_has_the_same_bits_for_any_number_of_threads():
+@pytest.mark.parametrize("duration", [0.002, pytest.param(0.02, marks=pytest.mark.long)])
+def test_a_large_rough_raft_has_the_same_bits_for_any_number_of_threads(duration):
     scene = scene_of(
         f'{WATER}[[floats]]\ncount = 2100\nplacement = "lattice"\nspacing = 2.001e-3\n{HEAVY}'
         "[contacts]\nfriction = 0.3\n",
-        duration=0.02,
-        frame_every=0.02,
+        duration=duration,
+        frame_every=duration,
     )
     ends = []
     for threads in (1, 2):

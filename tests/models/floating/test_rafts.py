@@ -13,7 +13,8 @@ FLOATING = MODELS["floating"]
 
 @pytest.mark.compiled
 @pytest.mark.parametrize(
-    ("viscosity", "radius", "seed", "duration"), [("2 mPa*s", "3 cm", 1, 100.0), ("0.2 Pa*s", "2.2 cm", 5, 600.0)]
+    ("viscosity", "radius", "seed", "duration"),
+    [("2 mPa*s", "3 cm", 1, 100.0), pytest.param("0.2 Pa*s", "2.2 cm", 5, 600.0, marks=pytest.mark.long)],
 )
 def test_sixty_cereals_come_to_rest_and_no_energy_was_created(viscosity, radius, seed, duration):
     # Ten minutes of milk are among the long validations.
@@ -101,7 +102,10 @@ def test_contacts_of_a_settled_raft_carry_the_pull_and_nothing_moves():
 
 
 @pytest.mark.compiled
-@pytest.mark.parametrize(("of_floats", "of_wall"), [(0.2, 0.2), (0.9, 0.1), (0.5, 1.0)])
+@pytest.mark.parametrize(
+    ("of_floats", "of_wall"),
+    [(0.9, 0.1), *(pytest.param(*both, marks=pytest.mark.long) for both in ((0.2, 0.2), (0.5, 1.0)))],
+)
 def test_rafts_at_a_wall_do_not_rattle_and_mixed_restitutions_create_no_energy(of_floats, of_wall):
     scene = scene_of(
         '[liquid]\ndensity = 1030.0\nviscosity = "2 mPa*s"\nsurface_tension = "45 mN/m"\n'

@@ -204,7 +204,7 @@ def swung(fluid, duration, **more):
 
 
 @pytest.mark.compiled
-@pytest.mark.parametrize("fluid", [DISC, BALL], ids=["disc", "ball"])
+@pytest.mark.parametrize("fluid", [DISC, pytest.param(BALL, marks=pytest.mark.long)], ids=["disc", "ball"])
 def test_a_swinging_drop_only_loses_energy_and_keeps_its_momentum(fluid):
     frames = swung(fluid, 1.0, spacing=0.15)
     energy = np.array([frame.numbers["total_energy"] for frame in frames])

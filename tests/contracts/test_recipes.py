@@ -1,0 +1,172 @@
+"""CONTRIBUTING's recipes for an integrator, a measured quantity and a figure, followed to the letter in a copy."""
+
+import json
+import re
+
+import pytest
+from tests.contracts.recipes import Copy, block
+
+EDITS = {
+    "integrator": [
+        ("models/sph/stepping.py", "before", "INTEGRATORS = {", block("semi-implicit") + "\n\n"),
+        ("models/sph/stepping.py", "end", "", block("semi-implicit-row")),
+    ],
+    "measured quantity": [
+        ("models/floating/observing.py", "after", "NUMBER_UNITS = {", block("gyration-unit")),
+        ("models/floating/observing.py", "after", '        "momentum_x": ', block("gyration-value")),
+    ],
+    "figure": [
+        ("show/floating/figures.py", "before", "FLOATING_FIGURES = {", block("fastest") + "\n\n"),
+        ("show/floating/figures.py", "after", "FLOATING_FIGURES = {", block("fastest-row")),
+    ],
+}
+"""By recipe: the file, where in it, and the code of the page."""
+
+USE = """
+import json, sys
+import numpy as np
+from pathlib import Path
+import ecume
+from ecume.models.floating import FLOATING
+from ecume.models.sph.record import SPH
+from ecume.show.figures import figures_of
+from ecume.trajectories.frame import Frame
+
+def end_of_blob(integrator, steps):
+    scene = ecume.from_plain({
+        "model": "sph", "duration": 0.02, "frame_every": 0.02, "spacing": 0.25, "gravity": [0.0, -1.0],
+        "liquid": {"density": 1000.0, "sound_speed": 10.0},
+        "tank": {"low": [-3.0, -3.0], "high": [3.0, 3.0]},
+        "fluid": [{"low": [-0.5, -0.5], "high": [0.5, 0.5], "velocity_gradient": [[0.1, -0.5], [0.6, -0.3]]}],
+        "method": {"integrator": integrator, "time_step": 0.02 / steps, "start": "rest"},
+    })
+    *_, last = ecume.simulate(scene)
+    return last.arrays["position"]
+
+exact = end_of_blob("symplectic", 32)
+errors = [float(np.abs(end_of_blob("semi-implicit", steps) - exact).max()) for steps in (4, 8)]
+scene = ecume.from_plain({
+    "model": "floating", "duration": 0.2, "frame_every": 0.1,
+    "floats": [{"radius": 1e-3, "density": 1300.0, "contact_angle": 1.5, "positions": [[-3e-3, 0.0], [3e-3, 0.0]]}],
+})
+frames = list(ecume.simulate(scene))
+axes = figures_of(scene)["fastest"](frames, scene).axes[0]
+print(json.dumps({
+    "errors": errors,
+    "gyration": [frame.numbers["radius_of_gyration"] for frame in frames],
+    "unit": frames[0].units["radius_of_gyration"],
+    "label": axes.get_ylabel(),
+    "drawn": axes.lines[0].get_ydata().tolist(),
+    "speeds": [frame.numbers["largest_speed"] for frame in frames],
+}))
+"""
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    """Which files each recipe changed, and what a process with all of them printed."""
+    copy, files = Copy(tmp_path_factory.mktemp("copy")), {}
+    for recipe, edits in EDITS.items():
+        copy.changed.clear()
+        for file, where, anchor, text in edits:
+            copy.edit(file, where, anchor, text)
+        files[recipe] = {path.name for path in copy.changed}
+    (told,) = copy.printed(USE, NUMBA_DISABLE_JIT="1")
+    return files, json.loads(told)
+
+
+@pytest.mark.parametrize("recipe", EDITS)
+def test_a_recipe_changes_one_file(made, recipe):
+    assert len(made[0][recipe]) == 1
+
+
+def test_a_new_integrator_moves_a_tank_with_the_order_it_has(made):
+    coarse, fine = made[1]["errors"]
+    assert fine > 0.0
+    assert coarse / fine == pytest.approx(2.0, rel=0.15)
+
+
+def test_a_new_quantity_is_in_frames_with_its_unit(made):
+    first, *_, last = made[1]["gyration"]
+    assert first == pytest.approx(3e-3)
+    assert last < first
+    assert made[1]["unit"] == "m"
+
+
+def test_a_new_figure_is_drawn_with_its_unit(made):
+    assert re.fullmatch(r"largest speed \(.*m/s\)", made[1]["label"])
+    assert len(made[1]["drawn"]) == len(made[1]["speeds"])
+    assert made[1]["drawn"][-1] / made[1]["drawn"][1] == pytest.approx(made[1]["speeds"][-1] / made[1]["speeds"][1])
+
+
+BEADS = """
+import json
+from pathlib import Path
+from ecume.citing import papers_of
+from ecume.cli.scenes import check
+from ecume.errors import SceneError, Stopped
+from ecume.models import MODELS
+from ecume.run import Habits, resume, run
+from ecume.scenes.load import load_scene
+from ecume.show.figures import plot
+from ecume.show.movies import Cut, movie
+from ecume.trajectories.reader import open_trajectory
+
+def stop(progress):
+    if progress.step > 700:
+        raise Stopped("half way")
+
+scene = load_scene('model = "beads"\\nduration = 2.0\\nframe_every = 0.1\\ncount = 5\\nseed = 3\\n')
+run(scene, "whole")
+try:
+    run(scene, "halves", habits=Habits(progress=stop, checkpoint_every=0.0))
+except Stopped:
+    resume("halves")
+with open_trajectory("whole") as whole, open_trajectory("halves") as halves:
+    same = [one.arrays["position"].tobytes() == other.arrays["position"].tobytes()
+            for one, other in zip(whole, halves, strict=True)]
+    energy = [frame.numbers["total_energy"] for frame in whole]
+try:
+    load_scene('model = "beds"\\nduration = 2.0\\nframe_every = 0.1\\n')
+except SceneError as error:
+    refused = str(error)
+print(json.dumps({
+    "same": same,
+    "energy": energy,
+    "papers": papers_of(scene),
+    "movie": movie("whole", "ring.gif", Cut(every=10, size=(240, 180))).stat().st_size,
+    "figure": plot("whole", "energies").stat().st_size,
+    "models": list(MODELS),
+    "refused": refused,
+}))
+"""
+
+
+@pytest.fixture(scope="module")
+def ring(tmp_path_factory):
+    """What a process printed that ran the model of the page; and which files of the package there are besides."""
+    copy = Copy(tmp_path_factory.mktemp("beads"))
+    copy.write("models/beads.py", block("beads"))
+    copy.edit("models/__init__.py", "after", "HOMES = {", block("beads-row"))
+    (told,) = copy.printed(BEADS, NUMBA_DISABLE_JIT="1")
+    return json.loads(told), {path.name for path in copy.changed}
+
+
+def test_a_new_model_is_a_file_and_a_row(ring):
+    told, changed = ring
+    assert changed == {"__init__.py"}
+    assert told["models"][0] == "beads"
+    assert '"beads"' in told["refused"]
+
+
+def test_a_new_model_keeps_its_energy_and_resumes_bit_for_bit(ring):
+    told, _ = ring
+    assert told["energy"] == pytest.approx([told["energy"][0]] * 21, rel=1e-2)
+    assert told["same"] == [True] * 21
+
+
+def test_a_new_model_is_cited_and_drawn(ring):
+    told, _ = ring
+    assert told["papers"] == ["landau1987"]
+    assert told["movie"] > 1000
+    assert told["figure"] > 1000
