@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from ecume.trajectories.frame import Frame
-from ecume.validation.dam_break import compare as dam
-from ecume.validation.standing_wave import compare as wave
-from ecume.validation.tank import compare as tank
+from ecume.validation import dam_break as dam
+from ecume.validation import standing_wave as wave
+from ecume.validation import tank
 
 WELL = tank.Rest(error=0.004, largest=0.01, from_column=0.004, speed=1e-5, center=0.5, hits=0.0, there=256)
 

@@ -22,7 +22,7 @@ class Case(NamedTuple):
 def _case(name: str, summary: str, *, long: bool = False) -> Case:
     def rows() -> list[Row]:
         # Imported when asked for: the table is read by `ecume --help`, which must not wait for a compiler.
-        found: list[Row] = importlib.import_module(f"ecume.validation.{name.replace('-', '_')}.compare").rows()
+        found: list[Row] = importlib.import_module(f"ecume.validation.{name.replace('-', '_')}").rows()
         return found
 
     return Case(name, summary, long, rows)
