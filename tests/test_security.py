@@ -17,9 +17,9 @@ from ecume import _jit
 from ecume._cache import open_to_others
 from ecume.errors import BadInput
 from ecume.show import serving
-from ecume.sweep import crews, sweep
+from ecume.sweep import executors, sweep
 from ecume.sweep.asked import Cluster
-from ecume.sweep.crews import Crew, require_safe
+from ecume.sweep.executors import Crew, require_safe
 
 PACKAGE = Path(ecume.__file__).parent
 ROOT = Path(__file__).parents[1]
@@ -149,7 +149,7 @@ def test_workers_on_a_cluster_are_encrypted(monkeypatch, tmp_path):
         yield type("Scaled", (), {"scale": lambda self, jobs: None})()
 
     monkeypatch.setattr(dask_jobqueue, "SLURMCluster", cluster)
-    with crews.slurm_cluster(Cluster(), tmp_path):
+    with executors.slurm_cluster(Cluster(), tmp_path):
         assert asked["security"].require_encryption is True
         assert asked["security"].tls_scheduler_cert
         assert asked["shared_temp_directory"] == str(tmp_path)

@@ -9,9 +9,9 @@ from ecume.cli import app
 from ecume.errors import BadInput
 from ecume.fitting import Tracks, picked
 from ecume.fitting.doubts import astray, swapped
-from ecume.fitting.free import Free, free_parameters, with_values
+from ecume.fitting.least_squares import Problem
+from ecume.fitting.parameters import Free, free_parameters, with_values
 from ecume.fitting.starts import start_at
-from ecume.fitting.trial import Problem
 from ecume.scenes.load import load_scene
 from ecume.scenes.schema import from_plain, to_plain
 

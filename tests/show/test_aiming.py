@@ -11,13 +11,11 @@ from ecume.run import driving
 from ecume.scenes.load import load_scene
 from ecume.scenes.templates import folder
 from ecume.scenes.tracers import ObstacleSpec, ParticleSpec, TankSpec, TracersScene
-from ecume.show.aiming import WIDE, Aim, aimed
-from ecume.show.drawing import drawn_by_many
-from ecume.show.movies import Cut, film, movie, picture_of
+from ecume.show.camera import STANDING, WIDE, Aim, Eye, aimed, wires_of
+from ecume.show.movies import Cut, drawn_by_many, film, movie, picture_of
 from ecume.show.picture import Size
 from ecume.show.soft.packing import Packing
 from ecume.show.soft.picture import soft_picture
-from ecume.show.space import STANDING, Eye, wires_of
 from ecume.show.tracers import tracers_picture
 from ecume.trajectories.frame import Frame
 

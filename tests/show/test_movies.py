@@ -7,8 +7,8 @@ from PIL import Image
 
 from ecume.errors import BadInput
 from ecume.show import movies
+from ecume.show.camera import Eye
 from ecume.show.movies import Cut, film, movie
-from ecume.show.space import Eye
 
 
 @pytest.mark.parametrize(("every", "count"), [(1, 11), (2, 6), (5, 3), (100, 1)])

@@ -15,9 +15,8 @@ from ecume.errors import BadInput
 from ecume.scenes.load import load_scene
 from ecume.scenes.schema import to_toml
 from ecume.scenes.templates import folder
-from ecume.show.play.bowl import CALMED, FASTEST, PUT_BACK, SHELF, Bowl
-from ecume.show.play.sloshing import DAMPING, Slosh, current, slosh_frequency, swung
-from ecume.show.play.toys import game_of
+from ecume.show.play.bowl import CALMED, DAMPING, FASTEST, PUT_BACK, SHELF, Bowl, Slosh, current, slosh_frequency, swung
+from ecume.show.play.pages import game_of
 from ecume.show.serving import served
 
 pytestmark = pytest.mark.compiled

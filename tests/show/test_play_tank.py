@@ -16,9 +16,9 @@ from ecume.scenes.schema import to_toml
 from ecume.scenes.templates import folder
 from ecume.show.play import pouring
 from ecume.show.play import tank as playing
+from ecume.show.play.pages import game_of
 from ecume.show.play.pouring import MOST, Push, tilting
 from ecume.show.play.tank import ANEW, CALMED, HURRY, PUSHED, STEEPEST, Tank
-from ecume.show.play.toys import game_of
 
 pytestmark = pytest.mark.compiled
 COARSE = ["spacing=8 cm", "obstacles=[{low = [0.72, 0.0], high = [1.04, 1.0]}]", "fluid[1].low=[1.04, 0.0]"]

@@ -1,6 +1,6 @@
 """A sweep that tests run: four bowls, one after the other."""
 
-from ecume.sweep.crews import Crew
+from ecume.sweep.executors import Crew
 
 BOWLS = """
 title = "Bowls"

@@ -16,8 +16,8 @@ from ecume.cli import app
 from ecume.errors import Stopped
 from ecume.scenes.templates import copy_template
 from ecume.sweep import open_sweep, sweep
-from ecume.sweep.crews import Crew, _client, next_word
 from ecume.sweep.directory import existing_sweep, laid_out
+from ecume.sweep.executors import Crew, _client, next_word
 from ecume.sweep.points import load_sweep
 from ecume.sweep.running import Outcome
 from ecume.sweep.working import work

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from ecume.errors import Stopped
 from ecume.sweep import open_sweep, sweep
-from ecume.sweep.crews import Crew
+from ecume.sweep.executors import Crew
 
 from .trials import Outcome, Trial, ended, forked, times, until, warmed
 

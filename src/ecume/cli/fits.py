@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ecume.cli.ends import say
+from ecume.cli.output import print_table
 from ecume.cli.runs import Quiet
-from ecume.cli.tables import print_table
 from ecume.errors import BadInput
 
 if TYPE_CHECKING:

@@ -61,7 +61,7 @@ ENDINGS = {
 
 def eye(azimuth: float | None, elevation: float | None) -> Any:
     """From where to look; None where neither was asked for."""
-    from ecume.show.space import Eye
+    from ecume.show.camera import Eye
 
     asked = {"azimuth": azimuth, "elevation": elevation}
     given = {name: angle for name, angle in asked.items() if angle is not None}
@@ -91,7 +91,7 @@ def movie(
     · `ecume movie runs/dam --color speed --azimuth 60` · `ecume movie runs/bowl -o shots.png --every 10`
     """
     from ecume.run.directory import existing
-    from ecume.show.aiming import Aim
+    from ecume.show.camera import Aim
     from ecume.show.movies import Cut
     from ecume.show.movies import movie as make
 

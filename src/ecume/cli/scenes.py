@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from ecume.cli.tables import print_table
+from ecume.cli.output import print_table
 
 SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="A scene file.", show_default=False)]
 Overrides = Annotated[

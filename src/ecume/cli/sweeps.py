@@ -83,8 +83,8 @@ def sweep(
 
 
 def _write_array(source: Path, directory: Path) -> None:
-    from ecume.sweep.arrays import write_array
     from ecume.sweep.directory import begun_or_laid_out
+    from ecume.sweep.executors import write_array
 
     typer.echo(f"wrote {write_array(begun_or_laid_out(source, directory))}; hand it to sbatch")
 
@@ -131,8 +131,8 @@ def _tell(directory: Path) -> None:
 
 def _work(directory: Path, number: int, of: int) -> None:
     """A task of a job array."""
-    from ecume.sweep.arrays import work_task
     from ecume.sweep.directory import existing_sweep
+    from ecume.sweep.executors import work_task
 
     words = work_task(existing_sweep(directory), number, of)
     if "failed" in words:

@@ -11,9 +11,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ecume.cli.ends import say
-from ecume.cli.keeping import Record, keep
+from ecume.cli.output import Record, keep, print_table
 from ecume.cli.progress import lasting
-from ecume.cli.tables import print_table
 from ecume.errors import BadInput, EcumeError
 
 if TYPE_CHECKING:

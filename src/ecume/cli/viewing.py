@@ -106,7 +106,7 @@ def play(
     """
     from ecume.scenes.load import load_scene
     from ecume.scenes.templates import folder
-    from ecume.show.play.toys import game_of
+    from ecume.show.play.pages import game_of
     from ecume.show.serving import served
 
     if tank and scene is not None:

@@ -7,10 +7,9 @@ from typing import Any
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from ecume.fitting.solving import Certainty
+from ecume.fitting.least_squares import Certainty, Problem, values_at
 from ecume.fitting.starts import first_frame
 from ecume.fitting.tracks import Tracks
-from ecume.fitting.trial import Problem, values_at
 from ecume.units import Array
 
 MEMORY = 0.5

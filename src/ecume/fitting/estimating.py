@@ -12,9 +12,21 @@ import numpy as np
 
 from ecume.errors import BadInput
 from ecume.fitting.doubts import astray, met, no_noise, swapped, unsure
-from ecume.fitting.free import Free, free_parameters
-from ecume.fitting.quantities import Quantity, quantities_of
-from ecume.fitting.solving import STEP, Certainty, Solution, certainty, solved
+from ecume.fitting.least_squares import (
+    STARTS,
+    STEP,
+    Certainty,
+    Problem,
+    Solution,
+    certainty,
+    origin,
+    residuals,
+    scene_at,
+    simulated,
+    solved,
+    timed,
+)
+from ecume.fitting.parameters import Free, Quantity, free_parameters, quantities_of
 from ecume.fitting.starts import (
     first_frame,
     first_seen,
@@ -25,7 +37,6 @@ from ecume.fitting.starts import (
     require_starts,
 )
 from ecume.fitting.tracks import Camera, Tracks, cut, read_tracks
-from ecume.fitting.trial import STARTS, Problem, origin, residuals, scene_at, simulated, timed
 from ecume.scenes.faults import suggestion
 from ecume.scenes.load import load_scene
 from ecume.scenes.schema import Scene, from_plain, to_plain

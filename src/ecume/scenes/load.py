@@ -84,7 +84,7 @@ def name_liquid(raw: dict[str, Any]) -> None:
 def sources_followed(raw: dict[str, Any], folder: File) -> list[tuple[Path, str]]:
     """What is wrong with the files that a scene names; what they say stands in `raw` from then on."""
     if raw.get("model") == "floating":
-        from ecume.scenes.floating.currents import follow_current
+        from ecume.scenes.floating.surroundings import follow_current
 
         return follow_current(raw, folder)
     if raw.get("model") != "sph":

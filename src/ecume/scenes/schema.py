@@ -1,4 +1,4 @@
-"""The table of scenes, and the ways between a scene and plain data.
+"""The table of scenes, the conversion between scenes and plain data, and the units that the schema knows.
 
 >>> scene = from_plain({"model": "floating", "duration": "1 s", "frame_every": "0.1 s",
 ...     "floats": [{"radius": "1 mm", "density": 600, "contact_angle": "70 deg"}]})
@@ -11,7 +11,8 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import json
-from collections.abc import Mapping, Sequence
+import typing
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from typing import Any, cast
 
@@ -24,6 +25,7 @@ from ecume.scenes.floating import FloatingScene
 from ecume.scenes.soft import SoftScene
 from ecume.scenes.sph import SphScene
 from ecume.scenes.tracers import TracersScene
+from ecume.units import Unit
 
 Scene = FloatingScene | SoftScene | SphScene | TracersScene
 """Any scene. Each model adds its own."""
@@ -96,3 +98,31 @@ def _without_gaps(value: Any) -> Any:
 def scene_hash(scene: Scene) -> str:
     """64 hexadecimal digits, the same for equal scenes only."""
     return hashlib.sha256(json.dumps(to_plain(scene), sort_keys=True).encode()).hexdigest()
+
+
+ANGLE = "contact_angle"
+
+
+def unit_of(plain: Mapping[str, Any], path: Path) -> str:
+    """The SI unit that the schema knows for a place in a scene."""
+    if path[-1] == ANGLE:
+        return "rad"
+    kind: Any = SCENES[plain["model"]]
+    for key in path:
+        kind = _below(kind, key)
+    return next((mark.symbol for mark in _marks(kind) if isinstance(mark, Unit)), "1")
+
+
+def _below(kind: Any, key: str | int) -> Any:
+    """The annotation one key further down."""
+    if isinstance(key, int):
+        return next(part for part in typing.get_args(kind) if part is not ...)
+    piece = next((part for part in (kind, *typing.get_args(kind)) if hasattr(part, "__dataclass_fields__")), None)
+    return typing.get_type_hints(piece, include_extras=True).get(key) if piece is not None else None
+
+
+def _marks(kind: Any) -> Iterator[Any]:
+    """All that annotations say, however deep."""
+    for part in typing.get_args(kind):
+        yield part
+        yield from _marks(part)

@@ -1,25 +1,27 @@
-"""Movies of a run, and the table of the pictures that they are made of."""
+"""Movies of a run, the pictures that they are made of by model, and the processes that draw them."""
 
 from __future__ import annotations
 
 import bisect
+import itertools
 import math
 import os
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor
 from dataclasses import dataclass
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ecume.errors import BadInput
-from ecume.show.aiming import WIDE, Aim, aimed
-from ecume.show.drawing import drawn_by_many
+from ecume.show.camera import WIDE, Aim, Eye, aimed
 from ecume.show.encoders import encode, writable
 from ecume.show.floating.bowl import Bowl
 from ecume.show.picture import USUAL, Picture, Pixels, Size
 from ecume.show.soft.picture import soft_picture
-from ecume.show.space import Eye
 from ecume.show.sph.picture import liquid_picture
 from ecume.show.tracers import tracers_picture
 from ecume.trajectories.frame import Frame
@@ -174,3 +176,41 @@ def _time(frame: Frame) -> float:
 def _rounding(time: float) -> float:
     """The time of a frame is a number of steps, and may miss the decimal that was asked for by a bit."""
     return 1e-9 * abs(time) if time < math.inf else 0.0
+
+
+AHEAD = 3
+"""Pictures of each process that may wait to be taken: more would fill the memory."""
+
+desk: dict[str, Any] = {}
+"""What a process draws with."""
+
+
+def drawn_by_many(directory: Path, cut: Cut, target: Path, workers: int) -> Iterator[Pixels]:
+    """The pictures of a run, one after the other."""
+    with ProcessPoolExecutor(
+        workers, mp_context=get_context("spawn"), initializer=_set_up, initargs=(directory, cut, target)
+    ) as pool:
+        waiting: deque[Future[Any]] = deque()
+        coming = iter(itertools.count())
+        for number in itertools.islice(coming, AHEAD * workers):
+            waiting.append(pool.submit(_draw, number))
+        while (picture := waiting.popleft().result()) is not None:
+            waiting.append(pool.submit(_draw, next(coming)))
+            yield picture
+
+
+def _set_up(directory: Path, cut: Cut, target: Path) -> None:
+    from ecume._jit import use_threads
+    from ecume.trajectories.reader import open_trajectory
+
+    use_threads(1)
+    trajectory = open_trajectory(directory)
+    shown = cut.shown(trajectory)
+    desk.update(shown=shown, picture=picture_of(trajectory.scene, shown, cut, target))
+
+
+def _draw(number: int) -> Any:
+    """The picture of that number; None where there is none any more."""
+    if number >= len(desk["shown"]):
+        return None
+    return np.ascontiguousarray(desk["picture"].pixels(desk["shown"][number])[..., :3])

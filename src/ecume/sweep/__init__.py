@@ -4,7 +4,7 @@ ecume.sweep.sweep("durations.toml", "sweeps/durations")
 ecume.open_sweep("sweeps/durations").table()
 """
 
-from ecume.sweep.crews import Crew
+from ecume.sweep.executors import Crew
 from ecume.sweep.results import Sweep, open_sweep
 from ecume.sweep.running import Outcome, sweep
 

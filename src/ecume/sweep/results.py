@@ -17,8 +17,7 @@ from typing import Any
 from ecume.errors import BadInput
 from ecume.run.lawbook import entries
 from ecume.scenes.faults import read_path, suggestion
-from ecume.scenes.kinds import unit_of
-from ecume.scenes.schema import from_plain
+from ecume.scenes.schema import from_plain, unit_of
 from ecume.sweep.directory import Job, Sweeping, existing_sweep, json_at
 from ecume.sweep.measures import Measure, measure_of, read_measure, usual_measures
 from ecume.sweep.processes import process_of

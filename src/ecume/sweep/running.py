@@ -14,8 +14,8 @@ from typing import NamedTuple
 
 from ecume.errors import Stopped
 from ecume.run.stopping import SIGNALS
-from ecume.sweep.crews import Crew, hands
 from ecume.sweep.directory import Job, Sweeping, begun_or_laid_out, distinct
+from ecume.sweep.executors import Crew, hands
 from ecume.sweep.results import require_numbers, write_table
 
 

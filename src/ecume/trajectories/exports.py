@@ -22,8 +22,7 @@ from ecume.errors import BadInput
 from ecume.trajectories.durable import replacing, storing
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import Trajectory, open_trajectory
-from ecume.trajectories.vtkhdf import write_vtk
-from ecume.trajectories.vtp import write_pvd
+from ecume.trajectories.vtk import write_pvd, write_vtk
 
 AXES = "xyz"
 SYMBOLS = ("H", "He", "Li", "Be", "B", "C", "N", "O", "F", "Ne", "Na", "Mg", "Al", "Si", "P", "S", "Cl", "Ar")

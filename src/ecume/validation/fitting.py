@@ -9,8 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from ecume.fitting import Estimate, Tracks, fit
-from ecume.fitting.quantities import quantities_of
-from ecume.fitting.trial import simulated
+from ecume.fitting.least_squares import simulated
+from ecume.fitting.parameters import quantities_of
 from ecume.scenes.floating import FloatingScene, FloatSpec, LiquidSpec
 from ecume.units import Array
 from ecume.validation.rows import Row, within

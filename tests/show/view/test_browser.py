@@ -15,7 +15,7 @@ from tests.show.view.test_page import HOSTILE
 
 from ecume.scenes.load import load_scene
 from ecume.scenes.templates import folder
-from ecume.show.play.toys import game_of
+from ecume.show.play.pages import game_of
 from ecume.show.serving import served
 from ecume.show.view import save_page
 from ecume.show.view.chunks import pack

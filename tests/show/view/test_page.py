@@ -17,8 +17,7 @@ from ecume.errors import BadInput
 from ecume.run import Habits, run
 from ecume.scenes.load import load_scene
 from ecume.show.view import save_page
-from ecume.show.view.bundled import VIEW, policy_of
-from ecume.show.view.page import color_map, page
+from ecume.show.view.page import VIEW, color_map, page, policy_of
 from ecume.trajectories.exports import EXPORTS, export
 
 ROOT = Path(__file__).parents[3]

@@ -1,8 +1,7 @@
 """The scene of the floating model: liquid, floats, dish, and which laws rule them."""
 
-from ecume.scenes.floating.bodies import DiscSpec, FloatRow, FloatSpec, SurfaceEnergies
+from ecume.scenes.floating.floats import DiscSpec, FloatRow, FloatSpec, ShapeSpec, SurfaceEnergies
 from ecume.scenes.floating.scene import FloatingScene, species_of
-from ecume.scenes.floating.shapes import ShapeSpec
 from ecume.scenes.floating.surroundings import (
     ContactSpec,
     DishMotionSpec,

@@ -10,7 +10,7 @@ from pydantic.dataclasses import dataclass
 
 from ecume.scenes.common import Common, Kind
 from ecume.scenes.faults import Complaints, Inconsistent
-from ecume.scenes.floating.bodies import FloatRow, FloatSpec
+from ecume.scenes.floating.floats import FloatRow, FloatSpec
 from ecume.scenes.floating.surroundings import ContactSpec, DishSpec, InteractionSpec, LiquidSpec, MotionSpec
 from ecume.scenes.quantities import MOST_PARTICLES, MOST_STEPS, STRICT
 

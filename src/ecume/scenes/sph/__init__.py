@@ -1,12 +1,10 @@
 """The scene of the SPH model: a liquid, the tank that holds it, what stands and moves in it, and how it is computed."""
 
 from ecume.scenes.sph.carried import CarriedSpec
-from ecume.scenes.sph.gauges import GaugeSpec
-from ecume.scenes.sph.motions import MotionSpec, ShakeSpec
-from ecume.scenes.sph.particles import ParticlesSpec
 from ecume.scenes.sph.scene import CentralPullSpec, FluidSpec, MethodSpec, RegionSpec, SphScene
 from ecume.scenes.sph.solids import BodySpec, ObstacleSpec, ShapeSpec
-from ecume.scenes.sph.tank import SIDES, SideSpec, TankSpec
+from ecume.scenes.sph.sources import ParticlesSpec
+from ecume.scenes.sph.tank import SIDES, GaugeSpec, MotionSpec, ShakeSpec, SideSpec, TankSpec
 
 __all__ = [
     "SIDES",

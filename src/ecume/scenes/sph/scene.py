@@ -27,11 +27,9 @@ from ecume.scenes.quantities import (
     Tension,
 )
 from ecume.scenes.sph.carried import CarriedSpec, carried_faults
-from ecume.scenes.sph.gauges import GaugeSpec, gauge_faults
-from ecume.scenes.sph.motions import ShakeSpec
-from ecume.scenes.sph.particles import ParticlesSpec, particle_faults
 from ecume.scenes.sph.solids import BodySpec, ObstacleSpec, ShapeSpec
-from ecume.scenes.sph.tank import TankSpec
+from ecume.scenes.sph.sources import ParticlesSpec, particle_faults
+from ecume.scenes.sph.tank import GaugeSpec, ShakeSpec, TankSpec, gauge_faults
 from ecume.units import Number, Rate, Speed, Temperature
 
 Gradient = Annotated[Rate, Field(ge=-1e6, le=1e6)]

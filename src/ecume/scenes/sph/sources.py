@@ -9,12 +9,57 @@ import itertools
 import math
 from collections.abc import Iterable, Mapping
 from pathlib import Path as Folder
-from typing import Any
+from typing import Annotated, Any, Self
 
-from ecume.scenes.faults import Complaints, echo
+from pydantic import Field, model_validator
+from pydantic.dataclasses import dataclass
+
+from ecume.scenes.faults import Complaints, Inconsistent, echo
 from ecume.scenes.files import beside, require_there, text_of
-from ecume.scenes.quantities import FARTHEST
+from ecume.scenes.quantities import FARTHEST, STRICT, Motion, Place, PositiveDensity
 from ecume.scenes.tables import MOST_BYTES, followed, lines_of
+from ecume.units import Mass
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class ParticlesSpec:
+    """Particles by their places; of the rest, all or none."""
+
+    positions: tuple[Place, ...]
+    """(m)"""
+    velocities: tuple[Motion, ...] = ()
+    """m/s; left out, those of the region"""
+    densities: tuple[PositiveDensity, ...] = ()
+    """kg/m^3; left out, those of the depth"""
+    masses: tuple[Annotated[Mass, Field(gt=0.0, le=1e15)], ...] = ()
+    """kg; left out, density times a cell of the lattice"""
+
+    @model_validator(mode="after")
+    def _alike(self) -> Self:
+        count = len(self.positions)
+        lists = {"velocities": self.velocities, "densities": self.densities, "masses": self.masses}
+        wrong = [
+            ((key,), f"came {len(values)}, and there are {count} positions")
+            for key, values in lists.items()
+            if values and len(values) != count
+        ]
+        if not count:
+            wrong.append((("positions",), "there are none"))
+        if wrong:
+            raise Inconsistent(wrong)
+        return self
+
+
+def particle_faults(particles: ParticlesSpec, dimension: int) -> Complaints:
+    """The first place and velocity that do not have the tank's dimension."""
+    found: Complaints = []
+    for key, rows in (("positions", particles.positions), ("velocities", particles.velocities)):
+        wrong = [index for index, row in enumerate(rows) if len(row) != dimension]
+        if wrong:
+            came = f"came {len(rows[wrong[0]])} numbers; the tank has {dimension} dimensions"
+            found.append((("particles", key, wrong[0]), came))
+    return found
+
 
 TABLE, OUTLINE, UNIT, RUN = "particles_from", "outline_from", "outline_unit", "start_from"
 LIQUID_COLUMNS = {

@@ -25,7 +25,7 @@ from ecume.show.picture import View
 from ecume.trajectories.durable import replacing, storing
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import Trajectory, open_trajectory
-from ecume.trajectories.vtp import HEAD, data_array, write_series
+from ecume.trajectories.vtk import HEAD, data_array, write_series
 from ecume.units import Array
 
 REACH = 20.0

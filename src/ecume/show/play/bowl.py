@@ -1,7 +1,12 @@
-"""A bowl that somebody plays with: floats are dropped, dragged, taken out, the dish is tilted, the liquid changed.
+"""A bowl that a user plays with: floats are dropped, dragged and removed, the dish is tilted, the liquid changed.
 
-Every change of the crowd or of the liquid is a new scene that begins where the old one stood, so that what is played is
-always a scene, and can be saved as one. What moves it is the model's own march.
+Every change of the floats or of the liquid makes a new scene that begins where the old one stood, so that what is
+played is always a scene, and can be saved as one. The model itself integrates the motion.
+
+A tilted dish sloshes: the surface swings about the level with the frequency of its first mode; in the middle of the
+dish, where the mode is plane, the liquid flows with u = s' g / omega^2, where s is the slope of the surface against the
+dish: from dh/dt = phi_z and u = phi_x of the potential J1(k r) cos(phi) cosh(k (z + H)) [lamb1932, art. 191]. Floats
+are carried by that current.
 """
 
 from __future__ import annotations
@@ -15,12 +20,58 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ecume.errors import BadInput, Diverged, SceneError
+from ecume.laws.waves import wave_frequency
 from ecume.models import MODELS
 from ecume.scenes.floating import FloatingScene, FloatSpec
-from ecume.show.play.sloshing import Slosh, current, swung
 from ecume.simulation import March
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
+
+DEPTH = 0.02
+"""m, of the liquid: scenes of floats say none."""
+DAMPING = 0.08
+"""Of the swing, over the critical one: what is seen in bowls of some centimeters."""
+FIRST_MODE = 1.8411837813406593
+"""The first zero of J1'."""
+
+
+class Slosh(NamedTuple):
+    """The slope of the surface against the dish along x and y, and how fast each changes (1/s)."""
+
+    slope: tuple[float, float] = (0.0, 0.0)
+    rate: tuple[float, float] = (0.0, 0.0)
+
+
+def slosh_frequency(scene: Any) -> float:
+    """Angular, of the first mode (1/s); of a rectangle that along its longer side."""
+    liquid, dish = scene.liquid, scene.dish
+    wavenumber = FIRST_MODE / dish.radius if dish.radius is not None else math.pi / max(dish.size)
+    tension = liquid.surface_tension / liquid.density
+    return float(wave_frequency(wavenumber, DEPTH, liquid.gravity, tension))
+
+
+def swung(slosh: Slosh, tilt: tuple[float, float], scene: Any, seconds: float) -> Slosh:
+    """The swing a while later, exactly, under a tilt (radians, small) that stays meanwhile."""
+    omega = slosh_frequency(scene)
+    both = [_swung(s, v, aim, omega, seconds) for s, v, aim in zip(slosh.slope, slosh.rate, tilt, strict=True)]
+    return Slosh((both[0][0], both[1][0]), (both[0][1], both[1][1]))
+
+
+def _swung(slope: float, rate: float, aim: float, omega: float, seconds: float) -> tuple[float, float]:
+    """S'' = -omega^2 (s - aim) - 2 zeta omega s', solved over the time."""
+    decay, swing = DAMPING * omega, omega * math.sqrt(1.0 - DAMPING**2)
+    away = slope - aim
+    along = (rate + decay * away) / swing
+    fade, c, s = math.exp(-decay * seconds), math.cos(swing * seconds), math.sin(swing * seconds)
+    later = fade * (away * c + along * s)
+    return aim + later, -decay * later + fade * swing * (along * c - away * s)
+
+
+def current(slosh: Slosh, scene: Any) -> tuple[float, float]:
+    """How the liquid runs in the middle of the dish (m/s)."""
+    per_rate = scene.liquid.gravity / slosh_frequency(scene) ** 2
+    return slosh.rate[0] * per_rate, slosh.rate[1] * per_rate
+
 
 FASTEST = 0.15
 """m/s: a hand drags no faster, and throws no faster."""

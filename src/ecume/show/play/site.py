@@ -14,7 +14,7 @@ import numpy as np
 from ecume.errors import BadInput
 from ecume.scenes.schema import to_toml
 from ecume.show.serving import HTML, JSON, Answer, Query
-from ecume.show.view.bundled import Parts, data_of, filled, json_of, policy_of
+from ecume.show.view.page import Parts, data_of, filled, json_of, policy_of
 
 TICK = 1.0 / 60.0
 """Seconds between two looks at the clock, where there is time."""

@@ -9,10 +9,10 @@ import numpy as np
 
 from ecume.analysis.boxes import box_of
 from ecume.errors import BadInput
+from ecume.show.camera import Eye, Wires, edges_of, wires_of
 from ecume.show.picture import USUAL, Size, species
 from ecume.show.setting import Setting
 from ecume.show.soft.packing import Packing
-from ecume.show.space import Eye, Wires, edges_of, wires_of
 from ecume.show.tank import Tank
 from ecume.trajectories.frame import Frame
 from ecume.units import Array

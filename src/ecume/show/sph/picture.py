@@ -11,9 +11,9 @@ import numpy as np
 from ecume.errors import BadInput
 from ecume.scenes.faults import suggestion
 from ecume.scenes.sph import SIDES
+from ecume.show.camera import Eye, Wires, wires_of
 from ecume.show.picture import USUAL, Size, Species
 from ecume.show.setting import BODY, Round, Setting, Shape
-from ecume.show.space import Eye, Wires, wires_of
 from ecume.show.sph.moving import ball_outline, mover_colors, movers_of
 from ecume.show.style import INK, PALETTE, RIM
 from ecume.show.tank import Coloring, Tank

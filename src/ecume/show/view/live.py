@@ -14,9 +14,8 @@ from pathlib import Path
 
 from ecume.errors import BadInput, StorageError
 from ecume.show.serving import HTML, Answer, Query, served
-from ecume.show.view.bundled import VIEW, policy_of
 from ecume.show.view.chunks import pack
-from ecume.show.view.page import page, run_header, stage_of
+from ecume.show.view.page import VIEW, page, policy_of, run_header, stage_of
 from ecume.show.view.stage import Stage
 from ecume.trajectories.reader import Trajectory, open_trajectory
 

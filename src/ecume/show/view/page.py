@@ -1,13 +1,16 @@
-"""The page: the bundle's script and style, and a run in it."""
+"""The page of a run: the script and style that esbuild made of `web/`, and a run packed into it."""
 
 from __future__ import annotations
 
 import base64
 import gzip
+import hashlib
+import html
 import json
 import math
 import os
 from collections.abc import Sequence
+from importlib import resources
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -17,13 +20,71 @@ import numpy as np
 from ecume.citing import in_words, papers_of
 from ecume.errors import BadInput
 from ecume.show.style import HEIGHT_COLORS
-from ecume.show.view.bundled import VIEW, data_of, filled, json_of
 from ecume.show.view.chunks import Chunk, pack, quantities
 from ecume.show.view.stage import Line, Stage
 from ecume.show.view.staging import STAGES
 from ecume.trajectories.durable import storing
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import Trajectory, open_trajectory
+
+
+class Parts(NamedTuple):
+    """The files of a page."""
+
+    page: str
+    style: str
+    script: str
+
+
+VIEW = Parts("page.html", "view.css", "view.js")
+PLAY = Parts("play.html", "play.css", "play.js")
+TANK = Parts("tank.html", "play.css", "tank.js")
+
+
+def filled(parts: Parts, title: str, data: str, *, live: bool) -> str:
+    """The page as text: its script, its style and its data inside. `live` pages may ask the server they came from."""
+    marks = {
+        "@POLICY@": policy_of(parts, live=live),
+        "@TITLE@": html.escape(title),
+        "@STYLE@": _bundled(parts.style),
+        "@SCRIPT@": _bundled(parts.script),
+        "@DATA@": data,
+    }
+    text = _bundled(parts.page)
+    # Split and joined, not replaced one after the other: what stands in a scene is never taken for a mark of ours.
+    for mark in marks:
+        text = text.replace(mark, f"\0{mark}\0")
+    return "".join(marks.get(piece, piece) for piece in text.split("\0"))
+
+
+def policy_of(parts: Parts, *, live: bool) -> str:
+    """What the browser may do with the page: run its script, use its style, and ask nobody but a server of ours."""
+    script, style = (_hash(_bundled(name)) for name in (parts.script, parts.style))
+    connect = "'self'" if live else "'none'"
+    return (
+        f"default-src 'none'; script-src {script}; style-src {style}; img-src data: blob:; connect-src {connect}; "
+        "base-uri 'none'; form-action 'none'"
+    )
+
+
+def json_of(value: Any) -> str:
+    """JSON that no title can leave: what HTML could read is written as its number."""
+    text = json.dumps(value, separators=(",", ":"), allow_nan=False)
+    return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
+
+
+def data_of(name: str, kind: str, text: str) -> str:
+    """Something for the page's script to read."""
+    return f'<script type="{kind}" id="{name}">{text}</script>'
+
+
+def _hash(text: str) -> str:
+    return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
+
+
+def _bundled(name: str) -> str:
+    return resources.files("ecume.show.view").joinpath("bundle", name).read_text(encoding="utf-8")
+
 
 MEGABYTE = 1_000_000
 MOST = 50.0

@@ -9,12 +9,12 @@ import numpy as np
 
 from ecume.analysis.boxes import box_of
 from ecume.scenes.soft.walls import SIDES as WALL_SIDES
+from ecume.show.camera import edges_of
 from ecume.show.floating.bowl import height_colors, height_ticks, view_of
 from ecume.show.floating.shapes import outlines_in
 from ecume.show.floating.surface import sheet, surface, typical_meniscus
 from ecume.show.picture import species
 from ecume.show.soft.packing import WIDE, links_of, reached
-from ecume.show.space import edges_of
 from ecume.show.sph.picture import rectangle
 from ecume.show.style import scale_for
 from ecume.show.view.stage import Line, Stage, Surface, circle

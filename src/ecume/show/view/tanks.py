@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from ecume.scenes.sph import SIDES
+from ecume.show.camera import edges_of
 from ecume.show.picture import species
 from ecume.show.setting import Round
-from ecume.show.space import edges_of
 from ecume.show.sph.moving import edges, rotation, shape_of, side_line, turned
 from ecume.show.sph.picture import EDGES, FULL, rectangle, regions, usual_color
 from ecume.show.tracers import outline_of

@@ -1,10 +1,14 @@
-"""Tables on the terminal."""
+"""What verbs print and record: tables on the terminal, and results kept in a file for the documentation."""
 
 from __future__ import annotations
 
+import datetime
 import sys
 from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
 
 if TYPE_CHECKING:
     from rich.text import Text
@@ -27,3 +31,20 @@ def print_table(columns: Sequence[str], rows: Iterable[Sequence[str | Text]], *,
         table.add_row(*(Text(cell) if isinstance(cell, str) else cell for cell in row))
     # Into a file or a pipe nothing is wrapped or cut off.
     Console(width=None if sys.stdout.isatty() else AS_WIDE_AS_IT_IS).print(table)
+
+
+Record = Annotated[
+    Path | None,
+    typer.Option("--record", metavar="FILE", help="Keep the result in this JSON file as well.", show_default=False),
+]
+
+
+def keep(path: Path, name: str, entry: dict[str, Any]) -> None:
+    """Put an entry into a file, in place of an earlier one of its name; the others stay."""
+    from ecume.run.directory import json_of, write_json
+    from ecume.run.manifest import circumstances
+
+    known = json_of(path) if path.exists() else {}
+    machine = {key: circumstances()[key] for key in ("ecume", "processor")}
+    known[name] = {"date": datetime.datetime.now(datetime.UTC).date().isoformat(), **machine, **entry}
+    write_json(path, dict(sorted(known.items())))
