@@ -18,8 +18,8 @@ from ecume._cache import open_to_others
 from ecume.errors import BadInput
 from ecume.show import serving
 from ecume.sweep import executors, sweep
-from ecume.sweep.asked import Cluster
 from ecume.sweep.executors import Crew, require_safe
+from ecume.sweep.spec import Cluster
 
 PACKAGE = Path(ecume.__file__).parent
 ROOT = Path(__file__).parents[1]

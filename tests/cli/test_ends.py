@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 
 import ecume.run
 from ecume.cli import app
-from ecume.cli.ends import INTERRUPTED, warned
+from ecume.cli.exit_codes import INTERRUPTED, warned
 from ecume.errors import Diverged, EcumeError, RunExists, Stopped, StorageError
 
 cli = CliRunner()

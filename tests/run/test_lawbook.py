@@ -11,7 +11,7 @@ import pytest
 import toy
 
 from ecume.errors import BadInput, StorageError
-from ecume.run import Habits, Progress, lawbook, resume, run
+from ecume.run import Habits, Progress, resume, run, user_laws
 
 Scenes = Callable[..., toy.ToyScene]
 STIFFNESS = 3.0
@@ -87,5 +87,5 @@ def test_a_law_without_a_file_is_known_by_its_instructions() -> None:
     for name, text in (("one", "distance"), ("same", "distance"), ("other", "2 * distance")):
         exec(f"def law(distance, parameters): return {text}", typed)
         typed[name] = typed.pop("law")
-    one, same, other = (lawbook.entries([typed[name]])[0] for name in ("one", "same", "other"))
+    one, same, other = (user_laws.entries([typed[name]])[0] for name in ("one", "same", "other"))
     assert one == same != other

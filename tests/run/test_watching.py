@@ -16,7 +16,7 @@ from ecume.errors import BadInput, Diverged, Stopped
 from ecume.models import MODELS
 from ecume.models.invariants import Invariant, at_most, energy_never_rises, kept
 from ecume.run import Habits, RunDirectory, info, resume, run
-from ecume.run.watching import Watch, budget, told
+from ecume.run.invariant_monitor import Watch, budget, told
 
 Scenes = Callable[..., toy.ToyScene]
 QUIET = {"kinetic_energy": 1.0, "total_energy": 5.0, "momentum_x": 2.0, "momentum_y": 0.0}

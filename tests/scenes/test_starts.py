@@ -12,7 +12,7 @@ from ecume.errors import SceneError
 from ecume.scenes.load import load_scene
 from ecume.scenes.schema import from_plain, to_plain
 from ecume.trajectories.frame import Frame
-from ecume.trajectories.recorders import Recorder
+from ecume.trajectories.recorder import Recorder
 
 SCENE = """\
 model = "floating"

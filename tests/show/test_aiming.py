@@ -7,7 +7,7 @@ import pytest
 
 import ecume
 from ecume.errors import BadInput
-from ecume.run import driving
+from ecume.run import runner
 from ecume.scenes.load import load_scene
 from ecume.scenes.templates import folder
 from ecume.scenes.tracers import ObstacleSpec, ParticleSpec, TankSpec, TracersScene
@@ -153,7 +153,7 @@ def test_many_soft_spheres_in_space_are_balls_in_their_box():
 @pytest.mark.compiled
 def test_many_processes_draw_what_one_draws(tmp_path):
     text = (folder() / "two-spheres.toml").read_text()
-    run = driving.run(load_scene(text), tmp_path / "run").directory
+    run = runner.run(load_scene(text), tmp_path / "run").directory
     cut = Cut(size=(96, 72), every=20)
     with ecume.open_trajectory(run) as trajectory:
         shown = cut.shown(trajectory)

@@ -7,8 +7,8 @@ import pytest
 
 from ecume.errors import BadInput, SceneError
 from ecume.scenes.templates import sweep_templates
-from ecume.sweep.asked import READER
 from ecume.sweep.points import load_sweep, points_of, varied
+from ecume.sweep.spec import READER
 
 
 def spec_of(text):

@@ -12,7 +12,7 @@ from ecume.errors import BadInput
 from ecume.sweep import open_sweep, sweep
 from ecume.sweep.directory import laid_out
 from ecume.sweep.points import load_sweep
-from ecume.sweep.standing import remaining, standing
+from ecume.sweep.status import remaining, standing
 
 
 class Frames:

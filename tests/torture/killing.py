@@ -16,7 +16,7 @@ from ecume.run import Habits, RunDirectory, checkpoints, info, resume, run
 from ecume.run.checkpoints import Checkpoint
 from ecume.simulation import moments
 from ecume.trajectories.reader import open_trajectory
-from ecume.trajectories.recorders import Recorder
+from ecume.trajectories.recorder import Recorder
 
 from .trials import ONE_THREAD, SCENES, Outcome, Trial, ended, forked, go_on, results, scene_of, times, until, warmed
 

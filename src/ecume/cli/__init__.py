@@ -10,8 +10,8 @@ from typing import Annotated
 
 import typer
 
-from ecume.cli import benching, fits, pictures, runs, scenes, sweeps, validation, viewing
-from ecume.cli.ends import Ending, warned
+from ecume.cli import benchmarks, browser, fits, pictures, runs, scenes, sweeps, validation
+from ecume.cli.exit_codes import Ending, warned
 
 app = typer.Typer(
     name="ecume",
@@ -30,18 +30,18 @@ Ends with 0 when done, 1 when a validation is not met, 2 for input that cannot b
 ALONE = (
     scenes.new,
     validation.validate,
-    benching.bench,
+    benchmarks.bench,
     runs.resume,
     runs.info,
     runs.repair,
     pictures.movie,
     pictures.plot,
-    viewing.view,
-    viewing.play,
+    browser.view,
+    browser.play,
 )
 """Verbs that make sense by themselves: they list what there is, or mean the run in the current directory."""
 
-MODULES = (scenes, runs, pictures, viewing, sweeps, fits, validation, benching)
+MODULES = (scenes, runs, pictures, browser, sweeps, fits, validation, benchmarks)
 for verb in (verb for module in MODULES for verb in module.VERBS):
     app.command(no_args_is_help=verb not in ALONE)(verb)
 

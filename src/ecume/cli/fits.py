@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ecume.cli.ends import say
+from ecume.cli.exit_codes import say
 from ecume.cli.output import print_table
 from ecume.cli.runs import Quiet
 from ecume.errors import BadInput
@@ -125,9 +125,9 @@ def keep(found: Fit, directory: Path) -> None:
     """Write what a fit came to: `fitted.toml`, `fit.json` and `residuals.png`."""
     from ecume.run.directory import as_json
     from ecume.scenes.schema import to_toml
-    from ecume.show.fits import fit_figure
+    from ecume.show.fit_figures import fit_figure
     from ecume.show.style import save
-    from ecume.trajectories.durable import storing, write_whole
+    from ecume.trajectories.durable_files import storing, write_whole
 
     with storing(directory):
         directory.mkdir(parents=True, exist_ok=True)

@@ -8,7 +8,8 @@ from typing import Annotated, Any
 
 import typer
 
-from ecume.cli.asking import (
+from ecume.cli.exit_codes import say
+from ecume.cli.picture_options import (
     Azimuth,
     Begin,
     Color,
@@ -25,7 +26,6 @@ from ecume.cli.asking import (
     Workers,
     Zoom,
 )
-from ecume.cli.ends import say
 from ecume.cli.progress import counted
 from ecume.cli.runs import HERE, Quiet, RunFolder
 from ecume.errors import BadInput

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ecume.cli.ends import say
-from ecume.cli.engines import Engine, Ranks, marching
+from ecume.cli.exit_codes import say
+from ecume.cli.mpi_launcher import Engine, Ranks, marching
 from ecume.cli.progress import ahead, lasting, shown
 from ecume.cli.scenes import Overrides, SceneFile, placed
 
@@ -127,7 +127,7 @@ def resume(
 def _end(done: RunResult, *, quiet: bool) -> None:
     """Say what a run came to, and what it broke."""
     from ecume.run.directory import RunDirectory
-    from ecume.run.watching import BROKEN, told
+    from ecume.run.invariant_monitor import BROKEN, told
 
     if not quiet:
         typer.echo(summary(done))
@@ -169,7 +169,7 @@ def watched(directory: Path, *, wanted: bool) -> Iterator[None]:
     if not wanted:
         yield
         return
-    from ecume.run.stopping import ask_to_stop
+    from ecume.run.stop_requests import ask_to_stop
     from ecume.show.view.live import Source, serving
 
     ended: list[str] = []

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ecume.cli.ends import say
+from ecume.cli.exit_codes import say
 from ecume.cli.progress import counted, lasting
 from ecume.cli.runs import Quiet, use_at_most
 from ecume.errors import BadInput, Stopped
@@ -91,13 +91,13 @@ def _write_array(source: Path, directory: Path) -> None:
 
 def _run_all(source: Path, directory: Path, hands: dict[str, Any], *, quiet: bool) -> None:
     """Run what is missing, and say what became of it."""
-    from ecume.sweep import Crew, running
+    from ecume.sweep import Crew, runner
 
     def failed(folder: Path, why: str) -> None:
         say(f"{folder}: {why}", named=False)
 
     with counted("points", quiet=quiet, lines=True) as told:
-        done = running.sweep(source, directory, Crew(**hands, progress=told, failed=failed))
+        done = runner.sweep(source, directory, Crew(**hands, progress=told, failed=failed))
     _end(done, quiet=quiet)
 
 
@@ -118,7 +118,7 @@ def _end(done: Outcome, *, quiet: bool) -> None:
 
 
 def _tell(directory: Path) -> None:
-    from ecume.sweep.standing import standing
+    from ecume.sweep.status import standing
 
     now = standing(directory)
     left = f"; {lasting(now.remaining)} left at the pace of the last points" if now.remaining is not None else ""

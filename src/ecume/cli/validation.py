@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ecume.cli.ends import say
+from ecume.cli.exit_codes import say
 from ecume.cli.output import Record, keep, print_table
 from ecume.cli.progress import lasting
 from ecume.errors import BadInput, EcumeError

@@ -4,7 +4,7 @@ fit = ecume.fit("tracks.csv", "two-beads.toml", ["contact_angle", "viscosity"])
 print(fit.estimates)
 """
 
-from ecume.fitting.estimating import Estimate, Fit, fit
+from ecume.fitting.estimation import Estimate, Fit, fit
 from ecume.fitting.tracks import Camera, Tracks, picked, read_tracks
 
 __all__ = ["Camera", "Estimate", "Fit", "Tracks", "fit", "picked", "read_tracks"]

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ecume.run.directory import RunDirectory
-from ecume.trajectories.durable import replacing, settle, storing
-from ecume.trajectories.schema import checksum
+from ecume.trajectories.durable_files import replacing, settle, storing
+from ecume.trajectories.gsd_schema import checksum
 
 KEPT = 2
 """How many checkpoints stay: if the newest is damaged, there is another."""

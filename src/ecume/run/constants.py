@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from ecume.errors import StorageError
 from ecume.run.directory import RunDirectory, json_of
-from ecume.trajectories.durable import replacing, storing
+from ecume.trajectories.durable_files import replacing, storing
 
 STEPS = "steps_per_frame"
 """The one whole number that follows from rounded ones: it belongs to the time step."""

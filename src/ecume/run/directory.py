@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ecume.errors import BadInput, RunExists, StorageError
-from ecume.trajectories.durable import storing, write_whole
+from ecume.trajectories.durable_files import storing, write_whole
 
 MOST_NAMED = 5
 """Runs that are offered to whoever named none."""

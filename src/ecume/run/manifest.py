@@ -14,7 +14,7 @@ from typing import Any
 
 import ecume
 from ecume.run.directory import RunDirectory, json_of, write_json
-from ecume.trajectories.durable import storing
+from ecume.trajectories.durable_files import storing
 
 PROGRAMS = ("numpy", "numba", "llvmlite", "scipy", "pydantic")
 SETTINGS = ("OPENBLAS_CORETYPE", "NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES", "GLIBC_TUNABLES")

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from ecume.run.directory import RunDirectory, as_json
 from ecume.run.manifest import now
-from ecume.trajectories.durable import storing
+from ecume.trajectories.durable_files import storing
 
 SETTLED = 1.0
 """Seconds of marching after which its speed tells how long the rest takes."""

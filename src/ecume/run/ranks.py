@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ecume.errors import BadInput, EcumeError
-from ecume.run.stopping import SIGNALS
+from ecume.run.stop_requests import SIGNALS
 
 if TYPE_CHECKING:
     from ecume.engine.sharing import Share

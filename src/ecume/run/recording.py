@@ -22,10 +22,10 @@ from ecume.run.directory import RunDirectory
 from ecume.run.manifest import changed, circumstances_of_frame, record
 from ecume.run.progress import note
 from ecume.scenes.common import Kind, colors_of
-from ecume.trajectories.durable import storing, write_whole
+from ecume.trajectories.durable_files import storing, write_whole
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import Trajectory
-from ecume.trajectories.recorders import LARGEST, Recorder
+from ecume.trajectories.recorder import LARGEST, Recorder
 
 
 class Recording:

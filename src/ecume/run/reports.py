@@ -10,10 +10,10 @@ from typing import Any, NamedTuple, TypeVar
 from ecume._hooks import html_of
 from ecume.errors import StorageError
 from ecume.run.directory import RunDirectory, existing, json_of
-from ecume.run.locking import held, is_held
-from ecume.run.mending import mended
-from ecume.run.watching import told as watched
-from ecume.trajectories.durable import storing
+from ecume.run.invariant_monitor import told as watched
+from ecume.run.lock import held, is_held
+from ecume.run.recovery import mended
+from ecume.trajectories.durable_files import storing
 from ecume.trajectories.reader import Trajectory
 from ecume.trajectories.repair import Repaired
 

@@ -11,10 +11,10 @@ from typing import Any, NamedTuple
 from ecume.errors import Fault, SceneError
 from ecume.scenes.faults import Path, read_path, written
 from ecume.scenes.files import NotText, text_of
+from ecume.scenes.floating.sources import SOURCES, rows_from
 from ecume.scenes.overrides import overridden
 from ecume.scenes.places import place_of, places
 from ecume.scenes.schema import Scene, examined
-from ecume.scenes.starts import SOURCES, rows_from
 from ecume.scenes.templates import templates
 
 BARE = re.compile(r"[^=#]*=\s*([\w.+-][^\"'\[\]{}#=]*[^\W\d_][^\"'\[\]{}#=]*?)\s*(?:#.*)?$")

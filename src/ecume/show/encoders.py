@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ecume.errors import BadInput, StorageError
-from ecume.trajectories.durable import replaceable
+from ecume.trajectories.durable_files import replaceable
 
 Pixels = NDArray[np.uint8]
 CODECS = {

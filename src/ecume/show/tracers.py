@@ -13,7 +13,7 @@ from ecume.errors import BadInput
 from ecume.show.camera import STANDING, Eye, Wires, wires_of
 from ecume.show.curves import Frames, energies, over_time, thinned
 from ecume.show.picture import USUAL, Size, species
-from ecume.show.setting import Round, Setting, Shape
+from ecume.show.scenery import Round, Setting, Shape
 from ecume.show.style import PALETTE, figure, legend_outside, plain, scale_for, style
 from ecume.show.tank import Tank, seen
 from ecume.trajectories.frame import Frame

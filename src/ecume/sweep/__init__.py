@@ -6,6 +6,6 @@ ecume.open_sweep("sweeps/durations").table()
 
 from ecume.sweep.executors import Crew
 from ecume.sweep.results import Sweep, open_sweep
-from ecume.sweep.running import Outcome, sweep
+from ecume.sweep.runner import Outcome, sweep
 
 __all__ = ["Crew", "Outcome", "Sweep", "open_sweep", "sweep"]

@@ -20,10 +20,10 @@ from ecume.scenes.files import beside, require_there
 from ecume.scenes.load import OVERRIDDEN, load_scene
 from ecume.scenes.schema import scene_hash, to_plain
 from ecume.scenes.templates import folder as templates_folder
-from ecume.sweep.asked import SweepSpec
 from ecume.sweep.points import Asked, Point, load_sweep, points_of, varied
 from ecume.sweep.processes import require_arguments, require_settings
-from ecume.trajectories.durable import storing, write_whole
+from ecume.sweep.spec import SweepSpec
+from ecume.trajectories.durable_files import storing, write_whole
 
 KEY_LENGTH = 16
 

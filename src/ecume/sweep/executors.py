@@ -20,10 +20,10 @@ from pathlib import Path
 from typing import Any
 
 from ecume.errors import BadInput, Stopped
-from ecume.sweep.asked import Cluster
 from ecume.sweep.directory import Job, Sweeping
-from ecume.sweep.working import work
-from ecume.trajectories.durable import write_whole
+from ecume.sweep.spec import Cluster
+from ecume.sweep.worker import work
+from ecume.trajectories.durable_files import write_whole
 
 ONE_THREAD = {"NUMBA_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
 """Of a worker: there are as many workers as cores."""

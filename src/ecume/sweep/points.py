@@ -15,7 +15,7 @@ from ecume.errors import BadInput, Fault, SceneError
 from ecume.scenes.faults import echo, faults_of, suggestion
 from ecume.scenes.load import parsed, placed, source_in
 from ecume.scenes.templates import templates
-from ecume.sweep.asked import MOST_POINTS, READER, Axis, Sampling, Span, SweepSpec
+from ecume.sweep.spec import MOST_POINTS, READER, Axis, Sampling, Span, SweepSpec
 
 MOST_BYTES = 2**22
 Settings = dict[str, Any]

@@ -15,13 +15,13 @@ from pathlib import Path
 from typing import Any
 
 from ecume.errors import BadInput
-from ecume.run.lawbook import entries
+from ecume.run.user_laws import entries
 from ecume.scenes.faults import read_path, suggestion
 from ecume.scenes.schema import from_plain, unit_of
 from ecume.sweep.directory import Job, Sweeping, existing_sweep, json_at
 from ecume.sweep.measures import Measure, measure_of, read_measure, usual_measures
 from ecume.sweep.processes import process_of
-from ecume.trajectories.durable import storing, write_whole
+from ecume.trajectories.durable_files import storing, write_whole
 from ecume.trajectories.reader import open_trajectory
 
 CACHE = "measures.json"

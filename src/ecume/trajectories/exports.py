@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ecume.errors import BadInput
-from ecume.trajectories.durable import replacing, storing
+from ecume.trajectories.durable_files import replacing, storing
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import Trajectory, open_trajectory
 from ecume.trajectories.vtk import write_pvd, write_vtk

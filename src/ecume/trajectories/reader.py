@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 
 from ecume._hooks import html_of, scene_of
 from ecume.errors import BadInput, StorageError
-from ecume.trajectories import schema
-from ecume.trajectories.durable import storing
+from ecume.trajectories import gsd_schema
+from ecume.trajectories.durable_files import storing
 from ecume.trajectories.frame import Frame
-from ecume.trajectories.recorders import segment_files
+from ecume.trajectories.recorder import segment_files
 from ecume.trajectories.segments import Segment
 
 
@@ -119,7 +119,7 @@ class Trajectory(Sequence[Frame]):
         if not -len(self) <= index < len(self):
             raise IndexError(f"{self.directory}: there is no frame {index}; the run has {len(self)}")
         segment, local = self._located(index % len(self))
-        return schema.frame_of(segment.chunks(local), segment.header)
+        return gsd_schema.frame_of(segment.chunks(local), segment.header)
 
     def close(self) -> None:
         """Close the files."""

@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 from ecume.errors import StorageError
 from ecume.trajectories import segments
-from ecume.trajectories.durable import storing
-from ecume.trajectories.recorders import segment_files
+from ecume.trajectories.durable_files import storing
+from ecume.trajectories.recorder import segment_files
 from ecume.trajectories.segments import Segment
 
 

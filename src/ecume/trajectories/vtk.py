@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ecume.errors import StorageError
-from ecume.trajectories.durable import replacing, storing
+from ecume.trajectories.durable_files import replacing, storing
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import Trajectory
 

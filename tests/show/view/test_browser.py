@@ -21,7 +21,7 @@ from ecume.show.view import save_page
 from ecume.show.view.chunks import pack
 from ecume.show.view.live import Source, serving
 from ecume.show.view.page import hexadecimal, looks, page
-from ecume.show.view.staging import STAGES
+from ecume.show.view.scenery import STAGES
 
 playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 CHROMIUM = os.environ.get("ECUME_CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser")

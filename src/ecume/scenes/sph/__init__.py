@@ -1,6 +1,6 @@
 """The scene of the SPH model: a liquid, the tank that holds it, what stands and moves in it, and how it is computed."""
 
-from ecume.scenes.sph.carried import CarriedSpec
+from ecume.scenes.sph.passive_particles import CarriedSpec
 from ecume.scenes.sph.scene import CentralPullSpec, FluidSpec, MethodSpec, RegionSpec, SphScene
 from ecume.scenes.sph.solids import BodySpec, ObstacleSpec, ShapeSpec
 from ecume.scenes.sph.sources import ParticlesSpec

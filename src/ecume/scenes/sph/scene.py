@@ -26,7 +26,7 @@ from ecume.scenes.quantities import (
     Switch,
     Tension,
 )
-from ecume.scenes.sph.carried import CarriedSpec, carried_faults
+from ecume.scenes.sph.passive_particles import CarriedSpec, carried_faults
 from ecume.scenes.sph.solids import BodySpec, ObstacleSpec, ShapeSpec
 from ecume.scenes.sph.sources import ParticlesSpec, particle_faults
 from ecume.scenes.sph.tank import GaugeSpec, ShakeSpec, TankSpec, gauge_faults

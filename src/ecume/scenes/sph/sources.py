@@ -124,7 +124,7 @@ def particles_of(columns: Mapping[str, list[float]]) -> dict[str, Any]:
 
 def _start_from(raw: dict[str, Any], name: str, folder: Folder) -> None:
     """One region for each of the run's."""
-    from ecume.scenes.starts import frame_of_run
+    from ecume.scenes.floating.sources import frame_of_run
 
     if raw.get("fluid"):
         raise ValueError("brings all the liquid; leave [[fluid]] out")

@@ -15,10 +15,10 @@ from ecume.show.floating.bowl import view_of
 from ecume.show.floating.surface import Sheet, sheet, surface
 from ecume.show.picture import species
 from ecume.show.play.bowl import SHELF, Bowl
-from ecume.show.play.pouring import movable
-from ecume.show.play.site import Asked, Deed, Game, Toy, number
+from ecume.show.play.game_server import Asked, Deed, Game, Toy, number
 from ecume.show.play.tank import PUSHED, STEEPEST, Tank
-from ecume.show.setting import Round
+from ecume.show.play.tank_scene import movable
+from ecume.show.scenery import Round
 from ecume.show.sph.picture import FULL, outline
 from ecume.show.view.page import PLAY, TANK, color_map
 from ecume.units import Array

@@ -19,7 +19,7 @@ from ecume.models import MODELS
 from ecume.models.sph.parameters import Drive, Liquid
 from ecume.models.sph.state import make_state
 from ecume.scenes.sph import SphScene
-from ecume.show.play.pouring import (
+from ecume.show.play.tank_scene import (
     MOST,
     Push,
     fixed,

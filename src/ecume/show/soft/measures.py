@@ -10,9 +10,9 @@ from matplotlib.axes import Axes
 from matplotlib.collections import EllipseCollection
 from matplotlib.figure import Figure
 
-from ecume.analysis.affinity import local_deformation, nonaffine_displacement
 from ecume.analysis.boxes import copies
 from ecume.analysis.contacts import films, gap_distribution
+from ecume.analysis.non_affine_motion import local_deformation, nonaffine_displacement
 from ecume.analysis.rearrangements import Swaps, neighbor_swaps
 from ecume.analysis.rheology import FlowPoint, Moduli, flow_point, moduli
 from ecume.analysis.series import number, series, times

@@ -11,7 +11,7 @@ from ecume.analysis.boxes import box_of
 from ecume.errors import BadInput
 from ecume.show.camera import Eye, Wires, edges_of, wires_of
 from ecume.show.picture import USUAL, Size, species
-from ecume.show.setting import Setting
+from ecume.show.scenery import Setting
 from ecume.show.soft.packing import Packing
 from ecume.show.tank import Tank
 from ecume.trajectories.frame import Frame

@@ -13,8 +13,8 @@ from ecume.scenes.faults import suggestion
 from ecume.scenes.sph import SIDES
 from ecume.show.camera import Eye, Wires, wires_of
 from ecume.show.picture import USUAL, Size, Species
-from ecume.show.setting import BODY, Round, Setting, Shape
-from ecume.show.sph.moving import ball_outline, mover_colors, movers_of
+from ecume.show.scenery import BODY, Round, Setting, Shape
+from ecume.show.sph.solids import ball_outline, mover_colors, movers_of
 from ecume.show.style import INK, PALETTE, RIM
 from ecume.show.tank import Coloring, Tank
 from ecume.trajectories.frame import Frame

@@ -14,9 +14,9 @@ from ecume.engine.shapes import Ball, Shape
 from ecume.errors import BadInput
 from ecume.show.curves import Frames
 from ecume.show.picture import DPI, USUAL, Pixels, Size
-from ecume.show.setting import BODY
-from ecume.show.sph.moving import shape_of, turned
+from ecume.show.scenery import BODY
 from ecume.show.sph.picture import COLORINGS, FULL, usual_color
+from ecume.show.sph.solids import shape_of, turned
 from ecume.show.style import RIM, figure, scale_for
 from ecume.show.tank import RARE, Coloring, time_text
 from ecume.trajectories.frame import Frame

@@ -21,9 +21,9 @@ from ecume.citing import in_words, papers_of
 from ecume.errors import BadInput
 from ecume.show.style import HEIGHT_COLORS
 from ecume.show.view.chunks import Chunk, pack, quantities
+from ecume.show.view.scenery import STAGES
 from ecume.show.view.stage import Line, Stage
-from ecume.show.view.staging import STAGES
-from ecume.trajectories.durable import storing
+from ecume.trajectories.durable_files import storing
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import Trajectory, open_trajectory
 

@@ -11,9 +11,9 @@ import numpy as np
 from ecume.scenes.sph import SIDES
 from ecume.show.camera import edges_of
 from ecume.show.picture import species
-from ecume.show.setting import Round
-from ecume.show.sph.moving import edges, rotation, shape_of, side_line, turned
+from ecume.show.scenery import Round
 from ecume.show.sph.picture import EDGES, FULL, rectangle, regions, usual_color
+from ecume.show.sph.solids import edges, rotation, shape_of, side_line, turned
 from ecume.show.tracers import outline_of
 from ecume.show.view.stage import ROUND, Line, Stage, circle
 from ecume.trajectories.frame import Frame

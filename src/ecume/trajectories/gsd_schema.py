@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from ecume.errors import BadInput, StorageError
 from ecume.trajectories.frame import Frame
-from ecume.trajectories.layout import CHECKSUM
+from ecume.trajectories.gsd_layout import CHECKSUM
 
 HEADER = "ecume/header"
 FORMAT = 1

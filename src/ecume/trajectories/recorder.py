@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Self
 
-from ecume.trajectories import schema, segments
-from ecume.trajectories.durable import storing
+from ecume.trajectories import gsd_schema, segments
+from ecume.trajectories.durable_files import storing
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.segments import GrowingSegment, Segment
 
@@ -81,8 +81,8 @@ class Recorder:
 
     def _appended(self, segment: GrowingSegment, frame: Frame, step: int) -> bool:
         """Whether this segment has room for the frame, and now has it."""
-        header = schema.header_of(frame, segment.header.first, self._species)
-        chunks = schema.chunks_of(frame, step, header, self._colors)
+        header = gsd_schema.header_of(frame, segment.header.first, self._species)
+        chunks = gsd_schema.chunks_of(frame, step, header, self._colors)
         if not segment.takes(chunks) or segment.size + sum(chunk.nbytes for chunk in chunks.values()) > self._largest:
             return False
         segment.append(chunks)
@@ -92,7 +92,7 @@ class Recorder:
         """A new segment, that begins with this frame."""
         self.close()
         path = self.folder / f"{self._number:04d}.gsd"
-        header = schema.header_of(frame, self.frames, self._species)
-        segments.create(path, schema.chunks_of(frame, step, header, self._colors))
+        header = gsd_schema.header_of(frame, self.frames, self._species)
+        segments.create(path, gsd_schema.chunks_of(frame, step, header, self._colors))
         self._segment = GrowingSegment(path, 1)
         self._number += 1

@@ -93,7 +93,7 @@ def handing_on(started: subprocess.Popen[bytes]) -> Iterator[None]:
     """Signals go to the ranks, of which the first hears them."""
     import psutil
 
-    from ecume.run.stopping import SIGNALS
+    from ecume.run.stop_requests import SIGNALS
 
     def hand_on(number: int, _: Any) -> None:
         with contextlib.suppress(psutil.NoSuchProcess):

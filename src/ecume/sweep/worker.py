@@ -8,7 +8,7 @@ from pathlib import Path
 from ecume.errors import EcumeError, RunExists, Stopped
 from ecume.sweep.directory import Job
 from ecume.sweep.points import Point
-from ecume.trajectories.durable import storing, write_whole
+from ecume.trajectories.durable_files import storing, write_whole
 
 THREADS = 1
 """Of each run: many runs share the machine."""

@@ -66,8 +66,8 @@ def _follow(directory: Path) -> None:
     """Serve a run until it ends, or Ctrl-C."""
     from ecume.run import RunDirectory
     from ecume.run import info as look
-    from ecume.run.locking import owner
-    from ecume.run.stopping import ask_to_stop
+    from ecume.run.lock import owner
+    from ecume.run.stop_requests import ask_to_stop
     from ecume.show.view.live import Source, serving
 
     def stop() -> None:

@@ -13,7 +13,7 @@ from types import FrameType
 from typing import NamedTuple
 
 from ecume.errors import Stopped
-from ecume.run.stopping import SIGNALS
+from ecume.run.stop_requests import SIGNALS
 from ecume.sweep.directory import Job, Sweeping, begun_or_laid_out, distinct
 from ecume.sweep.executors import Crew, hands
 from ecume.sweep.results import require_numbers, write_table

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
+from ecume.fitting.initial_conditions import first_frame
 from ecume.fitting.least_squares import Certainty, Problem, values_at
-from ecume.fitting.starts import first_frame
 from ecume.fitting.tracks import Tracks
 from ecume.units import Array
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ecume.run.directory import RunDirectory
-from ecume.run.locking import is_held
+from ecume.run.lock import is_held
 from ecume.sweep.directory import Job, distinct, existing_sweep
 
 RECENT = 50

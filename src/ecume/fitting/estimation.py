@@ -11,7 +11,15 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ecume.errors import BadInput
-from ecume.fitting.doubts import astray, met, no_noise, swapped, unsure
+from ecume.fitting.initial_conditions import (
+    first_frame,
+    first_seen,
+    first_speeds,
+    keeps_kinds,
+    matched,
+    require_no_chance,
+    require_starts,
+)
 from ecume.fitting.least_squares import (
     STARTS,
     STEP,
@@ -27,15 +35,7 @@ from ecume.fitting.least_squares import (
     timed,
 )
 from ecume.fitting.parameters import Free, Quantity, free_parameters, quantities_of
-from ecume.fitting.starts import (
-    first_frame,
-    first_seen,
-    first_speeds,
-    keeps_kinds,
-    matched,
-    require_no_chance,
-    require_starts,
-)
+from ecume.fitting.remarks import astray, met, no_noise, swapped, unsure
 from ecume.fitting.tracks import Camera, Tracks, cut, read_tracks
 from ecume.scenes.faults import suggestion
 from ecume.scenes.load import load_scene

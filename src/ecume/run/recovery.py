@@ -10,7 +10,7 @@ from typing import Any
 from ecume.errors import EcumeError, StorageError
 from ecume.run.constants import is_sound
 from ecume.run.directory import RunDirectory, as_json, json_of, write_json
-from ecume.trajectories.durable import storing, write_whole
+from ecume.trajectories.durable_files import storing, write_whole
 from ecume.trajectories.repair import Repaired
 from ecume.trajectories.repair import repair as repair_trajectory
 

@@ -15,7 +15,7 @@ import psutil
 
 from ecume.errors import RunExists
 from ecume.run.directory import RunDirectory
-from ecume.trajectories.durable import storing
+from ecume.trajectories.durable_files import storing
 
 WIDTH = 512
 """Bytes of the lock: more than any process needs to say who it is."""

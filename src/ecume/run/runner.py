@@ -18,14 +18,14 @@ from ecume.errors import BadInput, Diverged, Stopped, StorageError
 from ecume.run import checkpoints, constants, manifest
 from ecume.run.checkpoints import Checkpoint
 from ecume.run.directory import RunDirectory, as_json, clear, existing, json_of, refuse_existing, sweep, write_json
-from ecume.run.lawbook import Law, entries, require_same
-from ecume.run.locking import held
-from ecume.run.mending import plain_scene
+from ecume.run.invariant_monitor import POLICIES, Watch, sentence
+from ecume.run.lock import held
 from ecume.run.progress import Pace, Progress, StatusFile, note
 from ecume.run.recording import Recording
-from ecume.run.stopping import PATIENT, Wish, wish_to_stop
-from ecume.run.watching import POLICIES, Watch, sentence
-from ecume.trajectories.durable import storing, write_whole
+from ecume.run.recovery import plain_scene
+from ecume.run.stop_requests import PATIENT, Wish, wish_to_stop
+from ecume.run.user_laws import Law, entries, require_same
+from ecume.trajectories.durable_files import storing, write_whole
 from ecume.trajectories.reader import Trajectory
 from ecume.trajectories.repair import repair
 

@@ -14,7 +14,7 @@ from typing import Annotated, NamedTuple
 
 import typer
 
-from ecume.cli.ends import say
+from ecume.cli.exit_codes import say
 from ecume.cli.output import Record, keep, print_table
 from ecume.cli.progress import lasting
 from ecume.errors import BadInput

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 from ecume.errors import Diverged, StorageError
 from ecume.models.invariants import DISSIPATED, ENERGY, INJECTED, Invariant, Numbers, Seen, with_own
 from ecume.run.directory import RunDirectory, json_of, write_json
-from ecume.trajectories.durable import storing
+from ecume.trajectories.durable_files import storing
 
 POLICIES = ("warn", "stop")
 """What becomes of a run that breaks an invariant."""
