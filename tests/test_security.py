@@ -18,7 +18,7 @@ from ecume._cache import open_to_others
 from ecume.errors import BadInput
 from ecume.show import serving
 from ecume.sweep import executors, sweep
-from ecume.sweep.executors import Crew, require_safe
+from ecume.sweep.executors import ExecutorOptions, require_safe
 from ecume.sweep.spec import Cluster
 
 PACKAGE = Path(ecume.__file__).parent
@@ -107,7 +107,7 @@ def test_a_sweep_reads_no_scene_outside_of_its_folder(tmp_path):
     (tmp_path / "secret.toml").write_text("a = 1")
     (tmp_path / "inner" / "sweep.toml").write_text('scene = "../secret.toml"\n[[axes]]\nkey = "seed"\nvalues = [1]')
     with pytest.raises(BadInput, match="leads out of the scene's folder"):
-        sweep(tmp_path / "inner" / "sweep.toml", tmp_path / "out", Crew(workers=1))
+        sweep(tmp_path / "inner" / "sweep.toml", tmp_path / "out", ExecutorOptions(workers=1))
     assert not (tmp_path / "out").exists()
 
 
@@ -135,7 +135,7 @@ def test_a_scheduler_across_a_network_without_encryption_is_refused(address, tmp
     path = tmp_path / "bowls.toml"
     path.write_text('template = "cereal-bowl"\n[[axes]]\nkey = "seed"\nvalues = [1]')
     with pytest.raises(BadInput, match="not encrypted"):
-        sweep(path, tmp_path / "out", Crew(scheduler=address))
+        sweep(path, tmp_path / "out", ExecutorOptions(scheduler=address))
 
 
 def test_workers_on_a_cluster_are_encrypted(monkeypatch, tmp_path):

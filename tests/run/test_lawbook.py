@@ -11,7 +11,7 @@ import pytest
 import toy
 
 from ecume.errors import BadInput, StorageError
-from ecume.run import Habits, Progress, resume, run, user_laws
+from ecume.run import Progress, RunOptions, resume, run, user_laws
 
 Scenes = Callable[..., toy.ToyScene]
 STIFFNESS = 3.0
@@ -37,9 +37,9 @@ def broken_off(tmp_path: Path, scene: Scenes) -> Path:
         if progress.step > 200:
             raise StorageError("no room")
 
-    habits = Habits(progress=refuse, checkpoint_every=0.0)
+    options = RunOptions(progress=refuse, checkpoint_every=0.0)
     with pytest.raises(StorageError, match="no room"):
-        run(scene(), tmp_path / "run", extra_laws=[springy], habits=habits)
+        run(scene(), tmp_path / "run", extra_laws=[springy], options=options)
     return tmp_path / "run"
 
 

@@ -19,10 +19,10 @@ def half(tmp_path, scene):
         if progress.step > 200:
             raise Stopped("half way")
 
-    from ecume.run import Habits
+    from ecume.run import RunOptions
 
     with pytest.raises(Stopped):
-        run(scene(), tmp_path / "half", habits=Habits(progress=stop, checkpoint_every=0.0))
+        run(scene(), tmp_path / "half", options=RunOptions(progress=stop, checkpoint_every=0.0))
     return RunDirectory(tmp_path / "half"), RunDirectory(tmp_path / "whole")
 
 

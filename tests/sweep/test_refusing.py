@@ -123,6 +123,6 @@ def test_damaged_files_of_a_sweep_are_told_in_a_line(tmp_path, text):
     job.asked.write_text(text)
     (again,) = laid_out(load_sweep(path), tmp_path / "out").jobs
     assert json.loads(again.asked.read_text())["settings"]["gap"] == 0.1
-    job.told.write_text("3")
+    job.result.write_text("3")
     with pytest.raises(StorageError, match=r"told\.json: damaged; delete it"):
         open_sweep(tmp_path / "out").table()

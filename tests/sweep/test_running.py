@@ -17,7 +17,7 @@ from ecume.errors import Stopped
 from ecume.scenes.templates import copy_template
 from ecume.sweep import open_sweep, sweep
 from ecume.sweep.directory import existing_sweep, laid_out
-from ecume.sweep.executors import Crew, _client, next_word
+from ecume.sweep.executors import ExecutorOptions, _client, next_word
 from ecume.sweep.points import load_sweep
 from ecume.sweep.runner import Outcome
 from ecume.sweep.worker import work
@@ -42,7 +42,7 @@ def test_only_what_is_missing_is_run(file, tmp_path):
     before = {path: path.stat().st_mtime_ns for path in (tmp_path / "out").rglob("DONE.json")}
     file.write_text(BOWLS.replace("[1, 2, 3, 4]", "[2, 3, 4, 5, 6]"))
     heard = []
-    assert sweep(file, tmp_path / "out", Crew(workers=1, progress=lambda *now: heard.append(now))).done == 5
+    assert sweep(file, tmp_path / "out", ExecutorOptions(workers=1, progress=lambda *now: heard.append(now))).done == 5
     assert heard == [(3, 5), (4, 5), (5, 5)]
     assert all(path.stat().st_mtime_ns == at for path, at in before.items())
     assert [row["seed"] for row in open_sweep(tmp_path / "out").table()] == [2, 3, 4, 5, 6]
@@ -50,13 +50,13 @@ def test_only_what_is_missing_is_run(file, tmp_path):
 
 def test_many_workers_make_the_same_table(file, tmp_path):
     sweep(file, tmp_path / "alone", ALONE)
-    assert sweep(file, tmp_path / "many", Crew(workers=2)).done == 4
+    assert sweep(file, tmp_path / "many", ExecutorOptions(workers=2)).done == 4
     assert table(tmp_path / "many") == table(tmp_path / "alone")
 
 
 @pytest.mark.compiled  # processes: once is enough
 def test_as_many_workers_of_dask_are_started_as_are_asked_for(file, tmp_path):
-    with _client(Crew(workers=3), laid_out(load_sweep(file), tmp_path / "out"), 3) as client:
+    with _client(ExecutorOptions(workers=3), laid_out(load_sweep(file), tmp_path / "out"), 3) as client:
         assert len(client.scheduler_info(n_workers=-1)["workers"]) == 3
 
 
@@ -171,7 +171,7 @@ def test_what_breaks_in_a_point_is_told_in_a_line_and_the_rest_goes_on(file, tmp
     monkeypatch.setattr("ecume.sweep.worker._scene", breaks)
     monkeypatch.setattr("ecume.sweep.runner.write_table", lambda sweeping: None)
     heard = []
-    done = sweep(file, tmp_path / "out", Crew(workers=1, failed=lambda *now: heard.append(now)))
+    done = sweep(file, tmp_path / "out", ExecutorOptions(workers=1, failed=lambda *now: heard.append(now)))
     assert done.done == 3
     assert done.failed == heard
     assert heard[0][1] == "ZeroDivisionError: nobody thought of it"

@@ -39,10 +39,10 @@ def test_the_case_sees_a_wave_that_is_too_low_too_slow_or_hits_walls():
     exact = case.series(times, scene)
     late = np.where(times >= case.SETTLED, 0.0, 0.01)
     good = case.Rise(times, 0.98 * exact + late, exact, 0.0)
-    assert all(row.met for row in case.told(good, 32))
+    assert all(row.met for row in case.rows_of(good, 32))
     for broken in (
         good._replace(computed=0.9 * exact),
         good._replace(computed=case.series(1.03 * times, scene)),
         good._replace(hits=1.0),
     ):
-        assert not all(row.met for row in case.told(broken, 32))
+        assert not all(row.met for row in case.rows_of(broken, 32))

@@ -138,7 +138,7 @@ def _run(one: Bench, peers: Path | None, record: Path | None) -> bool:
     typer.echo(f"== {one.name}: {one.summary}")
     with tempfile.TemporaryDirectory() as nobody:
         there = [str(peers or nobody) if word == PEERS else word for word in one.arguments]
-        code, output = _told([sys.executable, str(folder() / one.script), *there])
+        code, output = _output_of([sys.executable, str(folder() / one.script), *there])
     seconds = time.monotonic() - began
     typer.echo(f"== {one.name}: {'done' if code == 0 else f'failed with {code}'}, {lasting(seconds)}\n")
     if record is not None and code == 0:
@@ -148,7 +148,7 @@ def _run(one: Bench, peers: Path | None, record: Path | None) -> bool:
     return code == 0
 
 
-def _told(command: list[str]) -> tuple[int, str]:
+def _output_of(command: list[str]) -> tuple[int, str]:
     """Run a script and pass on what it prints; its exit code, and all of that."""
     lines = []
     unbuffered = {**os.environ, "PYTHONUNBUFFERED": "1"}

@@ -103,7 +103,7 @@ def fit(
     directory = out or FITS / tracks.stem
     keep(found, directory)
     if not quiet:
-        print_table(("", "value", "95 % interval", "unit"), map(_told, [*found.estimates, *found.derived]))
+        print_table(("", "value", "95 % interval", "unit"), map(_cells, [*found.estimates, *found.derived]))
         typer.echo(f"{found.noise * 1e6:.3g} um of noise; {directory} has the fitted scene, and a figure")
     for remark in found.remarks:
         say(remark)
@@ -113,7 +113,7 @@ def _words(text: str) -> list[str]:
     return [word.strip() for word in text.split(",")]
 
 
-def _told(one: Estimate) -> tuple[str, str, str, str]:
+def _cells(one: Estimate) -> tuple[str, str, str, str]:
     """A row of the table, with as many digits as its interval shows."""
     if not one.determined or one.high == one.low:
         return one.name, f"{one.value:.4g}", "held" if one.determined else "not determined", one.unit
@@ -139,13 +139,13 @@ def keep(found: Fit, directory: Path) -> None:
 def plain_of(found: Fit) -> dict[str, Any]:
     """The numbers of a fit; what is undetermined has no interval."""
 
-    def told(one: Estimate) -> dict[str, Any]:
+    def plain(one: Estimate) -> dict[str, Any]:
         interval = [one.low, one.high] if one.determined else None
         return {"name": one.name, "value": one.value, "interval": interval, "unit": one.unit}
 
     return {
-        "estimates": [told(one) for one in found.estimates],
-        "derived": [told(one) for one in found.derived],
+        "estimates": [plain(one) for one in found.estimates],
+        "derived": [plain(one) for one in found.derived],
         "noise": found.noise,
         "objects": list(found.tracks.names),
         "remarks": found.remarks,

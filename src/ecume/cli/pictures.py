@@ -92,15 +92,15 @@ def movie(
     """
     from ecume.run.directory import existing
     from ecume.show.camera import Aim
-    from ecume.show.movies import Cut
+    from ecume.show.movies import MovieOptions
     from ecume.show.movies import movie as make
 
     existing(directory)
     asked: dict[str, Any] = {"start": start, "end": end, "size": size, "color": color, "eye": eye(azimuth, elevation)}
     asked["aim"] = Aim(zoom, follow)
-    cut = Cut(fps=fps, every=every, **{name: value for name, value in asked.items() if value is not None})
-    with counted("pictures", quiet=quiet) as told:
-        made = make(directory, out, cut, progress=told, workers=workers)
+    options = MovieOptions(fps=fps, every=every, **{name: value for name, value in asked.items() if value is not None})
+    with counted("pictures", quiet=quiet) as reporter:
+        made = make(directory, out, options, progress=reporter, workers=workers)
     wrote(made, quiet=quiet)
     if made.suffix != (out or Path("movie.mp4")).suffix and not quiet:
         say("no ffmpeg was found, so this is a WebP; for MP4 and WebM install ffmpeg, or pip install 'ecume[movie]'")

@@ -16,23 +16,23 @@ if TYPE_CHECKING:
 LINE_EVERY = 10.0
 """Seconds between two plain lines."""
 
-Told = Callable[["Progress"], None]
+Reporter = Callable[["Progress"], None]
 
 
 @contextmanager
-def shown(*, quiet: bool) -> Iterator[Told | None]:
+def shown(*, quiet: bool) -> Iterator[Reporter | None]:
     """What a run tells its progress to: nobody, a bar, or lines on stderr."""
     if quiet:
         yield None
     elif sys.stderr.isatty():
-        with _bar() as told:
-            yield told
+        with _bar() as reporter:
+            yield reporter
     else:
         yield Lines()
 
 
 @contextmanager
-def _bar() -> Iterator[Told]:
+def _bar() -> Iterator[Reporter]:
     from rich.console import Console
     from rich.progress import BarColumn, TextColumn
     from rich.progress import Progress as Bars
@@ -53,8 +53,8 @@ def counted(what: str, *, quiet: bool, lines: bool = False) -> Iterator[Callable
     if quiet or not (lines or sys.stderr.isatty()):
         yield None
     elif sys.stderr.isatty():
-        with _counting_bar(Pace(what)) as told:
-            yield told
+        with _counting_bar(Pace(what)) as reporter:
+            yield reporter
     else:
         yield CountLines(Pace(what))
 

@@ -76,7 +76,7 @@ def run(
     Examples: `ecume run bowl.toml` · `ecume run bowl.toml -o runs/syrup --set "liquid.viscosity=1 Pa*s" --threads 2`
     """
     use_at_most(threads)
-    from ecume.run import Habits
+    from ecume.run import RunOptions
     from ecume.run import run as simulate
     from ecume.scenes.load import load_scene
 
@@ -86,12 +86,14 @@ def run(
         asked = load_scene(scene, changes)
         # With changes from the command line the file is no longer what was asked; the resolved scene is.
         source = None if changes else scene.read_bytes()
-        with placed(scene, changes), watched(directory, wanted=view), shown(quiet=quiet) as told:
+        with placed(scene, changes), watched(directory, wanted=view), shown(quiet=quiet) as reporter:
             done = simulate(
                 asked,
                 directory,
                 force=force,
-                habits=Habits(threads=threads, progress=told, source=source, on_violation=on_violation, engine=led),
+                options=RunOptions(
+                    threads=threads, progress=reporter, source=source, on_violation=on_violation, engine=led
+                ),
             )
         _end(done, quiet=quiet)
 
@@ -116,22 +118,22 @@ def resume(
     Examples: `ecume resume runs/bowl` · `ecume resume runs/bowl --threads 2 --quiet`
     """
     use_at_most(threads)
-    from ecume.run import Habits
+    from ecume.run import RunOptions
     from ecume.run import resume as go_on
 
-    with marching(engine, ranks) as led, shown(quiet=quiet) as told:
-        habits = Habits(threads=threads, progress=told, on_violation=on_violation, engine=led, strict=strict)
-        _end(go_on(directory, habits=habits), quiet=quiet)
+    with marching(engine, ranks) as led, shown(quiet=quiet) as reporter:
+        options = RunOptions(threads=threads, progress=reporter, on_violation=on_violation, engine=led, strict=strict)
+        _end(go_on(directory, options=options), quiet=quiet)
 
 
 def _end(done: RunResult, *, quiet: bool) -> None:
     """Say what a run came to, and what it broke."""
     from ecume.run.directory import RunDirectory
-    from ecume.run.invariant_monitor import BROKEN, told
+    from ecume.run.invariant_monitor import BROKEN, summary_line
 
     if not quiet:
         typer.echo(summary(done))
-    if (watch := told(RunDirectory(done.directory))).startswith(BROKEN):
+    if (watch := summary_line(RunDirectory(done.directory))).startswith(BROKEN):
         say(f"warning: {done.directory}: {watch}; see {RunDirectory(done.directory).watch.name}")
 
 
@@ -226,8 +228,8 @@ def described(run: Info) -> list[tuple[str, str]]:
 def _worked(sessions: Sequence[dict[str, Any]]) -> str:
     """How long, and in how many sessions: a killed one did not say how long it took."""
     seconds = sum(session.get("seconds", 0.0) for session in sessions)
-    told = f"for {lasting(seconds)}"
-    return f"{told}, in {len(sessions)} sessions" if len(sessions) > 1 else told if seconds else ""
+    worked = f"for {lasting(seconds)}"
+    return f"{worked}, in {len(sessions)} sessions" if len(sessions) > 1 else worked if seconds else ""
 
 
 def replacements(manifest: dict[str, Any]) -> list[str]:

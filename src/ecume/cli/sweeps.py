@@ -72,7 +72,7 @@ def sweep(
     directory = out or (file if file.is_dir() else SWEEPS / file.stem)
     source = file / "sweep.toml" if file.is_dir() else file
     if status:
-        _tell(directory)
+        _print_status(directory)
     elif task is not None:
         _work(directory, *task)
     elif array:
@@ -91,13 +91,13 @@ def _write_array(source: Path, directory: Path) -> None:
 
 def _run_all(source: Path, directory: Path, hands: dict[str, Any], *, quiet: bool) -> None:
     """Run what is missing, and say what became of it."""
-    from ecume.sweep import Crew, runner
+    from ecume.sweep import ExecutorOptions, runner
 
     def failed(folder: Path, why: str) -> None:
         say(f"{folder}: {why}", named=False)
 
-    with counted("points", quiet=quiet, lines=True) as told:
-        done = runner.sweep(source, directory, Crew(**hands, progress=told, failed=failed))
+    with counted("points", quiet=quiet, lines=True) as reporter:
+        done = runner.sweep(source, directory, ExecutorOptions(**hands, progress=reporter, failed=failed))
     _end(done, quiet=quiet)
 
 
@@ -117,7 +117,7 @@ def _end(done: Outcome, *, quiet: bool) -> None:
         raise typer.Exit(1)
 
 
-def _tell(directory: Path) -> None:
+def _print_status(directory: Path) -> None:
     from ecume.sweep.status import standing
 
     now = standing(directory)

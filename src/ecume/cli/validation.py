@@ -85,7 +85,7 @@ def _compared(case: Case, record: Path | None) -> bool:
     except EcumeError as error:
         say(f"{case.name}: NOT MET: {error}")
         return False
-    print_table((case.name, *NUMBERS, ""), map(_told, rows), numbers=NUMBERS)
+    print_table((case.name, *NUMBERS, ""), map(_cells, rows), numbers=NUMBERS)
     met = sum(row.met for row in rows)
     typer.echo(f"{case.name}: {met} of {len(rows)} met, {lasting(time.monotonic() - began)}\n")
     if record is not None:
@@ -101,7 +101,7 @@ def _plain(row: Row) -> dict[str, Any]:
     return {**dict(zip(("name", *NUMBERS), as_text(row), strict=True)), "met": row.met}
 
 
-def _told(row: Row) -> tuple[str | Text, ...]:
+def _cells(row: Row) -> tuple[str | Text, ...]:
     from rich.text import Text
 
     from ecume.validation.rows import as_text

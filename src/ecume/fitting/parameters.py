@@ -161,10 +161,10 @@ def of_floats(scene: Any) -> list[Quantity]:
             abs(float(values[place])) for values in (floats.charge, floats.mass, floats.relaxation_time)
         )
         pull = 2.0 * math.pi * scene.liquid.surface_tension * charge**2
-        told = [("charge", charge, "m"), ("pull/mass", pull / mass, "m^2/s^2")]
+        values = [("charge", charge, "m"), ("pull/mass", pull / mass, "m^2/s^2")]
         if math.isfinite(coasting):
-            told += [("friction/mass", 1.0 / coasting, "1/s"), ("pull/friction", pull / mass * coasting, "m^2/s")]
-        found += [Quantity(f"{word} of {name}" if several else word, value, unit) for word, value, unit in told]
+            values += [("friction/mass", 1.0 / coasting, "1/s"), ("pull/friction", pull / mass * coasting, "m^2/s")]
+        found += [Quantity(f"{word} of {name}" if several else word, value, unit) for word, value, unit in values]
     return found
 
 

@@ -65,7 +65,7 @@ def unsure(problem: Problem, at: Array, sure: Certainty) -> list[str]:
     loose, count = ~sure.determined, len(sure.errors)
     if not loose.any():
         return []
-    told = (
+    message = (
         f"the tracks determine {count - int(loose.sum())} of {count} combinations; "
         f"undetermined: {'; '.join(_combination(problem, at, row) for row in sure.directions[loose])}"
     )
@@ -74,7 +74,7 @@ def unsure(problem: Problem, at: Array, sure: Certainty) -> list[str]:
         for row, error in zip(sure.directions[~loose], sure.errors[~loose], strict=True)
     ]
     hint = ["hold one of them fixed to know the others"] if count > 1 else []
-    return [told, *([f"determined: {'; '.join(known)}"] if known else []), *hint]
+    return [message, *([f"determined: {'; '.join(known)}"] if known else []), *hint]
 
 
 def _combination(problem: Problem, at: Array, direction: Array) -> str:

@@ -8,6 +8,6 @@ ecume.run.info("runs/bowl").frames
 from ecume.run.directory import RunDirectory
 from ecume.run.progress import Progress
 from ecume.run.reports import Info, info, repair
-from ecume.run.runner import Habits, RunResult, resume, run
+from ecume.run.runner import RunOptions, RunResult, resume, run
 
-__all__ = ["Habits", "Info", "Progress", "RunDirectory", "RunResult", "info", "repair", "resume", "run"]
+__all__ = ["Info", "Progress", "RunDirectory", "RunOptions", "RunResult", "info", "repair", "resume", "run"]

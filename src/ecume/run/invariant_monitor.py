@@ -71,13 +71,13 @@ class Watch:
 
     def keep(self) -> None:
         """Write how all stand, and the energy's budget, beside the run."""
-        told: dict[str, Any] = {"until": self._time, "policy": self._policy}
-        told["invariants"] = [
+        report: dict[str, Any] = {"until": self._time, "policy": self._policy}
+        report["invariants"] = [
             {**one._asdict(), "worst": _number(one.worst), "held": one.held} for one in self.verdicts()
         ]
         if self._seen is not None and "total_energy" in self._seen.now:
-            told["energy"] = budget(self._seen.first, self._seen.now, closed=ENERGY in self._worst)
-        write_json(self._home.watch, told)
+            report["energy"] = budget(self._seen.first, self._seen.now, closed=ENERGY in self._worst)
+        write_json(self._home.watch, report)
 
 
 def budget(first: Numbers, now: Numbers, *, closed: bool) -> dict[str, float | None]:
@@ -90,8 +90,8 @@ def budget(first: Numbers, now: Numbers, *, closed: bool) -> dict[str, float | N
     injected = now.get(INJECTED, 0.0) - first.get(INJECTED, 0.0)
     lost = now[DISSIPATED] - first.get(DISSIPATED, 0.0) if DISSIPATED in now else injected - change
     apart = (injected, lost) if closed else (None, None)
-    told = {"at the start": first["total_energy"], "now": now["total_energy"], "change": change}
-    return told | dict(zip(WORKS, apart, strict=True))
+    report = {"at the start": first["total_energy"], "now": now["total_energy"], "change": change}
+    return report | dict(zip(WORKS, apart, strict=True))
 
 
 def sentence(one: Verdict) -> str:
@@ -99,7 +99,7 @@ def sentence(one: Verdict) -> str:
     return f"{one.name}: {one.says}, is {one.worst:.3g}, more than {one.limit:g}, at t = {one.time:.6g} s"
 
 
-def told(home: RunDirectory) -> str:
+def summary_line(home: RunDirectory) -> str:
     """In one line whether all held, and what work was done; nothing of a run that says nothing."""
     if not home.watch.exists():
         return ""

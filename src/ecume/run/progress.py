@@ -60,16 +60,16 @@ class StatusFile:
         self._home, self._written = home, -STATUS_EVERY
         self.last_checkpoint: int | None = None
 
-    def tell(self, state: str, progress: Progress, *, last: bool = False) -> None:
+    def write(self, state: str, progress: Progress, *, last: bool = False) -> None:
         """Write how far the run is."""
         clock = time.monotonic()
         if not last and clock - self._written < STATUS_EVERY:
             return
         self._written = clock
-        told = {"state": state, **progress._asdict(), "last_checkpoint": self.last_checkpoint, "at": now()}
+        report = {"state": state, **progress._asdict(), "last_checkpoint": self.last_checkpoint, "at": now()}
         part = self._home.status.with_name("status.json.part")
         with storing(self._home.status):
-            part.write_text(as_json(told))
+            part.write_text(as_json(report))
             try:
                 part.replace(self._home.status)
             except PermissionError:  # Windows, while somebody reads it: the next second is soon enough

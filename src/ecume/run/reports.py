@@ -10,14 +10,14 @@ from typing import Any, NamedTuple, TypeVar
 from ecume._hooks import html_of
 from ecume.errors import StorageError
 from ecume.run.directory import RunDirectory, existing, json_of
-from ecume.run.invariant_monitor import told as watched
+from ecume.run.invariant_monitor import summary_line as watched
 from ecume.run.lock import held, is_held
 from ecume.run.recovery import mended
 from ecume.trajectories.durable_files import storing
 from ecume.trajectories.reader import Trajectory
 from ecume.trajectories.repair import Repaired
 
-Told = TypeVar("Told")
+T = TypeVar("T")
 
 
 class Info(NamedTuple):
@@ -83,7 +83,7 @@ def repair(directory: str | os.PathLike[str]) -> Repaired:
         return mended(home)
 
 
-def _read(what: Callable[[], Told], otherwise: Told, home: RunDirectory) -> tuple[Told, str]:
+def _read(what: Callable[[], T], otherwise: T, home: RunDirectory) -> tuple[T, str]:
     """What a run says of itself; where that is damaged, something else, and why."""
     try:
         return what(), ""
@@ -97,10 +97,10 @@ def _state(home: RunDirectory, status: dict[str, Any]) -> tuple[str, str]:
         return "done", ""
     if home.failed.exists():
         return "failed", str(json_of(home.failed).get("message", ""))
-    told = str(status.get("state", "running"))
-    if told == "running":
-        told = "running" if is_held(home) else "killed"
-    return told, "" if told == "running" else f"go on: ecume resume {home.path}"
+    state = str(status.get("state", "running"))
+    if state == "running":
+        state = "running" if is_held(home) else "killed"
+    return state, "" if state == "running" else f"go on: ecume resume {home.path}"
 
 
 def _status(home: RunDirectory) -> dict[str, Any]:

@@ -23,7 +23,7 @@ from ecume.run.lock import held
 from ecume.run.progress import Pace, Progress, StatusFile, note
 from ecume.run.recording import Recording
 from ecume.run.recovery import plain_scene
-from ecume.run.stop_requests import PATIENT, Wish, wish_to_stop
+from ecume.run.stop_requests import PATIENT, StopRequest, stop_requests
 from ecume.run.user_laws import Law, entries, require_same
 from ecume.trajectories.durable_files import storing, write_whole
 from ecume.trajectories.reader import Trajectory
@@ -56,7 +56,7 @@ class RunResult(NamedTuple):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Habits:
+class RunOptions:
     """How a run is looked after; nothing of it changes a bit of the result."""
 
     threads: int | None = None
@@ -82,7 +82,7 @@ class Habits:
             raise BadInput(f"on_violation: came {self.on_violation!r}; wanted one of {', '.join(POLICIES)}")
 
 
-USUAL = Habits()
+USUAL = RunOptions()
 
 
 def run(
@@ -91,7 +91,7 @@ def run(
     *,
     extra_laws: Sequence[Law] = (),
     force: bool = False,
-    habits: Habits = USUAL,
+    options: RunOptions = USUAL,
 ) -> RunResult:
     """Simulate a scene into a new directory, with the user's own pair laws if there are any, as `simulate` takes them.
 
@@ -100,30 +100,32 @@ def run(
     """
     home = RunDirectory(Path(directory))
     refuse_existing(home, force=force)
-    with wish_to_stop(PATIENT) as wish:
-        moments = _moments(scene, None, extra_laws, habits, None)
+    with stop_requests(PATIENT) as request:
+        moments = _moments(scene, None, extra_laws, options, None)
         first = next(moments)  # a scene that cannot be run is refused before anything is written
         with storing(home.path):
             home.path.mkdir(parents=True, exist_ok=True)
         with held(home):
             refuse_existing(home, force=force)
             clear(home)
-            _found(home, scene, first.parameters, extra_laws, habits)
-            return _drive(_Session(home, scene, habits, 0), itertools.chain([first], moments), wish)
+            _found(home, scene, first.parameters, extra_laws, options)
+            return _drive(_Session(home, scene, options, 0), itertools.chain([first], moments), request)
 
 
-def resume(directory: str | os.PathLike[str], *, extra_laws: Sequence[Law] = (), habits: Habits = USUAL) -> RunResult:
+def resume(
+    directory: str | os.PathLike[str], *, extra_laws: Sequence[Law] = (), options: RunOptions = USUAL
+) -> RunResult:
     """Go on with a run that was stopped, killed, or ran out of disk; a finished run is done, and says so.
 
     On the same kind of processor and with the same versions the result is the same, bit for bit, as without the stop.
     Elsewhere the last digits may differ; frames that were already written after the last checkpoint are then replaced,
-    with a warning that says by how much they differ (`Habits.strict` refuses that). A run with laws of the user's own
-    needs the same `extra_laws` again: their text, and the numbers they use, are compared with those it was begun with.
+    with a warning that says by how much they differ (`RunOptions.strict` refuses that). A run with a user's own laws needs
+    the same `extra_laws` again: their text and the numbers they use are compared with those it was begun with.
     """
     from ecume.scenes.schema import from_plain
 
     home = existing(directory)
-    with wish_to_stop(PATIENT) as wish, held(home):
+    with stop_requests(PATIENT) as request, held(home):
         if home.done.exists():
             done = json_of(home.done)
             return RunResult(home.path, done["frames"], done["steps"], done["time"], 0.0)
@@ -134,19 +136,19 @@ def resume(directory: str | os.PathLike[str], *, extra_laws: Sequence[Law] = (),
         checkpoint = _checkpoint(home, scene)
         with storing(home.failed):
             home.failed.unlink(missing_ok=True)
-        restore = functools.partial(_constants, home, strict=habits.strict)
-        moments = _moments(scene, checkpoint.state, extra_laws, habits, restore)
-        return _drive(_Session(home, scene, habits, checkpoint.frames), moments, wish)
+        restore = functools.partial(_constants, home, strict=options.strict)
+        moments = _moments(scene, checkpoint.state, extra_laws, options, restore)
+        return _drive(_Session(home, scene, options, checkpoint.frames), moments, request)
 
 
 def _moments(
-    scene: Any, state: Any, extra_laws: Sequence[Law], habits: Habits, constants: Callable[[Any], Any] | None
+    scene: Any, state: Any, extra_laws: Sequence[Law], options: RunOptions, constants: Callable[[Any], Any] | None
 ) -> Iterator[Moment]:
     from ecume._jit import use_threads  # only who simulates waits for Numba: `ecume info` does not
     from ecume.simulation import moments
 
-    use_threads(habits.threads)
-    return moments(scene, state=state, extra_laws=extra_laws, engine=habits.engine, constants=constants)
+    use_threads(options.threads)
+    return moments(scene, state=state, extra_laws=extra_laws, engine=options.engine, constants=constants)
 
 
 def _constants(home: RunDirectory, derived: Any, *, strict: bool) -> Any:
@@ -161,18 +163,18 @@ def _constants(home: RunDirectory, derived: Any, *, strict: bool) -> Any:
     return restored.parameters
 
 
-def _found(home: RunDirectory, scene: Any, parameters: Any, extra_laws: Sequence[Law], habits: Habits) -> None:
+def _found(home: RunDirectory, scene: Any, parameters: Any, extra_laws: Sequence[Law], options: RunOptions) -> None:
     """Write what a run has before it begins; the manifest is last, and makes it one."""
     from ecume.scenes.schema import to_plain, to_toml
 
     plain = as_json(to_plain(scene))
-    write_whole(home.scene, to_toml(scene) if habits.source is None else habits.source)
+    write_whole(home.scene, to_toml(scene) if options.source is None else options.source)
     write_whole(home.resolved, plain)
     write_json(
         home.manifest,
         manifest.first_manifest(scene, plain)
         | {"constants_sha256": constants.save(home, parameters)}
-        | {"extra_laws": entries(extra_laws), "on_violation": habits.on_violation or scene.on_violation},
+        | {"extra_laws": entries(extra_laws), "on_violation": options.on_violation or scene.on_violation},
     )
 
 
@@ -199,11 +201,11 @@ def _frames_on_disk(home: RunDirectory) -> int:
         return trajectory.intact
 
 
-def _drive(session: _Session, moments: Iterable[Moment], wish: Wish) -> RunResult:
+def _drive(session: _Session, moments: Iterable[Moment], request: StopRequest) -> RunResult:
     """March to the end, and say how it ended, whichever way."""
     try:
-        with wish_to_stop(wish=wish), contextlib.closing(session):
-            session.follow(moments, wish)
+        with stop_requests(request=request), contextlib.closing(session):
+            session.follow(moments, request)
         session.succeed()
     except BaseException as error:
         with contextlib.suppress(StorageError):  # a full disk has no room for this either
@@ -216,9 +218,9 @@ def _drive(session: _Session, moments: Iterable[Moment], wish: Wish) -> RunResul
 class _Session:
     """What is open while one process works on a run."""
 
-    def __init__(self, home: RunDirectory, scene: Any, habits: Habits, frames: int) -> None:
-        self._home, self._habits = home, habits
-        self._recording = Recording(home, frames, kinds=scene.kinds, strict=habits.strict)
+    def __init__(self, home: RunDirectory, scene: Any, options: RunOptions, frames: int) -> None:
+        self._home, self._habits = home, options
+        self._recording = Recording(home, frames, kinds=scene.kinds, strict=options.strict)
         self._scene, self._watch = scene, Watch(home, [], POLICIES[0])
         self._pace, self._status = Pace(scene.duration), StatusFile(home)
         self._began = self._saved = time.monotonic()
@@ -235,7 +237,7 @@ class _Session:
         """How long this process has worked on it."""
         return time.monotonic() - self._began
 
-    def follow(self, moments: Iterable[Moment], wish: Wish) -> None:
+    def follow(self, moments: Iterable[Moment], request: StopRequest) -> None:
         """March to the end, or until someone wishes to stop."""
         begun = False
         for moment in moments:
@@ -247,27 +249,27 @@ class _Session:
             before = self._recording.frames
             self._take(moment)
             ended = moment.step >= moment.steps
-            if ended or wish or time.monotonic() - self._saved >= self._habits.checkpoint_every:
+            if ended or request or time.monotonic() - self._saved >= self._habits.checkpoint_every:
                 self._save(moment, before)
-            if wish and not ended:
+            if request and not ended:
                 where = f"at step {moment.step} of {moment.steps}"
-                raise Stopped(f"stopped by {wish.name} {where}; go on: ecume resume {self._home.path}")
+                raise Stopped(f"stopped by {request.name} {where}; go on: ecume resume {self._home.path}")
 
     def succeed(self) -> None:
         """The run is done."""
         self._close_books("done")
-        told = {"reason": "done", "exit_code": 0, **self._reached(), "sha256": manifest.digests(self._home)}
-        write_json(self._home.done, told)
-        self._status.tell("done", self.at, last=True)
+        report = {"reason": "done", "exit_code": 0, **self._reached(), "sha256": manifest.digests(self._home)}
+        write_json(self._home.done, report)
+        self._status.write("done", self.at, last=True)
 
     def fail(self, error: BaseException) -> None:
         """The run is not done; what failed for good says so in a file."""
-        outcome = next((told for kind, told in OUTCOMES.items() if isinstance(error, kind)), "interrupted")
-        self._status.tell(outcome, self.at, last=True)
+        outcome = next((report for kind, report in OUTCOMES.items() if isinstance(error, kind)), "interrupted")
+        self._status.write(outcome, self.at, last=True)
         self._close_books(outcome, f"{type(error).__name__}: {error}")
         if isinstance(error, Diverged):
-            told = {"reason": "diverged", "exit_code": error.exit_code, "message": str(error), **self._reached()}
-            write_json(self._home.failed, told | {"sha256": manifest.digests(self._home)})
+            report = {"reason": "diverged", "exit_code": error.exit_code, "message": str(error), **self._reached()}
+            write_json(self._home.failed, report | {"sha256": manifest.digests(self._home)})
 
     def close(self) -> None:
         """Close the files."""
@@ -290,7 +292,7 @@ class _Session:
             self._recording.take(moment.frame, moment.step)
             self._judge(moment.frame, moment.step)
         self.at = self._pace.progress(moment.step, moment.steps, self._recording.frames)
-        self._status.tell("running", self.at)
+        self._status.write("running", self.at)
         if self._habits.progress is not None:
             self._habits.progress(self.at)
 

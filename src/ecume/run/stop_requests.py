@@ -24,7 +24,7 @@ def ask_to_stop(process: int) -> None:
     os.kill(process, signal.SIGTERM)
 
 
-class Wish:
+class StopRequest:
     """Which signal asked for a stop, if any."""
 
     def __init__(self) -> None:
@@ -46,15 +46,17 @@ class Wish:
 
 
 @contextlib.contextmanager
-def wish_to_stop(signals: Sequence[signal.Signals] = SIGNALS, wish: Wish | None = None) -> Iterator[Wish]:
+def stop_requests(
+    signals: Sequence[signal.Signals] = SIGNALS, request: StopRequest | None = None
+) -> Iterator[StopRequest]:
     """What signals have asked for inside of this block, or had asked for before. Only the main thread hears signals."""
-    wish = Wish() if wish is None else wish
+    request = StopRequest() if request is None else request
     if threading.current_thread() is not threading.main_thread():
-        yield wish
+        yield request
         return
-    before = {number: signal.signal(number, wish.take) for number in signals}
+    before = {number: signal.signal(number, request.take) for number in signals}
     try:
-        yield wish
+        yield request
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)

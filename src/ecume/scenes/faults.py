@@ -80,9 +80,9 @@ def faults_of(error: ValidationError, kind: type, raw: object, also: Sequence[st
         dict.fromkeys(each for detail in details[:MOST_FAULTS] for each in _described(detail, kind, raw, also))
     )
     mistyped = {(*path[:-1], near) for path, message in found if (near := _meant(message)) is not None}
-    told = [(path, message) for path, message in found if not (path in mistyped and message.startswith(MISSING))]
+    listed = [(path, message) for path, message in found if not (path in mistyped and message.startswith(MISSING))]
     left = len(details) - MOST_FAULTS
-    return told + ([((), f"and {left} more faults")] if left > 0 else [])
+    return listed + ([((), f"and {left} more faults")] if left > 0 else [])
 
 
 MISSING = "is missing"

@@ -55,7 +55,7 @@ def load_scene(path_or_text: str | File, overrides: Sequence[str] = ()) -> Scene
     scene, found = examined(raw, also=SOURCES)
     # Without its rows a scene has nothing afloat, without its file a region has no shape: no faults of their own.
     excused = {path[:-1] or ("fluid",) for path, _ in dry} | ({("floats",)} if rows.faults else set())
-    faults += dry + rows.faults + rows.told([fault for fault in found if fault[0] not in excused])
+    faults += dry + rows.faults + rows.with_origins([fault for fault in found if fault[0] not in excused])
     if scene is None or faults:
         raise SceneError(placed(source, faults, changed), source.name)
     return scene
@@ -69,7 +69,7 @@ def located(error: SceneError, path_or_text: str | File, overrides: Sequence[str
     name_liquid(raw)
     sources_followed(raw, source.folder)
     rows = rows_from(raw, source.folder)
-    faults = rows.told([(read_path(fault.path), fault.message) for fault in error.faults])
+    faults = rows.with_origins([(read_path(fault.path), fault.message) for fault in error.faults])
     return SceneError(placed(source, faults, changed), source.name)
 
 
@@ -77,8 +77,8 @@ def name_liquid(raw: dict[str, Any]) -> None:
     """`liquid = "water"`, with a `temperature` beside it, is short for a table of these two."""
     name = raw.get("liquid")
     if isinstance(name, str):
-        told = {"temperature": raw.pop("temperature")} if "temperature" in raw else {}
-        raw["liquid"] = {"name": name, **told}
+        given = {"temperature": raw.pop("temperature")} if "temperature" in raw else {}
+        raw["liquid"] = {"name": name, **given}
 
 
 def sources_followed(raw: dict[str, Any], folder: File) -> list[tuple[Path, str]]:
@@ -143,15 +143,15 @@ def parsed(source: Source) -> dict[str, Any]:
     raise SceneError([fault], source.name)
 
 
-def _syntax_fault(told: str, text: str) -> Fault:
+def _syntax_fault(given: str, text: str) -> Fault:
     """What Python's reader says, with its place taken out of the words."""
-    message, _, place = told.rpartition(" (at ")
+    message, _, place = given.rpartition(" (at ")
     numbers = re.findall(r"\d+", place)
     ending = text.rstrip("\n").split("\n")
     line, column = map(int, numbers) if len(numbers) == 2 else (len(ending), len(ending[-1]) + 1)
     bare = BARE.match(ending[min(line, len(ending)) - 1])
     hint = f'; text, units too, stands in quotes: "{bare[1]}"' if bare else ""
-    return Fault("", f"is not TOML: {message or told}{hint}", line, column)
+    return Fault("", f"is not TOML: {message or given}{hint}", line, column)
 
 
 def placed(source: Source, faults: Sequence[tuple[Path, str]], changed: set[Path]) -> list[Fault]:

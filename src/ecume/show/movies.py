@@ -47,12 +47,12 @@ SMALL = Size(640, 480)
 SAMPLES = 25
 """How many frames of a run decide what there is to be seen, and the range of the colors."""
 
-Told = Callable[[int, int], None]
+Reporter = Callable[[int, int], None]
 """Is told how many pictures of how many are done."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Cut:
+class MovieOptions:
     """Which frames of a run a movie shows, how fast, and how large."""
 
     fps: int = FPS
@@ -105,15 +105,15 @@ class Cut:
         return SMALL if out.suffix.lower() == ".gif" else USUAL
 
 
-WHOLE = Cut()
+WHOLE = MovieOptions()
 
 
 def movie(
     directory: str | os.PathLike[str],
     out: str | os.PathLike[str] | None = None,
-    cut: Cut = WHOLE,
+    options: MovieOptions = WHOLE,
     *,
-    progress: Told | None = None,
+    progress: Reporter | None = None,
     workers: int = 1,
 ) -> Path:
     """Make a movie of a run: `out` (.mp4, .webm, .webp, .gif, or .png for numbered pictures), or its
@@ -123,41 +123,41 @@ def movie(
     """
     target = Path(directory) / "results" / "movie.mp4" if out is None else Path(out)
     with open_trajectory(directory) as trajectory:
-        if workers <= 1 or len(cut.shown(trajectory)) < 2 * workers:
-            return film(trajectory, trajectory.scene, target, cut, progress=progress)
+        if workers <= 1 or len(options.shown(trajectory)) < 2 * workers:
+            return film(trajectory, trajectory.scene, target, options, progress=progress)
         target = writable(target)
-        drawn = drawn_by_many(Path(directory), cut, target, workers)
-        return encode(_counted(drawn, len(cut.shown(trajectory)), progress), target, cut.fps)
+        drawn = drawn_by_many(Path(directory), options, target, workers)
+        return encode(_counted(drawn, len(options.shown(trajectory)), progress), target, options.fps)
 
 
 def film(
     frames: Sequence[Frame],
     scene: Any,
     out: str | os.PathLike[str],
-    cut: Cut = WHOLE,
+    options: MovieOptions = WHOLE,
     *,
-    progress: Told | None = None,
+    progress: Reporter | None = None,
 ) -> Path:
     """Make a movie of frames that need not come from a run, as `movie` does of those that do."""
     target = writable(Path(out))
-    shown = cut.shown(frames)
-    picture = picture_of(scene, shown, cut, target)
-    return encode(_counted(map(picture.pixels, shown), len(shown), progress), target, cut.fps)
+    shown = options.shown(frames)
+    picture = picture_of(scene, shown, options, target)
+    return encode(_counted(map(picture.pixels, shown), len(shown), progress), target, options.fps)
 
 
-def picture_of(scene: Any, shown: Sequence[Frame], cut: Cut, target: Path) -> Picture:
+def picture_of(scene: Any, shown: Sequence[Frame], options: MovieOptions, target: Path) -> Picture:
     """The open picture in which these frames are shown."""
     if scene.model not in FILMS:
         raise BadInput(f"there are no pictures of the model {scene.model!r}; there are of {', '.join(FILMS)}")
-    asked: dict[str, Any] = {"color": cut.color, "eye": cut.eye}
+    asked: dict[str, Any] = {"color": options.color, "eye": options.eye}
     given = {name: value for name, value in asked.items() if value is not None}
     for name in given:
         if scene.model not in ASKED[name]:
             raise BadInput(f"pictures of the model {scene.model!r} {REFUSED[name].format(given[name])}")
-    return aimed(FILMS[scene.model](scene, _sample(shown), cut.pixels(target), **given), cut.aim)
+    return aimed(FILMS[scene.model](scene, _sample(shown), options.pixels(target), **given), options.aim)
 
 
-def _counted(pictures: Iterable[Pixels], count: int, progress: Told | None) -> Iterator[Pixels]:
+def _counted(pictures: Iterable[Pixels], count: int, progress: Reporter | None) -> Iterator[Pixels]:
     for done, picture in enumerate(pictures, 1):
         yield picture
         if progress is not None:
@@ -185,10 +185,10 @@ desk: dict[str, Any] = {}
 """What a process draws with."""
 
 
-def drawn_by_many(directory: Path, cut: Cut, target: Path, workers: int) -> Iterator[Pixels]:
+def drawn_by_many(directory: Path, options: MovieOptions, target: Path, workers: int) -> Iterator[Pixels]:
     """The pictures of a run, one after the other."""
     with ProcessPoolExecutor(
-        workers, mp_context=get_context("spawn"), initializer=_set_up, initargs=(directory, cut, target)
+        workers, mp_context=get_context("spawn"), initializer=_set_up, initargs=(directory, options, target)
     ) as pool:
         waiting: deque[Future[Any]] = deque()
         coming = iter(itertools.count())
@@ -199,14 +199,14 @@ def drawn_by_many(directory: Path, cut: Cut, target: Path, workers: int) -> Iter
             yield picture
 
 
-def _set_up(directory: Path, cut: Cut, target: Path) -> None:
+def _set_up(directory: Path, options: MovieOptions, target: Path) -> None:
     from ecume._jit import use_threads
     from ecume.trajectories.reader import open_trajectory
 
     use_threads(1)
     trajectory = open_trajectory(directory)
-    shown = cut.shown(trajectory)
-    desk.update(shown=shown, picture=picture_of(trajectory.scene, shown, cut, target))
+    shown = options.shown(trajectory)
+    desk.update(shown=shown, picture=picture_of(trajectory.scene, shown, options, target))
 
 
 def _draw(number: int) -> Any:

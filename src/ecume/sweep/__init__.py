@@ -4,8 +4,8 @@ ecume.sweep.sweep("durations.toml", "sweeps/durations")
 ecume.open_sweep("sweeps/durations").table()
 """
 
-from ecume.sweep.executors import Crew
+from ecume.sweep.executors import ExecutorOptions
 from ecume.sweep.results import Sweep, open_sweep
 from ecume.sweep.runner import Outcome, sweep
 
-__all__ = ["Crew", "Outcome", "Sweep", "open_sweep", "sweep"]
+__all__ = ["ExecutorOptions", "Outcome", "Sweep", "open_sweep", "sweep"]

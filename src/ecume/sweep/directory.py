@@ -37,8 +37,8 @@ class Job(NamedTuple):
     """what varies, as the scene has it: numbers in SI"""
 
     @property
-    def told(self) -> Path:
-        """What a process told; there when it is done."""
+    def result(self) -> Path:
+        """The numbers that a process returned; there when it is done."""
         return self.folder / "told.json"
 
     @property
@@ -59,7 +59,7 @@ class Job(NamedTuple):
     @property
     def state(self) -> str:
         """`done`, `failed` or `missing`."""
-        if self.told.exists() or (self.run / "DONE.json").exists():
+        if self.result.exists() or (self.run / "DONE.json").exists():
             return "done"
         return "failed" if self.failure.exists() else "missing"
 
@@ -98,7 +98,7 @@ def laid_out(asked: Asked, directory: Path) -> Sweeping:
             job.folder.mkdir(parents=True, exist_ok=True)
             if not job.asked.exists() or job.asked.read_bytes() != _json(plan).encode():
                 write_whole(job.asked, _json(plan).encode())
-        write_whole(directory / "points.json", _json([_told(job) for job in jobs]).encode())
+        write_whole(directory / "points.json", _json([_plain(job) for job in jobs]).encode())
         write_whole(directory / "sweep.toml", asked.text.encode())
     return Sweeping(directory, spec, jobs)
 
@@ -116,9 +116,9 @@ def existing_sweep(directory: Path) -> Sweeping:
     path = directory / "points.json"
     if not path.is_file():
         raise BadInput(f"{directory}: no sweep is there; wanted a directory that `ecume sweep` made")
-    told = json_at(path, list)
+    rows = json_at(path, list)
     jobs = [
-        Job(Point(one["settings"], one["repeat"]), directory / "points" / one["folder"], one["values"]) for one in told
+        Job(Point(one["settings"], one["repeat"]), directory / "points" / one["folder"], one["values"]) for one in rows
     ]
     return Sweeping(directory, load_sweep(directory / "sweep.toml").spec, jobs)
 
@@ -154,8 +154,8 @@ def _checked_plan(asked: Asked, point: Point) -> dict[str, Any]:
         return _plan(asked, point)
     except SceneError as error:
         at = ", ".join(f"{key} = {echo(point.settings[key])}" for key in varied(asked.spec) if key in point.settings)
-        told = (_as_asked(fault, error.source) for fault in error.faults)
-        raise SceneError([Fault("", f"at {at}: {one}" if at else one) for one in told], asked.name) from None
+        rows = (_as_asked(fault, error.source) for fault in error.faults)
+        raise SceneError([Fault("", f"at {at}: {one}" if at else one) for one in rows], asked.name) from None
 
 
 def _as_asked(fault: Fault, source: str) -> str:
@@ -191,7 +191,7 @@ def _source(asked: Asked) -> Path:
     return path
 
 
-def _told(job: Job) -> dict[str, Any]:
+def _plain(job: Job) -> dict[str, Any]:
     """A point, as `points.json` has it."""
     point = job.point
     return {"settings": point.settings, "repeat": point.repeat, "folder": job.folder.name, "values": job.values}

@@ -37,7 +37,7 @@ UNWATCHED = {"distributed.worker.profile.enabled": False}
 
 
 @dataclass(frozen=True, kw_only=True)
-class Crew:
+class ExecutorOptions:
     """Who works."""
 
     workers: int | None = None
@@ -59,16 +59,16 @@ Results = Callable[[Sequence[Job]], Iterator[tuple[Job, str]]]
 
 
 @contextlib.contextmanager
-def hands(crew: Crew, sweeping: Sweeping, missing: int) -> Iterator[Results]:
+def hands(options: ExecutorOptions, sweeping: Sweeping, missing: int) -> Iterator[Results]:
     """What turns so many jobs into words."""
-    workers = min(crew.workers or os.cpu_count() or 1, max(missing, 1))
+    workers = min(options.workers or os.cpu_count() or 1, max(missing, 1))
     if not missing:
         yield lambda jobs: iter(())
-    elif crew.scheduler is None and not crew.slurm and workers == 1:
+    elif options.scheduler is None and not options.slurm and workers == 1:
         yield lambda jobs: ((job, work(str(job.folder))) for job in jobs)
     else:
-        with _client(crew, sweeping, workers) as client:
-            yield lambda jobs: _spread(client, jobs, crew.retries)
+        with _client(options, sweeping, workers) as client:
+            yield lambda jobs: _spread(client, jobs, options.retries)
 
 
 def _spread(client: Any, jobs: Sequence[Job], retries: int) -> Iterator[tuple[Job, str]]:
@@ -104,7 +104,7 @@ def next_word(ended: Iterator[Any]) -> tuple[Any, str] | None:
 
 
 @contextlib.contextmanager
-def _client(crew: Crew, sweeping: Sweeping, workers: int) -> Iterator[Any]:
+def _client(options: ExecutorOptions, sweeping: Sweeping, workers: int) -> Iterator[Any]:
     try:
         import dask.config
         import distributed
@@ -115,11 +115,11 @@ def _client(crew: Crew, sweeping: Sweeping, workers: int) -> Iterator[Any]:
     library: Any = distributed  # leaves its functions without types
     for name in ("distributed", "distributed.client"):  # what breaks is told by us, in a line
         logging.getLogger(name).setLevel(logging.CRITICAL)
-    if crew.scheduler is not None:
-        require_safe(crew.scheduler)
-        with connected(library, crew.scheduler) as client:
+    if options.scheduler is not None:
+        require_safe(options.scheduler)
+        with connected(library, options.scheduler) as client:
             yield client
-    elif crew.slurm:
+    elif options.slurm:
         with slurm_cluster(sweeping.spec.cluster, sweeping.path) as found, library.Client(found) as client:
             yield client
     else:

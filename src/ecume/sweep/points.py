@@ -38,8 +38,8 @@ def load_sweep(path: Path) -> Asked:
     source = source_in(path, MOST_BYTES)
     raw = parsed(source)
     if "model" in raw:
-        told = "is a scene and no sweep; `ecume run` runs it, `ecume new raft-growth` writes a sweep"
-        raise SceneError([Fault("", told)], source.name)
+        message = "is a scene and no sweep; `ecume run` runs it, `ecume new raft-growth` writes a sweep"
+        raise SceneError([Fault("", message)], source.name)
     try:
         spec = READER.validate_python(raw)
     except ValidationError as error:

@@ -115,8 +115,8 @@ class Sweep:
         if job.state != "done":
             return row
         if spec.process:
-            told: Row = json_at(job.told, dict)
-            return row | {name: value for name, value in told.items() if name not in row}
+            result: Row = json_at(job.result, dict)
+            return row | {name: value for name, value in result.items() if name not in row}
         return row | measured(job, measures)
 
 

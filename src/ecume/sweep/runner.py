@@ -15,7 +15,7 @@ from typing import NamedTuple
 from ecume.errors import Stopped
 from ecume.run.stop_requests import SIGNALS
 from ecume.sweep.directory import Job, Sweeping, begun_or_laid_out, distinct
-from ecume.sweep.executors import Crew, hands
+from ecume.sweep.executors import ExecutorOptions, hands
 from ecume.sweep.results import require_numbers, write_table
 
 
@@ -32,10 +32,10 @@ class Outcome(NamedTuple):
     """points that were begun again and again, and whose worker died each time"""
 
 
-USUAL = Crew()
+USUAL = ExecutorOptions()
 
 
-def sweep(file: str | os.PathLike[str], directory: str | os.PathLike[str], crew: Crew = USUAL) -> Outcome:
+def sweep(file: str | os.PathLike[str], directory: str | os.PathLike[str], options: ExecutorOptions = USUAL) -> Outcome:
     """Run what is missing of a sweep, and write its table. Again after whatever happened, it goes on.
 
     Raises Stopped when a signal asks for it: the same call goes on.
@@ -47,7 +47,7 @@ def sweep(file: str | os.PathLike[str], directory: str | os.PathLike[str], crew:
         require_numbers(sweeping)
     try:
         with _stopped_by_signals():
-            words = _worked(crew, sweeping, missing)
+            words = _worked(options, sweeping, missing)
     except Stopped as stopped:
         done = sum(job.state == "done" for job in jobs)
         why = str(stopped).partition(" at step ")[0].partition(";")[0]
@@ -56,18 +56,18 @@ def sweep(file: str | os.PathLike[str], directory: str | os.PathLike[str], crew:
     return outcome_of(sweeping)._replace(busy=words["busy"], lost=words["lost"])
 
 
-def _worked(crew: Crew, sweeping: Sweeping, missing: Sequence[Job]) -> Counter[str]:
+def _worked(options: ExecutorOptions, sweeping: Sweeping, missing: Sequence[Job]) -> Counter[str]:
     """Run these points, and tell what becomes of them; how many ended with which word."""
     words: Counter[str] = Counter()
     count = len(distinct(sweeping.jobs))
-    tell = crew.progress or (lambda done, of: None)
-    with hands(crew, sweeping, len(missing)) as results:
-        tell(count - len(missing), count)
+    report = options.progress or (lambda done, of: None)
+    with hands(options, sweeping, len(missing)) as results:
+        report(count - len(missing), count)
         for job, word in results(missing):
             words[word] += 1
-            if word == "failed" and crew.failed is not None:
-                crew.failed(job.folder, job.why)
-            tell(count - len(missing) + words.total(), count)
+            if word == "failed" and options.failed is not None:
+                options.failed(job.folder, job.why)
+            report(count - len(missing) + words.total(), count)
     return words
 
 

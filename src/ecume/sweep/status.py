@@ -43,7 +43,7 @@ def standing(directory: Path) -> Standing:
 
 def _ended(job: Job) -> float:
     """When a point that is done was."""
-    marker = job.told if job.told.exists() else RunDirectory(job.run).done
+    marker = job.result if job.result.exists() else RunDirectory(job.run).done
     return marker.stat().st_mtime
 
 

@@ -32,32 +32,32 @@ def work(folder: str) -> str:
     except Stopped:
         raise
     except Exception as error:  # whatever it is, the other points go on
-        _tell(job, error)
+        _record_failure(job, error)
         return "failed"
     return "done"
 
 
-def _tell(job: Job, error: Exception) -> None:
+def _record_failure(job: Job, error: Exception) -> None:
     """Keep in a line why a point failed; what is no answer to a user is named by its kind."""
     kind, why = type(error).__name__, " ".join(str(error).split())
-    told = {"why": why if isinstance(error, EcumeError) else f"{kind}: {why}", "kind": kind}
-    write_whole(job.failure, json.dumps(told).encode())
+    result = {"why": why if isinstance(error, EcumeError) else f"{kind}: {why}", "kind": kind}
+    write_whole(job.failure, json.dumps(result).encode())
 
 
 def _process(job: Job, plan: dict[str, object]) -> None:
-    from ecume.sweep.processes import told_by
+    from ecume.sweep.processes import results_of
 
-    told = told_by(str(plan["process"]), dict(plan["settings"]))  # type: ignore[call-overload]
-    with storing(job.told):
-        write_whole(job.told, json.dumps(told).encode())
+    result = results_of(str(plan["process"]), dict(plan["settings"]))  # type: ignore[call-overload]
+    with storing(job.result):
+        write_whole(job.result, json.dumps(result).encode())
 
 
 def _scene(job: Job, plan: dict[str, object]) -> None:
-    from ecume.run import Habits, resume, run
+    from ecume.run import RunOptions, resume, run
     from ecume.scenes.schema import from_plain
 
-    habits = Habits(threads=THREADS)
+    options = RunOptions(threads=THREADS)
     if (job.run / "manifest.json").exists():
-        resume(job.run, habits=habits)
+        resume(job.run, options=options)
     else:
-        run(from_plain(plan["scene"]), job.run, force=job.run.exists(), habits=habits)  # type: ignore[arg-type]
+        run(from_plain(plan["scene"]), job.run, force=job.run.exists(), options=options)  # type: ignore[arg-type]

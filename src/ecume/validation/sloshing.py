@@ -42,12 +42,12 @@ def rows() -> list[Row]:
     runs = {deep: rise(deep) for deep in DEEP}
     coarse, fine = (error(runs[deep]) for deep in DEEP)
     return [
-        *(row for deep, run in runs.items() for row in told(run, deep)),
+        *(row for deep, run in runs.items() for row in rows_of(run, deep)),
         above("order of convergence of the rise", math.log2(coarse / fine), 0.7),
     ]
 
 
-def told(run: Rise, deep: int) -> list[Row]:
+def rows_of(run: Rise, deep: int) -> list[Row]:
     """The demands on one run."""
     ours, theirs = (float(np.abs(rise[run.times >= SETTLED]).max()) for rise in (run.computed, run.series))
     return [

@@ -30,13 +30,13 @@ def rows() -> list[Row]:
         exact = viscous_decay(math.pi, 1.0, 1.0, 1.0 / reynolds)
         waves = {deep: wave(reynolds, deep) for deep in DEEP}
         for deep, computed in waves.items():
-            found += _told(f"Re {reynolds:g}, {deep} deep", computed, exact, deep)
+            found += _rows(f"Re {reynolds:g}, {deep} deep", computed, exact, deep)
         coarse, fine = (abs(waves[deep].rate / exact.rate - 1.0) for deep in DEEP)
         found.append(above(f"Re {reynolds:g}: order of convergence of the decay", math.log2(coarse / fine), 0.5))
     return found
 
 
-def _told(name: str, computed: Decay, exact: Decay, deep: int) -> list[Row]:
+def _rows(name: str, computed: Decay, exact: Decay, deep: int) -> list[Row]:
     return [
         within(f"{name}: frequency", computed.frequency, exact.frequency, MOST_FREQUENCY[deep] * exact.frequency),
         within(f"{name}: decay", computed.rate, exact.rate, MOST_RATE[deep] * exact.rate),

@@ -46,11 +46,11 @@ def rows() -> list[Row]:
     coarse, fine = run(["duration=568.0"]), run(["spacing=0.03125", "duration=284.0"])
     half, middle = len(coarse) // 2 + 1, len(fine) // 2 + 1
     return [
-        *told("16 deep, 1e5 steps", coarse[:half]),
-        *told("16 deep, 2e5 steps", coarse),
+        *rows_of("16 deep, 1e5 steps", coarse[:half]),
+        *rows_of("16 deep, 2e5 steps", coarse),
         below("16 deep, 2e5 steps: center's creep in the last quarter, over H", creep(coarse), MOST_CREEP),
-        *told("32 deep, 1e5 steps", fine[:middle]),
-        *told("32 deep, 2e5 steps", fine),
+        *rows_of("32 deep, 1e5 steps", fine[:middle]),
+        *rows_of("32 deep, 2e5 steps", fine),
         below("32 deep, 2e5 steps: creep in the last quarter, over that before", lasting(fine), MOST_LASTING),
     ]
 
@@ -83,7 +83,7 @@ def column(height: Array, load: float) -> Array:
     return np.array([column_pressure(top - y, 1.0, 1.0, SOUND_SPEED) for y in height])
 
 
-def told(name: str, frames: Sequence[Rest]) -> list[Row]:
+def rows_of(name: str, frames: Sequence[Rest]) -> list[Row]:
     """The demands on a run; all but the counts are means over its last quarter."""
     late, last = last_quarter(frames), frames[-1]
     shift = abs(_mean(frame.center for frame in late) - frames[0].center)

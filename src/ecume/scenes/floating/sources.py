@@ -51,7 +51,7 @@ class Rows(NamedTuple):
     origins: list[str]
     faults: Faults
 
-    def told(self, faults: Faults) -> Faults:
+    def with_origins(self, faults: Faults) -> Faults:
         """Faults of rows in the words of their source: the line of the table, the float of the run."""
         mine, others = [], []
         for path, text in faults:

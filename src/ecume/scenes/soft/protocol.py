@@ -116,8 +116,8 @@ class StageSpec:
         given = [name for name in names if getattr(self, name) is not None]
         if len(given) < 2:
             return []
-        told = f"came together with {given[0]}; wanted one of {', '.join(names)}: the others follow"
-        return [((name,), told) for name in given[1:]]
+        cause = f"came together with {given[0]}; wanted one of {', '.join(names)}: the others follow"
+        return [((name,), cause) for name in given[1:]]
 
 
 OF_BOX = ("strain", "shear_rate", "shear_stress", "oscillation", "scale", "height_rate", "normal_stress", "pressure")
@@ -134,11 +134,11 @@ def protocol_faults(stages: Sequence[StageSpec], dimensions: int, boxed: bool) -
     for index, stage in enumerate(stages):
         given = [name for name in OF_BOX if getattr(stage, name) is not None]
         if given and not boxed:
-            told = (
+            cause = (
                 "is that of a [box] without walls; there is none. Walls have a pressure, a shear_stress and a velocity"
             )
-            found += [((index, name), told) for name in given]
-        found += [((index, *path), message) for path, message in _wrong_units(stage, dimensions)]
+            found += [((index, name), cause) for name in given]
+        found += [((index, *path), cause) for path, cause in _wrong_units(stage, dimensions)]
     return found if found else [*_unreachable(stages), *_broken_waves(stages)]
 
 
@@ -148,8 +148,8 @@ def _wrong_units(stage: StageSpec, dimensions: int) -> Complaints:
     if stage.oscillation is not None:
         given.append((("oscillation", "stress"), stage.oscillation.stress))
     where = "a layer" if dimensions == 2 else "space"
-    told = f"stresses of {where} are in {STRESS_UNITS[dimensions]}"
-    return [(path, told) for path, value in given if isinstance(value, wrong)]
+    cause = f"stresses of {where} are in {STRESS_UNITS[dimensions]}"
+    return [(path, cause) for path, value in given if isinstance(value, wrong)]
 
 
 def _unreachable(stages: Sequence[StageSpec]) -> Complaints:
@@ -158,8 +158,10 @@ def _unreachable(stages: Sequence[StageSpec]) -> Complaints:
     sheared, sized = "", ""
     for index, stage in enumerate(stages):
         if stage.strain is not None and sheared:
-            told = f"cannot be reached while {sheared}; wanted shear_rate, 0 to hold, and strain only where it is known"
-            found.append(((index, "strain"), told))
+            cause = (
+                f"cannot be reached while {sheared}; wanted shear_rate, 0 to hold, and strain only where it is known"
+            )
+            found.append(((index, "strain"), cause))
         if stage.scale is not None and sized:
             found.append(((index, "scale"), f"cannot be reached while {sized}; wanted height_rate, 0 to hold"))
         if stage.shear_stress is not None:
@@ -189,6 +191,8 @@ def _broken_waves(stages: Sequence[StageSpec]) -> Complaints:
         if index + 1 < len(stages):
             cycles = wave.frequency * (stages[index + 1].time - stage.time)
             if abs(cycles - round(cycles)) > WHOLE * max(cycles, 1.0):
-                told = f"makes {cycles:g} cycles until the next moment; wanted a whole number, or the strain would jump"
-                found.append(((index, "oscillation", "frequency"), told))
+                cause = (
+                    f"makes {cycles:g} cycles until the next moment; wanted a whole number, or the strain would jump"
+                )
+                found.append(((index, "oscillation", "frequency"), cause))
     return found

@@ -65,7 +65,7 @@ class Toy(Protocol):
         """What the page is told once, with a `title`."""
         ...
 
-    def told(self) -> dict[str, Any]:
+    def now(self) -> dict[str, Any]:
         """All that the page draws, again and again."""
         ...
 
@@ -92,7 +92,7 @@ class Game:
             if path == "/":
                 return Answer(self._page().encode(), HTML)
             if path == "/now":
-                return Answer(json.dumps(self.told(), separators=(",", ":")).encode(), JSON)
+                return Answer(json.dumps(self.now(), separators=(",", ":")).encode(), JSON)
             if path == "/scene":
                 return Answer(to_toml(self.toy.moving.present()).encode(), "text/plain; charset=utf-8")
         return None
@@ -127,9 +127,9 @@ class Game:
         moving.play(seconds)
         self.pace += STEADY * ((moving.time - before) / seconds - self.pace)
 
-    def told(self) -> dict[str, Any]:
+    def now(self) -> dict[str, Any]:
         """All that the page draws."""
-        return {"time": self.toy.moving.time, "speed": self.speed, "pace": self.pace, **self.toy.told()}
+        return {"time": self.toy.moving.time, "speed": self.speed, "pace": self.pace, **self.toy.now()}
 
     def _page(self) -> str:
         header = {"speeds": SPEEDS, **self.toy.header()}

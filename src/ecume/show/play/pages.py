@@ -62,7 +62,7 @@ class BowlPage:
             "map": color_map("height"),
         }
 
-    def told(self) -> dict[str, Any]:
+    def now(self) -> dict[str, Any]:
         """All that the page draws."""
         frame, scene = self.moving.frame, self.moving.scene
         arrays = frame.arrays
@@ -149,7 +149,7 @@ class TankPage:
             "colorings": [[name, unit, color_map(colors)] for name, (unit, colors) in COLORINGS.items()],
         }
 
-    def told(self) -> dict[str, Any]:
+    def now(self) -> dict[str, Any]:
         """All that the page draws: places and colors as bytes."""
         tank, liquid = self.moving, self.moving.liquid()
         values, most = self._values(liquid)

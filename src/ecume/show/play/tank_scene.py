@@ -60,7 +60,7 @@ def require_playable(scene: Any) -> None:
     if scene.model != "sph" or len(scene.tank.low) != 2:
         raise BadInput("one plays with a tank in the plane; wanted a scene of model 'sph' in two dimensions")
     sides = [getattr(scene.tank, name) for name in ("left", "right", "bottom", "top")]
-    told = {
+    present = {
         "bodies": bool(scene.bodies),
         "[[carried]]": bool(scene.carried),
         "[shake]": scene.shake is not None,
@@ -68,7 +68,7 @@ def require_playable(scene: Any) -> None:
         "sides that move": any(side.motion is not None for side in sides),
         "in- or outflows": any(side.kind not in KINDS for side in sides),
     }
-    there = [name for name, is_there in told.items() if is_there]
+    there = [name for name, is_there in present.items() if is_there]
     if there:
         raise BadInput(f"one plays with a tank of liquid alone; this one has {' and '.join(there)}")
 

@@ -117,8 +117,8 @@ def swaps(frames: Frames, scene: Any) -> Figure:
         when.set(xlabel="time (s)", ylabel="T1 events so far", title=plain(scene.title), xlim=span(times(frames)))
         when.set_ylim(bottom=0)
         if found.unpaired:
-            told = f"other changes of neighbors: {found.unpaired}"
-            when.text(0.02, 0.97, told, transform=when.transAxes, va="top", color=MUTED, fontsize=8)
+            message = f"other changes of neighbors: {found.unpaired}"
+            when.text(0.02, 0.97, message, transform=when.transAxes, va="top", color=MUTED, fontsize=8)
     return drawn
 
 
@@ -169,11 +169,11 @@ def nonaffine(frames: Frames, scene: Any) -> Figure:
         longest = float(np.linalg.norm(moved, axis=1).max())
         scale = scale_for(longest, "m")
         if longest > 0.0:
-            told = f"{longest * scale.factor:.3g} {scale.unit}"
-            axes.quiverkey(arrows, 0.85, 1.04, longest, told, labelpos="E", fontproperties={"size": 8})
+            message = f"{longest * scale.factor:.3g} {scale.unit}"
+            axes.quiverkey(arrows, 0.85, 1.04, longest, message, labelpos="E", fontproperties={"size": 8})
         drawn.colorbar(dots, ax=axes, label="root of D²min (mean radii)", shrink=0.8)
-        told = f"from {before.time:.3g} s to {after.time:.3g} s"
-        axes.text(0.0, 1.01, told, transform=axes.transAxes, fontsize=8, color=MUTED)
+        message = f"from {before.time:.3g} s to {after.time:.3g} s"
+        axes.text(0.0, 1.01, message, transform=axes.transAxes, fontsize=8, color=MUTED)
         axes.set_title(plain(scene.title), pad=16)
     return drawn
 

@@ -41,7 +41,7 @@ class Source:
     token: str = field(default_factory=lambda: secrets.token_urlsafe(24))
     asked: bool = False
     """whether a page has been given out"""
-    told: bool = False
+    end_reported: bool = False
     """whether it has heard that the run ended"""
     _lock: threading.Lock = field(default_factory=threading.Lock)
     _trajectory: Trajectory | None = None
@@ -83,9 +83,9 @@ class Source:
             fresh = trajectory[max(begin, 0) : max(begin, 0) + MOST_FRAMES]
             chunk = pack(list(fresh), stage) if len(fresh) else None
         whole = max(begin, 0) + len(fresh) >= count
-        self.told = self.told or (state != "running" and whole)
-        told = {"state": state if whole else "running", "chunk": None if chunk is None else chunk.header}
-        text = json.dumps(told, separators=(",", ":")).encode()
+        self.end_reported = self.end_reported or (state != "running" and whole)
+        report = {"state": state if whole else "running", "chunk": None if chunk is None else chunk.header}
+        text = json.dumps(report, separators=(",", ":")).encode()
         text += b" " * (-len(text) % 4)
         return struct.pack("<I", len(text)) + text + (b"" if chunk is None else chunk.blob)
 
@@ -122,6 +122,6 @@ def serving(source: Source) -> Iterator[str]:
             yield address
         finally:
             end = time.monotonic() + FAREWELL
-            while source.asked and not source.told and time.monotonic() < end:
+            while source.asked and not source.end_reported and time.monotonic() < end:
                 time.sleep(EVERY)
             time.sleep(EVERY)  # the last answer may be on its way

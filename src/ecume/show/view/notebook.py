@@ -44,9 +44,9 @@ def player(trajectory: Trajectory, max_size: float = MOST) -> str:
 def still(frame: Frame) -> str:
     """One frame as a piece of HTML. It knows its particles and numbers, and nothing of walls, which a scene knows."""
     stage = bare_stage(frame)
-    told = {"title": f"at {frame.time:.6g} s", "model": "", "facts": [], "papers": [], "scene": "", "live": False}
+    facts = {"title": f"at {frame.time:.6g} s", "model": "", "facts": [], "papers": [], "scene": "", "live": False}
     # One instant is no curve.
-    header: dict[str, Any] = {**told, **looks(frame, frame, stage), "shown": ()}
+    header: dict[str, Any] = {**facts, **looks(frame, frame, stage), "shown": ()}
     return _framed(page(header, [pack([frame], stage)]))
 
 

@@ -241,9 +241,9 @@ def _facts(trajectory: Trajectory) -> list[tuple[str, str]]:
     path = trajectory.directory / "manifest.json"
     with storing(path):
         manifest = json.loads(path.read_bytes()) if path.is_file() else {}
-    told = [(name, str(manifest[name])) for name in FACTS if manifest.get(name) is not None]
-    told += [(name, str(manifest[name])[:16]) for name in ("scene_sha256",) if name in manifest]
-    return [("frames", str(len(trajectory))), *told]
+    facts = [(name, str(manifest[name])) for name in FACTS if manifest.get(name) is not None]
+    facts += [(name, str(manifest[name])[:16]) for name in ("scene_sha256",) if name in manifest]
+    return [("frames", str(len(trajectory))), *facts]
 
 
 def _scene_text(directory: Path) -> str:
