@@ -53,7 +53,7 @@ class Unit:
         if isinstance(value, str):
             return parse(value, self.symbol)
         if isinstance(value, bool) or not isinstance(value, (int, float)):
-            raise ValueError(f"wanted a number, or text with a unit such as {example(self.symbol)!r}")
+            raise ValueError(f"expected a number, or text with a unit such as {example(self.symbol)!r}")
         try:
             return float(value)
         except OverflowError:
@@ -120,7 +120,7 @@ def factor(unit: str, symbol: str) -> float:
     found, wanted = _in_base_units(POWER.sub(r"**(\1)", plain), symbol), _in_base_units(symbol, symbol)
     if found.units != wanted.units:
         raise ValueError(
-            f"{unit!r} measures {_dimension(found)}, wanted {_dimension(wanted)} as in {example(symbol)!r}"
+            f"{unit!r} measures {_dimension(found)}, expected {_dimension(wanted)} as in {example(symbol)!r}"
         )
     return _snapped(float(found.magnitude / wanted.magnitude))
 

@@ -188,6 +188,6 @@ def test_tracks_that_were_lost_and_found_again_are_told_of(tmp_path):
     words = ["fit", str(tmp_path / "tracks.csv"), "--scene", str(tmp_path / "tr.toml"), "--free", "viscosity"]
     told = CliRunner().invoke(app, words)
     assert told.exit_code == 2
-    assert "3 tracks and 2 particles in the scene; wanted as many; name those that count (--only)" in told.stderr
+    assert "3 tracks and 2 particles in the scene; expected as many; name those that count (--only)" in told.stderr
     unknown = CliRunner().invoke(app, [*words, "--only", "a,d"])
     assert "no object is called 'd'" in unknown.stderr

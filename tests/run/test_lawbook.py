@@ -53,8 +53,8 @@ def test_the_manifest_names_the_laws_and_the_same_laws_go_on(broken_off: Path) -
     ("laws", "says"),
     [
         ([], r"begun with laws of your own, springy; go on from Python: ecume\.resume\(.*extra_laws=\[springy\]\)"),
-        ([slack], "came slack; the run was begun with springy"),
-        ([springy, slack], "came springy, slack; the run was begun with springy"),
+        ([slack], "got slack; the run was begun with springy"),
+        ([springy, slack], "got springy, slack; the run was begun with springy"),
     ],
 )
 def test_other_laws_are_refused_and_the_run_stays_as_it_is(laws: Any, says: str, broken_off: Path) -> None:
@@ -67,7 +67,7 @@ def test_other_laws_are_refused_and_the_run_stays_as_it_is(laws: Any, says: str,
 def test_a_run_without_laws_of_the_users_own_takes_none_later(tmp_path: Path, scene: Scenes) -> None:
     run(scene(), tmp_path / "run")
     (tmp_path / "run" / "DONE.json").unlink()
-    with pytest.raises(BadInput, match="came springy; the run was begun with no laws of your own"):
+    with pytest.raises(BadInput, match="got springy; the run was begun with no laws of your own"):
         resume(tmp_path / "run", extra_laws=[springy])
 
 

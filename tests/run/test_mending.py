@@ -61,9 +61,9 @@ def test_what_a_run_says_again_is_told_of_and_set_aside(half, name, results):
     one, whole = half
     (one.path / name).write_text("[1]")
     if name != "DONE.json":
-        assert f"{name}: damaged: wanted a table; `ecume repair" in info(one.path).why
+        assert f"{name}: damaged: expected a table; `ecume repair" in info(one.path).why
         assert info(one.path).frames > 0
-    assert repair(one.path).faults == (f"{one.path / name}: damaged: wanted a table; set aside",)
+    assert repair(one.path).faults == (f"{one.path / name}: damaged: expected a table; set aside",)
     assert (one.path / f"{name}.damaged").read_text() == "[1]"
     assert "damaged" not in info(one.path).why
     resume(one.path)

@@ -107,7 +107,7 @@ def test_the_extra_is_asked_for_where_it_is_missing(monkeypatch: pytest.MonkeyPa
 
 
 @pytest.mark.parametrize(
-    ("asked", "told"), [(("many", None), "wanted one of local, mpi"), (("local", 3), "goes with --engine mpi")]
+    ("asked", "told"), [(("many", None), "expected one of local, mpi"), (("local", 3), "goes with --engine mpi")]
 )
 def test_engines_that_are_not_there_are_refused(asked: tuple[str, int | None], told: str) -> None:
     from ecume.cli.mpi_launcher import marching

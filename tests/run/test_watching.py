@@ -148,7 +148,7 @@ def test_a_policy_that_there_is_not_is_refused_in_a_scene_too() -> None:
     from ecume.errors import SceneError
     from ecume.scenes.schema import from_plain
 
-    with pytest.raises(SceneError, match="on_violation: came 'panic'; wanted one of warn, stop"):
+    with pytest.raises(SceneError, match="on_violation: got 'panic'; expected one of warn, stop"):
         from_plain({"model": "tracers", "duration": 1.0, "frame_every": 1.0, "on_violation": "panic"})
 
 
@@ -166,5 +166,5 @@ def test_a_run_that_was_stopped_judges_like_one_that_was_not(tmp_path: Path, sce
 
 
 def test_a_policy_that_there_is_not_is_refused() -> None:
-    with pytest.raises(BadInput, match="on_violation: came 'panic'"):
+    with pytest.raises(BadInput, match="on_violation: got 'panic'"):
         RunOptions(on_violation="panic")

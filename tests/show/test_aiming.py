@@ -102,7 +102,7 @@ def test_whoever_is_not_there_cannot_be_followed(tmp_path, one):
 
 @pytest.mark.parametrize("zoom", [0.0, -1.0, float("nan"), 1e9])
 def test_a_zoom_that_shows_nothing_is_refused(zoom):
-    with pytest.raises(BadInput, match=r"zoom is .*; wanted 2 for twice as large"):
+    with pytest.raises(BadInput, match=r"zoom is .*; expected 2 for twice as large"):
         MovieOptions(aim=Aim(zoom))
 
 

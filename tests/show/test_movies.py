@@ -34,9 +34,9 @@ def test_a_movie_of_a_run_stands_among_its_results(opened, tmp_path, monkeypatch
 @pytest.mark.parametrize(
     ("asked", "says"),
     [
-        ({"fps": 0}, "fps is 0; wanted from 1 to 240"),
-        ({"every": 0}, "every is 0; wanted 1"),
-        ({"size": (10, 10)}, "size is 10 x 10; wanted from 64"),
+        ({"fps": 0}, "fps is 0; expected from 1 to 240"),
+        ({"every": 0}, "every is 0; expected 1"),
+        ({"size": (10, 10)}, "size is 10 x 10; expected from 64"),
         ({"start": 2.0, "end": 1.0}, "from 2 s to 1 s there is no time"),
         ({"color": "taste"}, "'floating' take no color; leave color taste out"),
         ({"eye": Eye()}, "'floating' are seen from above alone; leave azimuth and elevation out"),

@@ -239,7 +239,7 @@ def test_the_verb_tells_how_it_ends(file, tmp_path, monkeypatch):
     assert told.stdout == "sweeps/bowls: 4 done, 0 failed, 0 running, 0 missing\n"
     twice = runner.invoke(app, ["sweep", "bowls.toml", "--slurm", "--workers", "2"])
     assert twice.exit_code == 2
-    assert "wanted one of --workers" in twice.stderr
+    assert "expected one of --workers" in twice.stderr
     drawn = runner.invoke(app, ["plot", "sweeps/bowls"])
     assert drawn.exit_code == 0
     assert (tmp_path / "sweeps/bowls/curves.png").exists()

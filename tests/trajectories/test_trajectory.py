@@ -170,7 +170,7 @@ def test_other_quantities_begin_another_segment(tmp_path: Path, frames: Frames) 
 @pytest.mark.parametrize("kind", [np.float32, np.int32, bool, complex])
 def test_arrays_that_could_not_come_back_are_refused(tmp_path: Path, frames: Frames, kind: type) -> None:
     frame = frames(1)[0]
-    with Recorder(tmp_path) as recorder, pytest.raises(BadInput, match="wanted float64 or int64"):
+    with Recorder(tmp_path) as recorder, pytest.raises(BadInput, match="expected float64 or int64"):
         recorder.write(frame._replace(arrays={**frame.arrays, "mass": np.ones(6, kind)}), 0)
     assert not list(tmp_path.iterdir())
 

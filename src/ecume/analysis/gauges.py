@@ -85,9 +85,9 @@ def _near(frame: Frame, points: Array, reach: Length, position: Array | None = N
     position = frame.arrays["position"] if position is None else position
     points = np.asarray(points, dtype=float)
     if not reach > 0.0:
-        raise BadInput(f"reach: came {reach:g} m; wanted the kernel's support, about four spacings")
+        raise BadInput(f"reach: got {reach:g} m; expected the kernel's support, about four spacings")
     if points.ndim != 2 or points.shape[1] != position.shape[1]:
-        raise BadInput(f"points: came shape {points.shape}; wanted (points, {position.shape[1]})")
+        raise BadInput(f"points: got shape {points.shape}; expected (points, {position.shape[1]})")
     shape = kernel(KERNEL, dim=position.shape[1])
     pairs = near(points, position, reach)
     volume = frame.arrays["mass"] / frame.arrays["density"]

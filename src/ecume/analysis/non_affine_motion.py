@@ -86,5 +86,5 @@ def nonaffine_velocity(before: Frame, after: Frame, boxes: tuple[Box, Box] | Non
 
 def _boxes(before: Frame, after: Frame, boxes: tuple[Box, Box] | None) -> tuple[Box | None, Box | None]:
     if before.arrays["position"].shape != after.arrays["position"].shape:
-        raise BadInput("particles came or went between these frames; wanted the same ones in both")
+        raise BadInput("particles came or went between these frames; expected the same ones in both")
     return boxes or (box_of(before), box_of(after))

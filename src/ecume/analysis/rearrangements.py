@@ -234,7 +234,7 @@ def contact_swaps(frames: Iterable[Frame], *, touch: float, apart: float, box: B
     between frames. For films and in space, where borders do not say who is a neighbor.
     """
     if not touch <= apart:
-        raise BadInput(f"two meet below a gap of {touch:g} m and part above {apart:g} m; wanted touch <= apart")
+        raise BadInput(f"two meet below a gap of {touch:g} m and part above {apart:g} m; expected touch <= apart")
     contacts = _Contacts(set(), {}, {})
     events: list[Swap] = []
     before: _Gaps | None = None

@@ -31,7 +31,7 @@ def stress_tensor(frame: Frame, part: str = "total") -> Array:
     tensor = np.zeros((dimensions, dimensions))
     parts = (part,) if part != "total" else tuple(one for one in PARTS if f"stress_{one}_xx" in frame.numbers)
     if not parts or any(f"stress_{one}_xx" not in frame.numbers for one in parts):
-        raise BadInput(f"the frames tell of no stress called {part!r}; wanted total, or one of {', '.join(PARTS)}")
+        raise BadInput(f"the frames tell of no stress called {part!r}; expected total, or one of {', '.join(PARTS)}")
     for one in parts:
         for i, j in np.ndindex(dimensions, dimensions):
             tensor[i, j] += frame.numbers[f"stress_{one}_{AXES[i]}{AXES[j]}"]
@@ -133,11 +133,11 @@ def moduli(time: Array, strain: Array, stress: Array, period: Time) -> Moduli:
     """
     whole = math.floor((time[-1] - time[0]) / period * (1.0 + 1e-9))
     if whole < 1:
-        raise BadInput(f"wanted a whole period of {period:g} s; these times span {time[-1] - time[0]:g} s")
+        raise BadInput(f"expected a whole period of {period:g} s; these times span {time[-1] - time[0]:g} s")
     turn = np.floor((time[-1] - time) / period + 1e-9).astype(int)
     fewest = int(np.bincount(turn)[:whole].min())
     if fewest < FEWEST:
-        raise BadInput(f"wanted {FEWEST} instants or more in a period of {period:g} s; came {fewest}")
+        raise BadInput(f"expected {FEWEST} instants or more in a period of {period:g} s; got {fewest}")
     steady = [_without_drift(time, values, turn, whole) for values in (strain, stress)]
     found = [[_harmonics(time[turn == n], values[turn == n], period) for values in steady] for n in range(whole)]
     strains, stresses = np.array(found).transpose(1, 0, 2)
@@ -211,6 +211,6 @@ def creep(frames: Sequence[Frame], step: Time) -> tuple[Array, Array]:
     now, strain = times(frames), *series(frames, number("strain"))
     after = now >= step * (1.0 - 1e-9)
     if after.sum() < 2:
-        raise BadInput(f"wanted two frames or more from the step at {step:g} s on; came {int(after.sum())}")
+        raise BadInput(f"expected two frames or more from the step at {step:g} s on; got {int(after.sum())}")
     crept = strain[after] - strain[after][0]
     return now[after] - step, math.copysign(1.0, crept[-1]) * crept

@@ -111,7 +111,7 @@ def _chosen(names: Sequence[str], *, everything: bool) -> list[Bench]:
     from ecume.scenes.faults import suggestion
 
     if names and everything:
-        raise BadInput("wanted either names of benchmarks or --all")
+        raise BadInput("expected either names of benchmarks or --all")
     for name in names:
         if name not in BENCHES:
             raise BadInput(f"there is no benchmark {name!r}; {suggestion(name, BENCHES)}")

@@ -29,7 +29,7 @@ def in_unit(text: str, unit: str, option: str) -> float:
     except ValueError as fault:
         raise BadInput(f"{option}: {fault}") from None
     if not value > 0.0:
-        raise BadInput(f"{option}: came {text}; wanted more than zero")
+        raise BadInput(f"{option}: got {text}; expected more than zero")
     return value
 
 

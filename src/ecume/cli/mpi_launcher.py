@@ -49,7 +49,7 @@ def marching(engine: str, ranks: int | None) -> Iterator[Callable[[Model], Model
     one that is a rank beside the first.
     """
     if engine not in ENGINES:
-        raise BadInput(f"--engine: came {engine!r}; wanted one of {', '.join(ENGINES)}")
+        raise BadInput(f"--engine: got {engine!r}; expected one of {', '.join(ENGINES)}")
     if engine == "local":
         if ranks is not None:
             raise BadInput("--ranks goes with --engine mpi")

@@ -33,7 +33,7 @@ def pixels(text: str) -> tuple[int, int]:
     """A size from the command line: `1280x960`."""
     match = re.fullmatch(r"\s*([0-9]{1,6})\s*[x×]\s*([0-9]{1,6})\s*", text)
     if match is None:
-        raise typer.BadParameter(f"{text!r} is no size; wanted WIDTHxHEIGHT in pixels, such as 1280x960")
+        raise typer.BadParameter(f"{text!r} is no size; expected WIDTHxHEIGHT in pixels, such as 1280x960")
     return int(match[1]), int(match[2])
 
 

@@ -24,7 +24,7 @@ def task_of(text: str) -> tuple[int, int]:
     """A task of an array: `3/100`."""
     match = re.fullmatch(r"([0-9]{1,7})/([0-9]{1,7})", text)
     if match is None or not int(match[1]) < int(match[2]):
-        raise typer.BadParameter(f"{text!r}: wanted NUMBER/TASKS, such as 3/100")
+        raise typer.BadParameter(f"{text!r}: expected NUMBER/TASKS, such as 3/100")
     return int(match[1]), int(match[2])
 
 
@@ -68,7 +68,7 @@ def sweep(
     """
     use_at_most(1)
     if sum((workers is not None, scheduler is not None, slurm, array, status)) > 1:
-        raise BadInput("wanted one of --workers, --scheduler, --slurm, --array and --status")
+        raise BadInput("expected one of --workers, --scheduler, --slurm, --array and --status")
     directory = out or (file if file.is_dir() else SWEEPS / file.stem)
     source = file / "sweep.toml" if file.is_dir() else file
     if status:

@@ -68,7 +68,7 @@ def _chosen(names: Sequence[str], *, everything: bool) -> list[Case]:
     from ecume.validation import CASES
 
     if names and everything:
-        raise BadInput("wanted either names of cases or --all")
+        raise BadInput("expected either names of cases or --all")
     for name in names:
         if name not in CASES:
             raise BadInput(f"there is no case {name!r}; {suggestion(name, CASES)}")

@@ -62,7 +62,7 @@ def free_parameters(plain: Mapping[str, Any], names: Sequence[str]) -> list[Free
     """The parameters of these names, or paths such as `floats[0].radius`. Raises BadInput where there is none."""
     count = len(names) if any(names) else 0
     if not 1 <= count <= MOST:
-        raise BadInput(f"free: came {count} parameters; wanted 1 to {MOST}, such as contact_angle,viscosity")
+        raise BadInput(f"free: got {count} parameters; expected 1 to {MOST}, such as contact_angle,viscosity")
     found = [_free(plain, name) for name in names]
     places = [path for free in found for path in free.paths]
     twice = next((path for path in places if places.count(path) > 1), None)
@@ -83,7 +83,7 @@ def _free(plain: Mapping[str, Any], name: str) -> Free:
         raise BadInput(f"free: {name} is not the same everywhere; say which: {', '.join(map(written, paths))}")
     value = values[0]
     if not isinstance(value, float):
-        raise BadInput(f"free: {name} came {echo(value)}; wanted a parameter that is a number, and no whole one")
+        raise BadInput(f"free: {name} got {echo(value)}; expected a parameter that is a number, and no whole one")
     if value == 0.0 or (paths[0][-1] == ANGLE and not 0.0 < value < math.pi):
         raise BadInput(f"free: {name} starts at {value:g}; give it a start that is not zero (an angle below 180 deg)")
     return Free(name, paths, float(value), unit_of(plain, paths[0]))

@@ -190,5 +190,5 @@ def json_of(path: Path) -> dict[str, Any]:
     except ValueError as error:
         raise StorageError(f"{path}: damaged: {error}") from error
     if not isinstance(plain, dict):
-        raise StorageError(f"{path}: damaged: wanted a table")
+        raise StorageError(f"{path}: damaged: expected a table")
     return plain

@@ -79,7 +79,7 @@ class RunOptions:
     def __post_init__(self) -> None:
         """Refuse what is no policy."""
         if self.on_violation not in (None, *POLICIES):
-            raise BadInput(f"on_violation: came {self.on_violation!r}; wanted one of {', '.join(POLICIES)}")
+            raise BadInput(f"on_violation: got {self.on_violation!r}; expected one of {', '.join(POLICIES)}")
 
 
 USUAL = RunOptions()
@@ -119,8 +119,8 @@ def resume(
 
     On the same kind of processor and with the same versions the result is the same, bit for bit, as without the stop.
     Elsewhere the last digits may differ; frames that were already written after the last checkpoint are then replaced,
-    with a warning that says by how much they differ (`RunOptions.strict` refuses that). A run with a user's own laws needs
-    the same `extra_laws` again: their text and the numbers they use are compared with those it was begun with.
+    with a warning that says by how much they differ (`RunOptions.strict` refuses that). A run with a user's own laws
+    needs the same `extra_laws` again: their text and the numbers they use are compared with those it was begun with.
     """
     from ecume.scenes.schema import from_plain
 

@@ -42,7 +42,7 @@ def require_same(home: RunDirectory, extra_laws: Sequence[Law]) -> None:
         )
     if before != given:
         wanted = ", ".join(before) or "no laws of your own"
-        raise BadInput(f"{home.path}: extra_laws: came {', '.join(given)}; the run was begun with {wanted}")
+        raise BadInput(f"{home.path}: extra_laws: got {', '.join(given)}; the run was begun with {wanted}")
     differing = [one["name"] for one, other in zip(former, now, strict=True) if one != other]
     if differing:
         raise BadInput(

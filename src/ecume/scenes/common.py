@@ -59,6 +59,6 @@ class Common:
             raise Inconsistent([(("frame_every",), f"gives {frames:.3g} frames, more than {MOST_FRAMES:.0e}")])
         if abs(frames - round(frames)) > 1e-9 * frames:
             fits = max(1, round(frames)) * self.frame_every
-            came = f"came {self.duration:g} s, no whole number of frames {self.frame_every:g} s apart"
+            came = f"got {self.duration:g} s, no whole number of frames {self.frame_every:g} s apart"
             raise Inconsistent([(("duration",), f"{came}; {fits:.9g} s would be")])
         return self

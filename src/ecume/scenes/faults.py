@@ -113,13 +113,13 @@ def _described(detail: ErrorDetails, kind: type, raw: object, also: Sequence[str
         return [(path, f"no such key; {suggestion(str(path[-1]), _keys(kind, path[:-1], also))}")]
     if detail["type"] == "missing" and isinstance(path[-1], int):
         pair = value_at(raw, path[:-1], detail["input"])
-        return [(path[:-1], f"came {echo(pair)}; wanted a list of {len(_items(_kind_at(kind, path[:-1])))}")]
+        return [(path[:-1], f"got {echo(pair)}; expected a list of {len(_items(_kind_at(kind, path[:-1])))}")]
     if detail["type"] == "missing":
         return [(path, f"{MISSING}{_hint(kind, path)}")]
     cause = detail.get("ctx", {}).get("error")
     if isinstance(cause, Inconsistent):
         return [(path + below, message) for below, message in cause.complaints]
-    came = f"came {echo(value_at(raw, path, detail['input']))}"
+    came = f"got {echo(value_at(raw, path, detail['input']))}"
     return [(path, f"{came}; {cause if cause is not None else _wanted(detail)}")]
 
 
@@ -144,28 +144,28 @@ def _wanted(detail: ErrorDetails) -> str:
     if detail["type"] == "literal_error":
         choices = [word for word in re.findall(r"'([^']*)'", str(bounds["expected"])) if word]
         near = suggestion(str(detail["input"]), choices)
-        return f"wanted one of {', '.join(choices)}" + ("" if near.startswith("known") else f"; {near}")
+        return f"expected one of {', '.join(choices)}" + ("" if near.startswith("known") else f"; {near}")
     wording = WORDING.get(detail["type"], detail["msg"][:1].lower() + detail["msg"][1:])
     return wording.format_map({key: _number(value) for key, value in bounds.items()})
 
 
 WORDING = {
-    "greater_than": "wanted more than {gt}",
-    "greater_than_equal": "wanted {ge} or more",
-    "less_than": "wanted less than {lt}",
-    "less_than_equal": "wanted {le} or less",
-    "finite_number": "wanted a finite number",
-    "int_type": "wanted a whole number",
-    "int_from_float": "wanted a whole number",
-    "bool_type": "wanted true or false",
-    "string_type": "wanted text",
-    "string_too_long": "wanted at most {max_length} characters",
-    "string_too_short": "wanted some text",
+    "greater_than": "expected more than {gt}",
+    "greater_than_equal": "expected {ge} or more",
+    "less_than": "expected less than {lt}",
+    "less_than_equal": "expected {le} or less",
+    "finite_number": "expected a finite number",
+    "int_type": "expected a whole number",
+    "int_from_float": "expected a whole number",
+    "bool_type": "expected true or false",
+    "string_type": "expected text",
+    "string_too_long": "expected at most {max_length} characters",
+    "string_too_short": "expected some text",
     "string_pattern_mismatch": "such characters cannot stand here",
-    "dataclass_type": "wanted a table of keys and values",
-    "tuple_type": "wanted a list",
-    "too_long": "wanted a list of {max_length}",
-    "too_short": "wanted a list of {min_length} or more",
+    "dataclass_type": "expected a table of keys and values",
+    "tuple_type": "expected a list",
+    "too_long": "expected a list of {max_length}",
+    "too_short": "expected a list of {min_length} or more",
 }
 
 
@@ -197,7 +197,7 @@ def _hint(kind: type, path: Path) -> str:
     hints = typing.get_type_hints(_kind_at(kind, path[:-1]), include_extras=True)
     marks = typing.get_args(hints.get(str(path[-1])))
     units = [mark for mark in marks if isinstance(mark, Unit)]
-    return f"; wanted for example {example(units[0].symbol)!r}" if units else ""
+    return f"; expected for example {example(units[0].symbol)!r}" if units else ""
 
 
 def _kind_at(kind: Any, path: Path) -> Any:

@@ -61,8 +61,8 @@ def examined(plain: Mapping[str, Any], also: Sequence[str] = ()) -> tuple[Scene 
 def _no_model(model: object) -> str:
     choices = ", ".join(f'"{name}"' for name in SCENES)
     if model is None:
-        return f"is missing; wanted one of {choices}"
-    return f"came {echo(model)}; wanted one of {choices}; {suggestion(str(model), SCENES)}"
+        return f"is missing; expected one of {choices}"
+    return f"got {echo(model)}; expected one of {choices}; {suggestion(str(model), SCENES)}"
 
 
 @cache

@@ -56,7 +56,7 @@ def writable(out: Path) -> Path:
     """The file that will be written for `out`: for an MP4 or WebM without an ffmpeg, a WebP of the same name."""
     if out.suffix.lower() not in (*ENCODERS, PICTURES):
         known = ", ".join((*ENCODERS, PICTURES))
-        raise BadInput(f"{out.name}: no such kind of movie as {out.suffix!r}; wanted one of {known}")
+        raise BadInput(f"{out.name}: no such kind of movie as {out.suffix!r}; expected one of {known}")
     return out.with_suffix(".webp") if out.suffix.lower() in CODECS and ffmpeg() is None else out
 
 

@@ -74,13 +74,13 @@ class MovieOptions:
 
     def __post_init__(self) -> None:
         if not 1 <= self.fps <= 240:
-            raise BadInput(f"fps is {self.fps}; wanted from 1 to 240 pictures a second")
+            raise BadInput(f"fps is {self.fps}; expected from 1 to 240 pictures a second")
         if self.every < 1:
-            raise BadInput(f"every is {self.every}; wanted 1 for each frame, 2 for each second one, and so on")
+            raise BadInput(f"every is {self.every}; expected 1 for each frame, 2 for each second one, and so on")
         if self.size is not None and not all(64 <= side <= 8192 for side in self.size):
-            raise BadInput(f"size is {self.size[0]} x {self.size[1]}; wanted from 64 to 8192 pixels a side")
+            raise BadInput(f"size is {self.size[0]} x {self.size[1]}; expected from 64 to 8192 pixels a side")
         if not 0.01 <= self.aim.zoom <= 1000.0:
-            raise BadInput(f"zoom is {self.aim.zoom:g}; wanted 2 for twice as large, and so on, from 0.01 to 1000")
+            raise BadInput(f"zoom is {self.aim.zoom:g}; expected 2 for twice as large, and so on, from 0.01 to 1000")
         if not self.start <= self.end:
             raise BadInput(f"{self._span()} there is no time")
 

@@ -105,7 +105,7 @@ def save(drawn: Figure, out: Path) -> Path:
     known = drawn.canvas.get_supported_filetypes()
     if out.suffix[1:].lower() not in known:
         raise BadInput(
-            f"{out.name}: no such kind of picture as {out.suffix!r}; wanted one of .{', .'.join(sorted(known))}"
+            f"{out.name}: no such kind of picture as {out.suffix!r}; expected one of .{', .'.join(sorted(known))}"
         )
     # A date would make two equal figures unequal files.
     undated: dict[str, dict[str, None]] = {".pdf": {"CreationDate": None}, ".svg": {"Date": None}}

@@ -115,7 +115,7 @@ def existing_sweep(directory: Path) -> Sweeping:
     """A sweep that was begun. Raises BadInput where there is none."""
     path = directory / "points.json"
     if not path.is_file():
-        raise BadInput(f"{directory}: no sweep is there; wanted a directory that `ecume sweep` made")
+        raise BadInput(f"{directory}: no sweep is there; expected a directory that `ecume sweep` made")
     rows = json_at(path, list)
     jobs = [
         Job(Point(one["settings"], one["repeat"]), directory / "points" / one["folder"], one["values"]) for one in rows
@@ -163,7 +163,7 @@ def _as_asked(fault: Fault, source: str) -> str:
     if fault.line is not None:
         return f"{source}: {fault}"
     words = re.sub(r"^--set '[^']*': ", "", str(fault).removesuffix(OVERRIDDEN))
-    return words + ("; whole = true in a span rounds" if words.endswith("wanted a whole number") else "")
+    return words + ("; whole = true in a span rounds" if words.endswith("expected a whole number") else "")
 
 
 def _plan(asked: Asked, point: Point) -> dict[str, Any]:

@@ -91,7 +91,7 @@ def read_measure(text: str) -> Words:
     match = USUAL.fullmatch(text.strip())
     if match is None or match[1] not in MEASURES:
         raise ValueError(
-            f"wanted {', '.join(MEASURES)} of a number, as in 'final kinetic_energy', or 'first top > 0.3'"
+            f"expected {', '.join(MEASURES)} of a number, as in 'final kinetic_energy', or 'first top > 0.3'"
         )
     return Words(match[1], match[2])
 
@@ -101,7 +101,7 @@ def measure_of(text: str) -> Measure:
     try:
         asked = read_measure(text)
     except ValueError as fault:
-        raise BadInput(f"measures: came {echo(text)}; {fault}") from None
+        raise BadInput(f"measures: got {echo(text)}; {fault}") from None
     if asked.way == "first":
         return lambda run: first_crossing(run.times, run.numbers(asked.number), asked.above, asked.bound)
     return lambda run: MEASURES[asked.way](run.times, run.numbers(asked.number))

@@ -45,7 +45,7 @@ def load_sweep(path: Path) -> Asked:
     except ValidationError as error:
         raise SceneError(placed(source, faults_of(error, SweepSpec, raw), set()), source.name) from error
     if spec.template and spec.template not in templates():
-        fault = f"came {echo(spec.template)}; {suggestion(spec.template, templates())}"
+        fault = f"got {echo(spec.template)}; {suggestion(spec.template, templates())}"
         raise SceneError(placed(source, [(("template",), fault)], set()), source.name)
     return Asked(spec, source.text, source.folder, source.name)
 

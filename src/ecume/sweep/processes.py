@@ -58,7 +58,7 @@ def require_settings(name: str, settings: Mapping[str, Any]) -> None:
     """Raise SceneError with the settings that are of another kind than the process takes."""
     kinds = typing.get_type_hints(process_of(name).run)
     faults = [
-        Fault(key, f"came {echo(value)}; wanted {_kind(kinds[key])}")
+        Fault(key, f"got {echo(value)}; expected {_kind(kinds[key])}")
         for key, value in settings.items()
         if not _is_a(value, kinds[key])
     ]

@@ -208,7 +208,7 @@ def _digest(measure: str | Measure) -> str:
     if isinstance(measure, str):
         return measure
     if not inspect.isfunction(measure):
-        raise BadInput(f"a measure is a text or a plain function of a trajectory; came {measure!r}")
+        raise BadInput(f"a measure is a text or a plain function of a trajectory; got {measure!r}")
     (entry,) = entries([measure])
     return f"{entry['name']} {entry['sha256']}"
 

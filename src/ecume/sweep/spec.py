@@ -28,7 +28,7 @@ def like(pattern: str, words: str) -> Callable[[str], str]:
 
     def fitting(text: str) -> str:
         if form.fullmatch(text) is None:
-            raise ValueError(f"wanted {words}")
+            raise ValueError(f"expected {words}")
         return text
 
     return fitting
@@ -37,7 +37,7 @@ def like(pattern: str, words: str) -> Callable[[str], str]:
 def value(came: object) -> object:
     """What may stand at a key of a scene."""
     if not isinstance(came, (bool, int, float, str, list)) or (isinstance(came, float) and not math.isfinite(came)):
-        raise ValueError("wanted a finite number, text, true or false, or a list")
+        raise ValueError("expected a finite number, text, true or false, or a list")
     return came
 
 
@@ -77,7 +77,7 @@ class Span:
             return raw
         units = {match[2].strip() if match else "" for match in found.values()}
         if len(found) < 2 or len(units) > 1 or "" in units or "unit" in raw:
-            raise Inconsistent([((), 'wanted two numbers, or both with the same unit: start = "1 mm", stop = "9 mm"')])
+            raise Inconsistent([((), 'expected two numbers, or two with one unit: start = "1 mm", stop = "9 mm"')])
         return raw | {end: float(match[1]) for end, match in found.items() if match} | {"unit": units.pop()}
 
     @model_validator(mode="after")
@@ -110,13 +110,13 @@ class Axis:
     def _one_way(self) -> Self:
         found: Complaints = []
         if (self.key is None) == (not self.keys):
-            found.append(((), "wanted key, or keys with rows"))
+            found.append(((), "expected key, or keys with rows"))
         elif self.key is not None and bool(self.values) == (self.span is not None):
-            found.append(((), "wanted values, or a span"))
+            found.append(((), "expected values, or a span"))
         elif self.keys and not self.rows:
             found.append((("rows",), "is missing; keys want a row of values for each point"))
         found += [
-            (("rows", place), f"came {len(row)} values; wanted {len(self.keys)}, one for each of the keys")
+            (("rows", place), f"got {len(row)} values; expected {len(self.keys)}, one for each of the keys")
             for place, row in enumerate(self.rows)
             if self.keys and len(row) != len(self.keys)
         ]
@@ -202,7 +202,7 @@ class SweepSpec:
 
     def _incomplete(self) -> Iterator[tuple[tuple[str, ...], str]]:
         if sum(map(bool, (self.scene, self.template, self.process))) != 1:
-            yield (), "wanted one of scene, template and process"
+            yield (), "expected one of scene, template and process"
         if not self.axes and self.sampling is None and self.repeats == 1:
             yield ("axes",), "is missing; nothing varies"
         if self.process and self.repeats > 1:

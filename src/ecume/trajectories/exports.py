@@ -38,7 +38,7 @@ def export(directory: str | os.PathLike[str], kind: str, out: str | os.PathLike[
     frames beside it; npz holds one array a quantity, for `numpy.load`.
     """
     if kind not in (*EXPORTS, "pvd"):
-        raise BadInput(f"a trajectory cannot be written as {kind}; wanted one of {', '.join((*EXPORTS, 'pvd'))}")
+        raise BadInput(f"a trajectory cannot be written as {kind}; expected one of {', '.join((*EXPORTS, 'pvd'))}")
     path = Path(out)
     with open_trajectory(directory) as trajectory:
         if not len(trajectory):

@@ -88,7 +88,7 @@ def _steady_header(file: FileIO, path: Path) -> Any:
     if len(now) < HEADER.itemsize or (header := np.frombuffer(now, HEADER)[0])["magic"] != MAGIC:
         raise StorageError(f"{path}: not a GSD file, or its beginning is damaged")
     if header["gsd_version"] >> 16 != 2:
-        raise StorageError(f"{path}: a GSD file of version {header['gsd_version'] >> 16}; wanted version 2")
+        raise StorageError(f"{path}: a GSD file of version {header['gsd_version'] >> 16}; expected version 2")
     return header
 
 

@@ -42,7 +42,7 @@ def header_of(frame: Frame, first: int, species: Sequence[str] = ()) -> Header:
     arrays = {name: (array.dtype.str, array.shape[1:]) for name, array in frame.arrays.items()}
     for name, (kind, shape) in arrays.items():
         if kind not in ("<f8", "<i8") or 0 in shape:
-            raise BadInput(f"the array {name} of a frame is {np.dtype(kind)} {shape}; wanted float64 or int64")
+            raise BadInput(f"the array {name} of a frame is {np.dtype(kind)} {shape}; expected float64 or int64")
     if "time" in frame.numbers:
         raise BadInput("a number of a frame is called time; the time is what a frame has besides")
     return Header(first, arrays, tuple(frame.numbers), dict(frame.units), tuple(species))

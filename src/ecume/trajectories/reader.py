@@ -36,7 +36,7 @@ def open_trajectory(path: str | os.PathLike[str]) -> Trajectory:
     begun = (given / "traj").is_dir() or (given / "resolved.json").is_file()
     folder = given / "traj" if begun else given
     if not segment_files(folder) and folder == given:
-        raise BadInput(f"{given}: no run is there; wanted a directory that `ecume run` made")
+        raise BadInput(f"{given}: no run is there; expected a directory that `ecume run` made")
     return Trajectory(folder)
 
 

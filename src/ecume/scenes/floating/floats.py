@@ -66,11 +66,11 @@ class ShapeSpec:
         if self.kind == "square" and self.width is not None:
             complaints.append((("width",), "a square has none: its radius, that of the circle around it, says all"))
         if self.kind != "square" and self.width is None:
-            complaints.append((("width",), f"left out; wanted how wide the {self.kind} is"))
+            complaints.append((("width",), f"left out; expected how wide the {self.kind} is"))
         if self.kind == "needle" and self.thickness is not None:
             complaints.append((("thickness",), "a needle is round: it has a width only"))
         if self.kind == "star" and self.mode not in (None, self.arms):
-            complaints.append((("mode",), f"came {self.mode}; a star rises and falls once an arm: leave it out"))
+            complaints.append((("mode",), f"got {self.mode}; a star rises and falls once an arm: leave it out"))
         if complaints:
             raise Inconsistent(complaints)
         if self.mode is None:
@@ -82,7 +82,7 @@ class ShapeSpec:
 def fitting(shape: ShapeSpec, radius: Length) -> Complaints:
     """What is wrong with a shape inside a circle of that radius."""
     if shape.width is not None and shape.width > 2.0 * radius:
-        came = f"came {shape.width:g} m, more than the circle around it is wide, {2.0 * radius:g} m"
+        came = f"got {shape.width:g} m, more than the circle around it is wide, {2.0 * radius:g} m"
         return [(("shape", "width"), came)]
     return []
 
@@ -220,7 +220,7 @@ def _wetting(body: FloatSpec | FloatRow) -> Complaints:
     if sum(given) == 1:
         return []
     came = "both" if all(given) else "neither"
-    return [((), f"wanted either contact_angle or surface_energies; came {came}")]
+    return [((), f"expected either contact_angle or surface_energies; got {came}")]
 
 
 def _figure(species: FloatSpec | FloatRow) -> Complaints:
@@ -234,10 +234,10 @@ def _figure(species: FloatSpec | FloatRow) -> Complaints:
 def _layout(species: FloatSpec) -> Complaints:
     """Positions are as many as the count; lattices and rings have their length, and nothing else has it."""
     if len(species.velocities) not in (0, len(species.positions)):
-        return [(("velocities",), f"came {len(species.velocities)}; there are {len(species.positions)} positions")]
+        return [(("velocities",), f"got {len(species.velocities)}; there are {len(species.positions)} positions")]
     if species.positions:
         fits = species.count in (0, len(species.positions))
-        return [] if fits else [(("count",), f"came {species.count}; there are {len(species.positions)} positions")]
+        return [] if fits else [(("count",), f"got {species.count}; there are {len(species.positions)} positions")]
     complaints: Complaints = []
     for placement, key in (("lattice", "spacing"), ("ring", "ring_radius")):
         given = getattr(species, key) is not None

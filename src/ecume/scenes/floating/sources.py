@@ -81,7 +81,7 @@ def rows_from(raw: dict[str, Any], folder: Folder) -> Rows:
         return failed(next(iter(given)), ["of floats_from, start_from and rows only one can stand in a scene"])
     ((key, name),) = given.items()
     if not isinstance(name, str):
-        return failed(key, [f"came {echo(name)}; wanted text"])
+        return failed(key, [f"got {echo(name)}; expected text"])
     try:
         return (_from_table if key == TABLE else _from_run)(raw, folder, name)
     except TableFaults as faults:
@@ -125,7 +125,7 @@ def _defaults(floats: object) -> tuple[dict[str, Any], Faults]:
     if not floats:
         return {}, []
     if not isinstance(floats, list) or len(floats) > 1 or not isinstance(floats[0], dict):
-        return {}, [(("floats",), "beside floats_from wanted one [[floats]] table, with defaults for all rows")]
+        return {}, [(("floats",), "beside floats_from expected one [[floats]] table, with defaults for all rows")]
     layout = [key for key in LAYOUT if key in floats[0]]
     faults: Faults = [(("floats", 0, key), "has no meaning beside floats_from") for key in layout]
     plain = {key: value for key, value in floats[0].items() if key not in layout}
@@ -157,7 +157,7 @@ def _run_and_frame(folder: Folder, name: str) -> tuple[Folder, int]:
         return whole, -1
     if re.fullmatch(r"-?[0-9]{1,9}", frame) is None:
         raise ValueError(
-            f"{echo(frame)} is no number of a frame; wanted RUN@FRAME, such as runs/bowl@0 or runs/bowl@-1"
+            f"{echo(frame)} is no number of a frame; expected RUN@FRAME, such as runs/bowl@0 or runs/bowl@-1"
         )
     whole = beside(folder, run)
     require_there(whole, folder)

@@ -57,7 +57,7 @@ def _nodes_from(flow: dict[str, Any], name: str, folder: Folder) -> None:
     require_there(path, folder)
     lines = lines_of(text_of(path, MOST_BYTES), COLUMNS)
     if missing := [column for column in COLUMNS if column not in lines[0].values]:
-        raise ValueError(f"has no column {missing[0]}; wanted x, y, vx and vy")
+        raise ValueError(f"has no column {missing[0]}; expected x, y, vx and vy")
     flow["nodes"] = nodes_of([[line.values[column] for column in COLUMNS] for line in lines])
 
 
@@ -82,7 +82,7 @@ def nodes_of(rows: Sequence[Sequence[float]]) -> dict[str, Any]:
 def _require_even(axis: str, places: Sequence[float]) -> None:
     step = (places[-1] - places[0]) / (len(places) - 1)
     if any(abs(place - places[0] - k * step) > EVEN * step for k, place in enumerate(places)):
-        raise ValueError(f"is uneven along {axis}; wanted equal steps of {step:g} m")
+        raise ValueError(f"is uneven along {axis}; expected equal steps of {step:g} m")
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -105,9 +105,9 @@ class NodesSpec:
     def _rectangular(self) -> Self:
         shapes = {(len(part), len(row)) for part in (self.vx, self.vy) for row in part}
         if len(shapes) != 1 or min(next(iter(shapes))) < 2:
-            raise Inconsistent([(("vx",), "wanted as many numbers in each row as in vy, at least 2 rows of 2")])
+            raise Inconsistent([(("vx",), "expected as many numbers in each row as in vy, at least 2 rows of 2")])
         if not (self.low[0] < self.high[0] and self.low[1] < self.high[1]):
-            raise Inconsistent([(("high",), "wanted larger coordinates than low has")])
+            raise Inconsistent([(("high",), "expected larger coordinates than low has")])
         return self
 
 
@@ -150,7 +150,7 @@ class LiquidSpec:
     def _gas_above_liquid(self) -> Self:
         if self.gas_density >= self.density:
             raise Inconsistent(
-                [(("gas_density",), f"came {self.gas_density:g}; the liquid, {self.density:g} kg/m^3, is no denser")]
+                [(("gas_density",), f"got {self.gas_density:g}; the liquid, {self.density:g} kg/m^3, is no denser")]
             )
         return self
 
@@ -200,7 +200,7 @@ class DishSpec:
     def _one_shape(self) -> Self:
         if (self.radius is None) == (self.size is None):
             came = "neither" if self.radius is None else "both"
-            raise Inconsistent([((), f"wanted either radius or size; came {came}")])
+            raise Inconsistent([((), f"expected either radius or size; got {came}")])
         return self
 
 

@@ -44,7 +44,7 @@ def stress(value: object) -> float:
         except ValueError:
             number = StressOfLayer(Unit("N/m").number(value))
     if not abs(number) <= MOST_STRESS:
-        raise ValueError(f"wanted a number between {-MOST_STRESS:g} and {MOST_STRESS:g}")
+        raise ValueError(f"expected a number between {-MOST_STRESS:g} and {MOST_STRESS:g}")
     return number
 
 
@@ -65,7 +65,7 @@ class OscillationSpec:
     @model_validator(mode="after")
     def _one(self) -> Self:
         if (self.amplitude is None) == (self.stress is None):
-            raise Inconsistent([((), "wanted either amplitude, of the strain, or stress")])
+            raise Inconsistent([((), "expected either amplitude, of the strain, or stress")])
         return self
 
 
@@ -116,7 +116,7 @@ class StageSpec:
         given = [name for name in names if getattr(self, name) is not None]
         if len(given) < 2:
             return []
-        cause = f"came together with {given[0]}; wanted one of {', '.join(names)}: the others follow"
+        cause = f"given together with {given[0]}; expected one of {', '.join(names)}: the others follow"
         return [((name,), cause) for name in given[1:]]
 
 
@@ -127,7 +127,7 @@ STRESSES = ("shear_stress", "normal_stress", "pressure")
 def protocol_faults(stages: Sequence[StageSpec], dimensions: int, boxed: bool) -> Complaints:
     """What cannot be done, one moment after the other."""
     found: Complaints = [
-        ((index, "time"), f"came {later.time:g} s, before {earlier.time:g} s; wanted times that ascend")
+        ((index, "time"), f"got {later.time:g} s, before {earlier.time:g} s; expected times that ascend")
         for index, (earlier, later) in enumerate(itertools.pairwise(stages), 1)
         if later.time < earlier.time
     ]
@@ -159,11 +159,11 @@ def _unreachable(stages: Sequence[StageSpec]) -> Complaints:
     for index, stage in enumerate(stages):
         if stage.strain is not None and sheared:
             cause = (
-                f"cannot be reached while {sheared}; wanted shear_rate, 0 to hold, and strain only where it is known"
+                f"cannot be reached while {sheared}; expected shear_rate, 0 to hold, and strain only where it is known"
             )
             found.append(((index, "strain"), cause))
         if stage.scale is not None and sized:
-            found.append(((index, "scale"), f"cannot be reached while {sized}; wanted height_rate, 0 to hold"))
+            found.append(((index, "scale"), f"cannot be reached while {sized}; expected height_rate, 0 to hold"))
         if stage.shear_stress is not None:
             sheared = "the strain has answered to a shear_stress"
         elif stage.shear_rate is not None and not sheared.endswith("stress"):
@@ -185,14 +185,14 @@ def _broken_waves(stages: Sequence[StageSpec]) -> Complaints:
         if wave is None:
             continue
         if stressed and wave.stress is None:
-            found.append(((index, "oscillation", "amplitude"), "a shear_stress is imposed; wanted oscillation.stress"))
+            found.append(((index, "oscillation", "amplitude"), "shear_stress is imposed; expected oscillation.stress"))
         if not stressed and wave.amplitude is None:
-            found.append(((index, "oscillation", "stress"), "no shear_stress is imposed; wanted one, or an amplitude"))
+            found.append(((index, "oscillation", "stress"), "no shear_stress is imposed; expected it, or amplitude"))
         if index + 1 < len(stages):
             cycles = wave.frequency * (stages[index + 1].time - stage.time)
             if abs(cycles - round(cycles)) > WHOLE * max(cycles, 1.0):
                 cause = (
-                    f"makes {cycles:g} cycles until the next moment; wanted a whole number, or the strain would jump"
+                    f"makes {cycles:g} cycles until the next moment; expected a whole number, or the strain would jump"
                 )
                 found.append(((index, "oscillation", "frequency"), cause))
     return found

@@ -43,9 +43,9 @@ class CarriedSpec:
         complaints: list[tuple[Path, str]] = []
         box = self.low is not None and self.high is not None and self.count is not None
         if box == bool(self.positions):
-            complaints.append(((), "wanted either positions, or count with low and high"))
+            complaints.append(((), "expected either positions, or count with low and high"))
         if (self.radius > 0.0) != (self.density is not None):
-            complaints.append((("density",), "wanted with a radius, and only then"))
+            complaints.append((("density",), "expected with a radius, and only then"))
         if complaints:
             raise Inconsistent(complaints)
         return self

@@ -39,7 +39,7 @@ class ParticlesSpec:
         count = len(self.positions)
         lists = {"velocities": self.velocities, "densities": self.densities, "masses": self.masses}
         wrong = [
-            ((key,), f"came {len(values)}, and there are {count} positions")
+            ((key,), f"got {len(values)}, and there are {count} positions")
             for key, values in lists.items()
             if values and len(values) != count
         ]
@@ -56,7 +56,7 @@ def particle_faults(particles: ParticlesSpec, dimension: int) -> Complaints:
     for key, rows in (("positions", particles.positions), ("velocities", particles.velocities)):
         wrong = [index for index, row in enumerate(rows) if len(row) != dimension]
         if wrong:
-            came = f"came {len(rows[wrong[0]])} numbers; the tank has {dimension} dimensions"
+            came = f"got {len(rows[wrong[0]])} numbers; the tank has {dimension} dimensions"
             found.append((("particles", key, wrong[0]), came))
     return found
 
@@ -130,7 +130,7 @@ def _start_from(raw: dict[str, Any], name: str, folder: Folder) -> None:
         raise ValueError("brings all the liquid; leave [[fluid]] out")
     frame, scene = frame_of_run(folder, name)
     if scene.model != "sph":
-        raise ValueError(f"is a run of the model {scene.model!r}; wanted one of sph")
+        raise ValueError(f"is a run of the model {scene.model!r}; expected one of sph")
     if _length(raw.setdefault("spacing", scene.spacing)) != scene.spacing:
         raise ValueError(f"has a spacing of {scene.spacing!r} m; leave spacing out, or write the same number")
     species = frame.arrays["species"]
@@ -179,7 +179,7 @@ def _meters(unit: object) -> float:
     from ecume.units import factor
 
     if not isinstance(unit, str):
-        raise ValueError(f"has the unit {echo(unit)}; wanted text such as outline_unit = 'mm'")
+        raise ValueError(f"has the unit {echo(unit)}; expected text such as outline_unit = 'mm'")
     return factor(unit, "m")
 
 
@@ -208,7 +208,7 @@ def _vertices(path: Folder, unit: object) -> list[list[float]]:
     except (OSError, ezdxf.DXFError, TypeError, ValueError) as fault:
         raise ValueError(f"cannot be read as DXF: {fault}") from None
     if len(lines) != 1:
-        raise ValueError(f"has {len(lines)} closed outlines; wanted one: draw each in a file of its own")
+        raise ValueError(f"has {len(lines)} closed outlines; expected one: draw each in a file of its own")
     scale = meters if unit is None else _meters(unit)
     corners = lines[0][:-1] if math.dist(lines[0][0], lines[0][-1]) < 1e-9 * _size(lines[0]) else lines[0]
     return [[scale * x, scale * y] for x, y in corners]

@@ -65,14 +65,14 @@ def _require_one(spec: Any, values: str) -> None:
     """Raises unless there is a whole sine or a whole table."""
     sine, table = spec.amplitude is not None, bool(spec.times or getattr(spec, values))
     if sine == table:
-        raise Inconsistent([((), f"wanted either amplitude and frequency, or times and {values}")])
+        raise Inconsistent([((), f"expected either amplitude and frequency, or times and {values}")])
     if sine and spec.frequency is None:
         raise Inconsistent([(("frequency",), "is missing; a sine needs it")])
     if table and len(spec.times) != len(getattr(spec, values)):
-        message = f"came {len(getattr(spec, values))} for {len(spec.times)} times; wanted as many"
+        message = f"got {len(getattr(spec, values))} for {len(spec.times)} times; expected as many"
         raise Inconsistent([((values,), message)])
     if any(later <= earlier for earlier, later in zip(spec.times, spec.times[1:], strict=False)):
-        raise Inconsistent([(("times",), "wanted times that ascend")])
+        raise Inconsistent([(("times",), "expected times that ascend")])
 
 
 TAKEN = re.compile(r"largest|(body|obstacle)[0-9]+|left|right|bottom|top|front|back")
@@ -104,9 +104,9 @@ class GaugeSpec:
         if (self.end is None) != (self.count is None):
             complaints.append((("end",), "a row of gauges needs both, end and count"))
         if self.end is not None and len(self.end) != len(self.place):
-            complaints.append((("end",), f"came {len(self.end)} numbers, and {len(self.place)} for place"))
+            complaints.append((("end",), f"got {len(self.end)} numbers, and {len(self.place)} for place"))
         if TAKEN.fullmatch(self.name):
-            complaints.append((("name",), f"came {self.name!r}; frames have numbers of that name, take another"))
+            complaints.append((("name",), f"got {self.name!r}; frames have numbers of that name, take another"))
         if complaints:
             raise Inconsistent(complaints)
         return self
@@ -118,7 +118,7 @@ def gauge_faults(gauges: Sequence[GaugeSpec], tank: TankSpec) -> Complaints:
     names = [gauge.name for gauge in gauges]
     for index, gauge in enumerate(gauges):
         if names.index(gauge.name) < index:
-            found.append((("gauges", index, "name"), f"came {gauge.name!r}, as in gauges[{names.index(gauge.name)}]"))
+            found.append((("gauges", index, "name"), f"got {gauge.name!r}, as in gauges[{names.index(gauge.name)}]"))
         for key in ("place", "end"):
             found += [(("gauges", index, key), text) for text in _place_faults(getattr(gauge, key), tank)]
     return found
@@ -128,7 +128,7 @@ def _place_faults(place: Sequence[float] | None, tank: TankSpec) -> list[str]:
     if place is None:
         return []
     if len(place) != len(tank.low):
-        return [f"came {len(place)} numbers; the tank has {len(tank.low)} dimensions"]
+        return [f"got {len(place)} numbers; the tank has {len(tank.low)} dimensions"]
     inside = all(low <= x <= high for low, x, high in zip(tank.low, place, tank.high, strict=True))
     return [] if inside else ["is outside the tank"]
 
@@ -164,7 +164,7 @@ class SideSpec:
     def _fits_its_kind(self) -> Self:
         complaints: list[tuple[Path, str]] = []
         if (self.kind == "inflow") != (self.speed is not None):
-            complaints.append((("speed",), "wanted for an inflow, and for nothing else"))
+            complaints.append((("speed",), "expected for an inflow, and for nothing else"))
         if self.kind != "outflow" and self.pressure != 0.0:
             complaints.append((("pressure",), f'is of an outflow; this side is of kind = "{self.kind}"'))
         if self.kind not in ("inflow", "outflow") and self.level is not None:
@@ -181,9 +181,9 @@ def _velocity_fault(side: SideSpec, axis: int, dimension: int) -> str:
     if side.kind != "wall":
         return f'is of a wall; this side is of kind = "{side.kind}"'
     if len(side.velocity) != dimension:
-        return f"came {len(side.velocity)} numbers; the tank has {dimension} dimensions"
+        return f"got {len(side.velocity)} numbers; the tank has {dimension} dimensions"
     if axis < dimension and side.velocity[axis] != 0.0:
-        return f"came {side.velocity[axis]:g} m/s across the wall; it goes along itself, and motion moves it across"
+        return f"got {side.velocity[axis]:g} m/s across the wall; it goes along itself, and motion moves it across"
     return ""
 
 
@@ -218,7 +218,7 @@ class TankSpec:
     def _consistent(self) -> Self:
         complaints: list[tuple[Path, str]] = []
         if len(self.low) != len(self.high) or any(b <= a for a, b in zip(self.low, self.high, strict=False)):
-            complaints.append((("high",), "wanted a corner above low in each direction"))
+            complaints.append((("high",), "expected a corner above low in each direction"))
         for name in SIDES:
             side = getattr(self, name)
             if side.motion is not None and (side.kind != "wall" or self.walls == "dummy"):

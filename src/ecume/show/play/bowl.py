@@ -113,7 +113,7 @@ class Bowl:
 
     def __init__(self, scene: Any) -> None:
         if scene.model != "floating" or scene.dish is None:
-            raise BadInput("one plays with a dish of floats; wanted a scene of model 'floating' with a [dish]")
+            raise BadInput("one plays with a dish of floats; expected a scene of model 'floating' with a [dish]")
         self.hand: Hand | None = None
         self.slosh, self.tilt = Slosh(), (0.0, 0.0)
         self.time, self.calmed, self.news = 0.0, -math.inf, list[str]()
@@ -160,7 +160,7 @@ class Bowl:
         scene = self.present()
         known = {species.name: index for index, species in enumerate(scene.floats)}
         if name not in known and name not in SHELF:
-            raise BadInput(f"there is no {name!r} to drop; wanted one of {', '.join({**known, **SHELF})}")
+            raise BadInput(f"there is no {name!r} to drop; expected one of {', '.join({**known, **SHELF})}")
         taken = known.get(name)
         radius = scene.floats[taken].radius if taken is not None else SHELF[name]["radius"]
         place = self._room_near(x, y, radius)
@@ -205,7 +205,7 @@ class Bowl:
         scene, number = self.present(), {key: value}
         names = [species.name for species in scene.floats]
         if part not in ("liquid", "dish", *names) or key not in CHANGED:
-            raise BadInput(f"there is no {part}.{key} to change; wanted liquid, dish, {', '.join(names)}")
+            raise BadInput(f"there is no {part}.{key} to change; expected liquid, dish, {', '.join(names)}")
         try:
             if part in names:
                 place = names.index(part)

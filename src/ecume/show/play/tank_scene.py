@@ -58,7 +58,7 @@ class Push(NamedTuple):
 def require_playable(scene: Any) -> None:
     """Raises BadInput for what is no tank to play with."""
     if scene.model != "sph" or len(scene.tank.low) != 2:
-        raise BadInput("one plays with a tank in the plane; wanted a scene of model 'sph' in two dimensions")
+        raise BadInput("one plays with a tank in the plane; expected a scene of model 'sph' in two dimensions")
     sides = [getattr(scene.tank, name) for name in ("left", "right", "bottom", "top")]
     present = {
         "bodies": bool(scene.bodies),
