@@ -1,4 +1,4 @@
-"""The verb bench."""
+"""The verb bench: how fast ecume is, beside other packages."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import importlib.util
 import os
 import subprocess
 import sys
-import tempfile
 import time
 from collections.abc import Sequence
 from pathlib import Path
@@ -91,7 +90,9 @@ def bench(
     ] = None,
     record: Record = None,
 ) -> None:
-    """Measure how fast ecume is, beside other packages where they are installed. Ends with 1 when a benchmark fails.
+    """Measure how fast ecume is, beside other packages.
+
+    Packages that are not installed are skipped. Ends with 1 when a benchmark fails.
 
     Examples: `ecume bench` · `ecume bench reflection` · `ecume bench sph-peers --peers ~/peers`
     """
@@ -136,6 +137,8 @@ def _run(one: Bench, peers: Path | None, record: Path | None) -> bool:
         return True
     began = time.monotonic()
     typer.echo(f"== {one.name}: {one.summary}")
+    import tempfile  # not needed by `ecume --help`
+
     with tempfile.TemporaryDirectory() as nobody:
         there = [str(peers or nobody) if word == PEERS else word for word in one.arguments]
         code, output = _output_of([sys.executable, str(folder() / one.script), *there])

@@ -1,4 +1,4 @@
-"""Verbs for the browser: view."""
+"""The verbs for the browser: view and play."""
 
 from __future__ import annotations
 
@@ -32,7 +32,9 @@ def view(
     live: Annotated[bool, typer.Option("--live", help="Follow a run in progress.")] = False,
     quiet: Quiet = False,
 ) -> None:
-    """Play a run in the browser: one HTML file that needs no server and no network, and can be sent to others.
+    """Play a run in the browser.
+
+    The page is one HTML file that needs no server and no network, and can be sent to others.
 
     Examples: `ecume view runs/bowl` · `ecume view runs/bowl --save bowl.html --max-size 8`
     · `ecume view runs/bowl --live`
@@ -97,8 +99,10 @@ def play(
     tank: Annotated[bool, typer.Option("--tank", help="Play with a small tank of water.")] = False,
     overrides: Overrides = None,
 ) -> None:
-    """Play in the browser while it is simulated: with a bowl (drop floats, drag them, tilt the dish, change the
-    liquid), or with a tank (pour, open a gate, push a wall, tilt).
+    """Play with a simulation in the browser while it runs.
+
+    With a bowl (drop floats, drag them, tilt the dish, change the liquid), or with a tank (pour, open a gate, push a
+    wall, tilt).
 
     Ends with Ctrl-C. `save as scene` on the page writes the TOML that goes on from there.
 

@@ -1,4 +1,4 @@
-"""The verb fit."""
+"""The verb fit: parameters of a scene from measured tracks."""
 
 from __future__ import annotations
 
@@ -85,9 +85,9 @@ def fit(
     out: FitFolder = None,
     quiet: Quiet = False,
 ) -> None:
-    """Fit a scene's parameters to measured tracks, with 95 % intervals, and say what the tracks do not determine.
+    """Fit a scene's parameters to measured tracks.
 
-    Writes the fitted scene, the numbers and a figure of the residuals.
+    Reports 95 % intervals, and what the tracks do not determine. Writes the fitted scene, the numbers and a figure of the residuals.
 
     Examples: `ecume fit beads.csv --scene two-spheres.toml --free contact_angle,viscosity`
     · `ecume fit spots.csv --scene two-spheres.toml --free viscosity --pixel "20 um" --rate 25`

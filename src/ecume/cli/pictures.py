@@ -1,4 +1,4 @@
-"""Verbs that make files of a run: movie, plot, export."""
+"""The verbs that make files of a run: movie, plot and export."""
 
 from __future__ import annotations
 
@@ -84,7 +84,9 @@ def movie(
     workers: Workers = 1,
     quiet: Quiet = False,
 ) -> None:
-    """Make a movie of a run: .mp4, .webm, .webp or .gif, as the file is called, or .png for numbered pictures.
+    """Make a movie of a run.
+
+    The name of the file says the format: .mp4, .webm, .webp or .gif, or .png for numbered pictures.
 
     Examples: `ecume movie runs/bowl` · `ecume movie runs/bowl -o bowl.gif --every 2 --fps 20 --size 480x360`
     · `ecume movie runs/bowl --from "1 s" --to "3 s"` · `ecume movie runs/bowl --follow 3 --zoom 4`
@@ -114,9 +116,9 @@ def plot(
     force_law: ForceLaw = None,
     quiet: Quiet = False,
 ) -> None:
-    """Draw figures of a run, such as energies, clusters, paths, the force law. Left to itself, all of them.
+    """Draw figures of a run, all of them by default.
 
-    The name of the file says the format: .png, .pdf, .svg.
+    Such as energies, clusters, paths, the force law. The name of the file says the format: .png, .pdf, .svg.
 
     Of a sweep: `curves`, `map` or `scatter`, as in `map:duration` for a measure that is not the table's first.
 

@@ -1,4 +1,4 @@
-"""Verbs about runs: run, resume, info, repair."""
+"""The verbs about runs: run, resume, info and repair."""
 
 from __future__ import annotations
 
@@ -138,7 +138,9 @@ def _end(done: RunResult, *, quiet: bool) -> None:
 
 
 def info(directory: RunFolder = HERE) -> None:
-    """Say what a run is and how far it came; also while it is written, and after it was killed.
+    """Report what a run is and how far it came.
+
+    Also while it is written, and after it was killed.
 
     Example: `ecume info runs/bowl`
     """
@@ -151,7 +153,9 @@ def info(directory: RunFolder = HERE) -> None:
 
 
 def repair(directory: RunFolder = HERE) -> None:
-    """Make what is left of a damaged run readable: whole frames stay, each damaged one is named.
+    """Repair a damaged run: whole frames are kept.
+
+    Each damaged frame is named.
 
     A damaged `resolved.json` is made anew from `scene.toml`; what a run says again when it goes on is set aside.
 

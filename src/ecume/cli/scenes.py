@@ -1,4 +1,4 @@
-"""Verbs about scenes: new, check."""
+"""The verbs about scenes: new, check and cite."""
 
 from __future__ import annotations
 
@@ -57,7 +57,9 @@ def new(
 
 
 def check(scene: SceneFile, overrides: Overrides = None) -> None:
-    """Say all that is wrong with a scene, or what follows from it: lengths, charges, time step, memory, time.
+    """Check a scene, and report what follows from it.
+
+    All faults of the scene at once, or its lengths, charges, time step, memory and time.
 
     Examples: `ecume check bowl.toml` · `ecume check bowl.toml --set "dish.radius=4 cm" --set floats[0].count=60`
     """

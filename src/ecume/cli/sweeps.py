@@ -1,4 +1,4 @@
-"""The verb about many runs: sweep."""
+"""The verb sweep: many runs of one scene."""
 
 from __future__ import annotations
 
@@ -61,7 +61,9 @@ def sweep(
     status: Annotated[bool, typer.Option("--status", help="Only say how far it is.")] = False,
     quiet: Quiet = False,
 ) -> None:
-    """Run a scene many times, each point in a directory of its own; only what is missing is run.
+    """Run a scene many times, each point in its own directory.
+
+    Only what is missing is run.
 
     Examples: `ecume sweep durations.toml` · `ecume sweep durations.toml --workers 8` · `ecume sweep sweeps/durations
     --status` · `ecume sweep durations.toml --array && sbatch sweeps/durations/array.sh`

@@ -1,4 +1,4 @@
-"""The verb validate."""
+"""The verb validate: what ecume computes beside what others computed."""
 
 from __future__ import annotations
 
@@ -44,7 +44,9 @@ def validate(
     quick: Annotated[bool, typer.Option("--quick", help="Leave out those that take minutes.")] = False,
     record: Record = None,
 ) -> None:
-    """Compare what ecume computes with published numbers, other methods and demands. Ends with 1 when one is not met.
+    """Compare what ecume computes with published numbers.
+
+    Also with other methods and with bounds that must hold. Ends with 1 when a row is not met.
 
     Examples: `ecume validate` · `ecume validate floating walls` · `ecume validate --all --quick`
     """
