@@ -1,4 +1,4 @@
-"""From a scene to its frames."""
+"""The simulation of a scene: an iterator of frames."""
 
 from __future__ import annotations
 

@@ -120,7 +120,7 @@ def _chosen(names: Sequence[str], *, everything: bool) -> list[Bench]:
 
 
 def folder() -> Path:
-    """Where the scripts are: in the package once it is installed, beside `src` in a checkout."""
+    """The folder of the scripts: in the package once it is installed, beside `src` in a checkout."""
     package = Path(__file__).parents[1]
     places = [place / "benchmarks" for place in (package, package.parents[1])]
     found = next((place for place in places if (place / "marching.py").is_file()), None)

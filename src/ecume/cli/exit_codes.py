@@ -1,4 +1,4 @@
-"""How a command ends: one clean message on stderr, and an exit code that a script can rely on."""
+"""The end of a command: one clear message on stderr, and an exit code that a script can rely on."""
 
 from __future__ import annotations
 

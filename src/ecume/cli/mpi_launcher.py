@@ -1,4 +1,4 @@
-"""What marches: this process, or many ranks, which are started here unless a launcher has started them already."""
+"""The start of MPI ranks, unless a launcher has started them already."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What verbs print and record: tables on the terminal, and results kept in a file for the documentation."""
+"""Output of verbs: tables on the terminal, and results recorded in a file for the documentation."""
 
 from __future__ import annotations
 

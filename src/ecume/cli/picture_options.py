@@ -1,4 +1,4 @@
-"""What can be asked of pictures: the options of movie and plot, and how their words are read."""
+"""The options of movie and plot, and how their values are read."""
 
 from __future__ import annotations
 

@@ -35,7 +35,7 @@ RESULTS = "results"
 
 
 class Format(StrEnum):
-    """What a trajectory can be written as: the keys of `ecume.trajectories.exports.EXPORTS`, `pvd`, and heights."""
+    """The formats of an export: the keys of `ecume.trajectories.exports.EXPORTS`, `pvd`, and heights."""
 
     CSV = "csv"
     NUMBERS = "numbers"
@@ -60,7 +60,7 @@ ENDINGS = {
 
 
 def eye(azimuth: float | None, elevation: float | None) -> Any:
-    """From where to look; None where neither was asked for."""
+    """The viewpoint; None where neither angle was given."""
     from ecume.show.camera import Eye
 
     asked = {"azimuth": azimuth, "elevation": elevation}

@@ -204,13 +204,13 @@ def use_at_most(threads: int | None) -> None:
 
 
 def summary(done: RunResult) -> str:
-    """What a run came to, in a line."""
+    """A line about a completed run."""
     reached = f"{done.directory}: {done.frames} frames, {done.time:.6g} s in {done.steps} steps"
     return f"{reached}, {lasting(done.seconds)}" if done.seconds else f"{reached}; it was done before"
 
 
 def described(run: Info) -> list[tuple[str, str]]:
-    """What is known of a run, as names and values."""
+    """The information about a run, as names and values."""
     rows = [
         ("run", str(run.directory)),
         ("model", str(run.manifest.get("model", ""))),
@@ -230,7 +230,7 @@ def described(run: Info) -> list[tuple[str, str]]:
 
 
 def _worked(sessions: Sequence[dict[str, Any]]) -> str:
-    """How long, and in how many sessions: a killed one did not say how long it took."""
+    """The wall time and the number of sessions; a killed session did not record its time."""
     seconds = sum(session.get("seconds", 0.0) for session in sessions)
     worked = f"for {lasting(seconds)}"
     return f"{worked}, in {len(sessions)} sessions" if len(sessions) > 1 else worked if seconds else ""

@@ -104,7 +104,7 @@ def _run_all(source: Path, directory: Path, hands: dict[str, Any], *, quiet: boo
 
 
 def _end(done: Outcome, *, quiet: bool) -> None:
-    """What became of it; a sweep with failures is no success."""
+    """Report the outcome of a sweep; one with failures ends with 1."""
     if not quiet:
         busy = f", {done.busy} elsewhere at work" if done.busy else ""
         typer.echo(

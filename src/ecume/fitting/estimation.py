@@ -1,4 +1,4 @@
-"""A fit from its tracks to its estimates."""
+"""The fit of a scene's parameters to tracks: from tracks to estimates with intervals."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ class Estimate(NamedTuple):
 
 
 class Fit(NamedTuple):
-    """What a fit came to."""
+    """The result of a fit."""
 
     scene: Scene
     """with what was fitted"""
@@ -156,7 +156,7 @@ def _estimate(free: Free, at: float, sure: Certainty, number: int) -> Estimate:
 
 
 def derived_estimates(problem: Problem, at: Array, sure: Certainty) -> list[Estimate]:
-    """What follows from the parameters, by the slopes of its logarithms."""
+    """The estimates of quantities that follow from the parameters, by the slopes of their logarithms."""
     here = quantities_of(scene_at(problem, at))
     count = len(problem.free)
     slopes = np.zeros((len(here), count))

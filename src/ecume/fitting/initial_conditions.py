@@ -1,4 +1,4 @@
-"""Where the objects of tracks start in a scene, and which particle each of them is."""
+"""The initial positions of tracked objects in a scene, and the assignment of objects to particles."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a fit has to say of its tracks and of itself, beside numbers."""
+"""Remarks of a fit on its tracks and on itself, beside the numbers."""
 
 from __future__ import annotations
 

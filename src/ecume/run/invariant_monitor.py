@@ -1,4 +1,4 @@
-"""Whether a run holds what its model says must hold: judged frame by frame, told in a line, kept beside the run."""
+"""The invariants of a run: checked in each frame, summarized in a line, and recorded beside the run."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ WORKS = "injected", "dissipated"
 
 
 class Verdict(NamedTuple):
-    """How an invariant stands: the worst so far, and when."""
+    """The state of an invariant: the worst value so far, and its time."""
 
     name: str
     says: str
@@ -66,7 +66,7 @@ class Watch:
                 self._worst[one.name] = (value, time)
 
     def verdicts(self) -> list[Verdict]:
-        """How each stands."""
+        """The state of each invariant."""
         return [Verdict(one.name, one.says, one.limit, *self._worst[one.name]) for one in self._invariants]
 
     def keep(self) -> None:
@@ -100,7 +100,7 @@ def sentence(one: Verdict) -> str:
 
 
 def summary_line(home: RunDirectory) -> str:
-    """In one line whether all held, and what work was done; nothing of a run that says nothing."""
+    """A line that says whether all invariants held and what work was done; empty for a run that records none."""
     if not home.watch.exists():
         return ""
     kept = json_of(home.watch)

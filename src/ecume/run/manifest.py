@@ -1,4 +1,4 @@
-"""With which programs and on which machine a run was made."""
+"""The manifest of a run: the programs, the machine and the sessions that made it."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def now() -> str:
 
 
 def circumstances() -> dict[str, Any]:
-    """What can change a bit of a result: versions, and the machine."""
+    """The versions and properties of the machine that can change a bit of a result."""
     return {
         "ecume": ecume.__version__,
         "python": platform.python_version(),
@@ -40,7 +40,7 @@ def circumstances() -> dict[str, Any]:
 
 
 def first_manifest(scene: Any, plain: str) -> dict[str, Any]:
-    """What is known of a run before it begins."""
+    """The manifest of a run before it begins."""
     return {
         **circumstances(),
         "model": scene.model,

@@ -1,4 +1,4 @@
-"""How far a run is: for people, for machines, and for later."""
+"""The progress of a run: for people, for machines (`status.json`), and for later (`log.jsonl`)."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ STATUS_EVERY = 1.0
 
 
 class Progress(NamedTuple):
-    """How far a run is: in steps, in simulated time (s), in frames; `speed` is simulated time a second of wall time."""
+    """The progress of a run in steps, simulated time (s) and frames; `speed` is simulated time per wall time."""
 
     step: int
     steps: int
@@ -31,7 +31,7 @@ class Progress(NamedTuple):
 
 
 class Pace:
-    """How fast the march goes since the first steps of this process; their wait for the compiler does not count."""
+    """The speed of the integration since the first steps of this process, without the time spent compiling."""
 
     def __init__(self, duration: float) -> None:
         self._duration = duration
@@ -39,7 +39,7 @@ class Pace:
         self._heard = 0
 
     def progress(self, step: int, steps: int, frames: int) -> Progress:
-        """How far we are at this step."""
+        """The progress at this step."""
         clock = time.monotonic()
         self._heard += 1
         if self._heard <= 2:

@@ -64,7 +64,7 @@ def spread_of(name: str) -> Any:
 
 
 class Crew:
-    """What a rank has of the common march: the same on all of them."""
+    """The data of the common integration on a rank: the same on all of them."""
 
     def __init__(self, ranks: Any) -> None:
         self.ranks, self.share = ranks, share_of(ranks)

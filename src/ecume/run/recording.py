@@ -120,7 +120,7 @@ class Recording:
 
 
 class Difference(NamedTuple):
-    """How two frames differ: the first quantity that is not the same (time, arrays, numbers), and how many more."""
+    """The difference between two frames: the first quantity that is not the same, and the number of others."""
 
     quantity: str
     size: float
@@ -139,7 +139,7 @@ class Difference(NamedTuple):
 
 
 def difference(one: Frame, other: Frame) -> Difference | None:
-    """How two frames differ; None if they are the same bit for bit."""
+    """The difference between two frames; None if they are the same bit for bit."""
     if list(one.arrays) != list(other.arrays) or list(one.numbers) != list(other.numbers):
         return Difference("the names of its quantities", math.inf, math.inf, "", 0)
     pairs = [("time", np.asarray(one.time), np.asarray(other.time))]

@@ -1,4 +1,4 @@
-"""What can be saved of a damaged run: frames, and the files beside them that something else tells again."""
+"""Recovery of a damaged run: its whole frames, and the files beside them that can be written again."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def _is_the_first(home: RunDirectory, text: bytes) -> bool:
 
 
 def _resolved(home: RunDirectory) -> Iterator[str]:
-    """What became of `resolved.json`."""
+    """Restore `resolved.json` from the scene file; yields what was done."""
     if home.resolved.is_file() and _is_the_first(home, home.resolved.read_bytes()):
         return
     text = _from_the_scene(home)
@@ -52,7 +52,7 @@ def _resolved(home: RunDirectory) -> Iterator[str]:
 
 
 def _constants(home: RunDirectory) -> Iterator[str]:
-    """What became of `constants.npz`: a damaged one is set aside, and the run derives its constants again."""
+    """Set aside a damaged `constants.npz`, which is derived again on resume; yields what was done."""
     if is_sound(home):
         return
     if home.constants.exists():
@@ -63,7 +63,7 @@ def _constants(home: RunDirectory) -> Iterator[str]:
 
 
 def _from_the_scene(home: RunDirectory) -> bytes:
-    """What the scene's file says today; nothing where it is gone, or names what is gone."""
+    """The resolved scene as the scene's file gives it today; empty where that cannot be read."""
     from ecume.scenes.load import load_scene
     from ecume.scenes.schema import to_plain
 
@@ -74,7 +74,7 @@ def _from_the_scene(home: RunDirectory) -> bytes:
 
 
 def _told_again(home: RunDirectory) -> Iterator[str]:
-    """What a run says of itself, and says again when it goes on."""
+    """Set aside damaged files that the run writes again when it is resumed; yields what was done."""
     for path in (home.status, home.watch, home.done, home.failed):
         try:
             if path.is_file():

@@ -1,4 +1,4 @@
-"""What can be said of a run from outside, whatever became of it."""
+"""Information about a run from outside, whatever became of it."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ class Info(NamedTuple):
 
 
 def info(directory: str | os.PathLike[str]) -> Info:
-    """What a run is and how far it came; reads what there is, also while it is written and after it was killed."""
+    """Information about a run; also while it is written, and after it was killed."""
     home = existing(directory)
     unsaid: dict[str, Any] = {}
     status, no_status = _read(lambda: _status(home), unsaid, home)
@@ -84,7 +84,7 @@ def repair(directory: str | os.PathLike[str]) -> Repaired:
 
 
 def _read(what: Callable[[], T], otherwise: T, home: RunDirectory) -> tuple[T, str]:
-    """What a run says of itself; where that is damaged, something else, and why."""
+    """A part of the run's own records, or a default and the reason where that part is damaged."""
     try:
         return what(), ""
     except StorageError as error:
@@ -92,7 +92,7 @@ def _read(what: Callable[[], T], otherwise: T, home: RunDirectory) -> tuple[T, s
 
 
 def _state(home: RunDirectory, status: dict[str, Any]) -> tuple[str, str]:
-    """How the run stands, and why."""
+    """The state of the run, and the reason for it."""
     if home.done.exists():
         return "done", ""
     if home.failed.exists():
@@ -104,7 +104,7 @@ def _state(home: RunDirectory, status: dict[str, Any]) -> tuple[str, str]:
 
 
 def _status(home: RunDirectory) -> dict[str, Any]:
-    """How far the run said it was; a run that was killed at its very beginning said nothing."""
+    """The contents of the status file; empty for a run that was killed before it wrote one."""
     return json_of(home.status) if home.status.exists() else {}
 
 

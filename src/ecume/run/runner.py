@@ -40,7 +40,7 @@ OUTCOMES = {Stopped: "stopped", Diverged: "failed"}
 
 
 class RunResult(NamedTuple):
-    """What a finished run came to."""
+    """The result of a completed run."""
 
     directory: Path
     frames: int
@@ -57,7 +57,7 @@ class RunResult(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True)
 class RunOptions:
-    """How a run is looked after; nothing of it changes a bit of the result."""
+    """Options of running that change no bit of the result."""
 
     threads: int | None = None
     """Left out, as many as the machine has cores."""
@@ -179,7 +179,7 @@ def _found(home: RunDirectory, scene: Any, parameters: Any, extra_laws: Sequence
 
 
 def _checkpoint(home: RunDirectory, scene: Any) -> Checkpoint:
-    """Where to go on: the newest good checkpoint, or the scene's own beginning."""
+    """The state from which the run goes on: the newest good checkpoint, or the scene's own beginning."""
     from ecume.models import MODELS
 
     def refused(path: Path, fault: str) -> None:
@@ -190,7 +190,7 @@ def _checkpoint(home: RunDirectory, scene: Any) -> Checkpoint:
 
 
 def _frames_on_disk(home: RunDirectory) -> int:
-    """How many frames there are without a gap; a damaged trajectory is repaired first."""
+    """The number of frames without a gap; a damaged trajectory is repaired first."""
     try:
         with Trajectory(home.trajectory) as trajectory:
             return trajectory.intact
@@ -216,7 +216,7 @@ def _drive(session: _Session, moments: Iterable[Moment], request: StopRequest) -
 
 
 class _Session:
-    """What is open while one process works on a run."""
+    """The open files of one process that works on a run."""
 
     def __init__(self, home: RunDirectory, scene: Any, options: RunOptions, frames: int) -> None:
         self._home, self._habits = home, options
@@ -234,7 +234,7 @@ class _Session:
 
     @property
     def seconds(self) -> float:
-        """How long this process has worked on it."""
+        """The wall time that this process has worked on it."""
         return time.monotonic() - self._began
 
     def follow(self, moments: Iterable[Moment], request: StopRequest) -> None:

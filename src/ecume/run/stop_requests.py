@@ -25,7 +25,7 @@ def ask_to_stop(process: int) -> None:
 
 
 class StopRequest:
-    """Which signal asked for a stop, if any."""
+    """The signal that asked for a stop, if any."""
 
     def __init__(self) -> None:
         self.signal: signal.Signals | None = None
@@ -49,7 +49,7 @@ class StopRequest:
 def stop_requests(
     signals: Sequence[signal.Signals] = SIGNALS, request: StopRequest | None = None
 ) -> Iterator[StopRequest]:
-    """What signals have asked for inside of this block, or had asked for before. Only the main thread hears signals."""
+    """Collect requests to stop inside this block, or from before it. Only the main thread receives signals."""
     request = StopRequest() if request is None else request
     if threading.current_thread() is not threading.main_thread():
         yield request

@@ -19,7 +19,7 @@ Law = Callable[..., float]
 
 
 def entries(extra_laws: Sequence[Law]) -> list[dict[str, str]]:
-    """What the manifest says of them."""
+    """The entries of these laws in the manifest."""
     return [
         {"name": named(law), "sha256": hashlib.sha256("\n".join(_texts(law, set())).encode()).hexdigest()}
         for law in extra_laws
@@ -27,7 +27,7 @@ def entries(extra_laws: Sequence[Law]) -> list[dict[str, str]]:
 
 
 def named(law: Law) -> str:
-    """What a law is called."""
+    """The name of a law."""
     return getattr(law, "__name__", None) or repr(law)
 
 

@@ -1,4 +1,4 @@
-"""Where a picture is looked at from, and how closely: zoom, a particle to follow, and the view of what is in 3D."""
+"""The camera of a picture: zoom, a particle to follow, and the viewpoint in 3D."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ STANDING = np.array([(1.0, 0.0, 0.0), (0.0, 0.0, 1.0), (0.0, -1.0, 0.0)])
 
 
 class Eye(NamedTuple):
-    """From where what is in space is seen."""
+    """The viewpoint of a picture in 3D."""
 
     azimuth: float = 28.0
     """degrees by which it goes around the vertical, to its right"""
@@ -52,7 +52,7 @@ def edges_of(low: Array, high: Array) -> list[Array]:
 
 
 def wires_of(low: Any, high: Any, camera: Array) -> Wires:
-    """Those of its edges that are behind what it holds, and the others."""
+    """The edges of a box that are behind its contents, and the others."""
     low, high = np.asarray(low, dtype=float), np.asarray(high, dtype=float)
     farthest, found = np.where(camera[2] > 0.0, low, high), Wires([], [])
     for edge in edges_of(low, high):
@@ -62,7 +62,7 @@ def wires_of(low: Any, high: Any, camera: Array) -> Wires:
 
 
 class Aim(NamedTuple):
-    """What a picture looks at, and how closely."""
+    """The part of the world that a picture shows."""
 
     zoom: float = 1.0
     """How many times larger all is seen."""
@@ -103,7 +103,7 @@ class Aimed:
         return self.layers.pixels()
 
     def place(self, frame: Frame, one: int) -> Any:
-        """Where a particle is seen (m)."""
+        """The position at which a particle is seen (m)."""
         count = len(frame.arrays["position"])
         if not 0 <= one < count:
             raise BadInput(f"there is no particle {one} to follow; at {frame.time:g} s there are 0 to {count - 1}")

@@ -66,7 +66,7 @@ def kinetic_energy(frames: Frames, scene: Any) -> Figure:
 
 
 def clusters(frames: Frames, scene: Any) -> Figure:
-    """How many clusters there are, and how large they are: single floats count as clusters of one."""
+    """The number of clusters and their sizes: single floats count as clusters of one."""
     shown = thinned(frames)
     found = [touching_clusters(frame) for frame in shown]
     with style():
@@ -95,7 +95,7 @@ def thinned(frames: Frames) -> list[Frame]:
 
 
 def span(instants: Array) -> tuple[float, float] | None:
-    """From the first to the last, if there are two."""
+    """The interval from the first value to the last, if there are two."""
     return (float(instants[0]), float(instants[-1])) if instants[-1] > instants[0] else None
 
 

@@ -39,7 +39,7 @@ PICTURES = ".png"
 
 
 def ffmpeg() -> str | None:
-    """Where an ffmpeg is: the system's, or that of the imageio-ffmpeg package; None where there is neither."""
+    """The path of an ffmpeg: the system's, or that of the imageio-ffmpeg package; None where there is neither."""
     found = shutil.which("ffmpeg")
     if found is not None:
         return found

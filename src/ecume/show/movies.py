@@ -53,7 +53,7 @@ Reporter = Callable[[int, int], None]
 
 @dataclass(frozen=True, kw_only=True)
 class MovieOptions:
-    """Which frames of a run a movie shows, how fast, and how large."""
+    """The frames of a run that a movie shows, their rate, and their size."""
 
     fps: int = FPS
     """Pictures a second."""
@@ -99,7 +99,7 @@ class MovieOptions:
         return f"from {self.start:g} s {f'to {self.end:g} s' if math.isfinite(self.end) else 'on'}"
 
     def pixels(self, out: Path) -> Size:
-        """How large the pictures of this file are."""
+        """The size of the pictures of this file."""
         if self.size is not None:
             return Size(*self.size)
         return SMALL if out.suffix.lower() == ".gif" else USUAL

@@ -1,4 +1,4 @@
-"""What stands around the particles of a picture: the tank, what is solid in it, what moves beside them."""
+"""The scenery of a picture: the tank, its solids, and what moves beside the particles."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ Shape = Array | Round
 
 
 class Setting(NamedTuple):
-    """What stands around the particles."""
+    """The scenery around the particles."""
 
     title: str
     outline: Shape | None

@@ -59,7 +59,7 @@ PREFIXES = ((-15, "f"), (-12, "p"), (-9, "n"), (-6, "µ"), (-3, "m"), (0, ""), (
 
 
 class Scale(NamedTuple):
-    """How many of the shown unit one SI unit is, and what the shown unit is called."""
+    """A scale for an axis: the factor from the SI unit to the shown unit, and its name."""
 
     factor: float
     unit: str

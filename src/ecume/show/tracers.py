@@ -103,7 +103,7 @@ def heights(frames: Frames, scene: Any) -> Figure:
 
 
 def profile(frames: Frames, scene: Any) -> Figure:
-    """How many particles are at each height at the beginning, in the middle and at the end."""
+    """The number of particles at each height at the beginning, in the middle and at the end."""
     instants = [frames[0], frames[len(frames) // 2], frames[-1]]
     places = [frame.arrays["position"][frame.arrays["left"] < 0, -1] for frame in instants]
     everyone = np.concatenate(places)
@@ -123,7 +123,7 @@ def profile(frames: Frames, scene: Any) -> Figure:
 
 
 def wall_hits(frames: Frames, scene: Any) -> Figure:
-    """How often each wall has been hit so far."""
+    """The number of hits of each wall so far."""
     shown = thinned(frames)
     names = [name for name in shown[0].numbers if name.startswith("hits_on_wall_")]
     if not names:

@@ -53,7 +53,7 @@ class Job(NamedTuple):
 
     @property
     def asked(self) -> Path:
-        """What is to be done."""
+        """The file with the task of the point."""
         return self.folder / "point.json"
 
     @property
@@ -80,7 +80,7 @@ class Sweeping(NamedTuple):
 
     @property
     def keys(self) -> list[str]:
-        """What varies."""
+        """The keys that vary."""
         return varied(self.spec)
 
 
@@ -124,7 +124,7 @@ def existing_sweep(directory: Path) -> Sweeping:
 
 
 def json_at(path: Path, kind: type) -> Any:
-    """What a file of a sweep tells. Raises StorageError where it is damaged."""
+    """The contents of a file of a sweep. Raises StorageError where it is damaged."""
     with storing(path):
         text = path.read_bytes()
     try:
@@ -167,7 +167,7 @@ def _as_asked(fault: Fault, source: str) -> str:
 
 
 def _plan(asked: Asked, point: Point) -> dict[str, Any]:
-    """What is simulated at a point."""
+    """The scene or the process that is simulated at a point."""
     spec = asked.spec
     if spec.process:
         require_settings(spec.process, point.settings)
@@ -198,7 +198,7 @@ def _plain(job: Job) -> dict[str, Any]:
 
 
 def _values(plan: dict[str, Any], keys: list[str]) -> dict[str, Any]:
-    """What a point has at the keys that vary."""
+    """The values of a point at the keys that vary."""
     if "process" in plan:
         return {key: plan["settings"].get(key) for key in keys}
     return {key: value_at(plan["scene"], read_path(key), None) for key in keys}

@@ -1,4 +1,4 @@
-"""What runs the points of a sweep.
+"""The executors of a sweep's points.
 
 This process, Dask workers on this machine or behind a scheduler, SLURM jobs, or the tasks of a SLURM job array.
 """
@@ -38,7 +38,7 @@ UNWATCHED = {"distributed.worker.profile.enabled": False}
 
 @dataclass(frozen=True, kw_only=True)
 class ExecutorOptions:
-    """Who works."""
+    """The executor of a sweep, and whom to report to."""
 
     workers: int | None = None
     """left out, as many as the machine has cores; 1 works in this process and needs no Dask"""
@@ -60,7 +60,7 @@ Results = Callable[[Sequence[Job]], Iterator[tuple[Job, str]]]
 
 @contextlib.contextmanager
 def hands(options: ExecutorOptions, sweeping: Sweeping, missing: int) -> Iterator[Results]:
-    """What turns so many jobs into words."""
+    """The function that runs jobs with an executor and yields an outcome word for each."""
     workers = min(options.workers or os.cpu_count() or 1, max(missing, 1))
     if not missing:
         yield lambda jobs: iter(())

@@ -1,4 +1,4 @@
-"""What is measured in a run: `final kinetic_energy`, `max top`, `first top > 0.3`; `MEASURES` is the table of ways."""
+"""Measures of a run: `final kinetic_energy`, `max top`, `first top > 0.3`; `MEASURES` is the table of kinds."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ USUAL = re.compile(r"(\w+)\s+(\w+)")
 
 
 class Words(NamedTuple):
-    """What a measure's text says: how, and of which number."""
+    """A measure as it is written: its kind, and the number that it measures."""
 
     way: str
     number: str
@@ -81,7 +81,7 @@ def first_crossing(times: Array, values: Array, above: bool, bound: float) -> fl
 
 
 def read_measure(text: str) -> Words:
-    """What a text asks for. Raises ValueError where that is nothing.
+    """The measure of a text. Raises ValueError where it is none.
 
     >>> read_measure("first top > 0.3")
     Words(way='first', number='top', above=True, bound=0.3)
@@ -108,5 +108,5 @@ def measure_of(text: str) -> Measure:
 
 
 def usual_measures(names: Sequence[str]) -> list[str]:
-    """Where a sweep names none: the last value of every number."""
+    """The default measures: the last value of every number."""
     return [f"final {name}" for name in names]

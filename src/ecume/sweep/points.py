@@ -59,7 +59,7 @@ class Point(NamedTuple):
 
 
 def points_of(spec: SweepSpec) -> list[Point]:
-    """All of them, in the order of the table: the last axis varies first, repeats before it."""
+    """All points in the order of the table: the last axis varies first, repeats before it."""
     grids = [list(settings_of(axis)) for axis in spec.axes]
     if spec.sampling is not None:
         grids.append(list(drawn(spec.sampling)))

@@ -1,4 +1,4 @@
-"""Processes that make their own scenes, and are told by numbers of their own; `PROCESSES`, the table of them."""
+"""Processes that make their own scenes and return their own numbers; `PROCESSES` is the table of them."""
 
 from __future__ import annotations
 

@@ -176,7 +176,7 @@ def require_numbers(sweeping: Sweeping) -> None:
 
 
 def measured(job: Job, measures: Mapping[str, str | Measure] | None) -> Row:
-    """What is measured in a run that is done, from its cache as far as it is there."""
+    """The measures of a completed run, from its cache as far as it is there."""
     cache = _cached(job)
     if measures is None:
         with open_trajectory(job.run) as run:
@@ -204,7 +204,7 @@ def _cached(job: Job) -> dict[str, float]:
 
 
 def _digest(measure: str | Measure) -> str:
-    """What a measure is known by: its words, or the text of the function and of what it uses."""
+    """The digest of a measure: of its text, or of the source of the function and of what it uses."""
     if isinstance(measure, str):
         return measure
     if not inspect.isfunction(measure):

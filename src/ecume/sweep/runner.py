@@ -1,4 +1,4 @@
-"""All points that are missing, one after the other or on many workers; what is done stays done."""
+"""The runner of a sweep: all missing points, one after the other or on many workers."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from ecume.sweep.results import require_numbers, write_table
 
 
 class Outcome(NamedTuple):
-    """What became of a sweep."""
+    """The outcome of a sweep."""
 
     directory: Path
     done: int
@@ -90,7 +90,7 @@ def _stopped_by_signals() -> Iterator[None]:
 
 
 def outcome_of(sweeping: Sweeping) -> Outcome:
-    """How the sweep stands."""
+    """The present state of a sweep, as an outcome."""
     jobs = distinct(sweeping.jobs)
     failed = [(job.folder, job.why) for job in jobs if job.state == "failed"]
     return Outcome(sweeping.path, sum(job.state == "done" for job in jobs), failed, 0)

@@ -1,4 +1,4 @@
-"""What a sweep's file may say."""
+"""The schema of a sweep's file."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def like(pattern: str, words: str) -> Callable[[str], str]:
 
 
 def value(came: object) -> object:
-    """What may stand at a key of a scene."""
+    """A value that a key of a scene may take."""
     if not isinstance(came, (bool, int, float, str, list)) or (isinstance(came, float) and not math.isfinite(came)):
         raise ValueError("expected a finite number, text, true or false, or a list")
     return came
@@ -147,7 +147,7 @@ class Sampling:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class Cluster:
-    """What a job of a cluster may use; for `--slurm` and `--array`."""
+    """The resources of a job on a cluster, for `--slurm` and `--array`."""
 
     partition: Text = ""
     walltime: Annotated[
@@ -236,7 +236,7 @@ class SweepSpec:
         return dict(axes) | {("sampling", "axes", place, "key"): axis.key for place, axis in drawn}
 
     def named(self, key: str) -> str:
-        """What a key's column is called."""
+        """The column name of a key."""
         return next((axis.name for axis in self.axes if axis.key == key and axis.name), key)
 
 

@@ -1,4 +1,4 @@
-"""How far a sweep is, seen from outside, whoever works on it: from the files alone."""
+"""The status of a sweep, seen from outside: from the files alone."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ SILENT = 10.0
 
 
 class Standing(NamedTuple):
-    """How many points there are of each state."""
+    """The number of points in each state."""
 
     done: int
     failed: list[tuple[Path, str]]
@@ -31,7 +31,7 @@ class Standing(NamedTuple):
 
 
 def standing(directory: Path) -> Standing:
-    """How a sweep stands. Raises BadInput where there is none."""
+    """The status of a sweep. Raises BadInput where there is none."""
     jobs = distinct(existing_sweep(directory).jobs)
     states = [job.state for job in jobs]
     failed = [(job.folder, job.why) for job, state in zip(jobs, states, strict=True) if state == "failed"]
@@ -42,13 +42,13 @@ def standing(directory: Path) -> Standing:
 
 
 def _ended(job: Job) -> float:
-    """When a point that is done was."""
+    """The time at which a point was completed."""
     marker = job.result if job.result.exists() else RunDirectory(job.run).done
     return marker.stat().st_mtime
 
 
 def remaining(ended: Sequence[float], waiting: int, now: float) -> float | None:
-    """How long so many points take at the pace of those that ended last (s).
+    """The time that so many points take at the pace of those completed last (s).
 
     >>> remaining([0.0, 10.0, 20.0], waiting=6, now=24.0)
     72.0

@@ -1,4 +1,4 @@
-"""One point, in whatever process: all that a worker is told is the name of a folder, and all it answers is a word."""
+"""One point in whatever process: a worker gets the name of a folder, and answers with a word."""
 
 from __future__ import annotations
 

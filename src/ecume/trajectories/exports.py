@@ -144,7 +144,7 @@ def _xyz_columns(frame: Frame) -> tuple[str, list[list[Any]]]:
 
 
 def _legend(species: Sequence[str]) -> str:
-    """Which element stands for which species."""
+    """The chemical element that stands for each species."""
     named = ", ".join(f"{_symbol(kind)}: {name}" for kind, name in enumerate(species)).replace('"', "'")
     return f'Species="{named}" ' if named else ""
 

@@ -22,5 +22,5 @@ class Frame(NamedTuple):
     units: Mapping[str, str]
 
     def _repr_html_(self) -> str | None:
-        """How it shows itself in a notebook: its particles, to turn and to click."""
+        """The notebook view: the particles, to turn and to click."""
         return html_of(self)

@@ -1,4 +1,4 @@
-"""How a GSD file is laid out, and how its index is read, also that of a damaged or a growing file.
+"""The layout of a GSD file, and the reading of its index, also that of a damaged or a growing file.
 
 A GSD file (version 2) is a header, a block of index entries, a list of names, and chunks of data; a block that is full
 is copied to the end of the file at twice its size, and the old one stays where it was. So a file that lost its end
@@ -56,7 +56,7 @@ _SIZES = np.array([TYPES[code].itemsize if code in TYPES else 0 for code in rang
 
 
 class Index(NamedTuple):
-    """What a file holds: its names, the entries of its frames in their order, and where the block of entries stands."""
+    """The index of a file: its names, the entries of its frames in order, and the place of the block of entries."""
 
     names: tuple[str, ...]
     entries: NDArray[Any]

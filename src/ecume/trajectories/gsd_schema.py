@@ -27,7 +27,7 @@ Chunks = dict[str, NDArray[Any]]
 
 
 class Header(NamedTuple):
-    """What all frames of a segment share; `first` is the number of its first frame in the whole trajectory."""
+    """The data that all frames of a segment share; `first` is the number of its first frame in the trajectory."""
 
     first: int
     arrays: Mapping[str, tuple[str, tuple[int, ...]]]
@@ -114,7 +114,7 @@ def numbers_checksum(chunks: Chunks, header: Header) -> int:
 
 
 def _shown(frame: Frame, species: Sequence[str]) -> Chunks:
-    """What HOOMD's schema knows, in single precision."""
+    """The quantities of HOOMD's schema, in single precision."""
     position = frame.arrays["position"]
     shown = {
         "configuration/dimensions": _column(np.array([position.shape[1]], np.uint8)),

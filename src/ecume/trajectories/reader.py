@@ -1,4 +1,4 @@
-"""Frames out of files."""
+"""Trajectories as sequences of frames, read from files."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ class Trajectory(Sequence[Frame]):
 
     @property
     def intact(self) -> int:
-        """How many frames there are before the first that is missing, as when a segment lost its end."""
+        """The number of frames before the first that is missing, as when a segment lost its end."""
         end = 0
         for segment in self._segments:
             if segment.header.first != end:
@@ -82,7 +82,7 @@ class Trajectory(Sequence[Frame]):
 
     @property
     def steps(self) -> NDArray[np.int64]:
-        """How many steps the march had made at each frame."""
+        """The number of time steps before each frame."""
         return self._column("configuration/step").astype(np.int64)
 
     @property
@@ -92,7 +92,7 @@ class Trajectory(Sequence[Frame]):
 
     @property
     def species(self) -> tuple[str, ...]:
-        """What the species are called, in the order of their numbers, as far as they have names."""
+        """The names of the species in the order of their numbers, as far as they have names."""
         return self._segments[-1].header.species if self._segments else ()
 
     def numbers(self, name: str) -> NDArray[np.float64]:
@@ -103,7 +103,7 @@ class Trajectory(Sequence[Frame]):
         return self._column(f"log/{name}")
 
     def __len__(self) -> int:
-        """How many frames there are."""
+        """The number of frames."""
         return self._segments[-1].header.first + self._segments[-1].frames if self._segments else 0
 
     @overload
@@ -145,7 +145,7 @@ class Trajectory(Sequence[Frame]):
             self.close()
 
     def _located(self, index: int) -> tuple[Segment, int]:
-        """Which segment holds a frame, and the frame's number there."""
+        """The segment of a frame, and its number there."""
         place = bisect.bisect_right([segment.header.first for segment in self._segments], index) - 1
         segment = self._segments[max(place, 0)]
         local = index - segment.header.first

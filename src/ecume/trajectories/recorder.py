@@ -1,4 +1,4 @@
-"""Frames into files: segments that only grow, so that a killed process leaves all that it committed."""
+"""The recorder of frames: segments that only grow, so that a killed process leaves all that it committed."""
 
 from __future__ import annotations
 

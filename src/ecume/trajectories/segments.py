@@ -52,7 +52,7 @@ class Segment:
         return chunks
 
     def damage(self, frame: int) -> str:
-        """What to say of a frame whose bytes are not those that were written."""
+        """The message about a frame whose bytes are not those that were written."""
         return f"{self.path}: frame {self.header.first + frame} is damaged: its checksum does not fit its data"
 
     def numbers(self) -> NDArray[np.void]:

@@ -151,7 +151,7 @@ class _Patient(io.RawIOBase):
         return self._tried(lambda: self._file.seek(place, whence), place)
 
     def tell(self) -> int:
-        """Where we are."""
+        """The position in the file."""
         return self._tried(self._file.tell, 0)
 
     def truncate(self, size: int | None = None) -> int:
@@ -216,7 +216,7 @@ def _listing(times: Sequence[float], names: Sequence[str]) -> str:
 
 
 def data_array(name: str, values: NDArray[Any]) -> str:
-    """As base64: the number of bytes, then they."""
+    """The data as base64: the number of bytes, then the bytes."""
     plain = np.ascontiguousarray(values)
     text = base64.b64encode(np.uint64(plain.nbytes).tobytes() + plain.tobytes()).decode()
     wide = int(np.prod(plain.shape[1:])) if plain.ndim > 1 else 1

@@ -21,7 +21,7 @@ WALLS = ((0, 0.0, (0.0, 0.0)), (0, 1.0, (0.0, 0.0)), (1, 0.0, (0.0, 0.0)), (1, 1
 
 
 class Found(NamedTuple):
-    """What a run came to."""
+    """The errors and the volume of a run."""
 
     errors: dict[str, float]
     """the largest on each line"""
@@ -29,7 +29,7 @@ class Found(NamedTuple):
 
 
 def rows() -> list[Row]:
-    """Both resolutions."""
+    """Compare runs of both resolutions."""
     coarse, fine = (found(side) for side in SIDES)
     largest = [max(one.errors.values()) for one in (coarse, fine)]
     published = read_table("cavity")

@@ -80,7 +80,7 @@ def _read(frame: Frame, wide: float, reach: float) -> tuple[float, float, float,
 
 
 def _height(frame: Frame, reach: float) -> float:
-    """How high the liquid stands a little off the back wall: the highest place that is half full."""
+    """The height of the liquid a little off the back wall: the highest place that is half full."""
     line = points_along((reach, 0.0), (reach, 2.5), 501)
     return float(line[np.flatnonzero(filled(frame, line, reach) >= 0.49)].max(initial=0.0))
 
@@ -95,7 +95,7 @@ def published(table: str, name: str) -> tuple[Array, Array]:
 
 
 def front(run: Broken, deep: int) -> list[Row]:
-    """Where the front is, beside another code's at ten times the resolution."""
+    """Compare the front with another code's at ten times the resolution."""
     times, places = published("front", "wcsph-400")
     ours = np.interp(times, run.times, run.fronts)
     return [
@@ -105,7 +105,7 @@ def front(run: Broken, deep: int) -> list[Row]:
 
 
 def order(coarse: Broken, fine: Broken) -> Row:
-    """How fast the front converges: log2 of the errors' ratio, each the mean over the published times."""
+    """The order of convergence of the front: log2 of the errors' ratio, each the mean over the published times."""
     times, places = published("front", "wcsph-400")
     errors = [np.abs(np.interp(times, run.times, run.fronts) - places).mean() for run in (coarse, fine)]
     return above("order of convergence of the front", float(np.log2(errors[0] / errors[1])), 0.7)

@@ -1,4 +1,4 @@
-"""What is read from drops that swing."""
+"""Measurements of oscillating drops."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Swing(NamedTuple):
 
     @property
     def period(self) -> float:
-        """Of one swing."""
+        """The period of one oscillation."""
         return 2.0 * np.pi / self.frequency
 
 
@@ -44,7 +44,7 @@ def swing_of(frames: Sequence[Frame]) -> Swing:
 
 
 def longest_rise(frames: Sequence[Frame]) -> float:
-    """How much the total energy rises from one frame to any later one, over the greatest energy of motion."""
+    """The largest rise of the total energy from one frame to a later one, over the largest kinetic energy."""
     energy = np.array([frame.numbers["total_energy"] for frame in frames])
     moving = max(frame.numbers["kinetic_energy"] for frame in frames)
     return float((energy - np.minimum.accumulate(energy)).max()) / moving

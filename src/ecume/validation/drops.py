@@ -31,7 +31,7 @@ def rows() -> list[Row]:
 
 
 def stretched() -> list[Row]:
-    """At 40 a radius, and how much better that is than 20."""
+    """Compare a drop in a straining flow at a resolution of 40 in a radius."""
     frames = list(frames_of("drops"))
     found = [
         row
@@ -60,7 +60,7 @@ def swinging() -> list[Row]:
 
 
 def damped() -> list[Row]:
-    """With the usual viscosity."""
+    """Compare an oscillating drop with the default viscosity."""
     frames = list(frames_of("drops", SWINGING))
     return axes_at("swinging, damped, after a period", frames, PERIOD, ((1.0, 1.0), (0.005, 0.005)))
 

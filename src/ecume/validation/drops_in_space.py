@@ -31,7 +31,7 @@ MOST_RATE = 0.25
 
 
 def rows() -> list[Row]:
-    """At three resolutions, and how much better the finest one is."""
+    """Compare three resolutions, and their order of convergence."""
     exact = drop_decay(1.0, VISCOSITY, 1.0, 2, 3)
     runs = {count: list(simulate(scene_of(count))) for count in COUNTS}
     found, errors = friction(), []
@@ -53,7 +53,7 @@ def scene_of(count: int) -> SphScene:
 
 
 def order(errors: list[float]) -> float:
-    """From the coarsest to the finest."""
+    """The order of convergence from the coarsest to the finest."""
     return float(np.log(errors[0] / errors[-1]) / np.log(COUNTS[-1] / COUNTS[0]))
 
 

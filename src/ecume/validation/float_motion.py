@@ -1,4 +1,4 @@
-"""How floats move, worked out by SciPy: the same laws of force as the runs, everything else by other means.
+"""The motion of floats, integrated by SciPy: the same force laws as in the runs, everything else by other means.
 
 Charge and friction of a float come from ecume's own laws (the case `floating` and the tests judge those). Bessel
 functions, the amplitude at the wall and the integration of the motion are SciPy's, or written down here.
@@ -49,7 +49,7 @@ def bodies_of(scene: FloatingScene) -> list[Body]:
 
 
 def meeting_time(bodies: Sequence[Body], distance: float, liquid: flotation.Liquid) -> float:
-    """When two bodies touch that are released at rest with their centers a distance apart (s)."""
+    """The time at which two bodies touch that are released at rest with their centers a distance apart (s)."""
     one, other = bodies
     length, tension = liquid.capillary_length, liquid.surface_tension
     strength = 2.0 * math.pi * tension * one.charge * other.charge / length
@@ -76,12 +76,12 @@ class Bowl(NamedTuple):
 
 
 def place_in_bowl(body: Body, start: float, time: float, bowl: Bowl) -> float:
-    """How far from the axis a body is that was released at rest at the distance `start` from it (m)."""
+    """The distance from the axis of a body that was released at rest at the distance `start` from it (m)."""
     return float(_way_in_bowl(body, start, time, bowl).y[0, -1])
 
 
 def time_in_bowl(body: Body, start: float, way: float, bowl: Bowl) -> float:
-    """When a body that was released at rest at the distance `start` from the axis has gone `way` from there (s)."""
+    """The time after which a body released at rest at the distance `start` has moved by `way` (s)."""
 
     def gone(_: float, y: Array) -> float:
         return abs(float(y[0]) - start) - way

@@ -119,7 +119,7 @@ def approach(case: Case) -> Row:
 
 
 def pull_of(sphere: flotation.Sphere, distance: float) -> float:
-    """How hard two of them attract one another (N), by linear charges."""
+    """The attraction of two bodies (N), by linear charges."""
     charge = flotation.capillary_charge(sphere, WATER, "linear")
     strength = capillarity.pair_strength(WATER.surface_tension, charge, charge)
     return -capillarity.pair_force(distance, strength, WATER.capillary_length)
@@ -155,7 +155,7 @@ def bessel(case: Case) -> Iterator[Row]:
 
 
 def truncation(case: Case) -> Row:
-    """What a cutoff leaves out of the pull at a raft's straight edge."""
+    """The part of the pull at a raft's straight edge that a cutoff omits."""
     computed = capillarity.neglected_fraction(float(case["cutoff_over_L"]))
     name = f"share of a raft's pull beyond {case['cutoff_over_L']} L"
     return within(name, computed, float(case["neglected"]), float(case["tolerance"]))
@@ -169,7 +169,7 @@ def lines_of_charges() -> list[Row]:
 
 
 def signs() -> list[Row]:
-    """Who goes where, and that action is reaction."""
+    """Compare the signs of forces, and action with reaction."""
     heavy = flotation.Sphere(1e-3, 1300.0, math.radians(90.0))
     disc, bubble = flotation.Disc(1.3e-3, 2e-5), flotation.Bubble(5e-4)
     wetting = meniscus.wall_amplitude(math.radians(45.0), WATER)

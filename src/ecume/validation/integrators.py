@@ -63,7 +63,7 @@ def energies(steps: int = MANY) -> list[Row]:
 
 
 def energy_changes(frames: Iterable[Frame]) -> list[float]:
-    """How far the energy is from the first, in each frame, over the energy of the swing."""
+    """The difference of the energy from the first, in each frame, over the energy of the oscillation."""
     found = list(_energies(frames))
     swing = found[0] - _lowest()
     return [abs(energy - found[0]) / swing for energy in found]

@@ -1,4 +1,4 @@
-"""When two floats released at rest touch, beside an integration of order 8."""
+"""The time at which two floats released at rest touch, beside an integration of order 8."""
 
 from __future__ import annotations
 

@@ -37,7 +37,7 @@ def course(spacing: float, *changes: str) -> list[Frame]:
 
 
 def off_the_table() -> float:
-    """Our own series, at most."""
+    """The largest difference of our own series from the table."""
     table = [[float(value) for value in case.values()] for case in read_table("patch", "independent")]
     return max(abs(patch_pressure(x, y, 1.0, -2.0, 1.0) - pressure) for x, y, pressure in table)
 
@@ -49,7 +49,7 @@ def early(frames: list[Frame]) -> float:
 
 
 def inner(frame: Frame, radius: float) -> np.typing.NDArray[np.bool_]:
-    """Who is near the middle."""
+    """The particles near the middle."""
     near: np.typing.NDArray[np.bool_] = np.hypot(*frame.arrays["position"].T) < radius
     return near
 

@@ -26,7 +26,7 @@ def rows() -> list[Row]:
 
 
 def series() -> list[Row]:
-    """How far our own are from the table, at most, one row a flow."""
+    """The largest difference of our own series from the table, one row a flow."""
     worst = dict.fromkeys(DRIVEN, 0.0)
     for case in read_table("poiseuille", "independent"):
         found = exact(case["flow"], float(case["height"]), float(case["tau"]) / VISCOSITY)
@@ -47,7 +47,7 @@ def channel(flow: str, walls: str) -> list[Row]:
 
 
 def largest_error(flow: str, changes: Sequence[str]) -> float:
-    """Of all particles, over all frames."""
+    """The largest error of all particles over all frames."""
     frames = [frame for frame in frames_of("poiseuille", changes) if frame.time >= EARLIEST - 1e-9]
     return max(error(flow, frame) for frame in frames)
 
@@ -59,7 +59,7 @@ def error(flow: str, frame: Frame) -> float:
 
 
 def exact(flow: str, height: float, time: float) -> float:
-    """With a largest speed of one in the end."""
+    """The exact speed, with a largest speed of one in the end."""
     if flow == "couette":
         return couette_start(height, time, 1.0, VISCOSITY, 1.0)
     return poiseuille_start(height, time, 1.0, VISCOSITY, 8.0 * VISCOSITY)

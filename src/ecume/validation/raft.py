@@ -57,7 +57,7 @@ def gathered(step: float, friction: float, seed: int) -> list[Frame]:
 
 
 def rises_of(frames: list[Frame]) -> float:
-    """All rises of the energy from frame to frame, over its whole change."""
+    """The sum of all rises of the energy from frame to frame, over its whole change."""
     energies = np.array([frame.numbers["total_energy"] for frame in frames])
     steps_up = np.diff(energies)
     return float(steps_up[steps_up > 0].sum() / np.ptp(energies))

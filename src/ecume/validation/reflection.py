@@ -20,7 +20,7 @@ FALL = (0.0, -9.81)
 
 
 def rows() -> list[Row]:
-    """All subjects."""
+    """Compare all subjects."""
     return [*billiards(), *bouncing(), *wedges(), *circle(), *reversal(), *nobody_outside()]
 
 
@@ -31,7 +31,7 @@ def folded(way: Array, width: Array) -> Array:
 
 
 def billiards() -> list[Row]:
-    """In two and three dimensions, without and with gravity."""
+    """Compare billiards in 2D and 3D, without and with gravity."""
     sides, start = np.array([1.0, 0.7, 0.4]), np.array([[0.3, 0.2, 0.1]])
     speed = np.array([[1.234567, 0.87654321, -0.7654321]])
     found = []

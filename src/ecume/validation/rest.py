@@ -23,12 +23,12 @@ MOST_SPEED = 1e-6
 
 
 def rows() -> list[Row]:
-    """What both bowls came to."""
+    """Compare both bowls."""
     return [row for name, changes in BOWLS.items() for row in bowl(name, changes)]
 
 
 def bowl(name: str, changes: Sequence[str]) -> list[Row]:
-    """What one bowl came to."""
+    """Compare one bowl."""
     scene = floating_scene("rest", changes)
     radius = scene.floats[0].radius
     frames = list(simulate(scene))

@@ -1,4 +1,4 @@
-"""What validation cases share: their scenes and tables, which lie in `data/CASE`, and the runs of these scenes."""
+"""The scenes, tables and runs of validation cases; scenes and tables are in `data/CASE`."""
 
 from __future__ import annotations
 

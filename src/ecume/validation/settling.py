@@ -29,7 +29,7 @@ THERMAL = brownian.thermal_energy(293.15)
 
 
 def rows() -> list[Row]:
-    """All subjects."""
+    """Compare all subjects."""
     return [*terminal_speeds(), *from_rest(), *diffusion(), *equilibrium()]
 
 
@@ -39,7 +39,7 @@ def _last(scene: Scene) -> Frame:
 
 
 def terminal_speeds() -> list[Row]:
-    """Of four grains under two laws."""
+    """Compare the terminal speeds of four grains under two laws."""
     found = []
     for diameter, expected in SPEEDS.items():
         for law, speed in zip(("stokes", "schiller-naumann"), expected, strict=True):

@@ -25,7 +25,7 @@ Charges = tuple[Array, Array]
 
 
 def rows() -> list[Row]:
-    """All comparisons."""
+    """Make all comparisons."""
     return [*law_rows(), _stress(), *_approach(), *_docking(), *_billiard()]
 
 

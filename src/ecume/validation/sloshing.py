@@ -38,7 +38,7 @@ class Rise(NamedTuple):
 
 
 def rows() -> list[Row]:
-    """Both resolutions, and how the error falls."""
+    """Compare both resolutions, and their order of convergence."""
     runs = {deep: rise(deep) for deep in DEEP}
     coarse, fine = (error(runs[deep]) for deep in DEEP)
     return [
@@ -78,7 +78,7 @@ def _difference(frame: Frame, scene: SphScene) -> float:
 
 
 def series(times: Array, scene: SphScene) -> Array:
-    """What potential flow says at those times."""
+    """The heights from potential flow at those times."""
     assert scene.shake is not None  # noqa: S101  # the case's is
     assert scene.shake.amplitude is not None  # noqa: S101
     assert scene.shake.frequency is not None  # noqa: S101

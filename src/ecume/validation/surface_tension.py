@@ -24,7 +24,7 @@ ROUND = np.sqrt(4.0 / np.pi)
 
 
 def rows() -> list[Row]:
-    """All subjects."""
+    """Compare all subjects."""
     return [*square(), *small(), *fading(), *resting(), *wide()]
 
 

@@ -58,7 +58,7 @@ def durations() -> Iterator[Row]:
 
 
 def phases() -> Iterator[Row]:
-    """How many clusters of each line of the phase diagram end otherwise."""
+    """The number of clusters of each line of the phase diagram that end differently."""
     for vertical, line in PHASES.items():
         pulls = [(1e-3 * horizontal, 1e-3 * vertical) for horizontal in HORIZONTAL]
         asked = [(pull, letter) for pull, letter in zip(pulls, line, strict=True) if letter != "-"]

@@ -24,7 +24,7 @@ SOUND_SPEED = 10.0
 
 
 class Rest(NamedTuple):
-    """What a frame says, in units of rho g H, of H and of sqrt(g H)."""
+    """The measurements of a frame, in units of rho g H, of H and of sqrt(g H)."""
 
     error: float
     """root mean square of the pressure less rho_0 g (H - y)"""
@@ -56,7 +56,7 @@ def rows() -> list[Row]:
 
 
 def run(changes: Sequence[str]) -> list[Rest]:
-    """What each frame of the changed scene says."""
+    """The measurements of each frame of the changed scene."""
     scene = sph_scene("tank", changes)
     return [rest(frame) for frame in simulate(scene)]
 
@@ -99,13 +99,13 @@ def rows_of(name: str, frames: Sequence[Rest]) -> list[Row]:
 
 
 def creep(frames: Sequence[Rest]) -> float:
-    """How far the center of mass goes in the last quarter."""
+    """The displacement of the center of mass in the last quarter."""
     late = last_quarter(frames)
     return abs(late[-1].center - late[0].center)
 
 
 def lasting(frames: Sequence[Rest]) -> float:
-    """How far the center of mass goes in the last quarter, over how far it went in the one before."""
+    """The displacement of the center of mass in the last quarter, over that in the one before."""
     quarter = len(last_quarter(frames))
     return creep(frames) / abs(frames[-quarter - 1].center - frames[-2 * quarter].center)
 

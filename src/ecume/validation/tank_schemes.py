@@ -37,7 +37,7 @@ FAILING: dict[str, Sequence[str]] = {
 
 
 def rows() -> list[Row]:
-    """What each scheme that holds the liquid does, and each that does not."""
+    """Compare each scheme that holds the liquid, and each that does not."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # liu-quartic tells that it turns negative: here that is known
         held = [row for name, changes in HOLDING.items() for row in holding(name, changes)]

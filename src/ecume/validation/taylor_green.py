@@ -20,7 +20,7 @@ RATE = taylor_green_decay(2.0 * math.pi, 2.0 * math.pi, VISCOSITY)
 
 
 class Course(NamedTuple):
-    """What a run is judged by, a number a frame; relative to the exact flow."""
+    """The time series by which a run is judged, relative to the exact flow."""
 
     time: Array
     error: Array
@@ -31,7 +31,7 @@ class Course(NamedTuple):
 
 
 def rows() -> list[Row]:
-    """Both resolutions, then the finer one beside the published one."""
+    """Compare both resolutions, then the finer one with the published one."""
     courses = {side: course(side) for side in SIDES}
     errors = [float(courses[side].error[1:].max()) for side in SIDES]
     coarse = [below(f"{SIDES[0]} a side: largest error", errors[0], 0.06)]
@@ -39,7 +39,7 @@ def rows() -> list[Row]:
 
 
 def of_the_finer(found: Course) -> list[Row]:
-    """Against the exact flow, and against PySPH."""
+    """Compare the finer run with the exact flow and with PySPH."""
     swing = float(np.abs(found.fastest - 1.0).max())
     name = f"{SIDES[1]} a side"
     return [
@@ -52,7 +52,7 @@ def of_the_finer(found: Course) -> list[Row]:
 
 
 def beside_published(found: Course) -> list[Row]:
-    """Ours at the nearest frame."""
+    """Compare our error at the nearest frame with the published one."""
     return [
         below(
             f"below PySPH's {case['scheme']}: error at t = {case['time']}",
@@ -87,5 +87,5 @@ def judged(frame: Frame) -> tuple[float, ...]:
 
 
 def order(errors: list[float]) -> float:
-    """Of convergence, when the spacing is halved."""
+    """The order of convergence when the spacing is halved."""
     return math.log2(errors[0] / errors[1])

@@ -1,4 +1,4 @@
-"""Where a float is that was released near the wall of a round dish, beside an integration of order 8."""
+"""The motion of a float released near the wall of a round dish, beside an integration of order 8."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def rows() -> list[Row]:
 
 
 def drift(kind: str, glass: str, dish: float, drag: bool) -> Row:
-    """How far one float has gone when it should have gone 2 mm, in millimeters; towards the wall is positive."""
+    """Compare the displacement of a float that should have moved 2 mm (mm); towards the wall is positive."""
     start = 1e-3 * (dish - FROM_WALL)
     changes = [
         f"floats[0].density={FLOATS[kind]}",

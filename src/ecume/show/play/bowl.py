@@ -68,7 +68,7 @@ def _swung(slope: float, rate: float, aim: float, omega: float, seconds: float) 
 
 
 def current(slosh: Slosh, scene: Any) -> tuple[float, float]:
-    """How the liquid runs in the middle of the dish (m/s)."""
+    """The velocity of the liquid in the middle of the dish (m/s)."""
     per_rate = scene.liquid.gravity / slosh_frequency(scene) ** 2
     return slosh.rate[0] * per_rate, slosh.rate[1] * per_rate
 
@@ -126,7 +126,7 @@ class Bowl:
 
     @property
     def frame(self) -> Frame:
-        """What is seen now."""
+        """The present frame."""
         return self.march.observe()
 
     def play(self, seconds: float) -> None:
@@ -331,7 +331,7 @@ def _hurried(scene: FloatingScene) -> FloatingScene:
 
 
 def _said(fault: Exception) -> str:
-    """What a scene's check has to say, in one line."""
+    """The warnings of a scene's check, in one line."""
     if isinstance(fault, SceneError):
         return "; ".join(dict.fromkeys(one.message for one in fault.faults))
     errors: Sequence[Any] = getattr(fault, "errors", list)()

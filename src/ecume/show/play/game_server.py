@@ -1,4 +1,4 @@
-"""The server of what is played with: what the page asks, what it is told, and the clock by which all goes on."""
+"""The server of a game: its requests and answers, and the clock that drives the simulation."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ Deed = Callable[[Asked], None]
 
 
 class Moving(Protocol):
-    """What moves while somebody plays with it."""
+    """A simulation that a user plays with."""
 
     time: float
     """s, simulated so far"""
@@ -44,7 +44,7 @@ class Moving(Protocol):
 
 
 class Toy(Protocol):
-    """What is played with, and what its page draws of it and can do to it."""
+    """A simulation together with its page: what it draws, and what can be done."""
 
     @property
     def parts(self) -> Parts:
@@ -53,16 +53,16 @@ class Toy(Protocol):
 
     @property
     def deeds(self) -> Mapping[str, Deed]:
-        """What can be done, by name; raises BadInput for what cannot."""
+        """The actions by name; they raise BadInput for what is impossible."""
         ...
 
     @property
     def moving(self) -> Moving:
-        """What moves."""
+        """The simulation."""
         ...
 
     def header(self) -> dict[str, Any]:
-        """What the page is told once, with a `title`."""
+        """The data that the page gets once, with a `title`."""
         ...
 
     def now(self) -> dict[str, Any]:
@@ -70,7 +70,7 @@ class Toy(Protocol):
         ...
 
     def paint(self, now: float) -> None:
-        """What need not be painted as often as the page asks; `now` is the clock's."""
+        """Update what is drawn less often than the page asks; `now` is the clock's time."""
 
 
 class Game:
@@ -83,7 +83,7 @@ class Game:
 
     @property
     def policy(self) -> str:
-        """What the browser may do with the page."""
+        """The content security policy of the page."""
         return policy_of(self.toy.parts, live=True)
 
     def get(self, path: str, query: Query) -> Answer | None:

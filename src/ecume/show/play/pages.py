@@ -49,7 +49,7 @@ class BowlPage:
         self._range = 1e-9
 
     def header(self) -> dict[str, Any]:
-        """What never changes."""
+        """The data that never change."""
         scene = self.moving.scene
         return {
             "title": scene.title or "A bowl",
@@ -134,7 +134,7 @@ class TankPage:
         self.low, self.high = low, high + np.array([0.0, ABOVE * float(high[1] - low[1])])
 
     def header(self) -> dict[str, Any]:
-        """What never changes."""
+        """The data that never change."""
         scene = self.moving.first
         return {
             "title": scene.title or "A tank",
@@ -170,7 +170,7 @@ class TankPage:
         """Nothing that takes long."""
 
     def _values(self, liquid: Liquid) -> tuple[Array, float]:
-        """What the colors show, and where their scale ends."""
+        """The values that colors show, and the end of their scale."""
         material = self.moving.march.parameters.material
         if self.color == "speed":
             return np.hypot(*liquid.velocity), material.fastest

@@ -80,7 +80,7 @@ class Tank:
 
     @property
     def pushed(self) -> float:
-        """How far the left wall is from where the tank has it (m)."""
+        """The displacement of the left wall (m)."""
         return self.push.at(self._now)
 
     def play(self, seconds: float) -> None:
@@ -124,7 +124,7 @@ class Tank:
 
     @property
     def opened(self) -> int:
-        """How many gates are open."""
+        """The number of open gates."""
         return len(self.first.obstacles) - len(self.scene.obstacles)
 
     def close_gate(self) -> None:
@@ -166,12 +166,12 @@ class Tank:
 
     @property
     def width(self) -> float:
-        """Of the tank (m)."""
+        """The width of the tank (m)."""
         return float(self.scene.tank.high[0] - self.scene.tank.low[0])
 
     @property
     def period(self) -> float:
-        """In which the liquid swings to and fro, were it level (s)."""
+        """The period of sloshing of the liquid, were it level (s)."""
         depth = float(np.sum(self.march.state.mass)) / self.march.parameters.material.density / self.width
         pull = math.hypot(*(self.scene.gravity or ()))
         return 2.0 * math.pi / max(wave_frequency(math.pi / self.width, depth, pull), 1e-9)
@@ -219,7 +219,7 @@ class Tank:
 
     @property
     def _wanted(self) -> float:
-        """Where the wall should be soon (m): at the hand, or where the wave has it."""
+        """The position that the wall should reach soon (m): at the hand, or where the wave has it."""
         phase = (self.time + GRASP - self.wave_since) / self.period
         if phase > 1.0:
             return self.aim

@@ -1,4 +1,4 @@
-"""What a tank must be to be played with, and what hands add to its scene: liquid, a pushed wall, a tilt."""
+"""Scenes of tanks that can be played with, and what a user adds to them: liquid, a pushed wall, a tilt."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ KINDS = ("wall", "open", "periodic")
 
 
 class Push(NamedTuple):
-    """Where the left wall was and will be: straight lines from time to time."""
+    """The path of the left wall: straight lines from time to time."""
 
     times: tuple[float, ...] = (0.0,)
     places: tuple[float, ...] = (0.0,)
@@ -35,7 +35,7 @@ class Push(NamedTuple):
     """m/s, at the end"""
 
     def at(self, now: float) -> float:
-        """How far the wall is from where the tank has it (m)."""
+        """The displacement of the wall (m)."""
         return float(np.interp(now, self.times, self.places))
 
     def then(self, now: float, seconds: float, speed: float, since: float) -> Push:
@@ -51,7 +51,7 @@ class Push(NamedTuple):
         return Push(times[since == now :], places[since == now :], speed)
 
     def drive(self) -> Drive:
-        """As the march reads it."""
+        """The path in the form that the model reads."""
         return Drive(np.zeros(1), 0.0, 0.0, 0.0, np.array(self.times), np.array([self.places]))
 
 
@@ -93,7 +93,7 @@ def movable(scene: SphScene) -> bool:
 
 
 def tilting(scene: SphScene, angle: float) -> tuple[float, float]:
-    """What a tank feels beside gravity while it leans (m/s^2): gravity, turned by so much, less gravity."""
+    """The acceleration in a tilted tank beside gravity (m/s^2): gravity, rotated, minus gravity."""
     x, y = scene.gravity or (0.0, 0.0)
     cosine, sine = math.cos(angle), math.sin(angle)
     return x * (cosine - 1.0) - y * sine, x * sine + y * (cosine - 1.0)
@@ -129,7 +129,7 @@ def room_around(scene: SphScene, place: tuple[float, float], reach: float, pushe
 
 
 def with_room(scene: SphScene, points: Array, pushed: float, taken: Array) -> Array:
-    """Those of some places (n, 2) that are in the tank, where nothing is solid and no liquid stands."""
+    """The places (n, 2) that are in the tank, free of solids and of liquid."""
     spacing = scene.spacing
     low, high = np.array([scene.tank.low[0] + pushed, scene.tank.low[1]]), np.array(scene.tank.high)
     inside = ((points > low + 0.5 * spacing) & (points < high - 0.5 * spacing)).all(axis=1)

@@ -1,1 +1,1 @@
-"""How the soft model is shown."""
+"""Pictures and figures of soft spheres. Start with `picture` (the entry in `FILMS`) and `figures`."""

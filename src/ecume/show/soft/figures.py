@@ -72,7 +72,7 @@ def _spread(axes: Axes, instants: Array, values: list[Array]) -> None:
 
 
 def elastic_energy(frames: Frames, scene: Any) -> Figure:
-    """What the deflections of all surfaces hold."""
+    """The elastic energy of the deflections of all surfaces."""
     shown = thinned(frames)
     (energy,) = series(shown, number("elastic_energy"))
     scale = scale_for(float(energy.max()), "J")

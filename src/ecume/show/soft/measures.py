@@ -33,7 +33,7 @@ APART = 0.02
 
 
 def gap_histogram(frames: Frames, scene: Any) -> Figure:
-    """How gaps are distributed, at some instants: the area below each curve is one."""
+    """The distribution of gaps at some instants: the area below each curve is one."""
     chosen = [frames[round(place)] for place in np.linspace(0, len(frames) - 1, min(INSTANTS, len(frames)))]
     gaps = [films(frame).gap for frame in chosen]
     everyone = np.concatenate(gaps)
@@ -53,7 +53,7 @@ def gap_histogram(frames: Frames, scene: Any) -> Figure:
 
 
 def coordination(frames: Frames, scene: Any) -> Figure:
-    """How many close neighbors a sphere has, their mean gap and the narrowest, over time."""
+    """The number of close neighbors of a sphere, their mean gap and the narrowest, over time."""
     shown = thinned(frames)
     neighbors, mean, least = series(shown, *map(number, ("coordination", "mean_gap", "smallest_gap")))
     scale = scale_for(float(np.nanmax(np.append(mean, least))), "m")
@@ -94,7 +94,7 @@ def viscosity(frames: Frames, scene: Any) -> Figure:
 
 
 def _within_most(axes: Axes, values: Array) -> None:
-    """From the first to the last percent of what is finite."""
+    """The range from the first to the last percent of the finite values."""
     finite = values[np.isfinite(values)]
     if len(finite):
         low, high = np.percentile(finite, (1, 99))

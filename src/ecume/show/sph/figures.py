@@ -159,7 +159,7 @@ def _lines(axes: Axes, lines: Sequence[Array], scale: Scale, color: str, label: 
 
 
 def gauges(frames: Frames, scene: Any) -> Figure:
-    """What the scene's gauges read over time: pressures, levels and velocities, one panel each."""
+    """The readings of the scene's gauges over time: pressures, levels and velocities, one panel each."""
     shown = thinned(frames)
     panels = {kind: [name for name in shown[0].numbers if name in _readings(scene, kind)] for kind in GAUGE_UNITS}
     panels = {kind: names for kind, names in panels.items() if names}

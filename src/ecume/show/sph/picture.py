@@ -28,7 +28,7 @@ BRIGHT = (PALETTE[0], PALETTE[3], INK)
 
 
 def speed(frame: Frame) -> Array:
-    """How fast each particle is (m/s)."""
+    """The speed of each particle (m/s)."""
     fast: Array = np.linalg.norm(frame.arrays["velocity"], axis=1)
     return fast
 
@@ -61,7 +61,7 @@ def liquid_picture(
 
 
 def usual_color(scene: Any) -> str:
-    """What tells most of a liquid: under gravity the pressure, which is nearly all speed without."""
+    """The default quantity for colors: the pressure under gravity, otherwise the speed."""
     return "pressure" if any(scene.gravity) else "speed"
 
 

@@ -69,19 +69,19 @@ def solids_of(scene: Any, frame: Frame) -> list[Solid]:
 
 
 def middle_of(solid: Any) -> Array:
-    """Of what stands still."""
+    """The center of the scenery that does not move."""
     ends = (solid.low, solid.high) if solid.radius is None else (solid.center, solid.center)
     middle: Array = np.mean(ends, axis=0)
     return middle
 
 
 def color_of(solid: Any) -> str:
-    """Its own, or that of all."""
+    """The color of a solid: its own, or the default."""
     return str(solid.color or BODY)
 
 
 def coloring_of(scene: Any) -> Coloring:
-    """What the balls' colors mean."""
+    """The quantity that the colors of the balls show."""
     coloring = COLORINGS[usual_color(scene)]
     if coloring is None:
         raise BadInput("a rendered liquid is colored by a quantity")
@@ -113,7 +113,7 @@ def render(frames: Frames, scene: Any) -> Figure:
 
 
 def _mesh(pyvista: Any, solid: Solid) -> Any:
-    """Its surface."""
+    """The surface mesh of a solid."""
     if isinstance(solid.shape, Ball):
         mesh = pyvista.Sphere(radius=solid.shape.radius, theta_resolution=60, phi_resolution=60)
     else:
@@ -123,7 +123,7 @@ def _mesh(pyvista: Any, solid: Solid) -> Any:
 
 
 def _bounds(low: Any, high: Any) -> list[float]:
-    """As PyVista has them, axis by axis."""
+    """The bounds axis by axis, as PyVista has them."""
     return [float(end) for pair in zip(low, high, strict=True) for end in pair]
 
 

@@ -1,4 +1,4 @@
-"""What moves beside the liquid, as it is drawn: rigid bodies, and sides of the tank."""
+"""Moving solids as they are drawn: rigid bodies, and moving sides of the tank."""
 
 from __future__ import annotations
 
@@ -32,14 +32,14 @@ def movers_of(scene: Any, camera: Array | None = None) -> Callable[[Frame], list
 
 
 def mover_colors(scene: Any, usual: str, flat: bool) -> list[str]:
-    """Of those lines, in their order: each body's own color, where it has one."""
+    """The colors of these lines in their order: each body's own, where it has one."""
     bodies = [body.color or usual for body in scene.bodies for _ in range(lines_of(body, flat))]
     driven = [side for side in SIDES if getattr(scene.tank, side).motion is not None]
     return bodies + [usual] * (len(driven) * flat)
 
 
 def lines_of(body: Any, flat: bool) -> int:
-    """How many lines a body is drawn with: a box in space has twelve edges."""
+    """The number of lines that a body is drawn with: a box in 3D has twelve edges."""
     return 1 if flat or body.radius is not None else 12
 
 
@@ -75,7 +75,7 @@ def shape_of(body: Any) -> Shape:
 
 
 def corners(shape: Shape) -> Array:
-    """Of a shape in the plane; a disc is a polygon with a spoke, so that its turning shows."""
+    """The corners of a shape in 2D; a disc is a polygon with a spoke, so that its rotation shows."""
     if isinstance(shape, Polygon):
         return shape.vertices
     if isinstance(shape, Ball):
@@ -93,12 +93,12 @@ def edges(shape: Shape) -> list[Array]:
 
 
 def rotation(angle: float) -> Array:
-    """In the plane."""
+    """The rotation matrix in 2D."""
     return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
 
 
 def turned(quaternion: list[float]) -> Array:
-    """In space, by a unit quaternion (w, x, y, z)."""
+    """The rotation in 3D, by a unit quaternion (w, x, y, z)."""
     w, axis = quaternion[0], np.array(quaternion[1:])
     cross = np.cross(np.eye(3), axis)
     matrix: Array = np.eye(3) + 2.0 * w * cross + 2.0 * cross @ cross

@@ -49,7 +49,7 @@ class Source:
 
     @property
     def policy(self) -> str:
-        """What the browser may do with the page."""
+        """The content security policy of the page."""
         return policy_of(VIEW, live=True)
 
     def get(self, path: str, query: Query) -> Answer | None:
@@ -75,7 +75,7 @@ class Source:
             return page(run_header(trajectory, stage, live=True), [], live=True)
 
     def frames(self, begin: int) -> bytes:
-        """What came since the page's last frame: the length of a JSON, the JSON, bytes of the frames."""
+        """The frames since the page's last one: the length of a JSON, the JSON, bytes of the frames."""
         state = self.state()  # asked first: who has heard of the end has all that was written before
         with self._lock:
             trajectory, stage = self._opened()

@@ -64,7 +64,7 @@ def bare_stage(frame: Frame) -> Stage:
 
 
 def shown(what: Any) -> str | None:
-    """What a notebook shows of a frame, a trajectory or the directory of a run; nothing where nothing can be seen."""
+    """The notebook view of a frame, a trajectory or the directory of a run; None where nothing can be shown."""
     try:
         if isinstance(what, Frame):
             return still(what)

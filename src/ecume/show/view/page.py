@@ -58,7 +58,7 @@ def filled(parts: Parts, title: str, data: str, *, live: bool) -> str:
 
 
 def policy_of(parts: Parts, *, live: bool) -> str:
-    """What the browser may do with the page: run its script, use its style, and ask nobody but a server of ours."""
+    """The content security policy: run its own script and style, and ask nobody but our own server."""
     script, style = (_hash(_bundled(name)) for name in (parts.script, parts.style))
     connect = "'self'" if live else "'none'"
     return (
@@ -99,7 +99,7 @@ FACTS = ("ecume", "model", "seed", "processor", "platform")
 
 
 class Page(NamedTuple):
-    """What was written, and how much of the run is in it."""
+    """A page that was written, and how much of the run is in it."""
 
     path: Path
     size: int
@@ -138,7 +138,7 @@ def save_page(
 
 
 def stage_of(trajectory: Trajectory) -> Stage:
-    """What is around the particles of a run."""
+    """The scenery around the particles of a run."""
     scene = trajectory.scene
     if scene.model not in STAGES:
         raise BadInput(f"there is no view of the model {scene.model!r}; there is of {', '.join(STAGES)}")
@@ -166,7 +166,7 @@ def _coded(chunk: Chunk) -> float:
 
 
 def run_header(trajectory: Trajectory, stage: Stage, *, live: bool = False) -> dict[str, Any]:
-    """What the page is told of the run as a whole."""
+    """The data of the run as a whole."""
     scene = trajectory.scene
     return {
         "title": scene.title or f"{scene.model} run",
@@ -180,7 +180,7 @@ def run_header(trajectory: Trajectory, stage: Stage, *, live: bool = False) -> d
 
 
 def looks(first: Frame, last: Frame, stage: Stage) -> dict[str, Any]:
-    """What there is to be seen, and how, between two frames."""
+    """The visible quantities between two frames, and how they are drawn."""
     names = [name for name in _with_numbers(first, last) if name != "species"]
     colorings = [_coloring(name, first) for name in names]
     return {
@@ -216,7 +216,7 @@ def _with_numbers(first: Frame, last: Frame) -> list[str]:
 
 
 def _coloring(name: str, first: Frame) -> dict[str, Any]:
-    """How a quantity is colored."""
+    """The color scale of a quantity."""
     unit = first.units.get("velocity" if name == "speed" else name, "1")
     values = quantities(first)[name]
     signed = bool(values.size and values.min() < 0.0 < values.max())
@@ -237,7 +237,7 @@ def color_map(name: str) -> str:
 
 
 def _facts(trajectory: Trajectory) -> list[tuple[str, str]]:
-    """Of the run's manifest what tells where it comes from."""
+    """The facts of the run's manifest that say where it comes from."""
     path = trajectory.directory / "manifest.json"
     with storing(path):
         manifest = json.loads(path.read_bytes()) if path.is_file() else {}

@@ -1,4 +1,4 @@
-"""What the page shows around the particles of each model: walls, dish, surface, contacts; `STAGES`, the table of it."""
+"""The scenery on the page by model: walls, dish, surface, contacts; `STAGES` is the table of it."""
 
 from __future__ import annotations
 
