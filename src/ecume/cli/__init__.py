@@ -1,6 +1,8 @@
-"""The command line: verbs, their help, and how each ends.
+"""The command line: verbs, their help, and the end of each.
 
-Nothing heavy is imported before a verb runs, so that `ecume --help` answers at once.
+Start with the verbs: `scenes`, `runs`, `pictures`, `browser`, `sweeps`, `fits`, `validation`, `benchmarks`; each lists
+its own in `VERBS`. `exit_codes` turns errors into messages and exit codes, `progress` and `output` print. Nothing heavy
+is imported before a verb runs, so that `ecume --help` answers at once.
 """
 
 from __future__ import annotations

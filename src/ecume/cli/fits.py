@@ -87,7 +87,8 @@ def fit(
 ) -> None:
     """Fit a scene's parameters to measured tracks.
 
-    Reports 95 % intervals, and what the tracks do not determine. Writes the fitted scene, the numbers and a figure of the residuals.
+    Reports 95 % intervals, and what the tracks do not determine. Writes the fitted scene, the numbers and a figure of
+    the residuals.
 
     Examples: `ecume fit beads.csv --scene two-spheres.toml --free contact_angle,viscosity`
     · `ecume fit spots.csv --scene two-spheres.toml --free viscosity --pixel "20 um" --rate 25`

@@ -2,6 +2,9 @@
 
 fit = ecume.fit("tracks.csv", "two-beads.toml", ["contact_angle", "viscosity"])
 print(fit.estimates)
+
+Start with `estimation.fit`. `tracks` reads tables, `parameters` finds what is free, `initial_conditions` assigns
+objects to particles, `least_squares` minimizes the residuals of simulations, `remarks` says what the result is worth.
 """
 
 from ecume.fitting.estimation import Estimate, Fit, fit

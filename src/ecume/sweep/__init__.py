@@ -1,7 +1,10 @@
-"""Many runs of one scene: a table of points, a run directory each, and what was measured in them.
+"""Sweeps: many runs of one scene, a run directory for each point, and a table of what was measured.
 
 ecume.sweep.sweep("durations.toml", "sweeps/durations")
 ecume.open_sweep("sweeps/durations").table()
+
+Start with `runner.sweep`. `spec` is the schema of the file, `points` its points, `executors` runs them by `worker`,
+`results` and `measures` make the table, `status` looks from outside, `figures` draws.
 """
 
 from ecume.sweep.executors import ExecutorOptions

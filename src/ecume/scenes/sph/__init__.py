@@ -1,4 +1,8 @@
-"""The scene of the SPH model: a liquid, the tank that holds it, what stands and moves in it, and how it is computed."""
+"""The scene of the SPH model: a liquid, its tank, solids, and the method of the computation.
+
+`scene.SphScene` is the whole; start there. `tank` describes sides, motions and gauges, `solids` obstacles and bodies,
+`passive_particles` tracers and grains, and `sources` reads liquid from tables, outlines and other runs.
+"""
 
 from ecume.scenes.sph.passive_particles import CarriedSpec
 from ecume.scenes.sph.scene import CentralPullSpec, FluidSpec, MethodSpec, RegionSpec, SphScene
