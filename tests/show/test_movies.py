@@ -48,7 +48,7 @@ def test_what_cannot_be_shown_is_refused(scene, frames, tmp_path, asked, says):
 
 
 @pytest.mark.parametrize(
-    ("cut", "times"),
+    ("options", "times"),
     [
         (MovieOptions(start=0.3), (0.3, 1.0, 8)),
         (MovieOptions(end=0.3), (0.0, 0.3, 4)),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
@@ -14,11 +14,14 @@ from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
+if TYPE_CHECKING:
+    from ecume.scenes.schema import Scene
+
 FIRST = 5
 """Instants from which the speed at the start is guessed."""
 
 
-def first_frame(scene: Any) -> Frame:
+def first_frame(scene: Scene) -> Frame:
     """The scene's own start."""
     frame = next(simulate(scene))
     if frame.arrays["position"].shape[1] != 2:

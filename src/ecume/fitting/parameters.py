@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -17,6 +17,11 @@ from ecume.models import MODELS
 from ecume.scenes.faults import Path, echo, read_path, suggestion, value_at, written
 from ecume.scenes.overrides import KEY, put
 from ecume.scenes.schema import ANGLE, unit_of
+
+if TYPE_CHECKING:
+    from ecume.scenes.floating import FloatingScene
+    from ecume.scenes.schema import Scene
+    from ecume.scenes.tracers import TracersScene
 
 MOST = 20
 
@@ -145,7 +150,7 @@ class Quantity(NamedTuple):
     unit: str
 
 
-def of_floats(scene: Any) -> list[Quantity]:
+def of_floats(scene: FloatingScene) -> list[Quantity]:
     """Kind by kind: the charge, and all through which it shows in the motion.
 
     Equal floats far apart move by m x'' = -2 pi gamma A^2 / L K1(r/L) - zeta x': angle and density enter through the
@@ -168,7 +173,7 @@ def of_floats(scene: Any) -> list[Quantity]:
     return found
 
 
-def of_tracers(scene: Any) -> list[Quantity]:
+def of_tracers(scene: TracersScene) -> list[Quantity]:
     """Kind by kind: the speed at which it settles (or rises), and friction over mass, through which inertia shows.
 
     Where inertia is over before the first picture, density, radius and viscosity show in the speed alone.
@@ -189,7 +194,7 @@ def of_tracers(scene: Any) -> list[Quantity]:
 QUANTITIES: dict[str, Callable[[Any], list[Quantity]]] = {"floating": of_floats, "tracers": of_tracers}
 
 
-def quantities_of(scene: Any) -> list[Quantity]:
+def quantities_of(scene: Scene) -> list[Quantity]:
     """The quantities of a scene; none where nobody wrote them down for its model. Zeros have no logarithm: left out."""
     if scene.model not in QUANTITIES:
         return []

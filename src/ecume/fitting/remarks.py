@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
@@ -11,6 +11,9 @@ from ecume.fitting.initial_conditions import first_frame
 from ecume.fitting.least_squares import Certainty, Problem, values_at
 from ecume.fitting.tracks import Tracks
 from ecume.units import Array
+
+if TYPE_CHECKING:
+    from ecume.scenes.schema import Scene
 
 MEMORY = 0.5
 """The correlation of neighboring residuals beyond which they are no noise."""
@@ -90,7 +93,7 @@ def _combination(problem: Problem, at: Array, direction: Array) -> str:
     return " ".join(name if abs(share - 1.0) < 5e-3 else f"{name}^{share:.2g}" for name, share in shown)
 
 
-def met(scene: Any, times: Array, there: Array) -> list[str]:
+def met(scene: Scene, times: Array, there: Array) -> list[str]:
     """A remark where particles touch: when they do is known to a step, so that the residuals are rough from then on."""
     if scene.model != "floating":  # soft spheres deform, tracers do not feel one another
         return []

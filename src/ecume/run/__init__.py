@@ -4,9 +4,9 @@ ecume.run.run(scene, "runs/bowl")
 ecume.run.resume("runs/bowl")
 ecume.run.info("runs/bowl").frames
 
-Start with `runner`. `directory` names the files; `recording`, `checkpoints`, `constants`, `manifest` and `progress` write
-them; `lock` and `stop_requests` deal with other processes and signals; `invariant_monitor` checks each frame; `reports`
-and `recovery` look at runs from outside; `user_laws` identifies a user's laws; `ranks` is MPI.
+Start with `runner`. `directory` names the files; `recording`, `checkpoints`, `constants`, `manifest` and `progress`
+write them; `lock` and `stop_requests` deal with other processes and signals; `invariant_monitor` checks each frame;
+`reports` and `recovery` look at runs from outside; `user_laws` identifies a user's laws; `ranks` is MPI.
 """
 
 from ecume.run.directory import RunDirectory

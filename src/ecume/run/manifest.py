@@ -10,11 +10,14 @@ import platform
 import socket
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import ecume
 from ecume.run.directory import RunDirectory, json_of, write_json
 from ecume.trajectories.durable_files import storing
+
+if TYPE_CHECKING:
+    from ecume.scenes.schema import Scene
 
 PROGRAMS = ("numpy", "numba", "llvmlite", "scipy", "pydantic")
 SETTINGS = ("OPENBLAS_CORETYPE", "NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES", "GLIBC_TUNABLES")
@@ -39,7 +42,7 @@ def circumstances() -> dict[str, Any]:
     }
 
 
-def first_manifest(scene: Any, plain: str) -> dict[str, Any]:
+def first_manifest(scene: Scene, plain: str) -> dict[str, Any]:
     """The manifest of a run before it begins."""
     return {
         **circumstances(),

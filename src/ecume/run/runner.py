@@ -31,6 +31,7 @@ from ecume.trajectories.repair import repair
 
 if TYPE_CHECKING:
     from ecume.models.model import Model
+    from ecume.scenes.schema import Scene
     from ecume.simulation import Moment
     from ecume.trajectories.frame import Frame
 
@@ -86,7 +87,7 @@ USUAL = RunOptions()
 
 
 def run(
-    scene: Any,
+    scene: Scene,
     directory: str | os.PathLike[str],
     *,
     extra_laws: Sequence[Law] = (),
@@ -142,7 +143,7 @@ def resume(
 
 
 def _moments(
-    scene: Any, state: Any, extra_laws: Sequence[Law], options: RunOptions, constants: Callable[[Any], Any] | None
+    scene: Scene, state: Any, extra_laws: Sequence[Law], options: RunOptions, constants: Callable[[Any], Any] | None
 ) -> Iterator[Moment]:
     from ecume._jit import use_threads  # only who simulates waits for Numba: `ecume info` does not
     from ecume.simulation import moments
@@ -163,7 +164,7 @@ def _constants(home: RunDirectory, derived: Any, *, strict: bool) -> Any:
     return restored.parameters
 
 
-def _found(home: RunDirectory, scene: Any, parameters: Any, extra_laws: Sequence[Law], options: RunOptions) -> None:
+def _found(home: RunDirectory, scene: Scene, parameters: Any, extra_laws: Sequence[Law], options: RunOptions) -> None:
     """Write what a run has before it begins; the manifest is last, and makes it one."""
     from ecume.scenes.schema import to_plain, to_toml
 
@@ -178,7 +179,7 @@ def _found(home: RunDirectory, scene: Any, parameters: Any, extra_laws: Sequence
     )
 
 
-def _checkpoint(home: RunDirectory, scene: Any) -> Checkpoint:
+def _checkpoint(home: RunDirectory, scene: Scene) -> Checkpoint:
     """The state from which the run goes on: the newest good checkpoint, or the scene's own beginning."""
     from ecume.models import MODELS
 
@@ -218,7 +219,7 @@ def _drive(session: _Session, moments: Iterable[Moment], request: StopRequest) -
 class _Session:
     """The open files of one process that works on a run."""
 
-    def __init__(self, home: RunDirectory, scene: Any, options: RunOptions, frames: int) -> None:
+    def __init__(self, home: RunDirectory, scene: Scene, options: RunOptions, frames: int) -> None:
         self._home, self._habits = home, options
         self._recording = Recording(home, frames, kinds=scene.kinds, strict=options.strict)
         self._scene, self._watch = scene, Watch(home, [], POLICIES[0])

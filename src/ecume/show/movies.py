@@ -12,7 +12,7 @@ from concurrent.futures import Future, ProcessPoolExecutor
 from dataclasses import dataclass
 from multiprocessing import get_context
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -26,6 +26,9 @@ from ecume.show.sph.picture import liquid_picture
 from ecume.show.tracers import tracers_picture
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import open_trajectory
+
+if TYPE_CHECKING:
+    from ecume.scenes.schema import Scene
 
 FILMS: dict[str, Callable[..., Picture]] = {
     "floating": Bowl,
@@ -132,7 +135,7 @@ def movie(
 
 def film(
     frames: Sequence[Frame],
-    scene: Any,
+    scene: Scene,
     out: str | os.PathLike[str],
     options: MovieOptions = WHOLE,
     *,
@@ -145,7 +148,7 @@ def film(
     return encode(_counted(map(picture.pixels, shown), len(shown), progress), target, options.fps)
 
 
-def picture_of(scene: Any, shown: Sequence[Frame], options: MovieOptions, target: Path) -> Picture:
+def picture_of(scene: Scene, shown: Sequence[Frame], options: MovieOptions, target: Path) -> Picture:
     """The open picture in which these frames are shown."""
     if scene.model not in FILMS:
         raise BadInput(f"there are no pictures of the model {scene.model!r}; there are of {', '.join(FILMS)}")

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Sequence
-from typing import Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -24,6 +24,9 @@ from ecume.show.splat import MANY, Splat, splat_in
 from ecume.show.style import INK, MUTED, plain, scale_for
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
+
+if TYPE_CHECKING:
+    from ecume.scenes.schema import Scene
 
 DPI = 100
 LONGEST_TITLE = 50
@@ -96,7 +99,7 @@ class Species(NamedTuple):
     color: str
 
 
-def species(scene: Any) -> list[Species]:
+def species(scene: Scene) -> list[Species]:
     """The species of a scene, in the order of their numbers; those without a color take the palette's next."""
     return [Species(kind.name, color) for kind, color in zip(scene.kinds, colors_of(scene.kinds), strict=True)]
 

@@ -1,7 +1,7 @@
 """Comparisons of ecume with what others computed or measured: `ecume validate`.
 
-`CASES` is the table; start there. Each case is a module whose function `rows` runs it and returns `rows.Row`s; its scene,
-its tables and a README with their sources are in `data/CASE`. `runner` reads and runs them; `float_motion` and
+`CASES` is the table; start there. Each case is a module whose function `rows` runs it and returns `rows.Row`s; its
+scene, its tables and a README with their sources are in `data/CASE`. `runner` reads and runs them; `float_motion` and
 `drop_oscillations` are shared by several cases.
 """
 

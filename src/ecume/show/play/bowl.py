@@ -42,15 +42,16 @@ class Slosh(NamedTuple):
     rate: tuple[float, float] = (0.0, 0.0)
 
 
-def slosh_frequency(scene: Any) -> float:
+def slosh_frequency(scene: FloatingScene) -> float:
     """Angular, of the first mode (1/s); of a rectangle that along its longer side."""
-    liquid, dish = scene.liquid, scene.dish
+    liquid = scene.liquid
+    dish: Any = scene.dish  # one plays with floats in a dish only
     wavenumber = FIRST_MODE / dish.radius if dish.radius is not None else math.pi / max(dish.size)
     tension = liquid.surface_tension / liquid.density
     return float(wave_frequency(wavenumber, DEPTH, liquid.gravity, tension))
 
 
-def swung(slosh: Slosh, tilt: tuple[float, float], scene: Any, seconds: float) -> Slosh:
+def swung(slosh: Slosh, tilt: tuple[float, float], scene: FloatingScene, seconds: float) -> Slosh:
     """The swing a while later, exactly, under a tilt (radians, small) that stays meanwhile."""
     omega = slosh_frequency(scene)
     both = [_swung(s, v, aim, omega, seconds) for s, v, aim in zip(slosh.slope, slosh.rate, tilt, strict=True)]
@@ -67,7 +68,7 @@ def _swung(slope: float, rate: float, aim: float, omega: float, seconds: float) 
     return aim + later, -decay * later + fade * swing * (along * c - away * s)
 
 
-def current(slosh: Slosh, scene: Any) -> tuple[float, float]:
+def current(slosh: Slosh, scene: FloatingScene) -> tuple[float, float]:
     """The velocity of the liquid in the middle of the dish (m/s)."""
     per_rate = scene.liquid.gravity / slosh_frequency(scene) ** 2
     return slosh.rate[0] * per_rate, slosh.rate[1] * per_rate
@@ -111,7 +112,7 @@ class Hand(NamedTuple):
 class Bowl:
     """An open bowl. Its scene and its state are what they are between two calls; nothing happens meanwhile."""
 
-    def __init__(self, scene: Any) -> None:
+    def __init__(self, scene: FloatingScene) -> None:
         if scene.model != "floating" or scene.dish is None:
             raise BadInput("one plays with a dish of floats; expected a scene of model 'floating' with a [dish]")
         self.hand: Hand | None = None

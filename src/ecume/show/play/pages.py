@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import base64
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -22,6 +22,9 @@ from ecume.show.scenery import Round
 from ecume.show.sph.picture import FULL, outline
 from ecume.show.view.page import PLAY, TANK, color_map
 from ecume.units import Array
+
+if TYPE_CHECKING:
+    from ecume.scenes.schema import Scene
 
 GRID = 72
 """Cells of the surface's picture along each side."""
@@ -207,7 +210,7 @@ TOYS: dict[str, Callable[[Any], Toy]] = {
 }
 
 
-def game_of(scene: Any) -> Game:
+def game_of(scene: Scene) -> Game:
     """A game with this scene. Raises BadInput for one that nobody can play with."""
     if scene.model not in TOYS:
         raise BadInput(

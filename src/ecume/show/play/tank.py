@@ -9,7 +9,6 @@ from __future__ import annotations
 import dataclasses
 import math
 import time
-from typing import Any
 
 import numpy as np
 
@@ -62,7 +61,7 @@ PER_PARTICLE = ("position", "velocity", "density", "mass", "region")
 class Tank:
     """An open tank. Its scene and its state are what they are between two calls; nothing happens meanwhile."""
 
-    def __init__(self, scene: Any) -> None:
+    def __init__(self, scene: SphScene) -> None:
         require_playable(scene)
         self.first, self.time, self.news = fixed(scene), 0.0, list[str]()
         self.anew()

@@ -55,7 +55,7 @@ class Push(NamedTuple):
         return Drive(np.zeros(1), 0.0, 0.0, 0.0, np.array(self.times), np.array([self.places]))
 
 
-def require_playable(scene: Any) -> None:
+def require_playable(scene: SphScene) -> None:
     """Raises BadInput for what is no tank to play with."""
     if scene.model != "sph" or len(scene.tank.low) != 2:
         raise BadInput("one plays with a tank in the plane; expected a scene of model 'sph' in two dimensions")

@@ -32,7 +32,7 @@ APART = 0.02
 """Of strain: frames between which non-affine motion is shown are at least so far apart, if there are such."""
 
 
-def gap_histogram(frames: Frames, scene: Any) -> Figure:
+def gap_histogram(frames: Frames, scene: SoftScene) -> Figure:
     """The distribution of gaps at some instants: the area below each curve is one."""
     chosen = [frames[round(place)] for place in np.linspace(0, len(frames) - 1, min(INSTANTS, len(frames)))]
     gaps = [films(frame).gap for frame in chosen]
@@ -52,7 +52,7 @@ def gap_histogram(frames: Frames, scene: Any) -> Figure:
     return drawn
 
 
-def coordination(frames: Frames, scene: Any) -> Figure:
+def coordination(frames: Frames, scene: SoftScene) -> Figure:
     """The number of close neighbors of a sphere, their mean gap and the narrowest, over time."""
     shown = thinned(frames)
     neighbors, mean, least = series(shown, *map(number, ("coordination", "mean_gap", "smallest_gap")))
@@ -69,7 +69,7 @@ def coordination(frames: Frames, scene: Any) -> Figure:
     return drawn
 
 
-def viscosity(frames: Frames, scene: Any) -> Figure:
+def viscosity(frames: Frames, scene: SoftScene) -> Figure:
     """Shear stress in its parts, and viscosity, over time."""
     require_box(scene, "stress")
     shown = thinned(frames)
@@ -102,7 +102,7 @@ def _within_most(axes: Axes, values: Array) -> None:
         axes.set_ylim(low - margin, high + margin)
 
 
-def swaps(frames: Frames, scene: Any) -> Figure:
+def swaps(frames: Frames, scene: SoftScene) -> Figure:
     """T1 events: where they happened, in the last frame, and how many over time."""
     found = neighbor_swaps(frames)
     with style():
@@ -152,7 +152,7 @@ def _outlines(axes: Axes, frame: Frame) -> None:
     axes.grid(visible=False)
 
 
-def nonaffine(frames: Frames, scene: Any) -> Figure:
+def nonaffine(frames: Frames, scene: SoftScene) -> Figure:
     """Motion beyond the box's own deformation up to the last frame, and what local deformations leave of it."""
     require_box(scene, "even deformation")
     before, after = _strain_apart(frames)
@@ -203,7 +203,7 @@ def flow_points(frames: Frames, scene: SoftScene) -> list[FlowPoint]:
     return found
 
 
-def flow_curve(frames: Frames, scene: Any) -> Figure:
+def flow_curve(frames: Frames, scene: SoftScene) -> Figure:
     """Friction and volume fraction over the viscous number: a point for each part of the protocol."""
     require_box(scene, "flow")
     found = flow_points(frames, scene)
@@ -241,7 +241,7 @@ def oscillations(frames: Frames, scene: SoftScene) -> list[tuple[float, Moduli]]
     return found
 
 
-def storage_and_loss(frames: Frames, scene: Any) -> Figure:
+def storage_and_loss(frames: Frames, scene: SoftScene) -> Figure:
     """Stress over strain, and the storage and loss moduli of each oscillation in the protocol over its frequency."""
     require_box(scene, "stress")
     found = oscillations(frames, scene)
@@ -266,7 +266,7 @@ def storage_and_loss(frames: Frames, scene: Any) -> Figure:
     return drawn
 
 
-def require_box(scene: Any, what: str) -> None:
+def require_box(scene: SoftScene, what: str) -> None:
     """A box between walls has no strain and no stress of its own: frames tell none."""
     if scene.box is None or scene.walls:
         raise BadInput(f"there is no box{' without walls' if scene.walls else ''} whose {what} could be drawn")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,6 +19,9 @@ from ecume.show.style import INK, PALETTE, RIM
 from ecume.show.tank import Coloring, Tank
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
+
+if TYPE_CHECKING:
+    from ecume.scenes.sph import SphScene
 
 FULL = 0.62
 """The radius with which particles are drawn, in spacings: neighbors on a lattice just overlap."""
@@ -48,7 +51,7 @@ COLORINGS: Mapping[str, Coloring | None] = {
 
 
 def liquid_picture(
-    scene: Any, sample: Sequence[Frame], size: Size = USUAL, color: str | None = None, eye: Eye | None = None
+    scene: SphScene, sample: Sequence[Frame], size: Size = USUAL, color: str | None = None, eye: Eye | None = None
 ) -> Tank:
     """The tank, its liquid colored by pressure where there is gravity, by speed elsewhere, or as `color` says."""
     name = color or usual_color(scene)
@@ -60,12 +63,12 @@ def liquid_picture(
     return Tank(setting, sample, size, COLORINGS[name])
 
 
-def usual_color(scene: Any) -> str:
+def usual_color(scene: SphScene) -> str:
     """The default quantity for colors: the pressure under gravity, otherwise the speed."""
-    return "pressure" if any(scene.gravity) else "speed"
+    return "pressure" if any(scene.gravity or ()) else "speed"
 
 
-def setting_of(scene: Any) -> Setting:
+def setting_of(scene: SphScene) -> Setting:
     """A tank in the plane: nothing stands where a side is open, periodic ones are dotted, ones that move are movers."""
     corners = rectangle(scene.tank.low, scene.tank.high)
     sides = [(getattr(scene.tank, side), corners[[first, last]]) for side, first, last in EDGES]
@@ -91,7 +94,7 @@ EDGES = (("bottom", 0, 1), ("right", 1, 2), ("top", 2, 3), ("left", 3, 0))
 OPENINGS = ("open", "inflow", "outflow")
 
 
-def setting_in_space(scene: Any, eye: Eye) -> Setting:
+def setting_in_space(scene: SphScene, eye: Eye) -> Setting:
     """The edges of a tank as they are seen from a corner; where all is open there are none."""
     camera = eye.camera()
     around = any(getattr(scene.tank, side).kind != "open" for side in SIDES)
@@ -134,7 +137,7 @@ def outline(shape: Any) -> Shape:
     return rectangle(shape.low, shape.high)
 
 
-def regions(scene: Any) -> list[Species]:
+def regions(scene: SphScene) -> list[Species]:
     """The [[fluid]] tables, each in its color, and the [[carried]] ones, in colors that the liquid seldom has."""
     palette, bright = itertools.cycle(PALETTE[1:]), itertools.cycle(BRIGHT)
     liquid = [Species(f"region {n}", part.color or next(palette)) for n, part in enumerate(scene.fluid, 1)]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import importlib
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from matplotlib.cm import ScalarMappable
@@ -22,6 +22,9 @@ from ecume.show.tank import RARE, Coloring, time_text
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
+if TYPE_CHECKING:
+    from ecume.scenes.sph import SphScene
+
 EYE = (0.45, 0.35, 1.0)
 """From where the liquid is seen, in the tank's own directions."""
 
@@ -37,7 +40,7 @@ class Solid(NamedTuple):
     color: str
 
 
-def rendered(frame: Frame, scene: Any, size: Size = USUAL) -> Pixels:
+def rendered(frame: Frame, scene: SphScene, size: Size = USUAL) -> Pixels:
     """A frame of a liquid in space, (height, width, 3). Raises BadInput without PyVista, and for what is flat."""
     if len(scene.tank.low) != 3:
         raise BadInput("balls are rendered of liquids in space; this one is in the plane, where `snapshot` shows it")
@@ -58,7 +61,7 @@ def rendered(frame: Frame, scene: Any, size: Size = USUAL) -> Pixels:
     return pixels
 
 
-def solids_of(scene: Any, frame: Frame) -> list[Solid]:
+def solids_of(scene: SphScene, frame: Frame) -> list[Solid]:
     """Obstacles where they stand, bodies where the frame has them."""
     found = [Solid(shape_of(one), middle_of(one), np.eye(3), color_of(one)) for one in scene.obstacles]
     for number, body in enumerate(scene.bodies):
@@ -80,7 +83,7 @@ def color_of(solid: Any) -> str:
     return str(solid.color or BODY)
 
 
-def coloring_of(scene: Any) -> Coloring:
+def coloring_of(scene: SphScene) -> Coloring:
     """The quantity that the colors of the balls show."""
     coloring = COLORINGS[usual_color(scene)]
     if coloring is None:
@@ -95,7 +98,7 @@ def range_of(frame: Frame, coloring: Coloring) -> tuple[float, float]:
     return low, high if high > low else low + 1.0
 
 
-def render(frames: Frames, scene: Any) -> Figure:
+def render(frames: Frames, scene: SphScene) -> Figure:
     """The last frame of a liquid in space, as lit balls, with a bar that says what their colors mean."""
     frame = frames[-1]
     pixels = rendered(frame, scene)

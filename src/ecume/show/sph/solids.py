@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,12 +13,15 @@ from ecume.show.tank import seen
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
+if TYPE_CHECKING:
+    from ecume.scenes.sph import SphScene
+
 ROUND = np.linspace(0.0, 2.0 * np.pi, 49)
 THICK = 0.4
 """Of a side that moves, in spacings."""
 
 
-def movers_of(scene: Any, camera: Array | None = None) -> Callable[[Frame], list[Array]] | None:
+def movers_of(scene: SphScene, camera: Array | None = None) -> Callable[[Frame], list[Array]] | None:
     """The outlines of bodies and moving sides in a frame; None where nothing moves."""
     driven = [side for side in SIDES if getattr(scene.tank, side).motion is not None]
     if not scene.bodies and not driven:
@@ -31,7 +34,7 @@ def movers_of(scene: Any, camera: Array | None = None) -> Callable[[Frame], list
     return outlines
 
 
-def mover_colors(scene: Any, usual: str, flat: bool) -> list[str]:
+def mover_colors(scene: SphScene, usual: str, flat: bool) -> list[str]:
     """The colors of these lines in their order: each body's own, where it has one."""
     bodies = [body.color or usual for body in scene.bodies for _ in range(lines_of(body, flat))]
     driven = [side for side in SIDES if getattr(scene.tank, side).motion is not None]
@@ -105,7 +108,7 @@ def turned(quaternion: list[float]) -> Array:
     return matrix
 
 
-def side_line(scene: Any, side: str, frame: Frame) -> Array:
+def side_line(scene: SphScene, side: str, frame: Frame) -> Array:
     """A side of the tank where it is, as thick as a wall."""
     number = SIDES.index(side)
     axis, first = number // 2, number % 2 == 0

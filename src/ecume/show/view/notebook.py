@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import html
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,6 +16,9 @@ from ecume.show.view.page import MEGABYTE, looks, page, run_header, spacing, sta
 from ecume.show.view.stage import Stage
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import Trajectory
+
+if TYPE_CHECKING:
+    pass
 
 MOST = 4.0
 """MB that a cell's output may take when nobody says: notebooks are kept with what they showed."""

@@ -12,7 +12,7 @@ import os
 from collections.abc import Sequence
 from importlib import resources
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import matplotlib as mpl
 import numpy as np
@@ -26,6 +26,9 @@ from ecume.show.view.stage import Line, Stage
 from ecume.trajectories.durable_files import storing
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import Trajectory, open_trajectory
+
+if TYPE_CHECKING:
+    pass
 
 
 class Parts(NamedTuple):
