@@ -86,7 +86,7 @@ def parse(text: str, symbol: str) -> float:
 
 
 def _offset(unit: str) -> tuple[str, str]:
-    """What is added to a temperature of this unit, and what the sum is multiplied with, to have kelvin.
+    """The offset and the factor that turn a temperature of this unit into kelvin.
 
     Only a temperature that stands alone has an offset: in `J/(kg*K)` there are differences of temperatures.
     """
@@ -106,7 +106,7 @@ OFFSETS = {
 
 @lru_cache(maxsize=256)
 def factor(unit: str, symbol: str) -> float:
-    """How many SI units of `symbol` one `unit` is.
+    """The number of SI units of `symbol` in one `unit`.
 
     >>> factor("mN/m", "N/m")
     0.001
@@ -162,7 +162,7 @@ def _in_base_units(unit: str, symbol: str) -> Any:
 
 
 def _dimension(quantity: Any) -> str:
-    """What a quantity measures, in words where there is one: `length`, `an angle`, `mass / length ** 3`."""
+    """The dimension of a quantity, in words where there is one: `length`, `an angle`, `mass / length ** 3`."""
     if quantity.dimensionless:
         return "an angle" if str(quantity.units) == "radian" else "a plain number"
     return str(quantity.dimensionality).replace("[", "").replace("]", "")

@@ -44,7 +44,7 @@ def largest_piece(position: Array, spacing: Length) -> Flags:
 
 
 def level_by_column(frame: Frame, edges: Array) -> Array:
-    """How deep the liquid in each column would stand (m): its volume over the column's ground.
+    """The depth of the liquid in each column, were it at rest (m): its volume over the column's ground.
 
     `edges` are those of the columns along x, one more than columns, in the plane.
     """
@@ -57,7 +57,7 @@ def level_by_column(frame: Frame, edges: Array) -> Array:
 
 
 def top_by_column(frame: Frame, edges: Array, spacing: Length) -> Array:
-    """How high the liquid reaches in each column (m), spray and all; not a number where there is none."""
+    """The height that the liquid reaches in each column (m), spray included; NaN where there is none."""
     position = frame.arrays["position"]
     column = np.digitize(position[:, 0], edges) - 1
     tops = np.full(len(edges) - 1, -np.inf)

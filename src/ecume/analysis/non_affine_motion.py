@@ -1,4 +1,4 @@
-"""How far motion departs from an even deformation: of the whole box, and around each particle."""
+"""Non-affine motion: the departure from an even deformation of the whole box, and around each particle."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ecume.units import Array, Length
 
 
 class LocalDeformation(NamedTuple):
-    """How the neighborhood of each particle was deformed between two frames."""
+    """The deformation of the neighborhood of each particle between two frames."""
 
     gradient: Array
     """(N, d, d): the even deformation F that maps old ways to neighbors onto new ones best; d x_k / d X_m"""
@@ -62,7 +62,7 @@ def _fitted(count: int, first: Integers, old: Array, new: Array) -> LocalDeforma
 
 
 def nonaffine_displacement(before: Frame, after: Frame, boxes: tuple[Box, Box] | None = None) -> Array:
-    """How far each particle went beyond what the box's own deformation would have taken it, (N, d) m, its mean zero.
+    """The displacement of each particle beyond the deformation of the box, (N, d) m, with a mean of zero.
 
     For a periodic box, sheared or squeezed; nobody may have gone further than half of it against that.
     """

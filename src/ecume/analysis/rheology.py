@@ -111,7 +111,7 @@ def _quotient(above: Mean, below: Mean, factor: float) -> Mean:
 
 
 class Moduli(NamedTuple):
-    """What a small oscillation tells: how much of the stress is in phase with strain, and with the rate of strain."""
+    """The moduli of a small oscillation: the stress in phase with strain, and with the rate of strain."""
 
     storage: Mean
     """G' (Pa, in a layer N/m)"""
@@ -178,7 +178,7 @@ YIELDED = 0.1
 
 
 def yield_delay(frames: Sequence[Frame], step: Time, strain: Number = YIELDED) -> Time:
-    """How long after a step of stress a packing has been strained by so much, either way; infinite where it never is.
+    """The delay from a step of stress to a strain of this size, either way; infinite where it is never reached.
 
     >>> frames = [Frame(t, {}, {"strain": 0.05 * max(t - 2.0, 0.0)}, {}) for t in (0.0, 1.0, 2.0, 3.0, 6.0)]
     >>> yield_delay(frames, step=1.0)
@@ -193,7 +193,7 @@ def yield_delay(frames: Sequence[Frame], step: Time, strain: Number = YIELDED) -
 
 
 def least_rate(frames: Sequence[Frame], step: Time, strain: Number = YIELDED) -> Time:
-    """When, after a step of stress, creep is the slowest before so much strain is reached: there slowing down ends.
+    """The time after a step of stress at which creep is slowest before this strain is reached: there slowing down ends.
 
     Half-way between the two frames around it; infinite where the strain is never reached.
     """

@@ -1,4 +1,4 @@
-"""How floats are arranged, and how far they wander: hexatic order, pair distribution, shapes of rafts, paths."""
+"""The arrangement of floats, and their paths: hexatic order, pair distribution, shapes of rafts."""
 
 from __future__ import annotations
 
@@ -98,7 +98,7 @@ def pair_distribution(frames: Sequence[Frame], edges: Array, region: Region) -> 
 
 
 class Shapes(NamedTuple):
-    """How large and how long clusters are, one entry a cluster."""
+    """The sizes and lengths of clusters, one entry a cluster."""
 
     center: Array
     """(C, 2) m, of the floats' centers"""

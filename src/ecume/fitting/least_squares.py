@@ -31,7 +31,7 @@ FAR = 1e3
 
 
 class Problem(NamedTuple):
-    """What is compared: tracks in the order of the scene's particles, and what of the scene may change."""
+    """The problem of a fit: tracks in the order of the scene's particles, and the parts of the scene that vary."""
 
     plain: dict[str, Any]
     free: list[Free]
@@ -52,7 +52,7 @@ class Problem(NamedTuple):
 
     @property
     def starts(self) -> int:
-        """How many coordinates the start has."""
+        """The number of coordinates of the start."""
         return {"positions": 1, "moving": 2, "scene": 0}[self.start] * self.first.size
 
 
@@ -130,7 +130,7 @@ CONFIDENCE = 0.95
 
 
 class Solution(NamedTuple):
-    """Where the squares are least."""
+    """The minimum of the squares."""
 
     coordinates: Array
     residuals: Array
@@ -164,7 +164,7 @@ def solved(residuals: Callable[[Array], Array], start: Array) -> Solution:
 
 
 class Certainty(NamedTuple):
-    """How sure the first so many coordinates are, whatever the others do.
+    """The uncertainty of the first coordinates, whatever the values of the others.
 
     `directions` are orthonormal rows in the space of these coordinates, `errors` the standard error along each.
     """
@@ -176,7 +176,7 @@ class Certainty(NamedTuple):
 
     @property
     def determined(self) -> Any:
-        """Which directions the tracks determine."""
+        """The directions that the tracks determine."""
         return self.errors < LOOSE
 
     def error_of(self, slope: Array) -> float:
@@ -193,7 +193,7 @@ MOST_LOOSE = 0.02
 
 
 def certainty(solution: Solution, first: int) -> Certainty:
-    """From the Jacobian and the noise: the errors of the first coordinates, all others being fitted along.
+    """The errors of the first coordinates from the Jacobian and the noise, with all others fitted as well.
 
     The singular values of their columns, less what the others' columns can make up for, are noise over error.
     """

@@ -45,7 +45,7 @@ class Free(NamedTuple):
         return self.paths[0][-1] == ANGLE
 
     def coordinate(self, value: float) -> float:
-        """On the scale on which it moves: ln |p|, for an angle ln(p/(pi - p)); a sign stays as it is.
+        """The coordinate of a value: ln |p|, for an angle ln(p/(pi - p)); a sign is kept.
 
         >>> free = Free("x", (("liquid", "viscosity"),), 2.0, "Pa*s")
         >>> round(free.at(free.coordinate(2.0)), 12)
@@ -59,7 +59,7 @@ class Free(NamedTuple):
         return math.pi / (1.0 + math.exp(-bounded)) if self.angle else math.copysign(math.exp(bounded), self.value)
 
     def steepness(self, value: float) -> float:
-        """How much ln(p) changes with the coordinate."""
+        """The derivative of ln(p) by the coordinate."""
         return 1.0 - value / math.pi if self.angle else 1.0
 
 
@@ -111,7 +111,7 @@ def _sized(plain: Mapping[str, Any], name: str, vectors: Sequence[Path]) -> Free
 
 
 def _places(plain: Mapping[str, Any], name: str) -> list[Path]:
-    """Where a short name stands: in the lists of a scene, which are its particles, before its tables."""
+    """The places of a short name: in the lists of a scene, which are its particles, before its tables."""
     found = [path for path in _numbered(plain) if path[-1] == name]
     listed = [path for path in found if any(isinstance(key, int) for key in path)]
     return listed or found[:1]

@@ -64,7 +64,7 @@ def astray(problem: Problem, left: Array) -> list[str]:
 
 
 def unsure(problem: Problem, at: Array, sure: Certainty) -> list[str]:
-    """Which combinations of the parameters the tracks do not determine, and which they do."""
+    """The combinations of the parameters that the tracks do not determine, and those that they do."""
     loose, count = ~sure.determined, len(sure.errors)
     if not loose.any():
         return []

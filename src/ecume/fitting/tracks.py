@@ -48,7 +48,7 @@ NOBODY = ("", "none", "nan")
 
 
 class Camera(NamedTuple):
-    """What turns pixels into meters and frames into seconds; nothing, where the table says it itself."""
+    """The scale of pixels and frames in meters and seconds; empty where the table has units itself."""
 
     pixel: float | None = None
     """m"""
@@ -59,7 +59,7 @@ class Camera(NamedTuple):
 
 
 class Tracks(NamedTuple):
-    """Where each object was at each instant."""
+    """The positions of objects over time."""
 
     names: tuple[str, ...]
     """of the objects, as the table has them"""

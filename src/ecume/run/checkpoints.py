@@ -83,6 +83,6 @@ def _loaded(path: Path, kind: type) -> Checkpoint:
 
 
 def _unknown_then(kind: type) -> dict[str, NDArray[Any]]:
-    """What states have by now that those of former versions had not: fields with defaults, as copies to write to."""
+    """The defaults of fields that states of former versions lack, as copies to write to."""
     defaults: dict[str, NDArray[Any]] = getattr(kind, "_field_defaults", {})
     return {name: array.copy() for name, array in defaults.items()}

@@ -45,7 +45,7 @@ class Info(NamedTuple):
     """Whether what must hold has held, in a line."""
 
     def _repr_html_(self) -> str | None:
-        """How it shows itself in a notebook: the player of `ecume view`, in at most 4 MB."""
+        """The notebook view: the player of `ecume view`, in at most 4 MB."""
         return html_of(self.directory)
 
 

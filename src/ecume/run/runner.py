@@ -52,7 +52,7 @@ class RunResult(NamedTuple):
     """Of wall time, in this session; 0 for a run that was done before."""
 
     def _repr_html_(self) -> str | None:
-        """How it shows itself in a notebook: the player of `ecume view`, in at most 4 MB."""
+        """The notebook view: the player of `ecume view`, in at most 4 MB."""
         return html_of(self.directory)
 
 
@@ -306,7 +306,7 @@ class _Session:
         note(self._home, "checkpoint", name=path.name)
 
     def _judge(self, frame: Frame, step: int) -> None:
-        """What is broken for the first time is told; a run that ends by it says how it stands."""
+        """Check the invariants, and warn of those that are broken for the first time, or stop the run."""
         try:
             for verdict in self._watch.take(frame.time, frame.numbers, step):
                 note(self._home, "broken", what=sentence(verdict))

@@ -65,7 +65,7 @@ def _texts(law: Any, seen: set[int]) -> list[str]:
 
 
 def _text(function: FunctionType) -> str:
-    """As it was written; of what was typed into a prompt, the instructions that Python made of it."""
+    """The source of a law; for one that was typed into a prompt, its bytecode."""
     try:
         return inspect.getsource(function)
     except OSError:

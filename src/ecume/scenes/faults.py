@@ -1,4 +1,4 @@
-"""What is wrong with a scene, in the words of the one who wrote it."""
+"""The faults of a scene, in terms of the file that the user wrote."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def read_path(text: str) -> Path:
 
 
 def echo(value: object) -> str:
-    """What came, short and harmless to print."""
+    """The value that was given, short and harmless to print."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, Mapping):
@@ -73,7 +73,7 @@ def suggestion(word: str, choices: Iterable[str]) -> str:
 
 
 def faults_of(error: ValidationError, kind: type, raw: object, also: Sequence[str] = ()) -> list[tuple[Path, str]]:
-    """All faults that pydantic found in `raw`, which was to be a `kind`; `also` are further keys of its top."""
+    """The faults that pydantic found in `raw`, which was to be a `kind`; `also` are further keys of its top."""
     details = error.errors(include_url=False)
     details = [detail for detail in details if not _emptied(detail, details)]
     found = list(
@@ -139,7 +139,7 @@ def _items(kind: Any) -> tuple[Any, ...]:
 
 
 def _wanted(detail: ErrorDetails) -> str:
-    """What should have come, from the kind of complaint and its bounds."""
+    """The expected value, from the kind of complaint and its bounds."""
     bounds = detail.get("ctx", {})
     if detail["type"] == "literal_error":
         choices = [word for word in re.findall(r"'([^']*)'", str(bounds["expected"])) if word]
@@ -174,7 +174,7 @@ def _number(value: object) -> object:
 
 
 def value_at(raw: object, path: Path, otherwise: object) -> object:
-    """What stands at `path`, as it was written."""
+    """The value at `path`, as it was written."""
     for key in path:
         try:
             raw = raw[key]  # type: ignore[index]  # whatever cannot be indexed so ends the search
@@ -191,7 +191,7 @@ def _keys(kind: type, path: Path, also: Sequence[str]) -> list[str]:
 
 
 def _hint(kind: type, path: Path) -> str:
-    """What a missing value would look like."""
+    """An example of a missing value."""
     from ecume.units import Unit, example
 
     hints = typing.get_type_hints(_kind_at(kind, path[:-1]), include_extras=True)

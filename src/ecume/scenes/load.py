@@ -1,4 +1,4 @@
-"""From a scene file to a scene, or to all that is wrong with it."""
+"""The reading of scene files: a scene, or all of its faults."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ def name_liquid(raw: dict[str, Any]) -> None:
 
 
 def sources_followed(raw: dict[str, Any], folder: File) -> list[tuple[Path, str]]:
-    """What is wrong with the files that a scene names; what they say stands in `raw` from then on."""
+    """Put what the files say that a scene names into `raw`; the faults of these files."""
     if raw.get("model") == "floating":
         from ecume.scenes.floating.surroundings import follow_current
 
@@ -114,7 +114,7 @@ def source_in(path: File, most_bytes: int = MOST_BYTES) -> Source:
 
 
 def _meant(path: File) -> str:
-    """What whoever named a file that is not there may have meant."""
+    """A hint at what a user who named a file that is not there may have meant."""
     if len(path.name) > LONGEST_NAME:
         return ""
     if path.is_dir():
@@ -144,7 +144,7 @@ def parsed(source: Source) -> dict[str, Any]:
 
 
 def _syntax_fault(given: str, text: str) -> Fault:
-    """What Python's reader says, with its place taken out of the words."""
+    """The message of Python's reader as a fault, with its place."""
     message, _, place = given.rpartition(" (at ")
     numbers = re.findall(r"\d+", place)
     ending = text.rstrip("\n").split("\n")

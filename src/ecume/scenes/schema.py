@@ -89,7 +89,7 @@ def to_toml(scene: Scene) -> str:
 
 
 def _without_gaps(value: Any) -> Any:
-    """What is None, or an empty list, is left out: TOML has no word for the first, and the second says nothing."""
+    """Plain data without None and empty lists: TOML has no word for the first, and the second says nothing."""
     if isinstance(value, dict):
         return {key: _without_gaps(item) for key, item in value.items() if item is not None and item != []}
     return [_without_gaps(item) for item in value] if isinstance(value, list) else value
@@ -122,7 +122,7 @@ def _below(kind: Any, key: str | int) -> Any:
 
 
 def _marks(kind: Any) -> Iterator[Any]:
-    """All that annotations say, however deep."""
+    """The marks of an annotation, however deep."""
     for part in typing.get_args(kind):
         yield part
         yield from _marks(part)

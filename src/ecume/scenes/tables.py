@@ -46,7 +46,7 @@ class Column(NamedTuple):
 
 
 class TableFaults(ValueError):
-    """All that is wrong with a table, one message each."""
+    """The faults of a table, one message each."""
 
     def __init__(self, messages: Sequence[str]) -> None:
         self.messages = tuple(messages)
@@ -96,7 +96,7 @@ def _cells(text: str) -> Iterator[tuple[int, list[str]]]:
 
 
 def _columns(number: int, head: Sequence[str], known: Mapping[str, str]) -> list[Column]:
-    """What the head says. Raises TableFaults."""
+    """The columns of the head. Raises TableFaults."""
     columns, faults = [], []
     for cell in head:
         try:

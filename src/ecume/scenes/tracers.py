@@ -189,7 +189,7 @@ class OpeningSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class TracerMotionSpec:
-    """Which forces act, and how the equation of motion is stepped."""
+    """The forces, and the time integration."""
 
     drag: LawName = "schiller-naumann"
     """`stokes`, `schiller-naumann` or `none`"""
@@ -263,7 +263,7 @@ def _population(scene: TracersScene) -> Complaints:
 
 
 def _newcomers(scene: TracersScene) -> Complaints:
-    """Who comes in is of a species that there is, and not more than can be."""
+    """The faults of particles that come in: their species, and their number."""
     names, complaints, expected = [species.name for species in scene.particles], list[tuple[Path, str]](), 0.0
     for index, hole in enumerate(scene.openings):
         expected += (hole.rate or 0.0) * scene.duration

@@ -28,7 +28,7 @@ class Eye(NamedTuple):
     """degrees by which it looks from above"""
 
     def camera(self, ahead: Array = UPRIGHT) -> Array:
-        """Its right, up, and towards it, (3, 3). `ahead` are the same of an eye at azimuth and elevation 0."""
+        """The directions right, up, and towards the eye, (3, 3). `ahead` are the same at azimuth and elevation 0."""
         turn, rise = math.radians(self.azimuth), math.radians(self.elevation)
         right = np.array([math.cos(turn), 0.0, -math.sin(turn)])
         level = np.array([math.sin(turn), 0.0, math.cos(turn)])

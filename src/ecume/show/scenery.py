@@ -128,7 +128,7 @@ def draw_wires(axes: Axes, setting: Setting) -> list[Line2D]:
 
 
 def each_color(colors: Sequence[str], usual: str) -> Iterable[str]:
-    """Those colors, or without end the usual one."""
+    """These colors, or without end the default one."""
     return colors or itertools.repeat(usual)
 
 

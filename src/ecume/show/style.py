@@ -92,7 +92,7 @@ def figure(width: float = 6.4, height: float = 4.0) -> Figure:
 
 @contextmanager
 def style() -> Iterator[None]:
-    """What is drawn or written inside has the house's look, whatever the user's own settings are."""
+    """A context in which everything is drawn in ecume's style, whatever the user's own settings are."""
     with mpl.rc_context():
         mpl.rcdefaults()
         mpl.rcParams.update(cast(Any, STYLE))

@@ -65,7 +65,7 @@ class Words(NamedTuple):
 
 
 def first_crossing(times: Array, values: Array, above: bool, bound: float) -> float:
-    """When the values first lie beyond a bound (s), by straight lines between frames; infinite where they never do.
+    """The time at which the values first pass a bound (s), by straight lines between frames; infinite if they never do.
 
     >>> first_crossing(np.array([0.0, 1.0, 2.0]), np.array([0.0, 1.0, 3.0]), True, 2.0)
     1.5

@@ -55,7 +55,7 @@ Finite = Annotated[float, Field(ge=-1e300, le=1e300)]
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class Span:
-    """From one number to another, `start = "1 mm"` and `stop = "9 mm"`, or with the unit apart: `unit = "mm"`."""
+    """A range of numbers, `start = "1 mm"` and `stop = "9 mm"`, or with the unit apart: `unit = "mm"`."""
 
     start: Finite
     stop: Finite
@@ -70,7 +70,7 @@ class Span:
     @model_validator(mode="before")
     @classmethod
     def _with_units(cls, raw: Any) -> Any:
-        """Both ends may carry the unit instead."""
+        """Move a unit that both ends carry into `unit`."""
         ends = ("start", "stop")
         found = {end: QUANTITY.fullmatch(raw[end]) for end in ends if isinstance(_of(raw, end), str)}
         if not found:
@@ -211,7 +211,7 @@ class SweepSpec:
             yield ("measures",), f"are of scenes; the process {self.process} tells its own numbers"
 
     def _twice(self) -> Iterator[tuple[tuple[str | int, ...], str]]:
-        """What is said of one key, or called by one name, in two places."""
+        """The faults of keys or names that are given in two places."""
         keys = self.keyed
         times = Counter([*keys.values(), *self.fixed])
         yield from ((place, f"{key} stands elsewhere, too") for place, key in keys.items() if times[key] > 1)

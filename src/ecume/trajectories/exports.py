@@ -128,7 +128,7 @@ def _components(array: NDArray[Any]) -> list[NDArray[Any]]:
 
 
 def _xyz_columns(frame: Frame) -> tuple[str, list[list[Any]]]:
-    """What the columns are, and the columns."""
+    """The description of the columns, and the columns."""
     count = len(frame.arrays["position"])
     species = frame.arrays.get("species", np.zeros(count, np.int64)).tolist()
     properties, columns = ["species:S:1"], [[_symbol(kind) for kind in species]]

@@ -111,7 +111,7 @@ def _walked(file: FileIO, names: tuple[str, ...], names_end: int, location: int,
 
 
 def _credible(entries: NDArray[Any], names: int, size: int) -> NDArray[np.bool_]:
-    """Which entries may be true: of a known name and type, inside the file."""
+    """The entries that may be true: of a known name and type, inside the file."""
     most = np.uint64(size)
     cells = np.minimum(entries["rows"], most) * np.minimum(entries["columns"].astype("u8"), most)
     ends = entries["location"].astype("u8") + np.minimum(cells, most) * _SIZES[entries["type"]].astype("u8")
@@ -134,7 +134,7 @@ def _older(file: FileIO, names: tuple[str, ...], names_end: int) -> list[Index]:
 
 
 def _run_of_entries(whole: bytes, start: int, names: int) -> int:
-    """How many entries stand here in a row: an older block ends where its entries end, and what follows is data."""
+    """The number of entries here in a row: an older block ends where its entries end, and what follows is data."""
     raw = np.frombuffer(whole, ENTRY, count=(len(whole) - start) // ENTRY.itemsize, offset=start)
     credible = _credible(raw, names, len(whole))
     return len(raw) if credible.all() else int(np.argmin(credible))
@@ -145,7 +145,7 @@ def _size(file: FileIO) -> int:
 
 
 def _bytes(file: FileIO, start: int, count: int) -> bytes:
-    """What the file holds there; fewer where it ends, however many a damaged header asks for."""
+    """The bytes of the file there; fewer where it ends, however many a damaged header asks for."""
     size = _size(file)
     if start >= size:
         return b""

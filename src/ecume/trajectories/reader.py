@@ -128,7 +128,7 @@ class Trajectory(Sequence[Frame]):
         self._segments = []
 
     def _repr_html_(self) -> str | None:
-        """How it shows itself in a notebook: the player of `ecume view`, in at most 4 MB."""
+        """The notebook view: the player of `ecume view`, in at most 4 MB."""
         return html_of(self)
 
     def __enter__(self) -> Self:

@@ -45,7 +45,7 @@ class Segment:
         self._starts = np.searchsorted(self.index.entries["frame"], np.arange(self.frames + 1))
 
     def chunks(self, frame: int) -> Chunks:
-        """All chunks of a frame, what never changes out of the first. Raises StorageError where it is damaged."""
+        """The chunks of a frame, those that never change from the first. Raises StorageError where it is damaged."""
         chunks = {**self.first, **self._at(frame)}
         if int(chunks[CHECKSUM][0, 0]) != gsd_schema.checksum(chunks):
             raise StorageError(self.damage(frame))
@@ -68,7 +68,7 @@ class Segment:
         return raw.view([(name, "<u8" if row == 0 else "<f8") for row, name in enumerate(names)])[:, 0]
 
     def _places(self, name: str) -> NDArray[np.int64]:
-        """Where the single number of this name stands in each frame; a frame without its own has that of the first."""
+        """The place of the number of this name in each frame; a frame without its own has that of the first."""
         if name not in self.index.names:
             raise StorageError(self.damage(0))
         entries = self.index.entries[self.index.entries["name"] == self.index.names.index(name)]

@@ -36,7 +36,7 @@ PINNED = ("square", "star")
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class ShapeSpec:
-    """What a float looks like from above. Its species' `radius` is that of the circle around it."""
+    """The outline of a float from above. The `radius` of its species is that of the circle around it."""
 
     kind: Literal["ellipsoid", "needle", "square", "star"]
     """An ellipsoid; a needle: a lying cylinder with round ends; a square plate or cube; a flat star."""
@@ -80,7 +80,7 @@ class ShapeSpec:
 
 
 def fitting(shape: ShapeSpec, radius: Length) -> Complaints:
-    """What is wrong with a shape inside a circle of that radius."""
+    """The faults of a shape inside a circle of that radius."""
     if shape.width is not None and shape.width > 2.0 * radius:
         came = f"got {shape.width:g} m, more than the circle around it is wide, {2.0 * radius:g} m"
         return [(("shape", "width"), came)]
@@ -89,7 +89,7 @@ def fitting(shape: ShapeSpec, radius: Length) -> Complaints:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class SurfaceEnergies:
-    """What a float's surface costs against the gas and the liquid: Young's law makes the contact angle of them."""
+    """The energies of a float's surface against the gas and the liquid: Young's law makes the contact angle of them."""
 
     solid_gas: Tension
     """J/m^2 = N/m"""

@@ -74,7 +74,7 @@ class FloatingScene(Common):
 
     @property
     def given(self) -> tuple[FloatSpec | FloatRow, ...]:
-        """All that floats are given by: tables of species, then rows."""
+        """The entries that give floats: tables of species, then rows."""
         return (*self.floats, *self.rows)
 
     @property

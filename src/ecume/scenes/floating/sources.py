@@ -1,4 +1,4 @@
-"""Where floats come from, other than from the scene itself: a table, or a frame of another run."""
+"""Floats from other sources than the scene itself: a table, or a frame of another run."""
 
 from __future__ import annotations
 
@@ -121,7 +121,7 @@ def _row(values: Mapping[str, Any], defaults: Mapping[str, Any]) -> dict[str, An
 
 
 def _defaults(floats: object) -> tuple[dict[str, Any], Faults]:
-    """What the one [[floats]] entry gives to every row."""
+    """The values that the one [[floats]] entry gives to every row."""
     if not floats:
         return {}, []
     if not isinstance(floats, list) or len(floats) > 1 or not isinstance(floats[0], dict):
@@ -192,7 +192,7 @@ def _rows_of_frame(frame: Frame, scene: Any) -> list[dict[str, Any]]:
 
 
 def _figures_of(scene: Any) -> dict[str, dict[str, Any]]:
-    """What discs and shapes of a scene are, by their species; their angles are those of the frame."""
+    """The discs and shapes of a scene, by species; their angles are those of the frame."""
     found: dict[str, dict[str, Any]] = {}
     for given in (*getattr(scene, "floats", ()), *getattr(scene, "rows", ())):
         name = str(getattr(given, "name", None) or getattr(given, "species_name", ""))
@@ -210,7 +210,7 @@ def _wetted(row: dict[str, Any]) -> dict[str, Any]:
 
 
 def _numbered(frames: int) -> str:
-    """Which frames there are."""
+    """The range of frames, in words."""
     return f"there are 0 to {frames - 1}, and -1 for the last" if frames else "the run has no frames yet"
 
 

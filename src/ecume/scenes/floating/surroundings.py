@@ -1,4 +1,4 @@
-"""What is around the floats, and the laws that rule them: liquid, dish, currents, contacts, interactions."""
+"""The surroundings of the floats and their laws: liquid, dish, currents, contacts, interactions."""
 
 from __future__ import annotations
 
@@ -216,7 +216,7 @@ class FilmsSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class MotionSpec:
-    """How the equation of motion is stepped."""
+    """The time integration."""
 
     integrator: LawName = "velocity-verlet"
     """`velocity-verlet`, `explicit-euler`, `stormer-verlet`, `semi-implicit-euler`, `rk4` or `overdamped`."""
@@ -236,7 +236,7 @@ class MotionSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class ContactSpec:
-    """What happens when two floats touch."""
+    """The contacts between floats."""
 
     restitution: Proportion = 0.2
     """What is left of the approach velocity after a bounce."""
@@ -255,7 +255,7 @@ class ContactSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class InteractionSpec:
-    """How the floats' menisci pull at one another."""
+    """The interaction of floats by their menisci."""
 
     law: LawName | None = None
     """`capillary`, `one-sided-legacy` or `none`; left out, the theory's"""

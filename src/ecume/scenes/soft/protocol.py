@@ -1,4 +1,4 @@
-"""What is done to the spheres over time: a table of moments."""
+"""The protocol of a deformation: a table of moments."""
 
 from __future__ import annotations
 
@@ -125,7 +125,7 @@ STRESSES = ("shear_stress", "normal_stress", "pressure")
 
 
 def protocol_faults(stages: Sequence[StageSpec], dimensions: int, boxed: bool) -> Complaints:
-    """What cannot be done, one moment after the other."""
+    """The faults of a protocol, one moment after the other."""
     found: Complaints = [
         ((index, "time"), f"got {later.time:g} s, before {earlier.time:g} s; expected times that ascend")
         for index, (earlier, later) in enumerate(itertools.pairwise(stages), 1)

@@ -132,7 +132,7 @@ class FilmSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class RemoteSpec:
-    """What acts between the surfaces across the film."""
+    """The force between surfaces across the film."""
 
     law: LawName = "none"
     """`none`, `steric` or `dlvo`"""
@@ -162,7 +162,7 @@ class BoxSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class SteppingSpec:
-    """How time is stepped: implicitly, with steps as long as the tolerance allows."""
+    """The time integration: implicit, with steps as long as the tolerance allows."""
 
     scheme: LawName = "esdirk4"
     """`esdirk4` of order 4 or `tr-bdf2` of order 2, both L-stable"""
@@ -235,7 +235,7 @@ def dimensions_of(scene: SoftScene) -> int:
 
 
 def _dimensions(scene: SoftScene) -> Complaints:
-    """All positions and forces have as many components."""
+    """The faults of positions and forces whose numbers of components differ."""
     wanted = dimensions_of(scene)
     found: Complaints = []
     for index, species in enumerate(scene.spheres):
@@ -255,7 +255,7 @@ def _dimensions(scene: SoftScene) -> Complaints:
 
 
 def _materials(scene: SoftScene) -> Complaints:
-    """What the laws of the films ask of liquid and spheres."""
+    """The faults of properties of liquid and spheres that the laws of the films need."""
     found: Complaints = []
     if scene.films.surface == "bubble":
         if scene.liquid.surface_tension is None:

@@ -1,4 +1,4 @@
-"""What spheres settle on and are squeezed between: plane walls."""
+"""Plane walls on which spheres settle, and between which they are squeezed."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class WallSpec:
 
 
 def wall_faults(walls: Sequence[WallSpec], dimensions: int, sides: Sequence[float] | None) -> Complaints:
-    """What cannot stand or move."""
+    """The faults of walls that cannot stand or move."""
     found: Complaints = []
     seen: set[str] = set()
     for index, wall in enumerate(walls):

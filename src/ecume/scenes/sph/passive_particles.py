@@ -1,4 +1,4 @@
-"""What the liquid carries along without being moved by it: tracers, and grains that settle."""
+"""Passive particles, which the liquid carries without being moved by them: tracers, and grains that settle."""
 
 from __future__ import annotations
 

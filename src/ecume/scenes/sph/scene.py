@@ -105,7 +105,7 @@ class CentralPullSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class MethodSpec:
-    """How the equations are solved. The defaults are those that keep a tank at rest best."""
+    """The method of solution. The defaults are those that keep a tank at rest best."""
 
     kernel: LawName = "wendland-c2"
     """a name of `ecume.laws.kernels.KERNELS`"""

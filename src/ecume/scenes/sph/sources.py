@@ -1,4 +1,4 @@
-"""Where liquid comes from, other than from the scene itself: a table, a drawn outline, a frame of another run.
+"""Liquid from other sources than the scene itself: a table, a drawn outline, a frame of another run.
 
 Reading a scene's file turns these keys into particles, vertices or triangles, so that the scene alone says everything.
 """
@@ -139,7 +139,7 @@ def _start_from(raw: dict[str, Any], name: str, folder: Folder) -> None:
 
 
 def _length(said: object) -> object:
-    """In meters, if it is one."""
+    """A length in meters, if it is one."""
     from ecume.units import parse
 
     try:
@@ -155,7 +155,7 @@ def _region(arrays: Mapping[str, Any], mine: Any, region: Any) -> dict[str, Any]
 
 
 def _outline_from(region: dict[str, Any], name: str, folder: Folder) -> None:
-    """What was drawn, in the unit that the file or the scene says."""
+    """The outline that was drawn, in the unit that the file or the scene says."""
     path, unit = _there(folder, name), region.pop(UNIT, None)
     kinds = {".stl": ("triangles", _triangles), ".dxf": ("vertices", _vertices)}
     if path.suffix.lower() not in kinds:
@@ -171,7 +171,7 @@ def _outline_from(region: dict[str, Any], name: str, folder: Folder) -> None:
 
 
 def _coordinates(points: Any) -> Iterable[float]:
-    """Of nested lists of points."""
+    """The coordinates in nested lists of points."""
     return itertools.chain.from_iterable(map(_coordinates, points)) if isinstance(points, list) else (points,)
 
 

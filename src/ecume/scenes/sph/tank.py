@@ -21,7 +21,7 @@ Moment = Annotated[Time, Field(ge=0.0, le=1e10)]
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class MotionSpec:
-    """How a side moves along its axis: a sine, or a table of times and positions with straight lines between."""
+    """The motion of a side along its axis: a sine, or a table of times and positions with straight lines between."""
 
     amplitude: Coordinate | None = None
     """of a sine that starts at 0 (m)"""
@@ -42,7 +42,7 @@ class MotionSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class ShakeSpec:
-    """What pulls at everything beside gravity, in the frame of a tank that is shaken: minus the tank's acceleration."""
+    """The acceleration in the frame of a shaken tank, beside gravity: minus the tank's own."""
 
     amplitude: Pull | None = None
     """of a sine (m/s^2)"""
@@ -139,7 +139,7 @@ SIDES = ("left", "right", "bottom", "top", "front", "back")
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class SideSpec:
-    """What one side of the tank is."""
+    """One side of the tank."""
 
     kind: Literal["wall", "open", "periodic", "inflow", "outflow"] = "wall"
     """`wall`, `open` (nothing there: the liquid may leave), `periodic` (the opposite side must be so too), or
@@ -175,7 +175,7 @@ class SideSpec:
 
 
 def _velocity_fault(side: SideSpec, axis: int, dimension: int) -> str:
-    """What is wrong with the velocity of a side that is normal to an axis; empty where nothing is."""
+    """The fault of the velocity of a side that is normal to an axis; empty where there is none."""
     if side.velocity is None:
         return ""
     if side.kind != "wall":

@@ -66,7 +66,7 @@ class Toy(Protocol):
         ...
 
     def now(self) -> dict[str, Any]:
-        """All that the page draws, again and again."""
+        """The data that the page draws, asked for again and again."""
         ...
 
     def paint(self, now: float) -> None:
@@ -128,7 +128,7 @@ class Game:
         self.pace += STEADY * ((moving.time - before) / seconds - self.pace)
 
     def now(self) -> dict[str, Any]:
-        """All that the page draws."""
+        """The data that the page draws, asked for again and again."""
         return {"time": self.toy.moving.time, "speed": self.speed, "pace": self.pace, **self.toy.now()}
 
     def _page(self) -> str:

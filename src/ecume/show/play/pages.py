@@ -66,7 +66,7 @@ class BowlPage:
         }
 
     def now(self) -> dict[str, Any]:
-        """All that the page draws."""
+        """The data that the page draws."""
         frame, scene = self.moving.frame, self.moving.scene
         arrays = frame.arrays
         kinds = [
@@ -153,7 +153,7 @@ class TankPage:
         }
 
     def now(self) -> dict[str, Any]:
-        """All that the page draws: places and colors as bytes."""
+        """The data that the page draws."""
         tank, liquid = self.moving, self.moving.liquid()
         values, most = self._values(liquid)
         where = (liquid.position.T - self.low) / (self.high - self.low)

@@ -92,7 +92,7 @@ def coloring_of(scene: SphScene) -> Coloring:
 
 
 def range_of(frame: Frame, coloring: Coloring) -> tuple[float, float]:
-    """From the least to the largest value, but for what is rare: one peak must not pale all others."""
+    """The range of the values without rare ones: one peak must not pale all others."""
     values = coloring.values(frame)
     low, high = float(np.quantile(values, RARE)), float(np.quantile(values, 1.0 - RARE))
     return low, high if high > low else low + 1.0

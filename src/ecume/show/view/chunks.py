@@ -38,7 +38,7 @@ class _Packing:
     """A blob that grows, and where what stands in it."""
 
     def __init__(self, rows: int) -> None:
-        """So many frames with as many particles; 1 where their number changes."""
+        """Begin with this number of frames with as many particles; 1 where their number changes."""
         self.rows = rows
         self.parts: list[bytes] = []
         self.size = 0

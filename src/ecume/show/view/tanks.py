@@ -43,7 +43,7 @@ def sph_stage(scene: Any, sample: Sequence[Frame]) -> Stage:
 
 
 def _mover_colors(scene: Any, low: Array) -> list[str | None]:
-    """Of bodies, line by line; moving sides come after them, and have none."""
+    """The colors of bodies, line by line; moving sides come after them, and have none."""
     lines = [1 if len(low) == 2 else BALL_LINES if body.radius is not None else BOX_LINES for body in scene.bodies]
     return [body.color for body, count in zip(scene.bodies, lines, strict=True) for _ in range(count)]
 
