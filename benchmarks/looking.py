@@ -21,7 +21,7 @@ from marching import machine
 import ecume
 from ecume.run import run
 from ecume.scenes.templates import folder
-from ecume.show.movies import Cut, movie
+from ecume.show.movies import MovieOptions, movie
 from ecume.show.view import save_page
 
 BALLS = """
@@ -94,11 +94,11 @@ def film() -> None:
     """Seconds a movie takes."""
     with tempfile.TemporaryDirectory() as there:
         run(ecume.load_scene(BALLS.format(count=20_000)), Path(there) / "run")
-        cut, cores = Cut(size=(1280, 720), end=0.5985), os.cpu_count() or 1
-        movie(Path(there) / "run", Path(there) / "first.mp4", Cut(size=(1280, 720), end=0.01))
+        options, cores = MovieOptions(size=(1280, 720), end=0.5985), os.cpu_count() or 1
+        movie(Path(there) / "run", Path(there) / "first.mp4", MovieOptions(size=(1280, 720), end=0.01))
         for workers in dict.fromkeys((1, cores)):
             began = time.perf_counter()
-            made = movie(Path(there) / "run", Path(there) / "film.mp4", cut, workers=workers)
+            made = movie(Path(there) / "run", Path(there) / "film.mp4", options, workers=workers)
             took = time.perf_counter() - began
             size = made.stat().st_size / 1e6
             print(

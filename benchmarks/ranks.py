@@ -58,7 +58,7 @@ def main() -> int:
     if "PMI_SIZE" in os.environ:
         measure(asked)
         return 0
-    from ecume.cli.engines import QUIET, launcher
+    from ecume.cli.mpi_launcher import QUIET, launcher
     from ecume.errors import BadInput
 
     try:

@@ -16,7 +16,7 @@ from pathlib import Path
 from marching import machine
 
 from ecume.sweep import sweep
-from ecume.sweep.crews import Crew
+from ecume.sweep.executors import Crew
 
 POINTS = 200
 WANTED = 1.8

@@ -15,7 +15,7 @@ from PIL import Image
 
 import ecume
 from ecume.show.encoders import ffmpeg
-from ecume.show.movies import Cut, film
+from ecume.show.movies import MovieOptions, film
 
 ROOT = Path(__file__).parents[1]
 FOLDER = ROOT / "docs" / "clips"
@@ -46,12 +46,12 @@ def draw(name: str) -> None:
     """A scene's film and picture."""
     scene = ecume.load_scene(ROOT / "examples" / f"{name}.toml")
     frames = list(ecume.simulate(scene))
-    cut = Cut(fps=FPS, every=-(-len(frames) // FRAMES), size=SIZE, color=COLORED.get(name))
+    options = MovieOptions(fps=FPS, every=-(-len(frames) // FRAMES), size=SIZE, color=COLORED.get(name))
     with tempfile.TemporaryDirectory() as folder:
         whole, still = Path(folder) / "film.mp4", Path(folder) / "still.png"
-        film(frames, scene, whole, cut)
+        film(frames, scene, whole, options)
         run("-i", whole, *SMALL, FOLDER / f"{name}.mp4")
-        instant = TELLING.get(name, 0.97) * len(cut.shown(frames)) / FPS
+        instant = TELLING.get(name, 0.97) * len(options.shown(frames)) / FPS
         run("-ss", f"{instant:.3f}", "-i", whole, "-frames:v", "1", still)
         with Image.open(still) as picture:
             picture.save(FOLDER / f"{name}.webp", quality=70, method=6)

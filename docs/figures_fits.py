@@ -8,9 +8,9 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ecume.fitting import Tracks, fit
-from ecume.fitting.trial import simulated
+from ecume.fitting.least_squares import simulated
 from ecume.scenes.load import load_scene
-from ecume.show.fits import fit_figure
+from ecume.show.fit_figures import fit_figure
 
 BEADS = """
 model = "floating"

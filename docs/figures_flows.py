@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 from collections.abc import Callable
 
@@ -10,15 +9,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from ecume.scenes.load import load_scene
 from ecume.show.style import INK, MUTED, PALETTE, figure
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
-from ecume.validation.cavity import compare as cavity
-from ecume.validation.drops import compare as drops
-from ecume.validation.patch import compare as patch
-from ecume.validation.poiseuille import compare as poiseuille
-from ecume.validation.taylor_green import compare as vortices
+from ecume.validation import cavity, drops, patch, poiseuille
+from ecume.validation import taylor_green as vortices
+from ecume.validation.runner import case_scene, read_table
 
 TAUS = (0.0225, 0.045, 0.1125, 0.225, 0.5)
 COARSE = "spacing=0.04"
@@ -38,8 +34,7 @@ def _errors(axes: Axes) -> None:
     for side, color in zip((25, 50), (PALETTE[1], PALETTE[0]), strict=True):
         found = vortices.course(side)
         axes.plot(found.time[1:], found.error[1:], color=color, label=f"{side} a side")
-    with vortices.PUBLISHED.open(encoding="utf-8") as file:
-        cases = list(csv.DictReader(file))
+    cases = read_table("taylor_green")
     for scheme, marker in (("EDAC", "s"), ("TVF", "^")):
         points = np.array([[float(case["time"]), float(case["error"])] for case in cases if case["scheme"] == scheme])
         axes.plot(*points.T, marker, color=MUTED, markersize=5, label=f"PySPH, {scheme}, 50")
@@ -49,7 +44,7 @@ def _errors(axes: Axes) -> None:
 
 
 def _profiles(axes: Axes) -> None:
-    scene = load_scene(poiseuille.SCENE, [poiseuille.DRIVEN["poiseuille"], f"spacing={1.0 / 15!r}"])
+    scene = case_scene("poiseuille", [poiseuille.DRIVEN["poiseuille"], f"spacing={1.0 / 15!r}"])
     height = np.linspace(0.0, 1.0, 101)
     frames = list(simulate(scene))
     for tau in TAUS:
@@ -61,7 +56,7 @@ def _profiles(axes: Axes) -> None:
 
 
 def _lines(axes: Axes) -> None:
-    *_, last = simulate(load_scene(cavity.SCENE, [COARSE]))
+    *_, last = simulate(case_scene("cavity", [COARSE]))
     along = np.linspace(0.01, 0.99, 99)
     half = np.full(99, 0.5)
     for line, color in zip(cavity.LINES, (PALETTE[0], PALETTE[1]), strict=True):
@@ -95,7 +90,7 @@ def _square(axes: Axes, frame: Frame) -> object:
 
 
 def _swing(axes: Axes) -> None:
-    frames = list(simulate(load_scene(drops.SCENE, [*drops.SWINGING, f"frame_every={drops.PERIOD / 32!r}"])))
+    frames = list(simulate(case_scene("drops", [*drops.SWINGING, f"frame_every={drops.PERIOD / 32!r}"])))
     time = np.array([frame.time for frame in frames])
     size = np.array([drops.axes(frame) for frame in frames]) / drops.axes(frames[0])
     for number, name in enumerate(("width", "height")):

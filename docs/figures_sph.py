@@ -19,8 +19,8 @@ from ecume.laws.kernels import Kernel, kernel
 from ecume.scenes.load import load_scene
 from ecume.scenes.schema import from_plain, to_plain
 from ecume.show.picture import Size
-from ecume.show.sph.moving import movers_of
 from ecume.show.sph.picture import liquid_picture
+from ecume.show.sph.solids import movers_of
 from ecume.show.style import INK, MUTED, PALETTE, figure
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame

@@ -14,13 +14,12 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ecume.laws.waves import viscous_decay
-from ecume.scenes.load import load_scene
 from ecume.show.style import INK, PALETTE, figure
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
-from ecume.validation.dam_break import compare as dam
-from ecume.validation.standing_wave import compare as wave
-from ecume.validation.tank import compare as tank
+from ecume.validation import dam_break as dam
+from ecume.validation import standing_wave as wave
+from ecume.validation.runner import case_scene, frames_of
 
 WALLS = {
     "mirrors": (),
@@ -35,7 +34,7 @@ def tanks() -> Figure:
     """A tank after ten thousand steps, with walls that hold it and with walls that do not."""
     drawn = figure(10.0, 3.6)
     axes = drawn.subplots(1, 3)
-    lasts = {name: last_frame(tank.SCENE, (*SHORT, *changes)) for name, changes in WALLS.items()}
+    lasts = {name: last_frame((*SHORT, *changes)) for name, changes in WALLS.items()}
     for axis, name in zip(axes, ("mirrors", "reflection alone"), strict=False):
         dots = liquid(axis, lasts[name], 60.0, (0.0, 1.0))
         axis.set(xlim=(0, 1), ylim=(0, 1.1), title=name.capitalize())
@@ -52,7 +51,7 @@ def dam_break() -> Figure:
     """A dam break: the liquid at four times, its front, levels and wall pressures beside published ones."""
     drawn = figure(10.0, 8.6)
     grid = drawn.add_gridspec(4, 2, height_ratios=[1, 1, 1, 1.8])
-    frames = list(simulate(load_scene(dam.SCENE)))
+    frames = list(simulate(case_scene("dam_break")))
     for place, time in enumerate((0.5, 1.5, 2.5, 3.0, 4.0, 5.0)):
         axis = drawn.add_subplot(grid[place // 2, place % 2])
         liquid(axis, min(frames, key=lambda frame: abs(frame.time - time)), 1.0, (0.0, 1.0))
@@ -101,9 +100,9 @@ def standing_wave() -> Figure:
     return drawn
 
 
-def last_frame(path: Any, changes: tuple[str, ...]) -> Frame:
-    """The end of a changed scene."""
-    (*_, last) = simulate(load_scene(path, changes))
+def last_frame(changes: tuple[str, ...]) -> Frame:
+    """The end of the tank at rest, with changes of its scene."""
+    (*_, last) = frames_of("tank", changes)
     return last
 
 

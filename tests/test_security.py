@@ -17,9 +17,9 @@ from ecume import _jit
 from ecume._cache import open_to_others
 from ecume.errors import BadInput
 from ecume.show import serving
-from ecume.sweep import crews, sweep
-from ecume.sweep.asked import Cluster
-from ecume.sweep.crews import Crew, require_safe
+from ecume.sweep import executors, sweep
+from ecume.sweep.executors import ExecutorOptions, require_safe
+from ecume.sweep.spec import Cluster
 
 PACKAGE = Path(ecume.__file__).parent
 ROOT = Path(__file__).parents[1]
@@ -107,7 +107,7 @@ def test_a_sweep_reads_no_scene_outside_of_its_folder(tmp_path):
     (tmp_path / "secret.toml").write_text("a = 1")
     (tmp_path / "inner" / "sweep.toml").write_text('scene = "../secret.toml"\n[[axes]]\nkey = "seed"\nvalues = [1]')
     with pytest.raises(BadInput, match="leads out of the scene's folder"):
-        sweep(tmp_path / "inner" / "sweep.toml", tmp_path / "out", Crew(workers=1))
+        sweep(tmp_path / "inner" / "sweep.toml", tmp_path / "out", ExecutorOptions(workers=1))
     assert not (tmp_path / "out").exists()
 
 
@@ -135,7 +135,7 @@ def test_a_scheduler_across_a_network_without_encryption_is_refused(address, tmp
     path = tmp_path / "bowls.toml"
     path.write_text('template = "cereal-bowl"\n[[axes]]\nkey = "seed"\nvalues = [1]')
     with pytest.raises(BadInput, match="not encrypted"):
-        sweep(path, tmp_path / "out", Crew(scheduler=address))
+        sweep(path, tmp_path / "out", ExecutorOptions(scheduler=address))
 
 
 def test_workers_on_a_cluster_are_encrypted(monkeypatch, tmp_path):
@@ -149,7 +149,7 @@ def test_workers_on_a_cluster_are_encrypted(monkeypatch, tmp_path):
         yield type("Scaled", (), {"scale": lambda self, jobs: None})()
 
     monkeypatch.setattr(dask_jobqueue, "SLURMCluster", cluster)
-    with crews.slurm_cluster(Cluster(), tmp_path):
+    with executors.slurm_cluster(Cluster(), tmp_path):
         assert asked["security"].require_encryption is True
         assert asked["security"].tls_scheduler_cert
         assert asked["shared_temp_directory"] == str(tmp_path)

@@ -54,11 +54,11 @@ def test_a_quantity_is_read_in_si(text: str, symbol: str, value: float) -> None:
 @pytest.mark.parametrize(
     ("text", "symbol", "says"),
     [
-        ("2 kg", "m", "measures mass, wanted length"),
-        ("4 mm", "s", "measures length, wanted time"),
-        ("20 %", "rad", "measures a plain number, wanted an angle"),
-        ("20 deg", "1", "measures an angle, wanted a plain number"),
-        ("1 mm", "kg/m^3", "wanted mass / length ** 3"),
+        ("2 kg", "m", "measures mass, expected length"),
+        ("4 mm", "s", "measures length, expected time"),
+        ("20 %", "rad", "measures a plain number, expected an angle"),
+        ("20 deg", "1", "measures an angle, expected a plain number"),
+        ("1 mm", "kg/m^3", "expected mass / length ** 3"),
         ("70", "rad", "without a unit"),
         ("7", "1", "without a unit"),
         ("four mm", "m", "is no quantity"),
@@ -143,7 +143,7 @@ def test_a_factor_has_no_noise_in_its_last_digit() -> None:
 
 @pytest.mark.parametrize("value", [True, None, [1.0], {"m": 1}])
 def test_a_scenes_number_is_a_number_or_text(value: object) -> None:
-    with pytest.raises(ValueError, match="wanted a number, or text with a unit such as '4 mm'"):
+    with pytest.raises(ValueError, match="expected a number, or text with a unit such as '4 mm'"):
         Unit("m").number(value)
 
 

@@ -14,8 +14,8 @@ from typing import Any, NamedTuple
 import writing
 from writing import cell, docstrings, toctree
 
+from ecume.scenes.floating.sources import SOURCES
 from ecume.scenes.schema import SCENES
-from ecume.scenes.starts import SOURCES
 from ecume.scenes.templates import templates
 
 INTRODUCTION = """

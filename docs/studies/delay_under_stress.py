@@ -17,8 +17,8 @@ from pathlib import Path
 
 import numpy as np
 
+from ecume.analysis.rheology import yield_delay
 from ecume.analysis.series import Mean
-from ecume.analysis.yielding import yield_delay
 from ecume.laws.soft_pair import SoftPair, passage_time
 from ecume.scenes.load import load_scene
 from ecume.simulation import simulate

@@ -13,14 +13,17 @@ import re
 from collections.abc import Iterable
 from functools import cache
 from importlib.resources import files
-from typing import Any
+from typing import TYPE_CHECKING
 
 from ecume.models import MODELS
+
+if TYPE_CHECKING:
+    from ecume.scenes.schema import Scene
 
 KEY = re.compile(r"\b[a-z]+\d{4}[a-z]?\b")
 
 
-def papers_of(scene: Any) -> list[str]:
+def papers_of(scene: Scene) -> list[str]:
     """The keys of the papers behind the laws of a scene, in the order in which the laws come in."""
     found = [key for law in MODELS[scene.model].laws(scene) for key in cited(inspect.getdoc(law) or "")]
     return [key for key in dict.fromkeys(found) if key in bibliography()]

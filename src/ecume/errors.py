@@ -44,7 +44,7 @@ class Fault(NamedTuple):
 
 
 class SceneError(BadInput):
-    """All the faults of one scene."""
+    """The faults of a scene, all at once."""
 
     def __init__(self, faults: Sequence[Fault], source: str = "scene") -> None:
         self.faults = tuple(faults)

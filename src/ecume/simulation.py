@@ -1,15 +1,18 @@
-"""From a scene to its frames."""
+"""The simulation of a scene: an iterator of frames."""
 
 from __future__ import annotations
 
 import time
 from collections.abc import Callable, Iterator, Sequence
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ecume.errors import BadInput, Diverged
 from ecume.models import MODELS
 from ecume.models.model import CROWDED, DIVERGED, EXCHANGE, Model
 from ecume.trajectories.frame import Frame
+
+if TYPE_CHECKING:
+    from ecume.scenes.schema import Scene
 
 ROOMIER = 1.6
 """A workspace that overflowed is made anew with every capacity times this."""
@@ -25,7 +28,7 @@ class Moment(NamedTuple):
     parameters: Any = None
 
 
-def simulate(scene: Any, *, extra_laws: Sequence[Callable[..., float]] = ()) -> Iterator[Frame]:
+def simulate(scene: Scene, *, extra_laws: Sequence[Callable[..., float]] = ()) -> Iterator[Frame]:
     """The frames of a scene, the first at t = 0. Raises Diverged with the time, the particle and the cure."""
     for moment in moments(scene, extra_laws=extra_laws):
         if moment.frame is not None:
@@ -33,7 +36,7 @@ def simulate(scene: Any, *, extra_laws: Sequence[Callable[..., float]] = ()) -> 
 
 
 def moments(
-    scene: Any,
+    scene: Scene,
     *,
     state: Any = None,
     extra_laws: Sequence[Callable[..., float]] = (),

@@ -53,7 +53,7 @@ class Unit:
         if isinstance(value, str):
             return parse(value, self.symbol)
         if isinstance(value, bool) or not isinstance(value, (int, float)):
-            raise ValueError(f"wanted a number, or text with a unit such as {example(self.symbol)!r}")
+            raise ValueError(f"expected a number, or text with a unit such as {example(self.symbol)!r}")
         try:
             return float(value)
         except OverflowError:
@@ -86,7 +86,7 @@ def parse(text: str, symbol: str) -> float:
 
 
 def _offset(unit: str) -> tuple[str, str]:
-    """What is added to a temperature of this unit, and what the sum is multiplied with, to have kelvin.
+    """The offset and the factor that turn a temperature of this unit into kelvin.
 
     Only a temperature that stands alone has an offset: in `J/(kg*K)` there are differences of temperatures.
     """
@@ -106,7 +106,7 @@ OFFSETS = {
 
 @lru_cache(maxsize=256)
 def factor(unit: str, symbol: str) -> float:
-    """How many SI units of `symbol` one `unit` is.
+    """The number of SI units of `symbol` in one `unit`.
 
     >>> factor("mN/m", "N/m")
     0.001
@@ -120,7 +120,7 @@ def factor(unit: str, symbol: str) -> float:
     found, wanted = _in_base_units(POWER.sub(r"**(\1)", plain), symbol), _in_base_units(symbol, symbol)
     if found.units != wanted.units:
         raise ValueError(
-            f"{unit!r} measures {_dimension(found)}, wanted {_dimension(wanted)} as in {example(symbol)!r}"
+            f"{unit!r} measures {_dimension(found)}, expected {_dimension(wanted)} as in {example(symbol)!r}"
         )
     return _snapped(float(found.magnitude / wanted.magnitude))
 
@@ -162,7 +162,7 @@ def _in_base_units(unit: str, symbol: str) -> Any:
 
 
 def _dimension(quantity: Any) -> str:
-    """What a quantity measures, in words where there is one: `length`, `an angle`, `mass / length ** 3`."""
+    """The dimension of a quantity, in words where there is one: `length`, `an angle`, `mass / length ** 3`."""
     if quantity.dimensionless:
         return "an angle" if str(quantity.units) == "radian" else "a plain number"
     return str(quantity.dimensionality).replace("[", "").replace("]", "")

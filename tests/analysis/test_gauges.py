@@ -89,7 +89,7 @@ def test_what_cannot_be_read_is_said():
     frame = still()
     with pytest.raises(BadInput, match=r"no array 'presure'; they have .*pressure"):
         gauges.values_at(frame, "presure", np.zeros((1, 2)), REACH)
-    with pytest.raises(BadInput, match=r"wanted \(points, 2\)"):
+    with pytest.raises(BadInput, match=r"expected \(points, 2\)"):
         gauges.filled(frame, np.zeros((1, 3)), REACH)
     with pytest.raises(BadInput, match="four spacings"):
         gauges.filled(frame, np.zeros((1, 2)), 0.0)

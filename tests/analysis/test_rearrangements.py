@@ -196,7 +196,7 @@ def test_contacts_that_flicker_between_both_gaps_are_no_events():
 
 
 def test_thresholds_the_wrong_way_round_are_refused():
-    with pytest.raises(BadInput, match="wanted touch <= apart"):
+    with pytest.raises(BadInput, match="expected touch <= apart"):
         contact_swaps([], touch=0.2, apart=0.1)
 
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from ecume.analysis.yielding import least_rate, yield_delay
+from ecume.analysis.rheology import least_rate, yield_delay
 from ecume.errors import BadInput
 from ecume.trajectories.frame import Frame
 

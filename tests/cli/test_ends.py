@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 
 import ecume.run
 from ecume.cli import app
-from ecume.cli.ends import INTERRUPTED, warned
+from ecume.cli.exit_codes import INTERRUPTED, warned
 from ecume.errors import Diverged, EcumeError, RunExists, Stopped, StorageError
 
 cli = CliRunner()
@@ -71,7 +71,7 @@ def test_a_process_ends_with_the_code_too(tmp_path: Path) -> None:
     assert done.returncode == 2
     assert done.stdout == ""
     assert done.stderr.splitlines() == [
-        "bad.toml: line 2, column 1: duration: came '3 kg'; 'kg' measures mass, wanted time as in '20 s'",
+        "bad.toml: line 2, column 1: duration: got '3 kg'; 'kg' measures mass, expected time as in '20 s'",
         "bad.toml: line 4, column 1: titel: no such key; did you mean title?",
     ]
 

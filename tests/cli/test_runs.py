@@ -17,7 +17,7 @@ import ecume.run
 from ecume.cli import app
 from ecume.cli.progress import Lines, ahead, lasting, line, place, shown
 from ecume.cli.runs import use_at_most
-from ecume.run import Habits, Progress, RunResult
+from ecume.run import Progress, RunOptions, RunResult
 from ecume.scenes.templates import copy_template
 
 cli = CliRunner()
@@ -37,8 +37,8 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
 
     def run(scene: Any, directory: Path, **options: Any) -> RunResult:
         calls.append((scene, directory, options))
-        if options["habits"].progress is not None:
-            options["habits"].progress(HALF)
+        if options["options"].progress is not None:
+            options["options"].progress(HALF)
         return RunResult(directory, 301, 6000, 6.0, 90.0)
 
     monkeypatch.setattr(ecume.run, "run", run)
@@ -51,8 +51,8 @@ def test_a_run_goes_to_a_directory_of_its_scenes_name(asked: list[Any]) -> None:
     assert done.exit_code == 0
     assert done.stdout == "runs/beads: 301 frames, 6 s in 6000 steps, 90 s\n".replace("/", os.sep)
     assert (scene.title, directory) == ("Two spheres", Path("runs/beads"))
-    assert options["habits"].source == Path("beads.toml").read_bytes()
-    assert (options["force"], options["habits"].threads) == (False, None)
+    assert options["options"].source == Path("beads.toml").read_bytes()
+    assert (options["force"], options["options"].threads) == (False, None)
 
 
 def test_the_options_of_a_run_reach_it(asked: list[Any]) -> None:
@@ -74,7 +74,7 @@ def test_the_options_of_a_run_reach_it(asked: list[Any]) -> None:
     ((scene, directory, options),) = asked
     assert done.output == ""
     assert (scene.duration, scene.seed, directory) == (1.0, 3, Path("here"))
-    assert options == {"extra_laws": [], "force": True, "habits": Habits(threads=2)}
+    assert options == {"extra_laws": [], "force": True, "options": RunOptions(threads=2)}
 
 
 @pytest.mark.parametrize(

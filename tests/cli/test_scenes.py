@@ -61,9 +61,9 @@ def test_check_tells_all_faults_and_ends_with_two() -> None:
     done = cli.invoke(app, ["check", "bad.toml", "--set", "seed=x"])
     assert done.exit_code == 2
     assert done.stderr.splitlines() == [
-        "bad.toml: line 3, column 1: frame_every: came -1; wanted more than 0",
+        "bad.toml: line 3, column 1: frame_every: got -1; expected more than 0",
         "bad.toml: line 4, column 1: liqid: no such key; did you mean liquid?",
-        "bad.toml: seed: came 'x'; wanted a whole number (from --set)",
+        "bad.toml: seed: got 'x'; expected a whole number (from --set)",
     ]
 
 

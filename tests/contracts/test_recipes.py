@@ -106,7 +106,7 @@ from ecume.citing import papers_of
 from ecume.cli.scenes import check
 from ecume.errors import SceneError, Stopped
 from ecume.models import MODELS
-from ecume.run import Habits, resume, run
+from ecume.run import RunOptions, resume, run
 from ecume.scenes.load import load_scene
 from ecume.show.figures import plot
 from ecume.show.movies import Cut, movie
@@ -119,7 +119,7 @@ def stop(progress):
 scene = load_scene('model = "beads"\\nduration = 2.0\\nframe_every = 0.1\\ncount = 5\\nseed = 3\\n')
 run(scene, "whole")
 try:
-    run(scene, "halves", habits=Habits(progress=stop, checkpoint_every=0.0))
+    run(scene, "halves", options=RunOptions(progress=stop, checkpoint_every=0.0))
 except Stopped:
     resume("halves")
 with open_trajectory("whole") as whole, open_trajectory("halves") as halves:

@@ -21,8 +21,8 @@ from ecume.laws.rubbing import FRICTIONS
 from ecume.laws.surfaces import SURFACES
 from ecume.models.soft.schemes import SCHEMES
 from ecume.scenes import floating
+from ecume.scenes.floating.sources import SOURCES
 from ecume.scenes.load import load_scene
-from ecume.scenes.starts import SOURCES
 from ecume.units import Unit
 
 ROOT = Path(__file__).parents[2]

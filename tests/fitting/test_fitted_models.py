@@ -8,10 +8,10 @@ import ecume
 from ecume.cli import app
 from ecume.errors import BadInput
 from ecume.fitting import Tracks, picked
-from ecume.fitting.doubts import astray, swapped
-from ecume.fitting.free import Free, free_parameters, with_values
-from ecume.fitting.starts import start_at
-from ecume.fitting.trial import Problem
+from ecume.fitting.initial_conditions import start_at
+from ecume.fitting.least_squares import Problem
+from ecume.fitting.parameters import Free, free_parameters, with_values
+from ecume.fitting.remarks import astray, swapped
 from ecume.scenes.load import load_scene
 from ecume.scenes.schema import from_plain, to_plain
 
@@ -188,6 +188,6 @@ def test_tracks_that_were_lost_and_found_again_are_told_of(tmp_path):
     words = ["fit", str(tmp_path / "tracks.csv"), "--scene", str(tmp_path / "tr.toml"), "--free", "viscosity"]
     told = CliRunner().invoke(app, words)
     assert told.exit_code == 2
-    assert "3 tracks and 2 particles in the scene; wanted as many; name those that count (--only)" in told.stderr
+    assert "3 tracks and 2 particles in the scene; expected as many; name those that count (--only)" in told.stderr
     unknown = CliRunner().invoke(app, [*words, "--only", "a,d"])
     assert "no object is called 'd'" in unknown.stderr

@@ -11,10 +11,9 @@ import ecume
 from ecume.cli import app
 from ecume.errors import BadInput
 from ecume.fitting import Camera, Tracks, read_tracks
-from ecume.fitting.free import free_parameters
-from ecume.fitting.solving import certainty, solved
-from ecume.fitting.starts import matched
-from ecume.fitting.trial import positions_at
+from ecume.fitting.initial_conditions import matched
+from ecume.fitting.least_squares import certainty, positions_at, solved
+from ecume.fitting.parameters import free_parameters
 from ecume.scenes.load import load_scene
 from ecume.scenes.schema import to_plain
 from ecume.trajectories.frame import Frame
@@ -110,11 +109,11 @@ def test_the_origin_is_in_the_units_of_the_table(tmp_path):
         (TRACKPY, Camera(pixel=1e-5), "say how many there are in a second"),
         (TRACKPY, Camera(rate=25.0), "say how large one is"),
         (TRACKMATE.replace("(micron)", "").replace("(sec)", ""), Camera(), "positions have no unit; say what one is"),
-        (CSV.replace(",", ";").replace("0.0015", "1.000,5"), Camera(), "line 3, x: came '1.000,5'"),
-        (CSV.replace("0.0015", "near"), Camera(), "line 3, x: came 'near'; wanted a number"),
-        (CSV.replace("0.0015", "inf"), Camera(), "line 3, x: came 'inf'"),
+        (CSV.replace(",", ";").replace("0.0015", "1.000,5"), Camera(), "line 3, x: got '1.000,5'"),
+        (CSV.replace("0.0015", "near"), Camera(), "line 3, x: got 'near'; expected a number"),
+        (CSV.replace("0.0015", "inf"), Camera(), "line 3, x: got 'inf'"),
         (CSV.replace("1,0.009,0,b", "0,0.009,0,b"), Camera(), "object b is in two places at t = 0 s"),
-        (CSV.replace("x,y", "x [kg],y"), Camera(), "measures mass, wanted length"),
+        (CSV.replace("x,y", "x [kg],y"), Camera(), "measures mass, expected length"),
         ("t,x,y,id\n0,1,1,a\n1,1,1,a\n", Camera(), "only 2 instants"),
         ("t,x,y,id\n0,1\n", Camera(), "line 2: 2 cells"),
         ('t,x,y,id\n0,"1\n', Camera(), "line 2"),
@@ -142,10 +141,10 @@ def test_a_short_name_means_the_particles_before_the_liquid():
     ("name", "why"),
     [
         ("viscocity", "did you mean viscosity"),
-        ("title", "came ''; wanted a parameter that is a number"),
+        ("title", "got ''; expected a parameter that is a number"),
         ("liquid.gas_density", "starts at 0"),
-        ("motion.drag", "came true; wanted a parameter that is a number"),
-        ("count", "came 2; wanted a parameter that is a number, and no whole one"),
+        ("motion.drag", "got true; expected a parameter that is a number"),
+        ("count", "got 2; expected a parameter that is a number, and no whole one"),
     ],
 )
 def test_what_cannot_be_fitted_is_refused(name, why):

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import ecume
 from ecume.errors import Stopped
-from ecume.run import Habits, Progress, RunDirectory, run
+from ecume.run import Progress, RunDirectory, RunOptions, run
 from ecume.scenes.load import load_scene
 from tests.torture.trials import SCENES
 
@@ -34,7 +34,7 @@ for model, (duration, (old, new)) in SMALL.items():
     text = SCENES[model][0].format(duration=duration).replace(old or "\0", new, 1)
     home = RunDirectory(HOME / model)
     with contextlib.suppress(Stopped):
-        run(load_scene(text), home.path, force=True, habits=Habits(threads=1, progress=half_way))
+        run(load_scene(text), home.path, force=True, options=RunOptions(threads=1, progress=half_way))
     manifest = json.loads(home.manifest.read_text())
     manifest |= {"sessions": [], "platform": "", "processor": ""}  # nothing of the machine
     home.manifest.write_text(json.dumps(manifest, indent=2) + "\n")

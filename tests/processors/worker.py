@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 
 from ecume.errors import Stopped
-from ecume.run import Habits, Progress, RunDirectory, checkpoints, resume, run
+from ecume.run import Progress, RunDirectory, RunOptions, checkpoints, resume, run
 from ecume.scenes.load import load_scene
 from ecume.trajectories.reader import open_trajectory
 
@@ -47,13 +47,13 @@ def begin(home: RunDirectory, name: str) -> None:
             os.kill(os.getpid(), signal.SIGTERM)
 
     try:
-        run(scene_of(name), home.path, habits=Habits(threads=1, progress=progress))
+        run(scene_of(name), home.path, options=RunOptions(threads=1, progress=progress))
     except Stopped:
         pass
     else:
         sys.exit(f"{name}: came to its end before it could be killed")
     saved = {path.name: path.read_bytes() for path in checkpoints.newest_first(home)}
-    resume(home.path, habits=Habits(threads=1))
+    resume(home.path, options=RunOptions(threads=1))
     home.done.unlink()
     for path in checkpoints.newest_first(home):
         path.unlink()
@@ -66,7 +66,7 @@ def resumed(home: RunDirectory) -> dict[str, Any]:
     before = last_positions(home)
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
-        done = resume(home.path, habits=Habits(threads=1))
+        done = resume(home.path, options=RunOptions(threads=1))
     after = last_positions(home)
     apart = float(np.abs(after - before).max() / np.abs(before).max())
     sessions = json.loads(home.manifest.read_text())["sessions"]

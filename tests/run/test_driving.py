@@ -16,7 +16,7 @@ import toy
 
 from ecume.errors import Diverged, RunExists, SceneError, StorageError
 from ecume.models import MODELS
-from ecume.run import Habits, Progress, RunDirectory, checkpoints, info, resume, run
+from ecume.run import Progress, RunDirectory, RunOptions, checkpoints, info, resume, run
 from ecume.simulation import simulate
 from ecume.trajectories.reader import open_trajectory
 
@@ -40,7 +40,7 @@ def test_a_run_leaves_every_frame_and_number_of_its_simulation(tmp_path: Path, s
 
 def test_a_run_keeps_its_scene_as_it_was_written_and_as_it_was_understood(tmp_path: Path, scene: Scenes) -> None:
     source = b"# my bowl\r\nmodel = 'toy'\n"
-    run(scene(duration=0.3), tmp_path / "run", habits=Habits(source=source))
+    run(scene(duration=0.3), tmp_path / "run", options=RunOptions(source=source))
     assert (tmp_path / "run" / "scene.toml").read_bytes() == source
     with open_trajectory(tmp_path / "run") as trajectory:
         assert trajectory.scene == scene(duration=0.3)
@@ -67,7 +67,7 @@ def test_resuming_a_finished_run_changes_nothing(tmp_path: Path, scene: Scenes, 
 
 def test_a_run_tells_how_far_it_is(tmp_path: Path, scene: Scenes) -> None:
     told: list[Progress] = []
-    run(scene(), tmp_path / "run", habits=Habits(progress=told.append))
+    run(scene(), tmp_path / "run", options=RunOptions(progress=told.append))
     assert told[0].step == 0
     assert told[0].remaining is None
     assert (told[-1].step, told[-1].steps, told[-1].frames, told[-1].remaining) == (500, 500, 51, 0.0)
@@ -131,7 +131,7 @@ def test_a_run_that_has_just_begun_is_one_without_frames(tmp_path: Path, scene: 
 
 
 def test_two_checkpoints_are_kept(tmp_path: Path, scene: Scenes) -> None:
-    run(scene(), tmp_path / "run", habits=Habits(checkpoint_every=0.0))
+    run(scene(), tmp_path / "run", options=RunOptions(checkpoint_every=0.0))
     steps = [int(path.stem) for path in checkpoints.newest_first(RunDirectory(tmp_path / "run"))]
     assert len(steps) == 2
     assert steps[0] == 500
@@ -141,7 +141,7 @@ def test_two_checkpoints_are_kept(tmp_path: Path, scene: Scenes) -> None:
 def test_frames_and_numbers_hold_nothing_of_the_wall_clock(
     tmp_path: Path, scene: Scenes, results: Callable[..., Any], threads: int | None
 ) -> None:
-    run(scene(duration=0.1), tmp_path / "slow", habits=Habits(checkpoint_every=0.0, threads=threads))
+    run(scene(duration=0.1), tmp_path / "slow", options=RunOptions(checkpoint_every=0.0, threads=threads))
     run(scene(duration=0.1), tmp_path / "fast")
     assert results(tmp_path / "slow") == results(tmp_path / "fast")
 

@@ -19,7 +19,7 @@ import toy
 
 from ecume.errors import RunExists, Stopped, StorageError
 from ecume.models import MODELS
-from ecume.run import Habits, Progress, RunDirectory, checkpoints, info, resume, run
+from ecume.run import Progress, RunDirectory, RunOptions, checkpoints, info, resume, run
 from ecume.trajectories.reader import open_trajectory
 
 pytestmark = pytest.mark.skipif(os.name == "nt", reason="Windows knows no SIGKILL and no limit on the size of a file")
@@ -88,7 +88,7 @@ def test_a_signal_leaves_a_checkpoint_and_says_how_to_go_on(
             os.kill(os.getpid(), number)
 
     with pytest.raises(Stopped, match=rf"stopped by {name} at step 1[34]0 of 300; go on: ecume resume {tmp_path}/run"):
-        run(scene(duration=0.3), tmp_path / "run", habits=Habits(progress=ask))
+        run(scene(duration=0.3), tmp_path / "run", options=RunOptions(progress=ask))
     assert signal.getsignal(number) is before
     seen = info(tmp_path / "run")
     assert (seen.state, seen.checkpoint) == ("stopped", seen.step)
@@ -158,7 +158,7 @@ def test_a_full_disk_is_one_line_and_keeps_every_committed_frame(
 ) -> None:
     home, asked = RunDirectory(tmp_path / "run"), scene(duration=0.1, frame_every=0.001)
     with files_of_at_most(size), pytest.raises(StorageError, match="no room left") as raised:
-        run(asked, home.path, habits=Habits(checkpoint_every=0.02))
+        run(asked, home.path, options=RunOptions(checkpoint_every=0.02))
     assert "\n" not in str(raised.value)
     if not home.manifest.exists():
         run(asked, home.path, force=True)
@@ -179,7 +179,7 @@ def _interrupted(home: RunDirectory) -> None:
 def test_a_damaged_checkpoint_is_never_used(tmp_path: Path, scene: Scenes, results: Results, seed: int) -> None:
     chance = random.Random(seed)
     home = RunDirectory(tmp_path / "run")
-    run(scene(duration=0.1), home.path, habits=Habits(checkpoint_every=0.0))
+    run(scene(duration=0.1), home.path, options=RunOptions(checkpoint_every=0.0))
     before = results(home.path)
     _interrupted(home)
     newest, older = checkpoints.newest_first(home)
@@ -199,7 +199,7 @@ def test_frames_that_were_lost_before_the_checkpoint_are_computed_again(
     tmp_path: Path, scene: Scenes, results: Results
 ) -> None:
     home = RunDirectory(tmp_path / "run")
-    run(scene(), home.path, habits=Habits(checkpoint_every=0.0))
+    run(scene(), home.path, options=RunOptions(checkpoint_every=0.0))
     before = results(home.path)
     _interrupted(home)
     segment = home.trajectory / "0000.gsd"

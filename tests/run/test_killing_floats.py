@@ -38,9 +38,9 @@ contact_angle = "70 deg"
 [dish]
 radius = "2.5 cm"
 """
-OFTEN = "import sys, ecume.run as r; habits = r.Habits(checkpoint_every=0.02); "
-RUN = OFTEN + "from ecume.scenes.load import load_scene; r.run(load_scene(sys.argv[2]), sys.argv[1], habits=habits)"
-RESUME = OFTEN + "r.resume(sys.argv[1], habits=habits)"
+OFTEN = "import sys, ecume.run as r; options = r.RunOptions(checkpoint_every=0.02); "
+RUN = OFTEN + "from ecume.scenes.load import load_scene; r.run(load_scene(sys.argv[2]), sys.argv[1], options=options)"
+RESUME = OFTEN + "r.resume(sys.argv[1], options=options)"
 
 
 def killed(program: str, home: Path, after: float) -> None:

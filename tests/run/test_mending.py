@@ -19,10 +19,10 @@ def half(tmp_path, scene):
         if progress.step > 200:
             raise Stopped("half way")
 
-    from ecume.run import Habits
+    from ecume.run import RunOptions
 
     with pytest.raises(Stopped):
-        run(scene(), tmp_path / "half", habits=Habits(progress=stop, checkpoint_every=0.0))
+        run(scene(), tmp_path / "half", options=RunOptions(progress=stop, checkpoint_every=0.0))
     return RunDirectory(tmp_path / "half"), RunDirectory(tmp_path / "whole")
 
 
@@ -61,9 +61,9 @@ def test_what_a_run_says_again_is_told_of_and_set_aside(half, name, results):
     one, whole = half
     (one.path / name).write_text("[1]")
     if name != "DONE.json":
-        assert f"{name}: damaged: wanted a table; `ecume repair" in info(one.path).why
+        assert f"{name}: damaged: expected a table; `ecume repair" in info(one.path).why
         assert info(one.path).frames > 0
-    assert repair(one.path).faults == (f"{one.path / name}: damaged: wanted a table; set aside",)
+    assert repair(one.path).faults == (f"{one.path / name}: damaged: expected a table; set aside",)
     assert (one.path / f"{name}.damaged").read_text() == "[1]"
     assert "damaged" not in info(one.path).why
     resume(one.path)

@@ -20,7 +20,7 @@ from hypothesis import strategies as st
 from ecume.cli.runs import described
 from ecume.errors import Stopped, StorageError
 from ecume.models import MODELS
-from ecume.run import Habits, RunDirectory, checkpoints, constants, info, manifest, repair, resume, run
+from ecume.run import RunDirectory, RunOptions, checkpoints, constants, info, manifest, repair, resume, run
 from ecume.run.recording import difference
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
@@ -74,7 +74,7 @@ def left_at(scene: toy.ToyScene, path: Path, frame: int = SEVENTEEN) -> RunDirec
     """A run with a checkpoint at a frame, and all later frames on disk, as if it had been killed at its end."""
     home = RunDirectory(path)
     with pytest.raises(Stopped):
-        run(scene, path, habits=Habits(progress=checkpoint_at(frame)))
+        run(scene, path, options=RunOptions(progress=checkpoint_at(frame)))
     saved = saved_in(home)
     resume(path)
     as_if_killed(home, saved)
@@ -137,10 +137,10 @@ def test_strict_refuses_other_bits_and_leaves_the_frames_alone(
     before = positions(home.path)
     processor("B", ROUNDING)
     with pytest.raises(StorageError, match=r"processor A -> B.*without --strict"):
-        resume(home.path, habits=Habits(strict=True))
+        resume(home.path, options=RunOptions(strict=True))
     np.testing.assert_array_equal(before, positions(home.path))
     processor("B")  # another processor with the same bits
-    assert resume(home.path, habits=Habits(strict=True)).frames == 51
+    assert resume(home.path, options=RunOptions(strict=True)).frames == 51
 
 
 def test_other_bits_of_the_same_processor_and_versions_are_a_fault(
@@ -198,7 +198,7 @@ def test_constants_and_start_stay_what_they_were_on_the_first_processor(
 ) -> None:
     home = RunDirectory(tmp_path / "run")
     with pytest.raises(Stopped):
-        run(scene(), home.path, habits=Habits(progress=checkpoint_at(0)))
+        run(scene(), home.path, options=RunOptions(progress=checkpoint_at(0)))
     expected = [frame.arrays["position"] for frame in simulate(scene())]
     processor("B", 1e-3)  # derives other constants, and would place the beads elsewhere
     monkeypatch.setitem(MODELS, "toy", dataclasses.replace(toy.model(), advance=advance_as_on_a))
@@ -219,7 +219,7 @@ def test_damaged_constants_are_refused_until_repair_sets_them_aside(tmp_path: Pa
     assert [home.manifest.read_bytes(), home.status.read_bytes()] == before
     assert any("constants.npz" in fault for fault in repair(home.path).faults)
     with pytest.raises(StorageError, match=r"derived again.*--strict"):
-        resume(home.path, habits=Habits(strict=True))
+        resume(home.path, options=RunOptions(strict=True))
     with pytest.warns(UserWarning, match="constants are derived again"):
         assert resume(home.path).frames == 51
 

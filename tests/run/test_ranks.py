@@ -99,19 +99,19 @@ def test_a_model_that_is_not_spread_is_refused_once_by_all_ranks(tmp_path: Path)
 
 
 def test_the_extra_is_asked_for_where_it_is_missing(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    from ecume.cli import engines
+    from ecume.cli import mpi_launcher
     from ecume.errors import BadInput
 
     monkeypatch.setattr(sys, "executable", str(tmp_path / "python"))
     with pytest.raises(BadInput, match=r"pip install 'mpi4py.* 'mpich"):
-        engines.launcher()
+        mpi_launcher.launcher()
 
 
 @pytest.mark.parametrize(
-    ("asked", "told"), [(("many", None), "wanted one of local, mpi"), (("local", 3), "goes with --engine mpi")]
+    ("asked", "told"), [(("many", None), "expected one of local, mpi"), (("local", 3), "goes with --engine mpi")]
 )
 def test_engines_that_are_not_there_are_refused(asked: tuple[str, int | None], told: str) -> None:
-    from ecume.cli.engines import marching
+    from ecume.cli.mpi_launcher import marching
     from ecume.errors import BadInput
 
     with pytest.raises(BadInput, match=told), marching(*asked):

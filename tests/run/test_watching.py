@@ -15,8 +15,8 @@ import toy
 from ecume.errors import BadInput, Diverged, Stopped
 from ecume.models import MODELS
 from ecume.models.invariants import Invariant, at_most, energy_never_rises, kept
-from ecume.run import Habits, RunDirectory, info, resume, run
-from ecume.run.watching import Watch, budget, told
+from ecume.run import RunDirectory, RunOptions, info, resume, run
+from ecume.run.invariant_monitor import Watch, budget, summary_line
 
 Scenes = Callable[..., toy.ToyScene]
 QUIET = {"kinetic_energy": 1.0, "total_energy": 5.0, "momentum_x": 2.0, "momentum_y": 0.0}
@@ -93,7 +93,7 @@ def test_the_line_tells_what_was_injected_and_dissipated(tmp_path: Path) -> None
     for step, (total, work) in enumerate(((5.0, 0.0), (4.5, 2.5))):
         watch.take(0.1 * step, {**QUIET, "total_energy": total, "injected_work": work}, step)
     watch.keep()
-    assert told(RunDirectory(tmp_path)) == "held: energy (0 of 0.1); injected 2.5 J, dissipated 3 J"
+    assert summary_line(RunDirectory(tmp_path)) == "held: energy (0 of 0.1); injected 2.5 J, dissipated 3 J"
 
 
 def test_each_model_has_something_to_hold() -> None:
@@ -126,11 +126,11 @@ def test_a_run_that_breaks_an_invariant_says_so_and_goes_on(tmp_path: Path, scen
 @pytest.mark.usefixtures("hot")
 def test_a_run_that_is_to_stop_stops_there_with_code_3_and_goes_on_when_told(tmp_path: Path, scene: Scenes) -> None:
     with pytest.raises(Diverged, match=r"heat: the kinetic energy, is .*, more than 0.02, at t = "):
-        run(scene(), tmp_path / "run", habits=Habits(on_violation="stop"))
+        run(scene(), tmp_path / "run", options=RunOptions(on_violation="stop"))
     assert info(tmp_path / "run").state == "failed"
     with pytest.raises(Diverged):
         resume(tmp_path / "run")
-    assert resume(tmp_path / "run", habits=Habits(on_violation="warn")).frames == 51
+    assert resume(tmp_path / "run", options=RunOptions(on_violation="warn")).frames == 51
 
 
 @pytest.mark.usefixtures("hot")
@@ -140,7 +140,7 @@ def test_the_scene_may_say_what_becomes_of_it_and_the_caller_overrides_it(tmp_pa
         run(strict, tmp_path / "run")
     with pytest.raises(Diverged, match="heat"):
         resume(tmp_path / "run")
-    assert run(strict, tmp_path / "on", habits=Habits(on_violation="warn")).frames == 51
+    assert run(strict, tmp_path / "on", options=RunOptions(on_violation="warn")).frames == 51
     assert "stop" in (tmp_path / "on" / "scene.toml").read_text()
 
 
@@ -148,7 +148,7 @@ def test_a_policy_that_there_is_not_is_refused_in_a_scene_too() -> None:
     from ecume.errors import SceneError
     from ecume.scenes.schema import from_plain
 
-    with pytest.raises(SceneError, match="on_violation: came 'panic'; wanted one of warn, stop"):
+    with pytest.raises(SceneError, match="on_violation: got 'panic'; expected one of warn, stop"):
         from_plain({"model": "tracers", "duration": 1.0, "frame_every": 1.0, "on_violation": "panic"})
 
 
@@ -160,11 +160,11 @@ def test_a_run_that_was_stopped_judges_like_one_that_was_not(tmp_path: Path, sce
 
     run(scene(), tmp_path / "whole")
     with pytest.raises((Stopped, KeyboardInterrupt)):
-        run(scene(), tmp_path / "parts", habits=Habits(progress=ask, checkpoint_every=0.0))
+        run(scene(), tmp_path / "parts", options=RunOptions(progress=ask, checkpoint_every=0.0))
     resume(tmp_path / "parts")
     assert (tmp_path / "parts" / "watch.json").read_text() == (tmp_path / "whole" / "watch.json").read_text()
 
 
 def test_a_policy_that_there_is_not_is_refused() -> None:
-    with pytest.raises(BadInput, match="on_violation: came 'panic'"):
-        Habits(on_violation="panic")
+    with pytest.raises(BadInput, match="on_violation: got 'panic'"):
+        RunOptions(on_violation="panic")

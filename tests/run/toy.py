@@ -139,13 +139,13 @@ def main(verb: str, directory: str = "", *rest: str) -> int:
         return serve()
     stand_alone()
     driving = importlib.import_module("ecume.run")
-    habits = driving.Habits(checkpoint_every=float(rest[-1]))
+    options = driving.RunOptions(checkpoint_every=float(rest[-1]))
     errors = importlib.import_module("ecume.errors")
     try:
         if verb == "run":
-            driving.run(ToyScene(**json.loads(rest[0])), directory, habits=habits)
+            driving.run(ToyScene(**json.loads(rest[0])), directory, options=options)
         else:
-            driving.resume(directory, habits=habits)
+            driving.resume(directory, options=options)
     except errors.EcumeError as error:
         print(error, file=sys.stderr)
         return int(error.exit_code)

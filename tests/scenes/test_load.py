@@ -57,10 +57,10 @@ def test_all_faults_are_told_at_once_with_their_places() -> None:
 @pytest.mark.parametrize(
     ("change", "says"),
     [
-        ("tank.left.velocity=[0, 1, 3]", "came 3 numbers; the tank has 2 dimensions"),
-        ("tank.left.velocity=[1, 0]", "came 1 m/s across the wall"),
+        ("tank.left.velocity=[0, 1, 3]", "got 3 numbers; the tank has 2 dimensions"),
+        ("tank.left.velocity=[1, 0]", "got 1 m/s across the wall"),
         ('tank.left={ kind = "open", velocity = [0, 1] }', 'is of a wall; this side is of kind = "open"'),
-        ('fluid[0].flow="couette"', "wanted one of taylor-green, standing-wave, poiseuille"),
+        ('fluid[0].flow="couette"', "expected one of taylor-green, standing-wave, poiseuille"),
     ],
 )
 def test_what_no_side_or_flow_can_be_is_told_in_one_line(change: str, says: str) -> None:
@@ -89,7 +89,7 @@ gauges = [{ name = "P", place = [0.5, 0.1], measures = MEASURES }]
 
 @pytest.mark.parametrize(
     ("measures", "says"),
-    [('["temp"]', "came 'temp'; wanted one of pressure, velocity, level"), ("[]", "wanted a list of 1 or more")],
+    [('["temp"]', "got 'temp'; expected one of pressure, velocity, level"), ("[]", "expected a list of 1 or more")],
 )
 def test_a_list_whose_items_are_wrong_is_not_short_of_items_besides(measures: str, says: str) -> None:
     (fault,) = faults_of(TANK.replace("MEASURES", measures))
@@ -100,54 +100,54 @@ def test_a_message_says_what_came_what_was_wanted_and_the_way_out() -> None:
     (fault,) = faults_of(BOWL.replace("count", "cuont"))
     assert str(fault) == "line 9, column 1: floats[0].cuont: no such key; did you mean count?"
     (fault,) = faults_of(BOWL.replace('"1.5 mm"', '"1.5 kg"'))
-    assert fault.message == "came '1.5 kg'; 'kg' measures mass, wanted length as in '4 mm'"
+    assert fault.message == "got '1.5 kg'; 'kg' measures mass, expected length as in '4 mm'"
 
 
 @pytest.mark.parametrize(
     ("before", "after", "path", "says"),
     [
-        ('"1.5 mm"', "nan", "floats[0].radius", "came nan; wanted a finite number"),
-        ('"1.5 mm"', "1e999", "floats[0].radius", "came inf; wanted"),
-        ('"1.5 mm"', "0", "floats[0].radius", "came 0; wanted 1e-08 or more"),
-        ('"1.5 mm"', '"-1 mm"', "floats[0].radius", "came '-1 mm'; wanted 1e-08 or more"),
-        ('"1.5 mm"', "true", "floats[0].radius", "came true; wanted a number, or text with a unit"),
+        ('"1.5 mm"', "nan", "floats[0].radius", "got nan; expected a finite number"),
+        ('"1.5 mm"', "1e999", "floats[0].radius", "got inf; expected"),
+        ('"1.5 mm"', "0", "floats[0].radius", "got 0; expected 1e-08 or more"),
+        ('"1.5 mm"', '"-1 mm"', "floats[0].radius", "got '-1 mm'; expected 1e-08 or more"),
+        ('"1.5 mm"', "true", "floats[0].radius", "got true; expected a number, or text with a unit"),
         ('"1.5 mm"', '"7"', "floats[0].radius", "text without a unit"),
-        ('"1.5 mm"', "[1]", "floats[0].radius", "came a list of 1"),
-        ('"1.5 mm"', "1979-05-27", "floats[0].radius", "wanted a number"),
-        ('"1.5 mm"', "0x" + "f" * 5000, "floats[0].radius", "came a whole number of 20000 bits"),
-        ("= 40", "= 0", "floats[0].count", "wanted 1 or more"),
-        ("= 40", "= 1_000_000_000", "floats[0].count", "wanted 100000000 or less"),
-        ("= 40", "= 40.5", "floats[0].count", "wanted a whole number"),
-        ("= 40", '= "40"', "floats[0].count", "wanted a whole number"),
+        ('"1.5 mm"', "[1]", "floats[0].radius", "got a list of 1"),
+        ('"1.5 mm"', "1979-05-27", "floats[0].radius", "expected a number"),
+        ('"1.5 mm"', "0x" + "f" * 5000, "floats[0].radius", "got a whole number of 20000 bits"),
+        ("= 40", "= 0", "floats[0].count", "expected 1 or more"),
+        ("= 40", "= 1_000_000_000", "floats[0].count", "expected 100000000 or less"),
+        ("= 40", "= 40.5", "floats[0].count", "expected a whole number"),
+        ("= 40", '= "40"', "floats[0].count", "expected a whole number"),
         ('"70 deg"', "70", "floats[0].contact_angle", "plain numbers are radians"),
         ('"70 deg"', '"200 deg"', "floats[0].contact_angle", "from 0 to 180 deg"),
-        ('contact_angle = "70 deg"', "", "floats[0]", "contact_angle or surface_energies; came neither"),
+        ('contact_angle = "70 deg"', "", "floats[0]", "contact_angle or surface_energies; got neither"),
         ('"20 s"', '"20.03 s"', "duration", "no whole number of frames"),
         ('"20 s"', '"1 ms"', "duration", "0.05 s would be"),
         ('"50 ms"', '"1 ns"', "frame_every", "more than 1e+07"),
-        ("1030.0", "1e300", "liquid.density", "wanted 100000 or less"),
-        ("[dish]", "[dish]\nsize = [1, 1]", "dish", "came both"),
-        ("[dish]", "[dish]\nlaw = 3", "dish.law", "came 3; wanted text"),
+        ("1030.0", "1e300", "liquid.density", "expected 100000 or less"),
+        ("[dish]", "[dish]\nsize = [1, 1]", "dish", "got both"),
+        ("[dish]", "[dish]\nlaw = 3", "dish.law", "got 3; expected text"),
         ("[dish]", "[dish]\nlaw = '\\u001b[31m'", "dish.law", "such characters cannot stand here"),
         ("[dish]", "[motion]\ntime_step = 1\n[dish]", "motion.time_step", "longer than frame_every"),
         ("[dish]", "[motion]\ntime_step = '1e-11 s'\n[dish]", "motion.time_step", "more than 1e+11"),
-        ("[dish]", "[contacts]\nrestitution = 1.1\n[dish]", "contacts.restitution", "wanted 1 or less"),
-        ("[dish]", "[interaction]\naccuracy = 0\n[dish]", "interaction.accuracy", "wanted 1e-12 or more"),
+        ("[dish]", "[contacts]\nrestitution = 1.1\n[dish]", "contacts.restitution", "expected 1 or less"),
+        ("[dish]", "[interaction]\naccuracy = 0\n[dish]", "interaction.accuracy", "expected 1e-12 or more"),
         (
             '"floating"',
             '"floatin"',
             "model",
-            'wanted one of "floating", "soft", "sph", "tracers"; did you mean floating?',
+            'expected one of "floating", "soft", "sph", "tracers"; did you mean floating?',
         ),
         ('model = "floating"', "", "model", "is missing"),
         ("count = 40", 'placement = "rng"', "floats[0].placement", "did you mean ring?"),
         ("count = 40", 'placement = "ring"', "floats[0].placement", "needs ring_radius"),
         ("count = 40", "spacing = 1", "floats[0].spacing", 'only with placement = "lattice"'),
-        ("count = 40", "count = 3\npositions = [[0, 0]]", "floats[0].count", "came 3; there are 1 positions"),
-        ("count = 40", "positions = [[0, 0], [1]]", "floats[0].positions[1]", "came a list of 1; wanted a list of 2"),
-        ("count = 40", "positions = [[0, 0, 0]]", "floats[0].positions[0]", "wanted a list of 2"),
-        ("count = 40", 'color = "blu"', "floats[0].color", "wanted a color"),
-        ("count = 40", "surface_energies = {solid_gas = 1, solid_liquid = 1}", "floats[0]", "came both"),
+        ("count = 40", "count = 3\npositions = [[0, 0]]", "floats[0].count", "got 3; there are 1 positions"),
+        ("count = 40", "positions = [[0, 0], [1]]", "floats[0].positions[1]", "got a list of 1; expected a list of 2"),
+        ("count = 40", "positions = [[0, 0, 0]]", "floats[0].positions[0]", "expected a list of 2"),
+        ("count = 40", 'color = "blu"', "floats[0].color", "expected a color"),
+        ("count = 40", "surface_energies = {solid_gas = 1, solid_liquid = 1}", "floats[0]", "got both"),
         ("density = 1030.0", "gas_density = 2000", "liquid.gas_density", "no denser"),
     ],
 )
@@ -309,12 +309,12 @@ def test_corrupted_scenes_give_scenes_or_faults_with_places(tmp_path: Path) -> N
 @pytest.mark.parametrize(
     ("spin", "told"),
     [
-        ("[1.0, 2.0]", "bodies[0].spin: came a list of 2; wanted a list of 3"),
-        ("[]", "bodies[0].spin: came a list of 0; wanted a list of 3"),
-        ("[1.0, 2.0, 'x']", "bodies[0].spin[2]: came 'x'"),
-        ("[1e9, 0, 0]", "bodies[0].spin[0]: came 1000000000.0; wanted 1e+06 or less"),
-        ("1e9", "bodies[0].spin: came 1000000000.0; wanted 1e+06 or less"),
-        ("'abc'", "bodies[0].spin: came 'abc'"),
+        ("[1.0, 2.0]", "bodies[0].spin: got a list of 2; expected a list of 3"),
+        ("[]", "bodies[0].spin: got a list of 0; expected a list of 3"),
+        ("[1.0, 2.0, 'x']", "bodies[0].spin[2]: got 'x'"),
+        ("[1e9, 0, 0]", "bodies[0].spin[0]: got 1000000000.0; expected 1e+06 or less"),
+        ("1e9", "bodies[0].spin: got 1000000000.0; expected 1e+06 or less"),
+        ("'abc'", "bodies[0].spin: got 'abc'"),
     ],
 )
 def test_a_value_that_may_be_a_number_or_a_list_is_told_what_it_was_meant_to_be(

@@ -50,17 +50,17 @@ def test_overrides_change_the_scene_and_make_tables_on_the_way() -> None:
 @pytest.mark.parametrize(
     ("override", "says"),
     [
-        ("seed", "--set 'seed': wanted key=value"),
-        ("=3", "wanted key=value"),
-        ("floats[x].count=3", "wanted key=value"),
-        ("floats[1].count=3", "floats is a list; wanted one of it: floats[0]"),
-        ("floats.count=3", "floats is a list; wanted one of it: floats[0]"),
+        ("seed", "--set 'seed': expected key=value"),
+        ("=3", "expected key=value"),
+        ("floats[x].count=3", "expected key=value"),
+        ("floats[1].count=3", "floats is a list; expected one of it: floats[0]"),
+        ("floats.count=3", "floats is a list; expected one of it: floats[0]"),
         ("flots[0].count=3", "the scene has no flots"),
         ("duration.x=3", "the scene has no duration.x"),
         ("title=" + "x" * 20_000, "too long"),
         ("floats[0].cuont=3", "floats[0].cuont: no such key; did you mean count? (from --set)"),
-        ("floats[0].radius=-1", "floats[0].radius: came -1; wanted 1e-08 or more (from --set)"),
-        ("dish.radius=4 kg", "dish.radius: came '4 kg'; 'kg' measures mass"),
+        ("floats[0].radius=-1", "floats[0].radius: got -1; expected 1e-08 or more (from --set)"),
+        ("dish.radius=4 kg", "dish.radius: got '4 kg'; 'kg' measures mass"),
     ],
 )
 def test_an_override_that_cannot_be_is_a_fault_without_a_line(override: str, says: str) -> None:

@@ -12,7 +12,7 @@ from ecume.errors import SceneError
 from ecume.scenes.load import load_scene
 from ecume.scenes.schema import from_plain, to_plain
 from ecume.trajectories.frame import Frame
-from ecume.trajectories.recorders import Recorder
+from ecume.trajectories.recorder import Recorder
 
 SCENE = """\
 model = "floating"
@@ -66,7 +66,7 @@ def test_a_scene_starts_from_a_frame_of_another_run(folder: Path, at: str, x: fl
     [
         ("@3", "", "'runs/bowl@3' has no frame 3; there are 0 to 2, and -1 for the last"),
         ("@-4", "", "has no frame -4"),
-        ("@x", "", "'runs/bowl@x' 'x' is no number of a frame; wanted RUN@FRAME"),
+        ("@x", "", "'runs/bowl@x' 'x' is no number of a frame; expected RUN@FRAME"),
         ("@", "", "'' is no number of a frame"),
         ("@1.5", "", "'1.5' is no number of a frame"),
         ("2", "", "is not there; it is looked for from the scene's folder, /"),

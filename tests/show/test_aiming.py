@@ -7,17 +7,15 @@ import pytest
 
 import ecume
 from ecume.errors import BadInput
-from ecume.run import driving
+from ecume.run import runner
 from ecume.scenes.load import load_scene
 from ecume.scenes.templates import folder
 from ecume.scenes.tracers import ObstacleSpec, ParticleSpec, TankSpec, TracersScene
-from ecume.show.aiming import WIDE, Aim, aimed
-from ecume.show.drawing import drawn_by_many
-from ecume.show.movies import Cut, film, movie, picture_of
+from ecume.show.camera import STANDING, WIDE, Aim, Eye, aimed, wires_of
+from ecume.show.movies import MovieOptions, drawn_by_many, film, movie, picture_of
 from ecume.show.picture import Size
 from ecume.show.soft.packing import Packing
 from ecume.show.soft.picture import soft_picture
-from ecume.show.space import STANDING, Eye, wires_of
 from ecume.show.tracers import tracers_picture
 from ecume.trajectories.frame import Frame
 
@@ -98,14 +96,14 @@ def test_nothing_asked_is_nothing_changed():
 @pytest.mark.parametrize("one", [-1, 2])
 def test_whoever_is_not_there_cannot_be_followed(tmp_path, one):
     with pytest.raises(BadInput, match=f"no particle {one} to follow; at 0 s there are 0 to 1"):
-        film(FRAMES, scene(), tmp_path / "a.gif", Cut(aim=Aim(follow=one), size=(96, 72)))
+        film(FRAMES, scene(), tmp_path / "a.gif", MovieOptions(aim=Aim(follow=one), size=(96, 72)))
     assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize("zoom", [0.0, -1.0, float("nan"), 1e9])
 def test_a_zoom_that_shows_nothing_is_refused(zoom):
-    with pytest.raises(BadInput, match=r"zoom is .*; wanted 2 for twice as large"):
-        Cut(aim=Aim(zoom))
+    with pytest.raises(BadInput, match=r"zoom is .*; expected 2 for twice as large"):
+        MovieOptions(aim=Aim(zoom))
 
 
 def test_an_eye_goes_around_and_above():
@@ -134,7 +132,7 @@ def test_particles_in_space_are_seen_from_where_the_eye_stands():
 
 def test_an_eye_in_a_plane_is_refused(tmp_path):
     with pytest.raises(BadInput, match="in the plane"):
-        film(FRAMES, scene(), tmp_path / "a.gif", Cut(eye=Eye(), size=(96, 72)))
+        film(FRAMES, scene(), tmp_path / "a.gif", MovieOptions(eye=Eye(), size=(96, 72)))
 
 
 def test_many_soft_spheres_in_space_are_balls_in_their_box():
@@ -155,13 +153,13 @@ def test_many_soft_spheres_in_space_are_balls_in_their_box():
 @pytest.mark.compiled
 def test_many_processes_draw_what_one_draws(tmp_path):
     text = (folder() / "two-spheres.toml").read_text()
-    run = driving.run(load_scene(text), tmp_path / "run").directory
-    cut = Cut(size=(96, 72), every=20)
+    run = runner.run(load_scene(text), tmp_path / "run").directory
+    options = MovieOptions(size=(96, 72), every=20)
     with ecume.open_trajectory(run) as trajectory:
-        shown = cut.shown(trajectory)
-        picture = picture_of(trajectory.scene, shown, cut, tmp_path / "a.gif")
+        shown = options.shown(trajectory)
+        picture = picture_of(trajectory.scene, shown, options, tmp_path / "a.gif")
         alone = [picture.pixels(one)[..., :3].copy() for one in shown]
-    together = list(drawn_by_many(run, cut, tmp_path / "a.gif", 2))
+    together = list(drawn_by_many(run, options, tmp_path / "a.gif", 2))
     assert len(alone) == len(together) > 4
     assert all((one == other).all() for one, other in zip(alone, together, strict=True))
 
@@ -170,9 +168,9 @@ def test_many_processes_draw_what_one_draws(tmp_path):
 @pytest.mark.compiled
 def test_a_movie_by_many_processes_tells_how_far_it_is(tmp_path):
     text = (folder() / "two-spheres.toml").read_text()
-    run = driving.run(load_scene(text), tmp_path / "run").directory
-    cut, heard = Cut(size=(96, 72), every=20), []
+    run = runner.run(load_scene(text), tmp_path / "run").directory
+    options, heard = MovieOptions(size=(96, 72), every=20), []
     with ecume.open_trajectory(run) as trajectory:
-        count = len(cut.shown(trajectory))
-    movie(run, tmp_path / "a.gif", cut, workers=2, progress=lambda *now: heard.append(now))
+        count = len(options.shown(trajectory))
+    movie(run, tmp_path / "a.gif", options, workers=2, progress=lambda *now: heard.append(now))
     assert heard[-1] == (count, count)

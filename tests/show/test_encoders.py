@@ -112,7 +112,7 @@ def test_a_machine_without_the_package_has_no_ffmpeg(monkeypatch):
 
 
 def test_an_unknown_kind_of_movie_is_refused_with_those_there_are(tmp_path):
-    with pytest.raises(BadInput, match=r"'.avi'; wanted one of .mp4, .webm, .webp, .gif, .png"):
+    with pytest.raises(BadInput, match=r"'.avi'; expected one of .mp4, .webm, .webp, .gif, .png"):
         encoders.encode(pictures(1), tmp_path / "film.avi", 30)
 
 

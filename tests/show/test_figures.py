@@ -227,7 +227,7 @@ def test_a_model_without_figures_of_its_own_has_those_of_its_energies(opened, tm
 
 
 def test_an_unknown_format_is_refused_with_those_there_are(scene, frames, tmp_path):
-    with pytest.raises(BadInput, match=r"'.docx'; wanted one of .*.pdf.*.png.*.svg"):
+    with pytest.raises(BadInput, match=r"'.docx'; expected one of .*.pdf.*.png.*.svg"):
         save(curves.clusters(frames, scene), tmp_path / "a.docx")
 
 

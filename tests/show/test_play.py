@@ -15,9 +15,8 @@ from ecume.errors import BadInput
 from ecume.scenes.load import load_scene
 from ecume.scenes.schema import to_toml
 from ecume.scenes.templates import folder
-from ecume.show.play.bowl import CALMED, FASTEST, PUT_BACK, SHELF, Bowl
-from ecume.show.play.sloshing import DAMPING, Slosh, current, slosh_frequency, swung
-from ecume.show.play.toys import game_of
+from ecume.show.play.bowl import CALMED, DAMPING, FASTEST, PUT_BACK, SHELF, Bowl, Slosh, current, slosh_frequency, swung
+from ecume.show.play.pages import game_of
 from ecume.show.serving import served
 
 pytestmark = pytest.mark.compiled
@@ -73,7 +72,7 @@ def test_who_is_dropped_on_another_finds_room_beside_it(bowl):
 def test_where_there_is_no_room_nothing_is_dropped(bowl):
     with pytest.raises(BadInput, match="no room here"):
         bowl.drop("bead", 1.0, 0.0)
-    with pytest.raises(BadInput, match="there is no 'brick' to drop; wanted one of cereal, bead, bubble"):
+    with pytest.raises(BadInput, match="there is no 'brick' to drop; expected one of cereal, bead, bubble"):
         bowl.drop("brick", 0.0, 0.0)
     assert len(places(bowl)) == 3
 
@@ -125,7 +124,7 @@ def test_a_change_of_the_liquid_is_one_of_the_scene(bowl):
         ("liquid", "surface_tension", -1.0, "surface_tension = -1: .*greater"),
         ("cereal", "density", 9000.0, "density = 9000: .*sinks"),
         ("cereal", "positions", 1.0, "there is no cereal.positions to change"),
-        ("milk", "viscosity", 1.0, "there is no milk.viscosity to change; wanted liquid, dish, cereal"),
+        ("milk", "viscosity", 1.0, "there is no milk.viscosity to change; expected liquid, dish, cereal"),
         ("dish", "surface_tension", 1.0, "dish.surface_tension = 1"),
     ],
 )
@@ -174,9 +173,9 @@ def test_the_saved_scene_goes_on_from_here(bowl):
 
 
 def test_only_bowls_are_played_with():
-    with pytest.raises(BadInput, match=r"wanted a scene of model 'floating' with a \[dish\]"):
+    with pytest.raises(BadInput, match=r"expected a scene of model 'floating' with a \[dish\]"):
         Bowl(load_scene((folder() / "two-spheres.toml").read_text()))
-    with pytest.raises(BadInput, match="wanted a scene of model 'floating'"):
+    with pytest.raises(BadInput, match="expected a scene of model 'floating'"):
         Bowl(load_scene((folder() / "settling.toml").read_text()))
 
 

@@ -1,6 +1,6 @@
 """A sweep that tests run: four bowls, one after the other."""
 
-from ecume.sweep.crews import Crew
+from ecume.sweep.executors import ExecutorOptions
 
 BOWLS = """
 title = "Bowls"
@@ -14,4 +14,4 @@ frame_every = "50 ms"
 key = "seed"
 values = [1, 2, 3, 4]
 """
-ALONE = Crew(workers=1)
+ALONE = ExecutorOptions(workers=1)

@@ -7,8 +7,8 @@ import pytest
 
 from ecume.errors import BadInput, SceneError
 from ecume.scenes.templates import sweep_templates
-from ecume.sweep.asked import READER
 from ecume.sweep.points import load_sweep, points_of, varied
+from ecume.sweep.spec import READER
 
 
 def spec_of(text):
@@ -101,12 +101,12 @@ SPAN = 'template = "t1"\n[[axes]]\nkey = "a"\nspan = {{{}}}'
     ("text", "says"),
     [
         ('template = "t1"', "axes: is missing; nothing varies"),
-        ("repeats = 2", "wanted one of scene, template and process"),
-        ('template = "t1"\nscene = "a.toml"\nrepeats = 2', "wanted one of scene, template and process"),
+        ("repeats = 2", "expected one of scene, template and process"),
+        ('template = "t1"\nscene = "a.toml"\nrepeats = 2', "expected one of scene, template and process"),
         ('process = "t1"\nrepeats = 2', "repeats: a process has no seed"),
-        ('template = "t1"\n[[axes]]\nvalues = [1]', "axes[0]: wanted key, or keys with rows"),
-        ('template = "t1"\n[[axes]]\nkey = "a"', "axes[0]: wanted values, or a span"),
-        ('template = "t1"\n[[axes]]\nkeys = ["a", "b"]\nrows = [[1]]', "axes[0].rows[0]: came 1 values; wanted 2"),
+        ('template = "t1"\n[[axes]]\nvalues = [1]', "axes[0]: expected key, or keys with rows"),
+        ('template = "t1"\n[[axes]]\nkey = "a"', "axes[0]: expected values, or a span"),
+        ('template = "t1"\n[[axes]]\nkeys = ["a", "b"]\nrows = [[1]]', "axes[0].rows[0]: got 1 values; expected 2"),
         ('template = "t1"\n[[axes]]\nkey = "a; import os"\nvalues = [1]', "axes[0].key"),
         ('template = "t1"\n[[axes]]\nkey = "a"\nspan = {start = -1, stop = 1, log = true}', "ratios are of positive"),
         ('template = "t1"\n[[axis]]\nkey = "a"', "axis: no such key; did you mean axes?"),
@@ -115,19 +115,19 @@ SPAN = 'template = "t1"\n[[axes]]\nkey = "a"\nspan = {{{}}}'
         ('template = "t1"\nrepeats = ', "line 2, column 11: is not TOML: Invalid value"),
         ("a = " + "[" * 3000, "nested too deeply"),
         ('process = "t1"\nmeasures = ["final x"]\n[[axes]]\nkey = "gap"\nvalues = [1]', "tells its own numbers"),
-        ('template = "t1"\nrepeats = 2\nmeasures = ["finl top"]', "line 3, column 13: measures[0]: came 'finl top'"),
+        ('template = "t1"\nrepeats = 2\nmeasures = ["finl top"]', "line 3, column 13: measures[0]: got 'finl top'"),
         ('template = "t1"\nrepeats = 2\nmeasures = ["first top > 1.2.3"]', "or 'first top > 0.3'"),
         (TWICE.format("a", "", "a", ""), "axes[1].key: a stands elsewhere, too"),
         (TWICE.format("a", 'name = "x"', "b", 'name = "x"'), "axes[0].name: another column of the table is called x"),
         (TWICE.format("a", 'name = "state"', "b", ""), "axes[0].name: another column of the table is called state"),
         (TWICE.format("a", "", "b", "") + "[fixed]\nb = 1", "axes[1].key: b stands elsewhere, too"),
         ('template = "t1"\nrepeats = 2\n[[axes]]\nkey = "seed"\nvalues = [1]', "repeats: each has a seed of its own"),
-        (SPAN.format('start = "1 mm", stop = "2 m"'), "or both with the same unit"),
-        (SPAN.format('start = "1 mm", stop = 2'), "or both with the same unit"),
-        (SPAN.format('start = "1 mm", stop = "2 mm", unit = "mm"'), "or both with the same unit"),
-        (SPAN.format("start = 1, stop = 2, count = 1"), "axes[0].span.count: came 1; wanted 2 or more"),
-        ('template = "t1"\n[[axes]]\nkey = "a"\nvalues = [nan]', "values[0]: came nan; wanted a finite number, text"),
-        ('template = "t1"\n[[axes]]\nrows = [[1]]', "axes[0]: wanted key, or keys with rows"),
+        (SPAN.format('start = "1 mm", stop = "2 m"'), "or two with one unit"),
+        (SPAN.format('start = "1 mm", stop = 2'), "or two with one unit"),
+        (SPAN.format('start = "1 mm", stop = "2 mm", unit = "mm"'), "or two with one unit"),
+        (SPAN.format("start = 1, stop = 2, count = 1"), "axes[0].span.count: got 1; expected 2 or more"),
+        ('template = "t1"\n[[axes]]\nkey = "a"\nvalues = [nan]', "values[0]: got nan; expected a finite number, text"),
+        ('template = "t1"\n[[axes]]\nrows = [[1]]', "axes[0]: expected key, or keys with rows"),
         ('template = "t1"\nrepeats = 2\n[cluster]\nwalltime = "1 h"', 'hours:minutes:seconds, such as "01:30:00"'),
     ],
 )

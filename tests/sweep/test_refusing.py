@@ -38,15 +38,15 @@ def test_a_scene_that_is_wrong_at_one_point_is_refused_before_anything_is_writte
         ),
         (
             'key = "floats[7].radius"\nvalues = ["1 mm"]',
-            "at floats[7].radius = '1 mm': floats is a list; wanted one of it",
+            "at floats[7].radius = '1 mm': floats is a list; expected one of it",
         ),
         (
             'key = "floats[0].count"\nspan = {start = 3, stop = 6}',
-            "wanted a whole number; whole = true in a span rounds",
+            "expected a whole number; whole = true in a span rounds",
         ),
         (
             'key = "liquid.viscosity"\nspan = {start = "1 kg", stop = "2 kg"}',
-            "'kg' measures mass, wanted mass / length",
+            "'kg' measures mass, expected mass / length",
         ),
         ('key = "model"\nvalues = ["sph"]', "cereal-bowl.toml: line 1, column 1: spacing: is missing"),
     ],
@@ -80,8 +80,8 @@ def test_tables_may_be_fixed(file, tmp_path):
 @pytest.mark.parametrize(
     ("given", "says"),
     [
-        ('key = "gap"\nvalues = ["wide"]', "at gap = 'wide': gap: came 'wide'; wanted a number"),
-        ('key = "forces"\nvalues = [[1, 2, 3]]', "forces: came a list of 3; wanted a list of numbers"),
+        ('key = "gap"\nvalues = ["wide"]', "at gap = 'wide': gap: got 'wide'; expected a number"),
+        ('key = "forces"\nvalues = [[1, 2, 3]]', "forces: got a list of 3; expected a list of numbers"),
         ('key = "reduced_force"\nvalues = [1e-3]', "the process t1 wants gap, which neither varies nor is fixed"),
     ],
 )
@@ -123,6 +123,6 @@ def test_damaged_files_of_a_sweep_are_told_in_a_line(tmp_path, text):
     job.asked.write_text(text)
     (again,) = laid_out(load_sweep(path), tmp_path / "out").jobs
     assert json.loads(again.asked.read_text())["settings"]["gap"] == 0.1
-    job.told.write_text("3")
+    job.result.write_text("3")
     with pytest.raises(StorageError, match=r"told\.json: damaged; delete it"):
         open_sweep(tmp_path / "out").table()

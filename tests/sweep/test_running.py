@@ -16,11 +16,11 @@ from ecume.cli import app
 from ecume.errors import Stopped
 from ecume.scenes.templates import copy_template
 from ecume.sweep import open_sweep, sweep
-from ecume.sweep.crews import Crew, _client, next_word
 from ecume.sweep.directory import existing_sweep, laid_out
+from ecume.sweep.executors import ExecutorOptions, _client, next_word
 from ecume.sweep.points import load_sweep
-from ecume.sweep.running import Outcome
-from ecume.sweep.working import work
+from ecume.sweep.runner import Outcome
+from ecume.sweep.worker import work
 
 
 def table(directory):
@@ -42,7 +42,7 @@ def test_only_what_is_missing_is_run(file, tmp_path):
     before = {path: path.stat().st_mtime_ns for path in (tmp_path / "out").rglob("DONE.json")}
     file.write_text(BOWLS.replace("[1, 2, 3, 4]", "[2, 3, 4, 5, 6]"))
     heard = []
-    assert sweep(file, tmp_path / "out", Crew(workers=1, progress=lambda *now: heard.append(now))).done == 5
+    assert sweep(file, tmp_path / "out", ExecutorOptions(workers=1, progress=lambda *now: heard.append(now))).done == 5
     assert heard == [(3, 5), (4, 5), (5, 5)]
     assert all(path.stat().st_mtime_ns == at for path, at in before.items())
     assert [row["seed"] for row in open_sweep(tmp_path / "out").table()] == [2, 3, 4, 5, 6]
@@ -50,20 +50,20 @@ def test_only_what_is_missing_is_run(file, tmp_path):
 
 def test_many_workers_make_the_same_table(file, tmp_path):
     sweep(file, tmp_path / "alone", ALONE)
-    assert sweep(file, tmp_path / "many", Crew(workers=2)).done == 4
+    assert sweep(file, tmp_path / "many", ExecutorOptions(workers=2)).done == 4
     assert table(tmp_path / "many") == table(tmp_path / "alone")
 
 
 @pytest.mark.compiled  # processes: once is enough
 def test_as_many_workers_of_dask_are_started_as_are_asked_for(file, tmp_path):
-    with _client(Crew(workers=3), laid_out(load_sweep(file), tmp_path / "out"), 3) as client:
+    with _client(ExecutorOptions(workers=3), laid_out(load_sweep(file), tmp_path / "out"), 3) as client:
         assert len(client.scheduler_info(n_workers=-1)["workers"]) == 3
 
 
 def test_a_worker_that_is_killed_loses_nothing(file, tmp_path):
     file.write_text(BOWLS.replace('"0.2 s"', '"10 s"'))
     jobs = laid_out(load_sweep(file), tmp_path / "out").jobs
-    call = f"from ecume.sweep.working import work; work({str(jobs[0].folder)!r})"
+    call = f"from ecume.sweep.worker import work; work({str(jobs[0].folder)!r})"
     with subprocess.Popen([sys.executable, "-c", call]) as worker:
         while not (jobs[0].run / "traj").exists() and worker.poll() is None:
             time.sleep(0.01)
@@ -79,7 +79,7 @@ def test_workers_of_dask_may_die(file, tmp_path):
     file.write_text(BOWLS.replace('"0.2 s"', '"10 s"'))
     out = tmp_path / "out"
     call = (
-        "from ecume.sweep.running import Crew, sweep\n"
+        "from ecume.sweep.runner import Crew, sweep\n"
         f"if __name__ == '__main__': print(sweep({str(file)!r}, {str(out)!r}, Crew(workers=2)).done)"
     )
     script = tmp_path / "call.py"
@@ -121,7 +121,7 @@ def test_a_scheduler_that_is_gone_is_told_in_a_line_with_code_75():
 
 def test_points_that_are_lost_are_no_success(file, tmp_path, monkeypatch):
     lost = Outcome(tmp_path, 3, [], 0, lost=1)
-    monkeypatch.setattr("ecume.sweep.running.sweep", lambda *_: lost)
+    monkeypatch.setattr("ecume.sweep.runner.sweep", lambda *_: lost)
     done = CliRunner().invoke(app, ["sweep", str(file)])
     assert done.exit_code == 75
     assert "1 of the points are missing" in done.stderr
@@ -169,10 +169,10 @@ def test_what_breaks_in_a_point_is_told_in_a_line_and_the_rest_goes_on(file, tmp
             raise ZeroDivisionError("nobody\nthought of it")
         (job.folder / "told.json").write_text("{}")
 
-    monkeypatch.setattr("ecume.sweep.working._scene", breaks)
-    monkeypatch.setattr("ecume.sweep.running.write_table", lambda sweeping: None)
+    monkeypatch.setattr("ecume.sweep.worker._scene", breaks)
+    monkeypatch.setattr("ecume.sweep.runner.write_table", lambda sweeping: None)
     heard = []
-    done = sweep(file, tmp_path / "out", Crew(workers=1, failed=lambda *now: heard.append(now)))
+    done = sweep(file, tmp_path / "out", ExecutorOptions(workers=1, failed=lambda *now: heard.append(now)))
     assert done.done == 3
     assert done.failed == heard
     assert heard[0][1] == "ZeroDivisionError: nobody thought of it"
@@ -215,7 +215,7 @@ def test_a_run_that_another_process_holds_is_left_to_it(file, tmp_path):
     (first.run / "manifest.json").write_text('{"ecume": "0"}')
     call = (
         "import time; from pathlib import Path; from ecume.run.directory import RunDirectory as R\n"
-        "from ecume.run.locking import held\n"
+        "from ecume.run.lock import held\n"
         f"with held(R(Path({str(first.run)!r}))): print('held', flush=True); time.sleep(60)"
     )
     with subprocess.Popen([sys.executable, "-c", call], stdout=subprocess.PIPE, text=True) as other:
@@ -243,7 +243,7 @@ def test_the_verb_tells_how_it_ends(file, tmp_path, monkeypatch):
     assert told.stdout == "sweeps/bowls: 4 done, 0 failed, 0 running, 0 missing\n"
     twice = runner.invoke(app, ["sweep", "bowls.toml", "--slurm", "--workers", "2"])
     assert twice.exit_code == 2
-    assert "wanted one of --workers" in twice.stderr
+    assert "expected one of --workers" in twice.stderr
     drawn = runner.invoke(app, ["plot", "sweeps/bowls"])
     assert drawn.exit_code == 0
     assert (tmp_path / "sweeps/bowls/curves.png").exists()

@@ -12,7 +12,7 @@ from ecume.errors import BadInput
 from ecume.sweep import open_sweep, sweep
 from ecume.sweep.directory import laid_out
 from ecume.sweep.points import load_sweep
-from ecume.sweep.standing import remaining, standing
+from ecume.sweep.status import remaining, standing
 
 
 class Frames:
@@ -54,7 +54,7 @@ def test_an_axis_keeps_its_numbers_where_a_process_tells_them_again(tmp_path):
     path = tmp_path / "t1.toml"
     path.write_text('process = "t1"\n[[axes]]\nkey = "reduced_force"\nvalues = [1e-2]\n[fixed]\ngap = 0.1')
     (job,) = laid_out(load_sweep(path), tmp_path / "out").jobs
-    job.told.write_text('{"duration": 1.0, "reduced_force": 0.009999999999999998}')
+    job.result.write_text('{"duration": 1.0, "reduced_force": 0.009999999999999998}')
     (row,) = open_sweep(tmp_path / "out").table()
     assert row["reduced_force"] == 1e-2
 

@@ -8,20 +8,20 @@ import shutil
 from pathlib import Path
 
 from ecume.errors import StorageError
-from ecume.run import Habits, RunDirectory, checkpoints, repair, resume, run
+from ecume.run import RunDirectory, RunOptions, checkpoints, repair, resume, run
 from ecume.run.directory import existing
 from ecume.trajectories.reader import open_trajectory
 
 from .trials import ONE_THREAD, Outcome, Trial, ended, forked, go_on, results, scene_of, times, warmed
 
-OFTEN = Habits(threads=1, checkpoint_every=0.0)
+OFTEN = RunOptions(threads=1, checkpoint_every=0.0)
 
 
 def full_disk(scale: float, folder: Path) -> Outcome:
     """No file may grow beyond a size: one line, code 4, and after room is made the same end."""
     scene = scene_of("floating", "5 s")
     warmed("floating")
-    run(scene, folder / "roomy", habits=ONE_THREAD)
+    run(scene, folder / "roomy", options=ONE_THREAD)
     largest = max(path.stat().st_size for path in (folder / "roomy").rglob("*") if path.is_file())
     tried, survived = times(scale, 20), 0
     for number in range(tried):
@@ -38,13 +38,13 @@ def _bounded(scene: object, home: Path, size: int) -> None:
 
     signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
     resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
-    run(scene, home, habits=OFTEN)
+    run(scene, home, options=OFTEN)
 
 
 def checkpoints_damaged(scale: float, folder: Path) -> Outcome:
     """The newest checkpoint is cut or has a byte changed: it is set aside, and the run ends as it would have."""
     scene, chance = scene_of("floating", "2 s"), random.Random(6)
-    run(scene, folder / "run", habits=OFTEN)
+    run(scene, folder / "run", options=OFTEN)
     (folder / "run" / "DONE.json").unlink()
     whole = results(folder / "run")
     tried, survived = times(scale, 200), 0
@@ -53,7 +53,7 @@ def checkpoints_damaged(scale: float, folder: Path) -> Outcome:
         shutil.copytree(folder / "run", home.path)
         newest = checkpoints.newest_first(home)[0]
         newest.write_bytes(damaged(newest.read_bytes(), chance))
-        resume(home.path, habits=ONE_THREAD)
+        resume(home.path, options=ONE_THREAD)
         survived += results(home.path) == whole
         shutil.rmtree(home.path)
     return Outcome(tried, survived, "the end is the same")
@@ -71,7 +71,7 @@ def damaged(content: bytes, chance: random.Random) -> bytes:
 def trajectories_damaged(scale: float, folder: Path) -> Outcome:
     """After `repair` whole frames are the former ones, and what is not is named."""
     scene, chance = scene_of("floating", "5 s"), random.Random(7)
-    run(scene, folder / "run", habits=ONE_THREAD)
+    run(scene, folder / "run", options=ONE_THREAD)
     with open_trajectory(folder / "run") as trajectory:
         former = list(trajectory)
     path = existing(folder / "run").trajectory / "0000.gsd"
@@ -120,7 +120,7 @@ def left_behind(scale: float, folder: Path) -> Outcome:
         home = folder / golden.parent.name / golden.name
         shutil.copytree(golden, home)
         before = _frames(home)
-        done = resume(home, habits=ONE_THREAD)
+        done = resume(home, options=ONE_THREAD)
         survived += done.frames > before > 1 and (home / "DONE.json").exists() and _alike(home, golden, before)
     return Outcome(len(homes), survived, ", ".join(sorted({path.parent.name for path in homes})))
 

@@ -12,11 +12,11 @@ from pathlib import Path
 from typing import Any
 
 from ecume.errors import RunExists
-from ecume.run import Habits, RunDirectory, checkpoints, info, resume, run
+from ecume.run import RunDirectory, RunOptions, checkpoints, info, resume, run
 from ecume.run.checkpoints import Checkpoint
 from ecume.simulation import moments
 from ecume.trajectories.reader import open_trajectory
-from ecume.trajectories.recorders import Recorder
+from ecume.trajectories.recorder import Recorder
 
 from .trials import ONE_THREAD, SCENES, Outcome, Trial, ended, forked, go_on, results, scene_of, times, until, warmed
 
@@ -28,7 +28,7 @@ def killed(model: str) -> Callable[[float, Path], Outcome]:
         kills, scene, chance = times(scale, 50), scene_of(model), random.Random(model)
         warmed(model)
         began = time.monotonic()
-        run(scene, folder / "alone", habits=ONE_THREAD)
+        run(scene, folder / "alone", options=ONE_THREAD)
         took, tried = time.monotonic() - began, 0
         for _ in range(kills):
             child = forked(lambda: go_on(scene, folder / "killed"))
@@ -85,9 +85,9 @@ def asked_to_stop(scale: float, folder: Path) -> Outcome:
     """Signals leave a checkpoint and code 75 within two seconds; the end is the same."""
     scene = scene_of("floating")
     warmed("floating")
-    run(scene, folder / "alone", habits=ONE_THREAD)
+    run(scene, folder / "alone", options=ONE_THREAD)
     chance, tried, stopped = random.Random(3), 0, 0
-    slow = Habits(threads=1, checkpoint_every=1e9)
+    slow = RunOptions(threads=1, checkpoint_every=1e9)
     for number in range(times(scale, 30)):
         name = ("SIGTERM", "SIGINT", "SIGUSR1")[number % 3]
         before = sessions(folder / "asked")
@@ -119,7 +119,7 @@ def two_at_once(scale: float, folder: Path) -> Outcome:
     """A second run in the same directory is refused; a lock whose owner was killed is taken over."""
     scene = scene_of("floating")
     warmed("floating")
-    child = forked(lambda: run(scene, folder / "run", habits=ONE_THREAD))
+    child = forked(lambda: run(scene, folder / "run", options=ONE_THREAD))
     until(lambda: info_state(folder / "run") == "running")
     tried, refused = times(scale, 50), 0
     for number in range(tried):
@@ -132,8 +132,8 @@ def two_at_once(scale: float, folder: Path) -> Outcome:
         refused += 1
     os.kill(child, signal.SIGKILL)
     ended(child)
-    resume(folder / "run", habits=ONE_THREAD)
-    run(scene, folder / "alone", habits=ONE_THREAD)
+    resume(folder / "run", options=ONE_THREAD)
+    run(scene, folder / "alone", options=ONE_THREAD)
     same = results(folder / "run") == results(folder / "alone")
     return Outcome(tried, refused if same else 0, "then taken over from the dead")
 
@@ -150,7 +150,7 @@ def read_while_written(scale: float, folder: Path) -> Outcome:
     """Readers beside a writer see whole frames only."""
     scene = scene_of("floating")
     warmed("floating")
-    child = forked(lambda: run(scene, folder / "run", habits=ONE_THREAD))
+    child = forked(lambda: run(scene, folder / "run", options=ONE_THREAD))
     until(lambda: info_state(folder / "run") == "running")
     tried, good = times(scale, 500), 0
     for _ in range(tried):

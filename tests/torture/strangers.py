@@ -73,7 +73,7 @@ def _page(title: str, folder: Path) -> tuple[str, Path]:
 
     scene = dataclasses.replace(scene_of("floating", "0.1 s"), title=title)
     home = folder / f"{len(list(folder.iterdir()))} {''.join(one for one in title if one in string.ascii_letters)}"
-    run(scene, home, habits=ONE_THREAD)
+    run(scene, home, options=ONE_THREAD)
     return save_page(home, home / "page.html", 5.0).path.read_text(encoding="utf-8"), home
 
 
@@ -82,10 +82,10 @@ def strangers(scale: float, folder: Path) -> Outcome:
     from ecume.show.view.live import Source, serving
 
     warmed("floating")
-    run(scene_of("floating", "0.1 s"), folder / "run", habits=ONE_THREAD)
+    run(scene_of("floating", "0.1 s"), folder / "run", options=ONE_THREAD)
     stopped: list[bool] = []
     source = Source(folder / "run", lambda: "running", lambda: stopped.append(True))
-    source.told = True
+    source.end_reported = True
     with serving(source) as address:
         port = urlsplit(address).port or 0
         ours = _code(port, "GET", f"/?token={source.token}", {}) == 200

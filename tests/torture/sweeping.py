@@ -14,7 +14,7 @@ from pathlib import Path
 
 from ecume.errors import Stopped
 from ecume.sweep import open_sweep, sweep
-from ecume.sweep.crews import Crew
+from ecume.sweep.executors import ExecutorOptions
 
 from .trials import Outcome, Trial, ended, forked, times, until, warmed
 
@@ -35,7 +35,7 @@ def swept(scale: float, folder: Path) -> Outcome:
     file = folder / "bowls.toml"
     file.write_text(SWEEP.format(seeds=list(range(1, points + 1))))
     warmed("floating")
-    alone = Crew(workers=1)
+    alone = ExecutorOptions(workers=1)
     chance = random.Random(5)
     for _ in range(max(2, points // 4)):
         child = forked(lambda: sweep(file, folder / "killed", alone))
@@ -67,10 +67,10 @@ def swept_by_dask(scale: float, folder: Path) -> Outcome:
     """
     file, killed = folder / "durations.toml", folder / "killed"
     file.write_text(T1.format(gaps=times(scale, 50)))
-    points = sweep(file, folder / "alone", Crew(workers=1)).done
+    points = sweep(file, folder / "alone", ExecutorOptions(workers=1)).done
     codes = []
     for kills in (((0.2, "worker"), (0.4, "scheduler")), ((0.6, "everything"),)):
-        with crew(folder) as (found, address):
+        with options(folder) as (found, address):
             found["sweep"] = [issued(file, killed, "--scheduler", address)]
             for part, victim in kills:
                 until(lambda part=part: points_done(killed) >= part * points)
@@ -98,7 +98,7 @@ Processes = dict[str, list["subprocess.Popen[bytes]"]]
 
 
 @contextlib.contextmanager
-def crew(folder: Path) -> Iterator[tuple[Processes, str]]:
+def options(folder: Path) -> Iterator[tuple[Processes, str]]:
     """A scheduler of Dask with two workers, in processes of their own, and its address; in the end all are dead."""
     known = folder / "scheduler.json"
     known.unlink(missing_ok=True)

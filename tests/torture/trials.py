@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from ecume.errors import EcumeError
-from ecume.run import Habits, RunDirectory, checkpoints, resume, run
+from ecume.run import RunDirectory, RunOptions, checkpoints, resume, run
 from ecume.scenes.load import load_scene
 
 DEFECT, SURPRISED = 70, 71
@@ -112,7 +112,7 @@ SCENES = {
     "tracers": (TRACERS, "1 s"),
 }
 """Of each model a scene, and how long it lasts in the whole."""
-ONE_THREAD = Habits(threads=1, checkpoint_every=0.05)
+ONE_THREAD = RunOptions(threads=1, checkpoint_every=0.05)
 
 
 def scene_of(model: str, duration: str | None = None) -> Any:
@@ -176,12 +176,12 @@ def until(condition: Callable[[], bool]) -> None:
         time.sleep(0.005)
 
 
-def go_on(scene: Any, folder: Path, habits: Habits = ONE_THREAD) -> None:
+def go_on(scene: Any, folder: Path, options: RunOptions = ONE_THREAD) -> None:
     """Resume a run, or begin it where it did not come to a manifest."""
     if RunDirectory(folder).manifest.exists():
-        resume(folder, habits=habits)
+        resume(folder, options=options)
     else:
-        run(scene, folder, force=folder.exists(), habits=habits)
+        run(scene, folder, force=folder.exists(), options=options)
 
 
 def results(folder: Path) -> dict[str, bytes]:

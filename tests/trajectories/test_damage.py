@@ -14,7 +14,7 @@ from some_frames import same
 from ecume.errors import StorageError
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import Trajectory, open_trajectory
-from ecume.trajectories.recorders import Recorder
+from ecume.trajectories.recorder import Recorder
 from ecume.trajectories.repair import repair
 
 Frames = Callable[..., list[Frame]]

@@ -21,7 +21,7 @@ from some_frames import frame_at, same
 from ecume.errors import BadInput, StorageError
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import Trajectory, open_trajectory
-from ecume.trajectories.recorders import Recorder
+from ecume.trajectories.recorder import Recorder
 
 Frames = Callable[..., list[Frame]]
 Recorded = Callable[..., Path]
@@ -170,14 +170,14 @@ def test_other_quantities_begin_another_segment(tmp_path: Path, frames: Frames) 
 @pytest.mark.parametrize("kind", [np.float32, np.int32, bool, complex])
 def test_arrays_that_could_not_come_back_are_refused(tmp_path: Path, frames: Frames, kind: type) -> None:
     frame = frames(1)[0]
-    with Recorder(tmp_path) as recorder, pytest.raises(BadInput, match="wanted float64 or int64"):
+    with Recorder(tmp_path) as recorder, pytest.raises(BadInput, match="expected float64 or int64"):
         recorder.write(frame._replace(arrays={**frame.arrays, "mass": np.ones(6, kind)}), 0)
     assert not list(tmp_path.iterdir())
 
 
 def test_reading_and_writing_frames_waits_for_no_compiler() -> None:
     code = (
-        "import sys; import ecume.trajectories.reader, ecume.trajectories.recorders, ecume.trajectories.exports;"
+        "import sys; import ecume.trajectories.reader, ecume.trajectories.recorder, ecume.trajectories.exports;"
         "assert not {'numba', 'h5py', 'pydantic', 'matplotlib'} & sys.modules.keys()"
     )
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
@@ -189,7 +189,7 @@ import os, sys
 from pathlib import Path
 sys.path.insert(0, {here!r})
 from some_frames import frame_at
-from ecume.trajectories.recorders import Recorder
+from ecume.trajectories.recorder import Recorder
 for line in sys.stdin:
     if not (child := os.fork()):
         with Recorder(Path(line.strip()), largest=60_000) as recorder:

@@ -12,13 +12,10 @@ import ecume.validation
 from ecume.errors import Diverged
 from ecume.laws import drag
 from ecume.trajectories.frame import Frame
-from ecume.validation import CASES, motion
-from ecume.validation.integrators import compare as integrators
-from ecume.validation.meeting import compare as meeting
-from ecume.validation.rest import compare as rest
-from ecume.validation.walls import compare as walls
+from ecume.validation import CASES, float_motion, integrators, meeting, rest, walls
 
 HOME = Path(ecume.validation.__file__).parent
+DATA = HOME / "data"
 ROOT = Path(__file__).parents[2]
 
 
@@ -32,11 +29,11 @@ def missed(rows):
 
 
 def test_every_folder_is_a_case_and_says_where_its_numbers_are_from():
-    folders = {path.name for path in HOME.iterdir() if path.is_dir() and path.name != "__pycache__"}
+    folders = {path.name for path in DATA.iterdir()}
     assert folders == {folder(name) for name in CASES}
     for name, case in CASES.items():
         assert case.name == name
-        assert (HOME / folder(name) / "README.md").read_text(encoding="utf-8").startswith("# ")
+        assert (DATA / folder(name) / "README.md").read_text(encoding="utf-8").startswith("# ")
 
 
 def test_every_paper_that_a_case_cites_is_in_the_bibliography():
@@ -45,7 +42,7 @@ def test_every_paper_that_a_case_cites_is_in_the_bibliography():
     )
     for name in CASES:
         cited = set(
-            re.findall(r"\[([a-z]+[0-9]{4})\b", (HOME / folder(name) / "README.md").read_text(encoding="utf-8"))
+            re.findall(r"\[([a-z]+[0-9]{4})\b", (DATA / folder(name) / "README.md").read_text(encoding="utf-8"))
         )
         assert cited <= known
 
@@ -93,8 +90,8 @@ def test_a_friction_one_part_in_a_hundred_off_is_seen(monkeypatch):
 
 @pytest.mark.compiled
 def test_a_wall_of_the_wrong_sign_is_seen(monkeypatch):
-    right = motion.Bowl
-    monkeypatch.setattr(motion, "Bowl", lambda radius, angle, liquid: right(radius, 3.14159 - angle, liquid))
+    right = float_motion.Bowl
+    monkeypatch.setattr(float_motion, "Bowl", lambda radius, angle, liquid: right(radius, 3.14159 - angle, liquid))
     assert missed([walls.drift("heavy", "wetting", 25.0, False)])
 
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from ecume.validation.raft.compare import raft
+from ecume.validation.raft import raft
 
 
 @pytest.mark.compiled

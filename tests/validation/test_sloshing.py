@@ -8,8 +8,8 @@ from scipy.integrate import solve_ivp
 
 from ecume.laws.sloshing import Shake, Tank, sloshing_height, sloshing_mode
 from ecume.laws.waves import wave_frequency
-from ecume.scenes.load import load_scene
-from ecume.validation.sloshing import compare as case
+from ecume.validation import sloshing as case
+from ecume.validation.runner import case_scene
 
 
 @pytest.mark.parametrize(("mode", "viscosity"), [(1, 0.0), (3, 0.01), (5, 0.2)])
@@ -34,15 +34,15 @@ def test_a_slow_pull_tilts_the_surface_until_it_is_level_again():
 
 
 def test_the_case_sees_a_wave_that_is_too_low_too_slow_or_hits_walls():
-    scene = load_scene(case.SCENE)
+    scene = case_scene("sloshing")
     times = np.arange(0.0, 15.0, 0.1)
     exact = case.series(times, scene)
     late = np.where(times >= case.SETTLED, 0.0, 0.01)
     good = case.Rise(times, 0.98 * exact + late, exact, 0.0)
-    assert all(row.met for row in case.told(good, 32))
+    assert all(row.met for row in case.rows_of(good, 32))
     for broken in (
         good._replace(computed=0.9 * exact),
         good._replace(computed=case.series(1.03 * times, scene)),
         good._replace(hits=1.0),
     ):
-        assert not all(row.met for row in case.told(broken, 32))
+        assert not all(row.met for row in case.rows_of(broken, 32))

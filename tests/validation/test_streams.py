@@ -4,10 +4,7 @@ import numpy as np
 import pytest
 
 from ecume.trajectories.frame import Frame
-from ecume.validation.cavity import compare as cavity
-from ecume.validation.drops import compare as drops
-from ecume.validation.patch import compare as patch
-from ecume.validation.poiseuille import compare as poiseuille
+from ecume.validation import cavity, drops, patch, poiseuille
 
 
 def frame_of(position, velocity=None, mass=None):

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from ecume.trajectories.frame import Frame
-from ecume.validation.dam_break import compare as dam
-from ecume.validation.standing_wave import compare as wave
-from ecume.validation.tank import compare as tank
+from ecume.validation import dam_break as dam
+from ecume.validation import standing_wave as wave
+from ecume.validation import tank
 
 WELL = tank.Rest(error=0.004, largest=0.01, from_column=0.004, speed=1e-5, center=0.5, hits=0.0, there=256)
 
@@ -27,12 +27,12 @@ WELL = tank.Rest(error=0.004, largest=0.01, from_column=0.004, speed=1e-5, cente
 )
 def test_each_fault_of_a_tank_is_seen_in_its_own_row(fault, named):
     frames = [WELL] * 30 + [WELL._replace(**fault)] * 10
-    (missed,) = [row.name for row in tank.told("a tank", frames) if not row.met]
+    (missed,) = [row.name for row in tank.rows_of("a tank", frames) if not row.met]
     assert named in missed
 
 
 def test_a_tank_without_faults_is_met_and_one_that_creeps_is_told():
-    assert all(row.met for row in tank.told("a tank", [WELL] * 40))
+    assert all(row.met for row in tank.rows_of("a tank", [WELL] * 40))
     assert tank.creep([WELL._replace(center=0.5 + 1e-5 * n) for n in range(40)]) == pytest.approx(9e-5)
 
 

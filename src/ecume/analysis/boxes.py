@@ -81,7 +81,7 @@ def nearest(between: Array, box: Box | None) -> Array:
 
 
 def _in_sides(along: Array, sides: Array) -> Array:
-    """How many sides long something is; nothing where there is no side."""
+    """A length over the side of the box; zero along an axis without a side."""
     return np.asarray(np.divide(along, sides, out=np.zeros_like(along), where=sides > 0.0))
 
 

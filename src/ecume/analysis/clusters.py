@@ -21,7 +21,7 @@ Integers = NDArray[np.int64]
 
 
 class Clusters(NamedTuple):
-    """Who belongs to which cluster; a float that touches nobody is a cluster of one."""
+    """The assignment of floats to clusters; a float that touches no other is a cluster of one."""
 
     labels: Integers
     """The cluster of each float, numbered from 0."""

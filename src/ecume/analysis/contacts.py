@@ -1,4 +1,4 @@
-"""Who is close to whom: gaps, their distribution, and how many neighbors a particle has."""
+"""Close pairs of particles: gaps, their distribution, and coordination numbers."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Near(NamedTuple):
 
 
 class Distribution(NamedTuple):
-    """How often gaps lie where: the integral of `density` over ln(gap) is 1."""
+    """The distribution of gaps: the integral of `density` over ln(gap) is 1."""
 
     edges: Array
     """(B + 1,) m"""
@@ -39,7 +39,7 @@ class Distribution(NamedTuple):
 
 
 def near_pairs(frame: Frame, reach: Length, box: Box | None = None) -> Near:
-    """All pairs whose undeformed surfaces are less than `reach` apart, in frames of any model with radii.
+    """The pairs whose undeformed surfaces are less than `reach` apart, in frames of any model with radii.
 
     The box is that of the frame, if it tells of one. Overlapping surfaces have negative gaps.
     """
@@ -99,7 +99,7 @@ def gap_distribution(gap: Array, bins: int = 30, span: tuple[Length, Length] | N
 def coordination(
     frame: Frame, *, gap: Length | None = None, force: Force | None = None, box: Box | None = None
 ) -> Array:
-    """How many neighbors each particle has, (N,).
+    """The number of neighbors of each particle, (N,).
 
     `gap`: with a gap narrower than this, by the films of a frame where it tells of them. `force`: whose film presses
     with more than this force; for frames of soft spheres.
@@ -128,6 +128,6 @@ def volume_fraction(frame: Frame, box: Box | None = None) -> float:
 
 
 def branches(frame: Frame, pairs: Integers, box: Box | None = None) -> Array:
-    """From each pair's first center to the nearest copy of the second's, (C, d) m."""
+    """The branch vectors from each pair's first center to the nearest copy of the second's, (C, d) m."""
     position = frame.arrays["position"]
     return nearest(position[pairs[:, 1]] - position[pairs[:, 0]], box or box_of(frame))

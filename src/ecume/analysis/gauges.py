@@ -29,7 +29,7 @@ def points_along(start: Sequence[float], end: Sequence[float], count: int) -> Ar
 
 
 def filled(frame: Frame, points: Array, reach: Length) -> Array:
-    """How much of each point's surroundings is liquid: 1 inside, 1/2 at a surface or a wall, 0 outside."""
+    """The filled fraction of each point's surroundings: 1 inside, 1/2 at a surface or a wall, 0 outside."""
     return added(*_near(frame, points, reach))
 
 
@@ -51,7 +51,7 @@ def linear_values_at(frame: Frame, name: str, points: Array, reach: Length) -> A
 
 
 def wall_pressure(frame: Frame, sensor: Array, reach: Length) -> float:
-    """What a pressure sensor in a wall reads (Pa): the mean over its face, `sensor` being points on it (n, d).
+    """The reading of a pressure sensor in a wall (Pa): the mean over its face, `sensor` being points on it (n, d).
 
     Zero where the face is dry; a liquid that has not come pushes nothing.
     """
@@ -72,7 +72,7 @@ def water_level(frame: Frame, places: Array, reach: Length) -> Array:
 
 
 def wave_amplitude(frame: Frame, wavenumber: float, length: Length) -> float:
-    """How high the wave cos(k x) stands in a tank of this length (m), from the liquid's distribution along x.
+    """The amplitude of the wave cos(k x) in a tank of this length (m), from the liquid's distribution along x.
 
     (2/L) sum_j V_j cos(k x_j), which is (2/L) times the integral of the level times cos(k x); in a plane.
     """
@@ -81,13 +81,13 @@ def wave_amplitude(frame: Frame, wavenumber: float, length: Length) -> float:
 
 
 def _near(frame: Frame, points: Array, reach: Length, position: Array | None = None) -> tuple[Near, Array]:
-    """Who is near each point, and the weight of each pair: volume times kernel."""
+    """The particles near each point, and the weight of each pair: volume times kernel."""
     position = frame.arrays["position"] if position is None else position
     points = np.asarray(points, dtype=float)
     if not reach > 0.0:
-        raise BadInput(f"reach: came {reach:g} m; wanted the kernel's support, about four spacings")
+        raise BadInput(f"reach: got {reach:g} m; expected the kernel's support, about four spacings")
     if points.ndim != 2 or points.shape[1] != position.shape[1]:
-        raise BadInput(f"points: came shape {points.shape}; wanted (points, {position.shape[1]})")
+        raise BadInput(f"points: got shape {points.shape}; expected (points, {position.shape[1]})")
     shape = kernel(KERNEL, dim=position.shape[1])
     pairs = near(points, position, reach)
     volume = frame.arrays["mass"] / frame.arrays["density"]

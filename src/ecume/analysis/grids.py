@@ -1,4 +1,4 @@
-"""From particles to regular grids: fields that can be drawn as images, compared with other codes, or averaged."""
+"""Fields of particles on regular grids, to be drawn as images, compared with other codes, or averaged."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ class Grid(NamedTuple):
 
     @property
     def shape(self) -> tuple[int, ...]:
-        """How many nodes there are along each axis."""
+        """The number of nodes along each axis."""
         return tuple(len(axis) for axis in self.axes)
 
     @property
     def points(self) -> Array:
-        """All nodes, (n, d), the last axis running fastest."""
+        """The nodes, (n, d), with the last axis running fastest."""
         return np.stack([axis.ravel() for axis in np.meshgrid(*self.axes, indexing="ij")], axis=1)
 
 
@@ -60,5 +60,5 @@ def linear_on_grid(frame: Frame, name: str, grid: Grid, reach: Length) -> Array:
 
 
 def filled_on_grid(frame: Frame, grid: Grid, reach: Length) -> Array:
-    """How much of each node's surroundings is liquid, shape grid.shape."""
+    """The filled fraction of each node's surroundings, shape grid.shape."""
     return filled(frame, grid.points, reach).reshape(grid.shape)

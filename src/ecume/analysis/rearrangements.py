@@ -46,7 +46,7 @@ class Swap(NamedTuple):
 
     @property
     def duration(self) -> float:
-        """From the loss to the gain (s); negative where the new contact closed before the old one opened."""
+        """The time from loss to gain (s); negative where the new contact closed before the old one opened."""
         return self.gain - self.loss
 
 
@@ -187,7 +187,7 @@ def matched(place: _Place, fresh: Iterable[Pair], absent: Iterable[Pair], known:
 
 
 class _Place(NamedTuple):
-    """Where particles are."""
+    """The positions of particles."""
 
     position: Array
     box: Box | None
@@ -198,7 +198,7 @@ class _Place(NamedTuple):
         return np.asarray(first + 0.5 * nearest((second - first)[None], self.box)[0])
 
     def between(self, one: Pair, other: Pair) -> float:
-        """How far the middles of two pairs are apart."""
+        """The distance between the middles of two pairs."""
         return float(np.linalg.norm(nearest((self.middle(other) - self.middle(one))[None], self.box)))
 
 
@@ -207,7 +207,7 @@ def _place_of(frame: Frame, box: Box | None) -> _Place:
 
 
 class _Contacts(NamedTuple):
-    """Who is in contact, and who parted or met without another pair to go with as yet, and when."""
+    """The present contacts, and the pairs that parted or met without another pair to match yet, with times."""
 
     linked: set[Pair]
     parted: dict[Pair, float]
@@ -234,7 +234,7 @@ def contact_swaps(frames: Iterable[Frame], *, touch: float, apart: float, box: B
     between frames. For films and in space, where borders do not say who is a neighbor.
     """
     if not touch <= apart:
-        raise BadInput(f"two meet below a gap of {touch:g} m and part above {apart:g} m; wanted touch <= apart")
+        raise BadInput(f"two meet below a gap of {touch:g} m and part above {apart:g} m; expected touch <= apart")
     contacts = _Contacts(set(), {}, {})
     events: list[Swap] = []
     before: _Gaps | None = None
@@ -268,7 +268,7 @@ def _meet(contacts: _Contacts, span: tuple[_Gaps, _Gaps], touch: float) -> None:
 
 
 def _crossing(span: tuple[_Gaps, _Gaps], pair: Pair, level: float) -> float:
-    """When a gap passed a level."""
+    """The time at which a gap passed a level."""
     start, end = (gaps.of(pair) - level for gaps in span)
     part = start / (start - end) if start != end else 1.0
     return span[0].time + min(max(part, 0.0), 1.0) * (span[1].time - span[0].time)

@@ -1,4 +1,4 @@
-"""Stress, viscosity, friction and moduli, from what frames of a sheared box tell."""
+"""Rheology of packings: stress, viscosity, friction and moduli of sheared boxes, and delays before yielding."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def stress_tensor(frame: Frame, part: str = "total") -> Array:
     tensor = np.zeros((dimensions, dimensions))
     parts = (part,) if part != "total" else tuple(one for one in PARTS if f"stress_{one}_xx" in frame.numbers)
     if not parts or any(f"stress_{one}_xx" not in frame.numbers for one in parts):
-        raise BadInput(f"the frames tell of no stress called {part!r}; wanted total, or one of {', '.join(PARTS)}")
+        raise BadInput(f"the frames tell of no stress called {part!r}; expected total, or one of {', '.join(PARTS)}")
     for one in parts:
         for i, j in np.ndindex(dimensions, dimensions):
             tensor[i, j] += frame.numbers[f"stress_{one}_{AXES[i]}{AXES[j]}"]
@@ -111,7 +111,7 @@ def _quotient(above: Mean, below: Mean, factor: float) -> Mean:
 
 
 class Moduli(NamedTuple):
-    """What a small oscillation tells: how much of the stress is in phase with strain, and with the rate of strain."""
+    """The moduli of a small oscillation: the stress in phase with strain, and with the rate of strain."""
 
     storage: Mean
     """G' (Pa, in a layer N/m)"""
@@ -133,11 +133,11 @@ def moduli(time: Array, strain: Array, stress: Array, period: Time) -> Moduli:
     """
     whole = math.floor((time[-1] - time[0]) / period * (1.0 + 1e-9))
     if whole < 1:
-        raise BadInput(f"wanted a whole period of {period:g} s; these times span {time[-1] - time[0]:g} s")
+        raise BadInput(f"expected a whole period of {period:g} s; these times span {time[-1] - time[0]:g} s")
     turn = np.floor((time[-1] - time) / period + 1e-9).astype(int)
     fewest = int(np.bincount(turn)[:whole].min())
     if fewest < FEWEST:
-        raise BadInput(f"wanted {FEWEST} instants or more in a period of {period:g} s; came {fewest}")
+        raise BadInput(f"expected {FEWEST} instants or more in a period of {period:g} s; got {fewest}")
     steady = [_without_drift(time, values, turn, whole) for values in (strain, stress)]
     found = [[_harmonics(time[turn == n], values[turn == n], period) for values in steady] for n in range(whole)]
     strains, stresses = np.array(found).transpose(1, 0, 2)
@@ -171,3 +171,46 @@ def _over_periods(values: Array, own: float) -> Mean:
     if len(values) == 1:
         return Mean(float(values[0]), own)
     return Mean(float(values.mean()), float(values.std(ddof=1) / math.sqrt(len(values))))
+
+
+YIELDED = 0.1
+"""Of strain since the step: well beyond what surfaces give way, well before steady flow."""
+
+
+def yield_delay(frames: Sequence[Frame], step: Time, strain: Number = YIELDED) -> Time:
+    """The delay from a step of stress to a strain of this size, either way; infinite where it is never reached.
+
+    >>> frames = [Frame(t, {}, {"strain": 0.05 * max(t - 2.0, 0.0)}, {}) for t in (0.0, 1.0, 2.0, 3.0, 6.0)]
+    >>> yield_delay(frames, step=1.0)
+    3.0
+    """
+    time, crept = creep(frames, step)
+    beyond = np.flatnonzero(crept >= strain)
+    if not len(beyond):
+        return math.inf
+    last = int(beyond[0])
+    return float(np.interp(strain, crept[last - 1 : last + 1], time[last - 1 : last + 1]))
+
+
+def least_rate(frames: Sequence[Frame], step: Time, strain: Number = YIELDED) -> Time:
+    """The time after a step of stress at which creep is slowest before this strain is reached: there slowing down ends.
+
+    Half-way between the two frames around it; infinite where the strain is never reached.
+    """
+    time, crept = creep(frames, step)
+    beyond = np.flatnonzero(crept >= strain)
+    if not len(beyond):
+        return math.inf
+    end = int(beyond[0]) + 1
+    slowest = int(np.argmin(np.diff(crept[:end]) / np.diff(time[:end])))
+    return float(0.5 * (time[slowest] + time[slowest + 1]))
+
+
+def creep(frames: Sequence[Frame], step: Time) -> tuple[Array, Array]:
+    """The time since a step of stress, and the strain since then in the sense in which it ends."""
+    now, strain = times(frames), *series(frames, number("strain"))
+    after = now >= step * (1.0 - 1e-9)
+    if after.sum() < 2:
+        raise BadInput(f"expected two frames or more from the step at {step:g} s on; got {int(after.sum())}")
+    crept = strain[after] - strain[after][0]
+    return now[after] - step, math.copysign(1.0, crept[-1]) * crept

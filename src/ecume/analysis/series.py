@@ -40,7 +40,7 @@ def number(name: str) -> Callable[[Frame], float]:
 
 
 def tracks(frames: Iterable[Frame]) -> Array:
-    """Where each float was: shape (frames, floats, 2), in m."""
+    """The positions of floats over time: shape (frames, floats, 2), in m."""
     return np.stack([frame.arrays["position"] for frame in frames])
 
 

@@ -1,4 +1,4 @@
-"""How floats are arranged, and how far they wander: hexatic order, pair distribution, shapes of rafts, paths."""
+"""The arrangement of floats, and their paths: hexatic order, pair distribution, shapes of rafts."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ def pair_distribution(frames: Sequence[Frame], edges: Array, region: Region) -> 
     """
     widest = 2.0 * region.radius if region.radius > 0.0 else min(region.size)
     if not (region.area > 0.0 and np.all(np.diff(edges) > 0.0) and edges[0] >= 0.0 and edges[-1] <= widest):
-        raise BadInput(f"edges: wanted distances that rise from 0 to at most {widest:g} m, the width of the region")
+        raise BadInput(f"edges: expected distances that rise from 0 to at most {widest:g} m, the width of the region")
     middle, nodes = 0.5 * (edges[1:] + edges[:-1]), np.polynomial.legendre.leggauss(8)
     half = 0.5 * np.diff(edges)
     r = middle[:, None] + half[:, None] * nodes[0]
@@ -98,7 +98,7 @@ def pair_distribution(frames: Sequence[Frame], edges: Array, region: Region) -> 
 
 
 class Shapes(NamedTuple):
-    """How large and how long clusters are, one entry a cluster."""
+    """The sizes and lengths of clusters, one entry a cluster."""
 
     center: Array
     """(C, 2) m, of the floats' centers"""
@@ -128,7 +128,7 @@ def mean_square_displacement(tracks: Array, lags: Sequence[int]) -> Array:
     `tracks`: (frames, floats, 2), as `ecume.analysis.series.tracks` makes them.
     """
     if any(not 0 <= lag < len(tracks) for lag in lags):
-        raise BadInput(f"lags: came {list(lags)}; wanted numbers of frames from 0 to {len(tracks) - 1}")
+        raise BadInput(f"lags: got {list(lags)}; expected numbers of frames from 0 to {len(tracks) - 1}")
     gone = [tracks[lag:] - tracks[: len(tracks) - lag] for lag in lags]
     return np.array([np.mean(np.sum(each**2, axis=-1)) for each in gone])
 

@@ -1,4 +1,4 @@
-"""Who is whose neighbor in the plane: the radical triangulation, which is Delaunay's where all radii are equal.
+"""Neighbors in 2D by the radical triangulation, which is Delaunay's where all radii are equal.
 
 A point belongs to the disc whose tangent to it is the shortest; two discs are neighbors where their regions share a
 border. Discs that touch without overlapping are always neighbors, however unequal they are, which is not so in
@@ -59,7 +59,7 @@ def radical_neighbors(position: Array, radius: Array, box: Box | None = None) ->
 
 
 def _spacing(position: Array, box: Box) -> float:
-    """Between particles, on the average; along an axis that is open, of what they take up."""
+    """The mean distance between particles; along an open axis, in the length that they take up."""
     sides = np.where(box.sides > 0.0, box.sides, np.ptp(position, axis=0)) if len(position) else box.sides
     return float(np.sqrt(np.prod(sides) / max(len(position), 1)))
 

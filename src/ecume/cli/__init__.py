@@ -1,6 +1,8 @@
-"""The command line: verbs, their help, and how each ends.
+"""The command line: verbs, their help, and the end of each.
 
-Nothing heavy is imported before a verb runs, so that `ecume --help` answers at once.
+Start with the verbs: `scenes`, `runs`, `pictures`, `browser`, `sweeps`, `fits`, `validation`, `benchmarks`; each lists
+its own in `VERBS`. `exit_codes` turns errors into messages and exit codes, `progress` and `output` print. Nothing heavy
+is imported before a verb runs, so that `ecume --help` answers at once.
 """
 
 from __future__ import annotations
@@ -11,15 +13,15 @@ from typing import Annotated
 
 import typer
 
-from ecume.cli import benching, fits, pictures, run_lists, runs, scenes, sweeps, validation, viewing
-from ecume.cli.ends import Ending, warned
+from ecume.cli import benchmarks, browser, fits, pictures, run_lists, runs, scenes, sweeps, validation
+from ecume.cli.exit_codes import Ending, warned
 
 app = typer.Typer(
     name="ecume",
     cls=Ending,
     no_args_is_help=True,
     pretty_exceptions_enable=False,
-    rich_markup_mode="markdown",
+    rich_markup_mode=None,
     context_settings={"help_option_names": ["-h", "--help"]},
     help="Particles on, in and between liquids: from a scene file to a movie.",
     epilog="""A first run: `ecume new cereal-bowl`, `ecume run cereal-bowl.toml`, `ecume movie runs/cereal-bowl`.
@@ -31,22 +33,22 @@ Ends with 0 when done, 1 when a validation is not met, 2 for input that cannot b
 ALONE = (
     scenes.new,
     validation.validate,
-    benching.bench,
+    benchmarks.bench,
     runs.resume,
     runs.info,
     run_lists.list_runs,
     runs.repair,
     pictures.movie,
     pictures.plot,
-    viewing.view,
-    viewing.play,
+    browser.view,
+    browser.play,
 )
 """Verbs that make sense by themselves: they list what there is, or mean the run in the current directory."""
 
 NAMES: dict[Callable[..., None], str] = {run_lists.list_runs: "list"}
 """Verbs whose names are Python's own words."""
 
-MODULES = (scenes, runs, run_lists, pictures, viewing, sweeps, fits, validation, benching)
+MODULES = (scenes, runs, run_lists, pictures, browser, sweeps, fits, validation, benchmarks)
 for verb in (verb for module in MODULES for verb in module.VERBS):
     app.command(NAMES.get(verb), no_args_is_help=verb not in ALONE)(verb)
 

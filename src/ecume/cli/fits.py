@@ -1,4 +1,4 @@
-"""The verb fit."""
+"""The verb fit: parameters of a scene from measured tracks."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ecume.cli.ends import say
+from ecume.cli.exit_codes import say
+from ecume.cli.output import print_table
 from ecume.cli.runs import Quiet
-from ecume.cli.tables import print_table
 from ecume.errors import BadInput
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ def in_unit(text: str, unit: str, option: str) -> float:
     except ValueError as fault:
         raise BadInput(f"{option}: {fault}") from None
     if not value > 0.0:
-        raise BadInput(f"{option}: came {text}; wanted more than zero")
+        raise BadInput(f"{option}: got {text}; expected more than zero")
     return value
 
 
@@ -85,9 +85,10 @@ def fit(
     out: FitFolder = None,
     quiet: Quiet = False,
 ) -> None:
-    """Fit a scene's parameters to measured tracks, with 95 % intervals, and say what the tracks do not determine.
+    """Fit a scene's parameters to measured tracks.
 
-    Writes the fitted scene, the numbers and a figure of the residuals.
+    Reports 95 % intervals, and what the tracks do not determine. Writes the fitted scene, the numbers and a figure of
+    the residuals.
 
     Examples: `ecume fit beads.csv --scene two-spheres.toml --free contact_angle,viscosity`
     · `ecume fit spots.csv --scene two-spheres.toml --free viscosity --pixel "20 um" --rate 25`
@@ -103,7 +104,7 @@ def fit(
     directory = out or FITS / tracks.stem
     keep(found, directory)
     if not quiet:
-        print_table(("", "value", "95 % interval", "unit"), map(_told, [*found.estimates, *found.derived]))
+        print_table(("", "value", "95 % interval", "unit"), map(_cells, [*found.estimates, *found.derived]))
         typer.echo(f"{found.noise * 1e6:.3g} um of noise; {directory} has the fitted scene, and a figure")
     for remark in found.remarks:
         say(remark)
@@ -113,7 +114,7 @@ def _words(text: str) -> list[str]:
     return [word.strip() for word in text.split(",")]
 
 
-def _told(one: Estimate) -> tuple[str, str, str, str]:
+def _cells(one: Estimate) -> tuple[str, str, str, str]:
     """A row of the table, with as many digits as its interval shows."""
     if not one.determined or one.high == one.low:
         return one.name, f"{one.value:.4g}", "held" if one.determined else "not determined", one.unit
@@ -125,9 +126,9 @@ def keep(found: Fit, directory: Path) -> None:
     """Write what a fit came to: `fitted.toml`, `fit.json` and `residuals.png`."""
     from ecume.run.directory import as_json
     from ecume.scenes.schema import to_toml
-    from ecume.show.fits import fit_figure
+    from ecume.show.fit_figures import fit_figure
     from ecume.show.style import save
-    from ecume.trajectories.durable import storing, write_whole
+    from ecume.trajectories.durable_files import storing, write_whole
 
     with storing(directory):
         directory.mkdir(parents=True, exist_ok=True)
@@ -139,13 +140,13 @@ def keep(found: Fit, directory: Path) -> None:
 def plain_of(found: Fit) -> dict[str, Any]:
     """The numbers of a fit; what is undetermined has no interval."""
 
-    def told(one: Estimate) -> dict[str, Any]:
+    def plain(one: Estimate) -> dict[str, Any]:
         interval = [one.low, one.high] if one.determined else None
         return {"name": one.name, "value": one.value, "interval": interval, "unit": one.unit}
 
     return {
-        "estimates": [told(one) for one in found.estimates],
-        "derived": [told(one) for one in found.derived],
+        "estimates": [plain(one) for one in found.estimates],
+        "derived": [plain(one) for one in found.derived],
         "noise": found.noise,
         "objects": list(found.tracks.names),
         "remarks": found.remarks,

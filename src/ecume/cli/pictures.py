@@ -1,4 +1,4 @@
-"""Verbs that make files of a run: movie, plot, export."""
+"""The verbs that make files of a run: movie, plot and export."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ from typing import Annotated, Any
 import typer
 
 from ecume._extras import install
-from ecume.cli.asking import (
+from ecume.cli.exit_codes import say
+from ecume.cli.picture_options import (
     Azimuth,
     Begin,
     Color,
@@ -26,7 +27,6 @@ from ecume.cli.asking import (
     Workers,
     Zoom,
 )
-from ecume.cli.ends import say
 from ecume.cli.progress import counted
 from ecume.cli.runs import HERE, Quiet, RunFolder
 from ecume.errors import BadInput
@@ -36,7 +36,7 @@ RESULTS = "results"
 
 
 class Format(StrEnum):
-    """What a trajectory can be written as: the keys of `ecume.trajectories.exports.EXPORTS`, `pvd`, and heights."""
+    """The formats of an export: the keys of `ecume.trajectories.exports.EXPORTS`, `pvd`, and heights."""
 
     CSV = "csv"
     NUMBERS = "numbers"
@@ -61,8 +61,8 @@ ENDINGS = {
 
 
 def eye(azimuth: float | None, elevation: float | None) -> Any:
-    """From where to look; None where neither was asked for."""
-    from ecume.show.space import Eye
+    """The viewpoint; None where neither angle was given."""
+    from ecume.show.camera import Eye
 
     asked = {"azimuth": azimuth, "elevation": elevation}
     given = {name: angle for name, angle in asked.items() if angle is not None}
@@ -85,23 +85,25 @@ def movie(
     workers: Workers = 1,
     quiet: Quiet = False,
 ) -> None:
-    """Make a movie of a run: .mp4, .webm, .webp or .gif, as the file is called, or .png for numbered pictures.
+    """Make a movie of a run.
+
+    The name of the file says the format: .mp4, .webm, .webp or .gif, or .png for numbered pictures.
 
     Examples: `ecume movie runs/bowl` · `ecume movie runs/bowl -o bowl.gif --every 2 --fps 20 --size 480x360`
     · `ecume movie runs/bowl --from "1 s" --to "3 s"` · `ecume movie runs/bowl --follow 3 --zoom 4`
     · `ecume movie runs/dam --color speed --azimuth 60` · `ecume movie runs/bowl -o shots.png --every 10`
     """
     from ecume.run.directory import existing
-    from ecume.show.aiming import Aim
-    from ecume.show.movies import Cut
+    from ecume.show.camera import Aim
+    from ecume.show.movies import MovieOptions
     from ecume.show.movies import movie as make
 
     existing(directory)
     asked: dict[str, Any] = {"start": start, "end": end, "size": size, "color": color, "eye": eye(azimuth, elevation)}
     asked["aim"] = Aim(zoom, follow)
-    cut = Cut(fps=fps, every=every, **{name: value for name, value in asked.items() if value is not None})
-    with counted("pictures", quiet=quiet) as told:
-        made = make(directory, out, cut, progress=told, workers=workers)
+    options = MovieOptions(fps=fps, every=every, **{name: value for name, value in asked.items() if value is not None})
+    with counted("pictures", quiet=quiet) as reporter:
+        made = make(directory, out, options, progress=reporter, workers=workers)
     wrote(made, quiet=quiet)
     if made.suffix != (out or Path("movie.mp4")).suffix and not quiet:
         say(f"no ffmpeg was found, so this is a WebP; for MP4 and WebM install ffmpeg, or {install('movie')}")
@@ -115,9 +117,9 @@ def plot(
     force_law: ForceLaw = None,
     quiet: Quiet = False,
 ) -> None:
-    """Draw figures of a run, such as energies, clusters, paths, the force law. Left to itself, all of them.
+    """Draw figures of a run, all of them by default.
 
-    The name of the file says the format: .png, .pdf, .svg.
+    Such as energies, clusters, paths, the force law. The name of the file says the format: .png, .pdf, .svg.
 
     Of a sweep: `curves`, `map` or `scatter`, as in `map:duration` for a measure that is not the table's first.
 

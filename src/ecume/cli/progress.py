@@ -1,4 +1,4 @@
-"""How far a run is, for the one who waits: a bar on a terminal, a plain line now and then in a log."""
+"""Progress reports: a bar on a terminal, a plain line now and then in a log."""
 
 from __future__ import annotations
 
@@ -16,23 +16,23 @@ if TYPE_CHECKING:
 LINE_EVERY = 10.0
 """Seconds between two plain lines."""
 
-Told = Callable[["Progress"], None]
+Reporter = Callable[["Progress"], None]
 
 
 @contextmanager
-def shown(*, quiet: bool) -> Iterator[Told | None]:
-    """What a run tells its progress to: nobody, a bar, or lines on stderr."""
+def shown(*, quiet: bool) -> Iterator[Reporter | None]:
+    """The reporter of a run's progress: none, a bar, or lines on stderr."""
     if quiet:
         yield None
     elif sys.stderr.isatty():
-        with _bar() as told:
-            yield told
+        with _bar() as reporter:
+            yield reporter
     else:
         yield Lines()
 
 
 @contextmanager
-def _bar() -> Iterator[Told]:
+def _bar() -> Iterator[Reporter]:
     from rich.console import Console
     from rich.progress import BarColumn, TextColumn
     from rich.progress import Progress as Bars
@@ -53,8 +53,8 @@ def counted(what: str, *, quiet: bool, lines: bool = False) -> Iterator[Callable
     if quiet or not (lines or sys.stderr.isatty()):
         yield None
     elif sys.stderr.isatty():
-        with _counting_bar(Pace(what)) as told:
-            yield told
+        with _counting_bar(Pace(what)) as reporter:
+            yield reporter
     else:
         yield CountLines(Pace(what))
 
@@ -72,7 +72,7 @@ def _counting_bar(pace: Pace) -> Iterator[Callable[[int, int], None]]:
 
 
 class Pace:
-    """How many are done, and how long the others take at the pace since the first word."""
+    """The number of things done, and the time left at the pace since the first report."""
 
     def __init__(self, what: str) -> None:
         self.what = what
@@ -116,7 +116,7 @@ class Lines:
 
 
 def line(progress: Progress) -> str:
-    """All of it: `12.35 s of 20 s, 3.1 x real time, 2.5 s left`."""
+    """The whole progress line: `12.35 s of 20 s, 3.1 x real time, 2.5 s left`."""
     return f"{place(progress)}, {ahead(progress.remaining)}"
 
 
@@ -127,7 +127,7 @@ def place(progress: Progress) -> str:
 
 
 def ahead(remaining: float | None) -> str:
-    """How long it still takes, `4 min left`; what is not known yet waits for the compiler."""
+    """The time left, `4 min left`; `compiling` while it is not known yet."""
     return "compiling" if remaining is None else f"{lasting(remaining)} left"
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ecume.cli.tables import Json, print_json, print_table
+from ecume.cli.output import Json, print_json, print_table
 
 if TYPE_CHECKING:
     from ecume.run import Comparison, RunSummary

@@ -1,4 +1,4 @@
-"""Verbs about runs: run, resume, info, repair."""
+"""The verbs about runs: run, resume, info and repair."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ecume.cli.ends import say
-from ecume.cli.engines import Engine, Ranks, marching
+from ecume.cli.exit_codes import say
+from ecume.cli.mpi_launcher import Engine, Ranks, marching
+from ecume.cli.output import Json, print_json
 from ecume.cli.progress import ahead, lasting, shown
 from ecume.cli.scenes import Laws, Overrides, SceneFile, placed
-from ecume.cli.tables import Json, print_json
 
 if TYPE_CHECKING:
     from ecume.run import Info, RunResult
@@ -78,9 +78,9 @@ def run(
     Examples: `ecume run bowl.toml` · `ecume run bowl.toml -o runs/syrup --set "liquid.viscosity=1 Pa*s" --threads 2`
     """
     use_at_most(threads)
-    from ecume.run import Habits
+    from ecume.run import RunOptions
     from ecume.run import run as simulate
-    from ecume.run.lawbook import laws_from
+    from ecume.run.user_laws import laws_from
     from ecume.scenes.load import load_scene
 
     changes = overrides or []
@@ -89,13 +89,15 @@ def run(
         asked = load_scene(scene, changes)
         # With changes from the command line the file is no longer what was asked; the resolved scene is.
         source = None if changes else scene.read_bytes()
-        with placed(scene, changes), watched(directory, wanted=view), shown(quiet=quiet) as told:
+        with placed(scene, changes), watched(directory, wanted=view), shown(quiet=quiet) as reporter:
             done = simulate(
                 asked,
                 directory,
                 extra_laws=laws_from(laws or []),
                 force=force,
-                habits=Habits(threads=threads, progress=told, source=source, on_violation=on_violation, engine=led),
+                options=RunOptions(
+                    threads=threads, progress=reporter, source=source, on_violation=on_violation, engine=led
+                ),
             )
         _end(done, quiet=quiet)
 
@@ -121,28 +123,30 @@ def resume(
     Examples: `ecume resume runs/bowl` · `ecume resume runs/bowl --threads 2 --quiet`
     """
     use_at_most(threads)
-    from ecume.run import Habits
+    from ecume.run import RunOptions
     from ecume.run import resume as go_on
-    from ecume.run.lawbook import laws_from
+    from ecume.run.user_laws import laws_from
 
-    with marching(engine, ranks) as led, shown(quiet=quiet) as told:
-        habits = Habits(threads=threads, progress=told, on_violation=on_violation, engine=led, strict=strict)
-        _end(go_on(directory, extra_laws=laws_from(laws or []), habits=habits), quiet=quiet)
+    with marching(engine, ranks) as led, shown(quiet=quiet) as reporter:
+        options = RunOptions(threads=threads, progress=reporter, on_violation=on_violation, engine=led, strict=strict)
+        _end(go_on(directory, extra_laws=laws_from(laws or []), options=options), quiet=quiet)
 
 
 def _end(done: RunResult, *, quiet: bool) -> None:
     """Say what a run came to, and what it broke."""
     from ecume.run.directory import RunDirectory
-    from ecume.run.watching import BROKEN, told
+    from ecume.run.invariant_monitor import BROKEN, summary_line
 
     if not quiet:
         typer.echo(summary(done))
-    if (watch := told(RunDirectory(done.directory))).startswith(BROKEN):
+    if (watch := summary_line(RunDirectory(done.directory))).startswith(BROKEN):
         say(f"warning: {done.directory}: {watch}; see {RunDirectory(done.directory).watch.name}")
 
 
 def info(directory: RunFolder = HERE, json: Json = False) -> None:
-    """Say what a run is and how far it came; also while it is written, and after it was killed.
+    """Report what a run is and how far it came.
+
+    Also while it is written, and after it was killed.
 
     Example: `ecume info runs/bowl`
     """
@@ -159,7 +163,9 @@ def info(directory: RunFolder = HERE, json: Json = False) -> None:
 
 
 def repair(directory: RunFolder = HERE) -> None:
-    """Make what is left of a damaged run readable: whole frames stay, each damaged one is named.
+    """Repair a damaged run: whole frames are kept.
+
+    Each damaged frame is named.
 
     A damaged `resolved.json` is made anew from `scene.toml`; what a run says again when it goes on is set aside.
 
@@ -179,7 +185,7 @@ def watched(directory: Path, *, wanted: bool) -> Iterator[None]:
     if not wanted:
         yield
         return
-    from ecume.run.stopping import ask_to_stop
+    from ecume.run.stop_requests import ask_to_stop
     from ecume.show.view.live import Source, serving
 
     ended: list[str] = []
@@ -208,13 +214,13 @@ def use_at_most(threads: int | None) -> None:
 
 
 def summary(done: RunResult) -> str:
-    """What a run came to, in a line."""
+    """A line about a completed run."""
     reached = f"{done.directory}: {done.frames} frames, {done.time:.6g} s in {done.steps} steps"
     return f"{reached}, {lasting(done.seconds)}" if done.seconds else f"{reached}; it was done before"
 
 
 def described(run: Info) -> list[tuple[str, str]]:
-    """What is known of a run, as names and values."""
+    """The information about a run, as names and values."""
     rows = [
         ("run", str(run.directory)),
         ("model", str(run.manifest.get("model", ""))),
@@ -234,10 +240,10 @@ def described(run: Info) -> list[tuple[str, str]]:
 
 
 def _worked(sessions: Sequence[dict[str, Any]]) -> str:
-    """How long, and in how many sessions: a killed one did not say how long it took."""
+    """The wall time and the number of sessions; a killed session did not record its time."""
     seconds = sum(session.get("seconds", 0.0) for session in sessions)
-    told = f"for {lasting(seconds)}"
-    return f"{told}, in {len(sessions)} sessions" if len(sessions) > 1 else told if seconds else ""
+    worked = f"for {lasting(seconds)}"
+    return f"{worked}, in {len(sessions)} sessions" if len(sessions) > 1 else worked if seconds else ""
 
 
 def replacements(manifest: dict[str, Any]) -> list[str]:

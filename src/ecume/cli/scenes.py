@@ -1,4 +1,4 @@
-"""Verbs about scenes: new, check."""
+"""The verbs about scenes: new, check and cite."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Annotated
 
 import typer
 
-from ecume.cli.tables import Json, print_json, print_table
+from ecume.cli.output import Json, print_json, print_table
 
 CHECK_COLUMNS = ("quantity", "value", "remark")
 
@@ -69,7 +69,9 @@ def new(
 
 
 def check(scene: SceneFile, overrides: Overrides = None, laws: Laws = None, json: Json = False) -> None:
-    """Say all that is wrong with a scene, or what follows from it: lengths, charges, time step, memory, time.
+    """Check a scene, and report what follows from it.
+
+    All faults of the scene at once, or its lengths, charges, time step, memory and time.
 
     Examples: `ecume check bowl.toml` · `ecume check bowl.toml --set "dish.radius=4 cm" --set floats[0].count=60`
     """
@@ -78,7 +80,7 @@ def check(scene: SceneFile, overrides: Overrides = None, laws: Laws = None, json
     changes = overrides or []
     asked = load_scene(scene, changes)
     from ecume.models import MODELS
-    from ecume.run.lawbook import laws_from, named
+    from ecume.run.user_laws import laws_from, named
 
     own = laws_from(laws or [])
     with placed(scene, changes):

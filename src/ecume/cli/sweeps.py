@@ -1,4 +1,4 @@
-"""The verb about many runs: sweep."""
+"""The verb sweep: many runs of one scene."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ecume.cli.ends import say
+from ecume.cli.exit_codes import say
+from ecume.cli.output import Json, print_json
 from ecume.cli.progress import counted, lasting
 from ecume.cli.runs import Quiet, use_at_most
-from ecume.cli.tables import Json, print_json
 from ecume.errors import BadInput, Stopped
 
 if TYPE_CHECKING:
@@ -25,7 +25,7 @@ def task_of(text: str) -> tuple[int, int]:
     """A task of an array: `3/100`."""
     match = re.fullmatch(r"([0-9]{1,7})/([0-9]{1,7})", text)
     if match is None or not int(match[1]) < int(match[2]):
-        raise typer.BadParameter(f"{text!r}: wanted NUMBER/TASKS, such as 3/100")
+        raise typer.BadParameter(f"{text!r}: expected NUMBER/TASKS, such as 3/100")
     return int(match[1]), int(match[2])
 
 
@@ -63,20 +63,22 @@ def sweep(
     json: Json = False,
     quiet: Quiet = False,
 ) -> None:
-    """Run a scene many times, each point in a directory of its own; only what is missing is run.
+    """Run a scene many times, each point in its own directory.
+
+    Only what is missing is run.
 
     Examples: `ecume sweep durations.toml` · `ecume sweep durations.toml --workers 8` · `ecume sweep sweeps/durations
     --status` · `ecume sweep durations.toml --array && sbatch sweeps/durations/array.sh`
     """
     use_at_most(1)
     if sum((workers is not None, scheduler is not None, slurm, array, status)) > 1:
-        raise BadInput("wanted one of --workers, --scheduler, --slurm, --array and --status")
+        raise BadInput("expected one of --workers, --scheduler, --slurm, --array and --status")
     if json and not status:
         raise BadInput("--json goes with --status")
     directory = out or (file if file.is_dir() else SWEEPS / file.stem)
     source = file / "sweep.toml" if file.is_dir() else file
     if status:
-        _tell(directory, json=json)
+        _print_status(directory, json=json)
     elif task is not None:
         _work(directory, *task)
     elif array:
@@ -87,26 +89,26 @@ def sweep(
 
 
 def _write_array(source: Path, directory: Path) -> None:
-    from ecume.sweep.arrays import write_array
     from ecume.sweep.directory import begun_or_laid_out
+    from ecume.sweep.executors import write_array
 
     typer.echo(f"wrote {write_array(begun_or_laid_out(source, directory))}; hand it to sbatch")
 
 
 def _run_all(source: Path, directory: Path, hands: dict[str, Any], *, quiet: bool) -> None:
     """Run what is missing, and say what became of it."""
-    from ecume.sweep import Crew, running
+    from ecume.sweep import ExecutorOptions, runner
 
     def failed(folder: Path, why: str) -> None:
         say(f"{folder}: {why}", named=False)
 
-    with counted("points", quiet=quiet, lines=True) as told:
-        done = running.sweep(source, directory, Crew(**hands, progress=told, failed=failed))
+    with counted("points", quiet=quiet, lines=True) as reporter:
+        done = runner.sweep(source, directory, ExecutorOptions(**hands, progress=reporter, failed=failed))
     _end(done, quiet=quiet)
 
 
 def _end(done: Outcome, *, quiet: bool) -> None:
-    """What became of it; a sweep with failures is no success."""
+    """Report the outcome of a sweep; one with failures ends with 1."""
     if not quiet:
         busy = f", {done.busy} elsewhere at work" if done.busy else ""
         typer.echo(
@@ -121,8 +123,8 @@ def _end(done: Outcome, *, quiet: bool) -> None:
         raise typer.Exit(1)
 
 
-def _tell(directory: Path, *, json: bool) -> None:
-    from ecume.sweep.standing import standing
+def _print_status(directory: Path, *, json: bool) -> None:
+    from ecume.sweep.status import standing
 
     now = standing(directory)
     if json:
@@ -138,8 +140,8 @@ def _tell(directory: Path, *, json: bool) -> None:
 
 def _work(directory: Path, number: int, of: int) -> None:
     """A task of a job array."""
-    from ecume.sweep.arrays import work_task
     from ecume.sweep.directory import existing_sweep
+    from ecume.sweep.executors import work_task
 
     words = work_task(existing_sweep(directory), number, of)
     if "failed" in words:

@@ -1,4 +1,4 @@
-"""The verb validate."""
+"""The verb validate: what ecume computes beside what others computed."""
 
 from __future__ import annotations
 
@@ -10,10 +10,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ecume.cli.ends import say
-from ecume.cli.keeping import Record, keep
+from ecume.cli.exit_codes import say
+from ecume.cli.output import Json, Record, keep, print_json, print_table
 from ecume.cli.progress import lasting
-from ecume.cli.tables import Json, print_json, print_table
 from ecume.errors import BadInput, EcumeError
 
 if TYPE_CHECKING:
@@ -46,7 +45,9 @@ def validate(
     record: Record = None,
     json: Json = False,
 ) -> None:
-    """Compare what ecume computes with published numbers, other methods and demands. Ends with 1 when one is not met.
+    """Compare what ecume computes with published numbers.
+
+    Also with other methods and with bounds that must hold. Ends with 1 when a row is not met.
 
     Examples: `ecume validate` · `ecume validate floating walls` · `ecume validate --all --quick`
     """
@@ -72,7 +73,7 @@ def _chosen(names: Sequence[str], *, everything: bool) -> list[Case]:
     from ecume.validation import CASES
 
     if names and everything:
-        raise BadInput("wanted either names of cases or --all")
+        raise BadInput("expected either names of cases or --all")
     for name in names:
         if name not in CASES:
             raise BadInput(f"there is no case {name!r}; {suggestion(name, CASES)}")
@@ -91,7 +92,7 @@ def _compared(case: Case, record: Path | None, *, shown: bool) -> dict[str, Any]
         return {"case": case.name, "met": False, "error": str(error), "rows": []}
     met = sum(row.met for row in rows)
     if shown:
-        print_table((case.name, *NUMBERS, ""), map(_told, rows), numbers=NUMBERS)
+        print_table((case.name, *NUMBERS, ""), map(_cells, rows), numbers=NUMBERS)
         typer.echo(f"{case.name}: {met} of {len(rows)} met, {lasting(time.monotonic() - began)}\n")
     plain = [_plain(row) for row in rows]
     if record is not None:
@@ -106,7 +107,7 @@ def _plain(row: Row) -> dict[str, Any]:
     return {**dict(zip(("name", *NUMBERS), as_text(row), strict=True)), "met": row.met}
 
 
-def _told(row: Row) -> tuple[str | Text, ...]:
+def _cells(row: Row) -> tuple[str | Text, ...]:
     from rich.text import Text
 
     from ecume.validation.rows import as_text

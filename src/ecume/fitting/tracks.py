@@ -48,7 +48,7 @@ NOBODY = ("", "none", "nan")
 
 
 class Camera(NamedTuple):
-    """What turns pixels into meters and frames into seconds; nothing, where the table says it itself."""
+    """The scale of pixels and frames in meters and seconds; empty where the table has units itself."""
 
     pixel: float | None = None
     """m"""
@@ -59,7 +59,7 @@ class Camera(NamedTuple):
 
 
 class Tracks(NamedTuple):
-    """Where each object was at each instant."""
+    """The positions of objects over time."""
 
     names: tuple[str, ...]
     """of the objects, as the table has them"""
@@ -91,7 +91,7 @@ def cut(tracks: Tracks, until: float) -> Tracks:
     """The tracks up to a time (s). Raises BadInput where too little is left."""
     early = tracks.times <= until
     if early.sum() < LEAST:
-        raise BadInput(f"until: before {until:g} s there are {early.sum()} instants; wanted {LEAST} or more")
+        raise BadInput(f"until: before {until:g} s there are {early.sum()} instants; expected {LEAST} or more")
     return tracks._replace(times=tracks.times[early], position=tracks.position[early])
 
 
@@ -119,7 +119,7 @@ def _rows(text: str) -> list[tuple[int, list[str]]]:
     except csv.Error as error:
         raise ValueError(f"line {reader.line_num}: {error}") from None
     if not found:
-        raise ValueError("is empty; wanted a table with the columns x, y, t and id")
+        raise ValueError("is empty; expected a table with the columns x, y, t and id")
     return found
 
 
@@ -134,7 +134,7 @@ def _columns(
     missing += ["t or frame"] if places["time"] is None and places["frame"] is None else []
     if missing:
         raise ValueError(
-            f"there is no column {', '.join(missing)}; wanted x, y, t and id, or what trackpy and TrackMate write"
+            f"there is no column {', '.join(missing)}; expected x, y, t and id, or what trackpy and TrackMate write"
         )
     body = rows[1:]
     units = [(match[2] or "") if match else "" for match in heads]
@@ -229,7 +229,7 @@ def _number(line: int, kind: str, row: Sequence[str], column: Column) -> float:
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        raise ValueError(f"line {line}, {kind}: came {echo(cell)}; wanted a number")
+        raise ValueError(f"line {line}, {kind}: got {echo(cell)}; expected a number")
     return value
 
 

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ecume.run.directory import RunDirectory
-from ecume.trajectories.durable import replacing, settle, storing
-from ecume.trajectories.schema import checksum
+from ecume.trajectories.durable_files import replacing, settle, storing
+from ecume.trajectories.gsd_schema import checksum
 
 KEPT = 2
 """How many checkpoints stay: if the newest is damaged, there is another."""
@@ -83,6 +83,6 @@ def _loaded(path: Path, kind: type) -> Checkpoint:
 
 
 def _unknown_then(kind: type) -> dict[str, NDArray[Any]]:
-    """What states have by now that those of former versions had not: fields with defaults, as copies to write to."""
+    """The defaults of fields that states of former versions lack, as copies to write to."""
     defaults: dict[str, NDArray[Any]] = getattr(kind, "_field_defaults", {})
     return {name: array.copy() for name, array in defaults.items()}

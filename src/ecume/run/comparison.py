@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ecume.run.directory import existing, json_of
 from ecume.run.manifest import circumstances
-from ecume.trajectories.durable import storing
+from ecume.trajectories.durable_files import storing
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import open_trajectory
 

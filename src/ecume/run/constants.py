@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from ecume.errors import StorageError
 from ecume.run.directory import RunDirectory, json_of
-from ecume.trajectories.durable import replacing, storing
+from ecume.trajectories.durable_files import replacing, storing
 
 STEPS = "steps_per_frame"
 """The one whole number that follows from rounded ones: it belongs to the time step."""
@@ -90,7 +90,7 @@ def _load(home: RunDirectory) -> Stored:
 
 
 def _leaves(tree: Any, path: str) -> Iterator[tuple[str, Any]]:
-    """All that a tree of (named) tuples consists of, each with its path: `floats.charge`, `gauges.0.reach`."""
+    """The leaves of a tree of (named) tuples, each with its path: `floats.charge`, `gauges.0.reach`."""
     if not isinstance(tree, tuple):
         yield path, tree
         return
@@ -148,7 +148,7 @@ def _laid_out_as(model: NDArray[Any], values: NDArray[Any]) -> NDArray[Any]:
 
 
 def _drift(stored: Stored, derived: Stored) -> str:
-    """By how much constants derived here differ from those of the run, or an empty string."""
+    """The difference between constants derived here and those of the run, in words; empty if there is none."""
     differing = [path for path in stored if stored[path].tobytes() != derived[path].tobytes()]
     if not differing:
         return ""

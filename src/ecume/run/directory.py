@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ecume.errors import BadInput, RunExists, StorageError
-from ecume.trajectories.durable import storing, write_whole
+from ecume.trajectories.durable_files import storing, write_whole
 
 MOST_NAMED = 5
 """Runs that are offered to whoever named none."""
@@ -18,33 +18,33 @@ MOST_NAMED = 5
 
 @dataclass(frozen=True)
 class RunDirectory:
-    """Where each file of a run is."""
+    """The paths of the files of a run."""
 
     path: Path
 
     @property
     def scene(self) -> Path:
-        """What was asked, byte for byte."""
+        """The scene file as the user wrote it, byte for byte."""
         return self.path / "scene.toml"
 
     @property
     def resolved(self) -> Path:
-        """What was asked, every default filled in."""
+        """The scene with every default filled in."""
         return self.path / "resolved.json"
 
     @property
     def constants(self) -> Path:
-        """What the model derived from the scene when the run began: charges, tables, time step."""
+        """The constants that the model derived from the scene when the run began: charges, tables, time step."""
         return self.path / "constants.npz"
 
     @property
     def manifest(self) -> Path:
-        """With which programs and on which machine; when, and for how long."""
+        """The versions, the machine and the sessions of the run."""
         return self.path / "manifest.json"
 
     @property
     def lock(self) -> Path:
-        """Held by the process that writes."""
+        """The lock, held by the process that writes."""
         return self.path / "lock"
 
     @property
@@ -64,31 +64,31 @@ class RunDirectory:
 
     @property
     def log(self) -> Path:
-        """What happened, a line an event."""
+        """The log: a line for each event."""
         return self.path / "log.jsonl"
 
     @property
     def status(self) -> Path:
-        """How far it is."""
+        """The progress of the run."""
         return self.path / "status.json"
 
     @property
     def watch(self) -> Path:
-        """Whether what must hold has held so far."""
+        """The invariants of the run, and whether they have held so far."""
         return self.path / "watch.json"
 
     @property
     def done(self) -> Path:
-        """There when the run came to its end."""
+        """The marker of a run that was completed."""
         return self.path / "DONE.json"
 
     @property
     def failed(self) -> Path:
-        """There when the physics failed."""
+        """The marker of a run whose physics failed."""
         return self.path / "FAILED.json"
 
     def parts(self) -> list[Path]:
-        """All that a run makes but the lock, in the order in which it is removed: the manifest last."""
+        """All files of a run but the lock, in the order in which they are removed: the manifest last."""
         contents = [self.trajectory, self.checkpoints, self.scalars, self.log, self.status, self.watch, self.done]
         return [*contents, self.failed, self.scene, self.resolved, self.constants, self.manifest]
 
@@ -103,7 +103,7 @@ def existing(path: str | os.PathLike[str]) -> RunDirectory:
 
 
 def _way_out(home: RunDirectory) -> str:
-    """What whoever looked for a run here may have meant."""
+    """A hint at what a user who looked for a run here may have meant."""
     if not home.path.is_dir():
         scene = home.path.suffix == ".toml" and home.path.is_file()
         return "that is a scene: name the directory of its run" if scene else "`ecume run` makes them"
@@ -190,5 +190,5 @@ def json_of(path: Path) -> dict[str, Any]:
     except ValueError as error:
         raise StorageError(f"{path}: damaged: {error}") from error
     if not isinstance(plain, dict):
-        raise StorageError(f"{path}: damaged: wanted a table")
+        raise StorageError(f"{path}: damaged: expected a table")
     return plain

@@ -1,4 +1,4 @@
-"""With which programs and on which machine a run was made."""
+"""The manifest of a run: the programs, the machine and the sessions that made it."""
 
 from __future__ import annotations
 
@@ -10,11 +10,14 @@ import platform
 import socket
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import ecume
 from ecume.run.directory import RunDirectory, json_of, write_json
-from ecume.trajectories.durable import storing
+from ecume.trajectories.durable_files import storing
+
+if TYPE_CHECKING:
+    from ecume.scenes.schema import Scene
 
 PROGRAMS = ("numpy", "numba", "llvmlite", "scipy", "pydantic")
 SETTINGS = ("OPENBLAS_CORETYPE", "NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES", "GLIBC_TUNABLES")
@@ -27,7 +30,7 @@ def now() -> str:
 
 
 def circumstances() -> dict[str, Any]:
-    """What can change a bit of a result: versions, and the machine."""
+    """The versions and properties of the machine that can change a bit of a result."""
     return {
         "ecume": ecume.__version__,
         "python": platform.python_version(),
@@ -39,8 +42,8 @@ def circumstances() -> dict[str, Any]:
     }
 
 
-def first_manifest(scene: Any, plain: str) -> dict[str, Any]:
-    """What is known of a run before it begins."""
+def first_manifest(scene: Scene, plain: str) -> dict[str, Any]:
+    """The manifest of a run before it begins."""
     return {
         **circumstances(),
         "model": scene.model,

@@ -1,4 +1,4 @@
-"""How far a run is: for people, for machines, and for later."""
+"""The progress of a run: for people, for machines (`status.json`), and for later (`log.jsonl`)."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from ecume.run.directory import RunDirectory, as_json
 from ecume.run.manifest import now
-from ecume.trajectories.durable import storing
+from ecume.trajectories.durable_files import storing
 
 SETTLED = 1.0
 """Seconds of marching after which its speed tells how long the rest takes."""
@@ -17,7 +17,7 @@ STATUS_EVERY = 1.0
 
 
 class Progress(NamedTuple):
-    """How far a run is: in steps, in simulated time (s), in frames; `speed` is simulated time a second of wall time."""
+    """The progress of a run in steps, simulated time (s) and frames; `speed` is simulated time per wall time."""
 
     step: int
     steps: int
@@ -31,7 +31,7 @@ class Progress(NamedTuple):
 
 
 class Pace:
-    """How fast the march goes since the first steps of this process; their wait for the compiler does not count."""
+    """The speed of the integration since the first steps of this process, without the time spent compiling."""
 
     def __init__(self, duration: float) -> None:
         self._duration = duration
@@ -39,7 +39,7 @@ class Pace:
         self._heard = 0
 
     def progress(self, step: int, steps: int, frames: int) -> Progress:
-        """How far we are at this step."""
+        """The progress at this step."""
         clock = time.monotonic()
         self._heard += 1
         if self._heard <= 2:
@@ -60,16 +60,16 @@ class StatusFile:
         self._home, self._written = home, -STATUS_EVERY
         self.last_checkpoint: int | None = None
 
-    def tell(self, state: str, progress: Progress, *, last: bool = False) -> None:
+    def write(self, state: str, progress: Progress, *, last: bool = False) -> None:
         """Write how far the run is."""
         clock = time.monotonic()
         if not last and clock - self._written < STATUS_EVERY:
             return
         self._written = clock
-        told = {"state": state, **progress._asdict(), "last_checkpoint": self.last_checkpoint, "at": now()}
+        report = {"state": state, **progress._asdict(), "last_checkpoint": self.last_checkpoint, "at": now()}
         part = self._home.status.with_name("status.json.part")
         with storing(self._home.status):
-            part.write_text(as_json(told))
+            part.write_text(as_json(report))
             try:
                 part.replace(self._home.status)
             except PermissionError:  # Windows, while somebody reads it: the next second is soon enough

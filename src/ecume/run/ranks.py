@@ -22,7 +22,7 @@ import numpy as np
 
 from ecume._extras import install
 from ecume.errors import BadInput, EcumeError
-from ecume.run.stopping import SIGNALS
+from ecume.run.stop_requests import SIGNALS
 
 if TYPE_CHECKING:
     from ecume.engine.sharing import Share
@@ -35,7 +35,7 @@ SPREAD = ("floating", "sph")
 
 
 def world() -> Any:
-    """All ranks. Raises BadInput where the extra is missing."""
+    """The communicator of all ranks. Raises BadInput where the extra is missing."""
     try:
         from mpi4py import MPI
     except (ImportError, RuntimeError) as error:
@@ -58,14 +58,14 @@ def share_of(ranks: Any) -> Share:
 
 
 def spread_of(name: str) -> Any:
-    """How a model is spread. Raises BadInput for one that is not."""
+    """The distribution of a model over ranks. Raises BadInput for a model without one."""
     if name not in SPREAD:
         raise BadInput(f"--engine mpi: goes with the models {' and '.join(map(repr, SPREAD))}, and not with {name!r}")
     return importlib.import_module(f"ecume.models.{name}.spread")
 
 
 class Crew:
-    """What a rank has of the common march: the same on all of them."""
+    """The data of the common integration on a rank: the same on all of them."""
 
     def __init__(self, ranks: Any) -> None:
         self.ranks, self.share = ranks, share_of(ranks)
@@ -134,7 +134,7 @@ class Lead(Crew):
 
 @contextlib.contextmanager
 def leading(ranks: Any) -> Iterator[Callable[[Model], Model]]:
-    """What makes of a model one whose march is done by all ranks; in the end they are told that it is over."""
+    """The function that makes a model integrate on all ranks; in the end the other ranks are released."""
     lead = Lead(ranks)
     try:
         yield lead.engine

@@ -22,10 +22,10 @@ from ecume.run.directory import RunDirectory
 from ecume.run.manifest import changed, circumstances_of_frame, record
 from ecume.run.progress import note
 from ecume.scenes.common import Kind, colors_of
-from ecume.trajectories.durable import storing, write_whole
+from ecume.trajectories.durable_files import storing, write_whole
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import Trajectory
-from ecume.trajectories.recorders import LARGEST, Recorder
+from ecume.trajectories.recorder import LARGEST, Recorder
 
 
 class Recording:
@@ -120,7 +120,7 @@ class Recording:
 
 
 class Difference(NamedTuple):
-    """How two frames differ: the first quantity that is not the same (time, arrays, numbers), and how many more."""
+    """The difference between two frames: the first quantity that is not the same, and the number of others."""
 
     quantity: str
     size: float
@@ -139,7 +139,7 @@ class Difference(NamedTuple):
 
 
 def difference(one: Frame, other: Frame) -> Difference | None:
-    """How two frames differ; None if they are the same bit for bit."""
+    """The difference between two frames; None if they are the same bit for bit."""
     if list(one.arrays) != list(other.arrays) or list(one.numbers) != list(other.numbers):
         return Difference("the names of its quantities", math.inf, math.inf, "", 0)
     pairs = [("time", np.asarray(one.time), np.asarray(other.time))]

@@ -1,4 +1,4 @@
-"""What can be said of a run from outside, whatever became of it."""
+"""Information about a run from outside, whatever became of it."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from typing import Any, NamedTuple, TypeVar
 from ecume._hooks import html_of
 from ecume.errors import StorageError
 from ecume.run.directory import RunDirectory, existing, json_of
-from ecume.run.locking import held, is_held
-from ecume.run.mending import mended
-from ecume.run.watching import told as watched
-from ecume.trajectories.durable import storing
+from ecume.run.invariant_monitor import summary_line as watched
+from ecume.run.lock import held, is_held
+from ecume.run.recovery import mended
+from ecume.trajectories.durable_files import storing
 from ecume.trajectories.reader import Trajectory
 from ecume.trajectories.repair import Repaired
 
-Told = TypeVar("Told")
+T = TypeVar("T")
 
 
 class Info(NamedTuple):
@@ -45,12 +45,12 @@ class Info(NamedTuple):
     """Whether what must hold has held, in a line."""
 
     def _repr_html_(self) -> str | None:
-        """How it shows itself in a notebook: the player of `ecume view`, in at most 4 MB."""
+        """The notebook view: the player of `ecume view`, in at most 4 MB."""
         return html_of(self.directory)
 
 
 def info(directory: str | os.PathLike[str]) -> Info:
-    """What a run is and how far it came; reads what there is, also while it is written and after it was killed."""
+    """Information about a run; also while it is written, and after it was killed."""
     home = existing(directory)
     unsaid: dict[str, Any] = {}
     status, no_status = _read(lambda: _status(home), unsaid, home)
@@ -83,8 +83,8 @@ def repair(directory: str | os.PathLike[str]) -> Repaired:
         return mended(home)
 
 
-def _read(what: Callable[[], Told], otherwise: Told, home: RunDirectory) -> tuple[Told, str]:
-    """What a run says of itself; where that is damaged, something else, and why."""
+def _read(what: Callable[[], T], otherwise: T, home: RunDirectory) -> tuple[T, str]:
+    """A part of the run's own records, or a default and the reason where that part is damaged."""
     try:
         return what(), ""
     except StorageError as error:
@@ -92,19 +92,19 @@ def _read(what: Callable[[], Told], otherwise: Told, home: RunDirectory) -> tupl
 
 
 def _state(home: RunDirectory, status: dict[str, Any]) -> tuple[str, str]:
-    """How the run stands, and why."""
+    """The state of the run, and the reason for it."""
     if home.done.exists():
         return "done", ""
     if home.failed.exists():
         return "failed", str(json_of(home.failed).get("message", ""))
-    told = str(status.get("state", "running"))
-    if told == "running":
-        told = "running" if is_held(home) else "killed"
-    return told, "" if told == "running" else f"go on: ecume resume {home.path}"
+    state = str(status.get("state", "running"))
+    if state == "running":
+        state = "running" if is_held(home) else "killed"
+    return state, "" if state == "running" else f"go on: ecume resume {home.path}"
 
 
 def _status(home: RunDirectory) -> dict[str, Any]:
-    """How far the run said it was; a run that was killed at its very beginning said nothing."""
+    """The contents of the status file; empty for a run that was killed before it wrote one."""
     return json_of(home.status) if home.status.exists() else {}
 
 

@@ -1,1 +1,6 @@
-"""What a person asks for: read, checked and written without compiling anything."""
+"""Scenes: what is simulated, read and checked without compiling anything.
+
+Start with `load.load_scene`, which reads a TOML file or reports all its faults at once (`faults`, `places`), and with
+`schema.SCENES`, the table of scenes by model. `floating`, `soft`, `sph` and `tracers` hold the scenes of the models,
+`common` and `quantities` what they share. `overrides`, `tables`, `files` and `templates` are ways into a scene.
+"""

@@ -1,4 +1,4 @@
-"""What the scenes of all models share."""
+"""The parts that the scenes of all models share."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ecume.scenes.quantities import MOST_FRAMES, STRICT, Duration, Seed, Text
 
 
 class Kind(NamedTuple):
-    """What a species of particles is called, and its color if the scene gives one."""
+    """The name of a species of particles, and its color if the scene gives one."""
 
     name: str
     color: str | None
@@ -32,7 +32,7 @@ def colors_of(kinds: Iterable[Kind]) -> list[str]:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class Common:
-    """What is simulated for how long, and how often it is written down."""
+    """The model, the duration and the frames of a scene."""
 
     model: str
     """Which model: a key of `SCENES`."""
@@ -59,6 +59,6 @@ class Common:
             raise Inconsistent([(("frame_every",), f"gives {frames:.3g} frames, more than {MOST_FRAMES:.0e}")])
         if abs(frames - round(frames)) > 1e-9 * frames:
             fits = max(1, round(frames)) * self.frame_every
-            came = f"came {self.duration:g} s, no whole number of frames {self.frame_every:g} s apart"
+            came = f"got {self.duration:g} s, no whole number of frames {self.frame_every:g} s apart"
             raise Inconsistent([(("duration",), f"{came}; {fits:.9g} s would be")])
         return self

@@ -1,4 +1,4 @@
-"""What is wrong with a scene, in the words of the one who wrote it."""
+"""The faults of a scene, in terms of the file that the user wrote."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def read_path(text: str) -> Path:
 
 
 def echo(value: object) -> str:
-    """What came, short and harmless to print."""
+    """The value that was given, short and harmless to print."""
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, Mapping):
@@ -73,16 +73,16 @@ def suggestion(word: str, choices: Iterable[str]) -> str:
 
 
 def faults_of(error: ValidationError, kind: type, raw: object, also: Sequence[str] = ()) -> list[tuple[Path, str]]:
-    """All faults that pydantic found in `raw`, which was to be a `kind`; `also` are further keys of its top."""
+    """The faults that pydantic found in `raw`, which was to be a `kind`; `also` are further keys of its top."""
     details = error.errors(include_url=False)
     details = [detail for detail in details if not _emptied(detail, details)]
     found = list(
         dict.fromkeys(each for detail in details[:MOST_FAULTS] for each in _described(detail, kind, raw, also))
     )
     mistyped = {(*path[:-1], near) for path, message in found if (near := _meant(message)) is not None}
-    told = [(path, message) for path, message in found if not (path in mistyped and message.startswith(MISSING))]
+    listed = [(path, message) for path, message in found if not (path in mistyped and message.startswith(MISSING))]
     left = len(details) - MOST_FAULTS
-    return told + ([((), f"and {left} more faults")] if left > 0 else [])
+    return listed + ([((), f"and {left} more faults")] if left > 0 else [])
 
 
 MISSING = "is missing"
@@ -113,13 +113,13 @@ def _described(detail: ErrorDetails, kind: type, raw: object, also: Sequence[str
         return [(path, f"no such key; {suggestion(str(path[-1]), _keys(kind, path[:-1], also))}")]
     if detail["type"] == "missing" and isinstance(path[-1], int):
         pair = value_at(raw, path[:-1], detail["input"])
-        return [(path[:-1], f"came {echo(pair)}; wanted a list of {len(_items(_kind_at(kind, path[:-1])))}")]
+        return [(path[:-1], f"got {echo(pair)}; expected a list of {len(_items(_kind_at(kind, path[:-1])))}")]
     if detail["type"] == "missing":
         return [(path, f"{MISSING}{_hint(kind, path)}")]
     cause = detail.get("ctx", {}).get("error")
     if isinstance(cause, Inconsistent):
         return [(path + below, message) for below, message in cause.complaints]
-    came = f"came {echo(value_at(raw, path, detail['input']))}"
+    came = f"got {echo(value_at(raw, path, detail['input']))}"
     return [(path, f"{came}; {cause if cause is not None else _wanted(detail)}")]
 
 
@@ -139,33 +139,33 @@ def _items(kind: Any) -> tuple[Any, ...]:
 
 
 def _wanted(detail: ErrorDetails) -> str:
-    """What should have come, from the kind of complaint and its bounds."""
+    """The expected value, from the kind of complaint and its bounds."""
     bounds = detail.get("ctx", {})
     if detail["type"] == "literal_error":
         choices = [word for word in re.findall(r"'([^']*)'", str(bounds["expected"])) if word]
         near = suggestion(str(detail["input"]), choices)
-        return f"wanted one of {', '.join(choices)}" + ("" if near.startswith("known") else f"; {near}")
+        return f"expected one of {', '.join(choices)}" + ("" if near.startswith("known") else f"; {near}")
     wording = WORDING.get(detail["type"], detail["msg"][:1].lower() + detail["msg"][1:])
     return wording.format_map({key: _number(value) for key, value in bounds.items()})
 
 
 WORDING = {
-    "greater_than": "wanted more than {gt}",
-    "greater_than_equal": "wanted {ge} or more",
-    "less_than": "wanted less than {lt}",
-    "less_than_equal": "wanted {le} or less",
-    "finite_number": "wanted a finite number",
-    "int_type": "wanted a whole number",
-    "int_from_float": "wanted a whole number",
-    "bool_type": "wanted true or false",
-    "string_type": "wanted text",
-    "string_too_long": "wanted at most {max_length} characters",
-    "string_too_short": "wanted some text",
+    "greater_than": "expected more than {gt}",
+    "greater_than_equal": "expected {ge} or more",
+    "less_than": "expected less than {lt}",
+    "less_than_equal": "expected {le} or less",
+    "finite_number": "expected a finite number",
+    "int_type": "expected a whole number",
+    "int_from_float": "expected a whole number",
+    "bool_type": "expected true or false",
+    "string_type": "expected text",
+    "string_too_long": "expected at most {max_length} characters",
+    "string_too_short": "expected some text",
     "string_pattern_mismatch": "such characters cannot stand here",
-    "dataclass_type": "wanted a table of keys and values",
-    "tuple_type": "wanted a list",
-    "too_long": "wanted a list of {max_length}",
-    "too_short": "wanted a list of {min_length} or more",
+    "dataclass_type": "expected a table of keys and values",
+    "tuple_type": "expected a list",
+    "too_long": "expected a list of {max_length}",
+    "too_short": "expected a list of {min_length} or more",
 }
 
 
@@ -174,7 +174,7 @@ def _number(value: object) -> object:
 
 
 def value_at(raw: object, path: Path, otherwise: object) -> object:
-    """What stands at `path`, as it was written."""
+    """The value at `path`, as it was written."""
     for key in path:
         try:
             raw = raw[key]  # type: ignore[index]  # whatever cannot be indexed so ends the search
@@ -191,13 +191,13 @@ def _keys(kind: type, path: Path, also: Sequence[str]) -> list[str]:
 
 
 def _hint(kind: type, path: Path) -> str:
-    """What a missing value would look like."""
+    """An example of a missing value."""
     from ecume.units import Unit, example
 
     hints = typing.get_type_hints(_kind_at(kind, path[:-1]), include_extras=True)
     marks = typing.get_args(hints.get(str(path[-1])))
     units = [mark for mark in marks if isinstance(mark, Unit)]
-    return f"; wanted for example {example(units[0].symbol)!r}" if units else ""
+    return f"; expected for example {example(units[0].symbol)!r}" if units else ""
 
 
 def _kind_at(kind: Any, path: Path) -> Any:

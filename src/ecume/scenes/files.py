@@ -17,7 +17,7 @@ def beside(folder: Path, name: str) -> Path:
     Links are followed before that is judged. Raises ValueError.
     """
     if not name or "\0" in name or len(name) > 1000:
-        raise ValueError("wanted the path of a file")
+        raise ValueError("expected the path of a file")
     try:
         path = folder / Path(name).expanduser()
     except RuntimeError as error:
@@ -44,7 +44,7 @@ def text_of(path: Path, most_bytes: int) -> str:
     """The text of a plain file in UTF-8, at most so many bytes. Raises ValueError."""
     try:
         if path.is_dir():
-            raise ValueError("is a folder; wanted a file")
+            raise ValueError("is a folder; expected a file")
         if not stat.S_ISREG(path.stat().st_mode):
             raise ValueError("is no plain file")
         with path.open("rb") as file:

@@ -1,4 +1,4 @@
-"""From a scene file to a scene, or to all that is wrong with it."""
+"""The reading of scene files: a scene, or all of its faults."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from typing import Any, NamedTuple
 from ecume.errors import Fault, SceneError
 from ecume.scenes.faults import Path, read_path, written
 from ecume.scenes.files import NotText, text_of
+from ecume.scenes.floating.sources import SOURCES, rows_from
 from ecume.scenes.overrides import overridden
 from ecume.scenes.places import place_of, places
 from ecume.scenes.schema import Scene, examined
-from ecume.scenes.starts import SOURCES, rows_from
 from ecume.scenes.templates import templates
 
 BARE = re.compile(r"[^=#]*=\s*([\w.+-][^\"'\[\]{}#=]*[^\W\d_][^\"'\[\]{}#=]*?)\s*(?:#.*)?$")
@@ -55,7 +55,7 @@ def load_scene(path_or_text: str | File, overrides: Sequence[str] = ()) -> Scene
     scene, found = examined(raw, also=SOURCES)
     # Without its rows a scene has nothing afloat, without its file a region has no shape: no faults of their own.
     excused = {path[:-1] or ("fluid",) for path, _ in dry} | ({("floats",)} if rows.faults else set())
-    faults += dry + rows.faults + rows.told([fault for fault in found if fault[0] not in excused])
+    faults += dry + rows.faults + rows.with_origins([fault for fault in found if fault[0] not in excused])
     if scene is None or faults:
         raise SceneError(placed(source, faults, changed), source.name)
     return scene
@@ -69,7 +69,7 @@ def located(error: SceneError, path_or_text: str | File, overrides: Sequence[str
     name_liquid(raw)
     sources_followed(raw, source.folder)
     rows = rows_from(raw, source.folder)
-    faults = rows.told([(read_path(fault.path), fault.message) for fault in error.faults])
+    faults = rows.with_origins([(read_path(fault.path), fault.message) for fault in error.faults])
     return SceneError(placed(source, faults, changed), source.name)
 
 
@@ -77,14 +77,14 @@ def name_liquid(raw: dict[str, Any]) -> None:
     """`liquid = "water"`, with a `temperature` beside it, is short for a table of these two."""
     name = raw.get("liquid")
     if isinstance(name, str):
-        told = {"temperature": raw.pop("temperature")} if "temperature" in raw else {}
-        raw["liquid"] = {"name": name, **told}
+        given = {"temperature": raw.pop("temperature")} if "temperature" in raw else {}
+        raw["liquid"] = {"name": name, **given}
 
 
 def sources_followed(raw: dict[str, Any], folder: File) -> list[tuple[Path, str]]:
-    """What is wrong with the files that a scene names; what they say stands in `raw` from then on."""
+    """Put what the files say that a scene names into `raw`; the faults of these files."""
     if raw.get("model") == "floating":
-        from ecume.scenes.floating.currents import follow_current
+        from ecume.scenes.floating.surroundings import follow_current
 
         return follow_current(raw, folder)
     if raw.get("model") != "sph":
@@ -114,7 +114,7 @@ def source_in(path: File, most_bytes: int = MOST_BYTES) -> Source:
 
 
 def _meant(path: File) -> str:
-    """What whoever named a file that is not there may have meant."""
+    """A hint at what a user who named a file that is not there may have meant."""
     if len(path.name) > LONGEST_NAME:
         return ""
     if path.is_dir():
@@ -143,15 +143,15 @@ def parsed(source: Source) -> dict[str, Any]:
     raise SceneError([fault], source.name)
 
 
-def _syntax_fault(told: str, text: str) -> Fault:
-    """What Python's reader says, with its place taken out of the words."""
-    message, _, place = told.rpartition(" (at ")
+def _syntax_fault(given: str, text: str) -> Fault:
+    """The message of Python's reader as a fault, with its place."""
+    message, _, place = given.rpartition(" (at ")
     numbers = re.findall(r"\d+", place)
     ending = text.rstrip("\n").split("\n")
     line, column = map(int, numbers) if len(numbers) == 2 else (len(ending), len(ending[-1]) + 1)
     bare = BARE.match(ending[min(line, len(ending)) - 1])
     hint = f'; text, units too, stands in quotes: "{bare[1]}"' if bare else ""
-    return Fault("", f"is not TOML: {message or told}{hint}", line, column)
+    return Fault("", f"is not TOML: {message or given}{hint}", line, column)
 
 
 def placed(source: Source, faults: Sequence[tuple[Path, str]], changed: set[Path]) -> list[Fault]:

@@ -36,7 +36,7 @@ def split(override: str) -> tuple[Path, Any]:
     """
     key, equals, text = override.partition("=")
     if not equals or KEY.fullmatch(key.strip()) is None:
-        raise ValueError("wanted key=value, such as floats[0].count=10")
+        raise ValueError("expected key=value, such as floats[0].count=10")
     return read_path(key), value_of(text.strip())
 
 
@@ -69,5 +69,5 @@ def _fitting(raw: Any, key: str | int, path: Path, *, new: bool = False) -> Any:
     if isinstance(raw, list):
         whole = written(path[:-1])
         held = f"{whole}[0]" if len(raw) == 1 else f"{whole}[0] to {whole}[{len(raw) - 1}]"
-        raise ValueError(f"{whole} is a list; wanted one of it: {held}" if raw else f"{whole} is an empty list")
+        raise ValueError(f"{whole} is a list; expected one of it: {held}" if raw else f"{whole} is an empty list")
     raise ValueError(f"the scene has no {written(path)}")

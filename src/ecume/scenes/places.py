@@ -1,4 +1,4 @@
-"""Where in a TOML file a path stands."""
+"""The places of paths in a TOML file: line and column."""
 
 from __future__ import annotations
 

@@ -77,7 +77,7 @@ def wetting_angle(value: object) -> float:
     """An angle between 0 and 180 degrees."""
     angle = Unit("rad").number(value)
     if not 0.0 <= angle <= math.pi:
-        raise ValueError("wanted an angle from 0 to 180 deg; plain numbers are radians")
+        raise ValueError("expected an angle from 0 to 180 deg; plain numbers are radians")
     return angle
 
 
@@ -121,7 +121,7 @@ def color(value: object) -> str:
     if text in COLORS:
         return COLORS[text]
     if not HEXADECIMAL.fullmatch(text):
-        raise ValueError(f"wanted a color such as '#c8a165', or one of {', '.join(COLORS)}")
+        raise ValueError(f"expected a color such as '#c8a165', or one of {', '.join(COLORS)}")
     return text
 
 
@@ -133,10 +133,10 @@ def vector(symbol: str, most: float) -> Callable[[object], tuple[float, ...]]:
 
     def read(value: object) -> tuple[float, ...]:
         if not isinstance(value, (list, tuple)) or len(value) not in (2, 3):
-            raise ValueError(f"wanted two or three numbers, or texts such as {example(symbol)!r}")
+            raise ValueError(f"expected two or three numbers, or texts such as {example(symbol)!r}")
         numbers = tuple(Unit(symbol).number(item) for item in value)
         if not all(abs(number) <= most for number in numbers):
-            raise ValueError(f"wanted numbers between {-most:g} and {most:g} {symbol}")
+            raise ValueError(f"expected numbers between {-most:g} and {most:g} {symbol}")
         return numbers
 
     return read

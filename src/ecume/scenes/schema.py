@@ -1,4 +1,4 @@
-"""The table of scenes, and the ways between a scene and plain data.
+"""The table of scenes, the conversion between scenes and plain data, and the units that the schema knows.
 
 >>> scene = from_plain({"model": "floating", "duration": "1 s", "frame_every": "0.1 s",
 ...     "floats": [{"radius": "1 mm", "density": 600, "contact_angle": "70 deg"}]})
@@ -11,6 +11,7 @@ from __future__ import annotations
 import dataclasses
 import hashlib
 import json
+import typing
 from collections.abc import Iterator, Mapping, MutableMapping, Sequence
 from functools import cache
 from typing import Any, cast
@@ -25,6 +26,7 @@ from ecume.scenes.floating import FloatingScene
 from ecume.scenes.soft import SoftScene
 from ecume.scenes.sph import SphScene
 from ecume.scenes.tracers import TracersScene
+from ecume.units import Unit
 
 Scene = FloatingScene | SoftScene | SphScene | TracersScene
 """Any scene. Each model adds its own."""
@@ -79,8 +81,8 @@ def examined(plain: Mapping[str, Any], also: Sequence[str] = ()) -> tuple[Scene 
 def _no_model(model: object) -> str:
     choices = ", ".join(f'"{name}"' for name in SCENES)
     if model is None:
-        return f"is missing; wanted one of {choices}"
-    return f"came {echo(model)}; wanted one of {choices}; {suggestion(str(model), SCENES)}"
+        return f"is missing; expected one of {choices}"
+    return f"got {echo(model)}; expected one of {choices}; {suggestion(str(model), SCENES)}"
 
 
 @cache
@@ -107,7 +109,7 @@ def to_toml(scene: Scene) -> str:
 
 
 def _without_gaps(value: Any) -> Any:
-    """What is None, or an empty list, is left out: TOML has no word for the first, and the second says nothing."""
+    """Plain data without None and empty lists: TOML has no word for the first, and the second says nothing."""
     if isinstance(value, dict):
         return {key: _without_gaps(item) for key, item in value.items() if item is not None and item != []}
     return [_without_gaps(item) for item in value] if isinstance(value, list) else value
@@ -116,3 +118,31 @@ def _without_gaps(value: Any) -> Any:
 def scene_hash(scene: Scene) -> str:
     """64 hexadecimal digits, the same for equal scenes only."""
     return hashlib.sha256(json.dumps(to_plain(scene), sort_keys=True).encode()).hexdigest()
+
+
+ANGLE = "contact_angle"
+
+
+def unit_of(plain: Mapping[str, Any], path: Path) -> str:
+    """The SI unit that the schema knows for a place in a scene."""
+    if path[-1] == ANGLE:
+        return "rad"
+    kind: Any = SCENES[plain["model"]]
+    for key in path:
+        kind = _below(kind, key)
+    return next((mark.symbol for mark in _marks(kind) if isinstance(mark, Unit)), "1")
+
+
+def _below(kind: Any, key: str | int) -> Any:
+    """The annotation one key further down."""
+    if isinstance(key, int):
+        return next(part for part in typing.get_args(kind) if part is not ...)
+    piece = next((part for part in (kind, *typing.get_args(kind)) if hasattr(part, "__dataclass_fields__")), None)
+    return typing.get_type_hints(piece, include_extras=True).get(key) if piece is not None else None
+
+
+def _marks(kind: Any) -> Iterator[Any]:
+    """The marks of an annotation, however deep."""
+    for part in typing.get_args(kind):
+        yield part
+        yield from _marks(part)

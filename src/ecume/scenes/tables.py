@@ -46,7 +46,7 @@ class Column(NamedTuple):
 
 
 class TableFaults(ValueError):
-    """All that is wrong with a table, one message each."""
+    """The faults of a table, one message each."""
 
     def __init__(self, messages: Sequence[str]) -> None:
         self.messages = tuple(messages)
@@ -58,7 +58,7 @@ def followed(
 ) -> Complaints:
     """Let `follow` put what stands in a file into a scene's plain data; what is wrong with it comes back."""
     if not isinstance(name, str):
-        return [(path, f"came {echo(name)}; wanted text")]
+        return [(path, f"got {echo(name)}; expected text")]
     try:
         follow(into, name, folder)
     except TableFaults as faults:
@@ -96,7 +96,7 @@ def _cells(text: str) -> Iterator[tuple[int, list[str]]]:
 
 
 def _columns(number: int, head: Sequence[str], known: Mapping[str, str]) -> list[Column]:
-    """What the head says. Raises TableFaults."""
+    """The columns of the head. Raises TableFaults."""
     columns, faults = [], []
     for cell in head:
         try:
@@ -114,7 +114,7 @@ def _columns(number: int, head: Sequence[str], known: Mapping[str, str]) -> list
 def _column(cell: str, known: Mapping[str, str]) -> Column:
     match = HEAD.fullmatch(cell[:200])
     if match is None:
-        raise ValueError("wanted a name, or a name with its unit as in 'radius [mm]'")
+        raise ValueError("expected a name, or a name with its unit as in 'radius [mm]'")
     name, unit = match[1], match[2]
     if name not in known:
         raise ValueError(f"no such column; {suggestion(name, known)}")
@@ -128,13 +128,13 @@ def _column(cell: str, known: Mapping[str, str]) -> Column:
 def _line(number: int, row: Sequence[str], columns: Sequence[Column], faults: list[str]) -> Line:
     """One line in SI; what cannot be read is told to `faults`."""
     if len(row) != len(columns):
-        faults.append(f"line {number}: {len(row)} cells, wanted {len(columns)} as in the head")
+        faults.append(f"line {number}: {len(row)} cells, expected {len(columns)} as in the head")
     values: dict[str, Any] = {}
     for column, cell in zip(columns, row, strict=False):
         try:
             values[column.name] = _number(cell, column.scale) if column.scale else cell.strip()
         except ValueError:
-            faults.append(f"line {number}, column {column.name}: came {echo(cell.strip())}; wanted a number")
+            faults.append(f"line {number}, column {column.name}: got {echo(cell.strip())}; expected a number")
     return Line(number, values)
 
 

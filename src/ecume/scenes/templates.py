@@ -40,7 +40,7 @@ def copy_template(name: str, to: Path) -> list[Path]:
 
 
 def folder() -> Traversable:
-    """Where they lie."""
+    """The folder of the templates."""
     return files("ecume") / "templates"
 
 

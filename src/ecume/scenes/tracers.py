@@ -42,7 +42,7 @@ def absolute_temperature(value: object) -> float:
     else:
         kelvin = Unit("K").number(value)
     if not 0.0 <= kelvin <= 1e4:
-        raise ValueError("wanted a temperature from 0 to 10,000 K; write '20 degC' or kelvin")
+        raise ValueError("expected a temperature from 0 to 10,000 K; write '20 degC' or kelvin")
     return kelvin
 
 
@@ -103,7 +103,7 @@ class ParticleSpec:
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         if self.positions and self.count not in (0, len(self.positions)):
-            raise Inconsistent([(("count",), f"came {self.count}; there are {len(self.positions)} positions")])
+            raise Inconsistent([(("count",), f"got {self.count}; there are {len(self.positions)} positions")])
         if not self.count:
             object.__setattr__(self, "count", len(self.positions) or 1)
         return self
@@ -129,7 +129,7 @@ class TankSpec:
     @model_validator(mode="after")
     def _one_shape(self) -> Self:
         if sum((self.size is not None, self.radius is not None, bool(self.vertices))) != 1:
-            raise Inconsistent([((), "wanted one of size, radius and vertices")])
+            raise Inconsistent([((), "expected one of size, radius and vertices")])
         return self
 
 
@@ -153,7 +153,7 @@ class ObstacleSpec:
         box = self.low is not None and self.high is not None
         round_one = self.center is not None and self.radius is not None
         if sum((box, round_one, bool(self.vertices))) != 1:
-            raise Inconsistent([((), "wanted low and high, or center and radius, or vertices")])
+            raise Inconsistent([((), "expected low and high, or center and radius, or vertices")])
         return self
 
 
@@ -180,16 +180,16 @@ class OpeningSpec:
     def _one_way(self) -> Self:
         comes = self.rate is not None or self.concentration is not None
         if self.rate is not None and self.concentration is not None:
-            raise Inconsistent([(("concentration",), "came with rate; wanted one of them")])
+            raise Inconsistent([(("concentration",), "given with rate; expected one of them")])
         if not comes and (self.species or self.velocity is not None):
             key = "species" if self.species else "velocity"
-            raise Inconsistent([((key,), "nobody comes in here; wanted rate or concentration with it")])
+            raise Inconsistent([((key,), "nobody comes in here; expected rate or concentration with it")])
         return self
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class TracerMotionSpec:
-    """Which forces act, and how the equation of motion is stepped."""
+    """The forces, and the time integration."""
 
     drag: LawName = "schiller-naumann"
     """`stokes`, `schiller-naumann` or `none`"""
@@ -258,17 +258,17 @@ def _population(scene: TracersScene) -> Complaints:
     for index, species in enumerate(scene.particles):
         if scene.tank is None and not species.positions and (species.low is None or species.high is None):
             where = ("particles", index, "positions")
-            complaints.append((where, "is missing; without a tank wanted positions, or low and high"))
+            complaints.append((where, "is missing; without a tank expected positions, or low and high"))
     return complaints
 
 
 def _newcomers(scene: TracersScene) -> Complaints:
-    """Who comes in is of a species that there is, and not more than can be."""
+    """The faults of particles that come in: their species, and their number."""
     names, complaints, expected = [species.name for species in scene.particles], list[tuple[Path, str]](), 0.0
     for index, hole in enumerate(scene.openings):
         expected += (hole.rate or 0.0) * scene.duration
         if hole.species and hole.species not in names:
-            message = f"came {hole.species!r}; the species are {', '.join(map(repr, names))}"
+            message = f"got {hole.species!r}; the species are {', '.join(map(repr, names))}"
             complaints.append((("openings", index, "species"), message))
     if expected > MOST_PARTICLES:
         complaints.append((("openings",), f"{expected:.3g} particles to come are more than {MOST_PARTICLES:.0e}"))
@@ -287,7 +287,7 @@ def _coordinates(scene: TracersScene) -> Complaints:
     for index, hole in enumerate(scene.openings):
         points += [(("openings", index, key), getattr(hole, key)) for key in ("low", "high", "velocity")]
     return [
-        (path, f"came {len(point)} coordinates; wanted {wanted}")
+        (path, f"got {len(point)} coordinates; expected {wanted}")
         for path, point in points
         if point is not None and len(point) != wanted
     ]

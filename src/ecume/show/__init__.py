@@ -1,0 +1,6 @@
+"""From numbers to pictures: movies, figures, the page of a run, and games.
+
+Start with the tables by model: `movies.FILMS` (the `picture.Picture` that a movie shows), `figures.FIGURES` (what
+`ecume plot` draws), `view.scenery.STAGES` (the page) and `play.pages.TOYS` (games). `floating`, `soft`, `sph` and
+`tracers` draw their model; `style`, `scenery` and `camera` are shared; `encoders` writes movie files.
+"""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -18,6 +18,9 @@ from ecume.show.style import INK, PALETTE, figure, legend_outside, plain, scale_
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
+if TYPE_CHECKING:
+    from ecume.scenes.schema import Scene
+
 MOST_INSTANTS = 400
 """A curve or a path of more frames than this looks no different, and takes longer to read and to draw."""
 LEAST = 1e-15
@@ -26,7 +29,7 @@ LEAST = 1e-15
 Frames = Sequence[Frame]
 
 
-def energies(frames: Frames, scene: Any) -> Figure:
+def energies(frames: Frames, scene: Scene) -> Figure:
     """Kinetic and potential energies, their sum, the work that came from outside, and what the run has lost."""
     shown = thinned(frames)
     names = [name for name, unit in shown[0].units.items() if unit == "J" and name != "total_energy"]
@@ -49,7 +52,7 @@ def energies(frames: Frames, scene: Any) -> Figure:
     return drawn
 
 
-def kinetic_energy(frames: Frames, scene: Any) -> Figure:
+def kinetic_energy(frames: Frames, scene: Scene) -> Figure:
     """The kinetic energy on a logarithmic scale: how a bowl comes to rest."""
     shown = thinned(frames)
     (kinetic,) = series(shown, number("kinetic_energy"))
@@ -65,8 +68,8 @@ def kinetic_energy(frames: Frames, scene: Any) -> Figure:
     return drawn
 
 
-def clusters(frames: Frames, scene: Any) -> Figure:
-    """How many clusters there are, and how large they are: single floats count as clusters of one."""
+def clusters(frames: Frames, scene: Scene) -> Figure:
+    """The number of clusters and their sizes: single floats count as clusters of one."""
     shown = thinned(frames)
     found = [touching_clusters(frame) for frame in shown]
     with style():
@@ -95,11 +98,11 @@ def thinned(frames: Frames) -> list[Frame]:
 
 
 def span(instants: Array) -> tuple[float, float] | None:
-    """From the first to the last, if there are two."""
+    """The interval from the first value to the last, if there are two."""
     return (float(instants[0]), float(instants[-1])) if instants[-1] > instants[0] else None
 
 
-def over_time(drawn: Figure, scene: Any) -> Axes:
+def over_time(drawn: Figure, scene: Scene) -> Axes:
     """Axes over time, with the title of the scene."""
     axes = drawn.add_subplot(xlabel="time (s)", title=plain(scene.title))
     axes.margins(x=0)

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ecume.errors import BadInput, StorageError
-from ecume.trajectories.durable import replaceable
+from ecume.trajectories.durable_files import replaceable
 
 Pixels = NDArray[np.uint8]
 CODECS = {
@@ -39,7 +39,7 @@ PICTURES = ".png"
 
 
 def ffmpeg() -> str | None:
-    """Where an ffmpeg is: the system's, or that of the imageio-ffmpeg package; None where there is neither."""
+    """The path of an ffmpeg: the system's, or that of the imageio-ffmpeg package; None where there is neither."""
     found = shutil.which("ffmpeg")
     if found is not None:
         return found
@@ -56,7 +56,7 @@ def writable(out: Path) -> Path:
     """The file that will be written for `out`: for an MP4 or WebM without an ffmpeg, a WebP of the same name."""
     if out.suffix.lower() not in (*ENCODERS, PICTURES):
         known = ", ".join((*ENCODERS, PICTURES))
-        raise BadInput(f"{out.name}: no such kind of movie as {out.suffix!r}; wanted one of {known}")
+        raise BadInput(f"{out.name}: no such kind of movie as {out.suffix!r}; expected one of {known}")
     return out.with_suffix(".webp") if out.suffix.lower() in CODECS and ffmpeg() is None else out
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from matplotlib.figure import Figure
 
@@ -18,6 +18,9 @@ from ecume.show.sph.figures import SPH_FIGURES
 from ecume.show.style import save
 from ecume.show.tracers import TRACER_FIGURES
 from ecume.trajectories.reader import open_trajectory
+
+if TYPE_CHECKING:
+    from ecume.scenes.schema import Scene
 
 FIGURES: dict[str, Mapping[str, Callable[[Frames, Any], Figure]]] = {
     "floating": FLOATING_FIGURES,
@@ -46,7 +49,7 @@ def plot(directory: str | os.PathLike[str], what: str, out: str | os.PathLike[st
         return save(known[what](trajectory, scene), target)
 
 
-def figures_of(scene: Any) -> Mapping[str, Callable[[Frames, Any], Figure]]:
+def figures_of(scene: Scene) -> Mapping[str, Callable[[Frames, Any], Figure]]:
     """The figures there are of runs of this scene."""
     return FIGURES.get(scene.model, COMMON_FIGURES)
 

@@ -1,30 +1,35 @@
-"""Movies of a run, and the table of the pictures that they are made of."""
+"""Movies of a run, the pictures that they are made of by model, and the processes that draw them."""
 
 from __future__ import annotations
 
 import bisect
+import itertools
 import math
 import os
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor
 from dataclasses import dataclass
+from multiprocessing import get_context
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ecume.errors import BadInput
-from ecume.show.aiming import WIDE, Aim, aimed
-from ecume.show.drawing import drawn_by_many
+from ecume.show.camera import WIDE, Aim, Eye, aimed
 from ecume.show.encoders import encode, writable
 from ecume.show.floating.bowl import Bowl
 from ecume.show.picture import USUAL, Picture, Pixels, Size
 from ecume.show.soft.picture import soft_picture
-from ecume.show.space import Eye
 from ecume.show.sph.picture import liquid_picture
 from ecume.show.tank import particles_picture
 from ecume.show.tracers import tracers_picture
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import open_trajectory
+
+if TYPE_CHECKING:
+    from ecume.scenes.schema import Scene
 
 FILMS: dict[str, Callable[..., Picture]] = {
     "floating": Bowl,
@@ -47,13 +52,13 @@ SMALL = Size(640, 480)
 SAMPLES = 25
 """How many frames of a run decide what there is to be seen, and the range of the colors."""
 
-Told = Callable[[int, int], None]
+Reporter = Callable[[int, int], None]
 """Is told how many pictures of how many are done."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class Cut:
-    """Which frames of a run a movie shows, how fast, and how large."""
+class MovieOptions:
+    """The frames of a run that a movie shows, their rate, and their size."""
 
     fps: int = FPS
     """Pictures a second."""
@@ -74,13 +79,13 @@ class Cut:
 
     def __post_init__(self) -> None:
         if not 1 <= self.fps <= 240:
-            raise BadInput(f"fps is {self.fps}; wanted from 1 to 240 pictures a second")
+            raise BadInput(f"fps is {self.fps}; expected from 1 to 240 pictures a second")
         if self.every < 1:
-            raise BadInput(f"every is {self.every}; wanted 1 for each frame, 2 for each second one, and so on")
+            raise BadInput(f"every is {self.every}; expected 1 for each frame, 2 for each second one, and so on")
         if self.size is not None and not all(64 <= side <= 8192 for side in self.size):
-            raise BadInput(f"size is {self.size[0]} x {self.size[1]}; wanted from 64 to 8192 pixels a side")
+            raise BadInput(f"size is {self.size[0]} x {self.size[1]}; expected from 64 to 8192 pixels a side")
         if not 0.01 <= self.aim.zoom <= 1000.0:
-            raise BadInput(f"zoom is {self.aim.zoom:g}; wanted 2 for twice as large, and so on, from 0.01 to 1000")
+            raise BadInput(f"zoom is {self.aim.zoom:g}; expected 2 for twice as large, and so on, from 0.01 to 1000")
         if not self.start <= self.end:
             raise BadInput(f"{self._span()} there is no time")
 
@@ -99,21 +104,21 @@ class Cut:
         return f"from {self.start:g} s {f'to {self.end:g} s' if math.isfinite(self.end) else 'on'}"
 
     def pixels(self, out: Path) -> Size:
-        """How large the pictures of this file are."""
+        """The size of the pictures of this file."""
         if self.size is not None:
             return Size(*self.size)
         return SMALL if out.suffix.lower() == ".gif" else USUAL
 
 
-WHOLE = Cut()
+WHOLE = MovieOptions()
 
 
 def movie(
     directory: str | os.PathLike[str],
     out: str | os.PathLike[str] | None = None,
-    cut: Cut = WHOLE,
+    options: MovieOptions = WHOLE,
     *,
-    progress: Told | None = None,
+    progress: Reporter | None = None,
     workers: int = 1,
 ) -> Path:
     """Make a movie of a run: `out` (.mp4, .webm, .webp, .gif, or .png for numbered pictures), or its
@@ -123,40 +128,40 @@ def movie(
     """
     target = Path(directory) / "results" / "movie.mp4" if out is None else Path(out)
     with open_trajectory(directory) as trajectory:
-        if workers <= 1 or len(cut.shown(trajectory)) < 2 * workers:
-            return film(trajectory, trajectory.scene, target, cut, progress=progress)
+        if workers <= 1 or len(options.shown(trajectory)) < 2 * workers:
+            return film(trajectory, trajectory.scene, target, options, progress=progress)
         target = writable(target)
-        drawn = drawn_by_many(Path(directory), cut, target, workers)
-        return encode(_counted(drawn, len(cut.shown(trajectory)), progress), target, cut.fps)
+        drawn = drawn_by_many(Path(directory), options, target, workers)
+        return encode(_counted(drawn, len(options.shown(trajectory)), progress), target, options.fps)
 
 
 def film(
     frames: Sequence[Frame],
-    scene: Any,
+    scene: Scene,
     out: str | os.PathLike[str],
-    cut: Cut = WHOLE,
+    options: MovieOptions = WHOLE,
     *,
-    progress: Told | None = None,
+    progress: Reporter | None = None,
 ) -> Path:
     """Make a movie of frames that need not come from a run, as `movie` does of those that do."""
     target = writable(Path(out))
-    shown = cut.shown(frames)
-    picture = picture_of(scene, shown, cut, target)
-    return encode(_counted(map(picture.pixels, shown), len(shown), progress), target, cut.fps)
+    shown = options.shown(frames)
+    picture = picture_of(scene, shown, options, target)
+    return encode(_counted(map(picture.pixels, shown), len(shown), progress), target, options.fps)
 
 
-def picture_of(scene: Any, shown: Sequence[Frame], cut: Cut, target: Path) -> Picture:
+def picture_of(scene: Scene, shown: Sequence[Frame], options: MovieOptions, target: Path) -> Picture:
     """The open picture in which these frames are shown."""
-    asked: dict[str, Any] = {"color": cut.color, "eye": cut.eye}
+    asked: dict[str, Any] = {"color": options.color, "eye": options.eye}
     given = {name: value for name, value in asked.items() if value is not None}
     for name in given:
         if scene.model not in ASKED[name]:
             raise BadInput(f"pictures of the model {scene.model!r} {REFUSED[name].format(given[name])}")
     film_of: Callable[..., Picture] = FILMS.get(scene.model, particles_picture)
-    return aimed(film_of(scene, _sample(shown), cut.pixels(target), **given), cut.aim)
+    return aimed(film_of(scene, _sample(shown), options.pixels(target), **given), options.aim)
 
 
-def _counted(pictures: Iterable[Pixels], count: int, progress: Told | None) -> Iterator[Pixels]:
+def _counted(pictures: Iterable[Pixels], count: int, progress: Reporter | None) -> Iterator[Pixels]:
     for done, picture in enumerate(pictures, 1):
         yield picture
         if progress is not None:
@@ -175,3 +180,41 @@ def _time(frame: Frame) -> float:
 def _rounding(time: float) -> float:
     """The time of a frame is a number of steps, and may miss the decimal that was asked for by a bit."""
     return 1e-9 * abs(time) if time < math.inf else 0.0
+
+
+AHEAD = 3
+"""Pictures of each process that may wait to be taken: more would fill the memory."""
+
+desk: dict[str, Any] = {}
+"""What a process draws with."""
+
+
+def drawn_by_many(directory: Path, options: MovieOptions, target: Path, workers: int) -> Iterator[Pixels]:
+    """The pictures of a run, one after the other."""
+    with ProcessPoolExecutor(
+        workers, mp_context=get_context("spawn"), initializer=_set_up, initargs=(directory, options, target)
+    ) as pool:
+        waiting: deque[Future[Any]] = deque()
+        coming = iter(itertools.count())
+        for number in itertools.islice(coming, AHEAD * workers):
+            waiting.append(pool.submit(_draw, number))
+        while (picture := waiting.popleft().result()) is not None:
+            waiting.append(pool.submit(_draw, next(coming)))
+            yield picture
+
+
+def _set_up(directory: Path, options: MovieOptions, target: Path) -> None:
+    from ecume._jit import use_threads
+    from ecume.trajectories.reader import open_trajectory
+
+    use_threads(1)
+    trajectory = open_trajectory(directory)
+    shown = options.shown(trajectory)
+    desk.update(shown=shown, picture=picture_of(trajectory.scene, shown, options, target))
+
+
+def _draw(number: int) -> Any:
+    """The picture of that number; None where there is none any more."""
+    if number >= len(desk["shown"]):
+        return None
+    return np.ascontiguousarray(desk["picture"].pixels(desk["shown"][number])[..., :3])

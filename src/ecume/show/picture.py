@@ -1,4 +1,4 @@
-"""What pictures of every model share: their size, the part of the world they show, scale bar, legend; drawn fast.
+"""The parts that pictures of every model share: size, view, scale bar, legend, fast drawing.
 
 What never changes is drawn once; a movie then draws only the rest of each frame.
 """
@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Sequence
-from typing import Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -24,6 +24,9 @@ from ecume.show.splat import MANY, Splat, splat_in
 from ecume.show.style import INK, MUTED, plain, scale_for
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
+
+if TYPE_CHECKING:
+    from ecume.scenes.schema import Scene
 
 DPI = 100
 LONGEST_TITLE = 50
@@ -47,16 +50,16 @@ class Picture(Protocol):
         """Put a frame into the picture."""
 
     def pixels(self, frame: Frame) -> Pixels:
-        """The picture of a frame, shape (height, width, 4); good until the next one is asked for."""
+        """The present picture, shape (height, width, 4); valid until the next call."""
         ...
 
     def place(self, frame: Frame, one: int) -> Array:
-        """Where a particle is seen (m)."""
+        """The position at which a particle is seen (m)."""
         ...
 
 
 class Size(NamedTuple):
-    """Of a picture, in pixels."""
+    """The size of a picture in pixels."""
 
     width: int
     height: int
@@ -75,28 +78,28 @@ class View(NamedTuple):
 
     @property
     def width(self) -> float:
-        """From left to right (m)."""
+        """The distance from left to right (m)."""
         return self.right - self.left
 
     @property
     def height(self) -> float:
-        """From bottom to top (m)."""
+        """The distance from bottom to top (m)."""
         return self.top - self.bottom
 
 
 def view_around(x: float, y: float, width: float, height: float) -> View:
-    """What lies around a point."""
+    """The view around a point."""
     return View(x - width / 2, x + width / 2, y - height / 2, y + height / 2)
 
 
 class Species(NamedTuple):
-    """What a species is called and which color it has."""
+    """The name and the color of a species."""
 
     name: str
     color: str
 
 
-def species(scene: Any) -> list[Species]:
+def species(scene: Scene) -> list[Species]:
     """The species of a scene, in the order of their numbers; those without a color take the palette's next."""
     return [Species(kind.name, color) for kind, color in zip(scene.kinds, colors_of(scene.kinds), strict=True)]
 
@@ -110,11 +113,11 @@ class Layers:
         self._still: Any = None
 
     def forget(self) -> None:
-        """What never changes has changed, such as the part of the world that is shown."""
+        """Draw the unchanging layer again, as when the view has changed."""
         self._still = None
 
     def pixels(self) -> Pixels:
-        """What is seen now, shape (height, width, 4); good until the next time."""
+        """The present picture, shape (height, width, 4); valid until the next call."""
         if self._still is None:
             self._still = self._unmoving()
         self._canvas.restore_region(self._still)
@@ -152,7 +155,7 @@ def discs(axes: Axes, frame: Frame, kinds: Sequence[Species]) -> EllipseCollecti
 
 
 def clock(axes: Axes) -> Any:
-    """Where the time stands: above the left corner."""
+    """The text that shows the time, above the left corner."""
     return axes.text(0.0, 1.015, "", transform=axes.transAxes, fontsize=14, va="bottom", color=INK)
 
 
@@ -188,6 +191,6 @@ def labels(axes: Axes, title: str, kinds: Sequence[Species]) -> None:
 
 
 def species_dots(kinds: Sequence[Species]) -> list[Line2D]:
-    """What a legend shows for each species."""
+    """The markers of the species in a legend."""
     look: dict[str, Any] = {"linestyle": "", "marker": "o", "markersize": 8, "markeredgecolor": INK}
     return [Line2D([], [], color=kind.color, label=plain(kind.name), **look) for kind in kinds]

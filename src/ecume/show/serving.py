@@ -24,20 +24,20 @@ Query = Mapping[str, list[str]]
 
 
 class Answer(NamedTuple):
-    """What comes back."""
+    """An answer of the server."""
 
     content: bytes
     kind: str
 
 
 class Site(Protocol):
-    """What is served. It hears of nobody but whom it trusts."""
+    """A site that is served, to trusted requests only."""
 
     token: str
 
     @property
     def policy(self) -> str:
-        """What the browser may do with the pages."""
+        """The content security policy of the pages."""
         ...
 
     def get(self, path: str, query: Query) -> Answer | None:
@@ -56,7 +56,7 @@ class _Requests(BaseHTTPRequestHandler):
 
     @property
     def site(self) -> Site:
-        """What is served."""
+        """The site that is served."""
         return cast(Site, self.server.site)  # type: ignore[attr-defined]
 
     def do_GET(self) -> None:

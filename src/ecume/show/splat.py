@@ -35,7 +35,7 @@ class Splat(Artist):
         self.order: Any = slice(None)
 
     def put(self, places: Array, depth: Array | None, colors: Array) -> None:
-        """Where they are seen (N, 2) in m, how near to the eye each is, and their colors (N, 3 or 4) from 0 to 1."""
+        """Draw discs: positions (N, 2) in m, how near to the eye each is, and colors (N, 3 or 4) from 0 to 1."""
         self.places, self.shades, self.order = places, 255.0 * colors[:, :3], slice(None)
         if depth is not None and len(depth):
             self.order = np.argsort(depth, kind="stable")

@@ -59,7 +59,7 @@ PREFIXES = ((-15, "f"), (-12, "p"), (-9, "n"), (-6, "µ"), (-3, "m"), (0, ""), (
 
 
 class Scale(NamedTuple):
-    """How many of the shown unit one SI unit is, and what the shown unit is called."""
+    """A scale for an axis: the factor from the SI unit to the shown unit, and its name."""
 
     factor: float
     unit: str
@@ -92,7 +92,7 @@ def figure(width: float = 6.4, height: float = 4.0) -> Figure:
 
 @contextmanager
 def style() -> Iterator[None]:
-    """What is drawn or written inside has the house's look, whatever the user's own settings are."""
+    """A context in which everything is drawn in ecume's style, whatever the user's own settings are."""
     with mpl.rc_context():
         mpl.rcdefaults()
         mpl.rcParams.update(cast(Any, STYLE))
@@ -105,7 +105,7 @@ def save(drawn: Figure, out: Path) -> Path:
     known = drawn.canvas.get_supported_filetypes()
     if out.suffix[1:].lower() not in known:
         raise BadInput(
-            f"{out.name}: no such kind of picture as {out.suffix!r}; wanted one of .{', .'.join(sorted(known))}"
+            f"{out.name}: no such kind of picture as {out.suffix!r}; expected one of .{', .'.join(sorted(known))}"
         )
     # A date would make two equal figures unequal files.
     undated: dict[str, dict[str, None]] = {".pdf": {"CreationDate": None}, ".svg": {"Date": None}}

@@ -31,7 +31,7 @@ from ecume.show.picture import (
     scale_bar,
     species,
 )
-from ecume.show.setting import Setting, colored, draw_movers, draw_setting, draw_wires, extent, stand_apart
+from ecume.show.scenery import Setting, colored, draw_movers, draw_setting, draw_wires, extent, stand_apart
 from ecume.show.splat import MANY, Splat, splat_in
 from ecume.show.style import INK, MUTED, PALETTE, scale_for, style
 from ecume.trajectories.frame import Frame

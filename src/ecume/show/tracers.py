@@ -3,27 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.figure import Figure
 
 from ecume.analysis.series import number, series, times
 from ecume.errors import BadInput
+from ecume.show.camera import STANDING, Eye, Wires, wires_of
 from ecume.show.curves import Frames, energies, over_time, thinned
 from ecume.show.picture import USUAL, Size, species
-from ecume.show.setting import Round, Setting, Shape
-from ecume.show.space import STANDING, Eye, Wires, wires_of
+from ecume.show.scenery import Round, Setting, Shape
 from ecume.show.style import PALETTE, figure, legend_outside, plain, scale_for, style
 from ecume.show.tank import Tank, seen
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
+if TYPE_CHECKING:
+    from ecume.scenes.tracers import TracersScene
+
 SLICES = 30
 """Of a profile."""
 
 
-def setting_of(scene: Any) -> Setting:
+def setting_of(scene: TracersScene) -> Setting:
     """The tank, obstacles and openings of a scene; of one in space what is seen from the side."""
     bodies = [outline_of(body) for body in scene.obstacles]
     gaps = [seen(np.array([hole.low, hole.high])) for hole in scene.openings]
@@ -49,7 +52,7 @@ def _rectangle(low: Array, high: Array) -> Array:
     return np.array([(left, bottom), (right, bottom), (right, top), (left, top)])
 
 
-def tracers_picture(scene: Any, sample: Sequence[Frame], size: Size = USUAL, eye: Eye | None = None) -> Tank:
+def tracers_picture(scene: TracersScene, sample: Sequence[Frame], size: Size = USUAL, eye: Eye | None = None) -> Tank:
     """The tank from the side, or what is in space from where an eye stands; each species in its color."""
     if eye is None:
         return Tank(setting_of(scene), sample, size)
@@ -58,7 +61,7 @@ def tracers_picture(scene: Any, sample: Sequence[Frame], size: Size = USUAL, eye
     return Tank(setting_in_space(scene, eye), sample, size)
 
 
-def setting_in_space(scene: Any, eye: Eye) -> Setting:
+def setting_in_space(scene: TracersScene, eye: Eye) -> Setting:
     """The edges of tank and obstacles as they are seen; of what is round those of the box around it."""
     camera = eye.camera(STANDING)
     tank = wires_of(*_box_around(scene.tank), camera) if scene.tank is not None else Wires([], [])
@@ -85,7 +88,7 @@ def _mean_height(frame: Frame, index: int) -> float:
     return float(frame.arrays["position"][frame.arrays["species"] == index, -1].mean())
 
 
-def heights(frames: Frames, scene: Any) -> Figure:
+def heights(frames: Frames, scene: TracersScene) -> Figure:
     """The mean height of each species: how fast it settles."""
     shown = thinned(frames)
     kinds = species(scene)
@@ -102,8 +105,8 @@ def heights(frames: Frames, scene: Any) -> Figure:
     return drawn
 
 
-def profile(frames: Frames, scene: Any) -> Figure:
-    """How many particles are at each height at the beginning, in the middle and at the end."""
+def profile(frames: Frames, scene: TracersScene) -> Figure:
+    """The number of particles at each height at the beginning, in the middle and at the end."""
     instants = [frames[0], frames[len(frames) // 2], frames[-1]]
     places = [frame.arrays["position"][frame.arrays["left"] < 0, -1] for frame in instants]
     everyone = np.concatenate(places)
@@ -122,8 +125,8 @@ def profile(frames: Frames, scene: Any) -> Figure:
     return drawn
 
 
-def wall_hits(frames: Frames, scene: Any) -> Figure:
-    """How often each wall has been hit so far."""
+def wall_hits(frames: Frames, scene: TracersScene) -> Figure:
+    """The number of hits of each wall so far."""
     shown = thinned(frames)
     names = [name for name in shown[0].numbers if name.startswith("hits_on_wall_")]
     if not names:

@@ -1,11 +1,14 @@
-"""Many runs of one scene: a table of points, a run directory each, and what was measured in them.
+"""Sweeps: many runs of one scene, a run directory for each point, and a table of what was measured.
 
 ecume.sweep.sweep("durations.toml", "sweeps/durations")
 ecume.open_sweep("sweeps/durations").table()
+
+Start with `runner.sweep`. `spec` is the schema of the file, `points` its points, `executors` runs them by `worker`,
+`results` and `measures` make the table, `status` looks from outside, `figures` draws.
 """
 
-from ecume.sweep.crews import Crew
+from ecume.sweep.executors import ExecutorOptions
 from ecume.sweep.results import Sweep, open_sweep
-from ecume.sweep.running import Outcome, sweep
+from ecume.sweep.runner import Outcome, sweep
 
-__all__ = ["Crew", "Outcome", "Sweep", "open_sweep", "sweep"]
+__all__ = ["ExecutorOptions", "Outcome", "Sweep", "open_sweep", "sweep"]

@@ -20,10 +20,10 @@ from ecume.scenes.files import beside, require_there
 from ecume.scenes.load import OVERRIDDEN, load_scene
 from ecume.scenes.schema import scene_hash, to_plain
 from ecume.scenes.templates import folder as templates_folder
-from ecume.sweep.asked import SweepSpec
 from ecume.sweep.points import Asked, Point, load_sweep, points_of, varied
 from ecume.sweep.processes import require_arguments, require_settings
-from ecume.trajectories.durable import storing, write_whole
+from ecume.sweep.spec import SweepSpec
+from ecume.trajectories.durable_files import storing, write_whole
 
 KEY_LENGTH = 16
 
@@ -37,8 +37,8 @@ class Job(NamedTuple):
     """what varies, as the scene has it: numbers in SI"""
 
     @property
-    def told(self) -> Path:
-        """What a process told; there when it is done."""
+    def result(self) -> Path:
+        """The numbers that a process returned; there when it is done."""
         return self.folder / "told.json"
 
     @property
@@ -53,13 +53,13 @@ class Job(NamedTuple):
 
     @property
     def asked(self) -> Path:
-        """What is to be done."""
+        """The file with the task of the point."""
         return self.folder / "point.json"
 
     @property
     def state(self) -> str:
         """`done`, `failed` or `missing`."""
-        if self.told.exists() or (self.run / "DONE.json").exists():
+        if self.result.exists() or (self.run / "DONE.json").exists():
             return "done"
         return "failed" if self.failure.exists() else "missing"
 
@@ -80,7 +80,7 @@ class Sweeping(NamedTuple):
 
     @property
     def keys(self) -> list[str]:
-        """What varies."""
+        """The keys that vary."""
         return varied(self.spec)
 
 
@@ -98,7 +98,7 @@ def laid_out(asked: Asked, directory: Path) -> Sweeping:
             job.folder.mkdir(parents=True, exist_ok=True)
             if not job.asked.exists() or job.asked.read_bytes() != _json(plan).encode():
                 write_whole(job.asked, _json(plan).encode())
-        write_whole(directory / "points.json", _json([_told(job) for job in jobs]).encode())
+        write_whole(directory / "points.json", _json([_plain(job) for job in jobs]).encode())
         write_whole(directory / "sweep.toml", asked.text.encode())
     return Sweeping(directory, spec, jobs)
 
@@ -115,16 +115,16 @@ def existing_sweep(directory: Path) -> Sweeping:
     """A sweep that was begun. Raises BadInput where there is none."""
     path = directory / "points.json"
     if not path.is_file():
-        raise BadInput(f"{directory}: no sweep is there; wanted a directory that `ecume sweep` made")
-    told = json_at(path, list)
+        raise BadInput(f"{directory}: no sweep is there; expected a directory that `ecume sweep` made")
+    rows = json_at(path, list)
     jobs = [
-        Job(Point(one["settings"], one["repeat"]), directory / "points" / one["folder"], one["values"]) for one in told
+        Job(Point(one["settings"], one["repeat"]), directory / "points" / one["folder"], one["values"]) for one in rows
     ]
     return Sweeping(directory, load_sweep(directory / "sweep.toml").spec, jobs)
 
 
 def json_at(path: Path, kind: type) -> Any:
-    """What a file of a sweep tells. Raises StorageError where it is damaged."""
+    """The contents of a file of a sweep. Raises StorageError where it is damaged."""
     with storing(path):
         text = path.read_bytes()
     try:
@@ -154,8 +154,8 @@ def _checked_plan(asked: Asked, point: Point) -> dict[str, Any]:
         return _plan(asked, point)
     except SceneError as error:
         at = ", ".join(f"{key} = {echo(point.settings[key])}" for key in varied(asked.spec) if key in point.settings)
-        told = (_as_asked(fault, error.source) for fault in error.faults)
-        raise SceneError([Fault("", f"at {at}: {one}" if at else one) for one in told], asked.name) from None
+        rows = (_as_asked(fault, error.source) for fault in error.faults)
+        raise SceneError([Fault("", f"at {at}: {one}" if at else one) for one in rows], asked.name) from None
 
 
 def _as_asked(fault: Fault, source: str) -> str:
@@ -163,11 +163,11 @@ def _as_asked(fault: Fault, source: str) -> str:
     if fault.line is not None:
         return f"{source}: {fault}"
     words = re.sub(r"^--set '[^']*': ", "", str(fault).removesuffix(OVERRIDDEN))
-    return words + ("; whole = true in a span rounds" if words.endswith("wanted a whole number") else "")
+    return words + ("; whole = true in a span rounds" if words.endswith("expected a whole number") else "")
 
 
 def _plan(asked: Asked, point: Point) -> dict[str, Any]:
-    """What is simulated at a point."""
+    """The scene or the process that is simulated at a point."""
     spec = asked.spec
     if spec.process:
         require_settings(spec.process, point.settings)
@@ -191,14 +191,14 @@ def _source(asked: Asked) -> Path:
     return path
 
 
-def _told(job: Job) -> dict[str, Any]:
+def _plain(job: Job) -> dict[str, Any]:
     """A point, as `points.json` has it."""
     point = job.point
     return {"settings": point.settings, "repeat": point.repeat, "folder": job.folder.name, "values": job.values}
 
 
 def _values(plan: dict[str, Any], keys: list[str]) -> dict[str, Any]:
-    """What a point has at the keys that vary."""
+    """The values of a point at the keys that vary."""
     if "process" in plan:
         return {key: plan["settings"].get(key) for key in keys}
     return {key: value_at(plan["scene"], read_path(key), None) for key in keys}

@@ -37,7 +37,7 @@ class Column(NamedTuple):
 
     @property
     def label(self) -> str:
-        """Of an axis."""
+        """The label of an axis."""
         return f"{plain(self.name)} ({self.unit})" if self.unit else plain(self.name)
 
     def at(self, value: float) -> str:
@@ -133,7 +133,7 @@ def curves(on: Axes, axes: Sequence[Column], measure: Column) -> None:
 
 
 def _mean(values: Array) -> tuple[float, float]:
-    """And its standard error, which one value alone has not, and none that is infinite."""
+    """The mean and its standard error; a single value has none, nor have infinite ones."""
     sure = len(values) > 1 and np.isfinite(values).all()
     return float(np.mean(values)), float(np.std(values, ddof=1) / math.sqrt(len(values))) if sure else 0.0
 
@@ -176,7 +176,7 @@ def _colorbar(on: Axes, image: Any, label: str) -> None:
 
 
 def edges(values: Array) -> Array:
-    """Between which a map's fields lie: halfway from one value to the next, on the axis as it is drawn.
+    """The edges of a map's fields: halfway from one value to the next, on the axis as it is drawn.
 
     >>> edges(np.array([1.0, 2.0, 4.0]))
     array([0.5, 1.5, 3. , 5. ])
@@ -215,7 +215,7 @@ def wide(values: Array) -> bool:
 
 
 def _scaled(on: Axes, x: Column, y: Column) -> None:
-    """Both axes with their labels, as wide as their values, or with words."""
+    """Scale both axes to their values, and label them."""
     on.set(xlabel=x.label, ylabel=y.label)
     for column, axis, scale in ((x, on.xaxis, on.set_xscale), (y, on.yaxis, on.set_yscale)):
         if column.words:

@@ -1,4 +1,4 @@
-"""What is measured in a run: `final kinetic_energy`, `max top`, `first top > 0.3`; `MEASURES` is the table of ways."""
+"""Measures of a run: `final kinetic_energy`, `max top`, `first top > 0.3`; `MEASURES` is the table of kinds."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ USUAL = re.compile(r"(\w+)\s+(\w+)")
 
 
 class Words(NamedTuple):
-    """What a measure's text says: how, and of which number."""
+    """A measure as it is written: its kind, and the number that it measures."""
 
     way: str
     number: str
@@ -65,7 +65,7 @@ class Words(NamedTuple):
 
 
 def first_crossing(times: Array, values: Array, above: bool, bound: float) -> float:
-    """When the values first lie beyond a bound (s), by straight lines between frames; infinite where they never do.
+    """The time at which the values first pass a bound (s), by straight lines between frames; infinite if they never do.
 
     >>> first_crossing(np.array([0.0, 1.0, 2.0]), np.array([0.0, 1.0, 3.0]), True, 2.0)
     1.5
@@ -81,7 +81,7 @@ def first_crossing(times: Array, values: Array, above: bool, bound: float) -> fl
 
 
 def read_measure(text: str) -> Words:
-    """What a text asks for. Raises ValueError where that is nothing.
+    """The measure of a text. Raises ValueError where it is none.
 
     >>> read_measure("first top > 0.3")
     Words(way='first', number='top', above=True, bound=0.3)
@@ -91,7 +91,7 @@ def read_measure(text: str) -> Words:
     match = USUAL.fullmatch(text.strip())
     if match is None or match[1] not in MEASURES:
         raise ValueError(
-            f"wanted {', '.join(MEASURES)} of a number, as in 'final kinetic_energy', or 'first top > 0.3'"
+            f"expected {', '.join(MEASURES)} of a number, as in 'final kinetic_energy', or 'first top > 0.3'"
         )
     return Words(match[1], match[2])
 
@@ -101,12 +101,12 @@ def measure_of(text: str) -> Measure:
     try:
         asked = read_measure(text)
     except ValueError as fault:
-        raise BadInput(f"measures: came {echo(text)}; {fault}") from None
+        raise BadInput(f"measures: got {echo(text)}; {fault}") from None
     if asked.way == "first":
         return lambda run: first_crossing(run.times, run.numbers(asked.number), asked.above, asked.bound)
     return lambda run: MEASURES[asked.way](run.times, run.numbers(asked.number))
 
 
 def usual_measures(names: Sequence[str]) -> list[str]:
-    """Where a sweep names none: the last value of every number."""
+    """The default measures: the last value of every number."""
     return [f"final {name}" for name in names]

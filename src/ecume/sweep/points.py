@@ -15,7 +15,7 @@ from ecume.errors import BadInput, Fault, SceneError
 from ecume.scenes.faults import echo, faults_of, suggestion
 from ecume.scenes.load import parsed, placed, source_in
 from ecume.scenes.templates import templates
-from ecume.sweep.asked import MOST_POINTS, READER, Axis, Sampling, Span, SweepSpec
+from ecume.sweep.spec import MOST_POINTS, READER, Axis, Sampling, Span, SweepSpec
 
 MOST_BYTES = 2**22
 Settings = dict[str, Any]
@@ -38,14 +38,14 @@ def load_sweep(path: Path) -> Asked:
     source = source_in(path, MOST_BYTES)
     raw = parsed(source)
     if "model" in raw:
-        told = "is a scene and no sweep; `ecume run` runs it, `ecume new raft-growth` writes a sweep"
-        raise SceneError([Fault("", told)], source.name)
+        message = "is a scene and no sweep; `ecume run` runs it, `ecume new raft-growth` writes a sweep"
+        raise SceneError([Fault("", message)], source.name)
     try:
         spec = READER.validate_python(raw)
     except ValidationError as error:
         raise SceneError(placed(source, faults_of(error, SweepSpec, raw), set()), source.name) from error
     if spec.template and spec.template not in templates():
-        fault = f"came {echo(spec.template)}; {suggestion(spec.template, templates())}"
+        fault = f"got {echo(spec.template)}; {suggestion(spec.template, templates())}"
         raise SceneError(placed(source, [(("template",), fault)], set()), source.name)
     return Asked(spec, source.text, source.folder, source.name)
 
@@ -59,7 +59,7 @@ class Point(NamedTuple):
 
 
 def points_of(spec: SweepSpec) -> list[Point]:
-    """All of them, in the order of the table: the last axis varies first, repeats before it."""
+    """All points in the order of the table: the last axis varies first, repeats before it."""
     grids = [list(settings_of(axis)) for axis in spec.axes]
     if spec.sampling is not None:
         grids.append(list(drawn(spec.sampling)))

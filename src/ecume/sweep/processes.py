@@ -1,4 +1,4 @@
-"""Processes that make their own scenes, and are told by numbers of their own; `PROCESSES`, the table of them."""
+"""Processes that make their own scenes and return their own numbers; `PROCESSES` is the table of them."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ class Process(NamedTuple):
 
     run: Callable[..., Any]
     """from its arguments to what became of it"""
-    told: tuple[str, ...]
+    results: tuple[str, ...]
     """the numbers of that which a table has"""
     units: Mapping[str, str]
     """of arguments and of these numbers, where they have one"""
@@ -28,8 +28,8 @@ class Process(NamedTuple):
 def _t1() -> Process:
     from ecume.models.soft import t1_process
 
-    told = ("duration", "completed", "outcome", "reduced_force", "steps", "rejected")
-    return Process(t1_process, told, {"gap": "R", "duration": "ηR²/F$_N$"})
+    results = ("duration", "completed", "outcome", "reduced_force", "steps", "rejected")
+    return Process(t1_process, results, {"gap": "R", "duration": "ηR²/F$_N$"})
 
 
 PROCESSES: Mapping[str, Callable[[], Process]] = {"t1": _t1}
@@ -58,7 +58,7 @@ def require_settings(name: str, settings: Mapping[str, Any]) -> None:
     """Raise SceneError with the settings that are of another kind than the process takes."""
     kinds = typing.get_type_hints(process_of(name).run)
     faults = [
-        Fault(key, f"came {echo(value)}; wanted {_kind(kinds[key])}")
+        Fault(key, f"got {echo(value)}; expected {_kind(kinds[key])}")
         for key, value in settings.items()
         if not _is_a(value, kinds[key])
     ]
@@ -84,9 +84,9 @@ def _kind(annotation: Any) -> str:
     return " or ".join(WORDS.get(part, "a list of numbers") for part in parts)
 
 
-def told_by(name: str, settings: Mapping[str, Any]) -> dict[str, Any]:
+def results_of(name: str, settings: Mapping[str, Any]) -> dict[str, Any]:
     """Run a process, and what is told of it."""
     process = process_of(name)
     arguments = {key: tuple(value) if isinstance(value, list) else value for key, value in settings.items()}
     result = process.run(**arguments)
-    return {key: getattr(result, key) for key in process.told}
+    return {key: getattr(result, key) for key in process.results}

@@ -14,14 +14,13 @@ from pathlib import Path
 from typing import Any
 
 from ecume.errors import BadInput
-from ecume.run.lawbook import entries
+from ecume.run.user_laws import entries
 from ecume.scenes.faults import read_path, suggestion
-from ecume.scenes.kinds import unit_of
-from ecume.scenes.schema import from_plain
+from ecume.scenes.schema import from_plain, unit_of
 from ecume.sweep.directory import Job, Sweeping, existing_sweep, json_at
 from ecume.sweep.measures import Measure, measure_of, read_measure, usual_measures
 from ecume.sweep.processes import process_of
-from ecume.trajectories.durable import storing, write_whole
+from ecume.trajectories.durable_files import storing, write_whole
 from ecume.trajectories.reader import open_trajectory
 from ecume.trajectories.tables import library
 
@@ -116,8 +115,8 @@ class Sweep:
         if job.state != "done":
             return row
         if spec.process:
-            told: Row = json_at(job.told, dict)
-            return row | {name: value for name, value in told.items() if name not in row}
+            result: Row = json_at(job.result, dict)
+            return row | {name: value for name, value in result.items() if name not in row}
         return row | measured(job, measures)
 
 
@@ -169,7 +168,7 @@ def require_numbers(sweeping: Sweeping) -> None:
 
 
 def measured(job: Job, measures: Mapping[str, str | Measure] | None) -> Row:
-    """What is measured in a run that is done, from its cache as far as it is there."""
+    """The measures of a completed run, from its cache as far as it is there."""
     cache = _cached(job)
     if measures is None:
         with open_trajectory(job.run) as run:
@@ -197,11 +196,11 @@ def _cached(job: Job) -> dict[str, float]:
 
 
 def _digest(measure: str | Measure) -> str:
-    """What a measure is known by: its words, or the text of the function and of what it uses."""
+    """The digest of a measure: of its text, or of the source of the function and of what it uses."""
     if isinstance(measure, str):
         return measure
     if not inspect.isfunction(measure):
-        raise BadInput(f"a measure is a text or a plain function of a trajectory; came {measure!r}")
+        raise BadInput(f"a measure is a text or a plain function of a trajectory; got {measure!r}")
     (entry,) = entries([measure])
     return f"{entry['name']} {entry['sha256']}"
 

@@ -19,11 +19,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ecume.errors import BadInput
-from ecume.trajectories.durable import replacing, storing
+from ecume.trajectories.durable_files import replacing, storing
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import Trajectory, open_trajectory
-from ecume.trajectories.vtkhdf import write_vtk
-from ecume.trajectories.vtp import write_pvd
+from ecume.trajectories.vtk import write_pvd, write_vtk
 
 AXES = "xyz"
 SYMBOLS = ("H", "He", "Li", "Be", "B", "C", "N", "O", "F", "Ne", "Na", "Mg", "Al", "Si", "P", "S", "Cl", "Ar")
@@ -39,7 +38,7 @@ def export(directory: str | os.PathLike[str], kind: str, out: str | os.PathLike[
     frames beside it; npz holds one array a quantity, for `numpy.load`.
     """
     if kind not in (*EXPORTS, "pvd"):
-        raise BadInput(f"a trajectory cannot be written as {kind}; wanted one of {', '.join((*EXPORTS, 'pvd'))}")
+        raise BadInput(f"a trajectory cannot be written as {kind}; expected one of {', '.join((*EXPORTS, 'pvd'))}")
     path = Path(out)
     with open_trajectory(directory) as trajectory:
         if not len(trajectory):
@@ -129,7 +128,7 @@ def _components(array: NDArray[Any]) -> list[NDArray[Any]]:
 
 
 def _xyz_columns(frame: Frame) -> tuple[str, list[list[Any]]]:
-    """What the columns are, and the columns."""
+    """The description of the columns, and the columns."""
     count = len(frame.arrays["position"])
     species = frame.arrays.get("species", np.zeros(count, np.int64)).tolist()
     properties, columns = ["species:S:1"], [[_symbol(kind) for kind in species]]
@@ -145,7 +144,7 @@ def _xyz_columns(frame: Frame) -> tuple[str, list[list[Any]]]:
 
 
 def _legend(species: Sequence[str]) -> str:
-    """Which element stands for which species."""
+    """The chemical element that stands for each species."""
     named = ", ".join(f"{_symbol(kind)}: {name}" for kind, name in enumerate(species)).replace('"', "'")
     return f'Species="{named}" ' if named else ""
 

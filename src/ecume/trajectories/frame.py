@@ -28,5 +28,5 @@ class Frame(NamedTuple):
         return f"Frame(time={self.time:.6g} s, {count} particles; arrays: {arrays}; numbers: {numbers})"
 
     def _repr_html_(self) -> str | None:
-        """How it shows itself in a notebook: its particles, to turn and to click."""
+        """The notebook view: the particles, to turn and to click."""
         return html_of(self)

@@ -1,4 +1,4 @@
-"""Frames out of files."""
+"""Trajectories as sequences of frames, read from files."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 
 from ecume._hooks import html_of, scene_of
 from ecume.errors import BadInput, StorageError
-from ecume.trajectories import schema, tables
-from ecume.trajectories.durable import storing
+from ecume.trajectories import gsd_schema, tables
+from ecume.trajectories.durable_files import storing
 from ecume.trajectories.frame import Frame
-from ecume.trajectories.recorders import segment_files
+from ecume.trajectories.recorder import segment_files
 from ecume.trajectories.segments import Segment
 
 
@@ -36,7 +36,7 @@ def open_trajectory(path: str | os.PathLike[str]) -> Trajectory:
     begun = (given / "traj").is_dir() or (given / "resolved.json").is_file()
     folder = given / "traj" if begun else given
     if not segment_files(folder) and folder == given:
-        raise BadInput(f"{given}: no run is there; wanted a directory that `ecume run` made")
+        raise BadInput(f"{given}: no run is there; expected a directory that `ecume run` made")
     return Trajectory(folder)
 
 
@@ -67,7 +67,7 @@ class Trajectory(Sequence[Frame]):
 
     @property
     def intact(self) -> int:
-        """How many frames there are before the first that is missing, as when a segment lost its end."""
+        """The number of frames before the first that is missing, as when a segment lost its end."""
         end = 0
         for segment in self._segments:
             if segment.header.first != end:
@@ -82,7 +82,7 @@ class Trajectory(Sequence[Frame]):
 
     @property
     def steps(self) -> NDArray[np.int64]:
-        """How many steps the march had made at each frame."""
+        """The number of time steps before each frame."""
         return self._column("configuration/step").astype(np.int64)
 
     @property
@@ -92,7 +92,7 @@ class Trajectory(Sequence[Frame]):
 
     @property
     def species(self) -> tuple[str, ...]:
-        """What the species are called, in the order of their numbers, as far as they have names."""
+        """The names of the species in the order of their numbers, as far as they have names."""
         return self._segments[-1].header.species if self._segments else ()
 
     def numbers(self, name: str) -> NDArray[np.float64]:
@@ -103,7 +103,7 @@ class Trajectory(Sequence[Frame]):
         return self._column(f"log/{name}")
 
     def __len__(self) -> int:
-        """How many frames there are."""
+        """The number of frames."""
         return self._segments[-1].header.first + self._segments[-1].frames if self._segments else 0
 
     @overload
@@ -119,7 +119,7 @@ class Trajectory(Sequence[Frame]):
         if not -len(self) <= index < len(self):
             raise IndexError(f"{self.directory}: there is no frame {index}; the run has {len(self)}")
         segment, local = self._located(index % len(self))
-        return schema.frame_of(segment.chunks(local), segment.header)
+        return gsd_schema.frame_of(segment.chunks(local), segment.header)
 
     def close(self) -> None:
         """Close the files."""
@@ -148,7 +148,7 @@ class Trajectory(Sequence[Frame]):
         return f"Trajectory({str(self.directory)!r}, {len(self)} frames{span})"
 
     def _repr_html_(self) -> str | None:
-        """How it shows itself in a notebook: the player of `ecume view`, in at most 4 MB."""
+        """The notebook view: the player of `ecume view`, in at most 4 MB."""
         return html_of(self)
 
     def __enter__(self) -> Self:
@@ -165,7 +165,7 @@ class Trajectory(Sequence[Frame]):
             self.close()
 
     def _located(self, index: int) -> tuple[Segment, int]:
-        """Which segment holds a frame, and the frame's number there."""
+        """The segment of a frame, and its number there."""
         place = bisect.bisect_right([segment.header.first for segment in self._segments], index) - 1
         segment = self._segments[max(place, 0)]
         local = index - segment.header.first

@@ -1,4 +1,4 @@
-"""What can be saved of a damaged trajectory."""
+"""Repair of a damaged trajectory: its whole frames are kept."""
 
 from __future__ import annotations
 
@@ -8,13 +8,13 @@ from typing import NamedTuple
 
 from ecume.errors import StorageError
 from ecume.trajectories import segments
-from ecume.trajectories.durable import storing
-from ecume.trajectories.recorders import segment_files
+from ecume.trajectories.durable_files import storing
+from ecume.trajectories.recorder import segment_files
 from ecume.trajectories.segments import Segment
 
 
 class Repaired(NamedTuple):
-    """How many frames are good, what is wrong with the others (a line each), and which files were of no use."""
+    """The number of good frames, the faults of the others (a line each), and the files without any."""
 
     good: int
     faults: tuple[str, ...]
@@ -50,7 +50,7 @@ def _set_aside(path: Path) -> Path:
 
 
 def damages(segment: Segment) -> list[str]:
-    """What is wrong with the frames of a segment, a line each."""
+    """The faults of the frames of a segment, a line each."""
     found = []
     for frame in range(segment.frames):
         try:

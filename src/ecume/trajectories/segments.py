@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ecume.errors import StorageError
-from ecume.trajectories import layout, schema
-from ecume.trajectories.durable import replacing, settle, storing
-from ecume.trajectories.layout import CHECKSUM, CODES, ENTRY, NAME_UNIT, TYPES
-from ecume.trajectories.schema import Chunks
+from ecume.trajectories import gsd_layout, gsd_schema
+from ecume.trajectories.durable_files import replacing, settle, storing
+from ecume.trajectories.gsd_layout import CHECKSUM, CODES, ENTRY, NAME_UNIT, TYPES
+from ecume.trajectories.gsd_schema import Chunks
 
 FIRST_ROOM = 512
 """Entries in the first block of an index."""
@@ -33,31 +33,31 @@ class Segment:
         try:
             self.refresh()
             self.first = self._at(0)
-            self.header = schema.read(self.first, path)
+            self.header = gsd_schema.read(self.first, path)
         except BaseException:
             self._file.close()
             raise
 
     def refresh(self) -> None:
         """See what a run has written meanwhile."""
-        self.index = layout.read_index(self._file, self.path)
+        self.index = gsd_layout.read_index(self._file, self.path)
         self.frames = self.index.frames
         self._starts = np.searchsorted(self.index.entries["frame"], np.arange(self.frames + 1))
 
     def chunks(self, frame: int) -> Chunks:
-        """All chunks of a frame, what never changes out of the first. Raises StorageError where it is damaged."""
+        """The chunks of a frame, those that never change from the first. Raises StorageError where it is damaged."""
         chunks = {**self.first, **self._at(frame)}
-        if int(chunks[CHECKSUM][0, 0]) != schema.checksum(chunks):
+        if int(chunks[CHECKSUM][0, 0]) != gsd_schema.checksum(chunks):
             raise StorageError(self.damage(frame))
         return chunks
 
     def damage(self, frame: int) -> str:
-        """What to say of a frame whose bytes are not those that were written."""
+        """The message about a frame whose bytes are not those that were written."""
         return f"{self.path}: frame {self.header.first + frame} is damaged: its checksum does not fit its data"
 
     def numbers(self) -> NDArray[np.void]:
         """The numbers of all frames, a row a frame: the step as uint64, the time and the named numbers as float64."""
-        names = schema.number_names(self.header)
+        names = gsd_schema.number_names(self.header)
         size = self._file.seek(0, os.SEEK_END)
         data = np.memmap(self.path, np.uint8, "r", shape=(size,))
         raw = np.concatenate([data[self._places(name)[:, None] + np.arange(8)] for name in names], axis=1)
@@ -68,7 +68,7 @@ class Segment:
         return raw.view([(name, "<u8" if row == 0 else "<f8") for row, name in enumerate(names)])[:, 0]
 
     def _places(self, name: str) -> NDArray[np.int64]:
-        """Where the single number of this name stands in each frame; a frame without its own has that of the first."""
+        """The place of the number of this name in each frame; a frame without its own has that of the first."""
         if name not in self.index.names:
             raise StorageError(self.damage(0))
         entries = self.index.entries[self.index.entries["name"] == self.index.names.index(name)]
@@ -117,7 +117,7 @@ class GrowingSegment:
 
     def takes(self, chunks: Chunks) -> bool:
         """Whether the frame has the same arrays and numbers as the frames before."""
-        return chunks.keys() == self._first.keys() and _same(chunks[schema.HEADER], self._first[schema.HEADER])
+        return chunks.keys() == self._first.keys() and _same(chunks[gsd_schema.HEADER], self._first[gsd_schema.HEADER])
 
     def append(self, chunks: Chunks) -> None:
         """Commit one frame: its chunks that differ from those of the first."""
@@ -182,12 +182,12 @@ def create(path: Path, chunks: Chunks) -> None:
     names = tuple(chunks)
     listed = b"".join(name.encode() + b"\0" for name in names) + b"\0"
     listed += b"\0" * (-len(listed) % NAME_UNIT)
-    names_location = layout.HEADER.itemsize + FIRST_ROOM * ENTRY.itemsize
+    names_location = gsd_layout.HEADER.itemsize + FIRST_ROOM * ENTRY.itemsize
     entries, data = _packed(chunks, names, 0, names_location + len(listed))
-    header = np.zeros(1, layout.HEADER)
-    header["magic"], header["schema"], header["application"] = layout.MAGIC, b"hoomd", b"ecume"
+    header = np.zeros(1, gsd_layout.HEADER)
+    header["magic"], header["schema"], header["application"] = gsd_layout.MAGIC, b"hoomd", b"ecume"
     header["schema_version"], header["gsd_version"] = 1 << 16 | 4, 2 << 16
-    header["index_location"], header["index_room"] = layout.HEADER.itemsize, FIRST_ROOM
+    header["index_location"], header["index_room"] = gsd_layout.HEADER.itemsize, FIRST_ROOM
     header["names_location"], header["names_room"] = names_location, len(listed) // NAME_UNIT
     block = entries.tobytes().ljust(FIRST_ROOM * ENTRY.itemsize, b"\0")
     with replacing(path) as file:
@@ -219,7 +219,7 @@ def _packed(chunks: Chunks, names: Sequence[str], frame: int, start: int) -> tup
 def _header(location: int, room: int, file: FileIO) -> bytes:
     """The header that the file has, with this block of entries."""
     file.seek(0)
-    header = np.frombuffer(file.read(layout.HEADER.itemsize), layout.HEADER).copy()
+    header = np.frombuffer(file.read(gsd_layout.HEADER.itemsize), gsd_layout.HEADER).copy()
     header["index_location"], header["index_room"] = location, room
     return header.tobytes()
 

@@ -1,4 +1,9 @@
-"""What ecume computes beside what others computed: one folder a subject, and `CASES`, the table of them."""
+"""Comparisons of ecume with what others computed or measured: `ecume validate`.
+
+`CASES` is the table; start there. Each case is a module whose function `rows` runs it and returns `rows.Row`s; its
+scene, its tables and a README with their sources are in `data/CASE`. `runner` reads and runs them; `float_motion` and
+`drop_oscillations` are shared by several cases.
+"""
 
 from __future__ import annotations
 
@@ -22,7 +27,7 @@ class Case(NamedTuple):
 def _case(name: str, summary: str, *, long: bool = False) -> Case:
     def rows() -> list[Row]:
         # Imported when asked for: the table is read by `ecume --help`, which must not wait for a compiler.
-        found: list[Row] = importlib.import_module(f"ecume.validation.{name.replace('-', '_')}.compare").rows()
+        found: list[Row] = importlib.import_module(f"ecume.validation.{name.replace('-', '_')}").rows()
         return found
 
     return Case(name, summary, long, rows)

@@ -1,4 +1,4 @@
-"""What a comparison says: a row for each number, and the ways to judge one."""
+"""The rows of a comparison: one for each number, and the ways to judge it."""
 
 from __future__ import annotations
 

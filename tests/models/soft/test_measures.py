@@ -5,9 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from ecume.analysis.affinity import nonaffine_displacement
 from ecume.analysis.boxes import box_of, nearest
 from ecume.analysis.contacts import coordination, films
+from ecume.analysis.non_affine_motion import nonaffine_displacement
 from ecume.analysis.rheology import stress_tensor
 from ecume.laws.remote import steric_force
 from ecume.scenes.schema import from_plain

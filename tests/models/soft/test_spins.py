@@ -273,7 +273,7 @@ def test_unlike_spheres_that_nothing_holds_lie_where_their_loads_have_no_moment(
     ("torque", "rotation", "says"),
     [
         ([1.0], False, "do not spin"),
-        ([1.0, 2.0, 3.0], True, "wanted 1"),
+        ([1.0, 2.0, 3.0], True, "expected 1"),
         ([1.0], True, "turn the spheres all together"),
     ],
 )

@@ -246,12 +246,12 @@ def test_a_sheared_box_with_drag_drags_along_its_flow():
 
 
 PROTOCOLS = [
-    ([{"time": 0.0, "shear_stress": 1.0, "shear_rate": 1.0}], "shear_stress", "came together with shear_rate"),
-    ([{"time": 0.0, "normal_stress": 1.0, "pressure": 1.0}], "pressure", "came together with normal_stress"),
+    ([{"time": 0.0, "shear_stress": 1.0, "shear_rate": 1.0}], "shear_stress", "given together with shear_rate"),
+    ([{"time": 0.0, "normal_stress": 1.0, "pressure": 1.0}], "pressure", "given together with normal_stress"),
     ([{"time": 0.0, "shear_stress": "5 Pa"}], "shear_stress", "a layer are in N/m"),
     ([{"time": 0.0, "pressure": 1.0}, {"time": 1.0, "scale": 0.9}], "scale", "answered to a stress"),
     ([{"time": 0.0, "shear_rate": 1.0}, {"time": 1.0, "strain": 3.0}], "strain", "a shear_rate rules"),
-    ([{"time": 0.0, "oscillation": {"frequency": 1.0}}], "oscillation", "wanted either amplitude"),
+    ([{"time": 0.0, "oscillation": {"frequency": 1.0}}], "oscillation", "expected either amplitude"),
     ([{"time": 0.0, "oscillation": {"frequency": 1.0, "stress": 1.0}}], "stress", "no shear_stress is imposed"),
     (
         [{"time": 0.0, "oscillation": {"frequency": 1.0, "amplitude": 0.1}}, {"time": 1.5}],

@@ -115,7 +115,7 @@ def test_the_template_opens_its_gap_as_the_closed_form_says(tmp_path):
         ({"films": {"reach": 0.001}}, "spheres", "tied to sphere 0 by no film"),
         ({"films": {"prefactors": "papr"}}, "films.prefactors", "there are paper, physical"),
         ({"remote": {"law": "magic"}}, "remote.law", "none, steric, dlvo"),
-        ({"liquid": {"viscosity": 0.0}}, "liquid.viscosity", "wanted 1e-12 or more"),
+        ({"liquid": {"viscosity": 0.0}}, "liquid.viscosity", "expected 1e-12 or more"),
         ({"spheres": [LEFT | {"modulus": 0.0}, RIGHT]}, "spheres[0].modulus", "or more"),
         ({"protocol": [{"time": 1.0}, {"time": 0.5}]}, "protocol[1].time", "before 1 s"),
         ({"protocol": [{"time": 1.0, "strain": 0.5}]}, "protocol[0].strain", "there is none"),

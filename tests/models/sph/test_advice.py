@@ -50,7 +50,7 @@ def test_where_each_number_comes_from_is_told():
     [
         ({"name": "watr"}, "liquid.name: came 'watr'; did you mean water"),
         ({"name": "water", "temperature": "120 degC"}, "liquid.temperature: .*0 to 99.97 degrees"),
-        ({"name": "water", "temperature": "120 m"}, "measures length, wanted temperature"),
+        ({"name": "water", "temperature": "120 m"}, "measures length, expected temperature"),
         ({"name": "water", "salinity": 0.03}, "liquid.salinity: water has no salinity"),
         ({"temperature": 300.0}, "says nothing without a name"),
     ],

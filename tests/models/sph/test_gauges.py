@@ -91,7 +91,7 @@ def test_readings_are_those_of_the_analysis_and_do_not_depend_on_the_order_of_pa
 def test_what_cannot_be_read_is_refused(gauge, says):
     with pytest.raises(SceneError, match=says):
         with_gauges(gauge)
-    with pytest.raises(SceneError, match=r"gauges\[1\].name: came 'P', as in gauges\[0\]"):
+    with pytest.raises(SceneError, match=r"gauges\[1\].name: got 'P', as in gauges\[0\]"):
         with_gauges(PRESSURE, PRESSURE)
 
 

@@ -12,7 +12,7 @@ from ecume.models.sph.invariants import invariants
 from ecume.models.sph.motions import drive_at
 from ecume.models.sph.record import SPH
 from ecume.run import RunDirectory
-from ecume.run.watching import Watch
+from ecume.run.invariant_monitor import Watch
 from ecume.scenes.schema import from_plain, to_plain
 from tests.models.sph.scenes import tank
 from tests.models.sph.test_runs import copy_of, marched

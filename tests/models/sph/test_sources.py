@@ -76,8 +76,8 @@ def test_a_table_that_gives_densities_is_believed(tmp_path):
     ("table", "says"),
     [
         ("x,y,radius\n1,1,1\n", r"fluid\[0\].particles_from: drop.csv, line 1, column 'radius': no such column"),
-        ("x,y\n1,one\n", "line 2, column y: came 'one'"),
-        ("x,y,z\n1,1,1\n", "came 3 numbers; the tank has 2 dimensions"),
+        ("x,y\n1,one\n", "line 2, column y: got 'one'"),
+        ("x,y,z\n1,1,1\n", "got 3 numbers; the tank has 2 dimensions"),
         (None, "'drop.csv' is not there"),
     ],
 )
@@ -175,7 +175,7 @@ def test_a_dxf_outline_is_a_polygon_in_the_drawing_s_unit(tmp_path):
     assert state.position.shape == (2, 50)
     drawing.modelspace().add_circle((3000, 0), 10)
     drawing.saveas(tmp_path / "block.dxf")
-    with pytest.raises(SceneError, match="has 2 closed outlines; wanted one"):
+    with pytest.raises(SceneError, match="has 2 closed outlines; expected one"):
         liquid(written(tmp_path, 'outline_from = "block.dxf"'))
 
 

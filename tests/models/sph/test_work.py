@@ -15,7 +15,7 @@ from ecume.models.sph.record import SPH
 from ecume.models.sph.state import WORK
 from ecume.models.sph.work import brought, of_guard, power_of_shake
 from ecume.run import RunDirectory
-from ecume.run.watching import Watch
+from ecume.run.invariant_monitor import Watch
 from ecume.scenes.schema import from_plain, to_plain
 from tests.models.sph.scenes import OPEN, PERIODIC, tank
 from tests.models.sph.test_gates import channel

@@ -147,9 +147,9 @@ def test_an_entrance_in_space_has_an_area_and_holds_what_is_in_it():
     [
         ({"rate": 1.0, "velocity": (-1.0, 0.0)}, "above 0 in all of the opening"),
         ({"rate": 1.0, "species": "sund"}, "the species are 'dust', 'sand'"),
-        ({"rate": 1.0, "concentration": 1.0}, "wanted one of them"),
-        ({"species": "sand"}, "wanted rate or concentration with it"),
-        ({"rate": 1.0, "velocity": (1.0, 0.0, 0.0)}, "came 3 coordinates; wanted 2"),
+        ({"rate": 1.0, "concentration": 1.0}, "expected one of them"),
+        ({"species": "sand"}, "expected rate or concentration with it"),
+        ({"rate": 1.0, "velocity": (1.0, 0.0, 0.0)}, "got 3 coordinates; expected 2"),
         ({"rate": 1.0, "high": (0.0, 1e-3), "species": "sand"}, "no room for a radius of 0.001 m"),
         ({"rate": 1e11}, "are more than"),
     ],

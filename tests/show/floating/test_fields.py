@@ -15,7 +15,7 @@ from ecume.laws import meniscus
 from ecume.models.liquids import liquid_of
 from ecume.scenes.schema import to_plain
 from ecume.show.floating.fields import export_heights, height_field
-from ecume.trajectories.recorders import Recorder
+from ecume.trajectories.recorder import Recorder
 
 
 @pytest.fixture

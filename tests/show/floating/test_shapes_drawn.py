@@ -11,7 +11,7 @@ from ecume.show.floating.shapes import outlines_in, shapes_of
 from ecume.show.floating.surface import sheet, surface
 from ecume.show.picture import Size, view_around
 from ecume.show.view.chunks import pack
-from ecume.show.view.staging import floating_stage
+from ecume.show.view.scenery import floating_stage
 from ecume.trajectories.frame import Frame
 
 SCENE = """

@@ -6,8 +6,8 @@ import pytest
 import ecume
 from ecume.models.sph.bodies import rotations
 from ecume.scenes.schema import from_plain
-from ecume.show.sph.moving import movers_of, turned
 from ecume.show.sph.picture import liquid_picture
+from ecume.show.sph.solids import movers_of, turned
 
 PLAIN = {
     "model": "sph",

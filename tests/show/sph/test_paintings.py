@@ -8,9 +8,9 @@ import pytest
 from PIL import ImageColor
 
 from ecume.errors import BadInput
-from ecume.show.movies import Cut, film, picture_of
+from ecume.show.camera import Eye
+from ecume.show.movies import MovieOptions, film, picture_of
 from ecume.show.picture import Species
-from ecume.show.space import Eye
 from ecume.show.sph.picture import liquid_picture
 from ecume.show.style import RIM
 from ecume.show.tank import seen
@@ -53,7 +53,7 @@ def test_without_gravity_speed_is_shown():
 
 def test_an_unknown_color_is_refused_with_what_was_meant(scene, frames, tmp_path):
     with pytest.raises(BadInput, match="'sped'; did you mean speed"):
-        film(frames, scene, tmp_path / "a.gif", Cut(size=(96, 72), color="sped"))
+        film(frames, scene, tmp_path / "a.gif", MovieOptions(size=(96, 72), color="sped"))
 
 
 def test_one_peak_does_not_pale_all_other_particles(scene):
@@ -109,7 +109,7 @@ def test_a_drop_that_swings_between_few_frames_is_never_cut_off():
     for step in range(161):  # four swings
         stretched = still.arrays["position"] * (1.0 + 0.5 * np.sin(np.pi * step / 40.0) ** 2)
         frames.append(still._replace(time=0.1 * step, arrays={**still.arrays, "position": stretched}))
-    picture = picture_of(scene, frames, Cut(size=(240, 180)), Path("a.png"))
+    picture = picture_of(scene, frames, MovieOptions(size=(240, 180)), Path("a.png"))
     assert picture.view.right > max(frame.arrays["position"][:, 0].max() for frame in frames) + 0.6 * SPACING
 
 

@@ -5,7 +5,7 @@ import shutil
 import tempfile
 from pathlib import Path
 
-from ecume.run import Habits, run
+from ecume.run import RunOptions, run
 from ecume.scenes.load import load_scene
 from ecume.scenes.templates import copy_template
 
@@ -27,7 +27,7 @@ def _made(model, title):
         import dataclasses
 
         asked = dataclasses.replace(asked, title=title)
-    run(asked, folder / "run", habits=Habits(threads=1))
+    run(asked, folder / "run", options=RunOptions(threads=1))
     return folder / "run"
 
 

@@ -15,13 +15,13 @@ from tests.show.view.test_page import HOSTILE
 
 from ecume.scenes.load import load_scene
 from ecume.scenes.templates import folder
-from ecume.show.play.toys import game_of
+from ecume.show.play.pages import game_of
 from ecume.show.serving import served
 from ecume.show.view import save_page
 from ecume.show.view.chunks import pack
 from ecume.show.view.live import Source, serving
 from ecume.show.view.page import hexadecimal, looks, page
-from ecume.show.view.staging import STAGES
+from ecume.show.view.scenery import STAGES
 
 playwright = pytest.importorskip("playwright.sync_api", reason="playwright is not installed")
 CHROMIUM = os.environ.get("ECUME_CHROMIUM") or shutil.which("chromium") or shutil.which("chromium-browser")

@@ -61,7 +61,7 @@ def test_the_end_is_told_with_the_last_frames(asked, monkeypatch):
     monkeypatch.setattr("ecume.show.view.live.MOST_FRAMES", 6)
     asked[2][0] = "done"
     assert [frames_from(asked, begin)[0]["state"] for begin in (0, 6)] == ["running", "done"]
-    assert asked[1].told
+    assert asked[1].end_reported
 
 
 def test_stopping_wants_the_token(asked):

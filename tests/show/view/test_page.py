@@ -14,11 +14,10 @@ import pytest
 from tests.show.view.runs import run_of
 
 from ecume.errors import BadInput
-from ecume.run import Habits, run
+from ecume.run import RunOptions, run
 from ecume.scenes.load import load_scene
 from ecume.show.view import save_page
-from ecume.show.view.bundled import VIEW, policy_of
-from ecume.show.view.page import color_map, page
+from ecume.show.view.page import VIEW, color_map, page, policy_of
 from ecume.trajectories.exports import EXPORTS, export
 
 ROOT = Path(__file__).parents[3]
@@ -58,7 +57,7 @@ radius = "1 cm"
 
 
 def test_discs_which_have_no_contact_angle_have_a_page_without_it_and_every_export(tmp_path):
-    run(load_scene(DISCS), tmp_path / "run", habits=Habits(threads=1))
+    run(load_scene(DISCS), tmp_path / "run", options=RunOptions(threads=1))
     header = data_of(save_page(tmp_path / "run").path.read_text(), "run")
     names = [one["name"] for one in header["colorings"]]
     assert "density" in names

@@ -15,7 +15,7 @@ from ecume.laws import drag, flotation
 from ecume.models.floating.parameters import Floats
 from ecume.models.liquids import liquid_of
 from ecume.scenes.floating import DiscSpec, FloatingScene, FloatRow, FloatSpec, ShapeSpec, species_of
-from ecume.scenes.floating.shapes import PINNED
+from ecume.scenes.floating.floats import PINNED
 from ecume.units import Array
 
 

@@ -1,8 +1,11 @@
-"""The scene of the floating model: liquid, floats, dish, and which laws rule them."""
+"""The scene of the floating model: liquid, floats, dish, and the laws of their interaction.
 
-from ecume.scenes.floating.bodies import DiscSpec, FloatRow, FloatSpec, SurfaceEnergies
+`scene.FloatingScene` is the whole; start there. `floats` describes species and shapes, `surroundings` the liquid, the
+dish, currents, contacts and interactions, and `sources` reads floats from tables and other runs.
+"""
+
+from ecume.scenes.floating.floats import DiscSpec, FloatRow, FloatSpec, ShapeSpec, SurfaceEnergies
 from ecume.scenes.floating.scene import FloatingScene, species_of
-from ecume.scenes.floating.shapes import ShapeSpec
 from ecume.scenes.floating.surroundings import (
     ContactSpec,
     DishMotionSpec,

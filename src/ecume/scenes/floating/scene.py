@@ -10,7 +10,7 @@ from pydantic.dataclasses import dataclass
 
 from ecume.scenes.common import Common, Kind
 from ecume.scenes.faults import Complaints, Inconsistent
-from ecume.scenes.floating.bodies import FloatRow, FloatSpec
+from ecume.scenes.floating.floats import FloatRow, FloatSpec
 from ecume.scenes.floating.surroundings import ContactSpec, DishSpec, InteractionSpec, LiquidSpec, MotionSpec
 from ecume.scenes.quantities import MOST_PARTICLES, MOST_STEPS, STRICT
 
@@ -74,7 +74,7 @@ class FloatingScene(Common):
 
     @property
     def given(self) -> tuple[FloatSpec | FloatRow, ...]:
-        """All that floats are given by: tables of species, then rows."""
+        """The entries that give floats: tables of species, then rows."""
         return (*self.floats, *self.rows)
 
     @property
@@ -124,7 +124,7 @@ def _steps(scene: FloatingScene) -> Complaints:
     if step is None:
         return []
     if step > scene.frame_every * (1 + 1e-9):
-        return [(("motion", "time_step"), f"came {step:g} s, longer than frame_every, {scene.frame_every:g} s")]
+        return [(("motion", "time_step"), f"got {step:g} s, longer than frame_every, {scene.frame_every:g} s")]
     steps = scene.duration / step
     return (
         [(("motion", "time_step"), f"gives {steps:.3g} steps, more than {MOST_STEPS:.0e}")]
@@ -136,7 +136,7 @@ def _steps(scene: FloatingScene) -> Complaints:
 def _doubles(scene: FloatingScene) -> Complaints:
     names = [species.name for species in scene.floats]
     return [
-        (("floats", index, "name"), f"came {name!r} for the second time; each species has its own name")
+        (("floats", index, "name"), f"got {name!r} for the second time; each species has its own name")
         for index, name in enumerate(names)
         if name in names[:index]
     ]

@@ -1,13 +1,16 @@
-"""What is around the floats, and the laws that rule them."""
+"""The surroundings of the floats and their laws: liquid, dish, currents, contacts, interactions."""
 
 from __future__ import annotations
 
-from typing import Annotated, Self
+from collections.abc import Sequence
+from pathlib import Path as Folder
+from typing import Annotated, Any, Self
 
 from pydantic import Field, model_validator
 from pydantic.dataclasses import dataclass
 
-from ecume.scenes.faults import Inconsistent
+from ecume.scenes.faults import Complaints, Inconsistent
+from ecume.scenes.files import beside, require_there, text_of
 from ecume.scenes.quantities import (
     STRICT,
     Amplitude,
@@ -31,7 +34,55 @@ from ecume.scenes.quantities import (
     Velocity,
     WettingAngle,
 )
+from ecume.scenes.tables import MOST_BYTES, followed, lines_of
 from ecume.units import Number
+
+TABLE = "velocity_from"
+COLUMNS = {"x": "m", "y": "m", "vx": "m/s", "vy": "m/s"}
+EVEN = 1e-6
+"""How far nodes may be from equal steps, over a step."""
+
+
+def follow_current(raw: dict[str, Any], folder: Folder) -> Complaints:
+    """Put what the flow's table says into `raw`; what is wrong with it comes back."""
+    liquid = raw.get("liquid")
+    flow = liquid.get("flow") if isinstance(liquid, dict) else None
+    if not isinstance(flow, dict) or TABLE not in flow:
+        return []
+    return followed(("liquid", "flow", TABLE), _nodes_from, flow, flow.pop(TABLE), folder)
+
+
+def _nodes_from(flow: dict[str, Any], name: str, folder: Folder) -> None:
+    path = beside(folder, name)
+    require_there(path, folder)
+    lines = lines_of(text_of(path, MOST_BYTES), COLUMNS)
+    if missing := [column for column in COLUMNS if column not in lines[0].values]:
+        raise ValueError(f"has no column {missing[0]}; expected x, y, vx and vy")
+    flow["nodes"] = nodes_of([[line.values[column] for column in COLUMNS] for line in lines])
+
+
+def nodes_of(rows: Sequence[Sequence[float]]) -> dict[str, Any]:
+    """A `NodesSpec` from rows of x, y, vx and vy in any order. Raises ValueError where they are no grid.
+
+    >>> nodes_of([(0, 0, 1, 2), (1, 0, 3, 4), (0, 1, 5, 6), (1, 1, 7, 8)])["vx"]
+    [[1, 5], [3, 7]]
+    """
+    x, y = (sorted({row[axis] for row in rows}) for axis in (0, 1))
+    at = {(row[0], row[1]): (row[2], row[3]) for row in rows}
+    if len(at) != len(rows):
+        raise ValueError("has a node twice")
+    if len(x) < 2 or len(y) < 2 or len(at) != len(x) * len(y):
+        raise ValueError(f"is no grid: {len(at)} nodes, with {len(x)} different x and {len(y)} different y")
+    for axis, places in (("x", x), ("y", y)):
+        _require_even(axis, places)
+    along, across = ([[at[i, j][part] for j in y] for i in x] for part in (0, 1))
+    return {"low": [x[0], y[0]], "high": [x[-1], y[-1]], "vx": along, "vy": across}
+
+
+def _require_even(axis: str, places: Sequence[float]) -> None:
+    step = (places[-1] - places[0]) / (len(places) - 1)
+    if any(abs(place - places[0] - k * step) > EVEN * step for k, place in enumerate(places)):
+        raise ValueError(f"is uneven along {axis}; expected equal steps of {step:g} m")
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -54,9 +105,9 @@ class NodesSpec:
     def _rectangular(self) -> Self:
         shapes = {(len(part), len(row)) for part in (self.vx, self.vy) for row in part}
         if len(shapes) != 1 or min(next(iter(shapes))) < 2:
-            raise Inconsistent([(("vx",), "wanted as many numbers in each row as in vy, at least 2 rows of 2")])
+            raise Inconsistent([(("vx",), "expected as many numbers in each row as in vy, at least 2 rows of 2")])
         if not (self.low[0] < self.high[0] and self.low[1] < self.high[1]):
-            raise Inconsistent([(("high",), "wanted larger coordinates than low has")])
+            raise Inconsistent([(("high",), "expected larger coordinates than low has")])
         return self
 
 
@@ -99,7 +150,7 @@ class LiquidSpec:
     def _gas_above_liquid(self) -> Self:
         if self.gas_density >= self.density:
             raise Inconsistent(
-                [(("gas_density",), f"came {self.gas_density:g}; the liquid, {self.density:g} kg/m^3, is no denser")]
+                [(("gas_density",), f"got {self.gas_density:g}; the liquid, {self.density:g} kg/m^3, is no denser")]
             )
         return self
 
@@ -149,7 +200,7 @@ class DishSpec:
     def _one_shape(self) -> Self:
         if (self.radius is None) == (self.size is None):
             came = "neither" if self.radius is None else "both"
-            raise Inconsistent([((), f"wanted either radius or size; came {came}")])
+            raise Inconsistent([((), f"expected either radius or size; got {came}")])
         return self
 
 
@@ -165,7 +216,7 @@ class FilmsSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class MotionSpec:
-    """How the equation of motion is stepped."""
+    """The time integration."""
 
     integrator: LawName = "velocity-verlet"
     """`velocity-verlet`, `explicit-euler`, `stormer-verlet`, `semi-implicit-euler`, `rk4` or `overdamped`."""
@@ -185,7 +236,7 @@ class MotionSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class ContactSpec:
-    """What happens when two floats touch."""
+    """The contacts between floats."""
 
     restitution: Proportion = 0.2
     """What is left of the approach velocity after a bounce."""
@@ -204,7 +255,7 @@ class ContactSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class InteractionSpec:
-    """How the floats' menisci pull at one another."""
+    """The interaction of floats by their menisci."""
 
     law: LawName | None = None
     """`capillary`, `one-sided-legacy` or `none`; left out, the theory's"""

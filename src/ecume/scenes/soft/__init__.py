@@ -1,4 +1,7 @@
-"""The scene of the soft model: spheres, the films between them, what holds them, and what is done to them."""
+"""The scene of the soft model: spheres, the films between them, walls, and the protocol of deformation.
+
+`scene.SoftScene` is the whole; start there. `walls` describes plane walls, `protocol` what is done over time.
+"""
 
 from ecume.scenes.soft.protocol import OscillationSpec, StageSpec
 from ecume.scenes.soft.scene import (

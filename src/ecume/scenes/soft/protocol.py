@@ -1,4 +1,4 @@
-"""What is done to the spheres over time: a table of moments."""
+"""The protocol of a deformation: a table of moments."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def stress(value: object) -> float:
         except ValueError:
             number = StressOfLayer(Unit("N/m").number(value))
     if not abs(number) <= MOST_STRESS:
-        raise ValueError(f"wanted a number between {-MOST_STRESS:g} and {MOST_STRESS:g}")
+        raise ValueError(f"expected a number between {-MOST_STRESS:g} and {MOST_STRESS:g}")
     return number
 
 
@@ -65,7 +65,7 @@ class OscillationSpec:
     @model_validator(mode="after")
     def _one(self) -> Self:
         if (self.amplitude is None) == (self.stress is None):
-            raise Inconsistent([((), "wanted either amplitude, of the strain, or stress")])
+            raise Inconsistent([((), "expected either amplitude, of the strain, or stress")])
         return self
 
 
@@ -116,8 +116,8 @@ class StageSpec:
         given = [name for name in names if getattr(self, name) is not None]
         if len(given) < 2:
             return []
-        told = f"came together with {given[0]}; wanted one of {', '.join(names)}: the others follow"
-        return [((name,), told) for name in given[1:]]
+        cause = f"given together with {given[0]}; expected one of {', '.join(names)}: the others follow"
+        return [((name,), cause) for name in given[1:]]
 
 
 OF_BOX = ("strain", "shear_rate", "shear_stress", "oscillation", "scale", "height_rate", "normal_stress", "pressure")
@@ -125,20 +125,20 @@ STRESSES = ("shear_stress", "normal_stress", "pressure")
 
 
 def protocol_faults(stages: Sequence[StageSpec], dimensions: int, boxed: bool) -> Complaints:
-    """What cannot be done, one moment after the other."""
+    """The faults of a protocol, one moment after the other."""
     found: Complaints = [
-        ((index, "time"), f"came {later.time:g} s, before {earlier.time:g} s; wanted times that ascend")
+        ((index, "time"), f"got {later.time:g} s, before {earlier.time:g} s; expected times that ascend")
         for index, (earlier, later) in enumerate(itertools.pairwise(stages), 1)
         if later.time < earlier.time
     ]
     for index, stage in enumerate(stages):
         given = [name for name in OF_BOX if getattr(stage, name) is not None]
         if given and not boxed:
-            told = (
+            cause = (
                 "is that of a [box] without walls; there is none. Walls have a pressure, a shear_stress and a velocity"
             )
-            found += [((index, name), told) for name in given]
-        found += [((index, *path), message) for path, message in _wrong_units(stage, dimensions)]
+            found += [((index, name), cause) for name in given]
+        found += [((index, *path), cause) for path, cause in _wrong_units(stage, dimensions)]
     return found if found else [*_unreachable(stages), *_broken_waves(stages)]
 
 
@@ -148,8 +148,8 @@ def _wrong_units(stage: StageSpec, dimensions: int) -> Complaints:
     if stage.oscillation is not None:
         given.append((("oscillation", "stress"), stage.oscillation.stress))
     where = "a layer" if dimensions == 2 else "space"
-    told = f"stresses of {where} are in {STRESS_UNITS[dimensions]}"
-    return [(path, told) for path, value in given if isinstance(value, wrong)]
+    cause = f"stresses of {where} are in {STRESS_UNITS[dimensions]}"
+    return [(path, cause) for path, value in given if isinstance(value, wrong)]
 
 
 def _unreachable(stages: Sequence[StageSpec]) -> Complaints:
@@ -158,10 +158,12 @@ def _unreachable(stages: Sequence[StageSpec]) -> Complaints:
     sheared, sized = "", ""
     for index, stage in enumerate(stages):
         if stage.strain is not None and sheared:
-            told = f"cannot be reached while {sheared}; wanted shear_rate, 0 to hold, and strain only where it is known"
-            found.append(((index, "strain"), told))
+            cause = (
+                f"cannot be reached while {sheared}; expected shear_rate, 0 to hold, and strain only where it is known"
+            )
+            found.append(((index, "strain"), cause))
         if stage.scale is not None and sized:
-            found.append(((index, "scale"), f"cannot be reached while {sized}; wanted height_rate, 0 to hold"))
+            found.append(((index, "scale"), f"cannot be reached while {sized}; expected height_rate, 0 to hold"))
         if stage.shear_stress is not None:
             sheared = "the strain has answered to a shear_stress"
         elif stage.shear_rate is not None and not sheared.endswith("stress"):
@@ -183,12 +185,14 @@ def _broken_waves(stages: Sequence[StageSpec]) -> Complaints:
         if wave is None:
             continue
         if stressed and wave.stress is None:
-            found.append(((index, "oscillation", "amplitude"), "a shear_stress is imposed; wanted oscillation.stress"))
+            found.append(((index, "oscillation", "amplitude"), "shear_stress is imposed; expected oscillation.stress"))
         if not stressed and wave.amplitude is None:
-            found.append(((index, "oscillation", "stress"), "no shear_stress is imposed; wanted one, or an amplitude"))
+            found.append(((index, "oscillation", "stress"), "no shear_stress is imposed; expected it, or amplitude"))
         if index + 1 < len(stages):
             cycles = wave.frequency * (stages[index + 1].time - stage.time)
             if abs(cycles - round(cycles)) > WHOLE * max(cycles, 1.0):
-                told = f"makes {cycles:g} cycles until the next moment; wanted a whole number, or the strain would jump"
-                found.append(((index, "oscillation", "frequency"), told))
+                cause = (
+                    f"makes {cycles:g} cycles until the next moment; expected a whole number, or the strain would jump"
+                )
+                found.append(((index, "oscillation", "frequency"), cause))
     return found

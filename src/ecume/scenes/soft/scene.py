@@ -90,7 +90,7 @@ class SphereSpec:
     def _placed(self) -> Self:
         if bool(self.positions) == (self.count is not None):
             came = "both" if self.positions else "neither"
-            raise Inconsistent([((), f"wanted either positions or count; came {came}")])
+            raise Inconsistent([((), f"expected either positions or count; got {came}")])
         return self
 
 
@@ -132,7 +132,7 @@ class FilmSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class RemoteSpec:
-    """What acts between the surfaces across the film."""
+    """The force between surfaces across the film."""
 
     law: LawName = "none"
     """`none`, `steric` or `dlvo`"""
@@ -162,7 +162,7 @@ class BoxSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class SteppingSpec:
-    """How time is stepped: implicitly, with steps as long as the tolerance allows."""
+    """The time integration: implicit, with steps as long as the tolerance allows."""
 
     scheme: LawName = "esdirk4"
     """`esdirk4` of order 4 or `tr-bdf2` of order 2, both L-stable"""
@@ -235,18 +235,18 @@ def dimensions_of(scene: SoftScene) -> int:
 
 
 def _dimensions(scene: SoftScene) -> Complaints:
-    """All positions and forces have as many components."""
+    """The faults of positions and forces whose numbers of components differ."""
     wanted = dimensions_of(scene)
     found: Complaints = []
     for index, species in enumerate(scene.spheres):
         path: Path = ("spheres", index)
         found += [
-            ((*path, "positions", place), f"came {len(position)} coordinates; wanted {wanted} as elsewhere")
+            ((*path, "positions", place), f"got {len(position)} coordinates; expected {wanted} as elsewhere")
             for place, position in enumerate(species.positions)
             if len(position) != wanted
         ]
         if species.force is not None and len(species.force) != wanted:
-            found.append(((*path, "force"), f"came {len(species.force)} components; wanted {wanted}"))
+            found.append(((*path, "force"), f"got {len(species.force)} components; expected {wanted}"))
         if species.torque is not None:
             found += _torque((*path, "torque"), len(species.torque), scene)
         if species.count is not None and scene.box is None:
@@ -255,27 +255,27 @@ def _dimensions(scene: SoftScene) -> Complaints:
 
 
 def _materials(scene: SoftScene) -> Complaints:
-    """What the laws of the films ask of liquid and spheres."""
+    """The faults of properties of liquid and spheres that the laws of the films need."""
     found: Complaints = []
     if scene.films.surface == "bubble":
         if scene.liquid.surface_tension is None:
-            found.append((("liquid", "surface_tension"), "bubbles have one; came none"))
+            found.append((("liquid", "surface_tension"), "bubbles have one; got none"))
     else:
         found += [
-            (("spheres", index, "modulus"), "elastic spheres have one; came none")
+            (("spheres", index, "modulus"), "elastic spheres have one; got none")
             for index, species in enumerate(scene.spheres)
             if species.modulus is None
         ]
     if scene.films.friction != "none" and scene.films.roughness is None:
-        found.append((("films", "roughness"), "contact friction acts below a gap as wide as it; came none"))
+        found.append((("films", "roughness"), "contact friction acts below a gap as wide as it; got none"))
     return found
 
 
 def _torque(path: Path, came: int, scene: SoftScene) -> Complaints:
     wanted = 1 if dimensions_of(scene) == 2 else 3
     if not scene.rotation:
-        return [(path, "spheres do not spin; wanted rotation = true")]
-    return [] if came == wanted else [(path, f"came {came} components; wanted {wanted}")]
+        return [(path, "spheres do not spin; expected rotation = true")]
+    return [] if came == wanted else [(path, f"got {came} components; expected {wanted}")]
 
 
 def _walls(scene: SoftScene) -> Complaints:
@@ -283,7 +283,7 @@ def _walls(scene: SoftScene) -> Complaints:
     found = wall_faults(scene.walls, dimensions_of(scene), sides)
     yields = [wall.shear_stress is not None for wall in scene.walls]
     if yields and all(yields) and not scene.liquid.drag:
-        found.append(((0, "shear_stress"), "all walls yield along x; wanted one that does not, or liquid.drag = true"))
+        found.append(((0, "shear_stress"), "all walls yield along x; expected one that does not, or liquid.drag"))
     return [(("walls", *path), message) for path, message in found]
 
 
@@ -292,7 +292,7 @@ def _gravity(scene: SoftScene) -> Complaints:
         return []
     found: Complaints = []
     if len(scene.gravity) != dimensions_of(scene):
-        found.append((("gravity",), f"came {len(scene.gravity)} components; wanted {dimensions_of(scene)}"))
+        found.append((("gravity",), f"got {len(scene.gravity)} components; expected {dimensions_of(scene)}"))
     if scene.liquid.density is None:
         found.append((("liquid", "density"), "is missing; gravity needs it, for what the liquid lifts"))
     missing = [index for index, species in enumerate(scene.spheres) if species.density is None]
@@ -311,7 +311,7 @@ def _protocol(scene: SoftScene) -> Complaints:
 def _crowd(scene: SoftScene) -> Complaints:
     total = sum(species.count or len(species.positions) for species in scene.spheres)
     if total < 2:
-        return [(("spheres",), "a single sphere has no film; wanted two or more")]
+        return [(("spheres",), "a single sphere has no film; expected two or more")]
     if total > MOST_SPHERES:
         return [(("spheres",), f"{total} spheres are more than {MOST_SPHERES:.0e}")]
     return []

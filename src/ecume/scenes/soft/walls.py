@@ -1,4 +1,4 @@
-"""What spheres settle on and are squeezed between: plane walls."""
+"""Plane walls on which spheres settle, and between which they are squeezed."""
 
 from __future__ import annotations
 
@@ -42,13 +42,13 @@ class WallSpec:
 
 
 def wall_faults(walls: Sequence[WallSpec], dimensions: int, sides: Sequence[float] | None) -> Complaints:
-    """What cannot stand or move."""
+    """The faults of walls that cannot stand or move."""
     found: Complaints = []
     seen: set[str] = set()
     for index, wall in enumerate(walls):
         axis, _ = SIDES[wall.side]
         if axis >= dimensions:
-            found.append(((index, "side"), f"a layer has no {wall.side}; wanted left, right, bottom or top"))
+            found.append(((index, "side"), f"a layer has no {wall.side}; expected left, right, bottom or top"))
         if wall.side in seen:
             found.append(((index, "side"), f"stands twice: there is a {wall.side} already"))
         seen.add(wall.side)
@@ -62,15 +62,15 @@ def _driven(wall: WallSpec, dimensions: int, sides: Sequence[float] | None) -> C
     axis, _ = SIDES[wall.side]
     found: Complaints = []
     if wall.velocity is not None and len(wall.velocity) != dimensions:
-        found.append((("velocity",), f"came {len(wall.velocity)} components; wanted {dimensions}"))
+        found.append((("velocity",), f"got {len(wall.velocity)} components; expected {dimensions}"))
         return found
     velocity = wall.velocity or (0.0,) * dimensions
     if wall.pressure is not None and axis < dimensions and velocity[axis] != 0.0:
-        found.append((("pressure",), "the wall's velocity along its axis is given; wanted one of both"))
+        found.append((("pressure",), "the wall's velocity along its axis is given; expected one of both"))
     if wall.shear_stress is not None and axis == 0:
-        found.append((("shear_stress",), "pulls along x, which this wall stands across; wanted pressure"))
+        found.append((("shear_stress",), "pulls along x, which this wall stands across; expected pressure"))
     elif wall.shear_stress is not None and velocity[0] != 0.0:
-        found.append((("shear_stress",), "the wall's velocity along x is given; wanted one of both"))
+        found.append((("shear_stress",), "the wall's velocity along x is given; expected one of both"))
     wrong = StressInSpace if dimensions == 2 else StressOfLayer
     for name in ("pressure", "shear_stress"):
         value = getattr(wall, name)

@@ -1,12 +1,14 @@
-"""The scene of the SPH model: a liquid, the tank that holds it, what stands and moves in it, and how it is computed."""
+"""The scene of the SPH model: a liquid, its tank, solids, and the method of the computation.
 
-from ecume.scenes.sph.carried import CarriedSpec
-from ecume.scenes.sph.gauges import GaugeSpec
-from ecume.scenes.sph.motions import MotionSpec, ShakeSpec
-from ecume.scenes.sph.particles import ParticlesSpec
+`scene.SphScene` is the whole; start there. `tank` describes sides, motions and gauges, `solids` obstacles and bodies,
+`passive_particles` tracers and grains, and `sources` reads liquid from tables, outlines and other runs.
+"""
+
+from ecume.scenes.sph.passive_particles import CarriedSpec
 from ecume.scenes.sph.scene import CentralPullSpec, FluidSpec, MethodSpec, RegionSpec, SphScene
 from ecume.scenes.sph.solids import BodySpec, ObstacleSpec, ShapeSpec
-from ecume.scenes.sph.tank import SIDES, SideSpec, TankSpec
+from ecume.scenes.sph.sources import ParticlesSpec
+from ecume.scenes.sph.tank import SIDES, GaugeSpec, MotionSpec, ShakeSpec, SideSpec, TankSpec
 
 __all__ = [
     "SIDES",

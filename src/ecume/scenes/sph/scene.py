@@ -26,12 +26,10 @@ from ecume.scenes.quantities import (
     Switch,
     Tension,
 )
-from ecume.scenes.sph.carried import CarriedSpec, carried_faults
-from ecume.scenes.sph.gauges import GaugeSpec, gauge_faults
-from ecume.scenes.sph.motions import ShakeSpec
-from ecume.scenes.sph.particles import ParticlesSpec, particle_faults
+from ecume.scenes.sph.passive_particles import CarriedSpec, carried_faults
 from ecume.scenes.sph.solids import BodySpec, ObstacleSpec, ShapeSpec
-from ecume.scenes.sph.tank import TankSpec
+from ecume.scenes.sph.sources import ParticlesSpec, particle_faults
+from ecume.scenes.sph.tank import GaugeSpec, ShakeSpec, TankSpec, gauge_faults
 from ecume.units import Number, Rate, Speed, Temperature
 
 Gradient = Annotated[Rate, Field(ge=-1e6, le=1e6)]
@@ -107,7 +105,7 @@ class CentralPullSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class MethodSpec:
-    """How the equations are solved. The defaults are those that keep a tank at rest best."""
+    """The method of solution. The defaults are those that keep a tank at rest best."""
 
     kernel: LawName = "wendland-c2"
     """a name of `ecume.laws.kernels.KERNELS`"""
@@ -213,16 +211,16 @@ Complaints = list[tuple[Path, str]]
 def _dimensions(scene: SphScene, dimension: int) -> Complaints:
     found: Complaints = []
     if scene.gravity is not None and len(scene.gravity) != dimension:
-        found.append((("gravity",), f"came {len(scene.gravity)} numbers; the tank has {dimension} dimensions"))
+        found.append((("gravity",), f"got {len(scene.gravity)} numbers; the tank has {dimension} dimensions"))
     if scene.central_pull is not None and len(scene.central_pull.center) != dimension:
-        came = f"came {len(scene.central_pull.center)} numbers"
+        came = f"got {len(scene.central_pull.center)} numbers"
         found.append((("central_pull", "center"), f"{came}; the tank has {dimension} dimensions"))
     if not scene.fluid:
         found.append((("fluid",), "there is no liquid; write a [[fluid]] table with low and high"))
     rows = (scene.shake.amplitude or (), *scene.shake.accelerations) if scene.shake else ()
     for row in rows:
         if row and len(row) != dimension:
-            found.append((("shake",), f"came {len(row)} numbers; the tank has {dimension} dimensions"))
+            found.append((("shake",), f"got {len(row)} numbers; the tank has {dimension} dimensions"))
     pieces = (("fluid", scene.fluid), ("obstacles", scene.obstacles), ("bodies", scene.bodies))
     for table, specs in pieces:
         for index, spec in enumerate(specs):
@@ -235,7 +233,7 @@ def _of_shape(spec: ShapeSpec, dimension: int) -> Complaints:
     for key in ("low", "center", "velocity", "velocity_gradient"):
         value = getattr(spec, key, None)
         if value and len(value) != dimension:
-            found.append(((key,), f"came {len(value)} numbers; the tank has {dimension} dimensions"))
+            found.append(((key,), f"got {len(value)} numbers; the tank has {dimension} dimensions"))
     if isinstance(spec, RegionSpec) and spec.particles is not None:
         found += particle_faults(spec.particles, dimension)
     if isinstance(spec, RegionSpec) and spec.triangles and dimension == 2:
@@ -243,14 +241,14 @@ def _of_shape(spec: ShapeSpec, dimension: int) -> Complaints:
     if spec.vertices and dimension == 3:
         found.append((("vertices",), "a polygon is for tanks in two dimensions"))
     if isinstance(spec, BodySpec) and isinstance(spec.spin, tuple) and dimension == 2:
-        found.append((("spin",), "came 3 numbers; in two dimensions a body turns about z alone: one number"))
+        found.append((("spin",), "got 3 numbers; in two dimensions a body turns about z alone: one number"))
     return found
 
 
 def _steps(scene: SphScene) -> Complaints:
     step = scene.method.time_step
     if step is not None and step > scene.frame_every * (1 + 1e-9):
-        return [(("method", "time_step"), f"came {step:g} s, longer than frame_every, {scene.frame_every:g} s")]
+        return [(("method", "time_step"), f"got {step:g} s, longer than frame_every, {scene.frame_every:g} s")]
     if step is not None and scene.duration / step > MOST_STEPS:
         return [(("method", "time_step"), f"gives more than {MOST_STEPS:.0e} steps")]
     return []

@@ -40,13 +40,13 @@ class ShapeSpec:
         further = self._further()
         if sum(shapes) + sum(further.values()) != 1:
             known = ["low and high", "vertices", "center and radius", *further]
-            raise Inconsistent([((), f"wanted exactly one shape: {', or '.join(known)}")])
+            raise Inconsistent([((), f"expected exactly one shape: {', or '.join(known)}")])
         if shapes[0] and (self.low is None or self.high is None or len(self.low) != len(self.high)):
             raise Inconsistent([((), "a box needs low and high, of the same dimension")])
         if shapes[2] and self.center is None:
             raise Inconsistent([((), "a disc needs its center as well")])
         if shapes[1] and len(self.vertices) < 3:
-            raise Inconsistent([(("vertices",), f"came {len(self.vertices)}; a polygon has at least 3")])
+            raise Inconsistent([(("vertices",), f"got {len(self.vertices)}; a polygon has at least 3")])
         return self
 
 
@@ -86,5 +86,5 @@ class BodySpec(ShapeSpec):
     @model_validator(mode="after")
     def _weighed(self) -> Self:
         if (self.density is None) == (self.mass is None):
-            raise Inconsistent([((), "wanted density or mass, one of them")])
+            raise Inconsistent([((), "expected density or mass, one of them")])
         return self

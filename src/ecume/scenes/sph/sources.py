@@ -1,4 +1,4 @@
-"""Where liquid comes from, other than from the scene itself: a table, a drawn outline, a frame of another run.
+"""Liquid from other sources than the scene itself: a table, a drawn outline, a frame of another run.
 
 Reading a scene's file turns these keys into particles, vertices or triangles, so that the scene alone says everything.
 """
@@ -9,13 +9,58 @@ import itertools
 import math
 from collections.abc import Iterable, Mapping
 from pathlib import Path as Folder
-from typing import Any
+from typing import Annotated, Any, Self
+
+from pydantic import Field, model_validator
+from pydantic.dataclasses import dataclass
 
 from ecume._extras import install
-from ecume.scenes.faults import Complaints, echo
+from ecume.scenes.faults import Complaints, Inconsistent, echo
 from ecume.scenes.files import beside, require_there, text_of
-from ecume.scenes.quantities import FARTHEST
+from ecume.scenes.quantities import FARTHEST, STRICT, Motion, Place, PositiveDensity
 from ecume.scenes.tables import MOST_BYTES, followed, lines_of
+from ecume.units import Mass
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class ParticlesSpec:
+    """Particles by their places; of the rest, all or none."""
+
+    positions: tuple[Place, ...]
+    """(m)"""
+    velocities: tuple[Motion, ...] = ()
+    """m/s; left out, those of the region"""
+    densities: tuple[PositiveDensity, ...] = ()
+    """kg/m^3; left out, those of the depth"""
+    masses: tuple[Annotated[Mass, Field(gt=0.0, le=1e15)], ...] = ()
+    """kg; left out, density times a cell of the lattice"""
+
+    @model_validator(mode="after")
+    def _alike(self) -> Self:
+        count = len(self.positions)
+        lists = {"velocities": self.velocities, "densities": self.densities, "masses": self.masses}
+        wrong = [
+            ((key,), f"got {len(values)}, and there are {count} positions")
+            for key, values in lists.items()
+            if values and len(values) != count
+        ]
+        if not count:
+            wrong.append((("positions",), "there are none"))
+        if wrong:
+            raise Inconsistent(wrong)
+        return self
+
+
+def particle_faults(particles: ParticlesSpec, dimension: int) -> Complaints:
+    """The first place and velocity that do not have the tank's dimension."""
+    found: Complaints = []
+    for key, rows in (("positions", particles.positions), ("velocities", particles.velocities)):
+        wrong = [index for index, row in enumerate(rows) if len(row) != dimension]
+        if wrong:
+            came = f"got {len(rows[wrong[0]])} numbers; the tank has {dimension} dimensions"
+            found.append((("particles", key, wrong[0]), came))
+    return found
+
 
 TABLE, OUTLINE, UNIT, RUN = "particles_from", "outline_from", "outline_unit", "start_from"
 LIQUID_COLUMNS = {
@@ -80,13 +125,13 @@ def particles_of(columns: Mapping[str, list[float]]) -> dict[str, Any]:
 
 def _start_from(raw: dict[str, Any], name: str, folder: Folder) -> None:
     """One region for each of the run's."""
-    from ecume.scenes.starts import frame_of_run
+    from ecume.scenes.floating.sources import frame_of_run
 
     if raw.get("fluid"):
         raise ValueError("brings all the liquid; leave [[fluid]] out")
     frame, scene = frame_of_run(folder, name)
     if scene.model != "sph":
-        raise ValueError(f"is a run of the model {scene.model!r}; wanted one of sph")
+        raise ValueError(f"is a run of the model {scene.model!r}; expected one of sph")
     if _length(raw.setdefault("spacing", scene.spacing)) != scene.spacing:
         raise ValueError(f"has a spacing of {scene.spacing!r} m; leave spacing out, or write the same number")
     species = frame.arrays["species"]
@@ -95,7 +140,7 @@ def _start_from(raw: dict[str, Any], name: str, folder: Folder) -> None:
 
 
 def _length(said: object) -> object:
-    """In meters, if it is one."""
+    """A length in meters, if it is one."""
     from ecume.units import parse
 
     try:
@@ -111,7 +156,7 @@ def _region(arrays: Mapping[str, Any], mine: Any, region: Any) -> dict[str, Any]
 
 
 def _outline_from(region: dict[str, Any], name: str, folder: Folder) -> None:
-    """What was drawn, in the unit that the file or the scene says."""
+    """The outline that was drawn, in the unit that the file or the scene says."""
     path, unit = _there(folder, name), region.pop(UNIT, None)
     kinds = {".stl": ("triangles", _triangles), ".dxf": ("vertices", _vertices)}
     if path.suffix.lower() not in kinds:
@@ -127,7 +172,7 @@ def _outline_from(region: dict[str, Any], name: str, folder: Folder) -> None:
 
 
 def _coordinates(points: Any) -> Iterable[float]:
-    """Of nested lists of points."""
+    """The coordinates in nested lists of points."""
     return itertools.chain.from_iterable(map(_coordinates, points)) if isinstance(points, list) else (points,)
 
 
@@ -135,7 +180,7 @@ def _meters(unit: object) -> float:
     from ecume.units import factor
 
     if not isinstance(unit, str):
-        raise ValueError(f"has the unit {echo(unit)}; wanted text such as outline_unit = 'mm'")
+        raise ValueError(f"has the unit {echo(unit)}; expected text such as outline_unit = 'mm'")
     return factor(unit, "m")
 
 
@@ -164,7 +209,7 @@ def _vertices(path: Folder, unit: object) -> list[list[float]]:
     except (OSError, ezdxf.DXFError, TypeError, ValueError) as fault:
         raise ValueError(f"cannot be read as DXF: {fault}") from None
     if len(lines) != 1:
-        raise ValueError(f"has {len(lines)} closed outlines; wanted one: draw each in a file of its own")
+        raise ValueError(f"has {len(lines)} closed outlines; expected one: draw each in a file of its own")
     scale = meters if unit is None else _meters(unit)
     corners = lines[0][:-1] if math.dist(lines[0][0], lines[0][-1]) < 1e-9 * _size(lines[0]) else lines[0]
     return [[scale * x, scale * y] for x, y in corners]

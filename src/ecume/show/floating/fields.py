@@ -22,10 +22,10 @@ from ecume.models.liquids import liquid_of
 from ecume.show.floating.shapes import charges_in, shapes_of
 from ecume.show.floating.surface import INSIDE, dish_field, multipoles_of, near, solved_heights
 from ecume.show.picture import View
-from ecume.trajectories.durable import replacing, storing
+from ecume.trajectories.durable_files import replacing, storing
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import Trajectory, open_trajectory
-from ecume.trajectories.vtp import HEAD, data_array, write_series
+from ecume.trajectories.vtk import HEAD, data_array, write_series
 from ecume.units import Array
 
 REACH = 20.0

@@ -1,7 +1,12 @@
-"""A bowl that somebody plays with: floats are dropped, dragged, taken out, the dish is tilted, the liquid changed.
+"""A bowl that a user plays with: floats are dropped, dragged and removed, the dish is tilted, the liquid changed.
 
-Every change of the crowd or of the liquid is a new scene that begins where the old one stood, so that what is played is
-always a scene, and can be saved as one. What moves it is the model's own march.
+Every change of the floats or of the liquid makes a new scene that begins where the old one stood, so that what is
+played is always a scene, and can be saved as one. The model itself integrates the motion.
+
+A tilted dish sloshes: the surface swings about the level with the frequency of its first mode; in the middle of the
+dish, where the mode is plane, the liquid flows with u = s' g / omega^2, where s is the slope of the surface against the
+dish: from dh/dt = phi_z and u = phi_x of the potential J1(k r) cos(phi) cosh(k (z + H)) [lamb1932, art. 191]. Floats
+are carried by that current.
 """
 
 from __future__ import annotations
@@ -15,12 +20,59 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ecume.errors import BadInput, Diverged, SceneError
+from ecume.laws.waves import wave_frequency
 from ecume.models import MODELS
 from ecume.scenes.floating import FloatingScene, FloatSpec
-from ecume.show.play.sloshing import Slosh, current, swung
 from ecume.simulation import March
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
+
+DEPTH = 0.02
+"""m, of the liquid: scenes of floats say none."""
+DAMPING = 0.08
+"""Of the swing, over the critical one: what is seen in bowls of some centimeters."""
+FIRST_MODE = 1.8411837813406593
+"""The first zero of J1'."""
+
+
+class Slosh(NamedTuple):
+    """The slope of the surface against the dish along x and y, and how fast each changes (1/s)."""
+
+    slope: tuple[float, float] = (0.0, 0.0)
+    rate: tuple[float, float] = (0.0, 0.0)
+
+
+def slosh_frequency(scene: FloatingScene) -> float:
+    """Angular, of the first mode (1/s); of a rectangle that along its longer side."""
+    liquid = scene.liquid
+    dish: Any = scene.dish  # one plays with floats in a dish only
+    wavenumber = FIRST_MODE / dish.radius if dish.radius is not None else math.pi / max(dish.size)
+    tension = liquid.surface_tension / liquid.density
+    return float(wave_frequency(wavenumber, DEPTH, liquid.gravity, tension))
+
+
+def swung(slosh: Slosh, tilt: tuple[float, float], scene: FloatingScene, seconds: float) -> Slosh:
+    """The swing a while later, exactly, under a tilt (radians, small) that stays meanwhile."""
+    omega = slosh_frequency(scene)
+    both = [_swung(s, v, aim, omega, seconds) for s, v, aim in zip(slosh.slope, slosh.rate, tilt, strict=True)]
+    return Slosh((both[0][0], both[1][0]), (both[0][1], both[1][1]))
+
+
+def _swung(slope: float, rate: float, aim: float, omega: float, seconds: float) -> tuple[float, float]:
+    """S'' = -omega^2 (s - aim) - 2 zeta omega s', solved over the time."""
+    decay, swing = DAMPING * omega, omega * math.sqrt(1.0 - DAMPING**2)
+    away = slope - aim
+    along = (rate + decay * away) / swing
+    fade, c, s = math.exp(-decay * seconds), math.cos(swing * seconds), math.sin(swing * seconds)
+    later = fade * (away * c + along * s)
+    return aim + later, -decay * later + fade * swing * (along * c - away * s)
+
+
+def current(slosh: Slosh, scene: FloatingScene) -> tuple[float, float]:
+    """The velocity of the liquid in the middle of the dish (m/s)."""
+    per_rate = scene.liquid.gravity / slosh_frequency(scene) ** 2
+    return slosh.rate[0] * per_rate, slosh.rate[1] * per_rate
+
 
 FASTEST = 0.15
 """m/s: a hand drags no faster, and throws no faster."""
@@ -60,9 +112,9 @@ class Hand(NamedTuple):
 class Bowl:
     """An open bowl. Its scene and its state are what they are between two calls; nothing happens meanwhile."""
 
-    def __init__(self, scene: Any) -> None:
+    def __init__(self, scene: FloatingScene) -> None:
         if scene.model != "floating" or scene.dish is None:
-            raise BadInput("one plays with a dish of floats; wanted a scene of model 'floating' with a [dish]")
+            raise BadInput("one plays with a dish of floats; expected a scene of model 'floating' with a [dish]")
         self.hand: Hand | None = None
         self.slosh, self.tilt = Slosh(), (0.0, 0.0)
         self.time, self.calmed, self.news = 0.0, -math.inf, list[str]()
@@ -75,7 +127,7 @@ class Bowl:
 
     @property
     def frame(self) -> Frame:
-        """What is seen now."""
+        """The present frame."""
         return self.march.observe()
 
     def play(self, seconds: float) -> None:
@@ -109,7 +161,7 @@ class Bowl:
         scene = self.present()
         known = {species.name: index for index, species in enumerate(scene.floats)}
         if name not in known and name not in SHELF:
-            raise BadInput(f"there is no {name!r} to drop; wanted one of {', '.join({**known, **SHELF})}")
+            raise BadInput(f"there is no {name!r} to drop; expected one of {', '.join({**known, **SHELF})}")
         taken = known.get(name)
         radius = scene.floats[taken].radius if taken is not None else SHELF[name]["radius"]
         place = self._room_near(x, y, radius)
@@ -154,7 +206,7 @@ class Bowl:
         scene, number = self.present(), {key: value}
         names = [species.name for species in scene.floats]
         if part not in ("liquid", "dish", *names) or key not in CHANGED:
-            raise BadInput(f"there is no {part}.{key} to change; wanted liquid, dish, {', '.join(names)}")
+            raise BadInput(f"there is no {part}.{key} to change; expected liquid, dish, {', '.join(names)}")
         try:
             if part in names:
                 place = names.index(part)
@@ -280,7 +332,7 @@ def _hurried(scene: FloatingScene) -> FloatingScene:
 
 
 def _said(fault: Exception) -> str:
-    """What a scene's check has to say, in one line."""
+    """The warnings of a scene's check, in one line."""
     if isinstance(fault, SceneError):
         return "; ".join(dict.fromkeys(one.message for one in fault.faults))
     errors: Sequence[Any] = getattr(fault, "errors", list)()

@@ -9,7 +9,6 @@ from __future__ import annotations
 import dataclasses
 import math
 import time
-from typing import Any
 
 import numpy as np
 
@@ -19,7 +18,7 @@ from ecume.models import MODELS
 from ecume.models.sph.parameters import Drive, Liquid
 from ecume.models.sph.state import make_state
 from ecume.scenes.sph import SphScene
-from ecume.show.play.pouring import (
+from ecume.show.play.tank_scene import (
     MOST,
     Push,
     fixed,
@@ -62,7 +61,7 @@ PER_PARTICLE = ("position", "velocity", "density", "mass", "region")
 class Tank:
     """An open tank. Its scene and its state are what they are between two calls; nothing happens meanwhile."""
 
-    def __init__(self, scene: Any) -> None:
+    def __init__(self, scene: SphScene) -> None:
         require_playable(scene)
         self.first, self.time, self.news = fixed(scene), 0.0, list[str]()
         self.anew()
@@ -80,7 +79,7 @@ class Tank:
 
     @property
     def pushed(self) -> float:
-        """How far the left wall is from where the tank has it (m)."""
+        """The displacement of the left wall (m)."""
         return self.push.at(self._now)
 
     def play(self, seconds: float) -> None:
@@ -124,7 +123,7 @@ class Tank:
 
     @property
     def opened(self) -> int:
-        """How many gates are open."""
+        """The number of open gates."""
         return len(self.first.obstacles) - len(self.scene.obstacles)
 
     def close_gate(self) -> None:
@@ -166,12 +165,12 @@ class Tank:
 
     @property
     def width(self) -> float:
-        """Of the tank (m)."""
+        """The width of the tank (m)."""
         return float(self.scene.tank.high[0] - self.scene.tank.low[0])
 
     @property
     def period(self) -> float:
-        """In which the liquid swings to and fro, were it level (s)."""
+        """The period of sloshing of the liquid, were it level (s)."""
         depth = float(np.sum(self.march.state.mass)) / self.march.parameters.material.density / self.width
         pull = math.hypot(*(self.scene.gravity or ()))
         return 2.0 * math.pi / max(wave_frequency(math.pi / self.width, depth, pull), 1e-9)
@@ -219,7 +218,7 @@ class Tank:
 
     @property
     def _wanted(self) -> float:
-        """Where the wall should be soon (m): at the hand, or where the wave has it."""
+        """The position that the wall should reach soon (m): at the hand, or where the wave has it."""
         phase = (self.time + GRASP - self.wave_since) / self.period
         if phase > 1.0:
             return self.aim

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -17,6 +17,9 @@ from ecume.show.style import INK, PALETTE, figure, legend_outside, scale_for, st
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
+if TYPE_CHECKING:
+    from ecume.scenes.soft import SoftScene
+
 MOST_CURVES = 12
 """Contacts that are drawn one by one; of more, the spread."""
 SPREAD = (5, 25, 50, 75, 95)
@@ -25,17 +28,17 @@ SPREAD = (5, 25, 50, 75, 95)
 Key = tuple[int, int]
 
 
-def gaps(frames: Frames, scene: Any) -> Figure:
+def gaps(frames: Frames, scene: SoftScene) -> Figure:
     """The gap of every contact over time, or their spread where there are many."""
     return _of_contacts(frames, scene, "gap", "m", "log")
 
 
-def forces(frames: Frames, scene: Any) -> Figure:
+def forces(frames: Frames, scene: SoftScene) -> Figure:
     """The normal force of every contact over time, or their spread; tension is positive."""
     return _of_contacts(frames, scene, "tension", "N", "linear")
 
 
-def _of_contacts(frames: Frames, scene: Any, name: str, unit: str, yscale: str) -> Figure:
+def _of_contacts(frames: Frames, scene: SoftScene, name: str, unit: str, yscale: str) -> Figure:
     shown = thinned(frames)
     values = [_contacts(frame, name) for frame in shown]
     keys = sorted({key for instant in values for key in instant})
@@ -71,8 +74,8 @@ def _spread(axes: Axes, instants: Array, values: list[Array]) -> None:
     legend_outside(axes)
 
 
-def elastic_energy(frames: Frames, scene: Any) -> Figure:
-    """What the deflections of all surfaces hold."""
+def elastic_energy(frames: Frames, scene: SoftScene) -> Figure:
+    """The elastic energy of the deflections of all surfaces."""
     shown = thinned(frames)
     (energy,) = series(shown, number("elastic_energy"))
     scale = scale_for(float(energy.max()), "J")
@@ -84,7 +87,7 @@ def elastic_energy(frames: Frames, scene: Any) -> Figure:
     return drawn
 
 
-def stress(frames: Frames, scene: Any) -> Figure:
+def stress(frames: Frames, scene: SoftScene) -> Figure:
     """Shear stress and normal stress of a periodic box over time."""
     require_box(scene, "stress")
     shown = thinned(frames)
@@ -102,7 +105,7 @@ def stress(frames: Frames, scene: Any) -> Figure:
     return drawn
 
 
-def picture(frames: Frames, scene: Any) -> Figure:
+def picture(frames: Frames, scene: SoftScene) -> Figure:
     """The last frame: spheres, films and forces."""
     shown = Packing(scene, [frames[0], frames[len(frames) // 2], frames[-1]])
     shown.show(frames[-1])

@@ -10,9 +10,9 @@ from matplotlib.axes import Axes
 from matplotlib.collections import EllipseCollection
 from matplotlib.figure import Figure
 
-from ecume.analysis.affinity import local_deformation, nonaffine_displacement
 from ecume.analysis.boxes import copies
 from ecume.analysis.contacts import films, gap_distribution
+from ecume.analysis.non_affine_motion import local_deformation, nonaffine_displacement
 from ecume.analysis.rearrangements import Swaps, neighbor_swaps
 from ecume.analysis.rheology import FlowPoint, Moduli, flow_point, moduli
 from ecume.analysis.series import number, series, times
@@ -32,8 +32,8 @@ APART = 0.02
 """Of strain: frames between which non-affine motion is shown are at least so far apart, if there are such."""
 
 
-def gap_histogram(frames: Frames, scene: Any) -> Figure:
-    """How gaps are distributed, at some instants: the area below each curve is one."""
+def gap_histogram(frames: Frames, scene: SoftScene) -> Figure:
+    """The distribution of gaps at some instants: the area below each curve is one."""
     chosen = [frames[round(place)] for place in np.linspace(0, len(frames) - 1, min(INSTANTS, len(frames)))]
     gaps = [films(frame).gap for frame in chosen]
     everyone = np.concatenate(gaps)
@@ -52,8 +52,8 @@ def gap_histogram(frames: Frames, scene: Any) -> Figure:
     return drawn
 
 
-def coordination(frames: Frames, scene: Any) -> Figure:
-    """How many close neighbors a sphere has, their mean gap and the narrowest, over time."""
+def coordination(frames: Frames, scene: SoftScene) -> Figure:
+    """The number of close neighbors of a sphere, their mean gap and the narrowest, over time."""
     shown = thinned(frames)
     neighbors, mean, least = series(shown, *map(number, ("coordination", "mean_gap", "smallest_gap")))
     scale = scale_for(float(np.nanmax(np.append(mean, least))), "m")
@@ -69,7 +69,7 @@ def coordination(frames: Frames, scene: Any) -> Figure:
     return drawn
 
 
-def viscosity(frames: Frames, scene: Any) -> Figure:
+def viscosity(frames: Frames, scene: SoftScene) -> Figure:
     """Shear stress in its parts, and viscosity, over time."""
     require_box(scene, "stress")
     shown = thinned(frames)
@@ -94,7 +94,7 @@ def viscosity(frames: Frames, scene: Any) -> Figure:
 
 
 def _within_most(axes: Axes, values: Array) -> None:
-    """From the first to the last percent of what is finite."""
+    """The range from the first to the last percent of the finite values."""
     finite = values[np.isfinite(values)]
     if len(finite):
         low, high = np.percentile(finite, (1, 99))
@@ -102,7 +102,7 @@ def _within_most(axes: Axes, values: Array) -> None:
         axes.set_ylim(low - margin, high + margin)
 
 
-def swaps(frames: Frames, scene: Any) -> Figure:
+def swaps(frames: Frames, scene: SoftScene) -> Figure:
     """T1 events: where they happened, in the last frame, and how many over time."""
     found = neighbor_swaps(frames)
     with style():
@@ -117,8 +117,8 @@ def swaps(frames: Frames, scene: Any) -> Figure:
         when.set(xlabel="time (s)", ylabel="T1 events so far", title=plain(scene.title), xlim=span(times(frames)))
         when.set_ylim(bottom=0)
         if found.unpaired:
-            told = f"other changes of neighbors: {found.unpaired}"
-            when.text(0.02, 0.97, told, transform=when.transAxes, va="top", color=MUTED, fontsize=8)
+            message = f"other changes of neighbors: {found.unpaired}"
+            when.text(0.02, 0.97, message, transform=when.transAxes, va="top", color=MUTED, fontsize=8)
     return drawn
 
 
@@ -152,7 +152,7 @@ def _outlines(axes: Axes, frame: Frame) -> None:
     axes.grid(visible=False)
 
 
-def nonaffine(frames: Frames, scene: Any) -> Figure:
+def nonaffine(frames: Frames, scene: SoftScene) -> Figure:
     """Motion beyond the box's own deformation up to the last frame, and what local deformations leave of it."""
     require_box(scene, "even deformation")
     before, after = _strain_apart(frames)
@@ -169,11 +169,11 @@ def nonaffine(frames: Frames, scene: Any) -> Figure:
         longest = float(np.linalg.norm(moved, axis=1).max())
         scale = scale_for(longest, "m")
         if longest > 0.0:
-            told = f"{longest * scale.factor:.3g} {scale.unit}"
-            axes.quiverkey(arrows, 0.85, 1.04, longest, told, labelpos="E", fontproperties={"size": 8})
+            message = f"{longest * scale.factor:.3g} {scale.unit}"
+            axes.quiverkey(arrows, 0.85, 1.04, longest, message, labelpos="E", fontproperties={"size": 8})
         drawn.colorbar(dots, ax=axes, label="root of D²min (mean radii)", shrink=0.8)
-        told = f"from {before.time:.3g} s to {after.time:.3g} s"
-        axes.text(0.0, 1.01, told, transform=axes.transAxes, fontsize=8, color=MUTED)
+        message = f"from {before.time:.3g} s to {after.time:.3g} s"
+        axes.text(0.0, 1.01, message, transform=axes.transAxes, fontsize=8, color=MUTED)
         axes.set_title(plain(scene.title), pad=16)
     return drawn
 
@@ -203,7 +203,7 @@ def flow_points(frames: Frames, scene: SoftScene) -> list[FlowPoint]:
     return found
 
 
-def flow_curve(frames: Frames, scene: Any) -> Figure:
+def flow_curve(frames: Frames, scene: SoftScene) -> Figure:
     """Friction and volume fraction over the viscous number: a point for each part of the protocol."""
     require_box(scene, "flow")
     found = flow_points(frames, scene)
@@ -241,7 +241,7 @@ def oscillations(frames: Frames, scene: SoftScene) -> list[tuple[float, Moduli]]
     return found
 
 
-def storage_and_loss(frames: Frames, scene: Any) -> Figure:
+def storage_and_loss(frames: Frames, scene: SoftScene) -> Figure:
     """Stress over strain, and the storage and loss moduli of each oscillation in the protocol over its frequency."""
     require_box(scene, "stress")
     found = oscillations(frames, scene)
@@ -266,7 +266,7 @@ def storage_and_loss(frames: Frames, scene: Any) -> Figure:
     return drawn
 
 
-def require_box(scene: Any, what: str) -> None:
+def require_box(scene: SoftScene, what: str) -> None:
     """A box between walls has no strain and no stress of its own: frames tell none."""
     if scene.box is None or scene.walls:
         raise BadInput(f"there is no box{' without walls' if scene.walls else ''} whose {what} could be drawn")

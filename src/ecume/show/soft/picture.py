@@ -3,25 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ecume.analysis.boxes import box_of
 from ecume.errors import BadInput
+from ecume.show.camera import Eye, Wires, edges_of, wires_of
 from ecume.show.picture import USUAL, Size, species
-from ecume.show.setting import Setting
+from ecume.show.scenery import Setting
 from ecume.show.soft.packing import Packing
-from ecume.show.space import Eye, Wires, edges_of, wires_of
 from ecume.show.tank import Tank
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
+
+if TYPE_CHECKING:
+    from ecume.scenes.soft import SoftScene
 
 MANY = 60
 """So many spheres in space hide one another's films: they are seen as balls."""
 
 
-def soft_picture(scene: Any, sample: Sequence[Frame], size: Size = USUAL, eye: Eye | None = None) -> Packing | Tank:
+def soft_picture(
+    scene: SoftScene, sample: Sequence[Frame], size: Size = USUAL, eye: Eye | None = None
+) -> Packing | Tank:
     """Few spheres from above, with what acts between them; many in space as balls, or any as an eye sees them."""
     count, dimensions = sample[0].arrays["position"].shape
     if dimensions == 2 and eye is not None:
@@ -31,7 +36,7 @@ def soft_picture(scene: Any, sample: Sequence[Frame], size: Size = USUAL, eye: E
     return Tank(setting_in_space(scene, sample, eye or Eye()), sample, size)
 
 
-def setting_in_space(scene: Any, sample: Sequence[Frame], eye: Eye) -> Setting:
+def setting_in_space(scene: SoftScene, sample: Sequence[Frame], eye: Eye) -> Setting:
     """The edges of a periodic box, which may change its size, around balls."""
     camera, boxes = eye.camera(), [box for frame in sample if (box := box_of(frame)) is not None and box.closed]
     if not boxes:

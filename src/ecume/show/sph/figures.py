@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from ecume.analysis.free_surface import free_surface, walls_of
 from ecume.analysis.profiles import Profile, velocity_profile
 from ecume.analysis.series import number, series, times
-from ecume.analysis.surfaces import free_surface, walls_of
 from ecume.errors import BadInput
 from ecume.laws.column import column_height, column_pressure
 from ecume.models.sph.building import material_of
@@ -23,6 +23,9 @@ from ecume.show.style import INK, PALETTE, RIM, Scale, figure, legend_outside, p
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
+if TYPE_CHECKING:
+    from ecume.scenes.sph import SphScene
+
 REACH = 4.0
 """In spacings: how far a point of a profile looks."""
 POINTS = 61
@@ -30,7 +33,7 @@ INSTANTS = 5
 AXES = "xyz"
 
 
-def pressure(frames: Frames, scene: Any) -> Figure:
+def pressure(frames: Frames, scene: SphScene) -> Figure:
     """The pressure of each particle against its height at the end, and the exact one of this liquid at rest."""
     last = frames[-1]
     height, weight = _heights(last, scene)
@@ -49,7 +52,7 @@ def pressure(frames: Frames, scene: Any) -> Figure:
     return drawn
 
 
-def _heights(frame: Frame, scene: Any) -> tuple[Array, float]:
+def _heights(frame: Frame, scene: SphScene) -> tuple[Array, float]:
     """The particles' heights, and the pull downwards."""
     pull = np.array(scene.gravity)
     if not pull[1] < 0.0 or np.delete(pull, 1).any():
@@ -57,11 +60,11 @@ def _heights(frame: Frame, scene: Any) -> tuple[Array, float]:
     return frame.arrays["position"][:, 1], -float(pull[1])
 
 
-def _bottom(scene: Any) -> float:
+def _bottom(scene: SphScene) -> float:
     return float(scene.tank.low[1])
 
 
-def _column(frame: Frame, scene: Any, weight: float) -> tuple[Array, Array]:
+def _column(frame: Frame, scene: SphScene, weight: float) -> tuple[Array, Array]:
     """Depths and pressures of as much liquid, at rest all over the tank's floor."""
     material = material_of(scene)
     floor = np.delete(np.array(scene.tank.high) - np.array(scene.tank.low), 1)
@@ -71,18 +74,18 @@ def _column(frame: Frame, scene: Any, weight: float) -> tuple[Array, Array]:
     return depth, np.array([column_pressure(down, *laws) for down in depth])
 
 
-def front(frames: Frames, scene: Any) -> Figure:
+def front(frames: Frames, scene: SphScene) -> Figure:
     """The largest x and y that a particle has."""
     return _lengths_over_time(frames, scene, {"front": "front, largest x", "top": "top, largest y"}, "position")
 
 
-def center(frames: Frames, scene: Any) -> Figure:
+def center(frames: Frames, scene: SphScene) -> Figure:
     """The center of mass."""
     names = {f"center_{axis}": axis for axis in AXES[: len(scene.tank.low)]}
     return _lengths_over_time(frames, scene, names, "center of mass")
 
 
-def _lengths_over_time(frames: Frames, scene: Any, names: Mapping[str, str], label: str) -> Figure:
+def _lengths_over_time(frames: Frames, scene: SphScene, names: Mapping[str, str], label: str) -> Figure:
     shown = thinned(frames)
     curves = series(shown, *map(number, names))
     scale = scale_for(float(np.abs(curves).max()), "m")
@@ -96,12 +99,12 @@ def _lengths_over_time(frames: Frames, scene: Any, names: Mapping[str, str], lab
     return drawn
 
 
-def snapshot(frames: Frames, scene: Any) -> Figure:
+def snapshot(frames: Frames, scene: SphScene) -> Figure:
     """The last frame, as movies show it."""
     return liquid_picture(scene, [frames[-1]]).figure
 
 
-def velocity(frames: Frames, scene: Any) -> Figure:
+def velocity(frames: Frames, scene: SphScene) -> Figure:
     """Velocities along two lines through the tank's middle: u along the vertical one, v along the level one."""
     chosen = _instants(frames, 3)
     level = [_along(frame, scene, axis=0) for frame in chosen]
@@ -121,7 +124,7 @@ def velocity(frames: Frames, scene: Any) -> Figure:
     return drawn
 
 
-def _along(frame: Frame, scene: Any, axis: int) -> Profile:
+def _along(frame: Frame, scene: SphScene, axis: int) -> Profile:
     """The velocity through the middle of the tank along an axis."""
     low, high = np.array(scene.tank.low), np.array(scene.tank.high)
     ends = np.tile(0.5 * (low + high), (2, 1))
@@ -132,7 +135,7 @@ def _along(frame: Frame, scene: Any, axis: int) -> Profile:
     return velocity_profile(frame, (ends[0], ends[1]), POINTS, REACH * scene.spacing)
 
 
-def surface(frames: Frames, scene: Any) -> Figure:
+def surface(frames: Frames, scene: SphScene) -> Figure:
     """The outline of the liquid at several instants."""
     if len(scene.tank.low) != 2:
         raise BadInput("outlines are drawn of liquids in the plane; this one is in space")
@@ -158,8 +161,8 @@ def _lines(axes: Axes, lines: Sequence[Array], scale: Scale, color: str, label: 
         axes.plot(*(scale.factor * line).T, color=color, label=label if index == 0 else None)
 
 
-def gauges(frames: Frames, scene: Any) -> Figure:
-    """What the scene's gauges read over time: pressures, levels and velocities, one panel each."""
+def gauges(frames: Frames, scene: SphScene) -> Figure:
+    """The readings of the scene's gauges over time: pressures, levels and velocities, one panel each."""
     shown = thinned(frames)
     panels = {kind: [name for name in shown[0].numbers if name in _readings(scene, kind)] for kind in GAUGE_UNITS}
     panels = {kind: names for kind, names in panels.items() if names}
@@ -185,7 +188,7 @@ def gauges(frames: Frames, scene: Any) -> Figure:
 GAUGE_UNITS = {"pressure": "Pa", "level": "m", "velocity": "m/s"}
 
 
-def _readings(scene: Any, kind: str) -> set[str]:
+def _readings(scene: SphScene, kind: str) -> set[str]:
     """The numbers that this scene's gauges give of a kind."""
     components = [f"_{axis}" for axis in AXES] if kind == "velocity" else [""]
     rows = [(gauge, range(1, (gauge.count or 0) + 1)) for gauge in scene.gauges if kind in gauge.measures]

@@ -4,21 +4,24 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ecume.errors import BadInput
 from ecume.scenes.faults import suggestion
 from ecume.scenes.sph import SIDES
+from ecume.show.camera import Eye, Wires, wires_of
 from ecume.show.picture import USUAL, Size, Species
-from ecume.show.setting import BODY, Round, Setting, Shape
-from ecume.show.space import Eye, Wires, wires_of
-from ecume.show.sph.moving import ball_outline, mover_colors, movers_of
+from ecume.show.scenery import BODY, Round, Setting, Shape
+from ecume.show.sph.solids import ball_outline, mover_colors, movers_of
 from ecume.show.style import INK, PALETTE, RIM
 from ecume.show.tank import Coloring, Tank
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
+
+if TYPE_CHECKING:
+    from ecume.scenes.sph import SphScene
 
 FULL = 0.62
 """The radius with which particles are drawn, in spacings: neighbors on a lattice just overlap."""
@@ -28,7 +31,7 @@ BRIGHT = (PALETTE[0], PALETTE[3], INK)
 
 
 def speed(frame: Frame) -> Array:
-    """How fast each particle is (m/s)."""
+    """The speed of each particle (m/s)."""
     fast: Array = np.linalg.norm(frame.arrays["velocity"], axis=1)
     return fast
 
@@ -48,7 +51,7 @@ COLORINGS: Mapping[str, Coloring | None] = {
 
 
 def liquid_picture(
-    scene: Any, sample: Sequence[Frame], size: Size = USUAL, color: str | None = None, eye: Eye | None = None
+    scene: SphScene, sample: Sequence[Frame], size: Size = USUAL, color: str | None = None, eye: Eye | None = None
 ) -> Tank:
     """The tank, its liquid colored by pressure where there is gravity, by speed elsewhere, or as `color` says."""
     name = color or usual_color(scene)
@@ -60,12 +63,12 @@ def liquid_picture(
     return Tank(setting, sample, size, COLORINGS[name])
 
 
-def usual_color(scene: Any) -> str:
-    """What tells most of a liquid: under gravity the pressure, which is nearly all speed without."""
-    return "pressure" if any(scene.gravity) else "speed"
+def usual_color(scene: SphScene) -> str:
+    """The default quantity for colors: the pressure under gravity, otherwise the speed."""
+    return "pressure" if any(scene.gravity or ()) else "speed"
 
 
-def setting_of(scene: Any) -> Setting:
+def setting_of(scene: SphScene) -> Setting:
     """A tank in the plane: nothing stands where a side is open, periodic ones are dotted, ones that move are movers."""
     corners = rectangle(scene.tank.low, scene.tank.high)
     sides = [(getattr(scene.tank, side), corners[[first, last]]) for side, first, last in EDGES]
@@ -91,7 +94,7 @@ EDGES = (("bottom", 0, 1), ("right", 1, 2), ("top", 2, 3), ("left", 3, 0))
 OPENINGS = ("open", "inflow", "outflow")
 
 
-def setting_in_space(scene: Any, eye: Eye) -> Setting:
+def setting_in_space(scene: SphScene, eye: Eye) -> Setting:
     """The edges of a tank as they are seen from a corner; where all is open there are none."""
     camera = eye.camera()
     around = any(getattr(scene.tank, side).kind != "open" for side in SIDES)
@@ -134,7 +137,7 @@ def outline(shape: Any) -> Shape:
     return rectangle(shape.low, shape.high)
 
 
-def regions(scene: Any) -> list[Species]:
+def regions(scene: SphScene) -> list[Species]:
     """The [[fluid]] tables, each in its color, and the [[carried]] ones, in colors that the liquid seldom has."""
     palette, bright = itertools.cycle(PALETTE[1:]), itertools.cycle(BRIGHT)
     liquid = [Species(f"region {n}", part.color or next(palette)) for n, part in enumerate(scene.fluid, 1)]

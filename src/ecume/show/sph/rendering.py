@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import importlib
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from matplotlib.cm import ScalarMappable
@@ -15,13 +15,16 @@ from ecume.engine.shapes import Ball, Shape
 from ecume.errors import BadInput
 from ecume.show.curves import Frames
 from ecume.show.picture import DPI, USUAL, Pixels, Size
-from ecume.show.setting import BODY
-from ecume.show.sph.moving import shape_of, turned
+from ecume.show.scenery import BODY
 from ecume.show.sph.picture import COLORINGS, FULL, usual_color
+from ecume.show.sph.solids import shape_of, turned
 from ecume.show.style import RIM, figure, scale_for
 from ecume.show.tank import RARE, Coloring, time_text
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
+
+if TYPE_CHECKING:
+    from ecume.scenes.sph import SphScene
 
 EYE = (0.45, 0.35, 1.0)
 """From where the liquid is seen, in the tank's own directions."""
@@ -38,7 +41,7 @@ class Solid(NamedTuple):
     color: str
 
 
-def rendered(frame: Frame, scene: Any, size: Size = USUAL) -> Pixels:
+def rendered(frame: Frame, scene: SphScene, size: Size = USUAL) -> Pixels:
     """A frame of a liquid in space, (height, width, 3). Raises BadInput without PyVista, and for what is flat."""
     if len(scene.tank.low) != 3:
         raise BadInput("balls are rendered of liquids in space; this one is in the plane, where `snapshot` shows it")
@@ -59,7 +62,7 @@ def rendered(frame: Frame, scene: Any, size: Size = USUAL) -> Pixels:
     return pixels
 
 
-def solids_of(scene: Any, frame: Frame) -> list[Solid]:
+def solids_of(scene: SphScene, frame: Frame) -> list[Solid]:
     """Obstacles where they stand, bodies where the frame has them."""
     found = [Solid(shape_of(one), middle_of(one), np.eye(3), color_of(one)) for one in scene.obstacles]
     for number, body in enumerate(scene.bodies):
@@ -70,19 +73,19 @@ def solids_of(scene: Any, frame: Frame) -> list[Solid]:
 
 
 def middle_of(solid: Any) -> Array:
-    """Of what stands still."""
+    """The center of the scenery that does not move."""
     ends = (solid.low, solid.high) if solid.radius is None else (solid.center, solid.center)
     middle: Array = np.mean(ends, axis=0)
     return middle
 
 
 def color_of(solid: Any) -> str:
-    """Its own, or that of all."""
+    """The color of a solid: its own, or the default."""
     return str(solid.color or BODY)
 
 
-def coloring_of(scene: Any) -> Coloring:
-    """What the balls' colors mean."""
+def coloring_of(scene: SphScene) -> Coloring:
+    """The quantity that the colors of the balls show."""
     coloring = COLORINGS[usual_color(scene)]
     if coloring is None:
         raise BadInput("a rendered liquid is colored by a quantity")
@@ -90,13 +93,13 @@ def coloring_of(scene: Any) -> Coloring:
 
 
 def range_of(frame: Frame, coloring: Coloring) -> tuple[float, float]:
-    """From the least to the largest value, but for what is rare: one peak must not pale all others."""
+    """The range of the values without rare ones: one peak must not pale all others."""
     values = coloring.values(frame)
     low, high = float(np.quantile(values, RARE)), float(np.quantile(values, 1.0 - RARE))
     return low, high if high > low else low + 1.0
 
 
-def render(frames: Frames, scene: Any) -> Figure:
+def render(frames: Frames, scene: SphScene) -> Figure:
     """The last frame of a liquid in space, as lit balls, with a bar that says what their colors mean."""
     frame = frames[-1]
     pixels = rendered(frame, scene)
@@ -114,7 +117,7 @@ def render(frames: Frames, scene: Any) -> Figure:
 
 
 def _mesh(pyvista: Any, solid: Solid) -> Any:
-    """Its surface."""
+    """The surface mesh of a solid."""
     if isinstance(solid.shape, Ball):
         mesh = pyvista.Sphere(radius=solid.shape.radius, theta_resolution=60, phi_resolution=60)
     else:
@@ -124,7 +127,7 @@ def _mesh(pyvista: Any, solid: Solid) -> Any:
 
 
 def _bounds(low: Any, high: Any) -> list[float]:
-    """As PyVista has them, axis by axis."""
+    """The bounds axis by axis, as PyVista has them."""
     return [float(end) for pair in zip(low, high, strict=True) for end in pair]
 
 

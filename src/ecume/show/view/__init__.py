@@ -1,4 +1,8 @@
-"""One HTML file that plays a run in any browser: no server, no network, nothing to install."""
+"""The page of a run: one HTML file that plays it in any browser, without a server or a network.
+
+`page.save_page` writes it; start there. `chunks` packs frames, `stage`, `scenery` and `tanks` describe what is around
+the particles, `live` serves the page of a run in progress, `notebook` shows frames in a notebook.
+"""
 
 from ecume.show.view.page import save_page
 

@@ -38,7 +38,7 @@ class _Packing:
     """A blob that grows, and where what stands in it."""
 
     def __init__(self, rows: int) -> None:
-        """So many frames with as many particles; 1 where their number changes."""
+        """Begin with this number of frames with as many particles; 1 where their number changes."""
         self.rows = rows
         self.parts: list[bytes] = []
         self.size = 0
@@ -135,7 +135,7 @@ def _with_inner_discs(frame: Frame, stage: Stage) -> Frame:
 
 
 def quantities(frame: Frame) -> dict[str, Numbers]:
-    """What the particles of a frame can be colored by: its arrays, of vectors the magnitude."""
+    """The quantities by which particles can be colored: the arrays of a frame, of vectors the magnitude."""
     found: dict[str, Numbers] = {}
     dimension = frame.arrays["position"].shape[1]
     for name, values in frame.arrays.items():

@@ -14,9 +14,8 @@ from pathlib import Path
 
 from ecume.errors import BadInput, StorageError
 from ecume.show.serving import HTML, Answer, Query, served
-from ecume.show.view.bundled import VIEW, policy_of
 from ecume.show.view.chunks import pack
-from ecume.show.view.page import page, run_header, stage_of
+from ecume.show.view.page import VIEW, page, policy_of, run_header, stage_of
 from ecume.show.view.stage import Stage
 from ecume.trajectories.reader import Trajectory, open_trajectory
 
@@ -42,7 +41,7 @@ class Source:
     token: str = field(default_factory=lambda: secrets.token_urlsafe(24))
     asked: bool = False
     """whether a page has been given out"""
-    told: bool = False
+    end_reported: bool = False
     """whether it has heard that the run ended"""
     _lock: threading.Lock = field(default_factory=threading.Lock)
     _trajectory: Trajectory | None = None
@@ -50,7 +49,7 @@ class Source:
 
     @property
     def policy(self) -> str:
-        """What the browser may do with the page."""
+        """The content security policy of the page."""
         return policy_of(VIEW, live=True)
 
     def get(self, path: str, query: Query) -> Answer | None:
@@ -76,7 +75,7 @@ class Source:
             return page(run_header(trajectory, stage, live=True), [], live=True)
 
     def frames(self, begin: int) -> bytes:
-        """What came since the page's last frame: the length of a JSON, the JSON, bytes of the frames."""
+        """The frames since the page's last one: the length of a JSON, the JSON, bytes of the frames."""
         state = self.state()  # asked first: who has heard of the end has all that was written before
         with self._lock:
             trajectory, stage = self._opened()
@@ -84,9 +83,9 @@ class Source:
             fresh = trajectory[max(begin, 0) : max(begin, 0) + MOST_FRAMES]
             chunk = pack(list(fresh), stage) if len(fresh) else None
         whole = max(begin, 0) + len(fresh) >= count
-        self.told = self.told or (state != "running" and whole)
-        told = {"state": state if whole else "running", "chunk": None if chunk is None else chunk.header}
-        text = json.dumps(told, separators=(",", ":")).encode()
+        self.end_reported = self.end_reported or (state != "running" and whole)
+        report = {"state": state if whole else "running", "chunk": None if chunk is None else chunk.header}
+        text = json.dumps(report, separators=(",", ":")).encode()
         text += b" " * (-len(text) % 4)
         return struct.pack("<I", len(text)) + text + (b"" if chunk is None else chunk.blob)
 
@@ -123,6 +122,6 @@ def serving(source: Source) -> Iterator[str]:
             yield address
         finally:
             end = time.monotonic() + FAREWELL
-            while source.asked and not source.told and time.monotonic() < end:
+            while source.asked and not source.end_reported and time.monotonic() < end:
                 time.sleep(EVERY)
             time.sleep(EVERY)  # the last answer may be on its way

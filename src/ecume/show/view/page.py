@@ -1,15 +1,18 @@
-"""The page: the bundle's script and style, and a run in it."""
+"""The page of a run: the script and style that esbuild made of `web/`, and a run packed into it."""
 
 from __future__ import annotations
 
 import base64
 import gzip
+import hashlib
+import html
 import json
 import math
 import os
 from collections.abc import Sequence
+from importlib import resources
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import matplotlib as mpl
 import numpy as np
@@ -17,13 +20,74 @@ import numpy as np
 from ecume.citing import in_words, papers_of
 from ecume.errors import BadInput
 from ecume.show.style import HEIGHT_COLORS
-from ecume.show.view.bundled import VIEW, data_of, filled, json_of
 from ecume.show.view.chunks import Chunk, pack, quantities
+from ecume.show.view.scenery import STAGES
 from ecume.show.view.stage import Line, Stage
-from ecume.show.view.staging import STAGES
-from ecume.trajectories.durable import storing
+from ecume.trajectories.durable_files import storing
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import Trajectory, open_trajectory
+
+if TYPE_CHECKING:
+    pass
+
+
+class Parts(NamedTuple):
+    """The files of a page."""
+
+    page: str
+    style: str
+    script: str
+
+
+VIEW = Parts("page.html", "view.css", "view.js")
+PLAY = Parts("play.html", "play.css", "play.js")
+TANK = Parts("tank.html", "play.css", "tank.js")
+
+
+def filled(parts: Parts, title: str, data: str, *, live: bool) -> str:
+    """The page as text: its script, its style and its data inside. `live` pages may ask the server they came from."""
+    marks = {
+        "@POLICY@": policy_of(parts, live=live),
+        "@TITLE@": html.escape(title),
+        "@STYLE@": _bundled(parts.style),
+        "@SCRIPT@": _bundled(parts.script),
+        "@DATA@": data,
+    }
+    text = _bundled(parts.page)
+    # Split and joined, not replaced one after the other: what stands in a scene is never taken for a mark of ours.
+    for mark in marks:
+        text = text.replace(mark, f"\0{mark}\0")
+    return "".join(marks.get(piece, piece) for piece in text.split("\0"))
+
+
+def policy_of(parts: Parts, *, live: bool) -> str:
+    """The content security policy: run its own script and style, and ask nobody but our own server."""
+    script, style = (_hash(_bundled(name)) for name in (parts.script, parts.style))
+    connect = "'self'" if live else "'none'"
+    return (
+        f"default-src 'none'; script-src {script}; style-src {style}; img-src data: blob:; connect-src {connect}; "
+        "base-uri 'none'; form-action 'none'"
+    )
+
+
+def json_of(value: Any) -> str:
+    """JSON that no title can leave: what HTML could read is written as its number."""
+    text = json.dumps(value, separators=(",", ":"), allow_nan=False)
+    return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026")
+
+
+def data_of(name: str, kind: str, text: str) -> str:
+    """Something for the page's script to read."""
+    return f'<script type="{kind}" id="{name}">{text}</script>'
+
+
+def _hash(text: str) -> str:
+    return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
+
+
+def _bundled(name: str) -> str:
+    return resources.files("ecume.show.view").joinpath("bundle", name).read_text(encoding="utf-8")
+
 
 MEGABYTE = 1_000_000
 MOST = 50.0
@@ -38,7 +102,7 @@ FACTS = ("ecume", "model", "seed", "processor", "platform")
 
 
 class Page(NamedTuple):
-    """What was written, and how much of the run is in it."""
+    """A page that was written, and how much of the run is in it."""
 
     path: Path
     size: int
@@ -77,7 +141,7 @@ def save_page(
 
 
 def stage_of(trajectory: Trajectory) -> Stage:
-    """What is around the particles of a run."""
+    """The scenery around the particles of a run."""
     scene = trajectory.scene
     if scene.model not in STAGES:
         raise BadInput(f"there is no view of the model {scene.model!r}; there is of {', '.join(STAGES)}")
@@ -105,7 +169,7 @@ def _coded(chunk: Chunk) -> float:
 
 
 def run_header(trajectory: Trajectory, stage: Stage, *, live: bool = False) -> dict[str, Any]:
-    """What the page is told of the run as a whole."""
+    """The data of the run as a whole."""
     scene = trajectory.scene
     return {
         "title": scene.title or f"{scene.model} run",
@@ -119,7 +183,7 @@ def run_header(trajectory: Trajectory, stage: Stage, *, live: bool = False) -> d
 
 
 def looks(first: Frame, last: Frame, stage: Stage) -> dict[str, Any]:
-    """What there is to be seen, and how, between two frames."""
+    """The visible quantities between two frames, and how they are drawn."""
     names = [name for name in _with_numbers(first, last) if name != "species"]
     colorings = [_coloring(name, first) for name in names]
     return {
@@ -155,7 +219,7 @@ def _with_numbers(first: Frame, last: Frame) -> list[str]:
 
 
 def _coloring(name: str, first: Frame) -> dict[str, Any]:
-    """How a quantity is colored."""
+    """The color scale of a quantity."""
     unit = first.units.get("velocity" if name == "speed" else name, "1")
     values = quantities(first)[name]
     signed = bool(values.size and values.min() < 0.0 < values.max())
@@ -176,13 +240,13 @@ def color_map(name: str) -> str:
 
 
 def _facts(trajectory: Trajectory) -> list[tuple[str, str]]:
-    """Of the run's manifest what tells where it comes from."""
+    """The facts of the run's manifest that say where it comes from."""
     path = trajectory.directory / "manifest.json"
     with storing(path):
         manifest = json.loads(path.read_bytes()) if path.is_file() else {}
-    told = [(name, str(manifest[name])) for name in FACTS if manifest.get(name) is not None]
-    told += [(name, str(manifest[name])[:16]) for name in ("scene_sha256",) if name in manifest]
-    return [("frames", str(len(trajectory))), *told]
+    facts = [(name, str(manifest[name])) for name in FACTS if manifest.get(name) is not None]
+    facts += [(name, str(manifest[name])[:16]) for name in ("scene_sha256",) if name in manifest]
+    return [("frames", str(len(trajectory))), *facts]
 
 
 def _scene_text(directory: Path) -> str:

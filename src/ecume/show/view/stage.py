@@ -1,4 +1,4 @@
-"""What the page is told of what stands around the particles of a run."""
+"""The data types of the scenery on the page."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ class Line(NamedTuple):
 
 
 class Surface(NamedTuple):
-    """How the surface's heights are drawn."""
+    """The drawing of the surface's heights."""
 
     columns: int
     rows: int
@@ -61,7 +61,7 @@ class Surface(NamedTuple):
 
 
 class Stage(NamedTuple):
-    """What is around the particles."""
+    """The scenery around the particles of a run."""
 
     low: Array
     """(d,) m: what is to be seen at first"""

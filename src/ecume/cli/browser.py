@@ -1,0 +1,133 @@
+"""The verbs for the browser: view and play."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ecume.cli.pictures import wrote
+from ecume.cli.runs import HERE, Quiet, RunFolder, offer
+from ecume.cli.scenes import Overrides
+from ecume.errors import BadInput
+
+LOOK_EVERY = 0.5
+"""Seconds between two looks whether a run that is followed still runs."""
+
+
+def view(
+    directory: RunFolder = HERE,
+    save: Annotated[
+        Path | None,
+        typer.Option("--save", metavar="FILE", help="Only write the page there; open nothing.", show_default=False),
+    ] = None,
+    max_size: Annotated[
+        float,
+        typer.Option(
+            "--max-size", min=0.5, max=2000.0, metavar="MB", help="Of the page; above it frames are left out."
+        ),
+    ] = 50.0,
+    live: Annotated[bool, typer.Option("--live", help="Follow a run in progress.")] = False,
+    quiet: Quiet = False,
+) -> None:
+    """Play a run in the browser.
+
+    The page is one HTML file that needs no server and no network, and can be sent to others.
+
+    Examples: `ecume view runs/bowl` · `ecume view runs/bowl --save bowl.html --max-size 8`
+    · `ecume view runs/bowl --live`
+    """
+    from ecume.run.directory import existing
+
+    existing(directory)
+    if live:
+        if save is not None:
+            raise BadInput("--live follows a run and writes no page; leave --save out")
+        _follow(directory)
+        return
+    from ecume.show.view import save_page
+
+    page = save_page(directory, save, max_size)
+    if not quiet:
+        shown = (
+            f"{page.frames} frames" if page.every == 1 else f"{page.frames} frames, each {_nth(page.every)} of the run"
+        )
+        wrote(page.path, quiet=quiet)
+        typer.echo(f"{page.size / 1e6:.1f} MB, {shown}")
+    if save is None:
+        typer.launch(page.path.resolve().as_uri())
+
+
+def _nth(number: int) -> str:
+    return {2: "2nd", 3: "3rd"}.get(number, f"{number}th")
+
+
+def _follow(directory: Path) -> None:
+    """Serve a run until it ends, or Ctrl-C."""
+    from ecume.run import RunDirectory
+    from ecume.run import info as look
+    from ecume.run.lock import owner
+    from ecume.run.stop_requests import ask_to_stop
+    from ecume.show.view.live import Source, serving
+
+    def stop() -> None:
+        process = owner(RunDirectory(directory))
+        if process is not None and state() == "running":
+            ask_to_stop(process["pid"])
+
+    def state() -> str:
+        return look(directory).state
+
+    with serving(Source(directory, state, stop)) as address:
+        offer(address)
+        while state() == "running":
+            time.sleep(LOOK_EVERY)
+    typer.echo(f"{directory}: {state()}")
+
+
+def play(
+    scene: Annotated[
+        Path | None,
+        typer.Argument(
+            metavar="SCENE",
+            help="Floats in a dish, or a tank of liquid in the plane; left out, a small bowl.",
+            show_default=False,
+        ),
+    ] = None,
+    tank: Annotated[bool, typer.Option("--tank", help="Play with a small tank of water.")] = False,
+    overrides: Overrides = None,
+) -> None:
+    """Play with a simulation in the browser while it runs.
+
+    With a bowl (drop floats, drag them, tilt the dish, change the liquid), or with a tank (pour, open a gate, push a
+    wall, tilt).
+
+    Ends with Ctrl-C. `save as scene` on the page writes the TOML that goes on from there.
+
+    Examples: `ecume play` · `ecume play --tank` · `ecume play bowl.toml --set dish.contact_angle='"110 deg"'`
+    """
+    from ecume.scenes.load import load_scene
+    from ecume.scenes.templates import folder
+    from ecume.show.play.pages import game_of
+    from ecume.show.serving import served
+
+    if tank and scene is not None:
+        raise BadInput("--tank plays with a tank of its own; leave it out, or SCENE")
+    name = "small-tank" if tank else "cereal-bowl"
+    usual = [] if tank or scene else ["floats[0].count=12"]
+    given = scene or (folder() / f"{name}.toml").read_text(encoding="utf-8")
+    asked = load_scene(given, [*usual, *(overrides or [])])
+    game = game_of(asked)
+    typer.echo("compiling, unless that was done before ...")
+    game.toy.moving.play(0.0)
+    with served(game) as address:
+        offer(address)
+        try:
+            game.run()
+        except KeyboardInterrupt:
+            typer.echo("played enough")
+
+
+VERBS = (view, play)

@@ -1,0 +1,138 @@
+"""The invariants of a run: checked in each frame, summarized in a line, and recorded beside the run."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+from ecume.errors import Diverged, StorageError
+from ecume.models.invariants import DISSIPATED, ENERGY, INJECTED, Invariant, Numbers, Seen, with_own
+from ecume.run.directory import RunDirectory, json_of, write_json
+from ecume.trajectories.durable_files import storing
+
+POLICIES = ("warn", "stop")
+"""What becomes of a run that breaks an invariant."""
+BROKEN = "broken"
+WORKS = "injected", "dissipated"
+
+
+class Verdict(NamedTuple):
+    """The state of an invariant: the worst value so far, and its time."""
+
+    name: str
+    says: str
+    limit: float
+    worst: float
+    time: float
+
+    @property
+    def held(self) -> bool:
+        """Whether the worst is within the limit; what is no number never is."""
+        return self.worst <= self.limit
+
+
+class Watch:
+    """The open judgement of a run. It begins with the frames that are there already, and so forgets nothing."""
+
+    def __init__(self, home: RunDirectory, invariants: Sequence[Invariant], policy: str) -> None:
+        self._home, self._invariants, self._policy = home, list(invariants), policy
+        self._seen: Seen | None = None
+        self._time = 0.0
+        self._worst = {one.name: (-math.inf, 0.0) for one in invariants}
+        for line in _lines(home):
+            self._take(line["time"], line)
+
+    def take(self, time: float, numbers: Mapping[str, float], step: int) -> list[Verdict]:
+        """Judge a frame; what it is the first to break. Raises Diverged where that is to stop the run."""
+        before = {one.name for one in self.verdicts() if not one.held}
+        self._take(time, {**numbers, "step": float(step)})
+        broken = [one for one in self.verdicts() if not one.held and one.name not in before]
+        if broken and self._policy == "stop":
+            raise Diverged(f"{'; '.join(map(sentence, broken))}. Take shorter steps, or go on with --on-violation warn")
+        return broken
+
+    def _take(self, time: float, given: Mapping[str, float | None]) -> None:
+        now = with_own({name: math.nan if value is None else float(value) for name, value in given.items()})
+        first, least, largest = (self._seen.first, self._seen.least, self._seen.largest) if self._seen else (now,) * 3
+        least = {name: min(least.get(name, value), value) for name, value in now.items()}
+        largest = {name: max(largest.get(name, value), value) for name, value in now.items()}
+        self._seen, self._time = Seen(first, now, least, largest), time
+        for one in self._invariants:
+            value = one.value(self._seen)
+            worst = self._worst[one.name][0]
+            if math.isnan(value) or value > worst:
+                self._worst[one.name] = (value, time)
+
+    def verdicts(self) -> list[Verdict]:
+        """The state of each invariant."""
+        return [Verdict(one.name, one.says, one.limit, *self._worst[one.name]) for one in self._invariants]
+
+    def keep(self) -> None:
+        """Write how all stand, and the energy's budget, beside the run."""
+        report: dict[str, Any] = {"until": self._time, "policy": self._policy}
+        report["invariants"] = [
+            {**one._asdict(), "worst": _number(one.worst), "held": one.held} for one in self.verdicts()
+        ]
+        if self._seen is not None and "total_energy" in self._seen.now:
+            report["energy"] = budget(self._seen.first, self._seen.now, closed=ENERGY in self._worst)
+        write_json(self._home.watch, report)
+
+
+def budget(first: Numbers, now: Numbers, *, closed: bool) -> dict[str, float | None]:
+    """Where the energy went (J): what was injected, or there before, and is not there any more was dissipated, unless
+    that is booked, too.
+
+    Where something drives a system and is not booked, injected less dissipated is known, and neither alone.
+    """
+    change = now["total_energy"] - first["total_energy"]
+    injected = now.get(INJECTED, 0.0) - first.get(INJECTED, 0.0)
+    lost = now[DISSIPATED] - first.get(DISSIPATED, 0.0) if DISSIPATED in now else injected - change
+    apart = (injected, lost) if closed else (None, None)
+    report = {"at the start": first["total_energy"], "now": now["total_energy"], "change": change}
+    return report | dict(zip(WORKS, apart, strict=True))
+
+
+def sentence(one: Verdict) -> str:
+    """`energy: its rise ... is 0.2, more than 0.001, at t = 3 s`."""
+    return f"{one.name}: {one.says}, is {one.worst:.3g}, more than {one.limit:g}, at t = {one.time:.6g} s"
+
+
+def summary_line(home: RunDirectory) -> str:
+    """A line that says whether all invariants held and what work was done; empty for a run that records none."""
+    if not home.watch.exists():
+        return ""
+    kept = json_of(home.watch)
+    rows, work = kept.get("invariants", []), _work(kept.get("energy", {}))
+    broken = [f"{row['name']} ({_shown(row['worst'])}, limit {row['limit']:g})" for row in rows if not row["held"]]
+    if broken:
+        return f"{BROKEN}: {', '.join(broken)}{work}"
+    held = ", ".join(f"{row['name']} ({_shown(row['worst'])} of {row['limit']:g})" for row in rows)
+    return f"held: {held}{work}" if rows else ""
+
+
+def _work(energy: Mapping[str, float | None]) -> str:
+    """`; injected 3e-06 J, dissipated 2e-06 J`, of what is known."""
+    known = [f"{name} {energy[name]:.3g} J" for name in WORKS if energy.get(name) is not None]
+    return f"; {', '.join(known)}" if known else ""
+
+
+def _shown(worst: float | None) -> str:
+    return "no number" if worst is None else f"{worst:.3g}"
+
+
+def _number(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+def _lines(home: RunDirectory) -> list[dict[str, Any]]:
+    """The numbers of the frames that are on disk."""
+    if not home.scalars.exists():
+        return []
+    with storing(home.scalars):
+        text = home.scalars.read_bytes()
+    try:
+        return [json.loads(line) for line in text.splitlines()]
+    except ValueError as error:
+        raise StorageError(f"{home.scalars}: damaged: {error}") from error

@@ -1,0 +1,323 @@
+"""A run from its beginning, or from where it was left, to its end."""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import itertools
+import os
+import time
+import warnings
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from ecume._hooks import html_of
+from ecume.errors import BadInput, Diverged, Stopped, StorageError
+from ecume.run import checkpoints, constants, manifest
+from ecume.run.checkpoints import Checkpoint
+from ecume.run.directory import RunDirectory, as_json, clear, existing, json_of, refuse_existing, sweep, write_json
+from ecume.run.invariant_monitor import POLICIES, Watch, sentence
+from ecume.run.lock import held
+from ecume.run.progress import Pace, Progress, StatusFile, note
+from ecume.run.recording import Recording
+from ecume.run.recovery import plain_scene
+from ecume.run.stop_requests import PATIENT, StopRequest, stop_requests
+from ecume.run.user_laws import Law, entries, require_same
+from ecume.trajectories.durable_files import storing, write_whole
+from ecume.trajectories.reader import Trajectory
+from ecume.trajectories.repair import repair
+
+if TYPE_CHECKING:
+    from ecume.models.model import Model
+    from ecume.scenes.schema import Scene
+    from ecume.simulation import Moment
+    from ecume.trajectories.frame import Frame
+
+
+OUTCOMES = {Stopped: "stopped", Diverged: "failed"}
+"""How a run is said to have ended that is not done; whatever else happened interrupted it."""
+
+
+class RunResult(NamedTuple):
+    """The result of a completed run."""
+
+    directory: Path
+    frames: int
+    steps: int
+    time: float
+    """Simulated, s."""
+    seconds: float
+    """Of wall time, in this session; 0 for a run that was done before."""
+
+    def _repr_html_(self) -> str | None:
+        """The notebook view: the player of `ecume view`, in at most 4 MB."""
+        return html_of(self.directory)
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunOptions:
+    """Options of running that change no bit of the result."""
+
+    threads: int | None = None
+    """Left out, as many as the machine has cores."""
+    progress: Callable[[Progress], None] | None = None
+    """Is told several times a second how far the run is."""
+    checkpoint_every: float = 60.0
+    """Seconds of wall time."""
+    source: bytes | None = None
+    """The scene's file, byte for byte, to be kept beside what became of it."""
+    engine: Callable[[Model], Model] | None = None
+    """What marches in the place of the scene's model, to the same bits: see `ecume.run.ranks`."""
+    on_violation: str | None = None
+    """What becomes of a run that loses what its model must not lose, see `watching.POLICIES`; left out, what it began
+    with, or else what its scene says."""
+    strict: bool = False
+    """Resuming fails where a frame that is computed again differs in any bit from the one on disk, also on another
+    processor or with other versions; otherwise such frames are replaced, with a warning."""
+
+    def __post_init__(self) -> None:
+        """Refuse what is no policy."""
+        if self.on_violation not in (None, *POLICIES):
+            raise BadInput(f"on_violation: got {self.on_violation!r}; expected one of {', '.join(POLICIES)}")
+
+
+USUAL = RunOptions()
+
+
+def run(
+    scene: Scene,
+    directory: str | os.PathLike[str],
+    *,
+    extra_laws: Sequence[Law] = (),
+    force: bool = False,
+    options: RunOptions = USUAL,
+) -> RunResult:
+    """Simulate a scene into a new directory, with the user's own pair laws if there are any, as `simulate` takes them.
+
+    Raises RunExists where something is in the way (`force` replaces a run, and nothing but a run), Diverged,
+    StorageError, and Stopped after a signal: then a checkpoint is there, and `resume` goes on.
+    """
+    home = RunDirectory(Path(directory))
+    refuse_existing(home, force=force)
+    with stop_requests(PATIENT) as request:
+        moments = _moments(scene, None, extra_laws, options, None)
+        first = next(moments)  # a scene that cannot be run is refused before anything is written
+        with storing(home.path):
+            home.path.mkdir(parents=True, exist_ok=True)
+        with held(home):
+            refuse_existing(home, force=force)
+            clear(home)
+            _found(home, scene, first.parameters, extra_laws, options)
+            return _drive(_Session(home, scene, options, 0), itertools.chain([first], moments), request)
+
+
+def resume(
+    directory: str | os.PathLike[str], *, extra_laws: Sequence[Law] = (), options: RunOptions = USUAL
+) -> RunResult:
+    """Go on with a run that was stopped, killed, or ran out of disk; a finished run is done, and says so.
+
+    On the same kind of processor and with the same versions the result is the same, bit for bit, as without the stop.
+    Elsewhere the last digits may differ; frames that were already written after the last checkpoint are then replaced,
+    with a warning that says by how much they differ (`RunOptions.strict` refuses that). A run with a user's own laws
+    needs the same `extra_laws` again: their text and the numbers they use are compared with those it was begun with.
+    """
+    from ecume.scenes.schema import from_plain
+
+    home = existing(directory)
+    with stop_requests(PATIENT) as request, held(home):
+        if home.done.exists():
+            done = json_of(home.done)
+            return RunResult(home.path, done["frames"], done["steps"], done["time"], 0.0)
+        require_same(home, extra_laws)
+        sweep(home)
+        scene = from_plain(plain_scene(home))
+        constants.require_sound(home)
+        checkpoint = _checkpoint(home, scene)
+        with storing(home.failed):
+            home.failed.unlink(missing_ok=True)
+        restore = functools.partial(_constants, home, strict=options.strict)
+        moments = _moments(scene, checkpoint.state, extra_laws, options, restore)
+        return _drive(_Session(home, scene, options, checkpoint.frames), moments, request)
+
+
+def _moments(
+    scene: Scene, state: Any, extra_laws: Sequence[Law], options: RunOptions, constants: Callable[[Any], Any] | None
+) -> Iterator[Moment]:
+    from ecume._jit import use_threads  # only who simulates waits for Numba: `ecume info` does not
+    from ecume.simulation import moments
+
+    use_threads(options.threads)
+    return moments(scene, state=state, extra_laws=extra_laws, engine=options.engine, constants=constants)
+
+
+def _constants(home: RunDirectory, derived: Any, *, strict: bool) -> Any:
+    """The parameters of a resumed run: those derived from the scene, with the constants that the run was begun with."""
+    restored = constants.restored(home, derived)
+    if restored.remark:
+        note(home, "constants", remark=restored.remark)
+    if not restored.kept:
+        if strict:
+            raise StorageError(f"{home.path}: its constants would be {restored.remark}; --strict refuses that")
+        warnings.warn(f"{home.path}: its constants are {restored.remark}; last digits may change here", stacklevel=1)
+    return restored.parameters
+
+
+def _found(home: RunDirectory, scene: Scene, parameters: Any, extra_laws: Sequence[Law], options: RunOptions) -> None:
+    """Write what a run has before it begins; the manifest is last, and makes it one."""
+    from ecume.scenes.schema import to_plain, to_toml
+
+    plain = as_json(to_plain(scene))
+    write_whole(home.scene, to_toml(scene) if options.source is None else options.source)
+    write_whole(home.resolved, plain)
+    write_json(
+        home.manifest,
+        manifest.first_manifest(scene, plain)
+        | {"constants_sha256": constants.save(home, parameters)}
+        | {"extra_laws": entries(extra_laws), "on_violation": options.on_violation or scene.on_violation},
+    )
+
+
+def _checkpoint(home: RunDirectory, scene: Scene) -> Checkpoint:
+    """The state from which the run goes on: the newest good checkpoint, or the scene's own beginning."""
+    from ecume.models import MODELS
+
+    def refused(path: Path, fault: str) -> None:
+        note(home, "checkpoint set aside", name=path.name, why=fault)
+
+    kept = checkpoints.newest(home, MODELS[scene.model].state, _frames_on_disk(home), refused)
+    return kept or Checkpoint(None, 0)
+
+
+def _frames_on_disk(home: RunDirectory) -> int:
+    """The number of frames without a gap; a damaged trajectory is repaired first."""
+    try:
+        with Trajectory(home.trajectory) as trajectory:
+            return trajectory.intact
+    except StorageError:
+        for fault in repair(home.trajectory).faults:
+            note(home, "trajectory repaired", why=fault)
+    with Trajectory(home.trajectory) as trajectory:
+        return trajectory.intact
+
+
+def _drive(session: _Session, moments: Iterable[Moment], request: StopRequest) -> RunResult:
+    """March to the end, and say how it ended, whichever way."""
+    try:
+        with stop_requests(request=request), contextlib.closing(session):
+            session.follow(moments, request)
+        session.succeed()
+    except BaseException as error:
+        with contextlib.suppress(StorageError):  # a full disk has no room for this either
+            session.fail(error)
+        raise
+    at = session.at
+    return RunResult(session.directory, at.frames, at.steps, at.time, session.seconds)
+
+
+class _Session:
+    """The open files of one process that works on a run."""
+
+    def __init__(self, home: RunDirectory, scene: Scene, options: RunOptions, frames: int) -> None:
+        self._home, self._habits = home, options
+        self._recording = Recording(home, frames, kinds=scene.kinds, strict=options.strict)
+        self._scene, self._watch = scene, Watch(home, [], POLICIES[0])
+        self._pace, self._status = Pace(scene.duration), StatusFile(home)
+        self._began = self._saved = time.monotonic()
+        self._opened = False
+        self.at = Progress(0, 0, 0.0, scene.duration, frames, 0.0, 0.0, None)
+
+    @property
+    def directory(self) -> Path:
+        """Whose run it is."""
+        return self._home.path
+
+    @property
+    def seconds(self) -> float:
+        """The wall time that this process has worked on it."""
+        return time.monotonic() - self._began
+
+    def follow(self, moments: Iterable[Moment], request: StopRequest) -> None:
+        """March to the end, or until someone wishes to stop."""
+        begun = False
+        for moment in moments:
+            if not begun:
+                self._begin(moment)
+                begun = True
+                if moment.step == 0:  # particles placed again on another processor might differ in their last digits
+                    self._save(moment, 0)
+            before = self._recording.frames
+            self._take(moment)
+            ended = moment.step >= moment.steps
+            if ended or request or time.monotonic() - self._saved >= self._habits.checkpoint_every:
+                self._save(moment, before)
+            if request and not ended:
+                where = f"at step {moment.step} of {moment.steps}"
+                raise Stopped(f"stopped by {request.name} {where}; go on: ecume resume {self._home.path}")
+
+    def succeed(self) -> None:
+        """The run is done."""
+        self._close_books("done")
+        report = {"reason": "done", "exit_code": 0, **self._reached(), "sha256": manifest.digests(self._home)}
+        write_json(self._home.done, report)
+        self._status.write("done", self.at, last=True)
+
+    def fail(self, error: BaseException) -> None:
+        """The run is not done; what failed for good says so in a file."""
+        outcome = next((report for kind, report in OUTCOMES.items() if isinstance(error, kind)), "interrupted")
+        self._status.write(outcome, self.at, last=True)
+        self._close_books(outcome, f"{type(error).__name__}: {error}")
+        if isinstance(error, Diverged):
+            report = {"reason": "diverged", "exit_code": error.exit_code, "message": str(error), **self._reached()}
+            write_json(self._home.failed, report | {"sha256": manifest.digests(self._home)})
+
+    def close(self) -> None:
+        """Close the files."""
+        self._recording.close()
+
+    def _begin(self, moment: Moment) -> None:
+        from ecume._jit import use_threads
+        from ecume.models import MODELS
+
+        policy = self._habits.on_violation or json_of(self._home.manifest).get("on_violation", POLICIES[0])
+        invariants = MODELS[self._scene.model].invariants(self._scene, moment.parameters)
+        self._watch = Watch(self._home, invariants, policy)
+        self._opened = True
+        manifest.open_session(self._home, use_threads(self._habits.threads), moment.step, self._recording.on_disk)
+        differences = manifest.changed(json_of(self._home.manifest))
+        note(self._home, "begun" if moment.step == 0 else "resumed", step=moment.step, changed=differences)
+
+    def _take(self, moment: Moment) -> None:
+        if moment.frame is not None:
+            self._recording.take(moment.frame, moment.step)
+            self._judge(moment.frame, moment.step)
+        self.at = self._pace.progress(moment.step, moment.steps, self._recording.frames)
+        self._status.write("running", self.at)
+        if self._habits.progress is not None:
+            self._habits.progress(self.at)
+
+    def _save(self, moment: Moment, before: int) -> None:
+        """A checkpoint of this moment, before which there were so many frames."""
+        self._recording.settle()
+        self._watch.keep()
+        path = checkpoints.save(self._home, Checkpoint(moment.state, before))
+        self._saved, self._status.last_checkpoint = time.monotonic(), moment.step
+        note(self._home, "checkpoint", name=path.name)
+
+    def _judge(self, frame: Frame, step: int) -> None:
+        """Check the invariants, and warn of those that are broken for the first time, or stop the run."""
+        try:
+            for verdict in self._watch.take(frame.time, frame.numbers, step):
+                note(self._home, "broken", what=sentence(verdict))
+        except Diverged:
+            self._watch.keep()
+            raise
+
+    def _reached(self) -> dict[str, Any]:
+        return {"step": self.at.step, "steps": self.at.steps, "time": self.at.time, "frames": self.at.frames}
+
+    def _close_books(self, outcome: str, why: str = "") -> None:
+        note(self._home, outcome, step=self.at.step, why=why)
+        if self._opened:  # else the last session in the manifest is that of another process
+            manifest.close_session(self._home, outcome, self.at.step, self.seconds)

@@ -1,0 +1,62 @@
+"""Signals: a run that is asked to stop finishes its moment and leaves a checkpoint."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import threading
+from collections.abc import Iterator, Sequence
+from types import FrameType
+
+SIGNALS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGUSR1", "SIGBREAK") if hasattr(signal, name))
+"""Ctrl-C, the batch system's farewell, its warning beforehand, and Windows' own; not every system has each."""
+
+
+PATIENT = tuple(number for number in SIGNALS if number.name in ("SIGTERM", "SIGUSR1"))
+"""What batch systems send. Before the march has begun only these wait for a checkpoint: who presses Ctrl-C while laws
+are compiled has nothing to lose.
+"""
+
+
+def ask_to_stop(process: int) -> None:
+    """Ask the process of a run, which may be this one, to leave a checkpoint and end."""
+    os.kill(process, signal.SIGTERM)
+
+
+class StopRequest:
+    """The signal that asked for a stop, if any."""
+
+    def __init__(self) -> None:
+        self.signal: signal.Signals | None = None
+
+    def __bool__(self) -> bool:
+        return self.signal is not None
+
+    @property
+    def name(self) -> str:
+        """The name of the signal."""
+        return self.signal.name if self.signal else "nobody"
+
+    def take(self, number: int, _: FrameType | None) -> None:
+        """Note the signal. A second Ctrl-C stops at once."""
+        self.signal = signal.Signals(number)
+        if self.signal is signal.SIGINT:
+            signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+@contextlib.contextmanager
+def stop_requests(
+    signals: Sequence[signal.Signals] = SIGNALS, request: StopRequest | None = None
+) -> Iterator[StopRequest]:
+    """Collect requests to stop inside this block, or from before it. Only the main thread receives signals."""
+    request = StopRequest() if request is None else request
+    if threading.current_thread() is not threading.main_thread():
+        yield request
+        return
+    before = {number: signal.signal(number, request.take) for number in signals}
+    try:
+        yield request
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

@@ -1,0 +1,226 @@
+"""Floats from other sources than the scene itself: a table, or a frame of another run."""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path as Folder
+from typing import Any, NamedTuple
+
+from pydantic import TypeAdapter, ValidationError
+from pydantic.dataclasses import dataclass
+
+from ecume.errors import EcumeError
+from ecume.scenes.faults import Path, echo, faults_of, written
+from ecume.scenes.files import beside, require_there, text_of
+from ecume.scenes.floating import SurfaceEnergies
+from ecume.scenes.quantities import STRICT, Color, ContactAngle, Name, PositiveDensity, Radius, Velocity
+from ecume.scenes.tables import MOST_BYTES, TableFaults, lines_of
+from ecume.trajectories.frame import Frame
+
+TABLE, RUN = "floats_from", "start_from"
+SOURCES = (TABLE, RUN)
+"""Keys that stand in a file and not in a scene: reading turns them into `rows`."""
+
+MOST_MESSAGES = 20
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class RowDefaults:
+    """The one [[floats]] entry beside `floats_from`: it fills the columns that the table does not have."""
+
+    name: Name = ""
+    radius: Radius | None = None
+    density: PositiveDensity | None = None
+    contact_angle: ContactAngle | None = None
+    surface_energies: SurfaceEnergies | None = None
+    velocity: tuple[Velocity, Velocity] = (0.0, 0.0)
+    color: Color | None = None
+
+
+Faults = list[tuple[Path, str]]
+
+
+class Rows(NamedTuple):
+    """Rows as plain data, where each came from, and what is wrong; `key` is the source they came through."""
+
+    key: str
+    plain: list[dict[str, Any]]
+    origins: list[str]
+    faults: Faults
+
+    def with_origins(self, faults: Faults) -> Faults:
+        """Faults of rows in the words of their source: the line of the table, the float of the run."""
+        mine, others = [], []
+        for path, text in faults:
+            if self.origins and len(path) > 1 and path[0] == "rows":
+                below = f", {written(path[2:])}" if path[2:] else ""
+                mine.append(f"{self.origins[int(path[1])]}{below}: {self._named(text)}")
+            else:
+                others.append((path, text))
+        return others + [((self.key,), text) for text in _few(mine)]
+
+    def _named(self, text: str) -> str:
+        """A message with its `rows[3]` by their origins."""
+        return re.sub(r"\brows\[([0-9]+)\]", lambda found: self.origins[int(found[1])], text)
+
+
+def failed(key: str, messages: Sequence[str], path: Path = ()) -> Rows:
+    """No rows, for these reasons."""
+    return Rows(key, [], [], [(path or (key,), message) for message in messages])
+
+
+def rows_from(raw: dict[str, Any], folder: Folder) -> Rows:
+    """Take the sources out of `raw`, and follow them."""
+    given = {key: raw.pop(key) for key in SOURCES if key in raw}
+    if not given:
+        return failed("rows", [])
+    if len(given) > 1 or "rows" in raw:
+        return failed(next(iter(given)), ["of floats_from, start_from and rows only one can stand in a scene"])
+    ((key, name),) = given.items()
+    if not isinstance(name, str):
+        return failed(key, [f"got {echo(name)}; expected text"])
+    try:
+        return (_from_table if key == TABLE else _from_run)(raw, folder, name)
+    except TableFaults as faults:
+        return failed(key, [f"{name}, {message}" for message in _few(faults.messages)])
+    except ValueError as fault:
+        return failed(key, [f"{echo(name)} {fault}"])
+
+
+def _few(messages: Sequence[str]) -> list[str]:
+    """The first messages, and how many more there are."""
+    left = len(messages) - MOST_MESSAGES
+    return [*messages[:MOST_MESSAGES], *([f"and {left} more like these"] if left > 0 else [])]
+
+
+def _from_table(raw: dict[str, Any], folder: Folder, name: str) -> Rows:
+    table = beside(folder, name)
+    require_there(table, folder)
+    lines = lines_of(text_of(table, MOST_BYTES))
+    defaults, faults = _defaults(raw.pop("floats", []))
+    plain = [_row(line.values, defaults) for line in lines]
+    missing = [key for key in ("radius", "density", "contact_angle") if not _has(plain[0], key)]
+    faults += [((TABLE,), f"{name} has no column {key}, and no [[floats]] gives one") for key in missing if not faults]
+    return Rows(TABLE, plain, [f"{name}, line {line.number}" for line in lines], faults)
+
+
+def _has(row: Mapping[str, Any], key: str) -> bool:
+    return key in row or (key == "contact_angle" and "surface_energies" in row)
+
+
+def _row(values: Mapping[str, Any], defaults: Mapping[str, Any]) -> dict[str, Any]:
+    """A line with its gaps filled; an angle of its own overrules the surface energies of the defaults."""
+    row = {**defaults, **values}
+    if "contact_angle" in values:
+        row.pop("surface_energies", None)
+    row["species_name"] = row.pop("name", "") or "float-1"
+    return row
+
+
+def _defaults(floats: object) -> tuple[dict[str, Any], Faults]:
+    """The values that the one [[floats]] entry gives to every row."""
+    if not floats:
+        return {}, []
+    if not isinstance(floats, list) or len(floats) > 1 or not isinstance(floats[0], dict):
+        return {}, [(("floats",), "beside floats_from expected one [[floats]] table, with defaults for all rows")]
+    layout = [key for key in LAYOUT if key in floats[0]]
+    faults: Faults = [(("floats", 0, key), "has no meaning beside floats_from") for key in layout]
+    plain = {key: value for key, value in floats[0].items() if key not in layout}
+    try:
+        TypeAdapter(RowDefaults).validate_python(plain)
+    except ValidationError as error:
+        faults += [(("floats", 0, *path), message) for path, message in faults_of(error, RowDefaults, plain)]
+        return {}, faults
+    velocity = plain.pop("velocity", (0.0, 0.0))
+    return {"vx": velocity[0], "vy": velocity[1], **plain}, faults
+
+
+LAYOUT = ("count", "placement", "positions", "spacing", "ring_radius", "center")
+
+
+def _from_run(raw: dict[str, Any], folder: Folder, name: str) -> Rows:
+    if raw.get("floats"):
+        return failed(RUN, ["start_from brings all the floats; leave [[floats]] out"], ("floats",))
+    plain = _rows_of_frame(*frame_of_run(folder, name))
+    return Rows(RUN, plain, [f"{name}, float {number}" for number in range(1, len(plain) + 1)], [])
+
+
+def _run_and_frame(folder: Folder, name: str) -> tuple[Folder, int]:
+    """The run and the frame that `RUN@FRAME` means; the last frame, where none is named. Raises ValueError."""
+    whole = beside(folder, name)
+    run, at, frame = name.rpartition("@")
+    if not at or os.path.isdir(whole):  # noqa: PTH112  # a directory may have an @ in its name, or none can have this one
+        require_there(whole, folder)
+        return whole, -1
+    if re.fullmatch(r"-?[0-9]{1,9}", frame) is None:
+        raise ValueError(
+            f"{echo(frame)} is no number of a frame; expected RUN@FRAME, such as runs/bowl@0 or runs/bowl@-1"
+        )
+    whole = beside(folder, run)
+    require_there(whole, folder)
+    return whole, int(frame)
+
+
+def frame_of_run(folder: Folder, name: str) -> tuple[Frame, Any]:
+    """The frame that `RUN@FRAME` means, as seen from a folder, and the run's scene. Raises ValueError."""
+    from ecume.trajectories.reader import open_trajectory
+
+    run, index = _run_and_frame(folder, name)
+    try:
+        with open_trajectory(run) as trajectory:
+            if not -len(trajectory) <= index < len(trajectory):
+                raise ValueError(f"has no frame {index}; {_numbered(len(trajectory))}")
+            return trajectory[index], trajectory.scene
+    except EcumeError as error:
+        raise ValueError(f"cannot be opened: {error}") from None
+
+
+def _rows_of_frame(frame: Frame, scene: Any) -> list[dict[str, Any]]:
+    """The floats of one frame of a run. Raises ValueError."""
+    species, figures = scene.kinds, _figures_of(scene)
+    missing = [name for name in ARRAYS if name not in frame.arrays]
+    if missing:
+        raise ValueError(f"is a run of another model: its frames have no {missing[0]}")
+    columns = [frame.arrays[name].tolist() for name in ARRAYS]
+    rows = [_row_of_float(values, *species[kind]) for *values, kind in zip(*columns, strict=True)]
+    for key in (name for name in BESIDE if name in frame.arrays):
+        rows = [{**row, key: number} for row, number in zip(rows, frame.arrays[key].tolist(), strict=True)]
+    return [{**_wetted(row), **figures.get(row["species_name"], {})} for row in rows]
+
+
+def _figures_of(scene: Any) -> dict[str, dict[str, Any]]:
+    """The discs and shapes of a scene, by species; their angles are those of the frame."""
+    found: dict[str, dict[str, Any]] = {}
+    for given in (*getattr(scene, "floats", ()), *getattr(scene, "rows", ())):
+        name = str(getattr(given, "name", None) or getattr(given, "species_name", ""))
+        for key in ("disc", "shape"):
+            if getattr(given, key, None) is not None:
+                plain = TypeAdapter(type(getattr(given, key))).dump_python(getattr(given, key))
+                found[name] = {key: {part: value for part, value in plain.items() if value is not None}}
+                found[name][key].pop("angle", None)
+    return found
+
+
+def _wetted(row: dict[str, Any]) -> dict[str, Any]:
+    """Without the contact angle of what is pinned at an edge, which is no number."""
+    return row if math.isfinite(row["contact_angle"]) else {k: v for k, v in row.items() if k != "contact_angle"}
+
+
+def _numbered(frames: int) -> str:
+    """The range of frames, in words."""
+    return f"there are 0 to {frames - 1}, and -1 for the last" if frames else "the run has no frames yet"
+
+
+BESIDE = ("magnetic_moment", "angle", "spin")
+"""Of some floats only."""
+ARRAYS = ("position", "velocity", "radius", "density", "contact_angle", "species")
+
+
+def _row_of_float(values: Sequence[Any], name: str, color: str | None) -> dict[str, Any]:
+    """One float of a frame as a row; a contact angle that was worked out is an angle from here on."""
+    (x, y), (vx, vy), radius, density, angle = values
+    row = {"x": x, "y": y, "vx": vx, "vy": vy, "radius": radius, "density": density, "contact_angle": angle}
+    return {**row, "species_name": name, "color": color}

@@ -1,0 +1,66 @@
+"""Passive particles, which the liquid carries without being moved by them: tracers, and grains that settle."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Self
+
+from pydantic import Field, model_validator
+from pydantic.dataclasses import dataclass
+
+from ecume.scenes.faults import Inconsistent, Path
+from ecume.scenes.quantities import STRICT, Color, Count, Place, PositiveDensity, Switch
+from ecume.units import Length, Number
+
+Radius = Annotated[Length, Field(ge=0.0, le=1e3)]
+Schmidt = Annotated[Number, Field(gt=0.0, le=1e3)]
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class CarriedSpec:
+    """Particles that go with the liquid: at given places, or so many at random in a box."""
+
+    positions: tuple[Place, ...] = ()
+    """of each (m)"""
+    count: Count | None = None
+    """how many at random, between `low` and `high`"""
+    low: Place | None = None
+    """lowest corner of the box that `count` fills (m)"""
+    high: Place | None = None
+    """highest corner (m)"""
+    radius: Radius = 0.0
+    """m; a particle without a radius is a tracer: it goes as fast as the liquid"""
+    density: PositiveDensity | None = None
+    """kg/m^3, of a particle with a radius"""
+    eddy_dispersion: Switch = False
+    """a random walk by the eddies of `method.turbulence`"""
+    schmidt: Schmidt = 0.7
+    """the eddies' viscosity over their diffusivity"""
+    color: Color | None = None
+    """`#rrggbb`, or a plain English name"""
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        complaints: list[tuple[Path, str]] = []
+        box = self.low is not None and self.high is not None and self.count is not None
+        if box == bool(self.positions):
+            complaints.append(((), "expected either positions, or count with low and high"))
+        if (self.radius > 0.0) != (self.density is not None):
+            complaints.append((("density",), "expected with a radius, and only then"))
+        if complaints:
+            raise Inconsistent(complaints)
+        return self
+
+
+def carried_faults(carried: tuple[CarriedSpec, ...], tank: Any, turbulence: str) -> list[tuple[Path, str]]:
+    """Places outside of the tank, and eddies where there are none."""
+    found: list[tuple[Path, str]] = []
+    for index, spec in enumerate(carried):
+        for place in (*spec.positions, *(corner for corner in (spec.low, spec.high) if corner is not None)):
+            inside = len(place) == len(tank.low) and all(
+                a <= x <= b for a, x, b in zip(tank.low, place, tank.high, strict=True)
+            )
+            if not inside:
+                found.append((("carried", index), f"{tuple(place)} is not in the tank"))
+        if spec.eddy_dispersion and turbulence == "none":
+            found.append((("carried", index, "eddy_dispersion"), "there are no eddies; set method.turbulence"))
+    return found

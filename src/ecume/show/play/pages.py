@@ -1,0 +1,220 @@
+"""The pages of bowls and tanks: what they draw, what can be done to them, and the table of them by model."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ecume.errors import BadInput
+from ecume.laws.states import tait_pressure
+from ecume.models.sph.parameters import Liquid
+from ecume.show.floating.bowl import view_of
+from ecume.show.floating.surface import Sheet, sheet, surface
+from ecume.show.picture import species
+from ecume.show.play.bowl import SHELF, Bowl
+from ecume.show.play.game_server import Asked, Deed, Game, Toy, number
+from ecume.show.play.tank import PUSHED, STEEPEST, Tank
+from ecume.show.play.tank_scene import movable
+from ecume.show.scenery import Round
+from ecume.show.sph.picture import FULL, outline
+from ecume.show.view.page import PLAY, TANK, color_map
+from ecume.units import Array
+
+if TYPE_CHECKING:
+    from ecume.scenes.schema import Scene
+
+GRID = 72
+"""Cells of the surface's picture along each side."""
+PAINT = 0.1
+"""Seconds between two pictures of the surface."""
+STEEPEST_DISH = 0.2
+"""rad: as far as a dish can be tilted."""
+
+
+class BowlPage:
+    """A bowl as its page sees it."""
+
+    def __init__(self, bowl: Bowl) -> None:
+        self.moving, self.parts = bowl, PLAY
+        self.deeds: dict[str, Deed] = {
+            "drop": lambda asked: bowl.drop(str(asked["name"]), *_place(asked)),
+            "grasp": lambda asked: bowl.grasp(int(asked["one"]), *_place(asked)),
+            "release": lambda asked: bowl.release(),
+            "take": lambda asked: bowl.take(int(asked["one"])),
+            "tilt": self._tilt,
+            "change": lambda asked: bowl.change(str(asked["part"]), str(asked["key"]), number(asked["value"])),
+        }
+        self._painted, self._paint = 0.0, ""
+        self._sheet: tuple[Any, Sheet] | None = None
+        self._range = 1e-9
+
+    def header(self) -> dict[str, Any]:
+        """The data that never change."""
+        scene = self.moving.scene
+        return {
+            "title": scene.title or "A bowl",
+            "radius": self.moving.dish.radius,
+            "size": self.moving.dish.size,
+            "view": list(view_of(scene, [self.moving.frame])),
+            "grid": GRID,
+            "shelf": [{"name": name, **SHELF[name]} for name in SHELF],
+            "steepest": STEEPEST_DISH,
+            "map": color_map("height"),
+        }
+
+    def now(self) -> dict[str, Any]:
+        """The data that the page draws."""
+        frame, scene = self.moving.frame, self.moving.scene
+        arrays = frame.arrays
+        kinds = [
+            {"name": kind.name, "color": kind.color, "contact_angle": spec.contact_angle, "density": spec.density}
+            for kind, spec in zip(species(scene), scene.floats, strict=True)
+        ]
+        return {
+            "x": arrays["position"][:, 0].tolist(),
+            "y": arrays["position"][:, 1].tolist(),
+            "radius": arrays["radius"].tolist(),
+            "species": arrays["species"].tolist(),
+            "kinds": kinds,
+            "clusters": frame.numbers.get("clusters", 0.0),
+            "tilt": self.moving.tilt,
+            "slope": self.moving.slosh.slope,
+            "liquid": {"surface_tension": scene.liquid.surface_tension, "viscosity": scene.liquid.viscosity},
+            "dish": {"contact_angle": self.moving.dish.contact_angle},
+            "surface": self._paint,
+            "highest": self._range,
+            "news": self.moving.news,
+        }
+
+    def paint(self, now: float) -> None:
+        """The height of the liquid as bytes, 128 being the level far from all."""
+        if now - self._painted <= PAINT:
+            return
+        self._painted, frame, scene = now, self.moving.frame, self.moving.scene
+        closest = float(frame.arrays["radius"].min())
+        same = (scene.liquid, scene.dish, closest)
+        if self._sheet is None or self._sheet[0] != same:
+            self._sheet = same, sheet(scene, view_of(scene, [frame]), cells=GRID, closest=closest)
+        height = surface(frame, self._sheet[1])
+        self._range = max(float(np.quantile(np.abs(height), 0.98)), 1e-9)
+        coded = np.clip(128.0 + 127.0 * height / self._range, 0.0, 255.0).astype(np.uint8)
+        self._paint = base64.b64encode(np.ascontiguousarray(coded[::-1]).tobytes()).decode()
+
+    def _tilt(self, asked: Asked) -> None:
+        x, y = (min(max(number(asked[axis]), -STEEPEST_DISH), STEEPEST_DISH) for axis in "xy")
+        self.moving.tilt = (x, y)
+
+
+COLORINGS = {"speed": ("m/s", "cividis"), "pressure": ("Pa", "viridis")}
+"""What colors mean, with its unit and its map."""
+FINEST = 65535
+"""Steps from one end of what is seen to the other."""
+ABOVE = 0.35
+"""How much is seen above the tank, over its height: splashes, and a hand that pours."""
+
+
+class TankPage:
+    """A tank as its page sees it."""
+
+    def __init__(self, tank: Tank) -> None:
+        self.moving, self.parts = tank, TANK
+        self.color = "speed"
+        self.deeds: dict[str, Deed] = {
+            "pour": lambda asked: tank.pour(*_place(asked)),
+            "scoop": lambda asked: tank.scoop(*_place(asked)),
+            "open": lambda asked: tank.open_gate(),
+            "close": lambda asked: tank.close_gate(),
+            "drag": lambda asked: tank.drag(number(asked["x"])),
+            "wave": lambda asked: tank.wave(),
+            "lean": lambda asked: tank.lean(number(asked["angle"])),
+            "anew": lambda asked: tank.anew(),
+            "color": self._choose,
+        }
+        low, high = np.array(tank.first.tank.low), np.array(tank.first.tank.high)
+        self.low, self.high = low, high + np.array([0.0, ABOVE * float(high[1] - low[1])])
+
+    def header(self) -> dict[str, Any]:
+        """The data that never change."""
+        scene = self.moving.first
+        return {
+            "title": scene.title or "A tank",
+            "low": list(scene.tank.low),
+            "high": list(scene.tank.high),
+            "view": [*self.low, *self.high],
+            "walls": [getattr(scene.tank, side).kind == "wall" for side in ("left", "right", "bottom", "top")],
+            "movable": movable(scene),
+            "pushed": PUSHED * self.moving.width,
+            "radius": FULL * scene.spacing,
+            "steepest": STEEPEST,
+            "colorings": [[name, unit, color_map(colors)] for name, (unit, colors) in COLORINGS.items()],
+        }
+
+    def now(self) -> dict[str, Any]:
+        """The data that the page draws."""
+        tank, liquid = self.moving, self.moving.liquid()
+        values, most = self._values(liquid)
+        where = (liquid.position.T - self.low) / (self.high - self.low)
+        return {
+            "places": _coded(np.clip(where * FINEST, 0.0, FINEST).astype("<u2")),
+            "colors": _coded(np.clip(255.0 * values / most, 0.0, 255.0).astype(np.uint8)),
+            "coloring": self.color,
+            "most": most,
+            "solids": [_solid(shape) for shape in tank.scene.obstacles],
+            "opened": tank.opened,
+            "wall": tank.pushed,
+            "leaning": tank.leaning,
+            "news": tank.news,
+        }
+
+    def paint(self, now: float) -> None:
+        """Nothing that takes long."""
+
+    def _values(self, liquid: Liquid) -> tuple[Array, float]:
+        """The values that colors show, and the end of their scale."""
+        material = self.moving.march.parameters.material
+        if self.color == "speed":
+            return np.hypot(*liquid.velocity), material.fastest
+        pressure = tait_pressure(liquid.density, material.density, material.sound_speed, material.exponent)
+        return np.asarray(pressure), 0.5 * material.density * material.fastest**2
+
+    def _choose(self, asked: Asked) -> None:
+        if asked["name"] not in COLORINGS:
+            raise BadInput(f"there is no color {asked['name']!r}; expected one of {', '.join(COLORINGS)}")
+        self.color = asked["name"]
+
+
+def _coded(values: Any) -> str:
+    return base64.b64encode(np.ascontiguousarray(values).tobytes()).decode()
+
+
+def _solid(spec: Any) -> list[list[float]]:
+    """Corners; of a disc so many that it is round."""
+    shape = outline(spec)
+    if isinstance(shape, Round):
+        angle = np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False)
+        shape = np.array([shape.x, shape.y]) + shape.radius * np.column_stack([np.cos(angle), np.sin(angle)])
+    corners: list[list[float]] = np.asarray(shape).tolist()
+    return corners
+
+
+def _place(asked: Asked) -> tuple[float, float]:
+    return number(asked["x"]), number(asked["y"])
+
+
+TOYS: dict[str, Callable[[Any], Toy]] = {
+    "floating": lambda scene: BowlPage(Bowl(scene)),
+    "sph": lambda scene: TankPage(Tank(scene)),
+}
+
+
+def game_of(scene: Scene) -> Game:
+    """A game with this scene. Raises BadInput for one that nobody can play with."""
+    if scene.model not in TOYS:
+        raise BadInput(
+            f"one plays with floats in a dish, and with a tank of liquid in the plane; "
+            f"this is a scene of model {scene.model!r}"
+        )
+    return Game(TOYS[scene.model](scene))

@@ -1,0 +1,248 @@
+"""The executors of a sweep's points.
+
+This process, Dask workers on this machine or behind a scheduler, SLURM jobs, or the tasks of a SLURM job array.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import logging
+import os
+import re
+import shlex
+import signal
+import sys
+import threading
+from asyncio import CancelledError
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ecume._extras import install
+from ecume.errors import BadInput, Stopped
+from ecume.sweep.directory import Job, Sweeping
+from ecume.sweep.spec import Cluster
+from ecume.sweep.worker import work
+from ecume.trajectories.durable_files import write_whole
+
+ONE_THREAD = {"NUMBA_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+"""Of a worker: there are as many workers as cores."""
+BEFORE_THE_END = 300
+"""Seconds before the end of a cluster's job in which a worker takes no more points."""
+
+WAIT = "10 s"
+"""For a scheduler's first answer."""
+UNWATCHED = {"distributed.worker.profile.enabled": False}
+"""Dask looks a hundred times a second what its threads do, for pages that nobody opens here; workers inherit it."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ExecutorOptions:
+    """The executor of a sweep, and whom to report to."""
+
+    workers: int | None = None
+    """left out, as many as the machine has cores; 1 works in this process and needs no Dask"""
+    scheduler: str | None = None
+    """the address of a Dask scheduler that runs already"""
+    slurm: bool = False
+    """workers are jobs of SLURM"""
+    retries: int = 2
+    """of a point whose worker died"""
+    progress: Callable[[int, int], None] | None = None
+    """is told how many points of how many are done"""
+    failed: Callable[[Path, str], None] | None = None
+    """is told of each point that fails, and why, while the others go on"""
+
+
+Results = Callable[[Sequence[Job]], Iterator[tuple[Job, str]]]
+"""From jobs to each with the word that it ended with, as they end."""
+
+
+@contextlib.contextmanager
+def hands(options: ExecutorOptions, sweeping: Sweeping, missing: int) -> Iterator[Results]:
+    """The function that runs jobs with an executor and yields an outcome word for each."""
+    workers = min(options.workers or os.cpu_count() or 1, max(missing, 1))
+    if not missing:
+        yield lambda jobs: iter(())
+    elif options.scheduler is None and not options.slurm and workers == 1:
+        yield lambda jobs: ((job, work(str(job.folder))) for job in jobs)
+    else:
+        with _client(options, sweeping, workers) as client:
+            yield lambda jobs: _spread(client, jobs, options.retries)
+
+
+def _spread(client: Any, jobs: Sequence[Job], retries: int) -> Iterator[tuple[Job, str]]:
+    """The jobs on the workers of a Dask client: each is told a folder's name, and answers a word."""
+    import distributed
+
+    library: Any = distributed  # leaves its functions without types
+    folders = {str(job.folder.resolve()): job for job in jobs}
+    futures = {client.submit(work, folder, retries=retries, pure=False): job for folder, job in folders.items()}
+    ended = library.as_completed(list(futures))
+    while (next_one := next_word(ended)) is not None:
+        future, word = next_one
+        yield futures[future], word
+
+
+def next_word(ended: Iterator[Any]) -> tuple[Any, str] | None:
+    """The next job that ended, and the word it ended with; None after the last. Raises Stopped where the scheduler does
+    not answer any more.
+
+    What breaks in there is Dask's connection to its scheduler, by one of half a dozen exceptions: whatever a job raises
+    is told as its answer.
+    """
+    try:
+        future = next(ended, None)
+        if future is None:
+            return None
+        lost = not future.cancelled() and future.exception() is not None
+        return future, "lost" if lost else str(future.result())
+    except Stopped:  # by a signal
+        raise
+    except (Exception, CancelledError) as error:
+        raise Stopped("the scheduler is gone; what is done stays done, and the same command goes on") from error
+
+
+@contextlib.contextmanager
+def _client(options: ExecutorOptions, sweeping: Sweeping, workers: int) -> Iterator[Any]:
+    try:
+        import dask.config
+        import distributed
+    except ImportError as error:
+        raise BadInput(f"many workers need Dask, which is not installed: {install('sweep')}, or --workers 1") from error
+    library: Any = distributed  # leaves its functions without types
+    for name in ("distributed", "distributed.client"):  # what breaks is told by us, in a line
+        logging.getLogger(name).setLevel(logging.CRITICAL)
+    if options.scheduler is not None:
+        require_safe(options.scheduler)
+        with connected(library, options.scheduler) as client:
+            yield client
+    elif options.slurm:
+        with slurm_cluster(sweeping.spec.cluster, sweeping.path) as found, library.Client(found) as client:
+            yield client
+    else:
+        local = {"threads_per_worker": 1, "dashboard_address": None, "env": ONE_THREAD, "silence_logs": 50}
+        with dask.config.set(UNWATCHED):
+            with _leaving_interrupts_to_us():
+                cluster = library.LocalCluster(n_workers=workers, host="127.0.0.1", **local)
+            with cluster as found, library.Client(found) as client:
+                yield client
+
+
+@contextlib.contextmanager
+def _leaving_interrupts_to_us() -> Iterator[None]:
+    """Ctrl-C reaches all processes of a terminal. Those that begin in here take no notice of it: we end them, and they
+    need not tell of it in fifty lines each.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def connected(library: Any, address: str) -> Any:
+    """A client of a scheduler that runs. Raises BadInput where none answers, which Dask tells by four exceptions."""
+    try:
+        return library.Client(address, timeout=WAIT)
+    except (OSError, TypeError, ValueError, RuntimeError) as error:
+        keys = (
+            "; its certificates are read from Dask's own settings, such as DASK_DISTRIBUTED__COMM__TLS__CLIENT__CERT"
+            if address.startswith("tls://")
+            else ""
+        )
+        raise BadInput(f"--scheduler {address}: no scheduler answers there{keys}") from error
+
+
+def require_safe(address: str) -> None:
+    """Raise BadInput for a scheduler that is reached without encryption over a network: whoever can talk to it can run
+    code here and there.
+    """
+    kind, _, place = address.rpartition("://")
+    host = place.rpartition(":")[0].strip("[]")
+    here = host == "localhost" or host == "::1" or re.fullmatch(r"127(\.[0-9]{1,3}){3}", host) is not None
+    if kind not in ("tls", "wss", "inproc") and not here:
+        raise BadInput(
+            f"--scheduler {address}: not encrypted, and not on this machine; start the scheduler with TLS, and name it tls://..."
+        )
+
+
+@contextlib.contextmanager
+def slurm_cluster(asked: Cluster, folder: Path) -> Iterator[Any]:
+    """Workers that SLURM starts, encrypted between one another; each ends before its job does.
+
+    Their key lies in the sweep's folder while they work, for its owner's eyes only.
+    """
+    try:
+        import dask_jobqueue
+        import distributed
+    except ImportError as error:
+        raise BadInput(f"--slurm needs dask-jobqueue: {install('sweep')}") from error
+    hours, minutes, seconds = map(int, asked.walltime.split(":"))
+    lifetime = max(3600 * hours + 60 * minutes + seconds - BEFORE_THE_END, 30)
+    jobqueue: Any = dask_jobqueue
+    library: Any = distributed
+    made = jobqueue.SLURMCluster(
+        queue=asked.partition or None,
+        cores=1,
+        processes=1,
+        memory=asked.memory,
+        walltime=asked.walltime,
+        job_extra_directives=list(asked.lines),
+        job_script_prologue=[f"export {name}={value}" for name, value in ONE_THREAD.items()],
+        worker_extra_args=["--lifetime", f"{lifetime}s", "--lifetime-stagger", "60s"],
+        security=library.Security.temporary(),
+        shared_temp_directory=str(folder.resolve()),
+    )
+    with made as cluster:
+        cluster.scale(jobs=asked.jobs)
+        yield cluster
+
+
+FAREWELL = 120
+"""Seconds before the end of a job at which its run leaves a checkpoint."""
+MOST_TASKS = 1000
+"""Of an array; a task takes each so many-th point."""
+
+
+def write_array(sweeping: Sweeping) -> Path:
+    """Write `array.sh`, for `sbatch`; a task that runs out of time leaves a checkpoint and is put in line again."""
+    cluster, path = sweeping.spec.cluster, sweeping.path / "array.sh"
+    tasks = min(len(sweeping.jobs), MOST_TASKS)
+    options = [
+        f"--array=0-{tasks - 1}%{cluster.jobs}",
+        f"--time={cluster.walltime}",
+        f"--mem={cluster.memory.removesuffix('B')}",
+        "--cpus-per-task=1",
+        "--requeue",
+        f"--signal=B:USR1@{FAREWELL}",
+        f"--output={sweeping.path.resolve() / 'array-%a.log'}",
+        *([f"--partition={cluster.partition}"] if cluster.partition else []),
+        *cluster.lines,
+    ]
+    command = [sys.executable, "-m", "ecume", "sweep", str(sweeping.path.resolve()), "--task"]
+    lines = [
+        "#!/bin/sh",
+        *(f"#SBATCH {option}" for option in options),
+        *(f"export {name}={value}" for name, value in ONE_THREAD.items()),
+        f'{shlex.join(command)} "$SLURM_ARRAY_TASK_ID/{tasks}" &',
+        "child=$!",
+        "trap 'kill -USR1 $child' USR1",
+        "wait $child; ended=$?",
+        "[ $ended -gt 128 ] && { wait $child; ended=$?; }  # the first wait ends with the signal",
+        '[ $ended -eq 75 ] && scontrol requeue "${SLURM_ARRAY_JOB_ID}_${SLURM_ARRAY_TASK_ID}"',
+        "exit $ended",
+        "",
+    ]
+    write_whole(path, "\n".join(lines).encode())
+    path.chmod(0o755)
+    return path
+
+
+def work_task(sweeping: Sweeping, task: int, of: int) -> list[str]:
+    """The points of one task: each so many-th; the words they end with."""
+    return [work(str(job.folder)) for job in sweeping.jobs[task::of]]

@@ -1,0 +1,256 @@
+"""The schema of a sweep's file."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections import Counter
+from collections.abc import Callable, Iterator, Mapping
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import AfterValidator, Field, PlainValidator, TypeAdapter, model_validator
+from pydantic.dataclasses import dataclass
+
+from ecume.scenes.faults import Complaints, Inconsistent
+from ecume.scenes.overrides import KEY
+from ecume.scenes.quantities import STRICT, Seed, Switch, Text
+from ecume.sweep.measures import read_measure
+
+MOST_POINTS = 1_000_000
+OWN_COLUMNS = ("state", "repeat")
+"""Of the table, whatever is asked."""
+QUANTITY = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s+(\S.*)")
+
+
+def like(pattern: str, words: str) -> Callable[[str], str]:
+    """Takes text of this form, and says what was wanted otherwise."""
+    form = re.compile(pattern)
+
+    def fitting(text: str) -> str:
+        if form.fullmatch(text) is None:
+            raise ValueError(f"expected {words}")
+        return text
+
+    return fitting
+
+
+def value(came: object) -> object:
+    """A value that a key of a scene may take."""
+    if not isinstance(came, (bool, int, float, str, list)) or (isinstance(came, float) and not math.isfinite(came)):
+        raise ValueError("expected a finite number, text, true or false, or a list")
+    return came
+
+
+def measure(text: str) -> str:
+    """The words of a measure."""
+    read_measure(text)
+    return text
+
+
+Key = Annotated[str, Field(max_length=600), AfterValidator(like(KEY.pattern, "a key such as liquid.viscosity"))]
+Value = Annotated[Any, PlainValidator(value)]
+Whole = Annotated[int, Field(strict=True, ge=1, le=MOST_POINTS)]
+Finite = Annotated[float, Field(ge=-1e300, le=1e300)]
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class Span:
+    """A range of numbers, `start = "1 mm"` and `stop = "9 mm"`, or with the unit apart: `unit = "mm"`."""
+
+    start: Finite
+    stop: Finite
+    count: Annotated[int, Field(strict=True, ge=2, le=MOST_POINTS)] = 2
+    """how many, both ends among them"""
+    log: Switch = False
+    """whether ratios between neighbors are equal, and not differences"""
+    whole: Switch = False
+    """whether numbers are rounded to whole ones, as of particles"""
+    unit: Annotated[str, Field(max_length=40)] = ""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _with_units(cls, raw: Any) -> Any:
+        """Move a unit that both ends carry into `unit`."""
+        ends = ("start", "stop")
+        found = {end: QUANTITY.fullmatch(raw[end]) for end in ends if isinstance(_of(raw, end), str)}
+        if not found:
+            return raw
+        units = {match[2].strip() if match else "" for match in found.values()}
+        if len(found) < 2 or len(units) > 1 or "" in units or "unit" in raw:
+            raise Inconsistent([((), 'expected two numbers, or two with one unit: start = "1 mm", stop = "9 mm"')])
+        return raw | {end: float(match[1]) for end, match in found.items() if match} | {"unit": units.pop()}
+
+    @model_validator(mode="after")
+    def _ordered(self) -> Self:
+        if self.log and not (self.start > 0.0 and self.stop > 0.0):
+            raise Inconsistent(
+                [(("log",), f"from {self.start:g} to {self.stop:g}: ratios are of positive numbers only")]
+            )
+        return self
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class Axis:
+    """One thing that varies: a key of the scene, or several keys that go together."""
+
+    key: Key | None = None
+    """such as `liquid.viscosity` or `floats[0].radius`"""
+    values: Annotated[tuple[Value, ...], Field(max_length=MOST_POINTS)] = ()
+    """one after the other"""
+    span: Span | None = None
+    """or evenly from one to another"""
+    keys: tuple[Key, ...] = ()
+    """several keys, whose values stand in `rows`"""
+    rows: Annotated[tuple[tuple[Value, ...], ...], Field(max_length=MOST_POINTS)] = ()
+    """a value for each of the keys"""
+    name: Text = ""
+    """what the axis is called in tables; left out, its key"""
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Self:
+        found: Complaints = []
+        if (self.key is None) == (not self.keys):
+            found.append(((), "expected key, or keys with rows"))
+        elif self.key is not None and bool(self.values) == (self.span is not None):
+            found.append(((), "expected values, or a span"))
+        elif self.keys and not self.rows:
+            found.append((("rows",), "is missing; keys want a row of values for each point"))
+        found += [
+            (("rows", place), f"got {len(row)} values; expected {len(self.keys)}, one for each of the keys")
+            for place, row in enumerate(self.rows)
+            if self.keys and len(row) != len(self.keys)
+        ]
+        if found:
+            raise Inconsistent(found)
+        return self
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class SampledAxis:
+    """One key, whose values are drawn between two ends."""
+
+    key: Key
+    span: Span
+    """`count` means nothing here"""
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class Sampling:
+    """Points drawn at random instead of on a grid."""
+
+    method: Literal["random", "latin-hypercube"] = "latin-hypercube"
+    """each on its own, or so that each of `count` slices of every axis holds one"""
+    count: Whole
+    seed: Seed = 0
+    axes: Annotated[tuple[SampledAxis, ...], Field(min_length=1)]
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class Cluster:
+    """The resources of a job on a cluster, for `--slurm` and `--array`."""
+
+    partition: Text = ""
+    walltime: Annotated[
+        str, AfterValidator(like(r"[0-9]{1,4}:[0-5][0-9]:[0-5][0-9]", 'hours:minutes:seconds, such as "01:30:00"'))
+    ] = "01:00:00"
+    """hours:minutes:seconds"""
+    memory: Annotated[str, AfterValidator(like(r"[0-9]{1,6}[KMGT]B?", 'a size such as "2GB"'))] = "2GB"
+    """of each job"""
+    jobs: Annotated[int, Field(strict=True, ge=1, le=10_000)] = 4
+    """at once, at most; one core each"""
+    lines: tuple[Text, ...] = ()
+    """further `#SBATCH` options, such as `--account=me`"""
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class SweepSpec:
+    """A sweep: a scene or a process, what varies, how often, and what is measured."""
+
+    title: Text = ""
+    scene: Text = ""
+    """the scene's file, beside this one"""
+    template: Text = ""
+    """or one of `ecume new`"""
+    process: Text = ""
+    """or a process that makes its own scenes, such as `t1`; the axes are its arguments"""
+    fixed: dict[Key, Value] = Field(default_factory=dict)
+    """keys of the scene that differ from its file in all points; those of a table may stand in one"""
+    axes: tuple[Axis, ...] = ()
+    """each combination of their values is a point"""
+    sampling: Sampling | None = None
+    """with axes as well, each combination of their values has all points that are drawn"""
+    repeats: Annotated[int, Field(strict=True, ge=1, le=100_000)] = 1
+    """of each point, with a seed of its own: the scene's, and on from there"""
+    measures: tuple[Annotated[Text, AfterValidator(measure)], ...] = ()
+    """what the table has of each run: `final kinetic_energy`, `mean pressure`, `max top`, `first top > 0.3` ...; left
+    out, the last value of every number"""
+    cluster: Cluster = Cluster()
+
+    @model_validator(mode="before")
+    @classmethod
+    def _flat(cls, raw: Any) -> Any:
+        """`liquid.viscosity = 1` makes tables of TOML: each of their keys differs for itself."""
+        fixed = _of(raw, "fixed")
+        return raw | {"fixed": dict(_leaves(fixed))} if isinstance(fixed, dict) else raw
+
+    @model_validator(mode="after")
+    def _consistent(self) -> Self:
+        found: Complaints = [*self._incomplete(), *self._twice()]
+        if found:
+            raise Inconsistent(found)
+        return self
+
+    def _incomplete(self) -> Iterator[tuple[tuple[str, ...], str]]:
+        if sum(map(bool, (self.scene, self.template, self.process))) != 1:
+            yield (), "expected one of scene, template and process"
+        if not self.axes and self.sampling is None and self.repeats == 1:
+            yield ("axes",), "is missing; nothing varies"
+        if self.process and self.repeats > 1:
+            yield ("repeats",), "a process has no seed; its repeats would be equal"
+        if self.process and self.measures:
+            yield ("measures",), f"are of scenes; the process {self.process} tells its own numbers"
+
+    def _twice(self) -> Iterator[tuple[tuple[str | int, ...], str]]:
+        """The faults of keys or names that are given in two places."""
+        keys = self.keyed
+        times = Counter([*keys.values(), *self.fixed])
+        yield from ((place, f"{key} stands elsewhere, too") for place, key in keys.items() if times[key] > 1)
+        if self.repeats > 1 and "seed" in keys.values():
+            yield ("repeats",), "each has a seed of its own; they cannot be repeats of seeds that vary"
+        names = Counter([*OWN_COLUMNS, *self.measures, *(self.named(key) for key in dict.fromkeys(keys.values()))])
+        for place, axis in enumerate(self.axes):
+            if axis.name and names[axis.name] > 1:
+                yield ("axes", place, "name"), f"another column of the table is called {axis.name}"
+
+    @property
+    def keyed(self) -> dict[tuple[str | int, ...], str]:
+        """The keys that vary, in the order of the table's columns, by their places here."""
+        axes = [
+            (("axes", place, *end), key)
+            for place, axis in enumerate(self.axes)
+            for end, key in (
+                [(("key",), axis.key)] if axis.key else [(("keys", n), k) for n, k in enumerate(axis.keys)]
+            )
+        ]
+        drawn = enumerate(self.sampling.axes if self.sampling is not None else ())
+        return dict(axes) | {("sampling", "axes", place, "key"): axis.key for place, axis in drawn}
+
+    def named(self, key: str) -> str:
+        """The column name of a key."""
+        return next((axis.name for axis in self.axes if axis.key == key and axis.name), key)
+
+
+def _of(raw: Any, key: str) -> Any:
+    return raw.get(key) if isinstance(raw, dict) else None
+
+
+def _leaves(table: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any]]:
+    """The keys of tables in tables, `a.b` each."""
+    for key, item in table.items():
+        if isinstance(item, dict) and item:
+            yield from _leaves(item, f"{above}{key}.")
+        else:
+            yield f"{above}{key}", item
+
+
+READER = TypeAdapter(SweepSpec)

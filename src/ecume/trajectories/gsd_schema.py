@@ -1,0 +1,178 @@
+"""A frame as the chunks of a GSD file.
+
+HOOMD's own chunks let OVITO and every other reader of GSD show the particles: positions and velocities in single
+precision and always three components, diameter, type. Beside them stand ours, exact: `log/time`, `log/<number>`,
+`log/particles/<array>`, and `ecume/header`, which says once what the arrays are and which unit each has.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import zlib
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ecume.errors import BadInput, StorageError
+from ecume.trajectories.frame import Frame
+from ecume.trajectories.gsd_layout import CHECKSUM
+
+HEADER = "ecume/header"
+FORMAT = 1
+Chunks = dict[str, NDArray[Any]]
+"""What stands in a file under each name: two-dimensional arrays."""
+
+
+class Header(NamedTuple):
+    """The data that all frames of a segment share; `first` is the number of its first frame in the trajectory."""
+
+    first: int
+    arrays: Mapping[str, tuple[str, tuple[int, ...]]]
+    numbers: tuple[str, ...]
+    units: Mapping[str, str]
+    species: tuple[str, ...] = ()
+    """What the species are called, in the order of their numbers, as far as they have names."""
+
+
+def header_of(frame: Frame, first: int, species: Sequence[str] = ()) -> Header:
+    """The header of a segment that begins with this frame."""
+    arrays = {name: (array.dtype.str, array.shape[1:]) for name, array in frame.arrays.items()}
+    for name, (kind, shape) in arrays.items():
+        if kind not in ("<f8", "<i8") or 0 in shape:
+            raise BadInput(f"the array {name} of a frame is {np.dtype(kind)} {shape}; expected float64 or int64")
+    if "time" in frame.numbers:
+        raise BadInput("a number of a frame is called time; the time is what a frame has besides")
+    return Header(first, arrays, tuple(frame.numbers), dict(frame.units), tuple(species))
+
+
+def written(header: Header) -> NDArray[Any]:
+    """The header as a chunk."""
+    plain = {"format": FORMAT, **header._asdict()}
+    return _column(np.frombuffer(json.dumps(plain, separators=(",", ":")).encode(), np.uint8))
+
+
+def read(chunks: Chunks, source: object) -> Header:
+    """The header among the chunks of a segment's first frame. Raises StorageError where it is none that we can read."""
+    try:
+        plain = json.loads(chunks[HEADER].tobytes())
+        found = plain["format"]
+        arrays = {name: (str(kind), tuple(shape)) for name, (kind, shape) in plain["arrays"].items()}
+        header = Header(int(plain["first"]), arrays, tuple(plain["numbers"]), plain["units"])
+        header = header._replace(species=tuple(map(str, plain.get("species", ()))))
+    except (KeyError, ValueError, TypeError, AttributeError) as error:
+        raise StorageError(f"{source}: not written by ecume, or its header is damaged") from error
+    if found != FORMAT:
+        raise StorageError(f"{source}: a trajectory of format {found}; this version of ecume reads format {FORMAT}")
+    return header
+
+
+def chunks_of(frame: Frame, step: int, header: Header, colors: Sequence[str] = ()) -> Chunks:
+    """All chunks of a frame; its checksum is the last, so that whatever is cut short lacks it. `colors` are those of
+    the species, `#rrggbb`.
+    """
+    chunks = {HEADER: written(header), "configuration/step": _column(np.array([step], np.uint64))}
+    chunks |= _shown(frame, header.species) | _colored(frame, colors)
+    for name in header.arrays:
+        chunks[f"log/particles/{name}"] = _table(frame.arrays[name])
+    for name, value in (("time", frame.time), *frame.numbers.items()):
+        chunks[f"log/{name}"] = _column(np.array([value], np.float64))
+    chunks[CHECKSUM] = _column(np.array([checksum(chunks), numbers_checksum(chunks, header)], np.uint32))
+    return chunks
+
+
+def frame_of(chunks: Chunks, header: Header) -> Frame:
+    """The frame of its chunks; it owns its arrays."""
+    arrays = {
+        name: chunks[f"log/particles/{name}"].reshape(-1, *shape).astype(kind, copy=True)
+        for name, (kind, shape) in header.arrays.items()
+    }
+    numbers = {name: float(chunks[f"log/{name}"][0, 0]) for name in header.numbers}
+    return Frame(float(chunks["log/time"][0, 0]), arrays, numbers, dict(header.units))
+
+
+def number_names(header: Header) -> list[str]:
+    """The chunks that hold one number each: the step, the time, and the named numbers."""
+    return ["configuration/step", "log/time", *(f"log/{name}" for name in header.numbers)]
+
+
+def checksum(chunks: Mapping[str, NDArray[Any]]) -> int:
+    """The CRC-32 over named arrays, but for the checksum itself: names, kinds, shapes and bytes."""
+    crc = 0
+    for name in sorted(chunks.keys() - {CHECKSUM}):
+        chunk = chunks[name]
+        crc = zlib.crc32(f"{name} {chunk.dtype.str} {chunk.shape}".encode(), crc)
+        crc = zlib.crc32(np.ascontiguousarray(chunk).reshape(-1).view(np.uint8).data, crc)
+    return crc
+
+
+def numbers_checksum(chunks: Chunks, header: Header) -> int:
+    """The CRC-32 over the numbers alone, so that their curves are read without the particles."""
+    return zlib.crc32(b"".join(chunks[name].tobytes() for name in number_names(header)))
+
+
+def _shown(frame: Frame, species: Sequence[str]) -> Chunks:
+    """The quantities of HOOMD's schema, in single precision."""
+    position = frame.arrays["position"]
+    shown = {
+        "configuration/dimensions": _column(np.array([position.shape[1]], np.uint8)),
+        "configuration/box": _column(_box(frame)),
+        "particles/N": _column(np.array([len(position)], np.uint32)),
+        "particles/position": _in_space(position),
+    }
+    if "velocity" in frame.arrays:
+        shown["particles/velocity"] = _in_space(frame.arrays["velocity"])
+    if "radius" in frame.arrays:
+        shown["particles/diameter"] = _column((2.0 * frame.arrays["radius"]).astype(np.float32))
+    if "mass" in frame.arrays:
+        shown["particles/mass"] = _column(frame.arrays["mass"].astype(np.float32))
+    return shown | _types(frame, species)
+
+
+def _types(frame: Frame, named: Sequence[str]) -> Chunks:
+    """The species of each particle, and their names: those given, and `species 3` for what has none."""
+    if "species" not in frame.arrays or not len(frame.arrays["species"]):
+        return {}
+    species = frame.arrays["species"]
+    unnamed = range(len(named), int(species.max()) + 1)
+    names = [name.encode() for name in (*named, *(f"species {kind}" for kind in unnamed))]
+    wide = np.array(names, dtype=f"S{max(map(len, names)) + 1}")
+    return {
+        "particles/typeid": _column(species.astype(np.uint32)),
+        "particles/types": wide.view(np.int8).reshape(len(names), -1),
+    }
+
+
+def _colored(frame: Frame, colors: Sequence[str]) -> Chunks:
+    """The color of each particle, under the name by which OVITO knows it; what never changes is written once."""
+    if not colors or "species" not in frame.arrays:
+        return {}
+    bytes_of = np.array([list(bytes.fromhex(color.removeprefix("#"))) for color in colors], np.float32)
+    return {"log/particles/Color": bytes_of[frame.arrays["species"] % len(colors)] / np.float32(255.0)}
+
+
+def _box(frame: Frame) -> NDArray[np.float32]:
+    """A box around the origin that holds all particles; in powers of two, so that it seldom changes."""
+    position = frame.arrays["position"]
+    reach = float(np.abs(position).max(initial=0.0)) + float(frame.arrays.get("radius", np.zeros(1)).max(initial=0.0))
+    side = 2.0 * 2.0 ** math.ceil(math.log2(reach)) if 0.0 < reach < math.inf else 1.0
+    depth = side if position.shape[1] == 3 else 1.0
+    return np.array([side, side, depth, 0.0, 0.0, 0.0], np.float32)
+
+
+def _in_space(vectors: NDArray[Any]) -> NDArray[np.float32]:
+    """Three components, the missing ones zero."""
+    space = np.zeros((len(vectors), 3), np.float32)
+    space[:, : vectors.shape[1]] = vectors
+    return space
+
+
+def _column(values: NDArray[Any]) -> NDArray[Any]:
+    return values.reshape(-1, 1)
+
+
+def _table(array: NDArray[Any]) -> NDArray[Any]:
+    """A row a particle, whatever other axes the array has."""
+    return np.ascontiguousarray(array).reshape(len(array), math.prod(array.shape[1:]))

@@ -1,0 +1,141 @@
+"""Reflection beside what geometry says."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ecume.engine import walls
+from ecume.engine.walls import Surfaces
+from ecume.units import Array
+from ecume.validation.rows import Row, below, within
+
+WEDGES = (90, 60, 45, 30, 10, 7)
+RESTITUTIONS = (0.5, 0.8, 0.9)
+CROWD = 100_000
+ROUNDS = 17
+"""Steps of each crowd; with six crowds some ten million particle-steps."""
+FALL = (0.0, -9.81)
+
+
+def rows() -> list[Row]:
+    """Compare all subjects."""
+    return [*billiards(), *bouncing(), *wedges(), *circle(), *reversal(), *nobody_outside()]
+
+
+def folded(way: Array, width: Array) -> Array:
+    """A straight way, folded into [0, width]."""
+    inside = np.mod(way, 2.0 * width)
+    return np.where(inside > width, 2.0 * width - inside, inside)
+
+
+def billiards() -> list[Row]:
+    """Compare billiards in 2D and 3D, without and with gravity."""
+    sides, start = np.array([1.0, 0.7, 0.4]), np.array([[0.3, 0.2, 0.1]])
+    speed = np.array([[1.234567, 0.87654321, -0.7654321]])
+    found = []
+    for d in (2, 3):
+        room = walls.box([0.0] * d, sides[:d].tolist())
+        position, _, hits = walls.reflect(start[:, :d], speed[:, :d], 1000.0, room)
+        off = float(np.abs(position - folded(start[:, :d] + 1000.0 * speed[:, :d], sides[:d])).max())
+        found.append(below(f"billiard in {d}D, {hits[0]} bounces: error of the position (m)", off, 1e-9))
+    room, begin = walls.box((0.0, 0.0), (1.0, 9.0)), np.array([[0.3, 0.5]])
+    position, velocity, hits = walls.reflect(begin, [[1.1, 0.0]], 1000.0, room, acceleration=FALL)
+    energy = 0.5 * float((velocity**2).sum()) + 9.81 * float(position[0, 1]) - 0.5 * 1.21 - 9.81 * 0.5
+    found.append(below(f"gravity billiard, {hits[0]} bounces: change of energy (J/kg)", abs(energy), 1e-10))
+    _, velocity, _ = walls.reflect([[0.5, 0.5]], [[0.3, -2.0]], 0.3, walls.planes([(0, 0)], [(0, 1)]), 0.6, 0.9)
+    lost = 0.5 * (0.09 + 4.0) - 0.5 * float((velocity**2).sum())
+    expected = 0.5 * (1.0 - 0.36) * 4.0 + 0.5 * (1.0 - 0.81) * 0.09
+    return [*found, within("energy of one hit, C_R = 0.6, C_T = 0.9 (J/kg)", lost, expected, 1e-15)]
+
+
+def bouncing() -> list[Row]:
+    """The times of a ball dropped from 1 m."""
+    floor, found = walls.planes([(0.0, 0.0)], [(0.0, 1.0)]), []
+    first = math.sqrt(2.0 / 9.81)
+    for e in RESTITUTIONS:
+        traced = walls.trace([(0.0, 1.0)], [(0.0, 0.0)], 10.0, floor, e, acceleration=FALL)
+        exact = first * (1.0 + 2.0 * np.cumsum(e ** np.arange(1.0, 20.0)))
+        off = float(np.abs(traced.time[1:20] - exact).max())
+        found.append(below(f"bouncing ball, e = {e:g}: error of the first 20 hits (s)", off, 1e-12))
+        whole = first * (1.0 + e) / (1.0 - e)
+        found.append(within(f"bouncing ball, e = {e:g}: at rest after (s)", float(traced.time[-1]), whole, 1e-5))
+    return found
+
+
+def wedges() -> list[Row]:
+    """The most bounces of 3000 random paths."""
+    found = []
+    for degrees in WEDGES:
+        dice, angle = np.random.default_rng(degrees), math.radians(degrees)
+        place, way = dice.uniform(-0.5, 0.5, 3000) * angle, dice.uniform(0.0, 2.0 * math.pi, 3000)
+        start, speed = (np.column_stack([np.cos(turn), np.sin(turn)]) for turn in (place, way))
+        _, _, hits = walls.reflect(start, speed, 100.0, walls.wedge((0.0, 0.0), (1.0, 0.0), angle))
+        found.append(
+            within(f"wedge of {degrees} degrees: most bounces", int(hits.max()), math.ceil(180 / degrees), 0.0)
+        )
+    return found
+
+
+def circle() -> list[Row]:
+    """A thousand chords, and chords that shorten."""
+    traced = walls.trace([(0.3, 0.1)], [(0.7, 0.6)], 3000.0, walls.disc((0.0, 0.0), 1.0))
+    spin = 0.3 * 0.6 - 0.1 * 0.7
+    angle = np.arctan2(traced.place[:, 1], traced.place[:, 0])
+    exact = angle[0] + 2.0 * math.acos(spin / math.hypot(0.7, 0.6)) * np.arange(len(angle))
+    off = float(np.abs(np.mod(angle - exact + math.pi, 2.0 * math.pi) - math.pi).max())
+    x, v = traced.position[0], traced.velocity[0]
+    kept = abs(float(x[0] * v[1] - x[1] * v[0]) - spin)
+    slow = walls.trace([(0.3, 0.1)], [(0.7, 0.6)], 300.0, walls.disc((0.0, 0.0), 1.0), 0.7)
+    chords = np.linalg.norm(np.diff(slow.place, axis=0), axis=1)
+    out = slow.place[0]
+    normal = 0.7 * float(np.array([0.7, 0.6]) @ out) * 0.7 ** np.arange(len(chords))
+    along = spin
+    expected = 2.0 * np.cos(np.arctan2(along, normal))
+    short = float(np.abs(chords - expected).max())
+    return [
+        below(f"circle, {len(angle)} chords: error of the angle (rad)", off, 1e-9),
+        below("circle: change of the angular momentum (m^2/s)", kept, 1e-12),
+        below(f"circle, e = 0.7: error of {len(chords)} chords (m)", short, 1e-9),
+    ]
+
+
+def reversal() -> list[Row]:
+    """There and back in a heptagon under gravity."""
+    dice = np.random.default_rng(5)
+    heptagon = walls.polygon([(math.cos(a), math.sin(a)) for a in 2.0 * math.pi * np.arange(7) / 7])
+    start, speed = dice.uniform(-0.5, 0.5, (1000, 2)), dice.normal(size=(1000, 2))
+    there, back, _ = walls.reflect(start, speed, 3.0, heptagon, acceleration=(0.0, -1.0))
+    again, _, _ = walls.reflect(there, -back, 3.0, heptagon, acceleration=(0.0, -1.0))
+    return [below("flown backwards: largest distance from the start (m)", float(np.abs(again - start).max()), 1e-8)]
+
+
+def nobody_outside() -> list[Row]:
+    """Crowds in three tanks, with and without restitution."""
+    heptagon = walls.polygon([(math.cos(a), math.sin(a)) for a in 2.0 * math.pi * np.arange(7) / 7])
+    obstacle = walls.outside(walls.polygon([(-0.3, -0.3), (0.4, -0.2), (0.0, 0.3)]))
+    tanks = {
+        "cluttered heptagon": walls.together(heptagon, obstacle),
+        "box in space": walls.box((-0.7, -0.7, -0.7), (0.7, 0.7, 0.7)),
+        "circle": walls.disc((0.0, 0.0), 1.0),
+    }
+    found = []
+    for name, tank in tanks.items():
+        for e in (0.0, 0.9):
+            worst = max(0.0, -crowded(tank, e))
+            found.append(below(f"{name}, C_R = {e:g}: farthest outside ever (m)", worst, 1e-15))
+    return found
+
+
+def crowded(tank: Surfaces, restitution: float) -> float:
+    """The least clearance of a crowd that is stirred and falls."""
+    dice, d = np.random.default_rng(11), tank.dimension
+    thrown = dice.uniform(-0.69, 0.69, (2 * CROWD, d))
+    position = thrown[walls.clearance(thrown, tank)[0] > 0.0][:CROWD]
+    velocity, fall, least = np.zeros_like(position), (*(0.3,) * (d - 1), -3.0), math.inf
+    for _ in range(ROUNDS):
+        velocity = velocity + dice.normal(size=velocity.shape)
+        position, velocity, _ = walls.reflect(position, velocity, 0.3, tank, restitution, acceleration=fall)
+        least = min(least, float(walls.clearance(position, tank)[0].min()))
+    return least
