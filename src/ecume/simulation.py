@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ecume.scenes.schema import Scene
 
 ROOMIER = 1.6
-"""A workspace that overflowed is made anew with every capacity times this."""
+"""A workspace that overflowed is made again with every capacity times this."""
 
 
 class Moment(NamedTuple):

@@ -20,12 +20,12 @@ if TYPE_CHECKING:
     from ecume.run import Info, RunResult
 
 RUNS = Path("runs")
-"""Where runs go when nobody says: `runs/bowl` for `bowl.toml`."""
+"""Where runs go by default: `runs/bowl` for `bowl.toml`."""
 
 HERE = Path()
 RunFolder = Annotated[
     Path,
-    typer.Argument(metavar="DIR", help="The directory of a run; left out, the current one.", show_default=False),
+    typer.Argument(metavar="DIR", help="The directory of a run; by default the current one.", show_default=False),
 ]
 Threads = Annotated[
     int | None,
@@ -43,7 +43,7 @@ Violation = Annotated[
     typer.Option(
         "--on-violation",
         metavar="warn|stop",
-        help="When energy, mass, overlaps ... leave their limits; left out, what the scene says, or warn.",
+        help="When energy, mass, overlaps ... leave their limits; by default what the scene says, or warn.",
         show_default=False,
     ),
 ]
@@ -58,7 +58,7 @@ def run(
             "-o",
             "--out",
             metavar="DIR",
-            help="The run's directory; left out, runs/NAME for NAME.toml.",
+            help="The run's directory; by default runs/NAME for NAME.toml.",
             show_default=False,
         ),
     ] = None,
@@ -157,7 +157,7 @@ def repair(directory: RunFolder = HERE) -> None:
 
     Each damaged frame is named.
 
-    A damaged `resolved.json` is made anew from `scene.toml`; what a run says again when it goes on is set aside.
+    A damaged `resolved.json` is made again from `scene.toml`; what a run says again when it goes on is set aside.
 
     Example: `ecume repair runs/bowl`
     """

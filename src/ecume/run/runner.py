@@ -71,7 +71,7 @@ class RunOptions:
     engine: Callable[[Model], Model] | None = None
     """What marches in the place of the scene's model, to the same bits: see `ecume.run.ranks`."""
     on_violation: str | None = None
-    """What becomes of a run that loses what its model must not lose, see `watching.POLICIES`; left out, what it began
+    """What becomes of a run that loses what its model must not lose, see `invariant_monitor.POLICIES`; by default what it began
     with, or else what its scene says."""
     strict: bool = False
     """Resuming fails where a frame that is computed again differs in any bit from the one on disk, also on another

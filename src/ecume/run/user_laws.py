@@ -47,7 +47,7 @@ def require_same(home: RunDirectory, extra_laws: Sequence[Law]) -> None:
     if differing:
         raise BadInput(
             f"{home.path}: extra_laws: {', '.join(differing)}: not what it was when the run began; bring back the "
-            "former text, or run the scene anew"
+            "former text, or run the scene again"
         )
 
 
