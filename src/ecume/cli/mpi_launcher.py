@@ -47,8 +47,9 @@ Ranks = Annotated[
 
 @contextlib.contextmanager
 def marching(engine: str, ranks: int | None) -> Iterator[Callable[[Model], Model] | None]:
-    """The function that makes a model integrate as asked. Does not come back in a process that only starts ranks, nor in
-    one that is a rank beside the first.
+    """The function that makes a model integrate as asked.
+
+    Does not return in a process that only starts ranks, nor in a rank beside the first.
     """
     if engine not in ENGINES:
         raise BadInput(f"--engine: got {engine!r}; expected one of {', '.join(ENGINES)}")

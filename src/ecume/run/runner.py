@@ -69,10 +69,10 @@ class RunOptions:
     source: bytes | None = None
     """The scene's file, byte for byte, to be kept beside what became of it."""
     engine: Callable[[Model], Model] | None = None
-    """What marches in the place of the scene's model, to the same bits: see `ecume.run.ranks`."""
+    """What integrates in the place of the scene's model, to the same bits: see `ecume.run.ranks`."""
     on_violation: str | None = None
-    """What becomes of a run that loses what its model must not lose, see `invariant_monitor.POLICIES`; by default what it began
-    with, or else what its scene says."""
+    """The response to an invariant that is broken, see `invariant_monitor.POLICIES`; by default that with which the run
+    began, or else that of its scene."""
     strict: bool = False
     """Resuming fails where a frame that is computed again differs in any bit from the one on disk, also on another
     processor or with other versions; otherwise such frames are replaced, with a warning."""
