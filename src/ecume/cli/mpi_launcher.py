@@ -46,7 +46,7 @@ Ranks = Annotated[
 
 
 @contextlib.contextmanager
-def marching(engine: str, ranks: int | None) -> Iterator[Callable[[Model], Model] | None]:
+def integrating(engine: str, ranks: int | None) -> Iterator[Callable[[Model], Model] | None]:
     """The function that makes a model integrate as asked.
 
     Does not return in a process that only starts ranks, nor in a rank beside the first.

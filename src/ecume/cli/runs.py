@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ecume.cli.exit_codes import say
-from ecume.cli.mpi_launcher import Engine, Ranks, marching
+from ecume.cli.mpi_launcher import Engine, Ranks, integrating
 from ecume.cli.progress import ahead, lasting, shown
 from ecume.cli.scenes import Overrides, SceneFile, placed
 
@@ -82,7 +82,7 @@ def run(
 
     changes = overrides or []
     directory = out or RUNS / scene.stem
-    with marching(engine, ranks) as led:
+    with integrating(engine, ranks) as led:
         asked = load_scene(scene, changes)
         # With changes from the command line the file is no longer what was asked; the resolved scene is.
         source = None if changes else scene.read_bytes()
@@ -121,7 +121,7 @@ def resume(
     from ecume.run import RunOptions
     from ecume.run import resume as go_on
 
-    with marching(engine, ranks) as led, shown(quiet=quiet) as reporter:
+    with integrating(engine, ranks) as led, shown(quiet=quiet) as reporter:
         options = RunOptions(threads=threads, progress=reporter, on_violation=on_violation, engine=led, strict=strict)
         _end(go_on(directory, options=options), quiet=quiet)
 

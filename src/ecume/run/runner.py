@@ -203,7 +203,7 @@ def _frames_on_disk(home: RunDirectory) -> int:
 
 
 def _drive(session: _Session, moments: Iterable[Moment], request: StopRequest) -> RunResult:
-    """March to the end, and say how it ended, whichever way."""
+    """Integrate to the end, and record how it ended, whichever way."""
     try:
         with stop_requests(request=request), contextlib.closing(session):
             session.follow(moments, request)
@@ -239,7 +239,7 @@ class _Session:
         return time.monotonic() - self._began
 
     def follow(self, moments: Iterable[Moment], request: StopRequest) -> None:
-        """March to the end, or until someone wishes to stop."""
+        """Integrate to the end, or until a stop is requested."""
         begun = False
         for moment in moments:
             if not begun:
