@@ -19,6 +19,16 @@ Overrides = Annotated[
     ),
 ]
 
+Laws = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--laws",
+        metavar="FILE.py[:NAME]",
+        help="Add pair laws of your own: the functions of a Python file. Can be repeated.",
+        show_default=False,
+    ),
+]
+
 
 def _names(incomplete: str) -> list[str]:
     """Templates that begin so, for the shell's completion."""
@@ -58,7 +68,7 @@ def new(
         typer.echo(f"wrote {path}")
 
 
-def check(scene: SceneFile, overrides: Overrides = None) -> None:
+def check(scene: SceneFile, overrides: Overrides = None, laws: Laws = None) -> None:
     """Check a scene, and report what follows from it.
 
     All faults of the scene at once, or its lengths, charges, time step, memory and time.
@@ -70,9 +80,14 @@ def check(scene: SceneFile, overrides: Overrides = None) -> None:
     changes = overrides or []
     asked = load_scene(scene, changes)
     from ecume.models import MODELS
+    from ecume.run.user_laws import laws_from, named
 
+    own = laws_from(laws or [])
     with placed(scene, changes):
-        rows = MODELS[asked.model].summary(asked)
+        model = MODELS[asked.model]
+        rows = list((model.extended(own) if own else model).summary(asked))
+    if own:
+        rows.append(("own laws", ", ".join(named(law) for law in own), "up to the cutoff; not in the energy"))
     print_table(("quantity", "value", "remark"), rows)
 
 

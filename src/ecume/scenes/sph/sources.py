@@ -14,6 +14,7 @@ from typing import Annotated, Any, Self
 from pydantic import Field, model_validator
 from pydantic.dataclasses import dataclass
 
+from ecume._extras import install
 from ecume.scenes.faults import Complaints, Inconsistent, echo
 from ecume.scenes.files import beside, require_there, text_of
 from ecume.scenes.quantities import FARTHEST, STRICT, Motion, Place, PositiveDensity
@@ -237,4 +238,4 @@ def _library(name: str) -> Any:
         return importlib.import_module(name)
     except ImportError:
         package = name.partition(".")[0]
-        raise ValueError(f"needs {package}, which is not installed: pip install 'ecume[shapes]'") from None
+        raise ValueError(f"needs {package}, which is not installed: {install('shapes')}") from None
