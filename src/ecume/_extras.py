@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
-from importlib.metadata import PackageNotFoundError, requires
 
 OF_AN_EXTRA = re.compile(r"^(?P<package>[^;]+);.*\bextra == ['\"](?P<extra>[a-z]+)['\"]")
 
 
 def install(extra: str) -> str:
     """The command that installs what an extra needs: `pip install 'pyvista>=0.44'`."""
+    from importlib.metadata import PackageNotFoundError, requires  # not needed by `ecume --help`
+
     try:
         found = [OF_AN_EXTRA.match(line) for line in requires("ecume") or ()]
     except PackageNotFoundError:  # used from a folder of sources, without an installation

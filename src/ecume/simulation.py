@@ -15,11 +15,11 @@ if TYPE_CHECKING:
     from ecume.scenes.schema import Scene
 
 ROOMIER = 1.6
-"""A workspace that overflowed is made anew with every capacity times this."""
+"""A workspace that overflowed is made again with every capacity times this."""
 
 
 class Moment(NamedTuple):
-    """A pause of the march: always a whole state, and a frame where one is due."""
+    """A pause of the integration: always a whole state, and a frame where one is due."""
 
     state: Any
     frame: Frame | None
@@ -44,11 +44,11 @@ def moments(
     engine: Callable[[Model], Model] | None = None,
     constants: Callable[[Any], Any] | None = None,
 ) -> Iterator[Moment]:
-    """March through a scene and pause at every frame, and at least about every `patience` seconds of wall time.
+    """Integrate a scene and pause at every frame, and at least about every `patience` seconds of wall time.
 
-    With `state` (of a checkpoint) the march goes on from there. Where it pauses changes no bit of the result.
+    With `state` (of a checkpoint) the integration goes on from there. Where it pauses changes no bit of the result.
     The state of a moment is moved on by the next one: copy it to keep it. `engine` makes of the scene's model one that
-    marches in another way to the same bits. `constants` is given the parameters that follow from the scene and returns
+    integrates in another way to the same bits. `constants` gets the parameters that follow from the scene and returns
     those to use: a resumed run keeps the constants that it was begun with.
     """
     model = MODELS[scene.model]
@@ -63,20 +63,20 @@ def moments(
         state = model.start(scene, parameters)
     if extra_laws:
         model = model.extended(extra_laws)
-    march = March(model, parameters, state, patience)
+    integration = Integration(model, parameters, state, patience)
     per_frame = parameters.steps_per_frame
     total = round(scene.duration / (per_frame * parameters.time_step)) * per_frame
     while True:
-        state = march.state
+        state = integration.state
         step = int(state.step[0])
         due = step % per_frame == 0
-        yield Moment(state, march.observe() if due else None, step, total, parameters)
+        yield Moment(state, integration.observe() if due else None, step, total, parameters)
         if step >= total:
             return
-        march.go(min(per_frame - step % per_frame, total - step))
+        integration.go(min(per_frame - step % per_frame, total - step))
 
 
-class March:
+class Integration:
     """The open loop of one simulation: a workspace that grows, and how many steps fit into the patience."""
 
     def __init__(self, model: Model, parameters: Any, state: Any, patience: float) -> None:

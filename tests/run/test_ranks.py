@@ -111,8 +111,8 @@ def test_the_extra_is_asked_for_where_it_is_missing(monkeypatch: pytest.MonkeyPa
     ("asked", "told"), [(("many", None), "expected one of local, mpi"), (("local", 3), "goes with --engine mpi")]
 )
 def test_engines_that_are_not_there_are_refused(asked: tuple[str, int | None], told: str) -> None:
-    from ecume.cli.mpi_launcher import marching
+    from ecume.cli.mpi_launcher import integrating
     from ecume.errors import BadInput
 
-    with pytest.raises(BadInput, match=told), marching(*asked):
+    with pytest.raises(BadInput, match=told), integrating(*asked):
         pass

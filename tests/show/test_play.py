@@ -39,8 +39,8 @@ def places(bowl):
 def test_left_alone_it_goes_as_the_simulation_does(bowl):
     for _ in range(30):
         bowl.play(0.05)
-    step = bowl.march.parameters.time_step
-    steps = int(bowl.march.state.step[0])
+    step = bowl.integration.parameters.time_step
+    steps = int(bowl.integration.state.step[0])
     scene = scene_of(f"motion.time_step={step}", f"duration={steps * step!r}", f"frame_every={steps * step!r}")
     last = list(ecume.simulate(scene))[-1]
     assert places(bowl) == pytest.approx(last.arrays["position"], abs=1e-15)
@@ -80,10 +80,10 @@ def test_where_there_is_no_room_nothing_is_dropped(bowl):
 def test_who_is_taken_out_is_gone_and_the_others_go_on(bowl):
     bowl.drop("bead", 0.01, 0.01)
     bowl.play(0.05)
-    before, speeds = places(bowl).copy(), bowl.march.state.velocity.copy()
+    before, speeds = places(bowl).copy(), bowl.integration.state.velocity.copy()
     bowl.take(1)
     assert places(bowl) == pytest.approx(before[[0, 2, 3]])
-    assert bowl.march.state.velocity == pytest.approx(speeds[[0, 2, 3]])
+    assert bowl.integration.state.velocity == pytest.approx(speeds[[0, 2, 3]])
     bowl.take(2)
     assert [kind.name for kind in bowl.scene.kinds] == ["cereal"]
     bowl.take(0)
@@ -101,7 +101,7 @@ def test_a_hand_drags_and_throws(bowl):
     bowl.grasp(1, 0.02, 0.01)
     bowl.play(1 / 60)
     bowl.release()
-    assert 0.02 < np.hypot(*bowl.march.state.velocity[1]) <= FASTEST
+    assert 0.02 < np.hypot(*bowl.integration.state.velocity[1]) <= FASTEST
     before = places(bowl)[1, 0]
     bowl.play(1 / 60)
     assert places(bowl)[1, 0] > before
@@ -143,13 +143,13 @@ def test_floats_that_diverge_are_brought_to_rest_and_then_put_back_to_the_last_c
     for _ in range(20):
         bowl.play(1 / 60)
     bowl.tilt, before, then = (0.0, 0.0), places(bowl).copy(), bowl.time
-    bowl.march.state.velocity[0] = np.nan
+    bowl.integration.state.velocity[0] = np.nan
     bowl.play(1 / 60)
     assert bowl.news == [CALMED]
     assert places(bowl) == pytest.approx(before)
-    assert not bowl.march.state.velocity.any()
+    assert not bowl.integration.state.velocity.any()
     assert bowl.time == then
-    bowl.march.state.velocity[0] = np.nan
+    bowl.integration.state.velocity[0] = np.nan
     bowl.play(1 / 60)
     assert bowl.news == [CALMED, PUT_BACK]
     assert places(bowl) == pytest.approx(dropped)

@@ -55,7 +55,7 @@ def mass(tank):
 
 def simulated(scene, tank):
     """The last of the same steps, by the plain way."""
-    step = tank.march.parameters.time_step
+    step = tank.integration.parameters.time_step
     span = f"{round(tank.time / step) * step!r}"
     text = to_toml(scene)
     return list(
@@ -231,7 +231,7 @@ def test_the_saved_scene_goes_on_from_here(tank):
     tank.lean(0.2)
     play(tank, 1.0)
     tank.tilt = tank.leaning
-    tank.march.state.position[1, 0] = 1.3  # a splash above the open top
+    tank.integration.state.position[1, 0] = 1.3  # a splash above the open top
     scene = load_scene(to_toml(tank.present()))
     first, liquid = next(iter(ecume.simulate(scene))), tank.liquid()
     order = np.argsort(liquid.region, kind="stable")
@@ -257,13 +257,13 @@ def test_liquid_that_diverges_is_brought_to_rest_and_then_begins_anew(tank):
     tank.open_gate()
     play(tank, 0.1)
     before, then = tank.liquid(), tank.time
-    tank.march.state.velocity[:, 0] = np.nan
+    tank.integration.state.velocity[:, 0] = np.nan
     tank.play(1 / 60)
     assert tank.news == [CALMED]
     assert tank.liquid().position == pytest.approx(before.position)
     assert not tank.liquid().velocity.any()
     assert tank.time == then
-    tank.march.state.velocity[:, 0] = np.nan
+    tank.integration.state.velocity[:, 0] = np.nan
     tank.play(1 / 60)
     assert tank.news == [CALMED, ANEW]
     assert len(tank.scene.obstacles) == 1

@@ -119,7 +119,7 @@ def test_damaged_files_of_a_sweep_are_told_in_a_line(tmp_path, text):
         told = CliRunner().invoke(app, verb)
         assert told.exit_code == 4
         assert "points.json: damaged" in told.stderr
-        assert "sweep again: that makes it anew" in told.stderr
+        assert "sweep again: that makes it again" in told.stderr
     job.asked.write_text(text)
     (again,) = laid_out(load_sweep(path), tmp_path / "out").jobs
     assert json.loads(again.asked.read_text())["settings"]["gap"] == 0.1

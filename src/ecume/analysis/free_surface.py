@@ -119,8 +119,8 @@ def mirrored(frame: Frame, walls: Walls, reach: Length) -> Frame:
     while (late := source >= position.shape[1]).any():
         source[late] = source[source[late] - position.shape[1]]
     arrays = {name: np.concatenate([array, array[source]]) for name, array in frame.arrays.items()}
-    everyone = np.concatenate([position, positions_of_images(position, images, sides)], axis=1)
-    return frame._replace(arrays={**arrays, "position": np.ascontiguousarray(everyone.T)})
+    positions = np.concatenate([position, positions_of_images(position, images, sides)], axis=1)
+    return frame._replace(arrays={**arrays, "position": np.ascontiguousarray(positions.T)})
 
 
 def _sides(walls: Walls) -> Sides:

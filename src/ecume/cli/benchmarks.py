@@ -79,7 +79,7 @@ def bench(
     names: Annotated[
         list[str] | None,
         typer.Argument(
-            metavar="[NAME]...", help="Benchmarks; left out, all are listed.", autocompletion=_names, show_default=False
+            metavar="[NAME]...", help="Benchmarks; by default all.", autocompletion=_names, show_default=False
         ),
     ] = None,
     everything: Annotated[bool, typer.Option("--all", help="Every benchmark.")] = False,
@@ -140,15 +140,15 @@ def _run(one: Bench, peers: Path | None, record: Path | None) -> bool:
     typer.echo(f"== {one.name}: {one.summary}")
     import tempfile  # not needed by `ecume --help`
 
-    with tempfile.TemporaryDirectory() as nobody:
-        there = [str(peers or nobody) if word == PEERS else word for word in one.arguments]
+    with tempfile.TemporaryDirectory() as empty:
+        there = [str(peers or empty) if word == PEERS else word for word in one.arguments]
         code, output = _output_of([sys.executable, str(folder() / one.script), *there])
     seconds = time.monotonic() - began
     typer.echo(f"== {one.name}: {'done' if code == 0 else f'failed with {code}'}, {lasting(seconds)}\n")
     if record is not None and code == 0:
         command = " ".join((f"python benchmarks/{one.script}", *one.arguments))
         found = {"summary": one.summary, "command": command, "seconds": seconds}
-        keep(record, one.name, found | {"output": output.replace(nobody, PEERS)})
+        keep(record, one.name, found | {"output": output.replace(empty, PEERS)})
     return code == 0
 
 

@@ -92,7 +92,7 @@ def play(
         Path | None,
         typer.Argument(
             metavar="SCENE",
-            help="Floats in a dish, or a tank of liquid in the plane; left out, a small bowl.",
+            help="Floats in a dish, or a tank of liquid in the plane; by default a small bowl.",
             show_default=False,
         ),
     ] = None,

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ecume.fitting import Estimate, Fit
 
 FITS = Path("fits")
-"""Where fits go when nobody says: `fits/beads` for `beads.csv`."""
+"""Where fits go by default: `fits/beads` for `beads.csv`."""
 
 
 def in_unit(text: str, unit: str, option: str) -> float:

@@ -29,7 +29,9 @@ QUIET = {"MPIR_CVAR_CH4_NETMOD": "ucx", "UCX_TLS": "self,posix,sysv"}
 
 Engine = Annotated[
     str,
-    typer.Option("--engine", metavar="local|mpi", help="Who marches: this process, or many ranks (the extra `mpi`)."),
+    typer.Option(
+        "--engine", metavar="local|mpi", help="What integrates: this process, or many ranks (the extra `mpi`)."
+    ),
 ]
 Ranks = Annotated[
     int | None,
@@ -38,16 +40,17 @@ Ranks = Annotated[
         min=1,
         max=256,
         metavar="N",
-        help="With --engine mpi: how many, on this machine; left out, 2. Changes no bit of the result.",
+        help="With --engine mpi: how many, on this machine; by default 2. Changes no bit of the result.",
         show_default=False,
     ),
 ]
 
 
 @contextlib.contextmanager
-def marching(engine: str, ranks: int | None) -> Iterator[Callable[[Model], Model] | None]:
-    """What makes of a model one that marches as asked. Does not come back in a process that only starts ranks, nor in
-    one that is a rank beside the first.
+def integrating(engine: str, ranks: int | None) -> Iterator[Callable[[Model], Model] | None]:
+    """The function that makes a model integrate as asked.
+
+    Does not return in a process that only starts ranks, nor in a rank beside the first.
     """
     if engine not in ENGINES:
         raise BadInput(f"--engine: got {engine!r}; expected one of {', '.join(ENGINES)}")
@@ -60,13 +63,13 @@ def marching(engine: str, ranks: int | None) -> Iterator[Callable[[Model], Model
         raise typer.Exit(launched(2 if ranks is None else ranks))
     from ecume.run.ranks import follow, leading, world
 
-    everyone = world()
-    if everyone.rank > 0:
-        follow(everyone)
+    ranks_of_run = world()
+    if ranks_of_run.rank > 0:
+        follow(ranks_of_run)
         raise typer.Exit
-    if ranks not in (None, everyone.size):
-        warnings.warn(f"--ranks {ranks}: the launcher started {everyone.size}", stacklevel=1)
-    with leading(everyone) as led:
+    if ranks not in (None, ranks_of_run.size):
+        warnings.warn(f"--ranks {ranks}: the launcher started {ranks_of_run.size}", stacklevel=1)
+    with leading(ranks_of_run) as led:
         yield led
 
 

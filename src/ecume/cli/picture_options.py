@@ -40,7 +40,7 @@ def pixels(text: str) -> tuple[int, int]:
 Out = Annotated[
     Path | None,
     typer.Option(
-        "-o", "--out", metavar="FILE", help="Where to write it; left out, in DIR/results.", show_default=False
+        "-o", "--out", metavar="FILE", help="Where to write it; by default in DIR/results.", show_default=False
     ),
 ]
 Fps = Annotated[int, typer.Option("--fps", metavar="N", help="Pictures a second.")]
@@ -51,7 +51,7 @@ PictureSize = Annotated[
         "--size",
         parser=pixels,
         metavar="WxH",
-        help="Of the picture, in pixels; left out, 960x720, and 640x480 for a GIF.",
+        help="Of the picture, in pixels; by default 960x720, and 640x480 for a GIF.",
         show_default=False,
     ),
 ]

@@ -37,7 +37,7 @@ def _bar() -> Iterator[Reporter]:
     from rich.progress import BarColumn, TextColumn
     from rich.progress import Progress as Bars
 
-    # The time that is left is the run's own: Rich would count the wait for the compiler as the speed of the march.
+    # The time that is left is the run's own: Rich would count the wait for the compiler as slow integration.
     with Bars(BarColumn(), TextColumn("{task.description}"), console=Console(stderr=True), transient=True) as bars:
         bar = bars.add_task("compiling", total=None)
         yield lambda progress: bars.update(

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ecume.cli.exit_codes import say
-from ecume.cli.mpi_launcher import Engine, Ranks, marching
+from ecume.cli.mpi_launcher import Engine, Ranks, integrating
 from ecume.cli.output import Json, print_json
 from ecume.cli.progress import ahead, lasting, shown
 from ecume.cli.scenes import Laws, Overrides, SceneFile, placed
@@ -21,12 +21,12 @@ if TYPE_CHECKING:
     from ecume.run import Info, RunResult
 
 RUNS = Path("runs")
-"""Where runs go when nobody says: `runs/bowl` for `bowl.toml`."""
+"""Where runs go by default: `runs/bowl` for `bowl.toml`."""
 
 HERE = Path()
 RunFolder = Annotated[
     Path,
-    typer.Argument(metavar="DIR", help="The directory of a run; left out, the current one.", show_default=False),
+    typer.Argument(metavar="DIR", help="The directory of a run; by default the current one.", show_default=False),
 ]
 Threads = Annotated[
     int | None,
@@ -44,7 +44,7 @@ Violation = Annotated[
     typer.Option(
         "--on-violation",
         metavar="warn|stop",
-        help="When energy, mass, overlaps ... leave their limits; left out, what the scene says, or warn.",
+        help="When energy, mass, overlaps ... leave their limits; by default what the scene says, or warn.",
         show_default=False,
     ),
 ]
@@ -59,7 +59,7 @@ def run(
             "-o",
             "--out",
             metavar="DIR",
-            help="The run's directory; left out, runs/NAME for NAME.toml.",
+            help="The run's directory; by default runs/NAME for NAME.toml.",
             show_default=False,
         ),
     ] = None,
@@ -85,7 +85,7 @@ def run(
 
     changes = overrides or []
     directory = out or RUNS / scene.stem
-    with marching(engine, ranks) as led:
+    with integrating(engine, ranks) as led:
         asked = load_scene(scene, changes)
         # With changes from the command line the file is no longer what was asked; the resolved scene is.
         source = None if changes else scene.read_bytes()
@@ -127,7 +127,7 @@ def resume(
     from ecume.run import resume as go_on
     from ecume.run.user_laws import laws_from
 
-    with marching(engine, ranks) as led, shown(quiet=quiet) as reporter:
+    with integrating(engine, ranks) as led, shown(quiet=quiet) as reporter:
         options = RunOptions(threads=threads, progress=reporter, on_violation=on_violation, engine=led, strict=strict)
         _end(go_on(directory, extra_laws=laws_from(laws or []), options=options), quiet=quiet)
 
@@ -167,7 +167,7 @@ def repair(directory: RunFolder = HERE) -> None:
 
     Each damaged frame is named.
 
-    A damaged `resolved.json` is made anew from `scene.toml`; what a run says again when it goes on is set aside.
+    A damaged `resolved.json` is made again from `scene.toml`; what a run says again when it goes on is set aside.
 
     Example: `ecume repair runs/bowl`
     """

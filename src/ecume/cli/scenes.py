@@ -43,12 +43,14 @@ def new(
     name: Annotated[
         str | None,
         typer.Argument(
-            metavar="[NAME]", help="A template; left out, all are listed.", autocompletion=_names, show_default=False
+            metavar="[NAME]", help="A template; by default all are listed.", autocompletion=_names, show_default=False
         ),
     ] = None,
     out: Annotated[
         Path | None,
-        typer.Option("-o", "--out", metavar="FILE", help="Where to write it; left out, NAME.toml.", show_default=False),
+        typer.Option(
+            "-o", "--out", metavar="FILE", help="Where to write it; by default NAME.toml.", show_default=False
+        ),
     ] = None,
 ) -> None:
     """Write a scene to start from, or list what there is.

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ecume.sweep import Outcome
 
 SWEEPS = Path("sweeps")
-"""Where sweeps go when nobody says: `sweeps/durations` for `durations.toml`."""
+"""Where sweeps go by default: `sweeps/durations` for `durations.toml`."""
 
 
 def task_of(text: str) -> tuple[int, int]:
@@ -39,7 +39,7 @@ def sweep(
             "-o",
             "--out",
             metavar="DIR",
-            help="The sweep's directory; left out, sweeps/NAME for NAME.toml.",
+            help="The sweep's directory; by default sweeps/NAME for NAME.toml.",
             show_default=False,
         ),
     ] = None,

@@ -37,7 +37,7 @@ def validate(
     names: Annotated[
         list[str] | None,
         typer.Argument(
-            metavar="[NAME]...", help="Cases; left out, all are listed.", autocompletion=_names, show_default=False
+            metavar="[NAME]...", help="Cases; by default all are listed.", autocompletion=_names, show_default=False
         ),
     ] = None,
     everything: Annotated[bool, typer.Option("--all", help="Every case.")] = False,

@@ -6,13 +6,15 @@ Each side is worked off in turn, and images are mirrored again by the sides that
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from ecume._portable import dot, product
-from ecume.engine.cells import Integers
 from ecume.units import Array
+
+if TYPE_CHECKING:
+    from ecume.engine.cells import Integers
 
 
 class Sides(NamedTuple):

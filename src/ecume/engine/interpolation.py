@@ -6,15 +6,17 @@ Weights come from outside: this file knows no kernel.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from ecume._portable import solve_definite
-from ecume.engine.cells import Integers
 from ecume.units import Array
+
+if TYPE_CHECKING:
+    from ecume.engine.cells import Integers
 
 THIN = 0.05
 """Where less than this part of a point's surroundings is full, nothing is there."""

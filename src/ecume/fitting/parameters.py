@@ -37,7 +37,7 @@ class Free(NamedTuple):
     value: float
     unit: str
     shares: tuple[float, ...] = ()
-    """what stands at each of the paths, over the value; left out, the value itself"""
+    """what stands at each of the paths, over the value; by default the value itself"""
 
     @property
     def angle(self) -> bool:

@@ -22,13 +22,13 @@ def plain_scene(home: RunDirectory) -> dict[str, Any]:
     with storing(home.resolved):
         text = home.resolved.read_bytes()
     if not _is_the_first(home, text):
-        way_out = f"`ecume repair {home.path}` makes it anew from scene.toml"
+        way_out = f"`ecume repair {home.path}` makes it again from scene.toml"
         raise StorageError(f"{home.resolved}: damaged: it is not what the run began with; {way_out}")
     return json_of(home.resolved)
 
 
 def mended(home: RunDirectory) -> Repaired:
-    """Whole frames stay, each damaged one is named; what is damaged beside them is made anew or set aside."""
+    """Whole frames stay, each damaged one is named; what is damaged beside them is made again or set aside."""
     beside = [*_resolved(home), *_constants(home), *_told_again(home)]
     frames = repair_trajectory(home.trajectory)
     return frames._replace(faults=(*beside, *frames.faults))
@@ -48,7 +48,7 @@ def _resolved(home: RunDirectory) -> Iterator[str]:
         yield f"{home.resolved}: damaged, and scene.toml does not tell it again; put it back from a copy to go on"
         return
     write_whole(home.resolved, text)
-    yield f"{home.resolved}: was damaged; made anew from scene.toml"
+    yield f"{home.resolved}: was damaged; made again from scene.toml"
 
 
 def _constants(home: RunDirectory) -> Iterator[str]:

@@ -76,7 +76,7 @@ def info(directory: str | os.PathLike[str]) -> Info:
 
 def repair(directory: str | os.PathLike[str]) -> Repaired:
     """Make what is left of a damaged run readable: whole frames stay, each damaged one is named; files beside them are
-    made anew or set aside.
+    made again or set aside.
     """
     home = existing(directory)
     with held(home):

@@ -69,10 +69,10 @@ class RunOptions:
     source: bytes | None = None
     """The scene's file, byte for byte, to be kept beside what became of it."""
     engine: Callable[[Model], Model] | None = None
-    """What marches in the place of the scene's model, to the same bits: see `ecume.run.ranks`."""
+    """What integrates in the place of the scene's model, to the same bits: see `ecume.run.ranks`."""
     on_violation: str | None = None
-    """What becomes of a run that loses what its model must not lose, see `watching.POLICIES`; left out, what it began
-    with, or else what its scene says."""
+    """The response to an invariant that is broken, see `invariant_monitor.POLICIES`; by default that with which the run
+    began, or else that of its scene."""
     strict: bool = False
     """Resuming fails where a frame that is computed again differs in any bit from the one on disk, also on another
     processor or with other versions; otherwise such frames are replaced, with a warning."""
@@ -203,7 +203,7 @@ def _frames_on_disk(home: RunDirectory) -> int:
 
 
 def _drive(session: _Session, moments: Iterable[Moment], request: StopRequest) -> RunResult:
-    """March to the end, and say how it ended, whichever way."""
+    """Integrate to the end, and record how it ended, whichever way."""
     try:
         with stop_requests(request=request), contextlib.closing(session):
             session.follow(moments, request)
@@ -220,7 +220,7 @@ class _Session:
     """The open files of one process that works on a run."""
 
     def __init__(self, home: RunDirectory, scene: Scene, options: RunOptions, frames: int) -> None:
-        self._home, self._habits = home, options
+        self._home, self._options = home, options
         self._recording = Recording(home, frames, kinds=scene.kinds, strict=options.strict)
         self._scene, self._watch = scene, Watch(home, [], POLICIES[0])
         self._pace, self._status = Pace(scene.duration), StatusFile(home)
@@ -239,7 +239,7 @@ class _Session:
         return time.monotonic() - self._began
 
     def follow(self, moments: Iterable[Moment], request: StopRequest) -> None:
-        """March to the end, or until someone wishes to stop."""
+        """Integrate to the end, or until a stop is requested."""
         begun = False
         for moment in moments:
             if not begun:
@@ -250,7 +250,7 @@ class _Session:
             before = self._recording.frames
             self._take(moment)
             ended = moment.step >= moment.steps
-            if ended or request or time.monotonic() - self._saved >= self._habits.checkpoint_every:
+            if ended or request or time.monotonic() - self._saved >= self._options.checkpoint_every:
                 self._save(moment, before)
             if request and not ended:
                 where = f"at step {moment.step} of {moment.steps}"
@@ -280,11 +280,11 @@ class _Session:
         from ecume._jit import use_threads
         from ecume.models import MODELS
 
-        policy = self._habits.on_violation or json_of(self._home.manifest).get("on_violation", POLICIES[0])
+        policy = self._options.on_violation or json_of(self._home.manifest).get("on_violation", POLICIES[0])
         invariants = MODELS[self._scene.model].invariants(self._scene, moment.parameters)
         self._watch = Watch(self._home, invariants, policy)
         self._opened = True
-        manifest.open_session(self._home, use_threads(self._habits.threads), moment.step, self._recording.on_disk)
+        manifest.open_session(self._home, use_threads(self._options.threads), moment.step, self._recording.on_disk)
         differences = manifest.changed(json_of(self._home.manifest))
         note(self._home, "begun" if moment.step == 0 else "resumed", step=moment.step, changed=differences)
 
@@ -294,8 +294,8 @@ class _Session:
             self._judge(moment.frame, moment.step)
         self.at = self._pace.progress(moment.step, moment.steps, self._recording.frames)
         self._status.write("running", self.at)
-        if self._habits.progress is not None:
-            self._habits.progress(self.at)
+        if self._options.progress is not None:
+            self._options.progress(self.at)
 
     def _save(self, moment: Moment, before: int) -> None:
         """A checkpoint of this moment, before which there were so many frames."""

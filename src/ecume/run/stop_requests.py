@@ -14,8 +14,8 @@ SIGNALS = tuple(getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGUSR1
 
 
 PATIENT = tuple(number for number in SIGNALS if number.name in ("SIGTERM", "SIGUSR1"))
-"""What batch systems send. Before the march has begun only these wait for a checkpoint: who presses Ctrl-C while laws
-are compiled has nothing to lose.
+"""The signals of batch systems. Before the integration has begun only these wait for a checkpoint: a user who presses
+Ctrl-C while laws are compiled has nothing to lose.
 """
 
 
@@ -36,7 +36,7 @@ class StopRequest:
     @property
     def name(self) -> str:
         """The name of the signal."""
-        return self.signal.name if self.signal else "nobody"
+        return self.signal.name if self.signal else "none"
 
     def take(self, number: int, _: FrameType | None) -> None:
         """Note the signal. A second Ctrl-C stops at once."""

@@ -72,7 +72,7 @@ class FluidSpec:
     gravity: Pull = 9.81
     """m/s^2, down the last axis"""
     flow: Speeds | None = None
-    """The liquid's velocity (m/s); at rest if left out."""
+    """The liquid's velocity (m/s); at rest by default."""
     shear_rate: ShearRate = 0.0
     """How much faster the liquid flows along x for each meter up (1/s)."""
 
@@ -84,13 +84,13 @@ class ParticleSpec:
     name: Name = ""
     """What this species is called; `particle-1` and so on when empty."""
     count: Count = 0
-    """How many; left out, one or as many as there are positions."""
+    """How many; by default one or as many as there are positions."""
     radius: Radius
     """m"""
     density: PositiveDensity
     """kg/m^3"""
     positions: tuple[Point, ...] = ()
-    """Where each starts (m); left out, at random in the tank."""
+    """Where each starts (m); by default at random in the tank."""
     low: Point | None = None
     """The lower corner of the part of the tank where they start at random (m)."""
     high: Point | None = None
@@ -172,9 +172,9 @@ class OpeningSpec:
     concentration: Concentration | None = None
     """How many there are in a cubic meter of what flows in, in the plane in a square meter; the flow brings them."""
     species: Name = ""
-    """Which species comes in; the first if left out."""
+    """Which species comes in; the first by default."""
     velocity: Speeds | None = None
-    """What they come in with (m/s); left out, the liquid's velocity there less the speed at which they settle."""
+    """What they come in with (m/s); by default the liquid's velocity there less the speed at which they settle."""
 
     @model_validator(mode="after")
     def _one_way(self) -> Self:
@@ -200,7 +200,7 @@ class TracerMotionSpec:
     regime: LawName = "auto"
     """`inertial`, `overdamped`, or `auto`: overdamped where a step is longer than half a relaxation time."""
     time_step: Duration | None = None
-    """s; left out, the model chooses"""
+    """s; by default the model chooses"""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)

@@ -67,7 +67,7 @@ class Aim(NamedTuple):
     zoom: float = 1.0
     """How many times larger all is seen."""
     follow: int | None = None
-    """The particle that stays in the middle; left out, the middle of the world does."""
+    """The particle that stays in the middle; by default the middle of the world does."""
 
 
 WIDE = Aim()

@@ -34,7 +34,7 @@ COMMON_FIGURES = {"energies": energies, "kinetic-energy": kinetic_energy}
 
 
 def plot(directory: str | os.PathLike[str], what: str, out: str | os.PathLike[str] | None = None) -> Path:
-    """Draw a figure of a run, one of its model's in FIGURES, into `out`; left out, into a PNG among its results.
+    """Draw a figure of a run, one of its model's in FIGURES, into `out`; by default into a PNG among its results.
 
     The name says the format: `energies.pdf` and `energies.svg` are vector graphics. Returns the file that was written.
     """

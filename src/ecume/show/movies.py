@@ -65,17 +65,17 @@ class MovieOptions:
     every: int = 1
     """2 for each second frame, and so on."""
     size: tuple[int, int] | None = None
-    """Pixels; left out, 960 x 720, and 640 x 480 for a GIF, whose every pixel costs."""
+    """Pixels; by default 960 x 720, and 640 x 480 for a GIF, whose every pixel costs."""
     start: float = 0.0
     """Of the scene's time, s."""
     end: float = math.inf
     """Of the scene's time, s."""
     color: str | None = None
-    """What colors mean, such as `pressure` or `speed`; left out, what is usual for the model."""
+    """What colors mean, such as `pressure` or `speed`; by default what is usual for the model."""
     aim: Aim = WIDE
     """What is looked at, and how closely."""
     eye: Eye | None = None
-    """From where what is in space is seen; left out, as is usual for the model."""
+    """From where what is in space is seen; by default as is usual for the model."""
 
     def __post_init__(self) -> None:
         if not 1 <= self.fps <= 240:

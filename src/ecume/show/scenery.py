@@ -46,7 +46,7 @@ class Setting(NamedTuple):
     inside: str = LIQUID
     """the color of what the tank holds"""
     walls: Sequence[Array] | None = None
-    """(2, 2), both ends of each, before the particles; left out, all of the outline is a wall, behind them"""
+    """(2, 2), both ends of each, before the particles; by default all of the outline is a wall, behind them"""
     dotted: Sequence[Array] = ()
     """sides through which one side is left and the other entered: (2, 2), both ends of each"""
     wires: Sequence[Array] = ()
@@ -54,7 +54,7 @@ class Setting(NamedTuple):
     behind: Sequence[Array] = ()
     """those behind all particles"""
     camera: Array | None = None
-    """(3, 3) its right, up, and towards it; left out, it looks along the second axis"""
+    """(3, 3) its right, up, and towards it; by default it looks along the second axis"""
     radius: float | None = None
     """of all particles (m), where frames say none"""
     apart: int | None = None
@@ -64,7 +64,7 @@ class Setting(NamedTuple):
     body_colors: Sequence[str] = ()
     wire_colors: Sequence[str] = ()
     mover_colors: Sequence[str] = ()
-    """of each body, edge, mover; left out, one for all"""
+    """of each body, edge, mover; by default one for all"""
 
 
 def stand_apart(setting: Setting) -> bool:

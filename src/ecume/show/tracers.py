@@ -109,11 +109,11 @@ def profile(frames: Frames, scene: TracersScene) -> Figure:
     """The number of particles at each height at the beginning, in the middle and at the end."""
     instants = [frames[0], frames[len(frames) // 2], frames[-1]]
     places = [frame.arrays["position"][frame.arrays["left"] < 0, -1] for frame in instants]
-    everyone = np.concatenate(places)
-    if not len(everyone):
+    values = np.concatenate(places)
+    if not len(values):
         raise BadInput("all particles have left the tank; there is no profile to draw")
-    scale = scale_for(float(np.abs(everyone).max()), "m")
-    edges = np.linspace(everyone.min(), max(everyone.max(), everyone.min() + 1e-12), SLICES + 1)
+    scale = scale_for(float(np.abs(values).max()), "m")
+    edges = np.linspace(values.min(), max(values.max(), values.min() + 1e-12), SLICES + 1)
     with style():
         drawn = figure()
         axes = drawn.add_subplot(xlabel="particles in a slice", title=plain(scene.title))

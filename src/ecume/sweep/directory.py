@@ -130,9 +130,9 @@ def json_at(path: Path, kind: type) -> Any:
     try:
         found = json.loads(text)
     except ValueError as error:
-        raise StorageError(f"{path}: damaged: {error}; delete it, and sweep again: that makes it anew") from error
+        raise StorageError(f"{path}: damaged: {error}; delete it, and sweep again: that makes it again") from error
     if not isinstance(found, kind):
-        raise StorageError(f"{path}: damaged; delete it, and sweep again: that makes it anew")
+        raise StorageError(f"{path}: damaged; delete it, and sweep again: that makes it again")
     return found
 
 

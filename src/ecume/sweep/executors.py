@@ -42,7 +42,7 @@ class ExecutorOptions:
     """The executor of a sweep, and whom to report to."""
 
     workers: int | None = None
-    """left out, as many as the machine has cores; 1 works in this process and needs no Dask"""
+    """by default as many as the machine has cores; 1 works in this process and needs no Dask"""
     scheduler: str | None = None
     """the address of a Dask scheduler that runs already"""
     slurm: bool = False

@@ -46,7 +46,7 @@ class Column(NamedTuple):
 
 
 def plot_sweep(directory: Path, kind: str, measure: str | None = None, out: Path | None = None) -> Path:
-    """Draw a figure of a sweep into `out`; left out, into its directory."""
+    """Draw a figure of a sweep into `out`; by default into its directory."""
     drawn = sweep_figure(open_sweep(directory), kind, measure)
     name = f"{kind}-{re.sub(r'[^A-Za-z0-9]+', '-', measure).strip('-')}" if measure else kind
     return save(drawn, out or directory / f"{name}.png")
@@ -60,7 +60,7 @@ def kinds_of(directory: Path) -> list[str]:
 
 
 def sweep_figure(sweep: Sweep, kind: str = "curves", measure: str | None = None) -> Figure:
-    """The figure of a measure (left out, the first) over what varies."""
+    """The figure of a measure (by default the first) over what varies."""
     if kind not in KINDS:
         raise BadInput(f"no such figure of a sweep as {kind!r}; {suggestion(kind, KINDS)}")
     if kind == "curves" and sweep.drawn:

@@ -104,7 +104,7 @@ class Axis:
     rows: Annotated[tuple[tuple[Value, ...], ...], Field(max_length=MOST_POINTS)] = ()
     """a value for each of the keys"""
     name: Text = ""
-    """what the axis is called in tables; left out, its key"""
+    """what the axis is called in tables; by default its key"""
 
     @model_validator(mode="after")
     def _one_way(self) -> Self:

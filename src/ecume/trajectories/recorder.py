@@ -40,7 +40,7 @@ class Recorder:
         self._attach()
 
     def write(self, frame: Frame, step: int) -> None:
-        """Commit one frame, that was taken at this step of the march."""
+        """Commit one frame, taken at this time step."""
         if self._segment is None or not self._appended(self._segment, frame, step):
             self._begin(frame, step)
         self.frames += 1

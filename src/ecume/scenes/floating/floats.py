@@ -52,12 +52,12 @@ class ShapeSpec:
     rim: Literal["top", "bottom"] = "bottom"
     """The edge that pins a square or a star: the lower one of what is light, the upper one of what is heavy."""
     undulation: Rise | None = None
-    """How high the contact line rises along the body's own direction (m), negative where it dips; left out, of an
+    """How high the contact line rises along the body's own direction (m), negative where it dips; by default of an
     ellipsoid what its contact angle says, of all others nothing."""
     mode: Annotated[int, Field(strict=True, ge=2, le=12)] | None = None
-    """How often it does so around the body; left out, twice (ellipsoid, needle), four times (square), once an arm."""
+    """How often it does so around the body; by default twice (ellipsoid, needle), four times (square), once an arm."""
     angle: Direction | None = None
-    """Of the body's own direction at the start (rad, from the x axis): a long axis, a corner, an arm; left out, by
+    """Of the body's own direction at the start (rad, from the x axis): a long axis, a corner, an arm; by default by
     chance."""
 
     @model_validator(mode="after")
@@ -112,7 +112,7 @@ class DiscSpec:
     mode: Annotated[int, Field(strict=True, ge=2, le=12)] = 2
     """How often it does so: 2 is a quadrupole, as of an ellipsoid; 3 a hexapole, as of a cube on its corner."""
     angle: Direction | None = None
-    """Where the rim is highest at the start (rad, from the x axis); left out, by chance."""
+    """Where the rim is highest at the start (rad, from the x axis); by default by chance."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -122,7 +122,7 @@ class FloatSpec:
     name: Name = ""
     """What this species is called; `float-1` and so on when empty."""
     count: Count = 0
-    """How many; left out, one or as many as there are positions."""
+    """How many; by default one or as many as there are positions."""
     radius: Radius
     """m"""
     density: PositiveDensity

@@ -183,12 +183,12 @@ class DishSpec:
     contact_angle: WettingAngle = 0.7853981633974483
     """Of the liquid on the wall (rad): below 90 degrees it climbs."""
     law: LawName | None = None
-    """How the wall's meniscus pulls: `meniscus`, `profile`, `linear`, `two-point-legacy` or `none`; left out, the
+    """How the wall's meniscus pulls: `meniscus`, `profile`, `linear`, `two-point-legacy` or `none`; by default the
     theory's."""
     image: LawName = "none"
     """What the wall does with a float's own meniscus: `none`, `fixed-angle` (draws it near) or `pinned` (repels it)."""
     density: PositiveDensity = 2500.0
-    """Of the wall (kg/m^3), glass if left out; only `two-point-legacy` asks for it."""
+    """Of the wall (kg/m^3), glass by default; only `two-point-legacy` asks for it."""
     restitution: Proportion = 0.2
     """What is left of a normal velocity after a bounce off the wall."""
     friction: Roughness = 0.0
@@ -221,15 +221,15 @@ class MotionSpec:
     integrator: LawName = "velocity-verlet"
     """`velocity-verlet`, `explicit-euler`, `stormer-verlet`, `semi-implicit-euler`, `rk4` or `overdamped`."""
     time_step: Duration | None = None
-    """s; left out, the model chooses"""
+    """s; by default the model chooses"""
     drag: Switch | None = None
-    """Whether the liquid's viscosity slows the floats down; left out, it does, but in `legacy-2022`."""
+    """Whether the liquid's viscosity slows the floats down; by default it does, but in `legacy-2022`."""
     drag_law: LawName = "stokes"
     """`stokes`, for slow floats, or `schiller-naumann`, which grows with the Reynolds number."""
     added_mass: Switch = False
     """Whether spheres carry half the mass of the liquid that they displace."""
     films: FilmsSpec | None = None
-    """The drag of floats that approach one another; left out, each drags as if it were alone."""
+    """The drag of floats that approach one another; by default each drags as if it were alone."""
     temperature: Heat = 0.0
     """Of the Brownian motion (K), which only the `overdamped` integrator has; at 0 there is none."""
 
@@ -249,7 +249,7 @@ class ContactSpec:
     law: LawName = "impulse"
     """`impulse`, `spring-dashpot`, which is soft, or `none`."""
     stiffness: Springiness | None = None
-    """Of the springs (N/m); left out, so stiff that what floats do to each other presses them in by a thousandth of a
+    """Of the springs (N/m); by default so stiff that what floats do to each other presses them in by a thousandth of a
     radius."""
 
 
@@ -258,9 +258,9 @@ class InteractionSpec:
     """The interaction of floats by their menisci."""
 
     law: LawName | None = None
-    """`capillary`, `one-sided-legacy` or `none`; left out, the theory's"""
+    """`capillary`, `one-sided-legacy` or `none`; by default the theory's"""
     charge: LawName | None = None
-    """Where the capillary charge comes from: `nonlinear`, `closed-form` or `linear`; left out, the theory's."""
+    """Where the capillary charge comes from: `nonlinear`, `closed-form` or `linear`; by default the theory's."""
     method: LawName = "superposition"
     """What floats do together: `superposition`, `pair-corrected` by tables for two, or `multipole`, all at once."""
     order: Annotated[int, Field(strict=True, ge=1, le=60)] = 8

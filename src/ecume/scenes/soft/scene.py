@@ -126,7 +126,7 @@ class FilmSpec:
     deflection_weight: Weight | None = None
     """c_d in the same; overrules the set"""
     reach: Size | None = None
-    """The gap up to which spheres have a film between them (m); left out, half of the smallest radius in a box, and
+    """The gap up to which spheres have a film between them (m); by default half of the smallest radius in a box, and
     without a box all spheres have one, always."""
 
 
@@ -155,9 +155,9 @@ class BoxSpec:
     size: Sides
     """Its sides (m), as many as there are dimensions; with a volume fraction their proportions."""
     volume_fraction: Filling | None = None
-    """What part of it undeformed spheres take at the start, discs of a layer; left out, what the sides make it."""
+    """What part of it undeformed spheres take at the start, discs of a layer; by default what the sides make it."""
     gap: Size | None = None
-    """The least gap of spheres that are placed at random (m); left out, a hundredth of the smallest radius."""
+    """The least gap of spheres that are placed at random (m); by default a hundredth of the smallest radius."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)

@@ -30,9 +30,9 @@ class WallSpec:
     side: Side
     """`left`, `right` (across x), `bottom`, `top` (across y), `front` or `back` (across z)"""
     position: Coordinate | None = None
-    """Where it stands on its axis at the start (m); left out, at that end of the box."""
+    """Where it stands on its axis at the start (m); by default at that end of the box."""
     modulus: Modulus | None = None
-    """Young's modulus of its material (Pa); left out, it is rigid."""
+    """Young's modulus of its material (Pa); by default it is rigid."""
     velocity: Motion | None = None
     """How it moves (m/s)."""
     pressure: Stress | None = None

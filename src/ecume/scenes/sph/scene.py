@@ -45,19 +45,19 @@ class FluidSpec:
     name: Name = ""
     """A liquid of the table in `ecume.laws.liquids`, such as `water`; it fills whatever is left out below."""
     temperature: Annotated[Temperature, Field(gt=0.0, le=1e4)] | None = None
-    """of a named liquid: `"20 degC"`, or kelvin; left out, 20 degrees Celsius"""
+    """of a named liquid: `"20 degC"`, or kelvin; by default 20 degrees Celsius"""
     salinity: Proportion | None = None
-    """kg of salt a kg of seawater; left out, 0.035"""
+    """kg of salt a kg of seawater; by default 0.035"""
     density: PositiveDensity | None = None
     """kg/m^3, where the gauge pressure is zero"""
     viscosity: LiquidViscosity | None = None
-    """Pa s; zero if left out without a name"""
+    """Pa s; zero by default without a name"""
     surface_tension: Tension | None = None
-    """N/m; zero if left out"""
+    """N/m; zero by default"""
     sound_speed: PositiveSpeed | None = None
-    """m/s of the *numerical* liquid; left out, ten times the fastest speed to be expected"""
+    """m/s of the *numerical* liquid; by default ten times the fastest speed to be expected"""
     fastest: PositiveSpeed | None = None
-    """m/s, the fastest speed to be expected; left out, that of a free fall through the liquid's depth"""
+    """m/s, the fastest speed to be expected; by default that of a free fall through the liquid's depth"""
     exponent: Exponent = 7.0
     """gamma of Tait's equation; 1 is a linear law"""
     atmospheric_pressure: Annotated[Number, Field(ge=0.0, le=1e9)] = 0.0
@@ -110,9 +110,9 @@ class MethodSpec:
     kernel: LawName = "wendland-c2"
     """a name of `ecume.laws.kernels.KERNELS`"""
     smoothing: PositiveNumber | None = None
-    """smoothing length in spacings; left out, what suits the kernel"""
+    """smoothing length in spacings; by default what suits the kernel"""
     walls_clip: Switch | None = None
-    """whether dummies push only, never pull; left out, where the liquid may leave them: not in tanks that are full"""
+    """whether dummies push only, never pull; by default where the liquid may leave them: not in tanks that are full"""
     density_diffusion: LawName = "automatic"
     """`hydrostatic` (exact for a Tait liquid at rest; the default under gravity), `antuono` (the default without),
     `linear`, `molteni` (for comparison: it lifts the surface) or `none`
@@ -120,7 +120,7 @@ class MethodSpec:
     diffusion: Annotated[Number, Field(ge=0.0, le=1.0)] = 0.1
     """delta of the density diffusion"""
     artificial_viscosity: Annotated[Number, Field(ge=0.0, le=10.0)] | None = None
-    """alpha; left out, 0.02, or zero where the liquid has a viscosity of its own"""
+    """alpha; by default 0.02, or zero where the liquid has a viscosity of its own"""
     friction: LawName = "automatic"
     """of a viscous liquid: `monaghan` along the lines between particles (right at a free surface, the default where
     there is one), or `morris` (the default in tanks that are full)
@@ -150,13 +150,13 @@ class MethodSpec:
     tank without an open side, and nothing else spreads it); `none` (the default elsewhere)
     """
     background_pressure: Annotated[Number, Field(ge=0.0)] | None = None
-    """Pa, of the transport velocity; left out, rho0 c0^2"""
+    """Pa, of the transport velocity; by default rho0 c0^2"""
     integrator: LawName = "symplectic"
     """`symplectic` (density at mid-step) or `verlet` (one sum a step)"""
     courant: Annotated[Number, Field(gt=0.0, le=2.0)] = 0.25
     """time step over smoothing length / (sound speed + fastest speed)"""
     time_step: Duration | None = None
-    """s; left out, the largest that the Courant number and the viscosity allow"""
+    """s; by default the largest that the Courant number and the viscosity allow"""
     precision: Literal["double", "single"] = "double"
     """of the sums over neighbors; states are always double"""
 
@@ -186,7 +186,7 @@ class SphScene(Common):
     shake: ShakeSpec | None = None
     """How it is shaken."""
     gravity: Pull | None = None
-    """m/s^2; left out, 9.81 downwards (along y)"""
+    """m/s^2; by default 9.81 downwards (along y)"""
     central_pull: CentralPullSpec | None = None
     """What pulls towards a point, beside gravity; at bodies, too."""
     method: MethodSpec = MethodSpec()

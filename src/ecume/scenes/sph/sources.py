@@ -29,11 +29,11 @@ class ParticlesSpec:
     positions: tuple[Place, ...]
     """(m)"""
     velocities: tuple[Motion, ...] = ()
-    """m/s; left out, those of the region"""
+    """m/s; by default those of the region"""
     densities: tuple[PositiveDensity, ...] = ()
-    """kg/m^3; left out, those of the depth"""
+    """kg/m^3; by default those of the depth"""
     masses: tuple[Annotated[Mass, Field(gt=0.0, le=1e15)], ...] = ()
-    """kg; left out, density times a cell of the lattice"""
+    """kg; by default density times a cell of the lattice"""
 
     @model_validator(mode="after")
     def _alike(self) -> Self:

@@ -146,7 +146,7 @@ class SideSpec:
     `inflow` and `outflow`: liquid comes and goes
     """
     slip: Slip | None = None
-    """of a wall; left out, no-slip where the liquid has a viscosity, free otherwise"""
+    """of a wall; by default no-slip where the liquid has a viscosity, free otherwise"""
     velocity: Motion | None = None
     """of a wall along itself: a lid that drives the liquid (m/s)"""
     motion: MotionSpec | None = None
@@ -156,7 +156,7 @@ class SideSpec:
     profile: Literal["uniform", "parabolic"] = "uniform"
     """of an inflow: `parabolic` is that of a viscous liquid between walls"""
     level: Coordinate | None = None
-    """of an in- or outflow: the height (along y) up to which there is liquid; left out, the whole side (m)"""
+    """of an in- or outflow: the height (along y) up to which there is liquid; by default the whole side (m)"""
     pressure: Annotated[Pressure, Field(ge=-1e12, le=1e12)] = 0.0
     """of an outflow: the gauge pressure at its level, or the top of the side (Pa); the weight of the liquid adds"""
 

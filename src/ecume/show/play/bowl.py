@@ -23,7 +23,7 @@ from ecume.errors import BadInput, Diverged, SceneError
 from ecume.laws.waves import wave_frequency
 from ecume.models import MODELS
 from ecume.scenes.floating import FloatingScene, FloatSpec
-from ecume.simulation import March
+from ecume.simulation import Integration
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
@@ -128,27 +128,27 @@ class Bowl:
     @property
     def frame(self) -> Frame:
         """The present frame."""
-        return self.march.observe()
+        return self.integration.observe()
 
     def play(self, seconds: float) -> None:
         """Go on by so much simulated time, at most `LONGEST`. Whatever diverges is brought to rest where it was."""
-        step = self.march.parameters.time_step
+        step = self.integration.parameters.time_step
         steps = max(1, round(min(seconds, LONGEST) / step))
-        kept = self.march.state.position.copy()
+        kept = self.integration.state.position.copy()
         self.slosh = swung(self.slosh, self.tilt, self.scene, steps * step)
         self._flow[:2] = self._own + current(self.slosh, self.scene)
         self._drag()
         try:
-            end = int(self.march.state.step[0]) + steps
-            while (left := end - int(self.march.state.step[0])) > 0:
-                self.march.go(left)
+            end = int(self.integration.state.step[0]) + steps
+            while (left := end - int(self.integration.state.step[0])) > 0:
+                self.integration.go(left)
             self.time += steps * step
         except Diverged:
             self._calm(kept)
 
     def grasp(self, one: int, x: float, y: float) -> None:
         """Drag a float towards a place. Raises BadInput where there is none of that number."""
-        if not 0 <= one < len(self.march.state.position):
+        if not 0 <= one < len(self.integration.state.position):
             raise BadInput(f"there is no float {one}")
         self.hand = Hand(one, x, y)
 
@@ -235,12 +235,12 @@ class Bowl:
         given += [(row.vx, row.vy) for row in scene.rows]
         state.velocity[:] = np.array(given).reshape(-1, 2)
         self.scene, self.hand = placed(scene, state.position, state.velocity, parameters.floats.species), None
-        self.march, self.last = March(model, parameters._replace(drift=drift), state, LONGEST), self.scene
+        self.integration, self.last = Integration(model, parameters._replace(drift=drift), state, LONGEST), self.scene
 
     def _calm(self, kept: Array) -> None:
         """Bring the floats to rest where they last were, or, where that did not help just now, at the last change."""
         again, last = self.time - self.calmed < SOON, self.last
-        species = self.march.parameters.floats.species
+        species = self.integration.parameters.floats.species
         self.slosh, self.calmed = Slosh(), self.time
         self._begin(_stilled(last) if again else placed(self.scene, kept, np.zeros_like(kept), species))
         self.last = last
@@ -249,7 +249,7 @@ class Bowl:
     def _drag(self) -> None:
         if self.hand is None:
             return
-        state = self.march.state
+        state = self.integration.state
         way = (np.array([self.hand.x, self.hand.y]) - state.position[self.hand.one]) / GRASP
         state.velocity[self.hand.one] = way * min(1.0, FASTEST / max(float(np.hypot(*way)), 1e-300))
 

@@ -174,7 +174,7 @@ class TankPage:
 
     def _values(self, liquid: Liquid) -> tuple[Array, float]:
         """The values that colors show, and the end of their scale."""
-        material = self.moving.march.parameters.material
+        material = self.moving.integration.parameters.material
         if self.color == "speed":
             return np.hypot(*liquid.velocity), material.fastest
         pressure = tait_pressure(liquid.density, material.density, material.sound_speed, material.exponent)

@@ -1,6 +1,6 @@
-"""A tank that somebody plays with: liquid is poured and scooped out, gates open and close, a wall is pushed, all tilts.
+"""A tank that a user plays with: liquid is poured and scooped out, gates open and close, a wall is pushed, all tilts.
 
-What moves it is the model's own march. A hand's push is the motion of a side, a tilt is what a shaken tank feels, an
+The model itself integrates the motion. A push is the motion of a side, a tilt is the acceleration of a shaken tank, an
 open gate is an obstacle less: so what is played is a scene at any moment, and can be saved as one.
 """
 
@@ -33,7 +33,7 @@ from ecume.show.play.tank_scene import (
     tilting,
     with_hands,
 )
-from ecume.simulation import March
+from ecume.simulation import Integration
 
 LONGEST = 0.05
 """s of simulated time at once: a machine that is too slow plays in slow motion, and is not hurried."""
@@ -75,7 +75,7 @@ class Tank:
     @property
     def count(self) -> int:
         """Particles."""
-        return int(self.march.state.position.shape[1])
+        return int(self.integration.state.position.shape[1])
 
     @property
     def pushed(self) -> float:
@@ -84,7 +84,7 @@ class Tank:
 
     def play(self, seconds: float) -> None:
         """Go on by so much simulated time, at most `LONGEST`, or as far as `BUDGET` allows. What diverges is calmed."""
-        step = self.march.parameters.time_step
+        step = self.integration.parameters.time_step
         steps = max(1, round(min(seconds, LONGEST) / step))
         self._take_hands(steps * step)
         kept, before = self.liquid(), self._step
@@ -102,7 +102,7 @@ class Tank:
             raise BadInput("there is no room for liquid here")
         if self.count + len(points) > MOST:
             raise BadInput(f"there are {self.count} particles, and at most {MOST} are played with; scoop some out")
-        self._go_on(joined(liquid, poured(self.scene, self.march.parameters.material, points)))
+        self._go_on(joined(liquid, poured(self.scene, self.integration.parameters.material, points)))
 
     def scoop(self, x: float, y: float) -> None:
         """Take out the liquid around a place (m). Raises BadInput where there is none, or no other."""
@@ -133,7 +133,7 @@ class Tank:
         if not self.opened:
             raise BadInput("there is no gate that could be closed")
         closed = dataclasses.replace(self.scene, obstacles=self.first.obstacles[self.opened - 1 :])
-        rest = self.march.parameters.material.density
+        rest = self.integration.parameters.material.density
         self._begin(closed, Push(places=(self.pushed,)), pushed_aside(closed, self.liquid(), self.pushed, rest))
 
     def drag(self, x: float) -> None:
@@ -159,7 +159,7 @@ class Tank:
 
     def liquid(self) -> Liquid:
         """The particles as they are now, in the order of their numbers."""
-        state = self.march.state
+        state = self.integration.state
         order = np.argsort(state.identity)
         return Liquid(*(np.ascontiguousarray(getattr(state, name)[..., order]) for name in PER_PARTICLE))
 
@@ -171,7 +171,7 @@ class Tank:
     @property
     def period(self) -> float:
         """The period of sloshing of the liquid, were it level (s)."""
-        depth = float(np.sum(self.march.state.mass)) / self.march.parameters.material.density / self.width
+        depth = float(np.sum(self.integration.state.mass)) / self.integration.parameters.material.density / self.width
         pull = math.hypot(*(self.scene.gravity or ()))
         return 2.0 * math.pi / max(wave_frequency(math.pi / self.width, depth, pull), 1e-9)
 
@@ -181,19 +181,21 @@ class Tank:
         parameters = model.parameters(with_hands(scene, push.at(0.0), (0.0, 0.0)))
         state = model.start(scene, parameters) if liquid is None else make_state(parameters, liquid)
         self.scene, self.push = scene, push
-        self.march = March(model, parameters, state, BUDGET / 4.0)
+        self.integration = Integration(model, parameters, state, BUDGET / 4.0)
 
     def _go_on(self, liquid: Liquid) -> None:
         """Go on with other particles."""
-        self.push, parameters = Push(places=(self.pushed,)), self.march.parameters
+        self.push, parameters = Push(places=(self.pushed,)), self.integration.parameters
         self._drive()
-        self.march = March(self.march.model, self.march.parameters, make_state(parameters, liquid), BUDGET / 4.0)
+        self.integration = Integration(
+            self.integration.model, self.integration.parameters, make_state(parameters, liquid), BUDGET / 4.0
+        )
 
     def _march(self, end: int) -> None:
         """Step by step, as long as the budget lasts."""
         began = time.perf_counter()
         while self._step < end and time.perf_counter() - began < BUDGET:
-            self.march.go(end - self._step)
+            self.integration.go(end - self._step)
 
     def _calm(self, kept: Liquid) -> None:
         """Bring liquid to rest where it last was whole; begin anew where that did not help just now."""
@@ -209,11 +211,11 @@ class Tank:
         """Let the wall and the tilt follow the hands for so long."""
         now = self._now
         self.leaning += min(1.0, seconds / GRASP) * (self.tilt - self.leaning)
-        fastest = HURRY * self.march.parameters.material.fastest
+        fastest = HURRY * self.integration.parameters.material.fastest
         wanted = min(max((self._wanted - self.pushed) / GRASP, -fastest), fastest)
         more = fastest * seconds / GRASP
         speed = min(max(wanted, self.push.speed - more), self.push.speed + more)
-        self.push = self.push.then(now, seconds, speed, min(float(self.march.state.clock[1]), now))
+        self.push = self.push.then(now, seconds, speed, min(float(self.integration.state.clock[1]), now))
         self._drive()
 
     @property
@@ -225,11 +227,11 @@ class Tank:
         return 0.5 * STROKE * self.width * (1.0 - math.cos(2.0 * math.pi * phase))
 
     def _drive(self) -> None:
-        """Tell the march what hands do."""
-        parameters = self.march.parameters
+        """Put what hands do into the parameters."""
+        parameters = self.integration.parameters
         tilt = Drive(np.zeros(1), 0.0, 0.0, 0.0, np.zeros(1), np.array(self._pull)[:, None])
         drives = tuple((side, self.push.drive()) for side, _ in parameters.drives)
-        self.march.parameters = parameters._replace(drives=drives, shake=tilt)
+        self.integration.parameters = parameters._replace(drives=drives, shake=tilt)
 
     @property
     def _pull(self) -> tuple[float, float]:
@@ -237,11 +239,11 @@ class Tank:
 
     @property
     def _step(self) -> int:
-        return int(self.march.state.step[0])
+        return int(self.integration.state.step[0])
 
     @property
     def _now(self) -> float:
-        return float(self.march.state.clock[0])
+        return float(self.integration.state.clock[0])
 
     def _require_movable(self) -> None:
         if not movable(self.scene):

@@ -36,10 +36,10 @@ def gap_histogram(frames: Frames, scene: SoftScene) -> Figure:
     """The distribution of gaps at some instants: the area below each curve is one."""
     chosen = [frames[round(place)] for place in np.linspace(0, len(frames) - 1, min(INSTANTS, len(frames)))]
     gaps = [films(frame).gap for frame in chosen]
-    everyone = np.concatenate(gaps)
-    if not len(everyone):
+    values = np.concatenate(gaps)
+    if not len(values):
         raise BadInput("there are no films whose gaps could be shown")
-    ends = float(everyone.min()), float(everyone.max())
+    ends = float(values.min()), float(values.max())
     with style():
         drawn = figure()
         axes = drawn.add_subplot(xlabel="gap (m)", ylabel="probability of ln(gap)", title=plain(scene.title))

@@ -15,7 +15,6 @@ from ecume.analysis.profiles import Profile, velocity_profile
 from ecume.analysis.series import number, series, times
 from ecume.errors import BadInput
 from ecume.laws.column import column_height, column_pressure
-from ecume.models.sph.building import material_of
 from ecume.show.curves import Frames, energies, kinetic_energy, over_time, thinned
 from ecume.show.sph.picture import liquid_picture, rectangle
 from ecume.show.sph.rendering import render
@@ -66,6 +65,8 @@ def _bottom(scene: SphScene) -> float:
 
 def _column(frame: Frame, scene: SphScene, weight: float) -> tuple[Array, Array]:
     """Depths and pressures of as much liquid, at rest all over the tank's floor."""
+    from ecume.models.sph.building import material_of  # it imports Numba, which other figures do without
+
     material = material_of(scene)
     floor = np.delete(np.array(scene.tank.high) - np.array(scene.tank.low), 1)
     load = float(frame.arrays["mass"].sum() / np.prod(floor))

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     pass
 
 MOST = 4.0
-"""MB that a cell's output may take when nobody says: notebooks are kept with what they showed."""
+"""MB that a cell's output may take by default: notebooks are kept with what they showed."""
 HEIGHT = 560
 """Of the player, pixels."""
 EDGE = 0.05

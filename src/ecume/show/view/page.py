@@ -91,7 +91,7 @@ def _bundled(name: str) -> str:
 
 MEGABYTE = 1_000_000
 MOST = 50.0
-"""MB of a page when nobody says."""
+"""MB of a page by default."""
 IN_TEXT = 4 / 3
 """Bytes of base64 a byte."""
 SAMPLES = 5
@@ -115,7 +115,7 @@ class Page(NamedTuple):
 def save_page(
     directory: str | os.PathLike[str], out: str | os.PathLike[str] | None = None, max_size: float = MOST
 ) -> Page:
-    """Write the page of a run, of at most so many MB, into `out`; left out, into `results/view.html` of the run.
+    """Write the page of a run, of at most so many MB, into `out`; by default into `results/view.html` of the run.
 
     Where not all frames fit, each second, third ... is shown.
     """

@@ -76,7 +76,7 @@ class Stage(NamedTuple):
     movers: Callable[[Frame], list[Array]] | None = None
     """outlines of what moves, as many points in every frame"""
     mover_colors: Sequence[str | None] = ()
-    """of each; None or left out, as walls are"""
+    """of each; None or missing, as walls are"""
     inner: Array | None = None
     """(N,) m: radii of the discs inside the outlines of floats with a shape, which are drawn for them"""
     links: Callable[[Frame], Links] | None = None

@@ -1,4 +1,4 @@
-"""What is damaged beside a run's frames is never gone on with in silence, and made anew where something tells it."""
+"""What is damaged beside a run's frames is never gone on with in silence, and made again where something tells it."""
 
 import json
 import os
@@ -40,7 +40,7 @@ def test_another_scene_than_the_first_is_not_gone_on_with_and_the_first_is_made_
     spoil(one.resolved)
     with pytest.raises(StorageError, match=r"resolved\.json"):
         resume(one.path)
-    assert repair(one.path).faults == (f"{one.resolved}: was damaged; made anew from scene.toml",)
+    assert repair(one.path).faults == (f"{one.resolved}: was damaged; made again from scene.toml",)
     assert repair(one.path).faults == ()
     resume(one.path)
     assert results(one.path) == results(whole.path)
