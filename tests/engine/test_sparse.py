@@ -4,9 +4,11 @@ import functools
 
 import numpy as np
 import pytest
+from scipy.sparse import bsr_array
 from scipy.spatial import cKDTree
 
-from ecume.engine import blocks, dissection, elimination, fronts, gradients, inverses, sparse
+from ecume.engine import blocks, elimination, gradients, inverses, nested_dissection, sparse, sparse_lu
+from ecume.errors import BadInput
 
 WIDTHS = {"layer": 2, "space": 3, "spinning": 6}
 
@@ -44,7 +46,7 @@ def system(width, held, count=30, lean=0.1):
 def solved(name, matrix, right, solution, loose):
     if name == "cholmod":
         pytest.importorskip("cvxopt")
-    kept = sparse.Kept(matrix.pattern, matrix.blocks.shape[1], accuracy=1e-12)
+    kept = sparse.Kept(matrix.pattern, matrix.blocks.shape[1], 2, accuracy=1e-12)
     return sparse.SOLVERS[name](kept, matrix, right, solution, loose)
 
 
@@ -88,7 +90,7 @@ def test_the_four_blocks_of_a_pair_may_differ(way):
 @pytest.mark.compiled
 @pytest.mark.parametrize("held", [True, False])
 @pytest.mark.parametrize("width", WIDTHS.values(), ids=WIDTHS)
-def test_a_factorization_of_many_fronts_leaves_nothing_over(width, held):
+def test_a_factorization_of_many_blocks_leaves_no_residual(width, held):
     count = 900
     x, y = np.meshgrid(np.arange(30.0), np.arange(30.0))
     random = np.random.default_rng(5)
@@ -98,30 +100,45 @@ def test_a_factorization_of_many_fronts_leaves_nothing_over(width, held):
     root = random.normal(size=(len(first), width, width))
     blocks.assemble(matrix, root @ root.swapaxes(1, 2) + 0.1 * root, np.full((count, width), 0.1 * held))
     right, solution = right_sides(random, count, width, held), np.zeros((3, count, width))
-    assert sparse.directly(sparse.Kept(matrix.pattern, width), matrix, right, solution, 0 if held else width)
+    assert sparse.directly(sparse.Kept(matrix.pattern, width, 2), matrix, right, solution, 0 if held else width)
+    pattern = matrix.pattern
+    whole = bsr_array((matrix.blocks, pattern.column, pattern.start), shape=(count * width,) * 2)
     for one, wanted in zip(solution, right, strict=True):
-        left = fronts.left_over(matrix, one[matrix.pattern.order], wanted[matrix.pattern.order], 0)
-        assert np.abs(left).max() < 1e-9
+        residual = wanted[matrix.pattern.order].ravel() - whole @ one[matrix.pattern.order].ravel()
+        assert np.abs(residual).max() < 1e-9
 
 
-def test_halves_know_nothing_of_each_other_but_through_what_parts_them():
+def test_halves_are_connected_only_through_the_separators_that_are_eliminated_after_them():
     _, first, second = links(200)
     pattern = blocks.make_pattern(200, first, second)
-    tree = dissection.dissect(pattern)
-    assert sorted(tree.row) == list(range(200))
-    assert len(tree.parent) > 5
-    above = {t: {t} for t in range(len(tree.parent))}
-    for t in reversed(range(len(tree.parent))):
-        if tree.parent[t] >= 0:
-            assert tree.parent[t] > t
-            above[t] |= above[tree.parent[t]]
+    level, part, depth = nested_dissection._cut(pattern)
+    assert depth > 3
     for row in range(200):
         for column in pattern.column[pattern.start[row] : pattern.start[row + 1]]:
-            low, high = sorted((tree.front[row], tree.front[column]))
-            assert high in above[low]
-            if low != high:
-                later = row if tree.front[row] == high else column
-                assert later in tree.edge[tree.rim[low] : tree.rim[low + 1]]
+            low, high = sorted((row, column), key=lambda one: level[one])
+            assert part[high] >> (level[high] - level[low]) == part[low]
+    order = nested_dissection.elimination_order(pattern)
+    rank = np.argsort(order)
+    assert sorted(order) == list(range(200))
+    for row in np.flatnonzero(level < depth):
+        inside = part >> np.maximum(level - level[row], 0) == part[row]
+        assert (rank[inside & (level > level[row])] < rank[row]).all()
+
+
+def test_a_singular_matrix_has_no_factorization():
+    matrix, _, right = system(2, True)
+    matrix.blocks[:] = 0.0
+    assert not sparse.directly(sparse.Kept(matrix.pattern, 2, 2), matrix, right, right.copy(), 0)
+
+
+def test_memory_that_is_not_there_is_reported_with_the_way_out(monkeypatch):
+    def none_left(*_, **__):
+        raise MemoryError
+
+    matrix, _, right = system(2, True)
+    monkeypatch.setattr(sparse_lu, "splu", none_left)
+    with pytest.raises(BadInput, match="60 unknowns needs more memory than there is; choose the solver auto"):
+        sparse.directly(sparse.Kept(matrix.pattern, 2, 2), matrix, right, right.copy(), 0)
 
 
 @pytest.mark.compiled

@@ -14,7 +14,7 @@ import numpy as np
 
 from ecume.engine.blocks import Matrix, Pattern, center
 from ecume.engine.cells import Integers
-from ecume.engine.fronts import ACCURATE, USEFUL
+from ecume.engine.sparse_lu import ACCURATE, USEFUL
 from ecume.errors import BadInput
 from ecume.units import Array
 

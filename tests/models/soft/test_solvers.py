@@ -5,7 +5,7 @@ import sys
 import numpy as np
 import pytest
 
-from ecume.engine import fronts, sparse
+from ecume.engine import sparse
 from ecume.errors import SceneError
 from ecume.models.soft import SOFT, solving
 from ecume.models.soft.films import answer
@@ -50,7 +50,7 @@ def test_every_solver_gives_the_velocities_that_elimination_gives(name, dimensio
     drag = {"viscosity": 1e-3, "drag": True}
     matrix, right = stage(packing(dimensions, 20, filled, rotation=rotation, liquid=drag), 0.3)
     wanted, found = np.zeros((2, *right.shape))
-    kept = sparse.Kept(matrix.pattern, right.shape[2], accuracy=1e-13)
+    kept = sparse.Kept(matrix.pattern, right.shape[2], dimensions, accuracy=1e-13)
     assert sparse.SOLVERS["dense"](kept, matrix, right, wanted, 0)
     assert sparse.SOLVERS[name](kept, matrix, right, found, 0)
     assert np.abs(found - wanted).max() < 1e-10 * np.abs(wanted).max()
@@ -59,7 +59,7 @@ def test_every_solver_gives_the_velocities_that_elimination_gives(name, dimensio
 def test_the_solver_is_the_one_that_does_less_and_gradients_are_tried_again_after_a_while(monkeypatch):
     monkeypatch.setattr(sparse, "FEW", 0)
     parameters, state, scratch = started(packing(count=40))
-    direct = sparse.DENSER * fronts.operations(sparse.plan_of(scratch.kept))
+    direct = sparse.DENSER * sparse.work(scratch.kept)
     even = int(direct / sparse.operations_of_iteration(scratch.kept))
     for iterations, wanted in ((0, "iterative"), (even, "iterative"), (even + 1, "direct"), (2000, "direct")):
         state.effort[:] = iterations, 0, 0
@@ -91,14 +91,6 @@ def test_a_factorization_stands_in_where_gradients_give_up_however_short_the_ste
     auto = marched(scene)[1]
     assert auto.tally[FAILED] >= solving.PATIENCE
     assert auto.position == pytest.approx(marched(solved_by(scene, "direct"))[1].position, abs=1e-6)
-
-
-def test_a_plan_is_made_once_for_as_long_as_contacts_stay(monkeypatch):
-    made = []
-    plan = fronts.plan
-    monkeypatch.setattr(fronts, "plan", lambda *given: made.append(plan(*given)) or made[-1])
-    _, state = marched(solved_by(packing(count=30, strain=0.02, duration=4.0), "direct"), parts=10**9)
-    assert 1 <= len(made) <= state.generation[0] + 1 < state.tally[0]
 
 
 def test_interruptions_change_no_bit_while_solvers_take_turns(monkeypatch):

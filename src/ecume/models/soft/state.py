@@ -162,7 +162,7 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
         borders=shared,
         books=make_books(stages, contacts + int(state.touching.sum())),
     )
-    return Workspace(step, Kept(pattern, width), int(state.generation[0]))
+    return Workspace(step, Kept(pattern, width, parameters.dimensions), int(state.generation[0]))
 
 
 def store(parameters: Parameters, state: State, step: Step) -> None:
