@@ -30,8 +30,8 @@ from scipy.sparse import bsr_array, csc_array, csr_matrix
 from scipy.sparse.linalg import splu
 from soft_solvers import fill, system
 
-from ecume.engine import sparse
-from ecume.engine.blocks import Matrix
+from ecume.engine.linear_solvers import solvers
+from ecume.engine.linear_solvers.block_matrix import Matrix
 from ecume.units import Array
 
 LENGTH = 1.0
@@ -129,21 +129,21 @@ def klu(matrix: Matrix, right: Array) -> Solve:
 
 def ours(name: str, matrix: Matrix, right: Array) -> Solve:
     """One of the package's solvers, with the plan kept; its right sides and solutions are by particles."""
-    kept = sparse.Kept(matrix.pattern, matrix.blocks.shape[1], 2)
+    kept = solvers.Kept(matrix.pattern, matrix.blocks.shape[1], 2)
     order, width = matrix.pattern.order, matrix.blocks.shape[1]
     side, found = np.empty((1, len(order), width)), np.empty((1, len(order), width))
     side[0, order] = right.reshape(-1, width)
 
     def solve(numbers: Array) -> Array:
         changed = Matrix(matrix.pattern, numbers.reshape(matrix.blocks.shape))
-        if not sparse.SOLVERS[name](kept, changed, side, found, 0):
+        if not solvers.SOLVERS[name](kept, changed, side, found, 0):
             raise SystemExit(f"{name} found no solution")
         return np.asarray(found[0, order]).ravel()
 
     return solve
 
 
-def solvers(matrix: Matrix, right: Array) -> dict[str, Solve]:
+def installed(matrix: Matrix, right: Array) -> dict[str, Solve]:
     """Those that are installed."""
     found = {
         "direct": ours("direct", matrix, right),
@@ -161,7 +161,7 @@ def solvers(matrix: Matrix, right: Array) -> dict[str, Solve]:
 def measure(matrix: Matrix, right: Array, rounds: int) -> dict[str, tuple[float, float]]:
     """Median seconds of processor time, and the largest residual, of each solver."""
     random = np.random.default_rng(1)
-    several = solvers(matrix, right)
+    several = installed(matrix, right)
     spent: dict[str, list[float]] = {name: [] for name in several}
     left: dict[str, float] = dict.fromkeys(several, 0.0)
     pattern, size = matrix.pattern, len(right)

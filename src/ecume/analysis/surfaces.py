@@ -8,7 +8,7 @@ import numpy as np
 from contourpy import contour_generator
 
 from ecume.analysis.grids import filled_on_grid, grid_over
-from ecume.engine.images import Sides, images_of, positions_of_images
+from ecume.engine.boundary_images import Sides, images_of, positions_of_images
 from ecume.errors import BadInput
 from ecume.scenes.sph import SIDES, TankSpec
 from ecume.trajectories.frame import Frame

@@ -24,7 +24,7 @@ from ecume.errors import BadInput, EcumeError
 from ecume.run.stopping import SIGNALS
 
 if TYPE_CHECKING:
-    from ecume.engine.sharing import Share
+    from ecume.engine.mpi_exchange import Share
     from ecume.models.model import Model
 
 MARCH, WORKSPACE, END = range(3)
@@ -46,7 +46,7 @@ def share_of(ranks: Any) -> Share:
     """The part of the rank that asks."""
     from mpi4py import MPI
 
-    from ecume.engine.sharing import Share
+    from ecume.engine.mpi_exchange import Share
 
     kinds = {"d": MPI.DOUBLE, "f": MPI.FLOAT, "l": MPI.INT64_T, "q": MPI.INT64_T}
 

@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import SuperLU, splu
 
-from ecume.engine.blocks import Matrix, Pattern, center
 from ecume.engine.cells import Integers
-from ecume.engine.nested_dissection import elimination_order
+from ecume.engine.linear_solvers.block_matrix import Matrix, Pattern, center
+from ecume.engine.linear_solvers.nested_dissection import elimination_order
 from ecume.errors import BadInput
 from ecume.units import Array
 

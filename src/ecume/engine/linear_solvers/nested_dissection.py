@@ -11,8 +11,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ecume.engine.blocks import Pattern
 from ecume.engine.cells import Integers
+from ecume.engine.linear_solvers.block_matrix import Pattern
 
 LEAF = 12
 """Rows of a part that is not cut any further."""
