@@ -16,9 +16,9 @@ import numpy as np
 from marching import March, heavy_spheres, machine
 
 from ecume._jit import use_threads
-from ecume.engine import contacts as touching
-from ecume.engine import sweeping
-from ecume.engine.sweeping import CONVERGED, Goal
+from ecume.engine.contact import contacts as touching
+from ecume.engine.contact import projected_gauss_seidel
+from ecume.engine.contact.projected_gauss_seidel import CONVERGED, Goal
 from ecume.models.floating.forces import forces
 from ecume.models.floating.meeting import TOLERABLE, bodies_of
 from ecume.models.floating.pair_choice import summed_law
@@ -52,9 +52,9 @@ def solved(march: March, velocity: np.ndarray) -> tuple[int, float, float]:
     fastest = float(np.max(contacts.bound[:rows] - contacts.scratch[:rows]))
     goal = Goal(CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
     began = time.process_time()
-    sweeps = sweeping.solve(contacts, velocity, mobility, goal)
+    sweeps = projected_gauss_seidel.solve(contacts, velocity, mobility, goal)
     spent = time.process_time() - began
-    return sweeps, sweeping.residual(contacts, velocity) / fastest, spent
+    return sweeps, projected_gauss_seidel.residual(contacts, velocity) / fastest, spent
 
 
 def measured(size: int) -> None:

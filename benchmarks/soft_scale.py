@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from marching import machine
 
-from ecume.engine import sparse
+from ecume.engine.linear_solvers import solvers
 from ecume.models.soft import SOFT
 from ecume.models.soft.meeting import renew_contacts
 from ecume.models.soft.state import CLOCK
@@ -79,14 +79,14 @@ def packing(count: int, dimensions: int, solver: str = "auto") -> SoftScene:
 
 def watched() -> dict[str, int]:
     """How many systems each solver has solved from now on."""
-    systems = dict.fromkeys(sparse.SOLVERS, 0)
-    for name, solve in list(sparse.SOLVERS.items()):
+    systems = dict.fromkeys(solvers.SOLVERS, 0)
+    for name, solve in list(solvers.SOLVERS.items()):
 
-        def counted(*given: object, name: str = name, solve: sparse.Solve = solve) -> bool:
+        def counted(*given: object, name: str = name, solve: solvers.Solve = solve) -> bool:
             systems[name] += 1
             return solve(*given)  # type: ignore[arg-type]
 
-        sparse.SOLVERS[name] = counted
+        solvers.SOLVERS[name] = counted
     return systems
 
 

@@ -16,7 +16,7 @@ import numpy as np
 from marching import machine
 from soft_scale import packing
 
-from ecume.engine import sparse
+from ecume.engine.linear_solvers import solvers
 from ecume.errors import BadInput
 from ecume.models.soft import SOFT
 from ecume.models.soft.films import answer
@@ -59,7 +59,7 @@ def timed(name: str, scratch: Workspace) -> float:
     right, change = step.borders.right[:1], step.borders.change[:1]
     for _ in range(TRIES):
         begin = time.process_time()
-        if not sparse.SOLVERS[name](scratch.kept, step.matrix, right, change, 0):
+        if not solvers.SOLVERS[name](scratch.kept, step.matrix, right, change, 0):
             return float("nan")
         spent.append(time.process_time() - begin)
     return min(spent)
@@ -89,7 +89,7 @@ def main() -> None:
                     except BadInput:
                         times[name] = float("nan")
                 iterations = kept.iterations // max(kept.systems, 1)
-                swept, factored = iterations * sparse.operations_of_iteration(kept), sparse.work(kept)
+                swept, factored = iterations * solvers.operations_of_iteration(kept), solvers.work(kept)
                 told = " | ".join(f"{1e3 * one:.3g}" for one in times.values())
                 kind = "layer" if dimensions == 2 else "space"
                 print(

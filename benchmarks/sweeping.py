@@ -16,7 +16,7 @@ from pathlib import Path
 from marching import machine
 
 from ecume.sweep import sweep
-from ecume.sweep.executors import Crew
+from ecume.sweep.executors import ExecutorOptions
 
 POINTS = 200
 WANTED = 1.8
@@ -36,7 +36,9 @@ def seconds(file: Path, folder: Path, workers: int) -> float:
     """For all points, from the pace of those after the first few."""
     ends: list[float] = []
     done = sweep(
-        file, folder, Crew(workers=workers, progress=lambda done, _: ends.append(time.perf_counter()) if done else None)
+        file,
+        folder,
+        ExecutorOptions(workers=workers, progress=lambda done, _: ends.append(time.perf_counter()) if done else None),
     )
     assert not done.failed
     skipped = 4 * workers

@@ -13,9 +13,9 @@ from studies.delay_under_stress import AGES, SEEDS, STRAINS, geometric_mean, rec
 
 from ecume.laws.bubbles import bubble_force
 from ecume.laws.elasticity import PREFACTORS, surface_force
+from ecume.laws.friction import sliding_force
 from ecume.laws.interfaces import INTERFACES
-from ecume.laws.remote import REMOTE
-from ecume.laws.rubbing import sliding_force
+from ecume.laws.long_range import REMOTE
 from ecume.laws.soft_pair import SoftPair, passage_time
 from ecume.models.soft import t1_process
 from ecume.models.soft.schemes import SCHEMES

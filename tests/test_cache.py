@@ -48,7 +48,13 @@ def test_an_edited_law_is_compiled_anew_and_an_edit_elsewhere_compiles_nothing(t
 
 def test_the_march_hangs_on_its_laws_and_on_nothing_that_draws_or_reads():
     names = {path.relative_to(PACKAGE).as_posix() for path in _cache.sources(PACKAGE / "models/floating/stepping.py")}
-    assert {"_jit.py", "engine/contacts.py", "laws/capillarity.py", "laws/screened.py", "laws/special.py"} <= names
+    assert {
+        "_jit.py",
+        "engine/contact/contacts.py",
+        "laws/capillarity.py",
+        "laws/screened.py",
+        "laws/special.py",
+    } <= names
     assert {name.split("/")[0] for name in names}.isdisjoint({"show", "run", "cli", "scenes", "analysis"})
     assert "laws/states.py" not in names
 

@@ -16,37 +16,37 @@ import pytest
 
 import ecume.laws
 from ecume import _jit
-from ecume.laws import (
+from ecume.laws import (  # fmt: skip
     brownian,
     bubbles,
     capillarity,
     column,
     contact,
     diffusion,
+    dish_motion,
     drag,
     elasticity,
     ellipsoids,
     flotation,
     flows,
+    friction,
     images,
     interfaces,
     kernels,
+    long_range,
     lubrication,
     meniscus,
-    pace,
     quadrupoles,
-    remote,
-    rubbing,
     sloshing,
     soft_pair,
     special,
-    standoff,
     states,
-    swaying,
     tension,
+    time_step_limits,
     viscous,
+    wall_repulsion,
     waves,
-)  # fmt: skip
+)
 from ecume.units import Unit
 
 ROOT = Path(__file__).parents[2]
@@ -62,23 +62,24 @@ COMPILED = (
     viscous,
     diffusion,
     tension,
-    pace,
-    standoff,
+    time_step_limits,
+    wall_repulsion,
     lubrication,
-    remote,
+    long_range,
     quadrupoles,
     bubbles,
     interfaces,
-    rubbing,
-    swaying,
+    friction,
+    dish_motion,
 )
 RESCALED = (
     brownian,
     capillarity, contact, drag, meniscus, flotation.bodies, flotation.balance, flotation.closure, flotation.interaction,
     flotation.equilibria, flotation.shapes, flotation.rims, flotation.lying, flotation.bubbles, flotation.spheroids,
     flotation.plane, flotation.closeness, images,
-    states, column, viscous, diffusion, tension, pace, standoff, waves, sloshing, flows, lubrication, elasticity,
-    remote, soft_pair, quadrupoles, bubbles, interfaces, rubbing, ellipsoids, swaying,
+    states, column, viscous, diffusion, tension, time_step_limits, wall_repulsion, waves, sloshing, flows,
+    lubrication, elasticity,
+    long_range, soft_pair, quadrupoles, bubbles, interfaces, friction, ellipsoids, dish_motion,
 )  # fmt: skip
 LIQUID = flotation.Liquid(density=3.0, surface_tension=0.7, viscosity=0.2, gravity=1.9, gas_density=0.4)
 SAMPLES = {
@@ -260,10 +261,10 @@ TABLES = {
         quadrupoles.quadrupole_force,
         quadrupoles.quadrupole_torque,
     ],
-    "remote": [law for row in remote.REMOTE.values() for law in row],
+    "remote": [law for row in long_range.REMOTE.values() for law in row],
     "interfaces": list(interfaces.INTERFACES.values()),
 }
-UNCITED = {"no_wall_energy", "no_wall_force", "nonlinear_charge", *(law.__name__ for law in remote.REMOTE["none"])}
+UNCITED = {"no_wall_energy", "no_wall_force", "nonlinear_charge", *(law.__name__ for law in long_range.REMOTE["none"])}
 """No physics of their own."""
 
 

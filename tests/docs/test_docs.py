@@ -11,13 +11,13 @@ from urllib.parse import unquote
 import pytest
 
 from ecume.cli import app
-from ecume.engine.sparse import SOLVERS
+from ecume.engine.linear_solvers.solvers import SOLVERS
 from ecume.laws import drag, flotation
 from ecume.laws.capillarity import truncation_radius
 from ecume.laws.elasticity import PREFACTORS
+from ecume.laws.friction import FRICTIONS
 from ecume.laws.interfaces import INTERFACES
-from ecume.laws.remote import REMOTE
-from ecume.laws.rubbing import FRICTIONS
+from ecume.laws.long_range import REMOTE
 from ecume.laws.surfaces import SURFACES
 from ecume.models.soft.schemes import SCHEMES
 from ecume.scenes import floating

@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.optimize import nnls
 
-from ecume.engine import active_set, sweeping
-from ecume.engine.contacts import make_contacts
-from ecume.engine.sweeping import Goal
+from ecume.engine.contact import active_set, projected_gauss_seidel
+from ecume.engine.contact.contacts import make_contacts
+from ecume.engine.contact.projected_gauss_seidel import Goal
 
 sizes = st.tuples(st.integers(1, 12), st.integers(1, 12), st.integers(0, 2**32 - 1))
 
@@ -82,8 +82,8 @@ def test_the_velocities_of_a_braced_raft_are_the_nearest_ones_allowed(rings, see
 def test_any_braced_raft_converges(rings, seed):
     contacts, start, mobility = raft(rings, seed)
     velocity = start.copy()
-    sweeps = sweeping.solve(contacts, velocity, mobility, Goal(1e-9, 1e-7))
-    assert sweeps <= sweeping.MOST_SWEEPS
+    sweeps = projected_gauss_seidel.solve(contacts, velocity, mobility, Goal(1e-9, 1e-7))
+    assert sweeps <= projected_gauss_seidel.MOST_SWEEPS
     wrong, unexplained = optimality(contacts, start, velocity, mobility)
     assert wrong <= 1e-7
     assert unexplained < 1e-12
@@ -113,7 +113,7 @@ def test_an_island_is_solved_without_touching_the_others(seed):
             getattr(both, name)[rows] = getattr(one, name)[:total]
     starts, mobilities = np.concatenate([start, 2.0 * start]), np.concatenate([mobility, mobility])
     velocity = starts.copy()
-    assert sweeping.solve_exactly(both, (total, 2 * total), velocity, mobilities, Goal(1e-12, 1e-12))
+    assert projected_gauss_seidel.solve_exactly(both, (total, 2 * total), velocity, mobilities, Goal(1e-12, 1e-12))
     np.testing.assert_array_equal(velocity[:count], starts[:count])
     assert not both.impulse[:total].any()
     one.impulse[:total] = both.impulse[total : 2 * total]
@@ -128,6 +128,6 @@ def test_what_cannot_be_solved_is_left_as_it_was():
     contacts.bound[: contacts.total[0]] = 1.0
     velocity = start.copy()
     span = (0, int(contacts.total[0]))
-    assert not sweeping.solve_exactly(contacts, span, velocity, mobility, Goal(1e-12, 1e-12))
+    assert not projected_gauss_seidel.solve_exactly(contacts, span, velocity, mobility, Goal(1e-12, 1e-12))
     np.testing.assert_array_equal(velocity, start)
     assert not contacts.impulse.any()

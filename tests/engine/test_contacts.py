@@ -1,12 +1,12 @@
 import numpy as np
 import pytest
 
-from ecume.engine import contacts as touching
-from ecume.engine import sweeping
-from ecume.engine.contacts import Bodies
-from ecume.engine.keyed import Memory
+from ecume.engine.contact import contacts as touching
+from ecume.engine.contact import projected_gauss_seidel
+from ecume.engine.contact.contacts import Bodies
+from ecume.engine.contact.projected_gauss_seidel import Goal
+from ecume.engine.contact.warm_start import Memory
 from ecume.engine.placement import place_on_lattice
-from ecume.engine.sweeping import Goal
 from ecume.engine.walls.dishes import disc, no_walls
 
 
@@ -37,7 +37,7 @@ def test_solved_contacts_let_nobody_through_and_pull_nobody():
     position, velocity = a_raft()
     mobility = np.random.default_rng(1).uniform(0.5, 2.0, len(position))
     contacts = gathered(position, np.ones(len(position)), no_walls(), mobility)
-    sweeping.solve(contacts, velocity, mobility, Goal(1e-10, 0.0))
+    projected_gauss_seidel.solve(contacts, velocity, mobility, Goal(1e-10, 0.0))
     speed, rows = np.zeros(len(contacts.gap)), contacts.total[0]
     touching.approaches(contacts, velocity, speed)
     assert np.min(speed[:rows]) > -1e-10
@@ -50,7 +50,7 @@ def test_impulses_conserve_momentum_to_rounding_however_unlike_the_masses():
     mass = 10.0 ** np.random.default_rng(2).uniform(-2, 2, len(position))
     before = mass @ velocity
     contacts = gathered(position, np.ones(len(position)), no_walls(), 1.0 / mass)
-    sweeping.solve(contacts, velocity, 1.0 / mass, Goal(1e-9, 0.0))
+    projected_gauss_seidel.solve(contacts, velocity, 1.0 / mass, Goal(1e-9, 0.0))
     assert mass @ velocity == pytest.approx(before, abs=1e-13 * np.sum(mass * np.abs(velocity[:, 0])))
 
 
@@ -58,7 +58,7 @@ def test_plastic_contacts_never_add_kinetic_energy():
     position, velocity = a_raft()
     before = np.sum(velocity**2)
     contacts = gathered(position, np.ones(len(position)), no_walls(), np.ones(len(position)))
-    sweeping.solve(contacts, velocity, np.ones(len(position)), Goal(1e-10, 0.0))
+    projected_gauss_seidel.solve(contacts, velocity, np.ones(len(position)), Goal(1e-10, 0.0))
     assert np.sum(velocity**2) < before
 
 
@@ -76,7 +76,7 @@ def test_the_solution_is_that_of_a_general_quadratic_solver():
         jacobian[row, 2 * j : 2 * j + 2] += contacts.normal[row]
     impulses, _ = nnls(jacobian.T, -velocity.ravel(), maxiter=1000)
     expected = velocity.ravel() + jacobian.T @ impulses
-    sweeping.solve(contacts, velocity, mobility, Goal(1e-12, 0.0))
+    projected_gauss_seidel.solve(contacts, velocity, mobility, Goal(1e-12, 0.0))
     assert velocity.ravel() == pytest.approx(expected, abs=1e-9)
 
 
@@ -85,7 +85,7 @@ def test_a_wall_stops_what_leans_on_it_through_others():
     velocity = np.array([[1.0, 0.0], [1.0, 0.0], [1.0, 0.0], [0.0, 0.0]])
     mobility = np.array([1.0, 1.0, 1.0, 0.0])
     contacts = gathered(position, np.ones(3), disc(5.0), mobility)
-    sweeping.solve(contacts, velocity, mobility, Goal(1e-12, 0.0))
+    projected_gauss_seidel.solve(contacts, velocity, mobility, Goal(1e-12, 0.0))
     assert velocity[:, 0] == pytest.approx(np.zeros(4), abs=1e-11)
 
 
@@ -94,11 +94,11 @@ def test_a_warm_start_from_the_solution_needs_one_sweep():
     mobility = np.ones(len(position))
     contacts = gathered(position, np.ones(len(position)), no_walls(), mobility)
     memory = Memory(np.zeros(1, np.int64), np.zeros((300, 2), np.int64), np.zeros(300))
-    cold = sweeping.solve(contacts, velocity.copy(), mobility, Goal(1e-9, 0.0))
+    cold = projected_gauss_seidel.solve(contacts, velocity.copy(), mobility, Goal(1e-9, 0.0))
     touching.remember(contacts, memory)
     contacts.impulse[:] = 0.0
     touching.recall(contacts, memory)
-    assert sweeping.solve(contacts, velocity.copy(), mobility, Goal(1e-9, 0.0)) == 1 < cold
+    assert projected_gauss_seidel.solve(contacts, velocity.copy(), mobility, Goal(1e-9, 0.0)) == 1 < cold
 
 
 def test_impulses_are_recalled_for_the_pairs_they_belong_to():
@@ -173,15 +173,15 @@ def test_each_island_is_solved_as_if_it_were_alone(colliding):
     for pair in colliding:
         velocity[2 * pair : 2 * pair + 2] = [[0.1, 1.0], [0.2, -1.0 - 0.1 * pair]]
     contacts = gathered(position, np.ones(len(position)), dish, mobility)
-    assert contacts.total[0] >= sweeping.MANY
+    assert contacts.total[0] >= projected_gauss_seidel.MANY
     together = velocity.copy()
-    sweeping.solve(contacts, together, mobility, Goal(1e-12, 0.0))
+    projected_gauss_seidel.solve(contacts, together, mobility, Goal(1e-12, 0.0))
     assert (contacts.impulse > 0.0).any() == bool(colliding)
     for pair in range(len(position) // 2):
         both = [2 * pair, 2 * pair + 1]
         alone = np.vstack([velocity[both], np.zeros((1, 2))])
         rows = gathered(position[both], np.ones(2), dish, np.append(mobility[both], 0.0))
-        sweeping.solve(rows, alone, np.append(mobility[both], 0.0), Goal(1e-12, 0.0))
+        projected_gauss_seidel.solve(rows, alone, np.append(mobility[both], 0.0), Goal(1e-12, 0.0))
         assert np.array_equal(together[both], alone[:2])
     assert not together[-1].any()
 
@@ -198,14 +198,14 @@ def two_rows_of_forty():
 def test_islands_hang_together_by_floats_and_not_by_walls():
     contacts, mobility = two_rows_of_forty()
     assert (contacts.second[: contacts.total[0]] == 80).sum() == 2
-    assert len(sweeping.islands_of(contacts, mobility).rows) == 0, "nobody pushes"
+    assert len(projected_gauss_seidel.islands_of(contacts, mobility).rows) == 0, "nobody pushes"
     contacts.impulse[1] = 1.0  # between the second and the third
-    one = sweeping.islands_of(contacts, mobility)
+    one = projected_gauss_seidel.islands_of(contacts, mobility)
     assert len(one.first) == 2
     assert set(contacts.first[one.rows]) | set(contacts.second[one.rows]) == {*range(40), 80}
     assert (np.diff(one.rows) > 0).all()
     contacts.change[contacts.total[0] - 1] = -1.0
-    both = sweeping.islands_of(contacts, mobility)
+    both = projected_gauss_seidel.islands_of(contacts, mobility)
     assert list(both.first) == [0, 40, 80]
     assert sorted(both.rows) == list(range(80))
 
@@ -214,7 +214,7 @@ def test_a_float_that_is_pinned_parts_islands():
     contacts, mobility = two_rows_of_forty()
     contacts.impulse[:] = 1.0
     mobility[20] = 0.0
-    assert [len(part) for part in parts_of(sweeping.islands_of(contacts, mobility))] == [21, 19, 40]
+    assert [len(part) for part in parts_of(projected_gauss_seidel.islands_of(contacts, mobility))] == [21, 19, 40]
 
 
 def parts_of(islands):

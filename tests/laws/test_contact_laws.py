@@ -24,13 +24,6 @@ def test_an_elastic_collision_keeps_energy():
 
 def test_bodies_that_part_are_left_alone():
     assert contact.impulse(-1.0, 1.0, 1.0, 1.0) == 0.0
-    assert contact.wall_impulse(-1.0, 1.0, 1.0) == 0.0
-    assert contact.rebound(-1.0, 0.5) == -1.0
-
-
-def test_a_wall_is_a_body_of_boundless_mass():
-    assert contact.wall_impulse(2.0, 0.5, 0.4) == pytest.approx(contact.impulse(2.0, 0.5, 1e15, 0.4), rel=1e-12)
-    assert contact.rebound(2.0, 0.4) == pytest.approx(2.0 - contact.wall_impulse(2.0, 0.5, 0.4) / 0.5)
 
 
 def test_the_original_coefficient_below_one_half_lets_bodies_sink_into_each_other():

@@ -18,8 +18,8 @@ from ecume.laws.bubbles import (
     stiffening,
 )
 from ecume.laws.elasticity import reduced_radius
+from ecume.laws.friction import holding_force, limit_slope, sliding_force, sliding_slope, touching, touching_power
 from ecume.laws.interfaces import INTERFACES, drop_factor, drop_power, mobility
-from ecume.laws.rubbing import holding_force, limit_slope, sliding_force, sliding_slope, touching, touching_power
 
 PAIRS = {"equal": (2.0, 0.5), "unequal": (1.3, reduced_radius(0.4, 0.9)), "wall": (0.7, 0.7)}
 each_pair = pytest.mark.parametrize("body", PAIRS.values(), ids=PAIRS)

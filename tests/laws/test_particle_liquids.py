@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from ecume.laws import column, diffusion, pace, states, tension, viscous
+from ecume.laws import column, diffusion, states, tension, time_step_limits, viscous
 from ecume.laws.kernels import kernel
 
 
@@ -167,7 +167,7 @@ def test_a_drop_s_pressure_is_laplace_s():
 
 
 def test_time_steps_shrink_with_what_limits_them():
-    assert pace.acoustic_limit(0.1, 20.0, 5.0) == pytest.approx(0.001)
-    assert pace.viscous_limit(0.1, 2e-3) == pytest.approx(0.625)
-    assert pace.force_limit(0.09, 9.0) == pytest.approx(0.025)
-    assert pace.tension_limit(0.1, 1000.0, 0.05) == pytest.approx(math.sqrt(1.0 / (0.1 * math.pi)))
+    assert time_step_limits.acoustic_limit(0.1, 20.0, 5.0) == pytest.approx(0.001)
+    assert time_step_limits.viscous_limit(0.1, 2e-3) == pytest.approx(0.625)
+    assert time_step_limits.force_limit(0.09, 9.0) == pytest.approx(0.025)
+    assert time_step_limits.tension_limit(0.1, 1000.0, 0.05) == pytest.approx(math.sqrt(1.0 / (0.1 * math.pi)))

@@ -16,8 +16,8 @@ from ecume.laws.elasticity import (
     surface_energy,
     surface_force,
 )
+from ecume.laws.long_range import REMOTE
 from ecume.laws.lubrication import shear_friction, squeeze_friction
-from ecume.laws.remote import REMOTE
 from ecume.laws.soft_pair import (
     SoftPair,
     crossover_gap,

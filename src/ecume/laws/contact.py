@@ -1,4 +1,8 @@
-"""Collisions, as scalar laws for the contact solver. A speed of approach is positive when the gap closes."""
+"""Collisions of two bodies, by impulses or by springs and dashpots. Speeds of approach are positive as a gap closes.
+
+The contact solver (`ecume.engine.contact`) finds the impulses of all contacts at once; for two bodies alone they are
+those of `impulse`.
+"""
 
 from __future__ import annotations
 
@@ -16,33 +20,15 @@ def impulse(approach_speed: Speed, mass_i: Mass, mass_j: Mass, restitution: Numb
     """Impulse along the line of centers that makes two bodies part; zero when they part already.
 
     J = (1 + e) v m_i m_j / (m_i + m_j), taken from one body and given to the other, so that momentum is kept.
-    [moreau1988]; [canbraun2022, eq. 32 to 34] is the elastic case, e = 1.
+    A wall is the limit of an infinite mass. [moreau1988]; [canbraun2022, eq. 32 to 34] is the elastic case, e = 1.
+
+    Erratum: [canbraun2022, eq. 35 and 36], for a wall, reverse the speed without asking for its sign, and slow the
+    tangential part as well.
 
     >>> impulse(2.0, 1.0, 1.0, 1.0)
     2.0
     """
     return (1.0 + restitution) * max(approach_speed, 0.0) * (mass_i * mass_j / (mass_i + mass_j))
-
-
-def wall_impulse(approach_speed: Speed, mass: Mass, restitution: Number) -> Impulse:
-    """Impulse of a wall, away from it: J = (1 + e) v m; zero for a body that leaves. [moreau1988].
-
-    >>> wall_impulse(2.0, 1.0, 0.5)
-    3.0
-    """
-    return (1.0 + restitution) * max(approach_speed, 0.0) * mass
-
-
-def rebound(approach_speed: Speed, restitution: Number) -> Speed:
-    """Speed of approach after a collision: -e v when approaching, unchanged otherwise. [moreau1988].
-
-    Erratum: [canbraun2022, eq. 35 and 36] turn the speed round without asking for its sign, and slow the tangential
-    part as well.
-
-    >>> rebound(2.0, 0.5), rebound(-2.0, 0.5)
-    (-1.0, -2.0)
-    """
-    return -restitution * approach_speed if approach_speed > 0.0 else approach_speed
 
 
 def legacy_restitution(coefficient: Number) -> Number:

@@ -25,7 +25,7 @@ from ecume.errors import BadInput, EcumeError
 from ecume.run.stop_requests import SIGNALS
 
 if TYPE_CHECKING:
-    from ecume.engine.sharing import Share
+    from ecume.engine.mpi_exchange import Share
     from ecume.models.model import Model
 
 MARCH, WORKSPACE, END = range(3)
@@ -47,7 +47,7 @@ def share_of(ranks: Any) -> Share:
     """The part of the rank that asks."""
     from mpi4py import MPI
 
-    from ecume.engine.sharing import Share
+    from ecume.engine.mpi_exchange import Share
 
     kinds = {"d": MPI.DOUBLE, "f": MPI.FLOAT, "l": MPI.INT64_T, "q": MPI.INT64_T}
 

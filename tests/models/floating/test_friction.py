@@ -7,7 +7,7 @@ import pytest
 
 from ecume import _jit
 from ecume.errors import SceneError
-from ecume.laws.turning import sphere_inertia, sphere_turning_friction, turning_factor
+from ecume.laws.rotation import sphere_inertia, sphere_turning_friction, turning_factor
 from ecume.models import MODELS
 from ecume.models.floating.kinds import kinds_afloat
 from ecume.simulation import moments, simulate

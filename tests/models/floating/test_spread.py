@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from ecume.engine import sweeping
-from ecume.engine.sharing import Share
+from ecume.engine.contact import projected_gauss_seidel
+from ecume.engine.mpi_exchange import Share
 from ecume.errors import BadInput
 from ecume.models.floating import FLOATING, spread
 from ecume.models.floating.spread import complete, march_shared, require_spreadable
@@ -84,7 +84,7 @@ def _small_crowds_are_shared(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(spread, "THREADS_FROM", 1)
     if os.environ.get("NUMBA_DISABLE_JIT") == "1":  # what is compiled keeps its constants
         monkeypatch.setattr(spread, "FEW_CONTACTS", 1)
-        monkeypatch.setattr(sweeping, "MANY", 1)
+        monkeypatch.setattr(projected_gauss_seidel, "MANY", 1)
 
 
 def copied(state: Any) -> Any:

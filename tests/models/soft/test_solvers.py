@@ -5,7 +5,7 @@ import sys
 import numpy as np
 import pytest
 
-from ecume.engine import fronts, sparse
+from ecume.engine.linear_solvers import solvers
 from ecume.errors import SceneError
 from ecume.models.soft import SOFT, solving
 from ecume.models.soft.films import answer
@@ -50,17 +50,17 @@ def test_every_solver_gives_the_velocities_that_elimination_gives(name, dimensio
     drag = {"viscosity": 1e-3, "drag": True}
     matrix, right = stage(packing(dimensions, 20, filled, rotation=rotation, liquid=drag), 0.3)
     wanted, found = np.zeros((2, *right.shape))
-    kept = sparse.Kept(matrix.pattern, right.shape[2], accuracy=1e-13)
-    assert sparse.SOLVERS["dense"](kept, matrix, right, wanted, 0)
-    assert sparse.SOLVERS[name](kept, matrix, right, found, 0)
+    kept = solvers.Kept(matrix.pattern, right.shape[2], dimensions, accuracy=1e-13)
+    assert solvers.SOLVERS["dense"](kept, matrix, right, wanted, 0)
+    assert solvers.SOLVERS[name](kept, matrix, right, found, 0)
     assert np.abs(found - wanted).max() < 1e-10 * np.abs(wanted).max()
 
 
 def test_the_solver_is_the_one_that_does_less_and_gradients_are_tried_again_after_a_while(monkeypatch):
-    monkeypatch.setattr(sparse, "FEW", 0)
+    monkeypatch.setattr(solvers, "FEW", 0)
     parameters, state, scratch = started(packing(count=40))
-    direct = sparse.DENSER * fronts.operations(sparse.plan_of(scratch.kept))
-    even = int(direct / sparse.operations_of_iteration(scratch.kept))
+    direct = solvers.DENSER * solvers.work(scratch.kept)
+    even = int(direct / solvers.operations_of_iteration(scratch.kept))
     for iterations, wanted in ((0, "iterative"), (even, "iterative"), (even + 1, "direct"), (2000, "direct")):
         state.effort[:] = iterations, 0, 0
         assert choices(parameters, scratch.kept, state.effort)[0] == wanted
@@ -81,32 +81,24 @@ def test_a_factorization_that_would_take_too_long_never_stands_in(monkeypatch):
     assert choices(parameters, scratch.kept, state.effort) == ("direct", "iterative")
     state.effort[:] = 1, 0, 9
     assert choices(parameters, scratch.kept, state.effort) == ("iterative", "direct")
-    monkeypatch.setattr(sparse, "MOST_WORK", 1.0)
+    monkeypatch.setattr(solvers, "MOST_WORK", 1.0)
     assert choices(parameters, scratch.kept, state.effort) == ("iterative",)
 
 
 def test_a_factorization_stands_in_where_gradients_give_up_however_short_the_step(monkeypatch):
-    monkeypatch.setattr(sparse, "MOST_ITERATIONS", 1)
+    monkeypatch.setattr(solvers, "MOST_ITERATIONS", 1)
     scene = packing(count=30, strain=1e-3, duration=0.2)
     auto = marched(scene)[1]
     assert auto.tally[FAILED] >= solving.PATIENCE
     assert auto.position == pytest.approx(marched(solved_by(scene, "direct"))[1].position, abs=1e-6)
 
 
-def test_a_plan_is_made_once_for_as_long_as_contacts_stay(monkeypatch):
-    made = []
-    plan = fronts.plan
-    monkeypatch.setattr(fronts, "plan", lambda *given: made.append(plan(*given)) or made[-1])
-    _, state = marched(solved_by(packing(count=30, strain=0.02, duration=4.0), "direct"), parts=10**9)
-    assert 1 <= len(made) <= state.generation[0] + 1 < state.tally[0]
-
-
 def test_interruptions_change_no_bit_while_solvers_take_turns(monkeypatch):
-    monkeypatch.setattr(sparse, "DENSER", 0.0)
-    monkeypatch.setattr(sparse, "FEW", 0)
+    monkeypatch.setattr(solvers, "DENSER", 0.0)
+    monkeypatch.setattr(solvers, "FEW", 0)
     monkeypatch.setattr(solving, "AGAIN", 3)
-    tried, directly = [], sparse.directly
-    monkeypatch.setitem(sparse.SOLVERS, "direct", lambda *given: tried.append(given[0]) or directly(*given))
+    tried, directly = [], solvers.directly
+    monkeypatch.setitem(solvers.SOLVERS, "direct", lambda *given: tried.append(given[0]) or directly(*given))
     scene = packing(count=25, strain=0.1, duration=10.0, frame_every=1.0)
     whole, pieces = marched(scene, parts=10**9)[1], marched(scene, parts=1)[1]
     assert tried

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from ecume.analysis.rheology import stress_tensor
-from ecume.engine.sparse import SOLVERS
+from ecume.engine.linear_solvers.solvers import SOLVERS
 from ecume.errors import SceneError
 from ecume.models.soft import SOFT, newton, stages
 from ecume.models.soft.cell import Goal

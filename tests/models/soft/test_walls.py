@@ -8,7 +8,7 @@ from importlib.resources import files
 import numpy as np
 import pytest
 
-from ecume.engine.sparse import SOLVERS
+from ecume.engine.linear_solvers.solvers import SOLVERS
 from ecume.errors import SceneError
 from ecume.laws.drag import stokes_friction
 from ecume.laws.soft_pair import SoftPair, passage_time

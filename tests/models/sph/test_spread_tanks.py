@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from ecume.engine.sharing import Share
+from ecume.engine.mpi_exchange import Share
 from ecume.errors import BadInput
 from ecume.models.model import DONE
 from ecume.models.sph import SPH

@@ -41,8 +41,10 @@ def lying_load(radius: Number, contact_angle: Angle, slope_angle: Angle) -> Load
 
 
 def lying_floating(lying: HorizontalCylinder, liquid: Liquid, theory: str) -> Floating:
-    """A lying lying. "linear": psi = (B/2) (pi D - pi + theta - sin(2 theta)/2); "closed-form" keeps its heave and
-    filling, which count as sqrt(B). [vella2005].
+    """How a lying cylinder floats.
+
+    "linear": psi = (B/2) (pi D - pi + theta - sin(2 theta)/2); "closed-form" keeps its heave and filling, which count
+    as sqrt(B). [vella2005].
     """
     radius = lying.radius / liquid.capillary_length
     ratio = (lying.density - liquid.gas_density) / liquid.density_difference

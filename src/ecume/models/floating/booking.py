@@ -12,8 +12,8 @@ from __future__ import annotations
 import math
 
 from ecume._jit import compiled
+from ecume.laws.dish_motion import left_behind, sway_acceleration, sway_velocity
 from ecume.laws.drag import schiller_naumann_factor
-from ecume.laws.swaying import left_behind, sway_acceleration, sway_velocity
 from ecume.models.floating.currents import current_at, straight_current
 from ecume.models.floating.parameters import OVERDAMPED, Parameters
 from ecume.models.floating.state import WORK, State, Workspace

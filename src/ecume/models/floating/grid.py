@@ -18,12 +18,12 @@ from scipy import fft
 
 from ecume._jit import compiled
 from ecume._portable import exp, log, power, sinc
-from ecume.engine import splines
+from ecume.engine import grid_splines
 from ecume.engine.cells import Integers
 from ecume.engine.neighbors import NeighborLists, Slots
-from ecume.laws import split as splitting
+from ecume.laws import ewald as splitting
+from ecume.laws.ewald import smooth_self_energy, smooth_wave, smooth_wave_within
 from ecume.laws.pair_laws import Short
-from ecume.laws.split import smooth_self_energy, smooth_wave, smooth_wave_within
 from ecume.models.floating.forces import Sorted, forces
 from ecume.models.floating.pair_choice import law_in_precision
 from ecume.models.floating.parameters import (
@@ -112,9 +112,9 @@ def _undone(phase: Array, order: int) -> Array:
 
 def transformed(split: Split, position: Array, charge: Array, grid: Grid, length: float) -> tuple[Any, Any, Waves]:
     """Where everyone is on the grid, the transform of the smooth potential, and the waves."""
-    spread = splines.spread_out(position, grid.low, split.spacing, grid.shape[0], split.order)
+    spread = grid_splines.spread_out(position, grid.low, split.spacing, grid.shape[0], split.order)
     waves = waves_of(grid.shape, split.spacing / length, split.eta, split.order, grid.reach)
-    spectrum = fft.rfft2(splines.density(spread, charge, grid.shape), workers=WORKERS)
+    spectrum = fft.rfft2(grid_splines.density(spread, charge, grid.shape), workers=WORKERS)
     spectrum *= waves.potential
     return spread, spectrum, waves
 
@@ -127,7 +127,7 @@ def add_smooth_forces(parameters: Parameters, split: Split, position: Array, gri
         fft.irfft2(1j * wavenumber * spectrum, s=grid.shape, workers=WORKERS)
         for wavenumber in (waves.along, waves.across)
     ])  # fmt: skip
-    force += float(parameters.pair[STRENGTH]) / length * charge[:, None] * splines.fields(spread, slopes)
+    force += float(parameters.pair[STRENGTH]) / length * charge[:, None] * grid_splines.fields(spread, slopes)
 
 
 def split_energy(parameters: Parameters, state: State, workspace: Workspace) -> float:
@@ -138,7 +138,7 @@ def split_energy(parameters: Parameters, state: State, workspace: Workspace) -> 
     spread, spectrum, _ = transformed(split, state.position, charge, grid, length)
     potential = fft.irfft2(spectrum, s=grid.shape, workers=WORKERS)[None]
     own = smooth_self_energy(split.eta) * charge
-    smooth = 0.5 * float(np.sum(charge * (splines.fields(spread, potential)[:, 0] - own)))
+    smooth = 0.5 * float(np.sum(charge * (grid_splines.fields(spread, potential)[:, 0] - own)))
     listed = rows.first, rows.neighbor, workspace.lists.cells.order
     short = sum_of_short_energies(state.position, charge, listed, *_short_table(pair, split.short, split.eta))
     return -float(pair[STRENGTH]) * (smooth + short)

@@ -14,11 +14,11 @@ from collections.abc import Callable
 import numpy as np
 
 from ecume._jit import compiled, inlined
-from ecume.engine import contacts as touching
-from ecume.engine import sweeping
-from ecume.engine.contacts import Bodies, Contacts
-from ecume.engine.keyed import Memory
-from ecume.engine.sweeping import Goal
+from ecume.engine.contact import contacts as touching
+from ecume.engine.contact import projected_gauss_seidel
+from ecume.engine.contact.contacts import Bodies, Contacts
+from ecume.engine.contact.projected_gauss_seidel import Goal
+from ecume.engine.contact.warm_start import Memory
 from ecume.models.floating.parameters import LEGACY, Parameters
 from ecume.models.floating.schemes import copy_rows
 from ecume.models.floating.state import COLLISIONS, DEEPEST, SWEEPS, UNCONVERGED, State, Workspace
@@ -100,7 +100,7 @@ def bounce_with(
     if fastest <= 0.0:
         return
     push_nobody(contacts)
-    goal = Goal(sweeping.CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
+    goal = Goal(projected_gauss_seidel.CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
     state.tally[SWEEPS] += stop(parameters, workspace, before, goal)
     share_restitution(parameters, contacts, of_float)
     state.tally[COLLISIONS] += thrown_back(contacts, of_float)
@@ -129,7 +129,7 @@ def thrown_back(contacts: Contacts, of_float: Array) -> float:
 def solve_smooth(parameters: Parameters, workspace: Workspace, velocity: Array, goal: Goal) -> int:
     """Contacts without friction: how many sweeps their solution takes."""
     touching.weigh(workspace.contacts, parameters.kick.mobility)
-    return sweeping.solve(workspace.contacts, velocity, parameters.kick.mobility, goal)
+    return projected_gauss_seidel.solve(workspace.contacts, velocity, parameters.kick.mobility, goal)
 
 
 @compiled
@@ -160,7 +160,7 @@ def goal_of(parameters: Parameters, contacts: Contacts, velocity: Array) -> Goal
     fastest = 0.0
     for row in range(contacts.total[0]):
         fastest = max(fastest, contacts.bound[row] - contacts.scratch[row])
-    return Goal(sweeping.CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
+    return Goal(projected_gauss_seidel.CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
 
 
 @inlined
@@ -177,7 +177,7 @@ def solve_contacts_with(
     else:
         push_nobody(contacts)
     state.tally[SWEEPS] += sweeps
-    state.tally[UNCONVERGED] += 1.0 if sweeps > sweeping.MOST_SWEEPS else 0.0
+    state.tally[UNCONVERGED] += 1.0 if sweeps > projected_gauss_seidel.MOST_SWEEPS else 0.0
     touching.remember(contacts, memory)
 
 

@@ -9,11 +9,11 @@ import numpy as np
 
 from ecume._jit import compiled
 from ecume.engine.cells import Integers
-from ecume.engine.contacts import Candidates
+from ecume.engine.contact.contacts import Candidates
 from ecume.engine.neighbors import Slots
 from ecume.engine.walls import Walls, wall_count, wall_distance
 from ecume.laws.capillarity import dish_energy, plane_wall_energy, two_point_legacy_energy
-from ecume.laws.swaying import sway_place
+from ecume.laws.dish_motion import sway_place
 from ecume.models.floating.booking import is_driven
 from ecume.models.floating.interacting import inertia_of, interaction_energies, sums_pairs, turns
 from ecume.models.floating.many import Many

@@ -17,12 +17,12 @@ from ecume._fused import lane_sum
 from ecume._jit import admit, by_type, compiled, compiled_inside, prange, threaded
 from ecume.engine.cells import Integers
 from ecume.engine.neighbors import STRETCHES, THREADS_FROM, Rows
-from ecume.laws import capillarity, dipoles, pair_laws, screened, special, split
+from ecume.laws import capillarity, dipoles, ewald, pair_laws, screened, special
 from ecume.laws.pair_laws import row_of
 from ecume.models.floating.parameters import CAPILLARY_LENGTH, CUTOFF, SURFACE_TENSION, PairParameters
 from ecume.units import Array
 
-admit(capillarity, dipoles, pair_laws, screened, special, split)
+admit(capillarity, dipoles, pair_laws, screened, special, ewald)
 
 PADDED = 8
 """Neighbors are padded to a multiple of the vector width, since what is left over runs one by one."""

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from ecume.errors import Fault, SceneError
-from ecume.laws import drag, flotation, turning
+from ecume.laws import drag, flotation, rotation
 from ecume.models.floating.kinds import Afloat, distinct_kinds
 from ecume.models.floating.pair_choice import require
 from ecume.models.floating.parameters import IMPULSE, OVERDAMPED, RARE, VELOCITY_VERLET, Parameters
@@ -38,8 +38,8 @@ def with_friction(parameters: Parameters, scene: FloatingScene) -> Parameters:
 def inertia_of(kind: Afloat) -> float:
     """The moment of inertia of one of a kind about the vertical (kg m^2); added mass is not a part of it."""
     if isinstance(kind.body, flotation.Disc):
-        return turning.disc_inertia(kind.mass, kind.body.radius)
-    return turning.sphere_inertia(kind.density * 4.0 / 3.0 * math.pi * kind.radius**3, kind.radius)
+        return rotation.disc_inertia(kind.mass, kind.body.radius)
+    return rotation.sphere_inertia(kind.density * 4.0 / 3.0 * math.pi * kind.radius**3, kind.radius)
 
 
 def turning_friction_of(kind: Afloat, scene: FloatingScene) -> float:
@@ -48,7 +48,7 @@ def turning_friction_of(kind: Afloat, scene: FloatingScene) -> float:
     if isinstance(kind.body, flotation.Disc):
         return drag.disc_turning_friction(kind.body.radius, viscosity)
     depth = min(max(math.pi - kind.equilibrium.filling_angle, 0.0), math.pi)
-    return turning.sphere_turning_friction(kind.radius, viscosity, float(turning.turning_factor(depth)))
+    return rotation.sphere_turning_friction(kind.radius, viscosity, float(rotation.turning_factor(depth)))
 
 
 def spin_kick(parameters: Parameters, inertia: Array, friction: Array) -> tuple[Array, Array]:

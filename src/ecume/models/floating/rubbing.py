@@ -12,10 +12,10 @@ from typing import NamedTuple
 import numpy as np
 
 from ecume._jit import compiled
-from ecume.engine import contacts as touching
-from ecume.engine import rubbing as rubs
-from ecume.engine.rubbing import Motion, Rubbing
-from ecume.engine.sweeping import Goal
+from ecume.engine.contact import contacts as touching
+from ecume.engine.contact import friction as rubs
+from ecume.engine.contact.friction import Motion, Rubbing
+from ecume.engine.contact.projected_gauss_seidel import Goal
 from ecume.models.floating.meeting import bounce_with, meet_with, memory_of, rest_with, solve_contacts_with
 from ecume.models.floating.parameters import VELOCITY_VERLET, Parameters
 from ecume.models.floating.state import State, Workspace

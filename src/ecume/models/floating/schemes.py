@@ -8,16 +8,16 @@ from typing import Any
 
 from ecume._jit import admit, compiled, inlined
 from ecume.engine.philox import counter_of, normals
-from ecume.laws import brownian, drag, swaying
+from ecume.laws import brownian, dish_motion, drag
 from ecume.laws.brownian import diffusivity
+from ecume.laws.dish_motion import left_behind, sway_acceleration, sway_velocity
 from ecume.laws.drag import schiller_naumann_factor
-from ecume.laws.swaying import left_behind, sway_acceleration, sway_velocity
 from ecume.models.floating.currents import current_at
 from ecume.models.floating.parameters import EXPLICIT_EULER, OVERDAMPED, RK4, VELOCITY_VERLET, Kick, Parameters
 from ecume.models.floating.state import State, Workspace
 from ecume.units import Array
 
-admit(brownian, drag, swaying)
+admit(brownian, drag, dish_motion)
 
 
 @compiled

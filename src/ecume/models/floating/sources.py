@@ -11,6 +11,7 @@ from ecume.laws import (
     dipoles,
     drag,
     ellipsoids,
+    ewald,
     flotation,
     images,
     lines,
@@ -18,7 +19,6 @@ from ecume.laws import (
     multipole,
     pair_laws,
     quadrupoles,
-    split,
 )
 from ecume.models.model import Source
 
@@ -30,7 +30,7 @@ def laws_of(scene: Any) -> list[Source]:
     row = pair_laws.PAIR_LAWS.get(str(scene.interaction.law))
     laws += row.papers if row is not None else ()
     laws += [multipole.solve] if scene.interaction.method != "superposition" else []
-    laws += [split.short_energy, split.smooth_wave, split.grid_error] if scene.interaction.sum == "grid" else []
+    laws += [ewald.short_energy, ewald.smooth_wave, ewald.grid_error] if scene.interaction.sum == "grid" else []
     magnets = any(given.magnetic_moment for given in (*scene.floats, *scene.rows))
     laws += [dipoles.dipole_force] if magnets else []
     if scene.dish is not None:

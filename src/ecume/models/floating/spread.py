@@ -17,10 +17,12 @@ from typing import Any
 import numpy as np
 
 from ecume._jit import plainly
-from ecume.engine import contacts as touching
-from ecume.engine import sweeping
 from ecume.engine.cells import Integers
-from ecume.engine.contacts import Candidates, Contacts
+from ecume.engine.contact import contacts as touching
+from ecume.engine.contact import projected_gauss_seidel
+from ecume.engine.contact.contacts import Candidates, Contacts
+from ecume.engine.contact.projected_gauss_seidel import Goal
+from ecume.engine.mpi_exchange import Share
 from ecume.engine.neighbors import (
     STRETCHES,
     THREADS_FROM,
@@ -31,8 +33,6 @@ from ecume.engine.neighbors import (
     sort_positions,
     write_neighbors,
 )
-from ecume.engine.sharing import Share
-from ecume.engine.sweeping import Goal
 from ecume.errors import BadInput
 from ecume.models.floating import grid, meeting
 from ecume.models.floating.forces import Sorted, forces_with, sort_floats
@@ -168,18 +168,18 @@ def solve_shared(share: Share, parameters: Parameters, workspace: Workspace, vel
     if contacts.total[0] < FEW_CONTACTS:
         return meeting.solve_smooth(parameters, workspace, velocity, goal)
     touching.weigh(contacts, mobility)
-    if sweeping.begin(contacts, velocity, mobility, goal):
+    if projected_gauss_seidel.begin(contacts, velocity, mobility, goal):
         return 1
-    islands = sweeping.islands_of(contacts, mobility)
-    some = sweeping.some_contacts(contacts, islands.rows)
+    islands = projected_gauss_seidel.islands_of(contacts, mobility)
+    some = projected_gauss_seidel.some_contacts(contacts, islands.rows)
     all_of = np.searchsorted(islands.first, share.parts(len(islands.rows)))
     own = islands.first[all_of[share.rank] : all_of[share.rank + 1] + 1]
     sweeps = np.zeros(share.ranks, np.int64)
-    sweeps[share.rank] = sweeping.solve_islands(some, own, velocity, mobility, goal)
+    sweeps[share.rank] = projected_gauss_seidel.solve_islands(some, own, velocity, mobility, goal)
     share.gather(sweeps, np.arange(share.ranks + 1))
     share.gather(some.impulse, islands.first[all_of])
     share_velocities(share, some, islands.first[all_of], velocity)
-    sweeping.take_over(contacts, islands.rows, some)
+    projected_gauss_seidel.take_over(contacts, islands.rows, some)
     return int(sweeps.max())
 
 

@@ -12,8 +12,8 @@ import math
 from typing import Any, NamedTuple
 
 from ecume._jit import admit, compiled
-from ecume.engine import contacts as touching
-from ecume.engine.contacts import Contacts
+from ecume.engine.contact import contacts as touching
+from ecume.engine.contact.contacts import Contacts
 from ecume.errors import Fault, SceneError
 from ecume.laws import contact
 from ecume.laws.contact import dashpot_restitution, spring_energy, spring_push

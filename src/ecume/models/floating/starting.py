@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ecume.engine import contacts
 from ecume.engine.cells import Integers
+from ecume.engine.contact import contacts
 from ecume.engine.neighbors import build, make_lists
 from ecume.engine.placement import Region, place_at_random, place_on_lattice, place_on_ring
 from ecume.engine.walls import Walls, wall_count, wall_distance

@@ -6,8 +6,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ecume.engine import contacts, neighbors
+from ecume.engine import neighbors
 from ecume.engine.cells import Integers
+from ecume.engine.contact import contacts
 from ecume.models.floating.forces import Sorted
 from ecume.models.floating.parameters import Parameters
 from ecume.units import Array

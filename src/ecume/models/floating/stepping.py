@@ -16,7 +16,7 @@ import numpy as np
 
 from ecume._jit import compiled, compiled_inside, inlined, plainly
 from ecume.engine.cells import Integers
-from ecume.engine.contacts import Candidates
+from ecume.engine.contact.contacts import Candidates
 from ecume.engine.neighbors import NeighborLists, build, farthest_move
 from ecume.models.floating.booking import book, book_heat, is_driven
 from ecume.models.floating.forces import Sorted, forces, sort_floats

@@ -9,9 +9,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ecume.errors import BadInput, Fault, SceneError
-from ecume.laws import split as splitting
+from ecume.laws import ewald as splitting
+from ecume.laws.ewald import SplitFit
 from ecume.laws.pair_laws import Short, short_constants
-from ecume.laws.split import SplitFit
 from ecume.models.floating.pace import PACKED
 from ecume.models.floating.pair_choice import lacks, row_of
 from ecume.models.floating.parameters import (

@@ -7,15 +7,15 @@ from typing import Any
 
 import numpy as np
 
-from ecume.engine import cholmod
-from ecume.engine.sparse import SOLVERS
+from ecume.engine.linear_solvers import cholmod
+from ecume.engine.linear_solvers.solvers import SOLVERS
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.laws.arguments import chosen
 from ecume.laws.drag import stokes_friction
 from ecume.laws.elasticity import PREFACTORS, Prefactors
+from ecume.laws.friction import FRICTIONS
 from ecume.laws.interfaces import INTERFACES
-from ecume.laws.remote import REMOTE
-from ecume.laws.rubbing import FRICTIONS
+from ecume.laws.long_range import REMOTE
 from ecume.laws.surfaces import SURFACES
 from ecume.models.soft.cell import box_of, shape_at
 from ecume.models.soft.demands import require_balance, require_gaps, require_no_torque, require_one_piece

@@ -13,8 +13,8 @@ import numpy as np
 
 from ecume._jit import compiled
 from ecume._portable import exp
+from ecume.engine.array_copies import clear_rows
 from ecume.engine.cells import Integers
-from ecume.engine.copying import clear_rows
 from ecume.models.soft.films import Pairs
 from ecume.models.soft.protocol import HIGH, IMPOSED, ROOMY, STRESSED, Drive
 from ecume.models.soft.schemes import Scheme

@@ -15,7 +15,7 @@ import numpy as np
 
 from ecume._jit import compiled
 from ecume._portable import exp
-from ecume.engine import blocks, elimination
+from ecume.engine.linear_solvers import block_matrix, dense_elimination
 from ecume.errors import BadInput
 from ecume.laws.arguments import require_positive
 from ecume.models.soft.building import parameters_of, start
@@ -94,9 +94,9 @@ def velocities(contacts: Contacts, step: Step, places: Places, load_rate: float,
     answers.force[:] = answers.correction
     imbalance(step, load_rate, 1.0, False)
     bodies.diagonal[:] = 0.0
-    blocks.assemble(step.matrix, answers.stiffness, bodies.diagonal)
+    block_matrix.assemble(step.matrix, answers.stiffness, bodies.diagonal)
     right, change = step.borders.right[:1], step.borders.change[:1]
-    if not elimination.eliminate(step.matrix, right, change, change.shape[2]):
+    if not dense_elimination.eliminate(step.matrix, right, change, change.shape[2]):
         return False
     found.position[:] = bodies.change
     return True

@@ -11,11 +11,11 @@ import math
 from typing import NamedTuple
 
 from ecume._jit import admit, compiled_inside
-from ecume.laws import bubbles, elasticity, interfaces, lubrication, remote, rubbing
+from ecume.laws import bubbles, elasticity, friction, interfaces, long_range, lubrication
 from ecume.laws.interfaces import Resistance
 from ecume.models.soft.parameters import Contacts
 
-admit(elasticity, lubrication, remote, bubbles, interfaces, rubbing)
+admit(elasticity, lubrication, long_range, bubbles, interfaces, friction)
 
 Body = tuple[float, float, float]
 """Of a pair: the sum of radii, the reduced radius and the modulus."""
@@ -85,10 +85,10 @@ def remote_answer(gap: float, reduced_radius: float, contacts: Contacts) -> tupl
     """The remote force, positive repels, and its slope."""
     if contacts.remote == 1:
         given = (contacts.steric_strength, contacts.steric_length)
-        return remote.steric_force(gap, *given), remote.steric_slope(gap, *given)
+        return long_range.steric_force(gap, *given), long_range.steric_slope(gap, *given)
     if contacts.remote == 2:
         layer = (reduced_radius, contacts.hamaker, contacts.layer_strength, contacts.debye_length)
-        return remote.dlvo_force(gap, *layer), remote.dlvo_slope(gap, *layer)
+        return long_range.dlvo_force(gap, *layer), long_range.dlvo_slope(gap, *layer)
     return 0.0, 0.0
 
 
@@ -144,13 +144,13 @@ def rubbing_of(contacts: Contacts, gap: float, normal: float, along: float) -> t
     """The last five numbers of a `Film`, by the scene's law: a place in `rubbing.FRICTIONS`."""
     if contacts.friction == 0 or normal >= 0.0 or gap >= contacts.roughness:
         return 1.0, 1.0, 0.0, 0.0, 0.0
-    limit = rubbing.holding_force(-normal, gap, contacts.coefficient, contacts.roughness)
+    limit = friction.holding_force(-normal, gap, contacts.coefficient, contacts.roughness)
     pull = abs(along)
-    slope = rubbing.sliding_slope(pull, limit)
-    held = rubbing.sliding_force(pull, limit) / pull if pull > 0.0 else slope
-    by_limit = rubbing.limit_slope(pull, limit) * (1.0 if along > 0.0 else -1.0)
-    touching = rubbing.touching(gap, contacts.roughness)
-    by_gap = -contacts.coefficient * normal * rubbing.touching_power(gap, contacts.roughness)
+    slope = friction.sliding_slope(pull, limit)
+    held = friction.sliding_force(pull, limit) / pull if pull > 0.0 else slope
+    by_limit = friction.limit_slope(pull, limit) * (1.0 if along > 0.0 else -1.0)
+    touching = friction.touching(gap, contacts.roughness)
+    by_gap = -contacts.coefficient * normal * friction.touching_power(gap, contacts.roughness)
     return held, slope, by_limit, -contacts.coefficient * touching, by_gap
 
 

@@ -10,8 +10,8 @@ from scipy.spatial import cKDTree
 
 from ecume._jit import compiled, compiled_inside
 from ecume._portable import log
-from ecume.engine.blocks import near_order
 from ecume.engine.cells import Integers
+from ecume.engine.linear_solvers.block_matrix import near_order
 from ecume.errors import Diverged
 from ecume.models.soft.cell import Box, box_of
 from ecume.models.soft.parameters import Parameters

@@ -7,8 +7,8 @@ from collections.abc import Callable
 from functools import partial
 
 from ecume._jit import compiled, composed, inlined, plainly
-from ecume.engine import elimination
-from ecume.engine.blocks import Matrix
+from ecume.engine.linear_solvers import dense_elimination
+from ecume.engine.linear_solvers.block_matrix import Matrix
 from ecume.models.soft.borders import (
     Web,
     border,
@@ -39,7 +39,7 @@ may leave: that is told from above.
 """
 
 Solve = Callable[[Matrix, Array, Array, int], bool]
-"""A solver of `engine.sparse` with what it keeps."""
+"""A solver of `engine.linear_solvers` with what it keeps."""
 
 
 @composed
@@ -52,7 +52,7 @@ def sides(step: Step) -> int:
 def eliminated(step: Step, goal: Goal, loose: int) -> bool:
     """Newton's step by dense elimination."""
     several = sides(step)
-    return elimination.eliminate(step.matrix, step.borders.right[:several], step.borders.change[:several], loose)
+    return dense_elimination.eliminate(step.matrix, step.borders.right[:several], step.borders.change[:several], loose)
 
 
 def plain(solve: Solve, step: Step, goal: Goal, loose: int) -> bool:

@@ -9,7 +9,7 @@ import numpy as np
 
 from ecume._portable import exp, log
 from ecume.engine.cells import Integers
-from ecume.laws.remote import REMOTE
+from ecume.laws.long_range import REMOTE
 from ecume.models.invariants import DISSIPATED
 from ecume.models.invariants import INJECTED as INJECTED_WORK
 from ecume.models.soft.booking import DRAG, FILMS, INJECTED, SIZE, elastic_energy

@@ -31,7 +31,7 @@ class Contacts(NamedTuple):
     rounding: float
     """m: below this a deflection's magnitude is rounded off, so that the force has a slope at zero"""
     remote: int
-    """which law of `ecume.laws.remote`: a place in its table"""
+    """which law of `ecume.laws.long_range`: a place in its table"""
     steric_strength: float
     steric_length: float
     hamaker: float
@@ -46,7 +46,7 @@ class Contacts(NamedTuple):
     viscosity_ratio: float
     """of drops, over the liquid"""
     friction: int
-    """contact friction: a place in `ecume.laws.rubbing.FRICTIONS`"""
+    """contact friction: a place in `ecume.laws.friction.FRICTIONS`"""
     coefficient: float
     """of contact friction"""
     roughness: float

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ecume._jit import compiled, compiled_inside, composed, prange, shared
-from ecume.engine import blocks
-from ecume.engine.blocks import Pattern
+from ecume.engine.linear_solvers import block_matrix
+from ecume.engine.linear_solvers.block_matrix import Pattern
 from ecume.models.soft.cell import flow
 from ecume.models.soft.films import Answers, Pairs
 from ecume.models.soft.links import ROUNDING
@@ -123,7 +123,7 @@ def resist(step: Step, span: float) -> None:
     hold_back(bodies, spins.drag, span)
     if width > dimensions:
         fill_quads(step.pairs, step.answers, spins, bodies.position)
-        blocks.assemble_quads(step.matrix, spins.quads, bodies.diagonal)
+        block_matrix.assemble_quads(step.matrix, spins.quads, bodies.diagonal)
         hold_spins(step.matrix, spins, is_free(step))
         turn_first(step.matrix, spins, step.borders.right)
     else:
@@ -150,7 +150,7 @@ def count_links(pattern: Pattern, *_: object) -> int:
 def fill_matrix(pattern: Pattern, numbers: Array, stiffness: Array, diagonal: Array) -> None:
     """The rows of all spheres."""
     for i in prange(len(diagonal)):
-        blocks.fill_row(pattern, numbers, stiffness, diagonal, i)
+        block_matrix.fill_row(pattern, numbers, stiffness, diagonal, i)
 
 
 @composed

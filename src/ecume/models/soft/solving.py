@@ -1,4 +1,4 @@
-"""Which way a step's linear systems are solved: the choice among `engine.sparse.SOLVERS`, and what it goes by."""
+"""Which way a step's linear systems are solved: the choice among `engine.linear_solvers`, and what it goes by."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from functools import partial
 
 import numpy as np
 
-from ecume.engine import sparse
 from ecume.engine.cells import Integers
-from ecume.engine.sparse import Kept
+from ecume.engine.linear_solvers import solvers
+from ecume.engine.linear_solvers.solvers import Kept
 from ecume.models.soft import newton, stages
 from ecume.models.soft.parameters import Contacts, Parameters
 from ecume.models.soft.protocol import Drive, Rules
@@ -49,14 +49,14 @@ def choices(parameters: Parameters, kept: Kept, effort: Integers) -> tuple[str, 
         return (parameters.solver,)
     if parameters.force.size <= FEW:
         return ("dense",)
-    if effort[WITHOUT] < AGAIN and sparse.does_less(kept, int(effort[ITERATIONS])):
+    if effort[WITHOUT] < AGAIN and solvers.does_less(kept, int(effort[ITERATIONS])):
         return ("direct", "iterative")
-    return ("iterative", "direct") if effort[BROKEN] >= PATIENCE and sparse.pays(kept) else ("iterative",)
+    return ("iterative", "direct") if effort[BROKEN] >= PATIENCE and solvers.pays(kept) else ("iterative",)
 
 
 def way(parameters: Parameters, kept: Kept, rules: Rules, name: str) -> Way:
     """A step by one of the solvers."""
-    solve = partial(sparse.SOLVERS[name], kept)
+    solve = partial(solvers.SOLVERS[name], kept)
     if any(rules) or len(parameters.walls.free):
         return partial(stages.many, partial(newton.newton_bordered, solve))
     return stages.dense if name == "dense" else partial(stages.many, partial(newton.newton_many, solve))
@@ -94,7 +94,7 @@ def balance(
     fine = FINE_SPUN if parameters.torque.shape[1] else FINE
     during, scheme = During(span, np.array([origin, drive]), fine), SCHEMES[parameters.scheme]
     names = choices(parameters, kept, effort)
-    if names == ("iterative",) and parameters.solver == "auto" and sparse.pays(kept):
+    if names == ("iterative",) and parameters.solver == "auto" and solvers.pays(kept):
         names = ("iterative", "direct")
     ways = (way(parameters, kept, rules, name) for name in names)
     return any(one(parameters.contacts, step, scheme, during, stages.BALANCE) != stages.FAILED for one in ways)

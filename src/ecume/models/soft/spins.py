@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ecume._jit import compiled, compiled_inside
-from ecume.engine.blocks import Matrix
+from ecume.engine.linear_solvers.block_matrix import Matrix
 from ecume.models.soft.films import Answers, Pairs, center_distance, turned
 from ecume.models.soft.links import Vector
 from ecume.units import Array

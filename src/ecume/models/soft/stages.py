@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from ecume._jit import compiled, compiled_inside, composed, inlined, plainly
-from ecume.engine.copying import clear_rows, copy_line, copy_rows
+from ecume.engine.array_copies import clear_rows, copy_line, copy_rows
 from ecume.models.soft.booking import book_stage
 from ecume.models.soft.cell import (
     STRAIN,

@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ecume.engine import blocks
 from ecume.engine.cells import Integers
-from ecume.engine.sparse import Kept
+from ecume.engine.linear_solvers import block_matrix
+from ecume.engine.linear_solvers.solvers import Kept
 from ecume.laws import elasticity
 from ecume.models.soft.borders import MOST, make_borders
 from ecume.models.soft.cell import make_cell
@@ -132,7 +132,7 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
     contacts = int(state.contacts[0])
     pairs = pairs_of(parameters, state)
     stages, width = len(SCHEMES[parameters.scheme].times), dimensions + parameters.torque.shape[1]
-    pattern = blocks.make_pattern(count, pairs.first, pairs.second, state.order)
+    pattern = block_matrix.make_pattern(count, pairs.first, pairs.second, state.order)
     shared = make_borders(count, width, max(MOST, len(parameters.walls.free), width - dimensions))
     bodies = Bodies(
         position=state.position.copy(),
@@ -157,12 +157,12 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
         bodies=bodies,
         spins=make_spins(parameters.radius, parameters.spin_drag, parameters.torque, (stages, contacts, width)),
         walls=walls_of(parameters, state, stages),
-        matrix=blocks.make_matrix(pattern, width),
+        matrix=block_matrix.make_matrix(pattern, width),
         cell=make_cell(parameters.box, state.cell, state.cell_rate, stages),
         borders=shared,
         books=make_books(stages, contacts + int(state.touching.sum())),
     )
-    return Workspace(step, Kept(pattern, width), int(state.generation[0]))
+    return Workspace(step, Kept(pattern, width, parameters.dimensions), int(state.generation[0]))
 
 
 def store(parameters: Parameters, state: State, step: Step) -> None:

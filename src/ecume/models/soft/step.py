@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ecume.engine.blocks import Matrix
+from ecume.engine.linear_solvers.block_matrix import Matrix
 from ecume.models.soft.borders import (
     Borders,
 )

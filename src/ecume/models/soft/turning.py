@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from ecume._jit import compiled
-from ecume.engine.blocks import Matrix
+from ecume.engine.linear_solvers.block_matrix import Matrix
 from ecume.models.soft.spins import Spins
 from ecume.units import Array
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ecume._jit import where_there
-from ecume.engine.copying import clear_rows, copy_line, copy_rows
+from ecume.engine.array_copies import clear_rows, copy_line, copy_rows
 from ecume.models.soft.schemes import Scheme
 from ecume.models.soft.spins import axial, cross
 from ecume.models.soft.walls import Walls, displaced, normal_of

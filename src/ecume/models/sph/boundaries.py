@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from ecume.engine.boundary_images import Sides
 from ecume.engine.cells import Integers
-from ecume.engine.images import Sides
 from ecume.errors import Fault, SceneError
 from ecume.models.sph.choosing import color_reach_of
 from ecume.models.sph.guard import guard_of

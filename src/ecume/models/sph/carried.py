@@ -14,7 +14,7 @@ import numpy as np
 
 from ecume._jit import admit, compiled, compiled_inside, prange, spread
 from ecume._portable import product
-from ecume.engine.lists import Grid, Sorted, cell_at
+from ecume.engine.neighbor_rows import Grid, Sorted, cell_at
 from ecume.engine.philox import counter_of, normals
 from ecume.laws import brownian, drag
 from ecume.models.sph.fields import DIMENSION, INVERSE, KERNEL, LIQUID, MU, RHO, VOLUME, P, V, X

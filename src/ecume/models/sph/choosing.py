@@ -6,7 +6,7 @@ from typing import Any, cast
 
 import numpy as np
 
-from ecume.engine.lists import EVERYONE
+from ecume.engine.neighbor_rows import EVERYONE
 from ecume.errors import Fault, SceneError
 from ecume.laws import diffusion
 from ecume.laws.kernels import KERNEL_CODES, KERNELS, Kernel, kernel

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 
 from ecume._jit import compiled_inside, prange, spread
+from ecume.engine.boundary_images import Images
 from ecume.engine.cells import Integers
-from ecume.engine.images import Images
 from ecume.models.sph.fields import (
     ALPHA,
     DIMENSION,

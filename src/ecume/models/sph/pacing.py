@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from ecume.errors import Fault, SceneError
-from ecume.laws.pace import (
+from ecume.laws.time_step_limits import (
     acoustic_limit,
     body_drag_limit,
     body_sound_limit,

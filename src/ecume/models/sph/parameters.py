@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ecume.engine.boundary_images import Sides
 from ecume.engine.cells import Integers
-from ecume.engine.images import Sides
 from ecume.engine.shapes import Shape
 from ecume.models.sph.carried import Carried
 from ecume.models.sph.guard import Guard

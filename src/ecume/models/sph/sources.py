@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ecume.laws import diffusion, kernels, pace, states, viscous
+from ecume.laws import diffusion, kernels, states, time_step_limits, viscous
 from ecume.models.liquids import correlations_of
 from ecume.models.model import Source
 from ecume.models.sph import choosing, methods
@@ -24,4 +24,4 @@ def laws_of(scene: Any) -> list[Source]:
         laws += [choosing.friction_of(scene).law]
     laws += TENSIONS[choosing.tension_of(scene)].laws
     laws += [viscous.eddy_viscosity, viscous.subparticle_stress] if choosing.turbulent(scene) else []
-    return [*laws, pace.acoustic_limit, pace.force_limit, *correlations_of(scene.liquid.name)]
+    return [*laws, time_step_limits.acoustic_limit, time_step_limits.force_limit, *correlations_of(scene.liquid.name)]

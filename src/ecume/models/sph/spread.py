@@ -8,7 +8,7 @@ run without. See `ecume.models.floating.spread`.
 
 from __future__ import annotations
 
-from ecume.engine.sharing import Share
+from ecume.engine.mpi_exchange import Share
 from ecume.errors import BadInput
 from ecume.models.sph import stepping
 from ecume.models.sph.fields import FIRST, LAST

@@ -15,7 +15,7 @@ from ecume._portable import dot, product
 from ecume.engine.cells import Integers
 from ecume.engine.walls import Sheet
 from ecume.engine.walls.sheets import inward_normal, piece_gap
-from ecume.laws import standoff
+from ecume.laws import wall_repulsion
 from ecume.models.sph.bodies import rotations
 from ecume.models.sph.guard import Guard
 from ecume.models.sph.loads import total
@@ -23,7 +23,7 @@ from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.state import State
 from ecume.units import Array
 
-admit(standoff)
+admit(wall_repulsion)
 
 FASTEST = 0.1
 """In sound speeds, as fast as a weakly compressible liquid may be: who comes so fast just touches the wall."""
@@ -49,7 +49,10 @@ def push_off(position: Any, kind: Any, number: Any, reach: float, speed: float, 
         while k < kind.shape[0]:
             gap, nearest, k = piece_gap(kind, number, k, x, 0.0)
             if gap < reach:
-                push, normal = standoff.standoff_push(gap, reach, speed), inward_normal(kind, number, nearest, x, 0.0)
+                push, normal = (
+                    wall_repulsion.standoff_push(gap, reach, speed),
+                    inward_normal(kind, number, nearest, x, 0.0),
+                )
                 for axis in range(position.shape[0]):
                     acceleration[axis, i] += push * normal[axis]
 
@@ -88,7 +91,7 @@ def at_body(parameters: Parameters, state: State, body: int) -> Leaning:
     turn = rotations(state.pose[:, body : body + 1])[0][:d, :d]
     gap, normal = shape.nearest(product(away[:, close].T, turn))
     near = gap < reach
-    push = [standoff.standoff_push(own, reach, speed_of(parameters)) for own in gap[near]]
+    push = [wall_repulsion.standoff_push(own, reach, speed_of(parameters)) for own in gap[near]]
     owner = len(parameters.boundary.names) - len(bodies.shapes) + body
     return Leaning(owner, close[near], np.array(push) * product(turn, normal[near].T))
 
@@ -132,5 +135,5 @@ def energy_of(parameters: Parameters, state: State, leaning: Leaning) -> float:
     """What those who lean are given back when they leave (J)."""
     reach, speed = parameters.boundary.guard.reach, speed_of(parameters)
     gap = reach - np.sqrt((leaning.push**2).sum(axis=0)) * (reach / speed) ** 2
-    energy = [standoff.standoff_energy(own, reach, speed) for own in gap]
+    energy = [wall_repulsion.standoff_energy(own, reach, speed) for own in gap]
     return dot(state.mass[leaning.who], energy)

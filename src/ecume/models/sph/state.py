@@ -9,10 +9,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ecume.engine.boundary_images import Images, images_of, positions_of_images
 from ecume.engine.cells import Integers
-from ecume.engine.images import Images, images_of, positions_of_images
-from ecume.engine.lists import Lists, grid_around, neighbor_lists, room_for, sorted_crowd
-from ecume.engine.sharing import Share
+from ecume.engine.mpi_exchange import Share
+from ecume.engine.neighbor_rows import Lists, grid_around, neighbor_lists, room_for, sorted_crowd
 from ecume.models.sph.carried import Crowd
 from ecume.models.sph.fields import FIELDS, FIRST, LAST, LIQUID, MU, RATES, VOLUME, U, V, X
 from ecume.models.sph.motion import largest

@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from ecume._portable import product
-from ecume.laws.pace import force_limit
+from ecume.laws.time_step_limits import force_limit
 from ecume.models.model import DIVERGED, DONE, EXCHANGE
 from ecume.models.sph.bodies import carry, farthest_way, keep_out
 from ecume.models.sph.carried import take_along

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ecume._jit import admit, compiled_inside, inlined, prange, summed_inside, summing
-from ecume.engine.lists import STRIDE
+from ecume.engine.neighbor_rows import STRIDE
 from ecume.laws import diffusion, viscous
 from ecume.laws.kernels import KERNEL_CODES, KERNELS, Shape, shapes
 from ecume.models.sph.fields import (

@@ -8,7 +8,7 @@ import numpy as np
 
 from ecume._jit import compiled
 from ecume.engine.cells import Integers
-from ecume.engine.levers import Levers, Party, make_levers
+from ecume.engine.contact.torque_contacts import Levers, Party, make_levers
 from ecume.engine.outlines import Outlines
 from ecume.models.floating.parameters import Parameters
 from ecume.models.floating.state import State

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 
 from ecume._jit import compiled
-from ecume.engine import levers as touching
+from ecume.engine.contact import torque_contacts as touching
 from ecume.engine.neighbors import farthest_move
 from ecume.engine.outlines import Stance
 from ecume.models.floating.parameters import NO_CONTACTS, OVERDAMPED, VELOCITY_VERLET, Parameters

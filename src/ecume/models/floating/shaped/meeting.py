@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 
 from ecume._jit import compiled
-from ecume.engine import levers as touching
-from ecume.engine import sweeping
-from ecume.engine.keyed import Memory
-from ecume.engine.levers import Levers
+from ecume.engine.contact import projected_gauss_seidel
+from ecume.engine.contact import torque_contacts as touching
+from ecume.engine.contact.projected_gauss_seidel import Goal
+from ecume.engine.contact.torque_contacts import Levers
+from ecume.engine.contact.warm_start import Memory
 from ecume.engine.outlines import Stance
-from ecume.engine.sweeping import Goal
 from ecume.models.floating.meeting import STEADY, TOLERABLE, restitution_of, share_restitution
 from ecume.models.floating.parameters import Parameters
 from ecume.models.floating.shaped.bodies import party_of
@@ -43,7 +43,7 @@ def bounce(parameters: Parameters, state: State, workspace: Workspace) -> None:
     if fastest <= 0.0:
         return
     levers.impulse[:] = 0.0
-    goal = Goal(sweeping.CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
+    goal = Goal(projected_gauss_seidel.CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
     state.tally[SWEEPS] += touching.solve(levers, crew.before, goal)
     share_restitution(parameters, levers, of_float)
     for row in range(levers.total[0]):
@@ -62,11 +62,11 @@ def solve_contacts(parameters: Parameters, state: State, levers: Levers, velocit
     fastest = 0.0
     for row in range(levers.total[0]):
         fastest = max(fastest, levers.bound[row] - levers.scratch[row])
-    goal = Goal(sweeping.CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
+    goal = Goal(projected_gauss_seidel.CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
     if fastest > 0.0:
         sweeps = touching.solve(levers, velocity, goal)
         state.tally[SWEEPS] += sweeps
-        state.tally[UNCONVERGED] += 1.0 if sweeps > sweeping.MOST_SWEEPS else 0.0
+        state.tally[UNCONVERGED] += 1.0 if sweeps > projected_gauss_seidel.MOST_SWEEPS else 0.0
     else:
         levers.impulse[:] = 0.0
     touching.remember(levers, memory)

@@ -4,9 +4,11 @@ import functools
 
 import numpy as np
 import pytest
+from scipy.sparse import bsr_array
 from scipy.spatial import cKDTree
 
-from ecume.engine import blocks, dissection, elimination, fronts, gradients, inverses, sparse
+from ecume.engine.linear_solvers import bicgstab, block_matrix, dense_elimination, nested_dissection, solvers, sparse_lu
+from ecume.errors import BadInput
 
 WIDTHS = {"layer": 2, "space": 3, "spinning": 6}
 
@@ -30,9 +32,9 @@ def system(width, held, count=30, lean=0.1):
     root = random.normal(size=(len(first), width, width))
     stiffness = root @ root.swapaxes(1, 2) * np.exp(random.normal(size=(len(first), 1, 1)))
     stiffness[:, 0, 1] += lean * np.abs(stiffness[:, 0, 1])
-    matrix = blocks.make_matrix(blocks.make_pattern(count, first, second), width)
+    matrix = block_matrix.make_matrix(block_matrix.make_pattern(count, first, second), width)
     diagonal = held * np.linspace(0.2, 0.4, count * width).reshape(count, width)
-    blocks.assemble(matrix, stiffness, diagonal)
+    block_matrix.assemble(matrix, stiffness, diagonal)
     dense = np.diag(diagonal.ravel())
     for i, j, block in zip(first, second, stiffness, strict=True):
         for a, b, sign in ((i, i, 1), (j, j, 1), (i, j, -1), (j, i, -1)):
@@ -44,11 +46,11 @@ def system(width, held, count=30, lean=0.1):
 def solved(name, matrix, right, solution, loose):
     if name == "cholmod":
         pytest.importorskip("cvxopt")
-    kept = sparse.Kept(matrix.pattern, matrix.blocks.shape[1], accuracy=1e-12)
-    return sparse.SOLVERS[name](kept, matrix, right, solution, loose)
+    kept = solvers.Kept(matrix.pattern, matrix.blocks.shape[1], 2, accuracy=1e-12)
+    return solvers.SOLVERS[name](kept, matrix, right, solution, loose)
 
 
-WAYS = {name: functools.partial(solved, name) for name in sparse.SOLVERS}
+WAYS = {name: functools.partial(solved, name) for name in solvers.SOLVERS}
 
 
 @pytest.mark.parametrize("way", WAYS.values(), ids=WAYS)
@@ -70,12 +72,12 @@ def test_the_four_blocks_of_a_pair_may_differ(way):
     random, first, second = links(count)
     quads = 0.1 * random.normal(size=(len(first), 4, width, width))
     diagonal = random.uniform(20.0, 40.0, size=(count, width))
-    matrix = blocks.make_matrix(blocks.make_pattern(count, first, second), width)
-    blocks.assemble_quads(matrix, quads, diagonal)
+    matrix = block_matrix.make_matrix(block_matrix.make_pattern(count, first, second), width)
+    block_matrix.assemble_quads(matrix, quads, diagonal)
     dense = np.diag(diagonal.ravel())
     for i, j, four in zip(first, second, quads, strict=True):
         for (a, b), place in {
-            (i, i): blocks.OWN, (i, j): blocks.ACROSS, (j, i): blocks.BACK, (j, j): blocks.OTHER
+            (i, i): block_matrix.OWN, (i, j): block_matrix.ACROSS, (j, i): block_matrix.BACK, (j, j): block_matrix.OTHER
         }.items():  # fmt: skip
             dense[a * width : (a + 1) * width, b * width : (b + 1) * width] += four[place]
     right = right_sides(random, count, width, held=True)
@@ -88,40 +90,57 @@ def test_the_four_blocks_of_a_pair_may_differ(way):
 @pytest.mark.compiled
 @pytest.mark.parametrize("held", [True, False])
 @pytest.mark.parametrize("width", WIDTHS.values(), ids=WIDTHS)
-def test_a_factorization_of_many_fronts_leaves_nothing_over(width, held):
+def test_a_factorization_of_many_blocks_leaves_no_residual(width, held):
     count = 900
     x, y = np.meshgrid(np.arange(30.0), np.arange(30.0))
     random = np.random.default_rng(5)
     position = np.stack([x.ravel(), y.ravel()], axis=1) + 0.3 * random.uniform(size=(count, 2))
     first, second = cKDTree(position, boxsize=30.3).query_pairs(1.4, output_type="ndarray").T
-    matrix = blocks.make_matrix(blocks.make_pattern(count, first, second, blocks.near_order(position)), width)
+    matrix = block_matrix.make_matrix(
+        block_matrix.make_pattern(count, first, second, block_matrix.near_order(position)), width
+    )
     root = random.normal(size=(len(first), width, width))
-    blocks.assemble(matrix, root @ root.swapaxes(1, 2) + 0.1 * root, np.full((count, width), 0.1 * held))
+    block_matrix.assemble(matrix, root @ root.swapaxes(1, 2) + 0.1 * root, np.full((count, width), 0.1 * held))
     right, solution = right_sides(random, count, width, held), np.zeros((3, count, width))
-    assert sparse.directly(sparse.Kept(matrix.pattern, width), matrix, right, solution, 0 if held else width)
+    assert solvers.directly(solvers.Kept(matrix.pattern, width, 2), matrix, right, solution, 0 if held else width)
+    pattern = matrix.pattern
+    whole = bsr_array((matrix.blocks, pattern.column, pattern.start), shape=(count * width,) * 2)
     for one, wanted in zip(solution, right, strict=True):
-        left = fronts.left_over(matrix, one[matrix.pattern.order], wanted[matrix.pattern.order], 0)
-        assert np.abs(left).max() < 1e-9
+        residual = wanted[matrix.pattern.order].ravel() - whole @ one[matrix.pattern.order].ravel()
+        assert np.abs(residual).max() < 1e-9
 
 
-def test_halves_know_nothing_of_each_other_but_through_what_parts_them():
+def test_halves_are_connected_only_through_the_separators_that_are_eliminated_after_them():
     _, first, second = links(200)
-    pattern = blocks.make_pattern(200, first, second)
-    tree = dissection.dissect(pattern)
-    assert sorted(tree.row) == list(range(200))
-    assert len(tree.parent) > 5
-    above = {t: {t} for t in range(len(tree.parent))}
-    for t in reversed(range(len(tree.parent))):
-        if tree.parent[t] >= 0:
-            assert tree.parent[t] > t
-            above[t] |= above[tree.parent[t]]
+    pattern = block_matrix.make_pattern(200, first, second)
+    level, part, depth = nested_dissection._cut(pattern)
+    assert depth > 3
     for row in range(200):
         for column in pattern.column[pattern.start[row] : pattern.start[row + 1]]:
-            low, high = sorted((tree.front[row], tree.front[column]))
-            assert high in above[low]
-            if low != high:
-                later = row if tree.front[row] == high else column
-                assert later in tree.edge[tree.rim[low] : tree.rim[low + 1]]
+            low, high = sorted((row, column), key=lambda one: level[one])
+            assert part[high] >> (level[high] - level[low]) == part[low]
+    order = nested_dissection.elimination_order(pattern)
+    rank = np.argsort(order)
+    assert sorted(order) == list(range(200))
+    for row in np.flatnonzero(level < depth):
+        inside = part >> np.maximum(level - level[row], 0) == part[row]
+        assert (rank[inside & (level > level[row])] < rank[row]).all()
+
+
+def test_a_singular_matrix_has_no_factorization():
+    matrix, _, right = system(2, True)
+    matrix.blocks[:] = 0.0
+    assert not solvers.directly(solvers.Kept(matrix.pattern, 2, 2), matrix, right, right.copy(), 0)
+
+
+def test_memory_that_is_not_there_is_reported_with_the_way_out(monkeypatch):
+    def none_left(*_, **__):
+        raise MemoryError
+
+    matrix, _, right = system(2, True)
+    monkeypatch.setattr(sparse_lu, "splu", none_left)
+    with pytest.raises(BadInput, match="60 unknowns needs more memory than there is; choose the solver auto"):
+        solvers.directly(solvers.Kept(matrix.pattern, 2, 2), matrix, right, right.copy(), 0)
 
 
 @pytest.mark.compiled
@@ -129,23 +148,23 @@ def test_halves_know_nothing_of_each_other_but_through_what_parts_them():
 def test_chunks_swept_by_threads_give_the_bits_of_one_after_the_other(width):
     count = 2500
     random, first, second = links(count)
-    matrix = blocks.make_matrix(blocks.make_pattern(count, first, second), width)
+    matrix = block_matrix.make_matrix(block_matrix.make_pattern(count, first, second), width)
     root = random.normal(size=(len(first), width, width))
-    blocks.assemble(matrix, root @ root.swapaxes(1, 2), np.ones((count, width)))
+    block_matrix.assemble(matrix, root @ root.swapaxes(1, 2), np.ones((count, width)))
     right = random.normal(size=(1, count, width))
-    assert gradients.make_gradients(*right.shape[1:]).sums.shape[0] > 2
+    assert bicgstab.make_gradients(*right.shape[1:]).sums.shape[0] > 2
     solutions = np.zeros((2, *right.shape))
-    for solve, solution in zip((gradients.descend_alone, gradients.descend_together), solutions, strict=True):
-        scratch = gradients.make_gradients(*right.shape[1:])
-        assert solve(matrix, (right, solution), scratch, gradients.Goal(1e-10, 500)) > 0
+    for solve, solution in zip((bicgstab.descend_alone, bicgstab.descend_together), solutions, strict=True):
+        scratch = bicgstab.make_gradients(*right.shape[1:])
+        assert solve(matrix, (right, solution), scratch, bicgstab.Goal(1e-10, 500)) > 0
     assert solutions[0].tobytes() == solutions[1].tobytes()
 
 
 def test_an_order_keeps_neighbors_together_and_changes_no_solution():
     matrix, dense, right = system(2, True)
     _, first, second = links(30)
-    shuffled = blocks.make_pattern(30, first, second, np.random.default_rng(2).permutation(30))
-    other = blocks.make_matrix(shuffled, 2)
+    shuffled = block_matrix.make_pattern(30, first, second, np.random.default_rng(2).permutation(30))
+    other = block_matrix.make_matrix(shuffled, 2)
     for i in range(30):
         for place in range(shuffled.start[shuffled.rank[i]], shuffled.start[shuffled.rank[i] + 1]):
             j = shuffled.order[shuffled.column[place]]
@@ -158,7 +177,7 @@ def test_an_order_keeps_neighbors_together_and_changes_no_solution():
         assert two == pytest.approx(one, abs=1e-9)
     x, y = np.meshgrid(np.arange(16.0), np.arange(16.0))
     position = np.stack([x.ravel(), y.ravel()], axis=1)[np.random.default_rng(1).permutation(256)]
-    near = position[blocks.near_order(position)]
+    near = position[block_matrix.near_order(position)]
     assert np.linalg.norm(np.diff(near, axis=0), axis=1).mean() < 2.0
     assert np.linalg.norm(np.diff(position, axis=0), axis=1).mean() > 5.0
 
@@ -166,33 +185,33 @@ def test_an_order_keeps_neighbors_together_and_changes_no_solution():
 @pytest.mark.parametrize("width", [2, 3, 5, 6])
 def test_the_diagonal_is_inverted_block_by_block(width):
     random = np.random.default_rng(1)
-    pattern = blocks.make_pattern(4, np.array([0, 1]), np.array([1, 3]))
-    matrix = blocks.make_matrix(pattern, width)
+    pattern = block_matrix.make_pattern(4, np.array([0, 1]), np.array([1, 3]))
+    matrix = block_matrix.make_matrix(pattern, width)
     matrix.blocks[:] = random.normal(size=matrix.blocks.shape)
     matrix.blocks[pattern.diagonal] += 5.0 * np.eye(width)
     inverse = np.zeros((4, width, width))
-    assert inverses.invert_diagonal(matrix, inverse)
+    assert dense_elimination.invert_diagonal(matrix, inverse)
     assert inverse == pytest.approx(np.linalg.inv(matrix.blocks[pattern.diagonal]), abs=1e-12)
 
 
 def test_a_block_without_a_pivot_in_place_is_inverted_nevertheless():
     turned = np.eye(6)[::-1].copy()
     inverse = np.zeros((6, 6))
-    assert inverses.invert(turned, inverse, np.zeros((6, 12)))
+    assert dense_elimination.invert(turned, inverse, np.zeros((6, 12)))
     assert inverse == pytest.approx(turned)
-    assert not inverses.invert(np.zeros((6, 6)), inverse, np.zeros((6, 12)))
+    assert not dense_elimination.invert(np.zeros((6, 6)), inverse, np.zeros((6, 12)))
 
 
 def test_a_network_in_two_pieces_that_nothing_holds_has_no_solution():
-    matrix = blocks.make_matrix(blocks.make_pattern(4, np.array([0, 2]), np.array([1, 3])), 2)
-    blocks.assemble(matrix, np.stack([np.eye(2)] * 2), np.zeros((4, 2)))
+    matrix = block_matrix.make_matrix(block_matrix.make_pattern(4, np.array([0, 2]), np.array([1, 3])), 2)
+    block_matrix.assemble(matrix, np.stack([np.eye(2)] * 2), np.zeros((4, 2)))
     right = np.array([[[1.0, 0.0], [0.0, 0.0], [-1.0, 0.0], [0.0, 0.0]]])
-    assert not elimination.eliminate(matrix, right, np.zeros((1, 4, 2)), 2)
+    assert not dense_elimination.eliminate(matrix, right, np.zeros((1, 4, 2)), 2)
 
 
 def test_gradients_need_no_iteration_for_nothing_and_give_up_without_a_diagonal():
     matrix, _, right = system(2, True)
-    scratch = gradients.make_gradients(*right.shape[1:])
-    assert gradients.descend(matrix, 0.0 * right, right, scratch, gradients.Goal(1e-3, 9)) == 0
+    scratch = bicgstab.make_gradients(*right.shape[1:])
+    assert bicgstab.descend(matrix, 0.0 * right, right, scratch, bicgstab.Goal(1e-3, 9)) == 0
     matrix.blocks[:] = 0.0
-    assert gradients.descend(matrix, right + 1.0, right, scratch, gradients.Goal(1e-3, 9)) == -1
+    assert bicgstab.descend(matrix, right + 1.0, right, scratch, bicgstab.Goal(1e-3, 9)) == -1

@@ -1,4 +1,4 @@
-"""What ranks that march together know of one another."""
+"""What an MPI rank knows of the others: its number, its share of the particles, and how arrays are gathered."""
 
 from __future__ import annotations
 

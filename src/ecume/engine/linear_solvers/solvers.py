@@ -4,10 +4,10 @@ Right sides and solutions are (R, N, b): several for one matrix. Where nothing h
 `loose` unknowns of all of them may shift together without resistance (as many as there are dimensions; 0 where
 something holds them): the mean is then taken out.
 
-`iterative` follows biconjugate gradients as closely as a step of Newton's method can use, `direct` factorizes along a
-plan that holds while the pattern does, `cholmod` has the symmetric part factorized by SuiteSparse, and `dense` is for a
-few particles. `does_less` tells which is cheaper: by operations that are counted, never by a clock, so that equal
-states choose alike. What is ill-conditioned takes more iterations, and so the direct way.
+`iterative` follows biconjugate gradients as closely as a step of Newton's method can use, `direct` factorizes by
+SuperLU, `cholmod` has the symmetric part factorized by SuiteSparse, and `dense` is for a few particles. `does_less`
+says which is cheaper: by operations that are estimated, never by a clock, so that equal states choose alike. What is
+ill-conditioned takes more iterations, and so the direct way.
 """
 
 from __future__ import annotations
@@ -16,20 +16,19 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
-from ecume.engine import cholmod, fronts
-from ecume.engine.blocks import Matrix, Pattern, center
-from ecume.engine.elimination import eliminate
-from ecume.engine.fronts import Plan, Room
-from ecume.engine.gradients import Goal, Gradients, descend, make_gradients
+from ecume.engine.linear_solvers import cholmod, sparse_lu
+from ecume.engine.linear_solvers.bicgstab import Goal, Gradients, descend, make_gradients
+from ecume.engine.linear_solvers.block_matrix import Matrix, Pattern, center
+from ecume.engine.linear_solvers.dense_elimination import eliminate
 from ecume.units import Array
 
 MOST_ITERATIONS = 2000
 NEWTON = 1e-4
 """How closely a step of Newton's method needs its linear system solved."""
 DENSER = 0.3
-"""What an operation in a front takes, over one in a sweep of the gradients, which waits for the memory."""
+"""The time of an operation of a factorization, over that of one in a sweep, which waits for the memory."""
 FEW = 10
-"""Iterations that no factorization is cheaper than: none is planned then."""
+"""Iterations that no factorization is cheaper than: none is tried then."""
 MOST_WORK = 2e12
 """Operations of a factorization beyond which nothing is gained by standing in."""
 
@@ -40,6 +39,7 @@ class Kept:
 
     pattern: Pattern
     width: int
+    dimensions: int
     accuracy: float = NEWTON
     """of the gradients"""
     iterations: int = 0
@@ -47,8 +47,7 @@ class Kept:
     systems: int = 0
     """matrices that they were for"""
     gradients: Gradients | None = None
-    plan: Plan | None = None
-    room: Room | None = None
+    elimination: sparse_lu.Analysis | None = None
     analysis: Any = None
     """CHOLMOD's"""
 
@@ -75,10 +74,10 @@ def iteratively(kept: Kept, matrix: Matrix, right: Array, solution: Array, loose
 
 
 def directly(kept: Kept, matrix: Matrix, right: Array, solution: Array, loose: int) -> bool:
-    """By a factorization along the pattern's plan."""
-    if kept.room is None:
-        kept.room = fronts.make_room(plan_of(kept))
-    return fronts.solve(matrix, plan_of(kept), kept.room, (right, solution), loose)
+    """By SuperLU."""
+    if kept.elimination is None:
+        kept.elimination = sparse_lu.analyze(kept.pattern, kept.width)
+    return sparse_lu.solve(matrix, kept.elimination, right, solution, loose)
 
 
 def by_cholmod(kept: Kept, matrix: Matrix, right: Array, solution: Array, loose: int) -> bool:
@@ -89,13 +88,6 @@ def by_cholmod(kept: Kept, matrix: Matrix, right: Array, solution: Array, loose:
 
 
 SOLVERS: dict[str, Solve] = {"dense": densely, "iterative": iteratively, "direct": directly, "cholmod": by_cholmod}
-
-
-def plan_of(kept: Kept) -> Plan:
-    """The plan of the pattern's factorizations, made when it is first asked for."""
-    if kept.plan is None:
-        kept.plan = fronts.plan(kept.pattern, kept.width)
-    return kept.plan
 
 
 def does_less(kept: Kept, iterations: int) -> bool:
@@ -110,7 +102,7 @@ def pays(kept: Kept) -> bool:
 
 def work(kept: Kept) -> float:
     """Operations of a factorization."""
-    return fronts.operations(plan_of(kept))
+    return sparse_lu.operations(len(kept.pattern.order), kept.width, kept.dimensions)
 
 
 def operations_of_iteration(kept: Kept) -> float:

@@ -15,10 +15,10 @@ import numpy as np
 
 from ecume._jit import compiled
 from ecume.engine.cells import Integers
-from ecume.engine.contacts import Candidates
-from ecume.engine.keyed import Keyed, Memory, recall_each, remember_each
+from ecume.engine.contact.contacts import Candidates
+from ecume.engine.contact.projected_gauss_seidel import MOST_SWEEPS, PATIENCE, Goal
+from ecume.engine.contact.warm_start import Keyed, Memory, recall_each, remember_each
 from ecume.engine.outlines import NEARNESS, Outlines, Stance, bodies_near, turn_corners, wall_near
-from ecume.engine.sweeping import MOST_SWEEPS, PATIENCE, Goal
 from ecume.engine.walls import Walls, wall_count
 from ecume.units import Array
 

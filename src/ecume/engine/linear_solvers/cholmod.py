@@ -13,9 +13,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ecume._extras import install
-from ecume.engine.blocks import Matrix, Pattern, center
 from ecume.engine.cells import Integers
-from ecume.engine.fronts import ACCURATE, USEFUL
+from ecume.engine.linear_solvers.block_matrix import Matrix, Pattern, center
+from ecume.engine.linear_solvers.sparse_lu import ACCURATE, USEFUL
 from ecume.errors import BadInput
 from ecume.units import Array
 

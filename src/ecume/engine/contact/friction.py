@@ -1,9 +1,9 @@
-"""Contacts that rub: beside the impulse p along the normal one along the surface, inside Coulomb's cone: |q| <= mu p.
+"""Contacts with friction: beside the impulse p along the normal, a tangential one inside Coulomb's cone, |q| <= mu p.
 
 Signorini's and Coulomb's conditions for all contacts at once, as in Moreau's time stepping [moreau1988]: surfaces in
 contact stick where an impulse inside the cone can make them, and slide against an impulse on its edge elsewhere. Solved
-by the same sweeps and the same conjugate directions as frictionless contacts (`ecume.engine.contacts`), a normal and a
-tangential row for each contact in turn.
+by the same sweeps and the same conjugate directions as frictionless contacts (`projected_gauss_seidel`), a normal and
+a tangential row for each contact in turn.
 
 The tangent is the normal turned counterclockwise, (-n_y, n_x). Both impulses act at the middle of the gap, so that a
 pair keeps its angular momentum, spins included, to rounding.
@@ -16,9 +16,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ecume._jit import compiled
-from ecume.engine.contacts import Contacts, keyed
-from ecume.engine.keyed import Memory, recall_each, remember_each
-from ecume.engine.sweeping import MOST_SWEEPS, PATIENCE, Goal
+from ecume.engine.contact.contacts import Contacts, keyed
+from ecume.engine.contact.projected_gauss_seidel import MOST_SWEEPS, PATIENCE, Goal
+from ecume.engine.contact.warm_start import Memory, recall_each, remember_each
 from ecume.units import Array
 
 CALMER, CALMEST, STALLS = 0.7, 0.1, 8

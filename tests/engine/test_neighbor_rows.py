@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial import cKDTree
 
 from ecume._jit import FEW, use_threads
-from ecume.engine.lists import STRIDE, grid_around, neighbor_lists, room_for, sorted_crowd
+from ecume.engine.neighbor_rows import STRIDE, grid_around, neighbor_lists, room_for, sorted_crowd
 
 NOBODY = (0, 0)
 

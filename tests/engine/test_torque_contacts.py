@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 from tests.engine.test_outlines import needle, outlines, square
 
-from ecume.engine import levers as touching
-from ecume.engine.contacts import make_candidates
-from ecume.engine.keyed import Memory
+from ecume.engine.contact import torque_contacts as touching
+from ecume.engine.contact.contacts import make_candidates
+from ecume.engine.contact.projected_gauss_seidel import Goal
+from ecume.engine.contact.warm_start import Memory
 from ecume.engine.outlines import Stance
-from ecume.engine.sweeping import Goal
 from ecume.engine.walls import dishes
 
 GOAL = Goal(1e-12, 1e-9)

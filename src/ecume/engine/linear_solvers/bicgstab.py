@@ -1,5 +1,6 @@
-"""Iterative solutions of block systems: stabilized biconjugate gradients [vandervorst1992], preconditioned by symmetric
-sweeps of Gauss's and Seidel's within chunks of rows.
+"""Iterative solutions of block systems: stabilized biconjugate gradients, BiCGStab [vandervorst1992].
+
+The preconditioner is symmetric Gauss-Seidel (SSOR) within chunks of rows, by Eisenstat's trick.
 
 With D, L and U the diagonal and what is left and right of it within a chunk, and R what ties chunks to one another,
 (D + L)^-1 A (D + U)^-1 D y = (D + L)^-1 b is solved for y, and x = (D + U)^-1 D y. A product takes a sweep up for
@@ -17,9 +18,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ecume._jit import compiled, compiled_inside, inlined, prange, threaded
-from ecume.engine.blocks import CHUNK, Matrix
 from ecume.engine.cells import Integers
-from ecume.engine.inverses import invert_diagonal
+from ecume.engine.linear_solvers.block_matrix import CHUNK, Matrix
+from ecume.engine.linear_solvers.dense_elimination import invert_diagonal
 from ecume.units import Array
 
 FEW = 2000

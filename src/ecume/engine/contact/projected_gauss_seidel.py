@@ -1,4 +1,4 @@
-"""Impulses solved for all touching pairs at once.
+"""Projected Gauss-Seidel sweeps: the impulses of all touching pairs at once.
 
 Moreau's and Jean's time stepping: the unknowns are the impulses p >= 0 of a step, the conditions are
 n.(w_j - w_i) >= bound where p > 0 only if it is an equality. `w` is the velocity with which particles will go through
@@ -19,9 +19,9 @@ from typing import NamedTuple
 import numpy as np
 
 from ecume._jit import compiled, compiled_inside
-from ecume.engine import active_set
 from ecume.engine.cells import Integers
-from ecume.engine.contacts import Contacts, push_all
+from ecume.engine.contact import active_set
+from ecume.engine.contact.contacts import Contacts, push_all
 from ecume.units import Array
 
 MOST_SWEEPS = 20_000
@@ -68,7 +68,7 @@ class Islands(NamedTuple):
 
 
 # In the loops below every array gets a name of its own, and none is handed to a function that is not written out in
-# place: see `ecume.engine.contacts`.
+# place: see `ecume.engine.contact.contacts`.
 
 
 @compiled

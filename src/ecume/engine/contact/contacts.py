@@ -1,6 +1,6 @@
 """Contacts that last: who touches whom, what they remember, and overlaps removed without touching velocities.
 
-How their impulses are found: `ecume.engine.sweeping`.
+How their impulses are found: `ecume.engine.contact.projected_gauss_seidel`.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import numpy as np
 
 from ecume._jit import compiled, compiled_inside
 from ecume.engine.cells import Integers
-from ecume.engine.keyed import Keyed, Memory, recall_each, remember_each
+from ecume.engine.contact.warm_start import Keyed, Memory, recall_each, remember_each
 from ecume.engine.walls import Walls, wall_count, wall_distance
 from ecume.units import Array
 

@@ -1,8 +1,8 @@
 """Block systems of pairs: a matrix with a block for each particle and for each pair of neighbors.
 
 `make_pattern` is made once for a set of pairs; `assemble` or `assemble_quads` fills it. A block is as wide as a
-particle has unknowns. How systems are solved stands in `sparse`. A row belongs to one thread, its sums are in the order
-of pairs: bits do not depend on threads.
+particle has unknowns. `solvers` solves the systems. A row belongs to one thread, its sums are in the order of pairs:
+bits do not depend on threads.
 """
 
 from __future__ import annotations

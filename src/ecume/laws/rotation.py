@@ -7,7 +7,7 @@ from typing import Annotated
 
 import numpy as np
 
-from ecume.engine.tabled import spline
+from ecume.engine.angle_splines import spline
 from ecume.errors import BadInput
 from ecume.laws.drag import TurningFriction
 from ecume.units import Angles, Length, Mass, Number, Numbers, Unit, Viscosity

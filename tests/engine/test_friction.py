@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from tests.engine.test_contacts import a_raft, all_candidates
 
-from ecume.engine import contacts as touching
-from ecume.engine import rubbing as rough
-from ecume.engine import sweeping
-from ecume.engine.contacts import Bodies
-from ecume.engine.keyed import Memory
-from ecume.engine.rubbing import Motion
-from ecume.engine.sweeping import Goal
+from ecume.engine.contact import contacts as touching
+from ecume.engine.contact import friction as rough
+from ecume.engine.contact import projected_gauss_seidel
+from ecume.engine.contact.contacts import Bodies
+from ecume.engine.contact.friction import Motion
+from ecume.engine.contact.projected_gauss_seidel import Goal
+from ecume.engine.contact.warm_start import Memory
 from ecume.engine.walls.dishes import box, no_walls
 
 DISC = 0.5
@@ -45,7 +45,7 @@ def energy(mass, motion):
 def test_impulses_stay_inside_their_cone_and_what_slides_is_braked(friction):
     position, _, motion = shaken_raft()
     contacts, rubbing = pressed(position, motion, np.ones(len(position)), friction, no_walls())
-    assert rough.solve(contacts, rubbing, motion, Goal(1e-10, 0.0)) <= sweeping.MOST_SWEEPS
+    assert rough.solve(contacts, rubbing, motion, Goal(1e-10, 0.0)) <= projected_gauss_seidel.MOST_SWEEPS
     rows, sliding = contacts.total[0], np.zeros(len(contacts.gap))
     rough.slidings(contacts, rubbing, motion, sliding)
     p, q, s = contacts.impulse[:rows], rubbing.impulse[:rows], sliding[:rows]
@@ -84,7 +84,7 @@ def test_without_friction_the_solution_is_that_of_smooth_contacts():
     spin = motion.spin.copy()
     rough.solve(contacts, rubbing, motion, Goal(1e-11, 0.0))
     contacts.impulse[:] = 0.0
-    sweeping.solve(contacts, smooth, motion.mobility, Goal(1e-11, 0.0))
+    projected_gauss_seidel.solve(contacts, smooth, motion.mobility, Goal(1e-11, 0.0))
     assert motion.velocity == pytest.approx(smooth, abs=1e-9)
     assert np.array_equal(motion.spin, spin)
 
