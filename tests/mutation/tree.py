@@ -49,6 +49,7 @@ class Tree:
                 shutil.copy(source, target)
         self._cache.mkdir(parents=True, exist_ok=True, mode=0o700)
         self._kept = self._clean_folders()
+        self._take_compiled()
 
     def write(self, path: str, text: str) -> None:
         """Change a file of the package until `restore`."""
@@ -84,6 +85,14 @@ class Tree:
             for path in sorted(folder.rglob("*.py")):
                 found.update(path.relative_to(self.folder).as_posix().encode() + b"\0" + path.read_bytes())
         return found.hexdigest()[:12]
+
+    def _take_compiled(self) -> None:
+        """Copy what the tests have compiled of the same text already."""
+        asked = os.environ.get("ECUME_CACHE_DIR")
+        there = (Path(asked) if asked else self._root / ".venv" / "compiled") / "compiled"
+        for name in self._kept:
+            if (there / name).is_dir() and not (self._cache / name).exists():
+                shutil.copytree(there / name, self._cache / name)
 
     def _clean_folders(self) -> set[str]:
         """Folders of compiled code that no fault changes: their names are digests of all text that goes into it."""
