@@ -13,15 +13,16 @@ from ecume.models.sph.boundaries import boundary_of
 from ecume.models.sph.carried import carried_of
 from ecume.models.sph.choosing import (
     PRECISIONS,
-    choices_of,
+    acting_friction,
     chosen,
     color_reach_of,
+    constants_of,
+    diffusion_of,
     free_surface,
     gravity_of,
     held_pull,
     kernel_of,
     modified,
-    numbers_of,
     pressure_force_of,
     shifting_of,
     sides_of,
@@ -29,8 +30,10 @@ from ecume.models.sph.choosing import (
     tension_of,
     turbulent,
 )
+from ecume.models.sph.fields import Tait
 from ecume.models.sph.gates import bounds_of, gates_of
 from ecume.models.sph.gauges import gauges_of
+from ecume.models.sph.methods import DIFFUSIONS
 from ecume.models.sph.motions import drives_of, fastest_drive, shake_of
 from ecume.models.sph.pacing import steps_of
 from ecume.models.sph.parameters import Material, Parameters
@@ -118,12 +121,14 @@ def parameters_of(scene: SphScene) -> Parameters:
         dimension=len(scene.tank.low),
         spacing=scene.spacing,
         material=material,
-        constants=np.array([material.sound_speed, material.exponent, material.density]),
+        tait=Tait(material.sound_speed, material.exponent, material.density),
         gravity=gravity_of(scene) * (not modified(scene)),
         hydrostatic=gravity_of(scene) * (method.pressure_split != "none"),
         surface=max(float(part_of(region, scene.spacing).bounds()[1][1]) for region in scene.fluid),
-        numbers=numbers_of(scene, material, held),
-        choices=choices_of(scene, held),
+        constants=constants_of(scene, material, held),
+        pressure_force=pressure_force_of(scene),
+        density_diffusion=DIFFUSIONS[diffusion_of(scene, held)],
+        friction=acting_friction(scene),
         support=support,
         boundary=boundary,
         bodies=bodies,

@@ -2,43 +2,43 @@
 
 from __future__ import annotations
 
-from typing import Any
-
-from ecume._jit import admit, inlined, prange, spread
+from ecume._jit import admit, compiled_inside, prange, spread
+from ecume.engine.cells import Integers
 from ecume.laws import enthalpy as enthalpies
 from ecume.laws import states
-from ecume.models.sph.fields import ENTHALPY, LIQUID, MU, PUSH, RHO, VOLUME, WEIGHT, G, P, U, V, W, X
+from ecume.models.sph.fields import FIELD, Floats, Tait
+from ecume.units import Array
 
 admit(states, enthalpies)
-
-C0, GAMMA, RHO0 = 0, 1, 2
-"""Places in the table of the material: sound speed, Tait's exponent, reference density."""
 
 
 @spread
 def fill_liquid(
-    fields: Any, position: Any, velocity: Any, density: Any, mass: Any, material: Any, origin: Any, by_mass: bool
+    fields: Floats, position: Array, velocity: Array, density: Array, mass: Array, tait: Tait, origin: Array,
+    by_mass: bool,
 ) -> None:  # fmt: skip
     """Everything that sums read of the liquid, from its state."""
     dimension, count = position.shape
-    c0, gamma, rho0 = material[C0], material[GAMMA], material[RHO0]
+    c0, gamma, rho0 = tait.sound_speed, tait.exponent, tait.density
     for i in prange(count):
         for axis in range(dimension):
-            fields[X + axis, i] = position[axis, i] - origin[axis]
-            fields[V + axis, i] = velocity[axis, i]
-            fields[U + axis, i] = velocity[axis, i]
+            fields[FIELD.position + axis, i] = position[axis, i] - origin[axis]
+            fields[FIELD.velocity + axis, i] = velocity[axis, i]
+            fields[FIELD.friction_velocity + axis, i] = velocity[axis, i]
         own = density[i]
         pressure = states.tait_pressure(own, rho0, c0, gamma)
-        fields[RHO, i] = own
-        fields[VOLUME, i] = mass[i] / own
-        fields[P, i] = pressure
-        fields[ENTHALPY, i] = enthalpies.tait_enthalpy(own, rho0, c0, gamma)
-        fields[PUSH, i] = pressure / (own * own) if by_mass else pressure
-        fields[WEIGHT, i] = mass[i] if by_mass else mass[i] / own
+        fields[FIELD.density, i] = own
+        fields[FIELD.volume, i] = mass[i] / own
+        fields[FIELD.pressure, i] = pressure
+        fields[FIELD.enthalpy, i] = enthalpies.tait_enthalpy(own, rho0, c0, gamma)
+        fields[FIELD.force_term, i] = pressure / (own * own) if by_mass else pressure
+        fields[FIELD.weight, i] = mass[i] if by_mass else mass[i] / own
 
 
 @spread
-def fill_images(source: Any, fields: Any, first: int, start: Any, sides: Any, pull: Any, material: Any) -> None:
+def fill_images(
+    source: Integers, fields: Floats, first: int, start: Integers, sides: Array, pull: Array, tait: Tait
+) -> None:
     """Images, side by side in order: an image may be the source of another.
 
     `sides` is (sides, 4 d + 2): point, normal, shift (of a periodic side) or velocity (of a mirror); whether it
@@ -49,59 +49,63 @@ def fill_images(source: Any, fields: Any, first: int, start: Any, sides: Any, pu
         mirrors, holds = sides[side, 3 * dimension] != 0.0, sides[side, 3 * dimension + 1] != 0.0
         for k in prange(start[side], start[side + 1]):
             if mirrors:
-                _mirror(fields, source[k], first + k, sides[side], holds, pull, material)
+                _mirror(fields, source[k], first + k, sides[side], holds, pull, tait)
             else:
                 _shift(fields, source[k], first + k, sides[side], dimension)
 
 
-@inlined
-def _shift(fields: Any, i: int, image: int, side: Any, dimension: int) -> None:
+@compiled_inside
+def _shift(fields: Floats, i: int, image: int, side: Array, dimension: int) -> None:
     for row in range(fields.shape[0]):
         fields[row, image] = fields[row, i]
     for axis in range(dimension):
-        fields[X + axis, image] += side[2 * dimension + axis]
+        fields[FIELD.position + axis, image] += side[2 * dimension + axis]
 
 
-@inlined
-def _mirror(fields: Any, i: int, image: int, side: Any, holds: bool, pull: Any, material: Any) -> None:
+@compiled_inside
+def _mirror(fields: Floats, i: int, image: int, side: Array, holds: bool, pull: Array, tait: Tait) -> None:
     """The mirrored particle, at rest under gravity where its source is: its enthalpy is the source's, and what the
     way between adds. A wall that holds the liquid turns the velocity around for friction, and lets only the normal
     part turn for the equation of continuity.
     """
     dimension = len(pull)
-    c0, gamma, rho0 = material[C0], material[GAMMA], material[RHO0]
+    c0, gamma, rho0 = tait.sound_speed, tait.exponent, tait.density
     away, through, drift, pull_through, steep = 0.0, 0.0, 0.0, 0.0, 0.0
     for axis in range(dimension):
         normal = side[dimension + axis]
-        away += (fields[X + axis, i] - side[axis]) * normal
-        through += (fields[V + axis, i] - side[2 * dimension + axis]) * normal
-        drift += fields[W + axis, i] * normal
+        away += (fields[FIELD.position + axis, i] - side[axis]) * normal
+        through += (fields[FIELD.velocity + axis, i] - side[2 * dimension + axis]) * normal
+        drift += fields[FIELD.transport + axis, i] * normal
         pull_through += (pull[axis] - side[3 * dimension + 2 + axis]) * normal
-        steep += fields[G + axis, i] * normal
+        steep += fields[FIELD.density_gradient + axis, i] * normal
     for axis in range(dimension):
         normal = side[dimension + axis]
-        fields[X + axis, image] = fields[X + axis, i] - 2.0 * away * normal
-        fields[V + axis, image] = fields[V + axis, i] - 2.0 * through * normal
-        fields[W + axis, image] = fields[W + axis, i] - 2.0 * drift * normal
-        turned = 2.0 * side[2 * dimension + axis] - fields[U + axis, i]
-        fields[U + axis, image] = turned if holds else fields[V + axis, image]
+        fields[FIELD.position + axis, image] = fields[FIELD.position + axis, i] - 2.0 * away * normal
+        fields[FIELD.velocity + axis, image] = fields[FIELD.velocity + axis, i] - 2.0 * through * normal
+        fields[FIELD.transport + axis, image] = fields[FIELD.transport + axis, i] - 2.0 * drift * normal
+        turned = 2.0 * side[2 * dimension + axis] - fields[FIELD.friction_velocity + axis, i]
+        fields[FIELD.friction_velocity + axis, image] = turned if holds else fields[FIELD.velocity + axis, image]
         # The hydrostatic part goes on through the wall, the rest is mirrored.
-        fields[G + axis, image] = fields[G + axis, i] - 2.0 * (steep - rho0 / (c0 * c0) * pull_through) * normal
-    enthalpy = fields[ENTHALPY, i] - 2.0 * away * pull_through
-    mass = fields[VOLUME, i] * fields[RHO, i]
+        fields[FIELD.density_gradient + axis, image] = (
+            fields[FIELD.density_gradient + axis, i] - 2.0 * (steep - rho0 / (c0 * c0) * pull_through) * normal
+        )
+    enthalpy = fields[FIELD.enthalpy, i] - 2.0 * away * pull_through
+    mass = fields[FIELD.volume, i] * fields[FIELD.density, i]
     density = enthalpies.density_at_enthalpy(enthalpy, rho0, c0, gamma)
-    fields[ENTHALPY, image] = enthalpy
-    fields[RHO, image] = density
-    fields[P, image] = states.tait_pressure(density, rho0, c0, gamma)
-    fields[VOLUME, image] = mass / density
-    fields[MU, image] = fields[MU, i]
-    fields[LIQUID, image] = fields[LIQUID, i]
+    fields[FIELD.enthalpy, image] = enthalpy
+    fields[FIELD.density, image] = density
+    fields[FIELD.pressure, image] = states.tait_pressure(density, rho0, c0, gamma)
+    fields[FIELD.volume, image] = mass / density
+    fields[FIELD.viscosity, image] = fields[FIELD.viscosity, i]
+    fields[FIELD.liquid, image] = fields[FIELD.liquid, i]
 
 
 @spread
-def fill_weights(fields: Any, first: int, by_mass: bool) -> None:
-    """What each neighbor's pressure adds, and what it counts, from column `first` on: see `PUSH` and `WEIGHT`."""
+def fill_weights(fields: Floats, first: int, by_mass: bool) -> None:
+    """What each neighbor's pressure adds, and what it counts, from column `first` on: see `Fields`."""
     for i in prange(first, fields.shape[1]):
-        density = fields[RHO, i]
-        fields[PUSH, i] = fields[P, i] / (density * density) if by_mass else fields[P, i]
-        fields[WEIGHT, i] = fields[VOLUME, i] * density if by_mass else fields[VOLUME, i]
+        density = fields[FIELD.density, i]
+        fields[FIELD.force_term, i] = (
+            fields[FIELD.pressure, i] / (density * density) if by_mass else fields[FIELD.pressure, i]
+        )
+        fields[FIELD.weight, i] = fields[FIELD.volume, i] * density if by_mass else fields[FIELD.volume, i]
