@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ecume._jit import admit, compiled_inside, prange, spread
+from ecume._jit import admit, inlined, prange, spread
 from ecume.engine.cells import Integers
 from ecume.laws import enthalpy as enthalpies
 from ecume.laws import states
@@ -54,7 +54,7 @@ def fill_images(
                 _shift(fields, source[k], first + k, sides[side], dimension)
 
 
-@compiled_inside
+@inlined
 def _shift(fields: Floats, i: int, image: int, side: Array, dimension: int) -> None:
     for row in range(fields.shape[0]):
         fields[row, image] = fields[row, i]
@@ -62,7 +62,7 @@ def _shift(fields: Floats, i: int, image: int, side: Array, dimension: int) -> N
         fields[FIELD.position + axis, image] += side[2 * dimension + axis]
 
 
-@compiled_inside
+@inlined
 def _mirror(fields: Floats, i: int, image: int, side: Array, holds: bool, pull: Array, tait: Tait) -> None:
     """The mirrored particle, at rest under gravity where its source is: its enthalpy is the source's, and what the
     way between adds. A wall that holds the liquid turns the velocity around for friction, and lets only the normal
