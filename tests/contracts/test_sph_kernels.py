@@ -136,7 +136,7 @@ def test_a_number_that_no_kernel_has_is_refused(code):
     with pytest.raises(ValueError, match=rf"got {code}; expected a number of KERNEL_CODES"):
         take_forces(parameters, state, workspace, parameters.time_step)
     with pytest.raises(KeyError):
-        kernel_type(parameters.numbers)
+        kernel_type(parameters.constants)
 
 
 def test_the_table_cannot_change_while_the_program_runs():

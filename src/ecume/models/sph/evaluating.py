@@ -8,7 +8,7 @@ from ecume.engine.lists import Lists
 from ecume.models.sph.bodies import delay, pulls_of, pushed
 from ecume.models.sph.columns import fill_images, fill_liquid, fill_weights
 from ecume.models.sph.dummies import read_liquid
-from ecume.models.sph.fields import Constants, Floats
+from ecume.models.sph.fields import Constants, Floats, number
 from ecume.models.sph.gates import still
 from ecume.models.sph.gradients import add_gradient_diffusion, fill_density_gradients
 from ecume.models.sph.loads import forces_on_dummies, total
@@ -55,7 +55,7 @@ def take_both(parameters: Parameters, state: State, workspace: Workspace, time: 
     lists, rates = workspace.lists, workspace.rates
     diffuses = parameters.density_diffusion.excess is not None
     if not diffuses and len(lists.counts) == state.position.shape[1] and parameters.pressure_force.loop is None:
-        kernel = kernel_type(parameters.numbers)
+        kernel = kernel_type(parameters.constants)
         sum_both(*_summed(parameters, workspace), kernel, rates.table)
         gather(workspace, rates.continuity, rates.diffusion, *rates.acceleration)
     else:
@@ -66,11 +66,11 @@ def take_both(parameters: Parameters, state: State, workspace: Workspace, time: 
 
 
 def _sum_stretch(parameters: Parameters, workspace: Workspace) -> None:
-    diffusion, rates, kernel = parameters.density_diffusion, workspace.rates, kernel_type(parameters.numbers)
+    diffusion, rates, kernel = parameters.density_diffusion, workspace.rates, kernel_type(parameters.constants)
     summed = _summed(parameters, workspace)
     sum_continuity(*summed, kernel, diffusion.diffusing(workspace.fields), rates.table)
     if diffusion.gradients:
-        factor = parameters.numbers.delta * parameters.numbers.slope_factor
+        factor = number(parameters.constants, "delta") * number(parameters.constants, "slope_factor")
         add_gradient_diffusion(*summed, factor, rates.table)
     gather(workspace, rates.continuity, rates.diffusion)
 
@@ -90,7 +90,7 @@ def gather(workspace: Workspace, *rows: Floats) -> None:
 def _sum_push(parameters: Parameters, workspace: Workspace) -> None:
     summed, rates, loop = _summed(parameters, workspace), workspace.rates, parameters.pressure_force.loop
     if loop is None:
-        sum_momentum(*summed, kernel_type(parameters.numbers), rates.table)
+        sum_momentum(*summed, kernel_type(parameters.constants), rates.table)
     else:
         loop(*summed, rates.table)
     gather(workspace, *rates.acceleration)
@@ -155,7 +155,7 @@ def fill(parameters: Parameters, state: State, workspace: Workspace) -> None:
     """The liquid's columns, its images', the walls', and the images of those."""
     fields, lists = workspace.fields, workspace.lists
     constants, table = parameters.constants, fields.table
-    require_kernel(parameters.numbers)
+    require_kernel(parameters.constants)
     count = state.position.shape[1]
     real = len(lists.counts)
     by_mass, gradients = parameters.pressure_force.by_mass, parameters.density_diffusion.gradients

@@ -17,6 +17,7 @@ from ecume.models.sph.bodies import carry, farthest_way, keep_out
 from ecume.models.sph.carried import take_along
 from ecume.models.sph.collisions import collide
 from ecume.models.sph.evaluating import take_both, take_forces, take_thickening
+from ecume.models.sph.fields import number
 from ecume.models.sph.gates import due, feed
 from ecume.models.sph.guard import turn_back
 from ecume.models.sph.motion import (
@@ -83,7 +84,7 @@ def advance(parameters: Parameters, state: State, workspace: Workspace, steps: i
 
 def divisions_needed(parameters: Parameters, state: State) -> int:
     """How many parts keep a step within what sound and forces allow; very many where something is not a number."""
-    h = float(parameters.numbers.smoothing_length)
+    h = float(number(parameters.constants, "smoothing_length"))
     speed, force = largest(state.velocity), largest(state.acceleration)
     if not (math.isfinite(speed) and math.isfinite(force)):
         return MOST_DIVISIONS + 1

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from ecume._jit import admit, by_type, selection, summed_inside
 from ecume.laws.kernels import KERNEL_CODES, KERNELS, Shape, shapes
-from ecume.models.sph.fields import Numbers
+from ecume.models.sph.fields import Constants, number
 
 admit(shapes)
 
@@ -74,12 +74,14 @@ WRITTEN: dict[Shape, type[KernelType]] = {
 KERNEL_TYPES = {KERNEL_CODES[name]: WRITTEN.get(form.slope, AnyKernel) for name, form in KERNELS.items()}
 
 
-def kernel_type(numbers: Numbers) -> KernelType:
+def kernel_type(constants: Constants) -> KernelType:
     """The kernel as a type that `written_slope` knows; KeyError where there is none."""
-    return KERNEL_TYPES[numbers.kernel](numbers.kernel)
+    code = int(number(constants, "kernel"))
+    return KERNEL_TYPES[code](code)
 
 
-def require_kernel(numbers: Numbers) -> None:
+def require_kernel(constants: Constants) -> None:
     """Raise ValueError for a number that no kernel has."""
-    if numbers.kernel not in KERNEL_CODES.values():
-        raise ValueError(f"numbers.kernel: got {numbers.kernel}; expected a number of KERNEL_CODES, {KERNEL_CODES}")
+    code = int(number(constants, "kernel"))
+    if code not in KERNEL_TYPES:
+        raise ValueError(f"kernel: got {code}; expected a number of KERNEL_CODES, {KERNEL_CODES}")
