@@ -167,4 +167,11 @@ def background_of(scene: SphScene, material: Material) -> float:
         if given is not None:
             raise SceneError([Fault("method.background_pressure", 'is of pressure_force = "transport" alone')])
         return 0.0
-    return material.density * material.sound_speed**2 if given is None else given
+    background = material.density * material.sound_speed**2 if given is None else given
+    if background > 0.0 and (free_surface(scene) or scene.tank.walls == "reflect"):
+        message = (
+            "got 'transport', whose background pressure drives particles through a free surface and at walls that only "
+            "reflect; expected a full tank without open sides; otherwise use 'sum'"
+        )
+        raise SceneError([Fault("method.pressure_force", message)])
+    return background
