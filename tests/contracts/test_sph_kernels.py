@@ -16,12 +16,12 @@ from tests.models.sph.scenes import free_blob, tank
 import ecume
 from ecume import _jit
 from ecume.laws.kernels import KERNEL_CODES, KERNELS, kernel
-from ecume.models.sph.advice import lattice_neighbors, neighbor_remark
-from ecume.models.sph.carried import surroundings
-from ecume.models.sph.choosing import smoothing_of
-from ecume.models.sph.evaluating import take_both, take_forces, take_thickening
+from ecume.models.sph.check_report import lattice_neighbors, neighbor_remark
+from ecume.models.sph.defaults import smoothing_of
+from ecume.models.sph.kernels import kernel_type, slope_of, value_of
+from ecume.models.sph.passive_particles import surroundings
 from ecume.models.sph.record import SPH
-from ecume.models.sph.weights import kernel_type, slope_of, value_of
+from ecume.models.sph.right_hand_side import take_both, take_forces, take_thickening
 from ecume.scenes.schema import from_plain, to_plain
 
 ROOT = Path(__file__).parents[2]
@@ -163,7 +163,7 @@ USE = """
 import json, sys
 import numpy as np
 from ecume.laws.kernels import KERNELS, kernel
-from ecume.models.sph.evaluating import take_forces, take_thickening
+from ecume.models.sph.right_hand_side import take_forces, take_thickening
 from ecume.models.sph.sums import sum_continuity, sum_momentum
 from tests.contracts.test_sph_kernels import at_start, close, expected_rates
 from tests.models.sph.scenes import free_blob

@@ -5,9 +5,9 @@ import pytest
 from tests.models.sph.scenes import free_blob
 from tests.models.sph.test_moving_bodies import blob
 
-from ecume.models.sph.evaluating import take_forces
 from ecume.models.sph.methods import FRICTIONS, PRESSURE_FORCES
 from ecume.models.sph.record import SPH
+from ecume.models.sph.right_hand_side import take_forces
 from ecume.models.sph.shifting import SHIFTINGS
 from ecume.models.sph.stepping import INTEGRATORS
 from ecume.models.sph.tension import TENSIONS, surface_energy

@@ -12,7 +12,7 @@ from tests.models.sph.scenes import OPEN, PERIODIC
 from ecume.errors import SceneError
 from ecume.laws.kernels import KERNELS
 from ecume.models.model import DONE, EXCHANGE
-from ecume.models.sph.choosing import TURBULENCES
+from ecume.models.sph.defaults import TURBULENCES
 from ecume.models.sph.invariants import invariants
 from ecume.models.sph.methods import DIFFUSIONS, FRICTIONS, PRESSURE_FORCES
 from ecume.models.sph.record import SPH

@@ -9,9 +9,9 @@ import ecume
 from ecume.errors import SceneError
 from ecume.laws.kernels import kernel
 from ecume.models.sph.bodies import delay, keep_out, pulls_of
-from ecume.models.sph.evaluating import fill
 from ecume.models.sph.motions import instant
 from ecume.models.sph.record import SPH
+from ecume.models.sph.right_hand_side import fill
 from ecume.scenes.schema import from_plain, to_plain
 from tests.models.sph.scenes import free_blob
 

@@ -10,8 +10,7 @@ from ecume.errors import Fault, SceneError
 from ecume.laws.tension import laplace_pressure
 from ecume.models.sph.bodies import bodies_of
 from ecume.models.sph.boundaries import boundary_of
-from ecume.models.sph.carried import carried_of
-from ecume.models.sph.choosing import (
+from ecume.models.sph.defaults import (
     PRECISIONS,
     acting_friction,
     chosen,
@@ -31,17 +30,18 @@ from ecume.models.sph.choosing import (
     turbulent,
 )
 from ecume.models.sph.fields import Tait
-from ecume.models.sph.gates import bounds_of, gates_of
 from ecume.models.sph.gauges import gauges_of
 from ecume.models.sph.methods import DIFFUSIONS
 from ecume.models.sph.motions import drives_of, fastest_drive, shake_of
-from ecume.models.sph.pacing import steps_of
+from ecume.models.sph.open_boundaries import bounds_of, gates_of
 from ecume.models.sph.parameters import Material, Parameters
+from ecume.models.sph.passive_particles import carried_of
 from ecume.models.sph.solids import part_of
 from ecume.models.sph.starting import velocity_in
 from ecume.models.sph.stepping import INTEGRATORS
 from ecume.models.sph.substances import filled
 from ecume.models.sph.tension import TENSIONS
+from ecume.models.sph.time_step import steps_of
 from ecume.scenes.sph import SphScene
 from ecume.units import Array
 

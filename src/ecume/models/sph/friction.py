@@ -9,7 +9,7 @@ import numpy as np
 from ecume._jit import prange, summing
 from ecume.engine.lists import Lists
 from ecume.models.sph.fields import FIELD, RATE, Constants, Floats
-from ecume.models.sph.weights import slope_of
+from ecume.models.sph.kernels import slope_of
 
 INDEX = np.uint64
 

@@ -14,7 +14,7 @@ from ecume._jit import admit, prange, summed_inside, summing
 from ecume.engine.lists import Lists
 from ecume.laws import diffusion
 from ecume.models.sph.fields import FIELD, RATE, Constants, Floats
-from ecume.models.sph.weights import slope_of
+from ecume.models.sph.kernels import slope_of
 
 admit(diffusion)
 INDEX = np.uint64

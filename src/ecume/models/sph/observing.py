@@ -9,14 +9,13 @@ import numpy as np
 
 from ecume.laws.states import tait_pressure
 from ecume.models.invariants import INJECTED
-from ecume.models.sph.carried import surroundings
 from ecume.models.sph.energies import energies, liquid_alone
-from ecume.models.sph.evaluating import fill
+from ecume.models.sph.forces_on_solids import loads
 from ecume.models.sph.gauges import readings
-from ecume.models.sph.loads import loads
 from ecume.models.sph.motions import drive_at, instant
 from ecume.models.sph.parameters import Parameters
-from ecume.models.sph.standoff import Leaning, energy_of, everyone_leaning, load_of
+from ecume.models.sph.passive_particles import surroundings
+from ecume.models.sph.right_hand_side import fill
 from ecume.models.sph.state import (
     CAME,
     GUARD_HITS,
@@ -29,6 +28,7 @@ from ecume.models.sph.state import (
     Workspace,
 )
 from ecume.models.sph.tension import surface_energy
+from ecume.models.sph.wall_repulsion import Leaning, energy_of, everyone_leaning, load_of
 from ecume.models.sph.work import booked
 from ecume.trajectories.frame import Frame
 from ecume.units import Array

@@ -8,8 +8,8 @@ from ecume.engine.cells import Integers
 from ecume.engine.images import Sides
 from ecume.engine.shapes import Shape
 from ecume.models.sph.fields import Constants, Numbers, Precision, Tait
-from ecume.models.sph.guard import Guard
 from ecume.models.sph.methods import DensityDiffusion, Friction, PressureForce
+from ecume.models.sph.wall_reflection import Guard
 from ecume.units import Array
 
 

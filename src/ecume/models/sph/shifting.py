@@ -13,10 +13,10 @@ from ecume._jit import prange, spread, summing
 from ecume.engine.lists import Lists
 from ecume.engine.shapes import Flags
 from ecume.models.sph.fields import FIELD, RATE, Constants, Floats
+from ecume.models.sph.kernels import slope_of, value_of
 from ecume.models.sph.motion import largest
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.state import State, Workspace
-from ecume.models.sph.weights import slope_of, value_of
 from ecume.units import Array
 
 INDEX = np.uint64

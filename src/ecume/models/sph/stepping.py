@@ -14,12 +14,8 @@ from ecume._portable import product
 from ecume.laws.pace import force_limit
 from ecume.models.model import DIVERGED, DONE, EXCHANGE
 from ecume.models.sph.bodies import carry, farthest_way, keep_out
-from ecume.models.sph.carried import take_along
 from ecume.models.sph.collisions import collide
-from ecume.models.sph.evaluating import take_both, take_forces, take_thickening
 from ecume.models.sph.fields import number
-from ecume.models.sph.gates import due, feed
-from ecume.models.sph.guard import turn_back
 from ecume.models.sph.motion import (
     drift,
     farthest,
@@ -30,7 +26,10 @@ from ecume.models.sph.motion import (
     thicken,
 )
 from ecume.models.sph.motions import at_reference, instant, way_of_sides
+from ecume.models.sph.open_boundaries import due, feed
 from ecume.models.sph.parameters import Parameters
+from ecume.models.sph.passive_particles import take_along
+from ecume.models.sph.right_hand_side import take_both, take_forces, take_thickening
 from ecume.models.sph.state import (
     GUARD_HITS,
     MOST_SUBSTEPS,
@@ -45,6 +44,7 @@ from ecume.models.sph.state import (
     sort_state,
     workspace_at,
 )
+from ecume.models.sph.wall_reflection import turn_back
 from ecume.models.sph.work import book, lifted, of_guard, power_of_shake
 
 MOST_DIVISIONS = 64

@@ -18,7 +18,7 @@ from ecume.engine.lists import STRIDE, Lists
 from ecume.laws import diffusion, viscous
 from ecume.laws.kernels import shapes
 from ecume.models.sph.fields import FIELD, RATE, Constants, Floats
-from ecume.models.sph.weights import KernelType, written_slope
+from ecume.models.sph.kernels import KernelType, written_slope
 
 admit(shapes, viscous, diffusion)
 INDEX = np.uint64

@@ -11,9 +11,9 @@ from ecume.engine.lists import Lists
 from ecume.laws import viscous
 from ecume.models.sph.fields import FIELD, Constants, Floats
 from ecume.models.sph.gradients import solved
+from ecume.models.sph.kernels import slope_of
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.state import Workspace
-from ecume.models.sph.weights import slope_of
 
 admit(viscous)
 

@@ -11,10 +11,10 @@ from ecume.laws.drops import drop_decay
 from ecume.laws.kernels import kernel
 from ecume.laws.tension import laplace_pressure
 from ecume.laws.viscous import friction_left
-from ecume.models.sph.choosing import smoothing_of
-from ecume.models.sph.evaluating import fill
+from ecume.models.sph.defaults import smoothing_of
 from ecume.models.sph.friction import rub_radially
 from ecume.models.sph.record import SPH
+from ecume.models.sph.right_hand_side import fill
 from ecume.scenes.load import load_scene
 from ecume.scenes.sph import SphScene
 from ecume.simulation import simulate

@@ -15,10 +15,10 @@ from ecume.engine.cells import Integers
 from ecume.engine.images import Images
 from ecume.engine.lists import Lists
 from ecume.models.sph.fields import FIELD, Constants, Floats
+from ecume.models.sph.kernels import slope_of
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.state import Workspace
 from ecume.models.sph.sums import damping
-from ecume.models.sph.weights import slope_of
 from ecume.units import Array
 
 Vector = tuple[float, float, float]

@@ -6,20 +6,19 @@ import numpy as np
 
 from ecume.engine.lists import Lists
 from ecume.models.sph.bodies import delay, pulls_of, pushed
-from ecume.models.sph.columns import fill_images, fill_liquid, fill_weights
-from ecume.models.sph.dummies import read_liquid
 from ecume.models.sph.fields import Constants, Floats, number
-from ecume.models.sph.gates import still
+from ecume.models.sph.fill_fields import fill_images, fill_liquid, fill_weights, read_liquid
+from ecume.models.sph.forces_on_solids import forces_on_dummies, total
 from ecume.models.sph.gradients import add_gradient_diffusion, fill_density_gradients
-from ecume.models.sph.loads import forces_on_dummies, total
+from ecume.models.sph.kernels import kernel_type, require_kernel
 from ecume.models.sph.motion import (
     store_acceleration,
     store_thickening,
 )
 from ecume.models.sph.motions import instant
+from ecume.models.sph.open_boundaries import still
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.shifting import shift
-from ecume.models.sph.standoff import push_off_bodies, push_off_walls
 from ecume.models.sph.state import (
     State,
     Workspace,
@@ -28,7 +27,7 @@ from ecume.models.sph.state import (
 from ecume.models.sph.sums import sum_both, sum_continuity, sum_momentum
 from ecume.models.sph.tension import pull
 from ecume.models.sph.turbulence import stir
-from ecume.models.sph.weights import kernel_type, require_kernel
+from ecume.models.sph.wall_repulsion import push_off_bodies, push_off_walls
 from ecume.units import Array
 
 

@@ -17,10 +17,10 @@ from ecume.engine.walls import Sheet
 from ecume.engine.walls.sheets import inward_normal, piece_gap
 from ecume.laws import standoff
 from ecume.models.sph.bodies import rotations
-from ecume.models.sph.guard import Guard
-from ecume.models.sph.loads import total
+from ecume.models.sph.forces_on_solids import total
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.state import State
+from ecume.models.sph.wall_reflection import Guard
 from ecume.units import Array
 
 admit(standoff)

@@ -19,10 +19,10 @@ from ecume.engine.lists import cell_at
 from ecume.engine.philox import counter_of, normals
 from ecume.laws import brownian, drag
 from ecume.models.sph.fields import FIELD, Constants, Floats
-from ecume.models.sph.guard import turn_back
+from ecume.models.sph.kernels import value_of
 from ecume.models.sph.parameters import Carried, CarriedGroup, Parameters
 from ecume.models.sph.state import CellLists, State, Workspace
-from ecume.models.sph.weights import value_of
+from ecume.models.sph.wall_reflection import turn_back
 from ecume.scenes.sph import SphScene
 from ecume.units import Array
 

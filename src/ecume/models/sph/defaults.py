@@ -10,6 +10,7 @@ from ecume.engine.lists import EVERYONE
 from ecume.errors import Fault, SceneError
 from ecume.laws import diffusion
 from ecume.laws.kernels import KERNEL_CODES, KERNELS, Kernel, kernel
+from ecume.laws.states import hydrostatic_fault
 from ecume.models.sph.fields import Constants, Precision, constants_from
 from ecume.models.sph.methods import DIFFUSIONS, FRICTIONS, PRESSURE_FORCES, Friction, PressureForce
 from ecume.models.sph.parameters import Material
@@ -172,3 +173,15 @@ def color_reach_of(scene: SphScene) -> float:
 def turbulent(scene: SphScene) -> bool:
     """Whether eddies smaller than particles are reckoned with."""
     return TURBULENCES[chosen(scene.method.turbulence, TURBULENCES, "method.turbulence")]
+
+
+def require_right_split(scene: SphScene) -> None:
+    """Refuse a scene whose pressure would be wrong, with the reason."""
+    split = scene.method.pressure_split
+    if split == "none" or scene.method.unchecked_split:
+        return
+    reason = hydrostatic_fault(
+        added=True, gravity_acts=split == "original", in_forces=False, free_surface=free_surface(scene)
+    )
+    if reason:
+        raise SceneError([Fault("method.pressure_split", f"came {split!r}; {reason}; use 'none'")])
