@@ -20,7 +20,6 @@ import numpy as np
 from marching import March, machine
 
 from ecume._jit import use_threads
-from ecume.models.sph.fields import X
 
 sys.path.insert(0, str(Path(__file__).parent / "peers"))
 from cube import REACH, SPACING
@@ -45,7 +44,7 @@ def neighbors_inside(march: March) -> float:
     lists, fields, support = march.workspace.lists, march.workspace.fields, REACH * SPACING
     count = len(lists.counts)
     chosen = np.random.default_rng(1).choice(count, min(count, SAMPLE), replace=False)
-    place = fields[X : X + 3].astype(float)
+    place = fields.position[:3].astype(float)
     found = 0
     for i in chosen:
         away = place[:, lists.neighbor[i, : lists.counts[i]]] - place[:, i : i + 1]

@@ -16,14 +16,12 @@ from tests.models.sph.scenes import free_blob, tank
 import ecume
 from ecume import _jit
 from ecume.laws.kernels import KERNEL_CODES, KERNELS, kernel
-from ecume.models.sph.advice import lattice_neighbors, neighbor_remark
-from ecume.models.sph.carried import WHOLE, surroundings
-from ecume.models.sph.choosing import smoothing_of
-from ecume.models.sph.evaluating import take_both, take_forces, take_thickening
-from ecume.models.sph.fields import KERNEL, H
+from ecume.models.sph.check_report import lattice_neighbors, neighbor_remark
+from ecume.models.sph.defaults import smoothing_of
+from ecume.models.sph.kernels import kernel_type, slope_of, value_of
+from ecume.models.sph.passive_particles import surroundings
 from ecume.models.sph.record import SPH
-from ecume.models.sph.sums import sums_of
-from ecume.models.sph.weights import slope_of, value_of
+from ecume.models.sph.right_hand_side import take_both, take_forces, take_thickening
 from ecume.scenes.schema import from_plain, to_plain
 
 ROOT = Path(__file__).parents[2]
@@ -68,7 +66,7 @@ def expected_rates(one, parameters, state):
     """The rates of density and velocity as NumPy sums over all pairs with the formulas of a kernel: continuity, the
     pressure force (p_i + p_j), and the viscous force of Morris et al. with equal viscosities.
     """
-    material, h = parameters.material, float(parameters.numbers[H])
+    material, h = parameters.material, float(parameters.numbers.smoothing_length)
     apart = state.position[:, :, None] - state.position[:, None, :]
     gradient = one.gradient(np.moveaxis(apart, 0, -1), h)
     volume = state.mass / state.density
@@ -111,7 +109,7 @@ def test_the_mass_density_summed_over_particles_is_that_of_the_row(name, dimensi
     scene = from_plain({**to_plain(free_blob(dimension, kernel=name)), "carried": [spec]})
     parameters, state, workspace = at_start(scene)
     take_forces(parameters, state, workspace, parameters.time_step)
-    found = surroundings(parameters, workspace, state.carried_position)[WHOLE]
+    found = surroundings(parameters, workspace, state.carried_position).fraction
     apart = state.position[:, :, None] - state.carried_position[:, None, :]
     weights = kernel(name, dimension).value(np.sqrt(np.sum(apart**2, axis=0)), smoothing_of(scene))
     np.testing.assert_allclose(found, (state.mass / state.density) @ weights, rtol=1e-12)
@@ -134,11 +132,11 @@ def test_a_tank_keeps_at_rest_under_every_kernel(name):
 @pytest.mark.parametrize("code", [-1, len(KERNELS)])
 def test_a_number_that_no_kernel_has_is_refused(code):
     parameters, state, workspace = at_start(free_blob())
-    parameters.choices[KERNEL] = code
+    parameters.numbers.kernel = code
     with pytest.raises(ValueError, match=rf"got {code}; expected a number of KERNEL_CODES"):
         take_forces(parameters, state, workspace, parameters.time_step)
     with pytest.raises(KeyError):
-        sums_of(parameters.choices)
+        kernel_type(parameters.constants)
 
 
 def test_the_table_cannot_change_while_the_program_runs():
@@ -165,8 +163,8 @@ USE = """
 import json, sys
 import numpy as np
 from ecume.laws.kernels import KERNELS, kernel
-from ecume.models.sph.evaluating import take_forces, take_thickening
-from ecume.models.sph.sums import push_any, stretch_any
+from ecume.models.sph.right_hand_side import take_forces, take_thickening
+from ecume.models.sph.sums import sum_continuity, sum_momentum
 from tests.contracts.test_sph_kernels import at_start, close, expected_rates
 from tests.models.sph.scenes import free_blob
 
@@ -178,7 +176,7 @@ parameters, state, workspace = at_start(free_blob(kernel=name, density_diffusion
 density_rate, acceleration = expected_rates(kernel(name, 2), parameters, state)
 take_thickening(parameters, state, workspace)
 take_forces(parameters, state, workspace, parameters.time_step)
-loops = [loop.alone for loop in (stretch_any, push_any)]
+loops = [loop.alone for loop in (sum_continuity, sum_momentum)]
 print(json.dumps({
     "name": name,
     "off": max(off(state.thickening, density_rate), off(state.acceleration, acceleration)),

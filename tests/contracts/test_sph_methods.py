@@ -5,10 +5,9 @@ import pytest
 from tests.models.sph.scenes import free_blob
 from tests.models.sph.test_moving_bodies import blob
 
-from ecume.models.sph.evaluating import take_both, take_forces, take_thickening
-from ecume.models.sph.fields import DIFFUSION, FRICTION, STRESS
-from ecume.models.sph.methods import DIFFUSIONS, FRICTIONS, PRESSURE_FORCES
+from ecume.models.sph.methods import FRICTIONS, PRESSURE_FORCES
 from ecume.models.sph.record import SPH
+from ecume.models.sph.right_hand_side import take_forces
 from ecume.models.sph.shifting import SHIFTINGS
 from ecume.models.sph.stepping import INTEGRATORS
 from ecume.models.sph.tension import TENSIONS, surface_energy
@@ -28,7 +27,9 @@ def at_start(scene):
 @pytest.mark.parametrize("friction", FRICTIONS)
 @pytest.mark.parametrize("force", PRESSURE_FORCES)
 def test_a_body_gets_the_momentum_that_the_liquid_loses(force, friction):
-    method = {"jitter": 0.2, "pressure_force": force, "friction": friction}
+    # At a free surface there must be no background pressure.
+    more = {"background_pressure": 0.0} if force == "transport" else {}
+    method = {"jitter": 0.2, "pressure_force": force, "friction": friction, **more}
     liquid = {"density": 1000.0, "sound_speed": 10.0, "fastest": 1.0, "viscosity": 20.0}
     scene = blob(gravity=[0.0, 0.0], liquid=liquid, method=method)
     parameters, state, workspace = at_start(scene)
@@ -37,28 +38,6 @@ def test_a_body_gets_the_momentum_that_the_liquid_loses(force, friction):
     on_body = state.push[:2, 0] * parameters.bodies.mass[0]
     assert np.abs(on_body).max() > 1.0
     np.testing.assert_allclose(on_body, -on_liquid, rtol=1e-9)
-
-
-@pytest.mark.parametrize("table", [PRESSURE_FORCES, FRICTIONS, DIFFUSIONS])
-def test_each_row_has_a_code_of_its_own(table):
-    assert len({row.code for row in table.values()}) == len(table)
-
-
-@pytest.mark.parametrize("place", [STRESS, DIFFUSION, FRICTION])
-@pytest.mark.parametrize("code", [-1, 9])
-@pytest.mark.parametrize("take", [take_both, take_forces])
-def test_a_code_without_a_row_is_refused(place, code, take):
-    parameters, state, workspace = at_start(free_blob(viscosity=1.0))
-    parameters.choices[place] = code
-    with pytest.raises(ValueError, match=f"got the code {code}; expected one of"):
-        take(parameters, state, workspace, parameters.time_step)
-
-
-def test_a_diffusion_without_a_row_is_refused_where_density_alone_is_computed():
-    parameters, state, workspace = at_start(free_blob())
-    parameters.choices[DIFFUSION] = 9
-    with pytest.raises(ValueError, match="got the code 9; expected one of"):
-        take_thickening(parameters, state, workspace)
 
 
 @pytest.mark.parametrize("choice", ["integrator", "shifting", "tension"])

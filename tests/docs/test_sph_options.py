@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from ecume.laws.kernels import KERNELS
-from ecume.models.sph.choosing import PRECISIONS, TURBULENCES
+from ecume.models.sph.defaults import PRECISIONS, TURBULENCES
 from ecume.models.sph.methods import DIFFUSIONS, FRICTIONS, PRESSURE_FORCES
 from ecume.models.sph.shifting import SHIFTINGS
 from ecume.models.sph.stepping import INTEGRATORS

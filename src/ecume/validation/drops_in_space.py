@@ -10,11 +10,10 @@ from ecume.laws.drops import drop_decay
 from ecume.laws.kernels import kernel
 from ecume.laws.tension import laplace_pressure
 from ecume.laws.viscous import friction_left
-from ecume.models.sph.choosing import smoothing_of
-from ecume.models.sph.evaluating import fill
-from ecume.models.sph.fields import ACC
+from ecume.models.sph.defaults import smoothing_of
 from ecume.models.sph.friction import rub_radially
 from ecume.models.sph.record import SPH
+from ecume.models.sph.right_hand_side import fill
 from ecume.scenes.sph import SphScene
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
@@ -76,12 +75,9 @@ def friction_share(scene: SphScene, stretch: Array) -> float:
     state = SPH.start(scene, parameters)
     workspace = SPH.workspace(parameters, state, 1.0)
     fill(parameters, state, workspace)
-    workspace.rates[ACC : ACC + 3] = 0.0
-    lists = workspace.lists
-    rub_radially(
-        workspace.fields, lists.counts, lists.neighbor, parameters.numbers, parameters.choices, workspace.rates
-    )
-    power = -float(np.sum(state.mass * workspace.rates[ACC : ACC + 3] * state.velocity))
+    workspace.rates.acceleration[:3] = 0.0
+    rub_radially(workspace.fields.table, workspace.lists, parameters.constants, workspace.rates.table)
+    power = -float(np.sum(state.mass * workspace.rates.acceleration[:3] * state.velocity))
     volume = float(np.sum(state.mass / state.density))
     return power / (2.0 * VISCOSITY * float(np.sum(stretch**2)) * volume)
 

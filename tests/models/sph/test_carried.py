@@ -7,11 +7,10 @@ import pytest
 
 import ecume
 from ecume.errors import SceneError
-from ecume.models.sph.carried import EDDIES, FLOW, PRESSURE, WHOLE, surroundings, take_along
-from ecume.models.sph.choosing import kernel_of, smoothing_of
-from ecume.models.sph.evaluating import fill, take_forces
-from ecume.models.sph.fields import LIQUID, VOLUME, P, V, X
+from ecume.models.sph.defaults import kernel_of, smoothing_of
+from ecume.models.sph.passive_particles import surroundings, take_along
 from ecume.models.sph.record import SPH
+from ecume.models.sph.right_hand_side import fill, take_forces
 from ecume.scenes.schema import from_plain, to_plain
 from ecume.scenes.sph import CarriedSpec
 from tests.models.sph.scenes import free_blob
@@ -124,15 +123,15 @@ def test_looking_into_the_cells_around_finds_what_looking_at_everyone_does(dimen
     fill(parameters, state, workspace)
     found = surroundings(parameters, workspace, state.carried_position)
     fields = workspace.fields
-    place = fields[X : X + dimension] + parameters.origin[:, None]
+    place = fields.position[:dimension] + parameters.origin[:, None]
     away = place[:, :, None] - state.carried_position[:, None, :]
     shape = kernel_of(scene)
-    weight = (
-        shape.value(np.sqrt((away**2).sum(axis=0)), smoothing_of(scene)) * (fields[VOLUME] * fields[LIQUID])[:, None]
+    weight = shape.value(np.sqrt((away**2).sum(axis=0)), smoothing_of(scene)) * (fields.volume * fields.liquid)[:, None]
+    np.testing.assert_allclose(found.fraction, weight.sum(axis=0), rtol=1e-12)
+    np.testing.assert_allclose(
+        found.velocity[0], fields.velocity[0] @ weight / weight.sum(axis=0), rtol=1e-9, atol=1e-12
     )
-    np.testing.assert_allclose(found[WHOLE], weight.sum(axis=0), rtol=1e-12)
-    np.testing.assert_allclose(found[FLOW], fields[V] @ weight / weight.sum(axis=0), rtol=1e-9, atol=1e-12)
-    np.testing.assert_allclose(found[PRESSURE], fields[P] @ weight / weight.sum(axis=0), rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(found.pressure, fields.pressure @ weight / weight.sum(axis=0), rtol=1e-9, atol=1e-9)
 
 
 def test_a_carried_particle_has_the_pressure_of_the_liquid_around_it():
@@ -159,7 +158,7 @@ def test_eddies_alone_scatter_tracers_and_not_the_viscosity_of_the_liquid(viscos
         before = state.carried_position.copy()
         around = surroundings(parameters, workspace, before)
         take_along(parameters, state, workspace, time)
-        return state.carried_position - before - time * around[FLOW : FLOW + 2], around[EDDIES]
+        return state.carried_position - before - time * around.velocity[:2], around.eddy_viscosity
 
     # Smagorinsky's viscosity, (0.12 spacing)^2 |S|, over the Schmidt number.
     eddies = (0.12 * scene.spacing) ** 2 * strain

@@ -9,10 +9,9 @@ import ecume
 from ecume.errors import SceneError
 from ecume.laws.kernels import kernel
 from ecume.models.sph.bodies import delay, keep_out, pulls_of
-from ecume.models.sph.evaluating import fill
-from ecume.models.sph.fields import ENTHALPY
 from ecume.models.sph.motions import instant
 from ecume.models.sph.record import SPH
+from ecume.models.sph.right_hand_side import fill
 from ecume.scenes.schema import from_plain, to_plain
 from tests.models.sph.scenes import free_blob
 
@@ -35,14 +34,14 @@ def test_dummies_of_an_accelerated_body_have_the_hydrostatic_pressure_of_its_fra
     state = SPH.start(scene, parameters)
     workspace = SPH.workspace(parameters, state, 1.0)
     state.felt[:2, 0] = ACCELERATION
-    constants = parameters.constants
+    tait = parameters.tait
     # The enthalpy of a liquid at rest in that frame is (g - a).x, whatever its law.
     head = (GRAVITY - ACCELERATION) @ state.position
-    state.density[...] = constants[2] * (1.0 + 6.0 * head / constants[0] ** 2) ** (1.0 / 6.0)
+    state.density[...] = tait.density * (1.0 + 6.0 * head / tait.sound_speed**2) ** (1.0 / 6.0)
     now = instant(parameters, state)
     fill(now, state, workspace)
     liquid = state.position.shape[1]
-    found = workspace.fields[ENTHALPY, liquid : len(workspace.lists.counts)]
+    found = workspace.fields.enthalpy[liquid : len(workspace.lists.counts)]
     near = workspace.lists.counts[liquid:] > 0
     expected = (GRAVITY - ACCELERATION) @ now.boundary.dummies.position
     assert near.sum() > 5
@@ -119,7 +118,7 @@ def swing(scene):
     shape = kernel(scene.method.kernel, 2)
     gradient = shape.gradient(apart, parameters.support / shape.support)
     slope = np.einsum("a,iab->ib", dummies.volume[bodies.first :], gradient)
-    stiffness = 2.0 * parameters.constants[0] ** 2 * np.einsum("i,ia,ib->ab", state.mass, slope, slope)
+    stiffness = 2.0 * parameters.tait.sound_speed**2 * np.einsum("i,ia,ib->ab", state.mass, slope, slope)
     return np.sqrt(np.linalg.eigvalsh(stiffness)[-1] / bodies.mass[0]), parameters
 
 

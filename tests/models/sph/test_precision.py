@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ecume.models.sph.evaluating import take_forces, take_thickening
+from ecume.models.sph.right_hand_side import take_forces, take_thickening
 from tests.models.sph.scenes import free_blob, tank
 from tests.models.sph.test_sums import at_start
 
@@ -29,7 +29,7 @@ def off_by(single, double):
 def test_single_precision_keeps_six_digits_wherever_the_tank_stands(walls):
     _, thickening, acceleration = rates(tank(walls=walls))
     workspace, *single = rates(tank(walls=walls, precision="single", away=AWAY))
-    assert workspace.fields.dtype == workspace.rates.dtype == np.float32
+    assert workspace.fields.table.dtype == workspace.rates.table.dtype == np.float32
     assert 1e-9 < off_by(single[0], thickening) < 2e-6
     assert 1e-9 < off_by(single[1], acceleration) < 2e-6
 

@@ -7,9 +7,9 @@ import ecume
 from ecume._jit import use_threads
 from ecume.models.model import DIVERGED
 from ecume.models.sph import stepping
-from ecume.models.sph.guard import turn_back
 from ecume.models.sph.record import SPH
 from ecume.models.sph.state import skin_for
+from ecume.models.sph.wall_reflection import turn_back
 from ecume.simulation import moments
 from tests.models.sph.scenes import tank
 

@@ -11,7 +11,7 @@ from ecume.engine.mpi_exchange import Share
 from ecume.errors import BadInput
 from ecume.models.model import DONE
 from ecume.models.sph import SPH
-from ecume.models.sph.spread import complete, march_shared, require_spreadable, workspace_shared
+from ecume.models.sph.mpi import complete, march_shared, require_spreadable, workspace_shared
 from ecume.scenes.load import load_scene
 from tests.models.floating.test_spread import copied, on_ranks
 

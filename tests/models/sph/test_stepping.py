@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from ecume.models.sph.evaluating import take_forces
-from ecume.models.sph.fields import H
 from ecume.models.sph.record import SPH
+from ecume.models.sph.right_hand_side import take_forces
 from ecume.models.sph.stepping import INTEGRATORS, divisions_needed, renew
 from ecume.scenes.schema import from_plain
 from tests.models.sph.scenes import free_blob
@@ -23,7 +22,7 @@ def begun(scene):
 def test_no_force_moves_a_particle_farther_than_a_thirtieth_of_a_smoothing_length_in_a_step(strength):
     """Steps of a quarter of sqrt(h/a) are asked for: a particle at rest then goes a t^2/2 = h/32."""
     parameters, state, _ = begun(free_blob())
-    h = float(parameters.numbers[H])
+    h = float(parameters.numbers.smoothing_length)
     state.velocity[...] = 0.0
     state.acceleration[1, 7] = 2.0 * strength * h / parameters.time_step**2
     parts = divisions_needed(parameters, state)

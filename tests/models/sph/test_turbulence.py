@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from ecume.models.sph.evaluating import fill, take_forces
-from ecume.models.sph.fields import MU
 from ecume.models.sph.record import SPH
+from ecume.models.sph.right_hand_side import fill, take_forces
 from tests.models.sph.scenes import free_blob
 
 
@@ -19,7 +18,7 @@ def stirred(gradient):
     workspace = SPH.workspace(parameters, state, 1.0)
     fill(parameters, state, workspace)
     take_forces(parameters, state, workspace, parameters.time_step)
-    return workspace.fields[MU, : state.position.shape[1]], state
+    return workspace.fields.viscosity[: state.position.shape[1]], state
 
 
 def test_a_rigid_rotation_has_no_eddies():

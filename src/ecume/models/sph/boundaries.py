@@ -10,10 +10,10 @@ import numpy as np
 from ecume.engine.boundary_images import Sides
 from ecume.engine.cells import Integers
 from ecume.errors import Fault, SceneError
-from ecume.models.sph.choosing import color_reach_of
-from ecume.models.sph.guard import guard_of
+from ecume.models.sph.defaults import color_reach_of
 from ecume.models.sph.parameters import Boundary, Dummies, Material
 from ecume.models.sph.solids import grains, obstacle_grains, shape_of, solids_of
+from ecume.models.sph.wall_reflection import guard_of
 from ecume.scenes.sph import SIDES, SphScene
 from ecume.units import Array
 

@@ -10,18 +10,18 @@ from ecume.errors import Fault, SceneError
 from ecume.laws.tension import laplace_pressure
 from ecume.models.sph.bodies import bodies_of
 from ecume.models.sph.boundaries import boundary_of
-from ecume.models.sph.carried import carried_of
-from ecume.models.sph.choosing import (
+from ecume.models.sph.defaults import (
     PRECISIONS,
-    choices_of,
+    acting_friction,
     chosen,
     color_reach_of,
+    constants_of,
+    diffusion_of,
     free_surface,
     gravity_of,
     held_pull,
     kernel_of,
     modified,
-    numbers_of,
     pressure_force_of,
     shifting_of,
     sides_of,
@@ -29,16 +29,19 @@ from ecume.models.sph.choosing import (
     tension_of,
     turbulent,
 )
-from ecume.models.sph.gates import bounds_of, gates_of
+from ecume.models.sph.fields import Tait
 from ecume.models.sph.gauges import gauges_of
+from ecume.models.sph.methods import DIFFUSIONS
 from ecume.models.sph.motions import drives_of, fastest_drive, shake_of
-from ecume.models.sph.pacing import steps_of
+from ecume.models.sph.open_boundaries import bounds_of, gates_of
 from ecume.models.sph.parameters import Material, Parameters
+from ecume.models.sph.passive_particles import carried_of
 from ecume.models.sph.solids import part_of
 from ecume.models.sph.starting import velocity_in
 from ecume.models.sph.stepping import INTEGRATORS
 from ecume.models.sph.substances import filled
 from ecume.models.sph.tension import TENSIONS
+from ecume.models.sph.time_step import steps_of
 from ecume.scenes.sph import SphScene
 from ecume.units import Array
 
@@ -118,12 +121,14 @@ def parameters_of(scene: SphScene) -> Parameters:
         dimension=len(scene.tank.low),
         spacing=scene.spacing,
         material=material,
-        constants=np.array([material.sound_speed, material.exponent, material.density]),
+        tait=Tait(material.sound_speed, material.exponent, material.density),
         gravity=gravity_of(scene) * (not modified(scene)),
         hydrostatic=gravity_of(scene) * (method.pressure_split != "none"),
         surface=max(float(part_of(region, scene.spacing).bounds()[1][1]) for region in scene.fluid),
-        numbers=numbers_of(scene, material, held),
-        choices=choices_of(scene, held),
+        constants=constants_of(scene, material, held),
+        pressure_force=pressure_force_of(scene),
+        density_diffusion=DIFFUSIONS[diffusion_of(scene, held)],
+        friction=acting_friction(scene),
         support=support,
         boundary=boundary,
         bodies=bodies,
@@ -162,4 +167,11 @@ def background_of(scene: SphScene, material: Material) -> float:
         if given is not None:
             raise SceneError([Fault("method.background_pressure", 'is of pressure_force = "transport" alone')])
         return 0.0
-    return material.density * material.sound_speed**2 if given is None else given
+    background = material.density * material.sound_speed**2 if given is None else given
+    if background > 0.0 and (free_surface(scene) or scene.tank.walls == "reflect"):
+        message = (
+            "got 'transport', whose background pressure drives particles through a free surface and at walls that only "
+            "reflect; expected a full tank without open sides; otherwise use 'sum'"
+        )
+        raise SceneError([Fault("method.pressure_force", message)])
+    return background

@@ -17,14 +17,14 @@ at its source. Solids color by `NEUTRAL`, and feel nothing. [brackbill1992, wend
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from ecume._jit import admit, compiled_inside, prange, spread
+from ecume.engine.cells import Integers
 from ecume.laws import tension
 from ecume.laws.kernels import kernel, shapes
-from ecume.models.sph.fields import LIQUID, RHO, VOLUME, X
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.state import Workspace
 from ecume.units import Array
@@ -35,19 +35,34 @@ NODES = 0.6
 """From node to node, in spacings. At 0.5 and 0.67 forces are the same within some percent of their noise."""
 BLOCKS = 16
 """Parts of the grid that are colored each by itself; how many must not depend on the threads."""
-REACH, INVERSE, STEP, VALUE, SLOPE, BEND, LEAST = range(7)
-"""Places in the table of numbers: the reach, 1/h, the nodes' distance, the kernel's factors, the least steepness."""
 ENERGY = 4
 """Row of nodes after color and gradient: energy over sigma and a node's volume."""
+
+
+class Constants(NamedTuple):
+    """Of the nodes and of the kernel that colors them."""
+
+    reach: float
+    """m, how far a particle colors"""
+    inverse_length: float
+    """1/h"""
+    step: float
+    """m, from node to node"""
+    value: float
+    """the kernel's factor, and those of its first and second derivative"""
+    slope: float
+    bend: float
+    least: float
+    """the least steepness that gives a normal (1/m)"""
 
 
 class Grid(NamedTuple):
     """Where the nodes are: three axes always, the third of one node in the plane."""
 
     low: Array
-    shape: Any
+    shape: Integers
     """(3,)"""
-    numbers: Array
+    numbers: Constants
 
 
 class Colors(NamedTuple):
@@ -65,10 +80,10 @@ def colors_of(parameters: Parameters, workspace: Workspace) -> Colors:
     """The nodes, with what forces and energy need of them."""
     fields, dimension = workspace.fields, parameters.dimension
     position = np.zeros((3, fields.shape[1]))
-    position[:dimension] = fields[X : X + dimension]
+    position[:dimension] = fields.position[:dimension]
     # Columns of solids have no density.
-    wet = fields[RHO] * fields[VOLUME] / parameters.material.density
-    volume = np.where(fields[LIQUID] > 0.0, wet, tension.NEUTRAL * fields[VOLUME]).astype(np.float64)
+    wet = fields.density * fields.volume / parameters.material.density
+    volume = np.where(fields.liquid > 0.0, wet, tension.NEUTRAL * fields.volume).astype(np.float64)
     grid = grid_around(parameters, position[:, : workspace.rates.shape[1]])
     nodes = np.empty((ENERGY + 1, int(np.prod(grid.shape))))
     color(nodes, position, volume, *grid)
@@ -84,7 +99,7 @@ def grid_around(parameters: Parameters, position: Array) -> Grid:
     high[:dimension] = np.ceil((position[:dimension].max(axis=1) + reach) / step)
     h = 0.5 * reach
     factor = kernel("wendland-c4", dimension).normalization / h**dimension
-    numbers = np.array([reach, 1.0 / h, step, factor, factor / h**2, factor / h**4, tension.RELIABLE / h])
+    numbers = Constants(reach, 1.0 / h, step, factor, factor / h**2, factor / h**4, tension.RELIABLE / h)
     return Grid((step * low).astype(np.float64), high - low + 1, numbers)
 
 
@@ -142,22 +157,22 @@ def give_back(parameters: Parameters, workspace: Workspace, force: Array) -> Non
 
 
 @compiled_inside
-def first_node(place: Any, low: Any, numbers: Any) -> Any:
+def first_node(place: float, low: float, numbers: Constants) -> int:
     """The first along an axis that a particle reaches."""
-    return max(0, math.ceil((place - numbers[REACH] - low) / numbers[STEP]))
+    return max(0, math.ceil((place - numbers.reach - low) / numbers.step))
 
 
 @compiled_inside
-def end_node(place: Any, low: Any, numbers: Any, most: Any) -> Any:
+def end_node(place: float, low: float, numbers: Constants, most: int) -> int:
     """One beyond the last."""
-    return min(most, math.floor((place + numbers[REACH] - low) / numbers[STEP]) + 1)
+    return min(most, math.floor((place + numbers.reach - low) / numbers.step) + 1)
 
 
 @spread
-def color(nodes: Any, position: Any, volume: Any, low: Any, shape: Any, numbers: Any) -> None:
+def color(nodes: Array, position: Array, volume: Array, low: Array, shape: Integers, numbers: Constants) -> None:
     """Fill color and gradient, sum_j V_j W and sum_j V_j grad W. Each slab of nodes takes the particles in order."""
     slab = (shape[0] + BLOCKS - 1) // BLOCKS
-    reach = numbers[REACH]
+    reach = numbers.reach
     for block in prange(BLOCKS):
         begin, end = min(shape[0], block * slab), min(shape[0], (block + 1) * slab)
         for row in range(ENERGY):
@@ -168,26 +183,26 @@ def color(nodes: Any, position: Any, volume: Any, low: Any, shape: Any, numbers:
             first = max(begin, first_node(x, low[0], numbers))
             last = min(end, end_node(x, low[0], numbers, shape[0]))
             for a in range(first, last):
-                dx = low[0] + a * numbers[STEP] - x
+                dx = low[0] + a * numbers.step - x
                 for b in range(first_node(y, low[1], numbers), end_node(y, low[1], numbers, shape[1])):
-                    dy = low[1] + b * numbers[STEP] - y
+                    dy = low[1] + b * numbers.step - y
                     line = (a * shape[1] + b) * shape[2]
                     for c in range(first_node(z, low[2], numbers), end_node(z, low[2], numbers, shape[2])):
-                        dz = low[2] + c * numbers[STEP] - z
+                        dz = low[2] + c * numbers.step - z
                         square = dx * dx + dy * dy + dz * dz
                         if square < reach * reach:
-                            q = math.sqrt(square) * numbers[INVERSE]
-                            pull = own * numbers[SLOPE] * shapes.wendland_c4_slope(q)
-                            nodes[0, line + c] += own * numbers[VALUE] * shapes.wendland_c4_value(q)
+                            q = math.sqrt(square) * numbers.inverse_length
+                            pull = own * numbers.slope * shapes.wendland_c4_slope(q)
+                            nodes[0, line + c] += own * numbers.value * shapes.wendland_c4_value(q)
                             nodes[1, line + c] += pull * dx
                             nodes[2, line + c] += pull * dy
                             nodes[3, line + c] += pull * dz
 
 
 @spread
-def weigh(nodes: Any, planes: Any, low: Any, shape: Any, numbers: Any) -> None:
+def weigh(nodes: Array, planes: Array, low: Array, shape: Integers, numbers: Constants) -> None:
     """Energies; and psi' phi and psi n in place of color and gradient, for the part of a node before all planes."""
-    step, least = numbers[STEP], numbers[LEAST]
+    step, least = numbers.step, numbers.least
     for node in prange(nodes.shape[1]):
         a, rest = divmod(node, shape[1] * shape[2])
         b, c = divmod(rest, shape[2])
@@ -209,25 +224,27 @@ def weigh(nodes: Any, planes: Any, low: Any, shape: Any, numbers: Any) -> None:
 
 
 @spread
-def draw(force: Any, position: Any, volume: Any, nodes: Any, low: Any, shape: Any, numbers: Any) -> None:
+def draw(
+    force: Array, position: Array, volume: Array, nodes: Array, low: Array, shape: Integers, numbers: Constants
+) -> None:
     """Minus the derivatives of the sum of all energies by everyone's position."""
-    reach = numbers[REACH]
+    reach = numbers.reach
     for i in prange(position.shape[1]):
         x, y, z = position[0, i], position[1, i], position[2, i]
         fx, fy, fz = 0.0, 0.0, 0.0
         for a in range(first_node(x, low[0], numbers), end_node(x, low[0], numbers, shape[0])):
-            dx = low[0] + a * numbers[STEP] - x
+            dx = low[0] + a * numbers.step - x
             for b in range(first_node(y, low[1], numbers), end_node(y, low[1], numbers, shape[1])):
-                dy = low[1] + b * numbers[STEP] - y
+                dy = low[1] + b * numbers.step - y
                 line = (a * shape[1] + b) * shape[2]
                 for c in range(first_node(z, low[2], numbers), end_node(z, low[2], numbers, shape[2])):
-                    dz = low[2] + c * numbers[STEP] - z
+                    dz = low[2] + c * numbers.step - z
                     square = dx * dx + dy * dy + dz * dz
                     if square < reach * reach:
-                        q = math.sqrt(square) * numbers[INVERSE]
+                        q = math.sqrt(square) * numbers.inverse_length
                         nx, ny, nz = nodes[1, line + c], nodes[2, line + c], nodes[3, line + c]
-                        slope = numbers[SLOPE] * shapes.wendland_c4_slope(q)
-                        bend = numbers[BEND] * shapes.wendland_c4_bend(q)
+                        slope = numbers.slope * shapes.wendland_c4_slope(q)
+                        bend = numbers.bend * shapes.wendland_c4_bend(q)
                         along = nodes[0, line + c] * slope + bend * (dx * nx + dy * ny + dz * nz)
                         fx += along * dx + slope * nx
                         fy += along * dy + slope * ny

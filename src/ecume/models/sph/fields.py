@@ -1,40 +1,204 @@
-"""What the sums over neighbors read and write: tables with one row a field, one column a particle.
+"""What the sums over neighbors read and write, by name: one array for each quantity, one entry a particle.
 
-Columns: first the liquid, then the dummies of walls and bodies, then images (mirrored or shifted particles). Vectors
-take three rows in two dimensions too; the third is never touched.
+Entries of `Fields`: first the liquid, then the dummies of walls and bodies, then images (mirrored or shifted
+particles). `Rates` have entries for the liquid alone. Vectors have three components in 2D too; the third stays zero.
+
+All arrays are rows of one table. Compiled loops are handed the table, which costs less to pass than many arrays, and
+name its rows by `FIELD` and `RATE`: in them `fields[FIELD.density, i]` is the density of particle i, and
+`fields[FIELD.position + 1, i]` its y. (Numba drops what a threaded loop writes into an array out of a tuple.)
 """
 
 from __future__ import annotations
 
-X, V, U, W, G = 0, 3, 6, 9, 12
-"""Rows where vectors begin: position; velocity; the velocity that friction sees (other than V on a wall that holds the
-liquid); the velocity of transport less V; the density's gradient."""
-RHO, P, VOLUME, MU, ENTHALPY, LIQUID = 15, 16, 17, 18, 19, 20
-"""Density, gauge pressure, volume, viscosity, enthalpy (J/kg), and 1 for liquid and its images, 0 for dummies."""
-PUSH, WEIGHT = 21, 22
-"""What the pressure's force adds up of two particles, and what each counts: pressure and volume (`sum`), or p/rho^2 and
-mass (`monaghan`)."""
+from collections.abc import Mapping
+from typing import Any, NamedTuple, Protocol, cast
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.floating]
+"""In the precision of a scene's sums."""
+Precision = type[np.float64] | type[np.float32]
+
+
+class Fields(NamedTuple):
+    """State of everything that neighbors see."""
+
+    table: Floats
+    """all of the following, one row each: what an image copies from its source"""
+    position: Floats
+    velocity: Floats
+    friction_velocity: Floats
+    """the velocity that friction sees: other than `velocity` on a wall with no slip"""
+    transport: Floats
+    """the transport velocity less the velocity"""
+    density_gradient: Floats
+    density: Floats
+    pressure: Floats
+    """gauge pressure"""
+    volume: Floats
+    viscosity: Floats
+    enthalpy: Floats
+    """J/kg"""
+    liquid: Floats
+    """1 for the liquid and its images, 0 for dummies"""
+    force_term: Floats
+    """what the pressure force adds up of two particles: the pressure, or p/rho^2 (see `PressureForce.by_mass`)"""
+    weight: Floats
+    """what a neighbor counts: its volume, or its mass"""
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """(3, entries)."""
+        return self.position.shape
+
+
+class FieldRows(NamedTuple):
+    """Where each field begins in the table; a vector takes three rows."""
+
+    position: int = 0
+    velocity: int = 3
+    friction_velocity: int = 6
+    transport: int = 9
+    density_gradient: int = 12
+    density: int = 15
+    pressure: int = 16
+    volume: int = 17
+    viscosity: int = 18
+    enthalpy: int = 19
+    liquid: int = 20
+    force_term: int = 21
+    weight: int = 22
+
+
+FIELD = FieldRows()
 FIELDS = 23
 
-DRHO, ACC, CROWD, SPACE, DIFFUSED, EVEN = 0, 1, 4, 7, 8, 9
-"""Rows of the rates: continuity, per `WEIGHT`; acceleration (3), likewise; the crowding vector (3), which points away
-from where particles are many; the divergence of position, d in full surroundings; what diffusion adds to the density;
-and the crowding vector (3) in which all neighbors count alike.
-"""
+
+def fields_in(table: Floats) -> Fields:
+    """The fields of a table, by name."""
+    vectors = [table[first : first + 3] for first in FIELD[:5]]
+    return Fields(table, *vectors, *(table[row] for row in FIELD[5:]))
+
+
+def zero_fields(count: int, precision: Precision) -> Fields:
+    """Fields of so many particles."""
+    return fields_in(np.zeros((FIELDS, count), precision))
+
+
+class Rates(NamedTuple):
+    """Sums over the neighbors of each particle of the liquid."""
+
+    table: Floats
+    """all of the following, one row each"""
+    continuity: Floats
+    """sum of w_j F (v_j - v_i).x_ij: the rate of density, over density where neighbors count by volume"""
+    diffusion: Floats
+    """what diffusion adds to the rate of density"""
+    fullness: Floats
+    """the divergence of position: d in full surroundings"""
+    acceleration: Floats
+    """(3, N) the pressure force, or the viscous force, as the sums have it"""
+    crowding: Floats
+    """(3, N) points away from where particles are many"""
+    even_crowding: Floats
+    """(3, N) the crowding vector in which all neighbors count alike"""
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """(3, N)."""
+        return self.acceleration.shape
+
+
+class RateRows(NamedTuple):
+    """Where each rate begins in the table; a vector takes three rows."""
+
+    continuity: int = 0
+    diffusion: int = 1
+    fullness: int = 2
+    acceleration: int = 3
+    crowding: int = 6
+    even_crowding: int = 9
+
+
+RATE = RateRows()
 RATES = 12
 
-# Places in the table of numbers that a run's sums need. Literals would be double precision in a single-precision loop.
-ZERO, ONE, INVERSE, SCALE, SOFT, ALPHA, DELTA, G0, H, REFERENCE, SOUND, SHARE = 0, 1, 2, 3, 4, 5, 6, 7, 10, 11, 12, 13
-"""0; 1; 1/h; factor of the kernel's slope; 0.01 h^2; the artificial viscosity's alpha; the diffusion's factor; what
-pulls at the diffusing field (3); h; the kernel at one spacing, for shifting; the sound speed; and what the artificial
-viscosity is divided by, a density where pressures are over density squared."""
-NUMBERS = 14
 
-# Places in the table of choices.
-DIMENSION, KERNEL, DIFFUSION, STRESS, FRICTION, FIRST, LAST = range(7)
-"""FIRST, LAST: whose sums are taken, from one particle of the liquid up to another."""
-CHOICES = 7
+def rates_in(table: Floats) -> Rates:
+    """The rates of a table, by name."""
+    scalars = (table[row] for row in RATE[:3])
+    return Rates(table, *scalars, *(table[first : first + 3] for first in RATE[3:]))
 
-NO_DIFFUSION, MOLTENI, ANTUONO, LINEAR, HYDROSTATIC = range(5)
-SUM, MONAGHAN, TRANSPORT = range(3)
-NO_FRICTION, LAMINAR, RADIAL = range(3)
+
+def zero_rates(count: int, precision: Precision) -> Rates:
+    """Rates of so many particles."""
+    return rates_in(np.zeros((RATES, count), precision))
+
+
+class Numbers(Protocol):
+    """Constants of the sums, in their precision: literals would be double in a single-precision loop."""
+
+    dimension: int
+    kernel: int
+    """a number of `KERNEL_CODES`"""
+    first: int
+    last: int
+    """sums are taken for the particles from `first` up to `last`"""
+    zero: float
+    smoothing_length: float
+    """h"""
+    inverse_length: float
+    """1/h"""
+    slope_factor: float
+    """what `slope_of` is multiplied with to give F = (1/r) dW/dr"""
+    softening: float
+    """0.01 h^2"""
+    sound_speed: float
+    alpha: float
+    """of the artificial viscosity"""
+    damping_divisor: float
+    """what the artificial viscosity is divided by: a density where pressures are divided by densities squared"""
+    delta: float
+    """factor of the density diffusion"""
+    rise_x: float
+    """how the diffusing field rises along x, y and z in a liquid at rest"""
+    rise_y: float
+    rise_z: float
+    reference_value: float
+    """the kernel's value at one spacing, for shifting; zero: neighbors count alike"""
+
+
+class Constants(Protocol):
+    """An array of one record, `Numbers`, which loops read from memory where a formula names them.
+
+    As a tuple they would be known before a loop begins, and the compiler would sum its terms in another order.
+    """
+
+    def __getitem__(self, place: int) -> Numbers:
+        """Return the record."""
+
+    def copy(self) -> Constants:
+        """Return an array with a record of its own."""
+
+
+def constants_from(precision: Precision, values: Mapping[str, float]) -> Constants:
+    """The constants with these values, one for each name of `Numbers`."""
+    kinds = [(name, np.int64 if kind == "int" else precision) for name, kind in Numbers.__annotations__.items()]
+    found: Any = np.array([tuple(values[name] for name, _ in kinds)], np.dtype((np.record, kinds)))
+    return cast(Constants, found)
+
+
+def number(constants: Constants, name: str) -> Any:
+    """One of the constants, in its precision: faster than the attribute of a record, for what is read in every step."""
+    column: Any = constants
+    return column[name][0]
+
+
+class Tait(NamedTuple):
+    """Constants of the equation of state."""
+
+    sound_speed: float
+    exponent: float
+    density: float
+    """at zero gauge pressure"""

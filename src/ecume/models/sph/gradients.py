@@ -7,34 +7,51 @@ Randles and Libersky, Comput. Methods Appl. Mech. Eng. 139 (1996) 375. [randles1
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
 from ecume._jit import admit, prange, summed_inside, summing
+from ecume.engine.neighbor_rows import Lists
 from ecume.laws import diffusion
-from ecume.models.sph.fields import DIFFUSED, DIMENSION, INVERSE, KERNEL, LIQUID, RHO, SCALE, VOLUME, ZERO, G, X
-from ecume.models.sph.weights import slope_of
+from ecume.models.sph.fields import FIELD, RATE, Constants, Floats
+from ecume.models.sph.kernels import slope_of
 
 admit(diffusion)
 INDEX = np.uint64
 SINGULAR = 1e-3
 """Below this determinant of -B a particle has too few neighbors for a gradient."""
+Symmetric = tuple[float, float, float, float, float, float]
+"""xx, yy, zz, xy, xz, yz"""
 
 
 @summing
-def fill_density_gradients(fields: Any, liquid: int, count: Any, neighbor: Any, numbers: Any, choices: Any) -> None:
-    """Rows G of the liquid's columns; walls and bodies have no say."""
-    kernel, deep, inverse, scale = choices[KERNEL], choices[DIMENSION] == 3, numbers[INVERSE], numbers[SCALE]
+def fill_density_gradients(fields: Floats, liquid: int, lists: Lists, constants: Constants) -> None:
+    """The density gradient of the liquid; walls and bodies have no say."""
+    kernel, deep, inverse, scale = (
+        constants[0].kernel,
+        constants[0].dimension == 3,
+        constants[0].inverse_length,
+        constants[0].slope_factor,
+    )
+    counts, neighbor = lists
     for particle in prange(liquid):
         i = INDEX(particle)
-        x, y, z, density = fields[X, i], fields[X + 1, i], fields[X + 2, i], fields[RHO, i]
+        x, y, z, density = (
+            fields[FIELD.position, i],
+            fields[FIELD.position + 1, i],
+            fields[FIELD.position + 2, i],
+            fields[FIELD.density, i],
+        )
         xx, yy, zz, xy, xz, yz = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
         sx, sy, sz = 0.0, 0.0, 0.0
-        for k in range(INDEX(count[i])):
+        for k in range(INDEX(counts[i])):
             j = INDEX(neighbor[i, k])
-            dx, dy, dz = fields[X, j] - x, fields[X + 1, j] - y, fields[X + 2, j] - z
-            weight, more = fields[VOLUME, j] * fields[LIQUID, j], fields[RHO, j] - density
+            dx, dy, dz = (
+                fields[FIELD.position, j] - x,
+                fields[FIELD.position + 1, j] - y,
+                fields[FIELD.position + 2, j] - z,
+            )
+            weight, more = fields[FIELD.volume, j] * fields[FIELD.liquid, j], fields[FIELD.density, j] - density
             square = dx * dx + dy * dy
             if deep:
                 square += dz * dz
@@ -51,13 +68,13 @@ def fill_density_gradients(fields: Any, liquid: int, count: Any, neighbor: Any, 
         if not deep:
             zz, xz, yz, sz = -1.0, 0.0, 0.0, 0.0
         gx, gy, gz = solved((xx, yy, zz, xy, xz, yz), sx, sy, sz)
-        fields[G, i] = gx
-        fields[G + 1, i] = gy
-        fields[G + 2, i] = gz
+        fields[FIELD.density_gradient, i] = gx
+        fields[FIELD.density_gradient + 1, i] = gy
+        fields[FIELD.density_gradient + 2, i] = gz
 
 
 @summed_inside
-def solved(matrix: Any, x: float, y: float, z: float) -> Any:
+def solved(matrix: Symmetric, x: float, y: float, z: float) -> tuple[float, float, float]:
     """The solution of a symmetric system (xx, yy, zz, xy, xz, yz); zero where it is nearly singular."""
     m00, m11, m22, m01, m02, m12 = matrix
     c00, c01, c02 = m11 * m22 - m12 * m12, m02 * m12 - m01 * m22, m01 * m12 - m02 * m11
@@ -72,28 +89,39 @@ def solved(matrix: Any, x: float, y: float, z: float) -> Any:
 
 
 @summing
-def add_gradient_diffusion(
-    fields: Any, count: Any, neighbor: Any, numbers: Any, choices: Any, factor: float, rates: Any
-) -> None:
+def add_gradient_diffusion(fields: Floats, lists: Lists, constants: Constants, factor: float, rates: Floats) -> None:
     """Antuono's correction of the diffusion: less what both particles' gradients say lies between them.
 
     `factor` is the diffusion's own (Antuono et al. 2010, eq. 6).
     """
-    kernel, deep, inverse, zero = choices[KERNEL], choices[DIMENSION] == 3, numbers[INVERSE], numbers[ZERO]
+    kernel, deep = constants[0].kernel, constants[0].dimension == 3
+    inverse, zero = constants[0].inverse_length, constants[0].zero
+    counts, neighbor = lists
     for particle in prange(rates.shape[1]):
         i = INDEX(particle)
-        x, y, z = fields[X, i], fields[X + 1, i], fields[X + 2, i]
-        gx, gy, gz = fields[G, i], fields[G + 1, i], fields[G + 2, i]
+        x, y, z = fields[FIELD.position, i], fields[FIELD.position + 1, i], fields[FIELD.position + 2, i]
+        gx, gy, gz = (
+            fields[FIELD.density_gradient, i],
+            fields[FIELD.density_gradient + 1, i],
+            fields[FIELD.density_gradient + 2, i],
+        )
         total = zero
-        for k in range(INDEX(count[i])):
+        for k in range(INDEX(counts[i])):
             j = INDEX(neighbor[i, k])
-            dx, dy, dz = fields[X, j] - x, fields[X + 1, j] - y, fields[X + 2, j] - z
-            weight = fields[VOLUME, j] * fields[LIQUID, j]
+            dx, dy, dz = (
+                fields[FIELD.position, j] - x,
+                fields[FIELD.position + 1, j] - y,
+                fields[FIELD.position + 2, j] - z,
+            )
+            weight = fields[FIELD.volume, j] * fields[FIELD.liquid, j]
             square = dx * dx + dy * dy
-            own, other = gx * dx + gy * dy, fields[G, j] * dx + fields[G + 1, j] * dy
+            own, other = (
+                gx * dx + gy * dy,
+                fields[FIELD.density_gradient, j] * dx + fields[FIELD.density_gradient + 1, j] * dy,
+            )
             if deep:
                 square += dz * dz
-                own, other = own + gz * dz, other + fields[G + 2, j] * dz
+                own, other = own + gz * dz, other + fields[FIELD.density_gradient + 2, j] * dz
             slope = slope_of(math.sqrt(square) * inverse, kernel) * weight
             total += diffusion.flow(diffusion.beyond_rest(zero, zero, diffusion.mean_rise(own, other)), slope)
-        rates[DIFFUSED, i] += factor * total
+        rates[RATE.diffusion, i] += factor * total

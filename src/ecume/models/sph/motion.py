@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
 from ecume._jit import compiled_inside, prange, spread, summing
-from ecume.models.sph.fields import ACC, DIFFUSED, DRHO
+from ecume.models.sph.fields import RATE, Floats
+from ecume.units import Array
 
 BLOCKS = 16
 """Parts of a crowd that are searched each by itself."""
 
 
 @spread
-def kick(velocity: Any, acceleration: Any, time: float) -> None:
+def kick(velocity: Array, acceleration: Array, time: float) -> None:
     """V += a t."""
     for i in prange(velocity.shape[1]):
         for axis in range(velocity.shape[0]):
@@ -23,7 +23,7 @@ def kick(velocity: Any, acceleration: Any, time: float) -> None:
 
 
 @spread
-def drift(position: Any, velocity: Any, time: float) -> None:
+def drift(position: Array, velocity: Array, time: float) -> None:
     """X += v t."""
     for i in prange(position.shape[1]):
         for axis in range(position.shape[0]):
@@ -31,31 +31,33 @@ def drift(position: Any, velocity: Any, time: float) -> None:
 
 
 @spread
-def thicken(density: Any, thickening: Any, time: float) -> None:
+def thicken(density: Array, thickening: Array, time: float) -> None:
     """Rho += (d rho/dt) t."""
     for i in prange(len(density)):
         density[i] += time * thickening[i]
 
 
 @spread
-def store_thickening(thickening: Any, rates: Any, density: Any, by_mass: bool) -> None:
+def store_thickening(thickening: Array, rates: Floats, density: Array, by_mass: bool) -> None:
     """D rho/dt: the sum is per density where neighbors count by their volumes."""
     for i in prange(len(density)):
         share = 1.0 if by_mass else density[i]
-        thickening[i] = share * rates[DRHO, i] + rates[DIFFUSED, i]
+        thickening[i] = share * rates[RATE.continuity, i] + rates[RATE.diffusion, i]
 
 
 @spread
-def store_acceleration(acceleration: Any, rates: Any, density: Any, pull: Any, per_volume: bool) -> None:
+def store_acceleration(acceleration: Array, rates: Floats, density: Array, pull: Array, per_volume: bool) -> None:
     """A = what neighbors do, and gravity."""
     for i in prange(acceleration.shape[1]):
         share = 1.0 / density[i] if per_volume else 1.0
         for axis in range(acceleration.shape[0]):
-            acceleration[axis, i] = share * rates[ACC + axis, i] + pull[axis]
+            acceleration[axis, i] = share * rates[RATE.acceleration + axis, i] + pull[axis]
 
 
 @spread
-def run_ahead(velocity: Any, acceleration: Any, density: Any, thickening: Any, before: Any, time: float) -> None:
+def run_ahead(
+    velocity: Array, acceleration: Array, density: Array, thickening: Array, before: Array, time: float
+) -> None:
     """Velocities (half a step on already) and densities go on as they did; `before` keeps both rates."""
     dimension, count = velocity.shape
     for i in prange(count):
@@ -67,7 +69,9 @@ def run_ahead(velocity: Any, acceleration: Any, density: Any, thickening: Any, b
 
 
 @spread
-def take_mean(velocity: Any, acceleration: Any, density: Any, thickening: Any, before: Any, time: float) -> None:
+def take_mean(
+    velocity: Array, acceleration: Array, density: Array, thickening: Array, before: Array, time: float
+) -> None:
     """What ran ahead is put where the mean of the rates before and now would have brought it."""
     dimension, count = velocity.shape
     for i in prange(count):
@@ -76,7 +80,7 @@ def take_mean(velocity: Any, acceleration: Any, density: Any, thickening: Any, b
         density[i] += 0.5 * time * (thickening[i] - before[dimension, i])
 
 
-def largest(vectors: Any) -> float:
+def largest(vectors: Array) -> float:
     """The largest length among the columns; NaN or infinite where one is."""
     most = np.zeros(BLOCKS)
     largest_squares(vectors, most)
@@ -84,7 +88,7 @@ def largest(vectors: Any) -> float:
 
 
 @summing
-def largest_squares(vectors: Any, most: Any) -> None:
+def largest_squares(vectors: Array, most: Array) -> None:
     """Of so many parts of a crowd."""
     dimension, count = vectors.shape
     each = (count + len(most) - 1) // len(most)
@@ -99,7 +103,7 @@ def largest_squares(vectors: Any, most: Any) -> None:
         most[block] = larger_or_nowhere(found, total)
 
 
-def farthest(position: Any, reference: Any) -> float:
+def farthest(position: Array, reference: Array) -> float:
     """How far the fastest went from its place in the reference; NaN or infinite where one is nowhere."""
     most = np.zeros(BLOCKS)
     farthest_squares(position, reference, most)
@@ -107,7 +111,7 @@ def farthest(position: Any, reference: Any) -> float:
 
 
 @summing
-def farthest_squares(position: Any, reference: Any, most: Any) -> None:
+def farthest_squares(position: Array, reference: Array, most: Array) -> None:
     """Of so many parts of a crowd."""
     dimension, count = position.shape
     each = (count + len(most) - 1) // len(most)

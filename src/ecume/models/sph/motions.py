@@ -8,8 +8,6 @@ import numpy as np
 
 from ecume.engine.walls.sheets import SIZE, SPEED
 from ecume.models.sph.bodies import placed
-from ecume.models.sph.fields import G0
-from ecume.models.sph.methods import diffusion_of
 from ecume.models.sph.parameters import Boundary, Drive, Parameters
 from ecume.models.sph.state import State
 from ecume.scenes.sph import SIDES, MotionSpec, ShakeSpec, SphScene
@@ -100,12 +98,13 @@ def _driven(boundary: Boundary, number: int, drive: tuple[Array, Array, Array]) 
 
 def _shaken(parameters: Parameters, more: Array) -> Parameters:
     """With what pulls now, and what the pressure of a liquid at rest would hold of it: nothing along periodic sides."""
-    sides, numbers = parameters.boundary.sides, parameters.numbers.copy()
+    sides, constants = parameters.boundary.sides, parameters.constants.copy()
     held = more * (np.abs(sides.normal[sides.mirrors == 0]).sum(axis=0) == 0.0)
     material = parameters.material
-    diffusion = diffusion_of(parameters.choices)
-    numbers[G0 : G0 + len(more)] += diffusion.rise(material.density, material.sound_speed) * held
-    return parameters._replace(gravity=parameters.gravity + more, numbers=numbers)
+    rise = parameters.density_diffusion.rise(material.density, material.sound_speed) * held
+    for name, own in zip(("rise_x", "rise_y", "rise_z"), rise, strict=False):
+        setattr(constants[0], name, getattr(constants[0], name) + own)
+    return parameters._replace(gravity=parameters.gravity + more, constants=constants)
 
 
 def way_of_sides(parameters: Parameters, state: State) -> float:

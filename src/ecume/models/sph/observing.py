@@ -9,14 +9,13 @@ import numpy as np
 
 from ecume.laws.states import tait_pressure
 from ecume.models.invariants import INJECTED
-from ecume.models.sph.carried import GROUP_DENSITY, PRESSURE, surroundings
 from ecume.models.sph.energies import energies, liquid_alone
-from ecume.models.sph.evaluating import fill
+from ecume.models.sph.forces_on_solids import loads
 from ecume.models.sph.gauges import readings
-from ecume.models.sph.loads import loads
 from ecume.models.sph.motions import drive_at, instant
 from ecume.models.sph.parameters import Parameters
-from ecume.models.sph.standoff import Leaning, energy_of, everyone_leaning, load_of
+from ecume.models.sph.passive_particles import surroundings
+from ecume.models.sph.right_hand_side import fill
 from ecume.models.sph.state import (
     CAME,
     GUARD_HITS,
@@ -29,6 +28,7 @@ from ecume.models.sph.state import (
     Workspace,
 )
 from ecume.models.sph.tension import surface_energy
+from ecume.models.sph.wall_repulsion import Leaning, energy_of, everyone_leaning, load_of
 from ecume.models.sph.work import booked
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
@@ -120,13 +120,13 @@ def carried_arrays(parameters: Parameters, state: State, workspace: Workspace) -
     pressure is the liquid's around it, zero outside.
     """
     carried, material, count = parameters.carried, parameters.material, state.carried_position.shape[1]
-    group = np.repeat(np.arange(len(carried.numbers)), np.diff(carried.start))
-    density = carried.numbers[group, GROUP_DENSITY]
+    group = np.repeat(np.arange(len(carried.groups)), np.diff(carried.start))
+    density = np.array([each.density for each in carried.groups])[group]
     return {
         "position": state.carried_position.T,
         "velocity": state.carried_velocity.T,
         "density": np.where(density > 0.0, density, material.density),
-        "pressure": surroundings(parameters, workspace, state.carried_position)[PRESSURE]
+        "pressure": surroundings(parameters, workspace, state.carried_position).pressure
         - material.density * parameters.hydrostatic[1] * (parameters.surface - state.carried_position[1]),
         "mass": np.zeros(count),
         "species": carried.regions + group,

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
-
-import numpy as np
+from typing import NamedTuple
 
 from ecume.engine.boundary_images import Sides
 from ecume.engine.cells import Integers
 from ecume.engine.shapes import Shape
-from ecume.models.sph.carried import Carried
-from ecume.models.sph.guard import Guard
+from ecume.models.sph.fields import Constants, Numbers, Precision, Tait
+from ecume.models.sph.methods import DensityDiffusion, Friction, PressureForce
+from ecume.models.sph.wall_reflection import Guard
 from ecume.units import Array
 
 
@@ -146,6 +145,31 @@ class Gauge(NamedTuple):
     """how much of its surroundings, as seen from above, is in the tank: less than 1 near a wall"""
 
 
+class CarriedGroup(NamedTuple):
+    """Passive particles that are alike."""
+
+    radius: float
+    """m; zero: a tracer"""
+    density: float
+    dispersion: float
+    """eddy diffusivity over eddy viscosity"""
+
+
+class Carried(NamedTuple):
+    """Particles that the liquid carries along, one group a table of the scene."""
+
+    position: Array
+    """(d, C) at the start"""
+    start: tuple[int, ...]
+    """where each group begins, and the end"""
+    groups: tuple[CarriedGroup, ...]
+    regions: int
+    """how many species the liquid has: theirs come after those"""
+    weight: float
+    """the kernel's factor"""
+    seed: int
+
+
 class Parameters(NamedTuple):
     """See `ecume.models.model`. Python reads this tuple; compiled loops are handed single arrays of it."""
 
@@ -154,16 +178,18 @@ class Parameters(NamedTuple):
     dimension: int
     spacing: float
     material: Material
-    constants: Array
-    """(3,) sound speed, exponent, reference density"""
+    tait: Tait
     gravity: Array
     """(d,) what pulls"""
     hydrostatic: Array
     """(d,) what a modified pressure leaves out, zero otherwise"""
     surface: float
     """m along y, from where a modified pressure's hydrostatic part counts"""
-    numbers: Array
-    choices: Integers
+    constants: Constants
+    pressure_force: PressureForce
+    density_diffusion: DensityDiffusion
+    friction: Friction | None
+    """None: the liquid has no viscosity"""
     support: float
     boundary: Boundary
     bodies: Bodies
@@ -196,10 +222,15 @@ class Parameters(NamedTuple):
     """whether eddies smaller than particles add to the viscosity"""
     courant: float
     walls_clip: bool
-    precision: type[np.floating[Any]]
+    precision: Precision
     """of what the sums over neighbors read and write; the state is always in double precision"""
     origin: Array
     """(d,) m: positions that sums read are relative to this"""
+
+    @property
+    def numbers(self) -> Numbers:
+        """Constants of the sums."""
+        return self.constants[0]
 
     @property
     def transports(self) -> bool:

@@ -12,19 +12,18 @@ from ecume.models.advice import Row
 from ecume.models.blame import first_broken
 from ecume.models.limits import within_steps
 from ecume.models.model import Model
-from ecume.models.sph.advice import advice
 from ecume.models.sph.building import parameters_of
-from ecume.models.sph.choosing import kernel_of, smoothing_of
+from ecume.models.sph.check_report import advice
+from ecume.models.sph.defaults import kernel_of, require_right_split, smoothing_of
 from ecume.models.sph.fields import FIELDS, RATES
-from ecume.models.sph.gates import exchange, filled
+from ecume.models.sph.initial_particles import liquid_of
 from ecume.models.sph.invariants import invariants
-from ecume.models.sph.laying import liquid_of
 from ecume.models.sph.motions import at_reference
 from ecume.models.sph.observing import observe
+from ecume.models.sph.open_boundaries import exchange, filled
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.solids import part_of
 from ecume.models.sph.sources import laws_of
-from ecume.models.sph.splitting import require_right_split
 from ecume.models.sph.state import State, Workspace, likely_neighbors, make_state, workspace_at
 from ecume.models.sph.stepping import advance
 from ecume.scenes.sph import SphScene

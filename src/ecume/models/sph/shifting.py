@@ -4,30 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ecume._jit import prange, spread, summing
-from ecume.models.sph.fields import (
-    CROWD,
-    DIMENSION,
-    EVEN,
-    INVERSE,
-    KERNEL,
-    LIQUID,
-    REFERENCE,
-    SCALE,
-    SPACE,
-    VOLUME,
-    H,
-    X,
-)
+from ecume.engine.neighbor_rows import Lists
+from ecume.engine.shapes import Flags
+from ecume.models.sph.fields import FIELD, RATE, Constants, Floats
+from ecume.models.sph.kernels import slope_of, value_of
 from ecume.models.sph.motion import largest
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.state import State, Workspace
-from ecume.models.sph.weights import slope_of, value_of
 from ecume.units import Array
 
 INDEX = np.uint64
@@ -41,11 +30,10 @@ MOST = 0.5
 def shift(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
     """Set the transport for the next drift."""
     lists = workspace.lists
-    numbers, choices = parameters.numbers, parameters.choices
-    sum_crowd(workspace.fields, lists.counts, lists.neighbor, numbers, choices, workspace.rates)
-    crowd = workspace.rates[CROWD : CROWD + parameters.dimension].astype(np.float64)
+    sum_crowd(workspace.fields.table, lists, parameters.constants, workspace.rates.table)
+    crowd = workspace.rates.crowding[: parameters.dimension].astype(np.float64)
     state.transport[...] = SHIFTINGS[parameters.shifting].transport(parameters, state, workspace, crowd, time)
-    keep_volume(state, workspace.rates[EVEN : EVEN + parameters.dimension].astype(np.float64), time)
+    keep_volume(state, workspace.rates.even_crowding[: parameters.dimension].astype(np.float64), time)
 
 
 def keep_volume(state: State, crowd: NDArray[np.floating], time: float) -> None:
@@ -78,53 +66,64 @@ def delta_plus(parameters: Parameters, state: State, workspace: Workspace, crowd
     et al. 2017).
     """
     fastest = min(parameters.material.fastest, largest(state.velocity))
-    transport = 4.0 * parameters.numbers[H] * fastest * crowd
+    transport = 4.0 * parameters.numbers.smoothing_length * fastest * crowd
     speed = np.sqrt((transport**2).sum(axis=0))
     limited: Array = transport * np.minimum(1.0, MOST * fastest / np.maximum(speed, 1e-300))
     limited[:, near_surface(parameters, workspace)] = 0.0
     return limited
 
 
-def near_surface(parameters: Parameters, workspace: Workspace) -> Any:
+def near_surface(parameters: Parameters, workspace: Workspace) -> Flags:
     """Flags of the particles at the surface, and of all that have one of them in their support."""
     lists, images = workspace.lists, workspace.images
     liquid = workspace.rates.shape[1]
     real = len(lists.counts)
     at_surface = np.zeros(real + len(images.source), np.bool_)
-    at_surface[:liquid] = workspace.rates[SPACE] < SURFACE * parameters.dimension
+    at_surface[:liquid] = workspace.rates.fullness < SURFACE * parameters.dimension
     # Side by side: an image may be of an earlier side's image.
     for first, last in zip(images.start[:-1], images.start[1:], strict=True):
         at_surface[real + first : real + last] = at_surface[images.source[first:last]]
     near = at_surface[:liquid].copy()
-    spread_flags(near, at_surface, lists.counts, lists.neighbor)
+    spread_flags(near, at_surface, lists)
     return near
 
 
 @summing
-def sum_crowd(fields: Any, count: Any, neighbor: Any, numbers: Any, choices: Any, rates: Any) -> None:
+def sum_crowd(fields: Floats, lists: Lists, constants: Constants, rates: Floats) -> None:
     """Where the crowd is not: sum_j V_j F x_ij, zero amid a lattice; and how full it is here, -sum_j V_j F r^2.
 
     The even sum counts dummies half (see `keep_volume`).
 
     With a reference value each neighbor counts 1 + 0.2 (W/W(dx))^4 times in the first (Sun et al. 2017, eq. 6).
     """
-    kernel, deep, inverse, scale = choices[KERNEL], choices[DIMENSION] == 3, numbers[INVERSE], numbers[SCALE]
-    tensile = 1.0 / numbers[REFERENCE] if numbers[REFERENCE] > 0.0 else 0.0
+    kernel, deep, inverse, scale = (
+        constants[0].kernel,
+        constants[0].dimension == 3,
+        constants[0].inverse_length,
+        constants[0].slope_factor,
+    )
+    tensile = 1.0 / constants[0].reference_value if constants[0].reference_value > 0.0 else 0.0
+    counts, neighbor = lists
     for particle in prange(rates.shape[1]):
         i = INDEX(particle)
-        x, y, z = fields[X, i], fields[X + 1, i], fields[X + 2, i]
+        x, y, z = fields[FIELD.position, i], fields[FIELD.position + 1, i], fields[FIELD.position + 2, i]
         ax, ay, az, space = 0.0, 0.0, 0.0, 0.0
         bx, by, bz = 0.0, 0.0, 0.0
-        for k in range(INDEX(count[i])):
+        for k in range(INDEX(counts[i])):
             j = INDEX(neighbor[i, k])
-            dx, dy, dz, volume = fields[X, j] - x, fields[X + 1, j] - y, fields[X + 2, j] - z, fields[VOLUME, j]
+            dx, dy, dz, volume = (
+                fields[FIELD.position, j] - x,
+                fields[FIELD.position + 1, j] - y,
+                fields[FIELD.position + 2, j] - z,
+                fields[FIELD.volume, j],
+            )
             square = dx * dx + dy * dy
             if deep:
                 square += dz * dz
             q = math.sqrt(square) * inverse
             pull = slope_of(q, kernel) * volume
             space -= pull * square
-            even = pull * (0.5 + 0.5 * fields[LIQUID, j])
+            even = pull * (0.5 + 0.5 * fields[FIELD.liquid, j])
             bx += even * dx
             by += even * dy
             bz += even * dz
@@ -133,20 +132,21 @@ def sum_crowd(fields: Any, count: Any, neighbor: Any, numbers: Any, choices: Any
             ax += pull * dx
             ay += pull * dy
             az += pull * dz
-        rates[SPACE, i] = scale * space
-        rates[CROWD, i] = scale * ax
-        rates[CROWD + 1, i] = scale * ay
-        rates[CROWD + 2, i] = scale * az
-        rates[EVEN, i] = scale * bx
-        rates[EVEN + 1, i] = scale * by
-        rates[EVEN + 2, i] = scale * bz
+        rates[RATE.fullness, i] = scale * space
+        rates[RATE.crowding, i] = scale * ax
+        rates[RATE.crowding + 1, i] = scale * ay
+        rates[RATE.crowding + 2, i] = scale * az
+        rates[RATE.even_crowding, i] = scale * bx
+        rates[RATE.even_crowding + 1, i] = scale * by
+        rates[RATE.even_crowding + 2, i] = scale * bz
 
 
 @spread
-def spread_flags(near: Any, flags: Any, count: Any, neighbor: Any) -> None:
+def spread_flags(near: Flags, flags: Flags, lists: Lists) -> None:
     """Whoever has a flagged neighbor is flagged."""
+    counts, neighbor = lists
     for i in prange(len(near)):
-        for k in range(count[i]):
+        for k in range(counts[i]):
             if flags[neighbor[i, k]]:
                 near[i] = True
 

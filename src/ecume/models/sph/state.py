@@ -7,14 +7,12 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ecume.engine.boundary_images import Images, images_of, positions_of_images
 from ecume.engine.cells import Integers
 from ecume.engine.mpi_exchange import Share
-from ecume.engine.neighbor_rows import Lists, grid_around, neighbor_lists, room_for, sorted_crowd
-from ecume.models.sph.carried import Crowd
-from ecume.models.sph.fields import FIELDS, FIRST, LAST, LIQUID, MU, RATES, VOLUME, U, V, X
+from ecume.engine.neighbor_rows import Grid, Lists, Sorted, grid_around, neighbor_lists, room_for, sorted_crowd
+from ecume.models.sph.fields import Fields, Rates, zero_fields, zero_rates
 from ecume.models.sph.motion import largest
 from ecume.models.sph.parameters import Liquid, Parameters
 from ecume.units import Array
@@ -94,25 +92,34 @@ class State(NamedTuple):
     """J that came from outside; W of the forces that bring it, at the end of the last step: see `work`"""
 
 
+class CellLists(NamedTuple):
+    """All particles in cells, as they were when the neighbor lists were made."""
+
+    grid: Grid
+    sorted: Sorted
+    skin: float
+    """m; no particle has moved farther than half of it"""
+
+
 @dataclass
 class Workspace:
     """Scratch of one set of lists; renewed lists take its place."""
 
     images: Images
     lists: Lists
-    fields: NDArray[np.floating]
-    rates: NDArray[np.floating]
+    fields: Fields
+    rates: Rates
     before: Array
     """(d + 1, N) rates of velocity and density at the last positions"""
-    crowd: Crowd | None
-    """for what is carried to look around in; None where nothing is"""
+    cells: CellLists | None
+    """for the interpolation at passive particles; None where there are none"""
     share: Share | None = None
     """where ranks march together"""
 
     def take(self, other: Workspace) -> None:
         """Become the other."""
         self.images, self.lists, self.fields = other.images, other.lists, other.fields
-        self.rates, self.before, self.crowd = other.rates, other.before, other.crowd
+        self.rates, self.before, self.cells = other.rates, other.before, other.cells
 
 
 def make_state(parameters: Parameters, liquid: Liquid) -> State:
@@ -198,36 +205,36 @@ def workspace_at(parameters: Parameters, state: State, before: Workspace | None 
     liquid, count = state.reference.shape[1], real.shape[1]
     guess = likely_neighbors(parameters.dimension, reach / parameters.spacing)
     lists = before.lists if before else room_for(count, guess)
-    own = int(parameters.choices[FIRST]), int(parameters.choices[LAST])
+    own = int(parameters.numbers.first), int(parameters.numbers.last)
     lists = neighbor_lists(everyone, (liquid, count), reach, lists, own)
-    crowd = crowd_of(everyone, parameters.support, float(state.skin[0])) if parameters.carried.start[-1] else None
+    cells = cells_of(everyone, parameters.support, float(state.skin[0])) if parameters.carried.start[-1] else None
     columns = count + len(images.source)
     if before and before.fields.shape[1] == columns:
-        return Workspace(images, lists, before.fields, before.rates, before.before, crowd)
-    fields = np.zeros((FIELDS, columns), parameters.precision)
-    fields[LIQUID, :liquid], fields[MU, :liquid] = 1.0, parameters.material.viscosity
+        return Workspace(images, lists, before.fields, before.rates, before.before, cells)
+    fields = zero_fields(columns, parameters.precision)
+    fields.liquid[:liquid], fields.viscosity[:liquid] = 1.0, parameters.material.viscosity
     put_dummies(parameters, fields, liquid)
-    rates, rates_before = np.zeros((RATES, liquid), parameters.precision), np.zeros((parameters.dimension + 1, liquid))
-    return Workspace(images, lists, fields, rates, rates_before, crowd)
+    rates, rates_before = zero_rates(liquid, parameters.precision), np.zeros((parameters.dimension + 1, liquid))
+    return Workspace(images, lists, fields, rates, rates_before, cells)
 
 
-def crowd_of(everyone: Array, support: float, skin: float) -> Crowd | None:
-    """Everyone in cells as wide as the lists look."""
+def cells_of(everyone: Array, support: float, skin: float) -> CellLists | None:
+    """All particles in cells as wide as the reach of the lists."""
     if not everyone.shape[1]:
         return None
     grid = grid_around(everyone, support + skin)
-    return Crowd(grid, sorted_crowd(everyone, grid), skin)
+    return CellLists(grid, sorted_crowd(everyone, grid), skin)
 
 
-def put_dummies(parameters: Parameters, fields: NDArray[np.floating], first: int) -> None:
+def put_dummies(parameters: Parameters, fields: Fields, first: int) -> None:
     """What stands fast about the walls' particles."""
     dummies, dimension = parameters.boundary.dummies, parameters.dimension
     here = slice(first, first + dummies.position.shape[1])
-    fields[X : X + dimension, here] = dummies.position - parameters.origin[:, None]
-    fields[V : V + dimension, here] = dummies.velocity
-    fields[U : U + dimension, here] = dummies.velocity
-    fields[VOLUME, here] = dummies.volume
-    fields[MU, here] = dummies.viscosity
+    fields.position[:dimension, here] = dummies.position - parameters.origin[:, None]
+    fields.velocity[:dimension, here] = dummies.velocity
+    fields.friction_velocity[:dimension, here] = dummies.velocity
+    fields.volume[here] = dummies.volume
+    fields.viscosity[here] = dummies.viscosity
 
 
 def likely_neighbors(dimension: int, reach: float) -> int:

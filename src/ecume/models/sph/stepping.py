@@ -14,14 +14,8 @@ from ecume._portable import product
 from ecume.laws.time_step_limits import force_limit
 from ecume.models.model import DIVERGED, DONE, EXCHANGE
 from ecume.models.sph.bodies import carry, farthest_way, keep_out
-from ecume.models.sph.carried import take_along
 from ecume.models.sph.collisions import collide
-from ecume.models.sph.evaluating import take_both, take_forces, take_thickening
-from ecume.models.sph.fields import (
-    H,
-)
-from ecume.models.sph.gates import due, feed
-from ecume.models.sph.guard import turn_back
+from ecume.models.sph.fields import number
 from ecume.models.sph.motion import (
     drift,
     farthest,
@@ -32,7 +26,10 @@ from ecume.models.sph.motion import (
     thicken,
 )
 from ecume.models.sph.motions import at_reference, instant, way_of_sides
+from ecume.models.sph.open_boundaries import due, feed
 from ecume.models.sph.parameters import Parameters
+from ecume.models.sph.passive_particles import take_along
+from ecume.models.sph.right_hand_side import take_both, take_forces, take_thickening
 from ecume.models.sph.state import (
     GUARD_HITS,
     MOST_SUBSTEPS,
@@ -47,6 +44,7 @@ from ecume.models.sph.state import (
     sort_state,
     workspace_at,
 )
+from ecume.models.sph.wall_reflection import turn_back
 from ecume.models.sph.work import book, lifted, of_guard, power_of_shake
 
 MOST_DIVISIONS = 64
@@ -86,7 +84,7 @@ def advance(parameters: Parameters, state: State, workspace: Workspace, steps: i
 
 def divisions_needed(parameters: Parameters, state: State) -> int:
     """How many parts keep a step within what sound and forces allow; very many where something is not a number."""
-    h = float(parameters.numbers[H])
+    h = float(number(parameters.constants, "smoothing_length"))
     speed, force = largest(state.velocity), largest(state.acceleration)
     if not (math.isfinite(speed) and math.isfinite(force)):
         return MOST_DIVISIONS + 1

@@ -7,17 +7,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from ecume._jit import admit, compiled_inside, prange, summing
+from ecume.engine.neighbor_rows import Lists
 from ecume.laws import tension
 from ecume.laws.kernels import shapes
 from ecume.models.sph.color import contour_energy, contour_forces
-from ecume.models.sph.fields import DIMENSION, LIQUID, RHO, VOLUME, X
+from ecume.models.sph.fields import FIELD, Constants, Floats
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.state import State, Workspace
+from ecume.units import Array
 
 admit(tension)
 
@@ -62,7 +64,7 @@ def pull_by_pairs(parameters: Parameters, state: State, workspace: Workspace) ->
 
 def energy_of_pairs(parameters: Parameters, workspace: Workspace) -> float:
     """J, of cohesion."""
-    energy = np.zeros(len(workspace.rates[0]))
+    energy = np.zeros(workspace.rates.shape[1])
     sum_cohesion(*_crowd(parameters, workspace), parameters.support, cohesion_strength(parameters), energy)
     return float(energy.sum())
 
@@ -74,30 +76,39 @@ def cohesion_strength(parameters: Parameters) -> float:
     return law(wanted, material.density, parameters.support)
 
 
-def _crowd(parameters: Parameters, workspace: Workspace) -> tuple[Any, Any, Any, Any, Any]:
-    lists = workspace.lists
-    return workspace.fields, lists.counts, lists.neighbor, parameters.numbers, parameters.choices
+def _crowd(parameters: Parameters, workspace: Workspace) -> tuple[Floats, Lists, Constants]:
+    return workspace.fields.table, workspace.lists, parameters.constants
 
 
 @summing
 def pull_by_cohesion(
-    fields: Any, count: Any, neighbor: Any, numbers: Any, choices: Any, support: float, strength: float,
-    acceleration: Any,
+    fields: Floats, lists: Lists, constants: Constants, support: float, strength: float,
+    acceleration: Array,
 ) -> None:  # fmt: skip
     """Add sum_j gamma m_j C(r) x_ij/r, alike for both of a pair; walls and images pull like the liquid."""
-    deep = choices[DIMENSION] == 3
+    deep = constants[0].dimension == 3
+    counts, neighbor = lists
     for particle in prange(acceleration.shape[1]):
         i = INDEX(particle)
-        x, y, z = fields[X, i], fields[X + 1, i], fields[X + 2, i]
+        x, y, z = fields[FIELD.position, i], fields[FIELD.position + 1, i], fields[FIELD.position + 2, i]
         ax, ay, az = 0.0, 0.0, 0.0
-        for k in range(INDEX(count[i])):
+        for k in range(INDEX(counts[i])):
             j = INDEX(neighbor[i, k])
-            dx, dy, dz = fields[X, j] - x, fields[X + 1, j] - y, fields[X + 2, j] - z
+            dx, dy, dz = (
+                fields[FIELD.position, j] - x,
+                fields[FIELD.position + 1, j] - y,
+                fields[FIELD.position + 2, j] - z,
+            )
             square = dx * dx + dy * dy
             if deep:
                 square += dz * dz
             distance = math.sqrt(square)
-            share = fields[VOLUME, j] * fields[RHO, j] * tension.cohesion_kernel(distance, support) / distance
+            share = (
+                fields[FIELD.volume, j]
+                * fields[FIELD.density, j]
+                * tension.cohesion_kernel(distance, support)
+                / distance
+            )
             ax += share * dx
             ay += share * dy
             if deep:
@@ -107,24 +118,30 @@ def pull_by_cohesion(
 
 @summing
 def sum_cohesion(
-    fields: Any, count: Any, neighbor: Any, numbers: Any, choices: Any, support: float, strength: float, energy: Any
+    fields: Floats, lists: Lists, constants: Constants, support: float, strength: float, energy: Array
 ) -> None:  # fmt: skip
     """Half of each pair's energy goes to either particle, an image included; a wall's particle leaves all of it."""
+    counts, neighbor = lists
     for particle in prange(len(energy)):
         i = INDEX(particle)
         total = 0.0
-        for k in range(INDEX(count[i])):
+        for k in range(INDEX(counts[i])):
             j = INDEX(neighbor[i, k])
             square = 0.0
-            for axis in range(choices[DIMENSION]):
-                square += (fields[X + axis, j] - fields[X + axis, i]) ** 2
-            share = 1.0 - 0.5 * fields[LIQUID, j]
-            total += share * fields[VOLUME, j] * fields[RHO, j] * tension.cohesion_energy(math.sqrt(square), support)
-        energy[i] = strength * fields[VOLUME, i] * fields[RHO, i] * total
+            for axis in range(constants[0].dimension):
+                square += (fields[FIELD.position + axis, j] - fields[FIELD.position + axis, i]) ** 2
+            share = 1.0 - 0.5 * fields[FIELD.liquid, j]
+            total += (
+                share
+                * fields[FIELD.volume, j]
+                * fields[FIELD.density, j]
+                * tension.cohesion_energy(math.sqrt(square), support)
+            )
+        energy[i] = strength * fields[FIELD.volume, i] * fields[FIELD.density, i] * total
 
 
 @compiled_inside
-def add(acceleration: Any, i: Any, more: tuple[float, float, float]) -> None:
+def add(acceleration: Array, i: np.uint64, more: tuple[float, float, float]) -> None:
     """To one particle's."""
     for axis in range(acceleration.shape[0]):
         acceleration[axis, i] += more[axis]

@@ -20,11 +20,11 @@ from ecume._portable import dot, product
 from ecume.engine.cells import Integers
 from ecume.engine.walls.sheets import SIZE, SPEED
 from ecume.models.sph.energies import energy_of, liquid_alone, potential_of
-from ecume.models.sph.loads import force_of_mirror, forces_on, roots_of
+from ecume.models.sph.forces_on_solids import force_of_mirror, forces_on, roots_of
 from ecume.models.sph.motions import drive_at, instant
 from ecume.models.sph.parameters import Parameters
-from ecume.models.sph.standoff import leaning_on
 from ecume.models.sph.state import RATE, WORK, State, Workspace
+from ecume.models.sph.wall_repulsion import leaning_on
 from ecume.units import Array
 
 

@@ -6,73 +6,74 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 
 from ecume._jit import compiled_inside, prange, spread
 from ecume.engine.boundary_images import Images
 from ecume.engine.cells import Integers
-from ecume.models.sph.fields import (
-    ALPHA,
-    DIMENSION,
-    FRICTION,
-    INVERSE,
-    KERNEL,
-    LIQUID,
-    MU,
-    NO_FRICTION,
-    PUSH,
-    RADIAL,
-    RHO,
-    SCALE,
-    SHARE,
-    SOFT,
-    SOUND,
-    STRESS,
-    TRANSPORT,
-    VOLUME,
-    WEIGHT,
-    H,
-    P,
-    U,
-    V,
-    W,
-    X,
-)
+from ecume.engine.neighbor_rows import Lists
+from ecume.models.sph.fields import FIELD, Constants, Floats
+from ecume.models.sph.kernels import slope_of
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.state import Workspace
 from ecume.models.sph.sums import damping
-from ecume.models.sph.weights import slope_of
 from ecume.units import Array
 
-Vector = tuple[Any, Any, Any]
+Vector = tuple[float, float, float]
+
+
+class PairForces(NamedTuple):
+    """Which forces act between two particles: see `PressureForce` and `Friction`."""
+
+    transported: bool
+    viscous: bool
+    radial: bool
 
 
 @compiled_inside
-def _transported(fields: Any, i: Any, j: Any, apart: Vector, pull: Any) -> Vector:
+def _transported(fields: Floats, i: int, j: int, apart: Vector, pull: float) -> Vector:
     """Pressure weighed by densities, and the momentum that a transport velocity carries (see `push_transported`)."""
-    both = 0.5 * pull * (fields[VOLUME, i] * fields[VOLUME, i] + fields[VOLUME, j] * fields[VOLUME, j])
-    mean = fields[RHO, j] * fields[P, i] + fields[RHO, i] * fields[P, j]
-    mean *= 2.0 / (fields[RHO, i] + fields[RHO, j])
+    both = (
+        0.5
+        * pull
+        * (fields[FIELD.volume, i] * fields[FIELD.volume, i] + fields[FIELD.volume, j] * fields[FIELD.volume, j])
+    )
+    mean = fields[FIELD.density, j] * fields[FIELD.pressure, i] + fields[FIELD.density, i] * fields[FIELD.pressure, j]
+    mean *= 2.0 / (fields[FIELD.density, i] + fields[FIELD.density, j])
     dx, dy, dz = apart
-    own = fields[RHO, i] * (fields[W, i] * dx + fields[W + 1, i] * dy + fields[W + 2, i] * dz)
-    flux = fields[RHO, j] * (fields[W, j] * dx + fields[W + 1, j] * dy + fields[W + 2, j] * dz)
+    own = fields[FIELD.density, i] * (
+        fields[FIELD.transport, i] * dx + fields[FIELD.transport + 1, i] * dy + fields[FIELD.transport + 2, i] * dz
+    )
+    flux = fields[FIELD.density, j] * (
+        fields[FIELD.transport, j] * dx + fields[FIELD.transport + 1, j] * dy + fields[FIELD.transport + 2, j] * dz
+    )
     return (
-        both * (mean * dx - own * fields[V, i] - flux * fields[V, j]),
-        both * (mean * dy - own * fields[V + 1, i] - flux * fields[V + 1, j]),
-        both * (mean * dz - own * fields[V + 2, i] - flux * fields[V + 2, j]),
+        both * (mean * dx - own * fields[FIELD.velocity, i] - flux * fields[FIELD.velocity, j]),
+        both * (mean * dy - own * fields[FIELD.velocity + 1, i] - flux * fields[FIELD.velocity + 1, j]),
+        both * (mean * dz - own * fields[FIELD.velocity + 2, i] - flux * fields[FIELD.velocity + 2, j]),
     )
 
 
 @compiled_inside
-def _rubbed(fields: Any, i: Any, j: Any, apart: Vector, law: Any) -> Vector:
+def _rubbed(fields: Floats, i: int, j: int, apart: Vector, law: tuple[float, int, float]) -> Vector:
     """Viscous force of a pair: along the difference of velocities, or along the line between them, d + 2 times that."""
     pull, radially, soft = law
-    held, (dx, dy, dz) = fields[MU, i] * fields[MU, j], apart
-    drag = 4.0 * pull * fields[VOLUME, i] * fields[VOLUME, j] * held / (fields[MU, i] + fields[MU, j])
-    du, dv = fields[U, i] - fields[U, j], fields[U + 1, i] - fields[U + 1, j]
-    dw = fields[U + 2, i] - fields[U + 2, j]
+    held, (dx, dy, dz) = fields[FIELD.viscosity, i] * fields[FIELD.viscosity, j], apart
+    drag = (
+        4.0
+        * pull
+        * fields[FIELD.volume, i]
+        * fields[FIELD.volume, j]
+        * held
+        / (fields[FIELD.viscosity, i] + fields[FIELD.viscosity, j])
+    )
+    du, dv = (
+        fields[FIELD.friction_velocity, i] - fields[FIELD.friction_velocity, j],
+        fields[FIELD.friction_velocity + 1, i] - fields[FIELD.friction_velocity + 1, j],
+    )
+    dw = fields[FIELD.friction_velocity + 2, i] - fields[FIELD.friction_velocity + 2, j]
     if radially > 0:
         along = radially * (du * dx + dv * dy + dw * dz) / max(dx * dx + dy * dy + dz * dz, soft)
         du, dv, dw = along * dx, along * dy, along * dz
@@ -81,35 +82,52 @@ def _rubbed(fields: Any, i: Any, j: Any, apart: Vector, law: Any) -> Vector:
 
 @spread
 def press(
-    fields: Any, mine: Any, group: Any, count: Any, neighbor: Any, numbers: Any, choices: Any, force: Any
+    fields: Floats,
+    mine: Integers,
+    group: Integers,
+    lists: Lists,
+    constants: Constants,
+    forces: PairForces,
+    force: Array,
 ) -> None:
     """The force on each of the columns `mine`, (groups, 3, columns), of its neighbors in each group (-1: in none)."""
-    kernel, scale, inverse = choices[KERNEL], numbers[SCALE], numbers[INVERSE]
-    damper = numbers[H], numbers[SHARE], numbers[SOUND], numbers[ALPHA]
-    transported, deep = choices[STRESS] == TRANSPORT, choices[DIMENSION] == 3
-    rubs = choices[FRICTION] != NO_FRICTION
-    radially = (choices[DIMENSION] + 2) * (choices[FRICTION] == RADIAL)
+    kernel, scale, inverse = constants[0].kernel, constants[0].slope_factor, constants[0].inverse_length
+    damper = constants[0].smoothing_length, constants[0].damping_divisor, constants[0].sound_speed, constants[0].alpha
+    transported, deep = forces.transported, constants[0].dimension == 3
+    rubs = forces.viscous
+    radially = (constants[0].dimension + 2) * (forces.radial)
+    counts, neighbor = lists
     for place in prange(len(mine)):
         i = mine[place]
-        for k in range(count[i]):
+        for k in range(counts[i]):
             j = neighbor[i, k]
             g = group[j]
             if g < 0:
                 continue
-            dx, dy = fields[X, j] - fields[X, i], fields[X + 1, j] - fields[X + 1, i]
-            dz = fields[X + 2, j] - fields[X + 2, i] if deep else 0.0
+            dx, dy = (
+                fields[FIELD.position, j] - fields[FIELD.position, i],
+                fields[FIELD.position + 1, j] - fields[FIELD.position + 1, i],
+            )
+            dz = fields[FIELD.position + 2, j] - fields[FIELD.position + 2, i] if deep else 0.0
             square = dx * dx + dy * dy + dz * dz
             pull = scale * slope_of(math.sqrt(square) * inverse, kernel)
             if transported:
                 fx, fy, fz = _transported(fields, i, j, (dx, dy, dz), pull)
             else:
-                radial = (fields[V, j] - fields[V, i]) * dx + (fields[V + 1, j] - fields[V + 1, i]) * dy
-                radial += (fields[V + 2, j] - fields[V + 2, i]) * dz
-                damps = fields[LIQUID, i] * fields[LIQUID, j] * damping(radial, square, damper)
-                both = pull * fields[WEIGHT, i] * fields[WEIGHT, j] * (fields[PUSH, i] + fields[PUSH, j] + damps)
+                radial = (fields[FIELD.velocity, j] - fields[FIELD.velocity, i]) * dx + (
+                    fields[FIELD.velocity + 1, j] - fields[FIELD.velocity + 1, i]
+                ) * dy
+                radial += (fields[FIELD.velocity + 2, j] - fields[FIELD.velocity + 2, i]) * dz
+                damps = fields[FIELD.liquid, i] * fields[FIELD.liquid, j] * damping(radial, square, damper)
+                both = (
+                    pull
+                    * fields[FIELD.weight, i]
+                    * fields[FIELD.weight, j]
+                    * (fields[FIELD.force_term, i] + fields[FIELD.force_term, j] + damps)
+                )
                 fx, fy, fz = both * dx, both * dy, both * dz
-            if rubs and fields[MU, i] * fields[MU, j] > 0.0:
-                rx, ry, rz = _rubbed(fields, i, j, (dx, dy, dz), (pull, radially, numbers[SOFT]))
+            if rubs and fields[FIELD.viscosity, i] * fields[FIELD.viscosity, j] > 0.0:
+                rx, ry, rz = _rubbed(fields, i, j, (dx, dy, dz), (pull, radially, constants[0].softening))
                 fx, fy, fz = fx + rx, fy + ry, fz + rz
             force[g, 0, place] += fx
             force[g, 1, place] += fy
@@ -119,8 +137,13 @@ def press(
 def forces_on(parameters: Parameters, workspace: Workspace, mine: Integers, group: Integers) -> Array:
     """(groups, 3, columns) N, out of a filled workspace."""
     lists, force = workspace.lists, np.zeros((int(group.max(initial=0)) + 1, 3, len(mine)))
-    numbers, choices = parameters.numbers, parameters.choices
-    press(workspace.fields, mine, group, lists.counts, lists.neighbor, numbers, choices, force)
+    constants, friction = parameters.constants, parameters.friction
+    forces = PairForces(
+        transported=parameters.pressure_force.transported,
+        viscous=friction is not None,
+        radial=friction is not None and friction.radial,
+    )
+    press(workspace.fields.table, mine, group, lists, constants, forces, force)
     return force
 
 
@@ -234,7 +257,7 @@ def _bearer(owner: Integers, chain: int, axis: int) -> int:
 
 
 def _places(parameters: Parameters, workspace: Workspace, mine: Integers) -> Array:
-    place = workspace.fields[X : X + 3, mine].astype(np.float64)
+    place = workspace.fields.position[:3, mine].astype(np.float64)
     place[parameters.dimension :] = 0.0
     place[: parameters.dimension] += parameters.origin[:, None]
     return place

@@ -18,7 +18,7 @@ from ecume.engine.cells import Integers
 from ecume.errors import Fault, SceneError
 from ecume.laws import enthalpy as enthalpies
 from ecume.laws.flows import channel_speed
-from ecume.models.sph.columns import C0, GAMMA, RHO0
+from ecume.models.sph.fields import Tait
 from ecume.models.sph.methods import PRESSURE_FORCES
 from ecume.models.sph.parameters import Gate, Parameters
 from ecume.models.sph.state import (
@@ -49,6 +49,9 @@ def gates_of(scene: SphScene, support: float) -> tuple[Gate, ...]:
     if transported and any(side_of(scene, k).kind in ENDS for k in range(len(SIDES))):
         message = "came 'transport', which is for closed flows; with in- and outflows use 'sum'"
         raise SceneError([Fault("method.pressure_force", message)])
+    if scene.central_pull is not None and any(side_of(scene, k).kind in ENDS for k in range(2 * len(tank.low))):
+        message = "goes with no in- or outflow: the pressure of the liquid behind those follows from gravity alone"
+        raise SceneError([Fault("central_pull", message)])
     layers = int(np.ceil(support / scene.spacing - 1e-9))
     for number in range(2 * len(tank.low)):
         side, axis = side_of(scene, number), number // 2
@@ -165,25 +168,25 @@ def _with(state: State, born: dict[str, Array], zone: int) -> State:
 
 def feed(parameters: Parameters, state: State) -> None:
     """Give the buffers their pressures: of the liquid before an inflow, with its weight; of an outflow as asked."""
-    pull, constants = parameters.gravity, parameters.constants
+    pull, tait = parameters.gravity, parameters.tait
     for gate in parameters.gates:
         head = gate.pressure / parameters.material.density - float(pull[1] * gate.high[1])
         if gate.enters:
             reach = gate.place, gate.place + gate.inward * parameters.support
-            head = mean_head(state.density, state.position, state.zone, pull, constants, gate.axis, reach)
-        store_density(state.density, state.position, state.zone, pull, constants, gate.zone, head)
+            head = mean_head(state.density, state.position, state.zone, pull, tait, gate.axis, reach)
+        store_density(state.density, state.position, state.zone, pull, tait, gate.zone, head)
 
 
 @compiled
 def mean_head(
-    density: Any, position: Any, zone: Any, pull: Any, material: Any, axis: int, reach: tuple[float, float]
+    density: Array, position: Array, zone: Integers, pull: Array, tait: Tait, axis: int, reach: tuple[float, float]
 ) -> float:
     """Enthalpy less what gravity does, of the liquid between two places along an axis; 0 where there is none."""
     total, count = 0.0, 0
     for i in range(len(density)):
         x = position[axis, i]
         if zone[i] == 0 and min(reach) <= x <= max(reach):
-            total += enthalpies.tait_enthalpy(density[i], material[RHO0], material[C0], material[GAMMA])
+            total += enthalpies.tait_enthalpy(density[i], tait.density, tait.sound_speed, tait.exponent)
             for along in range(len(pull)):
                 total -= pull[along] * position[along, i]
             count += 1
@@ -191,14 +194,16 @@ def mean_head(
 
 
 @compiled
-def store_density(density: Any, position: Any, zone: Any, pull: Any, material: Any, own: int, head: float) -> None:
+def store_density(
+    density: Array, position: Array, zone: Integers, pull: Array, tait: Tait, own: int, head: float
+) -> None:
     """Of a buffer's particles, at rest under gravity."""
     for i in range(len(density)):
         if zone[i] == own:
             enthalpy = head
             for along in range(len(pull)):
                 enthalpy += pull[along] * position[along, i]
-            density[i] = enthalpies.density_at_enthalpy(enthalpy, material[RHO0], material[C0], material[GAMMA])
+            density[i] = enthalpies.density_at_enthalpy(enthalpy, tait.density, tait.sound_speed, tait.exponent)
 
 
 def still(state: State) -> None:

@@ -6,7 +6,7 @@ continuity forgets how close a thin layer came. So layers one particle thick wou
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,10 +17,10 @@ from ecume.engine.walls import Sheet
 from ecume.engine.walls.sheets import inward_normal, piece_gap
 from ecume.laws import wall_repulsion
 from ecume.models.sph.bodies import rotations
-from ecume.models.sph.guard import Guard
-from ecume.models.sph.loads import total
+from ecume.models.sph.forces_on_solids import total
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.state import State
+from ecume.models.sph.wall_reflection import Guard
 from ecume.units import Array
 
 admit(wall_repulsion)
@@ -41,7 +41,7 @@ class Leaning(NamedTuple):
 
 
 @spread
-def push_off(position: Any, kind: Any, number: Any, reach: float, speed: float, acceleration: Any) -> None:
+def push_off(position: Array, kind: Integers, number: Array, reach: float, speed: float, acceleration: Array) -> None:
     """Add what walls and obstacles do."""
     for i in prange(position.shape[1]):
         k, z = 0, position[2, i] if position.shape[0] == 3 else 0.0

@@ -11,8 +11,6 @@ from __future__ import annotations
 from ecume.engine.mpi_exchange import Share
 from ecume.errors import BadInput
 from ecume.models.sph import stepping
-from ecume.models.sph.fields import FIRST, LAST
-from ecume.models.sph.methods import diffusion_of, pressure_of
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.record import workspace
 from ecume.models.sph.state import State, Workspace
@@ -21,14 +19,13 @@ from ecume.models.sph.work import forces_work
 
 def require_spreadable(parameters: Parameters) -> None:
     """Raise BadInput for tanks that are not spread over ranks."""
-    choices = parameters.choices
     solid = parameters.boundary.dummies.position.shape[1] > 0
     if solid or forces_work(parameters):
         raise BadInput(
             "--engine mpi: goes with tanks whose sides are mirrors or periodic and stand still, and without solids, "
             "in- and outflows"
         )
-    if pressure_of(choices).transported or diffusion_of(choices).gradients or parameters.transports:
+    if parameters.pressure_force.transported or parameters.density_diffusion.gradients or parameters.transports:
         raise BadInput("--engine mpi: goes without transport velocity, shifting, and diffusion by gradients of density")
     if parameters.tension != "none" or parameters.turbulence or parameters.carried.start[-1]:
         raise BadInput("--engine mpi: goes without surface tension, turbulence, and what liquids carry along")
@@ -36,9 +33,10 @@ def require_spreadable(parameters: Parameters) -> None:
 
 def own_part(share: Share, parameters: Parameters, state: State) -> Parameters:
     """With the particles whose sums this rank takes."""
-    choices, parts = parameters.choices.copy(), share.parts(state.position.shape[1])
-    choices[FIRST], choices[LAST] = parts[share.rank], parts[share.rank + 1]
-    return parameters._replace(choices=choices)
+    first, last = share.parts(state.position.shape[1])[share.rank : share.rank + 2]
+    constants = parameters.constants.copy()
+    constants[0].first, constants[0].last = first, last
+    return parameters._replace(constants=constants)
 
 
 def workspace_shared(share: Share, parameters: Parameters, state: State, room: float) -> Workspace:

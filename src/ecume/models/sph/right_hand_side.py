@@ -4,40 +4,30 @@ from __future__ import annotations
 
 import numpy as np
 
+from ecume.engine.neighbor_rows import Lists
 from ecume.models.sph.bodies import delay, pulls_of, pushed
-from ecume.models.sph.columns import fill_images, fill_liquid, fill_weights
-from ecume.models.sph.dummies import read_liquid
-from ecume.models.sph.fields import (
-    ACC,
-    DELTA,
-    DIFFUSED,
-    DRHO,
-    FRICTION,
-    NO_FRICTION,
-    SCALE,
-    W,
-)
-from ecume.models.sph.gates import still
+from ecume.models.sph.fields import Constants, Floats, number
+from ecume.models.sph.fill_fields import fill_images, fill_liquid, fill_weights, read_liquid
+from ecume.models.sph.forces_on_solids import forces_on_dummies, total
 from ecume.models.sph.gradients import add_gradient_diffusion, fill_density_gradients
-from ecume.models.sph.loads import forces_on_dummies, total
-from ecume.models.sph.methods import FRICTIONS, diffusion_of, pressure_of, row_of
+from ecume.models.sph.kernels import kernel_type, require_kernel
 from ecume.models.sph.motion import (
     store_acceleration,
     store_thickening,
 )
 from ecume.models.sph.motions import instant
+from ecume.models.sph.open_boundaries import still
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.shifting import shift
-from ecume.models.sph.standoff import push_off_bodies, push_off_walls
 from ecume.models.sph.state import (
     State,
     Workspace,
     put_dummies,
 )
-from ecume.models.sph.sums import sums_of
+from ecume.models.sph.sums import sum_both, sum_continuity, sum_momentum
 from ecume.models.sph.tension import pull
 from ecume.models.sph.turbulence import stir
-from ecume.models.sph.weights import require_kernel
+from ecume.models.sph.wall_repulsion import push_off_bodies, push_off_walls
 from ecume.units import Array
 
 
@@ -61,12 +51,12 @@ def take_both(parameters: Parameters, state: State, workspace: Workspace, time: 
     """Both of them; in a single sum where there is neither diffusion nor a wall's dummy."""
     parameters = instant(parameters, state)
     fill(parameters, state, workspace)
-    choices, lists = parameters.choices, workspace.lists
-    diffuses = diffusion_of(choices).excess is not None
-    if not diffuses and len(lists.counts) == state.position.shape[1] and pressure_of(choices).loop is None:
-        sums = sums_of(choices)
-        sums.both(workspace.fields, lists.counts, lists.neighbor, parameters.numbers, choices, workspace.rates)
-        hear(workspace, DRHO, DIFFUSED, ACC, ACC + 1, ACC + 2)
+    lists, rates = workspace.lists, workspace.rates
+    diffuses = parameters.density_diffusion.excess is not None
+    if not diffuses and len(lists.counts) == state.position.shape[1] and parameters.pressure_force.loop is None:
+        kernel = kernel_type(parameters.constants)
+        sum_both(*_summed(parameters, workspace), kernel, rates.table)
+        gather(workspace, rates.continuity, rates.diffusion, *rates.acceleration)
     else:
         _sum_stretch(parameters, workspace)
         _sum_push(parameters, workspace)
@@ -75,54 +65,55 @@ def take_both(parameters: Parameters, state: State, workspace: Workspace, time: 
 
 
 def _sum_stretch(parameters: Parameters, workspace: Workspace) -> None:
-    lists, choices, numbers = workspace.lists, parameters.choices, parameters.numbers
-    diffusion = diffusion_of(choices)
-    sums_of(choices).stretch(
-        workspace.fields, lists.counts, lists.neighbor, numbers, choices, diffusion.field, workspace.rates
-    )
+    diffusion, rates, kernel = parameters.density_diffusion, workspace.rates, kernel_type(parameters.constants)
+    summed = _summed(parameters, workspace)
+    sum_continuity(*summed, kernel, diffusion.diffusing(workspace.fields), rates.table)
     if diffusion.gradients:
-        factor = numbers[DELTA] * numbers[SCALE]
-        add_gradient_diffusion(
-            workspace.fields, lists.counts, lists.neighbor, numbers, choices, factor, workspace.rates
-        )
-    hear(workspace, DRHO, DIFFUSED)
+        factor = number(parameters.constants, "delta") * number(parameters.constants, "slope_factor")
+        add_gradient_diffusion(*summed, factor, rates.table)
+    gather(workspace, rates.continuity, rates.diffusion)
 
 
-def hear(workspace: Workspace, *rows: int) -> None:
-    """Where ranks share the sums out: what the others came to."""
+def _summed(parameters: Parameters, workspace: Workspace) -> tuple[Floats, Lists, Constants]:
+    """What every sum over neighbors reads."""
+    return workspace.fields.table, workspace.lists, parameters.constants
+
+
+def gather(workspace: Workspace, *rows: Floats) -> None:
+    """Fill in the parts of these sums that other ranks computed."""
     if workspace.share is not None:
         for row in rows:
-            workspace.share.gather(workspace.rates[row], workspace.share.parts(workspace.rates.shape[1]))
+            workspace.share.gather(row, workspace.share.parts(len(row)))
 
 
 def _sum_push(parameters: Parameters, workspace: Workspace) -> None:
-    lists, choices = workspace.lists, parameters.choices
-    push = pressure_of(choices).loop or sums_of(choices).push
-    push(workspace.fields, lists.counts, lists.neighbor, parameters.numbers, choices, workspace.rates)
-    hear(workspace, ACC, ACC + 1, ACC + 2)
+    summed, rates, loop = _summed(parameters, workspace), workspace.rates, parameters.pressure_force.loop
+    if loop is None:
+        sum_momentum(*summed, kernel_type(parameters.constants), rates.table)
+    else:
+        loop(*summed, rates.table)
+    gather(workspace, *rates.acceleration)
 
 
 def _store_thickening(parameters: Parameters, state: State, workspace: Workspace) -> None:
-    store_thickening(state.thickening, workspace.rates, state.density, pressure_of(parameters.choices).by_mass)
+    store_thickening(state.thickening, workspace.rates.table, state.density, parameters.pressure_force.by_mass)
     if parameters.gates:
         still(state)
 
 
 def _store_acceleration(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
     """Pressure is per weight, friction per mass; and gravity."""
-    choices, lists = parameters.choices, workspace.lists
-    per_volume = pressure_of(choices).per_volume
-    store_acceleration(state.acceleration, workspace.rates, state.density, parameters.gravity, per_volume)
+    per_volume, rates = parameters.pressure_force.per_volume, workspace.rates
+    store_acceleration(state.acceleration, rates.table, state.density, parameters.gravity, per_volume)
     if parameters.pull_rate > 0.0:
         state.acceleration[...] -= parameters.pull_rate**2 * (state.position - parameters.pull_center[:, None])
     if parameters.turbulence:
         stir(parameters, workspace)
-    if choices[FRICTION] != NO_FRICTION:
-        rubbing = row_of(FRICTIONS, choices[FRICTION]).loop
-        workspace.rates[ACC : ACC + 3] = 0.0
-        rubbing(workspace.fields, lists.counts, lists.neighbor, parameters.numbers, choices, workspace.rates)
-        hear(workspace, ACC, ACC + 1, ACC + 2)
-        state.acceleration[...] += workspace.rates[ACC : ACC + parameters.dimension]
+    if parameters.friction is not None:
+        workspace.rates.acceleration[:3] = 0.0
+        parameters.friction.loop(*_summed(parameters, workspace), rates.table)
+        gather(workspace, *rates.acceleration)
+        state.acceleration[...] += workspace.rates.acceleration[: parameters.dimension]
     push_off_walls(parameters, state)
     _push_bodies(parameters, state, workspace)
     if parameters.tension != "none":
@@ -162,29 +153,29 @@ def table_of(parameters: Parameters) -> Array:
 def fill(parameters: Parameters, state: State, workspace: Workspace) -> None:
     """The liquid's columns, its images', the walls', and the images of those."""
     fields, lists = workspace.fields, workspace.lists
-    numbers, choices = parameters.numbers, parameters.choices
-    require_kernel(choices)
+    constants, table = parameters.constants, fields.table
+    require_kernel(parameters.constants)
     count = state.position.shape[1]
     real = len(lists.counts)
-    by_mass, gradients = pressure_of(choices).by_mass, diffusion_of(choices).gradients
+    by_mass, gradients = parameters.pressure_force.by_mass, parameters.density_diffusion.gradients
     of_liquid = state.position, state.velocity, state.density, state.mass
-    fill_liquid(fields, *of_liquid, parameters.constants, parameters.origin, by_mass)
+    fill_liquid(table, *of_liquid, parameters.tait, parameters.origin, by_mass)
     if parameters.background > 0.0:
-        fields[W : W + parameters.dimension, :count] = state.transport
+        fields.transport[: parameters.dimension, :count] = state.transport
     images = workspace.images
-    of_images = fields, real, images.start, table_of(parameters), parameters.gravity, parameters.constants
+    of_images = table, real, images.start, table_of(parameters), parameters.gravity, parameters.tait
     if parameters.moves:
         put_dummies(parameters, fields, count)
     if len(images.source):
         fill_images(images.source, *of_images)
     if gradients:
-        fill_density_gradients(fields, count, lists.counts, lists.neighbor, numbers, choices)
+        fill_density_gradients(table, count, lists, constants)
     if real > count:
-        clip, constants, dummies = parameters.walls_clip, parameters.constants, parameters.boundary.dummies
+        clip, tait, dummies = parameters.walls_clip, parameters.tait, parameters.boundary.dummies
         pulls = pulls_of(parameters.bodies, dummies, (state.pose, state.motion, state.felt), parameters.gravity)
         pulls -= parameters.pull_rate**2 * (dummies.position - parameters.pull_center[:, None])
-        read_liquid(fields, count, lists.counts, lists.neighbor, numbers, choices, pulls, clip, constants)
+        read_liquid(table, count, lists, constants, pulls, clip, tait)
     if len(images.source) and (real > count or gradients):
         fill_images(images.source, *of_images)
     if fields.shape[1] > count:
-        fill_weights(fields, count, by_mass)
+        fill_weights(table, count, by_mass)

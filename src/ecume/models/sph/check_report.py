@@ -9,9 +9,9 @@ import numpy as np
 
 from ecume.laws.kernels import KERNELS
 from ecume.models.advice import LONG, Row, told_duration
-from ecume.models.sph import pacing
-from ecume.models.sph.choosing import sides_of, smoothing_of, tension_of
+from ecume.models.sph import time_step
 from ecume.models.sph.color import NODES
+from ecume.models.sph.defaults import sides_of, smoothing_of, tension_of
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.solids import part_of, solids_of
 from ecume.models.sph.substances import told
@@ -166,4 +166,4 @@ def limiter(scene: SphScene, parameters: Parameters) -> str:
     """What sets the step."""
     if scene.method.time_step is not None:
         return "as given"
-    return f"set by {pacing.limiter(pacing.limits_of(scene, parameters.material))}"
+    return f"set by {time_step.limiter(time_step.limits_of(scene, parameters.material))}"

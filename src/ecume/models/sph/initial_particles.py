@@ -8,8 +8,8 @@ from ecume.engine.meshes import Cloud
 from ecume.engine.shapes import Box, Flags, Part, Shape, apart, lattice_in
 from ecume.errors import Fault, SceneError
 from ecume.laws.enthalpy import density_at_enthalpy
-from ecume.models.sph.choosing import held_pull, modified
-from ecume.models.sph.gates import bounds_of
+from ecume.models.sph.defaults import held_pull, modified
+from ecume.models.sph.open_boundaries import bounds_of
 from ecume.models.sph.parameters import Liquid, Material
 from ecume.models.sph.solids import free_of, part_of, solids_of
 from ecume.models.sph.starting import pressure_in, velocity_in

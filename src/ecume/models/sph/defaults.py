@@ -10,29 +10,8 @@ from ecume.engine.neighbor_rows import EVERYONE
 from ecume.errors import Fault, SceneError
 from ecume.laws import diffusion
 from ecume.laws.kernels import KERNEL_CODES, KERNELS, Kernel, kernel
-from ecume.models.sph.fields import (
-    ALPHA,
-    CHOICES,
-    DELTA,
-    DIFFUSION,
-    DIMENSION,
-    ENTHALPY,
-    FRICTION,
-    G0,
-    INVERSE,
-    KERNEL,
-    LAST,
-    NO_FRICTION,
-    NUMBERS,
-    ONE,
-    REFERENCE,
-    SCALE,
-    SHARE,
-    SOFT,
-    SOUND,
-    STRESS,
-    H,
-)
+from ecume.laws.states import hydrostatic_fault
+from ecume.models.sph.fields import Constants, Precision, constants_from
 from ecume.models.sph.methods import DIFFUSIONS, FRICTIONS, PRESSURE_FORCES, Friction, PressureForce
 from ecume.models.sph.parameters import Material
 from ecume.models.sph.shifting import SHIFTINGS
@@ -45,7 +24,7 @@ from ecume.units import Array
 
 TURBULENCES = {"none": False, "smagorinsky": True}
 """Whether eddies add a viscosity: see `turbulence.stir`."""
-PRECISIONS: dict[str, type[np.floating[Any]]] = {"double": np.float64, "single": np.float32}
+PRECISIONS: dict[str, Precision] = {"double": np.float64, "single": np.float32}
 USUAL_ALPHA = 0.02
 """Of the artificial viscosity, where the liquid has none of its own."""
 
@@ -97,29 +76,44 @@ def smoothing_of(scene: SphScene) -> float:
     return scene.spacing * (usual if given is None else given)
 
 
-def numbers_of(scene: SphScene, material: Material, pull: Array) -> Array:
-    """The table of numbers that sums read."""
+def constants_of(scene: SphScene, material: Material, pull: Array) -> Constants:
+    """The constants that sums read; `pull` is the gravity that pressure balances at rest."""
     shape, smoothing, dimension = kernel_of(scene), smoothing_of(scene), len(pull)
     given = scene.method.artificial_viscosity
     alpha = USUAL_ALPHA * (material.viscosity == 0.0) if given is None else given
     spring = material.density / material.sound_speed**2
     term = DIFFUSIONS[diffusion_of(scene, pull)]
-    numbers = np.zeros(NUMBERS)
-    numbers[ONE], numbers[H], numbers[INVERSE] = 1.0, smoothing, 1.0 / smoothing
-    numbers[SCALE] = shape.normalization / smoothing ** (dimension + 2)
-    numbers[SOFT] = 0.01 * smoothing**2
-    # By volume the viscosity's term is not per density squared.
-    numbers[SHARE] = material.density if pressure_force_of(scene).by_mass else 1.0 / material.density
-    numbers[ALPHA], numbers[SOUND] = alpha, material.sound_speed
+    delta = 0.0
     if term.excess is not None:
-        numbers[DELTA] = diffusion.strength(scene.method.diffusion, smoothing, material.sound_speed)
-    if term.field == ENTHALPY:
-        numbers[DELTA] *= spring
+        delta = diffusion.strength(scene.method.diffusion, smoothing, material.sound_speed)
+    if term.field == "enthalpy":
+        delta *= spring
+    rise = np.zeros(3)
     if term.balances_weight:
-        numbers[G0 : G0 + dimension] = term.rise(material.density, material.sound_speed) * pull
+        rise[:dimension] = term.rise(material.density, material.sound_speed) * pull
     tensile = SHIFTINGS[shifting_of(scene)].tensile
-    numbers[REFERENCE] = float(cast(float, shape.shape(scene.spacing / smoothing))) if tensile else 0.0
-    return numbers.astype(PRECISIONS[scene.method.precision])
+
+    values = {
+        "dimension": dimension,
+        "kernel": KERNEL_CODES[scene.method.kernel],
+        "first": EVERYONE[0],
+        "last": EVERYONE[1],
+        "zero": 0.0,
+        "smoothing_length": smoothing,
+        "inverse_length": 1.0 / smoothing,
+        "slope_factor": shape.normalization / smoothing ** (dimension + 2),
+        "softening": 0.01 * smoothing**2,
+        "sound_speed": material.sound_speed,
+        "alpha": alpha,
+        # By volume the viscosity's term is not per density squared.
+        "damping_divisor": material.density if pressure_force_of(scene).by_mass else 1.0 / material.density,
+        "delta": delta,
+        "rise_x": rise[0],
+        "rise_y": rise[1],
+        "rise_z": rise[2],
+        "reference_value": cast(float, shape.shape(scene.spacing / smoothing)) if tensile else 0.0,
+    }
+    return constants_from(PRECISIONS[scene.method.precision], values)
 
 
 def diffusion_of(scene: SphScene, pull: Array) -> str:
@@ -141,6 +135,11 @@ def friction_of(scene: SphScene) -> Friction:
     if scene.method.friction == "automatic":
         return FRICTIONS["monaghan" if free_surface(scene) else "morris"]
     return FRICTIONS[chosen(scene.method.friction, FRICTIONS, "method.friction")]
+
+
+def acting_friction(scene: SphScene) -> Friction | None:
+    """The form of the viscosity; None for a liquid without any."""
+    return friction_of(scene) if filled(scene.liquid).viscosity or turbulent(scene) else None
 
 
 def free_surface(scene: SphScene) -> bool:
@@ -176,12 +175,13 @@ def turbulent(scene: SphScene) -> bool:
     return TURBULENCES[chosen(scene.method.turbulence, TURBULENCES, "method.turbulence")]
 
 
-def choices_of(scene: SphScene, pull: Array) -> Any:
-    """The table of choices that sums read."""
-    choices = np.zeros(CHOICES, np.int64)
-    choices[DIMENSION], choices[LAST] = len(scene.tank.low), EVERYONE[1]
-    choices[KERNEL] = KERNEL_CODES[scene.method.kernel]
-    choices[DIFFUSION] = DIFFUSIONS[diffusion_of(scene, pull)].code
-    choices[STRESS] = pressure_force_of(scene).code
-    choices[FRICTION] = friction_of(scene).code if filled(scene.liquid).viscosity or turbulent(scene) else NO_FRICTION
-    return choices
+def require_right_split(scene: SphScene) -> None:
+    """Refuse a scene whose pressure would be wrong, with the reason."""
+    split = scene.method.pressure_split
+    if split == "none" or scene.method.unchecked_split:
+        return
+    reason = hydrostatic_fault(
+        added=True, gravity_acts=split == "original", in_forces=False, free_surface=free_surface(scene)
+    )
+    if reason:
+        raise SceneError([Fault("method.pressure_split", f"came {split!r}; {reason}; use 'none'")])

@@ -15,7 +15,7 @@ from ecume.laws.time_step_limits import (
 )
 from ecume.models.sph.bodies import mass_of
 from ecume.models.sph.boundaries import holds
-from ecume.models.sph.choosing import friction_of, kernel_of, smoothing_of, tension_of
+from ecume.models.sph.defaults import friction_of, kernel_of, smoothing_of, tension_of
 from ecume.models.sph.parameters import Material
 from ecume.models.sph.solids import shape_of
 from ecume.scenes.sph import BodySpec, SphScene

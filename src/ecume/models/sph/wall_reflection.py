@@ -13,7 +13,7 @@ import numpy as np
 from ecume._jit import prange, spread
 from ecume._portable import dot
 from ecume.engine.cells import Integers
-from ecume.engine.shapes import Ball, Polygon, Shape
+from ecume.engine.shapes import Ball, Flags, Polygon, Shape
 from ecume.engine.walls import Sheet, Surfaces, box, disc, outside, planes, polygon, reflect_all, sheet, together
 from ecume.engine.walls.sheets import RESTITUTION, SIZE, SPEED, gap_to, inward_normal, worst_gap
 from ecume.engine.walls.surfaces import PLANE
@@ -83,7 +83,7 @@ def _obstacle(shape: Shape, path: str) -> Surfaces:
 
 
 @spread
-def flag_outside(position: Any, kind: Any, number: Any, radius: float, out: Any) -> None:
+def flag_outside(position: Array, kind: Integers, number: Array, radius: float, out: Flags) -> None:
     """Who is behind a surface, or closer to it than the radius."""
     for i in prange(position.shape[1]):
         z = position[2, i] if position.shape[0] == 3 else 0.0

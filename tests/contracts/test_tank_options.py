@@ -1,0 +1,175 @@
+"""Every pair of options of a tank runs, and keeps what the model promises, or is refused with a physical reason."""
+
+import itertools
+import os
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from tests.models.sph.scenes import OPEN, PERIODIC
+
+from ecume.errors import SceneError
+from ecume.laws.kernels import KERNELS
+from ecume.models.model import DONE, EXCHANGE
+from ecume.models.sph.defaults import TURBULENCES
+from ecume.models.sph.invariants import invariants
+from ecume.models.sph.methods import DIFFUSIONS, FRICTIONS, PRESSURE_FORCES
+from ecume.models.sph.record import SPH
+from ecume.models.sph.shifting import SHIFTINGS
+from ecume.models.sph.stepping import INTEGRATORS
+from ecume.models.sph.tension import TENSIONS
+from ecume.run import RunDirectory
+from ecume.run.invariant_monitor import Watch
+from ecume.scenes.schema import from_plain
+
+PAGE = Path(__file__).parents[2] / "docs" / "physics" / "sph.md"
+PLAIN = os.environ.get("NUMBA_DISABLE_JIT") == "1"
+REGION = {"low": [0.0, 0.0], "high": [1.0, 1.0]}
+DRAG = {"liquid": {"viscosity": 0.02}}
+FULL = {"tank": {"high": [1.0, 1.0], "top": {}}, "fluid": [{**REGION, "velocity": [0.1, 0.0]}]}
+TENSE = {"liquid": {"surface_tension": 0.02}}
+
+
+def methods(key, names, **more):
+    """One option for each name that a key of `[method]` takes."""
+    return {f"{key} = {name}": {"method": {key: name}, **more} for name in names if name != "none"}
+
+
+FAMILIES = {
+    "kernel": methods("kernel", [name for name in KERNELS if name != "wendland-c2"]),
+    "density_diffusion": {**methods("density_diffusion", DIFFUSIONS), "density_diffusion = none":
+                          {"method": {"density_diffusion": "none"}}},
+    "friction": methods("friction", FRICTIONS, **DRAG),
+    "pressure_force": {**methods("pressure_force", ["monaghan"]), **methods("pressure_force", ["transport"], **FULL)},
+    "pressure_split": methods("pressure_split", ["modified"], **FULL),
+    "shifting": methods("shifting", SHIFTINGS),
+    "surface_tension_model": methods("surface_tension_model", TENSIONS, **TENSE),
+    "turbulence": methods("turbulence", TURBULENCES),
+    "integrator": methods("integrator", [name for name in INTEGRATORS if name != "symplectic"]),
+    "precision": methods("precision", ["single"]),
+    "dimension": {"3D": {}},
+    "exponent": {"exponent = 1": {"liquid": {"exponent": 1.0}}},
+    "walls": {"walls = dummy": {"tank": {"walls": "dummy"}}, "walls = reflect": {"tank": {"walls": "reflect"}}},
+    "sides": {
+        "periodic": {"tank": {"left": PERIODIC, "right": PERIODIC}},
+        "inflow and outflow": {"tank": {"left": {"kind": "inflow", "speed": 0.2, "level": 1.0},
+                                        "right": {"kind": "outflow", "level": 1.0}}},
+        "lid": {"tank": {"bottom": {"velocity": [0.2, 0.0]}}},
+        "piston": {"tank": {"left": {"motion": {"amplitude": 0.05, "frequency": 1.0}}}},
+        "full tank": FULL,
+    },
+    "bodies": {"body": {"bodies": [{"low": [0.3, 0.3], "high": [0.7, 0.7], "density": 1.5}]}},
+    "obstacles": {"obstacle": {"obstacles": [{"low": [0.3, 0.3], "high": [0.7, 0.7]}]}},
+    "carried": {
+        "tracers": {"carried": [{"positions": [[0.1, 0.2], [0.5, 0.9]]}]},
+        "grains": {"carried": [{"positions": [[0.1, 0.2]], "radius": 0.01, "density": 2.0}]},
+    },
+    "shake": {"shake": {"shake": {"amplitude": [0.05, 0.0], "frequency": 1.0}}},
+    "central_pull": {"central pull": {"central_pull": {"rate": 1.0, "center": [0.5, 0.5]}, "gravity": [0.0, 0.0]}},
+}  # fmt: skip
+OPTIONS = {name: (family, changes) for family, options in FAMILIES.items() for name, changes in options.items()}
+"""By name: a pair is one of two families."""
+PAIRS = [pair for pair in itertools.combinations(OPTIONS, 2) if OPTIONS[pair[0]][0] != OPTIONS[pair[1]][0]]
+BASE = {
+    "model": "sph", "duration": 0.1, "frame_every": 0.1, "spacing": 0.125, "gravity": [0.0, -1.0],
+    "liquid": {"density": 1.0, "sound_speed": 10.0, "fastest": 1.0},
+    "tank": {"low": [0.0, 0.0], "high": [1.0, 1.5], "top": OPEN},
+    "fluid": [REGION], "method": {"jitter": 0.05},
+}  # fmt: skip
+pytestmark = pytest.mark.filterwarnings("ignore:liu-quartic")
+VECTORS = ("low", "high", "gravity", "center", "amplitude", "velocity")
+
+
+def deepened(value, key=""):
+    """A part of a scene in 3D."""
+    if isinstance(value, dict):
+        return {name: deepened(part, name) for name, part in value.items()}
+    if key in ("positions",):
+        return [[*place, 0.5] for place in value]
+    if isinstance(value, list) and value and isinstance(value[0], dict):
+        return [deepened(part) for part in value]
+    if key in VECTORS and isinstance(value, list):
+        third = {"high": 0.7 if value[0] == 0.7 else 1.0, "low": 0.3 if value[0] == 0.3 else 0.0, "center": 0.5}
+        return [*value, third.get(key, 0.0)]
+    return value
+
+
+def scene_with(names):
+    """The small tank with these options."""
+    plain = {**BASE}
+    for name in names:
+        for table, change in OPTIONS[name][1].items():
+            plain[table] = {**plain.get(table, {}), **change} if isinstance(change, dict) else change
+    if "3D" in names:
+        plain = {**deepened(plain), "spacing": 0.2}
+    return from_plain(plain)
+
+
+def frames_of(scene, steps=3):
+    """Frames at the start and after each of a few steps."""
+    parameters = SPH.parameters(scene)
+    state = SPH.start(scene, parameters)
+    workspace = SPH.workspace(parameters, state, 1.0)
+    yield SPH.observe(parameters, state, workspace)
+    while int(state.step[0]) < steps:
+        status = SPH.advance(parameters, state, workspace, 1)
+        assert status in (DONE, EXCHANGE)
+        if status == EXCHANGE:
+            state = SPH.exchange(parameters, state)
+            workspace = SPH.workspace(parameters, state, 1.0)
+        yield SPH.observe(parameters, state, workspace)
+
+
+def reason_of(names):
+    """Why a pair is refused; None where it is not."""
+    try:
+        SPH.parameters(scene_with(names))
+    except SceneError as error:
+        return "; ".join(f"{fault.path}: {fault.message}" for fault in error.faults)
+    return None
+
+
+def long(pair):
+    """Whether a pair is left to the compiled pass."""
+    return PLAIN or "3D" in pair
+
+
+@pytest.mark.parametrize(
+    "pair",
+    [pytest.param(pair, id=" + ".join(pair), marks=[pytest.mark.compiled] if long(pair) else []) for pair in PAIRS],
+)
+def test_a_pair_of_options_keeps_mass_and_energy_or_is_refused(pair, tmp_path):
+    if reason_of(pair) is not None:
+        return
+    scene = scene_with(pair)
+    watch = Watch(RunDirectory(tmp_path), invariants(scene, SPH.parameters(scene)), "warn")
+    for number, frame in enumerate(frames_of(scene)):
+        assert all(np.isfinite(array).all() for array in frame.arrays.values())
+        assert all(np.isfinite(value) for value in frame.numbers.values())
+        watch.take(frame.time, frame.numbers, number)
+    assert frame.arrays["velocity"].any()
+    for verdict in watch.verdicts():
+        assert verdict.held, verdict
+
+
+def test_every_row_of_the_tables_is_among_the_options():
+    for table in (KERNELS, DIFFUSIONS, FRICTIONS, PRESSURE_FORCES, SHIFTINGS, TENSIONS, TURBULENCES, INTEGRATORS):
+        defaults = {"wendland-c2", "sum", "none", "symplectic"}
+        assert all(any(name.endswith(f"= {row}") for name in OPTIONS) for row in table if row not in defaults)
+
+
+def refusals():
+    """The rows of the documentation's table, one for each pair that is refused."""
+    found = {pair: reason_of(pair) for pair in PAIRS}
+    return [f"| {one} | {other} | {reason} |" for (one, other), reason in found.items() if reason is not None]
+
+
+def test_the_documentation_lists_the_pairs_that_are_refused():
+    listed = re.search(r"<!-- refused pairs -->\n\n(.*?)\n\n<!-- end -->", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+    assert listed is not None
+    assert listed[1].splitlines()[2:] == refusals()
+
+
+if __name__ == "__main__":
+    print("\n".join(["| option | with | reason |", "|---|---|---|", *refusals()]))
