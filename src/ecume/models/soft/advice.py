@@ -5,11 +5,11 @@ films and surfaces, what is doubtful, and what it costs.
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 
-from ecume.laws.soft_pair import SoftPair, crossover_gap, optimal_force, passage_time, viscous_time
+from ecume.laws.soft_pair import SoftPair, optimal_force
+from ecume.laws.surfaces import Expected
 from ecume.models.advice import LONG, Row, told_duration
 from ecume.models.soft.building import prefactors_of
 from ecume.models.soft.cost import BYTES, bytes_of, seconds_of, steps_of
@@ -24,19 +24,6 @@ ALIKE, MANY = 0.1, 30
 """Spread of radii over their mean, and number of spheres: more alike than that, and so many, they order as crystals."""
 DENSE = {2: 0.70, 3: 0.50}
 """Of equal discs and spheres: where they begin to."""
-FLAT, FAINT = 0.1, 1e-7
-"""Deflection over radius, above which Hertz's law means little; kappa below which deflections are lost in rounding."""
-
-
-class Typical(NamedTuple):
-    """Two spheres of the middle of the crowd, and the largest force between them that can be foreseen."""
-
-    pair: SoftPair
-    force: float
-    """N; zero where nothing can be foreseen"""
-    source: str
-    gap: float
-    """m"""
 
 
 def advice(scene: SoftScene, parameters: Parameters, state: State) -> list[Row]:
@@ -44,13 +31,13 @@ def advice(scene: SoftScene, parameters: Parameters, state: State) -> list[Row]:
     typical = typical_pair(scene, parameters, state)
     return [
         *_crowd(scene, parameters, state),
-        *(_bubbles(scene, typical) if scene.films.surface == "bubble" else _regimes(typical)),
+        *parameters.laws.surface.check_lines(typical),
         *doubts(scene, parameters, typical),
         *_cost(scene, parameters, state),
     ]
 
 
-def typical_pair(scene: SoftScene, parameters: Parameters, state: State) -> Typical:
+def typical_pair(scene: SoftScene, parameters: Parameters, state: State) -> Expected:
     """What to expect of two spheres."""
     radius, modulus = float(np.median(parameters.radius)), float(np.median(parameters.modulus))
     pair = SoftPair(radius, modulus, scene.liquid.viscosity, prefactors_of(scene.films))
@@ -59,7 +46,7 @@ def typical_pair(scene: SoftScene, parameters: Parameters, state: State) -> Typi
     gap = math.exp(np.quantile(gaps, 0.25)) if len(gaps) else math.nan
     found = forces(scene, parameters, pair, gap)
     source = max(found, key=lambda name: found[name], default="")
-    return Typical(pair, found.get(source, 0.0), source, gap)
+    return Expected(pair, found.get(source, 0.0), source, gap, scene.liquid.surface_tension or math.nan)
 
 
 def forces(scene: SoftScene, parameters: Parameters, pair: SoftPair, gap: float) -> dict[str, float]:
@@ -138,61 +125,23 @@ def _crowd(scene: SoftScene, parameters: Parameters, state: State) -> list[Row]:
     ]
 
 
-def _regimes(typical: Typical) -> list[Row]:
-    """What the force means between two spheres of the middle."""
-    pair, force, source, gap = typical
-    surface = ("surfaces relax in", f"{pair.viscosity / pair.modulus:.3g} s", "viscosity over modulus")
-    if not force > 0.0:
-        return [surface]
-    kappa, crossover = force / (pair.modulus * pair.radius**2), crossover_gap(pair, force)
-    regime = (
-        "Poiseuille's: films are wider than surfaces give way" if gap > crossover else "Hertz's: flattened contacts"
-    )
-    rows = [
-        ("force", f"{force:.3g} N", f"expected between two spheres: {source}"),
-        ("reduced force", f"{kappa:.3g}", "over modulus times radius squared"),
-        ("deflection", f"{crossover:.3g} m", f"by that force; gaps of {gap:.3g} m are in the regime of {regime}"),
-        surface,
-        ("viscous time", f"{viscous_time(pair, force):.3g} s", "in which that force opens a wide gap by a factor of e"),
-    ]
-    if gap < pair.radius:
-        told = f"in which that force parts two spheres from {gap:.3g} m to a radius"
-        rows.append(("separation time", f"{passage_time(pair, force, gap, pair.radius):.3g} s", told))
-    return rows
-
-
-def _bubbles(scene: SoftScene, typical: Typical) -> list[Row]:
-    tension = scene.liquid.surface_tension or math.nan
-    reduced = typical.force / (tension * typical.pair.radius)
-    told = f"{typical.source}, over surface tension times radius: facets are smaller than bubbles well below 1"
-    return [("reduced force", f"{reduced:.3g}", told)] if typical.force > 0.0 else []
-
-
-def doubts(scene: SoftScene, parameters: Parameters, typical: Typical) -> list[Row]:
+def doubts(scene: SoftScene, parameters: Parameters, typical: Expected) -> list[Row]:
     """What somebody may not have meant."""
-    pair, force, _, gap = typical
-    kappa, radius, dimensions = force / (pair.modulus * pair.radius**2), parameters.radius, parameters.dimensions
-    elastic, filled = scene.films.surface != "bubble", fillings(parameters)
+    radius, gap, laws = parameters.radius, typical.gap, parameters.laws
     random = sum(species.count or 0 for species in scene.spheres)
-    steric = scene.remote.length if scene.remote.law == "steric" else math.inf
+    alike = random >= MANY and float(radius.std() / radius.mean()) < ALIKE
     found = {
         "spheres are alike, and order as crystals: take two sizes, such as 1 to 1.4": (
-            random >= MANY and float(radius.std() / radius.mean()) < ALIKE and filled > DENSE[dimensions]
-        ),
-        "the force is large: Hertz's law is for deflections well below a radius": elastic and kappa ** (2 / 3) > FLAT,
-        "the force is so small that it is lost in rounding, and steps get short": elastic and 0.0 < kappa < FAINT,
-        "gaps are wider than the roughness: there is no contact friction as yet": (
-            scene.films.friction != "none" and gap > (scene.films.roughness or 0.0)
-        ),
-        "the roughness is a tenth of a radius or more: tips on a sphere are smaller": (
-            (scene.films.roughness or 0.0) > 0.1 * radius.min()
-        ),
-        "the steric length is a tenth of a radius or more: spheres bear each other at a distance": (
-            math.isfinite(steric) and steric > 0.1 * radius.min()
+            alike and fillings(parameters) > DENSE[parameters.dimensions]
         ),
         "no films at the start: nothing but drag holds the spheres": math.isnan(gap) and not len(parameters.walls.axis),
-    }  # fmt: skip
-    return [("doubtful", "!", told) for told, wrong in found.items() if wrong]
+    }
+    said = [one for one, wrong in found.items() if wrong]
+    said += laws.surface.doubts(typical) if laws.surface.doubts else []
+    contacts, smallest = parameters.contacts, float(radius.min())
+    said += laws.friction.doubts(gap, contacts.roughness, smallest) if laws.friction.doubts else []
+    said += laws.remote.doubts(contacts, smallest) if laws.remote.doubts else []
+    return [("doubtful", "!", one) for one in said]
 
 
 def _cost(scene: SoftScene, parameters: Parameters, state: State) -> list[Row]:

@@ -16,9 +16,10 @@ from typing import Any
 import numpy as np
 
 from ecume._jit import compiled, compiled_inside, prange, shared, where_there
+from ecume.laws.surfaces import Body, Surface
 from ecume.models.soft.cell import STRAIN, TILT, WIDTH, Cell
-from ecume.models.soft.contact import Body, Surface, remote_answer, surface_of
-from ecume.models.soft.films import Films, Pairs, center_distance, gap_energy_of, stored_energy, turned
+from ecume.models.soft.contact import gap_energy_of, remote_answer, surface_of
+from ecume.models.soft.films import Films, Pairs, center_distance, stored_energy, turned
 from ecume.models.soft.links import Vector, dot
 from ecume.models.soft.parameters import Contacts
 from ecume.models.soft.protocol import IMPOSED
@@ -103,7 +104,7 @@ def book_pairs(contacts: Contacts, web: Web, among: tuple[int, int], sums: Array
         film += gap * opening * (dot(f, n) + remote_answer(gap, reduced_radius[c], contacts)[0])
         film += (radius_sum[c] + gap) * dot(f, turning)
         at = (gap, pull - radius_sum[c] - gap, max(dot(x, x) - pull * pull, 0.0))
-        body, before = (radius_sum[c], reduced_radius[c], modulus[c]), (sheared[c, 0], sheared[c, 1])
+        body, before = Body(radius_sum[c], reduced_radius[c], modulus[c]), (sheared[c, 0], sheared[c, 1])
         by_gap, more, surface = surface_work(contacts, body, at, before)
         size += by_gap * opening + (surface.tangential - surface.normal) * at[1] * dot(x, turning)
         shrunk += more
@@ -152,7 +153,7 @@ def book_walls(walls: Walls, contacts: Contacts, at: tuple[Array, Array], stage:
             driven, answered = driven + (power if told else 0.0), answered + (0.0 if told else power)
         apart = (x[0] - radius * slip[0], x[1] - radius * slip[1], x[2] - radius * slip[2])
         stretch, square = dot(x, n) - radius - gap, max(dot(apart, apart) - dot(apart, n) ** 2, 0.0)
-        body = (radius, radius, touches.modulus[c])
+        body = Body(radius, radius, touches.modulus[c])
         by_gap, more, surface = surface_work(contacts, body, (gap, stretch, square), (sheared[c, 0], sheared[c, 1]))
         size, shrunk = size + by_gap * opening, shrunk + more
         sheared[c, 0], sheared[c, 1] = surface.tangential, square

@@ -21,7 +21,7 @@ from ecume.models.soft.cell import box_of, shape_at
 from ecume.models.soft.demands import require_balance, require_gaps, require_no_torque, require_one_piece
 from ecume.models.soft.meeting import open_all
 from ecume.models.soft.packing import places
-from ecume.models.soft.parameters import Contacts, Parameters, Planes
+from ecume.models.soft.parameters import Contacts, Laws, Parameters, Planes, code_of
 from ecume.models.soft.protocol import Protocol, drive_at, protocol_of, rules_at
 from ecume.models.soft.schemes import SCHEMES
 from ecume.models.soft.solving import AT_ONCE, balance
@@ -50,7 +50,7 @@ ROOM = {2: 16, 3: 40}
 
 def parameters_of(scene: SoftScene) -> Parameters:
     """What never changes in a run. Raises SceneError."""
-    faults = _unknown_names(scene)
+    faults = _unknown_names(scene) or _missing_needs(scene, laws_chosen(scene))
     if faults:
         raise SceneError(faults)
     counts = [species.count or len(species.positions) for species in scene.spheres]
@@ -78,6 +78,7 @@ def parameters_of(scene: SoftScene) -> Parameters:
         box=box,
         walls=walls,
         contacts=_contacts(scene, float(radius.min())),
+        laws=laws_chosen(scene),
         protocol=protocol_of(scene.protocol),
         scheme=scene.stepping.scheme,
         tolerance=scene.stepping.tolerance,
@@ -195,20 +196,45 @@ def _contacts(scene: SoftScene, smallest: float) -> Contacts:
         fade_from=reach,
         fade_to=FADE * reach,
         rounding=ROUNDING * smallest,
-        remote=list(REMOTE).index(remote.law),
-        steric_strength=remote.strength,
+        remote=code_of(REMOTE, remote.law),
+        strength=remote.strength,
         steric_length=remote.length,
         hamaker=remote.hamaker,
         layer_strength=remote.layer_strength,
         debye_length=remote.debye_length,
-        surface=list(SURFACES).index(films.surface),
+        surface=code_of(SURFACES, films.surface),
         surface_tension=scene.liquid.surface_tension or 0.0,
-        interface=list(INTERFACES).index(films.interface),
+        interface=code_of(INTERFACES, films.interface),
         viscosity_ratio=films.viscosity_ratio,
-        friction=FRICTIONS.index(films.friction),
+        friction=code_of(FRICTIONS, films.friction),
         coefficient=films.friction_coefficient,
         roughness=films.roughness or 0.0,
     )
+
+
+def laws_chosen(scene: SoftScene) -> Laws:
+    """The rows that a scene names."""
+    films = scene.films
+    return Laws(
+        SURFACES[films.surface], INTERFACES[films.interface], REMOTE[scene.remote.law], FRICTIONS[films.friction]
+    )
+
+
+def _missing_needs(scene: SoftScene, laws: Laws) -> list[Fault]:
+    """What the chosen laws need of liquid, spheres and films, and what is missing."""
+    spheres: list[tuple[str, object]] = [(f"spheres[{index}]", one) for index, one in enumerate(scene.spheres)]
+    holders: dict[str, list[tuple[str, object]]] = {
+        "surface_tension": [("liquid", scene.liquid)],
+        "modulus": spheres,
+        "roughness": [("films", scene.films)],
+    }
+    return [
+        Fault(f"{path}.{name}", said)
+        for needs in (laws.surface.needs, laws.friction.needs)
+        for name, said in needs.items()
+        for path, given in holders[name]
+        if getattr(given, name) is None
+    ]
 
 
 def _modulus(scene: SoftScene, species: SphereSpec) -> float:
@@ -222,7 +248,7 @@ def _unknown_names(scene: SoftScene) -> list[Fault]:
         ("films.prefactors", PREFACTORS, scene.films.prefactors, "set of prefactors"),
         ("films.surface", SURFACES, scene.films.surface, "elastic law"),
         ("films.interface", INTERFACES, scene.films.interface, "interface"),
-        ("films.friction", dict.fromkeys(FRICTIONS), scene.films.friction, "contact friction"),
+        ("films.friction", FRICTIONS, scene.films.friction, "contact friction"),
         ("remote.law", REMOTE, scene.remote.law, "remote law"),
         ("stepping.scheme", SCHEMES, scene.stepping.scheme, "scheme"),
         ("stepping.solver", {"auto": None, **SOLVERS}, scene.stepping.solver, "solver"),

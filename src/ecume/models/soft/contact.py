@@ -10,33 +10,35 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from ecume._jit import admit, compiled_inside
-from ecume.laws import bubbles, elasticity, interfaces, lubrication, remote, rubbing
-from ecume.laws.interfaces import Resistance
-from ecume.models.soft.parameters import Contacts
+from ecume._jit import admit, compiled_inside, selection
+from ecume.laws import bubbles, elasticity, interfaces, lubrication, remote, rubbing, surfaces
+from ecume.laws.elasticity import Prefactors
+from ecume.laws.interfaces import INTERFACES, Resistance
+from ecume.laws.remote import REMOTE
+from ecume.laws.rubbing import FRICTIONS
+from ecume.laws.surfaces import SURFACES, Body, Surface
+from ecume.models.soft.parameters import Contacts, codes
 
-admit(elasticity, lubrication, remote, bubbles, interfaces, rubbing)
-
-Body = tuple[float, float, float]
-"""Of a pair: the sum of radii, the reduced radius and the modulus."""
+admit(elasticity, lubrication, remote, bubbles, interfaces, rubbing, surfaces)
 
 FAINTEST = 1e-3
 """Of a film's friction where it has faded: the surfaces then relax at once, and nothing is left to jump."""
 
-
-class Surface(NamedTuple):
-    """How both surfaces of a contact give way at its present deflection."""
-
-    size: float
-    normal: float
-    tangential: float
-    """stiffnesses: force over deflection"""
-    stiffening: float
-    """d ln stiffness / d ln a"""
-    size_by_gap: float
-    """d ln a / d q at a deflection that is held"""
-    size_by_stretch: float
-    """d ln a / d delta_n"""
+OF_SURFACE = ("body", "gap", "stretch", "prefactors", "contacts")
+OF_GAP = ("gap", "reduced_radius", "contacts")
+surface_by = selection("surface_by", codes(SURFACES, lambda row: row.surface), __name__, __file__, OF_SURFACE)
+energy_by = selection("energy_by", codes(SURFACES, lambda row: row.energy), __name__, __file__, OF_SURFACE)
+gap_energy_by = selection("gap_energy_by", codes(SURFACES, lambda row: row.gap_energy), __name__, __file__, OF_SURFACE)
+remote_force_by = selection("remote_force_by", codes(REMOTE, lambda row: row.force), __name__, __file__, OF_GAP)
+remote_slope_by = selection("remote_slope_by", codes(REMOTE, lambda row: row.slope), __name__, __file__, OF_GAP)
+resistance_by = selection(
+    "resistance_by", codes(INTERFACES, lambda row: row), __name__, __file__,
+    ("contact_size", "gap", "film_prefactors", "contacts"),
+)  # fmt: skip
+rubbing_by = selection(
+    "rubbing_by", codes(FRICTIONS, lambda row: row.rubbing), __name__, __file__,
+    ("gap", "compression", "pull", "contacts"),
+)  # fmt: skip
 
 
 class Film(NamedTuple):
@@ -83,103 +85,66 @@ def fading(gap: float, contacts: Contacts) -> tuple[float, float]:
 @compiled_inside
 def remote_answer(gap: float, reduced_radius: float, contacts: Contacts) -> tuple[float, float]:
     """The remote force, positive repels, and its slope."""
-    if contacts.remote == 1:
-        given = (contacts.steric_strength, contacts.steric_length)
-        return remote.steric_force(gap, *given), remote.steric_slope(gap, *given)
-    if contacts.remote == 2:
-        layer = (reduced_radius, contacts.hamaker, contacts.layer_strength, contacts.debye_length)
-        return remote.dlvo_force(gap, *layer), remote.dlvo_slope(gap, *layer)
-    return 0.0, 0.0
+    force: float = remote_force_by(gap, reduced_radius, contacts, contacts.remote)
+    slope: float = remote_slope_by(gap, reduced_radius, contacts, contacts.remote)
+    return force, slope
+
+
+@compiled_inside
+def prefactors_in(contacts: Contacts) -> Prefactors:
+    """The six numbers of film and surface, as the laws take them."""
+    return Prefactors(
+        contacts.squeeze, contacts.shear, contacts.normal, contacts.tangential, contacts.gap_weight,
+        contacts.deflection_weight,
+    )  # fmt: skip
 
 
 @compiled_inside
 def surface_of(contacts: Contacts, body: Body, gap: float, stretch: float) -> Surface:
-    """The surfaces by the scene's law: a place in the table `surfaces.SURFACES`."""
-    radius_sum, reduced_radius, modulus = body
-    # The kink of |delta| at zero is rounded off: a step across it would not converge.
-    magnitude = math.sqrt(stretch * stretch + contacts.rounding * contacts.rounding)
-    if contacts.surface == 1:
-        rest = 2.0 * reduced_radius * contacts.gap_weight * gap
-        area = rest + bubbles.flattened(magnitude, rest, radius_sum, reduced_radius)
-        normal = bubbles.bubble_stiffness(area, radius_sum, reduced_radius, contacts.surface_tension)
-        soft = bubbles.softness(area, radius_sum, reduced_radius)
-        bend = bubbles.stiffening(area, radius_sum, reduced_radius)
-        free = 2.0 * (area * soft - (area - rest) * bend)
-        length = bubbles.flattening_length(radius_sum, reduced_radius)
-        return Surface(
-            size=math.sqrt(area),
-            normal=normal,
-            tangential=normal * contacts.tangential / contacts.normal,
-            stiffening=2.0 * bend / soft,
-            size_by_gap=rest * soft / free,
-            size_by_stretch=length / free * stretch / magnitude,
-        )
-    size = elasticity.contact_size(reduced_radius, gap, magnitude, contacts.gap_weight, contacts.deflection_weight)
-    per_size = reduced_radius / (size * size)
-    return Surface(
-        size=size,
-        normal=elasticity.surface_stiffness(size, modulus, contacts.normal),
-        tangential=elasticity.surface_stiffness(size, modulus, contacts.tangential),
-        stiffening=1.0,
-        size_by_gap=per_size * contacts.gap_weight * gap,
-        size_by_stretch=per_size * contacts.deflection_weight * stretch / magnitude,
-    )
+    """The surfaces of a contact."""
+    surface: Surface = surface_by(body, gap, stretch, prefactors_in(contacts), contacts, contacts.surface)
+    return surface
 
 
 @compiled_inside
-def resistance_of(contacts: Contacts, size: float, gap: float) -> Resistance:
-    """The film's friction by the scene's law: a place in the table `interfaces.INTERFACES`."""
-    prefactors = (contacts.squeeze, contacts.shear)
-    if contacts.interface == 1:
-        return interfaces.half_mobile_film(size, gap, contacts.viscosity, contacts.viscosity_ratio, prefactors)
-    if contacts.interface == 2:
-        return interfaces.mobile_film(size, gap, contacts.viscosity, contacts.viscosity_ratio, prefactors)
-    if contacts.interface == 3:
-        return interfaces.drop_film(size, gap, contacts.viscosity, contacts.viscosity_ratio, prefactors)
-    return interfaces.rigid_film(size, gap, contacts.viscosity, contacts.viscosity_ratio, prefactors)
+def normal_energy(contacts: Contacts, body: Body, gap: float, stretch: float) -> float:
+    """The energy of a normal deflection (J)."""
+    energy: float = energy_by(body, gap, stretch, prefactors_in(contacts), contacts, contacts.surface)
+    return energy
 
 
 @compiled_inside
-def rubbing_of(contacts: Contacts, gap: float, normal: float, along: float) -> tuple[float, float, float, float, float]:
-    """The last five numbers of a `Film`, by the scene's law: a place in `rubbing.FRICTIONS`."""
-    if contacts.friction == 0 or normal >= 0.0 or gap >= contacts.roughness:
-        return 1.0, 1.0, 0.0, 0.0, 0.0
-    limit = rubbing.holding_force(-normal, gap, contacts.coefficient, contacts.roughness)
-    pull = abs(along)
-    slope = rubbing.sliding_slope(pull, limit)
-    held = rubbing.sliding_force(pull, limit) / pull if pull > 0.0 else slope
-    by_limit = rubbing.limit_slope(pull, limit) * (1.0 if along > 0.0 else -1.0)
-    touching = rubbing.touching(gap, contacts.roughness)
-    by_gap = -contacts.coefficient * normal * rubbing.touching_power(gap, contacts.roughness)
-    return held, slope, by_limit, -contacts.coefficient * touching, by_gap
+def gap_energy_of(contacts: Contacts, body: Body, gap: float, stretch: float) -> float:
+    """The derivative of that energy with respect to ln(gap), at a deflection that is held (J)."""
+    energy: float = gap_energy_by(body, gap, stretch, prefactors_in(contacts), contacts, contacts.surface)
+    return energy
 
 
 @compiled_inside
 def film_of(contacts: Contacts, body: Body, log_gap: float, pull: float, shear: float) -> Film:
     """A contact's numbers."""
     gap = math.exp(log_gap)
-    stretch = pull - body[0] - gap
+    stretch = pull - body.radius_sum - gap
     surface = surface_of(contacts, body, gap, stretch)
     faded, fade_slope = fading(gap, contacts)
-    remote_force, remote_slope = remote_answer(gap, body[1], contacts)
-    held, by_pull, by_limit, by_normal, by_gap = rubbing_of(
-        contacts, gap, surface.normal * stretch, surface.tangential * shear
-    )
+    remote_force, remote_slope = remote_answer(gap, body.reduced_radius, contacts)
+    resistance = resistance_by(surface.size, gap, (contacts.squeeze, contacts.shear), contacts, contacts.interface)
+    tips = rubbing_by(gap, -(surface.normal * stretch), surface.tangential * shear, contacts, contacts.friction)
     return Film(
         gap=gap,
-        reach=body[0] + gap,
+        reach=body.radius_sum + gap,
         pull=pull,
         shear=shear,
         stretch=stretch,
         surface=surface,
-        resistance=resistance_of(contacts, surface.size, gap),
+        resistance=resistance,
         faded=faded,
         fade_slope=fade_slope,
         remote_force=remote_force,
         remote_slope=remote_slope,
-        held=held,
-        slide_by_pull=by_pull,
-        slide_by_limit=by_limit,
-        limit_by_normal=by_normal,
-        limit_by_gap=by_gap,
+        held=tips.held,
+        slide_by_pull=tips.by_pull,
+        slide_by_limit=tips.by_limit,
+        limit_by_normal=tips.limit_by_normal,
+        limit_by_gap=tips.limit_by_gap,
     )

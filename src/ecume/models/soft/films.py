@@ -13,8 +13,8 @@ import numpy as np
 
 from ecume._jit import compiled, compiled_inside, prange, shared
 from ecume.engine.cells import Integers
-from ecume.laws import bubbles, elasticity
-from ecume.models.soft.contact import Body, film_of
+from ecume.laws.surfaces import Body
+from ecume.models.soft.contact import film_of, normal_energy
 from ecume.models.soft.links import Frame, Link, Start, Vector, dot, frame_of, linked
 from ecume.models.soft.parameters import Contacts
 from ecume.units import Array
@@ -88,7 +88,7 @@ def answer(contacts: Contacts, pairs: Pairs, films: Films, position: Array, span
             x = turned(x, (-turn[c, 0], -turn[c, 1], -turn[c, 2]))
         n = (direction[c, 0], direction[c, 1], direction[c, 2])
         frame = frame_of(x, n, flat)
-        body = (radius_sum[c], reduced_radius[c], modulus[c])
+        body = Body(radius_sum[c], reduced_radius[c], modulus[c])
         film = film_of(contacts, body, log_gap[c], dot(x, n), dot(x, frame.t))
         b = (direction_start[c, 0], direction_start[c, 1], direction_start[c, 2])
         begin = Start(span, log_gap_start[c] - log_gap[c], dot(n, b), dot(frame.t, b), dot(frame.s, b))
@@ -166,30 +166,6 @@ def make_films(count: int) -> Films:
     return Films(np.zeros(count), np.zeros((count, 3)), np.zeros(count), np.zeros((count, 3)))
 
 
-@compiled_inside
-def normal_energy(contacts: Contacts, body: Body, gap: float, stretch: float) -> float:
-    """What a normal deflection holds (J), by the scene's law."""
-    radius_sum, reduced_radius, modulus = body
-    rest = 2.0 * reduced_radius * contacts.gap_weight * gap
-    if contacts.surface == 1:
-        return bubbles.bubble_energy(stretch, rest, radius_sum, reduced_radius, contacts.surface_tension)
-    ratio = contacts.deflection_weight * abs(stretch) / (contacts.gap_weight * gap)
-    stiffness = elasticity.surface_stiffness(math.sqrt(rest), modulus, contacts.normal)
-    return elasticity.bent_energy(stretch, stiffness, ratio)
-
-
-@compiled_inside
-def gap_energy_of(contacts: Contacts, body: Body, gap: float, stretch: float) -> float:
-    """Its slope over ln(gap), at a deflection that is held (J)."""
-    radius_sum, reduced_radius, modulus = body
-    rest = 2.0 * reduced_radius * contacts.gap_weight * gap
-    if contacts.surface == 1:
-        return bubbles.bubble_gap_energy(stretch, rest, radius_sum, reduced_radius, contacts.surface_tension)
-    ratio = contacts.deflection_weight * abs(stretch) / (contacts.gap_weight * gap)
-    stiffness = elasticity.surface_stiffness(math.sqrt(rest), modulus, contacts.normal)
-    return elasticity.gap_energy(stretch, stiffness, ratio)
-
-
 @compiled
 def stored_energy(contacts: Contacts, pairs: Pairs, films: Films, position: Array) -> float:
     """What the surfaces' deflections hold (J): exact along the normal; along the surface at its present stiffness."""
@@ -201,7 +177,7 @@ def stored_energy(contacts: Contacts, pairs: Pairs, films: Films, position: Arra
             between = position[j, k] - position[i, k] + pairs.offset[c, k]
             pull += between * films.direction[c, k]
             square += between * between
-        body = (pairs.radius_sum[c], pairs.reduced_radius[c], pairs.modulus[c])
+        body = Body(pairs.radius_sum[c], pairs.reduced_radius[c], pairs.modulus[c])
         film = film_of(contacts, body, films.log_gap[c], pull, 0.0)
         total += normal_energy(contacts, body, film.gap, film.stretch)
         total += 0.5 * film.surface.tangential * max(square - pull * pull, 0.0)

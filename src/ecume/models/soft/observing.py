@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 from collections.abc import Callable, Mapping
 
@@ -9,7 +10,6 @@ import numpy as np
 
 from ecume._portable import exp, log
 from ecume.engine.cells import Integers
-from ecume.laws.remote import REMOTE
 from ecume.models.invariants import DISSIPATED
 from ecume.models.invariants import INJECTED as INJECTED_WORK
 from ecume.models.soft.booking import DRAG, FILMS, INJECTED, SIZE, elastic_energy
@@ -130,7 +130,7 @@ def _budget(parameters: Parameters, state: State, step: Step, held: float) -> di
     """
     if not len(state.books):
         return {}
-    remote = {"remote_energy": _remote_energy(parameters, step)} if parameters.contacts.remote else {}
+    remote = {"remote_energy": _remote_energy(parameters, step)} if parameters.laws.remote.acts else {}
     told = {"total_energy": held + sum(remote.values()), INJECTED_WORK: state.books[INJECTED]}
     told |= {DISSIPATED: state.books[FILMS] + state.books[DRAG], SIZE_WORK: state.books[SIZE]}
     told |= {STAKE: _stake(step.answers.force, step.direction, exp(step.log_gap), step.pairs.radius_sum)}
@@ -157,7 +157,7 @@ def _remote_energy(parameters: Parameters, step: Step) -> float:
     if isinstance(step.walls, Walls):
         touches = step.walls.touches
         gap, radius = np.append(gap, exp(touches.log_gap)), np.append(radius, touches.radius)
-    law = _remote_law(parameters, list(REMOTE.values())[contacts.remote].energy)
+    law = _remote_law(parameters, parameters.laws.remote.energy)
     reach = contacts.fade_from
     return float(
         sum(law(h, r) - (law(reach, r) if reach < math.inf else 0.0) for h, r in zip(gap, radius, strict=True))
@@ -196,26 +196,24 @@ def stresses(parameters: Parameters, step: Step, volume: float) -> dict[str, Arr
     pull = (force * normal).sum(axis=1)[:, None] * normal
     push = _remote_forces(parameters, step)[:, None] * normal
     parts = {"squeeze": pull + push, "sliding": force - pull}
-    if parameters.contacts.remote:
+    if parameters.laws.remote.acts:
         parts["remote"] = -push
     return {name: np.einsum("ca,cb->ab", part, between) / volume for name, part in parts.items()}
 
 
 def _remote_forces(parameters: Parameters, step: Step) -> Array:
     """The repulsion across each film (N)."""
-    law = _remote_law(parameters, list(REMOTE.values())[parameters.contacts.remote].force)
+    law = _remote_law(parameters, parameters.laws.remote.force)
     return np.array([law(h, r) for h, r in zip(exp(step.log_gap), step.pairs.reduced_radius, strict=True)])
 
 
 def _remote_law(parameters: Parameters, law: Callable[..., float]) -> Callable[[float, float], float]:
     """A law of `REMOTE` with the scene's constants, of gap and reduced radius alone."""
-    contacts, name = parameters.contacts, list(REMOTE)[parameters.contacts.remote]
-    if name == "steric":
-        return lambda gap, radius: law(gap, contacts.steric_strength, contacts.steric_length)
-    if name == "dlvo":
-        given = (contacts.hamaker, contacts.layer_strength, contacts.debye_length)
-        return lambda gap, radius: law(gap, radius, *given)
-    return lambda gap, radius: law(gap)
+    names = list(inspect.signature(law).parameters)
+    given = {name: getattr(parameters.contacts, name) for name in names if hasattr(parameters.contacts, name)}
+    if "reduced_radius" in names:
+        return lambda gap, radius: law(gap, radius, **given)
+    return lambda gap, radius: law(gap, **given)
 
 
 def _neighbors(parameters: Parameters, step: Step) -> dict[str, float]:

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Callable, Mapping
+from typing import Any, NamedTuple, TypeVar
 
 from ecume.engine.cells import Integers
+from ecume.laws.interfaces import Resistance
+from ecume.laws.remote import Remote
+from ecume.laws.rubbing import ContactFriction
+from ecume.laws.surfaces import SurfaceLaw
 from ecume.models.soft.protocol import Protocol
 from ecume.units import Array
 
-ALWAYS = 1e300
-"""A reach that no gap exceeds."""
+Row = TypeVar("Row")
 
 
 class Contacts(NamedTuple):
@@ -31,26 +35,45 @@ class Contacts(NamedTuple):
     rounding: float
     """m: below this a deflection's magnitude is rounded off, so that the force has a slope at zero"""
     remote: int
-    """which law of `ecume.laws.remote`: a place in its table"""
-    steric_strength: float
+    """the code of a row of `ecume.laws.remote.REMOTE`"""
+    strength: float
     steric_length: float
     hamaker: float
     layer_strength: float
     debye_length: float
     surface: int
-    """which elastic law: a place in the table `surfaces.SURFACES`"""
+    """the code of a row of `ecume.laws.surfaces.SURFACES`"""
     surface_tension: float
     """N/m, of bubbles and drops"""
     interface: int
-    """how mobile surfaces are: a place in `ecume.laws.interfaces.INTERFACES`"""
+    """the code of a row of `ecume.laws.interfaces.INTERFACES`"""
     viscosity_ratio: float
     """of drops, over the liquid"""
     friction: int
-    """contact friction: a place in `ecume.laws.rubbing.FRICTIONS`"""
+    """the code of a row of `ecume.laws.rubbing.FRICTIONS`"""
     coefficient: float
     """of contact friction"""
     roughness: float
     """m: the gap below which there is contact friction"""
+
+
+class Laws(NamedTuple):
+    """The rows of the tables that a scene chose, for Python; compiled code knows them by their codes in `Contacts`."""
+
+    surface: SurfaceLaw
+    interface: Callable[..., Resistance]
+    remote: Remote
+    friction: ContactFriction
+
+
+def code_of(table: Mapping[str, object], name: str) -> int:
+    """The code of a row for compiled code: its place in its table. Raises ValueError for a name without a row."""
+    return list(table).index(name)
+
+
+def codes(table: Mapping[str, Row], part: Callable[[Row], Callable[..., Any]]) -> dict[int, Callable[..., Any]]:
+    """A function of each row, by the row's code: what `selection` makes compiled code of."""
+    return {code: part(row) for code, row in enumerate(table.values())}
 
 
 class Planes(NamedTuple):
@@ -97,6 +120,7 @@ class Parameters(NamedTuple):
     """(3,) m: sides of the periodic box at scale 1; zero where there is none, and along axes that walls stand across"""
     walls: Planes
     contacts: Contacts
+    laws: Laws
     protocol: Protocol
     scheme: str
     tolerance: float

@@ -12,11 +12,11 @@ from ecume.models.soft import schemes
 def laws_of(scene: Any) -> list[Source]:
     """Films, surfaces, what acts across."""
     films = scene.films
-    laws: list[Source] = [lubrication.squeeze_friction, lubrication.shear_friction]
-    laws += [elasticity.contact_size, *surfaces.SURFACES[films.surface]]
-    laws += [interfaces.INTERFACES[films.interface]] if films.interface != "rigid" else []
-    laws += [rubbing.holding_force] if films.friction != "none" else []
-    return [*laws, *remote.REMOTE[scene.remote.law], *SCHEME_LAWS[scene.stepping.scheme]]
+    laws: list[Source] = [lubrication.squeeze_friction, lubrication.shear_friction, elasticity.contact_size]
+    laws += [*surfaces.SURFACES[films.surface].papers, interfaces.INTERFACES[films.interface]]
+    laws += rubbing.FRICTIONS[films.friction].papers
+    row = remote.REMOTE[scene.remote.law]
+    return [*laws, row.energy, row.force, row.slope, *SCHEME_LAWS[scene.stepping.scheme]]
 
 
 SCHEME_LAWS: dict[str, list[Source]] = {"esdirk4": [schemes.esdirk4], "tr-bdf2": [schemes.tr_bdf2]}

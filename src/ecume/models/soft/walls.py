@@ -14,8 +14,8 @@ import numpy as np
 
 from ecume._jit import compiled_inside, where_there
 from ecume.engine.cells import Integers
-from ecume.models.soft.contact import Film, film_of
-from ecume.models.soft.films import normal_energy
+from ecume.laws.surfaces import Body
+from ecume.models.soft.contact import Film, film_of, normal_energy
 from ecume.models.soft.links import Frame, Link, Start, Vector, dot, frame_of, linked
 from ecume.models.soft.parameters import Contacts, Planes
 from ecume.models.soft.spins import axial, cross
@@ -139,7 +139,7 @@ def answer_walls(walls: Walls, contacts: Contacts, position: Array, turn: Array,
         pull = dot(x, n)
         apart = (x[0] - radius * slip[c, 0], x[1] - radius * slip[c, 1], x[2] - radius * slip[c, 2])
         frame = frame_of(apart, n, position.shape[1] == 2)
-        body = (radius, radius, touches.modulus[c])
+        body = Body(radius, radius, touches.modulus[c])
         film = film_of(contacts, body, touches.log_gap[c], pull, dot(apart, frame.t))
         b = (
             (slip_start[c, 0] - slip[c, 0]) / FAR,
@@ -259,7 +259,7 @@ def wall_energy(walls: Walls, contacts: Contacts, position: Array) -> float:
         x = wall_distance(walls, position, position[:, :0], c)
         pull, slip = dot(x, n), touches.slip
         apart = (x[0] - radius * slip[c, 0], x[1] - radius * slip[c, 1], x[2] - radius * slip[c, 2])
-        body = (radius, radius, touches.modulus[c])
+        body = Body(radius, radius, touches.modulus[c])
         film = film_of(contacts, body, touches.log_gap[c], pull, 0.0)
         total += normal_energy(contacts, body, film.gap, film.stretch)
         total += 0.5 * film.surface.tangential * max(dot(apart, apart) - dot(apart, n) ** 2, 0.0)
