@@ -44,7 +44,7 @@ def system(count: int, dimensions: int) -> tuple[object, Workspace]:
 def fill(parameters: object, scratch: Workspace, span: float) -> None:
     """The matrix and the right side of a stage of this length (s)."""
     step = scratch.step
-    begin_stage(step, SCHEMES["tr-bdf2"], 1, span)
+    begin_stage(step, SCHEMES["tr-bdf2"].tableau, 1, span)
     answer(parameters.contacts, step.pairs, step.films, step.bodies.position, span, step.answers)  # type: ignore[attr-defined]
     imbalance(step, 1.0, span, True)
     resist(step, span)

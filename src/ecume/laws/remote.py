@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Annotated, Any, NamedTuple
+from dataclasses import dataclass
+from typing import Annotated, Any
 
 from ecume.units import Energy, Force, Length, Unit
 
@@ -118,7 +119,8 @@ def _steric_doubts(constants: Any, smallest_radius: Length) -> list[str]:
     return [said] if constants.steric_length > 0.1 * smallest_radius else []
 
 
-class Remote(NamedTuple):
+@dataclass(frozen=True)
+class Remote:
     """A row of the table: a law and everything that depends on it.
 
     What its formulas take beside the gap and the reduced radius are constants of the scene, by their names in the

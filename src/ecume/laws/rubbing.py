@@ -8,7 +8,7 @@ friction never drives.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from types import MappingProxyType
+from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from ecume.units import Force, Length, Number
@@ -139,7 +139,8 @@ def _roughness_doubts(gap: Length, roughness: Length, smallest_radius: Length) -
     return [said for said, wrong in found.items() if wrong]
 
 
-class ContactFriction(NamedTuple):
+@dataclass(frozen=True)
+class ContactFriction:
     """A row of the table: a law of contact friction and everything that depends on it."""
 
     rubbing: Callable[..., Rubbing]
@@ -148,7 +149,7 @@ class ContactFriction(NamedTuple):
     """
     papers: tuple[Callable[..., Any], ...] = ()
     """functions whose docstrings name the references that `ecume cite` lists"""
-    needs: Mapping[str, str] = MappingProxyType({})
+    needs: Mapping[str, str] = field(default_factory=dict)
     """options of the films that the law needs, and what to say if one is missing"""
     doubts: Callable[..., list[str]] | None = None
     """what `ecume check` warns of, by the gap, the roughness and the smallest radius"""

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from ecume.laws import bubbles, elasticity
@@ -55,7 +56,8 @@ class Expected(NamedTuple):
     surface_tension: SurfaceTension
 
 
-class SurfaceLaw(NamedTuple):
+@dataclass(frozen=True)
+class SurfaceLaw:
     """A row of the table: an elastic law and everything that depends on it."""
 
     surface: Callable[..., Surface]

@@ -94,7 +94,7 @@ def test_a_rotated_contact_answers_with_a_rotated_force():
 
 @pytest.mark.parametrize("name", SCHEMES)
 def test_a_scheme_has_the_order_it_claims_and_damps_what_is_stiff(name):
-    scheme = SCHEMES[name]
+    scheme = SCHEMES[name].tableau
     whole = scheme.rows + scheme.diagonal * np.diag([0.0] + [1.0] * (len(scheme.times) - 1))
     b, c = whole[-1], scheme.times
     sums = {2: [(b @ c, 1 / 2)]}

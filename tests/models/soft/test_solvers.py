@@ -33,7 +33,7 @@ def stage(scene, span):
     parameters, _, scratch = started(scene)
     step = scratch.step
     first_stage(parameters.contacts, step, drive_at(parameters.protocol, 0.0))
-    begin_stage(step, SCHEMES["tr-bdf2"], 1, span)
+    begin_stage(step, SCHEMES["tr-bdf2"].tableau, 1, span)
     step.bodies.position[:] += 1e-4 * np.random.default_rng(1).normal(size=step.bodies.position.shape)
     answer(parameters.contacts, step.pairs, step.films, step.bodies.position, span, step.answers)
     imbalance(step, 1.0, span, True)

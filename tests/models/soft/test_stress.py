@@ -106,7 +106,7 @@ def test_newtons_method_doubles_its_digits_with_the_stresses_in(monkeypatch, rot
     monkeypatch.setattr(newton, "move", lambda *given: changes.append(move(*given)) or changes[-1])
     at = (drive, drive._replace(shear_stress=3e-4, normal_stress=1.2e-3), (1, 1))
     assert balance(parameters, scratch, at, state.effort)
-    stages.begin_stage(step, SCHEMES["tr-bdf2"], 1, 0.1)
+    stages.begin_stage(step, SCHEMES["tr-bdf2"].tableau, 1, 0.1)
     changes.clear()
     stages.first_stage(parameters.contacts, step, drive)
     goal = Goal(drive._replace(shear_stress=3e-4), drive, 0.5, 1e-13)

@@ -17,12 +17,11 @@ import numpy as np
 
 from ecume._jit import compiled, compiled_inside, prange, shared, where_there
 from ecume.laws.surfaces import Body, Surface
-from ecume.models.soft.cell import STRAIN, TILT, WIDTH, Cell
+from ecume.models.soft.cell import STRAIN, TILT, WIDTH, Cell, unknowns
 from ecume.models.soft.contact import gap_energy_of, remote_answer, surface_of
 from ecume.models.soft.films import Films, Pairs, center_distance, stored_energy, turned
 from ecume.models.soft.links import Vector, dot
 from ecume.models.soft.parameters import Contacts
-from ecume.models.soft.protocol import IMPOSED
 from ecume.models.soft.pulling import CHUNK
 from ecume.models.soft.schemes import Scheme
 from ecume.models.soft.spins import Spins
@@ -121,7 +120,7 @@ def gather_line(sums: Array, line: Array, cell: Cell) -> None:
     for chunk in range(len(sums)):
         for k in range(4):
             line[k] += sums[chunk, k]
-    if cell.rules[0] != IMPOSED or cell.rules[1] != IMPOSED:
+    if unknowns(cell) > 0:
         line[ANSWERED], line[DRIVEN] = line[DRIVEN], 0.0
 
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from ecume._jit import compiled, compiled_inside
 from ecume._portable import dots, solve
-from ecume.models.soft.cell import Cell, Goal, gradient_of, stress_goal
+from ecume.models.soft.cell import Cell, Goal, gradient_of, stress_goal, unknowns
 from ecume.models.soft.films import Answers, Pairs, center_distance
 from ecume.models.soft.links import ROUNDING, Vector
 from ecume.models.soft.spins import cross
@@ -57,12 +57,6 @@ def make_borders(count: int, width: int, most: int) -> Borders:
         np.zeros(most),
         np.zeros((most, most)),
     )
-
-
-@compiled
-def unknowns(cell: Cell) -> int:
-    """How many answer to a stress."""
-    return int(cell.rules[0] != 0) + int(cell.rules[1] != 0)
 
 
 @compiled_inside

@@ -118,7 +118,7 @@ def _first_length(scene: SoftScene, parameters: Parameters, state: State) -> flo
     gaps = np.append(state.log_gap[: state.contacts[0]], state.wall_gap[state.touching.astype(bool)])
     if speed == 0.0 or len(gaps) == 0:
         return FIRST_STEP * longest
-    part = FIRST_SHEAR * parameters.tolerance ** (1.0 / SCHEMES[parameters.scheme].order)
+    part = FIRST_SHEAR * parameters.tolerance ** (1.0 / SCHEMES[parameters.scheme].tableau.order)
     return float(min(max(FIRST_STEP * longest, part * math.exp(gaps.min()) / speed), longest))
 
 

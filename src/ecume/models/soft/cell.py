@@ -11,12 +11,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ecume._jit import compiled
+from ecume._jit import compiled, compiled_inside
 from ecume._portable import exp
 from ecume.engine.cells import Integers
 from ecume.engine.copying import clear_rows
 from ecume.models.soft.films import Pairs
-from ecume.models.soft.protocol import HIGH, IMPOSED, ROOMY, STRESSED, Drive
+from ecume.models.soft.protocol import Drive
 from ecume.models.soft.schemes import Scheme
 from ecume.units import Array
 
@@ -32,7 +32,7 @@ class Cell(NamedTuple):
     sides: Array
     """(3,) m at the start"""
     rules: Integers
-    """(2,) what shears and what sizes it: `protocol.Rules`"""
+    """(4,) what of it answers to a stress: `protocol.Rules`"""
     shape: Array
     """(5,) of the stage"""
     before: Array
@@ -87,7 +87,7 @@ def make_cell(sides: Array, shape: Array, past: Array, stages: int) -> Cell:
     """Room for a step."""
     return Cell(
         sides,
-        np.zeros(2, np.int64),
+        np.zeros(4, np.int64),
         shape.copy(),
         shape.copy(),
         np.zeros(6),
@@ -95,6 +95,24 @@ def make_cell(sides: Array, shape: Array, past: Array, stages: int) -> Cell:
         past.copy(),
         np.zeros((3, 3)),
     )
+
+
+@compiled_inside
+def is_stressed(cell: Cell) -> bool:
+    """Whether the strain answers to a shear stress; otherwise it is imposed."""
+    return bool(cell.rules[0] != 0)
+
+
+@compiled_inside
+def is_pressed(cell: Cell) -> bool:
+    """Whether any side answers to a normal stress; otherwise all are imposed."""
+    return bool(cell.rules[WIDTH] != 0 or cell.rules[HEIGHT] != 0 or cell.rules[DEPTH] != 0)
+
+
+@compiled
+def unknowns(cell: Cell) -> int:
+    """How many unknowns answer to a stress: the shear, then the size."""
+    return int(is_stressed(cell)) + int(is_pressed(cell))
 
 
 @compiled
@@ -120,11 +138,11 @@ def impose(cell: Cell, goal: Goal) -> None:
     drive, origin, span = goal.drive, goal.origin, goal.span
     shape, before, start = cell.shape, cell.before, cell.start
     grown = math.log(drive.scale / origin.scale)
-    if cell.rules[1] == IMPOSED:
+    if not is_pressed(cell):
         for k in (WIDTH, HEIGHT, DEPTH):
             shape[k] = before[k] + grown
         shape[HEIGHT] += drive.height - origin.height
-    if cell.rules[0] == IMPOSED:
+    if not is_stressed(cell):
         sheared, usual = drive.strain - origin.strain, aspect(cell, before)
         shape[STRAIN] = before[STRAIN] + sheared
         shape[TILT] = before[TILT] + usual * sheared + start[MORE]
@@ -139,11 +157,11 @@ def first_cell(cell: Cell, drive: Drive) -> None:
         cell.shape[k] = cell.start[k] = cell.before[k]
         cell.slope[0, k] = cell.past[k]
     cell.start[MORE] = cell.slope[0, MORE] = 0.0
-    if cell.rules[1] == IMPOSED:
+    if not is_pressed(cell):
         for k in (WIDTH, HEIGHT, DEPTH):
             cell.slope[0, k] = drive.growth
         cell.slope[0, HEIGHT] += drive.height_rate
-    if cell.rules[0] == IMPOSED:
+    if not is_stressed(cell):
         cell.slope[0, TILT] = aspect(cell, cell.shape) * drive.rate
         cell.slope[0, STRAIN] = drive.rate
 
@@ -164,7 +182,7 @@ def end_cell(cell: Cell, goal: Goal, stage: int) -> None:
     here, usual = aspect(cell, shape), aspect(cell, cell.before)
     for k in range(4):
         slope[stage, k] = (shape[k] - cell.start[k]) / goal.span
-    if cell.rules[0] == STRESSED:
+    if is_stressed(cell):
         slope[stage, STRAIN] = slope[stage, TILT] / here
         shape[STRAIN] = cell.start[STRAIN] + goal.span * slope[stage, STRAIN]
     else:
@@ -191,15 +209,13 @@ def gradient_of(cell: Cell, unknown: int, goal: Goal, row: bool) -> Array:
     follows the height.
     """
     gradient = np.zeros((3, 3))
-    if unknown == 0 and cell.rules[0] == STRESSED:
+    if unknown == 0 and is_stressed(cell):
         gradient[0, 1] = 1.0
-    elif cell.rules[1] == HIGH:
-        gradient[1, 1] = 1.0
-        if not row and cell.rules[0] == IMPOSED:
-            gradient[0, 1] = goal.span * goal.drive.rate
-    else:
-        for k in range(3):
-            gradient[k, k] = 1.0
+        return gradient
+    for k in range(3):
+        gradient[k, k] = 1.0 if cell.rules[WIDTH + k] != 0 else 0.0
+    if not row and not is_stressed(cell) and cell.rules[HEIGHT] != cell.rules[WIDTH]:
+        gradient[0, 1] = goal.span * goal.drive.rate
     return gradient
 
 
@@ -207,23 +223,23 @@ def gradient_of(cell: Cell, unknown: int, goal: Goal, row: bool) -> Array:
 def stress_goal(cell: Cell, unknown: int, drive: Drive, dimensions: int) -> float:
     """What the work done in an unknown is to be (J), tension positive."""
     space = volume(cell, dimensions)
-    if unknown == 0 and cell.rules[0] == STRESSED:
+    if unknown == 0 and is_stressed(cell):
         return space * drive.shear_stress
-    share = dimensions if cell.rules[1] == ROOMY else 1
-    return -space * drive.normal_stress * share
+    sides = 0
+    for k in range(dimensions):
+        sides += int(cell.rules[WIDTH + k] != 0)
+    return -space * drive.normal_stress * sides
 
 
 @compiled
 def deform(cell: Cell, goal: Goal, part: float) -> None:
     """Add a part of Newton's change to the shape."""
-    if cell.rules[0] == STRESSED:
+    if is_stressed(cell):
         cell.shape[TILT] += part * cell.change[0, 1] * aspect(cell, cell.shape)
         cell.shape[STRAIN] += part * cell.change[0, 1]
-    if cell.rules[1] != IMPOSED:
-        cell.shape[HEIGHT] += part * cell.change[1, 1]
-    if cell.rules[1] == ROOMY:
-        cell.shape[WIDTH] += part * cell.change[0, 0]
-        cell.shape[DEPTH] += part * cell.change[2, 2]
+    for k in range(3):
+        if cell.rules[WIDTH + k] != 0:
+            cell.shape[WIDTH + k] += part * cell.change[k, k]
     impose(cell, goal)
 
 
@@ -270,7 +286,7 @@ def cell_error(cell: Cell, scheme: Scheme, time_step: float) -> float:
         value = 0.0
         for stage in range(len(scheme.error)):
             value += scheme.error[stage] * cell.slope[stage, k]
-        answers = cell.rules[0] == STRESSED if k == STRAIN else cell.rules[1] != IMPOSED
+        answers = is_stressed(cell) if k == STRAIN else is_pressed(cell)
         if answers:
             largest = max(largest, abs(time_step * value))
     return largest

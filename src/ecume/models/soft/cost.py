@@ -9,20 +9,14 @@ from __future__ import annotations
 import numpy as np
 
 from ecume.models.soft.parameters import Parameters
+from ecume.models.soft.schemes import SCHEMES
 from ecume.models.soft.solving import FEW
 from ecume.scenes.soft import SoftScene
 
-RELAXING = {"tr-bdf2": 35.0, "esdirk4": 31.0}
-"""Steps of a process of four spheres, at a tolerance of 1e-3."""
-STRAINING = {"tr-bdf2": 1000.0, "esdirk4": 600.0}
-"""Steps in a unit of strain, at a tolerance of 1e-3, of `CROWD` spheres or more; of fewer as the third root of their
+MANY = 1000
+"""Spheres whose number of steps in a unit of strain does not grow further; of fewer it is as the third root of their
 number: 330 were taken by 36 spheres, 600 by 100.
 """
-CROWD = 1000
-FINER = {"tr-bdf2": 0.25, "esdirk4": 0.14}
-"""The power of one over the tolerance with which they grow."""
-OF_FILM = {"tr-bdf2": 7.5e-6, "esdirk4": 1.9e-5}
-"""Seconds of a step for each film; of two implicit stages, and of five."""
 FEW_SPHERES, PASSES = 2e-4, 3e-3
 """Seconds of a step besides: compiled as a whole, and with each pass over the spheres called by itself."""
 BYTES, COMPILER = 3000.0, 3.5e8
@@ -33,9 +27,10 @@ def steps_of(scene: SoftScene, parameters: Parameters) -> float:
     """How many steps there will be, roughly: those of a relaxation at each turn of the protocol, and of all strain."""
     protocol, end = parameters.protocol, scene.duration
     turns = int((protocol.times < end).sum())
-    finer = (1e-3 / parameters.tolerance) ** FINER[parameters.scheme]
-    straining = STRAINING[parameters.scheme] * min(len(parameters.radius) / CROWD, 1.0) ** (1.0 / 3.0)
-    steps = finer * (RELAXING[parameters.scheme] * turns + straining * strain_of(parameters, end))
+    scheme = SCHEMES[parameters.scheme]
+    finer = (1e-3 / parameters.tolerance) ** scheme.refinement
+    straining = scheme.straining * min(len(parameters.radius) / MANY, 1.0) ** (1.0 / 3.0)
+    steps = finer * (scheme.relaxing * turns + straining * strain_of(parameters, end))
     return float(max(steps, scene.duration / scene.frame_every))
 
 
@@ -54,7 +49,7 @@ def strain_of(parameters: Parameters, end: float) -> float:
 def seconds_of(parameters: Parameters, contacts: int) -> float:
     """Of a step with so many films."""
     few = parameters.force.size + parameters.torque.size <= FEW
-    return (FEW_SPHERES if few else PASSES) + contacts * OF_FILM[parameters.scheme]
+    return (FEW_SPHERES if few else PASSES) + contacts * SCHEMES[parameters.scheme].seconds
 
 
 def bytes_of(contacts: float) -> float:

@@ -31,7 +31,7 @@ def most_missing(parameters: Parameters) -> float:
     together by e^(p/(p+1)). The tolerance is one of ln(gap) and directions, so where little moved, of what moving as
     much would do.
     """
-    order = SCHEMES[parameters.scheme].order
+    order = SCHEMES[parameters.scheme].tableau.order
     return float(LOOSE * parameters.tolerance ** (order / (order + 1.0)) + ROUNDED)
 
 

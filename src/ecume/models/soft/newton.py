@@ -17,9 +17,8 @@ from ecume.models.soft.borders import (
     change_walls,
     close,
     missing_stress,
-    unknowns,
 )
-from ecume.models.soft.cell import Goal, carry_along, impose, place_images
+from ecume.models.soft.cell import Goal, carry_along, impose, place_images, unknowns
 from ecume.models.soft.films import answer
 from ecume.models.soft.moving import move
 from ecume.models.soft.parameters import Contacts

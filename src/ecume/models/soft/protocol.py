@@ -13,10 +13,6 @@ from ecume.engine.cells import Integers
 from ecume.scenes.soft import StageSpec
 from ecume.units import Array
 
-IMPOSED, STRESSED = 0, 1
-"""What shears the box: its strain is imposed, or answers to a stress."""
-HIGH, ROOMY = 1, 2
-"""What sizes the box: IMPOSED, or its height answers to a normal stress, or all of its sides to a pressure."""
 LOAD, STRAIN, SCALE, HEIGHT, SHEAR, NORMAL, WALL_SHEAR = range(7)
 """Rows of a course."""
 
@@ -32,7 +28,7 @@ class Protocol(NamedTuple):
     waves: Array
     """(T, 3) amplitudes of the strain and of the shear stress, and the angular frequency (1/s)"""
     rules: Integers
-    """(T, 2) what shears and what sizes the box"""
+    """(T, 4) what answers to a stress: `Rules`"""
     jumps: Integers
     """(T,) whether anything changes at once at its time"""
 
@@ -62,10 +58,26 @@ class Drive(NamedTuple):
 
 
 class Rules(NamedTuple):
-    """What shears and what sizes the box."""
+    """What of the box answers to a stress (1) instead of being imposed (0)."""
 
-    shear: int
-    size: int
+    strain: int
+    width: int
+    height: int
+    depth: int
+
+
+class SizeControl(NamedTuple):
+    """A row of the table: what sizes the box from a moment on, by the moment's key that begins it."""
+
+    sides: tuple[int, int, int]
+    """which of width, height and depth answer to the stress of the key; none where they are imposed"""
+
+
+SIZE_CONTROLS = {
+    "height_rate": SizeControl((0, 0, 0)),
+    "normal_stress": SizeControl((0, 1, 0)),
+    "pressure": SizeControl((1, 1, 1)),
+}
 
 
 def interval_at(protocol: Protocol, time: float) -> int:
@@ -107,7 +119,14 @@ class Course(NamedTuple):
     values: tuple[float, ...] = (1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
     shear_rate: float = 0.0
     height_rate: float = 0.0
-    rules: Rules = Rules(IMPOSED, IMPOSED)
+    stressed: int = 0
+    """1 where the strain answers to a shear stress"""
+    size: str = "height_rate"
+    """the row of `SIZE_CONTROLS`"""
+
+    def rules(self) -> Rules:
+        """What answers to a stress."""
+        return Rules(self.stressed, *SIZE_CONTROLS[self.size].sides)
 
 
 def protocol_of(stages: Sequence[StageSpec]) -> Protocol:
@@ -130,27 +149,24 @@ def protocol_of(stages: Sequence[StageSpec]) -> Protocol:
         times=np.array([row[0] for row in rows]),
         courses=np.array([np.stack([row[1].values, row[2]], axis=1) for row in rows]),
         waves=np.array([row[3] for row in rows]),
-        rules=np.array([row[1].rules for row in rows], np.int64),
+        rules=np.array([row[1].rules() for row in rows], np.int64),
         jumps=np.array([row[4] for row in rows], np.int64),
     )
 
 
 def begun(course: Course, stage: StageSpec) -> Course:
     """A course as a moment has it go on."""
-    normal = stage.normal_stress if stage.pressure is None else stage.pressure
+    size = next((key for key in SIZE_CONTROLS if getattr(stage, key) is not None), course.size)
+    sized = any(SIZE_CONTROLS[size].sides)
+    normal = getattr(stage, size) if sized else None
     given = (stage.load, stage.strain, stage.scale, None, stage.shear_stress, normal, stage.wall_shear)
     values = tuple(old if new is None else new for old, new in zip(course.values, given, strict=True))
-    shear, size = course.rules
+    stressed = course.stressed
     if stage.shear_stress is not None or stage.shear_rate is not None:
-        shear = IMPOSED if stage.shear_stress is None else STRESSED
-    if stage.height_rate is not None or normal is not None:
-        size = IMPOSED if normal is None else HIGH if stage.pressure is None else ROOMY
-    return Course(
-        values,
-        0.0 if shear == STRESSED else course.shear_rate if stage.shear_rate is None else stage.shear_rate,
-        0.0 if size != IMPOSED else course.height_rate if stage.height_rate is None else stage.height_rate,
-        Rules(shear, size),
-    )
+        stressed = int(stage.shear_stress is not None)
+    shear_rate = course.shear_rate if stage.shear_rate is None else stage.shear_rate
+    height_rate = course.height_rate if stage.height_rate is None else stage.height_rate
+    return Course(values, 0.0 if stressed else shear_rate, 0.0 if sized else height_rate, stressed, size)
 
 
 def slopes_of(course: Course, following: StageSpec | None, span: float) -> tuple[float, ...]:
@@ -158,12 +174,11 @@ def slopes_of(course: Course, following: StageSpec | None, span: float) -> tuple
     slopes = [0.0, course.shear_rate, 0.0, course.height_rate, 0.0, 0.0, 0.0]
     if following is None:
         return tuple(slopes)
-    normal = following.pressure if course.rules.size == ROOMY else following.normal_stress
     goals = {LOAD: following.load, STRAIN: following.strain, SCALE: following.scale, WALL_SHEAR: following.wall_shear}
-    if course.rules.shear == STRESSED:
+    if course.stressed:
         goals[SHEAR] = following.shear_stress
-    if course.rules.size != IMPOSED:
-        goals[NORMAL] = normal
+    if any(SIZE_CONTROLS[course.size].sides):
+        goals[NORMAL] = getattr(following, course.size)
     for row, goal in goals.items():
         if goal is not None:
             slopes[row] = (goal - course.values[row]) / span
@@ -178,12 +193,13 @@ def wave_of(stage: StageSpec) -> tuple[float, float, float]:
 
 def jumped(before: Course, course: Course) -> bool:
     """Whether a course begins elsewhere than the one before it ended, or hands over to a stress."""
-    new_rule = any(new not in (IMPOSED, old) for old, new in zip(before.rules, course.rules, strict=True))
+    sized = any(SIZE_CONTROLS[course.size].sides)
+    new_rule = course.stressed > before.stressed or (sized and course.size != before.size)
     far = [
         abs(new - old) > 1e-12 * (abs(new) + abs(old)) for old, new in zip(before.values, course.values, strict=True)
     ]
     counted = (
         far[LOAD], far[STRAIN], far[SCALE], far[WALL_SHEAR],
-        far[SHEAR] and course.rules.shear == STRESSED, far[NORMAL] and course.rules.size != IMPOSED,
+        far[SHEAR] and course.stressed > 0, far[NORMAL] and sized,
     )  # fmt: skip
     return new_rule or any(counted)

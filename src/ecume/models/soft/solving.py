@@ -64,7 +64,7 @@ def way(parameters: Parameters, kept: Kept, rules: Rules, name: str) -> Way:
 
 def attempt(parameters: Parameters, scratch: Workspace, during: During, rules: Rules, effort: Integers) -> float:
     """Try a step: the estimated error, or `stages.FAILED`."""
-    step, kept, scheme = scratch.step, scratch.kept, SCHEMES[parameters.scheme]
+    step, kept, scheme = scratch.step, scratch.kept, SCHEMES[parameters.scheme].tableau
     step.cell.rules[:] = rules
     kept.iterations = kept.systems = 0
     name = ""
@@ -92,7 +92,7 @@ def balance(
     (origin, drive, rules), step, kept = at, scratch.step, scratch.kept
     step.cell.rules[:] = rules
     fine = FINE_SPUN if parameters.torque.shape[1] else FINE
-    during, scheme = During(span, np.array([origin, drive]), fine), SCHEMES[parameters.scheme]
+    during, scheme = During(span, np.array([origin, drive]), fine), SCHEMES[parameters.scheme].tableau
     names = choices(parameters, kept, effort)
     if names == ("iterative",) and parameters.solver == "auto" and sparse.pays(kept):
         names = ("iterative", "direct")
@@ -102,7 +102,7 @@ def balance(
 
 def begin(parameters: Parameters, step: Step, drive: Drive) -> None:
     """Contacts and forces at the step's beginning, into `step`."""
-    during, scheme = During(0.0, np.array([drive, drive]), FINE), SCHEMES[parameters.scheme]
+    during, scheme = During(0.0, np.array([drive, drive]), FINE), SCHEMES[parameters.scheme].tableau
     few = parameters.solver == "auto" and parameters.force.size <= FEW
     start = (
         stages.dense

@@ -16,7 +16,4 @@ def laws_of(scene: Any) -> list[Source]:
     laws += [*surfaces.SURFACES[films.surface].papers, interfaces.INTERFACES[films.interface]]
     laws += rubbing.FRICTIONS[films.friction].papers
     row = remote.REMOTE[scene.remote.law]
-    return [*laws, row.energy, row.force, row.slope, *SCHEME_LAWS[scene.stepping.scheme]]
-
-
-SCHEME_LAWS: dict[str, list[Source]] = {"esdirk4": [schemes.esdirk4], "tr-bdf2": [schemes.tr_bdf2]}
+    return [*laws, row.energy, row.force, row.slope, schemes.SCHEMES[scene.stepping.scheme].paper]

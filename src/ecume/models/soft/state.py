@@ -131,7 +131,7 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
     count, dimensions = state.position.shape
     contacts = int(state.contacts[0])
     pairs = pairs_of(parameters, state)
-    stages, width = len(SCHEMES[parameters.scheme].times), dimensions + parameters.torque.shape[1]
+    stages, width = len(SCHEMES[parameters.scheme].tableau.times), dimensions + parameters.torque.shape[1]
     pattern = blocks.make_pattern(count, pairs.first, pairs.second, state.order)
     shared = make_borders(count, width, max(MOST, len(parameters.walls.free), width - dimensions))
     bodies = Bodies(

@@ -56,7 +56,7 @@ def advance(parameters: Parameters, state: State, scratch: Workspace, steps: int
 
 def one_step(parameters: Parameters, state: State, scratch: Workspace) -> Found | None:
     """Try until a step is good, and take it; who has come near in it. None when there is no such step."""
-    scheme = SCHEMES[parameters.scheme]
+    scheme = SCHEMES[parameters.scheme].tableau
     for _ in range(MOST_TRIES):
         length, end = _next(parameters, state)
         if not end > state.pace[CLOCK]:
@@ -121,7 +121,7 @@ def _drives(parameters: Parameters, state: State, way: tuple[float, float]) -> A
     """What is imposed at each stage of a step of some length and end; at the end as it is before it jumps there."""
     protocol, now = parameters.protocol, float(state.pace[CLOCK])
     interval, (length, end) = interval_at(protocol, now), way
-    times = [now + part * length for part in SCHEMES[parameters.scheme].times[:-1]]
+    times = [now + part * length for part in SCHEMES[parameters.scheme].tableau.times[:-1]]
     return np.array([drive_at(protocol, time, interval) for time in (*times, end)])
 
 

@@ -216,7 +216,7 @@ def _crossing(parameters: Parameters, span: Span, scratch: Workspace, unit: Unit
     """When within the last step the vertical pair came to carry that much, by taking shorter ones."""
     from scipy.optimize import brentq
 
-    step, scheme = scratch.step, SCHEMES[parameters.scheme]
+    step, scheme = scratch.step, SCHEMES[parameters.scheme].tableau
     kept = step.bodies.before.copy(), step.log_gap.copy(), step.direction.copy()
 
     interval = interval_at(parameters.protocol, span.begin.time)
