@@ -263,7 +263,9 @@ TABLES = {
     "remote": [law for row in remote.REMOTE.values() for law in (row.energy, row.force, row.slope)],
     "interfaces": list(interfaces.INTERFACES.values()),
 }
-UNCITED = {"no_wall_energy", "no_wall_force", "nonlinear_charge", "no_remote_energy", "no_remote_force", "no_remote_slope"}
+UNCITED = {
+    "no_wall_energy", "no_wall_force", "nonlinear_charge", "no_remote_energy", "no_remote_force", "no_remote_slope",
+}  # fmt: skip
 """No physics of their own."""
 
 

@@ -26,7 +26,7 @@ from ecume.models.soft.pulling import CHUNK
 from ecume.models.soft.schemes import Scheme
 from ecume.models.soft.spins import Spins
 from ecume.models.soft.step import Bodies, During, Step
-from ecume.models.soft.walls import Walls, normal_of, wall_distance, wall_energy
+from ecume.models.soft.walls import Walls, all_walls, normal_of, wall_distance, wall_energy
 from ecume.units import Array
 
 INJECTED, FILMS, DRAG, SIZE = range(4)
@@ -228,13 +228,13 @@ def released(contacts: Contacts, step: Step) -> float:
     """What contacts still hold whose films have faded, and that go (J): films take it at once."""
     if math.isinf(contacts.fade_to):
         return 0.0
-    far, walls, total = math.log(contacts.fade_to), step.walls, 0.0
+    far, walls, total = math.log(contacts.fade_to), all_walls(step.walls), 0.0
     faded = np.flatnonzero(step.log_gap >= far)
     if len(faded):
         pairs = Pairs._make(array[faded] if len(array) else array for array in step.pairs)
         films = Films._make(array[faded] for array in step.films)
         total += stored_energy(contacts, pairs, films, step.bodies.position)
-    if isinstance(walls, Walls) and (gone := np.flatnonzero(walls.touches.log_gap >= far)).size:
+    if (gone := np.flatnonzero(walls.touches.log_gap >= far)).size:
         used = ("first", "wall", "radius", "modulus", "log_gap", "slip")
         touches = walls.touches._replace(**{name: getattr(walls.touches, name)[gone] for name in used})
         total += wall_energy(Walls(walls.places, touches), contacts, step.bodies.position)

@@ -26,7 +26,7 @@ from ecume.models.soft.pulling import imbalance, is_free, is_held, resist
 from ecume.models.soft.step import Step
 from ecume.models.soft.turning import unturn
 from ecume.models.soft.wall_borders import missing_at_walls
-from ecume.models.soft.walls import Walls, answer_walls
+from ecume.models.soft.walls import all_walls, answer_walls
 from ecume.units import Array
 
 MOST_ITERATIONS = 12
@@ -62,18 +62,17 @@ def plain(solve: Solve, step: Step, goal: Goal, loose: int) -> bool:
 
 def bordered(solve: Solve, step: Step, goal: Goal, loose: int) -> bool:
     """Newton's step with what all spheres share."""
-    boxed, walls, count = unknowns(step.cell), step.walls, 0
-    if boxed or not isinstance(walls, Walls):
+    boxed, walls = unknowns(step.cell), all_walls(step.walls)
+    if boxed:
         border(step.cell, web_of(step), goal, step.borders)
     else:
         border_walls(walls, (goal.drive.load, goal.drive.wall_shear), step.borders, step.bodies.position.shape[1])
-        count = len(walls.places.free)
-    count = boxed or count
+    count = boxed or len(walls.places.free)
     found = solve(step.matrix, step.borders.right[: 1 + count], step.borders.change[: 1 + count], loose)
     answer = close(step.borders, count) if found else None
     if answer is None:
         return False
-    if boxed or not isinstance(walls, Walls):
+    if boxed:
         change_box(step.cell, goal, answer)
     else:
         change_walls(walls, answer)

@@ -20,7 +20,7 @@ from ecume.models.soft.protocol import drive_at
 from ecume.models.soft.solving import begin
 from ecume.models.soft.state import ACCEPTED, CLOCK, FAILED, LEFT, REJECTED, State, Workspace
 from ecume.models.soft.step import Step
-from ecume.models.soft.walls import Walls
+from ecume.models.soft.walls import all_walls
 from ecume.scenes.soft import SIDES
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
@@ -64,18 +64,19 @@ def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
     drive = drive_at(parameters.protocol, float(state.pace[CLOCK]))
     step, box = scratch.step, box_in(parameters, state)
     begin(parameters, step, drive)
+    gap = exp(step.log_gap)
     tension = (step.answers.force * step.direction).sum(axis=1)
     arrays = {
         "position": at_home(state.position, box),
         "velocity": velocity_at_home(parameters, state, box),
         "radius": parameters.radius.copy(),
         "species": parameters.species.copy(),
-        **_slots(parameters, step, tension),
+        **_slots(parameters, step, gap, tension),
         **_spinning(state),
     }
     numbers = {
         "elastic_energy": (held := elastic_energy(parameters.contacts, step)),
-        "smallest_gap": float(exp(step.log_gap.min(initial=np.inf))),
+        "smallest_gap": float(gap.min(initial=np.inf)),
         **_neighbors(parameters, step),
         **_wall_numbers(parameters, state, step),
         "largest_tension": float(tension.max(initial=0.0)),
@@ -86,13 +87,13 @@ def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
         "time_steps": float(state.tally[ACCEPTED]),
         "rejected_steps": float(state.tally[REJECTED] + state.tally[FAILED]),
     }
-    numbers |= _budget(parameters, state, step, held)
+    numbers |= _budget(parameters, state, step, gap, held)
     if not parameters.box[: parameters.dimensions].all():
         sides = _sides(box)
         units = UNITS | _wall_units(numbers) | dict.fromkeys(sides, "m")
         return Frame(float(state.pace[CLOCK]), arrays, numbers | sides, units)
     volume = float(np.prod(box.sides))
-    parts = stresses(parameters, step, volume)
+    parts = stresses(parameters, step, gap, volume)
     tensor, rate = np.sum(list(parts.values()), axis=0), float(state.cell_rate[STRAIN])
     numbers |= (
         _box_numbers(parameters, box, float(state.cell[STRAIN])) | _stress_numbers(tensor, rate) | _components(parts)
@@ -123,21 +124,20 @@ def velocity_at_home(parameters: Parameters, state: State, box: Box) -> Array:
     return velocity
 
 
-def _budget(parameters: Parameters, state: State, step: Step, held: float) -> dict[str, float]:
+def _budget(parameters: Parameters, state: State, step: Step, gap: Array, held: float) -> dict[str, float]:
     """The energy's books (J): what there is, was put in and was dissipated, and what the surfaces' law took besides.
 
     Runs that a former version began have none.
     """
     if not len(state.books):
         return {}
-    remote = {"remote_energy": _remote_energy(parameters, step)} if parameters.laws.remote.acts else {}
+    remote = {"remote_energy": _remote_energy(parameters, step, gap)} if parameters.laws.remote.acts else {}
     told = {"total_energy": held + sum(remote.values()), INJECTED_WORK: state.books[INJECTED]}
     told |= {DISSIPATED: state.books[FILMS] + state.books[DRAG], SIZE_WORK: state.books[SIZE]}
-    told |= {STAKE: _stake(step.answers.force, step.direction, exp(step.log_gap), step.pairs.radius_sum)}
-    if isinstance(step.walls, Walls):
-        touches = step.walls.touches
-        normal = np.eye(3)[step.walls.places.axis[touches.wall]]
-        told[STAKE] += _stake(touches.force, normal, exp(touches.log_gap), touches.radius)
+    places, touches = all_walls(step.walls)
+    normal = np.eye(3)[places.axis[touches.wall]]
+    told |= {STAKE: _stake(step.answers.force, step.direction, gap, step.pairs.radius_sum)}
+    told[STAKE] += _stake(touches.force, normal, exp(touches.log_gap), touches.radius)
     return remote | {name: float(value) for name, value in told.items()}
 
 
@@ -150,13 +150,11 @@ def _stake(force: Array, normal: Array, gap: Array, radius_sum: Array) -> float:
     return float((pull * gap + along * (radius_sum + gap)).sum())
 
 
-def _remote_energy(parameters: Parameters, step: Step) -> float:
+def _remote_energy(parameters: Parameters, step: Step, gap: Array) -> float:
     """What films hold by remote forces (J), less what they would at their reach."""
     contacts = parameters.contacts
-    gap, radius = exp(step.log_gap), step.pairs.reduced_radius
-    if isinstance(step.walls, Walls):
-        touches = step.walls.touches
-        gap, radius = np.append(gap, exp(touches.log_gap)), np.append(radius, touches.radius)
+    touches = all_walls(step.walls).touches
+    gap, radius = np.append(gap, exp(touches.log_gap)), np.append(step.pairs.reduced_radius, touches.radius)
     law = _remote_law(parameters, parameters.laws.remote.energy)
     reach = contacts.fade_from
     return float(
@@ -170,8 +168,8 @@ def _wall_numbers(parameters: Parameters, state: State, step: Step) -> dict[str,
     Along a wall its position is how far it has gone.
     """
     planes, dimensions, force = parameters.walls, parameters.dimensions, np.zeros((len(parameters.walls.axis), 3))
-    if isinstance(step.walls, Walls):
-        np.add.at(force, step.walls.touches.wall, -step.walls.touches.force)
+    touches = all_walls(step.walls).touches
+    np.add.at(force, touches.wall, -touches.force)
     names = [SIDE_NAMES[int(axis), float(side)] for axis, side in zip(planes.axis, planes.side, strict=True)]
     places = {f"{name}_{AXES[k]}": float(state.wall[w, k]) for w, name in enumerate(names) for k in range(dimensions)}
     return places | {
@@ -184,7 +182,7 @@ def _wall_units(numbers: Mapping[str, float]) -> dict[str, str]:
     return {name: "N" if "_force_" in name else "m" for name in numbers if name.startswith(walls)}
 
 
-def stresses(parameters: Parameters, step: Step, volume: float) -> dict[str, Array]:
+def stresses(parameters: Parameters, step: Step, gap: Array, volume: float) -> dict[str, Array]:
     """The stress (1/V) sum of F_ij X_ij over contacts, tension positive, in its parts: of films that are squeezed, of
     films that are sheared, and of what acts across them. Surfaces carry the sum of the three: they are in series.
     """
@@ -194,17 +192,17 @@ def stresses(parameters: Parameters, step: Step, volume: float) -> dict[str, Arr
     normal = step.direction[:, :dimensions]
     force = step.answers.force[:, :dimensions]
     pull = (force * normal).sum(axis=1)[:, None] * normal
-    push = _remote_forces(parameters, step)[:, None] * normal
+    push = _remote_forces(parameters, step, gap)[:, None] * normal
     parts = {"squeeze": pull + push, "sliding": force - pull}
     if parameters.laws.remote.acts:
         parts["remote"] = -push
     return {name: np.einsum("ca,cb->ab", part, between) / volume for name, part in parts.items()}
 
 
-def _remote_forces(parameters: Parameters, step: Step) -> Array:
+def _remote_forces(parameters: Parameters, step: Step, gap: Array) -> Array:
     """The repulsion across each film (N)."""
     law = _remote_law(parameters, parameters.laws.remote.force)
-    return np.array([law(h, r) for h, r in zip(exp(step.log_gap), step.pairs.reduced_radius, strict=True)])
+    return np.array([law(h, r) for h, r in zip(gap, step.pairs.reduced_radius, strict=True)])
 
 
 def _remote_law(parameters: Parameters, law: Callable[..., float]) -> Callable[[float, float], float]:
@@ -271,7 +269,7 @@ def _box_units(dimensions: int, numbers: Mapping[str, float]) -> dict[str, str]:
     return units | {"strain_rate": "1/s", "viscosity": VISCOSITY[dimensions]}
 
 
-def _slots(parameters: Parameters, step: Step, tension: Array) -> dict[str, Array | Integers]:
+def _slots(parameters: Parameters, step: Step, gap: Array, tension: Array) -> dict[str, Array | Integers]:
     """Contacts as arrays of the spheres: each stands at the sphere of lower number; -1 where there is none."""
     first, count = step.pairs.first, len(parameters.radius)
     slots = min(SLOTS[parameters.dimensions], max(count - 1, 1))
@@ -281,7 +279,7 @@ def _slots(parameters: Parameters, step: Step, tension: Array) -> dict[str, Arra
     shear = step.answers.force[told] - tension[told, None] * step.direction[told]
     values = {
         "neighbor": step.pairs.second[told],
-        "gap": exp(step.log_gap[told]),
+        "gap": gap[told],
         "tension": tension[told],
         "shear": np.linalg.norm(shear, axis=1),
     }

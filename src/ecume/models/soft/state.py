@@ -18,7 +18,7 @@ from ecume.models.soft.parameters import Parameters
 from ecume.models.soft.schemes import SCHEMES
 from ecume.models.soft.spins import make_spins, turned_orientation
 from ecume.models.soft.step import Bodies, Step, make_books
-from ecume.models.soft.walls import Touches, Walls, make_walls
+from ecume.models.soft.walls import Touches, Walls, all_walls, make_walls
 from ecume.units import Array
 
 LENGTH, PAST_ERROR, CLOCK, LEFT = range(4)
@@ -174,11 +174,10 @@ def store(parameters: Parameters, state: State, step: Step) -> None:
         state.orientation[:] = turned_orientation(state.orientation, step.spins.turn / parameters.radius[:, None])
     state.log_gap[:contacts] = step.log_gap
     state.direction[:contacts] = step.direction[:, :dimensions]
-    if isinstance(step.walls, Walls):
-        places, touches = step.walls
-        state.wall_gap[touches.first, touches.wall] = touches.log_gap_before
-        state.slip[touches.first, touches.wall] = touches.slip_before[:, :dimensions]
-        state.wall[:], state.wall_rate[:] = places.before, places.past
+    places, touches = all_walls(step.walls)
+    state.wall_gap[touches.first, touches.wall] = touches.log_gap_before
+    state.slip[touches.first, touches.wall] = touches.slip_before[:, :dimensions]
+    state.wall[:], state.wall_rate[:] = places.before, places.past
     state.cell[:], state.cell_rate[:] = step.cell.before, step.cell.past
 
 
@@ -218,9 +217,7 @@ def left_over(step: Step) -> float:
     """The largest force that a solution left on a sphere, over the typical force: the root mean square of those that
     contacts bear, or of what pulls at the spheres where that is more. Zero where there is but rounding.
     """
-    forces = [step.answers.force, step.bodies.force, step.bodies.weight]
-    if isinstance(step.walls, Walls):
-        forces.append(step.walls.touches.force)
+    forces = (step.answers.force, step.bodies.force, step.bodies.weight, all_walls(step.walls).touches.force)
     typical = max(float(np.sqrt((force**2).sum(axis=1).mean())) if len(force) else 0.0 for force in forces)
     rounding = ROUNDING * float((step.answers.stiffness.max(axis=(1, 2)) * step.pairs.radius_sum).max(initial=0.0))
     return float(np.abs(step.bodies.right).max() / typical) if typical > rounding else 0.0

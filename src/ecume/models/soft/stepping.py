@@ -18,7 +18,7 @@ from ecume.models.soft.stages import FAILED as NOT_SOLVED
 from ecume.models.soft.stages import accept
 from ecume.models.soft.state import ACCEPTED, CLOCK, FAILED, LENGTH, PAST_ERROR, REJECTED, State, Workspace, store
 from ecume.models.soft.step import During, Step
-from ecume.models.soft.walls import Walls
+from ecume.models.soft.walls import Walls, all_walls
 from ecume.units import Array
 
 SAFETY = 0.9
@@ -99,7 +99,7 @@ def leapt(parameters: Parameters, step: Step, met: Found) -> bool:
     """Whether spheres have come so close in a step, to each other or to walls, that a film should have been between
     them long before.
     """
-    if isinstance(step.walls, Walls) and leapt_to_wall(parameters, step, step.walls):
+    if leapt_to_wall(parameters, step, all_walls(step.walls)):
         return True
     reach, moved = parameters.contacts.fade_from, step.bodies.position - step.bodies.before
     if 2.0 * float(np.linalg.norm(moved - moved.mean(axis=0), axis=1).max()) < (1.0 - NARROW) * reach:

@@ -89,6 +89,28 @@ class Walls(NamedTuple):
     touches: Touches
 
 
+def no_walls() -> Walls:
+    """Walls and contacts of a scene that has none."""
+    none, nobody = np.zeros((0, 3)), np.zeros(0, np.int64)
+    places = Places(nobody, np.zeros(0), none, none, np.zeros((0, 2), np.int64), *(none,) * 3, none[None], none, none)
+    rates, line = np.zeros((0, 4)), np.zeros(0)
+    return Walls(
+        places,
+        Touches(
+            nobody, nobody, line, line, line, none, line, none, line, none, rates[None], none, none,
+            np.zeros((0, 3, 3)), rates, np.zeros((0, 4, 3)), rates,
+        ),
+    )  # fmt: skip
+
+
+NO_WALLS = no_walls()
+
+
+def all_walls(walls: Walls | tuple[()]) -> Walls:
+    """The walls of a step, for Python: none of them where the scene has none."""
+    return walls or NO_WALLS
+
+
 def make_walls(planes: Planes, now: tuple[Array, Array], stages: int) -> Places:
     """Room for a step; `now` is where the walls are, and how fast they went."""
     place, past = now
