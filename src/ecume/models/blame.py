@@ -1,9 +1,9 @@
-"""Whom a run that diverged names, and which of its numbers."""
+"""What the message of a run that diverged says: when, and which particle's numbers are not finite."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -11,6 +11,12 @@ from ecume.units import Array
 
 DEEP = 0.1
 """Of a radius: an overlap that is told; nothing comes to that by itself."""
+
+
+def when(parameters: Any, state: Any) -> str:
+    """The time of a state that goes by equal steps."""
+    step = int(state.step[0])
+    return f"at t = {step * parameters.time_step:.6g} s (step {step})"
 
 
 class Broken(NamedTuple):

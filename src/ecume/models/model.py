@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
+from ecume.errors import BadInput
 from ecume.models.invariants import Invariant, nothing
 from ecume.trajectories.frame import Frame
 
@@ -19,6 +20,11 @@ Source = Callable[..., Any]
 def no_laws(scene: Any) -> list[Source]:
     """A model that rests on no paper."""
     return []
+
+
+def _no_extra_laws(extra_laws: Any) -> Model:
+    """Most models have no pair laws that a user's own could be added to."""
+    raise BadInput("extra_laws: this model takes none; the floating model does")
 
 
 def _same(parameters: Any, state: Any) -> Any:
@@ -57,8 +63,10 @@ class Model:
     """observe(parameters, state, workspace): the frame of this instant."""
     diagnosis: Callable[[Any, Any], str]
     """diagnosis(parameters, state): which particle, when, why, and what to do; for a state that came back DIVERGED."""
-    extended: Callable[[Any], Model]
-    """extended(extra_laws): the same model with the user's own pair laws compiled into it."""
+    extended: Callable[[Any], Model] = field(kw_only=True, default=_no_extra_laws)
+    """extended(extra_laws): the same model with the user's own pair laws compiled into it. Raises BadInput if
+    a model takes none.
+    """
     exchange: Callable[[Any, Any], Any] = field(kw_only=True, default=_same)
     """exchange(parameters, state): the state with who came and without who went; for crowds that change."""
     invariants: Callable[[Any, Any], list[Invariant]] = field(kw_only=True, default=nothing)

@@ -21,12 +21,13 @@ from ecume.models.soft.cell import box_of, shape_at
 from ecume.models.soft.demands import require_balance, require_gaps, require_no_torque, require_one_piece
 from ecume.models.soft.meeting import open_all
 from ecume.models.soft.packing import places
-from ecume.models.soft.parameters import Contacts, Laws, Parameters, Planes, code_of
+from ecume.models.soft.parameters import Contacts, Laws, Parameters, Planes
 from ecume.models.soft.protocol import Protocol, drive_at, protocol_of, rules_at
 from ecume.models.soft.schemes import SCHEMES
 from ecume.models.soft.solving import AT_ONCE, balance
 from ecume.models.soft.stages import accept
 from ecume.models.soft.state import LENGTH, State, make_state, store, workspace
+from ecume.models.tables import code_of
 from ecume.scenes.soft import SIDES, FilmSpec, SoftScene, SphereSpec, dimensions_of, sides_of
 from ecume.units import Array
 

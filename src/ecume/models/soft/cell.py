@@ -202,6 +202,16 @@ def flow(cell: Cell) -> Array:
 
 
 @compiled
+def largest_strain(cell: Cell) -> float:
+    """The largest component of the shape, in whose last digits a box is known that answers to a stress; otherwise 0."""
+    largest = 0.0
+    if unknowns(cell) > 0:
+        for k in range(len(cell.shape)):
+            largest = max(largest, abs(cell.shape[k]))
+    return largest
+
+
+@compiled
 def gradient_of(cell: Cell, unknown: int, goal: Goal, row: bool) -> Array:
     """What a unit of an unknown does to places: the shear if that answers to a stress, then the size.
 

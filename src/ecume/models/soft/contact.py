@@ -17,7 +17,8 @@ from ecume.laws.interfaces import INTERFACES, Resistance
 from ecume.laws.remote import REMOTE
 from ecume.laws.rubbing import FRICTIONS
 from ecume.laws.surfaces import SURFACES, Body, Surface
-from ecume.models.soft.parameters import Contacts, codes
+from ecume.models.soft.parameters import Contacts
+from ecume.models.tables import codes
 
 admit(elasticity, lubrication, remote, bubbles, interfaces, rubbing, surfaces)
 

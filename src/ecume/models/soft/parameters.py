@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple, TypeVar
+from collections.abc import Callable
+from typing import NamedTuple
 
 from ecume.engine.cells import Integers
 from ecume.laws.interfaces import Resistance
@@ -12,8 +12,6 @@ from ecume.laws.rubbing import ContactFriction
 from ecume.laws.surfaces import SurfaceLaw
 from ecume.models.soft.protocol import Protocol
 from ecume.units import Array
-
-Row = TypeVar("Row")
 
 
 class Contacts(NamedTuple):
@@ -64,16 +62,6 @@ class Laws(NamedTuple):
     interface: Callable[..., Resistance]
     remote: Remote
     friction: ContactFriction
-
-
-def code_of(table: Mapping[str, object], name: str) -> int:
-    """The code of a row for compiled code: its place in its table. Raises ValueError for a name without a row."""
-    return list(table).index(name)
-
-
-def codes(table: Mapping[str, Row], part: Callable[[Row], Callable[..., Any]]) -> dict[int, Callable[..., Any]]:
-    """A function of each row, by the row's code: what `selection` makes compiled code of."""
-    return {code: part(row) for code, row in enumerate(table.values())}
 
 
 class Planes(NamedTuple):

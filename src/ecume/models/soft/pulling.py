@@ -7,7 +7,7 @@ import numpy as np
 from ecume._jit import compiled, compiled_inside, composed, prange, shared
 from ecume.engine import blocks
 from ecume.engine.blocks import Pattern
-from ecume.models.soft.cell import flow
+from ecume.models.soft.cell import flow, largest_strain
 from ecume.models.soft.films import Answers, Pairs
 from ecume.models.soft.links import ROUNDING
 from ecume.models.soft.spins import add_torques, fill_quads, hold_spins, load_torques
@@ -30,7 +30,7 @@ def imbalance(step: Step, factor: float, span: float, corrected: bool) -> tuple[
     """What is left on each sphere, into `right`; the largest, the largest force there is, and what rounding leaves."""
     right, position, along = step.bodies.right, step.bodies.position, flow(step.cell)
     load_torques(step.spins, right, factor, (span, -0.5 * along[0, 1]))
-    given = (factor, span, 1.0 if corrected else 0.0)
+    given = (factor, span, 1.0 if corrected else 0.0, largest_strain(step.cell))
     largest, stiffest = pull(step.pairs, step.answers, step.matrix.pattern, step.bodies, along, given)
     most, firmest = push_from_walls(step.walls, position, right, corrected)
     if right.shape[1] > position.shape[1]:
@@ -50,18 +50,24 @@ def largest_of(right: Array) -> float:
 
 @shared(count_pairs)
 def pull(
-    pairs: Pairs, answers: Answers, pattern: Pattern, bodies: Bodies, along: Array, given: tuple[float, float, float]
+    pairs: Pairs,
+    answers: Answers,
+    pattern: Pattern,
+    bodies: Bodies,
+    along: Array,
+    given: tuple[float, float, float, float],
 ) -> tuple[float, float]:
     """All forces on each sphere but walls', into `right`; the largest, and the largest of stiffness times place.
 
-    Given are what external forces are multiplied by, the stage's span, and what part of the corrections counts.
+    Given are what external forces are multiplied by, the stage's span, what part of the corrections counts, and the
+    strain of a box that answers to a stress.
     """
     right, position, count = bodies.right, bodies.position, len(bodies.drag)
     chunks = (count + CHUNK - 1) // CHUNK
     extremes = np.zeros((chunks, 2))
     for chunk in prange(chunks):
         for i in range(chunk * CHUNK, min((chunk + 1) * CHUNK, count)):
-            most, firmest = load_sphere(bodies, right, i, along, (given[0], given[1]))
+            most, firmest = load_sphere(bodies, right, i, along, (given[0], given[1], given[3]))
             extremes[chunk, 0], extremes[chunk, 1] = max(extremes[chunk, 0], most), max(extremes[chunk, 1], firmest)
             most, firmest = pull_sphere((pairs, answers, pattern), (position, right), i, given[2])
             extremes[chunk, 0], extremes[chunk, 1] = max(extremes[chunk, 0], most), max(extremes[chunk, 1], firmest)
@@ -72,9 +78,11 @@ def pull(
 
 
 @compiled_inside
-def load_sphere(bodies: Bodies, right: Array, i: int, along: Array, during: tuple[float, float]) -> tuple[float, float]:
+def load_sphere(
+    bodies: Bodies, right: Array, i: int, along: Array, during: tuple[float, float, float]
+) -> tuple[float, float]:
     """External force and drag on a sphere, into `right`; the largest force, and of stiffness times place."""
-    factor, span = during
+    factor, span, strain = during
     external, weight, drag, position = bodies.force, bodies.weight, bodies.drag, bodies.position
     moved, start = bodies.moved, bodies.start
     largest, stiffest, dimensions = 0.0, 0.0, position.shape[1]
@@ -86,7 +94,9 @@ def load_sphere(bodies: Bodies, right: Array, i: int, along: Array, during: tupl
             for m in range(dimensions):
                 carried += along[k, m] * position[i, m]
             right[i, k] -= drag[i] * (moved[i, k] - carried) / span
-            stiffest = max(stiffest, drag[i] / span * max(abs(moved[i, k]), abs(carried)))
+            # What is carried is known to the last digits of the box's strain, not to those of its change.
+            size = max(abs(moved[i, k]), abs(carried), strain * abs(position[i, k]))
+            stiffest = max(stiffest, drag[i] / span * size)
     return largest, stiffest
 
 

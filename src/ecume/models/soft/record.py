@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-
 import numpy as np
-import psutil
 
 from ecume._portable import exp
-from ecume.errors import BadInput, Fault, SceneError
 from ecume.models.advice import Row
 from ecume.models.blame import DEEP, first_broken
+from ecume.models.limits import require_memory
 from ecume.models.model import Model
 from ecume.models.soft.advice import advice
 from ecume.models.soft.building import parameters_of, start
@@ -30,10 +27,7 @@ def checked_parameters(scene: SoftScene) -> Parameters:
     count = sum(species.count or len(species.positions) for species in scene.spheres)
     everyone = scene.films.reach is None and scene.box is None
     contacts = count * (count - 1) / 2 if everyone else 20.0 * count
-    wanted, there = bytes_of(contacts), psutil.virtual_memory().total
-    if wanted > there:
-        told = f"{count} spheres need about {wanted / 1e9:.3g} GB, this machine has {there / 1e9:.3g} GB"
-        raise SceneError([Fault("spheres", f"{told}; use fewer spheres, or set films.reach")])
+    require_memory("spheres", f"{count} spheres", bytes_of(contacts), "use fewer spheres, or set films.reach")
     return parameters_of(scene)
 
 
@@ -67,11 +61,6 @@ def _closest(parameters: Parameters, state: State) -> str:
     return f"{what} between spheres {pair[at, 0]} and {pair[at, 1]}"
 
 
-def extended(extra_laws: Sequence[Callable[..., float]]) -> Model:
-    """There are no laws of a user's own here: a pair of soft spheres has a state besides its distance."""
-    raise BadInput("the soft model takes no extra_laws; choose a remote.law, or pull at spheres with a force")
-
-
 def summary(scene: SoftScene) -> list[Row]:
     """Derived numbers: name, value with unit, remark. Raises SceneError for whatever would keep a run from starting."""
     parameters = checked_parameters(scene)
@@ -87,7 +76,6 @@ SOFT = Model(
     advance=advance,
     observe=observe,
     diagnosis=diagnosis,
-    extended=extended,
     invariants=invariants,
     laws=laws_of,
     summary=summary,

@@ -4,23 +4,27 @@ from __future__ import annotations
 
 import math
 
-from ecume._jit import admit, compiled, compiled_inside
+from ecume._jit import admit, compiled, compiled_inside, selection
 from ecume.engine.cells import Integers
 from ecume.engine.philox import counter_of, normals
 from ecume.laws import brownian, drag
-from ecume.models.tracers.parameters import SCHILLER_NAUMANN
+from ecume.models.tables import codes
+from ecume.models.tracers import parameters
+from ecume.models.tracers.parameters import DRAGS, DragChoice
 from ecume.units import Array
 
-admit(brownian, drag)
+admit(brownian, drag, parameters)
+
+drag_factor = selection("drag_factor", codes(DRAGS, lambda row: row.factor), __name__, __file__, ("reynolds",))
 
 
 @compiled_inside
-def slowed(speed: float, own: tuple[float, float], liquid: tuple[int, float, float]) -> float:
+def slowed(speed: float, own: tuple[float, float], liquid: tuple[DragChoice, float, float]) -> float:
     """The friction at a speed; own = (radius, Stokes's friction), liquid = (drag law, density, viscosity)."""
     law, density, viscosity = liquid
-    if law != SCHILLER_NAUMANN:
+    if law.linear:
         return own[1]
-    return own[1] * drag.schiller_naumann_factor(drag.particle_reynolds(speed, own[0], density, viscosity))
+    return float(own[1] * drag_factor(drag.particle_reynolds(speed, own[0], density, viscosity), law.code))
 
 
 @compiled_inside
@@ -41,7 +45,7 @@ def midway_friction(
     i: int,
     flow: tuple[float, float, float],
     body: tuple[float, float, float, float],
-    liquid: tuple[int, float, float],
+    liquid: tuple[DragChoice, float, float],
 ) -> float:
     """The friction at the speed in the middle of the step, so that a drag that is no line is of second order.
 
@@ -49,7 +53,7 @@ def midway_friction(
     """
     radius, stokes, inertia, fall = body
     friction = slowed(relative_speed(velocity, i, flow, (1.0, 0.0)), (radius, stokes), liquid)
-    if liquid[0] == SCHILLER_NAUMANN:
+    if not liquid[0].linear:
         ratio = friction / inertia
         change = (math.exp(-ratio), fall * brownian.velocity_gain(ratio))
         friction = slowed(relative_speed(velocity, i, flow, change), (radius, stokes), liquid)
@@ -69,7 +73,7 @@ def plan_flights(
     kick: Array,
     noise: Array,
     shift: Array,
-    numbers: tuple[float, int, int, int, float, float, float, float, float, float, float],
+    numbers: tuple[float, int, int, DragChoice, float, float, float, float, float, float, float],
 ) -> None:
     """The parabola of each particle with inertia: it ends where the exact motion ends.
 

@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-
 import numpy as np
 
-from ecume.errors import BadInput
 from ecume.laws import brownian, drag
-from ecume.models.blame import first_broken
+from ecume.models.blame import first_broken, when
 from ecume.models.invariants import INJECTED
 from ecume.models.limits import require_memory, within_steps
 from ecume.models.model import Model
@@ -90,9 +87,8 @@ def diagnosis(parameters: Parameters, state: State) -> str:
     what = f"is outside, at {state.position[worst].tolist()}"
     if broken is not None:
         what = f"has no finite {broken.term} any more"
-    step, when = int(state.step[0]), int(state.step[0]) * parameters.time_step
     return (
-        f"at t = {when:.6g} s (step {step}) particle {worst} {what}: its step of {parameters.time_step:.3g} s was too "
+        f"{when(parameters, state)} particle {worst} {what}: its step of {parameters.time_step:.3g} s was too "
         f"long. Set motion.time_step = {0.25 * parameters.time_step:.2g}"
     )
 
@@ -100,11 +96,6 @@ def diagnosis(parameters: Parameters, state: State) -> str:
 def _somewhere(numbers: Array) -> Array:
     """What is too large to be anything is no number."""
     return np.where(np.abs(numbers) < NOWHERE, numbers, np.nan)
-
-
-def extended(extra_laws: Sequence[Callable[..., float]]) -> Model:
-    """Tracers do not feel one another."""
-    raise BadInput("extra_laws: tracers have no pair laws; wanted none")
 
 
 def summary(scene: TracersScene) -> list[tuple[str, str, str]]:
@@ -167,7 +158,6 @@ TRACERS = Model(
     advance=advance,
     observe=observe,
     diagnosis=diagnosis,
-    extended=extended,
     exchange=exchange,
     invariants=invariants,
     laws=laws_of,
