@@ -19,11 +19,11 @@ from soft_scale import packing
 from ecume.engine import sparse
 from ecume.errors import BadInput
 from ecume.models.soft import SOFT
-from ecume.models.soft.films import answer
-from ecume.models.soft.protocol import drive_at
-from ecume.models.soft.pulling import imbalance, resist
-from ecume.models.soft.schemes import SCHEMES
-from ecume.models.soft.stages import begin_stage, first_stage
+from ecume.models.soft.contacts.films import answer
+from ecume.models.soft.integration.dirk import begin_stage, first_stage
+from ecume.models.soft.integration.dirk_schemes import SCHEMES
+from ecume.models.soft.integration.force_assembly import imbalance, resist
+from ecume.models.soft.loading.protocol import drive_at
 from ecume.models.soft.state import Workspace
 
 TRIES = 3

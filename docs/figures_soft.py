@@ -18,7 +18,7 @@ from ecume.laws.remote import REMOTE
 from ecume.laws.rubbing import sliding_force
 from ecume.laws.soft_pair import SoftPair, passage_time
 from ecume.models.soft import t1_process
-from ecume.models.soft.schemes import SCHEMES
+from ecume.models.soft.integration.dirk_schemes import SCHEMES
 from ecume.scenes.load import load_scene
 from ecume.scenes.schema import from_plain, to_plain
 from ecume.show.picture import Size

@@ -83,12 +83,14 @@ def matrix(options, refusals):
     return "\n".join(lines)
 
 
+MARKED = re.compile(r"(?<=<!-- option pairs -->\n).*?(?=\n<!-- end -->)", re.DOTALL)
+
+
 def section(page):
     """The generated part of a page, between its two marks."""
-    return re.search(r"<!-- option pairs -->\n(.*?)\n<!-- end -->", page.read_text(encoding="utf-8"), re.DOTALL)[1]
+    return MARKED.search(page.read_text(encoding="utf-8"))[0]
 
 
 def write_section(page, text):
     """Put a new matrix into a page."""
-    old = page.read_text(encoding="utf-8")
-    page.write_text(old.replace(section(page), text), encoding="utf-8")
+    page.write_text(MARKED.sub(lambda _: text, page.read_text(encoding="utf-8")), encoding="utf-8")

@@ -19,7 +19,7 @@ from ecume.laws.interfaces import INTERFACES
 from ecume.laws.remote import REMOTE
 from ecume.laws.rubbing import FRICTIONS
 from ecume.laws.surfaces import SURFACES
-from ecume.models.soft.schemes import SCHEMES
+from ecume.models.soft.integration.dirk_schemes import SCHEMES
 from ecume.scenes import floating
 from ecume.scenes.load import load_scene
 from ecume.scenes.starts import SOURCES

@@ -6,7 +6,7 @@ import numpy as np
 
 from ecume.models.model import CROWDED
 from ecume.models.soft import SOFT
-from ecume.models.soft.films import Films, Pairs, answer, make_answers
+from ecume.models.soft.contacts.films import Films, Pairs, answer, make_answers
 from ecume.models.soft.parameters import Contacts
 from ecume.scenes.soft import FilmSpec, SoftLiquid, SoftScene, SphereSpec, SteppingSpec
 

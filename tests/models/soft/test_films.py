@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from ecume.models.soft.schemes import SCHEMES
+from ecume.models.soft.integration.dirk_schemes import SCHEMES
 
 from .clusters import LOPSIDED, PAPER, contacts, one_contact
 

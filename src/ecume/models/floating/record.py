@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from ecume.models.blame import DEEP, first_broken, when
+from ecume.models.diagnosis import DEEP, first_broken, when
 from ecume.models.floating.extending import advance_extended
 from ecume.models.floating.interacting import advance, scratch_for
 from ecume.models.floating.invariants import invariants

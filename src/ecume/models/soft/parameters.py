@@ -10,7 +10,7 @@ from ecume.laws.interfaces import Resistance
 from ecume.laws.remote import Remote
 from ecume.laws.rubbing import ContactFriction
 from ecume.laws.surfaces import SurfaceLaw
-from ecume.models.soft.protocol import Protocol
+from ecume.models.soft.loading.protocol import Protocol
 from ecume.units import Array
 
 

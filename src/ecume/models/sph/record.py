@@ -6,8 +6,8 @@ import numpy as np
 import psutil
 
 from ecume.errors import Fault, SceneError
-from ecume.models.advice import Row
-from ecume.models.blame import first_broken, when
+from ecume.models.check_report import Row
+from ecume.models.diagnosis import first_broken, when
 from ecume.models.limits import within_steps
 from ecume.models.model import Model
 from ecume.models.sph.advice import advice

@@ -15,7 +15,7 @@ from ecume.errors import BadInput, Fault, SceneError
 from ecume.laws import brownian, drag
 from ecume.laws.liquids import liquid
 from ecume.models.tables import code_of
-from ecume.models.tracers.arrivals import Arrivals, Stream, arrivals_of, newcomers_of
+from ecume.models.tracers.openings import Arrivals, Stream, arrivals_of, newcomers_of
 from ecume.models.tracers.tank import surfaces_of
 from ecume.scenes.faults import suggestion
 from ecume.scenes.tracers import TracersScene

@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from ecume.laws import brownian, drag
-from ecume.models.blame import first_broken, when
-from ecume.models.invariants import INJECTED
+from ecume.models.diagnosis import first_broken, when
+from ecume.models.invariants import INJECTED, Invariant, Numbers, Seen, energy_never_rises
 from ecume.models.limits import require_memory, within_steps
-from ecume.models.model import Model
-from ecume.models.tracers.arrivals import species_of
-from ecume.models.tracers.invariants import invariants
-from ecume.models.tracers.parameters import Parameters, parameters_of
-from ecume.models.tracers.sources import laws_of
-from ecume.models.tracers.starting import start
+from ecume.models.liquids import correlations_of
+from ecume.models.model import Model, Source
+from ecume.models.tracers.energy_budget import brings, exchange, lent
+from ecume.models.tracers.initial_state import start
+from ecume.models.tracers.openings import species_of
+from ecume.models.tracers.parameters import DRAGS, Parameters, parameters_of
 from ecume.models.tracers.state import CAPPED, State, Workspace, came, workspace
-from ecume.models.tracers.stepping import NOWHERE, advance
-from ecume.models.tracers.work import brings, exchange, lent
+from ecume.models.tracers.time_stepping import NOWHERE, advance
 from ecume.scenes.tracers import TracersScene
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
@@ -147,6 +148,39 @@ def summary_of(scene: TracersScene, parameters: Parameters, index: int) -> list[
             layer = 1e6 * brownian.sedimentation_length(fluid.thermal, weight)
             rows.append((f"{name}: sedimentation length", f"{layer:.4g} um", "the layer's height in equilibrium"))
     return rows
+
+
+# --- What tracers must not lose: anybody, and energy that nobody brings
+
+
+RISE = 1e-6
+"""Of the energy: flights between walls are exact."""
+
+
+def invariants(scene: TracersScene, parameters: Parameters) -> list[Invariant]:
+    """The rows of a scene. What the liquid and openings bring is booked, see `work`."""
+    everyone = Invariant("mass", "particles that are neither inside nor gone through an opening", 0.0, _missing)
+    return [everyone, energy_never_rises(RISE)]
+
+
+def _missing(seen: Seen) -> float:
+    """Of those that were there at the start or came in since."""
+    came = _through("came", seen.now) - _through("came", seen.first)
+    gone = _through("left", seen.now) - _through("left", seen.first)
+    return abs(seen.first["particles_inside"] + came - gone - seen.now["particles_inside"])
+
+
+def _through(way: str, numbers: Numbers) -> float:
+    return sum(value for name, value in numbers.items() if name.startswith(f"{way}_through_opening_"))
+
+
+# --- The laws behind a scene of tracers, whose docstrings cite the papers
+
+
+def laws_of(scene: Any) -> list[Source]:
+    """Drag and heat."""
+    heat: list[Source] = [brownian.diffusivity, brownian.displacement_variance] if scene.motion.brownian else []
+    return [*DRAGS[scene.motion.drag].papers, *heat, *correlations_of(scene.liquid.name)]
 
 
 TRACERS = Model(

@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from ecume.laws.soft_pair import SoftPair, passage_time
-from ecume.models.soft.cluster import T1
-from ecume.models.soft.t1 import t1_process
+from ecume.models.soft.t1.cluster import T1
+from ecume.models.soft.t1.process import t1_process
 from ecume.validation.rows import Row, below, within
 
 TABLE = Path(__file__).with_name("independent.csv")
