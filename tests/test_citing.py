@@ -92,9 +92,7 @@ def test_the_verb_prints_bibtex(tmp_path, monkeypatch):
         ("t1", "remote.law=jelly"),
         ("t1", "stepping.scheme=jelly"),
         ("settling", "motion.drag=jelly"),
-        ("settling", "liquid.name=jelly"),
         ("dam-break", "method.kernel=jelly"),
-        ("cereal-bowl", "interaction.law=jelly"),
     ],
 )
 def test_a_scene_whose_law_does_not_exist_is_refused_by_name(name, change):

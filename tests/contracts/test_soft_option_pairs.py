@@ -1,6 +1,6 @@
 """Each option of soft spheres with each other one: a few steps in a small cell, or a physical reason against it.
 
-The matrix in `docs/physics/soft.md` is written by `python -m tests.contracts.test_soft_options`.
+The matrix in `docs/physics/soft.md` is written by `python -m tests.contracts.test_soft_option_pairs`.
 """
 
 import copy

@@ -1,6 +1,6 @@
 """Each option of tracers with each other one: a few steps in a small tank, or a physical reason against it.
 
-The matrix in `docs/physics/tracers.md` is written by `python -m tests.contracts.test_tracer_options`.
+The matrix in `docs/physics/tracers.md` is written by `python -m tests.contracts.test_tracer_option_pairs`.
 """
 
 import copy
