@@ -169,9 +169,9 @@ BARE = [{"radius": 1.0, "positions": [[x, 0.0]]} for x in (0.0, 2.1)]
         ({"films": {"surface": "jelly"}}, "films.surface", "hertz, bubble"),
         ({"films": {"interface": "oily"}}, "films.interface", "rigid, half-mobile, mobile, drop"),
         ({"films": {"friction": "glue", "roughness": 0.1}}, "films.friction", "none, coulomb"),
-        ({"films": {"friction": "coulomb"}}, "films.roughness", "came none"),
-        ({"spheres": BARE}, "spheres[0].modulus", "came none"),
-        ({"films": {"surface": "bubble"}, "liquid": {"viscosity": 1.0}}, "liquid.surface_tension", "came none"),
+        ({"films": {"friction": "coulomb"}}, "films.roughness", "got none"),
+        ({"spheres": BARE}, "spheres[0].modulus", "got none"),
+        ({"films": {"surface": "bubble"}, "liquid": {"viscosity": 1.0}}, "liquid.surface_tension", "got none"),
     ],
 )
 def test_what_a_law_lacks_is_said(more, path, says):

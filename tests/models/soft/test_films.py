@@ -13,7 +13,7 @@ WAYS = {
     "paper": contacts(PAPER),
     "lopsided": contacts(LOPSIDED, viscosity=0.3),
     "fading": contacts(LOPSIDED, fade_from=0.01, fade_to=0.2),
-    "steric": contacts(PAPER, remote=1, steric_strength=0.02, steric_length=0.3),
+    "steric": contacts(PAPER, remote=1, strength=0.02, steric_length=0.3),
     "bubble": contacts(LOPSIDED, surface=1, surface_tension=0.7),
     "half-mobile": contacts(PAPER, interface=1),
     "mobile": contacts(LOPSIDED, interface=2),
