@@ -22,9 +22,9 @@ from marching import machine
 
 from ecume.engine.linear_solvers import solvers
 from ecume.models.soft import SOFT
-from ecume.models.soft.meeting import renew_contacts
+from ecume.models.soft.contacts.contact_list import renew_contacts
+from ecume.models.soft.integration.time_stepping import one_step
 from ecume.models.soft.state import CLOCK
-from ecume.models.soft.stepping import one_step
 from ecume.scenes.schema import from_plain
 from ecume.scenes.soft import SoftScene
 

@@ -19,11 +19,11 @@ from soft_scale import packing
 from ecume.engine.linear_solvers import solvers
 from ecume.errors import BadInput
 from ecume.models.soft import SOFT
-from ecume.models.soft.films import answer
-from ecume.models.soft.protocol import drive_at
-from ecume.models.soft.pulling import imbalance, resist
-from ecume.models.soft.schemes import SCHEMES
-from ecume.models.soft.stages import begin_stage, first_stage
+from ecume.models.soft.contacts.films import answer
+from ecume.models.soft.integration.dirk import begin_stage, first_stage
+from ecume.models.soft.integration.dirk_schemes import SCHEMES
+from ecume.models.soft.integration.force_assembly import imbalance, resist
+from ecume.models.soft.loading.protocol import drive_at
 from ecume.models.soft.state import Workspace
 
 TRIES = 3
@@ -44,7 +44,7 @@ def system(count: int, dimensions: int) -> tuple[object, Workspace]:
 def fill(parameters: object, scratch: Workspace, span: float) -> None:
     """The matrix and the right side of a stage of this length (s)."""
     step = scratch.step
-    begin_stage(step, SCHEMES["tr-bdf2"], 1, span)
+    begin_stage(step, SCHEMES["tr-bdf2"].tableau, 1, span)
     answer(parameters.contacts, step.pairs, step.films, step.bodies.position, span, step.answers)  # type: ignore[attr-defined]
     imbalance(step, 1.0, span, True)
     resist(step, span)

@@ -18,7 +18,7 @@ from ecume.laws.interfaces import INTERFACES
 from ecume.laws.long_range import REMOTE
 from ecume.laws.soft_pair import SoftPair, passage_time
 from ecume.models.soft import t1_process
-from ecume.models.soft.schemes import SCHEMES
+from ecume.models.soft.integration.dirk_schemes import SCHEMES
 from ecume.scenes.load import load_scene
 from ecume.scenes.schema import from_plain, to_plain
 from ecume.show.picture import Size
@@ -156,7 +156,7 @@ def soft_schemes() -> Figure:
             numbers = list(simulate(scene))[-1].numbers
             rows.append((numbers["time_steps"], abs(math.log(numbers["smallest_gap"] / 0.1))))
         steps, errors = np.array(rows).T
-        order = SCHEMES[name].order
+        order = SCHEMES[name].tableau.order
         axes.plot(steps, errors, "o", color=color, markersize=5, label=name)
         axes.plot(steps, errors[-1] * (steps[-1] / steps) ** order, color=color, linewidth=1.0, label=f"order {order}")
     axes.set_xticks([20, 50, 100], ["20", "50", "100"])

@@ -8,6 +8,7 @@ from typer.testing import CliRunner
 
 from ecume.citing import bibliography, bibtex, cited, in_words, papers_of
 from ecume.cli import app
+from ecume.errors import SceneError
 from ecume.models import MODELS
 from ecume.models.model import Model
 from ecume.scenes.load import load_scene
@@ -80,3 +81,20 @@ def test_the_verb_prints_bibtex(tmp_path, monkeypatch):
     assert told.exit_code == 0
     assert told.stdout == bibtex(papers("t1"))
     assert "@article{rognon2009," in told.stdout
+
+
+@pytest.mark.parametrize(
+    ("name", "change"),
+    [
+        ("t1", "films.surface=jelly"),
+        ("t1", "films.interface=jelly"),
+        ("t1", "films.friction=jelly"),
+        ("t1", "remote.law=jelly"),
+        ("t1", "stepping.scheme=jelly"),
+        ("settling", "motion.drag=jelly"),
+        ("dam-break", "method.kernel=jelly"),
+    ],
+)
+def test_a_scene_whose_law_does_not_exist_is_refused_by_name(name, change):
+    with pytest.raises(SceneError, match=change.split("=")[0].replace(".", r"\.")):
+        papers(name, change)

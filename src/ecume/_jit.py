@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import collections
 import functools
+import inspect
 import math
 import os
 from collections.abc import Callable, Iterable, Mapping
@@ -217,8 +218,13 @@ def plainly(function: Function) -> Function:
     return kept
 
 
-def selection(name: str, laws: Mapping[int, Callable[[Any], Any]], module: str, file: str) -> Any:
+def selection(
+    name: str, laws: Mapping[int, Callable[..., Any]], module: str, file: str, takes: tuple[str, ...] = ()
+) -> Any:
     """A function `name(x, code)` for loops that are `summing`: the law with this code at x.
+
+    With `takes`, a function `name(*takes, code)` for all other loops: each argument of a law is one of these, by its
+    name, or a field of the last of them.
 
     It is made from a table of laws, as source text with one branch for each row, so that no branch can be forgotten
     (`dataclasses` make `__init__` in the same way). A law that is passed as an argument or caught in a closure would be
@@ -230,15 +236,24 @@ def selection(name: str, laws: Mapping[int, Callable[[Any], Any]], module: str, 
     which rounds its sums differently: the caller refuses unknown codes before a loop begins.
     """
     found: dict[str, Any] = {"__name__": module}
-    lines, distinct = [f"def {name}(x, code):"], list(dict.fromkeys(laws.values()))
+    given = ", ".join(takes or "x")
+    lines, distinct = [f"def {name}({given}, code):"], list(dict.fromkeys(laws.values()))
     for number, law in enumerate(distinct):
         found[f"law_{number}"] = law
         if law is not distinct[-1]:
             codes = " or ".join(f"code == {code:d}" for code in laws if laws[code] is law)
-            lines += [f"    if {codes}:", f"        return law_{number}(x)"]
-    lines += [f"    return law_{len(distinct) - 1}(x)"]
+            lines += [f"    if {codes}:", f"        return law_{number}({_given_to(law, takes)})"]
+    lines += [f"    return law_{len(distinct) - 1}({_given_to(distinct[-1], takes)})"]
     exec(compile("\n".join(lines), file, "exec"), found)  # noqa: S102  # of the names above, nothing from outside
-    return summed_inside(found[name])
+    return compiled_inside(found[name]) if takes else summed_inside(found[name])
+
+
+def _given_to(law: Callable[..., Any], takes: tuple[str, ...]) -> str:
+    """The arguments of a law, as text: one of a selection's arguments each, or a field of the last of them."""
+    if not takes:
+        return "x"
+    names = inspect.signature(law).parameters
+    return ", ".join(one if one in takes else f"{takes[-1]}.{one}" for one in names)
 
 
 def admit(*modules: ModuleType) -> None:

@@ -24,8 +24,16 @@ KEY = re.compile(r"\b[a-z]+\d{4}[a-z]?\b")
 
 
 def papers_of(scene: Scene) -> list[str]:
-    """The keys of the papers behind the laws of a scene, in the order in which the laws come in."""
-    found = [key for law in MODELS[scene.model].laws(scene) for key in cited(inspect.getdoc(law) or "")]
+    """The keys of the papers behind the laws of a scene, in the order in which the laws come in. Raises SceneError
+    if the scene names a law that does not exist.
+    """
+    model = MODELS[scene.model]
+    try:
+        laws = model.laws(scene)
+    except KeyError:
+        model.parameters(scene)  # says which name of the scene has no law
+        raise
+    found = [key for law in laws for key in cited(inspect.getdoc(law) or "")]
     return [key for key in dict.fromkeys(found) if key in bibliography()]
 
 

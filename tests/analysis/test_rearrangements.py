@@ -12,7 +12,7 @@ from ecume.analysis.rearrangements import contact_swaps, neighbor_swaps
 from ecume.analysis.triangulation import neighbors_of, radical_neighbors
 from ecume.errors import BadInput
 from ecume.models.soft import t1_process
-from ecume.models.soft.cluster import t1_scene
+from ecume.models.soft.t1.cluster import t1_scene
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
 

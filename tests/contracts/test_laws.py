@@ -261,10 +261,12 @@ TABLES = {
         quadrupoles.quadrupole_force,
         quadrupoles.quadrupole_torque,
     ],
-    "remote": [law for row in long_range.REMOTE.values() for law in row],
+    "remote": [law for row in long_range.REMOTE.values() for law in (row.energy, row.force, row.slope)],
     "interfaces": list(interfaces.INTERFACES.values()),
 }
-UNCITED = {"no_wall_energy", "no_wall_force", "nonlinear_charge", *(law.__name__ for law in long_range.REMOTE["none"])}
+UNCITED = {
+    "no_wall_energy", "no_wall_force", "nonlinear_charge", "no_remote_energy", "no_remote_force", "no_remote_slope",
+}  # fmt: skip
 """No physics of their own."""
 
 

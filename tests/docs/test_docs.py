@@ -19,7 +19,7 @@ from ecume.laws.friction import FRICTIONS
 from ecume.laws.interfaces import INTERFACES
 from ecume.laws.long_range import REMOTE
 from ecume.laws.surfaces import SURFACES
-from ecume.models.soft.schemes import SCHEMES
+from ecume.models.soft.integration.dirk_schemes import SCHEMES
 from ecume.scenes import floating
 from ecume.scenes.floating.sources import SOURCES
 from ecume.scenes.load import load_scene

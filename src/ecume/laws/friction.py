@@ -7,6 +7,10 @@ friction never drives.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
 from ecume.units import Force, Length, Number
 
 SOFTLY = 0.02
@@ -88,5 +92,74 @@ def limit_slope(pull: Force, limit: Force) -> Number:
     return -over / width - 0.5 * SOFTLY * (over / width) ** 2
 
 
-FRICTIONS = ("none", "coulomb")
-"""Contact friction: none, or `holding_force`."""
+class Rubbing(NamedTuple):
+    """What the film bears of a pull along the surface, and how that changes."""
+
+    held: Number
+    """over the pull; 1 without contact friction"""
+    by_pull: Number
+    by_limit: Number
+    """derivatives of what the film bears, with respect to the pull and to the limit of contact friction"""
+    limit_by_normal: Number
+    limit_by_gap: Force
+    """derivatives of that limit, with respect to the normal force (tension) and to ln(gap)"""
+
+
+def no_rubbing(gap: Length, compression: Force, pull: Force) -> Rubbing:
+    """Without contact friction, the film bears all of the pull.
+
+    >>> no_rubbing(1e-6, 1.0, 0.5).held
+    1.0
+    """
+    return Rubbing(1.0, 1.0, 0.0, 0.0, 0.0)
+
+
+def coulomb_rubbing(gap: Length, compression: Force, pull: Force, coefficient: Number, roughness: Length) -> Rubbing:
+    """Coulomb's friction of the tips, `holding_force`, beside the film. [coulomb1785].
+
+    >>> coulomb_rubbing(0.1, 2.0, 0.9, 0.5, 1.0).held
+    0.0
+    """
+    if compression <= 0.0 or gap >= roughness:
+        return no_rubbing(gap, compression, pull)
+    limit, size = holding_force(compression, gap, coefficient, roughness), abs(pull)
+    by_pull = sliding_slope(size, limit)
+    held = sliding_force(size, limit) / size if size > 0.0 else by_pull
+    by_limit = limit_slope(size, limit) * (1.0 if pull > 0.0 else -1.0)
+    by_normal = -coefficient * touching(gap, roughness)
+    return Rubbing(held, by_pull, by_limit, by_normal, coefficient * compression * touching_power(gap, roughness))
+
+
+def _roughness_doubts(gap: Length, roughness: Length, smallest_radius: Length) -> list[str]:
+    """Roughness that does not matter, or is too large."""
+    found = {
+        "gaps are wider than the roughness: there is no contact friction as yet": gap > roughness,
+        "the roughness is a tenth of a radius or more: tips on a sphere are smaller": roughness > 0.1 * smallest_radius,
+    }
+    return [said for said, wrong in found.items() if wrong]
+
+
+@dataclass(frozen=True)
+class ContactFriction:
+    """A row of the table: a law of contact friction and everything that depends on it."""
+
+    rubbing: Callable[..., Rubbing]
+    """what the film bears; beside gap, compression and pull it takes constants of the scene, by their names in
+    `ecume.models.soft`'s `Contacts`
+    """
+    papers: tuple[Callable[..., Any], ...] = ()
+    """functions whose docstrings name the references that `ecume cite` lists"""
+    needs: Mapping[str, str] = field(default_factory=dict)
+    """options of the films that the law needs, and what to say if one is missing"""
+    doubts: Callable[..., list[str]] | None = None
+    """what `ecume check` warns of, by the gap, the roughness and the smallest radius"""
+
+
+FRICTIONS = {
+    "none": ContactFriction(no_rubbing),
+    "coulomb": ContactFriction(
+        coulomb_rubbing, (holding_force,),
+        {"roughness": "contact friction acts below a gap as wide as it; got none"}, _roughness_doubts,
+    ),
+}  # fmt: skip
+"""Contact friction: `films.friction` of a scene."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from ecume.laws.lubrication import shear_friction, squeeze_friction
 from ecume.units import Friction, Length, Number, Viscosity
@@ -176,9 +176,12 @@ def drop_film(
     return Resistance(squeeze, shear, by_size, by_gap, 1.0 + film, -film)
 
 
-INTERFACES: dict[str, Callable[..., Any]] = {
+INTERFACES: dict[str, Callable[..., Resistance]] = {
     "rigid": rigid_film,
     "half-mobile": half_mobile_film,
     "mobile": mobile_film,
     "drop": drop_film,
 }
+"""How mobile surfaces are: `films.interface` of a scene. A row is the friction of a film; what it takes beside contact
+size, gap and prefactors are constants of the scene, by their names in the `Contacts` of `ecume.models.soft`.
+"""

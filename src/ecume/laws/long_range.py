@@ -7,7 +7,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Annotated, Any, NamedTuple
+from dataclasses import dataclass
+from typing import Annotated, Any
 
 from ecume.units import Energy, Force, Length, Unit
 
@@ -112,16 +113,34 @@ def dlvo_slope(
     return reduced_radius * (hamaker / (3.0 * gap**3) - layer)
 
 
-class Remote(NamedTuple):
-    """A law: its energy, its force, and the force's slope over the gap."""
+def _steric_doubts(constants: Any, smallest_radius: Length) -> list[str]:
+    """Layers that are not thin."""
+    said = "the steric length is a tenth of a radius or more: spheres bear each other at a distance"
+    return [said] if constants.steric_length > 0.1 * smallest_radius else []
+
+
+@dataclass(frozen=True)
+class Remote:
+    """A row of the table: a law and everything that depends on it.
+
+    What its formulas take beside the gap and the reduced radius are constants of the scene, by their names in the
+    `Contacts` of `ecume.models.soft`.
+    """
 
     energy: Callable[..., Any]
     force: Callable[..., Any]
+    """positive when it repels"""
     slope: Callable[..., Any]
+    """dF/dh"""
+    acts: bool = True
+    """whether the force can differ from zero"""
+    doubts: Callable[..., list[str]] | None = None
+    """what `ecume check` warns of, by `Contacts` and the smallest radius"""
 
 
 REMOTE = {
-    "none": Remote(no_remote_energy, no_remote_force, no_remote_slope),
-    "steric": Remote(steric_energy, steric_force, steric_slope),
+    "none": Remote(no_remote_energy, no_remote_force, no_remote_slope, acts=False),
+    "steric": Remote(steric_energy, steric_force, steric_slope, doubts=_steric_doubts),
     "dlvo": Remote(dlvo_energy, dlvo_force, dlvo_slope),
 }
+"""Forces across the gap: `remote.law` of a scene."""

@@ -22,9 +22,9 @@ def within_steps(scene: Common, parameters: Parameters) -> Parameters:
     return parameters
 
 
-def require_memory(path: str, what: str, wanted: float) -> None:
-    """Raise SceneError where a machine like this has less memory (bytes) than something needs."""
+def require_memory(path: str, what: str, wanted: float, way_out: str = "use fewer") -> None:
+    """Raise SceneError if this machine has less memory (bytes) than something needs."""
     there = psutil.virtual_memory().total
     if wanted > there:
-        told = f"{what} need about {wanted / 1e9:.3g} GB, this machine has {there / 1e9:.3g} GB; use fewer"
+        told = f"{what} need about {wanted / 1e9:.3g} GB, this machine has {there / 1e9:.3g} GB; {way_out}"
         raise SceneError([Fault(path, told)])

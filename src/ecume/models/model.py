@@ -22,9 +22,9 @@ def no_laws(scene: Any) -> list[Source]:
     return []
 
 
-def no_extra_laws(extra_laws: Any) -> Model:
-    """A model without pair laws."""
-    raise BadInput(f"extra_laws: got {len(extra_laws)}; expected none: this model has no pair laws")
+def _no_extra_laws(extra_laws: Any) -> Model:
+    """Most models have no pair laws that a user's own could be added to."""
+    raise BadInput("extra_laws: this model takes none; the floating model does")
 
 
 def no_summary(scene: Any) -> list[tuple[str, str, str]]:
@@ -68,8 +68,10 @@ class Model:
     """observe(parameters, state, workspace): the frame of this instant."""
     diagnosis: Callable[[Any, Any], str]
     """diagnosis(parameters, state): which particle, when, why, and what to do; for a state that came back DIVERGED."""
-    extended: Callable[[Any], Model] = field(kw_only=True, default=no_extra_laws)
-    """extended(extra_laws): the same model with the user's own pair laws compiled into it."""
+    extended: Callable[[Any], Model] = field(kw_only=True, default=_no_extra_laws)
+    """extended(extra_laws): the same model with the user's own pair laws compiled into it. Raises BadInput if
+    a model takes none.
+    """
     scene: Any = field(kw_only=True, default=None)
     """The type of its scenes, for a model that has no row in `ecume.scenes.schema.SCENES`."""
     exchange: Callable[[Any, Any], Any] = field(kw_only=True, default=_same)

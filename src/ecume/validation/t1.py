@@ -8,8 +8,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from ecume.laws.soft_pair import SoftPair, passage_time
-from ecume.models.soft.cluster import T1
-from ecume.models.soft.t1 import t1_process
+from ecume.models.soft.t1.cluster import T1
+from ecume.models.soft.t1.process import t1_process
 from ecume.validation.rows import Row, below, within
 from ecume.validation.runner import read_table
 

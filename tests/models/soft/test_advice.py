@@ -6,8 +6,15 @@ import pytest
 
 from ecume.laws.soft_pair import SoftPair, passage_time
 from ecume.models.soft import SOFT
-from ecume.models.soft.advice import doubts, forces, pressed_force, sheared_force, typical_pair
-from ecume.models.soft.cost import steps_of, strain_of
+from ecume.models.soft.report.check_report import (
+    doubts,
+    forces,
+    pressed_force,
+    sheared_force,
+    steps_of,
+    strain_of,
+    typical_pair,
+)
 from ecume.scenes.schema import from_plain
 from ecume.simulation import simulate
 

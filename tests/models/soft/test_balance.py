@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from ecume.models.soft import SOFT
-from ecume.models.soft.meeting import renew_contacts
+from ecume.models.soft.contacts.contact_list import renew_contacts
+from ecume.models.soft.integration.time_stepping import one_step
 from ecume.models.soft.state import LEFT
-from ecume.models.soft.stepping import one_step
 
 from .test_packings import packing
 

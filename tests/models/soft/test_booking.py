@@ -10,9 +10,9 @@ from ecume.laws.elasticity import PREFACTORS, surface_energy
 from ecume.laws.soft_pair import SoftPair, deflection_under_force
 from ecume.models.invariants import ENERGY, Seen
 from ecume.models.soft import SOFT
-from ecume.models.soft.booking import DRAG, FILMS, INJECTED, SIZE, elastic_energy, released
-from ecume.models.soft.protocol import drive_at
-from ecume.models.soft.solving import begin
+from ecume.models.soft.integration.linear_solvers import begin
+from ecume.models.soft.loading.protocol import drive_at
+from ecume.models.soft.report.energy_budget import DRAG, FILMS, INJECTED, SIZE, elastic_energy, released
 from ecume.scenes.schema import from_plain
 from ecume.scenes.soft import StageSpec
 from ecume.simulation import simulate

@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from ecume.models.soft.schemes import SCHEMES
+from ecume.models.soft.integration.dirk_schemes import SCHEMES
 
 from .clusters import LOPSIDED, PAPER, contacts, one_contact
 
@@ -13,7 +13,7 @@ WAYS = {
     "paper": contacts(PAPER),
     "lopsided": contacts(LOPSIDED, viscosity=0.3),
     "fading": contacts(LOPSIDED, fade_from=0.01, fade_to=0.2),
-    "steric": contacts(PAPER, remote=1, steric_strength=0.02, steric_length=0.3),
+    "steric": contacts(PAPER, remote=1, strength=0.02, steric_length=0.3),
     "bubble": contacts(LOPSIDED, surface=1, surface_tension=0.7),
     "half-mobile": contacts(PAPER, interface=1),
     "mobile": contacts(LOPSIDED, interface=2),
@@ -94,7 +94,7 @@ def test_a_rotated_contact_answers_with_a_rotated_force():
 
 @pytest.mark.parametrize("name", SCHEMES)
 def test_a_scheme_has_the_order_it_claims_and_damps_what_is_stiff(name):
-    scheme = SCHEMES[name]
+    scheme = SCHEMES[name].tableau
     whole = scheme.rows + scheme.diagonal * np.diag([0.0] + [1.0] * (len(scheme.times) - 1))
     b, c = whole[-1], scheme.times
     sums = {2: [(b @ c, 1 / 2)]}

@@ -9,8 +9,8 @@ import pytest
 from ecume.errors import SceneError
 from ecume.models.model import CROWDED
 from ecume.models.soft import SOFT
-from ecume.models.soft.cell import Box
-from ecume.models.soft.meeting import neighbors, newcomers
+from ecume.models.soft.contacts.contact_list import neighbors, newcomers
+from ecume.models.soft.loading.cell import Box
 from ecume.models.soft.state import ACCEPTED
 from ecume.scenes.schema import from_plain
 from ecume.simulation import simulate

@@ -7,13 +7,14 @@ import pytest
 
 from ecume.engine.linear_solvers import solvers
 from ecume.errors import SceneError
-from ecume.models.soft import SOFT, solving
-from ecume.models.soft.films import answer
-from ecume.models.soft.protocol import drive_at
-from ecume.models.soft.pulling import imbalance, resist
-from ecume.models.soft.schemes import SCHEMES
-from ecume.models.soft.solving import ITERATIONS, choices
-from ecume.models.soft.stages import begin_stage, first_stage
+from ecume.models.soft import SOFT
+from ecume.models.soft.contacts.films import answer
+from ecume.models.soft.integration import linear_solvers
+from ecume.models.soft.integration.dirk import begin_stage, first_stage
+from ecume.models.soft.integration.dirk_schemes import SCHEMES
+from ecume.models.soft.integration.force_assembly import imbalance, resist
+from ecume.models.soft.integration.linear_solvers import ITERATIONS, choices
+from ecume.models.soft.loading.protocol import drive_at
 from ecume.models.soft.state import FAILED
 
 from .clusters import marched
@@ -33,7 +34,7 @@ def stage(scene, span):
     parameters, _, scratch = started(scene)
     step = scratch.step
     first_stage(parameters.contacts, step, drive_at(parameters.protocol, 0.0))
-    begin_stage(step, SCHEMES["tr-bdf2"], 1, span)
+    begin_stage(step, SCHEMES["tr-bdf2"].tableau, 1, span)
     step.bodies.position[:] += 1e-4 * np.random.default_rng(1).normal(size=step.bodies.position.shape)
     answer(parameters.contacts, step.pairs, step.films, step.bodies.position, span, step.answers)
     imbalance(step, 1.0, span, True)
@@ -64,7 +65,7 @@ def test_the_solver_is_the_one_that_does_less_and_gradients_are_tried_again_afte
     for iterations, wanted in ((0, "iterative"), (even, "iterative"), (even + 1, "direct"), (2000, "direct")):
         state.effort[:] = iterations, 0, 0
         assert choices(parameters, scratch.kept, state.effort)[0] == wanted
-    state.effort[:] = 2000, solving.AGAIN, 0
+    state.effort[:] = 2000, linear_solvers.AGAIN, 0
     assert choices(parameters, scratch.kept, state.effort) == ("iterative",)
 
 
@@ -89,14 +90,14 @@ def test_a_factorization_stands_in_where_gradients_give_up_however_short_the_ste
     monkeypatch.setattr(solvers, "MOST_ITERATIONS", 1)
     scene = packing(count=30, strain=1e-3, duration=0.2)
     auto = marched(scene)[1]
-    assert auto.tally[FAILED] >= solving.PATIENCE
+    assert auto.tally[FAILED] >= linear_solvers.PATIENCE
     assert auto.position == pytest.approx(marched(solved_by(scene, "direct"))[1].position, abs=1e-6)
 
 
 def test_interruptions_change_no_bit_while_solvers_take_turns(monkeypatch):
     monkeypatch.setattr(solvers, "DENSER", 0.0)
     monkeypatch.setattr(solvers, "FEW", 0)
-    monkeypatch.setattr(solving, "AGAIN", 3)
+    monkeypatch.setattr(linear_solvers, "AGAIN", 3)
     tried, directly = [], solvers.directly
     monkeypatch.setitem(solvers.SOLVERS, "direct", lambda *given: tried.append(given[0]) or directly(*given))
     scene = packing(count=25, strain=0.1, duration=10.0, frame_every=1.0)

@@ -10,13 +10,14 @@ import pytest
 from ecume.analysis.rheology import stress_tensor
 from ecume.engine.linear_solvers.solvers import SOLVERS
 from ecume.errors import SceneError
-from ecume.models.soft import SOFT, newton, stages
-from ecume.models.soft.cell import Goal
-from ecume.models.soft.protocol import Drive, drive_at, protocol_of
-from ecume.models.soft.schemes import SCHEMES
-from ecume.models.soft.solving import balance
+from ecume.models.soft import SOFT
+from ecume.models.soft.integration import dirk, newton
+from ecume.models.soft.integration.dirk_schemes import SCHEMES
+from ecume.models.soft.integration.linear_solvers import balance
+from ecume.models.soft.integration.time_stepping import one_step
+from ecume.models.soft.loading.cell import Goal
+from ecume.models.soft.loading.protocol import Drive, drive_at, protocol_of
 from ecume.models.soft.state import ACCEPTED, CLOCK
-from ecume.models.soft.stepping import one_step
 from ecume.scenes.schema import from_plain, to_plain
 from ecume.scenes.soft import StageSpec
 from ecume.simulation import simulate
@@ -106,9 +107,9 @@ def test_newtons_method_doubles_its_digits_with_the_stresses_in(monkeypatch, rot
     monkeypatch.setattr(newton, "move", lambda *given: changes.append(move(*given)) or changes[-1])
     at = (drive, drive._replace(shear_stress=3e-4, normal_stress=1.2e-3), (1, 1))
     assert balance(parameters, scratch, at, state.effort)
-    stages.begin_stage(step, SCHEMES["tr-bdf2"], 1, 0.1)
+    dirk.begin_stage(step, SCHEMES["tr-bdf2"].tableau, 1, 0.1)
     changes.clear()
-    stages.first_stage(parameters.contacts, step, drive)
+    dirk.first_stage(parameters.contacts, step, drive)
     goal = Goal(drive._replace(shear_stress=3e-4), drive, 0.5, 1e-13)
     assert newton.newton_bordered(functools.partial(SOLVERS["dense"], scratch.kept), parameters.contacts, step, goal)
     assert math.log(changes[3]) / math.log(changes[2]) > 1.8

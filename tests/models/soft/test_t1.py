@@ -8,7 +8,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from ecume.errors import BadInput
-from ecume.models.soft.t1 import follow, t1_process, t1_scene
+from ecume.models.soft.t1.process import follow, t1_process, t1_scene
 
 from .clusters import Referee
 

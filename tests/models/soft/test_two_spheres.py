@@ -75,7 +75,7 @@ def test_a_gap_that_is_pressed_for_ever_never_closes():
 
 def test_steric_layers_bear_the_load_in_the_end():
     scene = pull_apart(0.05, -1e-3, duration=1e7, tolerance=1e-6)
-    steric = SOFT.parameters(scene).contacts._replace(remote=1, steric_strength=1e-3, steric_length=0.02)
+    steric = SOFT.parameters(scene).contacts._replace(remote=1, strength=1e-3, steric_length=0.02)
     parameters = SOFT.parameters(scene)._replace(contacts=steric)
     state = to_the_end(parameters, SOFT.start(scene, parameters))
     assert math.exp(state.log_gap[0]) == pytest.approx(0.01, rel=1e-4)

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from ecume.models.blame import DEEP, first_broken
+from ecume.models.diagnosis import DEEP, first_broken, when
 from ecume.models.floating.extending import advance_extended
 from ecume.models.floating.interacting import advance, scratch_for
 from ecume.models.floating.invariants import invariants
@@ -39,9 +39,8 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
 
 def diagnosis(parameters: Parameters, state: State) -> str:
     """Who left the range where it means anything, when, and what to do."""
-    step, when = int(state.step[0]), int(state.step[0]) * parameters.time_step
     return (
-        f"at t = {when:.6g} s (step {step}) {_who_and_what(parameters, state)}: too far for one time step of "
+        f"{when(parameters, state)} {_who_and_what(parameters, state)}: too far for one time step of "
         f"{parameters.time_step:.3g} s. Set motion.time_step = {0.25 * parameters.time_step:.2g}, "
         "or look for overlapping floats"
     )

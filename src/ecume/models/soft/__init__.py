@@ -1,7 +1,11 @@
-"""Soft spheres close together in a viscous liquid: films and surfaces in series, force balance, implicit steps."""
+"""Soft spheres close together in a viscous liquid: Soft Dynamics [rognon2009], without inertia.
 
-from ecume.models.soft.cluster import T1
+Start with `record`, the functions that a run calls, and `state`. `contacts` holds films and surfaces, `integration`
+the implicit steps, `loading` the box and what is done to it, `setup` the start, `report` what is told of a run, and
+`t1` the process of four spheres that the papers study.
+"""
+
 from ecume.models.soft.record import SOFT
-from ecume.models.soft.t1 import t1_process
+from ecume.models.soft.t1 import T1, t1_process
 
 __all__ = ["SOFT", "T1", "t1_process"]

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import NamedTuple
 
 from ecume.engine.cells import Integers
-from ecume.models.soft.protocol import Protocol
+from ecume.laws.friction import ContactFriction
+from ecume.laws.interfaces import Resistance
+from ecume.laws.long_range import Remote
+from ecume.laws.surfaces import SurfaceLaw
+from ecume.models.soft.loading.protocol import Protocol
 from ecume.units import Array
-
-ALWAYS = 1e300
-"""A reach that no gap exceeds."""
 
 
 class Contacts(NamedTuple):
@@ -31,26 +33,35 @@ class Contacts(NamedTuple):
     rounding: float
     """m: below this a deflection's magnitude is rounded off, so that the force has a slope at zero"""
     remote: int
-    """which law of `ecume.laws.long_range`: a place in its table"""
-    steric_strength: float
+    """the code of a row of `ecume.laws.long_range.REMOTE`"""
+    strength: float
     steric_length: float
     hamaker: float
     layer_strength: float
     debye_length: float
     surface: int
-    """which elastic law: a place in the table `surfaces.SURFACES`"""
+    """the code of a row of `ecume.laws.surfaces.SURFACES`"""
     surface_tension: float
     """N/m, of bubbles and drops"""
     interface: int
-    """how mobile surfaces are: a place in `ecume.laws.interfaces.INTERFACES`"""
+    """the code of a row of `ecume.laws.interfaces.INTERFACES`"""
     viscosity_ratio: float
     """of drops, over the liquid"""
     friction: int
-    """contact friction: a place in `ecume.laws.friction.FRICTIONS`"""
+    """the code of a row of `ecume.laws.friction.FRICTIONS`"""
     coefficient: float
     """of contact friction"""
     roughness: float
     """m: the gap below which there is contact friction"""
+
+
+class Laws(NamedTuple):
+    """The rows of the tables that a scene chose, for Python; compiled code knows them by their codes in `Contacts`."""
+
+    surface: SurfaceLaw
+    interface: Callable[..., Resistance]
+    remote: Remote
+    friction: ContactFriction
 
 
 class Planes(NamedTuple):
@@ -97,6 +108,7 @@ class Parameters(NamedTuple):
     """(3,) m: sides of the periodic box at scale 1; zero where there is none, and along axes that walls stand across"""
     walls: Planes
     contacts: Contacts
+    laws: Laws
     protocol: Protocol
     scheme: str
     tolerance: float

@@ -2,26 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
-import psutil
 
 from ecume._portable import exp
-from ecume.errors import BadInput, Fault, SceneError
-from ecume.models.advice import Row
-from ecume.models.blame import DEEP, first_broken
-from ecume.models.model import Model
-from ecume.models.soft.advice import advice
-from ecume.models.soft.building import parameters_of, start
-from ecume.models.soft.cost import bytes_of
-from ecume.models.soft.invariants import invariants
-from ecume.models.soft.meeting import box_in
-from ecume.models.soft.observing import observe
+from ecume.laws import elasticity, friction, interfaces, long_range, lubrication, surfaces
+from ecume.models.check_report import Row
+from ecume.models.diagnosis import DEEP, first_broken
+from ecume.models.invariants import DISSIPATED, ENERGY, INJECTED, Invariant, Seen, part_of
+from ecume.models.limits import require_memory
+from ecume.models.model import Model, Source
+from ecume.models.soft.contacts.contact_list import box_in
+from ecume.models.soft.integration import dirk_schemes
+from ecume.models.soft.integration.dirk_schemes import SCHEMES
+from ecume.models.soft.integration.time_stepping import advance
 from ecume.models.soft.parameters import Parameters
-from ecume.models.soft.sources import laws_of
+from ecume.models.soft.report.check_report import advice, bytes_of
+from ecume.models.soft.report.observation import SIZE_WORK, STAKE, observe
+from ecume.models.soft.setup.building import parameters_of, start
 from ecume.models.soft.state import ACCEPTED, CLOCK, LENGTH, State, workspace
-from ecume.models.soft.stepping import advance
 from ecume.scenes.soft import SoftScene
 
 
@@ -30,10 +30,7 @@ def checked_parameters(scene: SoftScene) -> Parameters:
     count = sum(species.count or len(species.positions) for species in scene.spheres)
     everyone = scene.films.reach is None and scene.box is None
     contacts = count * (count - 1) / 2 if everyone else 20.0 * count
-    wanted, there = bytes_of(contacts), psutil.virtual_memory().total
-    if wanted > there:
-        told = f"{count} spheres need about {wanted / 1e9:.3g} GB, this machine has {there / 1e9:.3g} GB"
-        raise SceneError([Fault("spheres", f"{told}; use fewer spheres, or set films.reach")])
+    require_memory("spheres", f"{count} spheres", bytes_of(contacts), "use fewer spheres, or set films.reach")
     return parameters_of(scene)
 
 
@@ -67,15 +64,71 @@ def _closest(parameters: Parameters, state: State) -> str:
     return f"{what} between spheres {pair[at, 0]} and {pair[at, 1]}"
 
 
-def extended(extra_laws: Sequence[Callable[..., float]]) -> Model:
-    """There are no laws of a user's own here: a pair of soft spheres has a state besides its distance."""
-    raise BadInput("the soft model takes no extra_laws; choose a remote.law, or pull at spheres with a force")
-
-
 def summary(scene: SoftScene) -> list[Row]:
     """Derived numbers: name, value with unit, remark. Raises SceneError for whatever would keep a run from starting."""
     parameters = checked_parameters(scene)
     return advice(scene, parameters, start(scene, parameters))
+
+
+# --- What soft spheres must not lose: the balance of forces on each, the films between them, and energy
+
+
+UNBALANCED = 1e-7
+"""Of the typical force: steps leave less than a tenth of it, but where deflections are lost in rounding."""
+LOOSE = 5.0
+"""Times the error that a scheme's order and the tolerance leave in a whole run."""
+ROUNDED = 1e-8
+"""Of the energy: what balances and rounding leave at any tolerance."""
+
+
+def invariants(scene: SoftScene, parameters: Parameters) -> list[Invariant]:
+    """The rows of a scene."""
+    balance = "what a step leaves on a sphere, over the typical force"
+    return [
+        Invariant("gap", "whether any is closed", 0.0, _closed),
+        Invariant("force balance", balance, UNBALANCED, _left),
+        Invariant(ENERGY, "what its books miss, over what moved", most_missing(parameters), _missing),
+    ]
+
+
+def most_missing(parameters: Parameters) -> float:
+    """Steps err by the tolerance e, in the power p + 1 of their length where p is the scheme's order: all of them
+    together by e^(p/(p+1)). The tolerance is one of ln(gap) and directions, so where little moved, of what moving as
+    much would do.
+    """
+    order = SCHEMES[parameters.scheme].tableau.order
+    return float(LOOSE * parameters.tolerance ** (order / (order + 1.0)) + ROUNDED)
+
+
+def _missing(seen: Seen) -> float:
+    """What was put in, less what there is more, what was dissipated, and what contacts' sizes took."""
+    if INJECTED not in seen.now:
+        return 0.0
+    first, now = seen.first, seen.now
+    spent = sum(now[key] - first.get(key, 0.0) for key in ("total_energy", DISSIPATED, SIZE_WORK))
+    moved = now[DISSIPATED] + seen.largest["total_energy"] - seen.least["total_energy"]
+    return part_of(abs(now[INJECTED] - first.get(INJECTED, 0.0) - spent), moved + seen.largest[STAKE])
+
+
+def _closed(seen: Seen) -> float:
+    return 0.0 if seen.now["smallest_gap"] > 0.0 else 1.0
+
+
+def _left(seen: Seen) -> float:
+    return seen.now["imbalance"]
+
+
+# --- The laws behind a scene of soft spheres, whose docstrings cite the papers
+
+
+def laws_of(scene: Any) -> list[Source]:
+    """Films, surfaces, what acts across."""
+    films = scene.films
+    laws: list[Source] = [lubrication.squeeze_friction, lubrication.shear_friction, elasticity.contact_size]
+    laws += [*surfaces.SURFACES[films.surface].papers, interfaces.INTERFACES[films.interface]]
+    laws += friction.FRICTIONS[films.friction].papers
+    row = long_range.REMOTE[scene.remote.law]
+    return [*laws, row.energy, row.force, row.slope, dirk_schemes.SCHEMES[scene.stepping.scheme].paper]
 
 
 SOFT = Model(
@@ -87,7 +140,6 @@ SOFT = Model(
     advance=advance,
     observe=observe,
     diagnosis=diagnosis,
-    extended=extended,
     invariants=invariants,
     laws=laws_of,
     summary=summary,

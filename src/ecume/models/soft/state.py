@@ -8,17 +8,17 @@ import numpy as np
 
 from ecume.engine.cells import Integers
 from ecume.engine.linear_solvers import block_matrix
+from ecume.engine.linear_solvers.block_matrix import Matrix
 from ecume.engine.linear_solvers.solvers import Kept
 from ecume.laws import elasticity
-from ecume.models.soft.borders import MOST, make_borders
-from ecume.models.soft.cell import make_cell
-from ecume.models.soft.films import Pairs, make_answers, make_films
-from ecume.models.soft.links import ROUNDING
+from ecume.models.soft.contacts.contact_jacobian import ROUNDING
+from ecume.models.soft.contacts.films import Answers, Films, Pairs, make_answers, make_films
+from ecume.models.soft.contacts.rotation import Spins, make_spins, turned_orientation
+from ecume.models.soft.contacts.walls import Touches, Walls, all_walls, make_walls
+from ecume.models.soft.integration.bordered_system import MOST, Borders, make_borders
+from ecume.models.soft.integration.dirk_schemes import SCHEMES
+from ecume.models.soft.loading.cell import Cell, make_cell
 from ecume.models.soft.parameters import Parameters
-from ecume.models.soft.schemes import SCHEMES
-from ecume.models.soft.spins import make_spins, turned_orientation
-from ecume.models.soft.step import Bodies, Step, make_books
-from ecume.models.soft.walls import Touches, Walls, make_walls
 from ecume.units import Array
 
 LENGTH, PAST_ERROR, CLOCK, LEFT = range(4)
@@ -131,7 +131,7 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
     count, dimensions = state.position.shape
     contacts = int(state.contacts[0])
     pairs = pairs_of(parameters, state)
-    stages, width = len(SCHEMES[parameters.scheme].times), dimensions + parameters.torque.shape[1]
+    stages, width = len(SCHEMES[parameters.scheme].tableau.times), dimensions + parameters.torque.shape[1]
     pattern = block_matrix.make_pattern(count, pairs.first, pairs.second, state.order)
     shared = make_borders(count, width, max(MOST, len(parameters.walls.free), width - dimensions))
     bodies = Bodies(
@@ -174,11 +174,10 @@ def store(parameters: Parameters, state: State, step: Step) -> None:
         state.orientation[:] = turned_orientation(state.orientation, step.spins.turn / parameters.radius[:, None])
     state.log_gap[:contacts] = step.log_gap
     state.direction[:contacts] = step.direction[:, :dimensions]
-    if isinstance(step.walls, Walls):
-        places, touches = step.walls
-        state.wall_gap[touches.first, touches.wall] = touches.log_gap_before
-        state.slip[touches.first, touches.wall] = touches.slip_before[:, :dimensions]
-        state.wall[:], state.wall_rate[:] = places.before, places.past
+    places, touches = all_walls(step.walls)
+    state.wall_gap[touches.first, touches.wall] = touches.log_gap_before
+    state.slip[touches.first, touches.wall] = touches.slip_before[:, :dimensions]
+    state.wall[:], state.wall_rate[:] = places.before, places.past
     state.cell[:], state.cell_rate[:] = step.cell.before, step.cell.past
 
 
@@ -218,9 +217,7 @@ def left_over(step: Step) -> float:
     """The largest force that a solution left on a sphere, over the typical force: the root mean square of those that
     contacts bear, or of what pulls at the spheres where that is more. Zero where there is but rounding.
     """
-    forces = [step.answers.force, step.bodies.force, step.bodies.weight]
-    if isinstance(step.walls, Walls):
-        forces.append(step.walls.touches.force)
+    forces = (step.answers.force, step.bodies.force, step.bodies.weight, all_walls(step.walls).touches.force)
     typical = max(float(np.sqrt((force**2).sum(axis=1).mean())) if len(force) else 0.0 for force in forces)
     rounding = ROUNDING * float((step.answers.stiffness.max(axis=(1, 2)) * step.pairs.radius_sum).max(initial=0.0))
     return float(np.abs(step.bodies.right).max() / typical) if typical > rounding else 0.0
@@ -231,3 +228,82 @@ def in_space(vectors: Array) -> Array:
     space = np.zeros((len(vectors), 3))
     space[:, : vectors.shape[1]] = vectors
     return space
+
+
+# --- All that a step of time works with
+
+
+class Bodies(NamedTuple):
+    """The spheres in a step."""
+
+    position: Array
+    """(N, d) m, of the stage"""
+    before: Array
+    """(N, d) at the step's beginning"""
+    moved: Array
+    """(N, d) m: how far from there, in digits of its own: short steps would drown in those of the places"""
+    start: Array
+    """(N, d) m: how far from there the stage starts; means something with drag only"""
+    slope: Array
+    """(S, N, d) m/s of the stages, with drag only"""
+    drag: Array
+    """(N,) N s/m"""
+    force: Array
+    """(N, d) N external, at factor 1"""
+    weight: Array
+    """(N, d) N external, always"""
+    right: Array
+    """(N, d + s) N that is left on each, and at its equator"""
+    change: Array
+    """(N, d + s) m, of places and of spins"""
+    diagonal: Array
+    """(N, d + s) N/m"""
+
+
+class During(NamedTuple):
+    """What a step is to do."""
+
+    length: float
+    """s"""
+    drives: Array
+    """(S, 10) what is imposed at each stage, as the fields of a `Drive`"""
+    tolerance: float
+
+
+class Books(NamedTuple):
+    """What the energy's books need of a step; see `booking`."""
+
+    lines: Array
+    """(S + 1, 8) a line for each stage, zero for those that do not count; in the last what the step adds to
+    `State.books` (J)
+    """
+    sheared: Array
+    """(C + walls', 2) N/m and m^2: of each contact at the last stage, the stiffness along the surface, and the shear
+    squared
+    """
+
+
+class Step(NamedTuple):
+    """All that a step works with."""
+
+    pairs: Pairs
+    films: Films
+    answers: Answers
+    slope: Array
+    """(S, C, 4) of the stages"""
+    log_gap: Array
+    direction: Array
+    """where the contacts are at the step's beginning"""
+    bodies: Bodies
+    spins: Spins
+    walls: Walls | tuple[()]
+    """nothing where there are none: what walls do is then not compiled"""
+    matrix: Matrix
+    cell: Cell
+    borders: Borders
+    books: Books
+
+
+def make_books(stages: int, contacts: int) -> Books:
+    """Room for so many contacts."""
+    return Books(np.zeros((stages + 1, 8)), np.zeros((contacts, 2)))

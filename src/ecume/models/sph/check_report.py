@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from ecume.laws.kernels import KERNELS
-from ecume.models.advice import LONG, Row, told_duration
+from ecume.models.check_report import LONG, Row, told_duration
 from ecume.models.sph import time_step
 from ecume.models.sph.color import NODES
 from ecume.models.sph.defaults import sides_of, smoothing_of, tension_of

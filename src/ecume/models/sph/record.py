@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-
 import numpy as np
 import psutil
 
-from ecume.errors import BadInput, Fault, SceneError
-from ecume.models.advice import Row
-from ecume.models.blame import first_broken
+from ecume.errors import Fault, SceneError
+from ecume.models.check_report import Row
+from ecume.models.diagnosis import first_broken, when
 from ecume.models.limits import within_steps
 from ecume.models.model import Model
 from ecume.models.sph.building import parameters_of
@@ -89,18 +87,12 @@ def diagnosis(parameters: Parameters, state: State) -> str:
     worst = int(np.argmax(speed)) if broken is None else broken.particle
     what = f"goes {speed[worst]:.3g} m/s" if broken is None else f"has no finite {broken.term} any more"
     where = ", ".join(f"{x:.4g}" for x in state.position[:, worst])
-    step, when = int(state.step[0]), int(state.step[0]) * parameters.time_step
     return (
-        f"at t = {when:.6g} s (step {step}) particle {int(state.identity[worst])} {what} (at {where} m); the scene "
+        f"{when(parameters, state)} particle {int(state.identity[worst])} {what} (at {where} m); the scene "
         f"expects {parameters.material.fastest:.3g} m/s. Set liquid.fastest to what the flow reaches, or "
         f"method.courant to {0.5 * parameters.courant:.2g}, or look for liquid that starts inside of other liquid or "
         "of a wall"
     )
-
-
-def extended(extra_laws: Sequence[Callable[..., float]]) -> Model:
-    """There is no seam for a user's own laws here."""
-    raise BadInput("extra_laws: the sph model takes none; the floating model does")
 
 
 def summary(scene: SphScene) -> list[Row]:
@@ -119,7 +111,6 @@ SPH = Model(
     advance=advance,
     observe=observe,
     diagnosis=diagnosis,
-    extended=extended,
     invariants=invariants,
     laws=laws_of,
     summary=summary,

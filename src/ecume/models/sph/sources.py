@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ecume.laws import diffusion, kernels, states, viscous
+from ecume.laws import diffusion, kernels, states, time_step_limits, viscous
 from ecume.models.liquids import correlations_of
 from ecume.models.model import Source
 from ecume.models.sph import defaults, methods

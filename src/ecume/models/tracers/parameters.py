@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from collections.abc import Callable, Collection
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -12,14 +14,59 @@ from ecume.engine.walls import Sheet, Surfaces, sheet
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.laws import brownian, drag
 from ecume.laws.liquids import liquid
-from ecume.models.tracers.arrivals import Arrivals, Stream, arrivals_of, newcomers_of
+from ecume.models.tables import code_of
+from ecume.models.tracers.openings import Arrivals, Stream, arrivals_of, newcomers_of
 from ecume.models.tracers.tank import surfaces_of
 from ecume.scenes.faults import suggestion
 from ecume.scenes.tracers import TracersScene
 from ecume.units import Array
 
-NO_DRAG, STOKES, SCHILLER_NAUMANN = range(3)
-DRAGS = {"none": NO_DRAG, "stokes": STOKES, "schiller-naumann": SCHILLER_NAUMANN}
+
+def unit_factor(reynolds: float) -> float:
+    """1: the drag is Stokes's, or there is none."""
+    return 1.0
+
+
+@dataclass(frozen=True)
+class DragLaw:
+    """A row of the table: a drag law and everything that depends on it."""
+
+    factor: Callable[[float], float]
+    """factor(reynolds): the drag over Stokes's, by the particle's Reynolds number"""
+    settling_reynolds: Callable[[float], float]
+    """settling_reynolds(stokes): the Reynolds number at the terminal speed, from that with Stokes's drag"""
+    papers: tuple[Callable[..., Any], ...] = ()
+    """functions whose docstrings name the references that `ecume cite` lists"""
+    resists: bool = True
+    """whether there is any drag"""
+    linear: bool = True
+    """whether the drag is in proportion to the speed"""
+
+
+def same_reynolds(reynolds: float) -> float:
+    """The terminal speed is that with Stokes's drag."""
+    return reynolds
+
+
+DRAGS = {
+    "none": DragLaw(unit_factor, same_reynolds, resists=False),
+    "stokes": DragLaw(unit_factor, same_reynolds, (drag.stokes_friction,)),
+    "schiller-naumann": DragLaw(
+        drag.schiller_naumann_factor, drag.settling_reynolds,
+        (drag.stokes_friction, drag.schiller_naumann_factor), linear=False,
+    ),
+}  # fmt: skip
+"""Drag laws for `motion.drag`."""
+
+
+class DragChoice(NamedTuple):
+    """The drag law of a scene, for compiled code."""
+
+    code: int
+    """of the row of `DRAGS`"""
+    linear: bool
+
+
 REGIMES = ("auto", "inertial", "overdamped")
 ADDED_MASS = 0.5
 """Of a sphere in an ideal liquid: half of the displaced mass."""
@@ -70,7 +117,7 @@ class Parameters(NamedTuple):
     steps_per_frame: int
     seed: int
     dimensions: int
-    drag: int
+    drag: DragChoice
     fluid: Fluid
     bodies: Bodies
     """of those who are there at the start, and then of those who come"""
@@ -109,7 +156,7 @@ def parameters_of(scene: TracersScene) -> Parameters:
         round(scene.frame_every / step),
         scene.seed,
         scene.dimensions,
-        DRAGS[scene.motion.drag],
+        DragChoice(code_of(DRAGS, scene.motion.drag), DRAGS[scene.motion.drag].linear),
         fluid,
         bodies._replace(overdamped=overdamped.astype(np.int64)),
         arrivals_of(newcomers, surfaces, bodies.radius[len(bodies.radius) - len(newcomers.time) :], step),
@@ -148,7 +195,7 @@ def bodies_of(scene: TracersScene, fluid: Fluid, newcomers: Integers) -> Bodies:
     density = np.array([species.density for species in scene.particles])[kind]
     along = ADDED_MASS * fluid.density if scene.motion.added_mass else 0.0
     settling = np.array([settling_speed(scene, fluid, species) for species in scene.particles])[kind]
-    dragged = 0.0 if scene.motion.drag == "none" else 1.0
+    dragged = float(DRAGS[scene.motion.drag].resists)
     return Bodies(
         radius=radius,
         mass=4.0 / 3.0 * math.pi * radius**3 * (density + along),
@@ -164,13 +211,14 @@ def bodies_of(scene: TracersScene, fluid: Fluid, newcomers: Integers) -> Bodies:
 def settling_speed(scene: TracersScene, fluid: Fluid, species: object) -> float:
     """The terminal speed of a species (m/s), downwards; infinite without drag."""
     radius, excess = species.radius, species.density - fluid.density  # type: ignore[attr-defined]
-    if scene.motion.drag == "none" or fluid.viscosity == 0.0:
+    law = DRAGS[scene.motion.drag]
+    if not law.resists or fluid.viscosity == 0.0:
         return math.copysign(math.inf, excess) if excess and fluid.gravity else 0.0
     slow = drag.stokes_settling_speed(radius, excess, fluid.viscosity, fluid.gravity)
-    if scene.motion.drag == "stokes" or slow == 0.0:
+    if law.linear or slow == 0.0:
         return slow
     reynolds = drag.particle_reynolds(abs(slow), radius, fluid.density, fluid.viscosity)
-    return slow * drag.settling_reynolds(reynolds) / reynolds
+    return slow * law.settling_reynolds(reynolds) / reynolds
 
 
 def time_step_of(scene: TracersScene, surfaces: Surfaces, fluid: Fluid, bodies: Bodies) -> float:
@@ -219,11 +267,12 @@ def overdamped_step(body: tuple[float, float, float, float], surfaces: Surfaces,
 
 def _require_names(scene: TracersScene) -> None:
     faults = []
-    for key, known in (("drag", DRAGS), ("regime", REGIMES)):
+    tables: tuple[tuple[str, Collection[str]], ...] = (("drag", DRAGS), ("regime", REGIMES))
+    for key, known in tables:
         came = getattr(scene.motion, key)
         if came not in known:
             faults.append(Fault(f"motion.{key}", f"came {came!r}; {suggestion(came, known)}"))
-    if scene.motion.brownian and scene.motion.drag == "none":
+    if scene.motion.brownian and scene.motion.drag in DRAGS and not DRAGS[scene.motion.drag].resists:
         faults.append(Fault("motion.brownian", "needs drag: what the liquid kicks, it also slows down"))
     if faults:
         raise SceneError(faults)

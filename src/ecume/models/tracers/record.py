@@ -2,24 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 
-from ecume.errors import BadInput
 from ecume.laws import brownian, drag
-from ecume.models.blame import first_broken
-from ecume.models.invariants import INJECTED
+from ecume.models.diagnosis import first_broken, when
+from ecume.models.invariants import INJECTED, Invariant, Numbers, Seen, energy_never_rises
 from ecume.models.limits import require_memory, within_steps
-from ecume.models.model import Model
-from ecume.models.tracers.arrivals import species_of
-from ecume.models.tracers.invariants import invariants
-from ecume.models.tracers.parameters import Parameters, parameters_of
-from ecume.models.tracers.sources import laws_of
-from ecume.models.tracers.starting import start
+from ecume.models.liquids import correlations_of
+from ecume.models.model import Model, Source
+from ecume.models.tracers.energy_budget import brings, exchange, lent
+from ecume.models.tracers.initial_state import start
+from ecume.models.tracers.openings import species_of
+from ecume.models.tracers.parameters import DRAGS, Parameters, parameters_of
 from ecume.models.tracers.state import CAPPED, State, Workspace, came, workspace
-from ecume.models.tracers.stepping import NOWHERE, advance
-from ecume.models.tracers.work import brings, exchange, lent
+from ecume.models.tracers.time_stepping import NOWHERE, advance
 from ecume.scenes.tracers import TracersScene
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
@@ -90,9 +88,8 @@ def diagnosis(parameters: Parameters, state: State) -> str:
     what = f"is outside, at {state.position[worst].tolist()}"
     if broken is not None:
         what = f"has no finite {broken.term} any more"
-    step, when = int(state.step[0]), int(state.step[0]) * parameters.time_step
     return (
-        f"at t = {when:.6g} s (step {step}) particle {worst} {what}: its step of {parameters.time_step:.3g} s was too "
+        f"{when(parameters, state)} particle {worst} {what}: its step of {parameters.time_step:.3g} s was too "
         f"long. Set motion.time_step = {0.25 * parameters.time_step:.2g}"
     )
 
@@ -100,11 +97,6 @@ def diagnosis(parameters: Parameters, state: State) -> str:
 def _somewhere(numbers: Array) -> Array:
     """What is too large to be anything is no number."""
     return np.where(np.abs(numbers) < NOWHERE, numbers, np.nan)
-
-
-def extended(extra_laws: Sequence[Callable[..., float]]) -> Model:
-    """Tracers do not feel one another."""
-    raise BadInput("extra_laws: tracers have no pair laws; wanted none")
 
 
 def summary(scene: TracersScene) -> list[tuple[str, str, str]]:
@@ -158,6 +150,39 @@ def summary_of(scene: TracersScene, parameters: Parameters, index: int) -> list[
     return rows
 
 
+# --- What tracers must not lose: anybody, and energy that nobody brings
+
+
+RISE = 1e-6
+"""Of the energy: flights between walls are exact."""
+
+
+def invariants(scene: TracersScene, parameters: Parameters) -> list[Invariant]:
+    """The rows of a scene. What the liquid and openings bring is booked, see `work`."""
+    everyone = Invariant("mass", "particles that are neither inside nor gone through an opening", 0.0, _missing)
+    return [everyone, energy_never_rises(RISE)]
+
+
+def _missing(seen: Seen) -> float:
+    """Of those that were there at the start or came in since."""
+    came = _through("came", seen.now) - _through("came", seen.first)
+    gone = _through("left", seen.now) - _through("left", seen.first)
+    return abs(seen.first["particles_inside"] + came - gone - seen.now["particles_inside"])
+
+
+def _through(way: str, numbers: Numbers) -> float:
+    return sum(value for name, value in numbers.items() if name.startswith(f"{way}_through_opening_"))
+
+
+# --- The laws behind a scene of tracers, whose docstrings cite the papers
+
+
+def laws_of(scene: Any) -> list[Source]:
+    """Drag and heat."""
+    heat: list[Source] = [brownian.diffusivity, brownian.displacement_variance] if scene.motion.brownian else []
+    return [*DRAGS[scene.motion.drag].papers, *heat, *correlations_of(scene.liquid.name)]
+
+
 TRACERS = Model(
     name="tracers",
     state=State,
@@ -167,7 +192,6 @@ TRACERS = Model(
     advance=advance,
     observe=observe,
     diagnosis=diagnosis,
-    extended=extended,
     exchange=exchange,
     invariants=invariants,
     laws=laws_of,

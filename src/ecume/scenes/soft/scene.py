@@ -207,7 +207,7 @@ class SoftScene(Common):
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         complaints = [
-            *_dimensions(self), *_protocol(self), *_materials(self), *_walls(self), *_gravity(self), *_crowd(self),
+            *_dimensions(self), *_protocol(self), *_walls(self), *_gravity(self), *_crowd(self),
         ]  # fmt: skip
         if complaints:
             raise Inconsistent(complaints)
@@ -251,23 +251,6 @@ def _dimensions(scene: SoftScene) -> Complaints:
             found += _torque((*path, "torque"), len(species.torque), scene)
         if species.count is not None and scene.box is None:
             found.append(((*path, "count"), "spheres are placed at random in a [box]; there is none"))
-    return found
-
-
-def _materials(scene: SoftScene) -> Complaints:
-    """The faults of properties of liquid and spheres that the laws of the films need."""
-    found: Complaints = []
-    if scene.films.surface == "bubble":
-        if scene.liquid.surface_tension is None:
-            found.append((("liquid", "surface_tension"), "bubbles have one; got none"))
-    else:
-        found += [
-            (("spheres", index, "modulus"), "elastic spheres have one; got none")
-            for index, species in enumerate(scene.spheres)
-            if species.modulus is None
-        ]
-    if scene.films.friction != "none" and scene.films.roughness is None:
-        found.append((("films", "roughness"), "contact friction acts below a gap as wide as it; got none"))
     return found
 
 

@@ -1,0 +1,39 @@
+"""What the message of a run that diverged says: when, and which particle's numbers are not finite."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ecume.units import Array
+
+DEEP = 0.1
+"""Of a radius: an overlap that is told; nothing comes to that by itself."""
+
+
+def when(parameters: Any, state: Any) -> str:
+    """The time of a state that goes by equal steps."""
+    step = int(state.step[0])
+    return f"at t = {step * parameters.time_step:.6g} s (step {step})"
+
+
+class Broken(NamedTuple):
+    """A number that is none."""
+
+    particle: int
+    term: str
+
+
+def first_broken(terms: Mapping[str, Array]) -> Broken | None:
+    """Whose number is none, of the first of these terms that has such numbers; their rows are particles.
+
+    >>> first_broken({"position": np.zeros((3, 2)), "velocity": np.array([0.0, 1.0, np.nan])})
+    Broken(particle=2, term='velocity')
+    """
+    for term, numbers in terms.items():
+        broken = ~np.isfinite(numbers.reshape(len(numbers), -1)).all(axis=1)
+        if broken.any():
+            return Broken(int(np.argmax(broken)), term)
+    return None

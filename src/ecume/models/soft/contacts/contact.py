@@ -1,0 +1,151 @@
+"""One contact as numbers: film and surface in series.
+
+A contact's own state is the logarithm q of its gap and the direction n of its gap vector G = (R_i + R_j + h) n. Where
+the spheres are says how far its surfaces are deflected: delta = X_j - X_i - G. The force of the deflection drives
+the film, dG/dt = Z^-1 F. How it answers small changes stands in `links`.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from ecume._jit import admit, compiled_inside, selection
+from ecume.laws import bubbles, elasticity, friction, interfaces, long_range, lubrication, surfaces
+from ecume.laws.elasticity import Prefactors
+from ecume.laws.friction import FRICTIONS
+from ecume.laws.interfaces import INTERFACES, Resistance
+from ecume.laws.long_range import REMOTE
+from ecume.laws.surfaces import SURFACES, Body, Surface
+from ecume.models.soft.parameters import Contacts
+from ecume.models.tables import codes
+
+admit(elasticity, lubrication, long_range, bubbles, interfaces, friction, surfaces)
+
+FAINTEST = 1e-3
+"""Of a film's friction where it has faded: the surfaces then relax at once, and nothing is left to jump."""
+
+OF_SURFACE = ("body", "gap", "stretch", "prefactors", "contacts")
+OF_GAP = ("gap", "reduced_radius", "contacts")
+surface_by = selection("surface_by", codes(SURFACES, lambda row: row.surface), __name__, __file__, OF_SURFACE)
+energy_by = selection("energy_by", codes(SURFACES, lambda row: row.energy), __name__, __file__, OF_SURFACE)
+gap_energy_by = selection("gap_energy_by", codes(SURFACES, lambda row: row.gap_energy), __name__, __file__, OF_SURFACE)
+remote_force_by = selection("remote_force_by", codes(REMOTE, lambda row: row.force), __name__, __file__, OF_GAP)
+remote_slope_by = selection("remote_slope_by", codes(REMOTE, lambda row: row.slope), __name__, __file__, OF_GAP)
+resistance_by = selection(
+    "resistance_by", codes(INTERFACES, lambda row: row), __name__, __file__,
+    ("contact_size", "gap", "film_prefactors", "contacts"),
+)  # fmt: skip
+rubbing_by = selection(
+    "rubbing_by", codes(FRICTIONS, lambda row: row.rubbing), __name__, __file__,
+    ("gap", "compression", "pull", "contacts"),
+)  # fmt: skip
+
+
+class Film(NamedTuple):
+    """One contact as numbers."""
+
+    gap: float
+    reach: float
+    """length of the gap vector"""
+    pull: float
+    """X_ij along n"""
+    shear: float
+    """and along the surface"""
+    stretch: float
+    """normal deflection"""
+    surface: Surface
+    resistance: Resistance
+    faded: float
+    """what part of its friction the film still has"""
+    fade_slope: float
+    """d ln(friction) / d q by fading"""
+    remote_force: float
+    remote_slope: float
+    held: float
+    """what of the tangential force the film bears, over that force: 1 without contact friction"""
+    slide_by_pull: float
+    slide_by_limit: float
+    """slopes of what the film bears, over the tangential force and over the limit of contact friction"""
+    limit_by_normal: float
+    limit_by_gap: float
+    """slopes of that limit, over the normal force and over q"""
+
+
+@compiled_inside
+def fading(gap: float, contacts: Contacts) -> tuple[float, float]:
+    """What part of its friction a film still has, and the slope of its logarithm over ln(gap)."""
+    if gap <= contacts.fade_from:
+        return 1.0, 0.0
+    u = min((gap - contacts.fade_from) / (contacts.fade_to - contacts.fade_from), 1.0)
+    part = FAINTEST + (1.0 - FAINTEST) * (1.0 - u) ** 2 * (1.0 + 2.0 * u)
+    slope = -(1.0 - FAINTEST) * 6.0 * u * (1.0 - u) / (contacts.fade_to - contacts.fade_from)
+    return part, slope * gap / part
+
+
+@compiled_inside
+def remote_answer(gap: float, reduced_radius: float, contacts: Contacts) -> tuple[float, float]:
+    """The remote force, positive repels, and its slope."""
+    force: float = remote_force_by(gap, reduced_radius, contacts, contacts.remote)
+    slope: float = remote_slope_by(gap, reduced_radius, contacts, contacts.remote)
+    return force, slope
+
+
+@compiled_inside
+def prefactors_in(contacts: Contacts) -> Prefactors:
+    """The six numbers of film and surface, as the laws take them."""
+    return Prefactors(
+        contacts.squeeze, contacts.shear, contacts.normal, contacts.tangential, contacts.gap_weight,
+        contacts.deflection_weight,
+    )  # fmt: skip
+
+
+@compiled_inside
+def surface_of(contacts: Contacts, body: Body, gap: float, stretch: float) -> Surface:
+    """The surfaces of a contact."""
+    surface: Surface = surface_by(body, gap, stretch, prefactors_in(contacts), contacts, contacts.surface)
+    return surface
+
+
+@compiled_inside
+def normal_energy(contacts: Contacts, body: Body, gap: float, stretch: float) -> float:
+    """The energy of a normal deflection (J)."""
+    energy: float = energy_by(body, gap, stretch, prefactors_in(contacts), contacts, contacts.surface)
+    return energy
+
+
+@compiled_inside
+def gap_energy_of(contacts: Contacts, body: Body, gap: float, stretch: float) -> float:
+    """The derivative of that energy with respect to ln(gap), at a deflection that is held (J)."""
+    energy: float = gap_energy_by(body, gap, stretch, prefactors_in(contacts), contacts, contacts.surface)
+    return energy
+
+
+@compiled_inside
+def film_of(contacts: Contacts, body: Body, log_gap: float, pull: float, shear: float) -> Film:
+    """A contact's numbers."""
+    gap = math.exp(log_gap)
+    stretch = pull - body.radius_sum - gap
+    surface = surface_of(contacts, body, gap, stretch)
+    faded, fade_slope = fading(gap, contacts)
+    remote_force, remote_slope = remote_answer(gap, body.reduced_radius, contacts)
+    resistance = resistance_by(surface.size, gap, (contacts.squeeze, contacts.shear), contacts, contacts.interface)
+    tips = rubbing_by(gap, -(surface.normal * stretch), surface.tangential * shear, contacts, contacts.friction)
+    return Film(
+        gap=gap,
+        reach=body.radius_sum + gap,
+        pull=pull,
+        shear=shear,
+        stretch=stretch,
+        surface=surface,
+        resistance=resistance,
+        faded=faded,
+        fade_slope=fade_slope,
+        remote_force=remote_force,
+        remote_slope=remote_slope,
+        held=tips.held,
+        slide_by_pull=tips.by_pull,
+        slide_by_limit=tips.by_limit,
+        limit_by_normal=tips.limit_by_normal,
+        limit_by_gap=tips.limit_by_gap,
+    )

@@ -1,0 +1,240 @@
+"""Who is in contact: contacts appear without force when gaps fall below the reach, and vanish with a faded film."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from ecume._jit import compiled, compiled_inside
+from ecume._portable import log
+from ecume.engine.cells import Integers
+from ecume.engine.linear_solvers.block_matrix import near_order
+from ecume.errors import Diverged
+from ecume.models.soft.loading.cell import Box, box_of
+from ecume.models.soft.parameters import Parameters
+from ecume.models.soft.state import State
+from ecume.units import Array
+
+CROWD = 36
+"""Spheres up to which their order is that of the scene."""
+Found = tuple[Integers, Integers, Array]
+"""Pairs, images, and the vectors between their centers."""
+
+
+def renew_contacts(parameters: Parameters, state: State, met: Found | None = None) -> bool:
+    """Open and close contacts at the present places; whether there was anything to do. `met` are the newcomers there,
+    where these were looked for before.
+    """
+    if np.isinf(parameters.contacts.fade_to):
+        return False
+    walls = meet_walls(parameters, state)
+    kept = _kept(parameters, state)
+    if met is None:
+        known = state.pair[: state.contacts[0]], state.image[: state.contacts[0]]
+        met = newcomers(parameters, state.position, box_in(parameters, state), known)
+    if kept.all() and not len(met[0]):
+        return walls
+    _keep(state, np.flatnonzero(kept))
+    _open(parameters, state, met)
+    return True
+
+
+def newcomers(parameters: Parameters, position: Array, box: Box, known: tuple[Integers, Integers]) -> Found:
+    """The pairs below the reach that are not in contact; those that are, and their images, are `known`, in order.
+
+    Where films never fade everyone is in contact from the start.
+    """
+    if np.isinf(parameters.contacts.fade_to):
+        return np.zeros((0, 2), np.int64), np.zeros((0, position.shape[1]), np.int64), np.zeros((0, position.shape[1]))
+    pair, image, between = neighbors(parameters, position, box)
+    fresh = np.ones(len(pair), np.bool_)
+    strike_out(np.concatenate([pair, image], axis=1), np.concatenate(known, axis=1), fresh)
+    return pair[fresh], image[fresh], between[fresh]
+
+
+@compiled
+def strike_out(found: Integers, known: Integers, fresh: NDArray[np.bool_]) -> None:
+    """Mark those rows as not fresh that are known, too; both lists are in the same order, and name nobody twice."""
+    k = 0
+    for row in range(len(found)):
+        while k < len(known) and comes_before(known, k, found, row):
+            k += 1
+        fresh[row] = k == len(known) or comes_before(found, row, known, k)
+
+
+@compiled_inside
+def comes_before(rows: Integers, row: int, others: Integers, other: int) -> bool:
+    """Whether the first number that is not the same is less."""
+    for k in range(rows.shape[1]):
+        if rows[row, k] != others[other, k]:
+            return bool(rows[row, k] < others[other, k])
+    return False
+
+
+def order_of(pair: Integers, image: Integers) -> Integers:
+    """That in which contacts stand: by the first of the pair, the second, and the copy that is met."""
+    order: Integers = np.lexsort((*image.T[::-1], pair[:, 1], pair[:, 0]))
+    return order
+
+
+def open_all(parameters: Parameters, state: State) -> None:
+    """The first contacts."""
+    meet_walls(parameters, state)
+    if np.isinf(parameters.contacts.fade_to):
+        pair = np.stack(np.triu_indices(len(state.position), 1), axis=1).astype(np.int64)
+        between = state.position[pair[:, 1]] - state.position[pair[:, 0]]
+        found: Found = pair, np.zeros(between.shape, np.int64), between
+    else:
+        found = neighbors(parameters, state.position, box_in(parameters, state))
+    _open(parameters, state, found)
+
+
+def meet_walls(parameters: Parameters, state: State) -> bool:
+    """Open and close contacts with walls at the present places; whether there was anything to do."""
+    touching, contacts = state.touching.astype(bool), parameters.contacts
+    gap = wall_gaps(parameters, state.position, state.wall)
+    fresh = ~touching & (gap < contacts.fade_from)
+    gone = touching & ~(state.wall_gap < log(contacts.fade_to))
+    if not (fresh.any() or gone.any()):
+        return False
+    if (gap[fresh] <= 0.0).any():
+        met = int(np.nonzero((fresh & (gap <= 0.0)).any(axis=1))[0][0])
+        raise Diverged(f"sphere {met} met a wall without a film between them; set films.reach higher")
+    state.touching[:] = (touching & ~gone) | fresh
+    sphere, wall = np.nonzero(fresh)
+    state.wall_gap[sphere, wall] = log(gap[sphere, wall])
+    dimensions = state.position.shape[1]
+    slip = (state.wall[wall, :dimensions] - state.position[sphere]) / parameters.radius[sphere, None]
+    slip[np.arange(len(sphere)), parameters.walls.axis[wall]] = 0.0
+    state.slip[sphere, wall] = slip
+    state.generation[0] += 1
+    return True
+
+
+def wall_gaps(parameters: Parameters, position: Array, wall: Array) -> Array:
+    """From each undeformed sphere to each wall, (N, W) m."""
+    planes = parameters.walls
+    places = wall[np.arange(len(planes.axis)), planes.axis]
+    return np.asarray(planes.side * (places - position[:, planes.axis]) - parameters.radius[:, None])
+
+
+def neighbors(parameters: Parameters, position: Array, box: Box) -> Found:
+    """All pairs whose gap, without deflection, is below the reach, in order; across periodic borders too.
+
+    A pair of which one is a copy is found from both sides; that is kept whose first is at home.
+    """
+    radius = parameters.radius
+    far = 2.0 * float(radius.max()) + parameters.contacts.fade_from
+    place, owner, copy = _copies(position, box, far)
+    found = cKDTree(place).query_pairs(far, output_type="ndarray")
+    found = found[found[:, 0] < len(position)]
+    first, second = owner[found[:, 0]], owner[found[:, 1]]
+    found = found[(first < second) | ((first == second) & ~_negative(copy[found[:, 1]]))]
+    between = place[found[:, 1]] - place[found[:, 0]]
+    pair = owner[found]
+    near = np.linalg.norm(between, axis=1) - radius[pair[:, 0]] - radius[pair[:, 1]] < parameters.contacts.fade_from
+    pair, between, image = pair[near], between[near], copy[found[near, 1]]
+    away = wraps(position, box)
+    image += away[pair[:, 0]] - away[pair[:, 1]]
+    order = order_of(pair, image)
+    return pair[order], image[order], between[order]
+
+
+def box_in(parameters: Parameters, state: State) -> Box:
+    """The box as it is."""
+    return box_of(parameters.box, state.cell, state.position.shape[1])
+
+
+def wraps(position: Array, box: Box) -> Integers:
+    """In which copy of the box each place lies."""
+    away = np.zeros(position.shape, np.int64)
+    for axis in range(position.shape[1] - 1, -1, -1):
+        if box.sides[axis] > 0.0:
+            shift = box.tilt * away[:, 1] if axis == 0 else 0.0
+            away[:, axis] = np.floor((position[:, axis] - shift) / box.sides[axis])
+    return away
+
+
+def at_home(position: Array, box: Box) -> Array:
+    """Places within the box; as they are where there is none."""
+    away = wraps(position, box)
+    places = position - away * box.sides
+    places[:, 0] -= box.tilt * away[:, 1]
+    return np.asarray(places)
+
+
+def _copies(position: Array, box: Box, far: float) -> tuple[Array, Integers, Integers]:
+    """The spheres in their box, and copies of those near its borders: places, owners, and which copy each is."""
+    count, dimensions = position.shape
+    home = np.zeros((count, dimensions), np.int64)
+    if not box.sides.any():
+        return position, np.arange(count), home
+    places = at_home(position, box)
+    every, owners, copies = [places], [np.arange(count)], [home]
+    for shift in np.ndindex(*(3,) * dimensions):
+        move = np.array(shift) - 1
+        if not move.any() or move[box.sides == 0.0].any():
+            continue
+        # Sheared copies above and below are looked for among those that lie beside the box now.
+        if box.tilt != 0.0:
+            move[0] -= round(box.tilt * move[1] / box.sides[0])
+        moved = places + move * box.sides
+        moved[:, 0] += box.tilt * move[1]
+        seen = ((box.sides == 0.0) | ((moved > -far) & (moved < box.sides + far))).all(axis=1)
+        every.append(moved[seen])
+        owners.append(np.flatnonzero(seen))
+        copies.append(np.broadcast_to(move, (int(seen.sum()), dimensions)))
+    return np.concatenate(every), np.concatenate(owners), np.concatenate(copies)
+
+
+def _negative(image: Integers) -> NDArray[np.bool_]:
+    """Whether the first component that is not zero is negative: of the two ways to name a copy of oneself, one."""
+    first = np.argmax(image != 0, axis=1)
+    return np.asarray(image[np.arange(len(image)), first] < 0)
+
+
+def _kept(parameters: Parameters, state: State) -> NDArray[np.bool_]:
+    """Which contacts have not faded."""
+    return np.asarray(state.log_gap[: state.contacts[0]] < log(parameters.contacts.fade_to))
+
+
+def _keep(state: State, kept: Integers) -> None:
+    for array in (state.pair, state.image, state.log_gap, state.direction):
+        array[: len(kept)] = array[kept]
+    state.contacts[0] = len(kept)
+
+
+def _open(parameters: Parameters, state: State, found: Found) -> None:
+    """Add contacts that carry no force: the gap vector is that between the centers. All stay in the order of pairs."""
+    pair, image, between = found
+    here = int(state.contacts[0])
+    total = here + len(pair)
+    if total > len(state.pair):
+        raise Diverged(f"{total} contacts are more than there is room for, {len(state.pair)}; set films.reach lower")
+    length = np.linalg.norm(between, axis=1)
+    gap = length - parameters.radius[pair].sum(axis=1)
+    if not (gap > 0.0).all():
+        first, second = pair[np.argmin(gap)]
+        raise Diverged(f"spheres {first} and {second} met without a film between them; set films.reach higher")
+    state.pair[here:total], state.image[here:total] = pair, image
+    state.log_gap[here:total] = log(gap)
+    state.direction[here:total] = between / length[:, None]
+    state.contacts[0] = total
+    _keep(state, order_of(state.pair[:total], state.image[:total]))
+    if len(state.position) > CROWD:
+        state.order[:] = near_order(at_home(state.position, box_in(parameters, state)))
+    state.generation[0] += 1
+
+
+def pieces(state: State) -> Integers:
+    """The connected piece of the contact graph that each sphere belongs to; at the end that of all walls, if any."""
+    count, pair = len(state.position), state.pair[: state.contacts[0]]
+    touching = np.flatnonzero(state.touching.any(axis=1))
+    first, second = np.append(pair[:, 0], touching), np.append(pair[:, 1], np.full(len(touching), count))
+    nodes = count + bool(state.touching.shape[1])
+    graph = coo_array((np.ones(len(first)), (first, second)), shape=(nodes, nodes))
+    found: Integers = connected_components(graph, directed=False)[1].astype(np.int64)
+    return found

@@ -1,0 +1,184 @@
+"""All contacts, and what they answer to a displacement of the spheres within one step.
+
+Over a stage of an implicit step, (q, n) = start + dt f(q, n, X) is solved contact by contact (`contact`), linearized,
+and put into the forces: what is left is a linear system in the displacements of the spheres alone.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ecume._jit import compiled, compiled_inside, prange, shared
+from ecume.engine.cells import Integers
+from ecume.laws.surfaces import Body
+from ecume.models.soft.contacts.contact import film_of, normal_energy
+from ecume.models.soft.contacts.contact_jacobian import Frame, Link, Start, Vector, dot, frame_of, linked
+from ecume.models.soft.parameters import Contacts
+from ecume.units import Array
+
+
+class Pairs(NamedTuple):
+    """The contacts there are; all arrays of their number."""
+
+    first: Integers
+    second: Integers
+    image: Array
+    """(C, 3) how many boxes the second is away, in the copy that is met"""
+    offset: Array
+    """(C, 3) m: what this adds to its place, at present"""
+    turn: Array
+    """(C, 3) rad: by how much the pair has spun since the step's beginning; (0, 3) where spheres do not spin"""
+    radius_sum: Array
+    reduced_radius: Array
+    modulus: Array
+
+
+class Films(NamedTuple):
+    """Where the contacts are in a stage, and where its start lies."""
+
+    log_gap: Array
+    direction: Array
+    """(C, 3)"""
+    log_gap_start: Array
+    direction_start: Array
+
+
+class Answers(NamedTuple):
+    """What contacts answer in a stage, linearized."""
+
+    force: Array
+    """(C, 3) N on the first, as it is"""
+    correction: Array
+    """(C, 3) N: what solving the contact adds"""
+    stiffness: Array
+    """(C, 3, 3) N/m: force over the displacement of the second against the first"""
+    shift: Array
+    """(C, 4) what solving the contact adds to ln(gap) and direction"""
+    response: Array
+    """(C, 4, 3) what a displacement adds"""
+    slope: Array
+    """(C, 4) rates of ln(gap) and direction (1/s)"""
+
+
+def count_pairs(contacts: Contacts, pairs: Pairs, *_: object) -> int:
+    """How large a crowd of contacts is."""
+    return len(pairs.first)
+
+
+@shared(count_pairs)
+def answer(contacts: Contacts, pairs: Pairs, films: Films, position: Array, span: float, answers: Answers) -> None:
+    """Linearize every contact over a span of time that its stage treats implicitly.
+
+    Each is solved in a frame that spins with its pair, and told along the axes as they are.
+    """
+    first, second, offset = pairs.first, pairs.second, pairs.offset
+    radius_sum, reduced_radius, modulus = pairs.radius_sum, pairs.reduced_radius, pairs.modulus
+    log_gap, direction = films.log_gap, films.direction
+    log_gap_start, direction_start = films.log_gap_start, films.direction_start
+    force, correction, stiffness = answers.force, answers.correction, answers.stiffness
+    shift, response, slope = answers.shift, answers.response, answers.slope
+    flat, spinning = position.shape[1] == 2, len(pairs.turn) > 0
+    turn = pairs.turn
+    for c in prange(len(first)):
+        x = center_distance(position, offset, first[c], second[c], c)
+        if spinning:
+            x = turned(x, (-turn[c, 0], -turn[c, 1], -turn[c, 2]))
+        n = (direction[c, 0], direction[c, 1], direction[c, 2])
+        frame = frame_of(x, n, flat)
+        body = Body(radius_sum[c], reduced_radius[c], modulus[c])
+        film = film_of(contacts, body, log_gap[c], dot(x, n), dot(x, frame.t))
+        b = (direction_start[c, 0], direction_start[c, 1], direction_start[c, 2])
+        begin = Start(span, log_gap_start[c] - log_gap[c], dot(n, b), dot(frame.t, b), dot(frame.s, b))
+        link = linked(film, begin)
+        seen = frame
+        if spinning:
+            angle = (turn[c, 0], turn[c, 1], turn[c, 2])
+            seen = Frame(turned(frame.n, angle), turned(frame.t, angle), turned(frame.s, angle))
+        tell_forces(link, seen, c, (force, correction, stiffness))
+        tell_motion(link, (frame, seen), c, (shift, response, slope))
+
+
+@compiled_inside
+def center_distance(position: Array, offset: Array, i: int, j: int, c: int) -> Vector:
+    """From one sphere to the other, in the copy that it meets; in a layer without a third component."""
+    x = position[j, 0] - position[i, 0] + offset[c, 0]
+    y = position[j, 1] - position[i, 1] + offset[c, 1]
+    z = 0.0 if position.shape[1] == 2 else position[j, 2] - position[i, 2] + offset[c, 2]
+    return x, y, z
+
+
+@compiled_inside
+def turned(x: Vector, angle: Vector) -> Vector:
+    """A vector turned about an axis, by as many radians as the axis is long."""
+    square = dot(angle, angle)
+    if square == 0.0:
+        return x
+    size, along = math.sqrt(square), dot(angle, x)
+    straight, around = math.cos(size), math.sin(size) / size
+    lift = along * 0.5 * (math.sin(0.5 * size) / (0.5 * size)) ** 2
+    return (
+        straight * x[0] + around * (angle[1] * x[2] - angle[2] * x[1]) + lift * angle[0],
+        straight * x[1] + around * (angle[2] * x[0] - angle[0] * x[2]) + lift * angle[1],
+        straight * x[2] + around * (angle[0] * x[1] - angle[1] * x[0]) + lift * angle[2],
+    )
+
+
+@compiled_inside
+def tell_forces(link: Link, frame: Frame, c: int, to: tuple[Array, Array, Array]) -> None:
+    """A contact's force, what solving it adds, and its stiffness, along the axes."""
+    force, correction, stiffness = to
+    n, t, s = frame
+    for k in range(3):
+        force[c, k] = link.force_n * n[k] + link.force_t * t[k]
+        correction[c, k] = link.more_n * n[k] + link.more_t * t[k] + link.more_s * s[k]
+        by_pull, by_shear = link.nn * n[k] + link.tn * t[k], link.nt * n[k] + link.tt * t[k]
+        for m in range(3):
+            stiffness[c, k, m] = by_pull * n[m] + by_shear * t[m] + link.ss * s[k] * s[m]
+
+
+@compiled_inside
+def tell_motion(link: Link, frames: tuple[Frame, Frame], c: int, to: tuple[Array, Array, Array]) -> None:
+    """How a contact moves, in the frame that spins with it, by itself and by a displacement along the axes."""
+    shift, response, slope = to
+    _, t, s = frames[0]
+    n_seen, t_seen, s_seen = frames[1]
+    shift[c, 0], slope[c, 0] = link.dq, link.opening
+    for k in range(3):
+        shift[c, 1 + k] = link.turn_t * t[k] + link.turn_s * s[k]
+        slope[c, 1 + k] = link.sliding * t[k]
+        response[c, 0, k] = link.q_n * n_seen[k] + link.q_t * t_seen[k]
+        for m in range(3):
+            turns = link.t_n * n_seen[m] + link.t_t * t_seen[m]
+            response[c, 1 + k, m] = t[k] * turns + link.s_s * s[k] * s_seen[m]
+
+
+def make_answers(count: int) -> Answers:
+    """Room for the answers of so many contacts."""
+    shapes = ((3,), (3,), (3, 3), (4,), (4, 3), (4,))
+    return Answers(*(np.zeros((count, *shape)) for shape in shapes))
+
+
+def make_films(count: int) -> Films:
+    """Room for the places of so many contacts."""
+    return Films(np.zeros(count), np.zeros((count, 3)), np.zeros(count), np.zeros((count, 3)))
+
+
+@compiled
+def stored_energy(contacts: Contacts, pairs: Pairs, films: Films, position: Array) -> float:
+    """What the surfaces' deflections hold (J): exact along the normal; along the surface at its present stiffness."""
+    total = 0.0
+    for c in range(len(pairs.first)):
+        i, j = pairs.first[c], pairs.second[c]
+        pull, square = 0.0, 0.0
+        for k in range(position.shape[1]):
+            between = position[j, k] - position[i, k] + pairs.offset[c, k]
+            pull += between * films.direction[c, k]
+            square += between * between
+        body = Body(pairs.radius_sum[c], pairs.reduced_radius[c], pairs.modulus[c])
+        film = film_of(contacts, body, films.log_gap[c], pull, 0.0)
+        total += normal_energy(contacts, body, film.gap, film.stretch)
+        total += 0.5 * film.surface.tangential * max(square - pull * pull, 0.0)
+    return total

@@ -1,0 +1,475 @@
+"""Plane walls: contacts of spheres with them, where they are, and what moves them.
+
+A wall is a sphere without end: R* = R, and its normal never turns. So a contact with it is the same film and surface in
+series, but what turns a gap vector between spheres is here a slip, by which the gap vector goes along the wall. Normals
+point from the spheres to the wall; distances and slips are those of the wall against the sphere. A wall on which a
+force acts has its place as an unknown of each stage, like the box that answers to a stress.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ecume._jit import compiled, compiled_inside, where_there
+from ecume.engine.array_copies import clear_rows, copy_line, copy_rows
+from ecume.engine.cells import Integers
+from ecume.laws.surfaces import Body
+from ecume.models.soft.contacts.contact import Film, film_of, normal_energy
+from ecume.models.soft.contacts.contact_jacobian import ROUNDING, Frame, Link, Start, Vector, dot, frame_of, linked
+from ecume.models.soft.contacts.rotation import axial, cross
+from ecume.models.soft.integration.dirk_schemes import Scheme
+from ecume.models.soft.parameters import Contacts, Planes
+from ecume.units import Array
+
+FAR = 1e12
+"""In radii: the center of a wall as a sphere, where its contacts are linearized."""
+
+
+class Places(NamedTuple):
+    """Where walls are in a step."""
+
+    axis: Integers
+    """(W,) which each stands across"""
+    side: Array
+    """(W,) -1 or 1: from the spheres to the wall"""
+    velocity: Array
+    """(W, 3) m/s where it is imposed"""
+    force: Array
+    """(W, 3) N at load 1, where one moves the wall"""
+    free: Integers
+    """(A, 2) walls and directions in which forces move them"""
+    place: Array
+    """(W, 3) m, of the stage: on the axis where the plane is, along the others how far it has gone"""
+    before: Array
+    """(W, 3)"""
+    start: Array
+    """(W, 3) where the stage starts from"""
+    slope: Array
+    """(S, W, 3) m/s of the stages"""
+    past: Array
+    """(W, 3) m/s at the end of the last step"""
+    change: Array
+    """(W, 3) m in one of Newton's steps"""
+
+
+class Touches(NamedTuple):
+    """Contacts of spheres with walls."""
+
+    first: Integers
+    """(C,) the sphere"""
+    wall: Integers
+    radius: Array
+    modulus: Array
+    log_gap: Array
+    slip: Array
+    """(C, 3) in radii: how far the gap vector reaches along the wall"""
+    log_gap_start: Array
+    slip_start: Array
+    log_gap_before: Array
+    slip_before: Array
+    rate: Array
+    """(S, C, 4) of ln(gap) and of the slip (1/s), in each stage"""
+    force: Array
+    """(C, 3) N on the sphere"""
+    correction: Array
+    stiffness: Array
+    """(C, 3, 3) N/m: force over the displacement of the wall against the sphere"""
+    shift: Array
+    """(C, 4)"""
+    response: Array
+    """(C, 4, 3)"""
+    now: Array
+    """(C, 4) rates of ln(gap) and of the slip (1/s)"""
+
+
+class Walls(NamedTuple):
+    """Walls and their contacts in a step."""
+
+    places: Places
+    touches: Touches
+
+
+def no_walls() -> Walls:
+    """Walls and contacts of a scene that has none."""
+    none, nobody = np.zeros((0, 3)), np.zeros(0, np.int64)
+    places = Places(nobody, np.zeros(0), none, none, np.zeros((0, 2), np.int64), *(none,) * 3, none[None], none, none)
+    rates, line = np.zeros((0, 4)), np.zeros(0)
+    return Walls(
+        places,
+        Touches(
+            nobody, nobody, line, line, line, none, line, none, line, none, rates[None], none, none,
+            np.zeros((0, 3, 3)), rates, np.zeros((0, 4, 3)), rates,
+        ),
+    )  # fmt: skip
+
+
+NO_WALLS = no_walls()
+
+
+def all_walls(walls: Walls | tuple[()]) -> Walls:
+    """The walls of a step, for Python: none of them where the scene has none."""
+    return walls or NO_WALLS
+
+
+def make_walls(planes: Planes, now: tuple[Array, Array], stages: int) -> Places:
+    """Room for a step; `now` is where the walls are, and how fast they went."""
+    place, past = now
+    return Places(
+        planes.axis, planes.side, planes.velocity, planes.force, planes.free, place.copy(), place.copy(), place.copy(),
+        np.zeros((stages, *place.shape)), past.copy(), np.zeros_like(place),
+    )  # fmt: skip
+
+
+@compiled_inside
+def flattened(film: Film, far: float) -> Film:
+    """A contact as seen from a sphere without end: its surface is sheared by a slip, and its normal stays."""
+    return Film(
+        film.gap, far, far, film.shear, film.stretch, film.surface, film.resistance, film.faded, film.fade_slope,
+        film.remote_force, film.remote_slope, film.held, film.slide_by_pull, film.slide_by_limit,
+        film.limit_by_normal, film.limit_by_gap,
+    )  # fmt: skip
+
+
+@compiled_inside
+def normal_of(places: Places, w: int) -> Vector:
+    """From the spheres to a wall."""
+    axis, side = places.axis[w], places.side[w]
+    return (side if axis == 0 else 0.0, side if axis == 1 else 0.0, side if axis == 2 else 0.0)
+
+
+@compiled_inside
+def wall_distance(walls: Walls, position: Array, turn: Array, c: int) -> Vector:
+    """From a sphere to where its wall's material is, the distance along the normal; a spin rolls the sphere along."""
+    i, w, places = walls.touches.first[c], walls.touches.wall[c], walls.places
+    x = places.place[w, 0] - position[i, 0]
+    y = places.place[w, 1] - position[i, 1]
+    z = places.place[w, 2] - position[i, 2] if position.shape[1] == 3 else 0.0
+    if turn.shape[1] == 0:
+        return x, y, z
+    rolled = cross(axial(turn, i), normal_of(places, w))
+    return x - rolled[0], y - rolled[1], z - rolled[2]
+
+
+@where_there()
+def answer_walls(walls: Walls, contacts: Contacts, position: Array, turn: Array, span: float) -> None:
+    """Linearize every contact with a wall over a span of time that its stage treats implicitly."""
+    touches, places = walls.touches, walls.places
+    slip, slip_start = touches.slip, touches.slip_start
+    for c in range(len(touches.first)):
+        n, radius = normal_of(places, touches.wall[c]), touches.radius[c]
+        x = wall_distance(walls, position, turn, c)
+        pull = dot(x, n)
+        apart = (x[0] - radius * slip[c, 0], x[1] - radius * slip[c, 1], x[2] - radius * slip[c, 2])
+        frame = frame_of(apart, n, position.shape[1] == 2)
+        body = Body(radius, radius, touches.modulus[c])
+        film = film_of(contacts, body, touches.log_gap[c], pull, dot(apart, frame.t))
+        b = (
+            (slip_start[c, 0] - slip[c, 0]) / FAR,
+            (slip_start[c, 1] - slip[c, 1]) / FAR,
+            (slip_start[c, 2] - slip[c, 2]) / FAR,
+        )
+        missing = touches.log_gap_start[c] - touches.log_gap[c]
+        begin = Start(span, missing, 1.0, dot(frame.t, b), dot(frame.s, b))
+        tell(linked(flattened(film, FAR * radius), begin), frame, touches, c)
+
+
+@compiled_inside
+def tell(link: Link, frame: Frame, touches: Touches, c: int) -> None:
+    """What a contact answers, along the axes."""
+    n, t, s = frame
+    shift, now, response = touches.shift, touches.now, touches.response
+    shift[c, 0], now[c, 0] = link.dq, link.opening
+    for k in range(3):
+        touches.force[c, k] = link.force_n * n[k] + link.force_t * t[k]
+        touches.correction[c, k] = link.more_n * n[k] + link.more_t * t[k] + link.more_s * s[k]
+        shift[c, 1 + k] = FAR * (link.turn_t * t[k] + link.turn_s * s[k])
+        now[c, 1 + k] = FAR * link.sliding * t[k]
+        response[c, 0, k] = link.q_n * n[k] + link.q_t * t[k]
+        by_pull, by_shear = link.nn * n[k] + link.tn * t[k], link.nt * n[k] + link.tt * t[k]
+        for m in range(3):
+            touches.stiffness[c, k, m] = by_pull * n[m] + by_shear * t[m] + link.ss * s[k] * s[m]
+            turns = t[k] * (link.t_n * n[m] + link.t_t * t[m]) + link.s_s * s[k] * s[m]
+            response[c, 1 + k, m] = FAR * turns
+
+
+@where_there((0.0, 0.0))
+def push_from_walls(walls: Walls, position: Array, right: Array, corrected: bool) -> tuple[float, float]:
+    """Add the walls' forces and torques to what is left on the spheres; the largest force, and the largest of stiffness
+    times coordinates.
+    """
+    touches, places, largest, stiffest = walls.touches, walls.places, 0.0, 0.0
+    dimensions = position.shape[1]
+    force, correction = touches.force, touches.correction
+    for c in range(len(touches.first)):
+        i, n = touches.first[c], normal_of(walls.places, touches.wall[c])
+        part = 1.0 if corrected else 0.0
+        f = (
+            force[c, 0] + part * correction[c, 0],
+            force[c, 1] + part * correction[c, 1],
+            force[c, 2] + part * correction[c, 2],
+        )
+        for k in range(dimensions):
+            largest = max(largest, abs(force[c, k]))
+            size = touches.radius[c] + abs(position[i, k]) + abs(places.place[touches.wall[c], k])
+            stiffest = max(stiffest, touches.stiffness[c, k, k] * size)
+        add_wrench(right, i, dimensions, (f, cross(n, f)))
+    return largest, stiffest
+
+
+@compiled_inside
+def add_wrench(right: Array, i: int, dimensions: int, wrench: tuple[Vector, Vector]) -> None:
+    """Add a force, and a torque over the radius, to a sphere."""
+    f, torque = wrench
+    right[i, 0] += f[0]
+    right[i, 1] += f[1]
+    if dimensions == 3:
+        right[i, 2] += f[2]
+    if right.shape[1] > dimensions and dimensions == 2:
+        right[i, 2] += torque[2]
+    elif right.shape[1] > dimensions:
+        for k in range(3):
+            right[i, 3 + k] += torque[0] if k == 0 else torque[1] if k == 1 else torque[2]
+
+
+@compiled_inside
+def pressed(stiffness: Array, c: int, x: Vector) -> Vector:
+    """The force that a displacement of a wall against a sphere makes."""
+    return (
+        stiffness[c, 0, 0] * x[0] + stiffness[c, 0, 1] * x[1] + stiffness[c, 0, 2] * x[2],
+        stiffness[c, 1, 0] * x[0] + stiffness[c, 1, 1] * x[1] + stiffness[c, 1, 2] * x[2],
+        stiffness[c, 2, 0] * x[0] + stiffness[c, 2, 1] * x[1] + stiffness[c, 2, 2] * x[2],
+    )
+
+
+@compiled_inside
+def displaced(k: int, dimensions: int, n: Vector) -> Vector:
+    """What a unit of a sphere's unknown does to the distance of a wall: of its place, or of its spin."""
+    axis = k if k < dimensions else 2 if dimensions == 2 else k - dimensions
+    one = (1.0 if axis == 0 else 0.0, 1.0 if axis == 1 else 0.0, 1.0 if axis == 2 else 0.0)
+    if k >= dimensions:
+        one = cross(one, n)
+    return -one[0], -one[1], -one[2]
+
+
+@where_there()
+def resist_at_walls(walls: Walls, blocks: Array, own: Integers, dimensions: int) -> None:
+    """Add what walls resist to the spheres' own blocks."""
+    touches, width = walls.touches, blocks.shape[1]
+    for c in range(len(touches.first)):
+        place, n = own[touches.first[c]], normal_of(walls.places, touches.wall[c])
+        for column in range(width):
+            f = pressed(touches.stiffness, c, displaced(column, dimensions, n))
+            torque = cross(n, f)
+            blocks[place, 0, column] -= f[0]
+            blocks[place, 1, column] -= f[1]
+            if dimensions == 3:
+                blocks[place, 2, column] -= f[2]
+            if width == 3 and dimensions == 2:
+                blocks[place, 2, column] -= torque[2]
+            elif width == 6:
+                blocks[place, 3, column] -= torque[0]
+                blocks[place, 4, column] -= torque[1]
+                blocks[place, 5, column] -= torque[2]
+
+
+@where_there(0.0)
+def wall_energy(walls: Walls, contacts: Contacts, position: Array) -> float:
+    """What the deflections at walls hold (J): exact along the normal; along the wall at its present stiffness."""
+    touches, total = walls.touches, 0.0
+    for c in range(len(touches.first)):
+        n, radius = normal_of(walls.places, touches.wall[c]), touches.radius[c]
+        x = wall_distance(walls, position, position[:, :0], c)
+        pull, slip = dot(x, n), touches.slip
+        apart = (x[0] - radius * slip[c, 0], x[1] - radius * slip[c, 1], x[2] - radius * slip[c, 2])
+        body = Body(radius, radius, touches.modulus[c])
+        film = film_of(contacts, body, touches.log_gap[c], pull, 0.0)
+        total += normal_energy(contacts, body, film.gap, film.stretch)
+        total += 0.5 * film.surface.tangential * max(dot(apart, apart) - dot(apart, n) ** 2, 0.0)
+    return total
+
+
+# --- How walls move through the stages of a step, and the contacts at them with the spheres
+
+
+@where_there(0.0)
+def shift_at_walls(walls: Walls, change: Array, dimensions: int) -> float:
+    """What Newton's change does to the contacts with walls; how much at most."""
+    touches, places = walls.touches, walls.places
+    shift, response, largest = touches.shift, touches.response, 0.0
+    for c in range(len(touches.first)):
+        i, w = touches.first[c], touches.wall[c]
+        n = normal_of(places, w)
+        x, y, z = places.change[w, 0], places.change[w, 1], places.change[w, 2]
+        for k in range(change.shape[1]):
+            by = displaced(k, dimensions, n)
+            x, y, z = x + change[i, k] * by[0], y + change[i, k] * by[1], z + change[i, k] * by[2]
+        for k in range(4):
+            shift[c, k] += response[c, k, 0] * x + response[c, k, 1] * y + response[c, k, 2] * z
+            largest = max(largest, abs(shift[c, k]))
+    return largest
+
+
+@where_there()
+def move_walls(walls: Walls, part: float) -> None:
+    """Add a part of Newton's change to walls and their contacts."""
+    touches, places = walls.touches, walls.places
+    for w in range(len(places.place)):
+        for k in range(3):
+            places.place[w, k] += part * places.change[w, k]
+    for c in range(len(touches.first)):
+        touches.log_gap[c] += part * touches.shift[c, 0]
+        for k in range(3):
+            touches.slip[c, k] += part * touches.shift[c, 1 + k]
+
+
+@where_there()
+def first_walls(walls: Walls) -> None:
+    """Walls and contacts at the step's beginning."""
+    touches, places = walls.touches, walls.places
+    copy_rows(places.place, places.before)
+    copy_rows(places.start, places.before)
+    clear_rows(places.change)
+    copy_rows(places.slope[0], places.past)
+    copy_line(touches.log_gap, touches.log_gap_before)
+    copy_rows(touches.slip, touches.slip_before)
+    copy_line(touches.log_gap_start, touches.log_gap_before)
+    copy_rows(touches.slip_start, touches.slip_before)
+
+
+@where_there()
+def slopes_at_walls(walls: Walls) -> None:
+    """How fast contacts and walls go at the step's beginning."""
+    copy_rows(walls.touches.rate[0], walls.touches.now)
+
+
+@where_there()
+def begin_walls(walls: Walls, scheme: Scheme, stage: int, time_step: float) -> None:
+    """Where a stage starts from, and where walls that move as they are told will be at its end."""
+    touches, places, rows = walls.touches, walls.places, scheme.rows
+    for c in range(len(touches.first)):
+        touches.log_gap_start[c] = touches.log_gap_before[c]
+        for k in range(3):
+            touches.slip_start[c, k] = touches.slip_before[c, k]
+        for earlier in range(stage):
+            touches.log_gap_start[c] += time_step * rows[stage, earlier] * touches.rate[earlier, c, 0]
+            for k in range(3):
+                touches.slip_start[c, k] += time_step * rows[stage, earlier] * touches.rate[earlier, c, 1 + k]
+    for w in range(len(places.place)):
+        for k in range(3):
+            places.start[w, k] = places.before[w, k]
+            for earlier in range(stage):
+                places.start[w, k] += time_step * rows[stage, earlier] * places.slope[earlier, w, k]
+            if places.velocity[w, k] != 0.0:
+                places.place[w, k] = places.before[w, k] + scheme.times[stage] * time_step * places.velocity[w, k]
+
+
+@where_there()
+def end_walls(walls: Walls, stage: int, span: float) -> None:
+    """The slopes of a solved stage."""
+    touches, places = walls.touches, walls.places
+    for c in range(len(touches.first)):
+        touches.rate[stage, c, 0] = (touches.log_gap[c] - touches.log_gap_start[c]) / span
+        for k in range(3):
+            touches.rate[stage, c, 1 + k] = (touches.slip[c, k] - touches.slip_start[c, k]) / span
+    for w in range(len(places.place)):
+        for k in range(3):
+            moved = places.velocity[w, k]
+            places.slope[stage, w, k] = moved if moved != 0.0 else (places.place[w, k] - places.start[w, k]) / span
+
+
+@where_there(0.0)
+def wall_error(walls: Walls, scheme: Scheme, time_step: float) -> float:
+    """The largest difference from the embedded scheme, of ln(gap) or of a slip in radii."""
+    touches, weights = walls.touches, scheme.error
+    largest = 0.0
+    for c in range(len(touches.first)):
+        for k in range(4):
+            value = 0.0
+            for stage in range(len(weights)):
+                value += weights[stage] * touches.rate[stage, c, k]
+            largest = max(largest, abs(time_step * value))
+    return largest
+
+
+@where_there()
+def accept_walls(walls: Walls, turn: Array) -> None:
+    """The end of a step is the next one's beginning, from where spins are counted anew: slips keep what was rolled."""
+    touches, places = walls.touches, walls.places
+    for c in range(len(touches.first)):
+        touches.log_gap_before[c] = touches.log_gap[c]
+        rolled = (0.0, 0.0, 0.0)
+        if turn.shape[1] > 0:
+            rolled = cross(axial(turn, touches.first[c]), normal_of(places, touches.wall[c]))
+        radius = touches.radius[c]
+        touches.slip[c, 0] += rolled[0] / radius
+        touches.slip[c, 1] += rolled[1] / radius
+        touches.slip[c, 2] += rolled[2] / radius
+        for k in range(3):
+            touches.slip_before[c, k] = touches.slip[c, k]
+    copy_rows(places.before, places.place)
+    copy_rows(places.past, places.slope[-1])
+
+
+# --- Walls that yield to forces, in Newton's step: their places border the spheres' system, like a box's shear
+
+
+@compiled
+def column_of_wall(walls: Walls, to: tuple[Array, Array], unknown: int, dimensions: int) -> None:
+    """The forces on spheres that a wall's displacement changes, and how its own force changes with the spheres'."""
+    (column, rows), touches = to, walls.touches
+    wall, axis = walls.places.free[unknown]
+    along = (1.0 if axis == 0 else 0.0, 1.0 if axis == 1 else 0.0, 1.0 if axis == 2 else 0.0)
+    column[:] = 0.0
+    rows[:] = 0.0
+    for c in range(len(touches.first)):
+        if touches.wall[c] == wall:
+            i, n = touches.first[c], normal_of(walls.places, wall)
+            f = pressed(touches.stiffness, c, along)
+            add_wrench(column, i, dimensions, (f, cross(n, f)))
+            for k in range(rows.shape[1]):
+                rows[i, k] += dot(pressed(touches.stiffness, c, displaced(k, dimensions, n)), along)
+
+
+@compiled_inside
+def wanted_force(places: Places, unknown: int, load: tuple[float, float]) -> float:
+    """What pushes or pulls a wall that yields (N); what shears it goes by the shear of walls, too."""
+    wall, axis = places.free[unknown]
+    along = 1.0 if axis == places.axis[wall] else load[1]
+    return float(load[0] * along * places.force[wall, axis])
+
+
+@compiled
+def corner_of_walls(walls: Walls, load: tuple[float, float], borders: tuple[Array, Array]) -> None:
+    """What is missing of the force on each wall that yields, and how it changes with the walls."""
+    (left, corner), touches, free = borders, walls.touches, walls.places.free
+    for one in range(len(free)):
+        wall, axis = free[one]
+        left[one] = -wanted_force(walls.places, one, load)
+        corner[one, :] = 0.0
+        for c in range(len(touches.first)):
+            if touches.wall[c] == wall:
+                left[one] += touches.force[c, axis] + touches.correction[c, axis]
+                for other in range(len(free)):
+                    if free[other, 0] == wall:
+                        corner[one, other] += touches.stiffness[c, axis, free[other, 1]]
+
+
+@where_there(0.0)
+def missing_at_walls(walls: Walls, position: Array, load: tuple[float, float]) -> float:
+    """The largest part of a force on a wall that is missing, less rounding."""
+    touches, worst = walls.touches, 0.0
+    for unknown in range(len(walls.places.free)):
+        wall, axis = walls.places.free[unknown]
+        wanted = wanted_force(walls.places, unknown, load)
+        total, whole, rounding = -wanted, abs(wanted), 0.0
+        for c in range(len(touches.first)):
+            if touches.wall[c] == wall:
+                total += touches.force[c, axis]
+                whole += abs(touches.force[c, axis])
+                size = abs(walls.places.place[wall, axis]) + abs(position[touches.first[c], axis])
+                rounding += ROUNDING * abs(touches.stiffness[c, axis, axis]) * size
+        if whole > 0.0:
+            worst = max(worst, (abs(total) - rounding) / whole)
+    return worst

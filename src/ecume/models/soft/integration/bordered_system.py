@@ -1,0 +1,215 @@
+"""What all spheres share in a stage: shear and size of a box that answer to stresses, as borders of the system.
+
+An unknown moves everything by a gradient, K x, beside what each sphere is moved by. Its row of the system is the work
+done in it, sum of F_ij (K X_ij), which is to be volume times stress; its column is the forces that it changes. The
+spheres' matrix is solved for the right side and for each column, and a system of one or two unknowns is left.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ecume._jit import compiled, compiled_inside
+from ecume._portable import dots, solve
+from ecume.models.soft.contacts.contact_jacobian import ROUNDING, Vector
+from ecume.models.soft.contacts.films import Answers, Pairs, center_distance
+from ecume.models.soft.contacts.rotation import cross
+from ecume.models.soft.contacts.walls import Walls, column_of_wall, corner_of_walls
+from ecume.models.soft.loading.cell import Cell, Goal, gradient_of, stress_goal, unknowns
+from ecume.units import Array
+
+MOST = 2
+"""Unknowns of a box."""
+
+
+class Borders(NamedTuple):
+    """Right sides and solutions of the spheres' matrix: of their forces first, then of each column; and the rest."""
+
+    right: Array
+    """(1 + A, N, b)"""
+    change: Array
+    """(1 + A, N, b)"""
+    rows: Array
+    """(A, N, b)"""
+    left: Array
+    """(A,) what is missing of each work"""
+    corner: Array
+    """(A, A)"""
+
+
+class Web(NamedTuple):
+    """The contacts and what they answer, between spheres at their places."""
+
+    pairs: Pairs
+    answers: Answers
+    position: Array
+
+
+def make_borders(count: int, width: int, most: int) -> Borders:
+    """Room for so many unknowns."""
+    return Borders(
+        np.zeros((1 + most, count, width)),
+        np.zeros((1 + most, count, width)),
+        np.zeros((most, count, width)),
+        np.zeros(most),
+        np.zeros((most, most)),
+    )
+
+
+@compiled_inside
+def moved(gradient: Array, x: Vector) -> Vector:
+    """A gradient times a vector."""
+    return (
+        gradient[0, 0] * x[0] + gradient[0, 1] * x[1] + gradient[0, 2] * x[2],
+        gradient[1, 0] * x[0] + gradient[1, 1] * x[1] + gradient[1, 2] * x[2],
+        gradient[2, 0] * x[0] + gradient[2, 1] * x[1] + gradient[2, 2] * x[2],
+    )
+
+
+@compiled_inside
+def crossed(row: Vector, stiffness: Array, c: int, column: Vector) -> float:
+    """The work in one displacement of the forces that another one changes, in a contact."""
+    total = 0.0
+    for k in range(3):
+        for m in range(3):
+            total += row[k] * stiffness[c, k, m] * column[m]
+    return total
+
+
+@compiled
+def missing_stress(cell: Cell, web: Web, goal: Goal) -> float:
+    """The largest part of a work that is missing, over the work of all forces if they pulled alike; less rounding."""
+    first, second, offset, position = web.pairs.first, web.pairs.second, web.pairs.offset, web.position
+    force, stiffness = web.answers.force, web.answers.stiffness
+    worst = 0.0
+    for unknown in range(unknowns(cell)):
+        row = gradient_of(cell, unknown, goal, True)
+        wanted = stress_goal(cell, unknown, goal.drive, position.shape[1])
+        work, whole, rounding = -wanted, abs(wanted), 0.0
+        for c in range(len(first)):
+            i, j = first[c], second[c]
+            along = moved(row, center_distance(position, offset, i, j, c))
+            for k in range(position.shape[1]):
+                work += force[c, k] * along[k]
+                whole += abs(force[c, k] * along[k])
+                size = abs(position[j, k]) + abs(position[i, k]) + abs(offset[c, k])
+                rounding += ROUNDING * abs(stiffness[c, k, k] * along[k]) * size
+        if whole > 0.0:
+            worst = max(worst, (abs(work) - rounding) / whole)
+    return worst
+
+
+@compiled
+def fill_border(cell: Cell, web: Web, goal: Goal, borders: Borders, unknown: int) -> None:
+    """The forces that an unknown changes, the row of the work done in it, and how much of that is missing."""
+    first, second, offset, position = web.pairs.first, web.pairs.second, web.pairs.offset, web.position
+    force, correction, stiffness = web.answers.force, web.answers.correction, web.answers.stiffness
+    column, rows, left = borders.right[1 + unknown], borders.rows[unknown], borders.left
+    by, row = gradient_of(cell, unknown, goal, False), gradient_of(cell, unknown, goal, True)
+    column[:] = 0.0
+    rows[:] = 0.0
+    left[unknown] = -stress_goal(cell, unknown, goal.drive, position.shape[1])
+    for c in range(len(first)):
+        i, j = first[c], second[c]
+        x = center_distance(position, offset, i, j, c)
+        across, along = moved(by, x), moved(row, x)
+        for k in range(position.shape[1]):
+            value, work = 0.0, 0.0
+            for m in range(3):
+                value += stiffness[c, k, m] * across[m]
+                work += stiffness[c, m, k] * along[m] + row[m, k] * (force[c, m] + correction[c, m])
+            column[i, k] += value
+            column[j, k] -= value
+            rows[j, k] += work
+            rows[i, k] -= work
+            left[unknown] += (force[c, k] + correction[c, k]) * along[k]
+        if column.shape[1] > position.shape[1]:
+            add_spins(web, c, (across, along), (column, rows))
+
+
+@compiled_inside
+def add_spins(web: Web, c: int, displaced: tuple[Vector, Vector], to: tuple[Array, Array]) -> None:
+    """The torques that an unknown changes, and the work in it of the forces that a spin changes, of one contact."""
+    i, j, size = web.pairs.first[c], web.pairs.second[c], web.pairs.radius_sum[c]
+    force, correction, stiffness = web.answers.force, web.answers.correction, web.answers.stiffness
+    (across, along), (column, rows) = displaced, to
+    x = center_distance(web.position, web.pairs.offset, i, j, c)
+    f = (force[c, 0] + correction[c, 0], force[c, 1] + correction[c, 1], force[c, 2] + correction[c, 2])
+    more, back = moved(stiffness[c], across), moved(stiffness[c].T, along)
+    a, b = cross(x, more), cross(across, f)
+    e, g = cross(back, x), cross(f, along)
+    d, width = web.position.shape[1], column.shape[1]
+    for k in range(d, width):
+        axis = 2 if d == 2 else k - d
+        for body in (i, j):
+            column[body, k] += (a[axis] + b[axis]) / size
+            rows[body, k] += (e[axis] + g[axis]) / size
+
+
+@compiled
+def fill_corner(cell: Cell, web: Web, goal: Goal, corner: Array) -> None:
+    """How the works change with the unknowns themselves, that of what they are to be included."""
+    first, second, offset, position = web.pairs.first, web.pairs.second, web.pairs.offset, web.position
+    force, correction, stiffness = web.answers.force, web.answers.correction, web.answers.stiffness
+    for one in range(unknowns(cell)):
+        row = gradient_of(cell, one, goal, True)
+        wanted = stress_goal(cell, one, goal.drive, position.shape[1])
+        for other in range(unknowns(cell)):
+            by = gradient_of(cell, other, goal, False)
+            total = 0.0
+            for k in range(position.shape[1]):
+                total -= wanted * by[k, k]
+            for c in range(len(first)):
+                x = center_distance(position, offset, first[c], second[c], c)
+                across = moved(by, x)
+                twice = moved(row, across)
+                total += crossed(moved(row, x), stiffness, c, across)
+                for k in range(3):
+                    total += (force[c, k] + correction[c, k]) * twice[k]
+            corner[one, other] = total
+
+
+@compiled
+def border(cell: Cell, web: Web, goal: Goal, borders: Borders) -> None:
+    """All borders of a system whose box answers to stresses."""
+    for unknown in range(unknowns(cell)):
+        fill_border(cell, web, goal, borders, unknown)
+    fill_corner(cell, web, goal, borders.corner)
+
+
+@compiled
+def border_walls(walls: Walls, load: tuple[float, float], borders: Borders, dimensions: int) -> None:
+    """All borders of a system whose walls yield to forces."""
+    for unknown in range(len(walls.places.free)):
+        column_of_wall(walls, (borders.right[1 + unknown], borders.rows[unknown]), unknown, dimensions)
+    corner_of_walls(walls, load, (borders.left, borders.corner))
+
+
+def close(borders: Borders, count: int) -> Array | None:
+    """The unknowns' change, from the solutions of all right sides, which become one; None where there is none."""
+    by = borders.change.reshape(len(borders.change), -1)
+    rows = borders.rows[:count].reshape(count, -1)
+    matrix = borders.corner[:count, :count] + dots(rows, by[1 : 1 + count])
+    try:
+        found = solve(matrix, -borders.left[:count] - dots(rows, by[:1])[:, 0])
+    except np.linalg.LinAlgError:
+        return None
+    for unknown, value in enumerate(found):
+        borders.change[0] += value * borders.change[1 + unknown]
+    return np.asarray(found) if np.isfinite(found).all() else None
+
+
+def change_box(cell: Cell, goal: Goal, found: Array) -> None:
+    """Put the unknowns' change into the gradient by which everything is displaced."""
+    cell.change[:] = 0.0
+    for unknown, value in enumerate(found):
+        cell.change[:] += value * gradient_of(cell, unknown, goal, False)
+
+
+def change_walls(walls: Walls, found: Array) -> None:
+    """Put the unknowns' change into that of the walls' places."""
+    walls.places.change[:] = 0.0
+    for (wall, axis), value in zip(walls.places.free, found, strict=True):
+        walls.places.change[wall, axis] = value

@@ -1,0 +1,94 @@
+"""Implicit Runge-Kutta schemes for a step: every one L-stable, its last stage the step's end, the first one explicit.
+
+With the last stage at the end the forces balance there exactly, and with one coefficient on the diagonal a stage is
+like the next.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from ecume.units import Array
+
+
+class Scheme(NamedTuple):
+    """A tableau: stage i starts from the slopes before it, weighted by its row, and adds `diagonal` of its own."""
+
+    rows: Array
+    """(S, S) strictly below the diagonal; the last row ends the step"""
+    diagonal: float
+    times: Array
+    """(S,) of the stages, in steps"""
+    error: Array
+    """(S,) weights of the slopes in the difference from the embedded scheme"""
+    weights: Array
+    """(2, S) of the slopes in a step; and of what is no slope in its mean over a step, by the more accurate of the
+    scheme and the embedded one
+    """
+    order: int
+    """of the scheme; the embedded one's is one less"""
+
+
+def _scheme(rows: list[list[float]], diagonal: float, embedded: list[float], order: int) -> Scheme:
+    count = len(rows)
+    lower = np.zeros((count, count))
+    for stage, row in enumerate(rows):
+        lower[stage, : len(row)] = row
+    whole = lower + diagonal * np.diag([0.0] + [1.0] * (count - 1))
+    times, pair = whole.sum(axis=1), (whole[-1], np.array(embedded))
+    # A cubic's mean tells which of the two is of the higher order.
+    mean = min(pair, key=lambda weights: abs(weights @ times**3 - 1 / 4) + abs(weights @ times**2 - 1 / 3))
+    return Scheme(lower, diagonal, times, pair[0] - pair[1], np.array([pair[0], mean]), order)
+
+
+def esdirk4() -> Scheme:
+    """ESDIRK4(3)6L[2]SA, the implicit half of ARK4(3)6L[2]SA [kennedy2003]."""
+    rows = [
+        [],
+        [1 / 4],
+        [8611 / 62500, -1743 / 31250],
+        [5012029 / 34652500, -654441 / 2922500, 174375 / 388108],
+        [15267082809 / 155376265600, -71443401 / 120774400, 730878875 / 902184768, 2285395 / 8070912],
+        [82889 / 524892, 0.0, 15625 / 83664, 69875 / 102672, -2260 / 8211],
+    ]
+    embedded = [
+        4586570599 / 29645900160, 0.0, 178811875 / 945068544, 814220225 / 1159782912, -3700637 / 11593932,
+        61727 / 225920,
+    ]  # fmt: skip
+    return _scheme(rows, 1 / 4, embedded, 4)
+
+
+def tr_bdf2() -> Scheme:
+    """TR-BDF2 as a Runge-Kutta scheme with an embedded one of order 3 [hosea1996]."""
+    d = 1.0 - math.sqrt(0.5)
+    w = math.sqrt(2.0) / 4.0
+    return _scheme([[], [d], [w, w]], d, [(1.0 - w) / 3.0, (3.0 * w + 1.0) / 3.0, d / 3.0], 2)
+
+
+@dataclass(frozen=True)
+class TimeScheme:
+    """A row of the table: a scheme and everything that depends on it. Its costs were measured: see `cost`."""
+
+    tableau: Scheme
+    paper: Callable[[], Scheme]
+    """whose docstring names the reference"""
+    relaxing: float
+    """steps of a process of four spheres, at a tolerance of 1e-3"""
+    straining: float
+    """steps in a unit of strain, at a tolerance of 1e-3, of many spheres"""
+    refinement: float
+    """the power of one over the tolerance with which they grow"""
+    seconds: float
+    """of a step for each film"""
+
+
+SCHEMES = {
+    "esdirk4": TimeScheme(esdirk4(), esdirk4, relaxing=31.0, straining=600.0, refinement=0.14, seconds=1.9e-5),
+    "tr-bdf2": TimeScheme(tr_bdf2(), tr_bdf2, relaxing=35.0, straining=1000.0, refinement=0.25, seconds=7.5e-6),
+}
+"""Schemes for `stepping.scheme`."""

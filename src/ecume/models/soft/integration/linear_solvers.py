@@ -1,0 +1,111 @@
+"""Which way a step's linear systems are solved: the choice among `engine.linear_solvers`, and what it goes by."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
+
+from ecume.engine.cells import Integers
+from ecume.engine.linear_solvers import solvers
+from ecume.engine.linear_solvers.solvers import Kept
+from ecume.models.soft.integration import dirk, newton
+from ecume.models.soft.integration.dirk_schemes import SCHEMES, Scheme
+from ecume.models.soft.loading.protocol import Drive, Rules
+from ecume.models.soft.parameters import Contacts, Parameters
+from ecume.models.soft.state import During, Step, Workspace
+
+FINE = 1e-13
+"""The last change of a position, over its distance, with which spheres are said to be balanced."""
+FINE_SPUN = 1e-10
+"""The same where spheres spin: in space loads alone resist a spin about the line of a contact, so that rounding leaves
+more of it.
+"""
+AT_ONCE = 1e-9
+"""Of a step: the time in which the liquid is to hold spheres where they are."""
+FEW = 72
+"""Unknowns up to which elimination is the fastest."""
+AGAIN = 10
+"""Steps without gradients after which they are tried again: what they take may have become less."""
+PATIENCE = 2
+"""Times that a step is shortened before a factorization stands in for gradients."""
+ITERATIONS, WITHOUT, BROKEN = range(3)
+"""Places in `State.effort`."""
+
+Way = Callable[[Contacts, Step, Scheme, During, int], float]
+"""A way to begin a step, to balance, or to try a step: what came of it, or `stages.FAILED`."""
+
+
+def choices(parameters: Parameters, kept: Kept, effort: Integers) -> tuple[str, ...]:
+    """The solvers to try, one after the other: by the number of unknowns, the pattern and the state, so that a run
+    chooses as the last one did.
+
+    Gradients break down where the matrix is not positive: mostly since the step is too long. Where shorter ones break
+    down, too, a factorization stands in until they go through again.
+    """
+    if parameters.solver != "auto":
+        return (parameters.solver,)
+    if parameters.force.size <= FEW:
+        return ("dense",)
+    if effort[WITHOUT] < AGAIN and solvers.does_less(kept, int(effort[ITERATIONS])):
+        return ("direct", "iterative")
+    return ("iterative", "direct") if effort[BROKEN] >= PATIENCE and solvers.pays(kept) else ("iterative",)
+
+
+def way(parameters: Parameters, kept: Kept, rules: Rules, name: str) -> Way:
+    """A step by one of the solvers."""
+    solve = partial(solvers.SOLVERS[name], kept)
+    if any(rules) or len(parameters.walls.free):
+        return partial(dirk.many, partial(newton.newton_bordered, solve))
+    return dirk.dense if name == "dense" else partial(dirk.many, partial(newton.newton_many, solve))
+
+
+def attempt(parameters: Parameters, scratch: Workspace, during: During, rules: Rules, effort: Integers) -> float:
+    """Try a step: the estimated error, or `stages.FAILED`."""
+    step, kept, scheme = scratch.step, scratch.kept, SCHEMES[parameters.scheme].tableau
+    step.cell.rules[:] = rules
+    kept.iterations = kept.systems = 0
+    name = ""
+    for name in choices(parameters, kept, effort):
+        error = way(parameters, kept, rules, name)(parameters.contacts, step, scheme, during, dirk.STEP)
+        if error != dirk.FAILED:
+            break
+    if error == dirk.FAILED:  # which says little of what systems of shorter steps take
+        effort[BROKEN] += 1
+    elif name == "iterative":
+        effort[:] = -(-kept.iterations // kept.systems), 0, 0
+    else:
+        effort[WITHOUT] += 1
+    return error
+
+
+def balance(
+    parameters: Parameters, scratch: Workspace, at: tuple[Drive, Drive, Rules], effort: Integers, span: float = 0.0
+) -> bool:
+    """Move spheres and box to where forces and stresses balance while the gaps stay as they are; whether there is such
+    a place. `at` is what was imposed, what is, and what answers to a stress.
+
+    Spheres on which the liquid drags are held by it: a `span` of time that is next to none.
+    """
+    (origin, drive, rules), step, kept = at, scratch.step, scratch.kept
+    step.cell.rules[:] = rules
+    fine = FINE_SPUN if parameters.torque.shape[1] else FINE
+    during, scheme = During(span, np.array([origin, drive]), fine), SCHEMES[parameters.scheme].tableau
+    names = choices(parameters, kept, effort)
+    if names == ("iterative",) and parameters.solver == "auto" and solvers.pays(kept):
+        names = ("iterative", "direct")
+    ways = (way(parameters, kept, rules, name) for name in names)
+    return any(one(parameters.contacts, step, scheme, during, dirk.BALANCE) != dirk.FAILED for one in ways)
+
+
+def begin(parameters: Parameters, step: Step, drive: Drive) -> None:
+    """Contacts and forces at the step's beginning, into `step`."""
+    during, scheme = During(0.0, np.array([drive, drive]), FINE), SCHEMES[parameters.scheme].tableau
+    few = parameters.solver == "auto" and parameters.force.size <= FEW
+    start = (
+        dirk.dense
+        if (few or parameters.solver == "dense") and not any(step.cell.rules)
+        else partial(dirk.many, newton.newton_dense)
+    )
+    start(parameters.contacts, step, scheme, during, dirk.BEGIN)

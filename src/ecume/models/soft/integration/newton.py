@@ -1,0 +1,265 @@
+"""Newton's method for a stage: all spheres, contacts, spins, walls and the box at once."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
+
+from ecume._jit import compiled, compiled_inside, composed, inlined, plainly, prange, shared
+from ecume.engine.linear_solvers import dense_elimination
+from ecume.engine.linear_solvers.block_matrix import Matrix
+from ecume.models.soft.contacts.films import Answers, Films, Pairs, answer, center_distance
+from ecume.models.soft.contacts.rotation import rolled, turn_pairs, unturn
+from ecume.models.soft.contacts.walls import all_walls, answer_walls, missing_at_walls, move_walls, shift_at_walls
+from ecume.models.soft.integration.bordered_system import (
+    Web,
+    border,
+    border_walls,
+    change_box,
+    change_walls,
+    close,
+    missing_stress,
+    moved,
+)
+from ecume.models.soft.integration.force_assembly import (
+    CHUNK,
+    count_pairs,
+    imbalance,
+    is_free,
+    is_held,
+    largest_line,
+    resist,
+)
+from ecume.models.soft.loading.cell import Goal, carry_along, deform, impose, place_images, unknowns
+from ecume.models.soft.parameters import Contacts
+from ecume.models.soft.state import Bodies, Step
+from ecume.units import Array
+
+MOST_ITERATIONS = 12
+BALANCE = 1e-9
+"""The largest force that may be left on a sphere, over the largest there is, or what may be missing of a stress."""
+CLOSE, LIKELY = 1e-10, 0.1
+"""What is left is made less for as long as that halves it, down to this part of the largest force and of what rounding
+may leave: that is told from above.
+"""
+
+Solve = Callable[[Matrix, Array, Array, int], bool]
+"""A solver of `engine.linear_solvers` with what it keeps."""
+
+
+@composed
+def sides(step: Step) -> int:
+    """How many right sides there are: what is left over, and what turns the first of free spheres."""
+    return 1 + (step.spins.turn.shape[1] if is_free(step) else 0)
+
+
+@compiled
+def eliminated(step: Step, goal: Goal, loose: int) -> bool:
+    """Newton's step by dense elimination."""
+    several = sides(step)
+    return dense_elimination.eliminate(step.matrix, step.borders.right[:several], step.borders.change[:several], loose)
+
+
+def plain(solve: Solve, step: Step, goal: Goal, loose: int) -> bool:
+    """Newton's step, where spheres have nothing in common but their contacts."""
+    several = sides(step)
+    return solve(step.matrix, step.borders.right[:several], step.borders.change[:several], loose)
+
+
+def bordered(solve: Solve, step: Step, goal: Goal, loose: int) -> bool:
+    """Newton's step with what all spheres share."""
+    boxed, walls = unknowns(step.cell), all_walls(step.walls)
+    if boxed:
+        border(step.cell, web_of(step), goal, step.borders)
+    else:
+        border_walls(walls, (goal.drive.load, goal.drive.wall_shear), step.borders, step.bodies.position.shape[1])
+    count = boxed or len(walls.places.free)
+    found = solve(step.matrix, step.borders.right[: 1 + count], step.borders.change[: 1 + count], loose)
+    answer = close(step.borders, count) if found else None
+    if answer is None:
+        return False
+    if boxed:
+        change_box(step.cell, goal, answer)
+    else:
+        change_walls(walls, answer)
+    return True
+
+
+@composed
+def web_of(step: Step) -> Web:
+    """What the borders of the system are made of."""
+    return Web(step.pairs, step.answers, step.bodies.position)
+
+
+@composed
+def unmet(step: Step, goal: Goal) -> float:
+    """What is missing of the stresses that rule the box, or of the forces on walls."""
+    if unknowns(step.cell) > 0:
+        return missing_stress(step.cell, web_of(step), goal)
+    load = (goal.drive.load, goal.drive.wall_shear)
+    return float(missing_at_walls(step.walls, step.bodies.position, load))
+
+
+@composed
+def enter(step: Step, goal: Goal) -> None:
+    """Put in what is imposed, and carry the spheres along with the box."""
+    old = step.cell.shape.copy()
+    impose(step.cell, goal)
+    carry_along(step.cell, old, step.bodies.position, step.bodies.moved)
+    place_images(step.pairs, step.cell)
+
+
+@composed
+def met(step: Step, goal: Goal) -> float:
+    """Nothing is missing where nothing answers to a stress."""
+    return 0.0
+
+
+@inlined
+def newton_with(
+    solve: Callable[..., bool], missing: Callable[..., float], contacts: Contacts, step: Step, goal: Goal
+) -> bool:
+    """Solve a stage: whether forces and stresses balance and the last change was fine enough."""
+    enter(step, goal)
+    bodies, load, span = step.bodies, goal.drive.load, goal.span
+    loose = 0 if is_held(step) else bodies.position.shape[1]
+    last, before = math.inf, math.inf
+    for _ in range(MOST_ITERATIONS):
+        answer(contacts, step.pairs, step.films, bodies.position, span, step.answers)
+        answer_walls(step.walls, contacts, bodies.position, step.spins.turn, span)
+        worst, largest, rounding = imbalance(step, load, span, False)
+        done = worst <= CLOSE * largest + LIKELY * rounding or worst > 0.5 * before
+        balanced = done and worst <= BALANCE * largest + rounding
+        if last <= goal.fine and balanced and missing(step, goal) <= BALANCE:
+            return True
+        before = worst
+        imbalance(step, load, span, True)
+        resist(step, span)
+        if not solve(step, goal, loose):
+            return False
+        if step.spins.turn.shape[1] > 0 and is_free(step):
+            unturn(bodies.position, step.spins, step.borders.change, (bodies.force, bodies.weight, load))
+        last = move(step, goal)
+        if not math.isfinite(last):
+            return False
+    return False
+
+
+@compiled
+def newton_dense(contacts: Contacts, step: Step, goal: Goal) -> bool:
+    """A stage of few spheres."""
+    return newton_with(eliminated, met, contacts, step, goal)
+
+
+def newton_many(solve: Solve, contacts: Contacts, step: Step, goal: Goal) -> bool:
+    """A stage of many spheres. Each pass over them is compiled by itself: all in one took ten times as long, since
+    arrays that are reached through tuples are then counted in the inner loops.
+    """
+    return plainly(newton_with)(partial(plain, solve), met, contacts, step, goal)
+
+
+def newton_bordered(solve: Solve, contacts: Contacts, step: Step, goal: Goal) -> bool:
+    """A stage whose box answers to stresses, or whose walls yield to forces."""
+    return plainly(newton_with)(partial(bordered, solve), unmet, contacts, step, goal)
+
+
+# --- One of Newton's changes, put in: box, spheres, walls and contacts move by as much of it as can be believed
+
+
+LONGEST_CHANGE = 0.7
+"""Of ln(gap) in one iteration: beyond it the linear answer means nothing, and the update is shortened."""
+
+
+@composed
+def move(step: Step, goal: Goal) -> float:
+    """Add the solved change to box, spheres and contacts, shortened where it is too long; how large it was."""
+    bodies, films, answers, by = step.bodies, step.films, step.answers, step.cell.change
+    largest = shift_contacts(step.pairs, answers, bodies, by)
+    largest = max(largest, largest_change(by, bodies.change, bodies.position.shape[1], step.spins.radius))
+    largest = max(largest, shift_at_walls(step.walls, bodies.change, bodies.position.shape[1]))
+    if not math.isfinite(largest):
+        return math.inf
+    part = min(1.0, LONGEST_CHANGE / max(largest, 1e-300))
+    displace(bodies, step.spins.turn, by, part)
+    turn_pairs(step.pairs, step.spins)
+    deform(step.cell, goal, part)
+    move_walls(step.walls, part)
+    place_images(step.pairs, step.cell)
+    move_contacts(films, answers, part)
+    return float(largest)
+
+
+@shared(count_pairs)
+def shift_contacts(pairs: Pairs, answers: Answers, bodies: Bodies, by: Array) -> float:
+    """What Newton's change does to the contacts; how much at most."""
+    first, second, offset, radius_sum = pairs.first, pairs.second, pairs.offset, pairs.radius_sum
+    position, change, shift, response = bodies.position, bodies.change, answers.shift, answers.response
+    count, dimensions = len(first), position.shape[1]
+    extremes = np.zeros((count + CHUNK - 1) // CHUNK)
+    for chunk in prange(len(extremes)):
+        largest = 0.0
+        for c in range(chunk * CHUNK, min((chunk + 1) * CHUNK, count)):
+            x = center_distance(position, offset, first[c], second[c], c)
+            u, v = rolled(x, radius_sum[c], (first[c], second[c]), change, dimensions), moved(by, x)
+            u = (u[0] + v[0], u[1] + v[1], u[2] + v[2])
+            for k in range(4):
+                shift[c, k] += response[c, k, 0] * u[0] + response[c, k, 1] * u[1] + response[c, k, 2] * u[2]
+                largest = max(largest, abs(shift[c, k]))
+        extremes[chunk] = largest
+    return largest_line(extremes)
+
+
+def count_films(films: Films, *_: object) -> int:
+    """How large a crowd of contacts is."""
+    return len(films.log_gap)
+
+
+@shared(count_films)
+def move_contacts(films: Films, answers: Answers, part: float) -> None:
+    """Add a part of their change."""
+    log_gap, direction, shift = films.log_gap, films.direction, answers.shift
+    for c in prange(len(log_gap)):
+        move_contact(log_gap, direction, shift, part, c)
+
+
+@compiled_inside
+def move_contact(log_gap: Array, direction: Array, shift: Array, part: float, c: int) -> None:
+    """Add a part of a contact's change."""
+    log_gap[c] += part * shift[c, 0]
+    length = 0.0
+    for k in range(3):
+        direction[c, k] += part * shift[c, 1 + k]
+        length += direction[c, k] ** 2
+    length = math.sqrt(length)
+    for k in range(3):
+        direction[c, k] /= length
+
+
+@compiled
+def largest_change(by: Array, change: Array, dimensions: int, radius: Array) -> float:
+    """Of the box, relative, and of spins (rad), in one of Newton's steps."""
+    largest = 0.0
+    for k in range(3):
+        for m in range(3):
+            largest = max(largest, abs(by[k, m]))
+    for i in range(len(change)):
+        for k in range(dimensions, change.shape[1]):
+            largest = max(largest, abs(change[i, k]) / radius[i])
+    return largest
+
+
+@compiled
+def displace(bodies: Bodies, turn: Array, by: Array, part: float) -> None:
+    """Add a part of Newton's change to places and spins."""
+    position, change, dimensions = bodies.position, bodies.change, bodies.position.shape[1]
+    moved_by = bodies.moved
+    for i in range(len(position)):
+        x = moved(by, (position[i, 0], position[i, 1], position[i, 2] if dimensions == 3 else 0.0))
+        for k in range(dimensions):
+            position[i, k] += part * (change[i, k] + x[k])
+            moved_by[i, k] += part * (change[i, k] + x[k])
+        for k in range(turn.shape[1]):
+            turn[i, k] += part * change[i, dimensions + k]

@@ -1,0 +1,216 @@
+"""The march: steps as long as the accuracy allows, ending where a frame is due or the protocol turns."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ecume.models.model import CROWDED, DIVERGED, DONE
+from ecume.models.soft.contacts.contact_list import Found, newcomers, renew_contacts, wall_gaps
+from ecume.models.soft.contacts.walls import Walls, all_walls
+from ecume.models.soft.integration.dirk import FAILED as NOT_SOLVED
+from ecume.models.soft.integration.dirk import accept
+from ecume.models.soft.integration.dirk_schemes import SCHEMES, Scheme
+from ecume.models.soft.integration.linear_solvers import AT_ONCE, attempt, balance
+from ecume.models.soft.loading.cell import box_of
+from ecume.models.soft.loading.protocol import drive_at, interval_at, next_turn, rules_at
+from ecume.models.soft.parameters import Parameters
+from ecume.models.soft.report.energy_budget import FILMS, INJECTED, elastic_energy, released
+from ecume.models.soft.state import (
+    ACCEPTED,
+    CLOCK,
+    FAILED,
+    LENGTH,
+    PAST_ERROR,
+    REJECTED,
+    During,
+    State,
+    Step,
+    Workspace,
+    store,
+)
+from ecume.units import Array
+
+SAFETY = 0.9
+MOST_GROWTH, MOST_SHRINK = 5.0, 0.2
+AFTER_FAILURE = 0.25
+"""What a step is multiplied by when its equations were not solved."""
+LEAST_ERROR = 1e-8
+MOST_TRIES = 60
+"""A step that is not good after so many, each shorter than the last, is given up, and with it the run."""
+LEAST_PER_CYCLE = 20
+"""Steps in a cycle of what oscillates."""
+NARROW = 0.5
+"""Of the reach of films: a gap below it that had no film before was come upon in too long a step."""
+NEARLY = 1e-9
+"""A step that would leave less than this part of itself to a frame or turn takes it along."""
+
+
+def advance(parameters: Parameters, state: State, scratch: Workspace, steps: int) -> int:
+    """Move on by that many ticks at least, never past a frame; CROWDED when contacts came or went."""
+    if scratch.generation != state.generation[0]:
+        return CROWDED
+    until = int(state.step[0]) + steps
+    while state.step[0] < until:
+        met = one_step(parameters, state, scratch)
+        if met is None or not jump(parameters, state, scratch):
+            return DIVERGED
+        if len(state.books):
+            state.books[FILMS] += released(parameters.contacts, scratch.step)
+        if renew_contacts(parameters, state, None if jumps_now(parameters, state) else met):
+            return CROWDED
+        if state.step[0] % parameters.steps_per_frame == 0:
+            return DONE
+    return DONE
+
+
+def one_step(parameters: Parameters, state: State, scratch: Workspace) -> Found | None:
+    """Try until a step is good, and take it; who has come near in it. None when there is no such step."""
+    scheme = SCHEMES[parameters.scheme].tableau
+    for _ in range(MOST_TRIES):
+        length, end = _next(parameters, state)
+        if not end > state.pace[CLOCK]:
+            break
+        interval = interval_at(parameters.protocol, float(state.pace[CLOCK]))
+        during = During(length, _drives(parameters, state, (length, end)), parameters.tolerance)
+        error = attempt(parameters, scratch, during, rules_at(parameters.protocol, interval), state.effort)
+        ratio = max(error / parameters.tolerance, LEAST_ERROR)
+        if error == NOT_SOLVED or not math.isfinite(error):
+            state.pace[LENGTH] = AFTER_FAILURE * length
+            state.tally[FAILED] += 1
+        elif ratio > 1.0:
+            state.pace[LENGTH] = length * max(MOST_SHRINK, SAFETY * ratio ** (-1.0 / scheme.order))
+            state.tally[REJECTED] += 1
+        elif leapt(parameters, scratch.step, met := come_near(parameters, scratch.step)):
+            state.pace[LENGTH] = 0.5 * length
+            state.tally[REJECTED] += 1
+        else:
+            if len(state.books):
+                state.books[:] += scratch.step.books.lines[-1, : len(state.books)]
+            _take(parameters, state, scratch, end)
+            # A step that was cut short for a frame says little about how long the next may be.
+            state.pace[LENGTH] = max(
+                _grown(state, length, ratio, scheme), state.pace[LENGTH] * (length < state.pace[LENGTH])
+            )
+            state.pace[PAST_ERROR] = ratio
+            return met
+    return None
+
+
+def come_near(parameters: Parameters, step: Step) -> Found:
+    """The pairs that need a film at the end of a step, and have none."""
+    box = box_of(parameters.box, step.cell.shape, parameters.dimensions)
+    pair = np.stack([step.pairs.first, step.pairs.second], axis=1)
+    image = step.pairs.image[:, : parameters.dimensions].astype(np.int64)
+    return newcomers(parameters, step.bodies.position, box, (pair, image))
+
+
+def leapt(parameters: Parameters, step: Step, met: Found) -> bool:
+    """Whether spheres have come so close in a step, to each other or to walls, that a film should have been between
+    them long before.
+    """
+    if leapt_to_wall(parameters, step, all_walls(step.walls)):
+        return True
+    reach, moved = parameters.contacts.fade_from, step.bodies.position - step.bodies.before
+    if 2.0 * float(np.linalg.norm(moved - moved.mean(axis=0), axis=1).max()) < (1.0 - NARROW) * reach:
+        return False
+    pair, _, between = met
+    gap = np.linalg.norm(between, axis=1) - parameters.radius[pair].sum(axis=1)
+    return bool((gap < NARROW * reach).any())
+
+
+def leapt_to_wall(parameters: Parameters, step: Step, walls: Walls) -> bool:
+    """The same of walls alone."""
+    touching = np.zeros((len(step.bodies.position), len(parameters.walls.axis)), np.bool_)
+    touching[walls.touches.first, walls.touches.wall] = True
+    close = wall_gaps(parameters, step.bodies.position, walls.places.place) < NARROW * parameters.contacts.fade_from
+    return bool((~touching & close).any())
+
+
+def _drives(parameters: Parameters, state: State, way: tuple[float, float]) -> Array:
+    """What is imposed at each stage of a step of some length and end; at the end as it is before it jumps there."""
+    protocol, now = parameters.protocol, float(state.pace[CLOCK])
+    interval, (length, end) = interval_at(protocol, now), way
+    times = [now + part * length for part in SCHEMES[parameters.scheme].tableau.times[:-1]]
+    return np.array([drive_at(protocol, time, interval) for time in (*times, end)])
+
+
+def jump(parameters: Parameters, state: State, scratch: Workspace) -> bool:
+    """Where the protocol jumps at this time, find the new balance while all gaps stay as they are; whether there is
+    one. A jump is what would have been a quick ramp: its work is what deflections take up.
+    """
+    if not jumps_now(parameters, state):
+        return True
+    protocol, now = parameters.protocol, float(state.pace[CLOCK])
+    interval = interval_at(protocol, now)
+    origin, drive = drive_at(protocol, now, interval - 1), drive_at(protocol, now, interval)
+    dragged = bool(parameters.drag.any())
+    span = AT_ONCE * float(state.pace[LENGTH]) if dragged else 0.0
+    at = (origin, drive, rules_at(protocol, interval))
+    before = elastic_energy(parameters.contacts, scratch.step)
+    if not balance(parameters, scratch, at, state.effort, span):
+        return False
+    accept(scratch.step)
+    store(parameters, state, scratch.step)
+    if len(state.books):
+        state.books[INJECTED] += elastic_energy(parameters.contacts, scratch.step) - before
+    return True
+
+
+def jumps_now(parameters: Parameters, state: State) -> bool:
+    """Whether the protocol jumps at this time."""
+    protocol, now = parameters.protocol, float(state.pace[CLOCK])
+    interval = interval_at(protocol, now)
+    return interval != 0 and now == protocol.times[interval] and bool(protocol.jumps[interval])
+
+
+def _grown(state: State, length: float, ratio: float, scheme: Scheme) -> float:
+    """The next step, from this one's error and the last one's."""
+    past = float(state.pace[PAST_ERROR]) or 1.0
+    growth = SAFETY * ratio ** (-0.7 / scheme.order) * past ** (0.4 / scheme.order)
+    return length * float(min(MOST_GROWTH, max(MOST_SHRINK, growth)))
+
+
+def _take(parameters: Parameters, state: State, scratch: Workspace, end: float) -> None:
+    """The step's end becomes the state."""
+    accept(scratch.step)
+    length = end - float(state.pace[CLOCK])
+    state.velocity[:] = (scratch.step.bodies.before - state.position) / length
+    if state.spin.shape[1]:
+        state.spin[:] = scratch.step.spins.turn / (length * parameters.radius[:, None])
+    store(parameters, state, scratch.step)
+    state.pace[CLOCK] = end
+    state.tally[ACCEPTED] += 1
+    state.step[0] = _tick(parameters, int(state.step[0]), end)
+
+
+def _due(parameters: Parameters, frame: int) -> float:
+    """When a frame is due (s)."""
+    return frame * parameters.steps_per_frame * parameters.time_step
+
+
+def _tick(parameters: Parameters, before: int, time: float) -> int:
+    """The tick of a time; between two frames, never a frame's own."""
+    frame = before // parameters.steps_per_frame
+    if time == _due(parameters, frame + 1):
+        return (frame + 1) * parameters.steps_per_frame
+    ticks = int(time / parameters.time_step)
+    return min(max(ticks, before, frame * parameters.steps_per_frame + 1), (frame + 1) * parameters.steps_per_frame - 1)
+
+
+def _longest(parameters: Parameters, now: float) -> float:
+    """A part of a cycle, where something oscillates: films say nothing of what is to come."""
+    pace = float(parameters.protocol.waves[interval_at(parameters.protocol, now), 2])
+    return math.tau / pace / LEAST_PER_CYCLE if pace > 0.0 else math.inf
+
+
+def _next(parameters: Parameters, state: State) -> tuple[float, float]:
+    """How long the next step may be, and when it ends: not past the next frame, nor past a turn of the protocol."""
+    now = float(state.pace[CLOCK])
+    due = _due(parameters, int(state.step[0]) // parameters.steps_per_frame + 1)
+    stop = min(due, next_turn(parameters.protocol, now))
+    length = min(float(state.pace[LENGTH]), _longest(parameters, now))
+    if now + length * (1.0 + NEARLY) >= stop:
+        return stop - now, stop
+    return length, now + length

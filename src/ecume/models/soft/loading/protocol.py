@@ -1,0 +1,205 @@
+"""What is done to spheres and box over time: straight lines between moments, and what answers to a stress."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+
+from ecume.engine.cells import Integers
+from ecume.scenes.soft import StageSpec
+from ecume.units import Array
+
+LOAD, STRAIN, SCALE, HEIGHT, SHEAR, NORMAL, WALL_SHEAR = range(7)
+"""Rows of a course."""
+
+
+class Protocol(NamedTuple):
+    """Intervals, each from its time to the next; the last has no end."""
+
+    times: Array
+    """(T,) s, the first is 0"""
+    courses: Array
+    """(T, 7, 2) value at the time, and slope (1/s) from there on: load, strain, scale, ln(height), shear stress,
+    normal stress or pressure, and the shear of walls"""
+    waves: Array
+    """(T, 3) amplitudes of the strain and of the shear stress, and the angular frequency (1/s)"""
+    rules: Integers
+    """(T, 4) what answers to a stress: `Rules`"""
+    jumps: Integers
+    """(T,) whether anything changes at once at its time"""
+
+
+class Drive(NamedTuple):
+    """What is imposed at one time; of strain, scale and height only that part of their change that is."""
+
+    load: float
+    """what the external forces are multiplied by"""
+    strain: float
+    """of the box, along x from bottom to top"""
+    rate: float
+    """of the strain (1/s)"""
+    scale: float
+    """what all sides of the box are multiplied by"""
+    growth: float
+    """rate of ln(scale) (1/s)"""
+    height: float
+    """ln of what its height is multiplied by besides"""
+    height_rate: float
+    """and its rate (1/s)"""
+    shear_stress: float
+    normal_stress: float
+    """across top and bottom, or a pressure: compression is positive"""
+    wall_shear: float
+    """what the walls' shear stresses are multiplied by, beside the load"""
+
+
+class Rules(NamedTuple):
+    """What of the box answers to a stress (1) instead of being imposed (0)."""
+
+    strain: int
+    width: int
+    height: int
+    depth: int
+
+
+class SizeControl(NamedTuple):
+    """A row of the table: what sizes the box from a moment on, by the moment's key that begins it."""
+
+    sides: tuple[int, int, int]
+    """which of width, height and depth answer to the stress of the key; none where they are imposed"""
+
+
+SIZE_CONTROLS = {
+    "height_rate": SizeControl((0, 0, 0)),
+    "normal_stress": SizeControl((0, 1, 0)),
+    "pressure": SizeControl((1, 1, 1)),
+}
+
+
+def interval_at(protocol: Protocol, time: float) -> int:
+    """The interval that begins at a time, or that it lies in."""
+    return max(int(np.searchsorted(protocol.times, time, side="right")) - 1, 0)
+
+
+def drive_at(protocol: Protocol, time: float, interval: int | None = None) -> Drive:
+    """What is imposed at a time; in an interval that ends there if it is named, otherwise in the one that begins."""
+    which = interval_at(protocol, time) if interval is None else interval
+    since = time - float(protocol.times[which])
+    load, strain, scale, height, shear, normal, wall_shear = (
+        float(value + slope * since) for value, slope in protocol.courses[which]
+    )
+    rate = float(protocol.courses[which, STRAIN, 1])
+    of_strain, of_stress, pace = map(float, protocol.waves[which])
+    if pace > 0.0:
+        strain += of_strain * math.sin(pace * since)
+        rate += pace * of_strain * math.cos(pace * since)
+        shear += of_stress * math.sin(pace * since)
+    growth, height_rate = float(protocol.courses[which, SCALE, 1]) / scale, float(protocol.courses[which, HEIGHT, 1])
+    return Drive(load, strain, rate, scale, growth, height, height_rate, shear, normal, wall_shear)
+
+
+def rules_at(protocol: Protocol, interval: int) -> Rules:
+    """What answers to a stress in an interval."""
+    return Rules(*(int(rule) for rule in protocol.rules[interval]))
+
+
+def next_turn(protocol: Protocol, time: float) -> float:
+    """When the protocol next changes its course: no step goes across."""
+    later = protocol.times[protocol.times > time * (1.0 + 1e-12)]
+    return float(later[0]) if len(later) else math.inf
+
+
+class Course(NamedTuple):
+    """Where a protocol stands, and how it goes on."""
+
+    values: tuple[float, ...] = (1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
+    shear_rate: float = 0.0
+    height_rate: float = 0.0
+    stressed: int = 0
+    """1 where the strain answers to a shear stress"""
+    size: str = "height_rate"
+    """the row of `SIZE_CONTROLS`"""
+
+    def rules(self) -> Rules:
+        """What answers to a stress."""
+        return Rules(self.stressed, *SIZE_CONTROLS[self.size].sides)
+
+
+def protocol_of(stages: Sequence[StageSpec]) -> Protocol:
+    """Moments as intervals."""
+    if not stages or stages[0].time > 0.0:
+        first = stages[0] if stages else StageSpec(time=0.0)
+        reached = {name: getattr(first, name) for name in ("load", "strain", "scale", "wall_shear")}
+        stages = (StageSpec(time=0.0, **reached), *stages)
+    rows, course, before = [], Course(), Course()
+    for stage, following in itertools.zip_longest(stages, stages[1:]):
+        course = begun(course, stage)
+        span = math.inf if following is None else following.time - stage.time
+        if span > 0.0:
+            slopes = slopes_of(course, following, span)
+            rows.append((stage.time, course, slopes, wave_of(stage), jumped(before, course)))
+            if following is not None:
+                course = course._replace(values=tuple(v + s * span for v, s in zip(course.values, slopes, strict=True)))
+                before = course
+    return Protocol(
+        times=np.array([row[0] for row in rows]),
+        courses=np.array([np.stack([row[1].values, row[2]], axis=1) for row in rows]),
+        waves=np.array([row[3] for row in rows]),
+        rules=np.array([row[1].rules() for row in rows], np.int64),
+        jumps=np.array([row[4] for row in rows], np.int64),
+    )
+
+
+def begun(course: Course, stage: StageSpec) -> Course:
+    """A course as a moment has it go on."""
+    size = next((key for key in SIZE_CONTROLS if getattr(stage, key) is not None), course.size)
+    sized = any(SIZE_CONTROLS[size].sides)
+    normal = getattr(stage, size) if sized else None
+    given = (stage.load, stage.strain, stage.scale, None, stage.shear_stress, normal, stage.wall_shear)
+    values = tuple(old if new is None else new for old, new in zip(course.values, given, strict=True))
+    stressed = course.stressed
+    if stage.shear_stress is not None or stage.shear_rate is not None:
+        stressed = int(stage.shear_stress is not None)
+    shear_rate = course.shear_rate if stage.shear_rate is None else stage.shear_rate
+    height_rate = course.height_rate if stage.height_rate is None else stage.height_rate
+    return Course(values, 0.0 if stressed else shear_rate, 0.0 if sized else height_rate, stressed, size)
+
+
+def slopes_of(course: Course, following: StageSpec | None, span: float) -> tuple[float, ...]:
+    """How load, strain, scale, height and stresses go on until the next moment, if there is one."""
+    slopes = [0.0, course.shear_rate, 0.0, course.height_rate, 0.0, 0.0, 0.0]
+    if following is None:
+        return tuple(slopes)
+    goals = {LOAD: following.load, STRAIN: following.strain, SCALE: following.scale, WALL_SHEAR: following.wall_shear}
+    if course.stressed:
+        goals[SHEAR] = following.shear_stress
+    if any(SIZE_CONTROLS[course.size].sides):
+        goals[NORMAL] = getattr(following, course.size)
+    for row, goal in goals.items():
+        if goal is not None:
+            slopes[row] = (goal - course.values[row]) / span
+    return tuple(slopes)
+
+
+def wave_of(stage: StageSpec) -> tuple[float, float, float]:
+    """Amplitudes of strain and stress, and the angular frequency."""
+    wave = stage.oscillation
+    return (0.0, 0.0, 0.0) if wave is None else (wave.amplitude or 0.0, wave.stress or 0.0, math.tau * wave.frequency)
+
+
+def jumped(before: Course, course: Course) -> bool:
+    """Whether a course begins elsewhere than the one before it ended, or hands over to a stress."""
+    sized = any(SIZE_CONTROLS[course.size].sides)
+    new_rule = course.stressed > before.stressed or (sized and course.size != before.size)
+    far = [
+        abs(new - old) > 1e-12 * (abs(new) + abs(old)) for old, new in zip(before.values, course.values, strict=True)
+    ]
+    counted = (
+        far[LOAD], far[STRAIN], far[SCALE], far[WALL_SHEAR],
+        far[SHEAR] and course.stressed > 0, far[NORMAL] and sized,
+    )  # fmt: skip
+    return new_rule or any(counted)

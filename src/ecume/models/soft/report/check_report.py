@@ -1,0 +1,205 @@
+"""What `ecume check` says of soft spheres before they move: how they lie, what forces to expect and what these do to
+films and surfaces, what is doubtful, and what it costs.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ecume.laws.soft_pair import SoftPair, optimal_force
+from ecume.laws.surfaces import Expected
+from ecume.models.check_report import LONG, Row, told_duration
+from ecume.models.soft.integration.dirk_schemes import SCHEMES
+from ecume.models.soft.integration.linear_solvers import FEW
+from ecume.models.soft.loading.protocol import LOAD, NORMAL, SHEAR, WALL_SHEAR, drive_at
+from ecume.models.soft.parameters import Parameters
+from ecume.models.soft.setup.building import prefactors_of
+from ecume.models.soft.state import State
+from ecume.scenes.soft import SoftScene, sides_of
+
+JAMMED = {2: 0.84, 3: 0.64}
+"""The volume fraction at which unlike spheres at random begin to press each other, in each dimension."""
+ALIKE, MANY = 0.1, 30
+"""Spread of radii over their mean, and number of spheres: more alike than that, and so many, they order as crystals."""
+DENSE = {2: 0.70, 3: 0.50}
+"""Of equal discs and spheres: where they begin to."""
+
+
+def advice(scene: SoftScene, parameters: Parameters, state: State) -> list[Row]:
+    """Everything there is to say."""
+    typical = typical_pair(scene, parameters, state)
+    return [
+        *_crowd(scene, parameters, state),
+        *parameters.laws.surface.check_lines(typical),
+        *doubts(scene, parameters, typical),
+        *_cost(scene, parameters, state),
+    ]
+
+
+def typical_pair(scene: SoftScene, parameters: Parameters, state: State) -> Expected:
+    """What to expect of two spheres."""
+    radius, modulus = float(np.median(parameters.radius)), float(np.median(parameters.modulus))
+    pair = SoftPair(radius, modulus, scene.liquid.viscosity, prefactors_of(scene.films))
+    gaps = state.log_gap[: state.contacts[0]]
+    # Half of what is tied is far: of the narrower half, as many as bear forces.
+    gap = math.exp(np.quantile(gaps, 0.25)) if len(gaps) else math.nan
+    found = forces(scene, parameters, pair, gap)
+    source = max(found, key=lambda name: found[name], default="")
+    return Expected(pair, found.get(source, 0.0), source, gap, scene.liquid.surface_tension or math.nan)
+
+
+def forces(scene: SoftScene, parameters: Parameters, pair: SoftPair, gap: float) -> dict[str, float]:
+    """Estimates of the largest force between two spheres (N), by what brings it about; those that are not zero."""
+    dimensions, across = parameters.dimensions, (2.0 * pair.radius) ** (parameters.dimensions - 1)
+    courses = np.abs(parameters.protocol.courses[:, :, 0])
+    load, sheared = float(courses[:, LOAD].max()), float(courses[:, WALL_SHEAR].max())
+    walls = [max(abs(wall.pressure or 0.0), sheared * abs(wall.shear_stress or 0.0)) for wall in scene.walls]
+    waves = np.abs(parameters.protocol.waves[:, 1]).max()
+    weight, sides = np.abs(parameters.weight.sum(axis=0)).max(), sides_of(scene)
+    base = math.prod(sides) / max(sides) if sides else across
+    found = {
+        "the largest pull": load * float(np.abs(parameters.force).max()),
+        "the largest stress, on a diameter": float(courses[:, [SHEAR, NORMAL]].max() + waves) * across,
+        "the walls' largest stress, on a diameter": load * max(walls, default=0.0) * across,
+        "the weight of all, on a diameter": float(weight) * min(across / base, 1.0),
+        "spheres filled in closer than they fit": pressed_force(pair, fillings(parameters), dimensions),
+        "films as they are sheared": sheared_force(pair, gap, rate_of(scene, parameters)),
+    }
+    return {name: value for name, value in found.items() if value > 0.0}
+
+
+def fillings(parameters: Parameters) -> float:
+    """The largest volume fraction that the protocol comes to, as long as the box is told its size; 0 without one."""
+    box, dimensions = parameters.box[: parameters.dimensions], parameters.dimensions
+    if not box.all():
+        return 0.0
+    unit, power = (math.pi, 2) if dimensions == 2 else (4.0 / 3.0 * math.pi, 3)
+    times = parameters.protocol.times
+    scale = min(drive_at(parameters.protocol, float(time)).scale for time in times)
+    return float(unit * (parameters.radius**power).sum() / np.prod(box) / scale**dimensions)
+
+
+def pressed_force(pair: SoftPair, filled: float, dimensions: int) -> float:
+    """E R^2 (delta/R)^(3/2), where delta is by how much diameters are longer than distances (N)."""
+    excess = 2.0 * (1.0 - (JAMMED[dimensions] / filled) ** (1.0 / dimensions)) if filled > JAMMED[dimensions] else 0.0
+    return float(pair.prefactors.normal * pair.modulus * pair.radius**2 * excess**1.5)
+
+
+def rate_of(scene: SoftScene, parameters: Parameters) -> float:
+    """The largest imposed rate of shear (1/s): of the box, or of walls that go along x."""
+    protocol = parameters.protocol
+    rates = np.abs(protocol.courses[:, 1, 1]) + protocol.waves[:, 0] * protocol.waves[:, 2]
+    speeds = [wall.velocity[0] for wall in scene.walls if wall.velocity is not None]
+    sides = sides_of(scene)
+    gliding = (max(speeds) - min([*speeds, 0.0])) / sides[1] if speeds and sides else 0.0
+    return float(max(rates.max(), abs(gliding)))
+
+
+def sheared_force(pair: SoftPair, gap: float, rate: float) -> float:
+    """What a film resists neighbors with that go apart or together with 2 R times the rate (N), in Poiseuille's regime:
+    no more than the force that moves it fastest.
+    """
+    if not rate > 0.0 or math.isnan(gap):
+        return 0.0
+    factors = pair.prefactors
+    friction = factors.squeeze * pair.viscosity * (pair.radius * factors.gap_weight) ** 2 / gap
+    return min(friction * 2.0 * pair.radius * rate, optimal_force(pair, gap))
+
+
+def _crowd(scene: SoftScene, parameters: Parameters, state: State) -> list[Row]:
+    count, contacts = len(parameters.radius), int(state.contacts[0])
+    where = "a layer" if parameters.dimensions == 2 else "space"
+    rows = [
+        ("spheres", str(count), f"{len(scene.spheres)} species, in {where}"),
+        ("films", str(contacts), f"at the start, {2.0 * contacts / count:.2g} a sphere"),
+    ]  # fmt: skip
+    if (filled := fillings(parameters)) > 0.0:
+        jammed = JAMMED[parameters.dimensions]
+        told = f"at most; spheres at random begin to press each other at {jammed:g}"
+        rows.append(("volume fraction", f"{filled:.4g}", told))
+    narrowest = math.exp(state.log_gap[:contacts].min(initial=math.inf)) if contacts else math.inf
+    return [
+        *rows,
+        ("narrowest gap", f"{narrowest:.4g} m", f"at the start, {narrowest / parameters.radius.min():.2g} radii"),
+    ]
+
+
+def doubts(scene: SoftScene, parameters: Parameters, typical: Expected) -> list[Row]:
+    """What somebody may not have meant."""
+    radius, gap, laws = parameters.radius, typical.gap, parameters.laws
+    random = sum(species.count or 0 for species in scene.spheres)
+    alike = random >= MANY and float(radius.std() / radius.mean()) < ALIKE
+    found = {
+        "spheres are alike, and order as crystals: take two sizes, such as 1 to 1.4": (
+            alike and fillings(parameters) > DENSE[parameters.dimensions]
+        ),
+        "no films at the start: nothing but drag holds the spheres": math.isnan(gap) and not len(parameters.walls.axis),
+    }
+    said = [one for one, wrong in found.items() if wrong]
+    said += laws.surface.doubts(typical) if laws.surface.doubts else []
+    contacts, smallest = parameters.contacts, float(radius.min())
+    said += laws.friction.doubts(gap, contacts.roughness, smallest) if laws.friction.doubts else []
+    said += laws.remote.doubts(contacts, smallest) if laws.remote.doubts else []
+    return [("doubtful", "!", one) for one in said]
+
+
+def _cost(scene: SoftScene, parameters: Parameters, state: State) -> list[Row]:
+    contacts = int(state.contacts[0] + state.touching.sum())
+    steps, seconds = steps_of(scene, parameters), seconds_of(parameters, contacts)
+    sheared = "stresses decide how far it is sheared; " if (parameters.protocol.rules != 0).any() else ""
+    long = "; more tolerance or fewer frames take less" if steps * seconds > LONG else ""
+    return [
+        ("accuracy", f"{parameters.tolerance:.1g}", "of each gap, relative, in a step"),
+        ("steps", f"{steps:.2g}", f"{sheared}within a factor of three where little rearranges"),
+        ("memory", f"{1e-6 * bytes_of(contacts):.3g} MB", f"{BYTES:.0f} bytes a film, and the compiler"),
+        ("time on this machine", told_duration(steps * seconds), f"{seconds:.1g} s a step, after compilation{long}"),
+    ]
+
+
+# --- What steps of soft spheres cost, and how many there will be: numbers that were measured, all in this place
+
+
+SATURATED = 1000
+"""Spheres whose number of steps in a unit of strain does not grow further; of fewer it is as the third root of their
+number: 330 were taken by 36 spheres, 600 by 100.
+"""
+FEW_SPHERES, PASSES = 2e-4, 3e-3
+"""Seconds of a step besides: compiled as a whole, and with each pass over the spheres called by itself."""
+BYTES, COMPILER = 3000.0, 3.5e8
+"""Memory of a film, with the sphere that it belongs to, and of all besides."""
+
+
+def steps_of(scene: SoftScene, parameters: Parameters) -> float:
+    """How many steps there will be, roughly: those of a relaxation at each turn of the protocol, and of all strain."""
+    protocol, end = parameters.protocol, scene.duration
+    turns = int((protocol.times < end).sum())
+    scheme = SCHEMES[parameters.scheme]
+    finer = (1e-3 / parameters.tolerance) ** scheme.refinement
+    straining = scheme.straining * min(len(parameters.radius) / SATURATED, 1.0) ** (1.0 / 3.0)
+    steps = finer * (scheme.relaxing * turns + straining * strain_of(parameters, end))
+    return float(max(steps, scene.duration / scene.frame_every))
+
+
+def strain_of(parameters: Parameters, end: float) -> float:
+    """All that the box is sheared and sized by until a time, back and forth; walls that go along count by a height."""
+    protocol, total = parameters.protocol, 0.0
+    spans = np.diff(np.append(np.minimum(protocol.times, end), end))
+    for (_, strain, scale, height, *_), wave, span in zip(protocol.courses, protocol.waves, spans, strict=True):
+        rates = abs(strain[1]) + abs(scale[1]) / scale[0] + abs(height[1])
+        # A sine's mean speed is two over pi of its largest.
+        total += span * (rates + 2.0 / np.pi * wave[0] * wave[2])
+    moving = np.abs(parameters.walls.velocity).max(initial=0.0)
+    return float(total + moving * end / (10.0 * parameters.radius.max()))
+
+
+def seconds_of(parameters: Parameters, contacts: int) -> float:
+    """Of a step with so many films."""
+    few = parameters.force.size + parameters.torque.size <= FEW
+    return (FEW_SPHERES if few else PASSES) + contacts * SCHEMES[parameters.scheme].seconds
+
+
+def bytes_of(contacts: float) -> float:
+    """At the most, in a run with so many films."""
+    return COMPILER + BYTES * contacts

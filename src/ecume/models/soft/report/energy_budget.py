@@ -1,0 +1,241 @@
+"""The energy's books of soft spheres: what was done to them, and where it went.
+
+Without inertia all work that is done goes into films, into deflections, and into the drag of the liquid around. At each
+stage of a step stands the power of each, and a step adds them up with the scheme's own weights: so books close as well
+as steps are solved, by its order. What pulls at spheres is told by the way that they went, since places have no rates.
+
+The law of the surfaces has no potential: a contact's size follows its gap, and the film feels nothing of it. What
+surfaces so take or give beside what they hold is counted apart; see `elasticity.gap_energy`.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from ecume._jit import compiled, compiled_inside, prange, shared, where_there
+from ecume.laws.surfaces import Body, Surface
+from ecume.models.soft.contacts.contact import gap_energy_of, remote_answer, surface_of
+from ecume.models.soft.contacts.contact_jacobian import Vector, dot
+from ecume.models.soft.contacts.films import Films, Pairs, center_distance, stored_energy, turned
+from ecume.models.soft.contacts.rotation import Spins
+from ecume.models.soft.contacts.walls import Walls, all_walls, normal_of, wall_distance, wall_energy
+from ecume.models.soft.integration.dirk_schemes import Scheme
+from ecume.models.soft.integration.force_assembly import CHUNK
+from ecume.models.soft.loading.cell import STRAIN, TILT, WIDTH, Cell, unknowns
+from ecume.models.soft.parameters import Contacts
+from ecume.models.soft.state import Bodies, During, Step
+from ecume.units import Array
+
+INJECTED, FILMS, DRAG, SIZE = range(4)
+"""Places in `State.books` (J): work from outside; what films, and drag, dissipated; what contacts' sizes took."""
+TO_FILMS, TO_SIZE, DRIVEN, SHRUNK, DRAGGED, ANSWERED, BY_LOAD, BY_WEIGHT = range(8)
+"""Places in a stage's line: powers (W), but for SHRUNK, BY_LOAD and BY_WEIGHT (J). What goes as it is told is DRIVEN;
+what goes as it is found to, ANSWERED: its rates are slopes of the scheme, with whose weights they add up to its way.
+"""
+
+Five = tuple[float, float, float, float, float]
+Web = tuple[tuple[Any, ...], tuple[Array, Array, Array], tuple[Array, Array], tuple[Array, Array], tuple[Any, ...]]
+"""Arrays of contacts: who, how large, where the films are, forces and rates, places with the box's rates and memory."""
+
+
+@compiled_inside
+def surface_work(
+    contacts: Contacts, body: Body, at: tuple[float, float, float], before: tuple[float, float]
+) -> tuple[float, float, Surface]:
+    """What the size of a contact, at this gap, stretch and shear squared, takes by a change of ln(gap) (J); what it
+    took by its stiffness along the surface since the stage before (J), from that and shear squared there; the surface.
+    """
+    gap, stretch, square = at
+    surface = surface_of(contacts, body, gap, stretch)
+    shrunk = -0.25 * (square + before[1]) * (surface.tangential - before[0])
+    return -gap_energy_of(contacts, body, gap, stretch), shrunk, surface
+
+
+def count_pairs(contacts: Contacts, step: Step, *_: object) -> int:
+    """How large a crowd of contacts is."""
+    return len(step.pairs.first)
+
+
+@shared(count_pairs)
+def book_stage(contacts: Contacts, step: Step, scheme: Scheme, during: During, stage: int) -> None:
+    """Write a solved stage's line; after the last one, what the step adds to the books."""
+    pairs, books, box = step.pairs, step.books, box_rates(step.cell, stage)
+    first, second, offset, image, turn = pairs.first, pairs.second, pairs.offset, pairs.image, pairs.turn
+    radius_sum, reduced_radius, modulus = pairs.radius_sum, pairs.reduced_radius, pairs.modulus
+    log_gap, direction, force = step.films.log_gap, step.films.direction, step.answers.force
+    position, slope, sheared, count = step.bodies.position, step.slope[stage], books.sheared, len(first)
+    sums = np.zeros(((count + CHUNK - 1) // CHUNK, 4))
+    for chunk in prange(len(sums)):
+        who, sizes = (first, second, offset, image, turn), (radius_sum, reduced_radius, modulus)
+        web = (who, sizes, (log_gap, direction), (force, slope), (position, box, sheared))
+        book_pairs(contacts, web, (chunk * CHUNK, min((chunk + 1) * CHUNK, count)), sums, chunk)
+    line = books.lines[stage]
+    gather_line(sums, line, step.cell)
+    walls = book_walls(step.walls, contacts, (position, step.spins.turn), stage, sheared[count:])
+    for k in range(4):
+        line[k] += walls[k]
+    line[ANSWERED] += walls[4]
+    book_bodies((step.bodies, step.spins), step.cell.slope[stage], stage, line)
+    if stage == len(scheme.times) - 1:
+        add_up(books.lines, scheme, during.length, during.drives)
+
+
+@compiled_inside
+def book_pairs(contacts: Contacts, web: Web, among: tuple[int, int], sums: Array, chunk: int) -> None:
+    """Of some pairs: a film takes F.dG/dt, in the frame that spins with its pair, and dissipates what remote forces do
+    not hold of it.
+    """
+    (first, second, offset, image, turn), (radius_sum, reduced_radius, modulus) = web[0], web[1]
+    (log_gap, direction), (force, slope), (position, box, sheared) = web[2], web[3], web[4]
+    film, size, driven, shrunk = 0.0, 0.0, 0.0, 0.0
+    for c in range(among[0], among[1]):
+        x = center_distance(position, offset, first[c], second[c], c)
+        f = (force[c, 0], force[c, 1], force[c, 2])
+        driven += dot(f, beside(box, image, c))
+        if len(turn) > 0:
+            back = (-turn[c, 0], -turn[c, 1], -turn[c, 2])
+            x, f = turned(x, back), turned(f, back)
+        n, gap, opening = (direction[c, 0], direction[c, 1], direction[c, 2]), math.exp(log_gap[c]), slope[c, 0]
+        turning, pull = (slope[c, 1], slope[c, 2], slope[c, 3]), dot(x, n)
+        film += gap * opening * (dot(f, n) + remote_answer(gap, reduced_radius[c], contacts)[0])
+        film += (radius_sum[c] + gap) * dot(f, turning)
+        at = (gap, pull - radius_sum[c] - gap, max(dot(x, x) - pull * pull, 0.0))
+        body, before = Body(radius_sum[c], reduced_radius[c], modulus[c]), (sheared[c, 0], sheared[c, 1])
+        by_gap, more, surface = surface_work(contacts, body, at, before)
+        size += by_gap * opening + (surface.tangential - surface.normal) * at[1] * dot(x, turning)
+        shrunk += more
+        sheared[c, 0], sheared[c, 1] = surface.tangential, at[2]
+    sums[chunk, TO_FILMS], sums[chunk, TO_SIZE] = film, size
+    sums[chunk, DRIVEN], sums[chunk, SHRUNK] = driven, shrunk
+
+
+@compiled
+def gather_line(sums: Array, line: Array, cell: Cell) -> None:
+    """Begin a line with what all pairs come to."""
+    for k in range(len(line)):
+        line[k] = 0.0
+    for chunk in range(len(sums)):
+        for k in range(4):
+            line[k] += sums[chunk, k]
+    if unknowns(cell) > 0:
+        line[ANSWERED], line[DRIVEN] = line[DRIVEN], 0.0
+
+
+@compiled_inside
+def beside(box: Array, image: Array, c: int) -> Vector:
+    """How fast the copy that a pair meets goes, beside its sphere (m/s)."""
+    i, j, k = image[c, 0], image[c, 1], image[c, 2]
+    return box[0, 0] * i + box[0, 1] * j, box[1, 1] * j, box[2, 2] * k
+
+
+@where_there((0.0, 0.0, 0.0, 0.0, 0.0))
+def book_walls(walls: Walls, contacts: Contacts, at: tuple[Array, Array], stage: int, sheared: Array) -> Five:
+    """The first four of a line, of all contacts with walls, and what walls do that answer to forces: what moves a wall
+    bears the force on its spheres.
+    """
+    touches, places, (position, turn) = walls.touches, walls.places, at
+    film, size, driven, shrunk, answered = 0.0, 0.0, 0.0, 0.0, 0.0
+    for c in range(len(touches.first)):
+        w, radius = touches.wall[c], touches.radius[c]
+        n, x = normal_of(places, w), wall_distance(walls, position, turn, c)
+        slip = (touches.slip[c, 0], touches.slip[c, 1], touches.slip[c, 2])
+        f = (touches.force[c, 0], touches.force[c, 1], touches.force[c, 2])
+        gap, opening = math.exp(touches.log_gap[c]), touches.rate[stage, c, 0]
+        sliding = (touches.rate[stage, c, 1], touches.rate[stage, c, 2], touches.rate[stage, c, 3])
+        film += gap * opening * (dot(f, n) + remote_answer(gap, radius, contacts)[0]) + radius * dot(f, sliding)
+        for k in range(3):
+            power = touches.force[c, k] * places.slope[stage, w, k]
+            told = places.velocity[w, k] != 0.0
+            driven, answered = driven + (power if told else 0.0), answered + (0.0 if told else power)
+        apart = (x[0] - radius * slip[0], x[1] - radius * slip[1], x[2] - radius * slip[2])
+        stretch, square = dot(x, n) - radius - gap, max(dot(apart, apart) - dot(apart, n) ** 2, 0.0)
+        body = Body(radius, radius, touches.modulus[c])
+        by_gap, more, surface = surface_work(contacts, body, (gap, stretch, square), (sheared[c, 0], sheared[c, 1]))
+        size, shrunk = size + by_gap * opening, shrunk + more
+        sheared[c, 0], sheared[c, 1] = surface.tangential, square
+    return film, size, driven, shrunk, answered
+
+
+@compiled
+def box_rates(cell: Cell, stage: int) -> Array:
+    """How fast the box's sides go (m/s), each as a column."""
+    rates, slope, shape = np.zeros((3, 3)), cell.slope[stage], cell.shape
+    for k in range(3):
+        rates[k, k] = cell.sides[k] * math.exp(shape[WIDTH + k]) * slope[WIDTH + k]
+    width = cell.sides[0] * math.exp(shape[WIDTH])
+    rates[0, 1] = width * (slope[TILT] + shape[TILT] * slope[WIDTH])
+    return rates
+
+
+@compiled
+def book_bodies(crowd: tuple[Bodies, Spins], slope: Array, stage: int, line: Array) -> None:
+    """The rest of a stage's line: drag, and the way of what pulls and turns; `slope` is the box's."""
+    bodies, spins = crowd
+    position, moved, force, weight, drag = bodies.position, bodies.moved, bodies.force, bodies.weight, bodies.drag
+    for i in range(len(drag)):
+        for k in range(position.shape[1]):
+            line[BY_LOAD] += force[i, k] * moved[i, k]
+            line[BY_WEIGHT] += weight[i, k] * moved[i, k]
+            if drag[i] > 0.0:
+                along = slope[WIDTH + k] * position[i, k] + (slope[STRAIN] * position[i, 1] if k == 0 else 0.0)
+                book_drag(line, drag[i], bodies.slope[stage, i, k], along)
+        for k in range(spins.turn.shape[1]):
+            line[BY_LOAD] += spins.torque[i, k] * spins.turn[i, k]
+            if spins.drag[i] > 0.0:
+                swirl = -0.5 * slope[STRAIN] * spins.radius[i] if k == spins.turn.shape[1] - 1 else 0.0
+                book_drag(line, spins.drag[i], spins.slope[stage, i, k], swirl)
+
+
+@compiled_inside
+def book_drag(line: Array, friction: float, speed: float, along: float) -> None:
+    """Of a sphere that goes through a liquid which the box carries along: that pays with the drag times its speed."""
+    line[DRAGGED] += friction * (speed - along) ** 2
+    line[ANSWERED] -= friction * (speed - along) * along
+
+
+@compiled
+def add_up(lines: Array, scheme: Scheme, length: float, drives: Array) -> None:
+    """What a step adds to the books, into the line after those of its stages.
+
+    What pulls by a load l(t), straight in a step, does the integral of l dY along its way Y: l Y at the end, less that
+    of Y dl.
+    """
+    added, last = lines[len(lines) - 1], len(lines) - 2
+    grown = drives[last, 0] - drives[0, 0]
+    for k in range(len(added)):
+        added[k] = 0.0
+    for stage in range(last + 1):
+        part, mean = length * scheme.weights[0, stage], scheme.weights[1, stage]
+        added[INJECTED] += part * lines[stage, ANSWERED] + mean * length * lines[stage, DRIVEN]
+        added[INJECTED] -= mean * grown * lines[stage, BY_LOAD]
+        added[FILMS] += part * lines[stage, TO_FILMS]
+        added[DRAG] += part * lines[stage, DRAGGED]
+        added[SIZE] += part * lines[stage, TO_SIZE] + (lines[stage, SHRUNK] if stage > 0 else 0.0)
+    added[INJECTED] += drives[last, 0] * lines[last, BY_LOAD] + lines[last, BY_WEIGHT]
+
+
+def elastic_energy(contacts: Contacts, step: Step) -> float:
+    """What all deflections hold (J)."""
+    position = step.bodies.position
+    between = stored_energy(contacts, step.pairs, step.films, position)
+    return float(between + wall_energy(step.walls, contacts, position))
+
+
+def released(contacts: Contacts, step: Step) -> float:
+    """What contacts still hold whose films have faded, and that go (J): films take it at once."""
+    if math.isinf(contacts.fade_to):
+        return 0.0
+    far, walls, total = math.log(contacts.fade_to), all_walls(step.walls), 0.0
+    faded = np.flatnonzero(step.log_gap >= far)
+    if len(faded):
+        pairs = Pairs._make(array[faded] if len(array) else array for array in step.pairs)
+        films = Films._make(array[faded] for array in step.films)
+        total += stored_energy(contacts, pairs, films, step.bodies.position)
+    if (gone := np.flatnonzero(walls.touches.log_gap >= far)).size:
+        used = ("first", "wall", "radius", "modulus", "log_gap", "slip")
+        touches = walls.touches._replace(**{name: getattr(walls.touches, name)[gone] for name in used})
+        total += wall_energy(Walls(walls.places, touches), contacts, step.bodies.position)
+    return float(total)

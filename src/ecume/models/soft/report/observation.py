@@ -1,0 +1,289 @@
+"""A state as a frame: what is where, and how the contacts stand."""
+
+from __future__ import annotations
+
+import inspect
+import math
+from collections.abc import Callable, Mapping
+
+import numpy as np
+
+from ecume._portable import exp, log
+from ecume.engine.cells import Integers
+from ecume.models.invariants import DISSIPATED
+from ecume.models.invariants import INJECTED as INJECTED_WORK
+from ecume.models.soft.contacts.contact_list import at_home, box_in, wraps
+from ecume.models.soft.contacts.walls import all_walls
+from ecume.models.soft.integration.linear_solvers import begin
+from ecume.models.soft.loading.cell import STRAIN, TILT, WIDTH, Box
+from ecume.models.soft.loading.protocol import drive_at
+from ecume.models.soft.parameters import Parameters
+from ecume.models.soft.report.energy_budget import DRAG, FILMS, INJECTED, SIZE, elastic_energy
+from ecume.models.soft.state import ACCEPTED, CLOCK, FAILED, LEFT, REJECTED, State, Step, Workspace
+from ecume.scenes.soft import SIDES
+from ecume.trajectories.frame import Frame
+from ecume.units import Array
+
+SLOTS = {2: 8, 3: 16}
+"""Contacts that a sphere tells of in a frame, in each dimension: those with later spheres, narrow gaps first."""
+STRESS = {2: "N/m", 3: "Pa"}
+"""The unit of stress: in a layer, force over length."""
+VISCOSITY = {2: "N*s/m", 3: "Pa*s"}
+LENGTHS = ("box_width", "box_height", "box_depth")
+AXES = "xyz"
+SIDE_NAMES = {place: name for name, place in SIDES.items()}
+CLOSE = 0.1
+"""Of the smaller radius: whose gap is narrower counts as a neighbor in `coordination` and `mean_gap`."""
+SIZE_WORK, STAKE = "size_work", "contact_work"
+UNITS = {
+    "position": "m",
+    "velocity": "m/s",
+    "radius": "m",
+    "gap": "m",
+    "tension": "N",
+    "shear": "N",
+    "angle": "rad",
+    "spin": "rad/s",
+    "elastic_energy": "J",
+    "remote_energy": "J",
+    "total_energy": "J",
+    INJECTED_WORK: "J",
+    DISSIPATED: "J",
+    SIZE_WORK: "J",
+    STAKE: "J",
+    "smallest_gap": "m",
+    "mean_gap": "m",
+    "largest_tension": "N",
+    "largest_compression": "N",
+}
+
+
+def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
+    """The frame of this instant."""
+    drive = drive_at(parameters.protocol, float(state.pace[CLOCK]))
+    step, box = scratch.step, box_in(parameters, state)
+    begin(parameters, step, drive)
+    gap = exp(step.log_gap)
+    tension = (step.answers.force * step.direction).sum(axis=1)
+    arrays = {
+        "position": at_home(state.position, box),
+        "velocity": velocity_at_home(parameters, state, box),
+        "radius": parameters.radius.copy(),
+        "species": parameters.species.copy(),
+        **_slots(parameters, step, gap, tension),
+        **_spinning(state),
+    }
+    numbers = {
+        "elastic_energy": (held := elastic_energy(parameters.contacts, step)),
+        "smallest_gap": float(gap.min(initial=np.inf)),
+        **_neighbors(parameters, step),
+        **_wall_numbers(parameters, state, step),
+        "largest_tension": float(tension.max(initial=0.0)),
+        "largest_compression": float((-tension).max(initial=0.0)),
+        "load": drive.load,
+        "imbalance": float(state.pace[LEFT]),
+        "contacts": float(len(tension)),
+        "time_steps": float(state.tally[ACCEPTED]),
+        "rejected_steps": float(state.tally[REJECTED] + state.tally[FAILED]),
+    }
+    numbers |= _budget(parameters, state, step, gap, held)
+    if not parameters.box[: parameters.dimensions].all():
+        sides = _sides(box)
+        units = UNITS | _wall_units(numbers) | dict.fromkeys(sides, "m")
+        return Frame(float(state.pace[CLOCK]), arrays, numbers | sides, units)
+    volume = float(np.prod(box.sides))
+    parts = stresses(parameters, step, gap, volume)
+    tensor, rate = np.sum(list(parts.values()), axis=0), float(state.cell_rate[STRAIN])
+    numbers |= (
+        _box_numbers(parameters, box, float(state.cell[STRAIN])) | _stress_numbers(tensor, rate) | _components(parts)
+    )
+    return Frame(float(state.pace[CLOCK]), arrays, numbers, UNITS | _box_units(parameters.dimensions, numbers))
+
+
+def _spinning(state: State) -> dict[str, Array | Integers]:
+    """How spheres lie and spin, where they do: angles in a layer, quaternions in space."""
+    if state.spin.shape[1] == 0:
+        return {}
+    if state.spin.shape[1] == 1:
+        return {"angle": state.orientation[:, 0].copy(), "spin": state.spin[:, 0].copy()}
+    return {"orientation": state.orientation.copy(), "spin": state.spin.copy()}
+
+
+def velocity_at_home(parameters: Parameters, state: State, box: Box) -> Array:
+    """The velocity of the copy that is within the box: those above and below go with the shear, and all with the sides.
+
+    Of the last step, like the state's own.
+    """
+    velocity = state.velocity.copy()
+    if not parameters.box.any():
+        return velocity
+    away, rate = wraps(state.position, box), state.cell_rate
+    velocity -= away * box.sides * rate[WIDTH : WIDTH + velocity.shape[1]]
+    velocity[:, 0] -= away[:, 1] * (rate[TILT] * box.sides[0] + rate[WIDTH] * box.tilt)
+    return velocity
+
+
+def _budget(parameters: Parameters, state: State, step: Step, gap: Array, held: float) -> dict[str, float]:
+    """The energy's books (J): what there is, was put in and was dissipated, and what the surfaces' law took besides.
+
+    Runs that a former version began have none.
+    """
+    if not len(state.books):
+        return {}
+    remote = {"remote_energy": _remote_energy(parameters, step, gap)} if parameters.laws.remote.acts else {}
+    told = {"total_energy": held + sum(remote.values()), INJECTED_WORK: state.books[INJECTED]}
+    told |= {DISSIPATED: state.books[FILMS] + state.books[DRAG], SIZE_WORK: state.books[SIZE]}
+    places, touches = all_walls(step.walls)
+    normal = np.eye(3)[places.axis[touches.wall]]
+    told |= {STAKE: _stake(step.answers.force, step.direction, gap, step.pairs.radius_sum)}
+    told[STAKE] += _stake(touches.force, normal, exp(touches.log_gap), touches.radius)
+    return remote | {name: float(value) for name, value in told.items()}
+
+
+def _stake(force: Array, normal: Array, gap: Array, radius_sum: Array) -> float:
+    """What contacts' forces do while gaps open by their own width, and directions turn by a radian (J): that is what
+    tolerances are of.
+    """
+    pull = np.abs((force * normal).sum(axis=1))
+    along = np.sqrt(np.maximum((force**2).sum(axis=1) - pull**2, 0.0))
+    return float((pull * gap + along * (radius_sum + gap)).sum())
+
+
+def _remote_energy(parameters: Parameters, step: Step, gap: Array) -> float:
+    """What films hold by remote forces (J), less what they would at their reach."""
+    contacts = parameters.contacts
+    touches = all_walls(step.walls).touches
+    gap, radius = np.append(gap, exp(touches.log_gap)), np.append(step.pairs.reduced_radius, touches.radius)
+    law = _remote_law(parameters, parameters.laws.remote.energy)
+    reach = contacts.fade_from
+    return float(
+        sum(law(h, r) - (law(reach, r) if reach < math.inf else 0.0) for h, r in zip(gap, radius, strict=True))
+    )
+
+
+def _wall_numbers(parameters: Parameters, state: State, step: Step) -> dict[str, float]:
+    """Where each wall is, and what the spheres push at it with: `top_y`, `top_force_x` and so on.
+
+    Along a wall its position is how far it has gone.
+    """
+    planes, dimensions, force = parameters.walls, parameters.dimensions, np.zeros((len(parameters.walls.axis), 3))
+    touches = all_walls(step.walls).touches
+    np.add.at(force, touches.wall, -touches.force)
+    names = [SIDE_NAMES[int(axis), float(side)] for axis, side in zip(planes.axis, planes.side, strict=True)]
+    places = {f"{name}_{AXES[k]}": float(state.wall[w, k]) for w, name in enumerate(names) for k in range(dimensions)}
+    return places | {
+        f"{name}_force_{AXES[k]}": float(force[w, k]) for w, name in enumerate(names) for k in range(dimensions)
+    }
+
+
+def _wall_units(numbers: Mapping[str, float]) -> dict[str, str]:
+    walls = tuple(SIDE_NAMES.values())
+    return {name: "N" if "_force_" in name else "m" for name in numbers if name.startswith(walls)}
+
+
+def stresses(parameters: Parameters, step: Step, gap: Array, volume: float) -> dict[str, Array]:
+    """The stress (1/V) sum of F_ij X_ij over contacts, tension positive, in its parts: of films that are squeezed, of
+    films that are sheared, and of what acts across them. Surfaces carry the sum of the three: they are in series.
+    """
+    dimensions = parameters.dimensions
+    between = step.bodies.position[step.pairs.second] - step.bodies.position[step.pairs.first]
+    between = between + step.pairs.offset[:, :dimensions]
+    normal = step.direction[:, :dimensions]
+    force = step.answers.force[:, :dimensions]
+    pull = (force * normal).sum(axis=1)[:, None] * normal
+    push = _remote_forces(parameters, step, gap)[:, None] * normal
+    parts = {"squeeze": pull + push, "sliding": force - pull}
+    if parameters.laws.remote.acts:
+        parts["remote"] = -push
+    return {name: np.einsum("ca,cb->ab", part, between) / volume for name, part in parts.items()}
+
+
+def _remote_forces(parameters: Parameters, step: Step, gap: Array) -> Array:
+    """The repulsion across each film (N)."""
+    law = _remote_law(parameters, parameters.laws.remote.force)
+    return np.array([law(h, r) for h, r in zip(gap, step.pairs.reduced_radius, strict=True)])
+
+
+def _remote_law(parameters: Parameters, law: Callable[..., float]) -> Callable[[float, float], float]:
+    """A law of `REMOTE` with the scene's constants, of gap and reduced radius alone."""
+    names = list(inspect.signature(law).parameters)
+    given = {name: getattr(parameters.contacts, name) for name in names if hasattr(parameters.contacts, name)}
+    if "reduced_radius" in names:
+        return lambda gap, radius: law(gap, radius, **given)
+    return lambda gap, radius: law(gap, **given)
+
+
+def _neighbors(parameters: Parameters, step: Step) -> dict[str, float]:
+    """How many neighbors are close, and the geometric mean of their gaps."""
+    radius = np.minimum(parameters.radius[step.pairs.first], parameters.radius[step.pairs.second])
+    close = step.log_gap[step.log_gap < log(CLOSE * radius)]
+    mean = float(exp(close.mean())) if len(close) else math.nan
+    return {"coordination": 2.0 * len(close) / len(parameters.radius), "mean_gap": mean}
+
+
+def _box_numbers(parameters: Parameters, box: Box, strain: float) -> dict[str, float]:
+    dimensions, radius = parameters.dimensions, parameters.radius
+    filled = np.pi * radius**2 if dimensions == 2 else 4.0 / 3.0 * np.pi * radius**3
+    return {
+        "strain": strain,
+        **_sides(box),
+        "box_tilt": box.tilt,
+        "volume_fraction": float(filled.sum() / np.prod(box.sides)),
+    }
+
+
+def _sides(box: Box) -> dict[str, float]:
+    """The sides of the box along the axes on which it is periodic."""
+    return {name: float(side) for name, side in zip(LENGTHS, box.sides, strict=False) if side > 0.0}
+
+
+def _stress_numbers(tensor: Array, rate: float) -> dict[str, float]:
+    """What is mostly asked of a stress; the viscosity is no number while nothing is sheared.
+
+    The shear stress is what pulls at the top along x, sum of F_x Y: not quite that of y, where spheres do not spin.
+    """
+    shear = float(tensor[0, 1])
+    return {
+        "pressure": -float(np.trace(tensor)) / len(tensor),
+        "shear_stress": shear,
+        "normal_stress": -float(tensor[1, 1]),
+        "strain_rate": rate,
+        "viscosity": shear / rate if rate != 0.0 else math.nan,
+    }
+
+
+def _components(parts: Mapping[str, Array]) -> dict[str, float]:
+    """Each part's components: `stress_squeeze_xy`, the force along x across a plane of y, and so on."""
+    return {
+        f"stress_{name}_{AXES[i]}{AXES[j]}": float(value)
+        for name, part in parts.items()
+        for (i, j), value in np.ndenumerate(part)
+    }
+
+
+def _box_units(dimensions: int, numbers: Mapping[str, float]) -> dict[str, str]:
+    stressed = [name for name in numbers if name.startswith("stress_")]
+    units = dict.fromkeys(("pressure", "shear_stress", "normal_stress", *stressed), STRESS[dimensions])
+    units |= dict.fromkeys(LENGTHS[:dimensions], "m") | {"box_tilt": "m"}
+    return units | {"strain_rate": "1/s", "viscosity": VISCOSITY[dimensions]}
+
+
+def _slots(parameters: Parameters, step: Step, gap: Array, tension: Array) -> dict[str, Array | Integers]:
+    """Contacts as arrays of the spheres: each stands at the sphere of lower number; -1 where there is none."""
+    first, count = step.pairs.first, len(parameters.radius)
+    slots = min(SLOTS[parameters.dimensions], max(count - 1, 1))
+    order = np.lexsort((step.log_gap, first))
+    place = np.arange(len(first)) - np.searchsorted(first[order], first[order])
+    told, place = order[place < slots], place[place < slots]
+    shear = step.answers.force[told] - tension[told, None] * step.direction[told]
+    values = {
+        "neighbor": step.pairs.second[told],
+        "gap": gap[told],
+        "tension": tension[told],
+        "shear": np.linalg.norm(shear, axis=1),
+    }
+    arrays: dict[str, Array | Integers] = {}
+    for name, column in values.items():
+        arrays[name] = np.full((count, slots), -1, np.int64) if name == "neighbor" else np.zeros((count, slots))
+        arrays[name][first[told], place] = column
+    return arrays

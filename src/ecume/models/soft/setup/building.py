@@ -1,0 +1,268 @@
+"""From a scene to parameters and the first state."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from ecume.engine.linear_solvers import cholmod
+from ecume.engine.linear_solvers.solvers import SOLVERS
+from ecume.errors import BadInput, Fault, SceneError
+from ecume.laws.arguments import chosen
+from ecume.laws.drag import stokes_friction
+from ecume.laws.elasticity import PREFACTORS, Prefactors
+from ecume.laws.friction import FRICTIONS
+from ecume.laws.interfaces import INTERFACES
+from ecume.laws.long_range import REMOTE
+from ecume.laws.surfaces import SURFACES
+from ecume.models.soft.contacts.contact_list import open_all
+from ecume.models.soft.integration.dirk import accept
+from ecume.models.soft.integration.dirk_schemes import SCHEMES
+from ecume.models.soft.integration.linear_solvers import AT_ONCE, balance
+from ecume.models.soft.loading.cell import box_of, shape_at
+from ecume.models.soft.loading.protocol import Protocol, drive_at, protocol_of, rules_at
+from ecume.models.soft.parameters import Contacts, Laws, Parameters, Planes
+from ecume.models.soft.setup.packing import places
+from ecume.models.soft.setup.start_checks import require_balance, require_gaps, require_no_torque, require_one_piece
+from ecume.models.soft.state import LENGTH, State, make_state, store, workspace
+from ecume.models.tables import code_of
+from ecume.scenes.soft import SIDES, FilmSpec, SoftScene, SphereSpec, dimensions_of, sides_of
+from ecume.units import Array
+
+TICKS = 1024
+"""Steps of the march between two frames, by which its progress is told; the steps of time are far fewer."""
+FADE = 1.25
+"""A film fades from the reach to this many reaches."""
+ROUNDING = 1e-12
+"""Of the smallest radius: deflections below it have a smooth magnitude."""
+FIRST_STEP = 1e-6
+"""Of the time between frames, or between moments of the protocol."""
+FIRST_SHEAR = 0.1
+"""Of what the tolerance may make of the narrowest gap, where something is sheared: forces that only begin are so large
+after the first step already that rounding is nothing beside them.
+"""
+REACH = 0.5
+"""Of the smallest radius: how far films reach in a box, when the scene does not say."""
+ROOM = {2: 16, 3: 40}
+"""Contacts a sphere that a state has room for, in each dimension."""
+
+
+def parameters_of(scene: SoftScene) -> Parameters:
+    """What never changes in a run. Raises SceneError."""
+    faults = _unknown_names(scene) or _missing_needs(scene, laws_chosen(scene))
+    if faults:
+        raise SceneError(faults)
+    counts = [species.count or len(species.positions) for species in scene.spheres]
+    dimensions = dimensions_of(scene)
+    radius = np.repeat([species.radius for species in scene.spheres], counts)
+    force = np.repeat([species.force or (0.0,) * dimensions for species in scene.spheres], counts, axis=0)
+    drag = np.array([stokes_friction(r, scene.liquid.viscosity, 1.0) * scene.liquid.drag for r in radius])
+    box = np.zeros(3)
+    if scene.box is not None:
+        box[:dimensions] = sides_of(scene)
+    walls = _planes(scene)
+    box[walls.axis] = 0.0
+    parameters = Parameters(
+        time_step=scene.frame_every / TICKS,
+        steps_per_frame=TICKS,
+        dimensions=dimensions,
+        radius=radius,
+        modulus=np.repeat([_modulus(scene, species) for species in scene.spheres], counts),
+        species=np.repeat(np.arange(len(counts)), counts),
+        drag=drag,
+        force=np.ascontiguousarray(force, np.float64),
+        spin_drag=4.0 / 3.0 * drag,
+        torque=_torques(scene, counts),
+        weight=_weights(scene, radius, counts),
+        box=box,
+        walls=walls,
+        contacts=_contacts(scene, float(radius.min())),
+        laws=laws_chosen(scene),
+        protocol=protocol_of(scene.protocol),
+        scheme=scene.stepping.scheme,
+        tolerance=scene.stepping.tolerance,
+        solver=scene.stepping.solver,
+    )
+    require_balance(parameters)
+    return parameters
+
+
+def start(scene: SoftScene, parameters: Parameters) -> State:
+    """The state at time 0: spheres in place, films without flow, and the first forces balanced by deflections."""
+    position = places(scene, parameters)
+    drive = drive_at(parameters.protocol, 0.0)
+    require_gaps(parameters, position, box_of(parameters.box, shape_at(parameters.box, drive), parameters.dimensions))
+    count = len(position)
+    room = min(ROOM[parameters.dimensions] * count, count * (count - 1) // 2)
+    if parameters.box.any() or math.isinf(parameters.contacts.fade_to):
+        room = ROOM[parameters.dimensions] * count if parameters.box.any() else count * (count - 1) // 2
+    state = make_state(parameters, position, room)
+    state.cell[:] = shape_at(parameters.box, drive_at(parameters.protocol, 0.0))
+    open_all(parameters, state)
+    state.pace[LENGTH] = _first_length(scene, parameters, state)
+    if not parameters.drag.any():
+        require_one_piece(state)
+        require_no_torque(parameters, state)
+    if not parameters.drag.any() or any(rules_at(parameters.protocol, 0)) or len(parameters.walls.free):
+        _balance(parameters, state)
+    return state
+
+
+def _first_length(scene: SoftScene, parameters: Parameters, state: State) -> float:
+    """The first step (s)."""
+    longest = min(scene.frame_every, *_spans(parameters.protocol, scene.frame_every))
+    drive, wave = drive_at(parameters.protocol, 0.0), parameters.protocol.waves[0]
+    rate = abs(drive.rate) + abs(drive.growth) + abs(drive.height_rate) + float(wave[0] * wave[2])
+    speed = 2.0 * float(parameters.radius.max()) * rate + float(np.abs(parameters.walls.velocity).max(initial=0.0))
+    gaps = np.append(state.log_gap[: state.contacts[0]], state.wall_gap[state.touching.astype(bool)])
+    if speed == 0.0 or len(gaps) == 0:
+        return FIRST_STEP * longest
+    part = FIRST_SHEAR * parameters.tolerance ** (1.0 / SCHEMES[parameters.scheme].tableau.order)
+    return float(min(max(FIRST_STEP * longest, part * math.exp(gaps.min()) / speed), longest))
+
+
+def _balance(parameters: Parameters, state: State) -> None:
+    drive, rules = drive_at(parameters.protocol, 0.0), rules_at(parameters.protocol, 0)
+    scratch = workspace(parameters, state, 1.0)
+    span = AT_ONCE * float(state.pace[LENGTH]) if parameters.drag.any() else 0.0
+    if not balance(parameters, scratch, (drive, drive, rules), state.effort, span):
+        told = "these forces or stresses are more than the surfaces can balance; make them smaller"
+        raise SceneError([Fault("protocol" if any(rules) else "spheres", told)])
+    accept(scratch.step)
+    store(parameters, state, scratch.step)
+
+
+def _planes(scene: SoftScene) -> Planes:
+    """The walls, and what moves them."""
+    dimensions, count = dimensions_of(scene), len(scene.walls)
+    axis = np.array([SIDES[wall.side][0] for wall in scene.walls], np.int64)
+    side = np.array([SIDES[wall.side][1] for wall in scene.walls])
+    place, velocity, force = np.zeros((3, count, 3))
+    free: list[tuple[int, int]] = []
+    sides = np.ones(3)
+    if scene.box is not None:
+        sides[:dimensions] = sides_of(scene)
+    for index, wall in enumerate(scene.walls):
+        across, outward = SIDES[wall.side]
+        end = 0.0 if outward < 0.0 else sides[across]
+        place[index, across] = end if wall.position is None else wall.position
+        velocity[index, :dimensions] = wall.velocity or 0.0
+        area = float(np.prod(np.delete(sides[:dimensions], across)))
+        for stress, along, sign in ((wall.pressure, across, -outward), (wall.shear_stress, 0, 1.0)):
+            if stress is not None:
+                force[index, along] = sign * stress * area
+                free.append((index, along))
+    modulus = np.array([math.inf if wall.modulus is None else wall.modulus for wall in scene.walls])
+    return Planes(axis, side, place, modulus, velocity, force, np.array(free, np.int64).reshape(-1, 2))
+
+
+def _weights(scene: SoftScene, radius: Array, counts: list[int]) -> Array:
+    """What gravity pulls at each sphere, less what the liquid lifts (N)."""
+    if scene.gravity is None:
+        return np.zeros((len(radius), dimensions_of(scene)))
+    heavier = np.array([(species.density or 0.0) - (scene.liquid.density or 0.0) for species in scene.spheres])
+    mass = np.repeat(heavier, counts) * 4.0 / 3.0 * math.pi * radius**3
+    return np.asarray(mass[:, None] * np.array(scene.gravity))
+
+
+def _torques(scene: SoftScene, counts: list[int]) -> Array:
+    """What turns each sphere, at its equator (N); without components where spheres do not spin."""
+    width = 0 if not scene.rotation else 1 if dimensions_of(scene) == 2 else 3
+    given = np.array([species.torque or (0.0,) * width for species in scene.spheres]).reshape(len(counts), width)
+    at_equator = given / np.array([species.radius for species in scene.spheres])[:, None]
+    return np.repeat(at_equator, counts, axis=0)
+
+
+def _spans(protocol: Protocol, otherwise: float) -> list[float]:
+    spans = [float(span) for span in np.diff(protocol.times) if span > 0.0]
+    return spans or [otherwise]
+
+
+def prefactors_of(films: FilmSpec) -> Prefactors:
+    """The set that a scene names, and what it overrules."""
+    known = chosen(PREFACTORS, films.prefactors, "set of prefactors")
+    given = {name: getattr(films, name) for name in Prefactors._fields}
+    return known._replace(**{name: value for name, value in given.items() if value is not None})
+
+
+def _contacts(scene: SoftScene, smallest: float) -> Contacts:
+    remote, films, reach = scene.remote, scene.films, scene.films.reach
+    if reach is None:
+        reach = math.inf if scene.box is None else REACH * smallest
+    return Contacts(
+        scene.liquid.viscosity,
+        *prefactors_of(scene.films),
+        fade_from=reach,
+        fade_to=FADE * reach,
+        rounding=ROUNDING * smallest,
+        remote=code_of(REMOTE, remote.law),
+        strength=remote.strength,
+        steric_length=remote.length,
+        hamaker=remote.hamaker,
+        layer_strength=remote.layer_strength,
+        debye_length=remote.debye_length,
+        surface=code_of(SURFACES, films.surface),
+        surface_tension=scene.liquid.surface_tension or 0.0,
+        interface=code_of(INTERFACES, films.interface),
+        viscosity_ratio=films.viscosity_ratio,
+        friction=code_of(FRICTIONS, films.friction),
+        coefficient=films.friction_coefficient,
+        roughness=films.roughness or 0.0,
+    )
+
+
+def laws_chosen(scene: SoftScene) -> Laws:
+    """The rows that a scene names."""
+    films = scene.films
+    return Laws(
+        SURFACES[films.surface], INTERFACES[films.interface], REMOTE[scene.remote.law], FRICTIONS[films.friction]
+    )
+
+
+def _missing_needs(scene: SoftScene, laws: Laws) -> list[Fault]:
+    """What the chosen laws need of liquid, spheres and films, and what is missing."""
+    spheres: list[tuple[str, object]] = [(f"spheres[{index}]", one) for index, one in enumerate(scene.spheres)]
+    holders: dict[str, list[tuple[str, object]]] = {
+        "surface_tension": [("liquid", scene.liquid)],
+        "modulus": spheres,
+        "roughness": [("films", scene.films)],
+    }
+    return [
+        Fault(f"{path}.{name}", said)
+        for needs in (laws.surface.needs, laws.friction.needs)
+        for name, said in needs.items()
+        for path, given in holders[name]
+        if getattr(given, name) is None
+    ]
+
+
+def _modulus(scene: SoftScene, species: SphereSpec) -> float:
+    """That of the material; of bubbles, what tells how stiff they are: surface tension over radius."""
+    return (scene.liquid.surface_tension or 0.0) / species.radius if species.modulus is None else species.modulus
+
+
+def _unknown_names(scene: SoftScene) -> list[Fault]:
+    """Laws and schemes that there are none of."""
+    asked: list[tuple[str, Any, str, str]] = [
+        ("films.prefactors", PREFACTORS, scene.films.prefactors, "set of prefactors"),
+        ("films.surface", SURFACES, scene.films.surface, "elastic law"),
+        ("films.interface", INTERFACES, scene.films.interface, "interface"),
+        ("films.friction", FRICTIONS, scene.films.friction, "contact friction"),
+        ("remote.law", REMOTE, scene.remote.law, "remote law"),
+        ("stepping.scheme", SCHEMES, scene.stepping.scheme, "scheme"),
+        ("stepping.solver", {"auto": None, **SOLVERS}, scene.stepping.solver, "solver"),
+    ]
+    faults = []
+    for path, table, name, what in asked:
+        try:
+            chosen(table, name, what)
+        except BadInput as error:
+            faults.append(Fault(path, str(error)))
+    if scene.stepping.solver == "cholmod":
+        try:
+            cholmod.library()
+        except BadInput as error:
+            faults.append(Fault("stepping.solver", str(error)))
+    return faults

@@ -1,0 +1,72 @@
+"""Random dense starts: points at random in the box, pushed apart until no two spheres are nearer than a gap."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.optimize import minimize
+
+from ecume.errors import Fault, SceneError
+from ecume.models.soft.contacts.contact_list import neighbors, wall_gaps
+from ecume.models.soft.loading.cell import Box, box_of, shape_at
+from ecume.models.soft.loading.protocol import drive_at
+from ecume.models.soft.parameters import Parameters
+from ecume.scenes.soft import SoftScene, sides_of
+from ecume.units import Array
+
+GAP = 1e-2
+"""Of the smallest radius."""
+WIDER = 1.05
+"""Spheres are pushed apart as if their gap were this much wider, so that it is there when they have nearly stopped."""
+ROUNDS, PUSHES = 20, 400
+"""Of the minimization: at most so many rounds of so many evaluations."""
+
+
+def places(scene: SoftScene, parameters: Parameters) -> Array:
+    """Where the spheres start: as given, or at random from the scene's seed."""
+    given = [place for species in scene.spheres for place in species.positions]
+    if all(species.count is None for species in scene.spheres):
+        return np.array(given, np.float64)
+    random = np.random.default_rng(scene.seed)
+    box = box_of(parameters.box, shape_at(parameters.box, drive_at(parameters.protocol, 0.0)), parameters.dimensions)
+    ends = np.where(box.sides > 0.0, box.sides, sides_of(scene) or 0.0)
+    position = random.uniform(size=(len(parameters.radius), parameters.dimensions)) * ends
+    begin = 0
+    for species in scene.spheres:
+        end = begin + (species.count or len(species.positions))
+        if species.positions:
+            position[begin:end] = species.positions
+        begin = end
+    least = GAP * float(parameters.radius.min()) if scene.box is None or scene.box.gap is None else scene.box.gap
+    return pushed_apart(parameters, position, box, least)
+
+
+def pushed_apart(parameters: Parameters, position: Array, box: Box, least: float) -> Array:
+    """The nearest places, more or less, without gaps below `least`: overlaps cost their square. Raises SceneError."""
+    wide = parameters._replace(contacts=parameters.contacts._replace(fade_from=WIDER * least))
+    unit, planes = float(parameters.radius.min()), parameters.walls
+
+    def cost(flat: Array) -> tuple[float, Array]:
+        pair, _, between = neighbors(wide, flat.reshape(position.shape) * unit, box)
+        length = np.linalg.norm(between, axis=1)
+        overlap = (parameters.radius[pair].sum(axis=1) + WIDER * least - length) / unit
+        push = (overlap / np.maximum(length, 1e-12 * unit))[:, None] * between
+        slope = np.zeros_like(position)
+        np.add.at(slope, pair[:, 0], push)
+        np.add.at(slope, pair[:, 1], -push)
+        to_wall = wall_gaps(parameters, flat.reshape(position.shape) * unit, planes.place)
+        inside = np.maximum(WIDER * least - to_wall, 0.0)
+        np.add.at(slope.T, planes.axis, (inside / unit * planes.side).T)
+        return 0.5 * float((overlap**2).sum() + ((inside / unit) ** 2).sum()), slope.ravel()
+
+    flat = position.ravel() / unit
+    tight = parameters._replace(contacts=parameters.contacts._replace(fade_from=least))
+    for _ in range(ROUNDS):
+        flat = minimize(
+            cost, flat, jac=True, method="L-BFGS-B", options={"maxiter": PUSHES, "ftol": 0.0, "gtol": 1e-12}
+        ).x
+        found = np.asarray(flat.reshape(position.shape) * unit)
+        if not len(neighbors(tight, found, box)[0]) and (wall_gaps(parameters, found, planes.place) >= least).all():
+            return found
+    told = f"no places were found with gaps of {least:.3g} m everywhere"
+    way_out = "wanted a larger box.size, a smaller box.volume_fraction or a smaller box.gap"
+    raise SceneError([Fault("box.size", f"{told}; {way_out}")])

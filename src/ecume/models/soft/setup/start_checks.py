@@ -1,0 +1,73 @@
+"""What a start must come up to, or a scene is refused: gaps, forces that balance, spheres that something holds."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ecume.errors import Fault, SceneError
+from ecume.models.soft.contacts.contact_list import neighbors, pieces, wall_gaps
+from ecume.models.soft.loading.cell import Box
+from ecume.models.soft.parameters import Parameters
+from ecume.models.soft.state import State
+from ecume.units import Array
+
+UNBALANCED = 1e-9
+"""Of the largest force: what the sum of all forces may be where nothing holds the spheres."""
+
+
+def require_balance(parameters: Parameters) -> None:
+    """Forces that nothing balances would push all spheres away together."""
+    if parameters.drag.any() or len(parameters.walls.axis):
+        return
+    force = parameters.force + parameters.weight
+    total, largest = np.abs(force.sum(axis=0)).max(), np.abs(force).max()
+    if total > UNBALANCED * largest * len(force):
+        raise SceneError(
+            [
+                Fault(
+                    "spheres",
+                    f"the forces on all spheres sum to {total:.3g} N, and nothing holds them; "
+                    "wanted a sum of zero, walls, or liquid.drag = true",
+                )
+            ]
+        )
+
+
+def require_no_torque(parameters: Parameters, state: State) -> None:
+    """Spinning spheres that nothing holds would be turned all together without resistance."""
+    if parameters.torque.shape[1] == 0 or parameters.box.any() or len(parameters.walls.axis):
+        return
+    arm, force = np.zeros((2, len(state.position), 3))
+    arm[:, : parameters.dimensions], force[:, : parameters.dimensions] = state.position, parameters.force
+    own = parameters.torque * parameters.radius[:, None]
+    moment = np.cross(arm - arm.mean(axis=0), force)[:, -own.shape[1] :] + own
+    total, largest = np.abs(moment.sum(axis=0)).max(), np.abs(moment).max()
+    size = np.abs(parameters.force).max() * parameters.radius.max()
+    if total > UNBALANCED * max(largest, size) * len(moment):
+        told = f"forces and torques turn the spheres all together, with {total:.3g} N m, and nothing holds them"
+        raise SceneError([Fault("spheres", f"{told}; wanted no torque in sum, or liquid.drag = true")])
+
+
+def require_gaps(parameters: Parameters, position: Array, box: Box) -> None:
+    """Undeformed spheres that overlap have no film between them."""
+    touching = parameters._replace(contacts=parameters.contacts._replace(fade_from=0.0))
+    pair, _, _ = neighbors(touching, position, box)
+    if len(pair):
+        first, second = pair[0]
+        told = f"spheres {first} and {second} overlap before they are deformed; wanted a gap for the film"
+        raise SceneError([Fault("spheres", told)])
+    gap = wall_gaps(parameters, position, parameters.walls.place)
+    if not (gap > 0.0).all():
+        sphere, wall = (int(index[0]) for index in np.nonzero(~(gap > 0.0)))
+        told = f"sphere {sphere} is in wall {wall} or beyond it; wanted a gap for the film"
+        raise SceneError([Fault("spheres", told)])
+
+
+def require_one_piece(state: State) -> None:
+    """Without drag, what no film ties to the rest is nowhere in particular."""
+    piece = pieces(state)
+    if piece.max() > 0:
+        walled = state.touching.shape[1] > 0
+        alone = int(np.flatnonzero(piece != piece[-1 if walled else 0])[0])
+        told = f"sphere {alone} is tied to {'any wall' if walled else 'sphere 0'} by no film, and nothing else holds it"
+        raise SceneError([Fault("spheres", f"{told}; set films.reach higher, or liquid.drag = true")])

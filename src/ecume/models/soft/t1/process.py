@@ -1,0 +1,235 @@
+"""The T1 process: four spheres swap neighbors under a pull. [rognon2009].
+
+Spheres 0 and 1 lie left and right, 2 and 3 above and below; the horizontal pair parts, and the vertical pair meets.
+Lengths are in radii and forces in E R^2; times are in eta R^2 / F_N, where F_N = |F_h - F_v/sqrt(3)| is the tension
+that the film of the horizontal pair is to resist. Tension is positive.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+
+from ecume._portable import exp, product
+from ecume.errors import BadInput, Diverged
+from ecume.laws.arguments import chosen, require_positive
+from ecume.models.soft.integration.dirk_schemes import SCHEMES
+from ecume.models.soft.integration.linear_solvers import attempt, begin
+from ecume.models.soft.integration.time_stepping import one_step
+from ecume.models.soft.loading.protocol import drive_at, interval_at, rules_at
+from ecume.models.soft.parameters import Parameters
+from ecume.models.soft.setup.building import parameters_of, start
+from ecume.models.soft.state import ACCEPTED, CLOCK, REJECTED, During, State, Step, Workspace, workspace
+from ecume.models.soft.t1 import paper_scheme
+from ecume.models.soft.t1.cluster import (
+    APART,
+    DIAGONAL,
+    HORIZONTAL,
+    SQRT3,
+    T1,
+    VERTICAL,
+    Effort,
+    Instant,
+    Units,
+    reached,
+    t1_scene,
+    told,
+)
+from ecume.scenes.soft import SoftScene
+from ecume.units import Array
+
+DIAGONALS = [1, 2, 3, 4]
+"""Places of the contacts of the diagonals."""
+FAINTEST = 1e-7
+"""The least kappa. The deflections that bear a smaller one are lost in the rounding of the centers' distance, about
+4e-16 radii: of 1e-7 it leaves 1e-8 in the balance and five times as many steps, of 1e-8 steps by the hundred thousand.
+"""
+TOLERANCES = 1e-11, 1e-2
+"""What `rtol` may be, as in a scene."""
+CLOSE = 1e-13
+"""Of a step: how closely the moment is found at which a threshold is crossed."""
+
+
+def t1_process(
+    *,
+    gap: float,
+    reduced_force: float | None = None,
+    forces: tuple[float, float] | None = None,
+    prefactors: str = "paper",
+    force_ratio: float = 0.0,
+    ramp: float = 0.01,
+    threshold: float | Sequence[float] = 0.9,
+    rtol: float = 1e-8,
+    rotation: bool = False,
+    method: str = "implicit",
+    time_step: float | None = None,
+) -> T1:
+    """Let four spheres swap neighbors, and time it.
+
+    `gap` is that of the five close pairs at the start. Either `reduced_force` (kappa) with `force_ratio` (F_h/F_v), or
+    `forces` (F_h, F_v), both inward. The pull grows over `ramp`. The process is complete when the vertical pair carries
+    the part `threshold` of F_v - F_h/sqrt(3); of several thresholds the last one is the duration. With `rotation` the
+    spheres may spin.
+
+    `method` is `implicit`, with steps as long as the tolerance `rtol` of ln(gap) allows; the paper's own, `paper`; or
+    that with Runge-Kutta steps, `rk2` and `rk4`: fixed ones of about `time_step`, or eta/E; whole ones fit the ramp.
+    """
+    thresholds = (threshold,) if isinstance(threshold, (int, float)) else tuple(threshold)
+    pull = _forces(reduced_force, force_ratio, forces)
+    for name, value in (("gap", gap), ("ramp", ramp), *(("threshold", one) for one in thresholds)):
+        require_positive(name, value)
+    if not TOLERANCES[0] <= rtol <= TOLERANCES[1]:
+        raise BadInput(f"rtol is {rtol!r}; wanted {TOLERANCES[0]:g} to {TOLERANCES[1]:g}")
+    chosen(dict.fromkeys(("implicit", *paper_scheme.SCHEMES)), method, "method")
+    kappa = abs(pull[0] - pull[1] / SQRT3)
+    if kappa < FAINTEST:
+        told = "deflections are lost in rounding, and durations no longer depend on it"
+        raise BadInput(f"the reduced force is {kappa:.3g}: {told}; wanted {FAINTEST:g} or more")
+    scene = replace(t1_scene(gap, pull, prefactors, ramp, rtol), rotation=rotation)
+    if method != "implicit":
+        if rotation:
+            raise BadInput(f"method={method!r} knows no rotation; wanted method='implicit'")
+        return paper_scheme.follow(scene, pull, sorted(thresholds), (method, time_step))
+    return follow(scene, pull, sorted(thresholds))
+
+
+def _forces(reduced: float | None, ratio: float, forces: tuple[float, float] | None) -> tuple[float, float]:
+    """(F_h, F_v) in E R^2."""
+    if (reduced is None) == (forces is None):
+        raise BadInput("wanted either reduced_force or forces; came " + ("both" if forces else "neither"))
+    if forces is None:
+        require_positive("reduced_force", reduced or 0.0)
+        if ratio == 1.0 / SQRT3:
+            raise BadInput("force_ratio is 1/sqrt(3): nothing pulls at the horizontal film; wanted another")
+        vertical = (reduced or 0.0) / abs(ratio - 1.0 / SQRT3)
+        return ratio * vertical, vertical
+    if not all(map(math.isfinite, forces)) or forces[0] == forces[1] / SQRT3:
+        raise BadInput(f"forces are {forces!r}; wanted two finite ones with F_h different from F_v/sqrt(3)")
+    return forces
+
+
+def follow(
+    scene: SoftScene, forces: tuple[float, float], thresholds: Sequence[float], units: tuple[float, float] = (1.0, 1.0)
+) -> T1:
+    """March a cluster until it has swapped, dissociated, or stood still for too long.
+
+    `forces` are the pulls in E R^2, `units` the lengths and forces (E R^2) that the scene is written in.
+    """
+    horizontal, vertical = forces
+    parameters = parameters_of(scene)
+    state = start(scene, parameters)
+    kappa = abs(horizontal - vertical / SQRT3)
+    unit = Units(units[0], units[1] * kappa)
+    goals = [one * (vertical - horizontal / SQRT3) / kappa for one in thresholds]
+    scratch = workspace(parameters, state, 1.0)
+    series, found, drift = [_first(parameters, scratch, unit)], list[float](), 0.0
+    for span in _march(parameters, state, scratch, unit):
+        series.append(span.end)
+        drift = max(drift, float(np.abs(scratch.step.bodies.right).max()) / unit.force)
+        while len(found) < len(goals) and reached(span.end, goals[len(found)]):
+            found.append(_crossing(parameters, span, scratch, unit, goals[len(found)]))
+        if len(found) == len(goals) or span.end.gap_diagonal > APART:
+            break
+    turned = float(np.abs(state.orientation).max(initial=0.0))
+    effort = Effort(int(state.tally[ACCEPTED]), int(state.tally[REJECTED]), drift, turned)
+    return told(series, found, thresholds, kappa, effort)
+
+
+class Span(NamedTuple):
+    """A step: its beginning, to which one can go back, and its end."""
+
+    begin: Instant
+    end: Instant
+    position: Array
+    log_gap: Array
+    direction: Array
+
+
+def _march(parameters: Parameters, state: State, scratch: Workspace, unit: Units) -> Iterator[Span]:
+    """Step after step, to the horizon."""
+    step, instant = scratch.step, _first(parameters, scratch, unit)
+    across = state.position[1] - state.position[0]
+    axes = np.array([[across[0], across[1]], [-across[1], across[0]]]) / math.hypot(across[0], across[1])
+    while state.step[0] < parameters.steps_per_frame:
+        begin, kept = instant, (step.bodies.before.copy(), step.log_gap.copy(), step.direction.copy())
+        if one_step(parameters, state, scratch) is None:
+            raise Diverged(f"at t = {begin.time:g} no step is short enough; look at the gap and the forces")
+        instant = _instant(scratch, float(state.pace[CLOCK]), unit)
+        _mirror(state, step, axes)
+        yield Span(begin, instant, *kept)
+
+
+def _mirror(state: State, step: Step, axes: Array) -> None:
+    """Take out what rounding has added to the cluster's two mirror symmetries.
+
+    Forces that press along fixed directions turn a cluster over, as they would a rod between two fingers: from one
+    part in 1e16 it happens in swaps that last 1e5 units.
+    """
+    place, direction = product(state.position, axes.T), product(state.direction, axes.T)
+    for group, vectors in ((slice(0, 2), place), (slice(2, 4), place), (DIAGONALS, direction)):
+        vectors[group] = np.sign(vectors[group]) * np.abs(vectors[group]).mean(axis=0)
+    place[:2, 1] = place[2:, 0] = direction[HORIZONTAL, 1] = direction[VERTICAL, 0] = 0.0
+    state.log_gap[DIAGONALS] = state.log_gap[DIAGONALS].mean()
+    state.position[:] = product(place, axes)
+    state.direction[:] = product(direction, axes) / np.linalg.norm(direction, axis=1)[:, None]
+    step.bodies.before[:], step.log_gap[:] = state.position, state.log_gap
+    step.direction[:, :2] = state.direction
+
+
+def _first(parameters: Parameters, scratch: Workspace, unit: Units) -> Instant:
+    """The cluster at rest."""
+    begin(parameters, scratch.step, drive_at(parameters.protocol, 0.0))
+    return _instant(scratch, 0.0, unit)
+
+
+def _instant(scratch: Workspace, time: float, unit: Units) -> Instant:
+    """The step's end as numbers: what the last solution left in `films` and `answers`."""
+    films, force = scratch.step.films, scratch.step.answers.force
+    gap, tension = exp(films.log_gap) / unit.length, (force * films.direction).sum(axis=1) / unit.force
+    x, y, _ = films.direction[DIAGONAL]
+    return Instant(
+        time=time,
+        angle=_diagonal_angle(scratch),
+        gap_horizontal=float(gap[HORIZONTAL]),
+        gap_vertical=float(gap[VERTICAL]),
+        gap_diagonal=float(gap[DIAGONAL]),
+        tension_horizontal=float(tension[HORIZONTAL]),
+        tension_vertical=float(tension[VERTICAL]),
+        tension_diagonal=float(tension[DIAGONAL]),
+        sliding_force=float(force[DIAGONAL] @ (y, -x, 0.0)) / unit.force,
+    )
+
+
+def _diagonal_angle(scratch: Workspace) -> float:
+    """Between the diagonal and the horizontal pair, by their centers."""
+    place = scratch.step.bodies.position
+    across, along = place[1] - place[0], place[2] - place[0]
+    return math.atan2(float(across[0] * along[1] - across[1] * along[0]), float(across @ along))
+
+
+def _crossing(parameters: Parameters, span: Span, scratch: Workspace, unit: Units, goal: float) -> float:
+    """When within the last step the vertical pair came to carry that much, by taking shorter ones."""
+    from scipy.optimize import brentq
+
+    step, scheme = scratch.step, SCHEMES[parameters.scheme].tableau
+    kept = step.bodies.before.copy(), step.log_gap.copy(), step.direction.copy()
+
+    interval = interval_at(parameters.protocol, span.begin.time)
+
+    def missing(length: float) -> float:
+        step.bodies.before[:], step.log_gap[:], step.direction[:] = span.position, span.log_gap, span.direction
+        times = span.begin.time + length * scheme.times
+        drives = np.array([drive_at(parameters.protocol, float(time), interval) for time in times])
+        during = During(length, drives, parameters.tolerance)
+        attempt(parameters, scratch, during, rules_at(parameters.protocol, interval), np.zeros(3, np.int64))
+        return goal + _instant(scratch, span.begin.time + length, unit).tension_vertical
+
+    length = span.end.time - span.begin.time
+    if goal + span.begin.tension_vertical > 0.0 > missing(length):
+        length = float(brentq(missing, 1e-9 * length, length, xtol=CLOSE * length))
+    step.bodies.before[:], step.log_gap[:], step.direction[:] = kept
+    return span.begin.time + length

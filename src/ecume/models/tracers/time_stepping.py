@@ -1,0 +1,327 @@
+"""One step of the tracers, and the march of many.
+
+With inertia: the flight of the step is exact without walls, and a parabola between them. Without: half a drift, whole
+diffusion, half a drift, each turned back by the walls in the way that is exact for it alone (a drift stops there, a
+diffusing particle is mirrored).
+"""
+
+from __future__ import annotations
+
+import math
+
+from ecume._jit import admit, compiled, compiled_inside, selection
+from ecume.engine.cells import Integers
+from ecume.engine.philox import counter_of, normals
+from ecume.engine.walls import Sheet, reflect_all
+from ecume.laws import brownian, drag
+from ecume.models.model import DIVERGED, DONE, EXCHANGE
+from ecume.models.tables import codes
+from ecume.models.tracers import parameters
+from ecume.models.tracers.energy_budget import NOT_NOW, booked, work_of_drifts, work_of_flights, work_of_steps
+from ecume.models.tracers.parameters import DRAGS, DragChoice, Parameters
+from ecume.models.tracers.state import CAPPED, State, Workspace
+from ecume.units import Array
+
+STARTED_OUTSIDE = -2
+NOWHERE = 1e100
+"""m, m/s: farther and faster than anybody gets; products of such numbers are no numbers any more."""
+
+
+@compiled
+def choose(fate: Integers, left: Integers, overdamped: Integers, regime: int) -> int:
+    """Mark who takes part: those of a regime that are still in the tank. How many they are."""
+    found = 0
+    for i in range(fate.shape[0]):
+        fate[i] = 0 if left[i] < 0 and overdamped[i] == regime else NOT_NOW
+        found += fate[i] == 0
+    return found
+
+
+@compiled
+def all_somewhere(position: Array, velocity: Array) -> bool:
+    """Whether places and velocities are numbers, and not larger than can be: walls would put anybody back inside."""
+    for i in range(position.shape[0]):
+        for axis in range(position.shape[1]):
+            if not (abs(position[i, axis]) < NOWHERE and abs(velocity[i, axis]) < NOWHERE):
+                return False
+    return True
+
+
+@compiled
+def note_fates(state: State, fate: Integers) -> bool:
+    """Who left, and whose flight was cut short. False when somebody was outside, or nowhere."""
+    left, tally = state.left, state.tally
+    for i in range(fate.shape[0]):
+        if fate[i] == STARTED_OUTSIDE:
+            return False
+        if fate[i] < 0:
+            tally[CAPPED] += 1
+        elif 0 < fate[i] < NOT_NOW:
+            left[i] = fate[i] - 1
+    return True
+
+
+@compiled
+def fill(target: Array, value: float) -> None:
+    """All of an array."""
+    for i in range(target.shape[0]):
+        for axis in range(target.shape[1]):
+            target[i, axis] = value
+
+
+@compiled
+def copy(target: Array, source: Array) -> None:
+    """All of an array."""
+    for i in range(target.shape[0]):
+        for axis in range(target.shape[1]):
+            target[i, axis] = source[i, axis]
+
+
+@compiled
+def passed(parameters: Parameters, state: State, scratch: Workspace, time: float, sheet: Sheet) -> bool:
+    """Those without inertia go on with the velocities of `travel`."""
+    fill(scratch.push, 0.0)
+    copy(scratch.origin, state.position)
+    tally = (scratch.hits, scratch.fate, state.hits)
+    reflect_all(state.position, scratch.travel, scratch.push, time, sheet, scratch.radius, tally)
+    return note_fates(state, scratch.fate)
+
+
+@compiled
+def fly(parameters: Parameters, state: State, scratch: Workspace) -> bool:
+    """One step of those with inertia."""
+    bodies, fluid, h = parameters.bodies, parameters.fluid, parameters.time_step
+    flow = fluid.flow
+    numbers = (
+        h, state.step[0], parameters.seed, parameters.drag, fluid.density, fluid.viscosity, fluid.thermal,
+        flow[0], flow[1], flow[2], fluid.shear_rate,
+    )  # fmt: skip
+    plan_flights(
+        state.position, state.velocity, bodies.mass, bodies.push, bodies.friction, bodies.radius, scratch.fate,
+        scratch.push, scratch.kick, scratch.noise, scratch.shift, numbers,
+    )  # fmt: skip
+    copy(scratch.origin, state.position)
+    copy(scratch.travel, state.velocity)
+    tally = (scratch.hits, scratch.fate, state.hits)
+    reflect_all(state.position, state.velocity, scratch.push, h, parameters.bouncing, scratch.radius, tally)
+    land(
+        state.position, state.velocity, scratch.origin, scratch.travel, scratch.push, scratch.kick, scratch.noise,
+        scratch.fate, h,
+    )  # fmt: skip
+    if booked(parameters):
+        state.work[0] += work_of_flights(parameters, state, scratch)
+    return note_fates(state, scratch.fate)
+
+
+@compiled
+def creep(parameters: Parameters, state: State, scratch: Workspace) -> bool:
+    """One step of those without inertia."""
+    bodies, fluid, h = parameters.bodies, parameters.fluid, parameters.time_step
+    flow = (fluid.flow[0], fluid.flow[1], fluid.flow[2], fluid.shear_rate)
+    plan_drifts(state.position, bodies.settling, scratch.fate, 0.5 * h, flow, scratch.travel)
+    well, books = passed(parameters, state, scratch, 0.5 * h, parameters.stopping), booked(parameters)
+    if books:
+        state.work[0] += work_of_drifts(parameters, state, scratch, 0.5 * h)
+    if fluid.thermal > 0.0:
+        choose(scratch.fate, state.left, bodies.overdamped, 1)
+        chance = (parameters.seed, state.step[0], fluid.thermal)
+        plan_steps(bodies.friction, scratch.fate, chance, h, scratch.travel)
+        well = passed(parameters, state, scratch, h, parameters.mirroring) and well
+        state.work[0] += work_of_steps(parameters, state, scratch)
+    choose(scratch.fate, state.left, bodies.overdamped, 1)
+    plan_drifts(state.position, bodies.settling, scratch.fate, 0.5 * h, flow, scratch.travel)
+    well = passed(parameters, state, scratch, 0.5 * h, parameters.stopping) and well
+    if books:
+        state.work[0] += work_of_drifts(parameters, state, scratch, 0.5 * h)
+    for i in range(len(scratch.fate)):
+        if scratch.fate[i] == 0:
+            for axis in range(state.velocity.shape[1]):
+                state.velocity[i, axis] = scratch.travel[i, axis]
+    return well
+
+
+@compiled
+def somebody_comes(parameters: Parameters, state: State) -> bool:
+    """Whether the next in turn is there at the end of this step."""
+    arrives = parameters.arrivals.step
+    following = state.position.shape[0] - (len(parameters.bodies.radius) - len(arrives))
+    return bool(following < len(arrives) and arrives[following] <= state.step[0])
+
+
+@compiled
+def advance(parameters: Parameters, state: State, scratch: Workspace, steps: int) -> int:
+    """March: see `ecume.models.model.Model.advance`."""
+    overdamped = parameters.bodies.overdamped
+    for _ in range(steps):
+        if not all_somewhere(state.position, state.velocity):
+            return DIVERGED
+        if choose(scratch.fate, state.left, overdamped, 0) > 0 and not fly(parameters, state, scratch):
+            return DIVERGED
+        if choose(scratch.fate, state.left, overdamped, 1) > 0 and not creep(parameters, state, scratch):
+            return DIVERGED
+        state.step[0] += 1
+        if somebody_comes(parameters, state):
+            return EXCHANGE
+    return DONE
+
+
+# --- What a step would be without walls: exact for linear drag, a constant push and the liquid's kicks, however long
+
+
+admit(brownian, drag, parameters)
+
+drag_factor = selection("drag_factor", codes(DRAGS, lambda row: row.factor), __name__, __file__, ("reynolds",))
+
+
+@compiled_inside
+def slowed(speed: float, own: tuple[float, float], liquid: tuple[DragChoice, float, float]) -> float:
+    """The friction at a speed; own = (radius, Stokes's friction), liquid = (drag law, density, viscosity)."""
+    law, density, viscosity = liquid
+    if law.linear:
+        return own[1]
+    return float(own[1] * drag_factor(drag.particle_reynolds(speed, own[0], density, viscosity), law.code))
+
+
+@compiled_inside
+def relative_speed(velocity: Array, i: int, flow: tuple[float, float, float], change: tuple[float, float]) -> float:
+    """Against the liquid, after v - u has shrunk to a part and the fall has gained a speed; change = (part, gain)."""
+    square, last = 0.0, velocity.shape[1] - 1
+    for axis in range(last + 1):
+        own = change[0] * (velocity[i, axis] - flow[axis])
+        if axis == last:
+            own -= change[1]
+        square += own * own
+    return math.sqrt(square)
+
+
+@compiled_inside
+def midway_friction(
+    velocity: Array,
+    i: int,
+    flow: tuple[float, float, float],
+    body: tuple[float, float, float, float],
+    liquid: tuple[DragChoice, float, float],
+) -> float:
+    """The friction at the speed in the middle of the step, so that a drag that is no line is of second order.
+
+    body = (radius, Stokes's friction, mass over half a step, push times half a step).
+    """
+    radius, stokes, inertia, fall = body
+    friction = slowed(relative_speed(velocity, i, flow, (1.0, 0.0)), (radius, stokes), liquid)
+    if not liquid[0].linear:
+        ratio = friction / inertia
+        change = (math.exp(-ratio), fall * brownian.velocity_gain(ratio))
+        friction = slowed(relative_speed(velocity, i, flow, change), (radius, stokes), liquid)
+    return friction
+
+
+@compiled
+def plan_flights(
+    position: Array,
+    velocity: Array,
+    mass: Array,
+    weight: Array,
+    stokes: Array,
+    radius: Array,
+    fate: Integers,
+    push: Array,
+    kick: Array,
+    noise: Array,
+    shift: Array,
+    numbers: tuple[float, int, int, DragChoice, float, float, float, float, float, float, float],
+) -> None:
+    """The parabola of each particle with inertia: it ends where the exact motion ends.
+
+    numbers = (time step, step, seed, drag law, liquid's density, viscosity, thermal energy, flow x, y, z, shear rate).
+    """
+    h, step, seed, law, density, viscosity, thermal, flow_x, flow_y, flow_z, shear = numbers
+    last = position.shape[1] - 1
+    for i in range(position.shape[0]):
+        if fate[i] != 0:
+            continue
+        height = position[i, last] + 0.5 * h * velocity[i, last]
+        flow = (flow_x + shear * height, flow_y, flow_z)
+        body = (radius[i], stokes[i], 2.0 * mass[i] / h, 0.5 * h * weight[i])
+        friction = midway_friction(velocity, i, flow, body, (law, density, viscosity)) if stokes[i] > 0.0 else 0.0
+        ratio = h * friction / mass[i]
+        gain, way = brownian.velocity_gain(ratio), brownian.displacement_gain(ratio)
+        fast, far, both = 0.0, 0.0, 0.0
+        if thermal > 0.0 and friction > 0.0:
+            fast = math.sqrt(thermal / mass[i] * brownian.velocity_variance(ratio))
+            both = thermal / friction * brownian.covariance(ratio) / fast
+            far = thermal * mass[i] / (friction * friction) * brownian.displacement_variance(ratio) - both * both
+            far = math.sqrt(max(far, 0.0))
+        for axis in range(last + 1):
+            start = (flow[axis] - velocity[i, axis]) * friction / mass[i]
+            if axis == last:
+                start -= weight[i]
+            push[i, axis] = start * way
+            kick[i, axis] = start * (gain - way) * h
+            noise[i, axis], shift[i, axis] = 0.0, 0.0
+            if fast > 0.0:
+                one, other = normals(counter_of(i, step, axis), seed)
+                way_by_chance = both * one + far * other
+                push[i, axis] += 2.0 * way_by_chance / (h * h)
+                noise[i, axis], shift[i, axis] = fast * one - 2.0 * way_by_chance / h, way_by_chance
+
+
+@compiled
+def land(
+    position: Array,
+    velocity: Array,
+    origin: Array,
+    travel: Array,
+    push: Array,
+    kick: Array,
+    noise: Array,
+    fate: Integers,
+    time: float,
+) -> None:
+    """After the flights: who met nothing has the exact velocity; who met a wall keeps what it was left with, and no
+    kick.
+    """
+    for i in range(position.shape[0]):
+        if fate[i] != 0:
+            continue
+        off, scale = 0.0, 0.0
+        for axis in range(position.shape[1]):
+            free = origin[i, axis] + time * travel[i, axis] + 0.5 * time * time * push[i, axis]
+            off = max(off, abs(position[i, axis] - free))
+            scale = max(scale, abs(position[i, axis]) + abs(time * travel[i, axis]))
+        for axis in range(position.shape[1]):
+            velocity[i, axis] += noise[i, axis]
+            if off <= 1e-13 * scale:
+                velocity[i, axis] += kick[i, axis]
+            else:
+                kick[i, axis] = 0.0
+
+
+@compiled
+def plan_drifts(
+    position: Array,
+    settling: Array,
+    fate: Integers,
+    time: float,
+    flow: tuple[float, float, float, float],
+    velocity: Array,
+) -> None:
+    """The velocity of what has no inertia: with the liquid, and down at the terminal speed."""
+    last = position.shape[1] - 1
+    for i in range(position.shape[0]):
+        if fate[i] == 0:
+            height = position[i, last] - 0.5 * time * settling[i]
+            for axis in range(last + 1):
+                velocity[i, axis] = flow[axis]
+            velocity[i, 0] += flow[3] * height
+            velocity[i, last] -= settling[i]
+
+
+@compiled
+def plan_steps(friction: Array, fate: Integers, chance: tuple[int, int, float], time: float, velocity: Array) -> None:
+    """Diffusion as a velocity: a normal displacement of variance 2 D t along each axis; chance = (seed, step, kT)."""
+    seed, step, thermal = chance
+    for i in range(velocity.shape[0]):
+        if fate[i] == 0:
+            far = math.sqrt(2.0 * brownian.diffusivity(thermal, friction[i]) / time)
+            for axis in range(velocity.shape[1]):
+                velocity[i, axis] = far * normals(counter_of(i, step, axis), seed)[0]

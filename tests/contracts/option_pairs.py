@@ -1,0 +1,96 @@
+"""Every pair of a model's options: merged into one scene, run for a few steps, and shown as a matrix in the docs."""
+
+import itertools
+import re
+from pathlib import Path
+
+import numpy as np
+
+from ecume.errors import SceneError
+from ecume.models import MODELS
+from ecume.models.invariants import Seen, with_own
+from ecume.scenes.schema import from_plain
+from ecume.simulation import simulate
+
+DOCS = Path(__file__).parents[2] / "docs" / "physics"
+
+
+def merged(one, other):
+    """Both plain trees; of one key that both set, the second's. Lists of tables are merged table by table."""
+    if isinstance(one, dict) and isinstance(other, dict):
+        return {key: merged(one[key], other[key]) if {key} <= {*one} & {*other} else (one | other)[key]
+                for key in {**one, **other}}  # fmt: skip
+    if isinstance(one, list) and isinstance(other, list) and all(isinstance(part, dict) for part in one + other):
+        pairs = itertools.zip_longest(one, other)
+        return [b if a is None else a if b is None else merged(a, b) for a, b in pairs]
+    return other
+
+
+def clash(one, other):
+    """The key at which two plain trees set different values, or an empty string."""
+    if not (isinstance(one, dict) and isinstance(other, dict)):
+        same_tables = isinstance(one, list) and one and isinstance(one[0], dict)
+        found = next(filter(None, (clash(a, b) for a, b in zip(one, other, strict=False))), "") if same_tables else ""
+        return found if same_tables or one == other else "."
+    for key in one:
+        if key in other and (where := clash(one[key], other[key])):
+            return key if where == "." else f"{key}.{where}"
+    return ""
+
+
+def frames_of(plain):
+    """The frames of a scene, or the reason why it is refused."""
+    try:
+        return list(simulate(from_plain(plain))), ""
+    except SceneError as refused:
+        return [], "; ".join(fault.message for fault in refused.faults)
+
+
+def broken(plain, frames):
+    """What the model's own rows say is lost in these frames, as sentences."""
+    scene = from_plain(plain)
+    rows = MODELS[scene.model].invariants(scene, MODELS[scene.model].parameters(scene))
+    lines = [with_own({**frame.numbers, "step": float(number)}) for number, frame in enumerate(frames)]
+    least = {name: min(line[name] for line in lines if name in line) for name in lines[-1]}
+    largest = {name: max(line[name] for line in lines if name in line) for name in lines[-1]}
+    found = {row: row.value(Seen(lines[0], lines[-1], least, largest)) for row in rows}
+    return [f"{row.name}: {value:.3g}, limit {row.limit:.3g}" for row, value in found.items() if not value <= row.limit]
+
+
+def require_sound(plain, frames):
+    """Numbers are finite, particles have moved, and what the model's invariants say holds."""
+    for name in ("position", "velocity"):
+        assert np.isfinite(frames[-1].arrays[name]).all(), name
+    assert frames[-1].time > 0.0
+    assert broken(plain, frames) == []
+
+
+def matrix(options, refusals):
+    """Markdown: a row and a column for each option; and the reasons for which pairs are refused."""
+    names, letters = list(options), {}
+    for reason in dict.fromkeys(refusals[pair] for pair in itertools.combinations(names, 2) if refusals.get(pair)):
+        letters[reason] = chr(ord("a") + len(letters)) if len(letters) < 26 else f"a{chr(ord('a') + len(letters) - 26)}"
+    head = "| | " + " | ".join(str(number) for number in range(1, len(names) + 1)) + " |"
+    lines = [head, "|---|" + ":-:|" * len(names)]
+    for number, one in enumerate(names, 1):
+        cells = []
+        for other in names:
+            pair = (one, other) if (one, other) in refusals else (other, one)
+            reason = refusals.get(pair)
+            cells.append("" if one == other else "·" if reason == "" else "=" if reason is None else letters[reason])
+        lines.append(f"| {number} {one} | " + " | ".join(cells) + " |")
+    lines += ["", *(f"- {letter}: {reason}" for reason, letter in letters.items())]
+    return "\n".join(lines)
+
+
+MARKED = re.compile(r"(?<=<!-- option pairs -->\n).*?(?=\n<!-- end -->)", re.DOTALL)
+
+
+def section(page):
+    """The generated part of a page, between its two marks."""
+    return MARKED.search(page.read_text(encoding="utf-8"))[0]
+
+
+def write_section(page, text):
+    """Put a new matrix into a page."""
+    page.write_text(MARKED.sub(lambda _: text, page.read_text(encoding="utf-8")), encoding="utf-8")

@@ -1,0 +1,128 @@
+"""Each option of soft spheres with each other one: a few steps in a small cell, or a physical reason against it.
+
+The matrix in `docs/physics/soft.md` is written by `python -m tests.contracts.test_soft_option_pairs`.
+"""
+
+import copy
+import itertools
+from functools import cache
+
+import pytest
+from tests.contracts.option_pairs import DOCS, clash, frames_of, matrix, merged, require_sound, section, write_section
+
+pytestmark = pytest.mark.compiled
+
+PLACES = [(0.0, 1.05), (2.05, 1.07), (1.0, 2.86), (3.05, 2.88)]
+SIZES = [(1.0, 1.0), (0.98, 1.3)]
+"""Radius and modulus of the two species."""
+PULLS = [(2.05e-3, 2e-5), (-2.05e-3, -2e-5)]
+"""On the spheres of each species (N): nothing is left of their sum, nor of its moment."""
+BOX = {"box": {"size": [4.1, 3.93]}}
+WALLS = {"walls": [{"side": "bottom"}, {"side": "top"}], **BOX}
+RUN = {"time": 0.0}
+
+
+def stage(**given):
+    """A protocol that begins with this."""
+    return {**BOX, "protocol": [{**RUN, **given}]}
+
+
+def until(**given):
+    """A protocol that reaches this at the end."""
+    return {**BOX, "protocol": [RUN, {"time": 0.2, **given}]}
+
+
+OPTIONS = {
+    "surface bubble": {"films": {"surface": "bubble"}},
+    "interface half-mobile": {"films": {"interface": "half-mobile"}},
+    "interface mobile": {"films": {"interface": "mobile"}},
+    "interface drop": {"films": {"interface": "drop", "viscosity_ratio": 0.5}},
+    "friction coulomb": {"films": {"friction": "coulomb", "roughness": 0.08}},
+    "prefactors physical": {"films": {"prefactors": "physical"}},
+    "reach": {"films": {"reach": 0.4}},
+    "remote steric": {"remote": {"law": "steric", "strength": 1e-3, "length": 0.08}},
+    "remote dlvo": {"remote": {"law": "dlvo", "hamaker": 1e-6, "layer_strength": 1e-4, "debye_length": 0.05}},
+    "scheme tr-bdf2": {"stepping": {"scheme": "tr-bdf2"}},
+    "solver dense": {"stepping": {"solver": "dense"}},
+    "solver iterative": {"stepping": {"solver": "iterative"}},
+    "solver direct": {"stepping": {"solver": "direct"}},
+    "3D": {"dimensions": 3},
+    "rotation": {"rotation": True},
+    "torque": {"rotation": True, "torque": 1e-4},
+    "liquid.drag": {"liquid": {"drag": True}},
+    "gravity": {"gravity": -1e-4},
+    "box": BOX,
+    "walls": WALLS,
+    "walls that move": merged(WALLS, {"walls": [{}, {"velocity": [0.05, 0.0]}]}),
+    "walls that yield": merged(WALLS, {"walls": [{}, {"pressure": 2e-3, "shear_stress": 1e-3}]}),
+    "walls with a modulus": merged(WALLS, {"walls": [{"modulus": 2.0}, {"modulus": 2.0}]}),
+    "load ramp": {"protocol": [{**RUN, "load": 0.0}, {"time": 0.2, "load": 1.0}]},
+    "strain": until(strain=0.01),
+    "shear_rate": stage(shear_rate=0.05),
+    "shear_stress": stage(shear_stress=1e-3),
+    "oscillation": stage(oscillation={"frequency": 5.0, "amplitude": 0.002}),
+    "scale": until(scale=0.999),
+    "height_rate": stage(height_rate=-0.01),
+    "normal_stress": stage(normal_stress=1e-3),
+    "pressure": stage(pressure=1e-3),
+}
+PAIRS = list(itertools.combinations(OPTIONS, 2))
+
+
+def plain_of(one, other):
+    """The scene of two options: four spheres close together."""
+    asked = copy.deepcopy(merged(OPTIONS[one], OPTIONS[other]))
+    dimensions, boxed, gravity = asked.pop("dimensions", 2), "box" in asked, asked.pop("gravity", 0.0)
+    torque = asked.pop("torque", 0.0)
+    deep = dimensions - 2
+    spheres = [
+        {"radius": radius, "modulus": modulus, "density": 2000.0, "force": [*pull, *[0.0] * deep],
+         "positions": [[*place, *[1.05] * deep] for place in PLACES[which::2]]}
+        for which, ((radius, modulus), pull) in enumerate(zip(SIZES, PULLS, strict=True))
+    ]  # fmt: skip
+    for sign, species in zip((1.0, -1.0), spheres, strict=True):
+        if torque:
+            species["torque"] = [sign * torque] if dimensions == 2 else [0.0, 0.0, sign * torque]
+    if boxed:
+        asked["box"] = {"size": [*BOX["box"]["size"], *[2.3] * deep]}
+    for wall in asked.get("walls", []):
+        if "velocity" in wall:
+            wall["velocity"] = [*wall["velocity"], *[0.0] * deep]
+    base = {
+        "model": "soft", "duration": 0.2, "frame_every": 0.1, "spheres": spheres,
+        "liquid": {"viscosity": 0.1, "surface_tension": 0.3, "density": 1000.0}, "stepping": {"tolerance": 1e-5},
+    }  # fmt: skip
+    return merged(base, asked) | ({"gravity": [0.0, gravity, *[0.0] * deep]} if gravity else {})
+
+
+@cache
+def outcome(one, other):
+    """None where both are choices of one key; frames, and why there are none."""
+    if key := clash(OPTIONS[one], OPTIONS[other]):
+        return None, key
+    return frames_of(plain_of(one, other))
+
+
+@pytest.mark.parametrize(("one", "other"), PAIRS, ids=lambda name: name)
+def test_a_pair_of_options_works_or_is_refused_for_a_reason(one, other):
+    frames, reason = outcome(one, other)
+    if frames is None:
+        pytest.skip(f"both set {reason}")
+    if reason:
+        assert reason in section(DOCS / "soft.md"), "a pair that worked is refused now"
+    else:
+        require_sound(plain_of(one, other), frames)
+
+
+def matrix_of_pairs():
+    """What the page shows."""
+    found = {pair: outcome(*pair) for pair in PAIRS}
+    return matrix(OPTIONS, {pair: None if frames is None else reason for pair, (frames, reason) in found.items()})
+
+
+def test_the_page_shows_which_options_go_together():
+    assert section(DOCS / "soft.md") == matrix_of_pairs()
+
+
+if __name__ == "__main__":
+    write_section(DOCS / "soft.md", matrix_of_pairs())

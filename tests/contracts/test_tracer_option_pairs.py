@@ -1,0 +1,116 @@
+"""Each option of tracers with each other one: a few steps in a small tank, or a physical reason against it.
+
+The matrix in `docs/physics/tracers.md` is written by `python -m tests.contracts.test_tracer_option_pairs`.
+"""
+
+import copy
+import itertools
+from functools import cache
+
+import pytest
+from tests.contracts.option_pairs import DOCS, clash, frames_of, matrix, merged, require_sound, section, write_section
+
+OPENING = {"openings": [{"wall": 0, "low": [0.0, 0.004], "high": [0.0, 0.012]}]}
+OPTIONS = {
+    "drag none": {"motion": {"drag": "none"}},
+    "drag stokes": {"motion": {"drag": "stokes"}},
+    "regime inertial": {"motion": {"regime": "inertial"}},
+    "regime overdamped": {"motion": {"regime": "overdamped"}},
+    "brownian": {"motion": {"brownian": True}},
+    "no added mass": {"motion": {"added_mass": False}},
+    "time_step": {"motion": {"time_step": 2e-5}},
+    "named liquid": {"liquid": {"name": "glycerol", "temperature": 300.0}},
+    "flow": {"liquid": {"flow": [0.02, 0.0]}},
+    "shear_rate": {"liquid": {"shear_rate": 2.0}},
+    "no gravity": {"liquid": {"gravity": 0.0}},
+    "no viscosity": {"liquid": {"viscosity": 0.0}},
+    "3D": {"dimensions": 3},
+    "round tank": {"tank": {"radius": 0.01}},
+    "polygon": {"tank": {"vertices": [[0.0, 0.016], [0.0, 0.0], [0.02, 0.0], [0.018, 0.016]]}},
+    "no tank": {"tank": None},
+    "restitution": {"rebound": {"restitution": 0.5, "tangential": 0.8}},
+    "obstacle": {"obstacles": [{"low": [0.009, 0.006], "high": [0.011, 0.008]}]},
+    "opening": OPENING,
+    "opening with a rate": merged(OPENING, {"openings": [{"rate": 2000.0, "velocity": [0.05, 0.0]}]}),
+    "opening with a concentration": merged(OPENING, {"openings": [{"concentration": 1e6, "velocity": [0.05, 0.0]}]}),
+    "given positions": {"places": [[0.005, 0.004], [0.006, 0.007]]},
+    "dust": {"dust": 1e-6},
+    "moving start": {"start": [0.2, 0.1]},
+}
+PAIRS = list(itertools.combinations(OPTIONS, 2))
+TANK = {"size": [0.02, 0.016]}
+
+
+def plain_of(one, other):
+    """The scene of two options: grains of sand and dust."""
+    asked = copy.deepcopy(merged(OPTIONS[one], OPTIONS[other]))
+    deep, tank = asked.pop("dimensions", 2) - 2, asked.pop("tank", TANK)
+    places, start, rebound = asked.pop("places", []), asked.pop("start", None), asked.pop("rebound", {})
+
+    def vector(flat, depth=0.004):
+        return [flat[0], *[depth] * deep, flat[1]]
+
+    def speed(flat):
+        return vector(flat, 0.0)
+
+    if tank is not None:
+        sized = {"size": vector(TANK["size"], 0.008)} if "size" in tank else dict(tank)
+        if "radius" in sized:
+            sized["dimensions"] = 2 + deep
+        if "vertices" in sized and deep:
+            sized["vertices"] = [[x, y, z] for x, z in sized["vertices"] for y in (0.0, 0.008)]
+        asked["tank"] = sized | rebound
+    for table in (*asked.get("obstacles", []), *asked.get("openings", [])):
+        for corner, depth in (("low", 0.002), ("high", 0.006)):
+            table[corner] = [table[corner][0], *[depth] * deep, table[corner][1]]
+        if "velocity" in table:
+            table["velocity"] = speed(table["velocity"])
+    if "flow" in asked.get("liquid", {}):
+        asked["liquid"]["flow"] = speed(asked["liquid"]["flow"])
+    particles = [
+        {"radius": 2e-4, "density": 2500.0, "count": 3},
+        {"radius": asked.pop("dust", 2e-5), "density": 1100.0, "count": 3},
+    ]
+    for species in particles:
+        if places or tank is None:
+            species |= {"positions": [vector(place) for place in places or OPTIONS["given positions"]["places"]]}
+            species["count"] = len(species["positions"])
+        if start:
+            species["velocity"] = speed(start)
+    base = {"model": "tracers", "duration": 0.004, "frame_every": 0.002, "seed": 5, "particles": particles}
+    return merged(base, asked)
+
+
+@cache
+def outcome(one, other):
+    """None where both are choices of one key; frames, and why there are none."""
+    if key := clash(OPTIONS[one], OPTIONS[other]):
+        return None, key
+    return frames_of(plain_of(one, other))
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize(("one", "other"), PAIRS, ids=lambda name: name)
+def test_a_pair_of_options_works_or_is_refused_for_a_reason(one, other):
+    frames, reason = outcome(one, other)
+    if frames is None:
+        pytest.skip(f"both set {reason}")
+    if reason:
+        assert reason in section(DOCS / "tracers.md"), "a pair that worked is refused now"
+    else:
+        require_sound(plain_of(one, other), frames)
+
+
+def matrix_of_pairs():
+    """What the page shows."""
+    found = {pair: outcome(*pair) for pair in PAIRS}
+    return matrix(OPTIONS, {pair: None if frames is None else reason for pair, (frames, reason) in found.items()})
+
+
+@pytest.mark.compiled
+def test_the_page_shows_which_options_go_together():
+    assert section(DOCS / "tracers.md") == matrix_of_pairs()
+
+
+if __name__ == "__main__":
+    write_section(DOCS / "tracers.md", matrix_of_pairs())
