@@ -47,13 +47,18 @@ def block(name):
     return found
 
 
-@pytest.fixture(scope="module")
-def copy(tmp_path_factory):
-    """The package with the new law: one file is changed."""
-    folder = tmp_path_factory.mktemp("copy")
+def copy_of_the_package(folder):
+    """The folder with a copy of the sources, the tests and the pages in it."""
     for part in ("src", "tests", "docs"):
         shutil.copytree(ROOT / part, folder / part, ignore=shutil.ignore_patterns("__pycache__", "*.png", "*.mp4"))
     shutil.copy(ROOT / "pyproject.toml", folder)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def copy(tmp_path_factory):
+    """The package with the new law: one file is changed."""
+    folder = copy_of_the_package(tmp_path_factory.mktemp("copy"))
     path = folder / "src" / "ecume" / "laws" / "pair_laws.py"
     text = path.read_text(encoding="utf-8")
     before, table, rows = text.partition("PAIR_LAWS = {\n")

@@ -13,8 +13,10 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import AsinhNorm
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
-from matplotlib.patches import Circle, Patch, Rectangle
+from matplotlib.patches import Patch, Polygon
 
+from ecume.engine.walls import enclosures
+from ecume.models.floating.walls.shapes import outline_of, walls_of
 from ecume.show.floating.shapes import outlines_in, polygons, shapes_of
 from ecume.show.floating.surface import Heights, sheet, surface, typical_meniscus
 from ecume.show.picture import (
@@ -47,21 +49,15 @@ HEADER, SIDE, BORDER = 46.0, 150.0, 22.0
 def view_of(scene: Any, frames: Sequence[Frame]) -> View:
     """The whole dish, or on an endless surface all that the floats of these frames ever reach."""
     if scene.dish is not None:
-        width, height = _extent(scene.dish)
-        return view_around(0.0, 0.0, MARGIN * width, MARGIN * height)
+        (left, bottom), (right, top) = enclosures.bounds(walls_of(scene.dish))
+        middle = 0.5 * (left + right), 0.5 * (bottom + top)
+        return view_around(*middle, MARGIN * (right - left), MARGIN * (top - bottom))
     low = np.min([(f.arrays["position"] - f.arrays["radius"][:, None]).min(axis=0) for f in frames], axis=0)
     high = np.max([(f.arrays["position"] + f.arrays["radius"][:, None]).max(axis=0) for f in frames], axis=0)
     radius = max(float(f.arrays["radius"].max()) for f in frames)
     side = float((high - low).max()) + 4 * radius
     x, y = (low + high) / 2
     return view_around(float(x), float(y), side, side)
-
-
-def _extent(dish: Any) -> tuple[float, float]:
-    if dish.radius is not None:
-        return 2 * dish.radius, 2 * dish.radius
-    width, height = dish.size
-    return width, height
 
 
 class Bowl:
@@ -170,10 +166,7 @@ def _dish(axes: Axes, dish: Any, height: AxesImage) -> list[Artist]:
 def dish_outline(dish: Any, scale: float = 1.0) -> Patch:
     """A dish's rim, in meters or in `scale` times that."""
     look: dict[str, Any] = {"facecolor": "none", "edgecolor": RIM, "linewidth": 1.8}
-    if dish.radius is not None:
-        return Circle((0.0, 0.0), scale * dish.radius, **look)
-    width, height = (scale * side for side in dish.size)
-    return Rectangle((-width / 2, -height / 2), width, height, **look)
+    return Polygon(scale * outline_of(dish), closed=True, **look)
 
 
 def _height_bar(axes: Axes, colors: ScalarMappable, shown: tuple[float, float], scale: Scale) -> None:

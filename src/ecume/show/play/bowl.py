@@ -14,8 +14,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ecume.engine.walls import enclosures
 from ecume.errors import BadInput, Diverged, SceneError
 from ecume.models import MODELS
+from ecume.models.floating.walls.shapes import walls_of
 from ecume.scenes.floating import FloatingScene, FloatSpec
 from ecume.show.play.sloshing import Slosh, current, swung
 from ecume.simulation import March
@@ -214,9 +216,7 @@ class Bowl:
 
 
 def _inside(dish: Any, place: tuple[float, float], radius: float) -> bool:
-    if dish.radius is not None:
-        return math.hypot(*place) < float(dish.radius) - ROOM * radius
-    return all(abs(at) < float(side) / 2 - ROOM * radius for at, side in zip(place, dish.size, strict=True))
+    return min(enclosures.clearances(walls_of(dish), place)) > ROOM * radius
 
 
 def placed(scene: FloatingScene, position: Array, velocity: Array, species: Array) -> FloatingScene:

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ecume.models.floating.walls.shapes import outline_of
 from ecume.show.floating.bowl import view_of
 from ecume.show.floating.surface import Sheet, sheet, surface
 from ecume.show.picture import species
@@ -45,8 +46,7 @@ class BowlPage:
         scene = self.moving.scene
         return {
             "title": scene.title or "A bowl",
-            "radius": self.moving.dish.radius,
-            "size": self.moving.dish.size,
+            "outline": outline_of(self.moving.dish).tolist(),
             "view": list(view_of(scene, [self.moving.frame])),
             "grid": GRID,
             "shelf": [{"name": name, **SHELF[name]} for name in SHELF],

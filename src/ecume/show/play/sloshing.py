@@ -11,13 +11,12 @@ import math
 from typing import Any, NamedTuple
 
 from ecume.laws.waves import wave_frequency
+from ecume.models.floating.walls.shapes import sloshing_wavenumber
 
 DEPTH = 0.02
 """m, of the liquid: scenes of floats say none."""
 DAMPING = 0.08
 """Of the swing, over the critical one: what is seen in bowls of some centimeters."""
-FIRST_MODE = 1.8411837813406593
-"""The first zero of J1'."""
 
 
 class Slosh(NamedTuple):
@@ -28,11 +27,10 @@ class Slosh(NamedTuple):
 
 
 def slosh_frequency(scene: Any) -> float:
-    """Angular, of the first mode (1/s); of a rectangle that along its longer side."""
+    """Angular, of the first mode (1/s)."""
     liquid, dish = scene.liquid, scene.dish
-    wavenumber = FIRST_MODE / dish.radius if dish.radius is not None else math.pi / max(dish.size)
     tension = liquid.surface_tension / liquid.density
-    return float(wave_frequency(wavenumber, DEPTH, liquid.gravity, tension))
+    return float(wave_frequency(sloshing_wavenumber(dish), DEPTH, liquid.gravity, tension))
 
 
 def swung(slosh: Slosh, tilt: tuple[float, float], scene: Any, seconds: float) -> Slosh:
