@@ -23,9 +23,11 @@ from ecume.show.picture import (
     DPI,
     USUAL,
     Layers,
+    Picture,
     Pixels,
     Size,
     View,
+    axes_for,
     blank,
     clock,
     discs,
@@ -42,8 +44,6 @@ LINE = 0.8
 """Length of the line that shows how a float is turned, over its diameter."""
 MARGIN = 1.04
 """The shown part of the surface, in dish diameters."""
-HEADER, SIDE, BORDER = 46.0, 150.0, 22.0
-"""Room above the surface, right of it and around all, in pixels of a picture of the usual size."""
 
 
 def view_of(scene: Any, frames: Sequence[Frame]) -> View:
@@ -60,7 +60,7 @@ def view_of(scene: Any, frames: Sequence[Frame]) -> View:
     return view_around(float(x), float(y), side, side)
 
 
-class Bowl:
+class Bowl(Picture):
     """An open picture: `show` puts a frame into it, `pixels` gives what is then seen.
 
     `sample` are frames of the run: from them the picture takes its extent, its colors' range and the floats' sizes.
@@ -76,7 +76,7 @@ class Bowl:
         self.scale = scale_for(float(np.abs(heights).max()), "m")
         kinds = species(scene)
         with style():
-            axes = _surface_axes(self.figure, self.view)
+            axes = axes_for(self.figure, self.view)
             largest, typical = float(np.abs(heights).max()), typical_meniscus(sample[0], self.sheet)
             self.colors = height_colors(largest * self.scale.factor, typical * self.scale.factor)
             self.height = _height_image(axes, self.view, self._painted(heights[0]))
@@ -111,15 +111,6 @@ class Bowl:
         """Heights as colors, before they are spread over the picture's many more pixels."""
         return self.colors.to_rgba(height * np.float32(self.scale.factor), bytes=True)
 
-    def pixels(self, frame: Frame) -> Pixels:
-        """The picture of a frame, shape (height, width, 4); good until the next one is asked for."""
-        self.show(frame)
-        return self.layers.pixels()
-
-    def place(self, frame: Frame, one: int) -> Array:
-        """Where a particle is seen (m)."""
-        return frame.arrays["position"][one, :2]
-
 
 def rises(frame: Frame) -> Array:
     """A line across each float that turns, (N, 2, 2), to where its rim is high; none where none does."""
@@ -129,18 +120,6 @@ def rises(frame: Frame) -> Array:
     along = np.stack([np.cos(arrays["angle"]), np.sin(arrays["angle"])], axis=1) * arrays["radius"][:, None]
     lines: Array = arrays["position"][:, None] + np.array([-LINE, LINE])[None, :, None] * along[:, None]
     return lines
-
-
-def _surface_axes(figure: Figure, view: View) -> Axes:
-    """The axes that show the surface, both directions to one scale, without ticks: a scale bar says the lengths."""
-    width, height = DPI * figure.get_size_inches()
-    per_meter = min((width - SIDE - 2 * BORDER) / view.width, (height - HEADER - 2 * BORDER) / view.height)
-    across, along = view.width * per_meter, view.height * per_meter
-    left, bottom = (width - across - SIDE) / 2, (height - HEADER - along) / 2
-    axes = figure.add_axes((left / width, bottom / height, across / width, along / height))
-    axes.set(xlim=(view.left, view.right), ylim=(view.bottom, view.top))
-    axes.set_axis_off()
-    return axes
 
 
 def _height_image(axes: Axes, view: View, painted: Pixels) -> AxesImage:
