@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from matplotlib.path import Path
 
 from ecume.analysis.clusters import touching_clusters
 from ecume.analysis.structure import (
@@ -109,3 +110,22 @@ def test_chance_steps_add_up_as_squares_and_straight_ways_as_lengths():
 def test_an_approach_is_the_gap_of_two():
     tracks = np.array([[[0.0, 0.0], [5.0, 0.0]], [[1.0, 0.0], [4.0, 0.0]]])
     assert approach(tracks, np.array([1.0, 0.5]), (0, 1)) == pytest.approx([3.5, 1.5])
+
+
+def corners(count, width=1.0):
+    angle = 2.0 * np.pi * np.arange(count) / count
+    return tuple(map(tuple, np.column_stack([width * np.cos(angle), np.sin(angle)]).tolist()))
+
+
+@pytest.mark.parametrize("shape", [corners(3), corners(6), corners(5, 1.3)])
+def test_a_polygon_shares_with_itself_moved_what_points_strewn_in_it_say(shape):
+    region, chance = Region(corners=shape), np.random.default_rng(1)
+    path = Path(shape)
+    points = chance.uniform(-1.4, 1.4, (200000, 2))
+    points = points[path.contains_points(points)]
+    assert region.area == pytest.approx(len(points) / 200000 * 2.8**2, rel=0.01)
+    angle = chance.uniform(0.0, 2.0 * np.pi, len(points))
+    for shift in (0.3 * region.widest, 0.99 * region.widest):
+        moved = points + shift * np.column_stack([np.cos(angle), np.sin(angle)])
+        share = path.contains_points(moved).mean()
+        assert region.overlap(np.array([shift]))[0] == pytest.approx(share * region.area, abs=0.01 * region.area)

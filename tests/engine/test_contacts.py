@@ -7,7 +7,11 @@ from ecume.engine.contact.contacts import Bodies
 from ecume.engine.contact.projected_gauss_seidel import Goal
 from ecume.engine.contact.warm_start import Memory
 from ecume.engine.placement import place_on_lattice
-from ecume.engine.walls.dishes import disc, no_walls
+from ecume.engine.walls import disc, enclosed_by, no_walls
+
+
+def round_wall(radius):
+    return enclosed_by(disc((0.0, 0.0), radius))
 
 
 def all_candidates(position):
@@ -84,7 +88,7 @@ def test_a_wall_stops_what_leans_on_it_through_others():
     position = np.array([[0.0, 0.0], [2.0, 0.0], [4.0, 0.0]])
     velocity = np.array([[1.0, 0.0], [1.0, 0.0], [1.0, 0.0], [0.0, 0.0]])
     mobility = np.array([1.0, 1.0, 1.0, 0.0])
-    contacts = gathered(position, np.ones(3), disc(5.0), mobility)
+    contacts = gathered(position, np.ones(3), round_wall(5.0), mobility)
     projected_gauss_seidel.solve(contacts, velocity, mobility, Goal(1e-12, 0.0))
     assert velocity[:, 0] == pytest.approx(np.zeros(4), abs=1e-11)
 
@@ -166,7 +170,7 @@ def many_pairs(pairs=70):
 @pytest.mark.parametrize("colliding", [(), (3,), (3, 4, 40), tuple(range(70))])
 def test_each_island_is_solved_as_if_it_were_alone(colliding):
     position = many_pairs()
-    dish = disc(float(np.hypot(*position.T).max()) + 1.0)
+    dish = round_wall(float(np.hypot(*position.T).max()) + 1.0)
     mobility = np.append(np.random.default_rng(2).uniform(0.5, 2.0, len(position)), 0.0)
     velocity = np.zeros((len(position) + 1, 2))
     velocity[3:-2:2, 1] = 0.1  # all but those at the wall part
@@ -192,7 +196,7 @@ def two_rows_of_forty():
     position[40:, 0] += 1.0
     position -= position.mean(axis=0)
     mobility = np.append(np.ones(80), 0.0)
-    return gathered(position, np.ones(80), disc(float(np.abs(position).max()) + 1.0), mobility), mobility
+    return gathered(position, np.ones(80), round_wall(float(np.abs(position).max()) + 1.0), mobility), mobility
 
 
 def test_islands_hang_together_by_floats_and_not_by_walls():

@@ -11,7 +11,7 @@ from ecume.engine.contact.contacts import Bodies
 from ecume.engine.contact.friction import Motion
 from ecume.engine.contact.projected_gauss_seidel import Goal
 from ecume.engine.contact.warm_start import Memory
-from ecume.engine.walls.dishes import box, no_walls
+from ecume.engine.walls import box, enclosed_by, no_walls
 
 DISC = 0.5
 """Moment of inertia over m R^2."""
@@ -105,7 +105,7 @@ def test_an_oblique_collision_slides_or_sticks_as_coulomb_says(friction, slide):
 def on_a_slope(angle, friction, ease, steps=100):
     """Speed and spin of a disc on a wall below it, after a time of one, where gravity leans by an angle."""
     motion = Motion(np.zeros((2, 2)), np.zeros(2), np.array([1.0, 0.0]), np.array([ease, 0.0]))
-    floor = box((-9.0, 0.0), (9.0, 9.0))
+    floor = enclosed_by(box((-9.0, 0.0), (9.0, 9.0)))
     floor = floor._replace(normal=floor.normal[1:2], offset=floor.offset[1:2])
     for _ in range(steps):
         motion.velocity[0, 0] += math.sin(angle) / steps

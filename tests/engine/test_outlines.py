@@ -7,7 +7,7 @@ import pytest
 
 from ecume.engine.ellipses import farthest_from_origin
 from ecume.engine.outlines import Outlines, Stance, bodies_near, turn_corners, wall_near
-from ecume.engine.walls import dishes
+from ecume.engine.walls import box, disc, enclosed_by
 
 SQUARE = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
 NEEDLE = np.array([[-2.0, 0.0], [2.0, 0.0]])
@@ -128,7 +128,8 @@ def test_a_needle_that_crosses_another_is_met_by_its_tip():
 def test_the_gap_to_a_round_wall_and_to_a_straight_one(body):
     shapes, chance = outlines(BODIES[body]), np.random.default_rng(9)
     found = np.zeros((20, 8))
-    for walls in (dishes.disc(60.0), dishes.box((-60.0, -60.0), (60.0, 60.0))):
+    for shape in (disc((0.0, 0.0), 60.0), box((-60.0, -60.0), (60.0, 60.0))):
+        walls = enclosed_by(shape)
         for _ in range(4):
             place, angle = chance.uniform(30.0, 38.0, 2), chance.uniform(0.0, 7.0)
             stance, wall = standing(shapes, [place], [angle]), 0 if walls.disc_radius < np.inf else 2

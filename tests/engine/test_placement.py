@@ -6,11 +6,11 @@ import pytest
 from scipy.spatial.distance import pdist
 
 from ecume.engine.placement import Region, place_at_random, place_on_lattice, place_on_ring
-from ecume.engine.walls.dishes import disc, no_walls
+from ecume.engine.walls import disc, enclosed_by, no_walls
 from ecume.errors import BadInput
 
 NONE = np.zeros((0, 2)), np.zeros(0)
-BOWL = Region((-1.0, -1.0), (1.0, 1.0), disc(1.0))
+BOWL = Region((-1.0, -1.0), (1.0, 1.0), enclosed_by(disc((0.0, 0.0), 1.0)))
 
 
 def least_gap(position, radius):
@@ -68,7 +68,9 @@ def test_what_is_said_to_fit_at_random_fits(radius):
         count = int(re.search(r"at most (\d+) floats", told)[1])
         place_at_random(radius[:count], BOWL, NONE, seed=2)
     place_at_random(smaller * radius, BOWL, NONE, seed=2)
-    place_at_random(radius, Region((-wider, -wider), (wider, wider), disc(wider)), NONE, seed=2)
+    place_at_random(
+        radius, Region((-wider, -wider), (wider, wider), enclosed_by(disc((0.0, 0.0), wider))), NONE, seed=2
+    )
 
 
 def test_a_float_larger_than_the_dish_is_told_in_the_same_words():

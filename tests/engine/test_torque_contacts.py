@@ -11,7 +11,7 @@ from ecume.engine.contact.contacts import make_candidates
 from ecume.engine.contact.projected_gauss_seidel import Goal
 from ecume.engine.contact.warm_start import Memory
 from ecume.engine.outlines import Stance
-from ecume.engine.walls import dishes
+from ecume.engine.walls import box, enclosed_by, no_walls
 
 GOAL = Goal(1e-12, 1e-9)
 
@@ -19,7 +19,7 @@ GOAL = Goal(1e-12, 1e-9)
 def party(bodies, mass=1.0, inertia=0.8, walls=None):
     shapes = outlines(*bodies)
     mobility = np.tile([1.0 / mass, 1.0 / mass, 1.0 / inertia], (len(bodies), 1))
-    return touching.Party(shapes, np.full(len(bodies), 3.0), dishes.no_walls() if walls is None else walls, mobility)
+    return touching.Party(shapes, np.full(len(bodies), 3.0), no_walls() if walls is None else walls, mobility)
 
 
 def crowd(count, chance):
@@ -126,7 +126,7 @@ def test_overlaps_are_undone_by_shifts_and_turns_about_one_center_of_mass(seed):
 
 
 def test_walls_stop_tips_and_stay():
-    who = party([needle(0.2)], walls=dishes.box((-2.2, -5.0), (9.0, 5.0)))
+    who = party([needle(0.2)], walls=enclosed_by(box((-2.2, -5.0), (9.0, 5.0))))
     stance = Stance(np.array([(0.0, 0.0)]), np.zeros(1), np.zeros((2, 2)))
     levers = gathered(who, stance, reach=0.1)
     velocity = np.zeros((5, 3))

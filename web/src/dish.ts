@@ -5,8 +5,7 @@ import { bytes } from "./toy";
 
 export interface Bowl {
   title: string;
-  radius: number | null;
-  size: [number, number] | null;
+  outline: [number, number][]; // of the dish (m)
   view: [number, number, number, number]; // left, right, bottom, top
   grid: number;
   shelf: { name: string; color: string; radius: number }[];
@@ -77,11 +76,8 @@ export class Picture {
     if (now.surface !== this.painted) this.paint(now.surface);
     on.save();
     on.beginPath();
-    if (this.bowl.radius !== null) on.arc(x, y, scale * this.bowl.radius, 0, 2 * Math.PI);
-    else {
-      const [wide, high] = this.bowl.size!;
-      on.rect(x - (scale * wide) / 2, y - (scale * high) / 2, scale * wide, scale * high);
-    }
+    for (const [right, up] of this.bowl.outline) on.lineTo(x + scale * right, y - scale * up);
+    on.closePath();
     on.clip();
     const [left, right, bottom, top] = this.bowl.view;
     if (this.painted) on.drawImage(this.sheet, x + scale * left, y - scale * top, scale * (right - left), scale * (top - bottom));

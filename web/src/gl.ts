@@ -49,6 +49,10 @@ export class Program {
     else this.gl.uniform4f(place, value[0], value[1], value[2], value[3]);
   }
 
+  triples(name: string, values: number[]): void {
+    this.gl.uniform3fv(this.uniform(name), values);
+  }
+
   unit(name: string, value: number): void {
     this.gl.uniform1i(this.uniform(name), value);
   }

@@ -14,13 +14,18 @@ void main() {
   gl_Position = matrix * vec4(place, 0.0, 1.0);
 }`;
 
+const MOST_WALLS = 32;
+
 const FRAGMENT = `
 uniform sampler2D heights, colors;
 uniform float round_;
+uniform int count;
+uniform vec3 walls[${MOST_WALLS}];
 in vec2 at, place;
 out vec4 painted;
 void main() {
   if (round_ > 0.0 && dot(place, place) > round_ * round_) discard;
+  for (int k = 0; k < count; k++) if (dot(walls[k].xy, place) < walls[k].z) discard;
   painted = vec4(texture(colors, vec2(texture(heights, at).r, 0.5)).rgb, 1.0);
 }`;
 
@@ -59,6 +64,9 @@ export class Heights {
     program.matrix("matrix", eye.matrix);
     program.numbers("view", ...this.sheet.view);
     program.numbers("round_", this.sheet.round);
+    const walls = this.sheet.walls.slice(0, MOST_WALLS);
+    program.unit("count", walls.length);
+    if (walls.length) program.triples("walls", walls.flat());
     gl.activeTexture(gl.TEXTURE0);
     gl.bindTexture(gl.TEXTURE_2D, this.texture);
     program.unit("heights", 0);

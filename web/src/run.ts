@@ -24,7 +24,8 @@ export interface Sheet {
   columns: number;
   rows: number;
   view: [number, number, number, number]; // left, right, bottom, top (m)
-  round: number; // radius of a round dish (m); 0 for none
+  walls: [number, number, number][]; // the surface is where n.x >= offset (m) for each (n_x, n_y, offset)
+  round: number; // and inside this radius (m); 0 for none
   map: string;
   label: string;
   shown: [number, number]; // the part of the scale that occurs, from 0 to 1

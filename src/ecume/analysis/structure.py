@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from ecume.analysis.clusters import Clusters, Integers
+from ecume.engine.walls import Walls
+from ecume.engine.walls.enclosures import outline
 from ecume.errors import BadInput
 from ecume.trajectories.frame import Frame
 from ecume.units import Array, Length, Number
@@ -50,27 +52,68 @@ def hexatic_order(frame: Frame, reach: Number = FIRST_SHELL) -> Complexes:
 
 
 class Region(NamedTuple):
-    """The part of the plane in which floats are: a disc around the origin, or else a rectangle of that size."""
+    """The part of the plane in which floats are: a disc around the origin, a rectangle of that size around it, or a
+    convex polygon with these corners, counterclockwise.
+    """
 
     radius: Length = 0.0
     size: tuple[Length, Length] = (0.0, 0.0)
+    corners: tuple[tuple[Length, Length], ...] = ()
 
     @property
     def area(self) -> float:
-        """m^2."""
-        return float(np.pi * self.radius**2) if self.radius > 0.0 else self.size[0] * self.size[1]
+        """The area of the region (m^2)."""
+        if self.radius > 0.0:
+            return float(np.pi * self.radius**2)
+        x, y = self._polygon().T
+        return 0.5 * float(np.sum(x * np.roll(y, -1) - np.roll(x, -1) * y))
+
+    @property
+    def widest(self) -> float:
+        """The largest shift (m) for which `overlap` holds."""
+        if self.radius > 0.0:
+            return 2.0 * self.radius
+        start, side = self._sides()
+        # From each corner to the sides that do not begin or end there.
+        along = np.einsum("kjd,jd->kj", start[:, None] - start, side) / (side**2).sum(axis=1)
+        foot = start + np.clip(along, 0.0, 1.0)[:, :, None] * side
+        apart = np.linalg.norm(start[:, None] - foot, axis=2)
+        corner, other = np.indices(apart.shape)
+        return float(apart[(other != corner) & ((other + 1) % len(start) != corner)].min())
 
     def overlap(self, shift: Array) -> Array:
         """The area that the region shares with itself moved by so much, averaged over all directions (m^2).
 
-        Of a disc the lens of two circles; of a rectangle a b - 2 (a + b) r/pi + r^2/pi, for r up to its shorter side.
+        Of a disc the lens of two circles; of a polygon A - P r/pi + r^2/(4 pi) sum_k (1 + (pi - t_k) cot t_k) with the
+        perimeter P and the angles t_k, for r up to `widest`: of a rectangle a b - 2 (a + b) r/pi + r^2/pi.
         """
         if self.radius > 0.0:
             half = np.minimum(shift / (2.0 * self.radius), 1.0)
             lens = 2.0 * self.radius**2 * (np.arccos(half) - half * np.sqrt(1.0 - half**2))
             return np.asarray(lens)
+        side = self._sides()[1]
+        before = np.roll(side, 1, axis=0)
+        across, along = before[:, 0] * side[:, 1] - before[:, 1] * side[:, 0], (before * side).sum(axis=1)
+        # cot of the angle inside is minus that of the turn, whose size is pi less the angle.
+        corners = np.sum(1.0 - np.arctan2(across, along) * along / across)
+        perimeter = np.linalg.norm(side, axis=1).sum()
+        return np.asarray(self.area - perimeter / np.pi * shift + corners / (4.0 * np.pi) * shift**2)
+
+    def _polygon(self) -> Array:
         a, b = self.size
-        return np.asarray(a * b - 2.0 / np.pi * (a + b) * shift + shift**2 / np.pi)
+        rectangle = ((-0.5 * a, -0.5 * b), (0.5 * a, -0.5 * b), (0.5 * a, 0.5 * b), (-0.5 * a, 0.5 * b))
+        return np.array(self.corners or rectangle)
+
+    def _sides(self) -> tuple[Array, Array]:
+        start = self._polygon()
+        return start, np.roll(start, -1, axis=0) - start
+
+
+def region_in(walls: Walls) -> Region:
+    """The region that walls enclose."""
+    if len(walls.offset):
+        return Region(corners=tuple((float(x), float(y)) for x, y in outline(walls)))
+    return Region(radius=walls.disc_radius)
 
 
 def pair_distribution(frames: Sequence[Frame], edges: Array, region: Region) -> Array:
@@ -79,7 +122,7 @@ def pair_distribution(frames: Sequence[Frame], edges: Array, region: Region) -> 
     Chance is taken inside the region, whose border keeps far pairs rare: with points strewn at random g is 1 up to its
     width.
     """
-    widest = 2.0 * region.radius if region.radius > 0.0 else min(region.size)
+    widest = region.widest
     if not (region.area > 0.0 and np.all(np.diff(edges) > 0.0) and edges[0] >= 0.0 and edges[-1] <= widest):
         raise BadInput(f"edges: expected distances that rise from 0 to at most {widest:g} m, the width of the region")
     middle, nodes = 0.5 * (edges[1:] + edges[:-1]), np.polynomial.legendre.leggauss(8)

@@ -10,12 +10,10 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-import numpy as np
-
 from ecume._jit import compiled, compiled_inside
 from ecume.engine.cells import Integers
 from ecume.engine.ellipses import Ellipse, Near, ellipses_near, farthest_from_origin, farthest_point
-from ecume.engine.walls import Walls, wall_distance
+from ecume.engine.walls import Walls, is_circle, wall_distance
 from ecume.units import Array
 
 NEARNESS = 8
@@ -211,7 +209,7 @@ def wall_near(
     x, y = stance.position[i, 0], stance.position[i, 1]
     if outlines.axes[i, 0] > 0.0:
         ellipse = ellipse_of(outlines, stance, i)
-        if number == 0 and walls.disc_radius < np.inf:
+        if is_circle(walls, number):
             direction = farthest_from_origin(x, y, ellipse)
         else:
             _, in_x, in_y = wall_distance(walls, number, x, y)

@@ -10,7 +10,7 @@ import numpy as np
 
 from ecume._jit import compiled
 from ecume.engine.cells import Integers
-from ecume.engine.walls import Walls, wall_count, wall_distance
+from ecume.engine.walls import Walls, enclosures, wall_count, wall_distance
 from ecume.errors import BadInput
 from ecume.units import Array
 
@@ -75,7 +75,7 @@ def place_at_random(radius: Array, region: Region, taken: tuple[Array, Array], s
 def _jammed(radii: Array, start: int, placed: int, region: Region) -> str:
     """What went wrong, and what would fit: as many as were placed, or all of them smaller, or on a lattice."""
     area = (region.high[0] - region.low[0]) * (region.high[1] - region.low[1])
-    area = min(area, math.pi * region.walls.disc_radius**2)
+    area = min(area, enclosures.area(region.walls))
     squares = np.cumsum(radii**2)
     covered = math.pi * float(squares[-1]) / area
     advice = []
@@ -113,7 +113,7 @@ def lattice_room(count: int, spacing: float, radius: float, region: Region) -> i
     """How many discs, up to `count`, fit on a lattice around the middle of a region without touching its walls."""
     middle = (0.5 * (region.low[0] + region.high[0]), 0.5 * (region.low[1] + region.high[1]))
     for number, (x, y) in enumerate(place_on_lattice(count, spacing, middle)):
-        if any(wall_distance(region.walls, wall, x, y)[0] < radius for wall in range(wall_count(region.walls))):
+        if any(distance < radius for distance in enclosures.clearances(region.walls, (x, y))):
             return number
     return count
 

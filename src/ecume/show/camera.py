@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ecume.errors import BadInput
-from ecume.show.picture import Picture, Pixels, View, scale_bar, view_around
+from ecume.show.picture import Picture, View, scale_bar, view_around
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
@@ -74,7 +74,7 @@ WIDE = Aim()
 """All that there is."""
 
 
-class Aimed:
+class Aimed(Picture):
     """An open picture that shows a part of another one's world."""
 
     def __init__(self, picture: Picture, aim: Aim) -> None:
@@ -96,11 +96,6 @@ class Aimed:
             x, y = self.place(frame, self.aim.follow)
             self._look(view_around(float(x), float(y), self.view.width, self.view.height))
         self.picture.show(frame)
-
-    def pixels(self, frame: Frame) -> Pixels:
-        """The picture of a frame, shape (height, width, 4); good until the next one is asked for."""
-        self.show(frame)
-        return self.layers.pixels()
 
     def place(self, frame: Frame, one: int) -> Any:
         """The position at which a particle is seen (m)."""

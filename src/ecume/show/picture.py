@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -35,7 +35,7 @@ LONGEST_TITLE = 50
 Pixels = NDArray[np.uint8]
 
 
-class Picture(Protocol):
+class Picture:
     """An open picture of a model's frames: what a row of `FILMS` makes of (scene, sample, size).
 
     `sample` are frames of the run: from them a picture takes its extent, and the range of its colors.
@@ -48,14 +48,16 @@ class Picture(Protocol):
 
     def show(self, frame: Frame) -> None:
         """Put a frame into the picture."""
+        raise NotImplementedError
 
     def pixels(self, frame: Frame) -> Pixels:
         """The present picture, shape (height, width, 4); valid until the next call."""
-        ...
+        self.show(frame)
+        return self.layers.pixels()
 
     def place(self, frame: Frame, one: int) -> Array:
         """The position at which a particle is seen (m)."""
-        ...
+        return frame.arrays["position"][one, :2]
 
 
 class Size(NamedTuple):
@@ -136,6 +138,22 @@ def blank(size: Size) -> Figure:
     """An empty figure of that size. All grows with it, so that a large movie is a small one with more pixels."""
     dpi = DPI * min(size.width / USUAL.width, size.height / USUAL.height)
     return Figure(figsize=(size.width / dpi, size.height / dpi), dpi=dpi, facecolor="white")
+
+
+HEADER, SIDE, BORDER = 46.0, 150.0, 22.0
+"""Room above what is shown, right of it and around all, in pixels of a picture of the usual size."""
+
+
+def axes_for(figure: Figure, view: View, side: float = SIDE) -> Axes:
+    """Axes that show the view, both directions to one scale, without ticks: a scale bar says the lengths."""
+    width, height = DPI * figure.get_size_inches()
+    per_meter = min((width - side - 2 * BORDER) / view.width, (height - HEADER - 2 * BORDER) / view.height)
+    across, along = view.width * per_meter, view.height * per_meter
+    left, bottom = (width - across - side) / 2, (height - HEADER - along) / 2
+    axes = figure.add_axes((left / width, bottom / height, across / width, along / height))
+    axes.set(xlim=(view.left, view.right), ylim=(view.bottom, view.top))
+    axes.set_axis_off()
+    return axes
 
 
 def discs(axes: Axes, frame: Frame, kinds: Sequence[Species]) -> EllipseCollection | Splat:

@@ -15,16 +15,16 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import EllipseCollection
 from matplotlib.colors import Normalize, to_rgba_array
-from matplotlib.figure import Figure
 
 from ecume.show.picture import (
     DPI,
     USUAL,
     Layers,
-    Pixels,
+    Picture,
     Size,
     Species,
     View,
+    axes_for,
     blank,
     clock,
     labels,
@@ -39,8 +39,6 @@ from ecume.units import Array
 
 MARGIN = 0.04
 """Room around the tank, in parts of its larger side."""
-HEADER, SIDE, BORDER = 46.0, 150.0, 22.0
-"""Room above the tank, right of it and around all, in pixels of a picture of the usual size."""
 LEAST_PIXELS = 2.0
 """What would be smaller is drawn so large: it would not be seen."""
 RARE = 0.005
@@ -56,7 +54,7 @@ class Coloring(NamedTuple):
     colors: str = "viridis"
 
 
-class Tank:
+class Tank(Picture):
     """An open picture: `show` puts a frame into it, `pixels` gives what is then seen.
 
     `sample` are frames of the run: from them the picture takes its extent, and its colors' range.
@@ -69,7 +67,7 @@ class Tank:
         self.view = view_of(setting, sample)
         self.figure = blank(size)
         with style():
-            axes = tank_axes(self.figure, self.view)
+            axes = axes_for(self.figure, self.view)
             draw_setting(axes, setting)
             self.mapping = (
                 color_bar(axes, coloring, [colored(setting, frame) for frame in sample]) if coloring else None
@@ -109,11 +107,6 @@ class Tank:
         for patch, outline in zip(self.movers, self.setting.movers(frame) if self.setting.movers else (), strict=True):
             patch.set_xy(outline)
         self.time.set_text(time_text(frame.time))
-
-    def pixels(self, frame: Frame) -> Pixels:
-        """The picture of a frame, shape (height, width, 4); good until the next one is asked for."""
-        self.show(frame)
-        return self.layers.pixels()
 
     def place(self, frame: Frame, one: int) -> Array:
         """Where a particle is seen (m)."""
@@ -175,18 +168,6 @@ def view_of(setting: Setting, frames: Sequence[Frame]) -> View:
     room = MARGIN * float((high - low).max())
     # Below there is more, for the scale bar.
     return View(float(low[0]) - room, float(high[0]) + room, float(low[1]) - 2.0 * room, float(high[1]) + room)
-
-
-def tank_axes(figure: Figure, view: View) -> Axes:
-    """Axes with both directions to one scale, without ticks: a scale bar says the lengths."""
-    width, height = DPI * figure.get_size_inches()
-    per_meter = min((width - SIDE - 2 * BORDER) / view.width, (height - HEADER - 2 * BORDER) / view.height)
-    across, along = view.width * per_meter, view.height * per_meter
-    left, bottom = (width - across - SIDE) / 2, (height - HEADER - along) / 2
-    axes = figure.add_axes((left / width, bottom / height, across / width, along / height))
-    axes.set(xlim=(view.left, view.right), ylim=(view.bottom, view.top))
-    axes.set_axis_off()
-    return axes
 
 
 def color_bar(axes: Axes, coloring: Coloring, sample: Sequence[Frame]) -> ScalarMappable:

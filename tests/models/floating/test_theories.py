@@ -11,8 +11,8 @@ from ecume.models import MODELS
 from ecume.models.floating.forces import add_wall_forces, forces
 from ecume.models.floating.observing import observe, sum_of_wall_energies
 from ecume.models.floating.pair_choice import summed_law
-from ecume.models.floating.parameters import DISH, PLANE, TABLED
 from ecume.models.floating.state import make_state
+from ecume.models.floating.walls.menisci import DISH, PLANE, TABLED
 from tests.models.floating.bowls import HEAVY, LIGHT, WATER, scene_of
 
 FLOATING = MODELS["floating"]

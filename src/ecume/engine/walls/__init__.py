@@ -1,11 +1,13 @@
-"""Walls: surfaces that turn particles back within a step (`reflect`), and the walls of a floating raft (`Walls`)."""
+"""Walls: surfaces that turn particles back within a step (`reflect`), and what encloses a floating raft (`Walls`).
+
+Start in `surfaces`, the one family of shapes: planes and spheres. `enclosures` reads a flat one as floats need it.
+"""
 
 from __future__ import annotations
 
-from ecume.engine.walls.dishes import Walls, no_walls, wall_count, wall_distance
+from ecume.engine.walls.enclosures import Walls, enclosed_by, is_circle, no_walls, wall_count, wall_distance
 from ecume.engine.walls.entrances import Entrance, entrance
-from ecume.engine.walls.flight import CAPPED, MOST_EVENTS, STARTED_OUTSIDE, STAYED
-from ecume.engine.walls.passage import reflect_all
+from ecume.engine.walls.event_driven import CAPPED, MOST_EVENTS, STARTED_OUTSIDE, STAYED, reflect_all
 from ecume.engine.walls.reflecting import Trace, clearance, gaps, reflect, trace
 from ecume.engine.walls.sheets import Sheet, sheet
 from ecume.engine.walls.surfaces import (
@@ -38,8 +40,10 @@ __all__ = [
     "clearance",
     "described",
     "disc",
+    "enclosed_by",
     "entrance",
     "gaps",
+    "is_circle",
     "moved",
     "moving",
     "no_walls",

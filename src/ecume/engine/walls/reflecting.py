@@ -7,8 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ecume.engine.cells import Integers
-from ecume.engine.walls.flight import CAPPED, MOST_EVENTS
-from ecume.engine.walls.passage import fly_all
+from ecume.engine.walls.event_driven import CAPPED, MOST_EVENTS, fly_all
 from ecume.engine.walls.sheets import GRAIN, SCALE, Sheet, sheet
 from ecume.engine.walls.surfaces import PLANE, Surfaces, described, numbers_of
 from ecume.errors import BadInput

@@ -6,12 +6,11 @@ import math
 
 import numpy as np
 
-from ecume.engine.walls import dishes as wall_shapes
+from ecume.engine.walls import wall_count
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.laws import capillarity, flotation, images
 from ecume.laws.contact import legacy_restitution
 from ecume.laws.pair_laws import PAIR_LAWS, Setting
-from ecume.models.floating.dishes import wall_law_of, wall_strengths, wall_table_of, walls_of
 from ecume.models.floating.drifting import drift_of
 from ecume.models.floating.kinds import distinct_kinds, floats_of, moments_of
 from ecume.models.floating.pair_choice import NAMES, require
@@ -26,6 +25,7 @@ from ecume.models.floating.parameters import (
 )
 from ecume.models.floating.summing import DEEPEST_TOUCH, summed
 from ecume.models.floating.time_steps import good_step, kick_of, with_step
+from ecume.models.floating.walls.shapes import wall_law_of, wall_strengths, wall_table_of, walls_of
 from ecume.models.liquids import liquid_of
 from ecume.scenes.floating import FloatingScene
 
@@ -56,7 +56,7 @@ def _parameters_with(scene: FloatingScene, longer: float) -> Parameters:
         raise _fault("floats", str(error)) from None
     strength = law.strength if row.menisci else 0.0
     mirrored = scene.dish is not None and scene.dish.image != "none"
-    walls, scheme = walls_of(scene), SCHEMES.index(scene.motion.integrator)
+    walls, scheme = walls_of(scene.dish), SCHEMES.index(scene.motion.integrator)
     skin = longer * max(0.2 * largest, min(0.4 * length, largest))
     swings = drift.sway.turning if np.any(drift.sway.amplitude) else 0.0
     parameters = Parameters(
@@ -64,7 +64,7 @@ def _parameters_with(scene: FloatingScene, longer: float) -> Parameters:
         steps_per_frame=1,
         scheme=scheme,
         floats=floats,
-        kick=kick_of(scheme, 1.0, floats, wall_shapes.wall_count(walls)),
+        kick=kick_of(scheme, 1.0, floats, wall_count(walls)),
         pair_law=NAMES.index(str(scene.interaction.law)),
         pair=pack_pair(strength, length, cutoff, liquid.surface_tension, law),
         cutoff=cutoff,

@@ -2,30 +2,18 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from ecume._jit import admit, compiled, inlined
+from ecume._jit import compiled, inlined
 from ecume.engine.cells import Integers
 from ecume.engine.neighbors import NeighborLists, sort_positions
-from ecume.engine.walls import wall_count, wall_distance
-from ecume.laws import capillarity, special
-from ecume.laws.capillarity import dish_force, plane_wall_force, two_point_legacy_force
+from ecume.engine.walls import wall_count
 from ecume.models.floating.currents import current_at
-from ecume.models.floating.parameters import (
-    CAPILLARY_LENGTH,
-    DISH,
-    NO_WALL_LAW,
-    PLANE,
-    TABLED,
-    Parameters,
-)
+from ecume.models.floating.parameters import Parameters
 from ecume.models.floating.pulling import pairs_of, pull
-from ecume.models.floating.wall_tables import HEIGHT, IMAGE, tabled
+from ecume.models.floating.walls.menisci import acts, wall_force
 from ecume.units import Array
-
-admit(special, capillarity)
 
 
 class Sorted(NamedTuple):
@@ -91,24 +79,13 @@ def add_flow(parameters: Parameters, position: Array, force: Array) -> None:
 @compiled
 def add_wall_forces(parameters: Parameters, position: Array, force: Array) -> None:
     """The meniscus at the walls pushes or pulls each float."""
-    walls, strength, length = parameters.walls, parameters.wall_strength, parameters.pair[CAPILLARY_LENGTH]
-    charge = parameters.floats.charge
-    if parameters.wall_law == NO_WALL_LAW:
+    strength, charge = parameters.wall_strength, parameters.floats.charge
+    if not acts(parameters):
         return
     for i in range(position.shape[0]):
-        for number in range(wall_count(walls)):
-            x, y = position[i, 0], position[i, 1]
-            distance, inward_x, inward_y = wall_distance(walls, number, x, y)
-            if parameters.wall_law == PLANE:
-                away = plane_wall_force(distance, strength[number, i], length)
-            elif parameters.wall_law == DISH:
-                away = dish_force(math.sqrt(x * x + y * y), strength[number, i], length, walls.disc_radius)
-            elif parameters.wall_law == TABLED:
-                mirrored = parameters.image_strength * charge[i] * charge[i]
-                away = -strength[number, i] * tabled(parameters.wall_table, HEIGHT, distance)[1]
-                away -= mirrored * tabled(parameters.wall_table, IMAGE, distance)[1]
-            else:
-                away = two_point_legacy_force(math.sqrt(x * x + y * y), strength[number, i], length, walls.disc_radius)
+        place = (position[i, 0], position[i, 1])
+        for number in range(wall_count(parameters.walls)):
+            away, inward_x, inward_y = wall_force(parameters, number, place, strength[number, i], charge[i])
             force[i, 0] += away * inward_x
             force[i, 1] += away * inward_y
 

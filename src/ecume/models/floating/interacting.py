@@ -16,10 +16,7 @@ from ecume.laws.multipole import Undulated
 from ecume.models.floating import corrected, films, grid, many, polar, stepping
 from ecume.models.floating.pair_choice import require, summed_law
 from ecume.models.floating.parameters import (
-    DISH,
-    NO_WALL_LAW,
     OVERDAMPED,
-    PLANE,
     RARE,
     SEMI_IMPLICIT_EULER,
     Parameters,
@@ -27,6 +24,8 @@ from ecume.models.floating.parameters import (
 from ecume.models.floating.shaped.bodies import Shaped, make_crew
 from ecume.models.floating.state import State, Workspace
 from ecume.models.floating.summing import Split
+from ecume.models.floating.walls.menisci import acts, has_far_field
+from ecume.models.floating.walls.shapes import meniscus_of
 from ecume.models.liquids import liquid_of
 from ecume.scenes.floating import FloatingScene
 from ecume.units import Array
@@ -38,17 +37,14 @@ RAFT_NEIGHBORS = 6.0
 def with_multipoles(parameters: Parameters, scene: FloatingScene, kinds: Sequence[Any], number: Integers) -> Parameters:
     """All floats on one surface. Raises SceneError for walls that go by another law."""
     dish = scene.dish
-    if parameters.wall_law not in (NO_WALL_LAW, DISH, PLANE) or (dish is not None and dish.law == "linear"):
+    if not has_far_field(parameters) or (dish is not None and dish.law == "linear"):
         raise _fault("dish.law", "multipoles go with a dish's 'meniscus' or 'none', without another wall law")
     bodies, liquid = bodies_of(kinds), liquid_of(scene)
     found = _made(
         lambda: many.make_many([bodies[k] for k in number], liquid, scene.interaction.order, parameters.cutoff)
     )
-    if dish is not None and parameters.wall_law != NO_WALL_LAW:
-        if dish.radius is not None:
-            found = many.with_dish(found, dish.radius, dish.contact_angle, mirrored=True)
-        elif dish.size is not None:
-            found = many.with_basin(found, dish.size, dish.contact_angle, liquid, mirrored=True)
+    if dish is not None and acts(parameters):
+        found = meniscus_of(dish).multipoles(found, dish, liquid)
     parameters = parameters._replace(many=found, stiffer=_stiffer(bodies))
     undulated = any(kind.rim[1] > 0.0 for kind in kinds)
     return with_turning(parameters, scene, [kinds[k] for k in number]) if undulated else parameters

@@ -12,7 +12,6 @@ from ecume.engine.cells import Integers
 from ecume.engine.contact.contacts import Candidates
 from ecume.engine.neighbors import Slots
 from ecume.engine.walls import Walls, wall_count, wall_distance
-from ecume.laws.capillarity import dish_energy, plane_wall_energy, two_point_legacy_energy
 from ecume.laws.dish_motion import sway_place
 from ecume.models.floating.booking import is_driven
 from ecume.models.floating.interacting import inertia_of, interaction_energies, sums_pairs, turns
@@ -21,12 +20,8 @@ from ecume.models.floating.pair_choice import law_of, row_of
 from ecume.models.floating.parameters import (
     CAPILLARY_LENGTH,
     CUTOFF,
-    DISH,
-    NO_WALL_LAW,
     OVERDAMPED,
-    PLANE,
     SURFACE_TENSION,
-    TABLED,
     Floats,
     PairParameters,
     Parameters,
@@ -35,7 +30,7 @@ from ecume.models.floating.polar import Polar
 from ecume.models.floating.pulling import pair_energy
 from ecume.models.floating.shaped.bodies import Shaped
 from ecume.models.floating.state import COLLISIONS, DEEPEST, SWEEPS, UNCONVERGED, WORK, State, Workspace
-from ecume.models.floating.wall_tables import HEIGHT, IMAGE, tabled
+from ecume.models.floating.walls.menisci import acts, wall_energy
 from ecume.models.invariants import INJECTED
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
@@ -99,25 +94,15 @@ def sum_of_pair_energies(
 @compiled
 def sum_of_wall_energies(parameters: Parameters, position: Array) -> float:
     """Energies of all floats in the walls' menisci."""
-    walls, strength, length = parameters.walls, parameters.wall_strength, parameters.pair[CAPILLARY_LENGTH]
-    charge, total = parameters.floats.charge, 0.0
-    if parameters.wall_law == NO_WALL_LAW:
+    strength, charge, total = parameters.wall_strength, parameters.floats.charge, 0.0
+    if not acts(parameters):
         return total
     for i in range(position.shape[0]):
-        for number in range(wall_count(walls)):
-            x, y = position[i, 0], position[i, 1]
-            out = math.sqrt(x * x + y * y)
-            if parameters.wall_law == PLANE:
-                total += plane_wall_energy(wall_distance(walls, number, x, y)[0], strength[number, i], length)
-            elif parameters.wall_law == DISH:
-                total += dish_energy(out, strength[number, i], length, walls.disc_radius)
-            elif parameters.wall_law == TABLED:
-                distance = wall_distance(walls, number, x, y)[0]
-                mirrored = parameters.image_strength * charge[i] * charge[i]
-                total += strength[number, i] * tabled(parameters.wall_table, HEIGHT, distance)[0]
-                total += mirrored * tabled(parameters.wall_table, IMAGE, distance)[0]
-            else:
-                total += two_point_legacy_energy(out, strength[number, i], length, walls.disc_radius)
+        place = (position[i, 0], position[i, 1])
+        for number in range(wall_count(parameters.walls)):
+            meniscus, image = wall_energy(parameters, number, place, strength[number, i], charge[i])
+            total += meniscus
+            total += image
     return total
 
 

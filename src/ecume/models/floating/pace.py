@@ -10,11 +10,10 @@ from ecume.models.floating.pair_choice import law_of, row_of, two_floats
 from ecume.models.floating.parameters import (
     CAPILLARY_LENGTH,
     OVERDAMPED,
-    TABLED,
     Floats,
     Parameters,
 )
-from ecume.models.floating.wall_tables import HEIGHT, IMAGE
+from ecume.models.floating.walls.menisci import wall_stiffness
 from ecume.units import Array
 
 GOOD = 0.05
@@ -57,20 +56,6 @@ def stiffness_over_mass(parameters: Parameters) -> tuple[Array, Array]:
         for radius, felt in kinds[:, :2].tolist()
     ]
     return np.array(stiffness), kinds[:, 2]
-
-
-def wall_stiffness(parameters: Parameters) -> float:
-    """|dF/dd| of the walls on whom they act upon most (N/m), as near as the smallest float comes."""
-    strongest = float(np.max(np.abs(parameters.wall_strength), initial=0.0))
-    if parameters.wall_law != TABLED:
-        return strongest / float(parameters.pair[CAPILLARY_LENGTH]) ** 2
-    floats, distance = parameters.floats, parameters.wall_table[1]
-    near = distance >= float(np.min(floats.radius))
-    stiffness = 0.0
-    for row, strength in ((HEIGHT, strongest), (IMAGE, parameters.image_strength * float(np.max(floats.charge**2)))):
-        force = parameters.wall_table[row + 1] / distance
-        stiffness += strength * float(np.max(np.abs(np.gradient(force, distance)[near])))
-    return stiffness
 
 
 def chosen_step(parameters: Parameters, speed: float) -> float:

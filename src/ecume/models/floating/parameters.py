@@ -24,8 +24,6 @@ KICKED_BEFORE = (SEMI_IMPLICIT_EULER, OVERDAMPED)
 CONTACT_LAWS = ("none", "impulse", "legacy", "spring-dashpot")
 NO_CONTACTS, IMPULSE, LEGACY, SPRINGS = range(4)
 
-NO_WALL_LAW, DISH, LEGACY_DISH, PLANE, TABLED = range(5)
-
 
 class Floats(NamedTuple):
     """Float by float, all (N,)."""
@@ -107,10 +105,11 @@ class Parameters(NamedTuple):
     """how far neighbor lists look: the cutoff or the widest touching pair, and the skin"""
     walls: Walls
     wall_law: int
+    """see `walls.menisci`"""
     wall_strength: Array
     """(walls, N) J"""
     wall_table: Array
-    """see `wall_tables.wall_table`; empty where formulas do"""
+    """see `walls.menisci.wall_table`; empty where formulas do"""
     image_strength: float
     """N: 2 pi gamma, where walls mirror menisci"""
     contact_law: int

@@ -11,7 +11,7 @@ from ecume.engine.cells import Integers
 from ecume.engine.contact import contacts
 from ecume.engine.neighbors import build, make_lists
 from ecume.engine.placement import Region, place_at_random, place_on_lattice, place_on_ring
-from ecume.engine.walls import Walls, wall_count, wall_distance
+from ecume.engine.walls import Walls, enclosures
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.models.floating.interacting import orders_of, turns
 from ecume.models.floating.parameters import Floats, Parameters
@@ -105,15 +105,11 @@ def _places_of(species: FloatSpec) -> Array:
 
 def region_of(parameters: Parameters) -> Region:
     """Where floats may be placed at random."""
-    walls = parameters.walls
-    if walls.disc_radius < math.inf:
-        half = (walls.disc_radius, walls.disc_radius)
-    elif len(walls.offset):
-        half = (-float(walls.offset[0]), -float(walls.offset[1]))
-    else:
-        side = 0.5 * math.sqrt(math.pi * float(np.sum(parameters.floats.radius**2)) / OPEN_COVERAGE)
-        half = (side, side)
-    return Region((-half[0], -half[1]), half, walls)
+    low, high = enclosures.bounds(parameters.walls)
+    side = 0.5 * math.sqrt(math.pi * float(np.sum(parameters.floats.radius**2)) / OPEN_COVERAGE)
+    if math.inf in high:
+        low, high = (-side, -side), (side, side)
+    return Region(low, high, parameters.walls)
 
 
 def _check(scene: FloatingScene, parameters: Parameters, position: Array, which: Integers) -> None:
@@ -162,8 +158,7 @@ def _outside(parameters: Parameters, position: Array, which: Integers, names: li
 
 
 def _into_walls(walls: Walls, place: Array, radius: float) -> float:
-    distances = [wall_distance(walls, number, place[0], place[1])[0] for number in range(wall_count(walls))]
-    return radius - min(distances, default=math.inf)
+    return radius - min(enclosures.clearances(walls, place), default=math.inf)
 
 
 def _overlapping(floats: Floats, position: Array, which: Integers, names: list[str]) -> list[Fault]:

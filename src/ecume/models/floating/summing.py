@@ -8,6 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from ecume.engine.walls import enclosures
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.laws import ewald as splitting
 from ecume.laws.ewald import SplitFit
@@ -71,8 +72,7 @@ def crowd_area(parameters: Parameters, scene: FloatingScene) -> float:
 
     region = region_of(parameters)
     area = (region.high[0] - region.low[0]) * (region.high[1] - region.low[1])
-    if parameters.walls.disc_radius < math.inf:
-        area = math.pi * parameters.walls.disc_radius**2
+    area = min(area, enclosures.area(parameters.walls))
     places = given_places(scene).position
     if np.isnan(places).any():
         return area

@@ -7,10 +7,12 @@ import warnings
 
 import numpy as np
 
+from ecume.engine.walls import enclosures
 from ecume.errors import Fault, SceneError
 from ecume.models.floating.drifting import drift_of
 from ecume.models.floating.pace import LARGEST_OVER_CHOSEN, LOOSEST_OVER_CHOSEN, chosen_step
 from ecume.models.floating.parameters import OVERDAMPED, RK4, VELOCITY_VERLET, Floats, Kick, Parameters
+from ecume.models.floating.walls.shapes import walls_of
 from ecume.scenes.floating import FloatingScene
 
 FARTHEST_CHANCE = 6.5
@@ -94,9 +96,7 @@ def _speeds(scene: FloatingScene) -> float:
     """The fastest start, or the fastest that the surface flows in the dish."""
     reach = max((math.hypot(*place) for species in scene.floats for place in species.positions), default=0.0)
     if scene.dish is not None:
-        reach = (
-            scene.dish.radius if scene.dish.radius is not None else 0.5 * math.hypot(*(scene.dish.size or (0.0, 0.0)))
-        )
+        reach = enclosures.farthest(walls_of(scene.dish))
     drift = drift_of(scene)
     flow, nodes = drift.flow, np.hypot(drift.nodes[0], drift.nodes[1])
     flowing = math.hypot(flow[0], flow[1]) + reach * float(np.abs(flow[2:]).sum()) + float(nodes.max(initial=0.0))

@@ -174,8 +174,10 @@ class DishMotionSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class DishSpec:
-    """A round or rectangular dish around the origin. A scene without one is an endless surface."""
+    """A dish around the origin. A scene without one is an endless surface."""
 
+    shape: LawName | None = None
+    """`round`, `rectangle` ...; left out, round with a `radius` and a rectangle with a `size`"""
     radius: Size | None = None
     """m; or else `size`"""
     size: tuple[Size, Size] | None = None

@@ -13,17 +13,21 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import AsinhNorm
 from matplotlib.figure import Figure
 from matplotlib.image import AxesImage
-from matplotlib.patches import Circle, Patch, Rectangle
+from matplotlib.patches import Patch, Polygon
 
+from ecume.engine.walls import enclosures
+from ecume.models.floating.walls.shapes import outline_of, walls_of
 from ecume.show.floating.shapes import outlines_in, polygons, shapes_of
 from ecume.show.floating.surface import Heights, sheet, surface, typical_meniscus
 from ecume.show.picture import (
     DPI,
     USUAL,
     Layers,
+    Picture,
     Pixels,
     Size,
     View,
+    axes_for,
     blank,
     clock,
     discs,
@@ -40,15 +44,14 @@ LINE = 0.8
 """Length of the line that shows how a float is turned, over its diameter."""
 MARGIN = 1.04
 """The shown part of the surface, in dish diameters."""
-HEADER, SIDE, BORDER = 46.0, 150.0, 22.0
-"""Room above the surface, right of it and around all, in pixels of a picture of the usual size."""
 
 
 def view_of(scene: Any, frames: Sequence[Frame]) -> View:
     """The whole dish, or on an endless surface all that the floats of these frames ever reach."""
     if scene.dish is not None:
-        width, height = _extent(scene.dish)
-        return view_around(0.0, 0.0, MARGIN * width, MARGIN * height)
+        (left, bottom), (right, top) = enclosures.bounds(walls_of(scene.dish))
+        middle = 0.5 * (left + right), 0.5 * (bottom + top)
+        return view_around(*middle, MARGIN * (right - left), MARGIN * (top - bottom))
     low = np.min([(f.arrays["position"] - f.arrays["radius"][:, None]).min(axis=0) for f in frames], axis=0)
     high = np.max([(f.arrays["position"] + f.arrays["radius"][:, None]).max(axis=0) for f in frames], axis=0)
     radius = max(float(f.arrays["radius"].max()) for f in frames)
@@ -57,14 +60,7 @@ def view_of(scene: Any, frames: Sequence[Frame]) -> View:
     return view_around(float(x), float(y), side, side)
 
 
-def _extent(dish: Any) -> tuple[float, float]:
-    if dish.radius is not None:
-        return 2 * dish.radius, 2 * dish.radius
-    width, height = dish.size
-    return width, height
-
-
-class Bowl:
+class Bowl(Picture):
     """An open picture: `show` puts a frame into it, `pixels` gives what is then seen.
 
     `sample` are frames of the run: from them the picture takes its extent, its colors' range and the floats' sizes.
@@ -80,7 +76,7 @@ class Bowl:
         self.scale = scale_for(float(np.abs(heights).max()), "m")
         kinds = species(scene)
         with style():
-            axes = _surface_axes(self.figure, self.view)
+            axes = axes_for(self.figure, self.view)
             largest, typical = float(np.abs(heights).max()), typical_meniscus(sample[0], self.sheet)
             self.colors = height_colors(largest * self.scale.factor, typical * self.scale.factor)
             self.height = _height_image(axes, self.view, self._painted(heights[0]))
@@ -115,15 +111,6 @@ class Bowl:
         """Heights as colors, before they are spread over the picture's many more pixels."""
         return self.colors.to_rgba(height * np.float32(self.scale.factor), bytes=True)
 
-    def pixels(self, frame: Frame) -> Pixels:
-        """The picture of a frame, shape (height, width, 4); good until the next one is asked for."""
-        self.show(frame)
-        return self.layers.pixels()
-
-    def place(self, frame: Frame, one: int) -> Array:
-        """Where a particle is seen (m)."""
-        return frame.arrays["position"][one, :2]
-
 
 def rises(frame: Frame) -> Array:
     """A line across each float that turns, (N, 2, 2), to where its rim is high; none where none does."""
@@ -133,18 +120,6 @@ def rises(frame: Frame) -> Array:
     along = np.stack([np.cos(arrays["angle"]), np.sin(arrays["angle"])], axis=1) * arrays["radius"][:, None]
     lines: Array = arrays["position"][:, None] + np.array([-LINE, LINE])[None, :, None] * along[:, None]
     return lines
-
-
-def _surface_axes(figure: Figure, view: View) -> Axes:
-    """The axes that show the surface, both directions to one scale, without ticks: a scale bar says the lengths."""
-    width, height = DPI * figure.get_size_inches()
-    per_meter = min((width - SIDE - 2 * BORDER) / view.width, (height - HEADER - 2 * BORDER) / view.height)
-    across, along = view.width * per_meter, view.height * per_meter
-    left, bottom = (width - across - SIDE) / 2, (height - HEADER - along) / 2
-    axes = figure.add_axes((left / width, bottom / height, across / width, along / height))
-    axes.set(xlim=(view.left, view.right), ylim=(view.bottom, view.top))
-    axes.set_axis_off()
-    return axes
 
 
 def _height_image(axes: Axes, view: View, painted: Pixels) -> AxesImage:
@@ -170,10 +145,7 @@ def _dish(axes: Axes, dish: Any, height: AxesImage) -> list[Artist]:
 def dish_outline(dish: Any, scale: float = 1.0) -> Patch:
     """A dish's rim, in meters or in `scale` times that."""
     look: dict[str, Any] = {"facecolor": "none", "edgecolor": RIM, "linewidth": 1.8}
-    if dish.radius is not None:
-        return Circle((0.0, 0.0), scale * dish.radius, **look)
-    width, height = (scale * side for side in dish.size)
-    return Rectangle((-width / 2, -height / 2), width, height, **look)
+    return Polygon(scale * outline_of(dish), closed=True, **look)
 
 
 def _height_bar(axes: Axes, colors: ScalarMappable, shown: tuple[float, float], scale: Scale) -> None:

@@ -18,9 +18,10 @@ import numpy as np
 from scipy.special import k0
 
 from ecume.errors import BadInput
+from ecume.models.floating.walls.shapes import field_of
 from ecume.models.liquids import liquid_of
 from ecume.show.floating.shapes import charges_in, shapes_of
-from ecume.show.floating.surface import INSIDE, dish_field, multipoles_of, near, solved_heights
+from ecume.show.floating.surface import INSIDE, multipoles_of, near, solved_heights
 from ecume.show.picture import View
 from ecume.trajectories.durable_files import replacing, storing
 from ecume.trajectories.frame import Frame
@@ -59,7 +60,7 @@ def height_field(scene: Any, frame: Frame, *, cells: int = CELLS, view: View | N
     shown = view or view_of(scene, [frame])
     cell = max(shown.width, shown.height) / cells
     x, y = (_places(low, side, cell) for low, side in _sides(shown))
-    return HeightField(x, y, dish_field(scene, x, y) + _menisci(scene, frame, x, y))
+    return HeightField(x, y, field_of(scene.dish, liquid_of(scene), x, y) + _menisci(scene, frame, x, y))
 
 
 def _places(low: float, side: float, cell: float) -> Array:

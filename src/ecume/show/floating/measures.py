@@ -17,9 +17,12 @@ from ecume.analysis.structure import (
     hexatic_order,
     mean_square_displacement,
     pair_distribution,
+    region_in,
     shapes_of,
 )
+from ecume.engine.walls.enclosures import shrunk
 from ecume.errors import BadInput
+from ecume.models.floating.walls.shapes import walls_of
 from ecume.models.liquids import liquid_of
 from ecume.show.curves import Frames, over_time, thinned
 from ecume.show.style import INK, MUTED, PALETTE, figure, legend_outside, plain, scale_for, style
@@ -50,10 +53,9 @@ def distribution(frames: Frames, scene: Any) -> Figure:
     kept = (frames[0], frames[-1])
     region = region_of(kept[-1], scene)
     radius = float(kept[-1].arrays["radius"].mean())
-    widest = 2.0 * region.radius if region.radius else min(region.size)
     # Half a bin off, so that what touches is in the middle of one.
     bins = (np.arange(BINS) + 0.5) * SHELLS / BINS * radius
-    edges = np.array([0.0, *bins[bins < widest]])
+    edges = np.array([0.0, *bins[bins < region.widest]])
     with style():
         drawn = figure()
         axes = drawn.add_subplot(xlabel="distance of the centers, in mean radii", title=plain(scene.title))
@@ -69,11 +71,9 @@ def distribution(frames: Frames, scene: Any) -> Figure:
 
 def region_of(frame: Frame, scene: Any) -> Region:
     """The dish as far as centers can reach; on an endless surface the rectangle around all floats."""
-    dish, radius = scene.dish, float(frame.arrays["radius"].min())
-    if dish is not None and dish.radius is not None:
-        return Region(radius=dish.radius - radius)
-    if dish is not None:
-        return Region(size=(dish.size[0] - 2.0 * radius, dish.size[1] - 2.0 * radius))
+    radius = float(frame.arrays["radius"].min())
+    if scene.dish is not None:
+        return region_in(shrunk(walls_of(scene.dish), radius))
     across, along = np.ptp(frame.arrays["position"], axis=0) + 2.0 * radius
     return Region(size=(float(across), float(along)))
 

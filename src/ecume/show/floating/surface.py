@@ -10,9 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ecume.laws import flotation, meniscus
-from ecume.laws.capillarity import plane_wall_energy
 from ecume.laws.special import bessel_k0
+from ecume.models.floating.walls.shapes import field_of
 from ecume.models.liquids import liquid_of
 from ecume.show.floating.shapes import Shapes, charges_in, shapes_of
 from ecume.show.picture import View
@@ -56,7 +55,7 @@ def sheet(scene: Any, view: View, *, cells: int, closest: float) -> Sheet:
     y = np.arange(view.bottom + cell / 2, view.top, cell)
     reach = max(CUTOFF * liquid.capillary_length, 1.01 * closest)
     table = _menisci(closest, reach, liquid.capillary_length)
-    still = np.asarray(dish_field(scene, x, y), np.float32)
+    still = np.asarray(field_of(scene.dish, liquid, x, y), np.float32)
     return Sheet(x, y, still, closest, reach, table, multipoles, shapes)
 
 
@@ -85,30 +84,6 @@ def unit_meniscus(on: Sheet, distance: Array) -> Heights:
     per_meter = (NODES - 1) / (on.reach - on.closest)
     index = ((distance - on.closest) * per_meter + 0.5).astype(np.int32)
     return on.menisci[np.clip(index, 0, NODES)]
-
-
-def dish_field(scene: Any, x: Array, y: Array) -> Array:
-    """The height that the dish alone gives the surface (m); shape (y, x)."""
-    dish, liquid = scene.dish, liquid_of(scene)
-    if dish is None or dish.law == "none":
-        return np.zeros((len(y), len(x)))
-    if dish.radius is None:
-        across, along = (
-            _facing_walls(*side, dish.contact_angle, liquid) for side in zip((x, y), dish.size, strict=True)
-        )
-        return np.asarray(across + along[:, None])
-    r = np.minimum(np.hypot(x, y[:, None]), dish.radius)
-    height = meniscus.dish_height(r=r, dish_radius=dish.radius, contact_angle=dish.contact_angle, liquid=liquid)
-    return np.asarray(height)
-
-
-def _facing_walls(nodes: Array, side: float, contact_angle: float, liquid: flotation.Liquid) -> Array:
-    """The height between two walls that face each other: a charge of one in it has this as its energy."""
-    amplitude = meniscus.facing_amplitude(side, contact_angle, liquid)
-    apart = np.maximum(side / 2 + np.stack([nodes, -nodes]), 0.0)
-    heights = [plane_wall_energy(float(distance), amplitude, liquid.capillary_length) for distance in apart.ravel()]
-    both: Array = np.reshape(heights, apart.shape)
-    return np.asarray(both[0] + both[1])
 
 
 def surface(frame: Frame, on: Sheet) -> Heights:

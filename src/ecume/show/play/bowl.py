@@ -19,9 +19,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ecume.engine.walls import enclosures
 from ecume.errors import BadInput, Diverged, SceneError
 from ecume.laws.waves import wave_frequency
 from ecume.models import MODELS
+from ecume.models.floating.walls.shapes import sloshing_wavenumber, walls_of
 from ecume.scenes.floating import FloatingScene, FloatSpec
 from ecume.simulation import Integration
 from ecume.trajectories.frame import Frame
@@ -31,8 +33,6 @@ DEPTH = 0.02
 """m, of the liquid: scenes of floats say none."""
 DAMPING = 0.08
 """Of the swing, over the critical one: what is seen in bowls of some centimeters."""
-FIRST_MODE = 1.8411837813406593
-"""The first zero of J1'."""
 
 
 class Slosh(NamedTuple):
@@ -43,12 +43,11 @@ class Slosh(NamedTuple):
 
 
 def slosh_frequency(scene: FloatingScene) -> float:
-    """Angular, of the first mode (1/s); of a rectangle that along its longer side."""
+    """Angular, of the first mode (1/s)."""
     liquid = scene.liquid
     dish: Any = scene.dish  # one plays with floats in a dish only
-    wavenumber = FIRST_MODE / dish.radius if dish.radius is not None else math.pi / max(dish.size)
     tension = liquid.surface_tension / liquid.density
-    return float(wave_frequency(wavenumber, DEPTH, liquid.gravity, tension))
+    return float(wave_frequency(sloshing_wavenumber(dish), DEPTH, liquid.gravity, tension))
 
 
 def swung(slosh: Slosh, tilt: tuple[float, float], scene: FloatingScene, seconds: float) -> Slosh:
@@ -266,9 +265,7 @@ class Bowl:
 
 
 def _inside(dish: Any, place: tuple[float, float], radius: float) -> bool:
-    if dish.radius is not None:
-        return math.hypot(*place) < float(dish.radius) - ROOM * radius
-    return all(abs(at) < float(side) / 2 - ROOM * radius for at, side in zip(place, dish.size, strict=True))
+    return min(enclosures.clearances(walls_of(dish), place)) > ROOM * radius
 
 
 def placed(scene: FloatingScene, position: Array, velocity: Array, species: Array) -> FloatingScene:

@@ -10,6 +10,7 @@ import numpy as np
 
 from ecume.errors import BadInput
 from ecume.laws.states import tait_pressure
+from ecume.models.floating.walls.shapes import outline_of
 from ecume.models.sph.parameters import Liquid
 from ecume.show.floating.bowl import view_of
 from ecume.show.floating.surface import Sheet, sheet, surface
@@ -56,8 +57,7 @@ class BowlPage:
         scene = self.moving.scene
         return {
             "title": scene.title or "A bowl",
-            "radius": self.moving.dish.radius,
-            "size": self.moving.dish.size,
+            "outline": outline_of(self.moving.dish).tolist(),
             "view": list(view_of(scene, [self.moving.frame])),
             "grid": GRID,
             "shelf": [{"name": name, **SHELF[name]} for name in SHELF],

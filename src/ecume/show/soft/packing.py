@@ -13,7 +13,6 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import LogNorm, to_rgba
-from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
 from numpy.typing import NDArray
@@ -24,9 +23,10 @@ from ecume.show.picture import (
     DPI,
     USUAL,
     Layers,
-    Pixels,
+    Picture,
     Size,
     View,
+    axes_for,
     blank,
     clock,
     discs,
@@ -39,8 +39,8 @@ from ecume.show.style import INK, scale_for, style
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
-HEADER, SIDE, BORDER = 46.0, 170.0, 22.0
-"""Room above the spheres, right of them and around all, in pixels of a picture of the usual size."""
+SIDE = 170.0
+"""Room right of the spheres, in pixels of a picture of the usual size."""
 PULL, PUSH = "#b2182b", "#2166ac"
 WIDEST = 7.0
 """Of the line of the largest force, in points."""
@@ -132,7 +132,7 @@ def reached(frames: Sequence[Frame]) -> tuple[Array, Array]:
     return low, np.max([(place + radius).max(axis=0) for place, radius in edges], axis=0)
 
 
-class Packing:
+class Packing(Picture):
     """An open picture: `show` puts a frame into it, `pixels` gives what is then seen."""
 
     def __init__(self, scene: Any, sample: Sequence[Frame], size: Size = USUAL) -> None:
@@ -143,7 +143,7 @@ class Packing:
         self.norm = _gap_scale(links)
         kinds = species(scene)
         with style():
-            axes = _axes(self.figure, self.view)
+            axes = axes_for(self.figure, self.view, SIDE)
             self.colors = [to_rgba(kind.color, PALE) for kind in kinds]
             self.beside = PolyCollection([], edgecolors=to_rgba(INK, PALE), linewidths=0.6, zorder=1)
             self.spheres = discs(axes, sample[0], kinds)
@@ -196,15 +196,6 @@ class Packing:
         self.beside.set_facecolor([self.colors[kind] for kind in frame.arrays["species"][owner]])
         self.outline.set_xy(box.sides * [(0, 0), (1, 0), (1, 1), (0, 1)])
 
-    def pixels(self, frame: Frame) -> Pixels:
-        """The picture of a frame, shape (height, width, 4); good until the next one is asked for."""
-        self.show(frame)
-        return self.layers.pixels()
-
-    def place(self, frame: Frame, one: int) -> Array:
-        """Where a particle is seen (m)."""
-        return frame.arrays["position"][one, :2]
-
 
 def marks_of(frame: Frame) -> NDArray[np.float64]:
     """A spoke of each sphere, (N, 2, 2), that turns as it does; in space, as seen from above. None without spins."""
@@ -233,18 +224,6 @@ def _film_lines(links: Links) -> NDArray[np.float64]:
     middle = links.first + unit * (links.radius[:, :1] + 0.5 * links.gap[:, None])
     across = FILM * links.radius.min(axis=1, keepdims=True) * np.stack([-unit[:, 1], unit[:, 0]], axis=1)
     return np.stack([middle - across, middle + across], axis=1)
-
-
-def _axes(figure: Figure, view: View) -> Axes:
-    """Axes without ticks, both directions to one scale."""
-    width, height = DPI * figure.get_size_inches()
-    per_meter = min((width - SIDE - 2 * BORDER) / view.width, (height - HEADER - 2 * BORDER) / view.height)
-    across, along = view.width * per_meter, view.height * per_meter
-    left, bottom = (width - across - SIDE) / 2, (height - HEADER - along) / 2
-    axes = figure.add_axes((left / width, bottom / height, across / width, along / height))
-    axes.set(xlim=(view.left, view.right), ylim=(view.bottom, view.top))
-    axes.set_axis_off()
-    return axes
 
 
 def _gap_scale(links: Sequence[Links]) -> LogNorm:

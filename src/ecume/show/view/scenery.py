@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
 from ecume.analysis.boxes import box_of
+from ecume.engine.walls import enclosures
+from ecume.models.floating.walls.shapes import walls_of
 from ecume.scenes.soft.walls import SIDES as WALL_SIDES
 from ecume.show.camera import edges_of
 from ecume.show.floating.bowl import height_colors, height_ticks, view_of
@@ -17,7 +20,7 @@ from ecume.show.picture import species
 from ecume.show.soft.packing import WIDE, links_of, reached
 from ecume.show.sph.picture import rectangle
 from ecume.show.style import scale_for
-from ecume.show.view.stage import Line, Stage, Surface, circle
+from ecume.show.view.stage import Line, Stage, Surface
 from ecume.show.view.tanks import sph_stage, tracers_stage
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
@@ -36,14 +39,16 @@ def floating_stage(scene: Any, sample: Sequence[Frame]) -> Stage:
     scale = scale_for(largest, "m")
     colors = height_colors(largest * scale.factor, typical_meniscus(sample[0], on) * scale.factor)
     shown, ticks = _marks(colors.norm, scale.factor * float(heights.min()), scale.factor * float(heights.max()))
-    shapes, dish = on.shapes, scene.dish
+    shapes, walls = on.shapes, walls_of(scene.dish)
     drawn = Surface(
-        len(on.x), len(on.y), (view.left, view.right, view.bottom, view.top), getattr(dish, "radius", None) or 0.0,
+        len(on.x), len(on.y), (view.left, view.right, view.bottom, view.top),
+        np.column_stack([walls.normal, walls.offset]).tolist(),
+        walls.disc_radius if math.isfinite(walls.disc_radius) else 0.0,
         "height", f"height of the liquid ({scale.unit})", shown, ticks,
     )  # fmt: skip
     return Stage(
         np.array([view.left, view.bottom]), np.array([view.right, view.top]), species(scene),
-        lines=[] if dish is None else [_dish(dish)],
+        lines=[] if scene.dish is None else [Line(enclosures.outline(walls), closed=True)],
         heights=lambda frame: np.asarray(np.clip(colors.norm(surface(frame, on) * scale.factor), 0.0, 1.0)),
         surface=drawn, curves=("kinetic_energy", "total_energy"),
         movers=None if shapes is None else lambda frame: [closed(one) for one in outlines_in(frame, shapes)],
@@ -64,13 +69,6 @@ def _marks(norm: Any, lowest: float, highest: float) -> tuple[tuple[float, float
 def closed(points: Array) -> Array:
     """A line that ends where it began."""
     return np.concatenate([points, points[:1]])
-
-
-def _dish(dish: Any) -> Line:
-    if dish.radius is not None:
-        return Line(circle(np.zeros(2), dish.radius), closed=True)
-    half = np.array(dish.size) / 2
-    return Line(rectangle(-half, half), closed=True)
 
 
 def soft_stage(scene: Any, sample: Sequence[Frame]) -> Stage:

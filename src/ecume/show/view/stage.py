@@ -51,8 +51,10 @@ class Surface(NamedTuple):
     columns: int
     rows: int
     view: tuple[float, float, float, float]
+    walls: list[list[float]]
+    """the surface is where n.x >= offset (m) for each (n_x, n_y, offset)"""
     round: float
-    """radius of a round dish (m); 0 for none"""
+    """and inside this radius (m); 0 for none"""
     map: str
     label: str
     shown: tuple[float, float]

@@ -13,13 +13,9 @@ from ecume.engine.cells import Integers
 from ecume.engine.outlines import Outlines, Stance, bodies_near, turn_corners, wall_near
 from ecume.engine.walls import wall_count
 from ecume.errors import Fault, SceneError
-from ecume.models.floating.dishes import wall_strengths
 from ecume.models.floating.pair_choice import lacks, row_of
 from ecume.models.floating.parameters import (
-    DISH,
-    NO_WALL_LAW,
     OVERDAMPED,
-    PLANE,
     SCHEMES,
     SEMI_IMPLICIT_EULER,
     VELOCITY_VERLET,
@@ -28,6 +24,8 @@ from ecume.models.floating.parameters import (
 from ecume.models.floating.shaped.bodies import Shaped
 from ecume.models.floating.shaped.figures import Figure, Skeleton, charges_of
 from ecume.models.floating.shaped.forces import pull_pair
+from ecume.models.floating.walls.menisci import has_far_field
+from ecume.models.floating.walls.shapes import wall_strengths
 from ecume.scenes.floating import FloatingScene
 from ecume.units import Array
 
@@ -110,7 +108,7 @@ def _require_known(parameters: Parameters, scene: FloatingScene) -> None:
         ),
         (
             "dish.law",
-            parameters.wall_law not in (NO_WALL_LAW, DISH, PLANE),
+            not has_far_field(parameters),
             "floats with a shape go with a dish's 'meniscus', 'linear' or 'none', without images",
         ),
         (
@@ -130,8 +128,7 @@ def _require_known(parameters: Parameters, scene: FloatingScene) -> None:
         ),
     ]
     faults = [Fault(path, message) for path, broken, message in wrong if broken]
-    if scene.dish is not None and scene.dish.radius is not None:
-        faults += _too_flat(parameters, scene.dish.radius)
+    faults += _too_flat(parameters, parameters.walls.disc_radius)
     if faults:
         raise SceneError(faults)
 

@@ -6,19 +6,18 @@ import math
 
 from ecume._jit import admit, compiled
 from ecume.engine.neighbors import NeighborLists
-from ecume.engine.walls import wall_count, wall_distance
+from ecume.engine.walls import wall_count
 from ecume.laws import capillarity, special
-from ecume.laws.capillarity import dish_energy, dish_force, pair_energy, pair_force, plane_wall_energy, plane_wall_force
+from ecume.laws.capillarity import pair_energy, pair_force
 from ecume.models.floating.parameters import (
     CAPILLARY_LENGTH,
     CUTOFF,
-    DISH,
-    NO_WALL_LAW,
     STRENGTH,
     Parameters,
 )
 from ecume.models.floating.shaped.bodies import Crew, Shaped
 from ecume.models.floating.state import State, Workspace
+from ecume.models.floating.walls.menisci import acts, wall_energy, wall_force
 from ecume.units import Array
 
 admit(special, capillarity)
@@ -60,17 +59,12 @@ def pull_pair(
 @compiled
 def add_wall_forces(parameters: Parameters, position: Array, crew: Crew, force: Array) -> None:
     """The menisci at the walls act on each charge."""
-    many, walls, length = parameters.many, parameters.walls, parameters.pair[CAPILLARY_LENGTH]
+    many = parameters.many
     for i in range(len(position)):
         for p in range(many.first[i], many.first[i + 1]):
-            x, y = position[i, 0] + crew.at[p, 0], position[i, 1] + crew.at[p, 1]
-            for number in range(wall_count(walls)):
-                distance, in_x, in_y = wall_distance(walls, number, x, y)
-                if parameters.wall_law == DISH:
-                    out = math.sqrt(x * x + y * y)
-                    away = dish_force(out, many.wall_strength[number, p], length, walls.disc_radius)
-                else:
-                    away = plane_wall_force(distance, many.wall_strength[number, p], length)
+            place = (position[i, 0] + crew.at[p, 0], position[i, 1] + crew.at[p, 1])
+            for number in range(wall_count(parameters.walls)):
+                away, in_x, in_y = wall_force(parameters, number, place, many.wall_strength[number, p], many.charge[p])
                 force[i, 0] += away * in_x
                 force[i, 1] += away * in_y
                 crew.torque[i] += away * (crew.at[p, 0] * in_y - crew.at[p, 1] * in_x)
@@ -98,7 +92,7 @@ def shaped_forces(parameters: Parameters, position: Array, lists: NeighborLists,
                 force[j, 1] -= force_y
                 crew.torque[i] += torque_i
                 crew.torque[j] += torque_j
-    if parameters.wall_law != NO_WALL_LAW:
+    if acts(parameters):
         add_wall_forces(parameters, position, crew, force)
 
 
@@ -120,7 +114,7 @@ def energy_of_pair(parameters: Parameters, at: Array, pair: tuple[int, int], apa
 def shaped_energies(parameters: Parameters, state: State, workspace: Workspace) -> tuple[float, float]:
     """Energies of all pairs and of all walls (J)."""
     crew, many, cutoff = workspace.sorted_floats, parameters.many, parameters.pair[CUTOFF]
-    walls, length, lists = parameters.walls, parameters.pair[CAPILLARY_LENGTH], workspace.lists
+    walls, lists = parameters.walls, workspace.lists
     turn_charges(many, state.turning, crew.at)
     order, first, neighbor = lists.cells.order, lists.rows.first, lists.rows.neighbor
     pairs, at_walls = 0.0, 0.0
@@ -132,12 +126,7 @@ def shaped_energies(parameters: Parameters, state: State, workspace: Workspace) 
             if i < j and x * x + y * y < cutoff * cutoff and parameters.pair[STRENGTH] != 0.0:
                 pairs += energy_of_pair(parameters, crew.at, (i, j), (x, y))
         for p in range(many.first[i], many.first[i + 1]):
-            x, y = state.position[i, 0] + crew.at[p, 0], state.position[i, 1] + crew.at[p, 1]
-            for number in range(wall_count(walls) if parameters.wall_law != NO_WALL_LAW else 0):
-                if parameters.wall_law == DISH:
-                    out = math.sqrt(x * x + y * y)
-                    at_walls += dish_energy(out, many.wall_strength[number, p], length, walls.disc_radius)
-                else:
-                    distance = wall_distance(walls, number, x, y)[0]
-                    at_walls += plane_wall_energy(distance, many.wall_strength[number, p], length)
+            at = (state.position[i, 0] + crew.at[p, 0], state.position[i, 1] + crew.at[p, 1])
+            for number in range(wall_count(walls) if acts(parameters) else 0):
+                at_walls += wall_energy(parameters, number, at, many.wall_strength[number, p], many.charge[p])[0]
     return pairs, at_walls

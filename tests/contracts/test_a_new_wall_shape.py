@@ -1,0 +1,67 @@
+"""CONTRIBUTING's recipe for a dish of a new shape, followed to the letter in a copy of the package."""
+
+import re
+
+import pytest
+from tests.contracts.recipes import Copy, block
+
+HEXAGON = '''
+from pathlib import Path
+Path("hexagon.toml").write_text("""
+model = "floating"
+duration = 0.2
+frame_every = 0.05
+[[floats]]
+count = 12
+radius = "1 mm"
+density = 600.0
+contact_angle = "70 deg"
+[dish]
+shape = "hexagon"
+radius = "2 cm"
+law = "none"
+""")
+'''
+COMMANDS = [
+    ["run", "hexagon.toml", "--out", "run"],
+    ["movie", "run", "--out", "film.gif"],
+    ["plot", "run", "--what", "pair-distribution"],
+    ["plot", "run", "--what", "bowl"],
+    ["view", "run", "--save", "view.html"],
+]
+
+
+@pytest.fixture(scope="module")
+def copy(tmp_path_factory):
+    """The package with the new shape: one file is changed."""
+    made, file = Copy(tmp_path_factory.mktemp("copy"), ("src", "tests", "docs")), "models/floating/walls/shapes.py"
+    made.edit(file, "before", "SHAPES = {", block("hexagon") + "\n\n")
+    made.edit(file, "after", "SHAPES = {", block("hexagon-row"))
+    return made
+
+
+def test_a_run_in_a_new_shape_can_be_filmed_plotted_and_viewed(copy):
+    made = copy.python("-c", HEXAGON)
+    assert made.returncode == 0, made.stderr
+    for command in COMMANDS:
+        done = copy.python("-m", "ecume", *command)
+        assert done.returncode == 0, (command, done.stdout, done.stderr)
+    assert (copy.folder / "film.gif").stat().st_size > 1000
+    assert "hexagon" in (copy.folder / "view.html").read_text(encoding="utf-8")
+
+
+def test_the_usual_meniscus_is_refused_with_the_reason(copy):
+    done = copy.python("-m", "ecume", "check", "hexagon.toml", "--set", 'dish.law="meniscus"')
+    assert done.returncode != 0
+    assert "120 degrees" in done.stdout + done.stderr
+
+
+def test_a_new_shape_holds_what_all_others_hold(copy):
+    chosen = "hexagon and not documentation"
+    page = "tests/contracts/test_wall_shapes.py"
+    done = copy.python(
+        "-m", "pytest", "-v", "-p", "no:cacheprovider", "-k", chosen, "-m", "not compiled", page,
+        NUMBA_DISABLE_JIT="1",
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout
+    assert re.search(r"[8-9] passed", done.stdout), done.stdout

@@ -1,0 +1,184 @@
+"""What holds for every shape of a dish, in the model, in pictures, on the page and at play."""
+
+import dataclasses
+import math
+import re
+
+import numpy as np
+import pytest
+from tests.contracts.test_laws import ROOT
+from tests.models.floating.bowls import WATER, scene_of
+
+from ecume.engine.walls import enclosures, wall_count, wall_distance
+from ecume.errors import SceneError
+from ecume.models import MODELS
+from ecume.models.floating.forces import add_wall_forces
+from ecume.models.floating.observing import sum_of_wall_energies
+from ecume.models.floating.walls.menisci import FACING, ROUND
+from ecume.models.floating.walls.shapes import SHAPES, outline_of, walls_of
+from ecume.show.figures import FIGURES
+from ecume.show.movies import FILMS
+from ecume.show.picture import Size
+from ecume.show.play.bowl import Bowl as Game
+from ecume.show.play.pages import BowlPage
+from ecume.show.view.scenery import STAGES
+from ecume.simulation import simulate
+
+FLOATING = MODELS["floating"]
+SIZES = {"radius": "0.02", "size": "[0.04, 0.03]"}
+"""A dish of each key."""
+RADIUS = 1e-3
+KNOWN = [name for name, row in SHAPES.items() if row.meniscus is not None]
+LAWS = [(name, law) for name in KNOWN for law in SHAPES[name].meniscus.laws if law not in ("none", "two-point-legacy")]
+PLACES = [(0.0, 0.0), (0.004, 0.003), (-0.009, 0.002), (0.001, -0.011), (0.0113, 0.0011)]
+
+each_shape = pytest.mark.parametrize("name", SHAPES)
+
+
+def scene_in(name, floats, *, dish='law = "none"', motion="drag = false", **times):
+    """Floats in a dish of a shape, which do not act on each other."""
+    size = f'shape = "{name}"\n{SHAPES[name].key} = {SIZES[SHAPES[name].key]}\n'
+    spec = f"[[floats]]\nradius = {RADIUS}\ndensity = 600.0\ncontact_angle = 1.2\n{floats}\n"
+    rest = f'[interaction]\nlaw = "none"\n[motion]\n{motion}\n[contacts]\nrestitution = 1.0\n'
+    return scene_of(f"{WATER}{spec}[dish]\n{size}{dish}\n{rest}", **times)
+
+
+def inside(walls, count=20, seed=3):
+    """Points inside, not too near to a wall."""
+    chance = np.random.default_rng(seed)
+    low, high = enclosures.bounds(walls)
+    points = chance.uniform(low, high, (40 * count, 2))
+    return [point for point in points if min(enclosures.clearances(walls, point)) > RADIUS][:count]
+
+
+@each_shape
+def test_the_normal_is_the_gradient_of_the_distance(name):
+    walls, fine = FLOATING.parameters(scene_in(name, "count = 1")).walls, 1e-7
+    for x, y in inside(walls):
+        for number in range(wall_count(walls)):
+            slopes = [
+                wall_distance(walls, number, x + dx, y + dy)[0] - wall_distance(walls, number, x - dx, y - dy)[0]
+                for dx, dy in ((fine, 0.0), (0.0, fine))
+            ]
+            normal = wall_distance(walls, number, x, y)[1:]
+            assert np.array(slopes) / (2.0 * fine) == pytest.approx(normal, abs=1e-6)
+            assert math.hypot(*normal) == pytest.approx(1.0, abs=1e-14)
+
+
+@each_shape
+def test_floats_start_inside_and_none_is_told_to_start_in_a_wall(name):
+    scene = scene_in(name, "count = 40")
+    walls = walls_of(scene.dish)
+    for place in next(simulate(scene)).arrays["position"]:
+        assert min(enclosures.clearances(walls, place)) >= RADIUS
+    far = 0.999 * outline_of(scene.dish)[0]
+    with pytest.raises(SceneError, match="not inside the dish"):
+        list(simulate(scene_in(name, f"positions = [{far.tolist()}]")))
+
+
+@each_shape
+def test_a_float_thrown_at_each_wall_stays_inside_and_keeps_its_energy(name):
+    walls = walls_of(scene_in(name, "count = 1").dish)
+    angles = np.linspace(0.3, 2.0 * math.pi + 0.3, 8, endpoint=False)
+    for angle in angles:
+        velocity = [0.2 * math.cos(angle), 0.2 * math.sin(angle)]
+        floats = f"positions = [[0.001, -0.002]]\nvelocity = {velocity}"
+        dish = 'law = "none"\nrestitution = 1.0'
+        frames = list(simulate(scene_in(name, floats, dish=dish, duration=0.4, frame_every=0.02)))
+        energy = [frame.numbers["kinetic_energy"] for frame in frames]
+        assert energy == pytest.approx([energy[0]] * len(energy), rel=1e-9)
+        deepest = min(min(enclosures.clearances(walls, frame.arrays["position"][0])) for frame in frames)
+        assert deepest > (1.0 - 1e-3) * RADIUS
+        assert sum(frame.numbers["collisions"] for frame in frames) >= 2
+
+
+@pytest.mark.parametrize(("name", "law"), LAWS)
+@pytest.mark.parametrize("image", ["none", "pinned"])
+def test_the_force_of_a_meniscus_is_minus_the_slope_of_its_energy(name, law, image):
+    positions = f"positions = {[list(place) for place in PLACES]}"
+    dish = f'law = "{law}"\nimage = "{image}"\ncontact_angle = 0.8'
+    parameters = FLOATING.parameters(scene_in(name, positions, dish=dish))
+    position, force, fine = np.array(PLACES), np.zeros((len(PLACES), 2)), 1e-7
+    add_wall_forces(parameters, position, force)
+    assert np.abs(force).max() > 0.0
+    for i, axis in np.ndindex(force.shape):
+        shift = np.zeros_like(position)
+        shift[i, axis] = fine
+        ends = [sum_of_wall_energies(parameters, position + way * shift) for way in (1.0, -1.0)]
+        assert force[i, axis] == pytest.approx(
+            -(ends[0] - ends[1]) / (2.0 * fine), rel=1e-5, abs=1e-5 * np.abs(force).max()
+        )
+
+
+@each_shape
+@pytest.mark.parametrize("asked", ['law = "meniscus"', 'law = "none"\nimage = "pinned"'])
+def test_a_meniscus_that_is_not_known_is_refused_with_the_reason(name, asked):
+    row = SHAPES[name]
+    scene = scene_in(name, "count = 1", dish=asked)
+    if row.meniscus is not None:
+        assert len(FLOATING.parameters(scene).wall_strength) == wall_count(walls_of(scene.dish))
+        return
+    assert len(row.no_meniscus.split()) > 5
+    with pytest.raises(SceneError, match=re.escape(row.no_meniscus)):
+        FLOATING.parameters(scene)
+
+
+def test_the_kinds_of_menisci_are_those_of_the_rows():
+    assert [SHAPES[name].meniscus for name in ("round", "rectangle")] == [ROUND, FACING]
+
+
+@each_shape
+def test_movies_plots_and_the_page_draw_it(name):
+    scene = scene_in(name, "count = 30", duration=0.1, frame_every=0.05, motion="drag = true")
+    frames = list(simulate(scene))
+    picture = FILMS["floating"](scene, frames, Size(320, 240))
+    assert np.ptp(picture.pixels(frames[-1])[..., :3]) > 100
+    outline = outline_of(scene.dish)
+    for corner in outline:
+        assert picture.view.left < corner[0] < picture.view.right
+        assert picture.view.bottom < corner[1] < picture.view.top
+    for what in ("paths", "pair-distribution", "bowl"):
+        assert FIGURES["floating"][what](frames, scene).axes
+    stage = STAGES["floating"](scene, frames)
+    assert stage.lines[0].points == pytest.approx(outline)
+    walls = walls_of(scene.dish)
+    assert len(stage.surface.walls) + (stage.surface.round > 0.0) == wall_count(walls)
+    shown = stage.heights(frames[-1])
+    assert shown.shape == (stage.surface.rows, stage.surface.columns)
+    assert np.isfinite(shown).all()
+
+
+@each_shape
+def test_one_can_play_with_it(name):
+    scene = scene_in(name, "count = 3", duration=0.1, frame_every=0.05, motion="drag = true")
+    game = Game(scene)
+    game.drop("bead", 0.0, 0.0)
+    game.tilt = (0.1, 0.0)
+    game.play(0.02)
+    assert len(game.frame.arrays["radius"]) == 4
+    page = BowlPage(game)
+    page.paint(1.0)
+    assert page.header()["outline"] == outline_of(scene.dish).tolist()
+    assert page.now()["surface"]
+
+
+@each_shape
+def test_a_size_under_another_key_is_refused(name):
+    scene = scene_in(name, "count = 1")
+    key = next(key for key in SIZES if key != SHAPES[name].key)
+    wrong = {"radius": None, "size": None, key: 0.02 if key == "radius" else (0.04, 0.03)}
+    dish = dataclasses.replace(scene.dish, **wrong)
+    with pytest.raises(SceneError, match=f"takes '{SHAPES[name].key}'"):
+        FLOATING.parameters(dataclasses.replace(scene, dish=dish))
+
+
+def test_a_shape_that_does_not_exist_is_refused():
+    scene = scene_in("round", "count = 1")
+    with pytest.raises(SceneError, match="expected one of 'round'"):
+        FLOATING.parameters(dataclasses.replace(scene, dish=dataclasses.replace(scene.dish, shape="star")))
+
+
+@each_shape
+def test_the_documentation_names_a_shape(name):
+    page = (ROOT / "docs" / "physics" / "floating.md").read_text(encoding="utf-8")
+    assert f"`{name}`" in page
