@@ -13,7 +13,7 @@ from ecume.laws.kernels import KERNEL_CODES, KERNELS, gaussian_deficit, kernel, 
 from ecume.validation import kernels as validation
 
 DIMENSIONS = (1, 2, 3)
-VALUES = Path(validation.__file__).with_name("reference.csv")
+VALUES = Path(validation.__file__).parent / "data" / "kernels" / "reference.csv"
 Q = np.linspace(0.013, 3.3, 101)
 
 
