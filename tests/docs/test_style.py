@@ -128,7 +128,7 @@ def prose(text: str) -> str:
 
 def sentences(text: str) -> Iterator[str]:
     """The sentences of a page's paragraphs and lists; tables and headings are none."""
-    lines = [line for line in prose(text).splitlines() if not line.startswith(("|", "#"))]
+    lines = [line for line in prose(text).splitlines() if not line.lstrip().startswith(("|", "#"))]
     for block in re.split(r"\n\s*\n|\n\s*(?:[-*]|\d+\.) ", "\n".join(lines)):
         yield from re.split(r"(?<=[.!?;:])\s+(?=\S)", re.sub(r"\s+", " ", block))
 
