@@ -12,10 +12,10 @@ ROOT = Path(__file__).parents[2]
 CLIPS = ROOT / "docs" / "clips"
 """A picture (.webp) and a film (.mp4) of each, drawn by `python docs/clips.py`."""
 HEADINGS = {
-    "floating": "What floats",
-    "tracers": "What is carried and bounces",
-    "sph": "Liquids made of particles",
-    "soft": "Soft spheres with films between them",
+    "floating": "Floating bodies",
+    "tracers": "Tracers",
+    "sph": "Liquids (SPH)",
+    "soft": "Soft spheres",
 }
 
 
@@ -28,6 +28,16 @@ def cards() -> str:
         inside = "\n".join(card(name, scenes[name]) for name in scenes if models[name] == model)
         parts.append(f'## {heading}\n\n<div class="gallery">\n{inside}\n</div>\n')
     return "\n".join([*parts, toctree(f"gallery/{name}" for name in scenes)])
+
+
+FRONT = ("bowl", "bouncing-tracers", "dam-break", "sheared-packing")
+"""One example of each model, for the start page."""
+
+
+def front() -> str:
+    """The films of the start page."""
+    scenes = texts()
+    return '<div class="gallery">\n' + "\n".join(card(name, scenes[name]) for name in FRONT) + "\n</div>"
 
 
 def pages() -> dict[str, str]:

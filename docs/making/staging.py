@@ -42,6 +42,7 @@ DRAWN: tuple[Callable[[], dict[str, str]], ...] = (
 """Each gives pages by name."""
 PARTS: dict[str, Callable[[], str]] = {
     "gallery": gallery.cards,
+    "models": gallery.front,
     "validation": records.validation,
     "benchmarks": records.benchmarks,
 }

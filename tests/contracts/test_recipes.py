@@ -109,7 +109,7 @@ from ecume.models import MODELS
 from ecume.run import RunOptions, resume, run
 from ecume.scenes.load import load_scene
 from ecume.show.figures import plot
-from ecume.show.movies import Cut, movie
+from ecume.show.movies import MovieOptions, movie
 from ecume.trajectories.reader import open_trajectory
 
 def stop(progress):
@@ -134,7 +134,7 @@ print(json.dumps({
     "same": same,
     "energy": energy,
     "papers": papers_of(scene),
-    "movie": movie("whole", "ring.gif", Cut(every=10, size=(240, 180))).stat().st_size,
+    "movie": movie("whole", "ring.gif", MovieOptions(every=10, size=(240, 180))).stat().st_size,
     "figure": plot("whole", "energies").stat().st_size,
     "models": list(MODELS),
     "refused": refused,

@@ -23,7 +23,7 @@ from ecume.run import RunDirectory
 from ecume.run.invariant_monitor import Watch
 from ecume.scenes.schema import from_plain
 
-PAGE = Path(__file__).parents[2] / "docs" / "physics" / "sph.md"
+PAGE = Path(__file__).parents[2] / "docs" / "physics" / "sph-options.md"
 PLAIN = os.environ.get("NUMBA_DISABLE_JIT") == "1"
 REGION = {"low": [0.0, 0.0], "high": [1.0, 1.0]}
 DRAG = {"liquid": {"viscosity": 0.02}}

@@ -27,7 +27,7 @@ from ecume.units import Unit
 
 ROOT = Path(__file__).parents[2]
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md")])
-PHYSICS = ROOT / "docs" / "physics" / "floating.md"
+PHYSICS = ROOT / "docs" / "physics"
 SECTIONS = {
     "scene": floating.FloatingScene,
     "[liquid]": floating.LiquidSpec,
@@ -48,6 +48,12 @@ SECTIONS = {
 """The tables of options, and the part of the schema that each describes."""
 EITHER_ANGLE = {"contact_angle": "rad"}
 """An angle or a name: the schema reads it itself."""
+
+
+def physics(model):
+    """The pages about the physics of a model, one after the other."""
+    pages = sorted(PHYSICS.glob(f"{model}*.md"))
+    return "\n".join(page.read_text(encoding="utf-8") for page in pages)
 
 
 def name_of(page):
@@ -187,9 +193,9 @@ def written(default):
 
 
 def rows_below(title):
-    """The first three cells of a table's rows below a heading of the page on floating."""
-    heading = "### The scene itself" if title == "scene" else f"### `{title}`"
-    section = re.split(r"^#", PHYSICS.read_text(encoding="utf-8").split(f"{heading}\n")[1], flags=re.MULTILINE)[0]
+    """The first three cells of a table's rows below a heading of the pages on floating."""
+    heading = "## Top level" if title == "scene" else f"## `{title}`"
+    section = re.split(r"^#", physics("floating").split(f"{heading}\n")[1], flags=re.MULTILINE)[0]
     rows = [line.strip("|").split("|") for line in section.splitlines() if line.startswith("| `")]
     return [(row[0].strip(" `"), row[1].strip(), row[2].strip()) for row in rows]
 
@@ -204,21 +210,21 @@ def test_the_table_of_options_is_the_schema(title):
     [PREFACTORS, SURFACES, INTERFACES, FRICTIONS, REMOTE, SCHEMES, SOLVERS],
     ids=lambda table: ", ".join(table),
 )
-def test_the_page_on_soft_spheres_names_every_law_and_scheme(table):
-    named = set(re.findall(r"`([\w-]+)`", (ROOT / "docs" / "physics" / "soft.md").read_text(encoding="utf-8")))
+def test_the_pages_on_soft_spheres_name_every_law_and_scheme(table):
+    named = set(re.findall(r"`([\w-]+)`", physics("soft")))
     assert set(table) <= named
 
 
 def test_the_tables_of_options_leave_no_part_of_a_scene_out():
     parts = {part for part in vars(floating).values() if dataclasses.is_dataclass(part)}
     assert {part for part in parts if part.__module__.startswith(floating.__name__)} == set(SECTIONS.values())
-    text = PHYSICS.read_text(encoding="utf-8")
+    text = physics("floating")
     assert all(f"`{source} = " in text for source in SOURCES)
 
 
 def numbers_below(title):
     """The first table below a heading whose first row begins with `title`: its first row over its second."""
-    lines = PHYSICS.read_text(encoding="utf-8").splitlines()
+    lines = physics("floating").splitlines()
     head = next(number for number, line in enumerate(lines) if line.startswith(f"| {title} |"))
     return [
         [float(re.sub(r"[^\d.e-]", "", cell.split("(")[0])) for cell in lines[row].strip("|").split("|")[1:]]
@@ -237,7 +243,7 @@ def test_the_drag_factors_in_the_table_are_the_laws():
 
 
 def test_the_errors_of_the_simpler_theories_are_those_of_the_table():
-    text = PHYSICS.read_text(encoding="utf-8").replace("−", "-")
+    text = physics("floating").replace("−", "-")
     rows = re.findall(r"^\| ([\d.]+) \|((?: *-?[\d.]+ % *\|){6})$", text, re.MULTILINE)
     assert len(rows) == 4
     for bond, cells in rows:

@@ -9,7 +9,7 @@ import pytest
 from ecume.scenes import soft
 from ecume.scenes.common import Common
 
-PAGE = Path(__file__).parents[2] / "docs" / "physics" / "soft.md"
+PAGES = sorted((Path(__file__).parents[2] / "docs" / "physics").glob("soft*.md"))
 TABLES = {
     "top level": soft.SoftScene,
     "[liquid]": soft.SoftLiquid,
@@ -27,7 +27,8 @@ TABLES = {
 
 def keys_told(title):
     """The keys in the page's row of a table; what is in parentheses explains."""
-    rows = [line for line in PAGE.read_text(encoding="utf-8").splitlines() if line.startswith("|")]
+    lines = [line for page in PAGES for line in page.read_text(encoding="utf-8").splitlines()]
+    rows = [line for line in lines if line.startswith("|")]
     (row,) = [line for line in rows if line.split("|")[1].strip(" `") == title]
     told = re.sub(r"\([^()]*\)", "", row.split("|", 2)[2])
     return set(re.findall(r"`(\w+)`", told))

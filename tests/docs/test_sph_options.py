@@ -18,7 +18,8 @@ from ecume.scenes.common import Common
 from ecume.scenes.sph.scene import MethodSpec, RegionSpec
 from ecume.scenes.sph.tank import SideSpec, TankSpec
 
-PAGE = (Path(__file__).parents[2] / "docs" / "physics" / "sph.md").read_text(encoding="utf-8")
+PAGES = sorted((Path(__file__).parents[2] / "docs" / "physics").glob("sph*.md"))
+PAGE = "\n".join(page.read_text(encoding="utf-8") for page in PAGES)
 FAMILIES = {
     "kernel": KERNELS,
     "density_diffusion": DIFFUSIONS,
