@@ -161,7 +161,7 @@ def test_every_file_of_ours_that_a_page_names_exists(page):
 
 @each_page
 def test_every_command_that_a_page_names_exists(page):
-    verbs = {command.callback.__name__ for command in app.registered_commands}
+    verbs = {command.name or command.callback.__name__ for command in app.registered_commands}
     text = "\n".join([*blocks(page, "sh"), *re.findall(r"`(ecume [^`]*)`", prose(page))])
     assert set(re.findall(r"^(?:\$ )?ecume (\w+)", text, re.MULTILINE)) <= verbs
 
