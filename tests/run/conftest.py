@@ -19,8 +19,8 @@ from ecume.scenes.schema import SCENES
 
 @pytest.fixture(autouse=True)
 def _toy_among_the_models(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(SCENES, "toy", toy.ToyScene)  # first: SCENES also finds the scenes of models
     monkeypatch.setitem(MODELS, "toy", toy.model())
-    monkeypatch.setitem(SCENES, "toy", toy.ToyScene)
 
 
 @pytest.fixture

@@ -52,6 +52,8 @@ BENCHES: dict[str, Bench] = {
               ("--layers", "1000", "--spaces", "1000", "--steps", "5"), long=True),
         Bench("soft-solvers", "Linear systems of soft packings by each solver", "soft_solvers.py",
               ("--layers", "1000", "--spaces"), long=True),
+        Bench("factorizations", "The solver `direct` beside factorizations of other libraries", "factorizations.py",
+              ("--layers", "300", "--spaces", "--rounds", "3"), long=True),
         Bench("soft-steps", "Steps of the T1 process, explicit and implicit", "soft_steps.py",
               ("--most", "10000"), long=True),
         Bench("sph-peers", "A cube of water in ecume, LAMMPS, PySPH and SPlisHSPlasH", "sph_peers.py",

@@ -105,7 +105,7 @@ def test_newtons_method_doubles_its_digits_with_the_stresses_in(monkeypatch, rot
     changes = []
     move = newton.move
     monkeypatch.setattr(newton, "move", lambda *given: changes.append(move(*given)) or changes[-1])
-    at = (drive, drive._replace(shear_stress=3e-4, normal_stress=1.2e-3), (1, 1))
+    at = (drive, drive._replace(shear_stress=3e-4, normal_stress=1.2e-3), (1, 0, 1, 0))
     assert balance(parameters, scratch, at, state.effort)
     dirk.begin_stage(step, SCHEMES["tr-bdf2"].tableau, 1, 0.1)
     changes.clear()

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -30,8 +30,10 @@ from ecume.laws.capillarity import (
 )
 from ecume.models.floating.parameters import CAPILLARY_LENGTH, Floats, Parameters
 from ecume.models.liquids import liquid_of
-from ecume.scenes.floating import DishSpec, FloatingScene
 from ecume.units import Array
+
+if TYPE_CHECKING:
+    from ecume.scenes.floating import DishSpec, FloatingScene
 
 admit(special, capillarity)
 
