@@ -29,7 +29,6 @@ PAGES = sorted(
 )
 SCENES = sorted([*(ROOT / "src" / "ecume").rglob("*.toml"), *(ROOT / "examples").glob("*.toml")])
 PAGES_TO_DO: dict[str, int] = {
-    "CONTRIBUTING.md": 11,
     "docs/physics/soft.md": 14,
     "docs/physics/sph-options.md": 2,
     "docs/physics/tracers.md": 6,
