@@ -23,21 +23,15 @@ PAGES = sorted(
     for page in [
         *ROOT.glob("*.md"),
         *(ROOT / "docs").rglob("*.md"),
-        *(ROOT / "src" / "ecume" / "validation").glob("*/README.md"),
+        *(ROOT / "src" / "ecume" / "validation" / "data").glob("*/README.md"),
     ]
     if page != STYLE
 )
 SCENES = sorted([*(ROOT / "src" / "ecume").rglob("*.toml"), *(ROOT / "examples").glob("*.toml")])
 PAGES_TO_DO: dict[str, int] = {
-    "CHANGELOG.md": 76,
-    "CONTRIBUTING.md": 11,
-    "SECURITY.md": 12,
-    "docs/architecture.md": 70,
-    "docs/delay-under-stress.md": 5,
     "docs/physics/soft.md": 14,
     "docs/physics/sph-options.md": 2,
     "docs/physics/tracers.md": 6,
-    "docs/reliability.md": 13,
 }
 """Faults allowed on pages that are not yet rewritten. These numbers only go down."""
 TEXTS_TO_DO: dict[str, int] = {

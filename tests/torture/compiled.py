@@ -45,7 +45,7 @@ def caches(scale: float, folder: Path) -> Outcome:
     told["four at once"] = _at_once(folder)
     told["edited"] = _edited(folder, kept)
     if scale >= 0.5:
-        told["march cut"] = _march(folder)
+        told["integrator cut"] = _march(folder)
     wrong = [name for name, right in told.items() if not right]
     return Outcome(len(told), len(told) - len(wrong), f"not {', '.join(wrong)}" if wrong else ", ".join(told))
 
@@ -76,7 +76,7 @@ def _edited(folder: Path, place: Path) -> bool:
 
 
 def _march(folder: Path) -> bool:
-    """All code of a march cut in half: the bits of one whose code is whole."""
+    """All code of a integrator cut in half: the bits of one whose code is whole."""
     file = folder / "scene.toml"
     file.write_text(FIRST_STEPS)
     right = digest_of(file, 1, ECUME_CACHE_DIR=str(folder / "march"))

@@ -139,5 +139,5 @@ TRIALS: tuple[Trial, ...] = (
     Trial("R5 disk full", "no file grows beyond a size", full_disk),
     Trial("R6 checkpoints", "cut, or with a bit changed", checkpoints_damaged),
     Trial("R7 trajectories", "cut, or with a bit changed, then repaired", trajectories_damaged),
-    Trial("R17 former versions", "runs they left half done, gone on with", left_behind),
+    Trial("R17 former versions", "their unfinished runs, resumed", left_behind),
 )

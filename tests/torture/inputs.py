@@ -215,6 +215,6 @@ TRIALS = (
     Trial("R8 mutated scenes", "bytes of templates changed", mutated),
     Trial("R8 mutated scenes, command", "the same through the command line", through_the_command),
     *(Trial(f"R9 generated scenes, {model}", "right keys, any values", generated(model)) for model in SCENES),
-    Trial("R10 typos", "each key of each template misspelt", typos),
+    Trial("R10 typos", "each key of each template misspelled", typos),
     Trial("R11 absurd scenes", "refused before allocation", absurd),
 )

@@ -37,7 +37,7 @@ def killed(model: str) -> Callable[[float, Path], Outcome]:
             tried += ended(child) == -signal.SIGKILL
         go_on(scene, folder / "killed")
         same = results(folder / "killed") == results(folder / "alone")
-        return Outcome(tried, tried if same else 0, "same bytes in the end" if same else "other bytes in the end")
+        return Outcome(tried, tried if same else 0, "same bytes at the end" if same else "other bytes at the end")
 
     return trial
 
@@ -59,7 +59,7 @@ def killed_writing(scale: float, folder: Path) -> Outcome:
         with os.fdopen(there, "rb") as pipe:
             committed = len(pipe.read())
         survived += _whole(home, committed, type(moment.state))
-    return Outcome(tried, survived, "frames that were committed are whole")
+    return Outcome(tried, survived, "committed frames are complete")
 
 
 def _write_for_ever(home: RunDirectory, moment: Any, told: int) -> None:
@@ -135,7 +135,7 @@ def two_at_once(scale: float, folder: Path) -> Outcome:
     resume(folder / "run", options=ONE_THREAD)
     run(scene, folder / "alone", options=ONE_THREAD)
     same = results(folder / "run") == results(folder / "alone")
-    return Outcome(tried, refused if same else 0, "then taken over from the dead")
+    return Outcome(tried, refused if same else 0, "then lock of a dead process taken over")
 
 
 def info_state(folder: Path) -> str:
@@ -164,7 +164,7 @@ def read_while_written(scale: float, folder: Path) -> Outcome:
 
 TRIALS = (
     *(Trial(f"R1 killed, {model}", "SIGKILL at random moments", killed(model)) for model in SCENES),
-    Trial("R2 killed while writing", "SIGKILL inside of frames and checkpoints", killed_writing),
+    Trial("R2 killed while writing", "SIGKILL during writing of frames and checkpoints", killed_writing),
     Trial("R13 signals", "SIGTERM, SIGINT, SIGUSR1", asked_to_stop),
     Trial("R14 two at once", "a second run in one directory", two_at_once),
     Trial("R16 readers", "reads while a run writes", read_while_written),

@@ -249,7 +249,7 @@ def soaked(scale: float, folder: Path) -> Outcome:
 
 
 TRIALS = (
-    *(Trial(f"R3 restarts, {model}", "from each state the same rest", continued(model)) for model in WAYS),
+    *(Trial(f"R3 restarts, {model}", "same continuation from each state", continued(model)) for model in WAYS),
     Trial("R4 threads", "1, 2 and 4, the same bits", threads),
     *(Trial(f"R12 poisoned, {model}", "NaN, infinity, 1e300 in the state", poisoned(model)) for model in WAYS),
     *(Trial(f"R12 overlaps, {model}", "one put into another", overlapping(model)) for model in ("floating", "soft")),

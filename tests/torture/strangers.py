@@ -91,7 +91,7 @@ def strangers(scale: float, folder: Path) -> Outcome:
         ours = _code(port, "GET", f"/?token={source.token}", {}) == 200
         answers = [_code(port, *request) == 403 for request in requests_of_strangers(source.token, port)]
         answers += [_closed(other, port) for other in other_addresses()]
-    return Outcome(len(answers), sum(answers) if ours and not stopped else 0, "403, or no answer at all")
+    return Outcome(len(answers), sum(answers) if ours and not stopped else 0, "403, or no answer")
 
 
 Request = tuple[str, str, dict[str, str]]
@@ -139,5 +139,5 @@ def _closed(address: str, port: int) -> bool:
 
 TRIALS = (
     Trial("R19 hostile titles", "on pages and in figures", hostile),
-    Trial("R19 strangers", "who asks a live page without its token, from elsewhere, for other files", strangers),
+    Trial("R19 strangers", "requests to a live page without token, from another origin, for other files", strangers),
 )

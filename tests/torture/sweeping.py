@@ -47,7 +47,7 @@ def swept(scale: float, folder: Path) -> Outcome:
     sweep(file, folder / "quiet", alone)
     same = (folder / "killed" / "table.csv").read_bytes() == (folder / "quiet" / "table.csv").read_bytes()
     states = open_sweep(folder / "killed").states()
-    return Outcome(points, states.count("done") if same and not done.failed else 0, "same table as a quiet sweep")
+    return Outcome(points, states.count("done") if same and not done.failed else 0, "table of an undisturbed sweep")
 
 
 T1 = """
@@ -83,7 +83,7 @@ def swept_by_dask(scale: float, folder: Path) -> Outcome:
     same = (killed / "table.csv").read_bytes() == (folder / "alone" / "table.csv").read_bytes()
     done = open_sweep(killed).states().count("done")
     good = same and 0 < between < points and codes == [Stopped.exit_code, -signal.SIGKILL] and last == 0
-    note = f"same table as one in line; {between} were done when all was dead"
+    note = f"same table as in one process; {between} were done when all processes were killed"
     return Outcome(
         points, done if good else 0, note if good else f"codes {codes}, {last}; same table: {same}; {between}"
     )
@@ -139,6 +139,6 @@ def started(module: str, *words: object) -> subprocess.Popen[bytes]:
 
 
 TRIALS = (
-    Trial("R15 sweeps", "a sweep killed again and again", swept),
+    Trial("R15 sweeps", "a sweep killed repeatedly", swept),
     Trial("R15 sweeps, Dask", "a worker, the scheduler, then everything killed", swept_by_dask),
 )
