@@ -35,7 +35,7 @@ def drop_frames(*changes: str) -> list[Frame]:
 
 def square() -> list[Row]:
     """The corners are drawn in."""
-    template = Path(__file__).parents[2] / "templates" / "rounding-drop.toml"
+    template = Path(__file__).parents[1] / "templates" / "rounding-drop.toml"
     frames = list(simulate(load_scene(template, [])))
     place = frames[-1].arrays["position"]
     half = float(np.ptp(frames[0].arrays["position"][:, 0]) / 2.0 + 0.5e-4)
