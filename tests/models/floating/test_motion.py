@@ -11,7 +11,7 @@ from ecume.errors import Diverged, SceneError
 from ecume.laws import drag, flotation
 from ecume.models import MODELS
 from ecume.models.floating.kinds import afloat
-from ecume.models.floating.parameters import SCHEMES
+from ecume.models.floating.schemes import SCHEMES
 from ecume.models.floating.time_steps import StepWarning
 from ecume.simulation import simulate
 from tests.models.floating.bowls import HEAVY, LIGHT, WATER, lone_float_in_a_dish, scene_of, two_floats

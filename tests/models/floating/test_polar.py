@@ -8,9 +8,8 @@ from ecume.errors import SceneError
 from ecume.laws import capillarity, dipoles
 from ecume.models import MODELS
 from ecume.models.floating.observing import observe
-from ecume.models.floating.pair_choice import summed_law
-from ecume.models.floating.polar import polar_forces
 from ecume.models.floating.state import make_state
+from ecume.models.floating.stepping import forces_at
 from ecume.scenes.load import load_scene
 from tests.models.floating.bowls import HEAVY, LIGHT, WATER, scene_of
 
@@ -30,8 +29,7 @@ def forces_of(scene):
     parameters = FLOATING.parameters(scene)
     state = FLOATING.start(scene, parameters)
     workspace = FLOATING.workspace(parameters, state, 1.0)
-    scratch = workspace.sorted_floats, workspace.force
-    polar_forces(summed_law(parameters), parameters, state.position, workspace.lists, scratch)
+    forces_at(parameters, state.position, workspace)
     return parameters, state, workspace
 
 

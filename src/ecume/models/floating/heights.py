@@ -18,9 +18,15 @@ from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
 
+def multipoles_of(parameters: Parameters) -> Many:
+    """The part of floats that go by multipoles."""
+    many: Many = part_of(parameters, Many)
+    return many
+
+
 def solved(parameters: Parameters, frame: Frame) -> Crowd:
     """The multipoles of a frame's floats, found anew: frames do not keep them."""
-    many: Many = part_of(parameters, Many)
+    many = multipoles_of(parameters)
     count, orders = many.rims.response.shape
     angle = frame.arrays.get("angle", np.zeros(count))
     turning = np.stack([angle, np.zeros(count)], axis=1)

@@ -125,8 +125,12 @@ def with_dish(many: Many, radius: float, contact_angle: float, mirrored: bool) -
 
 def make_crowd(part: Many, parameters: Parameters, state: State, workspace: Any) -> Crowd:
     """Scratch around the state's amplitudes and angles."""
-    waves: NDArray[np.complex128] = state.amplitudes.view(np.complex128)
-    turning = state.turning
+    return crowd_around(state.amplitudes, state.turning)
+
+
+def crowd_around(amplitudes: Array, turning: Array) -> Crowd:
+    """Scratch around these amplitudes and angles."""
+    waves: NDArray[np.complex128] = amplitudes.view(np.complex128)
     count, orders = waves.shape
     wide = (count, orders + 1)
     return Crowd(

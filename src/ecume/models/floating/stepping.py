@@ -253,6 +253,13 @@ def advance_with(parts: Parts, parameters: Parameters, state: State, workspace: 
     return run(parts, scratch, bare, state, workspace._replace(scratch=()), steps)
 
 
+def forces_at(parameters: Parameters, position: Array, workspace: Workspace) -> Array:
+    """The forces on all floats (N, 2) at these positions, where the workspace's lists hold; it keeps them."""
+    bare = parameters._replace(parts=())
+    evaluate(parameters.parts, workspace.scratch, bare, position, workspace.lists, workspace.force)
+    return workspace.force
+
+
 def make_scratch(parameters: Parameters, state: State, workspace: Workspace) -> Scratch:
     """The workspace of each part."""
     parts = parameters.parts
