@@ -200,7 +200,7 @@ class Selected(Dispatcher):
     """
 
     def __init__(self, choice: Callable[[type], Any]) -> None:
-        super().__init__(lambda *arguments: None, {}, cache=False)
+        super().__init__(cast(FunctionType, lambda *arguments: None), {}, cache=False)
         self.choice = choice
 
     def __call__(self, *arguments: Any) -> Any:

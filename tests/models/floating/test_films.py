@@ -93,8 +93,8 @@ def test_two_beads_meet_when_the_law_says():
     ("changes", "told"),
     [
         ({"integrator": "velocity-verlet"}, "semi-implicit-euler"),
-        ({"more": "temperature = 300.0\n"}, "no temperature"),
-        ({"more": '[interaction]\nmethod = "multipole"\n'}, "superposition"),
+        ({"more": "temperature = 300.0\n"}, "moved by noise that is correlated"),
+        ({"more": '[contacts]\nlaw = "spring-dashpot"\nstiffness = 1.0\n'}, "contacts that stop floats at once"),
     ],
 )
 def test_what_films_do_not_go_with_is_told(changes, told):

@@ -133,7 +133,7 @@ def test_a_steady_force_gives_the_exact_terminal_speed_however_long_the_step(per
     from ecume.models.floating.schemes import give_kick
     from ecume.models.floating.time_steps import kick_of
 
-    kick = kick_of(0, 2.0 * per_relaxation * relaxation, parameters.floats, 0)
+    kick = kick_of(parameters.scheme, 2.0 * per_relaxation * relaxation, parameters.floats, 0)
     force = np.array([[3e-7, 0.0], [0.0, -2e-7]])
     velocity = force * relaxation / mass
     give_kick(kick, velocity, force)

@@ -1,5 +1,7 @@
 """Floats that are magnets: menisci draw them together, dipoles keep them apart."""
 
+import math
+
 import numpy as np
 import pytest
 from scipy.optimize import brentq
@@ -76,10 +78,19 @@ def test_two_magnets_come_to_rest_where_the_forces_cancel():
 
 
 def test_what_magnets_do_not_go_with_is_told():
-    for method in ("multipole", "pair-corrected"):
-        scene = magnets([(0.0, 0.0), (4e-3, 0.0)], rest=f'[interaction]\nmethod = "{method}"\n')
-        with pytest.raises(SceneError, match="magnets go with 'superposition'"):
-            FLOATING.parameters(scene)
+    scene = magnets([(0.0, 0.0), (4e-3, 0.0)], rest='[interaction]\nlaw = "one-sided-legacy"\n')
+    with pytest.raises(SceneError, match="needs a pair law that exerts equal and opposite forces"):
+        FLOATING.parameters(scene)
+
+
+def test_dipoles_add_to_multipoles():
+    places, rest = [(0.0, 0.0), (4e-3, 1e-3)], '[interaction]\nmethod = "multipole"\norder = 2\n'
+    _, _, with_dipoles = forces_of(magnets(places, rest=rest))
+    _, _, without = forces_of(magnets(places, moments=(0.0, 0.0), rest=rest))
+    pushed = dipoles.dipole_force(math.hypot(4e-3, 1e-3), dipoles.dipole_strength(MOMENT, MOMENT))
+    found = with_dipoles.force - without.force
+    assert math.hypot(*found[1]) == pytest.approx(pushed, rel=1e-6)
+    assert found[0] == pytest.approx(-found[1], rel=1e-9)
 
 
 def test_moments_come_from_tables_too(tmp_path):

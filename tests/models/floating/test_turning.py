@@ -89,5 +89,5 @@ def test_half_a_run_and_half_a_run_are_a_run_to_the_bit_for_what_turns():
 
 
 def test_what_turns_needs_multipoles():
-    with pytest.raises(SceneError, match="need 'multipole'"):
+    with pytest.raises(SceneError, match="know contact lines which undulate"):
         FLOATING.parameters(pair((0.0, 0.0), method="pair-corrected"))

@@ -168,7 +168,7 @@ def _wall_of(scene: FloatingScene) -> Option:
     simple = wall_law_of(scene) in (NO_WALL_LAW, DISH, PLANE)
     gives = {"point charges"} if simple else set()
     gives |= {"multipoles"} if simple and law != "linear" else set()
-    return Option(slot="wall", path="dish.law", name=f"dish.law = {law!r}", gives=frozenset(gives))
+    return Option(slot="wall", path="dish.law", name=repr(law), gives=frozenset(gives))
 
 
 def _fault(path: str, message: str) -> SceneError:

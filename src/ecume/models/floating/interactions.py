@@ -18,7 +18,7 @@ from ecume.models.floating.corrected import Corrected, corrected_energy, correct
 from ecume.models.floating.energies import superposed_energy
 from ecume.models.floating.films import Films, slow_by_films
 from ecume.models.floating.forces import Superposed, add_flow, make_sorted, sort_floats, superposed_forces
-from ecume.models.floating.grid import Split, make_reference, smooth_forces, split_energy
+from ecume.models.floating.grid import make_reference, smooth_forces, split_energy
 from ecume.models.floating.interacting import (
     corrections_of,
     dipoles_of,
@@ -35,7 +35,7 @@ from ecume.models.floating.shaped.bodies import Shaped, make_crew
 from ecume.models.floating.shaped.building import shapes_of
 from ecume.models.floating.shaped.forces import shaped_energies, shaped_forces
 from ecume.models.floating.state import State, Workspace
-from ecume.models.floating.summing import split_lines
+from ecume.models.floating.summing import Split, split_lines
 from ecume.scenes.floating import FloatingScene
 from ecume.units import Array
 

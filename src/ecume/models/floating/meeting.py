@@ -18,6 +18,7 @@ from ecume._jit import compiled, composed, selected
 from ecume.engine import contacts as touching
 from ecume.engine import sweeping
 from ecume.engine.contacts import Bodies, Contacts
+from ecume.engine.levers import Levers
 from ecume.engine.sweeping import Goal
 from ecume.models.floating.parameters import Parameters
 from ecume.models.floating.rows import add_rows, copy_rows
@@ -117,7 +118,7 @@ def demand_stops(overlapping: bool, parameters: Parameters, contacts: Contacts, 
 
 
 @compiled
-def share_restitution(parameters: Parameters, contacts: Contacts, of_float: Array) -> None:
+def share_restitution(parameters: Parameters, contacts: Contacts | Levers, of_float: Array) -> None:
     """The restitution of each float: the least among all who bounce together, since unlike ones could create energy."""
     first, second, impulse, count = contacts.first, contacts.second, contacts.impulse, len(parameters.floats.radius)
     for i in range(count):

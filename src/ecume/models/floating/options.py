@@ -84,7 +84,11 @@ def faults_of(chosen: Iterable[Option], tables: Mapping[str, Iterable[Option]]) 
 def _lacking(capability: str, other: Option, tables: Mapping[str, Iterable[Option]]) -> str:
     slot, wanted = CAPABILITIES[capability]
     fit = ", ".join(option.name for option in tables.get(slot, ()) if capability in option.gives)
-    return f"{wanted}: got {other.path} = {other.name}; expected one of {fit}" if fit else f"{wanted}: got {other.name}"
+    return (
+        f"{wanted}: got {other.path} = {other.name}; expected one of {fit}"
+        if fit
+        else f"{wanted}: got {other.name} ({other.path})"
+    )
 
 
 def require_compatible(chosen: Iterable[Option], tables: Mapping[str, Iterable[Option]]) -> None:
