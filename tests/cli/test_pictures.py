@@ -74,7 +74,7 @@ def test_a_movie_that_became_a_webp_says_why_and_the_way_to_an_mp4(monkeypatch: 
         told = cli.invoke(app, ["movie", "bowl", *asked])
         assert told.exit_code == 0
         assert "no ffmpeg was found" in told.stderr
-        assert "install ffmpeg, or pip install 'ecume[movie]'" in told.stderr
+        assert "install ffmpeg, or pip install 'imageio-ffmpeg" in told.stderr
     assert not cli.invoke(app, ["movie", "bowl", "-o", "a.webp"]).stderr
 
 

@@ -74,7 +74,7 @@ def test_the_options_of_a_run_reach_it(asked: list[Any]) -> None:
     ((scene, directory, options),) = asked
     assert done.output == ""
     assert (scene.duration, scene.seed, directory) == (1.0, 3, Path("here"))
-    assert options == {"force": True, "habits": Habits(threads=2)}
+    assert options == {"extra_laws": [], "force": True, "habits": Habits(threads=2)}
 
 
 @pytest.mark.parametrize(
@@ -206,3 +206,44 @@ def test_ctrl_c_stops_with_a_checkpoint_and_says_how_to_go_on(tmp_path: Path) ->
     assert told.startswith("ecume: stopped by SIGINT at step")
     assert told.endswith("go on: ecume resume long\n")
     assert list(tmp_path.glob("long/ckpt/*.npz"))
+
+
+LAW = """
+def push(distance, parameters):
+    return 1e-9 * (4e-3 / distance) ** 2
+"""
+
+
+def test_the_users_laws_reach_a_run_and_neither_path_nor_text_is_kept(asked: list[Any], tmp_path: Path) -> None:
+    (tmp_path / "mine.py").write_text(LAW)
+    assert cli.invoke(app, ["run", "beads.toml", "--laws", "mine.py"]).exit_code == 0
+    ((_, _, options),) = asked
+    assert [law.__name__ for law in options["extra_laws"]] == ["push"]
+
+
+@pytest.mark.compiled
+def test_a_run_with_laws_is_resumed_with_their_file_and_says_so_without(tmp_path: Path) -> None:
+    (tmp_path / "mine.py").write_text(LAW)
+    words = ["--set", "duration=0.1 s", "--laws", "mine.py:push"]
+    assert cli.invoke(app, ["run", "beads.toml", "-q", *words]).exit_code == 0
+    home = tmp_path / "runs" / "beads"
+    (home / "DONE.json").unlink()
+    without = cli.invoke(app, ["resume", "runs/beads"])
+    assert without.exit_code == 2
+    assert "ecume resume runs/beads --laws FILE.py:push" in without.stderr
+    assert cli.invoke(app, ["resume", "runs/beads", "-q", "--laws", "mine.py"]).exit_code == 0
+    kept = b"".join(path.read_bytes() for path in home.rglob("*") if path.suffix in (".json", ".jsonl", ".toml"))
+    assert b"push" in kept
+    assert b"mine.py" not in kept
+    assert b"4e-3" not in kept
+
+
+def test_check_names_the_users_laws_and_refuses_one_that_is_not_reciprocal(tmp_path: Path) -> None:
+    (tmp_path / "mine.py").write_text(LAW)
+    done = cli.invoke(app, ["check", "beads.toml", "--laws", "mine.py"])
+    assert "own laws" in done.stdout
+    assert "push" in done.stdout
+    (tmp_path / "mine.py").write_text(LAW.replace("1e-9", "parameters.radius_i"))
+    refused = cli.invoke(app, ["check", "beads.toml", "--laws", "mine.py"])
+    assert refused.exit_code == 2
+    assert "would create momentum" in refused.stderr

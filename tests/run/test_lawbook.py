@@ -52,9 +52,9 @@ def test_the_manifest_names_the_laws_and_the_same_laws_go_on(broken_off: Path) -
 @pytest.mark.parametrize(
     ("laws", "says"),
     [
-        ([], r"begun with laws of your own, springy; go on from Python: ecume\.resume\(.*extra_laws=\[springy\]\)"),
-        ([slack], "came slack; the run was begun with springy"),
-        ([springy, slack], "came springy, slack; the run was begun with springy"),
+        ([], r"started with laws of your own, springy; .*\n?ecume resume .* --laws FILE\.py:springy\n"),
+        ([slack], "got the laws slack; expected springy"),
+        ([springy, slack], "got the laws springy, slack; expected springy"),
     ],
 )
 def test_other_laws_are_refused_and_the_run_stays_as_it_is(laws: Any, says: str, broken_off: Path) -> None:
@@ -67,7 +67,7 @@ def test_other_laws_are_refused_and_the_run_stays_as_it_is(laws: Any, says: str,
 def test_a_run_without_laws_of_the_users_own_takes_none_later(tmp_path: Path, scene: Scenes) -> None:
     run(scene(), tmp_path / "run")
     (tmp_path / "run" / "DONE.json").unlink()
-    with pytest.raises(BadInput, match="came springy; the run was begun with no laws of your own"):
+    with pytest.raises(BadInput, match="got the laws springy; expected no laws of your own"):
         resume(tmp_path / "run", extra_laws=[springy])
 
 
@@ -77,7 +77,7 @@ def test_a_law_whose_numbers_or_helpers_changed_is_another_law(
     for name, value in (("STIFFNESS", 3.5), ("halved", slack)):
         with monkeypatch.context() as changed:
             changed.setitem(globals(), name, value)
-            with pytest.raises(BadInput, match="springy: not what it was when the run began"):
+            with pytest.raises(BadInput, match="springy: the text of this law has changed"):
                 resume(broken_off, extra_laws=[springy])
     assert resume(broken_off, extra_laws=[springy]).frames == 51
 
@@ -89,3 +89,61 @@ def test_a_law_without_a_file_is_known_by_its_instructions() -> None:
         typed[name] = typed.pop("law")
     one, same, other = (lawbook.entries([typed[name]])[0] for name in ("one", "same", "other"))
     assert one == same != other
+
+
+FILE = """
+import math
+
+STIFFNESS = 2.0
+
+
+def pull(distance, parameters):
+    return -_halved(distance) * STIFFNESS
+
+
+def push(distance, parameters):
+    return math.exp(-distance)
+
+
+def _halved(distance):
+    return distance / 2.0
+
+
+def with_one_argument(distance):
+    return distance
+"""
+
+
+def test_a_file_gives_its_public_functions_of_two_arguments(tmp_path: Path) -> None:
+    (tmp_path / "mine.py").write_text(FILE)
+    assert [law.__name__ for law in lawbook.laws_from([str(tmp_path / "mine.py")])] == ["pull", "push"]
+    (one,) = lawbook.laws_from([f"{tmp_path / 'mine.py'}:pull"])
+    assert one(3.0, None) == -3.0
+
+
+def test_a_file_of_the_same_text_gives_the_same_digest_wherever_it_is(tmp_path: Path) -> None:
+    for name in ("one", "other"):
+        (tmp_path / f"{name}.py").write_text(FILE)
+    one, other = (lawbook.entries(lawbook.laws_from([str(tmp_path / f"{name}.py")])) for name in ("one", "other"))
+    assert one == other
+    (tmp_path / "other.py").write_text(FILE.replace("distance / 2.0", "distance / 2.5"))
+    changed = lawbook.entries(lawbook.laws_from([str(tmp_path / "other.py")]))
+    assert changed[0] != one[0]
+    assert changed[1] == one[1]
+
+
+@pytest.mark.parametrize(
+    ("text", "word", "says"),
+    [
+        (FILE, "mine.txt", "expected FILE.py or FILE.py:NAME"),
+        (FILE, "yours.py", "no such file"),
+        (FILE, "mine.py:pul", "has no function 'pul'; it has pull, push"),
+        ("x = 1", "mine.py", "defines no function of two arguments"),
+        ("def law(:", "mine.py", r"mine\.py, line 1: SyntaxError"),
+        ("\n1 / 0", "mine.py", r"mine\.py, line 2: ZeroDivisionError"),
+    ],
+)
+def test_a_file_that_gives_no_law_is_refused(text: str, word: str, says: str, tmp_path: Path) -> None:
+    (tmp_path / "mine.py").write_text(text)
+    with pytest.raises(BadInput, match=says):
+        lawbook.laws_from([str(tmp_path / word)])

@@ -102,7 +102,7 @@ def test_the_extra_is_asked_for_where_it_is_missing(monkeypatch: pytest.MonkeyPa
     from ecume.errors import BadInput
 
     monkeypatch.setattr(sys, "executable", str(tmp_path / "python"))
-    with pytest.raises(BadInput, match=r"pip install 'ecume\[mpi\]'"):
+    with pytest.raises(BadInput, match=r"pip install 'mpi4py.* 'mpich"):
         engines.launcher()
 
 

@@ -14,6 +14,7 @@ from typing import Annotated, NamedTuple
 
 import typer
 
+from ecume._extras import install
 from ecume.cli.ends import say
 from ecume.cli.keeping import Record, keep
 from ecume.cli.progress import lasting
@@ -133,7 +134,7 @@ def _run(one: Bench, peers: Path | None, record: Path | None) -> bool:
     """One benchmark in a process of its own, its output as it comes; whether it went well. Skipped is well."""
     missing = [name for name in one.needs if importlib.util.find_spec(name) is None]
     if missing:
-        say(f"{one.name}: skipped: {', '.join(missing)} not installed; pip install 'ecume[bench]'")
+        say(f"{one.name}: skipped: {', '.join(missing)} not installed; {install('bench')}")
         return True
     began = time.monotonic()
     typer.echo(f"== {one.name}: {one.summary}")

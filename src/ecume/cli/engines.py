@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from ecume._extras import install
 from ecume.errors import BadInput
 
 if TYPE_CHECKING:
@@ -84,7 +85,7 @@ def launcher() -> Path:
     """The program that starts ranks on this machine, and opens no port for it. Raises BadInput where it is missing."""
     found = Path(sys.executable).parent / "mpiexec.gforker"
     if importlib.util.find_spec("mpi4py") is None or not found.exists():
-        raise BadInput("--engine mpi needs an extra: pip install 'ecume[mpi]'")
+        raise BadInput(f"--engine mpi needs more packages: {install('mpi')}")
     return found
 
 

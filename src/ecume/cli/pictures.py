@@ -8,6 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
+from ecume._extras import install
 from ecume.cli.asking import (
     Azimuth,
     Begin,
@@ -103,7 +104,7 @@ def movie(
         made = make(directory, out, cut, progress=told, workers=workers)
     wrote(made, quiet=quiet)
     if made.suffix != (out or Path("movie.mp4")).suffix and not quiet:
-        say("no ffmpeg was found, so this is a WebP; for MP4 and WebM install ffmpeg, or pip install 'ecume[movie]'")
+        say(f"no ffmpeg was found, so this is a WebP; for MP4 and WebM install ffmpeg, or {install('movie')}")
 
 
 def plot(

@@ -14,7 +14,7 @@ import typer
 from ecume.cli.ends import say
 from ecume.cli.engines import Engine, Ranks, marching
 from ecume.cli.progress import ahead, lasting, shown
-from ecume.cli.scenes import Overrides, SceneFile, placed
+from ecume.cli.scenes import Laws, Overrides, SceneFile, placed
 
 if TYPE_CHECKING:
     from ecume.run import Info, RunResult
@@ -63,6 +63,7 @@ def run(
         ),
     ] = None,
     overrides: Overrides = None,
+    laws: Laws = None,
     threads: Threads = None,
     force: Annotated[bool, typer.Option("--force", help="Replace a run that is there.")] = False,
     view: Annotated[bool, typer.Option("--view", help="Watch it in the browser while it runs.")] = False,
@@ -78,6 +79,7 @@ def run(
     use_at_most(threads)
     from ecume.run import Habits
     from ecume.run import run as simulate
+    from ecume.run.lawbook import laws_from
     from ecume.scenes.load import load_scene
 
     changes = overrides or []
@@ -90,6 +92,7 @@ def run(
             done = simulate(
                 asked,
                 directory,
+                extra_laws=laws_from(laws or []),
                 force=force,
                 habits=Habits(threads=threads, progress=told, source=source, on_violation=on_violation, engine=led),
             )
@@ -98,6 +101,7 @@ def run(
 
 def resume(
     directory: RunFolder = HERE,
+    laws: Laws = None,
     threads: Threads = None,
     on_violation: Violation = None,
     strict: Annotated[
@@ -111,17 +115,18 @@ def resume(
     """Continue a run that was stopped or killed.
 
     On the same processor and versions the result is the same, bit for bit, as without the stop. Elsewhere the last
-    digits may differ: a warning then says by how much.
+    digits may differ: a warning then says by how much. A run with laws of your own needs their file again.
 
     Examples: `ecume resume runs/bowl` · `ecume resume runs/bowl --threads 2 --quiet`
     """
     use_at_most(threads)
     from ecume.run import Habits
     from ecume.run import resume as go_on
+    from ecume.run.lawbook import laws_from
 
     with marching(engine, ranks) as led, shown(quiet=quiet) as told:
         habits = Habits(threads=threads, progress=told, on_violation=on_violation, engine=led, strict=strict)
-        _end(go_on(directory, habits=habits), quiet=quiet)
+        _end(go_on(directory, extra_laws=laws_from(laws or []), habits=habits), quiet=quiet)
 
 
 def _end(done: RunResult, *, quiet: bool) -> None:

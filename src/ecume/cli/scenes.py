@@ -19,6 +19,16 @@ Overrides = Annotated[
     ),
 ]
 
+Laws = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--laws",
+        metavar="FILE.py[:NAME]",
+        help="Add pair laws of your own: the functions of a Python file. Can be repeated.",
+        show_default=False,
+    ),
+]
+
 
 def _names(incomplete: str) -> list[str]:
     """Templates that begin so, for the shell's completion."""
@@ -56,7 +66,7 @@ def new(
         typer.echo(f"wrote {path}")
 
 
-def check(scene: SceneFile, overrides: Overrides = None) -> None:
+def check(scene: SceneFile, overrides: Overrides = None, laws: Laws = None) -> None:
     """Say all that is wrong with a scene, or what follows from it: lengths, charges, time step, memory, time.
 
     Examples: `ecume check bowl.toml` · `ecume check bowl.toml --set "dish.radius=4 cm" --set floats[0].count=60`
@@ -66,9 +76,14 @@ def check(scene: SceneFile, overrides: Overrides = None) -> None:
     changes = overrides or []
     asked = load_scene(scene, changes)
     from ecume.models import MODELS
+    from ecume.run.lawbook import laws_from, named
 
+    own = laws_from(laws or [])
     with placed(scene, changes):
-        rows = MODELS[asked.model].summary(asked)
+        model = MODELS[asked.model]
+        rows = list((model.extended(own) if own else model).summary(asked))
+    if own:
+        rows.append(("own laws", ", ".join(named(law) for law in own), "up to the cutoff; not in the energy"))
     print_table(("quantity", "value", "remark"), rows)
 
 

@@ -12,6 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ecume._extras import install
 from ecume.engine.blocks import Matrix, Pattern, center
 from ecume.engine.cells import Integers
 from ecume.engine.fronts import ACCURATE, USEFUL
@@ -42,7 +43,7 @@ def library() -> Any:
         import cvxopt
         import cvxopt.cholmod
     except ImportError:
-        told = "the solver cholmod needs cvxopt, which is under the GNU GPL: pip install 'ecume[cholmod]'"
+        told = f"the solver cholmod needs cvxopt, which is under the GNU GPL: {install('cholmod')}"
         raise BadInput(f"{told}, or choose auto, direct or iterative") from None
     return cvxopt
 

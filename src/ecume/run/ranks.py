@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ecume._extras import install
 from ecume.errors import BadInput, EcumeError
 from ecume.run.stopping import SIGNALS
 
@@ -38,7 +39,7 @@ def world() -> Any:
     try:
         from mpi4py import MPI
     except (ImportError, RuntimeError) as error:
-        raise BadInput(f"--engine mpi needs an extra, pip install 'ecume[mpi]' ({error})") from None
+        raise BadInput(f"--engine mpi needs more packages: {install('mpi')} ({error})") from None
     return MPI.COMM_WORLD
 
 

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from ecume._extras import install
 from ecume.errors import BadInput, Stopped
 from ecume.sweep.asked import Cluster
 from ecume.sweep.directory import Job, Sweeping
@@ -103,9 +104,7 @@ def _client(crew: Crew, sweeping: Sweeping, workers: int) -> Iterator[Any]:
         import dask.config
         import distributed
     except ImportError as error:
-        raise BadInput(
-            "many workers need Dask, which is not installed: pip install 'ecume[sweep]', or --workers 1"
-        ) from error
+        raise BadInput(f"many workers need Dask, which is not installed: {install('sweep')}, or --workers 1") from error
     library: Any = distributed  # leaves its functions without types
     for name in ("distributed", "distributed.client"):  # what breaks is told by us, in a line
         logging.getLogger(name).setLevel(logging.CRITICAL)
@@ -176,7 +175,7 @@ def slurm_cluster(asked: Cluster, folder: Path) -> Iterator[Any]:
         import dask_jobqueue
         import distributed
     except ImportError as error:
-        raise BadInput("--slurm needs dask-jobqueue: pip install 'ecume[sweep]'") from error
+        raise BadInput(f"--slurm needs dask-jobqueue: {install('sweep')}") from error
     hours, minutes, seconds = map(int, asked.walltime.split(":"))
     lifetime = max(3600 * hours + 60 * minutes + seconds - BEFORE_THE_END, 30)
     jobqueue: Any = dask_jobqueue

@@ -14,6 +14,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from ecume._extras import install
 from ecume.errors import BadInput
 from ecume.run.lawbook import entries
 from ecume.scenes.faults import read_path, suggestion
@@ -93,7 +94,7 @@ class Sweep:
         return [{name: row.get(name, math.nan) for name in columns} for row in rows]
 
     def polars(self, measures: Mapping[str, str | Measure] | None = None) -> Any:
-        """The table as a DataFrame of Polars (`pip install 'ecume[tables]'`); what is missing is null."""
+        """The table as a DataFrame of Polars (extra `tables`); what is missing is null."""
         rows = self.table(measures)
         return _library("polars").DataFrame(_with_nulls(rows), infer_schema_length=None, strict=False)
 
@@ -126,7 +127,7 @@ def _library(name: str) -> Any:
     try:
         return importlib.import_module(name)
     except ImportError as error:
-        raise BadInput(f"{name} is not installed: pip install 'ecume[tables]'; sweep.table() needs nothing") from error
+        raise BadInput(f"{name} is not installed: {install('tables')}; sweep.table() needs nothing") from error
 
 
 def _with_nulls(rows: Sequence[Row]) -> list[Row]:

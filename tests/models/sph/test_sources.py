@@ -182,5 +182,5 @@ def test_a_dxf_outline_is_a_polygon_in_the_drawing_s_unit(tmp_path):
 def test_without_the_library_a_drawing_is_refused_with_the_way_out(tmp_path, monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "trimesh", None)
     (tmp_path / "cube.stl").write_text(stl(cube()))
-    with pytest.raises(SceneError, match=r"needs trimesh, which is not installed: pip install 'ecume\[shapes\]'"):
+    with pytest.raises(SceneError, match=r"needs trimesh, which is not installed: pip install 'ezdxf.* 'trimesh"):
         ecume.load_scene(written(tmp_path, 'outline_from = "cube.stl"', SPACE))

@@ -76,5 +76,5 @@ def test_a_liquid_in_the_plane_is_not_rendered_and_without_pyvista_the_way_out_i
     with pytest.raises(BadInput, match="in the plane"):
         SPH_FIGURES["render"](frames, scene)
     monkeypatch.setitem(sys.modules, "pyvista", None)
-    with pytest.raises(BadInput, match=r"pip install 'ecume\[render\]'"):
+    with pytest.raises(BadInput, match=r"pip install 'pyvista"):
         SPH_FIGURES["render"]([frame_of(dimension=3)], scene_of(dimension=3))

@@ -11,6 +11,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path as Folder
 from typing import Any
 
+from ecume._extras import install
 from ecume.scenes.faults import Complaints, echo
 from ecume.scenes.files import beside, require_there, text_of
 from ecume.scenes.quantities import FARTHEST
@@ -192,4 +193,4 @@ def _library(name: str) -> Any:
         return importlib.import_module(name)
     except ImportError:
         package = name.partition(".")[0]
-        raise ValueError(f"needs {package}, which is not installed: pip install 'ecume[shapes]'") from None
+        raise ValueError(f"needs {package}, which is not installed: {install('shapes')}") from None

@@ -10,6 +10,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
+from ecume._extras import install
 from ecume.engine.shapes import Ball, Shape
 from ecume.errors import BadInput
 from ecume.show.curves import Frames
@@ -131,4 +132,4 @@ def _pyvista() -> Any:
     try:
         return importlib.import_module("pyvista")
     except ImportError:
-        raise BadInput("PyVista is not installed, which renders balls: pip install 'ecume[render]'") from None
+        raise BadInput(f"PyVista is not installed, which renders balls: {install('render')}") from None
