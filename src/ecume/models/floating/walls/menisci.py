@@ -281,9 +281,9 @@ def acts(parameters: Parameters) -> bool:
     return parameters.wall_law != NO_WALL_LAW
 
 
-def has_far_field(parameters: Parameters) -> bool:
+def is_far_field(wall_law: int) -> bool:
     """Whether the walls have the meniscus of superposition, without images, or none: what other methods refine."""
-    return parameters.wall_law in (NO_WALL_LAW, DISH, PLANE)
+    return wall_law in (NO_WALL_LAW, DISH, PLANE)
 
 
 def wall_stiffness(parameters: Parameters) -> float:
