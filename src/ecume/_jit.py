@@ -141,7 +141,7 @@ def composed(function: Function) -> Function:
     """
     if not isinstance(function, FunctionType) or numba.config.DISABLE_JIT:
         return function
-    made: Any = Composed(function, {}, cache=True)
+    made: Any = Composed(function, {"inline": "always"}, cache=True)
     kept: Function = made
     return kept
 

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ecume._jit import compiled, composed, selected
+from ecume._jit import compiled, compiled_inside, composed, selected
 from ecume.engine.contact import contacts as touching
 from ecume.engine.contact import projected_gauss_seidel
 from ecume.engine.contact.contacts import Bodies, Contacts
@@ -53,11 +53,11 @@ class Solver(NamedTuple):
     """How impulses are found: what contacts with and without friction do differently."""
 
     stop: Callable[..., int]
-    """stop(part, own, parameters, workspace, velocity, goal): the impulses that stop everyone; how many sweeps"""
+    """stop(part, own, bodies, contacts, velocity, goal): the impulses that stop everyone; how many sweeps"""
     push: Callable[..., None]
-    """push(part, own, parameters, workspace): impulses times the factor in `contacts.scratch`, on the passage"""
+    """push(part, own, bodies, contacts, passage): impulses times the factor in `contacts.scratch`, on the passage"""
     solve: Callable[..., int]
-    """solve(part, own, parameters, workspace, velocity, goal): impulses from those that stand there; how many sweeps"""
+    """solve(part, own, bodies, contacts, velocity, goal): impulses from those that stand there; how many sweeps"""
     recall: Callable[..., None]
     """recall(part, own, state, workspace): impulses along the surfaces from the step before"""
     remember: Callable[..., None]
@@ -81,16 +81,23 @@ load_spins = selected(lambda kind: _solver(kind).load_spins)
 store_spins = selected(lambda kind: _solver(kind).store_spins)
 
 
-@compiled
+@compiled_inside
 def bodies_of(parameters: Parameters) -> Bodies:
     """What the contact solver must know of floats and walls."""
     return Bodies(parameters.floats.radius, parameters.walls, parameters.kick.mobility)
 
 
-@compiled
-def restitution_of(parameters: Parameters, partner: int) -> float:
+@compiled_inside
+def restitutions_of(parameters: Parameters) -> tuple[int, float, float]:
+    """The number of floats, and the restitution among them and at walls: all that `restitution_of` needs."""
+    return len(parameters.floats.radius), parameters.restitution, parameters.wall_restitution
+
+
+@compiled_inside
+def restitution_of(restitutions: tuple[int, float, float], partner: int) -> float:
     """Of a contact with that partner: a float, or a wall beyond the last of them."""
-    return parameters.restitution if partner < len(parameters.floats.radius) else parameters.wall_restitution
+    count, among_floats, at_walls = restitutions
+    return among_floats if partner < count else at_walls
 
 
 @compiled
@@ -101,7 +108,7 @@ def demand_stops(overlapping: bool, parameters: Parameters, contacts: Contacts, 
     """
     speed, bound, gap, second = contacts.scratch, contacts.bound, contacts.gap, contacts.second
     touching.approaches(contacts, before, speed)
-    slowest = TOLERABLE * parameters.slop / parameters.time_step
+    slowest, restitutions = TOLERABLE * parameters.slop / parameters.time_step, restitutions_of(parameters)
     fastest = 0.0
     for row in range(contacts.total[0]):
         comes = speed[row] < -slowest and gap[row] + parameters.time_step * speed[row] < 0.0
@@ -109,7 +116,7 @@ def demand_stops(overlapping: bool, parameters: Parameters, contacts: Contacts, 
         if overlapping and among_floats:
             # As in the original, which acts on what overlaps already.
             comes = speed[row] < 0.0 and gap[row] <= 0.0
-        elif restitution_of(parameters, second[row]) == 0.0:
+        elif restitution_of(restitutions, second[row]) == 0.0:
             comes = comes and gap[row] < parameters.slop
         bound[row] = 0.0 if comes else -np.inf
         if comes:
@@ -123,13 +130,13 @@ def share_restitution(parameters: Parameters, contacts: Contacts | Levers, of_fl
     first, second, impulse, count = contacts.first, contacts.second, contacts.impulse, len(parameters.floats.radius)
     for i in range(count):
         of_float[i] = np.inf
-    changed = True
+    restitutions, changed = restitutions_of(parameters), True
     while changed:
         changed = False
         for row in range(contacts.total[0]):
             if impulse[row] > 0.0:
                 i, j = first[row], second[row]
-                least = min(of_float[i], restitution_of(parameters, j))
+                least = min(of_float[i], restitution_of(restitutions, j))
                 if j < count:
                     least = min(least, of_float[j])
                     changed = changed or of_float[j] > least
@@ -147,10 +154,10 @@ def bounce(part: Any, own: Any, parameters: Parameters, state: State, workspace:
         return
     push_nobody(contacts)
     goal = Goal(projected_gauss_seidel.CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
-    state.tally[SWEEPS] += stop(part, own, parameters, workspace, before, goal)
+    state.tally[SWEEPS] += stop(part, own, bodies_of(parameters), contacts, before, goal)
     share_restitution(parameters, contacts, of_float)
     state.tally[COLLISIONS] += thrown_back(contacts, of_float)
-    push(part, own, parameters, workspace)
+    push(part, own, bodies_of(parameters), contacts, workspace.passage)
 
 
 @compiled
@@ -172,19 +179,18 @@ def thrown_back(contacts: Contacts, of_float: Array) -> float:
 
 
 @compiled
-def solve_smooth(part: Any, own: Any, parameters: Parameters, workspace: Workspace, velocity: Array, goal: Goal) -> int:
+def solve_smooth(part: Any, own: Any, bodies: Bodies, contacts: Contacts, velocity: Array, goal: Goal) -> int:
     """Contacts without friction: how many sweeps their solution takes."""
-    touching.weigh(workspace.contacts, parameters.kick.mobility)
-    return projected_gauss_seidel.solve(workspace.contacts, velocity, parameters.kick.mobility, goal)
+    touching.weigh(contacts, bodies.mobility)
+    return projected_gauss_seidel.solve(contacts, velocity, bodies.mobility, goal)
 
 
 @compiled
-def push_smooth(part: Any, own: Any, parameters: Parameters, workspace: Workspace) -> None:
+def push_smooth(part: Any, own: Any, bodies: Bodies, contacts: Contacts, passage: Array) -> None:
     """The impulses of bounces, on the passage."""
-    contacts = workspace.contacts
     for row in range(contacts.total[0]):
         contacts.impulse[row] *= contacts.scratch[row]
-    touching.push_all(contacts, contacts.impulse, workspace.passage, parameters.kick.mobility)
+    touching.push_all(contacts, contacts.impulse, passage, bodies.mobility)
 
 
 @composed
@@ -226,7 +232,7 @@ def solve_contacts(
     goal = goal_of(parameters, contacts, velocity)
     sweeps = 0
     if goal.wanted > 0.0:
-        sweeps = solve(part, own, parameters, workspace, velocity, goal)
+        sweeps = solve(part, own, bodies_of(parameters), contacts, velocity, goal)
     else:
         push_nobody(contacts)
     state.tally[SWEEPS] += sweeps
@@ -275,7 +281,7 @@ def demand_gaps(overlapping: bool, parameters: Parameters, contacts: Contacts) -
         contacts.bound[row] = -np.inf if free else -max(contacts.gap[row], 0.0) / parameters.time_step
 
 
-@compiled
+@composed
 def settle(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """Find who touches whom at the new places, and undo deep overlaps, which changes no velocity."""
     if part.overlapping:
@@ -283,14 +289,21 @@ def settle(part: Any, own: Any, parameters: Parameters, state: State, workspace:
     contacts, bodies = workspace.contacts, bodies_of(parameters)
     reach = 2.0 * workspace.ahead[0] + parameters.slop
     touching.gather(contacts, workspace.candidates, state.position, bodies, reach)
-    deepest = 0.0
-    for row in range(contacts.total[0]):
-        deepest = max(deepest, -contacts.gap[row])
+    deepest = deepest_overlap(contacts)
     state.tally[DEEPEST] = max(state.tally[DEEPEST], deepest)
     if deepest > parameters.slop:
         touching.weigh(contacts, bodies.mobility)
         touching.separate(contacts, state.position, bodies, parameters.slop)
         touching.gather(contacts, workspace.candidates, state.position, bodies, reach)
+
+
+@compiled
+def deepest_overlap(contacts: Contacts) -> float:
+    """How far the deepest contact overlaps (m)."""
+    deepest = 0.0
+    for row in range(contacts.total[0]):
+        deepest = max(deepest, -contacts.gap[row])
+    return deepest
 
 
 @compiled

@@ -14,6 +14,7 @@ import numpy as np
 from ecume._jit import compiled
 from ecume.engine.contact import contacts as touching
 from ecume.engine.contact import friction as rubs
+from ecume.engine.contact.contacts import Bodies, Contacts
 from ecume.engine.contact.friction import Motion, Rubbing
 from ecume.engine.contact.projected_gauss_seidel import Goal
 from ecume.engine.contact.warm_start import Memory
@@ -60,45 +61,38 @@ def memory_of(state: State) -> Memory:
 
 
 @compiled
-def solve_rough(
-    part: Rough, rubbing: Rubbing, parameters: Parameters, workspace: Workspace, motion: Motion, goal: Goal
-) -> int:
+def solve_rough(part: Rough, rubbing: Rubbing, bodies: Bodies, contacts: Contacts, motion: Motion, goal: Goal) -> int:
     """Contacts with friction, on these velocities and spins: how many sweeps their solution takes."""
-    contacts = workspace.contacts
-    touching.weigh(contacts, parameters.kick.mobility)
-    rubs.prepare(contacts, rubbing, parameters.floats.radius, part.friction, motion)
+    touching.weigh(contacts, bodies.mobility)
+    rubs.prepare(contacts, rubbing, bodies.radius, part.friction, motion)
     return rubs.solve(contacts, rubbing, motion, goal)
 
 
 @compiled
-def stop_rough(
-    part: Rough, own: Rubbed, parameters: Parameters, workspace: Workspace, velocity: Array, goal: Goal
-) -> int:
+def stop_rough(part: Rough, own: Rubbed, bodies: Bodies, contacts: Contacts, velocity: Array, goal: Goal) -> int:
     """Stop everyone, from no impulses."""
-    for row in range(workspace.contacts.total[0]):
+    for row in range(contacts.total[0]):
         own.rubbing.impulse[row] = 0.0
-    motion = Motion(velocity, own.before, parameters.kick.mobility, part.ease)
-    return solve_rough(part, own.rubbing, parameters, workspace, motion, goal)
+    motion = Motion(velocity, own.before, bodies.mobility, part.ease)
+    return solve_rough(part, own.rubbing, bodies, contacts, motion, goal)
 
 
 @compiled
-def push_rough(part: Rough, own: Rubbed, parameters: Parameters, workspace: Workspace) -> None:
+def push_rough(part: Rough, own: Rubbed, bodies: Bodies, contacts: Contacts, passage: Array) -> None:
     """The impulses of bounces, on the passage and on the spins."""
-    contacts, rubbing = workspace.contacts, own.rubbing
+    rubbing = own.rubbing
     for row in range(contacts.total[0]):
         contacts.impulse[row] *= contacts.scratch[row]
         rubbing.impulse[row] *= contacts.scratch[row]
-    motion = Motion(workspace.passage, own.spin, parameters.kick.mobility, part.ease)
+    motion = Motion(passage, own.spin, bodies.mobility, part.ease)
     rubs.push_all(contacts, rubbing, (contacts.impulse, rubbing.impulse), motion)
 
 
 @compiled
-def resume_rough(
-    part: Rough, own: Rubbed, parameters: Parameters, workspace: Workspace, velocity: Array, goal: Goal
-) -> int:
+def resume_rough(part: Rough, own: Rubbed, bodies: Bodies, contacts: Contacts, velocity: Array, goal: Goal) -> int:
     """Solve on a velocity and the spins through the step, from the impulses that stand there."""
-    motion = Motion(velocity, own.spin, parameters.kick.mobility, part.ease)
-    return solve_rough(part, own.rubbing, parameters, workspace, motion, goal)
+    motion = Motion(velocity, own.spin, bodies.mobility, part.ease)
+    return solve_rough(part, own.rubbing, bodies, contacts, motion, goal)
 
 
 @compiled

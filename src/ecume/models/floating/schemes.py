@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from ecume._jit import admit, compiled, composed, selected
+from ecume._jit import admit, compiled, compiled_inside, composed, selected
 from ecume.engine.philox import counter_of, normals
 from ecume.laws import brownian, dish_motion, drag
 from ecume.laws.brownian import diffusivity
@@ -43,7 +43,7 @@ def give_kick(kick: Kick, velocity: Array, force: Array) -> None:
         velocity[i, 1] = decay[i] * velocity[i, 1] + gain[i] * force[i, 1]
 
 
-@compiled
+@compiled_inside
 def kick_floats(parameters: Parameters, state: State, force: Array, ahead: float) -> None:
     """`give_kick`, with the drag of the scene's law and a dish in motion, `ahead` steps from now."""
     if parameters.drift.thickness > 0.0:
@@ -127,7 +127,7 @@ def predict_kicked(
     kick_and_pass(parameters, state, workspace)
 
 
-@compiled
+@compiled_inside
 def kick_and_pass(parameters: Parameters, state: State, workspace: Workspace) -> None:
     """See `predict_kicked`."""
     if parameters.scheme.drifts_first:

@@ -18,7 +18,7 @@ import numpy as np
 from ecume.engine.cells import Integers
 from ecume.engine.contact import contacts as touching
 from ecume.engine.contact import projected_gauss_seidel
-from ecume.engine.contact.contacts import Candidates, Contacts
+from ecume.engine.contact.contacts import Bodies, Candidates, Contacts
 from ecume.engine.contact.projected_gauss_seidel import Goal
 from ecume.engine.mpi_exchange import Share
 from ecume.engine.neighbors import (
@@ -176,12 +176,12 @@ def shared_forces(
 
 
 def solve_shared(
-    part: SharedImpulses, own: Any, parameters: Parameters, workspace: Workspace, velocity: Array, goal: Goal
+    part: SharedImpulses, own: Any, bodies: Bodies, contacts: Contacts, velocity: Array, goal: Goal
 ) -> int:
     """Impulses of contacts: see `meeting.solve_smooth`. Each rank solves some of the islands."""
-    share, contacts, mobility = part.share, workspace.contacts, parameters.kick.mobility
+    share, mobility = part.share, bodies.mobility
     if contacts.total[0] < FEW_CONTACTS:
-        return meeting.solve_smooth(part.overlapping, (), parameters, workspace, velocity, goal)
+        return meeting.solve_smooth((), (), bodies, contacts, velocity, goal)
     touching.weigh(contacts, mobility)
     if projected_gauss_seidel.begin(contacts, velocity, mobility, goal):
         return 1

@@ -176,7 +176,7 @@ def keep_lists(parts: Parts, scratch: Scratch, parameters: Parameters, state: St
     return DONE
 
 
-@compiled
+@compiled_inside
 def must_renew(parameters: Parameters, state: State, workspace: Workspace) -> int:
     """DONE where lists hold for another step, CROWDED where they do not, DIVERGED where none could."""
     ahead = parameters.time_step * farthest_ahead(parameters.kick, state.velocity, workspace.force)

@@ -11,7 +11,7 @@ from ecume.engine.contact.projected_gauss_seidel import Goal
 from ecume.engine.contact.torque_contacts import Levers
 from ecume.engine.contact.warm_start import Memory
 from ecume.engine.outlines import Stance
-from ecume.models.floating.meeting import STEADY, TOLERABLE, restitution_of, share_restitution
+from ecume.models.floating.meeting import STEADY, TOLERABLE, restitution_of, restitutions_of, share_restitution
 from ecume.models.floating.parameters import Parameters
 from ecume.models.floating.shaped.bodies import Crew, Outlined, party_of, store_angles
 from ecume.models.floating.state import COLLISIONS, DEEPEST, SWEEPS, UNCONVERGED, State, Workspace
@@ -24,10 +24,11 @@ def demand_stops(parameters: Parameters, levers: Levers, before: Array) -> float
     """Ask everyone to stop who comes together in this step and can bounce; the fastest of these approaches."""
     touching.approaches(levers, before, levers.scratch)
     slowest, fastest = TOLERABLE * parameters.slop / parameters.time_step, 0.0
+    restitutions = restitutions_of(parameters)
     for row in range(levers.total[0]):
         speed, gap = levers.scratch[row], levers.gap[row]
         comes = speed < -slowest and gap + parameters.time_step * speed < 0.0
-        if restitution_of(parameters, levers.second[row]) == 0.0:
+        if restitution_of(restitutions, levers.second[row]) == 0.0:
             comes = comes and gap < parameters.slop
         levers.bound[row] = 0.0 if comes else -np.inf
         if comes:
