@@ -35,7 +35,7 @@ from ecume.errors import BadInput
 from ecume.models.floating import contact_models, interactions, meeting, stepping
 from ecume.models.floating.choices import TABLES
 from ecume.models.floating.contact_models import contacts_of
-from ecume.models.floating.forces import Sorted, add_from_slots, add_wall_forces
+from ecume.models.floating.forces import Sorted, add_from_slots, add_wall_forces, sort_floats
 from ecume.models.floating.interactions import RESISTANCES_BY_CONSTANTS, interactions_of, sort_parts
 from ecume.models.floating.options import Option, faults_of
 from ecume.models.floating.pair_choice import NAMES, pair_option
@@ -175,6 +175,11 @@ def shared_forces(
     add_wall_forces(parameters, position, force)
 
 
+def sort_shared(part: SharedPairs, own: Sorted, parameters: Parameters, lists: NeighborLists) -> None:
+    """Copy charges and radii into the order of the slots: see `forces.sort_floats`. Every rank has all of them."""
+    sort_floats((), own, parameters, lists)
+
+
 def solve_shared(
     part: SharedImpulses, own: Any, bodies: Bodies, contacts: Contacts, velocity: Array, goal: Goal
 ) -> int:
@@ -198,6 +203,11 @@ def solve_shared(
     return int(sweeps.max())
 
 
+def push_shared(part: SharedImpulses, own: Any, bodies: Bodies, contacts: Contacts, passage: Array) -> None:
+    """The impulses of bounces on the passage: see `meeting.push_smooth`. Every rank has all of them."""
+    meeting.push_smooth((), (), bodies, contacts, passage)
+
+
 def share_velocities(share: Share, some: Contacts, bounds: Integers, velocity: Array) -> None:
     """Tell everyone how fast the bodies are whose contacts each rank solved: who hangs on two ranks' is no body that
     can be moved.
@@ -215,12 +225,13 @@ def share_velocities(share: Share, some: Contacts, bounds: Integers, velocity: A
 
 
 interactions.BY_CONSTANTS[SharedPairs] = dataclasses.replace(
-    interactions.INTERACTIONS["superposition"], constants=SharedPairs, add_forces=shared_forces, compiled=False
-)
+    interactions.INTERACTIONS["superposition"],
+    constants=SharedPairs, add_forces=shared_forces, sort=sort_shared, compiled=False,
+)  # fmt: skip
 contact_models.BY_CONSTANTS[SharedImpulses] = dataclasses.replace(
     contact_models.CONTACTS["impulse"], constants=SharedImpulses
 )
-meeting.SOLVERS[SharedImpulses] = meeting.SMOOTH._replace(stop=solve_shared, solve=solve_shared)
+meeting.SOLVERS[SharedImpulses] = meeting.SMOOTH._replace(stop=solve_shared, push=push_shared, solve=solve_shared)
 stepping.LISTS[SharedRows] = renew_shared
 
 
