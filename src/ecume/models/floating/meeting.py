@@ -241,8 +241,14 @@ def solve_contacts(
     remember(part, own, state, workspace)
 
 
-@composed
+@compiled
 def meet(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """See `meet_by_passes`."""
+    meet_by_passes(part, own, parameters, state, workspace)
+
+
+@composed
+def meet_by_passes(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """The first contact solves: bounces, then a plastic one on the passage: nobody ends the step inside another.
 
     The velocity changes with the passage; `before`, the velocities before the kick, is used up.
@@ -281,8 +287,14 @@ def demand_gaps(overlapping: bool, parameters: Parameters, contacts: Contacts) -
         contacts.bound[row] = -np.inf if free else -max(contacts.gap[row], 0.0) / parameters.time_step
 
 
-@composed
+@compiled
 def settle(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """See `settle_by_passes`."""
+    settle_by_passes(part, own, parameters, state, workspace)
+
+
+@composed
+def settle_by_passes(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """Find who touches whom at the new places, and undo deep overlaps, which changes no velocity."""
     if part.overlapping:
         return
@@ -319,8 +331,14 @@ def demand_rest(parameters: Parameters, contacts: Contacts, velocity: Array, bef
         bound[row] = -max(gap[row], 0.0) / parameters.time_step if lasting else -np.inf
 
 
-@composed
+@compiled
 def rest(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """See `rest_by_passes`."""
+    rest_by_passes(part, own, parameters, state, workspace)
+
+
+@composed
+def rest_by_passes(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """The last contact solve: on the velocity at the end of the step, so that what is pressed together rests."""
     if part.overlapping:
         return

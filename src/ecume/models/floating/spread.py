@@ -229,7 +229,11 @@ interactions.BY_CONSTANTS[SharedPairs] = dataclasses.replace(
     constants=SharedPairs, add_forces=shared_forces, sort=sort_shared, compiled=False,
 )  # fmt: skip
 contact_models.BY_CONSTANTS[SharedImpulses] = dataclasses.replace(
-    contact_models.CONTACTS["impulse"], constants=SharedImpulses
+    contact_models.CONTACTS["impulse"],
+    constants=SharedImpulses,
+    meet=meeting.meet_by_passes,
+    settle=meeting.settle_by_passes,
+    rest=meeting.rest_by_passes,
 )
 meeting.SOLVERS[SharedImpulses] = meeting.SMOOTH._replace(stop=solve_shared, push=push_shared, solve=solve_shared)
 stepping.LISTS[SharedRows] = renew_shared
