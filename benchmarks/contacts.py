@@ -19,9 +19,8 @@ from ecume._jit import use_threads
 from ecume.engine.contact import contacts as touching
 from ecume.engine.contact import projected_gauss_seidel
 from ecume.engine.contact.projected_gauss_seidel import CONVERGED, Goal
-from ecume.models.floating.forces import forces
 from ecume.models.floating.meeting import TOLERABLE, bodies_of
-from ecume.models.floating.pair_choice import summed_law
+from ecume.models.floating.stepping import forces_at
 
 SPACING = 2.000001e-3
 CONTACTS_PER_FLOAT = 2.97
@@ -38,7 +37,7 @@ def raft(contacts: int) -> March:
 def pressed(march: March) -> np.ndarray:
     """The velocities that menisci give in one kick."""
     parameters, state, work = march.parameters, march.state, march.workspace
-    forces(summed_law(parameters), parameters, state.position, work.lists, (work.sorted_floats, work.force))
+    forces_at(parameters, state.position, work)
     return parameters.kick.gain[:, None] * work.force
 
 

@@ -21,9 +21,10 @@ from marching import March, heavy_spheres, machine
 
 from ecume._jit import compiled_once, use_threads
 from ecume.laws.special import bessel_k1
-from ecume.models.floating import forces, grid
+from ecume.models.floating import forces
 from ecume.models.floating.pair_choice import summed_law
 from ecume.models.floating.pulling import pairs_of
+from ecume.models.floating.stepping import forces_at
 from ecume.scenes.load import load_scene
 
 COUNT, SPACING = 2000, 2.02e-3
@@ -45,7 +46,7 @@ def seconds(work: Callable[[], object], repeats: int) -> float:
 
 def pull_of(march: March, kind: type) -> Callable[[], None]:
     """All pair forces in a precision."""
-    scratch, rows = march.workspace.sorted_floats, pairs_of(march.workspace.lists.rows)
+    scratch, rows = march.workspace.scratch.interactions[0], pairs_of(march.workspace.lists.rows)
     floats, pair = (scratch.charge.astype(kind), scratch.radius), march.parameters.pair.astype(kind)
     law = summed_law(march.parameters._replace(single=kind is np.float32))
 
@@ -137,13 +138,9 @@ def cell_sum(count: int, radius: float, accuracy: float) -> Callable[[], None]:
 def grid_sum(count: int, radius: float, accuracy: float) -> Callable[[], None]:
     """Forces with a grid."""
     march = March(load_scene(BEADS.format(count=count, radius=radius, sum="grid", accuracy=accuracy)))
-    parameters, scratch = march.parameters, (march.workspace.sorted_floats, march.workspace.force)
-    bare, length, position = parameters._replace(many=()), float(parameters.pair[1]), march.state.position
 
     def go() -> None:
-        forces.forces(parameters.many.short, bare, position, march.workspace.lists, scratch)
-        around = grid.grid_around(parameters.many, march.state.reference, length)
-        grid.add_smooth_forces(bare, parameters.many, position, around, scratch[1])
+        forces_at(march.parameters, march.state.position, march.workspace)
 
     go()
     return go

@@ -11,7 +11,10 @@ from scipy.special import k1
 
 from ecume.laws import dipoles
 from ecume.models import MODELS
-from ecume.models.floating import grid, summing
+from ecume.models.floating import summing
+from ecume.models.floating.interactions import part_of
+from ecume.models.floating.polar import Polar
+from ecume.models.floating.stepping import forces_at
 from ecume.scenes.load import load_scene
 from ecume.scenes.templates import folder
 from ecume.show.style import INK, MUTED, PALETTE, figure, style
@@ -39,11 +42,9 @@ def measured_errors(accuracy: float) -> tuple[float, float]:
     found = []
     for sign in (signs, np.ones(COUNT)):
         charge = parameters.floats.charge * sign
-        charged = parameters._replace(floats=parameters.floats._replace(charge=charge), many=())
+        charged = parameters._replace(floats=parameters.floats._replace(charge=charge))
         workspace = model.workspace(charged, state, 1.0)
-        grid.short_forces(charged, state.position, workspace.lists, (workspace.sorted_floats, workspace.force))
-        around = grid.grid_around(parameters.many, state.reference, parameters.pair[1])
-        grid.add_smooth_forces(charged, parameters.many, state.position, around, workspace.force)
+        forces_at(charged, state.position, workspace)
         wanted = _direct(parameters.pair, state.position, charge)
         found.append(float(np.sqrt(np.sum((workspace.force[:PROBED] - wanted) ** 2) / np.sum(wanted**2))))
     return found[0], found[1]
@@ -92,7 +93,7 @@ def magnets() -> Figure:
     scene = load_scene(str(folder() / "mermaid.toml"))
     parameters = MODELS["floating"].parameters(scene)
     length, unit, charge = parameters.pair[1], parameters.pair[0], parameters.floats.charge[0]
-    touching, moment = 2.0 * parameters.floats.radius[0], parameters.many.moment[0]
+    touching, moment = 2.0 * parameters.floats.radius[0], part_of(parameters, Polar).moment[0]
     with style():
         drawn = figure(9.6, 4.2)
         left, right = drawn.subplots(1, 2)

@@ -141,7 +141,7 @@ def composed(function: Function) -> Function:
     """
     if not isinstance(function, FunctionType) or numba.config.DISABLE_JIT:
         return function
-    made: Any = Composed(function, {}, cache=True)
+    made: Any = Composed(function, {"inline": "always"}, cache=True)
     kept: Function = made
     return kept
 
@@ -188,10 +188,78 @@ def by_type(choice: Callable[[type], Callable[..., Any]], place: int = -1) -> Ca
             return None
         made = choice(arguments[place].instance_class)
         if not isinstance(made, FunctionType):
-            return lambda *arguments: made(*arguments)
+            # Arguments are named one by one: a tuple of large named tuples takes minutes to compile.
+            return _written([f"return call_0({_names(len(arguments))})"], len(arguments), {"call_0": made})
         return in_single(made) if types.float32 in arguments and types.float64 not in arguments else made
 
     return chosen
+
+
+class Selected(Dispatcher):
+    """Stands for one of several compiled functions, by the type of its first argument. Compiled code calls the chosen
+    function itself: a function in between would hand on hundreds of arrays, which takes long to compile.
+    """
+
+    def __init__(self, choice: Callable[[type], Any]) -> None:
+        super().__init__(cast(FunctionType, lambda *arguments: None), {}, cache=False)
+        self.choice = choice
+
+    def __call__(self, *arguments: Any) -> Any:
+        """Run the chosen function."""
+        return self.choice(type(arguments[0]))(*arguments)
+
+    def get_call_template(self, arguments: Any, keywords: Any) -> Any:
+        """How compiled code calls the chosen function."""
+        return self.choice(arguments[0].instance_class).get_call_template(arguments, keywords)
+
+    def get_overload(self, signature: Any) -> Any:
+        """What compiled code calls."""
+        return self.choice(signature[0].instance_class).get_overload(signature)
+
+
+def selected(choice: Callable[[type], Any]) -> Any:
+    """The function `choice(type)` of the type of the first argument, a NamedTuple, where all choices are compiled
+    functions. The file that calls `selected` must import every file that defines a choice, as for `by_type`.
+    """
+    if numba.config.DISABLE_JIT:
+        return lambda *arguments: choice(type(arguments[0]))(*arguments)
+    return Selected(choice)
+
+
+def each_by_type(choice: Callable[[type], Callable[..., Any]]) -> Callable[..., None]:
+    """A function of a tuple of parts, a tuple of as many workspaces, and further arguments, which calls
+    `choice(type)(part, workspace, *arguments)` for each part in turn. Compiled code contains the chosen functions only.
+    The file that calls `each_by_type` must import every file that defines a choice, as for `by_type`.
+    """
+
+    def each(parts: Any, workspaces: Any, *arguments: Any) -> None:
+        for part, own in zip(parts, workspaces, strict=True):
+            choice(type(part))(part, own, *arguments)
+
+    if numba.config.DISABLE_JIT:
+        return each
+
+    @numba.extending.overload(each, jit_options={**PART, "pipeline_class": Part}, strict=False)  # type: ignore[untyped-decorator]
+    def version(parts: Any, workspaces: Any, *arguments: Any) -> Any:
+        if not isinstance(parts, types.BaseTuple):
+            return None
+        found: dict[str, Any] = {f"call_{k}": choice(kind.instance_class) for k, kind in enumerate(parts)}
+        rest = "".join(f", a{k + 2}" for k in range(len(arguments)))
+        calls = [f"call_{k}(a0[{k}], a1[{k}]{rest})" for k in range(len(parts))]
+        return _written(calls or ["pass"], len(arguments) + 2, found)
+
+    return each
+
+
+def _names(count: int) -> str:
+    return ", ".join(f"a{k}" for k in range(count))
+
+
+def _written(lines: list[str], count: int, found: dict[str, Any]) -> Any:
+    """A function with these lines and `count` arguments a0, a1, ...; the names that it calls are those of `found`."""
+    text = "\n    ".join([f"def written({_names(count)}):", *lines])
+    exec(compile(text, __file__, "exec"), found)  # noqa: S102  # of the names above, nothing from outside
+    return found["written"]
 
 
 def of_this_process(name: str, fields: Iterable[str]) -> Any:

@@ -17,7 +17,8 @@ from ecume.models import MODELS
 from ecume.models.floating import PairParameters
 from ecume.models.floating.observing import observe
 from ecume.models.floating.pair_choice import law_of
-from ecume.models.floating.parameters import CAPILLARY_LENGTH, SCHEMES, SURFACE_TENSION
+from ecume.models.floating.parameters import CAPILLARY_LENGTH, SURFACE_TENSION
+from ecume.models.floating.schemes import SCHEMES
 from ecume.models.floating.spread import require_spreadable
 from ecume.simulation import simulate
 
@@ -171,7 +172,7 @@ def begun(name, option, model=FLOATING, **changes):
 def first_forces(model, parameters, state, workspace):
     """The forces that one short step from rest lets floats feel, taken from their velocities."""
     assert model.advance(parameters, state, workspace, 1) == 0
-    if SCHEMES[parameters.scheme] == "overdamped":
+    if not parameters.scheme.inertia:
         resistance = parameters.floats.mass / parameters.floats.relaxation_time
     else:
         resistance = parameters.floats.mass / parameters.time_step
@@ -228,7 +229,7 @@ def my_own(distance: float, own: PairParameters) -> float:
 
 # With the JIT each march is compiled with the user's law by itself, which takes ten seconds: two are enough there.
 WITH_MINE = EVERY if PLAIN else [("capillary", "friction"), SLOW]
-NO_SUMS = {"multipole": "sum over pairs", "shapes": "sum over pairs", "single": "expected 'double'"}
+NO_SUMS = {"multipole": "sum of the pair law", "shapes": "sum of the pair law", "single": "expected 'double'"}
 """What takes no laws of a user's own, and why."""
 
 

@@ -52,7 +52,7 @@ def test_multipoles_refuse_laws_that_they_would_leave_out(extended):
     asked = dataclasses.replace(scene, interaction=dataclasses.replace(scene.interaction, method="multipole", order=2))
     parameters = model.parameters(asked)
     state = model.start(asked, parameters)
-    with pytest.raises(BadInput, match=r"extra_laws need .* expected method = 'superposition'"):
+    with pytest.raises(BadInput, match=r"extra_laws: .* got 'multipole' \(interaction.method\)"):
         extended.advance(parameters, state, model.workspace(parameters, state, 1.0), 1)
 
 

@@ -40,7 +40,7 @@ def test_the_table_is_the_law_level_where_it_is_rough_and_zero_in_the_end():
 
 def test_two_that_are_pushed_together_go_slower_by_lambda():
     parameters, state, workspace = set_up(beads([(0.0, 0.0), (2.1 * RADIUS, 0.0)]))
-    pairs = find_films(parameters.many, parameters, state.position, workspace.lists)
+    pairs = find_films(parameters.parts.resistances[0], parameters, state.position, workspace.lists)
     velocity = np.array([[1e-3, 2e-4], [-1e-3, 5e-4]])
     slow_down(pairs, parameters.kick.gain, velocity)
     excess = pair_factor(2.1) - pair_factor(4.0)
@@ -52,7 +52,7 @@ def test_films_do_not_hold_up_a_crowd_that_goes_as_one_and_keep_momentum():
     rng = np.random.default_rng(1)
     places = 2.3 * RADIUS * np.array([(i, j) for i in range(4) for j in range(4)])
     parameters, state, workspace = set_up(beads(places.tolist()))
-    pairs = find_films(parameters.many, parameters, state.position, workspace.lists)
+    pairs = find_films(parameters.parts.resistances[0], parameters, state.position, workspace.lists)
     assert len(pairs.friction) > 40
     together = np.full((16, 2), 3e-3)
     slow_down(pairs, parameters.kick.gain, together)
@@ -93,8 +93,8 @@ def test_two_beads_meet_when_the_law_says():
     ("changes", "told"),
     [
         ({"integrator": "velocity-verlet"}, "semi-implicit-euler"),
-        ({"more": "temperature = 300.0\n"}, "no temperature"),
-        ({"more": '[interaction]\nmethod = "multipole"\n'}, "superposition"),
+        ({"more": "temperature = 300.0\n"}, "moved by noise that is correlated"),
+        ({"more": '[contacts]\nlaw = "spring-dashpot"\nstiffness = 1.0\n'}, "contacts that stop floats at once"),
     ],
 )
 def test_what_films_do_not_go_with_is_told(changes, told):

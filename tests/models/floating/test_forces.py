@@ -6,20 +6,19 @@ from ecume.engine.neighbors import THREADS_FROM
 from ecume.laws import flotation
 from ecume.laws.pair_laws import PAIR_LAWS, Setting
 from ecume.models import MODELS
-from ecume.models.floating.forces import forces
 from ecume.models.floating.observing import observe
 from ecume.models.floating.pair_choice import law_of, summed_law
 from ecume.models.floating.state import make_state
+from ecume.models.floating.stepping import forces_at
 from tests.models.floating.bowls import HEAVY, LIGHT, WATER, bowl, scene_of
 
 FLOATING = MODELS["floating"]
 
 
-def forces_at(parameters, position):
+def found_at(parameters, position):
     state = make_state(position, np.zeros_like(position))
     workspace = FLOATING.workspace(parameters, state, 1.0)
-    scratch = workspace.sorted_floats, workspace.force
-    forces(summed_law(parameters), parameters, state.position, workspace.lists, scratch)
+    forces_at(parameters, state.position, workspace)
     return workspace.force
 
 
@@ -35,7 +34,7 @@ def test_compiled_pair_forces_are_the_exact_law_to_1e_7():
     liquid = flotation.Liquid(1000.0, 0.0728, 1e-3)
     heavy, light = (flotation.Sphere(1e-3, density, 1.5707963) for density in (1300.0, 200.0))
     for distance in np.geomspace(2e-3, 0.99 * parameters.cutoff, 25):
-        found = forces_at(parameters, np.array([[0.0, 0.0], [distance, 0.0]]))
+        found = found_at(parameters, np.array([[0.0, 0.0], [distance, 0.0]]))
         wanted = flotation.pair_force(heavy, light, distance, liquid, theory="nonlinear")
         assert found[1, 0] == pytest.approx(wanted, rel=1e-7)
         assert found[0, 0] == -found[1, 0]
@@ -45,7 +44,7 @@ def test_force_is_minus_the_slope_of_the_energy_that_frames_record():
     scene = a_mixed_crowd(10)
     parameters = FLOATING.parameters(scene)
     position = FLOATING.start(scene, parameters).position
-    found, step = forces_at(parameters, position), 1e-7
+    found, step = found_at(parameters, position), 1e-7
     for i in (0, 7):
         energies = []
         for moved in (-step, step):
@@ -60,7 +59,7 @@ def test_force_is_minus_the_slope_of_the_energy_that_frames_record():
 def test_pair_forces_of_a_crowd_cancel_to_rounding():
     scene = a_mixed_crowd(60)
     parameters = FLOATING.parameters(scene)
-    found = forces_at(parameters, FLOATING.start(scene, parameters).position)
+    found = found_at(parameters, FLOATING.start(scene, parameters).position)
     assert np.abs(found.sum(axis=0)) == pytest.approx(np.zeros(2), abs=1e-14 * np.abs(found).sum())
 
 
@@ -68,7 +67,7 @@ def test_a_dish_pushes_along_the_slope_of_its_energy():
     scene = bowl(8)
     parameters = FLOATING.parameters(scene)
     position = FLOATING.start(scene, parameters).position
-    found, step = forces_at(parameters, position), 1e-7
+    found, step = found_at(parameters, position), 1e-7
     energies = []
     for moved in (-step, step):
         shifted = position + np.array([[moved, 0.0]] + 7 * [[0.0, 0.0]])
@@ -83,7 +82,7 @@ def test_single_precision_keeps_six_digits_wherever_the_crowd_is():
     for precision in ("double", "single"):
         parameters = FLOATING.parameters(a_mixed_crowd(60, f'[interaction]\nprecision = "{precision}"\n'))
         position = FLOATING.start(a_mixed_crowd(60), parameters).position + 900.0
-        found.append(forces_at(parameters, position))
+        found.append(found_at(parameters, position))
     error = np.sqrt(np.sum((found[1] - found[0]) ** 2) / np.sum(found[0] ** 2))
     assert 1e-9 < error < 1e-6
     assert np.abs(found[1].sum(axis=0)).max() < 1e-14 * np.abs(found[1]).sum()
@@ -98,7 +97,7 @@ def test_forces_have_the_same_bits_for_any_number_of_threads():
     found = []
     for threads in (1, 2):
         _jit.use_threads(threads)
-        found.append(forces_at(parameters, position).copy())
+        found.append(found_at(parameters, position).copy())
     assert np.array_equal(found[0], found[1])
 
 

@@ -7,9 +7,10 @@ from scipy.special import k0, k1
 from ecume import _jit
 from ecume.errors import SceneError
 from ecume.models import MODELS
-from ecume.models.floating import grid, summing
-from ecume.models.floating.forces import forces
+from ecume.models.floating import summing
+from ecume.models.floating.interactions import part_of
 from ecume.models.floating.observing import observe
+from ecume.models.floating.stepping import forces_at
 from tests.models.floating.bowls import WATER, scene_of
 
 FLOATING = MODELS["floating"]
@@ -31,12 +32,7 @@ def set_up(scene):
 
 
 def grid_forces(parameters, state, workspace):
-    bare, length = parameters._replace(many=()), parameters.pair[1]
-    scratch = workspace.sorted_floats, workspace.force
-    forces(parameters.many.short, bare, state.position, workspace.lists, scratch)
-    around = grid.grid_around(parameters.many, state.reference, length)
-    grid.add_smooth_forces(bare, parameters.many, state.position, around, workspace.force)
-    return workspace.force.copy()
+    return forces_at(parameters, state.position, workspace).copy()
 
 
 def direct(parameters, position):
@@ -86,17 +82,17 @@ def test_the_recorded_energy_is_the_direct_sum_and_forces_are_its_slope():
     found, step, energies = grid_forces(parameters, state, workspace), 1e-6, []
     for moved in (-step, step):
         shifted = state._replace(position=state.position + np.array([[moved, 0.0]] + 59 * [[0.0, 0.0]]))
-        energies.append(grid.split_energy(parameters, shifted, workspace))
+        energies.append(observe(parameters, shifted, workspace).numbers["pair_energy"])
     assert found[0, 0] == pytest.approx((energies[0] - energies[1]) / (2 * step), rel=1e-4)
     assert found[0, 0] == pytest.approx(forces[0, 0], rel=1e-4)
 
 
 def test_the_cheaper_way_is_taken_where_none_is_asked_for():
-    assert isinstance(FLOATING.parameters(crowd(4000, interaction='sum = "auto"')).many, summing.Split)
-    assert FLOATING.parameters(crowd(4000, interaction='sum = "cells"')).many == ()
-    assert FLOATING.parameters(crowd(200, interaction='sum = "auto"')).many == ()
+    assert part_of(FLOATING.parameters(crowd(4000, interaction='sum = "auto"')), summing.Split) is not None
+    assert part_of(FLOATING.parameters(crowd(4000, interaction='sum = "cells"')), summing.Split) is None
+    assert part_of(FLOATING.parameters(crowd(200, interaction='sum = "auto"')), summing.Split) is None
     millimeters = f"{WATER}[[floats]]\ncount = 4000\nradius = 2e-3\ndensity = 1100.0\ncontact_angle = 1.5\n"
-    assert FLOATING.parameters(scene_of(millimeters)).many == ()
+    assert part_of(FLOATING.parameters(scene_of(millimeters)), summing.Split) is None
 
 
 def test_the_work_of_a_float_stays_the_same_from_thousands_to_a_million_whatever_the_density():
@@ -112,8 +108,7 @@ def test_the_work_of_a_float_stays_the_same_from_thousands_to_a_million_whatever
 @pytest.mark.parametrize(
     ("interaction", "motion", "told"),
     [
-        ('sum = "grid"\nmethod = "multipole"', "", "method = 'superposition'"),
-        ('sum = "grid"', '[motion]\nintegrator = "rk4"\n', "integrators other than"),
+        ('sum = "grid"\nmethod = "multipole"', "", "whose long-range part is smooth: got 'multipole'"),
         ('sum = "grid"\naccuracy = 1e-11', SLOW, "take 'cells'"),
         ('sum = "grids"', SLOW, "did you mean 'grid'"),
     ],

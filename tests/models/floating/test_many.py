@@ -131,7 +131,7 @@ def test_what_does_not_go_together_is_refused():
     with pytest.raises(SceneError, match="did you mean 'multipole'"):
         FLOATING.parameters(scene)
     legacy = discs([[0.0, 0.0]], "multipole", dish=DishSpec(radius=0.02, law="two-point-legacy"))
-    with pytest.raises(SceneError, match="multipoles go with"):
+    with pytest.raises(SceneError, match="whose meniscus is that of the surface"):
         FLOATING.parameters(legacy)
     text = 'model = "floating"\nduration = "1 s"\nframe_every = "1 s"\n[[floats]]\nradius = "1 mm"\ndensity = 300.0\n'
     both = text + 'contact_angle = "70 deg"\ndisc = { thickness = "1 mm" }\n'

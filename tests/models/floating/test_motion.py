@@ -11,7 +11,7 @@ from ecume.errors import Diverged, SceneError
 from ecume.laws import drag, flotation
 from ecume.models import MODELS
 from ecume.models.floating.kinds import afloat
-from ecume.models.floating.parameters import SCHEMES
+from ecume.models.floating.schemes import SCHEMES
 from ecume.models.floating.time_steps import StepWarning
 from ecume.simulation import simulate
 from tests.models.floating.bowls import HEAVY, LIGHT, WATER, lone_float_in_a_dish, scene_of, two_floats
@@ -133,7 +133,7 @@ def test_a_steady_force_gives_the_exact_terminal_speed_however_long_the_step(per
     from ecume.models.floating.schemes import give_kick
     from ecume.models.floating.time_steps import kick_of
 
-    kick = kick_of(0, 2.0 * per_relaxation * relaxation, parameters.floats, 0)
+    kick = kick_of(parameters.scheme, 2.0 * per_relaxation * relaxation, parameters.floats, 0)
     force = np.array([[3e-7, 0.0], [0.0, -2e-7]])
     velocity = force * relaxation / mass
     give_kick(kick, velocity, force)

@@ -1,5 +1,7 @@
 """Floats that are magnets: menisci draw them together, dipoles keep them apart."""
 
+import math
+
 import numpy as np
 import pytest
 from scipy.optimize import brentq
@@ -8,9 +10,8 @@ from ecume.errors import SceneError
 from ecume.laws import capillarity, dipoles
 from ecume.models import MODELS
 from ecume.models.floating.observing import observe
-from ecume.models.floating.pair_choice import summed_law
-from ecume.models.floating.polar import polar_forces
 from ecume.models.floating.state import make_state
+from ecume.models.floating.stepping import forces_at
 from ecume.scenes.load import load_scene
 from tests.models.floating.bowls import HEAVY, LIGHT, WATER, scene_of
 
@@ -30,8 +31,7 @@ def forces_of(scene):
     parameters = FLOATING.parameters(scene)
     state = FLOATING.start(scene, parameters)
     workspace = FLOATING.workspace(parameters, state, 1.0)
-    scratch = workspace.sorted_floats, workspace.force
-    polar_forces(summed_law(parameters), parameters, state.position, workspace.lists, scratch)
+    forces_at(parameters, state.position, workspace)
     return parameters, state, workspace
 
 
@@ -78,10 +78,19 @@ def test_two_magnets_come_to_rest_where_the_forces_cancel():
 
 
 def test_what_magnets_do_not_go_with_is_told():
-    for method in ("multipole", "pair-corrected"):
-        scene = magnets([(0.0, 0.0), (4e-3, 0.0)], rest=f'[interaction]\nmethod = "{method}"\n')
-        with pytest.raises(SceneError, match="magnets go with 'superposition'"):
-            FLOATING.parameters(scene)
+    scene = magnets([(0.0, 0.0), (4e-3, 0.0)], rest='[interaction]\nlaw = "one-sided-legacy"\n')
+    with pytest.raises(SceneError, match="needs a pair law that exerts equal and opposite forces"):
+        FLOATING.parameters(scene)
+
+
+def test_dipoles_add_to_multipoles():
+    places, rest = [(0.0, 0.0), (4e-3, 1e-3)], '[interaction]\nmethod = "multipole"\norder = 2\n'
+    _, _, with_dipoles = forces_of(magnets(places, rest=rest))
+    _, _, without = forces_of(magnets(places, moments=(0.0, 0.0), rest=rest))
+    pushed = dipoles.dipole_force(math.hypot(4e-3, 1e-3), dipoles.dipole_strength(MOMENT, MOMENT))
+    found = with_dipoles.force - without.force
+    assert math.hypot(*found[1]) == pytest.approx(pushed, rel=1e-6)
+    assert found[0] == pytest.approx(-found[1], rel=1e-9)
 
 
 def test_moments_come_from_tables_too(tmp_path):

@@ -11,7 +11,8 @@ from ecume.laws.ellipsoids import ellipsoid_friction
 from ecume.models.floating import FLOATING
 from ecume.models.floating.kinds import kinds_afloat
 from ecume.models.floating.shaped.figures import Skeleton, moments, silhouette
-from ecume.models.floating.shaped.forces import shaped_energies, shaped_forces
+from ecume.models.floating.shaped.forces import shaped_energies
+from ecume.models.floating.stepping import forces_at
 from ecume.simulation import moments as moments_of
 from ecume.simulation import simulate
 from tests.models.floating.bowls import scene_of
@@ -60,12 +61,13 @@ def opened(scene):
 
 
 def energy(parameters, state, workspace):
-    return sum(shaped_energies(parameters, state, workspace))
+    (shapes,), (crew,) = parameters.parts.interactions, workspace.scratch.interactions
+    return sum(shaped_energies(shapes, crew, parameters, state, workspace))
 
 
 def pulled(parameters, state, workspace):
-    shaped_forces(parameters, state.position, workspace.lists, (workspace.sorted_floats, workspace.force))
-    return workspace.force.copy(), workspace.sorted_floats.torque.copy()
+    forces_at(parameters, state.position, workspace)
+    return workspace.force.copy(), workspace.scratch.interactions[0].torque.copy()
 
 
 @pytest.mark.parametrize("dish", ["", '[dish]\nradius = "4 mm"\n', '[dish]\nsize = ["7 mm", "6 mm"]\n'])

@@ -67,7 +67,7 @@ def test_a_pair_rests_where_the_spring_holds_its_pull():
     from scipy.special import k1
 
     pull = strength / length * k1(apart / length)
-    assert 2e-3 - apart == pytest.approx(pull / parameters.springs.stiffness, rel=1e-3)
+    assert 2e-3 - apart == pytest.approx(pull / parameters.parts.contacts.stiffness, rel=1e-3)
     assert 0.0 < 2e-3 - apart < 1e-6
     assert last.numbers["largest_speed"] < 1e-8
 
@@ -98,7 +98,7 @@ def test_a_dashpot_takes_more_the_stiffer_it_is():
     ("rest", "said"),
     [
         ("[contacts]\nstiffness = 2.0\n", "only with contacts.law"),
-        (f"[contacts]\n{SOFT}friction = 0.1\n", "without friction"),
+        (f"[contacts]\n{SOFT}friction = 0.1\n", "solved as impulses"),
         (f"[contacts]\n{SOFT}restitution = 0.0\n", "0.05 or more"),
         (f'[contacts]\n{SOFT}[interaction]\nlaw = "none"\n', "wanted N/m"),
         (f'[contacts]\n{SOFT}[motion]\nintegrator = "rk4"\n', "velocity-verlet"),

@@ -63,5 +63,5 @@ def test_a_frame_that_is_drawn_through_a_liquid_takes_its_floats_along():
 
 @pytest.mark.parametrize("motion", ['integrator = "rk4"', 'drag_law = "schiller-naumann"'])
 def test_what_does_not_go_with_a_dish_in_motion_is_told(motion):
-    with pytest.raises(SceneError, match=r"dish in motion \(dish.motion\) goes with"):
+    with pytest.raises(SceneError, match=r"dish.motion: a dish in motion needs"):
         MODELS["floating"].parameters(dish(SWING, motion=motion))

@@ -8,11 +8,12 @@ import pytest
 from ecume.errors import SceneError
 from ecume.laws import capillarity, flotation, images, meniscus
 from ecume.models import MODELS
-from ecume.models.floating.forces import add_wall_forces, forces
-from ecume.models.floating.observing import observe, sum_of_wall_energies
-from ecume.models.floating.pair_choice import summed_law
+from ecume.models.floating.energies import sum_of_wall_energies
+from ecume.models.floating.forces import add_wall_forces
+from ecume.models.floating.observing import observe
 from ecume.models.floating.state import make_state
-from ecume.models.floating.walls.menisci import DISH, PLANE, TABLED
+from ecume.models.floating.stepping import forces_at
+from ecume.models.floating.walls.wall_laws import DISH, PLANE, TABLED
 from tests.models.floating.bowls import HEAVY, LIGHT, WATER, scene_of
 
 FLOATING = MODELS["floating"]
@@ -137,8 +138,7 @@ def one_sided(densities, apart):
     parameters = FLOATING.parameters(scene)
     state = make_state(np.array([[0.0, 0.0], [apart, 0.0]]), np.zeros((2, 2)))
     workspace = FLOATING.workspace(parameters, state, 1.0)
-    scratch = (workspace.sorted_floats, workspace.force)
-    forces(summed_law(parameters), parameters, state.position, workspace.lists, scratch)
+    forces_at(parameters, state.position, workspace)
     return parameters, state, workspace
 
 

@@ -45,7 +45,7 @@ def test_forces_and_torques_of_the_march_are_those_of_the_solver():
     bodies = [multipole.Undulated(disc, ((2, HEIGHT, angle),)) for angle in (0.4, 1.1)]
     found = multipole.solve(state.position, bodies, liquid_of(scene), 8)
     assert workspace.force == pytest.approx(found.forces, rel=1e-6)
-    assert workspace.sorted_floats.torque == pytest.approx(found.torques, rel=1e-6)
+    assert workspace.scratch.interactions[0].torque == pytest.approx(found.torques, rel=1e-6)
 
 
 @pytest.mark.compiled
@@ -89,5 +89,5 @@ def test_half_a_run_and_half_a_run_are_a_run_to_the_bit_for_what_turns():
 
 
 def test_what_turns_needs_multipoles():
-    with pytest.raises(SceneError, match="need 'multipole'"):
+    with pytest.raises(SceneError, match="know contact lines which undulate"):
         FLOATING.parameters(pair((0.0, 0.0), method="pair-corrected"))

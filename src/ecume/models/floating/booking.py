@@ -15,7 +15,7 @@ from ecume._jit import compiled
 from ecume.laws.dish_motion import left_behind, sway_acceleration, sway_velocity
 from ecume.laws.drag import schiller_naumann_factor
 from ecume.models.floating.currents import current_at, straight_current
-from ecume.models.floating.parameters import OVERDAMPED, Parameters
+from ecume.models.floating.parameters import Parameters
 from ecume.models.floating.state import WORK, State, Workspace
 from ecume.units import Array
 
@@ -53,7 +53,7 @@ def power_of_dish(parameters: Parameters, passage: Array, time: float) -> float:
     for axis in range(2):
         speed = sway.velocity[axis] + sway_velocity(sway.amplitude[axis], sway.turning, time)
         change = sway_acceleration(sway.amplitude[axis], sway.turning, time)
-        change = 0.0 if parameters.scheme == OVERDAMPED else change
+        change = change if parameters.scheme.inertia else 0.0
         for i in range(len(mass)):
             pulled = left_behind(mass[i], mass[i] / relaxation[i], change, speed, sway.slip)
             power += passage[i, axis] * pulled

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -11,23 +12,23 @@ from ecume.errors import BadInput, Fault, SceneError
 from ecume.laws import capillarity, flotation, images
 from ecume.laws.contact import legacy_restitution
 from ecume.laws.pair_laws import PAIR_LAWS, Setting
+from ecume.models.floating.choices import TABLES, Chosen, chosen_by, options_of
 from ecume.models.floating.drifting import drift_of
-from ecume.models.floating.kinds import distinct_kinds, floats_of, moments_of
-from ecume.models.floating.pair_choice import NAMES, require
-from ecume.models.floating.parameters import (
-    CONTACT_LAWS,
-    DRAG_LAWS,
-    LEGACY,
-    SCHEMES,
-    SPRINGS,
-    Parameters,
-    pack_pair,
-)
-from ecume.models.floating.summing import DEEPEST_TOUCH, summed
-from ecume.models.floating.time_steps import good_step, kick_of, with_step
+from ecume.models.floating.forces import Superposed
+from ecume.models.floating.interactions import BY_CONSTANTS, INTERACTIONS
+from ecume.models.floating.kinds import floats_of
+from ecume.models.floating.options import Built, require_compatible
+from ecume.models.floating.pair_choice import NAMES, law_in_precision, row_of
+from ecume.models.floating.parameters import DRAG_LAWS, Parameters, Parts, pack_pair
+from ecume.models.floating.schemes import SCHEMES
+from ecume.models.floating.shaped.bodies import RigidKicks
+from ecume.models.floating.stepping import EveryRow
+from ecume.models.floating.summing import DEEPEST_TOUCH, cut_off, split_of
+from ecume.models.floating.time_steps import good_step, kick_of, step_of
 from ecume.models.floating.walls.shapes import wall_law_of, wall_strengths, wall_table_of, walls_of
 from ecume.models.liquids import liquid_of
 from ecume.scenes.floating import FloatingScene
+from ecume.units import Array
 
 SLOP = 1e-4
 """Overlaps up to this part of the smallest radius are left alone."""
@@ -36,14 +37,51 @@ SLOP = 1e-4
 def parameters_of(scene: FloatingScene) -> Parameters:
     """Everything a run needs and never changes. Raises SceneError."""
     _check_names(scene)
-    parameters, asked = _parameters_with(scene, 1.0), scene.motion.time_step
+    chosen = chosen_by(scene)
+    require_compatible(options_of(scene, chosen), TABLES)
+    parameters, asked = _parameters_with(scene, chosen, 1.0), scene.motion.time_step
     longer = 1.0 if asked is None else asked / good_step(parameters, scene)
     # Who goes farther in a step than usual needs lists that reach as much farther.
-    return parameters if longer <= 1.0 else _parameters_with(scene, longer)
+    return parameters if longer <= 1.0 else _parameters_with(scene, chosen, longer)
 
 
-def _parameters_with(scene: FloatingScene, longer: float) -> Parameters:
+def _parameters_with(scene: FloatingScene, chosen: Chosen, longer: float) -> Parameters:
     """The same, with lists for steps that many times as long as the usual ones."""
+    plain = _without_parts(scene, chosen, longer)
+    eligible = chosen.may_take_grid and row_of(plain).menisci
+    split = split_of(plain, scene, eligible=eligible) if chosen.sums_menisci else None
+    if split is not None:
+        plain = cut_off(plain, split[1])
+    built = [row.make(plain, scene) for row in chosen.interactions if row is not INTERACTIONS["grid"]]
+    if split is not None:
+        short = Superposed(law_in_precision(plain, split[0].short))
+        built = [Built(short), Built(split[0]), *built[1:]]
+    parts = tuple(each.part for each in built)
+    slowing = [row.make(plain, scene) for row in chosen.resistances]
+    touching = chosen.contacts.make(plain, scene, parts)
+    every = [*built, *slowing, touching]
+    limited = plain._replace(
+        quickest=min(plain.quickest, *(each.quickest for each in every)),
+        stiffer=max(each.stiffer for each in every),
+        reach=max(plain.reach, *(each.reach + plain.skin for each in every)),
+    )
+    timed = limited._replace(**step_of(limited, scene)._asdict())
+    turned = next((found for row, each in zip(chosen.interactions, built, strict=False)
+                   if (found := inertia_by(each.part)) is not None), None)  # fmt: skip
+    contacts = chosen.contacts.at_step(touching.part, timed, turned)
+    integrator = chosen.integrator.constants()
+    if scene.shaped:
+        integrator = RigidKicks(parts[0].inertia, parts[0].friction)
+    return timed._replace(parts=Parts(integrator, parts, tuple(each.part for each in slowing), contacts, EveryRow()))
+
+
+def inertia_by(part: Any) -> Array | None:
+    """Of floats that an interaction turns."""
+    return BY_CONSTANTS[type(part)].inertia(part)
+
+
+def _without_parts(scene: FloatingScene, chosen: Chosen, longer: float) -> Parameters:
+    """All that does not depend on the choice of parts."""
     drift = drift_of(scene)
     floats, liquid = floats_of(scene), liquid_of(scene)
     length, row = liquid.capillary_length, PAIR_LAWS[str(scene.interaction.law)]
@@ -56,10 +94,10 @@ def _parameters_with(scene: FloatingScene, longer: float) -> Parameters:
         raise _fault("floats", str(error)) from None
     strength = law.strength if row.menisci else 0.0
     mirrored = scene.dish is not None and scene.dish.image != "none"
-    walls, scheme = walls_of(scene.dish), SCHEMES.index(scene.motion.integrator)
+    walls, scheme = walls_of(scene.dish), chosen.integrator.scheme
     skin = longer * max(0.2 * largest, min(0.4 * length, largest))
     swings = drift.sway.turning if np.any(drift.sway.amplitude) else 0.0
-    parameters = Parameters(
+    return Parameters(
         time_step=0.0,
         steps_per_frame=1,
         scheme=scheme,
@@ -75,7 +113,6 @@ def _parameters_with(scene: FloatingScene, longer: float) -> Parameters:
         wall_strength=wall_strengths(scene, floats),
         wall_table=wall_table_of(scene, smallest),
         image_strength=capillarity.pair_strength(liquid.surface_tension, 1.0, 1.0) if mirrored else 0.0,
-        contact_law=_contact_law(scene),
         restitution=_restitution(scene),
         wall_restitution=scene.dish.restitution if scene.dish is not None else 0.0,
         slop=SLOP * smallest,
@@ -83,70 +120,6 @@ def _parameters_with(scene: FloatingScene, longer: float) -> Parameters:
         quickest=1.0 / swings if swings > 0.0 else math.inf,
         single=scene.interaction.precision == "single",
     )
-    together = _with_springs(summed(with_method(parameters, scene), scene), scene)
-    return _with_friction(with_step(together, scene), scene)
-
-
-def with_method(parameters: Parameters, scene: FloatingScene) -> Parameters:
-    """What goes beyond superposition, where the scene asks for it."""
-    if scene.interaction.method != "multipole" and any(one.disc and one.disc.undulation for one in scene.given):
-        raise _fault("interaction.method", "discs with an undulation need 'multipole'")
-    moment = moments_of(scene)
-    if scene.shaped:
-        if np.any(moment):
-            raise _fault("floats", "magnets do not go with floats that have a shape")
-        if scene.motion.films is not None:
-            raise _fault("motion.films", "films do not go with floats that have a shape")
-        # Imported when asked for, as are the methods below: their loops are compiled on import.
-        from ecume.models.floating.shaped.building import with_shapes
-
-        return with_shapes(parameters, scene, *distinct_kinds(scene))
-    if np.any(moment) and scene.motion.films is None:
-        # Imported when asked for: its loops are compiled on import.
-        from ecume.models.floating.interacting import with_dipoles
-
-        return with_dipoles(parameters, scene, moment)
-    if scene.motion.films is not None:
-        if np.any(moment):
-            raise _fault("motion.films", "films do not go with magnets")
-        from ecume.models.floating.interacting import with_films
-
-        return with_films(parameters, scene)
-    if scene.interaction.method == "superposition":
-        return parameters
-    from ecume.models.floating.interacting import METHODS
-
-    require(parameters, "interaction.method", repr(scene.interaction.method), "menisci")
-    kinds, numbers = distinct_kinds(scene)
-    return METHODS[scene.interaction.method](parameters, scene, kinds, numbers)
-
-
-def _with_springs(parameters: Parameters, scene: FloatingScene) -> Parameters:
-    """What soft contacts need beside all else."""
-    if parameters.contact_law != SPRINGS:
-        if scene.contacts.stiffness is not None:
-            raise _fault("contacts.stiffness", "means something only with contacts.law = 'spring-dashpot'")
-        return parameters
-    # Imported when asked for: its march is compiled for those who want soft contacts only.
-    from ecume.models.floating.springs import with_springs
-
-    return with_springs(parameters, scene)
-
-
-def _with_friction(parameters: Parameters, scene: FloatingScene) -> Parameters:
-    """What surfaces that rub need beside all else."""
-    if not scene.rubs:
-        return parameters
-    # Imported when asked for: its march is compiled for those who rub only.
-    from ecume.models.floating.roughness import with_friction
-
-    return with_friction(parameters, scene)
-
-
-def _contact_law(scene: FloatingScene) -> int:
-    if scene.contacts.law == "impulse" and scene.contacts.legacy_coefficient is not None:
-        return LEGACY
-    return CONTACT_LAWS.index(scene.contacts.law)
 
 
 def _restitution(scene: FloatingScene) -> float:

@@ -16,13 +16,9 @@ from ecume.engine.cells import Integers
 from ecume.engine.neighbors import NeighborLists
 from ecume.laws.flotation import Disc, Liquid, Sphere
 from ecume.laws.special import bessel_k0, bessel_k1
-from ecume.models.floating.forces import Sorted
-from ecume.models.floating.forces import forces as superposed_forces
 from ecume.models.floating.many import Many, make_many
 from ecume.models.floating.parameters import Parameters
-from ecume.models.floating.schemes import predict, predict_rarely_with
 from ecume.models.floating.state import State, Workspace
-from ecume.models.floating.stepping import march_with
 from ecume.units import Array
 
 Kind = tuple[Disc | Sphere, float]
@@ -128,31 +124,14 @@ def add_corrections(tables: Corrected, position: Array, lists: NeighborLists, fo
 
 @compiled
 def corrected_forces(
-    law: Any, parameters: Parameters, position: Array, lists: NeighborLists, scratch: tuple[Sorted, Array]
+    part: Corrected, own: Any, parameters: Parameters, position: Array, lists: NeighborLists, force: Array
 ) -> None:
-    """Superposition, walls, and the corrections."""
-    superposed_forces(law, parameters, position, lists, scratch)
-    add_corrections(parameters.many, position, lists, scratch[1])
+    """Add the corrections of all pairs."""
+    add_corrections(part, position, lists, force)
 
 
-def corrected_energy(parameters: Parameters, state: State, workspace: Workspace) -> float:
-    """The corrections' energy (J)."""
-    return float(add_corrections(parameters.many, state.position, workspace.lists, np.zeros_like(state.position)))
-
-
-@compiled
-def march_corrected(law: Any, parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
-    """The march of floats by corrected pair forces."""
-    return march_with(predict, corrected_forces, law, parameters, state, workspace, steps)
-
-
-@compiled
-def predict_corrected_rarely(law: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """For schemes that ask for forces on the way."""
-    predict_rarely_with(corrected_forces, law, parameters, state, workspace)
-
-
-@compiled
-def march_corrected_rarely(law: Any, parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
-    """The march for these schemes."""
-    return march_with(predict_corrected_rarely, corrected_forces, law, parameters, state, workspace, steps)
+def corrected_energy(
+    part: Corrected, own: Any, parameters: Parameters, state: State, workspace: Workspace
+) -> tuple[float, float]:
+    """The energy of the corrections (J)."""
+    return float(add_corrections(part, state.position, workspace.lists, np.zeros_like(state.position))), 0.0

@@ -6,38 +6,16 @@ import math
 
 import numpy as np
 
-from ecume.errors import Fault, SceneError
 from ecume.laws import brownian
-from ecume.models.floating.parameters import DRAG_LAWS, OVERDAMPED, RARE, SCHEMES, Drift, Sway
+from ecume.models.floating.parameters import DRAG_LAWS, Drift, Sway
 from ecume.scenes.floating import FloatingScene, NodesSpec
 from ecume.units import Array
-
-FAST = ("velocity-verlet", "semi-implicit-euler", "explicit-euler")
-"""Integrators whose kick knows a drag that grows with the speed."""
 
 
 def drift_of(scene: FloatingScene) -> Drift:
     """The flow and the chance that a scene asks for; both need drag."""
     flow, motion = scene.liquid.flow, scene.motion
-    slow = motion.integrator == SCHEMES[OVERDAMPED]
     fast = motion.drag_law == DRAG_LAWS[1]
-    needy = [
-        ("motion.drag_law", fast, "'schiller-naumann'"),
-        ("motion.integrator", slow, "'overdamped'"),
-        ("liquid.flow", flow is not None, "a flowing surface"),
-    ]
-    faults = [
-        Fault(path, f"{what} moves floats by drag; it needs motion.drag = true and a liquid.viscosity above zero")
-        for path, asked, what in needy
-        if asked and (not motion.drag or scene.liquid.viscosity == 0.0)
-    ]
-    if motion.temperature > 0.0 and not slow:
-        faults.append(Fault("motion.temperature", "Brownian motion needs motion.integrator = 'overdamped'"))
-    if fast and motion.integrator not in FAST:
-        faults.append(Fault("motion.drag_law", f"'schiller-naumann' goes with the integrators {', '.join(FAST)}"))
-    faults += _of_the_dish(scene)
-    if faults:
-        raise SceneError(faults)
     rates = np.zeros(6)
     if flow is not None:
         turning, apart = flow.rotation, flow.stretching
@@ -57,26 +35,6 @@ def sway_of(scene: FloatingScene) -> Sway:
     heading = np.array([math.cos(moved.direction), math.sin(moved.direction)])
     turning = 2.0 * math.pi * moved.frequency
     return Sway(True, np.array(moved.velocity), moved.amplitude * heading, turning, 1.0 - moved.carried)
-
-
-def _of_the_dish(scene: FloatingScene) -> list[Fault]:
-    """What does not go with a dish in motion."""
-    if scene.dish is None or scene.dish.motion is None:
-        return []
-    motion = scene.motion
-    against = [
-        (
-            "motion.integrator",
-            motion.integrator in [SCHEMES[rare] for rare in RARE],
-            "Verlet's velocity form or Euler's",
-        ),
-        ("motion.drag_law", motion.drag_law != DRAG_LAWS[0], "'stokes'"),
-        ("motion.films", motion.films is not None, "no films"),
-        ("floats", scene.shaped, "round floats"),
-    ]
-    return [
-        Fault(path, f"a dish in motion (dish.motion) goes with {wanted}") for path, there, wanted in against if there
-    ]
 
 
 NO_NODES = np.zeros((2, 0, 0)), np.zeros(4)

@@ -9,11 +9,15 @@ from typing import Any
 from ecume._jit import compiled_once, of_this_process
 from ecume.errors import BadInput
 from ecume.laws.pair_laws import add_row, row_of
-from ecume.models.floating.interacting import advance_by, sums_pairs
-from ecume.models.floating.pair_choice import lacks, summed_law
+from ecume.models.floating.choices import TABLES
+from ecume.models.floating.forces import Superposed
+from ecume.models.floating.interactions import interactions_of
+from ecume.models.floating.options import Option, faults_of
+from ecume.models.floating.pair_choice import NAMES, pair_option
 from ecume.models.floating.parameters import PairParameters, Parameters
 from ecume.models.floating.pulling import LEAST_DISTANCE, pull_by_force
 from ecume.models.floating.state import State, Workspace
+from ecume.models.floating.stepping import advance_with
 
 ROUNDING = 1e-12
 """By how much of itself a force may change when i and j are swapped: sums in another order, no more."""
@@ -80,9 +84,10 @@ def _advance_with_extra(laws: tuple[Callable[..., float], ...]) -> Callable[...,
 
     def advance(parameters: Parameters, state: State, scratch: Workspace, steps: int) -> int:
         _require_pair_sums(parameters)
-        law = summed_law(parameters)
-        constants = known.setdefault(type(law), _extended(type(law), extra))
-        return advance_by(constants(*law), parameters, state, scratch, steps)
+        base, *others = parameters.parts.interactions
+        constants = known.setdefault(type(base.law), _extended(type(base.law), extra))
+        parts = parameters.parts._replace(interactions=(Superposed(constants(*base.law)), *others))
+        return advance_with(parts, parameters, state, scratch, steps)
 
     return advance
 
@@ -102,16 +107,20 @@ def _extended(constants: type, extra: Callable[..., float]) -> Any:
     return both
 
 
+EXTRA_LAWS = Option(
+    slot="extra laws", path="extra_laws", name="a law of your own",
+    needs={
+        "reciprocal": "its sum counts each pair once",
+        "pair sum": "it is added to the pair law, as far as lists of neighbors reach",
+    },
+)  # fmt: skip
+
+
 def _require_pair_sums(parameters: Parameters) -> None:
     """Raise BadInput for scenes whose forces are not a sum over pairs of floats."""
-    if missing := lacks(parameters, "reciprocal"):
-        raise BadInput(f"extra_laws need {missing}")
-    if not sums_pairs(parameters):
-        raise BadInput(
-            "extra_laws need forces that are a sum over pairs of floats: got interaction.method = 'multipole', "
-            "interaction.sum = 'grid' or floats with a shape; expected method = 'superposition' or 'pair-corrected', "
-            "and sum = 'cells'"
-        )
+    rows = [row for _, row in interactions_of(parameters)]
+    if faults := faults_of([EXTRA_LAWS, pair_option(NAMES[parameters.pair_law]), *rows], TABLES):
+        raise BadInput("; ".join(str(fault) for fault in faults))
     if parameters.single:
         raise BadInput("extra_laws: got interaction.precision = 'single'; expected 'double'")
 

@@ -17,11 +17,9 @@ from ecume._jit import compiled
 from ecume.engine.cells import Integers
 from ecume.engine.neighbors import NeighborLists
 from ecume.laws.drag import pair_factor
-from ecume.models.floating.forces import forces
 from ecume.models.floating.parameters import Parameters
-from ecume.models.floating.schemes import copy_rows, predict
+from ecume.models.floating.rows import copy_rows
 from ecume.models.floating.state import State, Workspace
-from ecume.models.floating.stepping import march_with
 from ecume.units import Array
 
 NODES = 1024
@@ -33,7 +31,7 @@ MOST_TURNS = 10_000
 
 
 class Films(NamedTuple):
-    """`Parameters.many` of a scene that has films."""
+    """The part of a scene that has films."""
 
     excess: Array
     """(NODES,) lambda - lambda(reach), over the logarithm of gap/R"""
@@ -154,16 +152,9 @@ def slow_down(pairs: Pairs, gain: Array, velocity: Array) -> int:
 
 
 @compiled
-def predict_slowed(law: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """`predict`, with films."""
-    predict(law, parameters, state, workspace)
-    pairs = find_films(parameters.many, parameters, state.position, workspace.lists)
+def slow_by_films(part: Films, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """Velocities after a kick, and the passage, become those with films."""
+    pairs = find_films(part, parameters, state.position, workspace.lists)
     if len(pairs.friction) > 0:
         slow_down(pairs, parameters.kick.gain, state.velocity)
         copy_rows(workspace.passage, state.velocity)
-
-
-@compiled
-def march_slowed(law: Any, parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
-    """The march of floats with films between them."""
-    return march_with(predict_slowed, forces, law, parameters, state, workspace, steps)

@@ -1,18 +1,20 @@
-"""Forces on all floats: pairs through the neighbor lists, walls float by float."""
+"""Superposed menisci: forces of a pair law between floats, and of the walls' menisci on each float."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
-from ecume._jit import compiled, inlined
+import numpy as np
+
+from ecume._jit import compiled
 from ecume.engine.cells import Integers
-from ecume.engine.neighbors import NeighborLists, sort_positions
+from ecume.engine.neighbors import NeighborLists
 from ecume.engine.walls import wall_count
 from ecume.models.floating.currents import current_at
 from ecume.models.floating.parameters import Parameters
 from ecume.models.floating.pulling import pairs_of, pull
-from ecume.models.floating.walls.menisci import acts, wall_force
+from ecume.models.floating.state import State, Workspace
+from ecume.models.floating.walls.wall_laws import acts, wall_force
 from ecume.units import Array
 
 
@@ -27,40 +29,44 @@ class Sorted(NamedTuple):
     """the pair law's constants; like the charges in the precision of the sums"""
 
 
+class Superposed(NamedTuple):
+    """The part of floats that interact by a pair law, and with walls one by one."""
+
+    law: Any
+    """constants of the pair law, in the precision of the sum over pairs"""
+
+
+def make_sorted(part: Superposed, parameters: Parameters, state: State, workspace: Workspace) -> Sorted:
+    """Its workspace."""
+    count, kind = len(state.position), np.float32 if parameters.single else np.float64
+    return Sorted(np.zeros(count, kind), np.zeros(count), np.zeros((2, count)), parameters.pair.astype(kind))
+
+
 @compiled
-def sort_floats(parameters: Parameters, lists: NeighborLists, sorted_floats: Sorted) -> None:
+def superposed_forces(
+    part: Superposed, own: Sorted, parameters: Parameters, position: Array, lists: NeighborLists, force: Array
+) -> None:
+    """Add the forces of all pairs and of the walls."""
+    pull(part.law, pairs_of(lists.rows), (own.charge, own.radius), own.pair, own.force)
+    add_from_slots(lists.cells.order, own.force, force)
+    add_wall_forces(parameters, position, force)
+
+
+@compiled
+def sort_floats(part: Any, own: Sorted, parameters: Parameters, lists: NeighborLists) -> None:
     """Copy charges and radii into the order of the slots; after each new neighbor list."""
     floats, order = parameters.floats, lists.cells.order
-    charge, radius = sorted_floats.charge, sorted_floats.radius
+    charge, radius = own.charge, own.radius
     for slot in range(len(order)):
         charge[slot], radius[slot] = floats.charge[order[slot]], floats.radius[order[slot]]
 
 
-@inlined
-def forces_with(
-    pull_all: Callable[..., None],
-    law: Any,
-    parameters: Parameters,
-    position: Array,
-    lists: NeighborLists,
-    scratch: tuple[Sorted, Array],
-) -> None:
-    """The forces on all floats at these positions; the neighbor lists must hold there."""
-    sorted_floats, force = scratch
-    sort_positions(lists, position)
-    sorted_force, charges = sorted_floats.force, (sorted_floats.charge, sorted_floats.radius)
-    pull_all(law, pairs_of(lists.rows), charges, sorted_floats.pair, sorted_force)
-    unsort(lists.cells.order, sorted_force, force)
-    add_wall_forces(parameters, position, force)
-    if parameters.drift.flows:
-        add_flow(parameters, position, force)
-
-
 @compiled
-def unsort(order: Integers, sorted_force: Array, force: Array) -> None:
-    """Copy forces from the order of the slots into that of the floats."""
+def add_from_slots(order: Integers, sorted_force: Array, force: Array) -> None:
+    """Add forces in the order of the slots to those in the order of the floats."""
     for slot in range(len(order)):
-        force[order[slot], 0], force[order[slot], 1] = sorted_force[0, slot], sorted_force[1, slot]
+        force[order[slot], 0] += sorted_force[0, slot]
+        force[order[slot], 1] += sorted_force[1, slot]
 
 
 @compiled
@@ -88,9 +94,3 @@ def add_wall_forces(parameters: Parameters, position: Array, force: Array) -> No
             away, inward_x, inward_y = wall_force(parameters, number, place, strength[number, i], charge[i])
             force[i, 0] += away * inward_x
             force[i, 1] += away * inward_y
-
-
-@compiled
-def forces(law: Any, parameters: Parameters, position: Array, lists: NeighborLists, scratch: tuple[Any, Array]) -> None:
-    """`forces_with` the loops of `pulling`; scratch is a `Sorted`, or has the same."""
-    forces_with(pull, law, parameters, position, lists, scratch)

@@ -24,8 +24,6 @@ from ecume.engine.neighbors import NeighborLists, Slots
 from ecume.laws import ewald as splitting
 from ecume.laws.ewald import smooth_self_energy, smooth_wave, smooth_wave_within
 from ecume.laws.pair_laws import Short
-from ecume.models.floating.forces import Sorted, forces
-from ecume.models.floating.pair_choice import law_in_precision
 from ecume.models.floating.parameters import (
     CAPILLARY_LENGTH,
     CUTOFF,
@@ -34,7 +32,6 @@ from ecume.models.floating.parameters import (
     Parameters,
 )
 from ecume.models.floating.state import State, Workspace
-from ecume.models.floating.stepping import Parts, march_in_parts
 from ecume.models.floating.summing import Split
 from ecume.units import Array
 
@@ -130,18 +127,20 @@ def add_smooth_forces(parameters: Parameters, split: Split, position: Array, gri
     force += float(parameters.pair[STRENGTH]) / length * charge[:, None] * grid_splines.fields(spread, slopes)
 
 
-def split_energy(parameters: Parameters, state: State, workspace: Workspace) -> float:
-    """The energy of all pairs (J): zero when all are far apart."""
-    split, pair, charge = parameters.many, parameters.pair, parameters.floats.charge
+def split_energy(
+    part: Split, own: Any, parameters: Parameters, state: State, workspace: Workspace
+) -> tuple[float, float]:
+    """The energy of all pairs (J), those of the short part included: zero when all are far apart."""
+    split, pair, charge = part, parameters.pair, parameters.floats.charge
     length, rows = float(pair[CAPILLARY_LENGTH]), workspace.lists.rows
     grid = grid_around(split, state.reference, length)
     spread, spectrum, _ = transformed(split, state.position, charge, grid, length)
     potential = fft.irfft2(spectrum, s=grid.shape, workers=WORKERS)[None]
-    own = smooth_self_energy(split.eta) * charge
-    smooth = 0.5 * float(np.sum(charge * (grid_splines.fields(spread, potential)[:, 0] - own)))
+    alone = smooth_self_energy(split.eta) * charge
+    smooth = 0.5 * float(np.sum(charge * (grid_splines.fields(spread, potential)[:, 0] - alone)))
     listed = rows.first, rows.neighbor, workspace.lists.cells.order
     short = sum_of_short_energies(state.position, charge, listed, *_short_table(pair, split.short, split.eta))
-    return -float(pair[STRENGTH]) * (smooth + short)
+    return -float(pair[STRENGTH]) * (smooth + short), 0.0
 
 
 def _short_table(pair: Array, short: Short, eta: float) -> tuple[Array, Array]:
@@ -172,23 +171,21 @@ def sum_of_short_energies(
     return total
 
 
-def march_split_with(parts: Parts, parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
-    """March, with a short part that is summed in a way of one's own."""
-    split: Split = parameters.many
-    # Without the split, parameters are of the type that everyone's are: the parts are compiled once for all.
-    bare = parameters._replace(many=())
+class Reference(NamedTuple):
+    """Scratch: where everyone was when the lists were made, around which the grid lies."""
+
+    position: Array
+    """(N, 2) that of the state"""
+
+
+def make_reference(part: Split, parameters: Parameters, state: State, workspace: Workspace) -> Reference:
+    """Scratch."""
+    return Reference(state.reference)
+
+
+def smooth_forces(
+    part: Split, own: Reference, parameters: Parameters, position: Array, lists: NeighborLists, force: Array
+) -> None:
+    """Add the forces of the smooth part. In Python, since SciPy transforms."""
     length = float(parameters.pair[CAPILLARY_LENGTH])
-
-    def evaluate(
-        law: Any, bare: Parameters, position: Array, lists: NeighborLists, scratch: tuple[Sorted, Array]
-    ) -> None:
-        parts.evaluate(law, bare, position, lists, scratch)
-        add_smooth_forces(bare, split, position, grid_around(split, state.reference, length), scratch[1])
-
-    short = law_in_precision(parameters, split.short)
-    return march_in_parts(parts._replace(evaluate=evaluate), short, bare, state, workspace, steps)
-
-
-def march_split(parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
-    """March: see `ecume.models.model.Model.advance`."""
-    return march_split_with(Parts(forces), parameters, state, workspace, steps)
+    add_smooth_forces(parameters, part, position, grid_around(part, own.position, length), force)

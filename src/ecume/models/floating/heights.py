@@ -10,20 +10,31 @@ from ecume._jit import compiled
 from ecume.laws.multipole.echoes import echo_heights
 from ecume.laws.multipole.graf import Rims, Waves, sent
 from ecume.laws.multipole.ladders import outgoing_ladder
+from ecume.models.floating.interactions import part_of
 from ecume.models.floating.many import Crowd, Many, make_crowd, resolve
 from ecume.models.floating.parameters import Parameters
+from ecume.models.floating.state import make_state
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
 
+def multipoles_of(parameters: Parameters) -> Many:
+    """The part of floats that go by multipoles."""
+    many: Many = part_of(parameters, Many)
+    return many
+
+
 def solved(parameters: Parameters, frame: Frame) -> Crowd:
     """The multipoles of a frame's floats, found anew: frames do not keep them."""
-    many: Many = parameters.many
+    many = multipoles_of(parameters)
     count, orders = many.rims.response.shape
     angle = frame.arrays.get("angle", np.zeros(count))
     turning = np.stack([angle, np.zeros(count)], axis=1)
-    crowd = make_crowd(parameters, np.zeros((count, 2 * orders)), turning)
-    resolve(many, np.ascontiguousarray(frame.arrays["position"]), crowd)
+    position = np.ascontiguousarray(frame.arrays["position"])
+    state = make_state(position, np.zeros((count, 2)))
+    state = state._replace(amplitudes=np.zeros((count, 2 * orders)), turning=turning)
+    crowd = make_crowd(many, parameters, state, None)
+    resolve(many, position, crowd)
     return crowd
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from ecume.models.floating.booking import is_driven
 from ecume.models.floating.pair_choice import row_of
-from ecume.models.floating.parameters import OVERDAMPED, Parameters
+from ecume.models.floating.parameters import Parameters
 from ecume.models.invariants import INJECTED, Invariant, Seen, energy_never_rises, kept, part_of
 from ecume.scenes.floating import FloatingScene
 
@@ -49,7 +49,7 @@ def _energy(parameters: Parameters) -> Invariant:
     with less than kT a float is nothing. A law that breaks Newton's third has none.
     """
     heat = len(parameters.floats.mass) * parameters.drift.thermal
-    motion = () if parameters.scheme == OVERDAMPED else ("kinetic_energy",)
+    motion = ("kinetic_energy",) if parameters.scheme.inertia else ()
     energy = energy_never_rises(RISE, lambda seen: heat, motion)
     if not is_driven(parameters):
         return energy
@@ -60,7 +60,7 @@ def _energy(parameters: Parameters) -> Invariant:
 def _alone(scene: FloatingScene, parameters: Parameters) -> bool:
     """Whether floats feel one another and nothing else."""
     dragged = any(math.isfinite(float(time)) for time in parameters.floats.relaxation_time)
-    pushed = is_driven(parameters) or not row_of(parameters).reciprocal or parameters.scheme == OVERDAMPED
+    pushed = is_driven(parameters) or not row_of(parameters).reciprocal or not parameters.scheme.inertia
     return scene.dish is None and not dragged and not pushed
 
 

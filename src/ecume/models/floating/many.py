@@ -25,12 +25,8 @@ from ecume.laws.multipole.ladders import regular_ladder
 from ecume.laws.multipole.solving import Krylov, iterate, make_krylov
 from ecume.laws.multipole.walls import Basin, images
 from ecume.laws.special import bessel_k0, scaled_bessel_i1
-from ecume.models.floating.forces import add_flow
 from ecume.models.floating.parameters import Parameters
-from ecume.models.floating.schemes import predict, predict_rarely_with
 from ecume.models.floating.state import State, Workspace
-from ecume.models.floating.stepping import keep_lists, march_with
-from ecume.models.model import DONE
 from ecume.units import Array
 
 TOLERANCE = 1e-9
@@ -59,15 +55,15 @@ class Many(NamedTuple):
     """(N,) kg m^2, of floats that turn; empty where none does"""
     friction: Array
     """(N,) N m s, against their turning"""
+    advances_angles: bool = True
+    """whether angles advance here, and not with the contacts"""
 
 
 class Crowd(NamedTuple):
-    """Scratch; the first three as in `forces.Sorted`."""
+    """Scratch."""
 
-    charge: Array
-    radius: Array
     force: Array
-    """(2, N)"""
+    """(N, 2) over tension and length"""
     amplitudes: Waves
     """(N, order + 1) those of the state, seen as complex numbers"""
     krylov: Krylov
@@ -127,15 +123,18 @@ def with_dish(many: Many, radius: float, contact_angle: float, mirrored: bool) -
     return many._replace(dish=strength, echoes=round_echoes if mirrored else many.echoes._replace(brim=brim))
 
 
-def make_crowd(parameters: Parameters, amplitudes: Array, turning: Array) -> Crowd:
+def make_crowd(part: Many, parameters: Parameters, state: State, workspace: Any) -> Crowd:
     """Scratch around the state's amplitudes and angles."""
+    return crowd_around(state.amplitudes, state.turning)
+
+
+def crowd_around(amplitudes: Array, turning: Array) -> Crowd:
+    """Scratch around these amplitudes and angles."""
     waves: NDArray[np.complex128] = amplitudes.view(np.complex128)
     count, orders = waves.shape
     wide = (count, orders + 1)
     return Crowd(
-        np.zeros(count),
-        np.zeros(count),
-        np.zeros((2, count)),
+        np.zeros((count, 2)),
         waves,
         make_krylov(count, orders),
         np.zeros((count, 2)),
@@ -196,41 +195,43 @@ def resolve(many: Many, position: Array, crowd: Crowd) -> int:
 
 @compiled
 def many_forces(
-    law: Any, parameters: Parameters, position: Array, lists: NeighborLists, scratch: tuple[Crowd, Array]
+    part: Many, own: Crowd, parameters: Parameters, position: Array, lists: NeighborLists, force: Array
 ) -> None:
-    """The forces on all floats at these positions, walls included; NaN where the amplitudes were not found."""
-    crowd, force = scratch
-    many = parameters.many
-    taken = resolve(many, position, crowd)
-    forces(many.rims, crowd.amplitudes, crowd.waves, force)
-    scale = many.tension * many.length if taken >= 0 else math.nan
-    torques(many.rims, crowd.amplitudes, crowd.waves, crowd.torque)
+    """Add the forces on all floats at these positions, walls included; NaN where the amplitudes were not found."""
+    taken = resolve(part, position, own)
+    forces(part.rims, own.amplitudes, own.waves, own.force)
+    scale = part.tension * part.length if taken >= 0 else math.nan
+    torques(part.rims, own.amplitudes, own.waves, own.torque)
     for i in range(len(force)):
-        force[i, 0] *= scale
-        force[i, 1] *= scale
-        crowd.torque[i] *= scale * many.length
-    if parameters.drift.flows:
-        add_flow(parameters, position, force)
+        force[i, 0] += scale * own.force[i, 0]
+        force[i, 1] += scale * own.force[i, 1]
+        own.torque[i] *= scale * part.length
 
 
-def many_energy(parameters: Parameters, state: State) -> float:
-    """What the floats have on one surface beyond what each has alone (J)."""
-    many: Many = parameters.many
-    crowd = make_crowd(parameters, state.amplitudes.copy(), state.turning)
-    resolve(many, state.position, crowd)
+def many_energy(
+    part: Many, own: Any, parameters: Parameters, state: State, workspace: Workspace
+) -> tuple[float, float]:
+    """What the floats have on one surface beyond what each has alone (J), walls included."""
+    crowd = make_crowd(part, parameters, state._replace(amplitudes=state.amplitudes.copy()), workspace)
+    resolve(part, state.position, crowd)
     orders = crowd.amplitudes.shape[1]
-    turned = many.rims.source * phase_factor(-np.arange(orders) * crowd.turning[:, :1])
-    return (
-        many.tension
-        * many.length**2
-        * energy(many.rims._replace(source=turned), crowd.amplitudes, crowd.waves, crowd.outer)
-    )
+    turned = part.rims.source * phase_factor(-np.arange(orders) * crowd.turning[:, :1])
+    rims = part.rims._replace(source=turned)
+    return part.tension * part.length**2 * energy(rims, crowd.amplitudes, crowd.waves, crowd.outer), 0.0
 
 
 @compiled
-def march_many(law: Any, parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
-    """The march of floats by multipoles."""
-    return march_with(predict, many_forces, law, parameters, state, workspace, steps)
+def turn_floats(part: Many, own: Crowd, parameters: Parameters, state: State, first: bool) -> None:
+    """Half a kick of the spins of floats that turn by their menisci; the angles after the first half, unless contacts
+    turn the floats, too, and advance the angles.
+    """
+    time = parameters.time_step
+    if len(part.inertia) == 0:
+        return
+    give_turns(part, own.torque, state.turning, 0.5 * time)
+    if first and part.advances_angles:
+        for i in range(len(state.turning)):
+            state.turning[i, 0] += time * state.turning[i, 1]
 
 
 @compiled
@@ -240,34 +241,3 @@ def give_turns(many: Many, torque: Array, turning: Array, time: float) -> None:
         rate = many.friction[i] / many.inertia[i] * time
         held = -math.expm1(-rate) / rate if rate > 0.0 else 1.0
         turning[i, 1] = math.exp(-rate) * turning[i, 1] + held * time * torque[i] / many.inertia[i]
-
-
-@compiled
-def march_turning(law: Any, parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
-    """The same for floats that turn: half a kick of the spins before and after each step, the angles in between."""
-    time, many, crowd = parameters.time_step, parameters.many, workspace.sorted_floats
-    march_many(law, parameters, state, workspace, 0)
-    for _ in range(steps):
-        status = keep_lists(parameters, state, workspace)
-        if status != DONE:
-            return status
-        give_turns(many, crowd.torque, crowd.turning, 0.5 * time)
-        for i in range(len(crowd.turning)):
-            crowd.turning[i, 0] += time * crowd.turning[i, 1]
-        status = march_many(law, parameters, state, workspace, 1)
-        if status != DONE:
-            return status
-        give_turns(many, crowd.torque, crowd.turning, 0.5 * time)
-    return DONE
-
-
-@compiled
-def predict_many_rarely(law: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """For schemes that ask for forces on the way."""
-    predict_rarely_with(many_forces, law, parameters, state, workspace)
-
-
-@compiled
-def march_many_rarely(law: Any, parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
-    """The march for these schemes."""
-    return march_with(predict_many_rarely, many_forces, law, parameters, state, workspace, steps)

@@ -10,17 +10,29 @@ others that last has no such bound (Kane's paradox), and made floats between two
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from ecume._jit import compiled, inlined
+from ecume._jit import compiled, compiled_inside, composed, selected
 from ecume.engine.contact import contacts as touching
 from ecume.engine.contact import projected_gauss_seidel
 from ecume.engine.contact.contacts import Bodies, Contacts
 from ecume.engine.contact.projected_gauss_seidel import Goal
-from ecume.engine.contact.warm_start import Memory
-from ecume.models.floating.parameters import LEGACY, Parameters
-from ecume.models.floating.schemes import copy_rows
+from ecume.engine.contact.torque_contacts import Levers
+from ecume.models.floating.parameters import Parameters
+from ecume.models.floating.rows import add_rows, copy_rows
+from ecume.models.floating.rubbing import (
+    Rough,
+    load_rough,
+    memory_of,
+    push_rough,
+    recall_rough,
+    remember_rough,
+    resume_rough,
+    stop_rough,
+    store_rough,
+)
 from ecume.models.floating.state import COLLISIONS, DEEPEST, SWEEPS, UNCONVERGED, State, Workspace
 from ecume.units import Array
 
@@ -30,35 +42,81 @@ TOLERABLE = 1e-3
 """What a contact may err by in one step, over the overlap that is left alone; a slower approach does not bounce."""
 
 
-@compiled
+class Impulses(NamedTuple):
+    """Contacts that are solved as impulses, without friction."""
+
+    overlapping: bool
+    """whether floats collide only where they overlap already, as in the original program"""
+
+
+class Solver(NamedTuple):
+    """How impulses are found: what contacts with and without friction do differently."""
+
+    stop: Callable[..., int]
+    """stop(part, own, bodies, contacts, velocity, goal): the impulses that stop everyone; how many sweeps"""
+    push: Callable[..., None]
+    """push(part, own, bodies, contacts, passage): impulses times the factor in `contacts.scratch`, on the passage"""
+    solve: Callable[..., int]
+    """solve(part, own, bodies, contacts, velocity, goal): impulses from those that stand there; how many sweeps"""
+    recall: Callable[..., None]
+    """recall(part, own, state, workspace): impulses along the surfaces from the step before"""
+    remember: Callable[..., None]
+    """remember(part, own, state, workspace): the same impulses for the next step"""
+    load_spins: Callable[..., None]
+    """load_spins(part, own, parameters, state, last): spins with their kick; `last` at the end of a step"""
+    store_spins: Callable[..., None]
+    """store_spins(part, own, parameters, state, last): spins, and angles along the passage, become the state's"""
+
+
+def _solver(kind: type) -> Solver:
+    return SOLVERS[kind]
+
+
+stop = selected(lambda kind: _solver(kind).stop)
+push = selected(lambda kind: _solver(kind).push)
+solve = selected(lambda kind: _solver(kind).solve)
+recall = selected(lambda kind: _solver(kind).recall)
+remember = selected(lambda kind: _solver(kind).remember)
+load_spins = selected(lambda kind: _solver(kind).load_spins)
+store_spins = selected(lambda kind: _solver(kind).store_spins)
+
+
+@compiled_inside
 def bodies_of(parameters: Parameters) -> Bodies:
     """What the contact solver must know of floats and walls."""
     return Bodies(parameters.floats.radius, parameters.walls, parameters.kick.mobility)
 
 
-@compiled
-def restitution_of(parameters: Parameters, partner: int) -> float:
+@compiled_inside
+def restitutions_of(parameters: Parameters) -> tuple[int, float, float]:
+    """The number of floats, and the restitution among them and at walls: all that `restitution_of` needs."""
+    return len(parameters.floats.radius), parameters.restitution, parameters.wall_restitution
+
+
+@compiled_inside
+def restitution_of(restitutions: tuple[int, float, float], partner: int) -> float:
     """Of a contact with that partner: a float, or a wall beyond the last of them."""
-    return parameters.restitution if partner < len(parameters.floats.radius) else parameters.wall_restitution
+    count, among_floats, at_walls = restitutions
+    return among_floats if partner < count else at_walls
 
 
 @compiled
-def demand_stops(parameters: Parameters, contacts: Contacts, before: Array) -> float:
+def demand_stops(overlapping: bool, parameters: Parameters, contacts: Contacts, before: Array) -> float:
     """Ask everyone to stop who comes together in this step and can bounce; the fastest of these approaches.
 
     Without restitution a pair goes on until it touches, and is stopped there in the next step.
     """
     speed, bound, gap, second = contacts.scratch, contacts.bound, contacts.gap, contacts.second
     touching.approaches(contacts, before, speed)
-    slowest = TOLERABLE * parameters.slop / parameters.time_step
+    slowest, restitutions = TOLERABLE * parameters.slop / parameters.time_step, restitutions_of(parameters)
     fastest = 0.0
     for row in range(contacts.total[0]):
         comes = speed[row] < -slowest and gap[row] + parameters.time_step * speed[row] < 0.0
         among_floats = second[row] < len(parameters.floats.radius)
-        if parameters.contact_law == LEGACY and among_floats:
+        if overlapping and among_floats:
             # As in the original, which acts on what overlaps already.
             comes = speed[row] < 0.0 and gap[row] <= 0.0
-        elif restitution_of(parameters, second[row]) == 0.0:
+        elif restitution_of(restitutions, second[row]) == 0.0:
             comes = comes and gap[row] < parameters.slop
         bound[row] = 0.0 if comes else -np.inf
         if comes:
@@ -67,18 +125,18 @@ def demand_stops(parameters: Parameters, contacts: Contacts, before: Array) -> f
 
 
 @compiled
-def share_restitution(parameters: Parameters, contacts: Contacts, of_float: Array) -> None:
+def share_restitution(parameters: Parameters, contacts: Contacts | Levers, of_float: Array) -> None:
     """The restitution of each float: the least among all who bounce together, since unlike ones could create energy."""
     first, second, impulse, count = contacts.first, contacts.second, contacts.impulse, len(parameters.floats.radius)
     for i in range(count):
         of_float[i] = np.inf
-    changed = True
+    restitutions, changed = restitutions_of(parameters), True
     while changed:
         changed = False
         for row in range(contacts.total[0]):
             if impulse[row] > 0.0:
                 i, j = first[row], second[row]
-                least = min(of_float[i], restitution_of(parameters, j))
+                least = min(of_float[i], restitution_of(restitutions, j))
                 if j < count:
                     least = min(least, of_float[j])
                     changed = changed or of_float[j] > least
@@ -87,24 +145,19 @@ def share_restitution(parameters: Parameters, contacts: Contacts, of_float: Arra
                 of_float[i] = least
 
 
-@inlined
-def bounce_with(
-    stop: Callable[..., int], push: Callable[..., None], parameters: Parameters, state: State, workspace: Workspace
-) -> None:
-    """Collisions: impulses on the passage, (1 + e) times those that stop everyone.
-
-    `stop` solves for these on `before`; `push` gives each contact its own, times the factor that it finds in `scratch`.
-    """
+@composed
+def bounce(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """Collisions: impulses on the passage, (1 + e) times those that stop everyone."""
     contacts, before, of_float = workspace.contacts, workspace.before, workspace.restitution
-    fastest = demand_stops(parameters, contacts, before)
+    fastest = demand_stops(part.overlapping, parameters, contacts, before)
     if fastest <= 0.0:
         return
     push_nobody(contacts)
     goal = Goal(projected_gauss_seidel.CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
-    state.tally[SWEEPS] += stop(parameters, workspace, before, goal)
+    state.tally[SWEEPS] += stop(part, own, bodies_of(parameters), contacts, before, goal)
     share_restitution(parameters, contacts, of_float)
     state.tally[COLLISIONS] += thrown_back(contacts, of_float)
-    push(parameters, workspace)
+    push(part, own, bodies_of(parameters), contacts, workspace.passage)
 
 
 @compiled
@@ -126,31 +179,36 @@ def thrown_back(contacts: Contacts, of_float: Array) -> float:
 
 
 @compiled
-def solve_smooth(parameters: Parameters, workspace: Workspace, velocity: Array, goal: Goal) -> int:
+def solve_smooth(part: Any, own: Any, bodies: Bodies, contacts: Contacts, velocity: Array, goal: Goal) -> int:
     """Contacts without friction: how many sweeps their solution takes."""
-    touching.weigh(workspace.contacts, parameters.kick.mobility)
-    return projected_gauss_seidel.solve(workspace.contacts, velocity, parameters.kick.mobility, goal)
+    touching.weigh(contacts, bodies.mobility)
+    return projected_gauss_seidel.solve(contacts, velocity, bodies.mobility, goal)
 
 
 @compiled
-def push_smooth(parameters: Parameters, workspace: Workspace) -> None:
+def push_smooth(part: Any, own: Any, bodies: Bodies, contacts: Contacts, passage: Array) -> None:
     """The impulses of bounces, on the passage."""
-    contacts = workspace.contacts
     for row in range(contacts.total[0]):
         contacts.impulse[row] *= contacts.scratch[row]
-    touching.push_all(contacts, contacts.impulse, workspace.passage, parameters.kick.mobility)
+    touching.push_all(contacts, contacts.impulse, passage, bodies.mobility)
 
 
-@compiled
-def bounce(parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """`bounce_with` contacts without friction."""
-    bounce_with(solve_smooth, push_smooth, parameters, state, workspace)
+@composed
+def no_memory(part: Any, own: Any, state: State, workspace: Workspace) -> None:
+    """Smooth surfaces have no impulses along them."""
 
 
-@compiled
-def memory_of(state: State) -> Memory:
-    """The impulses of the step before."""
-    return Memory(state.touches, state.touching, state.push)
+@composed
+def no_spins(part: Any, own: Any, parameters: Parameters, state: State, last: bool) -> None:
+    """Smooth surfaces turn nobody."""
+
+
+SMOOTH = Solver(solve_smooth, push_smooth, solve_smooth, no_memory, no_memory, no_spins, no_spins)
+SOLVERS: dict[type, Solver] = {
+    Impulses: SMOOTH,
+    Rough: Solver(stop_rough, push_rough, resume_rough, recall_rough, remember_rough, load_rough, store_rough),
+}
+"""By the type of the part."""
 
 
 @compiled
@@ -163,51 +221,49 @@ def goal_of(parameters: Parameters, contacts: Contacts, velocity: Array) -> Goal
     return Goal(projected_gauss_seidel.CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
 
 
-@inlined
-def solve_contacts_with(
-    solve: Callable[..., int], parameters: Parameters, state: State, workspace: Workspace, velocity: Array
+@composed
+def solve_contacts(
+    part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace, velocity: Array
 ) -> None:
     """Impulses on `velocity`, from those remembered; remembered in turn."""
     contacts, memory = workspace.contacts, memory_of(state)
+    recall(part, own, state, workspace)
     touching.recall(contacts, memory)
     goal = goal_of(parameters, contacts, velocity)
     sweeps = 0
     if goal.wanted > 0.0:
-        sweeps = solve(parameters, workspace, velocity, goal)
+        sweeps = solve(part, own, bodies_of(parameters), contacts, velocity, goal)
     else:
         push_nobody(contacts)
     state.tally[SWEEPS] += sweeps
     state.tally[UNCONVERGED] += 1.0 if sweeps > projected_gauss_seidel.MOST_SWEEPS else 0.0
     touching.remember(contacts, memory)
+    remember(part, own, state, workspace)
 
 
 @compiled
-def solve_contacts(parameters: Parameters, state: State, workspace: Workspace, velocity: Array) -> None:
-    """`solve_contacts_with` contacts without friction."""
-    solve_contacts_with(solve_smooth, parameters, state, workspace, velocity)
+def meet(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """See `meet_by_passes`."""
+    meet_by_passes(part, own, parameters, state, workspace)
 
 
-@inlined
-def meet_with(
-    bounce: Callable[..., None],
-    solve_contacts: Callable[..., None],
-    parameters: Parameters,
-    state: State,
-    workspace: Workspace,
-) -> None:
+@composed
+def meet_by_passes(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """The first contact solves: bounces, then a plastic one on the passage: nobody ends the step inside another.
 
     The velocity changes with the passage; `before`, the velocities before the kick, is used up.
     """
     contacts = workspace.contacts
+    load_spins(part, own, parameters, state, False)
     # Twice the pace for a pair that meets head on, and twice again for those whom others push.
     reach = 4.0 * workspace.ahead[0] + parameters.slop
     touching.gather(contacts, workspace.candidates, state.position, bodies_of(parameters), reach)
     set_out(parameters, state, workspace)
-    bounce(parameters, state, workspace)
-    demand_gaps(parameters, contacts)
-    solve_contacts(parameters, state, workspace, workspace.passage)
+    bounce(part, own, parameters, state, workspace)
+    demand_gaps(part.overlapping, parameters, contacts)
+    solve_contacts(part, own, parameters, state, workspace, workspace.passage)
     add_rows(state.velocity, workspace.passage)
+    store_spins(part, own, parameters, state, False)
 
 
 @compiled
@@ -224,41 +280,42 @@ def set_out(parameters: Parameters, state: State, workspace: Workspace) -> None:
 
 
 @compiled
-def demand_gaps(parameters: Parameters, contacts: Contacts) -> None:
+def demand_gaps(overlapping: bool, parameters: Parameters, contacts: Contacts) -> None:
     """Ask everyone to close no more than the gap in this step."""
     for row in range(contacts.total[0]):
-        free = parameters.contact_law == LEGACY and contacts.second[row] < len(parameters.floats.radius)
+        free = overlapping and contacts.second[row] < len(parameters.floats.radius)
         contacts.bound[row] = -np.inf if free else -max(contacts.gap[row], 0.0) / parameters.time_step
 
 
 @compiled
-def add_rows(to: Array, others: Array) -> None:
-    """Add rows to as many others."""
-    for i in range(len(to)):
-        to[i, 0] += others[i, 0]
-        to[i, 1] += others[i, 1]
+def settle(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """See `settle_by_passes`."""
+    settle_by_passes(part, own, parameters, state, workspace)
 
 
-@compiled
-def meet(parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """`meet_with` contacts without friction."""
-    meet_with(bounce, solve_contacts, parameters, state, workspace)
-
-
-@compiled
-def settle(parameters: Parameters, state: State, workspace: Workspace) -> None:
+@composed
+def settle_by_passes(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """Find who touches whom at the new places, and undo deep overlaps, which changes no velocity."""
+    if part.overlapping:
+        return
     contacts, bodies = workspace.contacts, bodies_of(parameters)
     reach = 2.0 * workspace.ahead[0] + parameters.slop
     touching.gather(contacts, workspace.candidates, state.position, bodies, reach)
-    deepest = 0.0
-    for row in range(contacts.total[0]):
-        deepest = max(deepest, -contacts.gap[row])
+    deepest = deepest_overlap(contacts)
     state.tally[DEEPEST] = max(state.tally[DEEPEST], deepest)
     if deepest > parameters.slop:
         touching.weigh(contacts, bodies.mobility)
         touching.separate(contacts, state.position, bodies, parameters.slop)
         touching.gather(contacts, workspace.candidates, state.position, bodies, reach)
+
+
+@compiled
+def deepest_overlap(contacts: Contacts) -> float:
+    """How far the deepest contact overlaps (m)."""
+    deepest = 0.0
+    for row in range(contacts.total[0]):
+        deepest = max(deepest, -contacts.gap[row])
+    return deepest
 
 
 @compiled
@@ -274,16 +331,26 @@ def demand_rest(parameters: Parameters, contacts: Contacts, velocity: Array, bef
         bound[row] = -max(gap[row], 0.0) / parameters.time_step if lasting else -np.inf
 
 
-@inlined
-def rest_with(solve_contacts: Callable[..., None], parameters: Parameters, state: State, workspace: Workspace) -> None:
+@compiled
+def rest(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """See `rest_by_passes`."""
+    rest_by_passes(part, own, parameters, state, workspace)
+
+
+@composed
+def rest_by_passes(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """The last contact solve: on the velocity at the end of the step, so that what is pressed together rests."""
+    if part.overlapping:
+        return
+    load_spins(part, own, parameters, state, True)
     contacts, passage, before = workspace.contacts, workspace.passage, workspace.before
     slow_down(before, passage, parameters.kick.decay)
     copy_rows(passage, state.velocity)
     touching.approaches(contacts, before, contacts.change)
     demand_rest(parameters, contacts, passage, contacts.change)
-    solve_contacts(parameters, state, workspace, passage)
+    solve_contacts(part, own, parameters, state, workspace, passage)
     copy_rows(state.velocity, passage)
+    store_spins(part, own, parameters, state, True)
 
 
 @compiled
@@ -292,9 +359,3 @@ def slow_down(to: Array, velocity: Array, decay: Array) -> None:
     for i in range(len(decay)):
         to[i, 0] = decay[i] * velocity[i, 0]
         to[i, 1] = decay[i] * velocity[i, 1]
-
-
-@compiled
-def rest(parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """`rest_with` contacts without friction."""
-    rest_with(solve_contacts, parameters, state, workspace)

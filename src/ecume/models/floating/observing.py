@@ -3,34 +3,20 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
 
 from ecume._jit import compiled
 from ecume.engine.cells import Integers
 from ecume.engine.contact.contacts import Candidates
-from ecume.engine.neighbors import Slots
 from ecume.engine.walls import Walls, wall_count, wall_distance
 from ecume.laws.dish_motion import sway_place
 from ecume.models.floating.booking import is_driven
-from ecume.models.floating.interacting import inertia_of, interaction_energies, sums_pairs, turns
-from ecume.models.floating.many import Many
-from ecume.models.floating.pair_choice import law_of, row_of
-from ecume.models.floating.parameters import (
-    CAPILLARY_LENGTH,
-    CUTOFF,
-    OVERDAMPED,
-    SURFACE_TENSION,
-    Floats,
-    PairParameters,
-    Parameters,
-)
-from ecume.models.floating.polar import Polar
-from ecume.models.floating.pulling import pair_energy
-from ecume.models.floating.shaped.bodies import Shaped
+from ecume.models.floating.contact_models import contacts_of, gaps_between
+from ecume.models.floating.interactions import interactions_of
+from ecume.models.floating.motions import inertia_of
+from ecume.models.floating.parameters import Parameters
 from ecume.models.floating.state import COLLISIONS, DEEPEST, SWEEPS, UNCONVERGED, WORK, State, Workspace
-from ecume.models.floating.walls.menisci import acts, wall_energy
 from ecume.models.invariants import INJECTED
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
@@ -65,45 +51,6 @@ NUMBER_UNITS = {
 }
 CONTACT_GAP = 1e-3
 """Floats whose gap is below this part of the smaller radius count as touching."""
-
-
-@compiled
-def sum_of_pair_energies(
-    law: Any, position: Array, floats: Floats, pair: Array, rows: tuple[Integers, Slots, Integers]
-) -> float:
-    """Exact energies of all pairs within the cutoff, each less its value there, so that a pair that parts changes
-    nothing.
-    """
-    first, neighbor, order = rows
-    length, tension, cutoff = pair[CAPILLARY_LENGTH], pair[SURFACE_TENSION], pair[CUTOFF]
-    radius, charge, total = floats.radius, floats.charge, 0.0
-    for slot in range(len(order)):
-        i = order[slot]
-        own = 0.0
-        for place in range(first[slot], first[slot + 1]):
-            j = order[neighbor[place]]
-            x, y = position[j, 0] - position[i, 0], position[j, 1] - position[i, 1]
-            distance = math.sqrt(x * x + y * y)
-            if i < j and 0.0 < distance < cutoff:
-                two = PairParameters(radius[i], radius[j], charge[i], charge[j], length, tension)
-                own += pair_energy(distance, two, law) - pair_energy(cutoff, two, law)
-        total += own
-    return total
-
-
-@compiled
-def sum_of_wall_energies(parameters: Parameters, position: Array) -> float:
-    """Energies of all floats in the walls' menisci."""
-    strength, charge, total = parameters.wall_strength, parameters.floats.charge, 0.0
-    if not acts(parameters):
-        return total
-    for i in range(position.shape[0]):
-        place = (position[i, 0], position[i, 1])
-        for number in range(wall_count(parameters.walls)):
-            meniscus, image = wall_energy(parameters, number, place, strength[number, i], charge[i])
-            total += meniscus
-            total += image
-    return total
 
 
 @compiled
@@ -153,11 +100,9 @@ def deepest_in_walls(walls: Walls, position: Array, radius: Array) -> float:
 
 def touching_shapes(parameters: Parameters, state: State, label: Integers) -> tuple[int, float]:
     """The same for shapes, walls included in the deepest overlap."""
-    from ecume.models.floating.shaped.building import overlaps
-
     radius, contacts, deepest = parameters.floats.radius, 0, 0.0
     label[:] = np.arange(len(radius))
-    for i, j, gap in overlaps(parameters, state.position, state.turning[:, 0], CONTACT_GAP * float(radius.min())):
+    for i, j, gap in gaps_between(parameters, state.position, state.turning[:, 0], CONTACT_GAP * float(radius.min())):
         deepest = max(deepest, -gap)
         if j < len(radius):
             contacts += 1
@@ -176,11 +121,12 @@ def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame
         **{name: getattr(floats, name).copy() for name in ARRAY_UNITS if hasattr(floats, name)},
     }
     units = dict(ARRAY_UNITS)
-    if turns(parameters):
+    if inertia_of(parameters) is not None:
         arrays |= {"angle": state.turning[:, 0].copy(), "spin": state.turning[:, 1].copy()}
         units |= {"angle": "rad", "spin": "rad/s"}
-    if isinstance(parameters.many, Polar):
-        arrays["magnetic_moment"], units["magnetic_moment"] = parameters.many.moment.copy(), "A*m^2"
+    for part, row in interactions_of(parameters):
+        for name, (values, unit) in row.arrays(part).items():
+            arrays[name], units[name] = values, unit
     numbers = {
         **energies(parameters, state, workspace),
         **motion(parameters, state),
@@ -208,20 +154,20 @@ def place_of_dish(parameters: Parameters, time: float) -> dict[str, float]:
 
 def energies(parameters: Parameters, state: State, workspace: Workspace) -> dict[str, float]:
     """Kinetic, pair and wall energies (J), and their sum: without the first where there is no inertia."""
-    rows = workspace.lists.rows.first, workspace.lists.rows.neighbor, workspace.lists.cells.order
     kinetic = 0.5 * float(np.sum(parameters.floats.mass * np.sum(state.velocity**2, axis=1)))
-    if turns(parameters):
-        kinetic += 0.5 * float(np.sum(inertia_of(parameters) * state.turning[:, 1] ** 2))
-    pairs, walls = interaction_energies(parameters, state, workspace)
-    if sums_pairs(parameters) and row_of(parameters).energy is not None:
-        pairs += sum_of_pair_energies(law_of(parameters), state.position, parameters.floats, parameters.pair, rows)
-    if not isinstance(parameters.many, (Many, Shaped)):
-        walls += sum_of_wall_energies(parameters, state.position)
+    if (inertia := inertia_of(parameters)) is not None:
+        kinetic += 0.5 * float(np.sum(inertia * state.turning[:, 1] ** 2))
+    pairs, walls = contacts_of(parameters).energy(
+        parameters.parts.contacts, workspace.scratch.contacts, parameters, state, workspace
+    )
+    for (part, row), own in zip(interactions_of(parameters), workspace.scratch.interactions, strict=True):
+        among, at_walls = row.energy(part, own, parameters, state, workspace)
+        pairs, walls = pairs + among, walls + at_walls
     return {
         "kinetic_energy": kinetic,
         "pair_energy": pairs,
         "wall_energy": walls,
-        "total_energy": (0.0 if parameters.scheme == OVERDAMPED else kinetic) + pairs + walls,
+        "total_energy": (kinetic if parameters.scheme.inertia else 0.0) + pairs + walls,
     }
 
 
@@ -229,7 +175,8 @@ def motion(parameters: Parameters, state: State) -> dict[str, float]:
     """Momenta and the largest speed."""
     mass, position, velocity = parameters.floats.mass, state.position, state.velocity
     turning = position[:, 0] * velocity[:, 1] - position[:, 1] * velocity[:, 0]
-    spins = float(np.sum(inertia_of(parameters) * state.turning[:, 1])) if turns(parameters) else 0.0
+    inertia = inertia_of(parameters)
+    spins = float(np.sum(inertia * state.turning[:, 1])) if inertia is not None else 0.0
     return {
         "momentum_x": float(np.sum(mass * velocity[:, 0])),
         "momentum_y": float(np.sum(mass * velocity[:, 1])),
@@ -242,7 +189,7 @@ def crowd(parameters: Parameters, state: State, workspace: Workspace) -> dict[st
     """Clusters, contacts, overlaps, and what the contact solver did so far."""
     radius = parameters.floats.radius
     label = np.zeros(len(radius), np.int64)
-    if isinstance(parameters.many, Shaped):
+    if contacts_of(parameters).gaps is not None:
         contacts, deepest = touching_shapes(parameters, state, label)
     else:
         contacts, deepest = touching_pairs(state.position, radius, workspace.candidates, label)

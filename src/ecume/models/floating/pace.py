@@ -9,11 +9,10 @@ import numpy as np
 from ecume.models.floating.pair_choice import law_of, row_of, two_floats
 from ecume.models.floating.parameters import (
     CAPILLARY_LENGTH,
-    OVERDAMPED,
     Floats,
     Parameters,
 )
-from ecume.models.floating.walls.menisci import wall_stiffness
+from ecume.models.floating.walls.wall_laws import wall_stiffness
 from ecume.units import Array
 
 GOOD = 0.05
@@ -66,7 +65,7 @@ def chosen_step(parameters: Parameters, speed: float) -> float:
     """
     stiffness, mass = stiffness_over_mass(parameters)
     friction = _least_friction(parameters.floats)
-    slow = parameters.scheme == OVERDAMPED
+    slow = not parameters.scheme.inertia
     scales = [
         max(0.0 if slow else math.sqrt(m / k), friction / k) if k > 0.0 else math.inf
         for k, m in zip(stiffness, mass, strict=True)

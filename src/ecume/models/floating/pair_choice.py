@@ -6,8 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from ecume.errors import Fault, SceneError
+from ecume.laws import pair_laws
 from ecume.laws.pair_laws import CAPABILITIES, PAIR_LAWS, PairLaw
+from ecume.models.floating.options import Option
 from ecume.models.floating.parameters import CAPILLARY_LENGTH, OWN, SURFACE_TENSION, PairParameters, Parameters
 
 NAMES = tuple(PAIR_LAWS)
@@ -40,18 +41,19 @@ def two_floats(parameters: Parameters, radius: tuple[float, float], charge: tupl
     return PairParameters(*radius, *charge, length, tension)
 
 
-def lacks(parameters: Parameters, capability: str) -> str:
-    """The requirement that the scene's pair law does not meet, for an error message; empty if it has the capability."""
-    if getattr(row_of(parameters), capability):
-        return ""
-    fit = ", ".join(repr(name) for name, row in PAIR_LAWS.items() if getattr(row, capability))
-    return (
-        f"a pair law that {CAPABILITIES[capability]}: got interaction.law = {NAMES[parameters.pair_law]!r}; "
-        f"expected one of {fit}"
-    )
+def row_of_law(law: Any) -> PairLaw:
+    """The row of these constants, be they those of a scene or of a part of it."""
+    return pair_laws.row_of(type(law))
 
 
-def require(parameters: Parameters, path: str, what: str, capability: str) -> None:
-    """Raise SceneError if the scene's pair law lacks a capability that an option needs."""
-    if missing := lacks(parameters, capability):
-        raise SceneError([Fault(path, f"{what} needs {missing}")])
+def in_double(law: Any, parameters: Parameters) -> Any:
+    """The constants in double precision: those of the scene's law as they were derived."""
+    return type(law)(*law_of(parameters)) if parameters.single else law
+
+
+def pair_option(name: str) -> Option:
+    """The pair law of this name, with its capabilities."""
+    row = PAIR_LAWS[name]
+    gives = frozenset(capability for capability in CAPABILITIES if getattr(row, capability))
+    charges = {"charges"} if row.menisci or not row.has_force else set()
+    return Option(slot="pair law", path="interaction.law", name=repr(name), gives=gives | charges)

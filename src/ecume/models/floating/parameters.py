@@ -14,16 +14,6 @@ from ecume.units import Array
 
 __all__ = ["PairParameters"]
 
-SCHEMES = ("velocity-verlet", "explicit-euler", "stormer-verlet", "semi-implicit-euler", "rk4", "overdamped")
-VELOCITY_VERLET, EXPLICIT_EULER, STORMER_VERLET, SEMI_IMPLICIT_EULER, RK4, OVERDAMPED = range(6)
-RARE = (STORMER_VERLET, RK4)
-"""Schemes that ask for forces on the way; their march is compiled when one of them is used."""
-KICKED_BEFORE = (SEMI_IMPLICIT_EULER, OVERDAMPED)
-"""Schemes whose only kick comes before the drift: nothing is pressed together after contacts were solved for it."""
-
-CONTACT_LAWS = ("none", "impulse", "legacy", "spring-dashpot")
-NO_CONTACTS, IMPULSE, LEGACY, SPRINGS = range(4)
-
 
 class Floats(NamedTuple):
     """Float by float, all (N,)."""
@@ -37,6 +27,23 @@ class Floats(NamedTuple):
     density: Array
     contact_angle: Array
     species: Integers
+
+
+class Scheme(NamedTuple):
+    """The order of kicks, drift and contacts in a time step. Compiled code reads these, so that all schemes with kicks
+    share one compilation.
+    """
+
+    half_kicks: bool
+    """half a kick before the drift and half a kick after it, as in velocity Verlet; otherwise one whole kick"""
+    inertia: bool
+    """false where drag rules and velocities follow from forces at once"""
+    drifts_first: bool
+    """the drift goes by the velocity before the kick, as in the explicit Euler scheme"""
+    contacts_at_end: bool
+    """contacts are solved a second time, on the velocity at the end of the step"""
+    forces_at_end: bool
+    """forces are evaluated at the end of each step"""
 
 
 class Kick(NamedTuple):
@@ -92,7 +99,7 @@ class Parameters(NamedTuple):
 
     time_step: float
     steps_per_frame: int
-    scheme: int
+    scheme: Scheme
     floats: Floats
     kick: Kick
     pair_law: int
@@ -112,26 +119,45 @@ class Parameters(NamedTuple):
     """see `walls.menisci.wall_table`; empty where formulas do"""
     image_strength: float
     """N: 2 pi gamma, where walls mirror menisci"""
-    contact_law: int
     restitution: float
     wall_restitution: float
     slop: float
     """overlaps up to this are left alone"""
     drift: Drift
-    many: Any = ()
-    """nothing for superposed pairs; else a `many.Many`, a `corrected.Corrected`, a `summing.Split` ..., which makes a
-    march of its own
-    """
     quickest: float = math.inf
-    """s: of what turns, or is drawn by how its rim undulates"""
-    single: bool = False
-    """whether pair forces are worked out in single precision"""
-    rough: Any = ()
-    """nothing where surfaces are smooth; else a `rubbing.Rough`, which makes a march of its own"""
-    springs: Any = ()
-    """nothing where contacts are impulses; else a `springs.Springs`, which makes a march of its own"""
+    """s: the shortest time scale of the parts, which limits the time step beside the pair law"""
     stiffer: float = 1.0
-    """how much stiffer contacts are than superposition says, at most"""
+    """the stiffness of the parts over that of superposition, at most"""
+    single: bool = False
+    """whether pair forces are computed in single precision"""
+    parts: Any = ()
+    """the `Parts` of the model, whose types select compiled code; empty in the parameters that compiled code gets"""
+
+
+class Parts(NamedTuple):
+    """What a scene has chosen from the tables of the model: each part is a NamedTuple of constants, and its type is
+    the key of its record. Compiled code contains the functions of these records and no others.
+    """
+
+    integrator: Any
+    """of `schemes.INTEGRATORS`"""
+    interactions: tuple[Any, ...]
+    """of `interactions.INTERACTIONS`; their forces are added up in this order"""
+    resistances: tuple[Any, ...]
+    """of `interactions.RESISTANCES`: they slow velocities after a kick"""
+    contacts: Any
+    """of `contacts.CONTACTS`"""
+    lists: Any
+    """how neighbor lists are made: a key of `stepping.LISTS`"""
+
+
+class Scratch(NamedTuple):
+    """The workspace of each part."""
+
+    integrator: Any
+    interactions: tuple[Any, ...]
+    resistances: tuple[Any, ...]
+    contacts: Any
 
 
 STRENGTH, CAPILLARY_LENGTH, CUTOFF, SURFACE_TENSION, INVERSE_SQUARE, OWN = range(6)

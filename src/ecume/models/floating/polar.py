@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,7 +13,7 @@ from ecume.engine.neighbors import NeighborLists, Slots
 from ecume.laws import dipoles
 from ecume.laws.dipoles import dipole_energy, dipole_strength
 from ecume.laws.pair_laws import Dipoles
-from ecume.models.floating.forces import Sorted, forces
+from ecume.models.floating.forces import add_from_slots
 from ecume.models.floating.parameters import (
     CAPILLARY_LENGTH,
     CUTOFF,
@@ -22,16 +22,14 @@ from ecume.models.floating.parameters import (
     Parameters,
 )
 from ecume.models.floating.pulling import pairs_of, pull
-from ecume.models.floating.schemes import predict, predict_rarely_with
 from ecume.models.floating.state import State, Workspace
-from ecume.models.floating.stepping import march_with
 from ecume.units import Array
 
 admit(dipoles)
 
 
 class Polar(NamedTuple):
-    """Moments: `Parameters.many` of a scene that has some."""
+    """Moments: the part of a scene that has some."""
 
     moment: Array
     """(N,) A m^2, upwards"""
@@ -40,15 +38,11 @@ class Polar(NamedTuple):
 
 
 class Magnets(NamedTuple):
-    """Scratch in the order of the slots: that of all floats, and the moments."""
+    """Scratch in the order of the slots."""
 
-    charge: Array
-    radius: Array
-    force: Array
-    pair: Array
     moment: Array
-    push: Array
-    """(2, N) N: forces of the dipoles"""
+    force: Array
+    """(2, N) N"""
 
 
 def make_polar(moment: Array, cutoff: float) -> Polar:
@@ -58,27 +52,35 @@ def make_polar(moment: Array, cutoff: float) -> Polar:
     return Polar(np.asarray(moment, np.float64), pair)
 
 
-def make_magnets(plain: Sorted, polar: Polar) -> Magnets:
+def make_magnets(part: Polar, parameters: Parameters, state: State, workspace: Workspace) -> Magnets:
     """Scratch."""
-    return Magnets(*plain, np.zeros_like(polar.moment), np.zeros_like(plain.force))
+    return Magnets(np.zeros_like(part.moment), np.zeros((2, len(part.moment))))
+
+
+@compiled
+def sort_moments(part: Polar, own: Magnets, parameters: Parameters, lists: NeighborLists) -> None:
+    """Copy moments into the order of the slots; after each new neighbor list."""
+    order = lists.cells.order
+    for slot in range(len(order)):
+        own.moment[slot] = part.moment[order[slot]]
 
 
 @compiled
 def polar_forces(
-    law: Any, parameters: Parameters, position: Array, lists: NeighborLists, scratch: tuple[Magnets, Array]
+    part: Polar, own: Magnets, parameters: Parameters, position: Array, lists: NeighborLists, force: Array
 ) -> None:
-    """Menisci, walls and dipoles."""
-    magnets, force = scratch
-    forces(law, parameters, position, lists, (magnets, force))
-    order, rows, moment, push = lists.cells.order, lists.rows, magnets.moment, magnets.push
-    pair, everyone = parameters.many.pair, parameters.many.moment
-    count = len(order)
-    for slot in range(count):
-        moment[slot] = everyone[order[slot]]
-    pull(Dipoles(pair[STRENGTH]), pairs_of(rows), (moment, magnets.radius), pair, push)
-    for slot in range(count):
-        force[order[slot], 0] += push[0, slot]
-        force[order[slot], 1] += push[1, slot]
+    """Add the forces of all pairs of dipoles."""
+    pull(Dipoles(part.pair[STRENGTH]), pairs_of(lists.rows), (own.moment, own.moment), part.pair, own.force)
+    add_from_slots(lists.cells.order, own.force, force)
+
+
+def polar_energy(
+    part: Polar, own: Magnets, parameters: Parameters, state: State, workspace: Workspace
+) -> tuple[float, float]:
+    """The energy of all pairs of dipoles (J)."""
+    rows = workspace.lists.rows
+    listed = rows.first, rows.neighbor, workspace.lists.cells.order
+    return float(sum_of_dipole_energies(state.position, part, listed)), 0.0
 
 
 @compiled
@@ -97,21 +99,3 @@ def sum_of_dipole_energies(position: Array, polar: Polar, listed: tuple[Integers
                 own += dipole_energy(distance, strength) - dipole_energy(cutoff, strength)
         total += own
     return total
-
-
-@compiled
-def march_polar(law: Any, parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
-    """The march of floats that are magnets."""
-    return march_with(predict, polar_forces, law, parameters, state, workspace, steps)
-
-
-@compiled
-def predict_polar_rarely(law: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """For schemes that ask for forces on the way."""
-    predict_rarely_with(polar_forces, law, parameters, state, workspace)
-
-
-@compiled
-def march_polar_rarely(law: Any, parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
-    """The march for these schemes."""
-    return march_with(predict_polar_rarely, polar_forces, law, parameters, state, workspace, steps)

@@ -9,7 +9,6 @@ import numpy as np
 
 from ecume.models.diagnosis import DEEP, first_broken, when
 from ecume.models.floating.extending import advance_extended
-from ecume.models.floating.interacting import advance, scratch_for
 from ecume.models.floating.invariants import invariants
 from ecume.models.floating.observing import observe
 from ecume.models.floating.parameters import Parameters
@@ -17,7 +16,7 @@ from ecume.models.floating.room import ROOMIER, checked_parameters
 from ecume.models.floating.sources import laws_of
 from ecume.models.floating.starting import start
 from ecume.models.floating.state import DEEPEST, State, Workspace, make_workspace
-from ecume.models.floating.stepping import renew_lists
+from ecume.models.floating.stepping import advance, fill_lists, make_scratch
 from ecume.models.floating.telling import summary
 from ecume.models.model import Model
 
@@ -26,13 +25,8 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
     """Scratch with neighbor lists that hold at the state's reference positions."""
     while True:
         made = make_workspace(parameters, state, room)
-        room_there = 2 * len(made.contacts.first)
-        made = made._replace(sorted_floats=scratch_for(parameters, state, made.sorted_floats, room_there))
-        if parameters.rough != ():
-            from ecume.models.floating.rubbing import make_rubbed
-
-            made = made._replace(rough=make_rubbed(parameters, made))
-        if renew_lists(parameters, state.reference, made.lists, made.candidates, made.sorted_floats):
+        made = made._replace(scratch=make_scratch(parameters, state, made))
+        if fill_lists(parameters, state, made):
             return made
         room *= ROOMIER
 

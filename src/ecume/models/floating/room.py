@@ -6,8 +6,8 @@ import psutil
 
 from ecume.errors import Fault, SceneError
 from ecume.models.floating.building import parameters_of
+from ecume.models.floating.interactions import interactions_of
 from ecume.models.floating.parameters import Parameters
-from ecume.models.floating.summing import Split
 from ecume.models.limits import within_steps
 from ecume.scenes.floating import FloatingScene
 
@@ -33,7 +33,7 @@ def memory_estimate(parameters: Parameters) -> float:
     """Bytes of a run, when the floats are packed to rafts."""
     count = len(parameters.floats.radius)
     packed = 0.92 * (parameters.reach / float(parameters.floats.radius.min())) ** 2
-    grid = BYTES_PER_POINT * parameters.many.points if isinstance(parameters.many, Split) else 0.0
+    grid = BYTES_PER_POINT * sum(row.points(part) for part, row in interactions_of(parameters))
     return grid + count * (BYTES_PER_FLOAT + BYTES_PER_NEIGHBOR * ROOMIER * min(packed, count))
 
 

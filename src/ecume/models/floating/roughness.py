@@ -3,36 +3,34 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
-from ecume.errors import Fault, SceneError
 from ecume.laws import drag, flotation, rotation
 from ecume.models.floating.kinds import Afloat, distinct_kinds
-from ecume.models.floating.pair_choice import require
-from ecume.models.floating.parameters import IMPULSE, OVERDAMPED, RARE, VELOCITY_VERLET, Parameters
+from ecume.models.floating.options import Built
+from ecume.models.floating.parameters import Parameters
 from ecume.models.floating.rubbing import Rough
 from ecume.scenes.floating import FloatingScene
 from ecume.units import Array
 
 
-def with_friction(parameters: Parameters, scene: FloatingScene) -> Parameters:
-    """The parameters of floats that rub. Raises SceneError where they cannot."""
-    among, at_walls = scene.contacts.friction, scene.dish.friction if scene.dish is not None else 0.0
-    key = "contacts.friction" if among > 0.0 else "dish.friction"
-    require(parameters, key, "friction", "reciprocal")
-    if parameters.contact_law != IMPULSE:
-        raise _fault(key, "friction needs contacts.law = 'impulse', without a legacy coefficient")
-    if parameters.scheme in RARE:
-        raise _fault(key, "friction goes with 'velocity-verlet', the Euler schemes and 'overdamped'")
+def friction_of(parameters: Parameters, scene: FloatingScene, interactions: tuple[Any, ...]) -> Built:
+    """Floats that rub; what depends on the time step comes later."""
     kinds, number = distinct_kinds(scene)
     inertia = np.array([inertia_of(kind) for kind in kinds])[number]
     friction = np.array([turning_friction_of(kind, scene) for kind in kinds])[number]
-    if getattr(parameters.many, "inertia", np.zeros(0)).size:
-        friction = np.zeros_like(friction)  # drag at what turns by its rim is in that march
-    decay, ease = spin_kick(parameters, inertia, friction)
-    ease = np.concatenate([ease, np.zeros(len(parameters.kick.mobility) - len(ease))])
-    return parameters._replace(rough=Rough((among, at_walls), inertia, decay, ease))
+    coefficients = scene.contacts.friction, scene.dish.friction if scene.dish is not None else 0.0
+    return Built(Rough(coefficients, inertia, friction, friction))
+
+
+def friction_at_step(part: Rough, parameters: Parameters, turned: Array | None) -> Rough:
+    """The part with the kicks of its spins. Where interactions turn the floats, too, these take care of drag."""
+    friction = part.decay if turned is None else np.zeros_like(part.decay)
+    decay, ease = spin_kick(parameters, part.inertia, friction)
+    walls = np.zeros(len(parameters.kick.mobility) - len(ease))
+    return part._replace(decay=decay, ease=np.concatenate([ease, walls]))
 
 
 def inertia_of(kind: Afloat) -> float:
@@ -53,14 +51,10 @@ def turning_friction_of(kind: Afloat, scene: FloatingScene) -> float:
 
 def spin_kick(parameters: Parameters, inertia: Array, friction: Array) -> tuple[Array, Array]:
     """What drag leaves of each spin over a kick of the scheme, and spin per angular impulse over it."""
-    time = 0.5 * parameters.time_step if parameters.scheme == VELOCITY_VERLET else parameters.time_step
-    if parameters.scheme == OVERDAMPED:
+    time = 0.5 * parameters.time_step if parameters.scheme.half_kicks else parameters.time_step
+    if not parameters.scheme.inertia:
         return np.zeros_like(inertia), 1.0 / (friction * time)
     rate = friction / inertia * time
     with np.errstate(invalid="ignore", divide="ignore"):
         held = np.where(rate > 0.0, -np.expm1(-rate) / rate, 1.0)
     return np.exp(-rate), held / inertia
-
-
-def _fault(path: str, message: str) -> SceneError:
-    return SceneError([Fault(path, message)])

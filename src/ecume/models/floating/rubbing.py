@@ -14,10 +14,11 @@ import numpy as np
 from ecume._jit import compiled
 from ecume.engine.contact import contacts as touching
 from ecume.engine.contact import friction as rubs
+from ecume.engine.contact.contacts import Bodies, Contacts
 from ecume.engine.contact.friction import Motion, Rubbing
 from ecume.engine.contact.projected_gauss_seidel import Goal
-from ecume.models.floating.meeting import bounce_with, meet_with, memory_of, rest_with, solve_contacts_with
-from ecume.models.floating.parameters import VELOCITY_VERLET, Parameters
+from ecume.engine.contact.warm_start import Memory
+from ecume.models.floating.parameters import Parameters
 from ecume.models.floating.state import State, Workspace
 from ecume.units import Array
 
@@ -33,6 +34,8 @@ class Rough(NamedTuple):
     """(N,) what drag leaves of a spin over the scheme's kick"""
     ease: Array
     """(N + walls,) spin per angular impulse over the kick"""
+    overlapping: bool = False
+    """see `contact_solver.Impulses`"""
 
 
 class Rubbed(NamedTuple):
@@ -45,83 +48,78 @@ class Rubbed(NamedTuple):
     """(N + walls,) rad/s, before contacts"""
 
 
-def make_rubbed(parameters: Parameters, workspace: Workspace) -> Rubbed:
+def make_rubbed(part: Rough, parameters: Parameters, state: State, workspace: Workspace) -> Rubbed:
     """Room for as many contacts as the workspace has."""
     everyone = len(parameters.kick.mobility)
     return Rubbed(rubs.make_rubbing(len(workspace.contacts.gap)), np.zeros(everyone), np.zeros(everyone))
 
 
 @compiled
-def solve_rough(parameters: Parameters, workspace: Workspace, velocity: Array, spin: Array, goal: Goal) -> int:
+def memory_of(state: State) -> Memory:
+    """The impulses of the step before."""
+    return Memory(state.touches, state.touching, state.push)
+
+
+@compiled
+def solve_rough(part: Rough, rubbing: Rubbing, bodies: Bodies, contacts: Contacts, motion: Motion, goal: Goal) -> int:
     """Contacts with friction, on these velocities and spins: how many sweeps their solution takes."""
-    contacts, rubbing = workspace.contacts, workspace.rough.rubbing
-    mobility = parameters.kick.mobility
-    motion = Motion(velocity, spin, mobility, parameters.rough.ease)
-    touching.weigh(contacts, mobility)
-    rubs.prepare(contacts, rubbing, parameters.floats.radius, parameters.rough.friction, motion)
+    touching.weigh(contacts, bodies.mobility)
+    rubs.prepare(contacts, rubbing, bodies.radius, part.friction, motion)
     return rubs.solve(contacts, rubbing, motion, goal)
 
 
 @compiled
-def stop_rough(parameters: Parameters, workspace: Workspace, velocity: Array, goal: Goal) -> int:
+def stop_rough(part: Rough, own: Rubbed, bodies: Bodies, contacts: Contacts, velocity: Array, goal: Goal) -> int:
     """Stop everyone, from no impulses."""
-    rubbed = workspace.rough
-    for row in range(workspace.contacts.total[0]):
-        rubbed.rubbing.impulse[row] = 0.0
-    return solve_rough(parameters, workspace, velocity, rubbed.before, goal)
+    for row in range(contacts.total[0]):
+        own.rubbing.impulse[row] = 0.0
+    motion = Motion(velocity, own.before, bodies.mobility, part.ease)
+    return solve_rough(part, own.rubbing, bodies, contacts, motion, goal)
 
 
 @compiled
-def push_rough(parameters: Parameters, workspace: Workspace) -> None:
+def push_rough(part: Rough, own: Rubbed, bodies: Bodies, contacts: Contacts, passage: Array) -> None:
     """The impulses of bounces, on the passage and on the spins."""
-    contacts, rubbing = workspace.contacts, workspace.rough.rubbing
+    rubbing = own.rubbing
     for row in range(contacts.total[0]):
         contacts.impulse[row] *= contacts.scratch[row]
         rubbing.impulse[row] *= contacts.scratch[row]
-    motion = Motion(workspace.passage, workspace.rough.spin, parameters.kick.mobility, parameters.rough.ease)
+    motion = Motion(passage, own.spin, bodies.mobility, part.ease)
     rubs.push_all(contacts, rubbing, (contacts.impulse, rubbing.impulse), motion)
 
 
 @compiled
-def bounce_rough(parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """`bounce_with` friction."""
-    bounce_with(stop_rough, push_rough, parameters, state, workspace)
-
-
-@compiled
-def resume_rough(parameters: Parameters, workspace: Workspace, velocity: Array, goal: Goal) -> int:
+def resume_rough(part: Rough, own: Rubbed, bodies: Bodies, contacts: Contacts, velocity: Array, goal: Goal) -> int:
     """Solve on a velocity and the spins through the step, from the impulses that stand there."""
-    return solve_rough(parameters, workspace, velocity, workspace.rough.spin, goal)
+    motion = Motion(velocity, own.spin, bodies.mobility, part.ease)
+    return solve_rough(part, own.rubbing, bodies, contacts, motion, goal)
 
 
 @compiled
-def solve_contacts_rough(parameters: Parameters, state: State, workspace: Workspace, velocity: Array) -> None:
-    """`solve_contacts_with` friction."""
-    contacts, rubbing = workspace.contacts, workspace.rough.rubbing
-    rubs.recall(contacts, rubbing, memory_of(state), state.rub)
-    solve_contacts_with(resume_rough, parameters, state, workspace, velocity)
-    rubs.remember(contacts, rubbing, memory_of(state), state.rub)
+def recall_rough(part: Rough, own: Rubbed, state: State, workspace: Workspace) -> None:
+    """Start from the impulses along the surfaces of the step before."""
+    rubs.recall(workspace.contacts, own.rubbing, memory_of(state), state.rub)
 
 
 @compiled
-def meet_rough(parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """`meet_with` friction; the spins have their kick before, and angles go through the step after it."""
-    spin, before, decay, turning = workspace.rough.spin, workspace.rough.before, parameters.rough.decay, state.turning
-    for i in range(len(turning)):
-        spin[i] = decay[i] * turning[i, 1]
-        before[i] = spin[i]
-    meet_with(bounce_rough, solve_contacts_rough, parameters, state, workspace)
-    for i in range(len(turning)):
-        turning[i, 1] = spin[i]
-        turning[i, 0] += parameters.time_step * spin[i]
+def remember_rough(part: Rough, own: Rubbed, state: State, workspace: Workspace) -> None:
+    """Keep the impulses along the surfaces for the next step."""
+    rubs.remember(workspace.contacts, own.rubbing, memory_of(state), state.rub)
 
 
 @compiled
-def rest_rough(parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """`rest_with` friction; velocity Verlet's spins have the other half of their kick before."""
-    spin, decay, turning = workspace.rough.spin, parameters.rough.decay, state.turning
-    for i in range(len(turning)):
-        spin[i] = turning[i, 1] * (decay[i] if parameters.scheme == VELOCITY_VERLET else 1.0)
-    rest_with(solve_contacts_rough, parameters, state, workspace)
-    for i in range(len(turning)):
-        turning[i, 1] = spin[i]
+def load_rough(part: Rough, own: Rubbed, parameters: Parameters, state: State, last: bool) -> None:
+    """The spins through the step, after their kick; velocity Verlet's have the other half of it at the end."""
+    kicked = not last or parameters.scheme.half_kicks
+    for i in range(len(state.turning)):
+        own.spin[i] = state.turning[i, 1] * (part.decay[i] if kicked else 1.0)
+        own.before[i] = own.spin[i]
+
+
+@compiled
+def store_rough(part: Rough, own: Rubbed, parameters: Parameters, state: State, last: bool) -> None:
+    """Spins become the state's; angles go through the step with them."""
+    for i in range(len(state.turning)):
+        state.turning[i, 1] = own.spin[i]
+        if not last:
+            state.turning[i, 0] += parameters.time_step * own.spin[i]

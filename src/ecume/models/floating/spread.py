@@ -10,17 +10,15 @@ replicated-data way [plimpton1995, sec. 3]: its limit is what everyone does, and
 
 from __future__ import annotations
 
-import functools
-from collections.abc import Callable
-from typing import Any
+import dataclasses
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from ecume._jit import plainly
 from ecume.engine.cells import Integers
 from ecume.engine.contact import contacts as touching
 from ecume.engine.contact import projected_gauss_seidel
-from ecume.engine.contact.contacts import Candidates, Contacts
+from ecume.engine.contact.contacts import Bodies, Candidates, Contacts
 from ecume.engine.contact.projected_gauss_seidel import Goal
 from ecume.engine.mpi_exchange import Share
 from ecume.engine.neighbors import (
@@ -34,40 +32,62 @@ from ecume.engine.neighbors import (
     write_neighbors,
 )
 from ecume.errors import BadInput
-from ecume.models.floating import grid, meeting
-from ecume.models.floating.forces import Sorted, forces_with, sort_floats
-from ecume.models.floating.pair_choice import lacks, summed_law
-from ecume.models.floating.parameters import RARE, SCHEMES, Parameters
-from ecume.models.floating.pulling import add_windows, pull_in_threads, pull_parallel
+from ecume.models.floating import contact_models, interactions, meeting, stepping
+from ecume.models.floating.choices import TABLES
+from ecume.models.floating.contact_models import contacts_of
+from ecume.models.floating.forces import Sorted, add_from_slots, add_wall_forces, sort_floats
+from ecume.models.floating.interactions import RESISTANCES_BY_CONSTANTS, interactions_of, sort_parts
+from ecume.models.floating.options import Option, faults_of
+from ecume.models.floating.pair_choice import NAMES, pair_option
+from ecume.models.floating.parameters import Parameters, Parts, Scratch
+from ecume.models.floating.pulling import add_windows, pairs_of, pull_in_threads, pull_parallel
 from ecume.models.floating.record import workspace
 from ecume.models.floating.state import State, Workspace
-from ecume.models.floating.stepping import (
-    Parts,
-    find_pairs,
-    keep_lists_with,
-    march_in_parts,
-    renew_lists,
-    sort_pairs,
-)
-from ecume.models.floating.summing import Split
+from ecume.models.floating.stepping import EveryRow, find_pairs, renew_lists, sort_pairs
 from ecume.units import Array
 
-Pull = Callable[..., None]
 FEW_CONTACTS = 2000
 """Fewer are solved by everyone: messages would take longer."""
 
 
+ENGINE = Option(
+    slot="engine", path="--engine", name="--engine mpi",
+    needs={
+        "reciprocal": "each pair is summed once, by one rank",
+        "shared": "each rank has the neighbors of its own floats only",
+        "shared films": "each rank has the neighbors of its own floats only",
+        "shared contacts": "ranks solve islands of contacts without friction",
+    },
+)  # fmt: skip
+
+
 def require_spreadable(parameters: Parameters) -> None:
     """Raise BadInput for floats that are not spread over ranks."""
-    if parameters.many != () and not isinstance(parameters.many, Split):
-        raise BadInput("--engine mpi: goes with superposed menisci of smooth round floats, without dipoles or films")
-    if parameters.rough != () or parameters.springs != ():
-        raise BadInput("--engine mpi: goes without friction between floats, and with contacts that are no springs")
-    if missing := lacks(parameters, "reciprocal"):
-        raise BadInput(f"--engine mpi: needs {missing}")
-    if parameters.scheme in RARE:
-        rare = ", ".join(repr(SCHEMES[each]) for each in RARE)
-        raise BadInput(f"--engine mpi: goes with integrators other than {rare}")
+    rows: list[Option] = [row for _, row in interactions_of(parameters)]
+    rows += [RESISTANCES_BY_CONSTANTS[type(part)] for part in parameters.parts.resistances]
+    rows += [contacts_of(parameters), pair_option(NAMES[parameters.pair_law])]
+    if faults := faults_of([ENGINE, *rows], TABLES):
+        raise BadInput("; ".join(fault.message for fault in faults))
+
+
+class SharedPairs(NamedTuple):
+    """`Superposed` floats, whose pairs are summed by all ranks."""
+
+    law: Any
+    share: Share
+
+
+class SharedImpulses(NamedTuple):
+    """`Impulses` that all ranks find together."""
+
+    overlapping: bool
+    share: Share
+
+
+class SharedRows(NamedTuple):
+    """Neighbor lists of which each rank has its own rows."""
+
+    share: Share
 
 
 def pull_shared(share: Share, law: Any, rows: Any, floats: Any, pair: Array, force: Array) -> None:
@@ -85,19 +105,15 @@ def pull_shared(share: Share, law: Any, rows: Any, floats: Any, pair: Array, for
 
 
 def renew_shared(
-    share: Share,
-    parameters: Parameters,
-    reference: Array,
-    lists: NeighborLists,
-    candidates: Candidates,
-    scratch: Sorted,
+    part: SharedRows, parts: Parts, scratch: Scratch, parameters: Parameters, reference: Array, workspace: Workspace
 ) -> bool:
     """Lists and candidates at the reference positions, of which everyone makes a part and holds the own rows alone.
     False when there is no room for all of them. See `stepping.renew_lists`.
     """
+    share, lists, candidates = part.share, workspace.lists, workspace.candidates
     rows, count, rank = lists.rows, len(reference), share.rank
     if count < THREADS_FROM:
-        return renew_lists(parameters, reference, lists, candidates, scratch)
+        return bool(renew_lists(EveryRow(), parts, scratch, parameters, reference, workspace))
     slots, all_of = share.parts(count), share.parts(STRETCHES)
     count_neighbors(lists, reference, parameters.reach, (slots[rank], slots[rank + 1]))
     share.gather(rows.first[1:], slots)
@@ -110,7 +126,7 @@ def renew_shared(
     if not share_pairs(share, parameters, lists, candidates):
         lists.valid[0] = 0
         return False
-    sort_floats(parameters, lists, scratch)
+    sort_parts(parts.interactions, scratch.interactions, parameters, lists)
     return True
 
 
@@ -151,22 +167,26 @@ def workspace_shared(share: Share, parameters: Parameters, state: State, room: f
 
 
 def shared_forces(
-    pull_all: Pull,
-    law: Any,
-    parameters: Parameters,
-    position: Array,
-    lists: NeighborLists,
-    scratch: tuple[Sorted, Array],
+    part: SharedPairs, own: Sorted, parameters: Parameters, position: Array, lists: NeighborLists, force: Array
 ) -> None:
-    """The forces on all floats."""
-    plainly(forces_with)(pull_all, law, parameters, position, lists, scratch)
+    """Add the forces on all floats: see `forces.superposed_forces`."""
+    pull_shared(part.share, part.law, pairs_of(lists.rows), (own.charge, own.radius), own.pair, own.force)
+    add_from_slots(lists.cells.order, own.force, force)
+    add_wall_forces(parameters, position, force)
 
 
-def solve_shared(share: Share, parameters: Parameters, workspace: Workspace, velocity: Array, goal: Goal) -> int:
+def sort_shared(part: SharedPairs, own: Sorted, parameters: Parameters, lists: NeighborLists) -> None:
+    """Copy charges and radii into the order of the slots: see `forces.sort_floats`. Every rank has all of them."""
+    sort_floats((), own, parameters, lists)
+
+
+def solve_shared(
+    part: SharedImpulses, own: Any, bodies: Bodies, contacts: Contacts, velocity: Array, goal: Goal
+) -> int:
     """Impulses of contacts: see `meeting.solve_smooth`. Each rank solves some of the islands."""
-    contacts, mobility = workspace.contacts, parameters.kick.mobility
+    share, mobility = part.share, bodies.mobility
     if contacts.total[0] < FEW_CONTACTS:
-        return meeting.solve_smooth(parameters, workspace, velocity, goal)
+        return meeting.solve_smooth((), (), bodies, contacts, velocity, goal)
     touching.weigh(contacts, mobility)
     if projected_gauss_seidel.begin(contacts, velocity, mobility, goal):
         return 1
@@ -181,6 +201,11 @@ def solve_shared(share: Share, parameters: Parameters, workspace: Workspace, vel
     share_velocities(share, some, islands.first[all_of], velocity)
     projected_gauss_seidel.take_over(contacts, islands.rows, some)
     return int(sweeps.max())
+
+
+def push_shared(part: SharedImpulses, own: Any, bodies: Bodies, contacts: Contacts, passage: Array) -> None:
+    """The impulses of bounces on the passage: see `meeting.push_smooth`. Every rank has all of them."""
+    meeting.push_smooth((), (), bodies, contacts, passage)
 
 
 def share_velocities(share: Share, some: Contacts, bounds: Integers, velocity: Array) -> None:
@@ -199,17 +224,29 @@ def share_velocities(share: Share, some: Contacts, bounds: Integers, velocity: A
         velocity[bodies, axis] = along
 
 
+interactions.BY_CONSTANTS[SharedPairs] = dataclasses.replace(
+    interactions.INTERACTIONS["superposition"],
+    constants=SharedPairs, add_forces=shared_forces, sort=sort_shared, compiled=False,
+)  # fmt: skip
+contact_models.BY_CONSTANTS[SharedImpulses] = dataclasses.replace(
+    contact_models.CONTACTS["impulse"],
+    constants=SharedImpulses,
+    meet=meeting.meet_by_passes,
+    settle=meeting.settle_by_passes,
+    rest=meeting.rest_by_passes,
+)
+meeting.SOLVERS[SharedImpulses] = meeting.SMOOTH._replace(stop=solve_shared, push=push_shared, solve=solve_shared)
+stepping.LISTS[SharedRows] = renew_shared
+
+
 def march_shared(share: Share, parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
-    """March: see `ecume.models.model.Model.advance`."""
-    solve = functools.partial(solve_shared, share)
-    bounce = functools.partial(plainly(meeting.bounce_with), solve, meeting.push_smooth)
-    solve_contacts = functools.partial(plainly(meeting.solve_contacts_with), solve)
-    parts = Parts(
-        functools.partial(shared_forces, functools.partial(pull_shared, share)),
-        functools.partial(plainly(keep_lists_with), functools.partial(renew_shared, share)),
-        functools.partial(plainly(meeting.meet_with), bounce, solve_contacts),
-        functools.partial(plainly(meeting.rest_with), solve_contacts),
+    """See `ecume.models.model.Model.advance`: the same steps, with parts that ranks share out."""
+    parts = parameters.parts
+    base, *others = parts.interactions
+    touching = parts.contacts
+    if isinstance(touching, meeting.Impulses):
+        touching = SharedImpulses(touching.overlapping, share)
+    shared = parts._replace(
+        interactions=(SharedPairs(base.law, share), *others), contacts=touching, lists=SharedRows(share)
     )
-    if isinstance(parameters.many, Split):
-        return grid.march_split_with(parts, parameters, state, workspace, steps)
-    return march_in_parts(parts, summed_law(parameters), parameters, state, workspace, steps)
+    return stepping.advance_with(shared, parameters, state, workspace, steps)

@@ -17,20 +17,13 @@ from ecume.engine.contact.contacts import Contacts
 from ecume.errors import Fault, SceneError
 from ecume.laws import contact
 from ecume.laws.contact import dashpot_restitution, spring_energy, spring_push
-from ecume.models.floating.forces import forces
 from ecume.models.floating.meeting import bodies_of
+from ecume.models.floating.options import Built
 from ecume.models.floating.pace import RAFT_NEIGHBORS
-from ecume.models.floating.pair_choice import law_of, require, row_of, two_floats
-from ecume.models.floating.parameters import (
-    CAPILLARY_LENGTH,
-    OVERDAMPED,
-    SEMI_IMPLICIT_EULER,
-    VELOCITY_VERLET,
-    Parameters,
-)
-from ecume.models.floating.schemes import copy_rows, predict
+from ecume.models.floating.pair_choice import law_of, row_of, two_floats
+from ecume.models.floating.parameters import CAPILLARY_LENGTH, Parameters
+from ecume.models.floating.rows import copy_rows
 from ecume.models.floating.state import DEEPEST, State, Workspace
-from ecume.models.floating.stepping import march_touching_with
 from ecume.scenes.floating import FloatingScene
 from ecume.units import Array
 
@@ -53,16 +46,9 @@ LEAST_RESTITUTION = 0.05
 """Below it a dashpot would have to be far over its critical damping, and steps short for its sake."""
 
 
-def with_springs(parameters: Parameters, scene: FloatingScene) -> Parameters:
-    """The parameters of soft contacts. Raises SceneError where they do not go."""
-    slow = parameters.scheme == OVERDAMPED
-    if parameters.scheme not in (VELOCITY_VERLET, SEMI_IMPLICIT_EULER, OVERDAMPED):
-        raise _fault("law", "'spring-dashpot' goes with 'velocity-verlet', 'semi-implicit-euler' and 'overdamped'")
-    require(parameters, "contacts.law", "'spring-dashpot'", "reciprocal")
-    if parameters.many != () or scene.rubs:
-        raise _fault(
-            "law", "'spring-dashpot' goes with superposed pairs in cells, without friction, films, magnets or shapes"
-        )
+def springs_of(parameters: Parameters, scene: FloatingScene, interactions: tuple[Any, ...]) -> Built:
+    """Soft contacts. Raises SceneError where restitution asks for too much damping."""
+    slow = not parameters.scheme.inertia
     stiffness = scene.contacts.stiffness or stiffness_of(parameters)
     at_walls = parameters.wall_restitution if scene.dish is not None else 1.0
     dampings = [0.0 if slow else damping_of(each) for each in (parameters.restitution, at_walls)]
@@ -70,8 +56,7 @@ def with_springs(parameters: Parameters, scene: FloatingScene) -> Parameters:
     quickest = math.pi * math.sqrt(0.5 * float(floats.mass.min()) / stiffness) / max(1.0, 2.0 * max(dampings))
     if slow:
         quickest = float((floats.mass / floats.relaxation_time).min()) / (2.0 * RAFT_NEIGHBORS * stiffness)
-    springs = Springs(stiffness, *dampings)
-    return parameters._replace(springs=springs, quickest=min(parameters.quickest, quickest))
+    return Built(Springs(stiffness, *dampings), quickest)
 
 
 def stiffness_of(parameters: Parameters) -> float:
@@ -109,9 +94,9 @@ def reduced_mass(mass: Array, i: int, j: int) -> float:
 
 
 @compiled
-def push_apart(parameters: Parameters, state: State, contacts: Contacts, time: float) -> None:
+def push_apart(springs: Springs, parameters: Parameters, state: State, contacts: Contacts, time: float) -> None:
     """The impulses that springs and dashpots give in that time, for speeds of approach in `contacts.change`."""
-    springs, mass = parameters.springs, parameters.floats.mass
+    mass = parameters.floats.mass
     for row in range(contacts.total[0]):
         j, overlap = contacts.second[row], -contacts.gap[row]
         damping = springs.damping if j < len(mass) else springs.wall_damping
@@ -122,42 +107,38 @@ def push_apart(parameters: Parameters, state: State, contacts: Contacts, time: f
 
 
 @compiled
-def meet_springs(parameters: Parameters, state: State, workspace: Workspace) -> None:
+def meet_springs(part: Springs, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """The pushes at the start of the step, on the passage; the velocity goes along with it."""
     contacts, passage = workspace.contacts, workspace.passage
     touching.gather(contacts, workspace.candidates, state.position, bodies_of(parameters), 0.0)
     touching.approaches(contacts, workspace.before, contacts.change)
-    half = 0.5 if parameters.scheme == VELOCITY_VERLET else 1.0
-    push_apart(parameters, state, contacts, half * parameters.time_step)
+    half = 0.5 if parameters.scheme.half_kicks else 1.0
+    push_apart(part, parameters, state, contacts, half * parameters.time_step)
     touching.push_all(contacts, contacts.impulse, passage, parameters.kick.mobility)
     copy_rows(state.velocity, passage)
 
 
 @compiled
-def rest_springs(parameters: Parameters, state: State, workspace: Workspace) -> None:
+def rest_springs(part: Springs, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """The pushes at the end of a step of velocity Verlet."""
     contacts, passage = workspace.contacts, workspace.passage
     touching.gather(contacts, workspace.candidates, state.position, bodies_of(parameters), 0.0)
     touching.approaches(contacts, passage, contacts.change)
-    push_apart(parameters, state, contacts, 0.5 * parameters.time_step)
+    push_apart(part, parameters, state, contacts, 0.5 * parameters.time_step)
     copy_rows(passage, state.velocity)
     touching.push_all(contacts, contacts.impulse, passage, parameters.kick.mobility)
     copy_rows(state.velocity, passage)
 
 
 @compiled
-def march_springs(law: Any, parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
-    """The march of soft contacts."""
-    return march_touching_with(predict, forces, meet_springs, rest_springs, law, parameters, state, workspace, steps)
-
-
-@compiled
-def sums_of_spring_energies(parameters: Parameters, state: State, workspace: Workspace) -> tuple[float, float]:
+def spring_energies(
+    springs: Springs, own: Any, parameters: Parameters, state: State, workspace: Workspace
+) -> tuple[float, float]:
     """Of all contacts (J): among floats, and with walls."""
     contacts, among, at_walls = workspace.contacts, 0.0, 0.0
     touching.gather(contacts, workspace.candidates, state.position, bodies_of(parameters), 0.0)
     for row in range(contacts.total[0]):
-        energy = spring_energy(-contacts.gap[row], parameters.springs.stiffness)
+        energy = spring_energy(-contacts.gap[row], springs.stiffness)
         if contacts.second[row] < len(state.position):
             among += energy
         else:

@@ -13,9 +13,10 @@ from ecume.engine.neighbors import build, make_lists
 from ecume.engine.placement import Region, place_at_random, place_on_lattice, place_on_ring
 from ecume.engine.walls import Walls, enclosures
 from ecume.errors import BadInput, Fault, SceneError
-from ecume.models.floating.interacting import orders_of, turns
+from ecume.models.floating.contact_models import contacts_of, gaps_between
+from ecume.models.floating.interactions import interactions_of
+from ecume.models.floating.motions import inertia_of
 from ecume.models.floating.parameters import Floats, Parameters
-from ecume.models.floating.shaped.bodies import Shaped
 from ecume.models.floating.state import State, make_state
 from ecume.models.floating.stepping import list_candidates
 from ecume.scenes.floating import FloatingScene, FloatSpec
@@ -43,7 +44,7 @@ def start(scene: FloatingScene, parameters: Parameters) -> State:
     """The state at time 0. Raises SceneError where floats overlap, lie outside, or find no room."""
     places = given_places(scene)
     free = np.isnan(places.position[:, 0])
-    if isinstance(parameters.many, Shaped):
+    if contacts_of(parameters).gaps is not None:
         _check_shapes(scene, parameters, places.position, np.flatnonzero(~free))
     else:
         _check(scene, parameters, places.position, np.flatnonzero(~free).astype(np.int64))
@@ -54,15 +55,16 @@ def start(scene: FloatingScene, parameters: Parameters) -> State:
             places.position[free] = place_at_random(radius[free], region_of(parameters), taken, scene.seed)
         except BadInput as error:
             raise SceneError([Fault("floats", str(error))]) from None
-    return first_turns(make_state(places.position, places.velocity, orders_of(parameters)), scene, parameters)
+    state = make_state(places.position, places.velocity)
+    for part, row in interactions_of(parameters):
+        state = row.state(part, state)
+    return first_turns(contacts_of(parameters).state(state), scene, parameters)
 
 
 def first_turns(state: State, scene: FloatingScene, parameters: Parameters) -> State:
     """The state with angles for floats that turn: given ones, or by chance."""
-    if not turns(parameters):
+    if inertia_of(parameters) is None:
         return state
-    if parameters.rough != ():
-        state = state._replace(rub=np.zeros(len(state.push)))
     angle, spin = first_angles(scene), np.zeros(len(state.position))
     spin[len(spin) - len(scene.rows) :] = [row.spin for row in scene.rows]
     return state._replace(turning=np.stack([angle, spin], axis=1))
@@ -123,13 +125,11 @@ def _check(scene: FloatingScene, parameters: Parameters, position: Array, which:
 
 def _check_shapes(scene: FloatingScene, parameters: Parameters, position: Array, which: Any) -> None:
     """The same for shapes, as they are turned at the start."""
-    from ecume.models.floating.shaped.building import overlaps
-
     names, radius, faults = float_names(scene), parameters.floats.radius, []
     # Whoever is placed by chance is out of the way.
     far = 4.0 * (np.abs(np.nan_to_num(position)).max() + radius.sum()) * (1.0 + np.arange(len(position)))
     there = np.where(np.isnan(position), far[:, None], position)
-    for i, j, gap in overlaps(parameters, there, first_angles(scene), 0.0):
+    for i, j, gap in gaps_between(parameters, there, first_angles(scene), 0.0):
         if i in which and (j in which or j >= len(radius)) and -gap > TOUCHING * radius[i]:
             other = f"{names[j]}" if j < len(radius) else "the dish's wall"
             faults.append(Fault(names[i], f"overlaps {other} by {-gap:.3g} m"))

@@ -9,7 +9,6 @@ import numpy as np
 from ecume.engine import neighbors
 from ecume.engine.cells import Integers
 from ecume.engine.contact import contacts
-from ecume.models.floating.forces import Sorted
 from ecume.models.floating.parameters import Parameters
 from ecume.units import Array
 
@@ -53,8 +52,6 @@ class Workspace(NamedTuple):
     lists: neighbors.NeighborLists
     candidates: contacts.Candidates
     contacts: contacts.Contacts
-    sorted_floats: Any
-    """a `Sorted`, or a `many.Crowd` that has the same"""
     force: Array
     """(N, 2) N, at the present positions"""
     passage: Array
@@ -69,12 +66,12 @@ class Workspace(NamedTuple):
     """(1,) m: how far anyone may go in this step"""
     ready: Integers
     """(1,) whether `force` holds at the present positions"""
-    rough: Any = ()
-    """a `rubbing.Rubbed` where surfaces rub"""
+    scratch: Any = ()
+    """the `Scratch` of the parts; empty in the workspace that compiled code gets"""
 
 
-def make_state(position: Array, velocity: Array, orders: int = 0) -> State:
-    """At time 0; with room for that many multipoles."""
+def make_state(position: Array, velocity: Array) -> State:
+    """At time 0; parts may replace the empty arrays by their own."""
     count = len(position)
     return State(
         position=np.array(position, dtype=np.float64),
@@ -85,7 +82,7 @@ def make_state(position: Array, velocity: Array, orders: int = 0) -> State:
         touching=np.zeros((4 * count + 16, 2), np.int64),
         push=np.zeros(4 * count + 16),
         rub=np.zeros(0),
-        amplitudes=np.zeros((count, 2 * orders)),
+        amplitudes=np.zeros((count, 0)),
         turning=np.zeros((count, 0)),
         tally=np.zeros(5),
     )
@@ -100,14 +97,10 @@ def make_workspace(parameters: Parameters, state: State, room: float) -> Workspa
     count = len(state.position)
     walls = len(parameters.kick.mobility) - count
     pairs = int(room * (24 * count + 64))
-    kind = np.float32 if parameters.single else np.float64
     return Workspace(
         lists=neighbors.make_lists(count, 2, int(room * count * min(count, FIRST_GUESS))),
         candidates=contacts.make_candidates(count, pairs),
         contacts=contacts.make_contacts(pairs + count * walls),
-        sorted_floats=Sorted(
-            np.zeros(count, kind), np.zeros(count), np.zeros((2, count)), parameters.pair.astype(kind)
-        ),
         force=np.zeros((count, 2)),
         passage=np.zeros((count + walls, 2)),
         before=np.zeros((count + walls, 2)),

@@ -1,38 +1,46 @@
-"""One step of floating bodies, and the march of many.
+"""One time step, and many of them.
 
 Kick, meet, drift, kick, rest: the velocity Verlet scheme with unilateral constraints, as RATTLE is with
 bilateral ones. The first contact solve acts on the velocity with which everyone goes through the step, so that nobody
 ends inside another; the second on the velocity at its end, so that touching floats are at rest when nothing moves them.
 Other schemes put their own passage and their own kick in place of Verlet's.
+
+What a scene has chosen stands in `Parts`: an integrator, interactions, resistances and contacts. The functions of their
+rows are chosen by the types of these parts, when the step is compiled.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
-from ecume._jit import compiled, compiled_inside, inlined, plainly
+from ecume._jit import compiled, compiled_inside, composed, plainly, selected
 from ecume.engine.cells import Integers
 from ecume.engine.contact.contacts import Candidates
 from ecume.engine.neighbors import NeighborLists, build, farthest_move
 from ecume.models.floating.booking import book, book_heat, is_driven
-from ecume.models.floating.forces import Sorted, forces, sort_floats
-from ecume.models.floating.meeting import meet, rest, settle
-from ecume.models.floating.parameters import (
-    IMPULSE,
-    KICKED_BEFORE,
-    NO_CONTACTS,
-    RARE,
-    SPRINGS,
-    STORMER_VERLET,
-    VELOCITY_VERLET,
-    Kick,
-    Parameters,
+from ecume.models.floating.contact_models import (
+    contacts_of,
+    find_contacts,
+    meet_contacts,
+    rest_contacts,
+    settle_contacts,
 )
-from ecume.models.floating.schemes import clear, copy_rows, drift, kick_floats, predict, predict_rarely_with
+from ecume.models.floating.interactions import (
+    BY_CONSTANTS,
+    evaluate,
+    interactions_of,
+    slow_parts,
+    sort_parts,
+    turn_parts,
+)
+from ecume.models.floating.parameters import Kick, Parameters, Parts, Scratch
+from ecume.models.floating.rows import copy_rows
+from ecume.models.floating.schemes import begin, finish, foresee, move, predict, store
+from ecume.models.floating.shaped.bodies import RigidKicks
 from ecume.models.floating.state import State, Workspace
 from ecume.models.model import CROWDED, DIVERGED, DONE
 from ecume.units import Array
@@ -109,18 +117,35 @@ def _ascend(values: Integers, begin: int, end: int) -> None:
         values[spot] = value
 
 
-@compiled
+class EveryRow(NamedTuple):
+    """Neighbor lists of all floats, made by this process."""
+
+
+@composed
 def renew_lists(
-    parameters: Parameters, reference: Array, lists: NeighborLists, candidates: Candidates, sorted_floats: Sorted
+    part: EveryRow, parts: Parts, scratch: Scratch, parameters: Parameters, reference: Array, workspace: Workspace
 ) -> bool:
     """Neighbor lists and candidates at the reference positions. False when there is no room."""
+    if not build_all(parameters, reference, workspace.lists, workspace.candidates):
+        return False
+    sort_parts(parts.interactions, scratch.interactions, parameters, workspace.lists)
+    return True
+
+
+@compiled
+def build_all(parameters: Parameters, reference: Array, lists: NeighborLists, candidates: Candidates) -> bool:
+    """Neighbors and candidates. False when there is no room."""
     if not build(lists, reference, parameters.reach):
         return False
     if not list_candidates(candidates, lists, parameters.floats.radius, parameters.skin):
         lists.valid[0] = 0
         return False
-    sort_floats(parameters, lists, sorted_floats)
     return True
+
+
+LISTS: dict[type, Callable[..., bool]] = {EveryRow: renew_lists}
+"""How lists are made, by the type of the part."""
+renew = selected(lambda kind: LISTS[kind])
 
 
 @compiled
@@ -137,159 +162,115 @@ def farthest_ahead(kick: Kick, velocity: Array, force: Array) -> float:
     return fastest
 
 
-@inlined
-def keep_lists_with(renew: Callable[..., bool], parameters: Parameters, state: State, workspace: Workspace) -> int:
+@composed
+def keep_lists(parts: Parts, scratch: Scratch, parameters: Parameters, state: State, workspace: Workspace) -> int:
     """New lists before anyone leaves the old ones' reach; nothing but the reference positions changes in the state."""
+    status = must_renew(parameters, state, workspace)
+    if status != CROWDED:
+        return status
+    copy_rows(workspace.stages[0], state.reference)
+    copy_rows(state.reference, state.position)
+    if not renew(parts.lists, parts, scratch, parameters, state.reference, workspace):
+        copy_rows(state.reference, workspace.stages[0])
+        return CROWDED
+    return DONE
+
+
+@compiled_inside
+def must_renew(parameters: Parameters, state: State, workspace: Workspace) -> int:
+    """DONE where lists hold for another step, CROWDED where they do not, DIVERGED where none could."""
     ahead = parameters.time_step * farthest_ahead(parameters.kick, state.velocity, workspace.force)
     ahead += parameters.drift.jump
     moved = farthest_move(state.position, state.reference)
     workspace.ahead[0] = ahead
     if not ahead <= 0.25 * parameters.skin:
         return DIVERGED
-    if moved + ahead > 0.25 * parameters.skin:
-        copy_rows(workspace.stages[0], state.reference)
-        copy_rows(state.reference, state.position)
-        lists, candidates, sorted_floats = workspace.lists, workspace.candidates, workspace.sorted_floats
-        if not renew(parameters, state.reference, lists, candidates, sorted_floats):
-            copy_rows(state.reference, workspace.stages[0])
-            return CROWDED
-    return DONE
+    return CROWDED if moved + ahead > 0.25 * parameters.skin else DONE
 
 
-@compiled
-def keep_lists(parameters: Parameters, state: State, workspace: Workspace) -> int:
-    """`keep_lists_with` lists of everyone's neighbors."""
-    return keep_lists_with(renew_lists, parameters, state, workspace)
-
-
-@inlined
-def step_with(
-    predict: Callable[..., None],
-    evaluate: Callable[..., None],
-    meet: Callable[..., None],
-    rest: Callable[..., None],
-    law: Any,
-    parameters: Parameters,
-    state: State,
-    workspace: Workspace,
-) -> None:
+@composed
+def step(parts: Parts, scratch: Scratch, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """One time step."""
+    turn_parts(parts.interactions, scratch.interactions, parameters, state, True)
     copy_rows(workspace.before, state.velocity)
-    predict(law, parameters, state, workspace)
-    if parameters.contact_law != NO_CONTACTS:
-        meet(parameters, state, workspace)
+    predict(parts.integrator, parts, scratch, parameters, state, workspace)
+    slow_parts(parts.resistances, scratch.resistances, parameters, state, workspace)
+    meet_contacts(parts.contacts, scratch.contacts, parameters, state, workspace)
     driven = is_driven(parameters)
     if driven:
         book(parameters, state, workspace.passage)
         book_heat(parameters, state, workspace)
-    drift(state.position, workspace.passage, parameters.time_step)
-    if parameters.contact_law == IMPULSE:
-        settle(parameters, state, workspace)
-    if parameters.scheme != STORMER_VERLET:
-        evaluate(law, parameters, state.position, workspace.lists, (workspace.sorted_floats, workspace.force))
+    move(parts.integrator, scratch.integrator, parameters, state, workspace)
+    settle_contacts(parts.contacts, scratch.contacts, parameters, state, workspace)
+    if parameters.scheme.forces_at_end:
+        evaluate(parts, scratch, parameters, state.position, workspace.lists, workspace.force)
     if driven:
         book_heat(parameters, state, workspace)
-    if parameters.scheme == VELOCITY_VERLET:
-        kick_floats(parameters, state, workspace.force, 1.0)
-    if parameters.contact_law in (IMPULSE, SPRINGS) and parameters.scheme not in KICKED_BEFORE:
-        rest(parameters, state, workspace)
+    finish(parts.integrator, scratch.integrator, parameters, state, workspace)
+    if parameters.scheme.contacts_at_end:
+        rest_contacts(parts.contacts, scratch.contacts, parameters, state, workspace)
+    store(parts.integrator, scratch.integrator, state)
+    turn_parts(parts.interactions, scratch.interactions, parameters, state, False)
     state.step[0] += 1
 
 
-@inlined
-def march_touching_with(
-    predict: Callable[..., None],
-    evaluate: Callable[..., None],
-    meet: Callable[..., None],
-    rest: Callable[..., None],
-    law: Any,
-    parameters: Parameters,
-    state: State,
-    workspace: Workspace,
-    steps: int,
+@compiled
+def integrate(
+    parts: Parts, scratch: Scratch, parameters: Parameters, state: State, workspace: Workspace, steps: int
 ) -> int:
-    """March: see `ecume.models.model.Model.advance`. `evaluate` works out all forces at given positions; `meet` and
-    `rest` are what contacts do on the way and at the end.
+    """Advance by that many steps: see `ecume.models.model.Model.advance`. `parameters` and `workspace` come without
+    parts, so that whatever does not depend on these is compiled once for all of them.
     """
-    # Stoermer's scheme looks at no force between its steps.
-    if workspace.ready[0] == 0 and parameters.scheme != STORMER_VERLET:
-        evaluate(law, parameters, state.position, workspace.lists, (workspace.sorted_floats, workspace.force))
+    begin(parts.integrator, scratch.integrator, parameters, state)
+    if workspace.ready[0] == 0 and parameters.scheme.forces_at_end:
+        evaluate(parts, scratch, parameters, state.position, workspace.lists, workspace.force)
     workspace.ready[0] = 1
     for _ in range(steps):
-        status = keep_lists(parameters, state, workspace)
+        status = keep_lists(parts, scratch, parameters, state, workspace)
+        if status == DONE:
+            status = foresee(parts.integrator, scratch.integrator, parameters, state, workspace)
+        if status == DONE:
+            status = find_contacts(parts.contacts, scratch.contacts, parameters, state, workspace)
         if status != DONE:
             return status
-        step_with(predict, evaluate, meet, rest, law, parameters, state, workspace)
-        if parameters.scheme == STORMER_VERLET:
-            clear(workspace.force)
+        step(parts, scratch, parameters, state, workspace)
         if not farthest_move(state.position, state.reference) <= 0.5 * parameters.skin:
             return DIVERGED
     return DONE
 
 
-@inlined
-def march_with(
-    predict: Callable[..., None],
-    evaluate: Callable[..., None],
-    law: Any,
-    parameters: Parameters,
-    state: State,
-    workspace: Workspace,
-    steps: int,
-) -> int:
-    """`march_touching_with` contacts without friction."""
-    return march_touching_with(predict, evaluate, meet, rest, law, parameters, state, workspace, steps)
-
-
-class Parts(NamedTuple):
-    """What a march in parts is made of."""
-
-    evaluate: Callable[..., None]
-    """works out all forces at given positions"""
-    keep: Callable[..., int] = keep_lists
-    """makes new lists in time"""
-    meet: Callable[..., None] = meet
-    rest: Callable[..., None] = rest
-    """what contacts do on the way, and at the end"""
-
-
-def march_in_parts(
-    parts: Parts, law: Any, parameters: Parameters, state: State, workspace: Workspace, steps: int
-) -> int:
-    """The march as Python runs it, of compiled parts: where forces take what cannot be compiled. For schemes that ask
-    for no forces on the way.
+def advance(parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
+    """See `ecume.models.model.Model.advance`. Compiled code takes all steps where it can call every part; otherwise
+    Python runs the same text, step by step, around compiled parts.
     """
-    if workspace.ready[0] == 0:
-        parts.evaluate(law, parameters, state.position, workspace.lists, (workspace.sorted_floats, workspace.force))
-    workspace.ready[0] = 1
-    for _ in range(steps):
-        status = parts.keep(parameters, state, workspace)
-        if status != DONE:
-            return status
-        plainly(step_with)(predict, parts.evaluate, parts.meet, parts.rest, law, parameters, state, workspace)
-        if not farthest_move(state.position, state.reference) <= 0.5 * parameters.skin:
-            return DIVERGED
-    return DONE
+    return advance_with(parameters.parts, parameters, state, workspace, steps)
 
 
-@compiled
-def march(law: Any, parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
-    """The march of floats by a pair law."""
-    return march_with(predict, forces, law, parameters, state, workspace, steps)
+def advance_with(parts: Parts, parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
+    """Advance with these parts in the place of the parameters' own."""
+    run = integrate if all(BY_CONSTANTS[type(part)].compiled for part in parts.interactions) else plainly(integrate)
+    bare, scratch = parameters._replace(parts=()), workspace.scratch
+    return run(parts, scratch, bare, state, workspace._replace(scratch=()), steps)
 
 
-@compiled
-def predict_rarely(law: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """For schemes that ask for forces on the way."""
-    predict_rarely_with(forces, law, parameters, state, workspace)
+def forces_at(parameters: Parameters, position: Array, workspace: Workspace) -> Array:
+    """The forces on all floats (N, 2) at these positions, where the workspace's lists hold; it keeps them."""
+    bare = parameters._replace(parts=())
+    evaluate(parameters.parts, workspace.scratch, bare, position, workspace.lists, workspace.force)
+    return workspace.force
 
 
-@compiled
-def march_rarely(law: Any, parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
-    """The march for schemes that are seldom asked for: compiled when one is."""
-    return march_with(predict_rarely, forces, law, parameters, state, workspace, steps)
+def make_scratch(parameters: Parameters, state: State, workspace: Workspace) -> Scratch:
+    """The workspace of each part."""
+    parts = parameters.parts
+    own = tuple(row.scratch(part, parameters, state, workspace) for part, row in interactions_of(parameters))
+    touching = contacts_of(parameters).scratch(parts.contacts, parameters, state, workspace, own)
+    return Scratch(
+        own[0] if isinstance(parts.integrator, RigidKicks) else (), own, ((),) * len(parts.resistances), touching
+    )
 
 
-def advance(law: Any, parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
-    """See `ecume.models.model.Model.advance`."""
-    return (march_rarely if parameters.scheme in RARE else march)(law, parameters, state, workspace, steps)
+def fill_lists(parameters: Parameters, state: State, workspace: Workspace) -> bool:
+    """Make the lists of a new workspace at the state's reference positions. False when there is no room."""
+    bare, parts, scratch = parameters._replace(parts=()), parameters.parts, workspace.scratch
+    return bool(renew_lists(EveryRow(), parts, scratch, bare, state.reference, workspace._replace(scratch=())))

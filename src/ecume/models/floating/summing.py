@@ -14,12 +14,9 @@ from ecume.laws import ewald as splitting
 from ecume.laws.ewald import SplitFit
 from ecume.laws.pair_laws import Short, short_constants
 from ecume.models.floating.pace import PACKED
-from ecume.models.floating.pair_choice import lacks, row_of
 from ecume.models.floating.parameters import (
     CAPILLARY_LENGTH,
     CUTOFF,
-    RARE,
-    SCHEMES,
     STRENGTH,
     Parameters,
 )
@@ -46,7 +43,7 @@ WIDEST = 0.1
 
 
 class Split(NamedTuple):
-    """How the sum is split: `Parameters.many` of a scene that wants it."""
+    """How the sum is split: the part of a scene that wants it."""
 
     eta: float
     """in squares of the capillary length"""
@@ -173,39 +170,32 @@ def _splits(crowd: Crowd, accuracy: float) -> list[Choice]:
     return choices
 
 
-def summed(parameters: Parameters, scene: FloatingScene) -> Parameters:
-    """The parameters, with a grid where it is asked for, or cheaper. Raises SceneError where there can be none."""
-    asked = scene.interaction.sum
-    plain = parameters.many == () and row_of(parameters).menisci and parameters.scheme not in RARE
-    plain = plain and not scene.rubs
-    fits = FINEST <= scene.interaction.accuracy <= LOOSEST
-    if asked == "grid" and not (plain and fits):
-        rare = ", ".join(repr(SCHEMES[each]) for each in RARE)
-        why = (
-            f"a grid needs {missing}"
-            if (missing := lacks(parameters, "menisci"))
-            else "a grid goes with method = 'superposition', without dipoles and friction, and with integrators other "
-            f"than {rare}"
-            if not plain
-            else f"a grid is not finer than an accuracy of {FINEST:g}"
-        )
-        raise SceneError([Fault("interaction.sum", f"{why}; take 'cells'")])
+def split_of(parameters: Parameters, scene: FloatingScene, *, eligible: bool) -> tuple[Split, float] | None:
+    """A grid where it is asked for, or cheaper where nobody asked and it is `eligible`, and the cutoff (m) of what is
+    left to lists; None without a grid. Raises SceneError where there can be none.
+    """
+    asked, accuracy = scene.interaction.sum, scene.interaction.accuracy
+    fits = FINEST <= accuracy <= LOOSEST
+    if asked == "grid" and not fits:
+        raise _fault(f"a grid is not finer than an accuracy of {FINEST:g}; take 'cells'")
+    if asked == "cells" or (asked == "auto" and not (eligible and fits)):
+        return None
     crowd = crowd_of(parameters, scene)
-    if asked == "cells" or not (plain and fits) or (asked == "auto" and crowd.floats < WORTH):
-        return parameters
+    if asked == "auto" and crowd.floats < WORTH:
+        return None
     cells = crowd.floats * PAIR * crowd.neighbors(crowd.cutoff)
     try:
-        choice, fit = best_split(crowd, scene.interaction.accuracy)
+        choice, fit = best_split(crowd, accuracy)
     except BadInput as error:
         if asked == "auto":
-            return parameters
-        raise SceneError([Fault("interaction.sum", str(error))]) from None
-    return parameters if asked == "auto" and cells <= GAIN * choice.work else _with_grid(parameters, choice, fit, cells)
+            return None
+        raise _fault(str(error)) from None
+    return None if asked == "auto" and cells <= GAIN * choice.work else _made(parameters, choice, fit, cells)
 
 
-def _with_grid(parameters: Parameters, choice: Choice, fit: SplitFit, cells: float) -> Parameters:
+def _made(parameters: Parameters, choice: Choice, fit: SplitFit, cells: float) -> tuple[Split, float]:
     length = float(parameters.pair[CAPILLARY_LENGTH])
-    many = Split(
+    split = Split(
         eta=choice.eta,
         spacing=choice.spacing * length,
         order=choice.order,
@@ -215,13 +205,25 @@ def _with_grid(parameters: Parameters, choice: Choice, fit: SplitFit, cells: flo
         points=choice.points,
         short=short_constants(float(parameters.pair[STRENGTH]), length, fit),
     )
-    cutoff = choice.cutoff * length
-    widest = 2.0 * float(parameters.floats.radius.max())
-    pair = parameters.pair.copy()
+    return split, choice.cutoff * length
+
+
+def cut_off(parameters: Parameters, cutoff: float) -> Parameters:
+    """The parameters with another cutoff of the pair law."""
+    pair, widest = parameters.pair.copy(), 2.0 * float(parameters.floats.radius.max())
     pair[CUTOFF] = cutoff
-    return parameters._replace(
-        pair=pair,
-        cutoff=cutoff,
-        reach=max(cutoff, widest) + parameters.skin,
-        many=many,
+    return parameters._replace(pair=pair, cutoff=cutoff, reach=max(cutoff, widest) + parameters.skin)
+
+
+def split_lines(split: Split, parameters: Parameters) -> list[tuple[str, str, str]]:
+    """What `ecume check` says of a grid."""
+    cells, work = split.work
+    remark = (
+        f"splines of order {split.order}; pairs up to {parameters.cutoff * 1e6:.3g} um one by one; "
+        f"{work / cells:.2g} of the work of cells alone"
     )
+    return [("pair forces", f"a grid of {split.spacing * 1e6:.3g} um", remark)]
+
+
+def _fault(message: str) -> SceneError:
+    return SceneError([Fault("interaction.sum", message)])

@@ -9,6 +9,7 @@ import numpy as np
 
 from ecume.laws import capillarity, flotation
 from ecume.laws.flotation.rims import greatest_rim_load
+from ecume.models.floating.interactions import interactions_of, part_of
 from ecume.models.floating.kinds import Afloat, kinds_afloat
 from ecume.models.floating.pace import LARGEST_OVER_CHOSEN, LOOSEST_OVER_CHOSEN
 from ecume.models.floating.pair_choice import law_of, row_of, two_floats
@@ -56,22 +57,12 @@ def summary(scene: FloatingScene) -> list[Row]:
 
 def _summary_of_sums(parameters: Parameters, length: float) -> list[Row]:
     """How far floats feel each other, and how that is added up."""
-    split = parameters.many if isinstance(parameters.many, Split) else None
-    far = split.far if split else parameters.cutoff
+    split = part_of(parameters, Split)
+    far = split.far if split is not None else parameters.cutoff
     left = capillarity.neglected_fraction(far / length)
     cut = f"{far / length:.3g} capillary lengths; {left:.1e} of a raft's pull is left out"
-    rows = [("cutoff", f"{far * 1e3:.4g} mm", cut)]
-    if split:
-        cells, work = split.work
-        rows.append(
-            (
-                "pair forces",
-                f"a grid of {split.spacing * 1e6:.3g} um",
-                f"splines of order {split.order}; pairs up to {parameters.cutoff * 1e6:.3g} um one by one; "
-                f"{work / cells:.2g} of the work of cells alone",
-            )
-        )
-    return rows
+    lines = [line for part, row in interactions_of(parameters) for line in row.lines(part, parameters)]
+    return [("cutoff", f"{far * 1e3:.4g} mm", cut), *lines]
 
 
 def _summary_of_pairs(parameters: Parameters) -> list[Row]:
@@ -98,7 +89,7 @@ def _summary_of_chance(parameters: Parameters) -> list[Row]:
 def _summary_of_steps(parameters: Parameters, scene: FloatingScene) -> list[Row]:
     frames, good = round(scene.duration / scene.frame_every), good_step(parameters, scene)
     steps = frames * parameters.steps_per_frame
-    summing = PER_PAIR * parameters.many.work[1] if isinstance(parameters.many, Split) else 0.0
+    summing = PER_PAIR * sum(row.pairs_worth(part) for part, row in interactions_of(parameters))
     drifting, gathering = ((cost + summing) * steps for cost in seconds_per_step(len(parameters.floats.radius)))
     return [
         ("time step", f"{parameters.time_step * 1e3:.4g} ms", _step_remark(parameters.time_step, good)),

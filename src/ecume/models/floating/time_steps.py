@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
+from typing import NamedTuple
 
 import numpy as np
 
@@ -11,7 +12,7 @@ from ecume.engine.walls import enclosures
 from ecume.errors import Fault, SceneError
 from ecume.models.floating.drifting import drift_of
 from ecume.models.floating.pace import LARGEST_OVER_CHOSEN, LOOSEST_OVER_CHOSEN, chosen_step
-from ecume.models.floating.parameters import OVERDAMPED, RK4, VELOCITY_VERLET, Floats, Kick, Parameters
+from ecume.models.floating.parameters import Drift, Floats, Kick, Parameters, Scheme
 from ecume.models.floating.walls.shapes import walls_of
 from ecume.scenes.floating import FloatingScene
 
@@ -23,10 +24,10 @@ class StepWarning(UserWarning):
     """The time step is longer than is good for the result."""
 
 
-def kick_of(scheme: int, time_step: float, floats: Floats, walls: int) -> Kick:
+def kick_of(scheme: Scheme, time_step: float, floats: Floats, walls: int) -> Kick:
     """One kick of the scheme: half a step for velocity Verlet, a whole one for the others."""
-    time = 0.5 * time_step if scheme == VELOCITY_VERLET else time_step
-    if scheme == OVERDAMPED:
+    time = 0.5 * time_step if scheme.half_kicks else time_step
+    if not scheme.inertia:
         gain = floats.relaxation_time / floats.mass
         return Kick(np.zeros_like(gain), gain, np.concatenate([gain / time, np.zeros(walls)]))
     ratio = time / floats.relaxation_time
@@ -43,7 +44,16 @@ def good_step(parameters: Parameters, scene: FloatingScene) -> float:
     return chosen_step(parameters, _speeds(scene))
 
 
-def with_step(parameters: Parameters, scene: FloatingScene) -> Parameters:
+class Step(NamedTuple):
+    """A time step, and what follows from it."""
+
+    time_step: float
+    steps_per_frame: int
+    kick: Kick
+    drift: Drift
+
+
+def step_of(parameters: Parameters, scene: FloatingScene) -> Step:
     """The time step: the scene's own, or the longest that is good, a whole number of times in the time between
     frames.
     """
@@ -61,7 +71,7 @@ def with_step(parameters: Parameters, scene: FloatingScene) -> Parameters:
         parameters.scheme, time_step, parameters.floats, len(parameters.kick.mobility) - len(parameters.floats.mass)
     )
     stiffest = float(parameters.floats.relaxation_time.min())
-    if parameters.scheme == RK4 and time_step > 2.0 * stiffest:
+    if scene.motion.integrator == "rk4" and time_step > 2.0 * stiffest:
         raise _fault(
             "motion.integrator", f"'rk4' needs a time step below {2.0 * stiffest:.3g} s in so viscous a liquid; "
             f"it is {time_step:.3g} s. Set motion.time_step, or use 'velocity-verlet'"
@@ -69,7 +79,7 @@ def with_step(parameters: Parameters, scene: FloatingScene) -> Parameters:
     jump = FARTHEST_CHANCE * math.sqrt(2.0 * parameters.drift.thermal * float(kick.gain.max()) * time_step)
     jump = (jump if parameters.drift.thermal > 0.0 else 0.0) + time_step * _swaying(parameters, kick)
     drift = parameters.drift._replace(jump=jump)
-    return parameters._replace(time_step=time_step, steps_per_frame=steps, kick=kick, drift=drift)
+    return Step(time_step, steps, kick, drift)
 
 
 def _swaying(parameters: Parameters, kick: Kick) -> float:
@@ -77,7 +87,7 @@ def _swaying(parameters: Parameters, kick: Kick) -> float:
     sway, floats = parameters.drift.sway, parameters.floats
     far = float(np.hypot(*sway.amplitude))
     speed, change = float(np.hypot(*sway.velocity)) + far * sway.turning, far * sway.turning**2
-    change = 0.0 if parameters.scheme == OVERDAMPED else change
+    change = change if parameters.scheme.inertia else 0.0
     return sway.slip * float(np.max(kick.gain * floats.mass * (change + speed / floats.relaxation_time)))
 
 

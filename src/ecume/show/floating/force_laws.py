@@ -109,8 +109,7 @@ def _forces_of(scene: Any, pair: tuple[Afloat, Afloat], label: str) -> Forces:
 def _by_multipoles(both: many.Many, distance: Array) -> Array:
     """The force on the second of two, away from the first (N)."""
     orders, force, found = both.rims.response.shape[1], np.zeros((2, 2)), np.zeros_like(distance)
-    nothing_else: Any = None  # a crowd is made of amplitudes and angles alone
-    crowd = many.make_crowd(nothing_else, np.zeros((2, 2 * orders)), np.zeros((2, 0)))
+    crowd = many.crowd_around(np.zeros((2, 2 * orders)), np.zeros((2, 0)))
     for k in range(len(distance)):
         many.resolve(both, np.array([[0.0, 0.0], [distance[k], 0.0]]), crowd)
         forces(both.rims, crowd.amplitudes, crowd.waves, force)

@@ -110,20 +110,20 @@ def _solved_surface(frame: Frame, on: Sheet) -> Heights:
 
 def solved_heights(multipoles: Any, frame: Frame, x: Array, y: Array) -> Array:
     """What the solver's floats add to the walls' own meniscus (m), shape (y, x)."""
-    from ecume.models.floating.heights import heights_at, solved
+    from ecume.models.floating.heights import heights_at, multipoles_of, solved
 
     across, along = (grid.ravel() for grid in np.meshgrid(x, y))
     inside = np.minimum(1.0, multipoles.walls.disc_radius / np.maximum(np.hypot(across, along), 1e-300))
     places = np.stack([inside * across, inside * along], axis=1)
-    return heights_at(multipoles.many, solved(multipoles, frame), places).reshape(len(y), len(x))
+    return heights_at(multipoles_of(multipoles), solved(multipoles, frame), places).reshape(len(y), len(x))
 
 
 def typical_meniscus(frame: Frame, on: Sheet) -> float:
     """How far a typical float bends the surface at its own edge (m)."""
     if on.multipoles is not None:
-        from ecume.models.floating.heights import bends, solved
+        from ecume.models.floating.heights import bends, multipoles_of, solved
 
-        return float(np.median(bends(on.multipoles.many, solved(on.multipoles, frame))))
+        return float(np.median(bends(multipoles_of(on.multipoles), solved(on.multipoles, frame))))
     alone = float(np.median(np.abs(frame.arrays["charge"] * unit_meniscus(on, frame.arrays["radius"]))))
     return alone if on.shapes is None else max(alone, on.shapes.rise)
 

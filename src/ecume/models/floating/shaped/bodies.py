@@ -11,7 +11,7 @@ from ecume.engine.cells import Integers
 from ecume.engine.contact.torque_contacts import Levers, Party, make_levers
 from ecume.engine.outlines import Outlines
 from ecume.models.floating.parameters import Parameters
-from ecume.models.floating.state import State
+from ecume.models.floating.state import State, Workspace
 from ecume.units import Array
 
 
@@ -35,13 +35,28 @@ class Shaped(NamedTuple):
     """at how many places two may be near"""
 
 
-class Crew(NamedTuple):
-    """Scratch; the first three as in `forces.Sorted`."""
+class RigidKicks(NamedTuple):
+    """The integrator of bodies with three velocities: along themselves, across, and their spin."""
 
-    charge: Array
-    radius: Array
-    force: Array
-    """(2, N)"""
+    inertia: Array
+    """(N,) kg m^2"""
+    friction: Array
+    """(N, 3) see `Shaped`"""
+
+
+class Outlined(NamedTuple):
+    """Contacts of bodies that touch as what they are, with levers."""
+
+    outlines: Outlines
+    places: int
+    """at how many places two may be near"""
+    solved: bool
+    """whether contacts do anything"""
+
+
+class Crew(NamedTuple):
+    """Scratch of all parts of floats with a shape."""
+
     torque: Array
     """(N,) N m"""
     turning: Array
@@ -61,14 +76,11 @@ class Crew(NamedTuple):
     levers: Levers
 
 
-def make_crew(parameters: Parameters, state: State, room: int) -> Crew:
-    """Scratch with room for that many contacts."""
-    many: Shaped = parameters.many
+def make_crew(many: Shaped, parameters: Parameters, state: State, workspace: Workspace) -> Crew:
+    """Scratch with room for as many contacts as the workspace has."""
+    room = 2 * len(workspace.contacts.first)
     count, rows = len(state.position), len(parameters.kick.mobility)
     return Crew(
-        charge=np.zeros(count),
-        radius=np.zeros(count),
-        force=np.zeros((2, count)),
         torque=np.zeros(count),
         turning=state.turning,
         at=np.zeros_like(many.place),
@@ -82,6 +94,13 @@ def make_crew(parameters: Parameters, state: State, room: int) -> Crew:
 
 
 @compiled
-def party_of(parameters: Parameters, crew: Crew) -> Party:
+def party_of(part: Outlined, parameters: Parameters, crew: Crew) -> Party:
     """What the contact solver must know of shapes and walls."""
-    return Party(parameters.many.outlines, parameters.floats.radius, parameters.walls, crew.mobility)
+    return Party(part.outlines, parameters.floats.radius, parameters.walls, crew.mobility)
+
+
+@compiled
+def store_angles(crew: Crew, state: State) -> None:
+    """The angles become those of the state."""
+    for i in range(len(state.turning)):
+        state.turning[i, 0] = crew.angle[i]

@@ -17,7 +17,7 @@ from ecume.models.floating.parameters import (
 )
 from ecume.models.floating.shaped.bodies import Crew, Shaped
 from ecume.models.floating.state import State, Workspace
-from ecume.models.floating.walls.menisci import acts, wall_energy, wall_force
+from ecume.models.floating.walls.wall_laws import acts, wall_energy, wall_force
 from ecume.units import Array
 
 admit(special, capillarity)
@@ -35,10 +35,10 @@ def turn_charges(many: Shaped, turning: Array, at: Array) -> None:
 
 @compiled
 def pull_pair(
-    parameters: Parameters, at: Array, pair: tuple[int, int], apart: tuple[float, float]
+    many: Shaped, parameters: Parameters, at: Array, pair: tuple[int, int], apart: tuple[float, float]
 ) -> tuple[float, float, float, float]:
     """Force on the first of two bodies (its second is `apart` from it), and the torques on both."""
-    many, (i, j), (x, y) = parameters.many, pair, apart
+    (i, j), (x, y) = pair, apart
     unit, length = parameters.pair[STRENGTH], parameters.pair[CAPILLARY_LENGTH]
     force_x, force_y, torque_i, torque_j = 0.0, 0.0, 0.0, 0.0
     for p in range(many.first[i], many.first[i + 1]):
@@ -57,9 +57,8 @@ def pull_pair(
 
 
 @compiled
-def add_wall_forces(parameters: Parameters, position: Array, crew: Crew, force: Array) -> None:
+def add_wall_forces(many: Shaped, parameters: Parameters, position: Array, crew: Crew, force: Array) -> None:
     """The menisci at the walls act on each charge."""
-    many = parameters.many
     for i in range(len(position)):
         for p in range(many.first[i], many.first[i + 1]):
             place = (position[i, 0] + crew.at[p, 0], position[i, 1] + crew.at[p, 1])
@@ -71,12 +70,12 @@ def add_wall_forces(parameters: Parameters, position: Array, crew: Crew, force: 
 
 
 @compiled
-def shaped_forces(parameters: Parameters, position: Array, lists: NeighborLists, scratch: tuple[Crew, Array]) -> None:
-    """Forces and torques on all bodies at these positions; each pair once, so that they cancel to rounding."""
-    crew, force = scratch
-    many, cutoff = parameters.many, parameters.pair[CUTOFF]
+def shaped_forces(
+    many: Shaped, crew: Crew, parameters: Parameters, position: Array, lists: NeighborLists, force: Array
+) -> None:
+    """Add the forces on all bodies, and find the torques; each pair once, so that they cancel to rounding."""
+    cutoff = parameters.pair[CUTOFF]
     turn_charges(many, crew.turning, crew.at)
-    force[:] = 0.0
     crew.torque[:] = 0.0
     order, first, neighbor = lists.cells.order, lists.rows.first, lists.rows.neighbor
     for slot in range(len(order) if parameters.pair[STRENGTH] != 0.0 else 0):
@@ -85,7 +84,7 @@ def shaped_forces(parameters: Parameters, position: Array, lists: NeighborLists,
             j = order[neighbor[place]]
             x, y = position[j, 0] - position[i, 0], position[j, 1] - position[i, 1]
             if i < j and x * x + y * y < cutoff * cutoff:
-                force_x, force_y, torque_i, torque_j = pull_pair(parameters, crew.at, (i, j), (x, y))
+                force_x, force_y, torque_i, torque_j = pull_pair(many, parameters, crew.at, (i, j), (x, y))
                 force[i, 0] += force_x
                 force[i, 1] += force_y
                 force[j, 0] -= force_x
@@ -93,13 +92,15 @@ def shaped_forces(parameters: Parameters, position: Array, lists: NeighborLists,
                 crew.torque[i] += torque_i
                 crew.torque[j] += torque_j
     if acts(parameters):
-        add_wall_forces(parameters, position, crew, force)
+        add_wall_forces(many, parameters, position, crew, force)
 
 
 @compiled
-def energy_of_pair(parameters: Parameters, at: Array, pair: tuple[int, int], apart: tuple[float, float]) -> float:
+def energy_of_pair(
+    many: Shaped, parameters: Parameters, at: Array, pair: tuple[int, int], apart: tuple[float, float]
+) -> float:
     """What two bodies have together (J), less what their whole charges have at the cutoff."""
-    many, (i, j), (x, y) = parameters.many, pair, apart
+    (i, j), (x, y) = pair, apart
     unit, length, cutoff = parameters.pair[STRENGTH], parameters.pair[CAPILLARY_LENGTH], parameters.pair[CUTOFF]
     total = 0.0
     for p in range(many.first[i], many.first[i + 1]):
@@ -111,9 +112,11 @@ def energy_of_pair(parameters: Parameters, at: Array, pair: tuple[int, int], apa
 
 
 @compiled
-def shaped_energies(parameters: Parameters, state: State, workspace: Workspace) -> tuple[float, float]:
+def shaped_energies(
+    many: Shaped, crew: Crew, parameters: Parameters, state: State, workspace: Workspace
+) -> tuple[float, float]:
     """Energies of all pairs and of all walls (J)."""
-    crew, many, cutoff = workspace.sorted_floats, parameters.many, parameters.pair[CUTOFF]
+    cutoff = parameters.pair[CUTOFF]
     walls, lists = parameters.walls, workspace.lists
     turn_charges(many, state.turning, crew.at)
     order, first, neighbor = lists.cells.order, lists.rows.first, lists.rows.neighbor
@@ -124,7 +127,7 @@ def shaped_energies(parameters: Parameters, state: State, workspace: Workspace) 
             j = order[neighbor[place]]
             x, y = state.position[j, 0] - state.position[i, 0], state.position[j, 1] - state.position[i, 1]
             if i < j and x * x + y * y < cutoff * cutoff and parameters.pair[STRENGTH] != 0.0:
-                pairs += energy_of_pair(parameters, crew.at, (i, j), (x, y))
+                pairs += energy_of_pair(many, parameters, crew.at, (i, j), (x, y))
         for p in range(many.first[i], many.first[i + 1]):
             at = (state.position[i, 0] + crew.at[p, 0], state.position[i, 1] + crew.at[p, 1])
             for number in range(wall_count(walls) if acts(parameters) else 0):

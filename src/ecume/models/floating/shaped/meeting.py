@@ -11,10 +11,11 @@ from ecume.engine.contact.projected_gauss_seidel import Goal
 from ecume.engine.contact.torque_contacts import Levers
 from ecume.engine.contact.warm_start import Memory
 from ecume.engine.outlines import Stance
-from ecume.models.floating.meeting import STEADY, TOLERABLE, restitution_of, share_restitution
+from ecume.models.floating.meeting import STEADY, TOLERABLE, restitution_of, restitutions_of, share_restitution
 from ecume.models.floating.parameters import Parameters
-from ecume.models.floating.shaped.bodies import party_of
+from ecume.models.floating.shaped.bodies import Crew, Outlined, party_of, store_angles
 from ecume.models.floating.state import COLLISIONS, DEEPEST, SWEEPS, UNCONVERGED, State, Workspace
+from ecume.models.model import CROWDED, DONE
 from ecume.units import Array
 
 
@@ -23,10 +24,11 @@ def demand_stops(parameters: Parameters, levers: Levers, before: Array) -> float
     """Ask everyone to stop who comes together in this step and can bounce; the fastest of these approaches."""
     touching.approaches(levers, before, levers.scratch)
     slowest, fastest = TOLERABLE * parameters.slop / parameters.time_step, 0.0
+    restitutions = restitutions_of(parameters)
     for row in range(levers.total[0]):
         speed, gap = levers.scratch[row], levers.gap[row]
         comes = speed < -slowest and gap + parameters.time_step * speed < 0.0
-        if restitution_of(parameters, levers.second[row]) == 0.0:
+        if restitution_of(restitutions, levers.second[row]) == 0.0:
             comes = comes and gap < parameters.slop
         levers.bound[row] = 0.0 if comes else -np.inf
         if comes:
@@ -35,9 +37,9 @@ def demand_stops(parameters: Parameters, levers: Levers, before: Array) -> float
 
 
 @compiled
-def bounce(parameters: Parameters, state: State, workspace: Workspace) -> None:
+def bounce(crew: Crew, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """Collisions: impulses on the passage, (1 + e) times those that stop everyone."""
-    crew, of_float = workspace.sorted_floats, workspace.restitution
+    of_float = workspace.restitution
     levers = crew.levers
     fastest = demand_stops(parameters, levers, crew.before)
     if fastest <= 0.0:
@@ -73,36 +75,41 @@ def solve_contacts(parameters: Parameters, state: State, levers: Levers, velocit
 
 
 @compiled
-def meet(parameters: Parameters, state: State, workspace: Workspace) -> None:
+def meet_outlined(part: Outlined, crew: Crew, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """The first contact solves, on the passage: bounces, then a plastic one, so that nobody ends inside another."""
-    crew = workspace.sorted_floats
-    bounce(parameters, state, workspace)
+    if not part.solved:
+        return
+    bounce(crew, parameters, state, workspace)
     for row in range(crew.levers.total[0]):
         crew.levers.bound[row] = -max(crew.levers.gap[row], 0.0) / parameters.time_step
     solve_contacts(parameters, state, crew.levers, crew.passage)
 
 
 @compiled
-def settle(parameters: Parameters, state: State, workspace: Workspace, reach: float) -> None:
+def settle_outlined(part: Outlined, crew: Crew, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """Find who touches whom at the new places, and undo deep overlaps, which changes no velocity."""
-    crew = workspace.sorted_floats
+    if not part.solved:
+        return
+    reach = 2.0 * workspace.ahead[0] + parameters.slop
     stance = Stance(state.position, crew.angle, crew.corner)
-    party, levers = party_of(parameters, crew), crew.levers
+    party, levers = party_of(part, parameters, crew), crew.levers
     touching.gather(levers, workspace.candidates, stance, party, reach)
     deepest = touching.deepest_overlap(levers)
     state.tally[DEEPEST] = max(state.tally[DEEPEST], deepest)
     if deepest > parameters.slop:
         touching.separate(levers, workspace.candidates, stance, party, parameters.slop)
         touching.gather(levers, workspace.candidates, stance, party, reach)
+    store_angles(crew, state)
 
 
 @compiled
-def rest(parameters: Parameters, state: State, workspace: Workspace) -> None:
+def rest_outlined(part: Outlined, crew: Crew, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """The last contact solve, on the passage, which is the velocity at the end of the step; `before` without the kick.
 
     Whoever comes faster than by the kick alone is left to the next step, which sees a collision.
     """
-    crew = workspace.sorted_floats
+    if not part.solved:
+        return
     levers = crew.levers
     touching.approaches(levers, crew.before, levers.change)
     touching.approaches(levers, crew.passage, levers.scratch)
@@ -110,3 +117,15 @@ def rest(parameters: Parameters, state: State, workspace: Workspace) -> None:
         lasting = levers.change[row] >= -STEADY * abs(levers.scratch[row] - levers.change[row])
         levers.bound[row] = -max(levers.gap[row], 0.0) / parameters.time_step if lasting else -np.inf
     solve_contacts(parameters, state, levers, crew.passage)
+
+
+@compiled
+def find_outlined(part: Outlined, crew: Crew, parameters: Parameters, state: State, workspace: Workspace) -> int:
+    """Who may meet in this step; CROWDED where there is no room for all."""
+    if not part.solved:
+        return DONE
+    stance = Stance(state.position, crew.angle, crew.corner)
+    # Twice the pace for a pair that meets head on, and twice again for those whom others push.
+    reach = 4.0 * workspace.ahead[0] + parameters.slop
+    room = touching.gather(crew.levers, workspace.candidates, stance, party_of(part, parameters, crew), reach)
+    return DONE if room else CROWDED

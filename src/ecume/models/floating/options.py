@@ -1,0 +1,97 @@
+"""What can be combined: every option says what it can do and what it needs of the others."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+from ecume.errors import Fault, SceneError
+
+
+@dataclass(frozen=True, kw_only=True)
+class Option:
+    """What all records of the model's tables have."""
+
+    slot: str
+    """what it is a choice of: integrator, interaction, resistance, contacts, ..."""
+    path: str
+    """the key of the scene that chooses it"""
+    name: str
+    """in messages"""
+    gives: frozenset[str] = frozenset()
+    """capabilities: keys of `CAPABILITIES`"""
+    needs: Mapping[str, str] = field(default_factory=dict)
+    """capabilities that it needs of the options in other slots, each with the physical reason"""
+
+
+class Built(NamedTuple):
+    """A part of a scene, and what it asks of the whole."""
+
+    part: Any
+    quickest: float = math.inf
+    """s: its shortest time scale, which limits the time step"""
+    stiffer: float = 1.0
+    """how much stiffer than superposition it makes floats in contact, at most"""
+    reach: float = 0.0
+    """m: how far neighbor lists must look for it, without the skin"""
+
+
+CAPABILITIES: dict[str, tuple[str, str]] = {
+    "reciprocal": ("pair law", "a pair law that exerts equal and opposite forces on the two floats"),
+    "menisci": ("pair law", "a pair law that is the superposition of menisci"),
+    "charges": ("pair law", "a pair law that is the superposition of menisci"),
+    "kicks at the ends": ("integrator", "an integrator whose forces act at the ends of a step"),
+    "kicks before the drift": ("integrator", "an integrator whose only kick comes before the drift"),
+    "fast drag": ("integrator", "an integrator whose kicks solve drag exactly, with inertia"),
+    "sways": ("integrator", "an integrator whose kicks act at the ends of a step"),
+    "kicks spins": ("integrator", "an integrator whose kicks change spins, too"),
+    "keeps inertia": ("integrator", "an integrator with inertia"),
+    "no inertia": ("integrator", "an integrator without inertia"),
+    "springs": ("integrator", "an integrator that is stable for stiff springs"),
+    "turns bodies": ("integrator", "an integrator that turns bodies of any shape"),
+    "round": ("interaction", "round floats"),
+    "superposed": ("interaction", "forces that are superposed"),
+    "undulations": ("interaction", "forces that know contact lines which undulate"),
+    "grid": ("interaction", "pair forces whose long-range part is smooth"),
+    "pair sum": ("interaction", "forces that are a sum of the pair law over pairs of floats"),
+    "shared": ("interaction", "forces that ranks can share out"),
+    "shared films": ("resistance", "resistances that ranks can share out"),
+    "independent": ("resistance", "floats that drag slows one by one"),
+    "lubricated": ("contacts", "contacts that stop floats at once"),
+    "shared contacts": ("contacts", "contacts that ranks can share out"),
+    "stokes": ("drag", "a drag that is proportional to the velocity"),
+    "drag": ("drag", "drag: motion.drag = true and a liquid.viscosity above zero"),
+    "point charges": ("wall", "a wall that acts on a charge by a formula"),
+    "multipoles": ("wall", "a wall whose meniscus is that of the surface"),
+}
+"""The slot that has a capability, and the capability in words."""
+
+
+def faults_of(chosen: Iterable[Option], tables: Mapping[str, Iterable[Option]]) -> list[Fault]:
+    """Every need that an option of the other slot does not meet; `tables` are the choices of a slot."""
+    options = list(chosen)
+    return [
+        Fault(option.path, f"{option.name} needs {_lacking(capability, other, tables)}: {why}")
+        for option in options
+        for capability, why in option.needs.items()
+        for other in options
+        if other is not option and other.slot == CAPABILITIES[capability][0] and capability not in other.gives
+    ]
+
+
+def _lacking(capability: str, other: Option, tables: Mapping[str, Iterable[Option]]) -> str:
+    slot, wanted = CAPABILITIES[capability]
+    fit = ", ".join(option.name for option in tables.get(slot, ()) if capability in option.gives)
+    return (
+        f"{wanted}: got {other.path} = {other.name}; expected one of {fit}"
+        if fit
+        else f"{wanted}: got {other.name} ({other.path})"
+    )
+
+
+def require_compatible(chosen: Iterable[Option], tables: Mapping[str, Iterable[Option]]) -> None:
+    """Raise SceneError where options cannot be combined."""
+    if faults := faults_of(chosen, tables):
+        raise SceneError(faults)

@@ -1,0 +1,152 @@
+"""Every pair of options of floating scenes: which can be combined, and the page that says so.
+
+`python -m tests.contracts.float_options` writes the page anew.
+"""
+
+from __future__ import annotations
+
+import functools
+import itertools
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from tests.models.floating.bowls import scene_of
+
+from ecume.errors import SceneError
+from ecume.models import MODELS
+from ecume.models.floating import corrected
+
+PAGE = Path(__file__).parents[2] / "docs" / "physics" / "float_options.md"
+FLOATING = MODELS["floating"]
+PLACES = [(0.0, 0.0), (1.1e-4, 2e-5), (-3e-5, 1.4e-4)]
+
+OPTIONS: dict[str, tuple[str, dict[str, str]]] = {
+    "no pair law": ("law", {"interaction": 'law = "none"\n'}),
+    "one-sided law": ("law", {"interaction": 'law = "one-sided-legacy"\n'}),
+    "pair-corrected": ("method", {"interaction": 'method = "pair-corrected"\n'}),
+    "multipole": ("method", {"interaction": 'method = "multipole"\norder = 2\n'}),
+    "grid": ("sum", {"interaction": 'sum = "grid"\n'}),
+    "single precision": ("precision", {"interaction": 'precision = "single"\n'}),
+    "dipoles": ("dipoles", {"floats": "magnetic_moment = 1e-10\n"}),
+    "shapes": ("shapes", {"more": '[[floats]]\nradius = 3e-5\ndensity = 2000.0\ncontact_angle = 1.5\n'
+               'positions = [[-1.5e-4, -5e-5]]\nshape = { kind = "ellipsoid", width = 2.5e-5 }\n'}),
+    "films": ("films", {"motion": "films = { roughness = 1e-8 }\n"}),
+    "springs": ("contacts", {"contacts": 'law = "spring-dashpot"\nstiffness = 1.0\nrestitution = 0.5\n'}),
+    "no contacts": ("contacts", {"contacts": 'law = "none"\n'}),
+    "legacy contacts": ("contacts", {"contacts": "legacy_coefficient = 0.5\n"}),
+    "friction": ("contacts", {"contacts": "friction = 0.3\n"}),
+    "velocity-verlet": ("integrator", {"motion": 'integrator = "velocity-verlet"\n'}),
+    "explicit-euler": ("integrator", {"motion": 'integrator = "explicit-euler"\n'}),
+    "semi-implicit-euler": ("integrator", {"motion": 'integrator = "semi-implicit-euler"\n'}),
+    "stormer-verlet": ("integrator", {"motion": 'integrator = "stormer-verlet"\n'}),
+    "rk4": ("integrator", {"motion": 'integrator = "rk4"\n'}),
+    "overdamped": ("integrator", {"motion": 'integrator = "overdamped"\n'}),
+    "round dish": ("dish", {"dish": "radius = 1e-3\nrestitution = 0.5\n"}),
+    "square dish": ("dish", {"dish": "size = [2e-3, 2e-3]\nrestitution = 0.5\n"}),
+    "wall profile": ("dish", {"dish": 'radius = 1e-3\nrestitution = 0.5\nlaw = "profile"\n'}),
+    "dish in motion": ("dish", {"dish": "radius = 1e-3\nrestitution = 0.5\n"
+                       "motion = { amplitude = 1e-5, frequency = 2.0 }\n"}),
+    "flow": ("flow", {"liquid": "flow = { rotation = 1.0 }\n"}),
+    "noise": ("noise", {"motion": "temperature = 300.0\n"}),
+    "fast drag": ("drag", {"motion": 'drag_law = "schiller-naumann"\n'}),
+    "added mass": ("mass", {"motion": "added_mass = true\n"}),
+}  # fmt: skip
+"""What it is a choice of, and the lines that a scene has for it, table by table."""
+SUPPORT = {"films": 'integrator = "overdamped"\n', "noise": 'integrator = "overdamped"\n'}
+"""The integrator that an option takes where the other one chooses none."""
+NEW = {
+    ("pair-corrected", "dipoles"),
+    ("pair-corrected", "films"),
+    ("pair-corrected", "springs"),
+    ("multipole", "dipoles"),
+    ("multipole", "films"),
+    ("multipole", "springs"),
+    ("grid", "dipoles"),
+    ("grid", "films"),
+    ("grid", "springs"),
+    ("grid", "friction"),
+    ("grid", "stormer-verlet"),
+    ("grid", "rk4"),
+    ("dipoles", "films"),
+    ("dipoles", "springs"),
+    ("dipoles", "friction"),
+    ("films", "friction"),
+}
+"""Pairs that used to be refused."""
+
+
+def shorten_tables(replace: Callable[[Any, str, Any], None]) -> None:
+    """Tables of corrected pairs with few nodes and orders, which are as smooth and take no minutes."""
+    replace(corrected, "NODES", 9)
+    replace(corrected, "ORDER", 2)
+
+
+def scene_with(*names: str) -> Any:
+    """Three unlike small floats at rest with these options."""
+    tables = dict.fromkeys(("liquid", "floats", "more", "dish", "motion", "contacts", "interaction"), "")
+    for name in names:
+        for table, lines in OPTIONS[name][1].items():
+            tables[table] += lines
+    if "integrator" not in tables["motion"]:
+        tables["motion"] += next((SUPPORT[name] for name in names if name in SUPPORT), "")
+    floats = "".join(
+        f"[[floats]]\nradius = {radius}\ndensity = {density}\ncontact_angle = 1.5\npositions = [{list(place)}]\n"
+        f"{tables['floats']}"
+        for place, radius, density in zip(PLACES, (3e-5, 3e-5, 2.7e-5), (2000.0, 200.0, 1500.0), strict=True)
+    )
+    dish = f"[dish]\n{tables['dish']}" if tables["dish"] else ""
+    rest = "".join(f"[{table}]\n{tables[table]}" for table in ("motion", "contacts", "interaction"))
+    liquid = f"[liquid]\ndensity = 1000.0\nviscosity = 1e-3\nsurface_tension = 0.0728\n{tables['liquid']}"
+    return scene_of(f"{liquid}{floats}{tables['more']}{dish}{rest}", duration=1e-6, frame_every=1e-7)
+
+
+def pairs() -> list[tuple[str, str]]:
+    """All pairs of options that are not choices of one thing."""
+    return [(one, two) for one, two in itertools.combinations(OPTIONS, 2) if OPTIONS[one][0] != OPTIONS[two][0]]
+
+
+@functools.cache
+def refusal(*names: str) -> str:
+    """Why a scene with these options is refused; empty if it is not."""
+    try:
+        FLOATING.parameters(scene_with(*names))
+    except SceneError as error:
+        return str(error)
+    return ""
+
+
+def page() -> str:
+    """The page: a table of all pairs, and why some are refused."""
+    found = {pair: refusal(*pair) for pair in pairs()}
+    letters = {name: str(number) for number, name in enumerate(OPTIONS, 1)}
+
+    def cell(one: str, two: str) -> str:
+        pair = (one, two) if (one, two) in found else (two, one)
+        if pair not in found:
+            return ""
+        return "--" if found[pair] else "new" if pair in NEW else "yes"
+
+    lines = [
+        "# Options of floats that can be combined",
+        "",
+        "Made by `python -m tests.contracts.float_options` from the tables of the model.",
+        "`tests/contracts/test_float_options.py` runs every pair for some steps.",
+        "`yes`: works, as it did before options were compared by what they need; `new`: used to be refused;",
+        "`--`: refused, for the reason below. Empty: choices of the same thing.",
+        "",
+        "| | option | " + " | ".join(letters.values()) + " |",
+        "|---|---|" + "---|" * len(letters),
+    ]
+    lines += [f"| {letters[one]} | {one} | " + " | ".join(cell(one, two) for two in OPTIONS) + " |" for one in OPTIONS]
+    lines += ["", "## Refused pairs", "", "| options | reason |", "|---|---|"]
+    for (one, two), why in found.items():
+        if why:
+            said = why.removeprefix("scene: ").replace("\n", " ").replace("|", "/")
+            lines.append(f"| {one}, {two} | {said} |")
+    return "\n".join(lines) + "\n"
+
+
+if __name__ == "__main__":
+    shorten_tables(setattr)
+    PAGE.write_text(page(), encoding="utf-8")
