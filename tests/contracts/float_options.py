@@ -17,7 +17,7 @@ from ecume.errors import SceneError
 from ecume.models import MODELS
 from ecume.models.floating import corrected
 
-PAGE = Path(__file__).parents[2] / "docs" / "physics" / "float_options.md"
+PAGE = Path(__file__).parents[2] / "docs" / "physics" / "floating-compatibility.md"
 FLOATING = MODELS["floating"]
 PLACES = [(0.0, 0.0), (1.1e-4, 2e-5), (-3e-5, 1.4e-4)]
 
