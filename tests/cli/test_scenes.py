@@ -27,7 +27,7 @@ def test_new_lists_the_templates_with_what_they_show() -> None:
     scenes, sweeps = done.stdout.split("\nSweeps:\n")
     assert [line.split()[0] for line in scenes.splitlines()] == list(templates())
     assert [line.split()[0] for line in sweeps.splitlines()] == list(sweep_templates())
-    assert "Sixty cereals" in done.stdout
+    assert "Sixty pieces of cereal" in done.stdout
 
 
 def test_new_writes_a_template_and_its_table_once(tmp_path: Path) -> None:
