@@ -58,7 +58,8 @@ def forbidden(tree):
 COMPILED = "compile('\\n'.join(lines), file, 'exec')"
 WRITTEN = "compile(text, __file__, 'exec')"
 MADE_OF_TABLES = {"_jit.py": [f"exec({WRITTEN}, found)", f"exec({COMPILED}, found)", WRITTEN, COMPILED]}
-"""`_jit.each_by_type` writes a call for each part of a tuple, of numbered names only; `_jit.selection` makes a function with a branch for each row of a table of laws, as `dataclasses` make `__init__`."""
+"""`_jit.each_by_type` writes a call for each part of a tuple, of numbered names only. `_jit.selection` makes a
+function with a branch for each row of a table of laws, as `dataclasses` make `__init__`."""
 
 
 def test_text_that_is_made_of_tables_holds_numbers_and_a_name_of_ours_only():
