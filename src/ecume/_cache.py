@@ -28,6 +28,8 @@ DAY = 86400.0
 IMPORT = re.compile(r"^[ \t]*((?:from|import)[ \t]+[\w.][^\n(]*(?:\([^)]*\))?[^\n]*)", re.MULTILINE)
 HIDDEN = re.compile(r"[;:][ \t]*(?:from|import)[ \t]")
 """An import that does not begin its line."""
+FOR_TYPES = re.compile(r"^if TYPE_CHECKING:\n(?:(?:[ \t][^\n]*)?\n)+", re.MULTILINE)
+"""Imports that only a type checker makes: nothing of them gets into compiled code."""
 UNUSED = 30 * DAY
 """After this time without use a folder is thrown away."""
 
@@ -136,6 +138,7 @@ def _statements(text: str) -> Iterable[ast.AST]:
     """All import statements, and more. Lines that look like one are parsed alone, ten times as fast as the whole;
     where that is not sure to find them all, the whole is.
     """
+    text = FOR_TYPES.sub("", text)
     if HIDDEN.search(text) is None:
         try:
             return ast.parse("\n".join(IMPORT.findall(text))).body

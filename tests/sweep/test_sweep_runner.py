@@ -79,8 +79,8 @@ def test_workers_of_dask_may_die(file, tmp_path):
     file.write_text(BOWLS.replace('"0.2 s"', '"10 s"'))
     out = tmp_path / "out"
     call = (
-        "from ecume.sweep.runner import Crew, sweep\n"
-        f"if __name__ == '__main__': print(sweep({str(file)!r}, {str(out)!r}, Crew(workers=2)).done)"
+        "from ecume.sweep.runner import ExecutorOptions, sweep\n"
+        f"if __name__ == '__main__': print(sweep({str(file)!r}, {str(out)!r}, ExecutorOptions(workers=2)).done)"
     )
     script = tmp_path / "call.py"
     script.write_text(call)

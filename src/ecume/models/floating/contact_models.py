@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -21,8 +21,10 @@ from ecume.models.floating.shaped.meeting import find_outlined, meet_outlined, r
 from ecume.models.floating.springs import Springs, meet_springs, rest_springs, spring_energies, springs_of
 from ecume.models.floating.state import State, Workspace
 from ecume.models.model import DONE
-from ecume.scenes.floating import FloatingScene
 from ecume.units import Array
+
+if TYPE_CHECKING:
+    from ecume.scenes.floating import FloatingScene
 
 
 class NoContacts(NamedTuple):

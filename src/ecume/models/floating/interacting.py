@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,7 +21,9 @@ from ecume.models.floating.parameters import Parameters
 from ecume.models.floating.walls.shapes import meniscus_of
 from ecume.models.floating.walls.wall_laws import acts
 from ecume.models.liquids import liquid_of
-from ecume.scenes.floating import FloatingScene
+
+if TYPE_CHECKING:
+    from ecume.scenes.floating import FloatingScene
 
 Bodies = list[tuple[Any, float]]
 RAFT_NEIGHBORS = 6.0

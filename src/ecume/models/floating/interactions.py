@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -36,8 +36,10 @@ from ecume.models.floating.shaped.building import shapes_of
 from ecume.models.floating.shaped.forces import shaped_energies, shaped_forces
 from ecume.models.floating.state import State, Workspace
 from ecume.models.floating.summing import Split, split_lines
-from ecume.scenes.floating import FloatingScene
 from ecume.units import Array
+
+if TYPE_CHECKING:
+    from ecume.scenes.floating import FloatingScene
 
 
 def no_scratch(part: Any, parameters: Parameters, state: State, workspace: Workspace) -> Any:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -14,9 +14,10 @@ from ecume.errors import BadInput, Fault, SceneError
 from ecume.laws import drag, flotation
 from ecume.models.floating.parameters import Floats
 from ecume.models.liquids import liquid_of
-from ecume.scenes.floating import DiscSpec, FloatingScene, FloatRow, FloatSpec, ShapeSpec, species_of
-from ecume.scenes.floating.floats import PINNED
 from ecume.units import Array
+
+if TYPE_CHECKING:
+    from ecume.scenes.floating import DiscSpec, FloatingScene, FloatRow, FloatSpec, ShapeSpec
 
 
 class Afloat(NamedTuple):
@@ -93,7 +94,7 @@ def shape_afloat(given: FloatSpec | FloatRow, shape: ShapeSpec, scene: FloatingS
     from ecume.models.floating.shaped.figures import Given, floated
 
     liquid = liquid_of(scene)
-    angle = math.nan if shape.kind in PINNED else contact_angle_of(given, liquid)
+    angle = math.nan if shape.pinned else contact_angle_of(given, liquid)
     asked = Given(shape, given.radius, given.density, angle, str(scene.interaction.charge))
     found = floated(asked, liquid)
     figure = found.figure
@@ -149,11 +150,9 @@ def _given(scene: FloatingScene) -> list[tuple[str, FloatSpec | FloatRow]]:
 def floats_of(scene: FloatingScene) -> Floats:
     """Float by float: the tables' first, then the rows."""
     kinds = kinds_afloat(scene)
-    counts = [given.count if isinstance(given, FloatSpec) else 1 for _, given in _given(scene)]
-    names = [name for name, _ in species_of(scene)]
-    species = [
-        names.index(given.name if isinstance(given, FloatSpec) else given.species_name) for _, given in _given(scene)
-    ]
+    counts = [given.count for _, given in _given(scene)]
+    names = [kind.name for kind in scene.kinds]
+    species = [names.index(given.species_name) for _, given in _given(scene)]
 
     def each(of: Callable[[Afloat], float]) -> Array:
         return np.repeat(np.array([of(kind) for kind in kinds]), counts)
@@ -173,13 +172,13 @@ def floats_of(scene: FloatingScene) -> Floats:
 
 def moments_of(scene: FloatingScene) -> Array:
     """Float by float: magnetic moments (A m^2)."""
-    counts = [given.count if isinstance(given, FloatSpec) else 1 for _, given in _given(scene)]
+    counts = [given.count for _, given in _given(scene)]
     return np.repeat(np.array([given.magnetic_moment for _, given in _given(scene)]), counts)
 
 
 def distinct_kinds(scene: FloatingScene) -> tuple[list[Afloat], Integers]:
     """The kinds of floats there are, and which of them each float is."""
     found = kinds_afloat(scene)
-    counts = [given.count if isinstance(given, FloatSpec) else 1 for _, given in _given(scene)]
+    counts = [given.count for _, given in _given(scene)]
     kinds = list(dict.fromkeys(found))
     return kinds, np.repeat(np.array([kinds.index(kind) for kind in found], dtype=np.int64), counts)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -12,8 +12,10 @@ from ecume.models.floating.kinds import Afloat, distinct_kinds
 from ecume.models.floating.options import Built
 from ecume.models.floating.parameters import Parameters
 from ecume.models.floating.rubbing import Rough
-from ecume.scenes.floating import FloatingScene
 from ecume.units import Array
+
+if TYPE_CHECKING:
+    from ecume.scenes.floating import FloatingScene
 
 
 def friction_of(parameters: Parameters, scene: FloatingScene, interactions: tuple[Any, ...]) -> Built:

@@ -9,7 +9,7 @@ momentum and angular momentum are kept to rounding. Nothing bounds overlaps but 
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ecume._jit import admit, compiled
 from ecume.engine.contact import contacts as touching
@@ -24,8 +24,10 @@ from ecume.models.floating.pair_choice import law_of, row_of, two_floats
 from ecume.models.floating.parameters import CAPILLARY_LENGTH, Parameters
 from ecume.models.floating.rows import copy_rows
 from ecume.models.floating.state import DEEPEST, State, Workspace
-from ecume.scenes.floating import FloatingScene
 from ecume.units import Array
+
+if TYPE_CHECKING:
+    from ecume.scenes.floating import FloatingScene
 
 admit(contact)
 

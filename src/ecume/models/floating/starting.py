@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -19,8 +19,10 @@ from ecume.models.floating.motions import inertia_of
 from ecume.models.floating.parameters import Floats, Parameters
 from ecume.models.floating.state import State, make_state
 from ecume.models.floating.stepping import list_candidates
-from ecume.scenes.floating import FloatingScene, FloatSpec
 from ecume.units import Array
+
+if TYPE_CHECKING:
+    from ecume.scenes.floating import FloatingScene, FloatSpec
 
 OPEN_COVERAGE = 0.15
 """Without a dish, floats are placed at random in a square that they cover to this part."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -20,7 +20,9 @@ from ecume.models.floating.parameters import (
     STRENGTH,
     Parameters,
 )
-from ecume.scenes.floating import FloatingScene
+
+if TYPE_CHECKING:
+    from ecume.scenes.floating import FloatingScene
 
 DEEPEST_TOUCH = 0.9
 """Pair laws are fitted down to this part of the smallest touching distance."""

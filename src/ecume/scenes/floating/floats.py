@@ -60,6 +60,11 @@ class ShapeSpec:
     """Of the body's own direction at the start (rad, from the x axis): a long axis, a corner, an arm; by default by
     chance."""
 
+    @property
+    def pinned(self) -> bool:
+        """Whether the contact line is pinned to an edge."""
+        return self.kind in PINNED
+
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         complaints: Complaints = []
@@ -154,6 +159,11 @@ class FloatSpec:
     color: Color | None = None
     """`#rrggbb`, or a plain English name."""
 
+    @property
+    def species_name(self) -> str:
+        """The name of its species, as a row has it."""
+        return self.name
+
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         complaints = [*_wetting(self), *_layout(self), *_figure(self)]
@@ -199,6 +209,11 @@ class FloatRow:
     color: Color | None = None
     """as in FloatSpec"""
 
+    @property
+    def count(self) -> int:
+        """A row is one float."""
+        return 1
+
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         complaints = [*_wetting(self), *_figure(self)]
@@ -210,7 +225,7 @@ class FloatRow:
 def _wetting(body: FloatSpec | FloatRow) -> Complaints:
     """A contact angle comes from exactly one place."""
     given = [body.contact_angle is not None, body.surface_energies is not None]
-    if body.disc is not None or (body.shape is not None and body.shape.kind in PINNED):
+    if body.disc is not None or (body.shape is not None and body.shape.pinned):
         what = "disc" if body.disc is not None else str(body.shape and body.shape.kind)
         return (
             [((), f"a {what} pins the contact line: leave contact_angle and surface_energies out")]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,8 +20,10 @@ from ecume.models.floating.shaped.bodies import Shaped
 from ecume.models.floating.shaped.figures import Figure, Skeleton, charges_of
 from ecume.models.floating.shaped.forces import pull_pair
 from ecume.models.floating.walls.shapes import wall_strengths
-from ecume.scenes.floating import FloatingScene
 from ecume.units import Array
+
+if TYPE_CHECKING:
+    from ecume.scenes.floating import FloatingScene
 
 NEIGHBORS = 6.0
 NEARLY = 1.001

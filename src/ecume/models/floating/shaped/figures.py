@@ -5,15 +5,17 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from ecume.laws import drag, flotation
 from ecume.laws.ellipsoids import ellipsoid_friction, ellipsoid_turning_friction, ellipsoid_undulation
 from ecume.laws.lines import Line, needle_charge, spread_charges, star_charges
-from ecume.scenes.floating import ShapeSpec
 from ecume.units import Array
+
+if TYPE_CHECKING:
+    from ecume.scenes.floating import ShapeSpec
 
 FINE = 720
 """Points of an outline from which area and inertia are worked out; the area is good to 1e-5."""

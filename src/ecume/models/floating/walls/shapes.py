@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -20,8 +20,10 @@ from ecume.models.floating.parameters import Floats
 from ecume.models.floating.walls import menisci, wall_laws
 from ecume.models.floating.walls.menisci import FACING, ROUND, Meniscus
 from ecume.models.liquids import liquid_of
-from ecume.scenes.floating import DishSpec, FloatingScene
 from ecume.units import Array
+
+if TYPE_CHECKING:
+    from ecume.scenes.floating import DishSpec, FloatingScene
 
 FIRST_MODE = 1.8411837813406593
 """The first zero of J1'."""
