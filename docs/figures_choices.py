@@ -19,9 +19,8 @@ from matplotlib.figure import Figure
 from ecume.laws import states
 from ecume.laws.liquids import LIQUIDS
 from ecume.laws.liquids import liquid as named_liquid
-from ecume.models.sph.building import material_of
 from ecume.models.sph.record import SPH, start
-from ecume.models.sph.time_step import limits_of
+from ecume.models.sph.setup.building import limits_of, material_of
 from ecume.run import run
 from ecume.scenes.load import load_scene
 from ecume.scenes.schema import from_plain

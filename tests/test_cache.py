@@ -59,6 +59,14 @@ def test_a_time_step_depends_on_its_laws_and_on_nothing_that_draws_or_reads():
     assert "laws/states.py" not in names
 
 
+def test_no_loop_of_tanks_depends_on_how_a_scene_is_read():
+    loops = [path for path in (PACKAGE / "models/sph").rglob("*.py") if "\n@s" in path.read_text(encoding="utf-8")]
+    assert {"sums.py", "walls.py", "passive_particles.py"} <= {path.name for path in loops}
+    for path in loops:
+        names = {source.relative_to(PACKAGE).as_posix() for source in _cache.sources(path)}
+        assert {name.split("/")[0] for name in names}.isdisjoint({"show", "run", "cli", "scenes", "analysis"}), path
+
+
 @pytest.mark.parametrize(
     ("line", "reaches"),
     [

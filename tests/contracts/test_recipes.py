@@ -8,8 +8,8 @@ from tests.contracts.recipes import Copy, block
 
 EDITS = {
     "integrator": [
-        ("models/sph/stepping.py", "before", "INTEGRATORS = {", block("semi-implicit") + "\n\n"),
-        ("models/sph/stepping.py", "end", "", block("semi-implicit-row")),
+        ("models/sph/integration/time_stepping.py", "before", "INTEGRATORS = {", block("semi-implicit") + "\n\n"),
+        ("models/sph/integration/time_stepping.py", "end", "", block("semi-implicit-row")),
     ],
     "measured quantity": [
         ("models/floating/observing.py", "after", "NUMBER_UNITS = {", block("gyration-unit")),

@@ -16,12 +16,12 @@ from tests.models.sph.scenes import free_blob, tank
 import ecume
 from ecume import _jit
 from ecume.laws.kernels import KERNEL_CODES, KERNELS, kernel
-from ecume.models.sph.check_report import lattice_neighbors, neighbor_remark
-from ecume.models.sph.defaults import smoothing_of
-from ecume.models.sph.kernels import kernel_type, slope_of, value_of
-from ecume.models.sph.passive_particles import surroundings
+from ecume.models.sph.integration.passive_particles import surroundings
+from ecume.models.sph.rates.kernels import kernel_type, slope_of, value_of
+from ecume.models.sph.rates.right_hand_side import take_both, take_forces, take_thickening
 from ecume.models.sph.record import SPH
-from ecume.models.sph.right_hand_side import take_both, take_forces, take_thickening
+from ecume.models.sph.report.check_report import lattice_neighbors, neighbor_remark
+from ecume.models.sph.setup.choices import smoothing_of
 from ecume.scenes.schema import from_plain, to_plain
 
 ROOT = Path(__file__).parents[2]

@@ -5,12 +5,12 @@ import pytest
 from tests.models.sph.scenes import free_blob
 from tests.models.sph.test_moving_bodies import blob
 
-from ecume.models.sph.methods import FRICTIONS, PRESSURE_FORCES
+from ecume.models.sph.integration.time_stepping import INTEGRATORS
+from ecume.models.sph.rates.methods import FRICTIONS, PRESSURE_FORCES
+from ecume.models.sph.rates.right_hand_side import take_forces
+from ecume.models.sph.rates.shifting import SHIFTINGS
+from ecume.models.sph.rates.surface_tension import TENSIONS, surface_energy
 from ecume.models.sph.record import SPH
-from ecume.models.sph.right_hand_side import take_forces
-from ecume.models.sph.shifting import SHIFTINGS
-from ecume.models.sph.stepping import INTEGRATORS
-from ecume.models.sph.tension import TENSIONS, surface_energy
 
 
 def at_start(scene):

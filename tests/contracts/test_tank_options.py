@@ -12,13 +12,13 @@ from tests.models.sph.scenes import OPEN, PERIODIC
 from ecume.errors import SceneError
 from ecume.laws.kernels import KERNELS
 from ecume.models.model import DONE, EXCHANGE
-from ecume.models.sph.defaults import TURBULENCES
-from ecume.models.sph.invariants import invariants
-from ecume.models.sph.methods import DIFFUSIONS, FRICTIONS, PRESSURE_FORCES
+from ecume.models.sph.integration.time_stepping import INTEGRATORS
+from ecume.models.sph.rates.methods import DIFFUSIONS, FRICTIONS, PRESSURE_FORCES
+from ecume.models.sph.rates.shifting import SHIFTINGS
+from ecume.models.sph.rates.surface_tension import TENSIONS
 from ecume.models.sph.record import SPH
-from ecume.models.sph.shifting import SHIFTINGS
-from ecume.models.sph.stepping import INTEGRATORS
-from ecume.models.sph.tension import TENSIONS
+from ecume.models.sph.report.invariants import invariants
+from ecume.models.sph.setup.choices import TURBULENCES
 from ecume.run import RunDirectory
 from ecume.run.invariant_monitor import Watch
 from ecume.scenes.schema import from_plain

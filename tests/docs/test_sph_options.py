@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 
 from ecume.laws.kernels import KERNELS
-from ecume.models.sph.defaults import PRECISIONS, TURBULENCES
-from ecume.models.sph.methods import DIFFUSIONS, FRICTIONS, PRESSURE_FORCES
-from ecume.models.sph.shifting import SHIFTINGS
-from ecume.models.sph.stepping import INTEGRATORS
-from ecume.models.sph.tension import TENSIONS
+from ecume.models.sph.integration.time_stepping import INTEGRATORS
+from ecume.models.sph.rates.methods import DIFFUSIONS, FRICTIONS, PRESSURE_FORCES
+from ecume.models.sph.rates.shifting import SHIFTINGS
+from ecume.models.sph.rates.surface_tension import TENSIONS
+from ecume.models.sph.setup.choices import PRECISIONS, TURBULENCES
 from ecume.scenes import sph
 from ecume.scenes.common import Common
 from ecume.scenes.sph.scene import MethodSpec, RegionSpec

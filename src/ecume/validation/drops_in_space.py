@@ -10,10 +10,10 @@ from ecume.laws.drops import drop_decay
 from ecume.laws.kernels import kernel
 from ecume.laws.tension import laplace_pressure
 from ecume.laws.viscous import friction_left
-from ecume.models.sph.defaults import smoothing_of
-from ecume.models.sph.friction import rub_radially
+from ecume.models.sph.rates.right_hand_side import fill
+from ecume.models.sph.rates.sums import rub_radially
 from ecume.models.sph.record import SPH
-from ecume.models.sph.right_hand_side import fill
+from ecume.models.sph.setup.choices import smoothing_of
 from ecume.scenes.sph import SphScene
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame

@@ -4,9 +4,9 @@ import pytest
 
 from ecume.errors import SceneError
 from ecume.laws.liquids import liquid
-from ecume.models.sph.building import material_of
-from ecume.models.sph.check_report import lattice_neighbors, neighbor_remark, seconds_a_step
 from ecume.models.sph.record import SPH
+from ecume.models.sph.report.check_report import lattice_neighbors, neighbor_remark, seconds_a_step
+from ecume.models.sph.setup.building import material_of
 from ecume.scenes.schema import from_plain, to_plain
 
 from .scenes import free_blob, tank

@@ -7,10 +7,10 @@ import pytest
 
 import ecume
 from ecume.errors import SceneError
-from ecume.models.sph.defaults import kernel_of, smoothing_of
-from ecume.models.sph.passive_particles import surroundings, take_along
+from ecume.models.sph.integration.passive_particles import surroundings, take_along
+from ecume.models.sph.rates.right_hand_side import fill, take_forces
 from ecume.models.sph.record import SPH
-from ecume.models.sph.right_hand_side import fill, take_forces
+from ecume.models.sph.setup.choices import kernel_of, smoothing_of
 from ecume.scenes.schema import from_plain, to_plain
 from ecume.scenes.sph import CarriedSpec
 from tests.models.sph.scenes import free_blob

@@ -198,7 +198,7 @@ def test_dummies_may_pull_where_no_liquid_can_leave_them():
 
 
 def test_shifting_is_chosen_where_nothing_is_open():
-    from ecume.models.sph.defaults import shifting_of
+    from ecume.models.sph.setup.choices import shifting_of
 
     walled = scene(tank={"low": [0.0, 0.0], "high": [1.0, 1.0]}, method={})
     assert shifting_of(walled) == "delta-plus"

@@ -7,7 +7,7 @@ import ecume
 from ecume.errors import SceneError
 from ecume.laws.flows import channel_speed
 from ecume.models.model import EXCHANGE
-from ecume.models.sph.open_boundaries import speed_at
+from ecume.models.sph.boundaries.open_boundaries import speed_at
 from ecume.models.sph.record import SPH
 from ecume.models.sph.state import CAME, LEFT, LOST, NEXT
 from ecume.scenes.schema import from_plain, to_plain

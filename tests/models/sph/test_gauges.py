@@ -7,8 +7,8 @@ import pytest
 
 from ecume.analysis import gauges as readers
 from ecume.errors import SceneError
-from ecume.models.sph.gauges import gauges_of, readings
 from ecume.models.sph.record import SPH, start
+from ecume.models.sph.report.gauges import gauges_of, readings
 from ecume.scenes.schema import from_plain, to_plain
 
 from .scenes import tank

@@ -8,10 +8,10 @@ import pytest
 import ecume
 from ecume.errors import SceneError
 from ecume.laws.kernels import kernel
-from ecume.models.sph.bodies import delay, keep_out, pulls_of
-from ecume.models.sph.motions import instant
+from ecume.models.sph.boundaries.prescribed_motion import instant
+from ecume.models.sph.boundaries.rigid_bodies import delay, keep_out, pulls_of
+from ecume.models.sph.rates.right_hand_side import fill
 from ecume.models.sph.record import SPH
-from ecume.models.sph.right_hand_side import fill
 from ecume.scenes.schema import from_plain, to_plain
 from tests.models.sph.scenes import free_blob
 

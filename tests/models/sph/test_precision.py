@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ecume.models.sph.right_hand_side import take_forces, take_thickening
+from ecume.models.sph.rates.right_hand_side import take_forces, take_thickening
 from tests.models.sph.scenes import free_blob, tank
 from tests.models.sph.test_sums import at_start
 

@@ -6,10 +6,10 @@ import pytest
 import ecume
 from ecume._jit import use_threads
 from ecume.models.model import DIVERGED
-from ecume.models.sph import stepping
+from ecume.models.sph.boundaries.walls import turn_back
+from ecume.models.sph.integration import time_stepping
 from ecume.models.sph.record import SPH
 from ecume.models.sph.state import skin_for
-from ecume.models.sph.wall_reflection import turn_back
 from ecume.simulation import moments
 from tests.models.sph.scenes import tank
 
@@ -99,7 +99,7 @@ def test_what_the_last_step_breaks_is_seen_before_anyone_draws_it(monkeypatch):
     def burst(parameters, state, workspace, time):
         state.velocity[0, 3] = 1e90
 
-    monkeypatch.setitem(stepping.INTEGRATORS, "symplectic", burst)
+    monkeypatch.setitem(time_stepping.INTEGRATORS, "symplectic", burst)
     scene = tank()
     parameters = SPH.parameters(scene)
     state = SPH.start(scene, parameters)

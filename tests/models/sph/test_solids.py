@@ -7,12 +7,11 @@ import ecume
 from ecume._jit import use_threads
 from ecume.engine.shapes import Ball, Box, Polygon
 from ecume.errors import SceneError
-from ecume.models.sph.bodies import carry, pushed, rotations
-from ecume.models.sph.collisions import collide
-from ecume.models.sph.forces_on_solids import loads
+from ecume.models.sph.boundaries.forces_on_solids import loads
+from ecume.models.sph.boundaries.rigid_bodies import carry, collide, pushed, rotations
+from ecume.models.sph.rates.right_hand_side import take_forces
 from ecume.models.sph.record import SPH
-from ecume.models.sph.right_hand_side import take_forces
-from ecume.models.sph.solids import grains
+from ecume.models.sph.setup.shapes import grains
 from ecume.scenes.schema import from_plain, to_plain
 from tests.models.sph.scenes import free_blob, tank
 from tests.models.sph.test_runs import copy_of, marched

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from ecume.models.sph.integration.time_stepping import INTEGRATORS, divisions_needed, renew
+from ecume.models.sph.rates.right_hand_side import take_forces
 from ecume.models.sph.record import SPH
-from ecume.models.sph.right_hand_side import take_forces
-from ecume.models.sph.stepping import INTEGRATORS, divisions_needed, renew
 from ecume.scenes.schema import from_plain
 from tests.models.sph.scenes import free_blob
 from tests.models.sph.test_moving_bodies import blob

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from ecume.laws.viscous import friction_left
-from ecume.models.sph.friction import rub_radially
+from ecume.models.sph.rates.right_hand_side import fill, take_both, take_forces, take_thickening
+from ecume.models.sph.rates.sums import rub_radially
 from ecume.models.sph.record import SPH
-from ecume.models.sph.right_hand_side import fill, take_both, take_forces, take_thickening
 from ecume.scenes.schema import from_plain, to_plain
 from tests.models.sph.scenes import free_blob, tank
 

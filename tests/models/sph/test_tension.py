@@ -9,9 +9,9 @@ from scipy.integrate import quad
 from ecume._jit import FEW, use_threads
 from ecume.laws.kernels import kernel
 from ecume.laws.tension import cohesion_energy, cohesion_kernel
+from ecume.models.sph.rates.right_hand_side import fill
+from ecume.models.sph.rates.surface_tension import COUNTED, STRENGTHS, pull, surface_energy
 from ecume.models.sph.record import SPH
-from ecume.models.sph.right_hand_side import fill
-from ecume.models.sph.tension import COUNTED, STRENGTHS, pull, surface_energy
 from ecume.scenes.schema import from_plain, to_plain
 from ecume.simulation import simulate
 from tests.models.sph.scenes import OPEN

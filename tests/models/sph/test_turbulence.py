@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from ecume.models.sph.rates.right_hand_side import fill, take_forces
 from ecume.models.sph.record import SPH
-from ecume.models.sph.right_hand_side import fill, take_forces
 from tests.models.sph.scenes import free_blob
 
 

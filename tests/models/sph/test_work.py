@@ -6,14 +6,13 @@ import numpy as np
 import pytest
 
 import ecume
-from ecume.models.sph.collisions import collide
-from ecume.models.sph.energies import energy_of_bodies
-from ecume.models.sph.invariants import invariants
-from ecume.models.sph.motions import instant
+from ecume.models.sph.boundaries.prescribed_motion import instant
+from ecume.models.sph.boundaries.rigid_bodies import collide
+from ecume.models.sph.boundaries.walls import turn_back
 from ecume.models.sph.record import SPH
+from ecume.models.sph.report.energy_budget import brought, energy_of_bodies, of_guard, power_of_shake
+from ecume.models.sph.report.invariants import invariants
 from ecume.models.sph.state import WORK
-from ecume.models.sph.wall_reflection import turn_back
-from ecume.models.sph.work import brought, of_guard, power_of_shake
 from ecume.run import RunDirectory
 from ecume.run.invariant_monitor import Watch
 from ecume.scenes.schema import from_plain, to_plain

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import ecume
-from ecume.models.sph.bodies import rotations
+from ecume.models.sph.boundaries.rigid_bodies import rotations
 from ecume.scenes.schema import from_plain
 from ecume.show.sph.picture import liquid_picture
 from ecume.show.sph.solids import movers_of, turned

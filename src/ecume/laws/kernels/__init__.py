@@ -1,7 +1,7 @@
 """Smoothing kernels: W(r, h) = sigma / h^dim f(r/h), by name.
 
 `kernel("wendland-c2", dim=2)` is for people and arrays. The formulas and the table of all kernels are in `shapes`;
-compiled loops call them through `ecume.models.sph.kernels`, by the number in `KERNEL_CODES`.
+compiled loops call them through `ecume.models.sph.rates.kernels`, by the number in `KERNEL_CODES`.
 """
 
 from __future__ import annotations

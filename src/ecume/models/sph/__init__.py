@@ -1,9 +1,9 @@
-"""Smoothed particle hydrodynamics: a weakly compressible liquid in a tank.
+"""Smoothed particle hydrodynamics (SPH): a weakly compressible liquid in a tank.
 
-Start with `stepping`, one time step in words, and `right_hand_side`, which fills the `fields` and calls the `sums` over
-neighbors. `methods` has the forms of the equations, one row each; `defaults` chooses among them for a scene, and
-`building` makes its `parameters`. Walls are in `boundaries`, `wall_reflection` and `wall_repulsion`, moving solids in
-`bodies` and `forces_on_solids`, sides that liquid passes in `open_boundaries`; `work` and `energies` keep the budget.
+Start with `integration.time_stepping`, one time step, then `rates.right_hand_side`, which fills the `fields` and calls
+the sums over neighbors. `rates.methods` has the forms of the equations, one row each. `setup` makes `parameters` and
+the first `state` from a scene; `boundaries` holds walls, bodies and open sides; `report` has frames, the energy budget
+and the lines of `ecume check`. `record` is the interface to the package, and `mpi` divides one tank among ranks.
 """
 
 from ecume.models.sph.record import SPH

@@ -10,11 +10,11 @@ from __future__ import annotations
 
 from ecume.engine.mpi_exchange import Share
 from ecume.errors import BadInput
-from ecume.models.sph import stepping
+from ecume.models.sph.integration.time_stepping import advance
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.record import workspace
+from ecume.models.sph.report.energy_budget import forces_work
 from ecume.models.sph.state import State, Workspace
-from ecume.models.sph.work import forces_work
 
 
 def require_spreadable(parameters: Parameters) -> None:
@@ -48,7 +48,7 @@ def workspace_shared(share: Share, parameters: Parameters, state: State, room: f
 
 def march_shared(share: Share, parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
     """March: see `ecume.models.model.Model.advance`."""
-    return stepping.advance(own_part(share, parameters, state), state, workspace, steps)
+    return advance(own_part(share, parameters, state), state, workspace, steps)
 
 
 def complete(share: Share, parameters: Parameters, state: State, scratch: Workspace) -> Workspace:

@@ -7,10 +7,22 @@ from typing import NamedTuple
 from ecume.engine.boundary_images import Sides
 from ecume.engine.cells import Integers
 from ecume.engine.shapes import Shape
+from ecume.engine.walls import Sheet
 from ecume.models.sph.fields import Constants, Numbers, Precision, Tait
-from ecume.models.sph.methods import DensityDiffusion, Friction, PressureForce
-from ecume.models.sph.wall_reflection import Guard
+from ecume.models.sph.rates.methods import DensityDiffusion, Friction, PressureForce
 from ecume.units import Array
+
+
+class Guard(NamedTuple):
+    """The surfaces that turn particles back."""
+
+    sheet: Sheet
+    owner: Integers
+    """(K,) the side or obstacle that each surface belongs to"""
+    radius: float
+    """m, how far off the surface everyone is kept"""
+    reach: float
+    """m, who is closer than this is pushed off; zero where walls do nothing but reflect"""
 
 
 class Material(NamedTuple):
@@ -48,7 +60,7 @@ class Boundary(NamedTuple):
     sides: Sides
     """planes with images behind them"""
     table: Array
-    """the same with velocities, as `columns.fill_images` reads it"""
+    """the same with velocities, as `fill_fields.fill_images` reads it"""
     image_owner: Integers
     """(sides,) whose images they are: a place in `names`; -1 behind periodic sides"""
     dummies: Dummies
@@ -207,13 +219,13 @@ class Parameters(NamedTuple):
     moves: bool
     """whether anything but the liquid does"""
     integrator: str
-    """a name of `stepping.INTEGRATORS`"""
+    """a name of `time_stepping.INTEGRATORS`"""
     shifting: str
     """a name of `shifting.SHIFTINGS`"""
     background: float
     """Pa, of the transport velocity; zero without"""
     tension: str
-    """a name of `tension.TENSIONS`"""
+    """a name of `surface_tension.TENSIONS`"""
     color_reach: float
     """m, how far the continuum surface force looks; zero without"""
     carried: Carried

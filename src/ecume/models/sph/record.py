@@ -10,26 +10,25 @@ from ecume.models.check_report import Row
 from ecume.models.diagnosis import first_broken, when
 from ecume.models.limits import within_steps
 from ecume.models.model import Model
-from ecume.models.sph.building import parameters_of
-from ecume.models.sph.check_report import advice
-from ecume.models.sph.defaults import kernel_of, require_right_split, smoothing_of
+from ecume.models.sph.boundaries.open_boundaries import exchange, with_buffers
+from ecume.models.sph.boundaries.prescribed_motion import at_reference
 from ecume.models.sph.fields import FIELDS, RATES
-from ecume.models.sph.initial_particles import liquid_of
-from ecume.models.sph.invariants import invariants
-from ecume.models.sph.motions import at_reference
-from ecume.models.sph.observing import observe
-from ecume.models.sph.open_boundaries import exchange, filled
+from ecume.models.sph.integration.time_stepping import advance
 from ecume.models.sph.parameters import Parameters
-from ecume.models.sph.solids import part_of
-from ecume.models.sph.sources import laws_of
+from ecume.models.sph.report.check_report import advice
+from ecume.models.sph.report.invariants import invariants
+from ecume.models.sph.report.observation import observe
+from ecume.models.sph.setup.building import parameters_of
+from ecume.models.sph.setup.choices import kernel_of, laws_of, require_right_split, smoothing_of
+from ecume.models.sph.setup.initial_particles import liquid_of
+from ecume.models.sph.setup.shapes import part_of
 from ecume.models.sph.state import State, Workspace, likely_neighbors, make_state, workspace_at
-from ecume.models.sph.stepping import advance
 from ecume.scenes.sph import SphScene
 
 
 def start(scene: SphScene, parameters: Parameters) -> State:
     """The liquid at time 0."""
-    return filled(parameters, scene, make_state(parameters, liquid_of(scene, parameters.material)))
+    return with_buffers(parameters, make_state(parameters, liquid_of(scene, parameters.material)))
 
 
 def workspace(parameters: Parameters, state: State, room: float) -> Workspace:

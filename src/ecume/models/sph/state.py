@@ -13,7 +13,7 @@ from ecume.engine.cells import Integers
 from ecume.engine.mpi_exchange import Share
 from ecume.engine.neighbor_rows import Grid, Lists, Sorted, grid_around, neighbor_lists, room_for, sorted_crowd
 from ecume.models.sph.fields import Fields, Rates, zero_fields, zero_rates
-from ecume.models.sph.motion import largest
+from ecume.models.sph.integration.particle_loops import largest
 from ecume.models.sph.parameters import Liquid, Parameters
 from ecume.units import Array
 
@@ -55,7 +55,7 @@ class State(NamedTuple):
     region: Integers
     """(N,)"""
     zone: Integers
-    """(N,) 0 for liquid, else the buffer it is in: see `gates`"""
+    """(N,) 0 for liquid, else the buffer it is in: see `open_boundaries`"""
     reference: Array
     """(d, N) where everyone was when the lists were made: their order decides the order of sums"""
     skin: Array
@@ -89,7 +89,7 @@ class State(NamedTuple):
     crowd: Integers
     """how many came, left and were lost; the number that the next one will have"""
     books: Array = np.zeros(2)
-    """J that came from outside; W of the forces that bring it, at the end of the last step: see `work`"""
+    """work from outside (J), and its rate by forces (W) at the end of the last step: see `report.energy_budget`"""
 
 
 class CellLists(NamedTuple):
@@ -196,7 +196,7 @@ def skin_for(parameters: Parameters, state: State) -> float:
 def workspace_at(parameters: Parameters, state: State, before: Workspace | None = None) -> Workspace:
     """Lists and tables for the crowd at the state's reference positions; they lie where those before lay.
 
-    `parameters` are those at the reference: see `motions`.
+    `parameters` are those at the reference: see `prescribed_motion`.
     """
     boundary, reach = parameters.boundary, parameters.support + float(state.skin[0])
     real = np.concatenate([state.reference, boundary.dummies.position], axis=1)

@@ -11,9 +11,9 @@ from scipy.spatial import cKDTree
 
 from ecume.engine.shapes import Flags
 from ecume.errors import BadInput
-from ecume.models.sph.building import material_of
 from ecume.models.sph.parameters import Drive, Liquid, Material
-from ecume.models.sph.solids import free_of, solids_of
+from ecume.models.sph.setup.building import material_of
+from ecume.models.sph.setup.shapes import free_of, solids_of
 from ecume.scenes.sph import MotionSpec, ParticlesSpec, RegionSpec, ShakeSpec, SphScene
 from ecume.units import Array
 

@@ -65,7 +65,7 @@ def _bottom(scene: SphScene) -> float:
 
 def _column(frame: Frame, scene: SphScene, weight: float) -> tuple[Array, Array]:
     """Depths and pressures of as much liquid, at rest all over the tank's floor."""
-    from ecume.models.sph.building import material_of  # it imports Numba, which other figures do without
+    from ecume.models.sph.setup.building import material_of
 
     material = material_of(scene)
     floor = np.delete(np.array(scene.tank.high) - np.array(scene.tank.low), 1)

@@ -1,0 +1,263 @@
+"""What the liquid does to what holds it: forces and torques on sides, obstacles and bodies, pair by pair as the sums
+over neighbors have them, so that what the liquid gets the solid loses.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from ecume._jit import compiled_inside, prange, spread
+from ecume.engine.boundary_images import Images
+from ecume.engine.cells import Integers
+from ecume.engine.neighbor_rows import Lists
+from ecume.models.sph.fields import FIELD, Constants, Floats
+from ecume.models.sph.parameters import Parameters
+from ecume.models.sph.rates.kernels import slope_of
+from ecume.models.sph.rates.sums import damping
+from ecume.models.sph.state import Workspace
+from ecume.units import Array
+
+Vector = tuple[float, float, float]
+
+
+class PairForces(NamedTuple):
+    """Which forces act between two particles: see `PressureForce` and `Friction`."""
+
+    transported: bool
+    viscous: bool
+    radial: bool
+
+
+@compiled_inside
+def _transported(fields: Floats, i: int, j: int, apart: Vector, pull: float) -> Vector:
+    """Pressure weighed by densities, and the momentum that a transport velocity carries (see `push_transported`)."""
+    both = (
+        0.5
+        * pull
+        * (fields[FIELD.volume, i] * fields[FIELD.volume, i] + fields[FIELD.volume, j] * fields[FIELD.volume, j])
+    )
+    mean = fields[FIELD.density, j] * fields[FIELD.pressure, i] + fields[FIELD.density, i] * fields[FIELD.pressure, j]
+    mean *= 2.0 / (fields[FIELD.density, i] + fields[FIELD.density, j])
+    dx, dy, dz = apart
+    own = fields[FIELD.density, i] * (
+        fields[FIELD.transport, i] * dx + fields[FIELD.transport + 1, i] * dy + fields[FIELD.transport + 2, i] * dz
+    )
+    flux = fields[FIELD.density, j] * (
+        fields[FIELD.transport, j] * dx + fields[FIELD.transport + 1, j] * dy + fields[FIELD.transport + 2, j] * dz
+    )
+    return (
+        both * (mean * dx - own * fields[FIELD.velocity, i] - flux * fields[FIELD.velocity, j]),
+        both * (mean * dy - own * fields[FIELD.velocity + 1, i] - flux * fields[FIELD.velocity + 1, j]),
+        both * (mean * dz - own * fields[FIELD.velocity + 2, i] - flux * fields[FIELD.velocity + 2, j]),
+    )
+
+
+@compiled_inside
+def _rubbed(fields: Floats, i: int, j: int, apart: Vector, law: tuple[float, int, float]) -> Vector:
+    """Viscous force of a pair: along the difference of velocities, or along the line between them, d + 2 times that."""
+    pull, radially, soft = law
+    held, (dx, dy, dz) = fields[FIELD.viscosity, i] * fields[FIELD.viscosity, j], apart
+    drag = (
+        4.0
+        * pull
+        * fields[FIELD.volume, i]
+        * fields[FIELD.volume, j]
+        * held
+        / (fields[FIELD.viscosity, i] + fields[FIELD.viscosity, j])
+    )
+    du, dv = (
+        fields[FIELD.friction_velocity, i] - fields[FIELD.friction_velocity, j],
+        fields[FIELD.friction_velocity + 1, i] - fields[FIELD.friction_velocity + 1, j],
+    )
+    dw = fields[FIELD.friction_velocity + 2, i] - fields[FIELD.friction_velocity + 2, j]
+    if radially > 0:
+        along = radially * (du * dx + dv * dy + dw * dz) / max(dx * dx + dy * dy + dz * dz, soft)
+        du, dv, dw = along * dx, along * dy, along * dz
+    return drag * du, drag * dv, drag * dw
+
+
+@spread
+def press(
+    fields: Floats,
+    mine: Integers,
+    group: Integers,
+    lists: Lists,
+    constants: Constants,
+    forces: PairForces,
+    force: Array,
+) -> None:
+    """The force on each of the columns `mine`, (groups, 3, columns), of its neighbors in each group (-1: in none)."""
+    kernel, scale, inverse = constants[0].kernel, constants[0].slope_factor, constants[0].inverse_length
+    damper = constants[0].smoothing_length, constants[0].damping_divisor, constants[0].sound_speed, constants[0].alpha
+    transported, deep = forces.transported, constants[0].dimension == 3
+    rubs = forces.viscous
+    radially = (constants[0].dimension + 2) * (forces.radial)
+    counts, neighbor = lists
+    for place in prange(len(mine)):
+        i = mine[place]
+        for k in range(counts[i]):
+            j = neighbor[i, k]
+            g = group[j]
+            if g < 0:
+                continue
+            dx, dy = (
+                fields[FIELD.position, j] - fields[FIELD.position, i],
+                fields[FIELD.position + 1, j] - fields[FIELD.position + 1, i],
+            )
+            dz = fields[FIELD.position + 2, j] - fields[FIELD.position + 2, i] if deep else 0.0
+            square = dx * dx + dy * dy + dz * dz
+            pull = scale * slope_of(math.sqrt(square) * inverse, kernel)
+            if transported:
+                fx, fy, fz = _transported(fields, i, j, (dx, dy, dz), pull)
+            else:
+                radial = (fields[FIELD.velocity, j] - fields[FIELD.velocity, i]) * dx + (
+                    fields[FIELD.velocity + 1, j] - fields[FIELD.velocity + 1, i]
+                ) * dy
+                radial += (fields[FIELD.velocity + 2, j] - fields[FIELD.velocity + 2, i]) * dz
+                damps = fields[FIELD.liquid, i] * fields[FIELD.liquid, j] * damping(radial, square, damper)
+                both = (
+                    pull
+                    * fields[FIELD.weight, i]
+                    * fields[FIELD.weight, j]
+                    * (fields[FIELD.force_term, i] + fields[FIELD.force_term, j] + damps)
+                )
+                fx, fy, fz = both * dx, both * dy, both * dz
+            if rubs and fields[FIELD.viscosity, i] * fields[FIELD.viscosity, j] > 0.0:
+                rx, ry, rz = _rubbed(fields, i, j, (dx, dy, dz), (pull, radially, constants[0].softening))
+                fx, fy, fz = fx + rx, fy + ry, fz + rz
+            force[g, 0, place] += fx
+            force[g, 1, place] += fy
+            force[g, 2, place] += fz
+
+
+def forces_on(parameters: Parameters, workspace: Workspace, mine: Integers, group: Integers) -> Array:
+    """(groups, 3, columns) N, out of a filled workspace."""
+    lists, force = workspace.lists, np.zeros((int(group.max(initial=0)) + 1, 3, len(mine)))
+    constants, friction = parameters.constants, parameters.friction
+    forces = PairForces(
+        transported=parameters.pressure_force.transported,
+        viscous=friction is not None,
+        radial=friction is not None and friction.radial,
+    )
+    press(workspace.fields.table, mine, group, lists, constants, forces, force)
+    return force
+
+
+def forces_on_dummies(parameters: Parameters, workspace: Workspace, first: int) -> tuple[Array, Array]:
+    """Force and place, (3, n) each, of all dummies from number `first` on.
+
+    An image pushes a dummy as the dummy's own image pushes the particle, mirrored, up to the weight of what is between
+    (1e-4 of the weight of a tank): along the mirror that is the dummy's part, across it the mirror's, who bears it.
+    """
+    images, real = workspace.images, len(workspace.lists.counts)
+    mine = np.arange(workspace.rates.shape[1] + first, real)
+    kinds, kind = np.unique(chains_of(images, real), return_inverse=True)
+    group = np.zeros(workspace.fields.shape[1], np.int64)
+    group[real:] = 1 + kind.ravel()
+    force = forces_on(parameters, workspace, mine, group)
+    for g, chain in enumerate(kinds, 1):
+        for axis in _crossed(parameters.boundary.image_owner, int(chain)):
+            force[g, axis] = 0.0
+    return force.sum(axis=0), _places(parameters, workspace, mine)
+
+
+def total(force: Array, place: Array, center: Array) -> tuple[Array, Array]:
+    """The sum of forces at places, each (3, n), and their torque about a center."""
+    torque = np.cross((place - center[:, None]).T, force.T).sum(axis=0)
+    return force.sum(axis=1), torque
+
+
+def loads(parameters: Parameters, workspace: Workspace) -> Iterator[tuple[str, Array, Array]]:
+    """Name, force and torque of every wall, obstacle and body. A wall's torque is about the middle of the tank, an
+    obstacle's and a body's about its own.
+    """
+    boundary = parameters.boundary
+    force, place = forces_on_dummies(parameters, workspace, 0)
+    mirrored, at = forces_of_images(parameters, workspace)
+    for number, name in enumerate(boundary.names):
+        mine = boundary.dummies.owner == number
+        if number in mirrored:
+            yield name, *total(-mirrored[number], at, boundary.centers[number])
+        elif mine.any():
+            yield name, *total(force[:, mine], place[:, mine], boundary.centers[number])
+
+
+def forces_of_images(parameters: Parameters, workspace: Workspace) -> tuple[dict[int, Array], Array]:
+    """What each mirror does to the liquid before it, by the mirror's side; and where that liquid is.
+
+    An image in a corner was mirrored by two sides or three, and each of them has the part along its own normal.
+    """
+    images, boundary = workspace.images, parameters.boundary
+    liquid, real = workspace.rates.shape[1], len(workspace.lists.counts)
+    of_dummies = roots_of(images, real) >= liquid
+    kinds, kind = np.unique(2 * chains_of(images, real) + of_dummies, return_inverse=True)
+    group = np.full(workspace.fields.shape[1], -1)
+    group[real:] = kind.ravel()
+    mine = np.unique(images.source[images.source < liquid])
+    force = forces_on(parameters, workspace, mine, group)
+    found = {int(side): np.zeros((3, len(mine))) for side in boundary.image_owner if side >= 0}
+    for g, code in enumerate(kinds):
+        chain, solid = int(code) >> 1, int(code) & 1
+        crossed = _crossed(boundary.image_owner, chain)
+        for axis in range(3):
+            side = _bearer(boundary.image_owner, chain, axis)
+            # Along a mirror the image of a dummy pushes in the dummy's stead, and the dummy has that part.
+            if side >= 0 and (axis in crossed or not solid):
+                found[side][axis] += force[g, axis]
+    return found, _places(parameters, workspace, mine)
+
+
+def force_of_mirror(parameters: Parameters, workspace: Workspace, mine: Integers, what: tuple[int, int]) -> float:
+    """What one mirror does to some of the liquid along an axis (N), as `forces_of_images` has it; `what`: the mirror's
+    side, and the axis.
+    """
+    images, owner, (side, axis) = workspace.images, parameters.boundary.image_owner, what
+    real = len(workspace.lists.counts)
+    chains, solid = chains_of(images, real), roots_of(images, real) >= workspace.rates.shape[1]
+    borne, crossed = np.zeros((2, 1 << len(owner)), np.bool_)
+    for chain in np.flatnonzero(np.bincount(chains, minlength=1)):
+        borne[chain] = _bearer(owner, int(chain), axis) == side
+        crossed[chain] = axis in _crossed(owner, int(chain))
+    group = np.full(workspace.fields.shape[1], -1)
+    group[real:][borne[chains] & (crossed[chains] | ~solid)] = 0
+    return float(forces_on(parameters, workspace, mine, group)[0, axis].sum())
+
+
+def roots_of(images: Images, real: int) -> Integers:
+    """Which real column each image is of in the end."""
+    roots = images.source
+    while (roots >= real).any():
+        roots = np.where(roots >= real, images.source[np.maximum(roots - real, 0)], roots)
+    return roots
+
+
+def _crossed(owner: Integers, chain: int) -> set[int]:
+    """The axes across which mirrors of a chain stand."""
+    return {int(side) // 2 for bit, side in enumerate(owner) if chain >> bit & 1 and side >= 0}
+
+
+def chains_of(images: Images, real: int) -> Integers:
+    """Which sides each image went through, as bits."""
+    chains = np.zeros(len(images.source), np.int64)
+    for side in range(len(images.start) - 1):
+        here = slice(images.start[side], images.start[side + 1])
+        earlier = images.source[here] - real
+        chains[here] = np.where(earlier >= 0, chains[np.maximum(earlier, 0)], 0) | (1 << side)
+    return chains
+
+
+def _bearer(owner: Integers, chain: int, axis: int) -> int:
+    """The side that bears a component: the one it is normal to, or else the last; -1 where no wall is among them."""
+    through = [int(side) for bit, side in enumerate(owner) if chain >> bit & 1 and side >= 0]
+    return next((side for side in through if side // 2 == axis), through[-1] if through else -1)
+
+
+def _places(parameters: Parameters, workspace: Workspace, mine: Integers) -> Array:
+    place = workspace.fields.position[:3, mine].astype(np.float64)
+    place[parameters.dimension :] = 0.0
+    place[: parameters.dimension] += parameters.origin[:, None]
+    return place

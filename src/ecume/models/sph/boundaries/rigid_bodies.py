@@ -1,0 +1,327 @@
+"""Rigid bodies: the equations of motion, their dummy particles, and collisions. Quaternions are (w, x, y, z).
+
+Bodies collide with sides, obstacles and each other: impulses act at the deepest point of each contact, in sweeps over
+all contacts until none approaches, and bodies that overlap are moved apart. The normal of a contact points towards the
+body. Impulses obey Newton's law of restitution and Coulomb's law of friction (Mirtich and Canny 1995, who resolve all
+contacts by impulses). [mirtich1995]
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ecume._portable import cos, dot, length, product, sinc, solve
+from ecume.engine.shapes import Shape
+from ecume.engine.walls import Sheet
+from ecume.engine.walls.sheets import SIZE, SPEED
+from ecume.engine.walls.surfaces import PLANE
+from ecume.models.sph.parameters import Bodies, Dummies, Parameters
+from ecume.units import Array
+
+LEAST_DELAY = 4.0
+"""In evaluations: sound must not make a body tremble."""
+ANSWERED = 0.2
+"""Of the displaced liquid, what moves with a body of two spacings' radius because its dummies know how it moves."""
+
+
+def rotations(pose: Array) -> Array:
+    """(B, 3, 3) what turns a body's own axes to where they are."""
+    w, x, y, z = pose[3:]
+    rows = [
+        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
+        [2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)],
+        [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)],
+    ]
+    return np.moveaxis(np.array(rows), 2, 0)
+
+
+def placed(bodies: Bodies, dummies: Dummies, pose: Array, motion: Array) -> Dummies:
+    """The dummies with those of bodies where the bodies are, and as fast."""
+    if not bodies.shapes:
+        return dummies
+    d, first = len(dummies.position), bodies.first
+    position, velocity = dummies.position.copy(), dummies.velocity.copy()
+    body = dummies.owner[first:] - dummies.owner[first]
+    own = np.pad(dummies.position[:, first:], ((0, 3 - d), (0, 0)))
+    arm = np.einsum("nab,bn->an", rotations(pose)[body], own)
+    position[:, first:] = (pose[:3, body] + arm)[:d]
+    velocity[:, first:] = (motion[:3, body] + np.cross(motion[3:, body].T, arm.T).T)[:d]
+    return dummies._replace(position=position, velocity=velocity)
+
+
+def pulls_of(bodies: Bodies, dummies: Dummies, state: tuple[Array, Array, Array], gravity: Array) -> Array:
+    """(d, D) what pulls at the liquid as each dummy sees it: gravity less its own acceleration, from pose, motion and
+    acceleration of the bodies. Walls and obstacles stand still.
+    """
+    pulls = np.repeat(gravity[:, None], dummies.position.shape[1], axis=1)
+    if bodies.shapes:
+        pose, motion, push = state
+        d, first = pulls.shape[0], bodies.first
+        body = dummies.owner[first:] - (dummies.owner[first] if len(dummies.owner) > first else 0)
+        arm = (np.pad(dummies.position[:, first:], ((0, 3 - d), (0, 0))) - pose[:3, body]).T
+        spin = motion[3:, body].T
+        own = push[:3, body].T + np.cross(push[3:, body].T, arm) + np.cross(spin, np.cross(spin, arm))
+        pulls[:, first:] -= own.T[:d]
+    return pulls
+
+
+def delay(bodies: Bodies, density: float) -> Array:
+    """(B,) in how many evaluations dummies learn of their body's acceleration.
+
+    At once, a body lighter than the liquid which its dummies move would answer its own push with a larger one, and that
+    again: a twentieth of its density diverged. The displaced liquid over the body's mass bounds that from above.
+    """
+    volume = np.array([shape.volume() for shape in bodies.shapes])
+    late: Array = LEAST_DELAY + ANSWERED * density * volume / bodies.mass
+    return late
+
+
+def inverse_inertia(bodies: Bodies, turn: Array) -> Array:
+    """(B, 3, 3) along the axes of space; zero about an axis that a body in the plane cannot turn about."""
+    inverse = np.divide(1.0, bodies.inertia, out=np.zeros_like(bodies.inertia), where=bodies.inertia > 0.0)
+    found: Array = np.einsum("nab,bn,ncb->nac", turn, inverse, turn)
+    return found
+
+
+def pushed(bodies: Bodies, pose: Array, motion: Array, load: tuple[Array, Array], gravity: Array) -> Array:
+    """(6, B) the acceleration and the change of spin, of forces and torques (B, 3): Newton's and Euler's laws."""
+    force, torque = load
+    turn, spin = rotations(pose), motion[3:].T
+    along = np.einsum("nba,nb->na", turn, spin) * bodies.inertia.T
+    angular = torque - np.cross(spin, np.einsum("nab,nb->na", turn, along))
+    push = np.empty_like(motion)
+    push[:3] = (force / bodies.mass[:, None]).T
+    push[: len(gravity)] += gravity[:, None]
+    push[3:] = np.einsum("nab,nb->na", inverse_inertia(bodies, turn), angular).T
+    return push
+
+
+def energy_of_bodies(parameters: Parameters, pose: Array, motion: Array) -> float:
+    """Of their motion and spin, and in gravity and in the pull to a point (J)."""
+    bodies, place = parameters.bodies, pose[: parameters.dimension]
+    if not bodies.shapes:
+        return 0.0
+    spin = np.einsum("nba,bn->an", rotations(pose), motion[3:])
+    energy = 0.5 * float(np.sum(bodies.mass * (motion[:3] ** 2).sum(axis=0)) + np.sum(bodies.inertia * spin**2))
+    away = ((place - parameters.pull_center[:, None]) ** 2).sum(axis=0)
+    return energy + dot(bodies.mass, 0.5 * parameters.pull_rate**2 * away - product(parameters.gravity, place))
+
+
+def carry(pose: Array, motion: Array, time: float) -> None:
+    """Move and turn every body with its velocity and spin."""
+    pose[:3] += time * motion[:3]
+    for body in range(pose.shape[1]):
+        pose[3:, body] = turned(pose[3:, body], time * motion[3:, body])
+
+
+def turned(quaternion: Array, angle: Array) -> Array:
+    """A quaternion after a turn by a vector of angle (rad) about the axes of space."""
+    size = length(angle)
+    share = sinc(0.5 * size / np.pi) * 0.5
+    a, (b, c, d) = cos(0.5 * size), share * angle
+    w, x, y, z = quaternion
+    turn = np.array(
+        [
+            a * w - b * x - c * y - d * z,
+            a * x + b * w + c * z - d * y,
+            a * y - b * z + c * w + d * x,
+            a * z + b * y - c * x + d * w,
+        ]
+    )
+    result: Array = turn / length(turn)
+    return result
+
+
+def farthest_way(bodies: Bodies, pose: Array, reference: Array) -> float:
+    """No point of any body went farther than this since the reference."""
+    most = 0.0
+    for body, rim in enumerate(bodies.rims):
+        way = length(pose[:3, body] - reference[:3, body])
+        turn = 2.0 * min(1.0, length(pose[3:, body] - reference[3:, body]))
+        most = max(most, way + turn * float(np.sqrt((rim**2).sum(axis=1).max())))
+    return most
+
+
+def keep_out(bodies: Bodies, pose: Array, motion: Array, liquid: tuple[Array, Array, Array]) -> int:
+    """Put liquid (position, velocity, mass) that got into a body back onto its surface; how many. What the liquid's
+    momentum gains the body's loses.
+    """
+    position, velocity, mass = liquid
+    d, hits = len(position), 0
+    for body, shape in enumerate(bodies.shapes):
+        reach = np.sqrt((bodies.rims[body] ** 2).sum(axis=1).max())
+        away = position - pose[:d, body : body + 1]
+        close = np.flatnonzero((away**2).sum(axis=0) < reach**2)
+        turn = rotations(pose[:, body : body + 1])[0][:d, :d]
+        gap, normal = shape.nearest(product(away[:, close].T, turn))
+        inside = np.flatnonzero(gap < 0.0)
+        for i, depth, own in zip(close[inside], -gap[inside], normal[inside], strict=True):
+            out = product(turn, own)
+            position[:, i] += depth * out
+            _bounce(bodies, body, (pose, motion), (position[:, i], velocity[:, i], float(mass[i]), out))
+        hits += len(inside)
+    return hits
+
+
+def _bounce(bodies: Bodies, body: int, state: tuple[Array, Array], particle: tuple[Array, Array, float, Array]) -> None:
+    """End their approach, as of two bodies that stick: the lighter one gives way."""
+    pose, motion = state
+    x, v, mass, out = particle
+    arm, normal = np.pad(x, (0, 3 - len(x))) - pose[:3, body], np.pad(out, (0, 3 - len(out)))
+    surface = motion[:3, body] + np.cross(motion[3:, body], arm)
+    approach = dot(v - surface[: len(v)], out)
+    if approach < 0.0:
+        turning = np.cross(product(inverse_inertia_of(bodies, body, pose), np.cross(arm, normal)), arm)
+        impulse = -approach / (1.0 / mass + 1.0 / bodies.mass[body] + dot(normal, turning)) * normal
+        v += impulse[: len(v)] / mass
+        give(bodies, body, state, (-impulse, arm))
+
+
+def give(bodies: Bodies, body: int, state: tuple[Array, Array], impulse: tuple[Array, Any]) -> None:
+    """Hand a body an impulse at an arm from its middle."""
+    pose, motion = state
+    inverse = inverse_inertia_of(bodies, body, pose)
+    motion[:3, body] += impulse[0] / bodies.mass[body]
+    motion[3:, body] += product(inverse, np.cross(impulse[1], impulse[0]))
+
+
+def inverse_inertia_of(bodies: Bodies, body: int, pose: Array) -> Array:
+    """(3, 3) of one body."""
+    turn = rotations(pose[:, body : body + 1])[0]
+    own = bodies.inertia[:, body]
+    inverse = np.divide(1.0, own, out=np.zeros(3), where=own > 0.0)
+    found: Array = product(turn * inverse, turn.T)
+    return found
+
+
+SWEEPS = 12
+NOTHING = -1
+
+
+class Contact(NamedTuple):
+    """One body in another, or in something that does not give way."""
+
+    body: int
+    other: int
+    """or NOTHING"""
+    point: Array
+    """(3,)"""
+    normal: Array
+    """(3,)"""
+    depth: float
+    velocity: Array
+    """(3,) of a wall"""
+
+
+def collide(bodies: Bodies, sheet: Sheet, state: tuple[Array, Array], calm: float) -> tuple[int, float]:
+    """Resolve all contacts of bodies with poses and motions, in place; how many there were at first, and what walls
+    that move did (J). What approaches more slowly than `calm` does not bounce.
+    """
+    first, work = 0, 0.0
+    for sweep in range(SWEEPS):
+        found = list(contacts(bodies, sheet, state[0]))
+        first = first if sweep else len(found)
+        if not found:
+            break
+        for contact in found:
+            _separate(bodies, state[0], contact)
+            work += dot(_strike(bodies, state, contact, calm), contact.velocity)
+    return first, work
+
+
+def contacts(bodies: Bodies, sheet: Sheet, pose: Array) -> Iterator[Contact]:
+    """The deepest point of every pair that overlaps."""
+    rims = [pose[:3, b] + product(rim, rotations(pose[:, b : b + 1])[0].T) for b, rim in enumerate(bodies.rims)]
+    none = np.zeros(3)
+    for body, rim in enumerate(rims):
+        for k in np.flatnonzero((sheet.kind[:, 0] == PLANE) & (sheet.kind[:, 2] == 0)):
+            gap = product(rim, sheet.number[k, :3]) - sheet.number[k, SIZE]
+            deep = int(np.argmin(gap))
+            if gap[deep] < 0.0:
+                velocity = sheet.number[k, SPEED : SPEED + 3]
+                yield Contact(body, NOTHING, rim[deep], sheet.number[k, :3], -float(gap[deep]), velocity)
+        for shape, its in zip(bodies.obstacles, bodies.obstacle_rims, strict=True):
+            yield from _between(body, NOTHING, rim, (shape, None), none)
+            yield from _flipped(_inside(bodies, body, pose, its), body)
+        for other in range(body):
+            if _close(bodies, pose, body, other):
+                yield from _between(body, other, rim, (bodies.shapes[other], pose[:, other : other + 1]), none)
+                yield from _between(other, body, rims[other], (bodies.shapes[body], pose[:, body : body + 1]), none)
+
+
+def _between(
+    body: int, other: int, rim: Array, solid: tuple[Shape, Array | None], velocity: Array
+) -> Iterator[Contact]:
+    """The deepest of a body's points inside a solid."""
+    shape, pose = solid
+    d = len(shape.middle())
+    turn = np.eye(3) if pose is None else rotations(pose)[0]
+    own = rim if pose is None else product(rim - pose[:3, 0], turn)
+    gap, normal = shape.nearest(own[:, :d])
+    deep = int(np.argmin(gap))
+    if gap[deep] < 0.0:
+        out = product(turn[:, :d], normal[deep])
+        yield Contact(body, other, rim[deep], out, -float(gap[deep]), velocity)
+
+
+def _inside(bodies: Bodies, body: int, pose: Array, rim: Array) -> Iterator[Contact]:
+    yield from _between(NOTHING, body, rim, (bodies.shapes[body], pose[:, body : body + 1]), np.zeros(3))
+
+
+def _flipped(found: Iterator[Contact], body: int) -> Iterator[Contact]:
+    for contact in found:
+        yield contact._replace(body=body, other=NOTHING, normal=-contact.normal)
+
+
+def _close(bodies: Bodies, pose: Array, one: int, other: int) -> bool:
+    reach = sum(np.sqrt((bodies.rims[body] ** 2).sum(axis=1).max()) for body in (one, other))
+    return bool(length(pose[:3, one] - pose[:3, other]) < reach)
+
+
+def _separate(bodies: Bodies, pose: Array, contact: Contact) -> None:
+    if contact.other == NOTHING:
+        pose[:3, contact.body] += contact.depth * contact.normal
+        return
+    mine, theirs = bodies.mass[contact.body], bodies.mass[contact.other]
+    pose[:3, contact.body] += contact.depth * theirs / (mine + theirs) * contact.normal
+    pose[:3, contact.other] -= contact.depth * mine / (mine + theirs) * contact.normal
+
+
+def _strike(bodies: Bodies, state: tuple[Array, Array], contact: Contact, calm: float) -> Array:
+    """The impulse on the body."""
+    pose, motion = state
+    pair = [contact.body] if contact.other == NOTHING else [contact.body, contact.other]
+    arms = [contact.point - pose[:3, body] for body in pair]
+    speeds = [motion[:3, body] + np.cross(motion[3:, body], arm) for body, arm in zip(pair, arms, strict=True)]
+    approach = speeds[0] - (contact.velocity if contact.other == NOTHING else speeds[1])
+    normal_speed = dot(approach, contact.normal)
+    if normal_speed >= 0.0:
+        return np.zeros(3)
+    give_way = sum(_compliance(bodies, body, pose, arm) for body, arm in zip(pair, arms, strict=True))
+    bounce = min(bodies.restitution[body] for body in pair) if normal_speed < -calm else 0.0
+    # Sticking, unless friction is too weak for it: then the tangential part is cut to Coulomb's cone.
+    wanted = solve(give_way, -approach - bounce * normal_speed * contact.normal)
+    along = dot(wanted, contact.normal)
+    across = wanted - along * contact.normal
+    limit = min(bodies.friction[body] for body in pair) * along
+    size = length(across)
+    if size > limit or along <= 0.0:
+        slip = across / size if size > 0.0 else across
+        way = contact.normal + min(bodies.friction[body] for body in pair) * slip
+        along = -(1.0 + bounce) * normal_speed / dot(contact.normal, product(give_way, way))
+        wanted = along * way
+    give(bodies, pair[0], state, (wanted, arms[0]))
+    if len(pair) == 2:
+        give(bodies, pair[1], state, (-wanted, arms[1]))
+    return wanted
+
+
+def _compliance(bodies: Bodies, body: int, pose: Array, arm: Array) -> Array:
+    """(3, 3) the velocity at the arm's end of a unit impulse there."""
+    cross = np.cross(np.eye(3), arm)
+    inverse = inverse_inertia_of(bodies, body, pose)
+    found: Array = np.eye(3) / bodies.mass[body] + product(product(cross, inverse), cross.T)
+    return found

@@ -1,0 +1,205 @@
+"""Walls and obstacles: reflection of particles that cross a surface, and repulsion of those that come too close.
+
+Reflection (the guard): a particle outside after a drift repeats its path through `ecume.engine.walls`: the first
+surface hit, the rest of the step, the next surface, and so on. In a smooth flow this does not occur; the hits are
+counted. With walls = "reflect" nothing else confines the liquid.
+
+Repulsion: a particle closer than a tenth of a spacing to a wall, an obstacle or a body is accelerated away from it.
+Images and dummies exert no pressure where a particle coincides with its image, and the density from the equation of
+continuity keeps no memory of how close a thin layer is. Without repulsion, a layer of one particle would rest on the
+guard.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ecume._jit import admit, prange, spread
+from ecume._portable import dot, product
+from ecume.engine.cells import Integers
+from ecume.engine.shapes import Flags
+from ecume.engine.walls import Sheet, reflect_all
+from ecume.engine.walls.sheets import RESTITUTION, SIZE, SPEED, gap_to, inward_normal, piece_gap, worst_gap
+from ecume.engine.walls.surfaces import PLANE
+from ecume.laws import wall_repulsion
+from ecume.models.sph.boundaries.forces_on_solids import total
+from ecume.models.sph.boundaries.rigid_bodies import rotations
+from ecume.models.sph.parameters import Guard, Parameters
+from ecume.models.sph.state import State
+from ecume.units import Array
+
+
+@spread
+def flag_outside(position: Array, kind: Integers, number: Array, radius: float, out: Flags) -> None:
+    """Who is behind a surface, or closer to it than the radius."""
+    for i in prange(position.shape[1]):
+        z = position[2, i] if position.shape[0] == 3 else 0.0
+        gap, _ = worst_gap(kind, number, (position[0, i], position[1, i], z), 0.0)
+        out[i] = gap < radius
+
+
+def turn_back(guard: Guard, position: Array, velocity: Array, transport: Array, time: float) -> Integers:
+    """Let whoever is outside after a drift of that time fly it again, in place; (K,) the hits at each surface."""
+    hits = np.zeros(len(guard.owner), np.int64)
+    out = np.zeros(position.shape[1], np.bool_)
+    if not len(hits):
+        return hits
+    flag_outside(position, guard.sheet.kind, guard.sheet.number, guard.radius, out)
+    if not out.any():
+        return hits
+    before = velocity[:, out] + transport[:, out]
+    x = np.ascontiguousarray((position[:, out] - time * before).T)
+    v = before.T.copy()  # a copy in any case: columns that were picked may lie the other way round in memory
+    fate = np.zeros(len(x), np.int64)
+    tally = (np.zeros_like(fate), fate, hits)
+    earlier = _as_before(guard.sheet, time)
+    reflect_all(x, v, np.zeros((1, x.shape[1])), time, earlier, np.array([guard.radius]), tally)
+    for i in np.flatnonzero(fate < 0):
+        x[i] = position[:, np.flatnonzero(out)[i]]
+        _push_inside(guard, x[i], v[i], hits)
+    position[:, out] = x.T
+    velocity[:, out] += v.T - before
+    return hits
+
+
+def _as_before(packed: Sheet, time: float) -> Sheet:
+    """Where moving planes were at the start of the drift; the engine moves them on."""
+    number = packed.number.copy()
+    flat = packed.kind[:, 0] == PLANE
+    way = time * (number[:, :3] * number[:, SPEED : SPEED + 3]).sum(axis=1)
+    number[flat, SIZE] -= way[flat]
+    return packed._replace(number=number)
+
+
+def _push_inside(guard: Guard, x: Array, v: Array, hits: Integers) -> None:
+    """Who started outside, since a wall came over it, is put onto the wall and goes no further into it."""
+    kind, number = guard.sheet.kind, guard.sheet.number
+    for _ in range(4):
+        here = (x[0], x[1], x[2] if len(x) == 3 else 0.0)
+        gap, k = worst_gap(kind, number, here, 0.0)
+        if gap >= guard.radius:
+            return
+        normal = np.array(inward_normal(kind, number, k, here, 0.0))[: len(x)]
+        x += (guard.radius * (1.0 + 1e-9) - gap_to(kind, number, k, here, 0.0)) * normal
+        approach = dot(v - number[k, SPEED : SPEED + len(x)], normal)
+        if approach < 0.0:
+            v -= (1.0 + number[k, RESTITUTION]) * approach * normal
+        hits[k] += 1
+
+
+admit(wall_repulsion)
+
+FASTEST = 0.1
+"""In sound speeds, as fast as a weakly compressible liquid may be: who comes so fast just touches the wall."""
+
+
+class Leaning(NamedTuple):
+    """Particles that something pushes off."""
+
+    owner: int
+    """what pushes: a place in `Boundary.names`"""
+    who: Integers
+    """(n,)"""
+    push: Array
+    """(d, n) m/s^2"""
+
+
+@spread
+def push_off(position: Array, kind: Integers, number: Array, reach: float, speed: float, acceleration: Array) -> None:
+    """Add what walls and obstacles do."""
+    for i in prange(position.shape[1]):
+        k, z = 0, position[2, i] if position.shape[0] == 3 else 0.0
+        x = position[0, i], position[1, i], z
+        while k < kind.shape[0]:
+            gap, nearest, k = piece_gap(kind, number, k, x, 0.0)
+            if gap < reach:
+                push, normal = (
+                    wall_repulsion.standoff_push(gap, reach, speed),
+                    inward_normal(kind, number, nearest, x, 0.0),
+                )
+                for axis in range(position.shape[0]):
+                    acceleration[axis, i] += push * normal[axis]
+
+
+def speed_of(parameters: Parameters) -> float:
+    """Whom the push just stops (m/s)."""
+    return FASTEST * parameters.material.sound_speed
+
+
+def push_off_walls(parameters: Parameters, state: State) -> None:
+    """Add to the liquid's acceleration what walls and obstacles do, at this instant."""
+    guard = parameters.boundary.guard
+    if guard.reach > 0.0 and len(guard.owner):
+        push_off(state.position, *guard.sheet[:2], guard.reach, speed_of(parameters), state.acceleration)
+
+
+def push_off_bodies(parameters: Parameters, state: State) -> tuple[Array, Array]:
+    """Add what bodies do; force and torque on each, (B, 3), are the liquid's loss."""
+    bodies = len(parameters.bodies.shapes)
+    force, torque = np.zeros((bodies, 3)), np.zeros((bodies, 3))
+    first = len(parameters.boundary.names) - bodies
+    for body in range(bodies):
+        leaning = at_body(parameters, state, body)
+        state.acceleration[:, leaning.who] += leaning.push
+        force[body], torque[body] = load_of(parameters, state, leaning._replace(owner=first + body))
+    return force, torque
+
+
+def at_body(parameters: Parameters, state: State, body: int) -> Leaning:
+    """Who leans on a body."""
+    bodies, reach = parameters.bodies, parameters.boundary.guard.reach
+    shape, d = bodies.shapes[body], len(state.position)
+    away = state.position - state.pose[:d, body : body + 1]
+    size = float(np.sqrt((bodies.rims[body] ** 2).sum(axis=1).max()))
+    close = np.flatnonzero((away**2).sum(axis=0) < (size + reach) ** 2)
+    turn = rotations(state.pose[:, body : body + 1])[0][:d, :d]
+    gap, normal = shape.nearest(product(away[:, close].T, turn))
+    near = gap < reach
+    push = [wall_repulsion.standoff_push(own, reach, speed_of(parameters)) for own in gap[near]]
+    owner = len(parameters.boundary.names) - len(bodies.shapes) + body
+    return Leaning(owner, close[near], np.array(push) * product(turn, normal[near].T))
+
+
+def everyone_leaning(parameters: Parameters, state: State) -> list[Leaning]:
+    """On walls and obstacles one after the other, then on bodies."""
+    guard, found = parameters.boundary.guard, []
+    if guard.reach == 0.0:
+        return []
+    for owner in np.unique(guard.owner):
+        found.append(leaning_on(parameters, state, int(owner)))
+    return found + [at_body(parameters, state, body) for body in range(len(parameters.bodies.shapes))]
+
+
+def leaning_on(parameters: Parameters, state: State, owner: int) -> Leaning:
+    """Who leans on a wall or an obstacle."""
+    guard, push = parameters.boundary.guard, np.zeros_like(state.position)
+    if guard.reach > 0.0:
+        push_off(state.position, *_sheet_of(guard, owner)[:2], guard.reach, speed_of(parameters), push)
+    who = np.flatnonzero(push.any(axis=0))
+    return Leaning(owner, who, push[:, who])
+
+
+def _sheet_of(guard: Guard, owner: int) -> Sheet:
+    """The surfaces of one wall or obstacle; an obstacle's planes say where theirs begin and end."""
+    mine = np.flatnonzero(guard.owner == owner)
+    kind = guard.sheet.kind[mine].copy()
+    kind[:, 1:] -= mine[0] * (kind[:, 2:] > 0)
+    return guard.sheet._replace(kind=kind, number=guard.sheet.number[mine])
+
+
+def load_of(parameters: Parameters, state: State, leaning: Leaning) -> tuple[Array, Array]:
+    """Force and torque, (3,) each, that those who lean press with."""
+    d, who = len(state.position), leaning.who
+    force, place = np.zeros((3, len(who))), np.zeros((3, len(who)))
+    force[:d], place[:d] = -state.mass[who] * leaning.push, state.position[:, who]
+    return total(force, place, parameters.boundary.centers[leaning.owner])
+
+
+def energy_of(parameters: Parameters, state: State, leaning: Leaning) -> float:
+    """What those who lean are given back when they leave (J)."""
+    reach, speed = parameters.boundary.guard.reach, speed_of(parameters)
+    gap = reach - np.sqrt((leaning.push**2).sum(axis=0)) * (reach / speed) ** 2
+    energy = [wall_repulsion.standoff_energy(own, reach, speed) for own in gap]
+    return dot(state.mass[leaning.who], energy)

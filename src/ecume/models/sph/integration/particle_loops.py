@@ -1,0 +1,115 @@
+"""The elementwise parts of a step, over threads."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ecume._jit import compiled_inside, prange, spread, summing
+from ecume.units import Array
+
+BLOCKS = 16
+"""Parts of a crowd that are searched each by itself."""
+
+
+@spread
+def kick(velocity: Array, acceleration: Array, time: float) -> None:
+    """V += a t."""
+    for i in prange(velocity.shape[1]):
+        for axis in range(velocity.shape[0]):
+            velocity[axis, i] += time * acceleration[axis, i]
+
+
+@spread
+def drift(position: Array, velocity: Array, time: float) -> None:
+    """X += v t."""
+    for i in prange(position.shape[1]):
+        for axis in range(position.shape[0]):
+            position[axis, i] += time * velocity[axis, i]
+
+
+@spread
+def thicken(density: Array, thickening: Array, time: float) -> None:
+    """Rho += (d rho/dt) t."""
+    for i in prange(len(density)):
+        density[i] += time * thickening[i]
+
+
+@spread
+def run_ahead(
+    velocity: Array, acceleration: Array, density: Array, thickening: Array, before: Array, time: float
+) -> None:
+    """Velocities (half a step on already) and densities go on as they did; `before` keeps both rates."""
+    dimension, count = velocity.shape
+    for i in prange(count):
+        for axis in range(dimension):
+            before[axis, i] = acceleration[axis, i]
+            velocity[axis, i] += 0.5 * time * acceleration[axis, i]
+        before[dimension, i] = thickening[i]
+        density[i] += time * thickening[i]
+
+
+@spread
+def take_mean(
+    velocity: Array, acceleration: Array, density: Array, thickening: Array, before: Array, time: float
+) -> None:
+    """What ran ahead is put where the mean of the rates before and now would have brought it."""
+    dimension, count = velocity.shape
+    for i in prange(count):
+        for axis in range(dimension):
+            velocity[axis, i] += 0.5 * time * (acceleration[axis, i] - before[axis, i])
+        density[i] += 0.5 * time * (thickening[i] - before[dimension, i])
+
+
+def largest(vectors: Array) -> float:
+    """The largest length among the columns; NaN or infinite where one is."""
+    most = np.zeros(BLOCKS)
+    largest_squares(vectors, most)
+    return math.sqrt(most.max())
+
+
+@summing
+def largest_squares(vectors: Array, most: Array) -> None:
+    """Of so many parts of a crowd."""
+    dimension, count = vectors.shape
+    each = (count + len(most) - 1) // len(most)
+    for block in prange(len(most)):
+        found, total = 0.0, 0.0
+        for i in range(np.uint64(block * each), np.uint64(min(count, (block + 1) * each))):
+            square = 0.0
+            for axis in range(dimension):
+                square += vectors[axis, i] * vectors[axis, i]
+            found = square if square > found else found
+            total += square
+        most[block] = larger_or_nowhere(found, total)
+
+
+def farthest(position: Array, reference: Array) -> float:
+    """How far the fastest went from its place in the reference; NaN or infinite where one is nowhere."""
+    most = np.zeros(BLOCKS)
+    farthest_squares(position, reference, most)
+    return math.sqrt(most.max())
+
+
+@summing
+def farthest_squares(position: Array, reference: Array, most: Array) -> None:
+    """Of so many parts of a crowd."""
+    dimension, count = position.shape
+    each = (count + len(most) - 1) // len(most)
+    for block in prange(len(most)):
+        found, total = 0.0, 0.0
+        for i in range(np.uint64(block * each), np.uint64(min(count, (block + 1) * each))):
+            square = 0.0
+            for axis in range(dimension):
+                along = position[axis, i] - reference[axis, i]
+                square += along * along
+            found = square if square > found else found
+            total += square
+        most[block] = larger_or_nowhere(found, total)
+
+
+@compiled_inside
+def larger_or_nowhere(found: float, total: float) -> float:
+    """The largest of some squares, and their sum where that is no number: a comparison with NaN keeps nothing of it."""
+    return found if total < math.inf else total

@@ -1,0 +1,193 @@
+"""One step after another. Python says what comes next; every pass over particles is compiled.
+
+A step is some milliseconds of work for ten thousand particles, and calling six compiled loops from Python costs less
+than a tenth of one: so the scheme stands here in words, and each loop is compiled once for all scenes.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ecume._portable import product
+from ecume.laws.time_step_limits import force_limit
+from ecume.models.model import DIVERGED, DONE, EXCHANGE
+from ecume.models.sph.boundaries.open_boundaries import due, feed
+from ecume.models.sph.boundaries.prescribed_motion import at_reference, instant, way_of_sides
+from ecume.models.sph.boundaries.rigid_bodies import carry, collide, farthest_way, keep_out
+from ecume.models.sph.boundaries.walls import turn_back
+from ecume.models.sph.fields import number
+from ecume.models.sph.integration.particle_loops import (
+    drift,
+    farthest,
+    kick,
+    largest,
+    run_ahead,
+    take_mean,
+    thicken,
+)
+from ecume.models.sph.integration.passive_particles import take_along
+from ecume.models.sph.parameters import Parameters
+from ecume.models.sph.rates.right_hand_side import take_both, take_forces, take_thickening
+from ecume.models.sph.report.energy_budget import book, lifted, of_guard, power_of_shake
+from ecume.models.sph.state import (
+    GUARD_HITS,
+    MOST_SUBSTEPS,
+    RATE,
+    RENEWALS,
+    SORT_EVERY,
+    SUBSTEPS,
+    WORK,
+    State,
+    Workspace,
+    skin_for,
+    sort_state,
+    workspace_at,
+)
+
+MOST_DIVISIONS = 64
+"""A step that must be divided more often than this will not recover."""
+CALM = 0.01
+"""What collides more slowly than this part of the fastest speed does not bounce."""
+
+
+def advance(parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
+    """March that many steps; each is divided where speeds or forces ask for it."""
+    step = INTEGRATORS[parameters.integrator]
+    # Who is nowhere has no neighbors, and would do no harm that anyone notices.
+    if not np.isfinite(state.position).all():
+        return DIVERGED
+    status = DONE
+    for _ in range(steps):
+        divisions = divisions_needed(parameters, state)
+        if divisions > MOST_DIVISIONS:
+            return DIVERGED
+        for _ in range(divisions):
+            feed(parameters, state)
+            began = power_of_shake(parameters, state) + float(state.books[RATE]), bool(state.ready[0])
+            step(parameters, state, workspace, parameters.time_step / divisions)
+            book(parameters, state, workspace, began, parameters.time_step / divisions)
+            if parameters.carried.start[-1]:
+                take_along(instant(parameters, state), state, workspace, parameters.time_step / divisions)
+        state.step[0] += 1
+        state.clock[0] = int(state.step[0]) * parameters.time_step
+        state.tally[SUBSTEPS] += divisions
+        state.tally[MOST_SUBSTEPS] = max(state.tally[MOST_SUBSTEPS], divisions)
+        if due(parameters, state):
+            status = EXCHANGE
+            break
+    # What the last step broke must not become a frame.
+    return status if divisions_needed(parameters, state) <= MOST_DIVISIONS else DIVERGED
+
+
+def divisions_needed(parameters: Parameters, state: State) -> int:
+    """How many parts keep a step within what sound and forces allow; very many where something is not a number."""
+    h = float(number(parameters.constants, "smoothing_length"))
+    speed, force = largest(state.velocity), largest(state.acceleration)
+    if not (math.isfinite(speed) and math.isfinite(force)):
+        return MOST_DIVISIONS + 1
+    sound = parameters.courant * h / (parameters.material.sound_speed + speed)
+    longest = min(sound, force_limit(h, force))
+    return min(max(1, math.ceil(parameters.time_step / longest * (1.0 - 1e-9) - 0.1)), MOST_DIVISIONS + 1)
+
+
+def symplectic_step(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
+    """Kick, drift half, density, drift half, kick (Adami et al. 2012, eqs. 28-31)."""
+    if not state.ready[0]:
+        renew(parameters, state, workspace)
+        take_forces(parameters, state, workspace, time)
+    kick_all(state, 0.5 * time)
+    move(parameters, state, workspace, 0.5 * time)
+    take_thickening(parameters, state, workspace)
+    thicken(state.density, state.thickening, time)
+    move(parameters, state, workspace, 0.5 * time)
+    take_forces(parameters, state, workspace, time)
+    kick_all(state, 0.5 * time)
+    state.ready[0] = 1
+
+
+def verlet_step(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
+    """One evaluation a step, at the new positions and at velocities and densities that go on as they did before; then
+    the mean of both rates. Pressure at densities half a step behind would feed sound waves.
+    """
+    if not state.ready[0]:
+        renew(parameters, state, workspace)
+        take_both(parameters, state, workspace, time)
+    kick_all(state, 0.5 * time)
+    move(parameters, state, workspace, time)
+    moved = state.velocity, state.acceleration, state.density, state.thickening
+    bodies_before = state.push.copy()
+    run_ahead(*moved, workspace.before, time)
+    state.motion[...] += 0.5 * time * bodies_before
+    take_both(parameters, state, workspace, time)
+    take_mean(*moved, workspace.before, time)
+    state.motion[...] += 0.5 * time * (state.push - bodies_before)
+    state.ready[0] = 1
+
+
+def kick_all(state: State, time: float) -> None:
+    """Of the liquid and of the bodies."""
+    kick(state.velocity, state.acceleration, time)
+    state.motion[...] += time * state.push
+
+
+def move(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
+    """Drift with the velocity and the transport, turn back whoever got through a wall, renew the lists when due."""
+    drift(state.position, state.velocity, time)
+    if parameters.transports:
+        drift(state.position, state.transport, time)
+    state.clock[0] += time
+    if parameters.bodies.shapes:
+        carry(state.pose, state.motion, time)
+    now = instant(parameters, state)
+    turn_all_back(now, state, time)
+    if farthest(state.position, state.reference) + way_of_solids(parameters, state) > 0.5 * state.skin[0]:
+        renew(parameters, state, workspace)
+
+
+def turn_all_back(now: Parameters, state: State, time: float) -> None:
+    """Bodies at whatever they run into, liquid at walls, obstacles and bodies."""
+    guard, bodies = now.boundary.guard, now.bodies
+    if bodies.shapes:
+        calm = CALM * now.material.fastest
+        state.books[WORK] += collide(bodies, guard.sheet, (state.pose, state.motion), calm)[1]
+        inside = keep_out(bodies, state.pose, state.motion, (state.position, state.velocity, state.mass))
+        state.tally[GUARD_HITS] += inside
+    before = state.velocity.copy() if now.drives else state.velocity
+    hits = turn_back(guard, state.position, state.velocity, state.transport, time)
+    np.add.at(state.hits, guard.owner, hits)
+    state.tally[GUARD_HITS] += hits.sum()
+    if now.drives and hits.any():
+        state.books[WORK] += of_guard(now, state, before)
+
+
+def way_of_solids(parameters: Parameters, state: State) -> float:
+    """How far bodies and sides went since the lists were made."""
+    return farthest_way(parameters.bodies, state.pose, state.pose_reference) + way_of_sides(parameters, state)
+
+
+def renew(parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """Make the lists anew here; now and then put the particles into cell order before. Periodic sides are passed."""
+    wrap(parameters, state)
+    if int(state.tally[RENEWALS]) % SORT_EVERY == 0:
+        sort_state(parameters, state)
+    state.tally[RENEWALS] += 1
+    state.reference[...] = state.position
+    state.skin[0] = skin_for(parameters, state)
+    state.pose_reference[...] = state.pose
+    state.clock[1] = state.clock[0]
+    workspace.take(workspace_at(at_reference(parameters, state), state, workspace))
+
+
+def wrap(parameters: Parameters, state: State) -> None:
+    """Who left through a periodic side comes in through the opposite one."""
+    sides = parameters.boundary.sides
+    for side in np.flatnonzero(sides.mirrors == 0):
+        out = product(sides.normal[side], state.position - sides.point[side][:, None]) < 0.0
+        state.books[WORK] += lifted(parameters, state, out, sides.shift[side])
+        state.position[:, out] += sides.shift[side][:, None]
+
+
+INTEGRATORS = {"symplectic": symplectic_step, "verlet": verlet_step}
+"""By name."""

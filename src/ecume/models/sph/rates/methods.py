@@ -1,0 +1,78 @@
+"""Forms of the equations that a scene's `[method]` chooses from: one row each, with everything that depends on it.
+
+A row is found by its name, and `Parameters` hold the row itself. There is no default: a name without a row is an error.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Literal, NamedTuple
+
+from ecume.laws import diffusion, viscous
+from ecume.models.sph.fields import Fields, Floats
+from ecume.models.sph.rates.sums import push_transported, rub, rub_radially
+
+Law = Callable[..., float]
+Loop = Callable[..., None]
+
+
+class PressureForce(NamedTuple):
+    """A form of the pressure force, and of the equation of continuity that goes with it."""
+
+    by_mass: bool
+    """whether a neighbor counts by p/rho^2 and its mass, instead of its pressure and volume: see `Fields`"""
+    per_volume: bool
+    """whether the sum is a force per volume, instead of per mass"""
+    transported: bool
+    """whether particles move with a transport velocity, driven by a background pressure"""
+    loop: Loop | None
+    """the sum; None: `sums.sum_momentum`"""
+
+
+class Friction(NamedTuple):
+    """A form of the viscous force."""
+
+    radial: bool
+    """whether it acts along the line between two particles, instead of along their relative velocity"""
+    loop: Loop
+    law: Law
+
+
+class DensityDiffusion(NamedTuple):
+    """A diffusion term in the equation of continuity."""
+
+    excess: Law | None
+    """what one of a pair has in excess of the other; None: no diffusion"""
+    field: Literal["density", "enthalpy"]
+    """what diffuses"""
+    balances_weight: bool
+    """whether the change of that field along gravity in a liquid at rest is subtracted"""
+    gradients: bool
+    """whether the mean gradient of the density at both particles is subtracted"""
+
+    def diffusing(self, fields: Fields) -> Floats:
+        """The field that diffuses."""
+        return fields.enthalpy if self.field == "enthalpy" else fields.density
+
+    def rise(self, density: float, sound_speed: float) -> float:
+        """What gravity is multiplied with for the field's change along it at rest: rho/c^2 for the density."""
+        spring = 1.0 if self.field == "enthalpy" else density / sound_speed**2
+        return spring if self.balances_weight else 0.0
+
+
+PRESSURE_FORCES: Mapping[str, PressureForce] = {
+    "sum": PressureForce(by_mass=False, per_volume=True, transported=False, loop=None),
+    "monaghan": PressureForce(by_mass=True, per_volume=False, transported=False, loop=None),
+    "transport": PressureForce(by_mass=False, per_volume=False, transported=True, loop=push_transported),
+}
+FRICTIONS: Mapping[str, Friction] = {
+    "morris": Friction(radial=False, loop=rub, law=viscous.morris_friction),
+    "monaghan": Friction(radial=True, loop=rub_radially, law=viscous.radial_friction),
+}
+DIFFUSIONS: Mapping[str, DensityDiffusion] = {
+    "none": DensityDiffusion(None, "density", balances_weight=False, gradients=False),
+    "molteni": DensityDiffusion(diffusion.molteni_excess, "density", balances_weight=False, gradients=False),
+    "antuono": DensityDiffusion(diffusion.antuono_excess, "density", balances_weight=False, gradients=True),
+    "linear": DensityDiffusion(diffusion.fourtakas_linear_excess, "density", balances_weight=True, gradients=False),
+    "hydrostatic": DensityDiffusion(diffusion.fourtakas_excess, "enthalpy", balances_weight=True, gradients=False),
+}

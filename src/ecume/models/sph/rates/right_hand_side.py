@@ -1,0 +1,172 @@
+"""The rates at the present positions: tables filled, neighbors summed, what they do stored."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ecume.engine.neighbor_rows import Lists
+from ecume.models.sph.boundaries.forces_on_solids import forces_on_dummies, total
+from ecume.models.sph.boundaries.open_boundaries import still
+from ecume.models.sph.boundaries.prescribed_motion import instant
+from ecume.models.sph.boundaries.rigid_bodies import delay, pulls_of, pushed
+from ecume.models.sph.boundaries.walls import push_off_bodies, push_off_walls
+from ecume.models.sph.fields import Constants, Floats, number
+from ecume.models.sph.parameters import Parameters
+from ecume.models.sph.rates.fill_fields import fill_images, fill_liquid, fill_weights, read_liquid
+from ecume.models.sph.rates.gradients import add_gradient_diffusion, fill_density_gradients, stir
+from ecume.models.sph.rates.kernels import kernel_type, require_kernel
+from ecume.models.sph.rates.shifting import shift
+from ecume.models.sph.rates.sums import store_acceleration, store_thickening, sum_both, sum_continuity, sum_momentum
+from ecume.models.sph.rates.surface_tension import pull
+from ecume.models.sph.state import State, Workspace, put_dummies
+from ecume.units import Array
+
+
+def take_thickening(parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """The rate of density at the present positions."""
+    parameters = instant(parameters, state)
+    fill(parameters, state, workspace)
+    _sum_stretch(parameters, workspace)
+    _store_thickening(parameters, state, workspace)
+
+
+def take_forces(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
+    """The acceleration at the present positions, and the transport for the next drift."""
+    parameters = instant(parameters, state)
+    fill(parameters, state, workspace)
+    _sum_push(parameters, workspace)
+    _store_acceleration(parameters, state, workspace, time)
+
+
+def take_both(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
+    """Both of them; in a single sum where there is neither diffusion nor a wall's dummy."""
+    parameters = instant(parameters, state)
+    fill(parameters, state, workspace)
+    lists, rates = workspace.lists, workspace.rates
+    diffuses = parameters.density_diffusion.excess is not None
+    if not diffuses and len(lists.counts) == state.position.shape[1] and parameters.pressure_force.loop is None:
+        kernel = kernel_type(parameters.constants)
+        sum_both(*_summed(parameters, workspace), kernel, rates.table)
+        gather(workspace, rates.continuity, rates.diffusion, *rates.acceleration)
+    else:
+        _sum_stretch(parameters, workspace)
+        _sum_push(parameters, workspace)
+    _store_thickening(parameters, state, workspace)
+    _store_acceleration(parameters, state, workspace, time)
+
+
+def _sum_stretch(parameters: Parameters, workspace: Workspace) -> None:
+    diffusion, rates, kernel = parameters.density_diffusion, workspace.rates, kernel_type(parameters.constants)
+    summed = _summed(parameters, workspace)
+    sum_continuity(*summed, kernel, diffusion.diffusing(workspace.fields), rates.table)
+    if diffusion.gradients:
+        factor = number(parameters.constants, "delta") * number(parameters.constants, "slope_factor")
+        add_gradient_diffusion(*summed, factor, rates.table)
+    gather(workspace, rates.continuity, rates.diffusion)
+
+
+def _summed(parameters: Parameters, workspace: Workspace) -> tuple[Floats, Lists, Constants]:
+    """What every sum over neighbors reads."""
+    return workspace.fields.table, workspace.lists, parameters.constants
+
+
+def gather(workspace: Workspace, *rows: Floats) -> None:
+    """Fill in the parts of these sums that other ranks computed."""
+    if workspace.share is not None:
+        for row in rows:
+            workspace.share.gather(row, workspace.share.parts(len(row)))
+
+
+def _sum_push(parameters: Parameters, workspace: Workspace) -> None:
+    summed, rates, loop = _summed(parameters, workspace), workspace.rates, parameters.pressure_force.loop
+    if loop is None:
+        sum_momentum(*summed, kernel_type(parameters.constants), rates.table)
+    else:
+        loop(*summed, rates.table)
+    gather(workspace, *rates.acceleration)
+
+
+def _store_thickening(parameters: Parameters, state: State, workspace: Workspace) -> None:
+    store_thickening(state.thickening, workspace.rates.table, state.density, parameters.pressure_force.by_mass)
+    if parameters.gates:
+        still(state)
+
+
+def _store_acceleration(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
+    """Pressure is per weight, friction per mass; and gravity."""
+    per_volume, rates = parameters.pressure_force.per_volume, workspace.rates
+    store_acceleration(state.acceleration, rates.table, state.density, parameters.gravity, per_volume)
+    if parameters.pull_rate > 0.0:
+        state.acceleration[...] -= parameters.pull_rate**2 * (state.position - parameters.pull_center[:, None])
+    if parameters.turbulence:
+        stir(parameters, workspace)
+    if parameters.friction is not None:
+        workspace.rates.acceleration[:3] = 0.0
+        parameters.friction.loop(*_summed(parameters, workspace), rates.table)
+        gather(workspace, *rates.acceleration)
+        state.acceleration[...] += workspace.rates.acceleration[: parameters.dimension]
+    push_off_walls(parameters, state)
+    _push_bodies(parameters, state, workspace)
+    if parameters.tension != "none":
+        pull(parameters, state, workspace)
+    if parameters.transports:
+        shift(parameters, state, workspace, time)
+    if parameters.gates:
+        still(state)
+
+
+def _push_bodies(parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """What the liquid does to each body's particles, summed in their order."""
+    bodies, dummies, d = parameters.bodies, parameters.boundary.dummies, parameters.dimension
+    if not bodies.shapes:
+        return
+    force, place = forces_on_dummies(parameters, workspace, bodies.first)
+    owner = dummies.owner[bodies.first :]
+    names = len(parameters.boundary.names)
+    sums = [
+        total(force[:, owner == number], place[:, owner == number], state.pose[:3, body])
+        for body, number in enumerate(range(names - len(bodies.shapes), names))
+    ]
+    more = push_off_bodies(parameters, state)
+    load = np.array([force for force, _ in sums]) + more[0], np.array([torque for _, torque in sums]) + more[1]
+    state.push[...] = pushed(bodies, state.pose, state.motion, load, parameters.gravity)
+    state.push[:d] -= parameters.pull_rate**2 * (state.pose[:d] - parameters.pull_center[:, None])
+    state.felt[...] += (state.push - state.felt) / delay(bodies, parameters.material.density)
+
+
+def table_of(parameters: Parameters) -> Array:
+    """The sides' table, with points from where sums count."""
+    table = parameters.boundary.table.copy()
+    table[:, : parameters.dimension] -= parameters.origin
+    return table
+
+
+def fill(parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """The liquid's columns, its images', the walls', and the images of those."""
+    fields, lists = workspace.fields, workspace.lists
+    constants, table = parameters.constants, fields.table
+    require_kernel(parameters.constants)
+    count = state.position.shape[1]
+    real = len(lists.counts)
+    by_mass, gradients = parameters.pressure_force.by_mass, parameters.density_diffusion.gradients
+    of_liquid = state.position, state.velocity, state.density, state.mass
+    fill_liquid(table, *of_liquid, parameters.tait, parameters.origin, by_mass)
+    if parameters.background > 0.0:
+        fields.transport[: parameters.dimension, :count] = state.transport
+    images = workspace.images
+    of_images = table, real, images.start, table_of(parameters), parameters.gravity, parameters.tait
+    if parameters.moves:
+        put_dummies(parameters, fields, count)
+    if len(images.source):
+        fill_images(images.source, *of_images)
+    if gradients:
+        fill_density_gradients(table, count, lists, constants)
+    if real > count:
+        clip, tait, dummies = parameters.walls_clip, parameters.tait, parameters.boundary.dummies
+        pulls = pulls_of(parameters.bodies, dummies, (state.pose, state.motion, state.felt), parameters.gravity)
+        pulls -= parameters.pull_rate**2 * (dummies.position - parameters.pull_center[:, None])
+        read_liquid(table, count, lists, constants, pulls, clip, tait)
+    if len(images.source) and (real > count or gradients):
+        fill_images(images.source, *of_images)
+    if fields.shape[1] > count:
+        fill_weights(table, count, by_mass)

@@ -1,0 +1,164 @@
+"""What particles move with beside the liquid's velocity, so that they stay evenly spread."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ecume._jit import prange, spread, summing
+from ecume.engine.neighbor_rows import Lists
+from ecume.engine.shapes import Flags
+from ecume.models.sph.fields import FIELD, RATE, Constants, Floats
+from ecume.models.sph.integration.particle_loops import largest
+from ecume.models.sph.parameters import Parameters
+from ecume.models.sph.rates.kernels import slope_of, value_of
+from ecume.models.sph.state import State, Workspace
+from ecume.units import Array
+
+INDEX = np.uint64
+
+SURFACE = 0.75
+"""Below this part of the full divergence of position a particle is at the surface."""
+MOST = 0.5
+"""The fastest shift, in fastest speeds."""
+
+
+def shift(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
+    """Set the transport for the next drift."""
+    lists = workspace.lists
+    sum_crowd(workspace.fields.table, lists, parameters.constants, workspace.rates.table)
+    crowd = workspace.rates.crowding[: parameters.dimension].astype(np.float64)
+    state.transport[...] = SHIFTINGS[parameters.shifting].transport(parameters, state, workspace, crowd, time)
+    keep_volume(state, workspace.rates.even_crowding[: parameters.dimension].astype(np.float64), time)
+
+
+def keep_volume(state: State, crowd: NDArray[np.floating], time: float) -> None:
+    """Thin the liquid by the mean of 2 W.sum_j V_j F x_ij over whoever moves with a transport W; dummies count half.
+
+    The equation of continuity sees how a flow crowds particles, and not how the transport spreads them again: without
+    this all of the volume shrinks, a percent in a few turns of a vortex. The sum is what - div W with differences and
+    div W with sums leave together (Sun et al. 2019, eq. 5); particle by particle it would be noise in the pressure.
+    [sun2019]
+
+    Why half: of a pair that both move, i and j each bring W_i and W_j into the other's sum of differences, and over all
+    pairs of liquid that is twice W_i.F x_ij; a dummy brings no W of its own, and has no sum that W_i could enter.
+    """
+    spread = (state.transport * crowd).sum(axis=0)
+    moved = (state.transport != 0.0).any(axis=0)
+    count = int(moved.sum())
+    if count:
+        state.density[moved] *= 1.0 - 2.0 * time * float(spread.sum()) / count
+
+
+def of_background(parameters: Parameters, state: State, workspace: Workspace, crowd: Array, time: float) -> Array:
+    """Half a step's velocity from a background pressure p_b: (dt/2) (2 p_b / rho) sum_j V_j F x_ij (Adami et al. 2013,
+    eq. 13, with equal volumes).
+    """
+    return time * parameters.background / state.density * crowd
+
+
+def delta_plus(parameters: Parameters, state: State, workspace: Workspace, crowd: Array, time: float) -> Array:
+    """4 h u sum_j (1 + R (W/W(dx))^4) V_j F x_ij, no faster than half the fastest speed u, and zero near a surface (Sun
+    et al. 2017).
+    """
+    fastest = min(parameters.material.fastest, largest(state.velocity))
+    transport = 4.0 * parameters.numbers.smoothing_length * fastest * crowd
+    speed = np.sqrt((transport**2).sum(axis=0))
+    limited: Array = transport * np.minimum(1.0, MOST * fastest / np.maximum(speed, 1e-300))
+    limited[:, near_surface(parameters, workspace)] = 0.0
+    return limited
+
+
+def near_surface(parameters: Parameters, workspace: Workspace) -> Flags:
+    """Flags of the particles at the surface, and of all that have one of them in their support."""
+    lists, images = workspace.lists, workspace.images
+    liquid = workspace.rates.shape[1]
+    real = len(lists.counts)
+    at_surface = np.zeros(real + len(images.source), np.bool_)
+    at_surface[:liquid] = workspace.rates.fullness < SURFACE * parameters.dimension
+    # Side by side: an image may be of an earlier side's image.
+    for first, last in zip(images.start[:-1], images.start[1:], strict=True):
+        at_surface[real + first : real + last] = at_surface[images.source[first:last]]
+    near = at_surface[:liquid].copy()
+    spread_flags(near, at_surface, lists)
+    return near
+
+
+@summing
+def sum_crowd(fields: Floats, lists: Lists, constants: Constants, rates: Floats) -> None:
+    """Where the crowd is not: sum_j V_j F x_ij, zero amid a lattice; and how full it is here, -sum_j V_j F r^2.
+
+    The even sum counts dummies half (see `keep_volume`).
+
+    With a reference value each neighbor counts 1 + 0.2 (W/W(dx))^4 times in the first (Sun et al. 2017, eq. 6).
+    """
+    kernel, deep, inverse, scale = (
+        constants[0].kernel,
+        constants[0].dimension == 3,
+        constants[0].inverse_length,
+        constants[0].slope_factor,
+    )
+    tensile = 1.0 / constants[0].reference_value if constants[0].reference_value > 0.0 else 0.0
+    counts, neighbor = lists
+    for particle in prange(rates.shape[1]):
+        i = INDEX(particle)
+        x, y, z = fields[FIELD.position, i], fields[FIELD.position + 1, i], fields[FIELD.position + 2, i]
+        ax, ay, az, space = 0.0, 0.0, 0.0, 0.0
+        bx, by, bz = 0.0, 0.0, 0.0
+        for k in range(INDEX(counts[i])):
+            j = INDEX(neighbor[i, k])
+            dx, dy, dz, volume = (
+                fields[FIELD.position, j] - x,
+                fields[FIELD.position + 1, j] - y,
+                fields[FIELD.position + 2, j] - z,
+                fields[FIELD.volume, j],
+            )
+            square = dx * dx + dy * dy
+            if deep:
+                square += dz * dz
+            q = math.sqrt(square) * inverse
+            pull = slope_of(q, kernel) * volume
+            space -= pull * square
+            even = pull * (0.5 + 0.5 * fields[FIELD.liquid, j])
+            bx += even * dx
+            by += even * dy
+            bz += even * dz
+            ratio = value_of(q, kernel) * tensile
+            pull *= 1.0 + 0.2 * ratio * ratio * ratio * ratio
+            ax += pull * dx
+            ay += pull * dy
+            az += pull * dz
+        rates[RATE.fullness, i] = scale * space
+        rates[RATE.crowding, i] = scale * ax
+        rates[RATE.crowding + 1, i] = scale * ay
+        rates[RATE.crowding + 2, i] = scale * az
+        rates[RATE.even_crowding, i] = scale * bx
+        rates[RATE.even_crowding + 1, i] = scale * by
+        rates[RATE.even_crowding + 2, i] = scale * bz
+
+
+@spread
+def spread_flags(near: Flags, flags: Flags, lists: Lists) -> None:
+    """Whoever has a flagged neighbor is flagged."""
+    counts, neighbor = lists
+    for i in prange(len(near)):
+        for k in range(counts[i]):
+            if flags[neighbor[i, k]]:
+                near[i] = True
+
+
+class Shifting(NamedTuple):
+    """How particles are kept evenly spread."""
+
+    transport: Callable[[Parameters, State, Workspace, Array, float], Array]
+    """the velocity (d, N) of the next drift beside the liquid's own, from the crowding vector"""
+    tensile: bool
+    """whether the crowding vector counts near neighbors more: see `sum_crowd`"""
+
+
+SHIFTINGS = {"none": Shifting(of_background, tensile=False), "delta-plus": Shifting(delta_plus, tensile=True)}
+"""By name; without shifting only a background pressure, where there is one, spreads particles."""

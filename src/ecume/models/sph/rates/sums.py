@@ -1,0 +1,349 @@
+"""Sums over neighbors that move the liquid: continuity with density diffusion, pressure with artificial viscosity, and
+in scenes that select them the viscous force and the pressure force with transport velocity.
+
+Each particle's sum is one loop over its row of neighbors without a store inside, so that the compiler vectorizes it
+over eight pairs; all that a pair needs is gathered at its top. Continuity and pressure are written once and compiled
+for 2D and 3D, and for each kernel type of `kernels`. The order of summation inside a row is not specified, but it is
+the same in every run. NaN propagates.
+
+Signs: `displacement` is from i to j, F = (1/r) dW/dr is negative, and the gradient of W at i is -F displacement.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from ecume._jit import admit, compiled_inside, inlined, prange, spread, summed_inside, summing
+from ecume.engine.neighbor_rows import STRIDE, Lists
+from ecume.laws import diffusion, viscous
+from ecume.laws.kernels import shapes
+from ecume.models.sph.fields import FIELD, RATE, Constants, Floats
+from ecume.models.sph.rates.kernels import KernelType, slope_of, written_slope
+from ecume.units import Array
+
+admit(shapes, viscous, diffusion)
+INDEX = np.uint64
+"""Of all indexes: a signed one would be tested for being negative, pair by pair."""
+BEFORE, DOWN = INDEX(STRIDE - 1), INDEX(2**64 - STRIDE)
+
+
+@compiled_inside
+def whole(count: int) -> np.uint64:
+    """How long a row is up to a whole vector: the rest is the particle itself, and adds nothing."""
+    return (INDEX(count) + BEFORE) & DOWN
+
+
+@inlined
+def _continuity(
+    deep: bool, fields: Floats, lists: Lists, constants: Constants,
+    kernel: KernelType, diffusing: Floats, rates: Floats,
+) -> None:  # fmt: skip
+    """Continuity, and the diffusion of s, which is density or enthalpy, beyond g.x_ij by which s changes along x when
+    the liquid is at rest (Antuono et al. 2010, Fourtakas et al. 2019; see `ecume.laws.diffusion`). Dummies do not take
+    part in that.
+    """
+    counts, neighbor = lists
+    for particle in prange(constants[0].first, min(constants[0].last, rates.shape[1])):
+        i, numbers = INDEX(particle), constants[0]
+        x, y, z = fields[FIELD.position, i], fields[FIELD.position + 1, i], fields[FIELD.position + 2, i]
+        u, v, w = fields[FIELD.velocity, i], fields[FIELD.velocity + 1, i], fields[FIELD.velocity + 2, i]
+        own = diffusing[i]
+        inverse, zero = numbers.inverse_length, numbers.zero
+        gx, gy, gz = numbers.rise_x, numbers.rise_y, numbers.rise_z
+        stretching, flow = zero, zero
+        for k in range(whole(counts[i])):
+            j = INDEX(neighbor[i, k])
+            dx, dy = fields[FIELD.position, j] - x, fields[FIELD.position + 1, j] - y
+            du, dv = fields[FIELD.velocity, j] - u, fields[FIELD.velocity + 1, j] - v
+            weight, liquid, other = fields[FIELD.weight, j], fields[FIELD.liquid, j], diffusing[j]
+            square, radial, rise = dx * dx + dy * dy, du * dx + dv * dy, gx * dx + gy * dy
+            if deep:
+                dz, dw = fields[FIELD.position + 2, j] - z, fields[FIELD.velocity + 2, j] - w
+                square, radial, rise = square + dz * dz, radial + dw * dz, rise + gz * dz
+            pull = written_slope(math.sqrt(square) * inverse, kernel) * weight
+            stretching += stretched(pull, radial)
+            flow += diffusion.flow(diffusion.beyond_rest(own, other, rise), pull) * liquid
+        rates[RATE.continuity, i] = numbers.slope_factor * stretching
+        rates[RATE.diffusion, i] = numbers.slope_factor * numbers.delta * flow
+
+
+@summed_inside
+def damping(approach: float, square: float, damper: tuple[float, float, float, float]) -> float:
+    """Artificial viscosity with the liquid's own density and sound speed for both of a pair, as delta-SPH has it
+    (Antuono et al. 2012); positive for two that approach. `damper` is (h, divisor, sound
+    speed, alpha), see `Numbers`.
+    """
+    h, share, sound, alpha = damper
+    return viscous.artificial_viscosity(viscous.approach_speed(approach, square, h), share, sound, alpha)
+
+
+@summed_inside
+def stretched(pull: float, radial: float) -> float:
+    """A pair's part of -div v: w_j F (v_j - v_i).x_ij (Monaghan 1994)."""
+    return pull * radial
+
+
+@summed_inside
+def pushed(pull: float, own: float, push: float, damp: float) -> float:
+    """A pair's force over x_ij: w_j F (P_i + P_j + damping); see `PUSH` and `WEIGHT`."""
+    return pull * (own + push + damp)
+
+
+@inlined
+def _momentum(
+    deep: bool, fields: Floats, lists: Lists, constants: Constants,
+    kernel: KernelType, rates: Floats,
+) -> None:  # fmt: skip
+    """Pressure and damping; dummies do not damp."""
+    counts, neighbor = lists
+    for particle in prange(constants[0].first, min(constants[0].last, rates.shape[1])):
+        i, numbers = INDEX(particle), constants[0]
+        x, y, z = fields[FIELD.position, i], fields[FIELD.position + 1, i], fields[FIELD.position + 2, i]
+        u, v, w = fields[FIELD.velocity, i], fields[FIELD.velocity + 1, i], fields[FIELD.velocity + 2, i]
+        own = fields[FIELD.force_term, i]
+        inverse, zero = numbers.inverse_length, numbers.zero
+        damper = numbers.smoothing_length, numbers.damping_divisor, numbers.sound_speed, numbers.alpha
+        ax, ay, az = zero, zero, zero
+        for k in range(whole(counts[i])):
+            j = INDEX(neighbor[i, k])
+            dx, dy = fields[FIELD.position, j] - x, fields[FIELD.position + 1, j] - y
+            du, dv = fields[FIELD.velocity, j] - u, fields[FIELD.velocity + 1, j] - v
+            weight, liquid, push = fields[FIELD.weight, j], fields[FIELD.liquid, j], fields[FIELD.force_term, j]
+            square, radial, dz = dx * dx + dy * dy, du * dx + dv * dy, zero
+            if deep:
+                dz = fields[FIELD.position + 2, j] - z
+                square, radial = square + dz * dz, radial + (fields[FIELD.velocity + 2, j] - w) * dz
+            pull = written_slope(math.sqrt(square) * inverse, kernel) * weight
+            pull = pushed(pull, own, push, liquid * damping(radial, square, damper))
+            ax += pull * dx
+            ay += pull * dy
+            if deep:
+                az += pull * dz
+        rates[RATE.acceleration, i] = numbers.slope_factor * ax
+        rates[RATE.acceleration + 1, i] = numbers.slope_factor * ay
+        rates[RATE.acceleration + 2, i] = numbers.slope_factor * az
+
+
+@inlined
+def _both(
+    deep: bool, fields: Floats, lists: Lists, constants: Constants,
+    kernel: KernelType, rates: Floats,
+) -> None:  # fmt: skip
+    """Both at once, without diffusion and dummies: each field is gathered once."""
+    counts, neighbor = lists
+    for particle in prange(constants[0].first, min(constants[0].last, rates.shape[1])):
+        i, numbers = INDEX(particle), constants[0]
+        x, y, z = fields[FIELD.position, i], fields[FIELD.position + 1, i], fields[FIELD.position + 2, i]
+        u, v, w = fields[FIELD.velocity, i], fields[FIELD.velocity + 1, i], fields[FIELD.velocity + 2, i]
+        own = fields[FIELD.force_term, i]
+        inverse, zero = numbers.inverse_length, numbers.zero
+        damper = numbers.smoothing_length, numbers.damping_divisor, numbers.sound_speed, numbers.alpha
+        stretching, ax, ay, az = zero, zero, zero, zero
+        for k in range(whole(counts[i])):
+            j = INDEX(neighbor[i, k])
+            dx, dy = fields[FIELD.position, j] - x, fields[FIELD.position + 1, j] - y
+            du, dv = fields[FIELD.velocity, j] - u, fields[FIELD.velocity + 1, j] - v
+            weight, push = fields[FIELD.weight, j], fields[FIELD.force_term, j]
+            square, radial, dz = dx * dx + dy * dy, du * dx + dv * dy, zero
+            if deep:
+                dz = fields[FIELD.position + 2, j] - z
+                square, radial = square + dz * dz, radial + (fields[FIELD.velocity + 2, j] - w) * dz
+            pull = written_slope(math.sqrt(square) * inverse, kernel) * weight
+            stretching += stretched(pull, radial)
+            pull = pushed(pull, own, push, damping(radial, square, damper))
+            ax += pull * dx
+            ay += pull * dy
+            if deep:
+                az += pull * dz
+        rates[RATE.continuity, i] = numbers.slope_factor * stretching
+        rates[RATE.diffusion, i] = zero
+        rates[RATE.acceleration, i] = numbers.slope_factor * ax
+        rates[RATE.acceleration + 1, i] = numbers.slope_factor * ay
+        rates[RATE.acceleration + 2, i] = numbers.slope_factor * az
+
+
+@summing
+def sum_continuity(
+    fields: Floats, lists: Lists, constants: Constants, kernel: KernelType,
+    diffusing: Floats, rates: Floats,
+) -> None:  # fmt: skip
+    """Continuity and diffusion: see `_continuity`."""
+    if constants[0].dimension == 3:
+        _continuity(True, fields, lists, constants, kernel, diffusing, rates)
+    else:
+        _continuity(False, fields, lists, constants, kernel, diffusing, rates)
+
+
+@summing
+def sum_momentum(
+    fields: Floats, lists: Lists, constants: Constants, kernel: KernelType,
+    rates: Floats,
+) -> None:  # fmt: skip
+    """Pressure and damping: see `_momentum`."""
+    if constants[0].dimension == 3:
+        _momentum(True, fields, lists, constants, kernel, rates)
+    else:
+        _momentum(False, fields, lists, constants, kernel, rates)
+
+
+@summing
+def sum_both(
+    fields: Floats, lists: Lists, constants: Constants, kernel: KernelType,
+    rates: Floats,
+) -> None:  # fmt: skip
+    """Both in one sum: see `_both`."""
+    if constants[0].dimension == 3:
+        _both(True, fields, lists, constants, kernel, rates)
+    else:
+        _both(False, fields, lists, constants, kernel, rates)
+
+
+@summing
+def rub(fields: Floats, lists: Lists, constants: Constants, rates: Floats) -> None:
+    """Add the viscous force, (2/rho_i) sum_j mu_ij F V_j (u_i - u_j), mu_ij the harmonic mean (Morris et al. 1997, eq.
+    22; Adami et al. 2012, eq. 8). A wall that lets the liquid slip has no viscosity.
+    """
+    kernel, deep = constants[0].kernel, constants[0].dimension == 3
+    inverse, zero = constants[0].inverse_length, constants[0].zero
+    counts, neighbor = lists
+    for particle in prange(constants[0].first, min(constants[0].last, rates.shape[1])):
+        i = INDEX(particle)
+        x, y, z = fields[FIELD.position, i], fields[FIELD.position + 1, i], fields[FIELD.position + 2, i]
+        u, v, w = (
+            fields[FIELD.friction_velocity, i],
+            fields[FIELD.friction_velocity + 1, i],
+            fields[FIELD.friction_velocity + 2, i],
+        )
+        own = fields[FIELD.viscosity, i]
+        ax, ay, az = zero, zero, zero
+        for k in range(INDEX(counts[i])):
+            j = INDEX(neighbor[i, k])
+            dx, dy, dz = (
+                fields[FIELD.position, j] - x,
+                fields[FIELD.position + 1, j] - y,
+                fields[FIELD.position + 2, j] - z,
+            )
+            du, dv, dw = (
+                u - fields[FIELD.friction_velocity, j],
+                v - fields[FIELD.friction_velocity + 1, j],
+                w - fields[FIELD.friction_velocity + 2, j],
+            )
+            volume, other = fields[FIELD.volume, j], fields[FIELD.viscosity, j]
+            square = dx * dx + dy * dy
+            if deep:
+                square += dz * dz
+            drag = slope_of(math.sqrt(square) * inverse, kernel) * volume * other / (own + other)
+            ax += drag * du
+            ay += drag * dv
+            az += drag * dw
+        share = constants[0].slope_factor * (own + own + own + own) / fields[FIELD.density, i]
+        rates[RATE.acceleration, i] += share * ax
+        rates[RATE.acceleration + 1, i] += share * ay
+        rates[RATE.acceleration + 2, i] += share * az
+
+
+@summing
+def rub_radially(fields: Floats, lists: Lists, constants: Constants, rates: Floats) -> None:
+    """Add the viscous force along the lines between particles, (1/rho_i) sum_j Z_ij F V_j [(u_i - u_j).x_ij] x_ij/r^2,
+    Z_ij = 2 (d + 2) times the harmonic mean of the viscosities (Monaghan 2005).
+    """
+    kernel, deep = constants[0].kernel, constants[0].dimension == 3
+    inverse, zero = constants[0].inverse_length, constants[0].zero
+    factor = constants[0].slope_factor * 4.0 * (constants[0].dimension + 2)
+    counts, neighbor = lists
+    for particle in prange(constants[0].first, min(constants[0].last, rates.shape[1])):
+        i = INDEX(particle)
+        x, y, z = fields[FIELD.position, i], fields[FIELD.position + 1, i], fields[FIELD.position + 2, i]
+        u, v, w = (
+            fields[FIELD.friction_velocity, i],
+            fields[FIELD.friction_velocity + 1, i],
+            fields[FIELD.friction_velocity + 2, i],
+        )
+        own, soft = fields[FIELD.viscosity, i], constants[0].softening
+        ax, ay, az = zero, zero, zero
+        for k in range(INDEX(counts[i])):
+            j = INDEX(neighbor[i, k])
+            dx, dy, dz = fields[FIELD.position, j] - x, fields[FIELD.position + 1, j] - y, zero
+            volume, other = fields[FIELD.volume, j], fields[FIELD.viscosity, j]
+            square, radial = (
+                dx * dx + dy * dy,
+                (u - fields[FIELD.friction_velocity, j]) * dx + (v - fields[FIELD.friction_velocity + 1, j]) * dy,
+            )
+            if deep:
+                dz = fields[FIELD.position + 2, j] - z
+                square, radial = square + dz * dz, radial + (w - fields[FIELD.friction_velocity + 2, j]) * dz
+            drag = slope_of(math.sqrt(square) * inverse, kernel) * volume * other / (own + other)
+            # Nobody is so near to another, but a particle may be to its own image.
+            drag *= radial / max(square, soft)
+            ax += drag * dx
+            ay += drag * dy
+            az += drag * dz
+        share = factor * own / fields[FIELD.density, i]
+        rates[RATE.acceleration, i] += share * ax
+        rates[RATE.acceleration + 1, i] += share * ay
+        rates[RATE.acceleration + 2, i] += share * az
+
+
+@summing
+def push_transported(fields: Floats, lists: Lists, constants: Constants, rates: Floats) -> None:
+    """Pressure weighted by densities, and the momentum that a transport velocity W carries beside the liquid's.
+
+    (1/m_i) sum_j (V_i^2 + V_j^2) [p_ij - (1/2)(A_i + A_j).x_ij ...] F x_ij with p_ij = (rho_j p_i + rho_i p_j)/(rho_i +
+    rho_j), A = rho v W (Adami et al. 2013, eqs. 5, 8 and 10). [adami2013]
+    """
+    kernel, deep = constants[0].kernel, constants[0].dimension == 3
+    inverse, zero = constants[0].inverse_length, constants[0].zero
+    counts, neighbor = lists
+    for particle in prange(rates.shape[1]):
+        i = INDEX(particle)
+        x, y, z = fields[FIELD.position, i], fields[FIELD.position + 1, i], fields[FIELD.position + 2, i]
+        u, v, w = fields[FIELD.velocity, i], fields[FIELD.velocity + 1, i], fields[FIELD.velocity + 2, i]
+        a, b, c = fields[FIELD.transport, i], fields[FIELD.transport + 1, i], fields[FIELD.transport + 2, i]
+        density, pressure, volume = fields[FIELD.density, i], fields[FIELD.pressure, i], fields[FIELD.volume, i]
+        ax, ay, az = zero, zero, zero
+        for k in range(INDEX(counts[i])):
+            j = INDEX(neighbor[i, k])
+            dx, dy, dz = (
+                fields[FIELD.position, j] - x,
+                fields[FIELD.position + 1, j] - y,
+                fields[FIELD.position + 2, j] - z,
+            )
+            other, space, push = fields[FIELD.density, j], fields[FIELD.volume, j], fields[FIELD.pressure, j]
+            square = dx * dx + dy * dy
+            own_flux = density * (a * dx + b * dy)
+            flux = other * (fields[FIELD.transport, j] * dx + fields[FIELD.transport + 1, j] * dy)
+            if deep:
+                square += dz * dz
+                own_flux += density * c * dz
+                flux += other * fields[FIELD.transport + 2, j] * dz
+            pull = slope_of(math.sqrt(square) * inverse, kernel) * (volume * volume + space * space)
+            mean = (other * pressure + density * push) / (other + density)
+            # Half of each flux: the other half is in the factor outside.
+            ax += pull * (mean * dx + mean * dx - own_flux * u - flux * fields[FIELD.velocity, j])
+            ay += pull * (mean * dy + mean * dy - own_flux * v - flux * fields[FIELD.velocity + 1, j])
+            if deep:
+                az += pull * (mean * dz + mean * dz - own_flux * w - flux * fields[FIELD.velocity + 2, j])
+        mass = density * volume
+        share = constants[0].slope_factor / (mass + mass)
+        rates[RATE.acceleration, i] = share * ax
+        rates[RATE.acceleration + 1, i] = share * ay
+        rates[RATE.acceleration + 2, i] = share * az
+
+
+@spread
+def store_thickening(thickening: Array, rates: Floats, density: Array, by_mass: bool) -> None:
+    """D rho/dt: the sum is per density where neighbors count by their volumes."""
+    for i in prange(len(density)):
+        share = 1.0 if by_mass else density[i]
+        thickening[i] = share * rates[RATE.continuity, i] + rates[RATE.diffusion, i]
+
+
+@spread
+def store_acceleration(acceleration: Array, rates: Floats, density: Array, pull: Array, per_volume: bool) -> None:
+    """A = what neighbors do, and gravity."""
+    for i in prange(acceleration.shape[1]):
+        share = 1.0 / density[i] if per_volume else 1.0
+        for axis in range(acceleration.shape[0]):
+            acceleration[axis, i] = share * rates[RATE.acceleration + axis, i] + pull[axis]

@@ -1,0 +1,426 @@
+"""Surface tension between the particles of the liquid: the continuum surface force (CSF), or cohesion.
+
+There is no gas. Images behind walls count as liquid, so that the contact angle at a mirror is 90 degrees.
+
+The continuum surface force is the gradient of an energy, sigma int psi(c) |grad c| dV, summed over nodes. The color c
+and its gradient are summed at the nodes of a fixed square (cubic) grid from all particles around; the energy is a sum
+over nodes (see `ecume.laws.tension.surface_weight`), and the force on each particle is exactly minus its derivative
+with respect to the particle's position, second derivatives of the kernel included:
+
+    F_j = sigma a^d V_j sum_g (psi' phi grad W_gj + psi grad grad W_gj . n_g),  n = grad c / max(|grad c|, g_0)
+
+An oscillation can therefore only lose energy. Nodes are needed because the same energy sampled at the particles, which
+are on one side of their surface only, has deep minima at disordered configurations.
+
+A particle contributes m/rho_0 to the color, whatever its density: forces depend on positions alone. There are no nodes
+behind planes, because half of the color of images, and half of the force on images, would be counted twice. The force
+on an image is added to its source. Solids contribute `NEUTRAL`, without a force. [brackbill1992, wendland1995]
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from ecume._jit import admit, compiled_inside, prange, spread, summing
+from ecume.engine.cells import Integers
+from ecume.engine.neighbor_rows import Lists
+from ecume.laws import tension
+from ecume.laws.kernels import kernel, shapes
+from ecume.models.sph.fields import FIELD, Constants, Floats
+from ecume.models.sph.parameters import Parameters
+from ecume.models.sph.state import State, Workspace
+from ecume.units import Array
+
+admit(tension, shapes)
+
+NODES = 0.6
+"""From node to node, in spacings. At 0.5 and 0.67 forces are the same within some percent of their noise."""
+BLOCKS = 16
+"""Parts of the grid that are colored each by itself; how many must not depend on the threads."""
+ENERGY = 4
+"""Row of nodes after color and gradient: energy over sigma and a node's volume."""
+
+
+class GridNumbers(NamedTuple):
+    """Of the nodes and of the kernel that colors them."""
+
+    reach: float
+    """m, how far a particle colors"""
+    inverse_length: float
+    """1/h"""
+    step: float
+    """m, from node to node"""
+    value: float
+    """the kernel's factor, and those of its first and second derivative"""
+    slope: float
+    bend: float
+    least: float
+    """the least steepness that gives a normal (1/m)"""
+
+
+class Grid(NamedTuple):
+    """Where the nodes are: three axes always, the third of one node in the plane."""
+
+    low: Array
+    shape: Integers
+    """(3,)"""
+    numbers: GridNumbers
+
+
+class Colors(NamedTuple):
+    """Everyone who colors, and the nodes around them."""
+
+    position: Array
+    """(3, columns)"""
+    volume: Array
+    grid: Grid
+    nodes: Array
+    """(5, nodes): color and gradient, or what the forces sum; and the energy"""
+
+
+def colors_of(parameters: Parameters, workspace: Workspace) -> Colors:
+    """The nodes, with what forces and energy need of them."""
+    fields, dimension = workspace.fields, parameters.dimension
+    position = np.zeros((3, fields.shape[1]))
+    position[:dimension] = fields.position[:dimension]
+    # Columns of solids have no density.
+    wet = fields.density * fields.volume / parameters.material.density
+    volume = np.where(fields.liquid > 0.0, wet, tension.NEUTRAL * fields.volume).astype(np.float64)
+    grid = grid_around(parameters, position[:, : workspace.rates.shape[1]])
+    nodes = np.empty((ENERGY + 1, int(np.prod(grid.shape))))
+    color(nodes, position, volume, *grid)
+    weigh(nodes, planes_of(parameters), *grid)
+    return Colors(position, volume, grid, nodes)
+
+
+def grid_around(parameters: Parameters, position: Array) -> Grid:
+    """Nodes at multiples of their distance, as far as the liquid colors."""
+    dimension, step, reach = parameters.dimension, NODES * parameters.spacing, parameters.color_reach
+    low, high = np.zeros(3, np.int64), np.zeros(3, np.int64)
+    low[:dimension] = np.floor((position[:dimension].min(axis=1) - reach) / step)
+    high[:dimension] = np.ceil((position[:dimension].max(axis=1) + reach) / step)
+    h = 0.5 * reach
+    factor = kernel("wendland-c4", dimension).normalization / h**dimension
+    numbers = GridNumbers(reach, 1.0 / h, step, factor, factor / h**2, factor / h**4, tension.RELIABLE / h)
+    return Grid((step * low).astype(np.float64), high - low + 1, numbers)
+
+
+def planes_of(parameters: Parameters) -> Array:
+    """(sides, 6) a point of each and its normal, into the liquid."""
+    sides, dimension = parameters.boundary.sides, parameters.dimension
+    planes = np.zeros((len(sides.normal), 6))
+    planes[:, :dimension] = sides.point - parameters.origin
+    planes[:, 3 : 3 + dimension] = sides.normal
+    return planes
+
+
+def contour_energy(parameters: Parameters, workspace: Workspace) -> float:
+    """J (per meter of depth in the plane): sigma times the sum over nodes."""
+    nodes = colors_of(parameters, workspace).nodes
+    return node_share(parameters) * float(nodes[ENERGY].sum())
+
+
+def contour_forces(parameters: Parameters, workspace: Workspace, mass: Array) -> Array:
+    """(d, N) N: minus the slopes of that energy by the liquid's positions."""
+    colors = colors_of(parameters, workspace)
+    force = np.zeros_like(colors.position)
+    draw(force, colors.position, colors.volume, colors.nodes, *colors.grid)
+    force *= node_share(parameters)
+    give_back(parameters, workspace, force)
+    found: Array = force[: parameters.dimension, : len(mass)]
+    if alone(parameters, workspace):
+        # What the grid, which stands still, holds on to is given back, as if it went along.
+        found -= found.sum(axis=1)[:, None] * (mass / mass.sum())
+    return found
+
+
+def alone(parameters: Parameters, workspace: Workspace) -> bool:
+    """Whether nothing but liquid is there: no solids, and no mirror within reach."""
+    mirrored = np.diff(workspace.images.start) * parameters.boundary.sides.mirrors
+    return len(workspace.lists.counts) == workspace.rates.shape[1] and not mirrored.any()
+
+
+def node_share(parameters: Parameters) -> float:
+    """What one node counts: sigma a^d."""
+    return parameters.material.surface_tension * (NODES * parameters.spacing) ** parameters.dimension
+
+
+def give_back(parameters: Parameters, workspace: Workspace, force: Array) -> None:
+    """What acts on images acts on those they are of: last images first, since they may be of earlier ones."""
+    images, sides, real = workspace.images, parameters.boundary.sides, len(workspace.lists.counts)
+    for side in reversed(range(len(sides.normal))):
+        here = slice(images.start[side], images.start[side + 1])
+        share = force[: parameters.dimension, real:][:, here].copy()
+        if sides.mirrors[side]:
+            axis = sides.normal[side]
+            share -= 2.0 * axis[:, None] * (axis @ share)
+        # Nobody has two images behind one side.
+        force[: parameters.dimension, images.source[here]] += share
+
+
+@compiled_inside
+def first_node(place: float, low: float, numbers: GridNumbers) -> int:
+    """The first along an axis that a particle reaches."""
+    return max(0, math.ceil((place - numbers.reach - low) / numbers.step))
+
+
+@compiled_inside
+def end_node(place: float, low: float, numbers: GridNumbers, most: int) -> int:
+    """One beyond the last."""
+    return min(most, math.floor((place + numbers.reach - low) / numbers.step) + 1)
+
+
+@spread
+def color(nodes: Array, position: Array, volume: Array, low: Array, shape: Integers, numbers: GridNumbers) -> None:
+    """Fill color and gradient, sum_j V_j W and sum_j V_j grad W. Each slab of nodes takes the particles in order."""
+    slab = (shape[0] + BLOCKS - 1) // BLOCKS
+    reach = numbers.reach
+    for block in prange(BLOCKS):
+        begin, end = min(shape[0], block * slab), min(shape[0], (block + 1) * slab)
+        for row in range(ENERGY):
+            for node in range(begin * shape[1] * shape[2], end * shape[1] * shape[2]):
+                nodes[row, node] = 0.0
+        for i in range(position.shape[1]):
+            x, y, z, own = position[0, i], position[1, i], position[2, i], volume[i]
+            first = max(begin, first_node(x, low[0], numbers))
+            last = min(end, end_node(x, low[0], numbers, shape[0]))
+            for a in range(first, last):
+                dx = low[0] + a * numbers.step - x
+                for b in range(first_node(y, low[1], numbers), end_node(y, low[1], numbers, shape[1])):
+                    dy = low[1] + b * numbers.step - y
+                    line = (a * shape[1] + b) * shape[2]
+                    for c in range(first_node(z, low[2], numbers), end_node(z, low[2], numbers, shape[2])):
+                        dz = low[2] + c * numbers.step - z
+                        square = dx * dx + dy * dy + dz * dz
+                        if square < reach * reach:
+                            q = math.sqrt(square) * numbers.inverse_length
+                            pull = own * numbers.slope * shapes.wendland_c4_slope(q)
+                            nodes[0, line + c] += own * numbers.value * shapes.wendland_c4_value(q)
+                            nodes[1, line + c] += pull * dx
+                            nodes[2, line + c] += pull * dy
+                            nodes[3, line + c] += pull * dz
+
+
+@spread
+def weigh(nodes: Array, planes: Array, low: Array, shape: Integers, numbers: GridNumbers) -> None:
+    """Energies; and psi' phi and psi n in place of color and gradient, for the part of a node before all planes."""
+    step, least = numbers.step, numbers.least
+    for node in prange(nodes.shape[1]):
+        a, rest = divmod(node, shape[1] * shape[2])
+        b, c = divmod(rest, shape[2])
+        share = 1.0
+        for side in range(len(planes)):
+            before = (low[0] + a * step - planes[side, 0]) * planes[side, 3]
+            before += (low[1] + b * step - planes[side, 1]) * planes[side, 4]
+            before += (low[2] + c * step - planes[side, 2]) * planes[side, 5]
+            share *= min(max(0.5 + before / step, 0.0), 1.0)
+        gx, gy, gz = nodes[1, node], nodes[2, node], nodes[3, node]
+        length = math.sqrt(gx * gx + gy * gy + gz * gz)
+        steep, weight = tension.steepness(length, least), share * tension.surface_weight(nodes[0, node])
+        nodes[ENERGY, node] = weight * steep
+        nodes[0, node] = share * tension.surface_weight_slope(nodes[0, node]) * steep
+        weight /= max(length, least)
+        nodes[1, node] = weight * gx
+        nodes[2, node] = weight * gy
+        nodes[3, node] = weight * gz
+
+
+@spread
+def draw(
+    force: Array, position: Array, volume: Array, nodes: Array, low: Array, shape: Integers, numbers: GridNumbers
+) -> None:
+    """Minus the derivatives of the sum of all energies by everyone's position."""
+    reach = numbers.reach
+    for i in prange(position.shape[1]):
+        x, y, z = position[0, i], position[1, i], position[2, i]
+        fx, fy, fz = 0.0, 0.0, 0.0
+        for a in range(first_node(x, low[0], numbers), end_node(x, low[0], numbers, shape[0])):
+            dx = low[0] + a * numbers.step - x
+            for b in range(first_node(y, low[1], numbers), end_node(y, low[1], numbers, shape[1])):
+                dy = low[1] + b * numbers.step - y
+                line = (a * shape[1] + b) * shape[2]
+                for c in range(first_node(z, low[2], numbers), end_node(z, low[2], numbers, shape[2])):
+                    dz = low[2] + c * numbers.step - z
+                    square = dx * dx + dy * dy + dz * dz
+                    if square < reach * reach:
+                        q = math.sqrt(square) * numbers.inverse_length
+                        nx, ny, nz = nodes[1, line + c], nodes[2, line + c], nodes[3, line + c]
+                        slope = numbers.slope * shapes.wendland_c4_slope(q)
+                        bend = numbers.bend * shapes.wendland_c4_bend(q)
+                        along = nodes[0, line + c] * slope + bend * (dx * nx + dy * ny + dz * nz)
+                        fx += along * dx + slope * nx
+                        fy += along * dy + slope * ny
+                        fz += along * dz + slope * nz
+        force[0, i] = volume[i] * fx
+        force[1, i] = volume[i] * fy
+        force[2, i] = volume[i] * fz
+
+
+admit(tension)
+
+INDEX = np.uint64
+STRENGTHS = {2: tension.cohesion_strength_in_plane, 3: tension.cohesion_strength_in_space}
+COUNTED = {2: 0.331, 3: 0.236}
+"""The part of cohesion's own tension that is left beside the pressure it calls up, which keeps what the sum for
+continuity makes of div v at zero, up to a flat surface. Worked out for Wendland's C2 and evenly spread liquid: see the
+page on the physics, and `tests/models/sph/test_tension.py`.
+"""
+
+
+def pull(parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """Add the acceleration by surface tension to the state's."""
+    TENSIONS[parameters.tension].pull(parameters, state, workspace)
+
+
+def surface_energy(parameters: Parameters, workspace: Workspace) -> float:
+    """J: of all pairs under cohesion, of the color's contours otherwise; forces are its slopes."""
+    return TENSIONS[parameters.tension].energy(parameters, workspace)
+
+
+def no_pull(parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """Add nothing."""
+
+
+def no_energy(parameters: Parameters, workspace: Workspace) -> float:
+    """Zero."""
+    return 0.0
+
+
+def pull_by_contours(parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """Add the acceleration by the continuum surface force."""
+    state.acceleration[...] += contour_forces(parameters, workspace, state.mass) / state.mass
+
+
+def pull_by_pairs(parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """Add the acceleration by cohesion."""
+    strength = cohesion_strength(parameters)
+    pull_by_cohesion(*_crowd(parameters, workspace), parameters.support, strength, state.acceleration)
+
+
+def energy_of_pairs(parameters: Parameters, workspace: Workspace) -> float:
+    """J, of cohesion."""
+    energy = np.zeros(workspace.rates.shape[1])
+    sum_cohesion(*_crowd(parameters, workspace), parameters.support, cohesion_strength(parameters), energy)
+    return float(energy.sum())
+
+
+def cohesion_strength(parameters: Parameters) -> float:
+    """With which the tension is the liquid's."""
+    material, law = parameters.material, STRENGTHS[parameters.dimension]
+    wanted = material.surface_tension / COUNTED[parameters.dimension]
+    return law(wanted, material.density, parameters.support)
+
+
+def _crowd(parameters: Parameters, workspace: Workspace) -> tuple[Floats, Lists, Constants]:
+    return workspace.fields.table, workspace.lists, parameters.constants
+
+
+@summing
+def pull_by_cohesion(
+    fields: Floats, lists: Lists, constants: Constants, support: float, strength: float,
+    acceleration: Array,
+) -> None:  # fmt: skip
+    """Add sum_j gamma m_j C(r) x_ij/r, alike for both of a pair; walls and images pull like the liquid."""
+    deep = constants[0].dimension == 3
+    counts, neighbor = lists
+    for particle in prange(acceleration.shape[1]):
+        i = INDEX(particle)
+        x, y, z = fields[FIELD.position, i], fields[FIELD.position + 1, i], fields[FIELD.position + 2, i]
+        ax, ay, az = 0.0, 0.0, 0.0
+        for k in range(INDEX(counts[i])):
+            j = INDEX(neighbor[i, k])
+            dx, dy, dz = (
+                fields[FIELD.position, j] - x,
+                fields[FIELD.position + 1, j] - y,
+                fields[FIELD.position + 2, j] - z,
+            )
+            square = dx * dx + dy * dy
+            if deep:
+                square += dz * dz
+            distance = math.sqrt(square)
+            share = (
+                fields[FIELD.volume, j]
+                * fields[FIELD.density, j]
+                * tension.cohesion_kernel(distance, support)
+                / distance
+            )
+            ax += share * dx
+            ay += share * dy
+            if deep:
+                az += share * dz
+        add(acceleration, i, (strength * ax, strength * ay, strength * az))
+
+
+@summing
+def sum_cohesion(
+    fields: Floats, lists: Lists, constants: Constants, support: float, strength: float, energy: Array
+) -> None:  # fmt: skip
+    """Half of each pair's energy goes to either particle, an image included; a wall's particle leaves all of it."""
+    counts, neighbor = lists
+    for particle in prange(len(energy)):
+        i = INDEX(particle)
+        total = 0.0
+        for k in range(INDEX(counts[i])):
+            j = INDEX(neighbor[i, k])
+            square = 0.0
+            for axis in range(constants[0].dimension):
+                square += (fields[FIELD.position + axis, j] - fields[FIELD.position + axis, i]) ** 2
+            share = 1.0 - 0.5 * fields[FIELD.liquid, j]
+            total += (
+                share
+                * fields[FIELD.volume, j]
+                * fields[FIELD.density, j]
+                * tension.cohesion_energy(math.sqrt(square), support)
+            )
+        energy[i] = strength * fields[FIELD.volume, i] * fields[FIELD.density, i] * total
+
+
+@compiled_inside
+def add(acceleration: Array, i: np.uint64, more: tuple[float, float, float]) -> None:
+    """To one particle's."""
+    for axis in range(acceleration.shape[0]):
+        acceleration[axis, i] += more[axis]
+
+
+class Tension(NamedTuple):
+    """A model of surface tension."""
+
+    pull: Callable[[Parameters, State, Workspace], None]
+    """adds its acceleration to the state's"""
+    energy: Callable[[Parameters, Workspace], float]
+    """J, whose slopes its forces are"""
+    color_reaches: Mapping[int, float]
+    """how far its color field looks, in spacings, by dimension; zero without one"""
+    inner_pressure: float
+    """a quarter of the pressure inside that it causes beside Laplace's, in tensions over supports"""
+    accuracy: Mapping[int, str]
+    """how well it does, by dimension"""
+    laws: tuple[Callable[..., float], ...]
+    """what it rests on, for citations"""
+
+
+TENSIONS: Mapping[str, Tension] = {
+    "none": Tension(no_pull, no_energy, {2: 0.0, 3: 0.0}, inner_pressure=0.0, accuracy={}, laws=()),
+    "cohesion": Tension(
+        pull_by_pairs, energy_of_pairs, {2: 0.0, 3: 0.0}, inner_pressure=6.0,
+        accuracy={
+            2: "swings below a tenth are too fast, wide ones right within 5 %",
+            3: "draws round, but does not swing: particles that keep their neighbors hold each other",
+        },
+        laws=(tension.cohesion_kernel, tension.cohesion_strength_in_plane),
+    ),
+    # A narrower color kernel sees single particles, a wider one flattens what is curved.
+    "csf": Tension(
+        pull_by_contours, contour_energy, {2: 4.8, 3: 4.0}, inner_pressure=0.0,
+        accuracy={
+            2: "periods and pressures within some percent at ten particles a radius",
+            3: "periods within 9 % at five particles a radius, 5 % at six; pressures within 14 %",
+        },
+        laws=(tension.surface_weight, tension.steepness, shapes.wendland_c4_bend),
+    ),
+}  # fmt: skip
+"""By name."""

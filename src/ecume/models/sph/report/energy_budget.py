@@ -1,0 +1,226 @@
+"""Energies of the liquid and the bodies, and the work done on them from outside. Energy minus work never increases.
+
+Moving walls, and the liquid behind inflows and outflows, do work by their forces F, pair by pair as in the sums over
+neighbors. The work of a wall is W = integral of F.w dt with its force F on the liquid and its velocity w; that of a
+shaken tank is the integral of M.a with the apparent acceleration a and the momentum M. A buffer particle b does
+F_ib.(v_i + v_b)/2 on the particle i before it: the energy flux of a pair, the mean of what i gains and b loses. The
+rest, F_ib.(v_i - v_b)/2, is dissipated if the force is viscous, and compresses i if it is pressure, up to
+(P_i - P_b)(v_i - v_b)/2, of second order. Particles that cross a border carry their energy, and particles that cross a
+periodic side are lifted, in gravity, by the length of the tank.
+
+Rates are integrated by the trapezoidal rule, which is exact for kicks: each force acts half before and half after the
+velocity by which it is multiplied.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ecume._jit import admit, compiled
+from ecume._portable import dot, product
+from ecume.engine.cells import Integers
+from ecume.engine.walls.sheets import SIZE, SPEED
+from ecume.laws import enthalpy
+from ecume.laws.enthalpy import tait_energy
+from ecume.models.sph.boundaries.forces_on_solids import force_of_mirror, forces_on, roots_of
+from ecume.models.sph.boundaries.prescribed_motion import drive_at, instant
+from ecume.models.sph.boundaries.rigid_bodies import energy_of_bodies
+from ecume.models.sph.boundaries.walls import leaning_on
+from ecume.models.sph.parameters import Parameters
+from ecume.models.sph.state import PER_PARTICLE, RATE, WORK, State, Workspace
+from ecume.units import Array
+
+admit(enthalpy)
+
+
+def energies(parameters: Parameters, state: State, propped: float, surface: float) -> Mapping[str, float]:
+    """Of motion, in gravity (a shake's pull is told as work), of compression, that of what leans on walls included, of
+    the surface, and of the bodies.
+    """
+    material = parameters.material
+    laws = material.density, material.sound_speed, material.exponent
+    kinetic = 0.5 * float(np.sum(state.mass * (state.velocity**2).sum(axis=0)))
+    potential = potential_of(parameters, state.mass, state.position)
+    elastic = float(np.sum(state.mass * elastic_energies(state.density, *laws))) + propped
+    bodies = energy_of_bodies(parameters, state.pose, state.motion)
+    return {
+        "kinetic_energy": kinetic,
+        "potential_energy": potential,
+        "elastic_energy": elastic,
+        "surface_energy": surface,
+        "bodies_energy": bodies,
+        "total_energy": kinetic + potential + elastic + surface + bodies,
+    }
+
+
+@compiled
+def elastic_energies(density: Array, reference_density: float, sound_speed: float, exponent: float) -> Array:
+    """`tait_energy` of each particle (J/kg), by the C library's power function."""
+    found = np.empty_like(density)
+    for i in range(len(density)):
+        found[i] = tait_energy(density[i], reference_density, sound_speed, exponent)
+    return found
+
+
+def potential_of(parameters: Parameters, mass: Array, position: Array) -> float:
+    """Of places (d, N), in gravity and in the pull to a point (J)."""
+    potential = -float(np.sum(mass * product(parameters.gravity, position)))
+    away = position - parameters.pull_center[:, None]
+    return potential + 0.5 * parameters.pull_rate**2 * float(np.sum(mass * (away**2).sum(axis=0)))
+
+
+def energy_of(parameters: Parameters, state: State, who: Any) -> float:
+    """Of motion, in gravity and of compression, of some of the particles (J)."""
+    some = those(state, who)
+    alone = energies(parameters, some, 0.0, 0.0)
+    return alone["total_energy"] - alone["bodies_energy"]
+
+
+def liquid_alone(parameters: Parameters, state: State) -> State:
+    """Without the buffers behind in- and outflows."""
+    return those(state, state.zone == 0) if parameters.gates else state
+
+
+def those(state: State, who: Any) -> State:
+    """The state of some of the particles."""
+    return state._replace(**{name: getattr(state, name)[..., who] for name in PER_PARTICLE})
+
+
+def booked(parameters: Parameters) -> bool:
+    """Whether there is anything that may bring energy, or take it away."""
+    around = product(parameters.boundary.sides.shift, parameters.gravity)
+    return bool(parameters.shake is not None or forces_work(parameters) or around.any() or leaks(parameters))
+
+
+def forces_work(parameters: Parameters) -> bool:
+    """Whether there are walls that move, or buffers."""
+    sliding = len(moving_sides(parameters)) or parameters.boundary.dummies.velocity.any()
+    return bool(parameters.drives or parameters.gates or sliding)
+
+
+def leaks(parameters: Parameters) -> bool:
+    """Whether liquid may be lost through a side, other than one that it would have to rise to."""
+    outwards = np.array([-parameters.gravity, parameters.gravity])
+    return bool((np.isfinite(parameters.bounds) & (outwards >= 0.0)).any())
+
+
+def untold(parameters: Parameters) -> bool:
+    """Whether surface tension does work that nobody books: it pulls at what moves, and is not among the loads."""
+    return parameters.tension != "none" and bool(parameters.drives or parameters.gates or parameters.bodies.shapes)
+
+
+def book(parameters: Parameters, state: State, workspace: Workspace, began: tuple[float, bool], time: float) -> None:
+    """Add the work of a step that is done; `began`: the rate (W) before it, and whether forces were known then."""
+    if parameters.shake is None and not forces_work(parameters):
+        return
+    with np.errstate(over="ignore", invalid="ignore"):  # the march says so where somebody is nowhere
+        rate = power_of_forces(instant(parameters, state), state, workspace)
+    before, known = began
+    after = rate + power_of_shake(parameters, state)
+    state.books[WORK] += 0.5 * ((before if known else before + rate) + after) * time
+    state.books[RATE] = rate
+
+
+def power_of_shake(parameters: Parameters, state: State) -> float:
+    """What a shake does to liquid and bodies (W, in the tank's frame): its pull times the momentum."""
+    if parameters.shake is None:
+        return 0.0
+    pull, liquid = drive_at(parameters.shake, float(state.clock[0]))[0], liquid_alone(parameters, state)
+    momentum = np.sum(liquid.mass * liquid.velocity, axis=1)
+    if parameters.bodies.shapes:
+        momentum = momentum + np.sum(state.motion[: len(pull)] * parameters.bodies.mass, axis=1)
+    return dot(pull, momentum)
+
+
+def power_of_forces(now: Parameters, state: State, workspace: Workspace) -> float:
+    """Of moving sides and of buffers (W), out of a filled workspace."""
+    power = 0.0
+    for row in moving_sides(now):
+        power += power_of_side(now, state, workspace, int(row))
+    if len(lids(now)):
+        power += power_of_lids(now, workspace)
+    return power + power_of_buffers(now, state, workspace) if now.gates else power
+
+
+def moving_sides(now: Parameters) -> Integers:
+    """Which rows of the sides' table are mirrors that move now."""
+    boundary, d = now.boundary, now.dimension
+    return np.flatnonzero((boundary.image_owner >= 0) & boundary.table[:, 2 * d : 3 * d].any(axis=1))
+
+
+def power_of_side(now: Parameters, state: State, workspace: Workspace, row: int) -> float:
+    """Of a side with images, and of those who lean on it (W)."""
+    boundary, d = now.boundary, now.dimension
+    side, velocity = int(boundary.image_owner[row]), boundary.table[row, 2 * d : 3 * d]
+    normal, place = boundary.sides.normal[row], boundary.sides.point[row]
+    near = np.flatnonzero(product(normal, state.position - place[:, None]) < now.support)
+    few = state._replace(position=np.ascontiguousarray(state.position[:, near]), mass=state.mass[near])
+    leaning = leaning_on(now, few, side)
+    force = np.sum(leaning.push * few.mass[leaning.who], axis=1)
+    for axis in np.flatnonzero(velocity):
+        force[axis] += force_of_mirror(now, workspace, near, (side, int(axis)))
+    return dot(force, velocity)
+
+
+def lids(parameters: Parameters) -> Integers:
+    """Which dummies stand in sides that move along themselves."""
+    dummies = parameters.boundary.dummies
+    return np.flatnonzero(dummies.velocity.any(axis=0) & (dummies.owner < 2 * parameters.dimension))
+
+
+def power_of_lids(now: Parameters, workspace: Workspace) -> float:
+    """Of layers of dummies that move (W): beside them only periodic sides have images."""
+    mine, first = lids(now), workspace.rates.shape[1]
+    group = np.zeros(workspace.fields.shape[1], np.int64)
+    force = forces_on(now, workspace, first + mine, group)[0]
+    return -float(np.sum(force[: now.dimension] * now.boundary.dummies.velocity[:, mine]))
+
+
+def power_of_buffers(now: Parameters, state: State, workspace: Workspace) -> float:
+    """Of the liquid behind in- and outflows (W): the mean of what the one gains and the other loses."""
+    real, liquid = len(workspace.lists.counts), workspace.rates.shape[1]
+    root = np.concatenate([np.arange(real), roots_of(workspace.images, real)])
+    held = np.zeros(real, np.int64)
+    held[:liquid] = np.where(state.zone > 0, 1, 2)
+    buffer, inside = (np.where(held[root] == kind, 0, -1) for kind in (1, 2))
+    behind, before = np.flatnonzero(state.zone > 0), before_gates(now, state)
+    lost = forces_on(now, workspace, behind, inside)[0]
+    gained = forces_on(now, workspace, before, buffer)[0]
+    d = now.dimension
+    return 0.5 * float(np.sum(gained[:d] * state.velocity[:, before]) - np.sum(lost[:d] * state.velocity[:, behind]))
+
+
+def before_gates(now: Parameters, state: State) -> Integers:
+    """The liquid that buffers reach."""
+    near = np.zeros(len(state.zone), np.bool_)
+    for gate in now.gates:
+        near |= np.abs(state.position[gate.axis] - gate.place) < 2.0 * now.support
+    return np.flatnonzero(near & (state.zone == 0))
+
+
+def lifted(parameters: Parameters, state: State, out: NDArray[np.bool_], shift: Array) -> float:
+    """What it takes to bring liquid from one periodic side to the other (J)."""
+    who = out & (state.zone == 0)
+    mass, position = state.mass[who], state.position[:, who]
+    return potential_of(parameters, mass, position + shift[:, None]) - potential_of(parameters, mass, position)
+
+
+def brought(parameters: Parameters, state: State, entering: Array, leaving: Array) -> float:
+    """The energy of those who come in, less that of those who go (J); no number where one of them is nowhere."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        return energy_of(parameters, state, entering) - energy_of(parameters, state, leaving)
+
+
+def of_guard(now: Parameters, state: State, before: Array) -> float:
+    """What moving sides do to those whom the guard turned back (J), from their velocities before."""
+    work, guard, d = 0.0, now.boundary.guard, now.dimension
+    for side, _ in now.drives:
+        row = guard.sheet.number[guard.owner == side][0]
+        near = product(row[:d], state.position) - row[SIZE] < now.spacing
+        change = product(row[:d], (state.velocity - before)[:, near])
+        work += dot(row[SPEED : SPEED + d], row[:d]) * dot(state.mass[near], change)
+    return work

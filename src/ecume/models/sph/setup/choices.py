@@ -1,0 +1,257 @@
+"""The liquid and the methods that a scene selects, with defaults for what it omits, and the laws behind them.
+
+The name and temperature of a liquid give its properties; methods are rows of tables, whose codes and constants the
+sums read.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any, cast
+
+import numpy as np
+
+from ecume.engine.neighbor_rows import EVERYONE
+from ecume.errors import BadInput, Fault, SceneError
+from ecume.laws import diffusion, kernels, states, time_step_limits, viscous
+from ecume.laws.kernels import KERNEL_CODES, KERNELS, Kernel, kernel
+from ecume.laws.liquids import LIQUIDS, LiquidProperties, liquid
+from ecume.laws.liquids.water import ICE_POINT
+from ecume.laws.states import hydrostatic_fault
+from ecume.models.liquids import correlations_of
+from ecume.models.model import Source
+from ecume.models.sph.fields import Constants, Precision, constants_from
+from ecume.models.sph.parameters import Material
+from ecume.models.sph.rates.methods import DIFFUSIONS, FRICTIONS, PRESSURE_FORCES, Friction, PressureForce
+from ecume.models.sph.rates.shifting import SHIFTINGS
+from ecume.models.sph.rates.surface_tension import TENSIONS
+from ecume.models.sph.setup.shapes import part_of
+from ecume.scenes.faults import suggestion
+from ecume.scenes.sph import FluidSpec, SphScene
+from ecume.units import Array
+
+TURBULENCES = {"none": False, "smagorinsky": True}
+"""Whether eddies add a viscosity: see `gradients.stir`."""
+PRECISIONS: dict[str, Precision] = {"double": np.float64, "single": np.float32}
+USUAL_ALPHA = 0.02
+"""Of the artificial viscosity, where the liquid has none of its own."""
+
+
+def chosen(name: str, names: Any, path: str) -> str:
+    """A law's name, if there is such a law."""
+    if name not in names:
+        wanted = ", ".join(names)
+        near = suggestion(name, names)
+        meant = "" if near.startswith("known") else f"; {near}"
+        raise SceneError([Fault(path, f"came {name!r}; wanted one of {wanted}{meant}")])
+    return name
+
+
+def sides_of(scene: SphScene) -> list[Any]:
+    """The tank's sides, low and high along each axis."""
+    tank = scene.tank
+    return [tank.left, tank.right, tank.bottom, tank.top, tank.front, tank.back][: 2 * len(tank.low)]
+
+
+def gravity_of(scene: SphScene) -> Array:
+    """(d,) m/s^2."""
+    return np.array(scene.gravity, dtype=np.float64)
+
+
+def held_pull(scene: SphScene) -> Array:
+    """(d,) the part of gravity that pressure balances at rest: none along periodic sides, where all flows on and on."""
+    pull = gravity_of(scene)
+    for number, side in enumerate(sides_of(scene)):
+        if side.kind == "periodic":
+            pull[number // 2] = 0.0
+    return pull
+
+
+def modified(scene: SphScene) -> bool:
+    """Whether gravity is left out of the motion, and the hydrostatic pressure added for output."""
+    return scene.method.pressure_split == "modified"
+
+
+def kernel_of(scene: SphScene) -> Kernel:
+    """The scene's kernel in its dimension."""
+    return kernel(chosen(scene.method.kernel, KERNELS, "method.kernel"), dim=len(scene.tank.low))
+
+
+def smoothing_of(scene: SphScene) -> float:
+    """The smoothing length (m)."""
+    given = scene.method.smoothing
+    usual = KERNELS[chosen(scene.method.kernel, KERNELS, "method.kernel")].smoothing[len(scene.tank.low)]
+    return scene.spacing * (usual if given is None else given)
+
+
+def constants_of(scene: SphScene, material: Material, pull: Array) -> Constants:
+    """The constants that sums read; `pull` is the gravity that pressure balances at rest."""
+    shape, smoothing, dimension = kernel_of(scene), smoothing_of(scene), len(pull)
+    given = scene.method.artificial_viscosity
+    alpha = USUAL_ALPHA * (material.viscosity == 0.0) if given is None else given
+    spring = material.density / material.sound_speed**2
+    term = DIFFUSIONS[diffusion_of(scene, pull)]
+    delta = 0.0
+    if term.excess is not None:
+        delta = diffusion.strength(scene.method.diffusion, smoothing, material.sound_speed)
+    if term.field == "enthalpy":
+        delta *= spring
+    rise = np.zeros(3)
+    if term.balances_weight:
+        rise[:dimension] = term.rise(material.density, material.sound_speed) * pull
+    tensile = SHIFTINGS[shifting_of(scene)].tensile
+
+    values = {
+        "dimension": dimension,
+        "kernel": KERNEL_CODES[scene.method.kernel],
+        "first": EVERYONE[0],
+        "last": EVERYONE[1],
+        "zero": 0.0,
+        "smoothing_length": smoothing,
+        "inverse_length": 1.0 / smoothing,
+        "slope_factor": shape.normalization / smoothing ** (dimension + 2),
+        "softening": 0.01 * smoothing**2,
+        "sound_speed": material.sound_speed,
+        "alpha": alpha,
+        # By volume the viscosity's term is not per density squared.
+        "damping_divisor": material.density if pressure_force_of(scene).by_mass else 1.0 / material.density,
+        "delta": delta,
+        "rise_x": rise[0],
+        "rise_y": rise[1],
+        "rise_z": rise[2],
+        "reference_value": cast(float, shape.shape(scene.spacing / smoothing)) if tensile else 0.0,
+    }
+    return constants_from(PRECISIONS[scene.method.precision], values)
+
+
+def diffusion_of(scene: SphScene, pull: Array) -> str:
+    """The density diffusion by its name."""
+    name = scene.method.density_diffusion
+    if name == "automatic":
+        uniform = pull.any() or scene.shake
+        return "hydrostatic" if uniform and scene.central_pull is None else "antuono"
+    return chosen(name, DIFFUSIONS, "method.density_diffusion")
+
+
+def pressure_force_of(scene: SphScene) -> PressureForce:
+    """The form of the pressure force."""
+    return PRESSURE_FORCES[chosen(scene.method.pressure_force, PRESSURE_FORCES, "method.pressure_force")]
+
+
+def friction_of(scene: SphScene) -> Friction:
+    """The form of the viscosity: the one that is right at a free surface, where there may be one."""
+    if scene.method.friction == "automatic":
+        return FRICTIONS["monaghan" if free_surface(scene) else "morris"]
+    return FRICTIONS[chosen(scene.method.friction, FRICTIONS, "method.friction")]
+
+
+def acting_friction(scene: SphScene) -> Friction | None:
+    """The form of the viscosity; None for a liquid without any."""
+    return friction_of(scene) if filled(scene.liquid).viscosity or turbulent(scene) else None
+
+
+def free_surface(scene: SphScene) -> bool:
+    """Whether a part of the liquid's surface may move: a side is open, or the tank is not full."""
+    bounds = [part_of(region, scene.spacing).bounds() for region in scene.fluid]
+    low, high = np.min([b[0] for b in bounds], axis=0), np.max([b[1] for b in bounds], axis=0)
+    room = np.maximum(low - np.array(scene.tank.low), np.array(scene.tank.high) - high)
+    return any(side.kind == "open" for side in sides_of(scene)) or bool((room > 0.5 * scene.spacing).any())
+
+
+def shifting_of(scene: SphScene) -> str:
+    """The shifting by its name. Where there is no surface flows pile particles up along their stagnation lines."""
+    name = scene.method.shifting
+    if name == "automatic":
+        return "delta-plus" if not free_surface(scene) and not pressure_force_of(scene).transported else "none"
+    return chosen(name, SHIFTINGS, "method.shifting")
+
+
+def tension_of(scene: SphScene) -> str:
+    """The model of surface tension by its name."""
+    name, there = scene.method.surface_tension_model, (filled(scene.liquid).surface_tension or 0.0) > 0.0
+    wanted = "csf" if name == "automatic" else chosen(name, TENSIONS, "method.surface_tension_model")
+    return wanted if there else "none"
+
+
+def color_reach_of(scene: SphScene) -> float:
+    """How far the continuum surface force looks (m); zero without."""
+    return TENSIONS[tension_of(scene)].color_reaches[len(scene.tank.low)] * scene.spacing
+
+
+def turbulent(scene: SphScene) -> bool:
+    """Whether eddies smaller than particles are reckoned with."""
+    return TURBULENCES[chosen(scene.method.turbulence, TURBULENCES, "method.turbulence")]
+
+
+def require_right_split(scene: SphScene) -> None:
+    """Refuse a scene whose pressure would be wrong, with the reason."""
+    split = scene.method.pressure_split
+    if split == "none" or scene.method.unchecked_split:
+        return
+    reason = hydrostatic_fault(
+        added=True, gravity_acts=split == "original", in_forces=False, free_surface=free_surface(scene)
+    )
+    if reason:
+        raise SceneError([Fault("method.pressure_split", f"came {split!r}; {reason}; use 'none'")])
+
+
+ROOM = ICE_POINT + 20.0
+"""K, of a named liquid whose temperature is not said."""
+WATER = 1000.0
+"""kg/m^3, of a liquid without a name or a density."""
+FILLED = ("density", "viscosity", "surface_tension")
+
+
+def substance_of(given: FluidSpec) -> LiquidProperties | None:
+    """The named liquid at its temperature. Raises SceneError."""
+    if not given.name:
+        told = [key for key in ("temperature", "salinity") if getattr(given, key) is not None]
+        if told:
+            raise SceneError([Fault(f"liquid.{told[0]}", 'says nothing without a name; write name = "water"')])
+        return None
+    if given.name not in LIQUIDS:
+        raise SceneError([Fault("liquid.name", f"came {given.name!r}; {suggestion(given.name, LIQUIDS)}")])
+    try:
+        return liquid(given.name, ROOM if given.temperature is None else given.temperature, given.salinity)
+    except BadInput as fault:
+        key = "temperature" if "temperature" in str(fault) else "salinity"
+        raise SceneError([Fault(f"liquid.{key}", str(fault))]) from None
+
+
+def filled(given: FluidSpec) -> FluidSpec:
+    """The liquid with density, viscosity and surface tension: what the scene says wins over what the name says."""
+    named = substance_of(given)
+    density, viscosity, tension = (WATER, 0.0, 0.0) if named is None else [getattr(named, key) for key in FILLED]
+    return dataclasses.replace(
+        given,
+        density=density if given.density is None else given.density,
+        viscosity=viscosity if given.viscosity is None else given.viscosity,
+        surface_tension=tension if given.surface_tension is None else given.surface_tension,
+    )
+
+
+def told(given: FluidSpec) -> list[tuple[str, str, str]]:
+    """What `check` says of the material: where each number comes from."""
+    named, full = substance_of(given), filled(given)
+    units = {"density": "kg/m^3", "viscosity": "Pa s", "surface_tension": "N/m"}
+    origin = "usual" if named is None else f"{named.name} at {named.temperature - ICE_POINT:.4g} degrees Celsius"
+    return [
+        (key.replace("_", " "), f"{getattr(full, key):.5g} {units[key]}", origin if getattr(given, key) is None else "")
+        for key in FILLED
+        if named is not None or getattr(full, key)
+    ]
+
+
+def laws_of(scene: Any) -> list[Source]:
+    """Kernel, pressure, diffusion, friction, tension, steps: as the model chooses them."""
+    liquid, name = filled(scene.liquid), diffusion_of(scene, gravity_of(scene))
+    excess = DIFFUSIONS[name].excess
+    form = kernels.KERNELS[scene.method.kernel]
+    laws: list[Source] = [form.value, states.tait_pressure, states.numerical_sound_speed]
+    laws += [diffusion.strength, excess] if excess is not None else []
+    laws += [viscous.artificial_viscosity] if scene.method.artificial_viscosity else []
+    if liquid.viscosity or turbulent(scene):
+        laws += [friction_of(scene).law]
+    laws += TENSIONS[tension_of(scene)].laws
+    laws += [viscous.eddy_viscosity, viscous.subparticle_stress] if turbulent(scene) else []
+    return [*laws, time_step_limits.acoustic_limit, time_step_limits.force_limit, *correlations_of(scene.liquid.name)]

@@ -1,0 +1,199 @@
+"""Initial positions, velocities and densities of the liquid, with the pressure that balances gravity and the flow.
+
+Positions, velocities and masses that a table or another run gives for single particles take precedence.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from ecume.engine.meshes import Cloud
+from ecume.engine.shapes import Box, Flags, Part, Shape, apart, lattice_in
+from ecume.errors import Fault, SceneError
+from ecume.laws.enthalpy import density_at_enthalpy
+from ecume.laws.flows import ball_pressure, channel_speed, patch_pressure, taylor_green_pressure, taylor_green_velocity
+from ecume.laws.waves import standing_wave_velocity
+from ecume.models.sph.parameters import Liquid, Material
+from ecume.models.sph.setup.choices import held_pull, modified
+from ecume.models.sph.setup.shapes import free_of, part_of, solids_of
+from ecume.models.sph.setup.walls_and_bodies import bounds_of
+from ecume.scenes.sph import SIDES, RegionSpec, SphScene
+from ecume.units import Array
+
+
+class Said(NamedTuple):
+    """Of a region's particles; not a number where nothing was said."""
+
+    velocity: Array
+    """(n, d), zero where nothing was said: it is added to the region's own"""
+    density: Array
+    mass: Array
+
+
+def said_of(region: RegionSpec, kept: Flags) -> Said:
+    """Of those that were kept."""
+    given, count = region.particles, int(kept.sum())
+    unsaid = np.full(count, np.nan)
+    if given is None:
+        return Said(np.zeros((count, 1)), unsaid, unsaid)
+    velocity, density, mass = (
+        np.array(each)[kept] if each else None for each in (given.velocities, given.densities, given.masses)
+    )
+    return Said(
+        np.zeros((count, 1)) if velocity is None else velocity,
+        unsaid if density is None else density,
+        unsaid if mass is None else mass,
+    )
+
+
+def with_said(liquid: Liquid, told: list[Said]) -> Liquid:
+    """The liquid with what was said of its regions, one after the other."""
+    dimension = len(liquid.position)
+    velocity = np.concatenate([np.broadcast_to(each.velocity, (len(each.density), dimension)) for each in told])
+    density, mass = np.concatenate([each.density for each in told]), np.concatenate([each.mass for each in told])
+    dense = np.where(np.isnan(density), liquid.density, density)
+    return liquid._replace(
+        velocity=np.ascontiguousarray(liquid.velocity + velocity.T),
+        density=dense,
+        mass=np.where(np.isnan(mass), liquid.mass / liquid.density * dense, mass),
+    )
+
+
+TAYLOR_GREEN, STANDING_WAVE, POISEUILLE = "taylor-green", "standing-wave", "poiseuille"
+
+
+def velocity_in(region: RegionSpec, scene: SphScene, points: Array) -> Array:
+    """(N, d) the velocity with which a region starts."""
+    velocity = np.zeros_like(points)
+    if region.velocity is not None:
+        velocity += np.array(region.velocity)
+    if region.velocity_gradient:
+        center = np.zeros(points.shape[1]) if region.center is None else np.array(region.center)
+        velocity += (points - center) @ np.array(region.velocity_gradient).T
+    if region.flow == POISEUILLE:
+        low, width = scene.tank.low[1], scene.tank.high[1] - scene.tank.low[1]
+        velocity[:, 0] += [channel_speed(y - low, width, region.flow_speed) for y in points[:, 1]]
+    if region.flow == TAYLOR_GREEN:
+        x, y = vortex_phases(scene, points)
+        velocity[:, 0] += taylor_green_velocity(x, y, region.flow_speed)
+        velocity[:, 1] += taylor_green_velocity(y, x, -_cross_speed(region, scene))
+    elif region.flow == STANDING_WAVE:
+        velocity[:, :2] += _wave_velocity(region, scene, points)
+    return velocity
+
+
+def _wave_velocity(region: RegionSpec, scene: SphScene, points: Array) -> Array:
+    """(N, 2) along x and upwards: half a wave fits into the tank, and the region says how deep the liquid is."""
+    low, high = scene.tank.low, scene.tank.high
+    depth = float(part_of(region, scene.spacing).bounds()[1][1]) - low[1]
+    wave = {"wavenumber": math.pi / (high[0] - low[0]), "depth": depth, "speed": region.flow_speed}
+    return np.array([standing_wave_velocity(point[0] - low[0], point[1] - low[1], **wave) for point in points])
+
+
+def pressure_in(region: RegionSpec, scene: SphScene, points: Array, density: float) -> Array:
+    """(N,) the gauge pressure that keeps a region's flow as it is (Pa), beside that of its depth.
+
+    Started without it, a weakly compressible liquid rings: sound goes to and fro that only viscosity damps.
+    """
+    if scene.method.start == "rest":
+        return np.zeros(len(points))
+    if region.flow == TAYLOR_GREEN:
+        x, y = vortex_phases(scene, points)
+        swirl: Array = np.asarray(taylor_green_pressure(x, y, region.flow_speed, _cross_speed(region, scene), density))
+        return swirl
+    if scene.gravity is None or any(scene.gravity) or not _free(scene):
+        return np.zeros(len(points))
+    return _deforming(region, scene, points, density)
+
+
+def vortex_phases(scene: SphScene, points: Array) -> tuple[Array, Array]:
+    """Of a vortex pair a tank length."""
+    size = np.array(scene.tank.high) - np.array(scene.tank.low)
+    phase = 2.0 * math.pi * (points - np.array(scene.tank.low)) / size
+    return phase[:, 0], phase[:, 1]
+
+
+def _cross_speed(region: RegionSpec, scene: SphScene) -> float:
+    """Along y: other than along x where the tank is no square, for nothing must diverge."""
+    size = np.array(scene.tank.high) - np.array(scene.tank.low)
+    return float(region.flow_speed * size[1] / size[0])
+
+
+def _free(scene: SphScene) -> bool:
+    return all(getattr(scene.tank, side).kind == "open" for side in SIDES[: 2 * len(scene.tank.low)])
+
+
+def _deforming(region: RegionSpec, scene: SphScene, points: Array, density: float) -> Array:
+    """A ball or a square without walls: its surface is at zero, whatever it does."""
+    dimension = points.shape[1]
+    gradient = np.array(region.velocity_gradient or np.zeros((dimension, dimension)))
+    rate = scene.central_pull.rate if scene.central_pull else 0.0
+    stretching = float(np.trace(gradient @ gradient)) + dimension * rate**2
+    if region.radius is not None:
+        away = np.linalg.norm(points - np.array(region.center), axis=1)
+        return np.array([ball_pressure(r, region.radius, stretching, density, dimension) for r in away])
+    if region.low is not None and region.high is not None and dimension == 2:
+        low, size = np.array(region.low), np.array(region.high) - np.array(region.low)
+        if math.isclose(size[0], size[1]):
+            return np.array([patch_pressure(x, y, size[0], stretching, density) for x, y in points - low])
+    return np.zeros(len(points))
+
+
+def liquid_of(scene: SphScene, material: Material) -> Liquid:
+    """The particles at the start, with the pressure of their depth."""
+    pull = np.zeros(len(scene.tank.low)) if modified(scene) else held_pull(scene)
+    generator = np.random.default_rng(scene.seed)
+    pieces: list[tuple[Array, Array, Array]] = []
+    earlier: list[Part] = []
+    told: list[Said] = []
+    solids = solids_of(scene)
+    for index, region in enumerate(scene.fluid):
+        shape = part_of(region, scene.spacing)
+        given = region.particles
+        points = lattice_in(shape, scene.spacing) if given is None else np.array(given.positions)
+        kept = _kept(scene, points, earlier, solids, single=given is not None)
+        points = points[kept]
+        outside = ~room_of(scene, single=given is not None).inside(points)
+        if outside.any():
+            where = tuple(float(f"{x:.4g}") for x in points[outside][0])
+            raise SceneError([Fault(f"fluid[{index}]", f"reaches out of the tank, at {where}")])
+        earlier.append(shape)
+        head = np.zeros(len(points))
+        if pull.any() and scene.method.start == "hydrostatic":
+            head = np.linalg.norm(pull) * shape.way_out(points, -pull / np.linalg.norm(pull))
+        if given is None:
+            points = points + scene.method.jitter * scene.spacing * generator.uniform(-1.0, 1.0, points.shape)
+        head += pressure_in(region, scene, points, material.density) / material.density
+        pieces.append((points, velocity_in(region, scene, points), head))
+        told.append(said_of(region, kept))
+    return with_said(_particles(scene, material, pieces), told)
+
+
+def room_of(scene: SphScene, *, single: bool) -> Box:
+    """Where liquid may start: in the tank, and `single` particles, those of a run under way, beyond its open sides."""
+    tank = np.array([scene.tank.low, scene.tank.high])
+    low, high = np.where(np.isfinite(bounds_of(scene)), bounds_of(scene), tank) if single else tank
+    return Box(low, high)
+
+
+def _kept(scene: SphScene, points: Array, earlier: list[Part], solids: list[Shape], *, single: bool) -> Flags:
+    """Who is neither where other liquid is nor too close to a solid. `single` particles keep the distances of the flow
+    they were taken from, to those of other tables and to solids, however small.
+    """
+    others = [part for part in earlier if not (single and isinstance(part, Cloud))]
+    return apart(points, others) & free_of(points, solids, 0.0 if single else scene.spacing)
+
+
+def _particles(scene: SphScene, material: Material, pieces: list[tuple[Array, Array, Array]]) -> Liquid:
+    """Densities and masses of points where the enthalpy (J/kg) is known."""
+    points, velocity, head = (np.concatenate(parts) for parts in zip(*pieces, strict=True))
+    if len(points) == 0:
+        raise SceneError([Fault("spacing", f"came {scene.spacing:g} m: no particle fits into the liquid")])
+    laws = material.density, material.sound_speed, material.exponent
+    density = np.array([density_at_enthalpy(each, *laws) for each in head])
+    mass = density * scene.spacing ** points.shape[1]
+    region = np.repeat(np.arange(len(pieces)), [len(piece[0]) for piece in pieces])
+    return Liquid(np.ascontiguousarray(points.T), np.ascontiguousarray(velocity.T), density, mass, region)

@@ -1,0 +1,381 @@
+"""What holds the liquid: planes with images behind them, and layers of dummy particles."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from ecume._portable import length
+from ecume.engine.boundary_images import Sides
+from ecume.engine.cells import Integers
+from ecume.engine.shapes import Ball, Polygon, Shape
+from ecume.engine.walls import Surfaces, box, disc, outside, planes, polygon, sheet, together
+from ecume.errors import BadInput, Fault, SceneError
+from ecume.models.sph.parameters import Bodies, Boundary, Drive, Dummies, Gate, Guard, Material
+from ecume.models.sph.rates.methods import PRESSURE_FORCES
+from ecume.models.sph.setup.choices import color_reach_of
+from ecume.models.sph.setup.shapes import grains, obstacle_grains, shape_of, solids_of
+from ecume.scenes.sph import SIDES, BodySpec, MotionSpec, ShakeSpec, SphScene
+from ecume.units import Array
+
+LAYERED = ("wall", "inflow", "outflow")
+LEAST_PERIOD = 1.2
+"""Of a periodic tank, in supports: lists look a little further than a support."""
+
+
+def boundary_of(scene: SphScene, material: Material, support: float) -> Boundary:
+    """The tank, what stands in it, and the bodies' particles about their middles."""
+    require_long_periods(scene, max(support, color_reach_of(scene)))
+    sides, table, image_owner = _imaging_sides(scene, material)
+    solids = solids_of(scene)
+    middle = 0.5 * (np.array(scene.tank.low) + np.array(scene.tank.high))
+    walls = 2 * len(middle)
+    names = SIDES[:walls]
+    names += tuple(f"obstacle{index}" for index in range(len(scene.obstacles)))
+    names += tuple(f"body{index}" for index in range(len(scene.bodies)))
+    centers = np.zeros((len(names), 3))
+    centers[:, : len(middle)] = [*[middle] * walls, *[solid.middle() for solid in solids]]
+    dummies = joined([_layers(scene, material, support), *_of_solids(scene, material, support)])
+    return Boundary(sides, table, image_owner, dummies, guard_of(scene), names, centers)
+
+
+def require_long_periods(scene: SphScene, support: float) -> None:
+    """A periodic tank must be longer than a support, or a particle would miss its neighbors' further images."""
+    size = np.array(scene.tank.high) - np.array(scene.tank.low)
+    for axis in range(len(size)):
+        if _side(scene, 2 * axis).kind == "periodic" and size[axis] < LEAST_PERIOD * support:
+            least = LEAST_PERIOD * support
+            came = f"{size[axis]:.4g} m along {'xyz'[axis]}, where the tank is periodic"
+            raise SceneError([Fault("tank.high", f"came {came}; wanted {least:.4g} m, or a smaller spacing")])
+
+
+def joined(pieces: list[Dummies]) -> Dummies:
+    """One after the other."""
+    return Dummies(*(np.ascontiguousarray(np.concatenate(parts, axis=-1)) for parts in zip(*pieces, strict=True)))
+
+
+def dummies_at(points: Array, volume: Array, viscosity: float, owner: int) -> Dummies:
+    """A solid's particles at rest, from points (n, d)."""
+    count = len(points)
+    number = np.full(count, owner, np.int64)
+    return Dummies(points.T.copy(), np.zeros_like(points.T), np.full(count, viscosity), volume, number)
+
+
+def _of_solids(scene: SphScene, material: Material, support: float) -> list[Dummies]:
+    pieces, first = [], 2 * len(scene.tank.low)
+    for index, (points, volume) in enumerate(obstacle_grains(scene, support)):
+        viscosity = material.viscosity * holds(scene.obstacles[index], material)
+        pieces.append(dummies_at(points, volume, viscosity, first + index))
+    for index, spec in enumerate(scene.bodies):
+        shape = shape_of(spec)
+        points, volume = grains(shape, scene.spacing, support)
+        viscosity = material.viscosity * holds(spec, material)
+        owner = first + len(scene.obstacles) + index
+        pieces.append(dummies_at(points - shape.middle(), volume, viscosity, owner))
+    return pieces
+
+
+def _side(scene: SphScene, number: int) -> Any:
+    return getattr(scene.tank, SIDES[number])
+
+
+def holds(side: Any, material: Material) -> bool:
+    """Whether a wall holds the liquid that touches it."""
+    return bool(side.slip == "no-slip" or (side.slip is None and material.viscosity > 0.0))
+
+
+def _imaging_sides(scene: SphScene, material: Material) -> tuple[Sides, Array, Integers]:
+    """Mirrors, and periodic sides, and the number of each mirror's side in the tank (-1: periodic). Mirrors first: a
+    periodic side then repeats the mirrored ones.
+    """
+    dimension = len(scene.tank.low)
+    mirrors = scene.tank.walls == "mirror"
+    rows, numbers = [], []
+    for number in range(2 * dimension):
+        side, axis = _side(scene, number), number // 2
+        if side.kind == "periodic" or (side.kind == "wall" and mirrors):
+            rows.append(_row(scene, number, axis, holds(side, material)))
+            numbers.append(number if side.kind == "wall" else -1)
+    order = sorted(range(len(rows)), key=lambda k: -rows[k][3 * dimension])
+    table = np.array([rows[k] for k in order]).reshape(-1, 4 * dimension + 2)
+    owner, d = np.array([numbers[k] for k in order], np.int64), dimension
+    periodic = table[:, 3 * d] == 0.0
+    shift = np.where(periodic[:, None], table[:, 2 * d : 3 * d], 0.0)
+    return Sides(table[:, :d], table[:, d : 2 * d], shift, (~periodic).astype(np.int64)), table, owner
+
+
+def _row(scene: SphScene, number: int, axis: int, hold: bool) -> list[float]:
+    """Point, normal, shift or velocity, whether it mirrors, whether it holds, acceleration."""
+    low, high = np.array(scene.tank.low), np.array(scene.tank.high)
+    side, first = _side(scene, number), number % 2 == 0
+    normal, third = np.zeros(len(low)), np.zeros(len(low))
+    normal[axis] = 1.0 if first else -1.0
+    if side.kind == "periodic":
+        third[axis] = (high - low)[axis] * normal[axis]
+    elif side.velocity is not None:
+        third[:] = side.velocity
+    flags = float(side.kind == "wall"), float(hold)
+    return [*(low if first else high), *normal, *third, *flags, *np.zeros(len(low))]
+
+
+def _layers(scene: SphScene, material: Material, support: float) -> Dummies:
+    """Layers of dummies around the tank, as thick as the support, where its sides are walls."""
+    low, high = np.array(scene.tank.low), np.array(scene.tank.high)
+    dimension, spacing = len(low), scene.spacing
+    if scene.tank.walls != "dummy":
+        return dummies_at(np.zeros((0, dimension)), np.zeros(0), 0.0, 0)
+    layers = math.ceil(support / spacing - 1e-9)
+    axes = []
+    for axis in range(dimension):
+        count = round((high - low)[axis] / spacing)
+        # Walls go on beside the buffers of in- and outflows.
+        first = -layers if _side(scene, 2 * axis).kind in LAYERED else 0
+        last = count + layers if _side(scene, 2 * axis + 1).kind in LAYERED else count
+        axes.append(low[axis] + spacing * (np.arange(first, last) + 0.5))
+    points = np.stack([grid.ravel() for grid in np.meshgrid(*axes, indexing="ij")], axis=1)
+    walled = np.array([_side(scene, number).kind == "wall" for number in range(2 * dimension)])
+    outside = (((points < low) & walled[0::2]) | ((points > high) & walled[1::2])).any(axis=1)
+    points = points[outside]
+    velocity, viscosity, owner = np.zeros_like(points), np.zeros(len(points)), np.zeros(len(points), np.int64)
+    # A lid moves its own layers, not the corners of the walls beside it: they stand still.
+    for number in range(2 * dimension):
+        side, axis = _side(scene, number), number // 2
+        behind = points[:, axis] < low[axis] if number % 2 == 0 else points[:, axis] > high[axis]
+        if side.kind == "wall":
+            owner[behind] = number
+        if side.kind == "wall" and holds(side, material):
+            viscosity[behind] = material.viscosity
+        if side.velocity is not None:
+            velocity[behind] = side.velocity
+    volume = np.full(len(points), spacing**dimension)
+    return Dummies(np.ascontiguousarray(points.T), np.ascontiguousarray(velocity.T), viscosity, volume, owner)
+
+
+OFF = 1e-3
+"""How far off the walls the guard keeps particles, in spacings."""
+STANDOFF = 0.1
+"""Walls repel particles closer than this, in spacings (see `boundaries.walls`). A wider one slows the front of a dam
+break.
+"""
+
+
+def guard_of(scene: SphScene) -> Guard:
+    """All sides that are walls, and all obstacles."""
+    pieces, owner, restitution = [], list[int](), list[float]()
+    low, high = np.array(scene.tank.low), np.array(scene.tank.high)
+    for number, name in enumerate(SIDES[: 2 * len(low)]):
+        if getattr(scene.tank, name).kind == "wall":
+            normal = (1.0 - 2.0 * (number % 2)) * np.eye(len(low))[number // 2]
+            pieces.append(planes([high if number % 2 else low], [normal]))
+            owner.append(number)
+            restitution.append(scene.tank.restitution)
+    for index, spec in enumerate(scene.obstacles):
+        pieces.append(_obstacle(shape_of(spec), f"obstacles[{index}]"))
+        owner += [2 * len(low) + index] * len(pieces[-1].kind)
+        own = scene.tank.restitution if spec.restitution is None else spec.restitution
+        restitution += [own] * len(pieces[-1].kind)
+    walls = together(*pieces) if pieces else box(low.tolist(), high.tolist())._replace(**_nothing(len(low)))
+    packed = sheet(walls, np.array(restitution))
+    reach = STANDOFF * scene.spacing * (scene.tank.walls != "reflect")
+    return Guard(packed, np.array(owner, np.int64), OFF * scene.spacing, reach)
+
+
+def _nothing(dimension: int) -> dict[str, Any]:
+    none = np.zeros(0, np.int64)
+    return {
+        "kind": none,
+        "place": np.zeros((0, 3)),
+        "size": np.zeros(0),
+        "velocity": np.zeros((0, 3)),
+        "face": np.zeros((0, 2), np.int64),
+    }
+
+
+def _obstacle(shape: Shape, path: str) -> Surfaces:
+    try:
+        if isinstance(shape, Ball):
+            return outside(disc(tuple(shape.center), shape.radius))
+        low, high = shape.bounds()
+        return outside(polygon(shape.vertices) if isinstance(shape, Polygon) else box(low.tolist(), high.tolist()))
+    except BadInput as error:
+        raise SceneError([Fault(f"{path}.vertices", str(error))]) from error
+
+
+ENDS = ("inflow", "outflow")
+
+
+def gates_of(scene: SphScene, support: float) -> tuple[Gate, ...]:
+    """The sides with a buffer behind them."""
+    found, tank = [], scene.tank
+    transported = PRESSURE_FORCES[scene.method.pressure_force].transported
+    if transported and any(side_of(scene, k).kind in ENDS for k in range(len(SIDES))):
+        message = "came 'transport', which is for closed flows; with in- and outflows use 'sum'"
+        raise SceneError([Fault("method.pressure_force", message)])
+    if scene.central_pull is not None and any(side_of(scene, k).kind in ENDS for k in range(2 * len(tank.low))):
+        message = "goes with no in- or outflow: the pressure of the liquid behind those follows from gravity alone"
+        raise SceneError([Fault("central_pull", message)])
+    layers = int(np.ceil(support / scene.spacing - 1e-9))
+    for number in range(2 * len(tank.low)):
+        side, axis = side_of(scene, number), number // 2
+        if side.kind not in ENDS:
+            continue
+        low, high = np.array(tank.low), np.array(tank.high)
+        if side.level is not None:
+            high[1] = min(high[1], side.level)
+        walls = np.array([_walled(scene, k) and k != axis for k in range(len(low))])
+        found.append(
+            Gate(
+                zone=number + 1,
+                axis=axis,
+                inward=1.0 if number % 2 == 0 else -1.0,
+                place=float((low if number % 2 == 0 else high)[axis]),
+                enters=side.kind == "inflow",
+                speed=side.speed or 0.0,
+                curved=np.where(walls, 1.0 + (np.arange(len(low)) == 1) * (side.level is not None), 0.0)
+                * (side.profile == "parabolic"),
+                low=low,
+                high=high,
+                layers=layers,
+                pressure=side.pressure,
+            )
+        )
+    return tuple(found)
+
+
+def side_of(scene: SphScene, number: int) -> Any:
+    """A side of the tank."""
+    return getattr(scene.tank, SIDES[number])
+
+
+def _walled(scene: SphScene, axis: int) -> bool:
+    """Whether there is a wall at the low end; what is above a level is air."""
+    return bool(side_of(scene, 2 * axis).kind == "wall")
+
+
+def bounds_of(scene: SphScene) -> Array:
+    """(2, d) beyond which liquid that went through an open side is lost: one diagonal of the tank away from it."""
+    low, high = np.array(scene.tank.low), np.array(scene.tank.high)
+    ends, far = np.array([low, high]), length(high - low)
+    for number in range(2 * len(low)):
+        kind = side_of(scene, number).kind
+        sign = 2.0 * (number % 2) - 1.0
+        ends[number % 2, number // 2] += sign * (far if kind == "open" or kind in ENDS else np.inf)
+    return ends
+
+
+UPRIGHT = (1.0, 0.0, 0.0, 0.0)
+TOUCHING = 1e-3
+"""Of a spacing."""
+
+
+def bodies_of(scene: SphScene, boundary: Boundary) -> Bodies:
+    """The bodies of a scene, as they start."""
+    _require_possible(scene)
+    shapes = [shape_of(spec) for spec in scene.bodies]
+    centered = tuple(shape.carried(-shape.middle()) for shape in shapes)
+    mass = np.array([mass_of(spec, shape) for spec, shape in zip(scene.bodies, shapes, strict=True)])
+    inertia = np.array([shape.inertia() for shape in shapes]).reshape(-1, 3).T
+    if len(scene.tank.low) == 2:
+        inertia = inertia * np.array([[0.0], [0.0], [1.0]])
+    first = len(boundary.names) - len(shapes)
+    return Bodies(
+        shapes=centered,
+        rims=tuple(_wide(shape.rim(0.5 * scene.spacing)) for shape in centered),
+        pose=np.array([[*_wide(shape.middle()[None])[0], *UPRIGHT] for shape in shapes]).reshape(-1, 7).T.copy(),
+        motion=np.array([_motion(spec) for spec in scene.bodies]).reshape(-1, 6).T.copy(),
+        mass=mass,
+        inertia=np.ascontiguousarray(mass * inertia),
+        restitution=np.array([spec.restitution for spec in scene.bodies]),
+        friction=np.array([spec.friction for spec in scene.bodies]),
+        first=int(np.count_nonzero(boundary.dummies.owner < first)),
+        obstacles=tuple(shape_of(spec) for spec in scene.obstacles),
+        obstacle_rims=tuple(_wide(shape_of(spec).rim(0.5 * scene.spacing)) for spec in scene.obstacles),
+    )
+
+
+def _require_possible(scene: SphScene) -> None:
+    low, high = np.array(scene.tank.low), np.array(scene.tank.high)
+    sides = [scene.tank.left, scene.tank.right, scene.tank.bottom, scene.tank.top, scene.tank.front, scene.tank.back]
+    faults = []
+    for index, spec in enumerate(scene.bodies):
+        ends = np.stack(shape_of(spec).bounds())
+        if any(side.kind == "periodic" for side in sides):
+            faults.append(Fault(f"bodies[{index}]", "a tank with bodies cannot have periodic sides; use walls"))
+        if (ends[0] < low - 1e-9).any() or (ends[1] > high + 1e-9).any():
+            faults.append(Fault(f"bodies[{index}]", "reaches out of the tank; wanted a body inside it"))
+    faults += _overlaps(scene)
+    if scene.bodies and scene.method.pressure_split == "modified":
+        faults.append(Fault("method.pressure_split", "came 'modified'; bodies need the whole pressure: use 'none'"))
+    if faults:
+        raise SceneError(faults)
+
+
+def _overlaps(scene: SphScene) -> list[Fault]:
+    """Bodies that start inside an obstacle or an earlier body, by more than what touching may round to."""
+    faults, slack = [], TOUCHING * scene.spacing
+    solids = [(f"obstacles[{n}]", shape_of(spec)) for n, spec in enumerate(scene.obstacles)]
+    for index, spec in enumerate(scene.bodies):
+        mine = shape_of(spec)
+        for name, other in solids:
+            deep = _overlap(mine, other, 0.5 * scene.spacing)
+            if deep > slack:
+                faults.append(Fault(f"bodies[{index}]", f"starts {deep:.3g} m inside {name}; leave room between them"))
+        solids.append((f"bodies[{index}]", mine))
+    return faults
+
+
+def _overlap(one: Shape, other: Shape, fine: float) -> float:
+    """How deep a point of either's rim is inside the other (m); negative where none is."""
+    pairs = (one, other), (other, one)
+    return max(-float(inside.nearest(outer.rim(fine))[0].min()) for outer, inside in pairs)
+
+
+def mass_of(spec: BodySpec, shape: Shape) -> float:
+    """kg; in the plane of one meter's depth."""
+    return spec.mass if spec.mass is not None else float(spec.density or 0.0) * shape.volume()
+
+
+def _motion(spec: BodySpec) -> list[float]:
+    velocity = [*(spec.velocity or ()), 0.0, 0.0, 0.0][:3]
+    return [*velocity, *(spec.spin if isinstance(spec.spin, tuple) else (0.0, 0.0, spec.spin))]
+
+
+def _wide(points: Array) -> Array:
+    return np.pad(points, ((0, 0), (0, 3 - points.shape[1])))
+
+
+def drives_of(scene: SphScene) -> tuple[tuple[int, Drive], ...]:
+    """The sides that move, by their numbers."""
+    found = []
+    for number, name in enumerate(SIDES[: 2 * len(scene.tank.low)]):
+        motion = getattr(scene.tank, name).motion
+        if motion is not None:
+            found.append((number, _drive(motion, motion.amplitude, motion.positions, -1.0)))
+    return tuple(found)
+
+
+def shake_of(scene: SphScene) -> Drive | None:
+    """What a shaken tank adds to gravity."""
+    shake = scene.shake
+    return None if shake is None else _drive(shake, shake.amplitude, shake.accelerations, 0.0)
+
+
+def _drive(spec: MotionSpec | ShakeSpec, amplitude: object, values: object, origin: float) -> Drive:
+    if spec.frequency is None or amplitude is None:
+        return Drive(np.zeros(1), 0.0, 0.0, 0.0, np.array(spec.times), np.atleast_2d(np.array(values).T))
+    height = np.atleast_1d(np.array(amplitude, np.float64))
+    none = np.zeros((len(height), 1))
+    start = origin * math.sin(spec.phase)
+    return Drive(height, 2.0 * math.pi * spec.frequency, spec.phase, start, np.zeros(1), none)
+
+
+def fastest_drive(scene: SphScene) -> float:
+    """The fastest that a side moves, or that a shake alone moves the liquid in a second at its height."""
+    speeds = [0.0]
+    for _, drive in drives_of(scene):
+        speeds.append(float(np.abs(drive.amplitude).max()) * drive.turning)
+        if len(drive.times) > 1:
+            speeds.append(float(np.abs(np.diff(drive.values[0]) / np.diff(drive.times)).max()))
+    return max(speeds)
