@@ -45,7 +45,7 @@ def solved(march: March, velocity: np.ndarray) -> tuple[int, float, float]:
     """Sweeps, residual over the fastest approach, and processor time, from the impulses that stand in the contacts."""
     parameters, contacts = march.parameters, march.workspace.contacts
     mobility = parameters.kick.mobility
-    touching.approaches(contacts, velocity, contacts.scratch)
+    touching.normal_velocities(contacts, velocity, contacts.scratch)
     rows = contacts.total[0]
     contacts.bound[:rows] = -np.maximum(contacts.gap[:rows], 0.0) / parameters.time_step
     fastest = float(np.max(contacts.bound[:rows] - contacts.scratch[:rows]))
@@ -61,7 +61,7 @@ def measured(size: int) -> None:
     march = raft(size)
     work, kick = march.workspace, pressed(march)
     touching.gather(work.contacts, work.candidates, march.state.position, bodies_of(march.parameters), 1e-6)
-    touching.weigh(work.contacts, march.parameters.kick.mobility)
+    touching.set_effective_masses(work.contacts, march.parameters.kick.mobility)
     work.contacts.impulse[:] = 0.0
     chance = np.random.default_rng(1).uniform(1.0 - CHANGE, 1.0 + CHANGE, (len(kick), 1))
     for start, velocity in (("nothing", kick.copy()), ("the last solution", kick * chance)):

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from ecume.engine.contact import contacts as touching
-from ecume.engine.contact import projected_gauss_seidel
+from ecume.engine.contact import projected_gauss_seidel, warm_start
 from ecume.engine.contact.contacts import Bodies
 from ecume.engine.contact.projected_gauss_seidel import Goal
 from ecume.engine.contact.warm_start import Memory
@@ -26,7 +26,7 @@ def all_candidates(position):
 def gathered(position, radius, walls, mobility, reach=1e-6):
     contacts = touching.make_contacts(8 * len(position) + 16)
     assert touching.gather(contacts, all_candidates(position), position, Bodies(radius, walls, mobility), reach)
-    touching.weigh(contacts, mobility)
+    touching.set_effective_masses(contacts, mobility)
     return contacts
 
 
@@ -43,7 +43,7 @@ def test_solved_contacts_let_nobody_through_and_pull_nobody():
     contacts = gathered(position, np.ones(len(position)), no_walls(), mobility)
     projected_gauss_seidel.solve(contacts, velocity, mobility, Goal(1e-10, 0.0))
     speed, rows = np.zeros(len(contacts.gap)), contacts.total[0]
-    touching.approaches(contacts, velocity, speed)
+    touching.normal_velocities(contacts, velocity, speed)
     assert np.min(speed[:rows]) > -1e-10
     assert np.min(contacts.impulse[:rows]) >= 0.0
     assert np.max(contacts.impulse[:rows] * speed[:rows]) < 1e-9
@@ -99,9 +99,9 @@ def test_a_warm_start_from_the_solution_needs_one_sweep():
     contacts = gathered(position, np.ones(len(position)), no_walls(), mobility)
     memory = Memory(np.zeros(1, np.int64), np.zeros((300, 2), np.int64), np.zeros(300))
     cold = projected_gauss_seidel.solve(contacts, velocity.copy(), mobility, Goal(1e-9, 0.0))
-    touching.remember(contacts, memory)
+    warm_start.remember(touching.contact_keys(contacts), memory)
     contacts.impulse[:] = 0.0
-    touching.recall(contacts, memory)
+    warm_start.recall(touching.contact_keys(contacts), memory)
     assert projected_gauss_seidel.solve(contacts, velocity.copy(), mobility, Goal(1e-9, 0.0)) == 1 < cold
 
 
@@ -111,11 +111,11 @@ def test_impulses_are_recalled_for_the_pairs_they_belong_to():
     memory = Memory(np.zeros(1, np.int64), np.zeros((300, 2), np.int64), np.zeros(300))
     rows = contacts.total[0]
     contacts.impulse[:rows] = 100.0 * contacts.first[:rows] + contacts.second[:rows]
-    touching.remember(contacts, memory)
+    warm_start.remember(touching.contact_keys(contacts), memory)
     fewer = np.delete(np.arange(rows), np.arange(0, rows, 3))
     contacts.first[: len(fewer)], contacts.second[: len(fewer)] = contacts.first[fewer], contacts.second[fewer]
     contacts.total[0] = len(fewer)
-    touching.recall(contacts, memory)
+    warm_start.recall(touching.contact_keys(contacts), memory)
     expected = 100.0 * contacts.first[: len(fewer)] + contacts.second[: len(fewer)]
     assert np.array_equal(contacts.impulse[: len(fewer)], expected)
 
@@ -177,7 +177,7 @@ def test_each_island_is_solved_as_if_it_were_alone(colliding):
     for pair in colliding:
         velocity[2 * pair : 2 * pair + 2] = [[0.1, 1.0], [0.2, -1.0 - 0.1 * pair]]
     contacts = gathered(position, np.ones(len(position)), dish, mobility)
-    assert contacts.total[0] >= projected_gauss_seidel.MANY
+    assert contacts.total[0] >= projected_gauss_seidel.LEAST_FOR_ISLANDS
     together = velocity.copy()
     projected_gauss_seidel.solve(contacts, together, mobility, Goal(1e-12, 0.0))
     assert (contacts.impulse > 0.0).any() == bool(colliding)

@@ -6,7 +6,7 @@ from tests.engine.test_contacts import a_raft, all_candidates
 
 from ecume.engine.contact import contacts as touching
 from ecume.engine.contact import friction as rough
-from ecume.engine.contact import projected_gauss_seidel
+from ecume.engine.contact import projected_gauss_seidel, warm_start
 from ecume.engine.contact.contacts import Bodies
 from ecume.engine.contact.friction import Motion
 from ecume.engine.contact.projected_gauss_seidel import Goal
@@ -21,8 +21,8 @@ def pressed(position, motion, radius, friction, walls, reach=1e-6):
     """The contacts there are, ready to be solved."""
     contacts = touching.make_contacts(8 * len(position) + 16)
     assert touching.gather(contacts, all_candidates(position), position, Bodies(radius, walls, motion.mobility), reach)
-    touching.weigh(contacts, motion.mobility)
-    rubbing = rough.make_rubbing(len(contacts.gap))
+    touching.set_effective_masses(contacts, motion.mobility)
+    rubbing = rough.make_friction_rows(len(contacts.gap))
     rough.prepare(contacts, rubbing, radius, (friction, friction), motion)
     return contacts, rubbing
 
@@ -47,7 +47,7 @@ def test_impulses_stay_inside_their_cone_and_what_slides_is_braked(friction):
     contacts, rubbing = pressed(position, motion, np.ones(len(position)), friction, no_walls())
     assert rough.solve(contacts, rubbing, motion, Goal(1e-10, 0.0)) <= projected_gauss_seidel.MOST_SWEEPS
     rows, sliding = contacts.total[0], np.zeros(len(contacts.gap))
-    rough.slidings(contacts, rubbing, motion, sliding)
+    rough.tangential_velocities(contacts, rubbing, motion, sliding)
     p, q, s = contacts.impulse[:rows], rubbing.impulse[:rows], sliding[:rows]
     assert np.all(np.abs(q) <= friction * p)
     slides = (p > 1e-9) & (np.abs(s) > 1e-9)
@@ -141,10 +141,10 @@ def test_tangential_impulses_are_recalled_for_the_pairs_they_belong_to():
     rubbed = np.zeros(300)
     first = rough.solve(contacts, rubbing, cold, Goal(1e-9, 0.0))
     found = rubbing.impulse.copy()
-    touching.remember(contacts, memory)
+    warm_start.remember(touching.contact_keys(contacts), memory)
     rough.remember(contacts, rubbing, memory, rubbed)
     contacts.impulse[:], rubbing.impulse[:] = 0.0, 0.0
-    touching.recall(contacts, memory)
+    warm_start.recall(touching.contact_keys(contacts), memory)
     rough.recall(contacts, rubbing, memory, rubbed)
     assert np.array_equal(rubbing.impulse, found)
     assert rough.solve(contacts, rubbing, motion, Goal(1e-8, 0.0)) < 0.2 * first

@@ -7,6 +7,7 @@ import pytest
 from tests.engine.test_outlines import needle, outlines, square
 
 from ecume.engine.contact import torque_contacts as touching
+from ecume.engine.contact import warm_start
 from ecume.engine.contact.contacts import make_candidates
 from ecume.engine.contact.projected_gauss_seidel import Goal
 from ecume.engine.contact.warm_start import Memory
@@ -19,7 +20,7 @@ GOAL = Goal(1e-12, 1e-9)
 def party(bodies, mass=1.0, inertia=0.8, walls=None):
     shapes = outlines(*bodies)
     mobility = np.tile([1.0 / mass, 1.0 / mass, 1.0 / inertia], (len(bodies), 1))
-    return touching.Party(shapes, np.full(len(bodies), 3.0), no_walls() if walls is None else walls, mobility)
+    return touching.OutlinedBodies(shapes, np.full(len(bodies), 3.0), no_walls() if walls is None else walls, mobility)
 
 
 def crowd(count, chance):
@@ -41,7 +42,7 @@ def all_pairs(count):
 
 
 def gathered(who, stance, reach=1.0):
-    levers = touching.make_levers(400, 100)
+    levers = touching.make_torque_contacts(400, 100)
     assert touching.gather(levers, all_pairs(len(stance.angle)), stance, who, reach)
     return levers
 
@@ -105,9 +106,9 @@ def test_a_square_that_falls_flat_on_another_goes_on_with_it_as_one(aside):
 def test_what_glides_along_itself_gives_way_along_itself():
     """Mobilities along and across differ: a push on the flank moves it less than one on the tip."""
     mobility, lever, give = np.array([2.0, 1.0, 0.0]), np.array([1.0, 0.0, 0.0]), np.zeros(3)
-    assert touching.give_way(mobility, 0.0, lever, give) == pytest.approx(2.0)
-    assert touching.give_way(mobility, 0.5 * math.pi, lever, give) == pytest.approx(1.0)
-    assert touching.give_way(mobility, 0.25 * math.pi, lever, give) == pytest.approx(1.5)
+    assert touching.impulse_response(mobility, 0.0, lever, give) == pytest.approx(2.0)
+    assert touching.impulse_response(mobility, 0.5 * math.pi, lever, give) == pytest.approx(1.0)
+    assert touching.impulse_response(mobility, 0.25 * math.pi, lever, give) == pytest.approx(1.5)
     assert give[:2] == pytest.approx([1.5, 0.5])
 
 
@@ -141,7 +142,7 @@ def test_impulses_are_found_again_by_pair_and_feature():
     memory = Memory(np.zeros(1, np.int64), np.zeros((8, 2), np.int64), np.zeros(8))
     kept = 1.0 + np.arange(levers.total[0])
     levers.impulse[: levers.total[0]] = kept
-    touching.remember(levers, memory)
+    warm_start.remember(touching.contact_keys(levers), memory)
     levers.impulse[:] = 0.0
-    touching.recall(levers, memory)
+    warm_start.recall(touching.contact_keys(levers), memory)
     assert levers.impulse[: levers.total[0]] == pytest.approx(kept)

@@ -84,7 +84,7 @@ def _small_crowds_are_shared(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(spread, "THREADS_FROM", 1)
     if os.environ.get("NUMBA_DISABLE_JIT") == "1":  # what is compiled keeps its constants
         monkeypatch.setattr(spread, "FEW_CONTACTS", 1)
-        monkeypatch.setattr(projected_gauss_seidel, "MANY", 1)
+        monkeypatch.setattr(projected_gauss_seidel, "LEAST_FOR_ISLANDS", 1)
 
 
 def copied(state: Any) -> Any:

@@ -1,6 +1,6 @@
-"""Contacts that last: who touches whom, what they remember, and overlaps removed without touching velocities.
+"""Contacts between discs and with walls: detection, effective masses, and position projection.
 
-How their impulses are found: `ecume.engine.contact.projected_gauss_seidel`.
+`ecume.engine.contact.projected_gauss_seidel` solves for the impulses.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import numpy as np
 
 from ecume._jit import compiled, compiled_inside
 from ecume.engine.cells import Integers
-from ecume.engine.contact.warm_start import Keyed, Memory, recall_each, remember_each
+from ecume.engine.contact.warm_start import ContactKeys
 from ecume.engine.walls import Walls, wall_count, wall_distance
 from ecume.units import Array
 
@@ -20,16 +20,16 @@ MOST_ROUNDS = 20_000
 
 
 class Bodies(NamedTuple):
-    """What the solver must know of the particles and of the walls around them."""
+    """The bodies of the solver: discs, and the walls around them."""
 
     radius: Array
     walls: Walls
     mobility: Array
-    """(N + walls,) velocity per impulse: 1/m, less where drag acts during the step; zero for what cannot be moved"""
+    """(N + walls,) velocity per impulse: the inverse mass, reduced by drag during the step; zero for fixed bodies"""
 
 
 class Candidates(NamedTuple):
-    """Pairs (i < j) that may touch while the neighbor lists hold, ordered by i, then j."""
+    """Pairs (i < j) that may touch while the neighbor lists are valid, ordered by i, then j."""
 
     first: Integers
     """(N + 1,)"""
@@ -38,10 +38,10 @@ class Candidates(NamedTuple):
 
 
 class Contacts(NamedTuple):
-    """Contacts of one step. A wall number k stands as partner N + k."""
+    """Contacts of one time step. Wall number k is partner N + k."""
 
     total: Integers
-    """(1,) how many there are"""
+    """(1,) number of contacts"""
     first: Integers
     """(capacity,) i"""
     second: Integers
@@ -50,24 +50,24 @@ class Contacts(NamedTuple):
     """(capacity, 2) from i to j, or from i into the wall"""
     gap: Array
     bound: Array
-    """the least n.(w_j - w_i) allowed"""
+    """lower bound of the relative normal velocity n.(w_j - w_i)"""
     weight: Array
-    """impulse per relative velocity"""
+    """effective mass: impulse per relative velocity"""
     impulse: Array
     change: Array
-    """of the impulses, in the last sweep"""
+    """of the impulses in the last sweep"""
     direction: Array
     """search direction of the conjugate gradient"""
     scratch: Array
 
 
 def make_candidates(count: int, capacity: int) -> Candidates:
-    """Room for `capacity` pairs."""
+    """Empty arrays for `capacity` pairs."""
     return Candidates(np.zeros(count + 1, np.int64), np.zeros(max(capacity, 16), np.int64))
 
 
 def make_contacts(capacity: int) -> Contacts:
-    """Room for `capacity` contacts."""
+    """Empty arrays for `capacity` contacts."""
     whole = [np.zeros(capacity, np.int64) for _ in range(2)]
     real = [np.zeros(capacity) for _ in range(7)]
     return Contacts(np.zeros(1, np.int64), whole[0], whole[1], np.zeros((capacity, 2)), *real)
@@ -75,9 +75,9 @@ def make_contacts(capacity: int) -> Contacts:
 
 @compiled_inside
 def pair_gap(apart_x: float, apart_y: float, touching: float) -> tuple[float, float, float]:
-    """The gap of two discs whose centers lie (apart_x, apart_y) apart, and the direction from one to the other.
+    """The gap of two discs whose centers are displaced by (apart_x, apart_y), and the unit vector between them.
 
-    Two centers in one place have no direction: the first axis stands in, so that the overlap can be resolved at all.
+    Coincident centers have no direction; the x axis is used, so that the overlap can be resolved.
     """
     distance = math.sqrt(apart_x * apart_x + apart_y * apart_y)
     if distance == 0.0:
@@ -87,9 +87,7 @@ def pair_gap(apart_x: float, apart_y: float, touching: float) -> tuple[float, fl
 
 @compiled
 def gather(contacts: Contacts, candidates: Candidates, position: Array, bodies: Bodies, reach: float) -> bool:
-    """Write down all contacts with a gap below `reach`, ordered by i, then j, walls last. False when there is no
-    room.
-    """
+    """Find all contacts with a gap below `reach`, by i, then j, walls last. False if the capacity is too small."""
     radius, walls, starts, partner = bodies.radius, bodies.walls, candidates.first, candidates.partner
     first, second, normal, gaps = contacts.first, contacts.second, contacts.normal, contacts.gap
     count, walls_here, found = position.shape[0], wall_count(walls), 0
@@ -115,39 +113,27 @@ def gather(contacts: Contacts, candidates: Candidates, position: Array, bodies: 
 
 
 @compiled
-def weigh(contacts: Contacts, mobility: Array) -> None:
-    """Impulse per relative velocity of each contact; zero where nothing can move."""
+def set_effective_masses(contacts: Contacts, mobility: Array) -> None:
+    """Set the effective mass of each contact, 1/(w_i + w_j); zero between fixed bodies."""
     for row in range(contacts.total[0]):
-        give = mobility[contacts.first[row]] + mobility[contacts.second[row]]
-        contacts.weight[row] = 1.0 / give if give > 0.0 else 0.0
+        inverse = mobility[contacts.first[row]] + mobility[contacts.second[row]]
+        contacts.weight[row] = 1.0 / inverse if inverse > 0.0 else 0.0
 
 
 @compiled
-def keyed(contacts: Contacts) -> Keyed:
-    """Who touches whom."""
-    return Keyed(contacts.total, contacts.first, contacts.second, contacts.impulse)
+def contact_keys(contacts: Contacts) -> ContactKeys:
+    """The bodies of each contact, as keys of the warm start."""
+    return ContactKeys(contacts.total, contacts.first, contacts.second, contacts.impulse)
+
+
+# In the loops below every array has a local name, and none is passed to another function: Numba counts references
+# each time an array is passed or taken from a tuple, which makes such loops five to nine times slower. Indexes are
+# unsigned because signed ones are tested for being negative.
 
 
 @compiled
-def remember(contacts: Contacts, memory: Memory) -> None:
-    """Keep the impulses of contacts that push."""
-    remember_each(keyed(contacts), contacts.impulse, memory, memory.impulse)
-
-
-@compiled
-def recall(contacts: Contacts, memory: Memory) -> None:
-    """Start from the impulses of the step before."""
-    recall_each(keyed(contacts), contacts.impulse, memory, memory.impulse)
-
-
-# In the loops below every array gets a name of its own, and none is handed to another function: Numba counts the
-# references of an array at each hand-over and at each look into a tuple, which makes such loops five to nine times
-# slower. Indexes are unsigned, since a signed one is tested for counting from the end.
-
-
-@compiled
-def approaches(contacts: Contacts, velocity: Array, speed: Array) -> None:
-    """n.(w_j - w_i) of every contact: negative where the two come closer."""
+def normal_velocities(contacts: Contacts, velocity: Array, speed: Array) -> None:
+    """Relative normal velocity n.(w_j - w_i) of each contact; negative for approach."""
     first, second, normal = contacts.first, contacts.second, contacts.normal
     for row in range(contacts.total[0]):
         i, j = np.uint64(first[row]), np.uint64(second[row])
@@ -156,8 +142,8 @@ def approaches(contacts: Contacts, velocity: Array, speed: Array) -> None:
 
 
 @compiled
-def push_all(contacts: Contacts, impulse: Array, velocity: Array, mobility: Array) -> None:
-    """Push the two of every contact apart: equal and opposite impulses."""
+def apply_impulses(contacts: Contacts, impulse: Array, velocity: Array, mobility: Array) -> None:
+    """Apply each contact's impulse to both bodies, equal and opposite, along the normal."""
     first, second, normal = contacts.first, contacts.second, contacts.normal
     for row in range(contacts.total[0]):
         i, j = np.uint64(first[row]), np.uint64(second[row])
@@ -170,10 +156,10 @@ def push_all(contacts: Contacts, impulse: Array, velocity: Array, mobility: Arra
 
 @compiled
 def separate(contacts: Contacts, position: Array, bodies: Bodies, slop: float) -> int:
-    """Move overlapping bodies apart, each by its share, until none overlaps by more than `slop`; velocities stay as
-    they are.
+    """Position projection: move overlapping bodies apart, in proportion to their mobilities, until no overlap exceeds
+    `slop`. Velocities do not change.
 
-    Returns the number of rounds. The contacts' normals are those of the new places afterwards.
+    Returns the number of sweeps. Gaps and normals in `contacts` are not updated.
     """
     first, second, weight = contacts.first, contacts.second, contacts.weight
     radius, mobility, count = bodies.radius, bodies.mobility, position.shape[0]

@@ -1,15 +1,15 @@
-"""Projected Gauss-Seidel sweeps: the impulses of all touching pairs at once.
+"""Projected Gauss-Seidel solver for the impulses of all contacts, with nonsmooth conjugate gradients and islands.
 
-Moreau's and Jean's time stepping: the unknowns are the impulses p >= 0 of a step, the conditions are
-n.(w_j - w_i) >= bound where p > 0 only if it is an equality. `w` is the velocity with which particles will go through
-the step, so that with bound = -gap/dt nobody ends up inside another: contacts are seen before they happen. Solved by
-projected Gauss-Seidel sweeps, sped up by the nonsmooth conjugate gradient of Silcowitz-Hansen, Niebe & Erleben (2010),
-until the residual is small enough - however many sweeps that takes: a count of sweeps instead lets large rafts creep
-into themselves.
+Moreau's and Jean's time stepping: the unknowns are the impulses p >= 0 of a step, complementary to the conditions
+n.(w_j - w_i) >= bound. `w` is the velocity with which particles move during the step, so that with bound = -gap/dt no
+two overlap afterwards: contacts act before they close. The linear complementarity problem is solved by projected
+Gauss-Seidel sweeps, accelerated by the nonsmooth conjugate gradients of Silcowitz-Hansen, Niebe & Erleben (2010), until
+the residual is below the goal, however many sweeps that takes: with a fixed number of sweeps large rafts would slowly
+overlap.
 
-Contacts that hang together, by bodies that can be moved, are an island, and what happens on one is nothing to the
-others: each is swept by itself, as often as it takes, and one on which nobody pushes not at all. In a loose crowd,
-where most islands are pairs, all else would wait for the largest.
+Contacts that are connected by movable bodies form an island. Islands are independent: each is solved separately with as
+many sweeps as it needs, and islands without impulses are skipped. Otherwise the pairs that most islands consist of
+would be iterated until the largest island converges.
 """
 
 from __future__ import annotations
@@ -21,67 +21,67 @@ import numpy as np
 from ecume._jit import compiled, compiled_inside
 from ecume.engine.cells import Integers
 from ecume.engine.contact import active_set
-from ecume.engine.contact.contacts import Contacts, push_all
+from ecume.engine.contact.contacts import Contacts, apply_impulses
 from ecume.units import Array
 
 MOST_SWEEPS = 20_000
 PATIENCE = 128
 """Sweeps after which the residual should have halved."""
 CONVERGED = 1e-7
-"""The residual wanted, as a fraction of the fastest approach that the contacts have to stop."""
-ENOUGH = 4_000
-"""Sweeps after which a small island is solved by an active-set method instead."""
-MANY = 64
-"""Fewer contacts are taken for one island."""
+"""The target residual, as a fraction of the largest approach velocity."""
+SWEEPS_BEFORE_ACTIVE_SET = 4_000
+"""Sweeps after which a small island is solved by the active-set method."""
+LEAST_FOR_ISLANDS = 64
+"""Fewer contacts are treated as one island."""
 
 
 Span = tuple[int, int]
-"""Contacts from one up to another."""
-Who = tuple[Integers, Integers, Array]
+"""A range of contacts."""
+ContactBodies = tuple[Integers, Integers, Array]
 """first, second, normal"""
-Push = tuple[Array, Array, Array, Array, Array, Array]
+Impulses = tuple[Array, Array, Array, Array, Array, Array]
 """impulse, bound, weight, change, direction, scratch"""
 Motion = tuple[Array, Array]
 """velocity, mobility"""
 
 
 @compiled_inside
-def who_of(contacts: Contacts) -> Who:
-    """Who touches whom, as loops take it."""
+def bodies_of(contacts: Contacts) -> ContactBodies:
+    """The bodies and normals of contacts, as a tuple for the loops."""
     return contacts.first, contacts.second, contacts.normal
 
 
 @compiled_inside
-def push_of(contacts: Contacts) -> Push:
-    """How they push."""
+def impulses_of(contacts: Contacts) -> Impulses:
+    """The impulses and their conditions, as a tuple for the loops."""
     c = contacts
     return c.impulse, c.bound, c.weight, c.change, c.direction, c.scratch
 
 
 class Islands(NamedTuple):
-    """Contacts island by island, ascending on each; those on which somebody pushes, or pushed in the last sweep."""
+    """Contacts by island, ascending in each; only islands with an impulse, or a change in the last sweep."""
 
     rows: Integers
     """(n,)"""
     first: Integers
-    """(islands + 1,) where each begins"""
+    """(islands + 1,) offsets into `rows`"""
 
 
-# In the loops below every array gets a name of its own, and none is handed to a function that is not written out in
-# place: see `ecume.engine.contact.contacts`.
+# In the loops below every array has a local name, and none is passed to a function that is not inlined: see
+# `ecume.engine.contact.contacts`.
 
 
 @compiled
 def islands_of(contacts: Contacts, mobility: Array) -> Islands:
-    """Who hangs together. Islands stand in the order of their lowest bodies."""
+    """Connected components of the contact graph, in the order of their lowest bodies."""
     total, impulse, change = contacts.total[0], contacts.impulse, contacts.change
-    island = _named(contacts.first[:total], contacts.second[:total], mobility)
-    stirs, ends = np.zeros(len(mobility), np.bool_), np.zeros(len(mobility) + 1, np.int64)
+    island = _island_of_each(contacts.first[:total], contacts.second[:total], mobility)
+    active, ends = np.zeros(len(mobility), np.bool_), np.zeros(len(mobility) + 1, np.int64)
     for row in range(total):
         if impulse[row] != 0.0 or change[row] != 0.0:
-            stirs[island[row]] = True
+            active[island[row]] = True
     for row in range(total):
-        ends[island[row] + 1] += 1 if stirs[island[row]] else 0
+        ends[island[row] + 1] += 1 if active[island[row]] else 0
     first, islands = np.zeros(len(mobility) + 1, np.int64), 0
     for name in range(len(mobility)):
         if ends[name + 1] > 0:
@@ -91,15 +91,15 @@ def islands_of(contacts: Contacts, mobility: Array) -> Islands:
     rows = np.empty(first[islands], np.int64)
     for row in range(total):
         name = island[row]
-        if stirs[name]:
+        if active[name]:
             rows[ends[name]] = row
             ends[name] += 1
     return Islands(rows, first[: islands + 1])
 
 
 @compiled
-def _named(first: Integers, second: Integers, mobility: Array) -> Integers:
-    """The island of each contact, by the lowest body there: ways to it are halved whenever they are gone."""
+def _island_of_each(first: Integers, second: Integers, mobility: Array) -> Integers:
+    """The island of each contact, named by its lowest body: union-find with path halving."""
     parent = np.arange(len(mobility))
     for row in range(len(first)):
         i, j = first[row], second[row]
@@ -121,8 +121,8 @@ def _named(first: Integers, second: Integers, mobility: Array) -> Integers:
 
 
 @compiled
-def some_contacts(contacts: Contacts, rows: Integers) -> Contacts:
-    """Some contacts by themselves, so that loops find them side by side."""
+def contacts_of_rows(contacts: Contacts, rows: Integers) -> Contacts:
+    """A contiguous copy of some contacts."""
     total, real = np.full(1, len(rows)), np.zeros((2, len(rows)))
     return Contacts(
         total, contacts.first[rows], contacts.second[rows], contacts.normal[rows], contacts.gap[rows],
@@ -131,10 +131,10 @@ def some_contacts(contacts: Contacts, rows: Integers) -> Contacts:
 
 
 @compiled_inside
-def _sweep(span: Span, who: Who, push: Push, motion: Motion) -> float:
-    """One Gauss-Seidel sweep over some contacts; the largest change in it, as a relative velocity."""
-    first, second, normal = who
-    impulse, bound, weight, change, _, _ = push
+def _sweep(span: Span, bodies: ContactBodies, unknowns: Impulses, motion: Motion) -> float:
+    """One projected Gauss-Seidel sweep over a range; returns the largest change, as a relative velocity."""
+    first, second, normal = bodies
+    impulse, bound, weight, change, _, _ = unknowns
     velocity, mobility = motion
     largest = 0.0
     for row in range(np.uint64(span[0]), np.uint64(span[1])):
@@ -154,10 +154,10 @@ def _sweep(span: Span, who: Who, push: Push, motion: Motion) -> float:
 
 
 @compiled_inside
-def _residual(span: Span, who: Who, push: Push, velocity: Array) -> float:
-    """By how much the worst of some contacts breaks the conditions (m/s): it lets through, or pushes what leaves."""
-    first, second, normal = who
-    impulse, bound, weight, _, _, _ = push
+def _residual(span: Span, bodies: ContactBodies, unknowns: Impulses, velocity: Array) -> float:
+    """The largest violation of the complementarity conditions in a range (m/s)."""
+    first, second, normal = bodies
+    impulse, bound, weight, _, _, _ = unknowns
     worst = 0.0
     for row in range(np.uint64(span[0]), np.uint64(span[1])):
         i, j = np.uint64(first[row]), np.uint64(second[row])
@@ -169,12 +169,10 @@ def _residual(span: Span, who: Who, push: Push, velocity: Array) -> float:
 
 
 @compiled_inside
-def _accelerate(span: Span, who: Who, push: Push, motion: Motion, ratio: float) -> None:
-    """Go on along the conjugate direction: p += ratio * d, kept positive; d = ratio * d + the change of the last
-    sweep.
-    """
-    first, second, normal = who
-    impulse, _, _, change, direction, step = push
+def _accelerate(span: Span, bodies: ContactBodies, unknowns: Impulses, motion: Motion, ratio: float) -> None:
+    """Step along the conjugate direction: p = max(p + ratio d, 0), then d = ratio d + the change of the last sweep."""
+    first, second, normal = bodies
+    impulse, _, _, change, direction, step = unknowns
     velocity, mobility = motion
     for row in range(np.uint64(span[0]), np.uint64(span[1])):
         along, old = ratio * direction[row], impulse[row]
@@ -193,63 +191,69 @@ def _accelerate(span: Span, who: Who, push: Push, motion: Motion, ratio: float) 
 
 @compiled
 def residual(contacts: Contacts, velocity: Array) -> float:
-    """By how much the worst contact breaks the conditions (m/s): it lets through, or pushes what leaves."""
-    return _residual((0, contacts.total[0]), who_of(contacts), push_of(contacts), velocity)
+    """The largest violation of the complementarity conditions (m/s): penetration, or impulse on separating bodies."""
+    return _residual((0, contacts.total[0]), bodies_of(contacts), impulses_of(contacts), velocity)
 
 
 class Goal(NamedTuple):
-    """When impulses are good enough, as residuals (m/s)."""
+    """Convergence criteria, as residuals (m/s)."""
 
-    wanted: float
-    tolerable: float
-    """good enough once more sweeps do not help"""
+    target: float
+    acceptable: float
+    """accepted if the residual no longer decreases"""
 
 
 @compiled
 def solve(contacts: Contacts, velocity: Array, mobility: Array, goal: Goal) -> int:
-    """Change `velocity` by the contacts' impulses until the residual is as wanted.
+    """Solve for the impulses and change `velocity` by them, until the residual is below the goal.
 
-    The impulses that stand in the contacts are the start. Returns the number of sweeps, MOST_SWEEPS + 1 if they were
-    not enough; the most that an island took.
+    The initial guess is `contacts.impulse`. Returns the largest number of sweeps of an island, MOST_SWEEPS + 1 without
+    convergence.
     """
     if begin(contacts, velocity, mobility, goal):
         return 1
-    if contacts.total[0] < MANY:
+    if contacts.total[0] < LEAST_FOR_ISLANDS:
         return solve_islands(contacts, np.array([0, contacts.total[0]]), velocity, mobility, goal)
     islands = islands_of(contacts, mobility)
-    some = some_contacts(contacts, islands.rows)
+    some = contacts_of_rows(contacts, islands.rows)
     sweeps = solve_islands(some, islands.first, velocity, mobility, goal)
-    take_over(contacts, islands.rows, some)
+    scatter_impulses(contacts, islands.rows, some)
     return sweeps
 
 
 @compiled
 def begin(contacts: Contacts, velocity: Array, mobility: Array, goal: Goal) -> bool:
-    """The first sweep; whether it is enough."""
-    span, who, push = (0, contacts.total[0]), who_of(contacts), push_of(contacts)
-    push_all(contacts, contacts.impulse, velocity, mobility)
-    largest = _sweep(span, who, push, (velocity, mobility))
-    return bool(largest <= goal.wanted and _residual(span, who, push, velocity) <= goal.wanted)
+    """Do the first sweep; return whether it converged."""
+    span, bodies, unknowns = (0, contacts.total[0]), bodies_of(contacts), impulses_of(contacts)
+    apply_impulses(contacts, contacts.impulse, velocity, mobility)
+    largest = _sweep(span, bodies, unknowns, (velocity, mobility))
+    return bool(largest <= goal.target and _residual(span, bodies, unknowns, velocity) <= goal.target)
 
 
 @compiled
 def solve_islands(contacts: Contacts, first: Integers, velocity: Array, mobility: Array, goal: Goal) -> int:
-    """All sweeps but the first, island by island, from `first[0]` up to `first[-1]`; the most that one took."""
-    who, push, most = who_of(contacts), push_of(contacts), 1
+    """Do all further sweeps of each island; return the largest number of sweeps of one."""
+    bodies, unknowns, most = bodies_of(contacts), impulses_of(contacts), 1
     for island in range(len(first) - 1):
         span = first[island], first[island + 1]
-        if not _residual(span, who, push, velocity) <= goal.wanted:
+        if not _residual(span, bodies, unknowns, velocity) <= goal.target:
             small = span[1] - span[0] <= active_set.LARGEST
-            sweeps = _go_on(span, who, push, (velocity, mobility), goal, ENOUGH if small else MOST_SWEEPS)
-            if small and sweeps > ENOUGH and not solve_exactly(contacts, span, velocity, mobility, goal):
-                sweeps = _go_on(span, who, push, (velocity, mobility), goal, MOST_SWEEPS)
+            sweeps = _iterate(
+                span, bodies, unknowns, (velocity, mobility), goal, SWEEPS_BEFORE_ACTIVE_SET if small else MOST_SWEEPS
+            )
+            if (
+                small
+                and sweeps > SWEEPS_BEFORE_ACTIVE_SET
+                and not solve_by_active_set(contacts, span, velocity, mobility, goal)
+            ):
+                sweeps = _iterate(span, bodies, unknowns, (velocity, mobility), goal, MOST_SWEEPS)
             most = max(most, sweeps)
     return most
 
 
 @compiled
-def solve_exactly(contacts: Contacts, span: Span, velocity: Array, mobility: Array, goal: Goal) -> bool:
-    """Solve an island by an active-set method; whether that was good enough, and no change where it was not."""
+def solve_by_active_set(contacts: Contacts, span: Span, velocity: Array, mobility: Array, goal: Goal) -> bool:
+    """Solve an island by the active-set method; return whether the result is accepted. Nothing changes otherwise."""
     begin, end = span
     before, slower = contacts.impulse[begin:end].copy(), velocity.copy()
     bound = contacts.bound[begin:end]
@@ -259,17 +263,17 @@ def solve_exactly(contacts: Contacts, span: Span, velocity: Array, mobility: Arr
     if not active_set.nearest_velocity(pair, contacts.bound[rows], impulse, velocity, mobility):
         return False
     contacts.impulse[rows] = impulse
-    left = _residual(span, who_of(contacts), push_of(contacts), velocity)
-    if left <= max(goal.wanted, goal.tolerable):
+    left = _residual(span, bodies_of(contacts), impulses_of(contacts), velocity)
+    if left <= max(goal.target, goal.acceptable):
         return True
     contacts.impulse[begin:end], velocity[:] = before, slower
     return False
 
 
 @compiled_inside
-def _go_on(span: Span, who: Who, push: Push, motion: Motion, goal: Goal, most: int) -> int:
-    """Sweeps of an island after the first: the number of all, one more than `most` if they were not enough."""
-    velocity, change, direction = motion[0], push[3], push[4]
+def _iterate(span: Span, bodies: ContactBodies, unknowns: Impulses, motion: Motion, goal: Goal, most: int) -> int:
+    """Do the sweeps of an island after the first; return the number of all, `most` + 1 without convergence."""
+    velocity, change, direction = motion[0], unknowns[3], unknowns[4]
     for row in range(span[0], span[1]):
         direction[row] = 0.0
     square_before, residual_before = 0.0, np.inf
@@ -277,26 +281,26 @@ def _go_on(span: Span, who: Who, push: Push, motion: Motion, goal: Goal, most: i
         square = 0.0
         for row in range(span[0], span[1]):
             square += change[row] ** 2
-        # A gradient that grows means that contacts opened or closed: forget the direction.
+        # A growing gradient means that the active set changed: restart the conjugate directions.
         ratio = square / square_before if 0.0 < square <= square_before else 0.0
-        _accelerate(span, who, push, motion, ratio)
+        _accelerate(span, bodies, unknowns, motion, ratio)
         square_before = square
-        largest = _sweep(span, who, push, motion)
-        if largest <= goal.wanted and _residual(span, who, push, velocity) <= goal.wanted:
+        largest = _sweep(span, bodies, unknowns, motion)
+        if largest <= goal.target and _residual(span, bodies, unknowns, velocity) <= goal.target:
             return sweep
         if sweep % PATIENCE == 0:
-            # In a raft braced more than it needs, gaps that disagree in the last digits leave impulses that creep for
-            # ever along a direction in which no velocity changes.
-            left = _residual(span, who, push, velocity)
-            if left <= goal.tolerable and left > 0.5 * residual_before:
+            # In an overconstrained raft, rounding of the gaps lets impulses drift without end along self-stresses,
+            # which change no velocity.
+            left = _residual(span, bodies, unknowns, velocity)
+            if left <= goal.acceptable and left > 0.5 * residual_before:
                 return sweep
             residual_before = left
     return most + 1
 
 
 @compiled
-def take_over(contacts: Contacts, rows: Integers, some: Contacts) -> None:
-    """Take over the impulses of some contacts that were solved by themselves."""
+def scatter_impulses(contacts: Contacts, rows: Integers, some: Contacts) -> None:
+    """Copy the impulses of `some` back to their rows."""
     impulse, solved = contacts.impulse, some.impulse
     for place in range(len(rows)):
         impulse[rows[place]] = solved[place]

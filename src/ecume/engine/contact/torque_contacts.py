@@ -1,9 +1,9 @@
-"""Contacts of bodies that turn: impulses act at the end of a lever, and solve for spins as well.
+"""Contacts of bodies that rotate: Jacobian rows for velocities and spins, and their projected Gauss-Seidel solver.
 
-The conditions and the solver are those of `contacts`, for velocities (v_x, v_y, spin): each contact is a row J of six
-numbers, three for either body, with J w >= bound, and W J is what a unit impulse does to the two. What moves less along
-one of its directions than across, in a viscous liquid, has a mobility for each. Impulses act along the line on which
-both nearest points lie: they keep momentum and angular momentum to rounding.
+The conditions and the solver are those of `contacts`, for generalized velocities w = (v_x, v_y, spin): each contact is
+a Jacobian row J of six numbers, three for each body, with J w >= bound, and the response M^-1 J^T of both bodies to a
+unit impulse. In a viscous liquid a body has different mobilities along and across itself. Impulses act along the line
+through both nearest points, so that momentum and angular momentum are conserved to rounding.
 """
 
 from __future__ import annotations
@@ -17,17 +17,17 @@ from ecume._jit import compiled
 from ecume.engine.cells import Integers
 from ecume.engine.contact.contacts import Candidates
 from ecume.engine.contact.projected_gauss_seidel import MOST_SWEEPS, PATIENCE, Goal
-from ecume.engine.contact.warm_start import Keyed, Memory, recall_each, remember_each
+from ecume.engine.contact.warm_start import ContactKeys
 from ecume.engine.outlines import NEARNESS, Outlines, Stance, bodies_near, turn_corners, wall_near
 from ecume.engine.walls import Walls, wall_count
 from ecume.units import Array
 
 FEATURES = 4096
-"""More than the places at which two bodies can be near."""
+"""Exceeds the number of features (corner and edge) at which two bodies can be near."""
 
 
-class Levers(NamedTuple):
-    """Contacts of one step, ordered by i, then j, then feature. A wall number k stands as partner N + k."""
+class TorqueContacts(NamedTuple):
+    """Contacts of one time step, ordered by i, then j, then feature. Wall number k is partner N + k."""
 
     total: Integers
     """(1,)"""
@@ -36,250 +36,244 @@ class Levers(NamedTuple):
     second: Integers
     """(capacity,) j, or N + wall"""
     place: Integers
-    """(capacity,) the partner and the feature, which corner on which edge, as one number: j FEATURES + feature"""
+    """(capacity,) the partner and the feature (corner and edge) as one number: j FEATURES + feature"""
     gap: Array
-    lever: Array
-    """(capacity, 6) J: what velocities and spins of i and j do to the gap"""
-    give: Array
-    """(capacity, 6) W J: what a unit impulse does to these"""
+    jacobian: Array
+    """(capacity, 6) J: the rate of the gap per velocity and spin of i and j"""
+    response: Array
+    """(capacity, 6) M^-1 J^T: the change of these by a unit impulse"""
     bound: Array
-    """the least J w allowed"""
+    """lower bound of J w"""
     weight: Array
-    """impulse per relative velocity"""
+    """effective mass 1/(J M^-1 J^T): impulse per relative velocity"""
     impulse: Array
     change: Array
     direction: Array
     scratch: Array
     near: Array
-    """(places, NEARNESS) of one pair"""
+    """(places, NEARNESS) scratch for one pair"""
 
 
-class Party(NamedTuple):
-    """Who may touch: outlines, walls, and how easily each moves."""
+class OutlinedBodies(NamedTuple):
+    """Bodies that may touch: outlines, walls, and mobilities."""
 
     outlines: Outlines
     radius: Array
-    """(N,) of the circle around each"""
+    """(N,) of the bounding circle"""
     walls: Walls
     mobility: Array
     """(N, 3) velocity per impulse along the body, across it, and spin per angular impulse"""
 
 
-def make_levers(capacity: int, places: int) -> Levers:
-    """Room for `capacity` contacts, and for as many places of one pair."""
+def make_torque_contacts(capacity: int, places: int) -> TorqueContacts:
+    """Empty arrays for `capacity` contacts, and for `places` features of one pair."""
     of_row = "gap", "bound", "weight", "impulse", "change", "direction", "scratch"
-    return Levers(
+    return TorqueContacts(
         total=np.zeros(1, np.int64),
         first=np.zeros(capacity, np.int64),
         second=np.zeros(capacity, np.int64),
         place=np.zeros(capacity, np.int64),
-        lever=np.zeros((capacity, 6)),
-        give=np.zeros((capacity, 6)),
+        jacobian=np.zeros((capacity, 6)),
+        response=np.zeros((capacity, 6)),
         near=np.zeros((places, NEARNESS)),
         **{name: np.zeros(capacity) for name in of_row},
     )
 
 
 @compiled
-def give_way(mobility: Array, angle: float, lever: Array, give: Array) -> float:
-    """What a unit impulse at one end of a lever does to its body; the speed at which that end gives way."""
+def impulse_response(mobility: Array, angle: float, jacobian: Array, response: Array) -> float:
+    """Write the response M^-1 J^T of one body to a unit impulse; return its part of J M^-1 J^T."""
     c, s = math.cos(angle), math.sin(angle)
-    along, across = c * lever[0] + s * lever[1], c * lever[1] - s * lever[0]
+    along, across = c * jacobian[0] + s * jacobian[1], c * jacobian[1] - s * jacobian[0]
     fast, slow = mobility[0] * along, mobility[1] * across
-    give[0], give[1], give[2] = c * fast - s * slow, s * fast + c * slow, mobility[2] * lever[2]
-    return float(fast * along + slow * across + mobility[2] * lever[2] * lever[2])
+    response[0], response[1], response[2] = c * fast - s * slow, s * fast + c * slow, mobility[2] * jacobian[2]
+    return float(fast * along + slow * across + mobility[2] * jacobian[2] * jacobian[2])
 
 
 @compiled
-def write_row(levers: Levers, row: int, pair: tuple[int, int], near: Array, stance: Stance, mobility: Array) -> None:
-    """A place where two are near, as a contact."""
+def write_row(
+    contacts: TorqueContacts, row: int, pair: tuple[int, int], near: Array, stance: Stance, mobility: Array
+) -> None:
+    """Write one feature at which two bodies are near as a contact: gap, Jacobian row, response and effective mass."""
     i, j = pair
-    levers.first[row], levers.second[row], levers.place[row] = i, j, j * FEATURES + int(near[7])
-    levers.gap[row] = near[0]
-    lever, give = levers.lever[row], levers.give[row]
+    contacts.first[row], contacts.second[row], contacts.place[row] = i, j, j * FEATURES + int(near[7])
+    contacts.gap[row] = near[0]
+    jacobian, response = contacts.jacobian[row], contacts.response[row]
     to_x, to_y = near[1], near[2]
-    lever[0], lever[1], lever[2] = -to_x, -to_y, near[4] * to_x - near[3] * to_y
-    way = give_way(mobility[i], stance.angle[i], lever[:3], give[:3])
-    lever[3:] = 0.0
-    give[3:] = 0.0
+    jacobian[0], jacobian[1], jacobian[2] = -to_x, -to_y, near[4] * to_x - near[3] * to_y
+    way = impulse_response(mobility[i], stance.angle[i], jacobian[:3], response[:3])
+    jacobian[3:] = 0.0
+    response[3:] = 0.0
     if j < len(stance.angle):
-        lever[3], lever[4], lever[5] = to_x, to_y, near[5] * to_y - near[6] * to_x
-        way += give_way(mobility[j], stance.angle[j], lever[3:], give[3:])
-    levers.weight[row] = 1.0 / way if way > 0.0 else 0.0
+        jacobian[3], jacobian[4], jacobian[5] = to_x, to_y, near[5] * to_y - near[6] * to_x
+        way += impulse_response(mobility[j], stance.angle[j], jacobian[3:], response[3:])
+    contacts.weight[row] = 1.0 / way if way > 0.0 else 0.0
 
 
 @compiled
-def gather(levers: Levers, candidates: Candidates, stance: Stance, party: Party, reach: float) -> bool:
-    """Write down all places nearer than `reach`. False when there is no room for all."""
-    position, near, found, room = stance.position, levers.near, 0, len(levers.first)
-    count, walls = len(position), wall_count(party.walls)
-    turn_corners(party.outlines, stance)
+def gather(
+    contacts: TorqueContacts, candidates: Candidates, stance: Stance, bodies: OutlinedBodies, reach: float
+) -> bool:
+    """Find all features with a gap below `reach`. False if the capacity is too small."""
+    position, near, found, room = stance.position, contacts.near, 0, len(contacts.first)
+    count, walls = len(position), wall_count(bodies.walls)
+    turn_corners(bodies.outlines, stance)
     for i in range(count):
         pairs = candidates.first[i + 1] - candidates.first[i]
         for place in range(pairs + walls):
             if place < pairs:
                 j = candidates.partner[candidates.first[i] + place]
                 x, y = position[j, 0] - position[i, 0], position[j, 1] - position[i, 1]
-                within = party.radius[i] + party.radius[j] + reach
+                within = bodies.radius[i] + bodies.radius[j] + reach
                 here = 0 if x * x + y * y > within * within else bodies_near(
-                    party.outlines, stance, i, j, reach, near
+                    bodies.outlines, stance, i, j, reach, near
                 )  # fmt: skip
             else:
                 j = count + place - pairs
-                here = wall_near(party.outlines, stance, party.walls, (i, place - pairs), reach, near)
+                here = wall_near(bodies.outlines, stance, bodies.walls, (i, place - pairs), reach, near)
             if found + here > room:
-                levers.total[0] = found
+                contacts.total[0] = found
                 return False
             for k in range(here):
-                write_row(levers, found, (i, j), near[k], stance, party.mobility)
+                write_row(contacts, found, (i, j), near[k], stance, bodies.mobility)
                 found += 1
-    levers.total[0] = found
+    contacts.total[0] = found
     return True
 
 
 @compiled
-def keyed(levers: Levers) -> Keyed:
-    """Who touches whom, and where."""
-    return Keyed(levers.total, levers.first, levers.place, levers.impulse)
+def contact_keys(contacts: TorqueContacts) -> ContactKeys:
+    """The bodies and the feature of each contact, as keys of the warm start."""
+    return ContactKeys(contacts.total, contacts.first, contacts.place, contacts.impulse)
 
 
 @compiled
-def remember(levers: Levers, memory: Memory) -> None:
-    """Keep the impulses of contacts that push."""
-    remember_each(keyed(levers), levers.impulse, memory, memory.impulse)
-
-
-@compiled
-def recall(levers: Levers, memory: Memory) -> None:
-    """Start from the impulses of the step before."""
-    recall_each(keyed(levers), levers.impulse, memory, memory.impulse)
-
-
-@compiled
-def approaches(levers: Levers, velocity: Array, speed: Array) -> None:
-    """J w of every contact: negative where the two come closer."""
-    first, second, lever = levers.first, levers.second, levers.lever
-    for row in range(levers.total[0]):
+def normal_velocities(contacts: TorqueContacts, velocity: Array, speed: Array) -> None:
+    """Relative normal velocity J w of each contact; negative for approach."""
+    first, second, jac = contacts.first, contacts.second, contacts.jacobian
+    for row in range(contacts.total[0]):
         i, j = first[row], second[row]
-        closing = lever[row, 0] * velocity[i, 0] + lever[row, 1] * velocity[i, 1] + lever[row, 2] * velocity[i, 2]
-        closing += lever[row, 3] * velocity[j, 0] + lever[row, 4] * velocity[j, 1] + lever[row, 5] * velocity[j, 2]
+        closing = jac[row, 0] * velocity[i, 0] + jac[row, 1] * velocity[i, 1] + jac[row, 2] * velocity[i, 2]
+        closing += jac[row, 3] * velocity[j, 0] + jac[row, 4] * velocity[j, 1] + jac[row, 5] * velocity[j, 2]
         speed[row] = closing
 
 
 @compiled
-def push_all(levers: Levers, impulse: Array, velocity: Array) -> None:
-    """Push the two of every contact apart."""
-    first, second, give = levers.first, levers.second, levers.give
-    for row in range(levers.total[0]):
+def apply_impulses(contacts: TorqueContacts, impulse: Array, velocity: Array) -> None:
+    """Apply each contact's impulse to both bodies."""
+    first, second, response = contacts.first, contacts.second, contacts.response
+    for row in range(contacts.total[0]):
         i, j, push = first[row], second[row], impulse[row]
         for axis in range(3):
-            velocity[i, axis] += give[row, axis] * push
-            velocity[j, axis] += give[row, 3 + axis] * push
+            velocity[i, axis] += response[row, axis] * push
+            velocity[j, axis] += response[row, 3 + axis] * push
 
 
 @compiled
-def _sweep(levers: Levers, velocity: Array) -> float:
-    """One Gauss-Seidel sweep over all contacts; the largest change in it, as a relative velocity."""
-    first, second, lever, give = levers.first, levers.second, levers.lever, levers.give
-    impulse, bound, weight, change = levers.impulse, levers.bound, levers.weight, levers.change
+def _sweep(contacts: TorqueContacts, velocity: Array) -> float:
+    """One projected Gauss-Seidel sweep over all contacts; returns the largest change, as a relative velocity."""
+    first, second, jac, response = contacts.first, contacts.second, contacts.jacobian, contacts.response
+    impulse, bound, weight, change = contacts.impulse, contacts.bound, contacts.weight, contacts.change
     largest = 0.0
-    for row in range(levers.total[0]):
+    for row in range(contacts.total[0]):
         i, j = first[row], second[row]
-        speed = lever[row, 0] * velocity[i, 0] + lever[row, 1] * velocity[i, 1] + lever[row, 2] * velocity[i, 2]
-        speed += lever[row, 3] * velocity[j, 0] + lever[row, 4] * velocity[j, 1] + lever[row, 5] * velocity[j, 2]
+        speed = jac[row, 0] * velocity[i, 0] + jac[row, 1] * velocity[i, 1] + jac[row, 2] * velocity[i, 2]
+        speed += jac[row, 3] * velocity[j, 0] + jac[row, 4] * velocity[j, 1] + jac[row, 5] * velocity[j, 2]
         new = max(impulse[row] + weight[row] * (bound[row] - speed), 0.0)
         step = new - impulse[row]
         impulse[row], change[row] = new, step
         for axis in range(3):
-            velocity[i, axis] += give[row, axis] * step
-            velocity[j, axis] += give[row, 3 + axis] * step
+            velocity[i, axis] += response[row, axis] * step
+            velocity[j, axis] += response[row, 3 + axis] * step
         if weight[row] > 0.0:
             largest = max(largest, abs(step) / weight[row])
     return largest
 
 
 @compiled
-def residual(levers: Levers, velocity: Array) -> float:
-    """By how much the worst contact breaks the conditions (m/s): it lets through, or pushes what leaves."""
-    speed, worst = levers.scratch, 0.0
-    approaches(levers, velocity, speed)
-    for row in range(levers.total[0]):
-        if levers.weight[row] > 0.0:
-            excess = speed[row] - levers.bound[row]
-            worst = max(worst, -excess, min(excess, levers.impulse[row] / levers.weight[row]))
+def residual(contacts: TorqueContacts, velocity: Array) -> float:
+    """The largest violation of the complementarity conditions (m/s): penetration, or impulse on separating bodies."""
+    speed, worst = contacts.scratch, 0.0
+    normal_velocities(contacts, velocity, speed)
+    for row in range(contacts.total[0]):
+        if contacts.weight[row] > 0.0:
+            excess = speed[row] - contacts.bound[row]
+            worst = max(worst, -excess, min(excess, contacts.impulse[row] / contacts.weight[row]))
     return worst
 
 
 @compiled
-def _accelerate(levers: Levers, velocity: Array, ratio: float) -> None:
-    """Go on along the conjugate direction: see `contacts`."""
-    impulse, change, direction, step = levers.impulse, levers.change, levers.direction, levers.scratch
-    for row in range(levers.total[0]):
+def _accelerate(contacts: TorqueContacts, velocity: Array, ratio: float) -> None:
+    """Step along the conjugate direction: see `projected_gauss_seidel`."""
+    impulse, change, direction, step = contacts.impulse, contacts.change, contacts.direction, contacts.scratch
+    for row in range(contacts.total[0]):
         along, old = ratio * direction[row], impulse[row]
         impulse[row] = max(old + along, 0.0)
         step[row] = impulse[row] - old
         direction[row] = along + change[row]
     if ratio > 0.0:
-        push_all(levers, step, velocity)
+        apply_impulses(contacts, step, velocity)
 
 
 @compiled
-def solve(levers: Levers, velocity: Array, goal: Goal) -> int:
-    """Change `velocity` by the contacts' impulses until the residual is as wanted: see `contacts.solve`.
+def solve(contacts: TorqueContacts, velocity: Array, goal: Goal) -> int:
+    """Solve for the impulses and change `velocity` by them: see `projected_gauss_seidel.solve`.
 
-    The impulses that stand there are the start. Returns the number of sweeps, MOST_SWEEPS + 1 if they were not enough.
+    The initial guess is `contacts.impulse`. Returns the number of sweeps, MOST_SWEEPS + 1 without convergence.
     """
-    push_all(levers, levers.impulse, velocity)
-    for row in range(levers.total[0]):
-        levers.direction[row] = 0.0
+    apply_impulses(contacts, contacts.impulse, velocity)
+    for row in range(contacts.total[0]):
+        contacts.direction[row] = 0.0
     square_before, residual_before = 0.0, np.inf
     for sweep in range(1, MOST_SWEEPS + 1):
-        largest = _sweep(levers, velocity)
-        if largest <= goal.wanted and residual(levers, velocity) <= goal.wanted:
+        largest = _sweep(contacts, velocity)
+        if largest <= goal.target and residual(contacts, velocity) <= goal.target:
             return sweep
         if sweep % PATIENCE == 0:
-            left = residual(levers, velocity)
-            if left <= goal.tolerable and left > 0.5 * residual_before:
+            left = residual(contacts, velocity)
+            if left <= goal.acceptable and left > 0.5 * residual_before:
                 return sweep
             residual_before = left
         square = 0.0
-        for row in range(levers.total[0]):
-            square += levers.change[row] ** 2
+        for row in range(contacts.total[0]):
+            square += contacts.change[row] ** 2
         ratio = square / square_before if 0.0 < square <= square_before else 0.0
-        _accelerate(levers, velocity, ratio)
+        _accelerate(contacts, velocity, ratio)
         square_before = square
     return MOST_SWEEPS + 1
 
 
 @compiled
-def deepest_overlap(levers: Levers) -> float:
-    """Of all contacts; zero where none overlaps."""
+def deepest_overlap(contacts: TorqueContacts) -> float:
+    """The deepest overlap of all contacts; zero without any."""
     deepest = 0.0
-    for row in range(levers.total[0]):
-        deepest = max(deepest, -levers.gap[row])
+    for row in range(contacts.total[0]):
+        deepest = max(deepest, -contacts.gap[row])
     return deepest
 
 
 @compiled
-def separate(levers: Levers, candidates: Candidates, stance: Stance, party: Party, slop: float) -> int:
-    """Move and turn overlapping bodies until none overlaps by more than `slop`; velocities stay as they are.
+def separate(
+    contacts: TorqueContacts, candidates: Candidates, stance: Stance, bodies: OutlinedBodies, slop: float
+) -> int:
+    """Position projection: move and rotate overlapping bodies until no overlap exceeds `slop`; velocities stay.
 
-    Each round asks for the least shifts that would open all overlaps if bodies were flat where they touch, by the
-    solver of impulses. Returns the number of rounds; contacts are those of the new places afterwards.
+    Each iteration linearizes the gaps and finds the least displacements that open all overlaps, by the impulse solver.
+    Returns the number of iterations; `contacts` are those of the final positions.
     """
     position, angle = stance.position, stance.angle
-    shift = np.zeros((len(position) + wall_count(party.walls), 3))
+    shift = np.zeros((len(position) + wall_count(bodies.walls), 3))
     for turn in range(50):
-        if deepest_overlap(levers) <= slop:
+        if deepest_overlap(contacts) <= slop:
             return turn
         shift[:] = 0.0
-        for row in range(levers.total[0]):
-            levers.impulse[row] = 0.0
-            levers.bound[row] = -levers.gap[row] - 0.25 * slop
-        solve(levers, shift, Goal(1e-3 * slop, 1e-2 * slop))
+        for row in range(contacts.total[0]):
+            contacts.impulse[row] = 0.0
+            contacts.bound[row] = -contacts.gap[row] - 0.25 * slop
+        solve(contacts, shift, Goal(1e-3 * slop, 1e-2 * slop))
         for i in range(len(position)):
             position[i, 0] += shift[i, 0]
             position[i, 1] += shift[i, 1]
             angle[i] += shift[i, 2]
-        gather(levers, candidates, stance, party, 4.0 * slop)
+        gather(contacts, candidates, stance, bodies, 4.0 * slop)
     return 50

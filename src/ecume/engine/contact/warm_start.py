@@ -1,4 +1,4 @@
-"""What contacts remember from step to step, by who touches whom."""
+"""Warm start: the impulses of the previous step are the initial guess of the solver, contact by contact."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ecume.units import Array
 
 
 class Memory(NamedTuple):
-    """Impulses that last from step to step: a part of the state, since warm starts change the last bits."""
+    """Impulses kept from step to step: a part of the state, since warm starts change the last bits."""
 
     total: Integers
     pair: Integers
@@ -18,35 +18,47 @@ class Memory(NamedTuple):
     impulse: Array
 
 
-class Keyed(NamedTuple):
-    """Contacts by two whole numbers, in ascending order: by the first, then by the second."""
+class ContactKeys(NamedTuple):
+    """Contacts identified by two integers, in ascending order: by the first, then by the second."""
 
     total: Integers
-    """(1,) how many there are"""
+    """(1,) number of contacts"""
     first: Integers
     second: Integers
     impulse: Array
-    """what pushes is remembered, and all else forgotten"""
+    """contacts with a positive impulse are kept, all others dropped"""
 
 
 @compiled
-def remember_each(keyed: Keyed, value: Array, memory: Memory, kept: Array) -> None:
-    """Keep a value of each contact that pushes, and who it belongs to."""
+def remember(keys: ContactKeys, memory: Memory) -> None:
+    """Keep the positive normal impulses."""
+    remember_each(keys, keys.impulse, memory, memory.impulse)
+
+
+@compiled
+def recall(keys: ContactKeys, memory: Memory) -> None:
+    """Set the normal impulses to those of the previous step."""
+    recall_each(keys, keys.impulse, memory, memory.impulse)
+
+
+@compiled
+def remember_each(keys: ContactKeys, value: Array, memory: Memory, kept: Array) -> None:
+    """Keep a value of each contact with a positive impulse, with its keys."""
     found = 0
-    for row in range(keyed.total[0]):
-        if keyed.impulse[row] > 0.0 and found < len(kept):
-            memory.pair[found, 0], memory.pair[found, 1] = keyed.first[row], keyed.second[row]
+    for row in range(keys.total[0]):
+        if keys.impulse[row] > 0.0 and found < len(kept):
+            memory.pair[found, 0], memory.pair[found, 1] = keys.first[row], keys.second[row]
             kept[found] = value[row]
             found += 1
     memory.total[0] = found
 
 
 @compiled
-def recall_each(keyed: Keyed, value: Array, memory: Memory, kept: Array) -> None:
-    """Give each contact the value of the step before, or none. Both lists are ordered alike: one walk finds all."""
+def recall_each(keys: ContactKeys, value: Array, memory: Memory, kept: Array) -> None:
+    """Set each contact's value to that of the previous step, or zero. Both lists are sorted, so one pass suffices."""
     place, last = 0, memory.total[0]
-    for row in range(keyed.total[0]):
-        i, j = keyed.first[row], keyed.second[row]
+    for row in range(keys.total[0]):
+        i, j = keys.first[row], keys.second[row]
         while place < last and (
             memory.pair[place, 0] < i or (memory.pair[place, 0] == i and memory.pair[place, 1] < j)
         ):

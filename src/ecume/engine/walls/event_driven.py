@@ -448,7 +448,9 @@ def fly_all(
     fate: Integers,
     per_surface: Integers,
 ) -> None:
-    """Everyone, over threads; bare arrays, since threads write to copies of what is in a tuple."""
+    """All particles, in chunks over threads. The arguments of `fly_some` are repeated as single arrays, because in a
+    threaded loop Numba writes to copies of arrays that come out of a tuple.
+    """
     count, surfaces = position.shape[0], kind.shape[0]
     chunks = (count + CHUNK - 1) // CHUNK
     counted = np.zeros((chunks, surfaces), np.int64)

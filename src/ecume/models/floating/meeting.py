@@ -16,10 +16,10 @@ import numpy as np
 
 from ecume._jit import compiled, compiled_inside, composed, selected
 from ecume.engine.contact import contacts as touching
-from ecume.engine.contact import projected_gauss_seidel
+from ecume.engine.contact import projected_gauss_seidel, warm_start
 from ecume.engine.contact.contacts import Bodies, Contacts
 from ecume.engine.contact.projected_gauss_seidel import Goal
-from ecume.engine.contact.torque_contacts import Levers
+from ecume.engine.contact.torque_contacts import TorqueContacts
 from ecume.models.floating.parameters import Parameters
 from ecume.models.floating.rows import add_rows, copy_rows
 from ecume.models.floating.rubbing import (
@@ -102,12 +102,12 @@ def restitution_of(restitutions: tuple[int, float, float], partner: int) -> floa
 
 @compiled
 def demand_stops(overlapping: bool, parameters: Parameters, contacts: Contacts, before: Array) -> float:
-    """Ask everyone to stop who comes together in this step and can bounce; the fastest of these approaches.
+    """Ask everyone to stop who comes together in this step and can bounce; the fastest of these normal_velocities.
 
     Without restitution a pair goes on until it touches, and is stopped there in the next step.
     """
     speed, bound, gap, second = contacts.scratch, contacts.bound, contacts.gap, contacts.second
-    touching.approaches(contacts, before, speed)
+    touching.normal_velocities(contacts, before, speed)
     slowest, restitutions = TOLERABLE * parameters.slop / parameters.time_step, restitutions_of(parameters)
     fastest = 0.0
     for row in range(contacts.total[0]):
@@ -125,7 +125,7 @@ def demand_stops(overlapping: bool, parameters: Parameters, contacts: Contacts, 
 
 
 @compiled
-def share_restitution(parameters: Parameters, contacts: Contacts | Levers, of_float: Array) -> None:
+def share_restitution(parameters: Parameters, contacts: Contacts | TorqueContacts, of_float: Array) -> None:
     """The restitution of each float: the least among all who bounce together, since unlike ones could create energy."""
     first, second, impulse, count = contacts.first, contacts.second, contacts.impulse, len(parameters.floats.radius)
     for i in range(count):
@@ -181,7 +181,7 @@ def thrown_back(contacts: Contacts, of_float: Array) -> float:
 @compiled
 def solve_smooth(part: Any, own: Any, bodies: Bodies, contacts: Contacts, velocity: Array, goal: Goal) -> int:
     """Contacts without friction: how many sweeps their solution takes."""
-    touching.weigh(contacts, bodies.mobility)
+    touching.set_effective_masses(contacts, bodies.mobility)
     return projected_gauss_seidel.solve(contacts, velocity, bodies.mobility, goal)
 
 
@@ -190,7 +190,7 @@ def push_smooth(part: Any, own: Any, bodies: Bodies, contacts: Contacts, passage
     """The impulses of bounces, on the passage."""
     for row in range(contacts.total[0]):
         contacts.impulse[row] *= contacts.scratch[row]
-    touching.push_all(contacts, contacts.impulse, passage, bodies.mobility)
+    touching.apply_impulses(contacts, contacts.impulse, passage, bodies.mobility)
 
 
 @composed
@@ -214,7 +214,7 @@ SOLVERS: dict[type, Solver] = {
 @compiled
 def goal_of(parameters: Parameters, contacts: Contacts, velocity: Array) -> Goal:
     """How good impulses must be for these velocities; nothing is wanted where nobody comes too near."""
-    touching.approaches(contacts, velocity, contacts.scratch)
+    touching.normal_velocities(contacts, velocity, contacts.scratch)
     fastest = 0.0
     for row in range(contacts.total[0]):
         fastest = max(fastest, contacts.bound[row] - contacts.scratch[row])
@@ -228,16 +228,16 @@ def solve_contacts(
     """Impulses on `velocity`, from those remembered; remembered in turn."""
     contacts, memory = workspace.contacts, memory_of(state)
     recall(part, own, state, workspace)
-    touching.recall(contacts, memory)
+    warm_start.recall(touching.contact_keys(contacts), memory)
     goal = goal_of(parameters, contacts, velocity)
     sweeps = 0
-    if goal.wanted > 0.0:
+    if goal.target > 0.0:
         sweeps = solve(part, own, bodies_of(parameters), contacts, velocity, goal)
     else:
         push_nobody(contacts)
     state.tally[SWEEPS] += sweeps
     state.tally[UNCONVERGED] += 1.0 if sweeps > projected_gauss_seidel.MOST_SWEEPS else 0.0
-    touching.remember(contacts, memory)
+    warm_start.remember(touching.contact_keys(contacts), memory)
     remember(part, own, state, workspace)
 
 
@@ -304,7 +304,7 @@ def settle_by_passes(part: Any, own: Any, parameters: Parameters, state: State, 
     deepest = deepest_overlap(contacts)
     state.tally[DEEPEST] = max(state.tally[DEEPEST], deepest)
     if deepest > parameters.slop:
-        touching.weigh(contacts, bodies.mobility)
+        touching.set_effective_masses(contacts, bodies.mobility)
         touching.separate(contacts, state.position, bodies, parameters.slop)
         touching.gather(contacts, workspace.candidates, state.position, bodies, reach)
 
@@ -325,7 +325,7 @@ def demand_rest(parameters: Parameters, contacts: Contacts, velocity: Array, bef
     Whoever comes faster is left alone: the next step sees a collision.
     """
     speed, bound, gap = contacts.scratch, contacts.bound, contacts.gap
-    touching.approaches(contacts, velocity, speed)
+    touching.normal_velocities(contacts, velocity, speed)
     for row in range(contacts.total[0]):
         lasting = before[row] >= -STEADY * abs(speed[row] - before[row])
         bound[row] = -max(gap[row], 0.0) / parameters.time_step if lasting else -np.inf
@@ -346,7 +346,7 @@ def rest_by_passes(part: Any, own: Any, parameters: Parameters, state: State, wo
     contacts, passage, before = workspace.contacts, workspace.passage, workspace.before
     slow_down(before, passage, parameters.kick.decay)
     copy_rows(passage, state.velocity)
-    touching.approaches(contacts, before, contacts.change)
+    touching.normal_velocities(contacts, before, contacts.change)
     demand_rest(parameters, contacts, passage, contacts.change)
     solve_contacts(part, own, parameters, state, workspace, passage)
     copy_rows(state.velocity, passage)

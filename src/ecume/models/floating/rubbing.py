@@ -15,7 +15,7 @@ from ecume._jit import compiled
 from ecume.engine.contact import contacts as touching
 from ecume.engine.contact import friction as rubs
 from ecume.engine.contact.contacts import Bodies, Contacts
-from ecume.engine.contact.friction import Motion, Rubbing
+from ecume.engine.contact.friction import FrictionRows, Motion
 from ecume.engine.contact.projected_gauss_seidel import Goal
 from ecume.engine.contact.warm_start import Memory
 from ecume.models.floating.parameters import Parameters
@@ -41,7 +41,7 @@ class Rough(NamedTuple):
 class Rubbed(NamedTuple):
     """Scratch."""
 
-    rubbing: Rubbing
+    rubbing: FrictionRows
     spin: Array
     """(N + walls,) rad/s, through this step; walls do not turn"""
     before: Array
@@ -51,7 +51,7 @@ class Rubbed(NamedTuple):
 def make_rubbed(part: Rough, parameters: Parameters, state: State, workspace: Workspace) -> Rubbed:
     """Room for as many contacts as the workspace has."""
     everyone = len(parameters.kick.mobility)
-    return Rubbed(rubs.make_rubbing(len(workspace.contacts.gap)), np.zeros(everyone), np.zeros(everyone))
+    return Rubbed(rubs.make_friction_rows(len(workspace.contacts.gap)), np.zeros(everyone), np.zeros(everyone))
 
 
 @compiled
@@ -61,9 +61,11 @@ def memory_of(state: State) -> Memory:
 
 
 @compiled
-def solve_rough(part: Rough, rubbing: Rubbing, bodies: Bodies, contacts: Contacts, motion: Motion, goal: Goal) -> int:
+def solve_rough(
+    part: Rough, rubbing: FrictionRows, bodies: Bodies, contacts: Contacts, motion: Motion, goal: Goal
+) -> int:
     """Contacts with friction, on these velocities and spins: how many sweeps their solution takes."""
-    touching.weigh(contacts, bodies.mobility)
+    touching.set_effective_masses(contacts, bodies.mobility)
     rubs.prepare(contacts, rubbing, bodies.radius, part.friction, motion)
     return rubs.solve(contacts, rubbing, motion, goal)
 
@@ -85,7 +87,7 @@ def push_rough(part: Rough, own: Rubbed, bodies: Bodies, contacts: Contacts, pas
         contacts.impulse[row] *= contacts.scratch[row]
         rubbing.impulse[row] *= contacts.scratch[row]
     motion = Motion(passage, own.spin, bodies.mobility, part.ease)
-    rubs.push_all(contacts, rubbing, (contacts.impulse, rubbing.impulse), motion)
+    rubs.apply_impulses(contacts, rubbing, (contacts.impulse, rubbing.impulse), motion)
 
 
 @compiled

@@ -187,11 +187,11 @@ def solve_shared(
     share, mobility = part.share, bodies.mobility
     if contacts.total[0] < FEW_CONTACTS:
         return meeting.solve_smooth((), (), bodies, contacts, velocity, goal)
-    touching.weigh(contacts, mobility)
+    touching.set_effective_masses(contacts, mobility)
     if projected_gauss_seidel.begin(contacts, velocity, mobility, goal):
         return 1
     islands = projected_gauss_seidel.islands_of(contacts, mobility)
-    some = projected_gauss_seidel.some_contacts(contacts, islands.rows)
+    some = projected_gauss_seidel.contacts_of_rows(contacts, islands.rows)
     all_of = np.searchsorted(islands.first, share.parts(len(islands.rows)))
     own = islands.first[all_of[share.rank] : all_of[share.rank + 1] + 1]
     sweeps = np.zeros(share.ranks, np.int64)
@@ -199,7 +199,7 @@ def solve_shared(
     share.gather(sweeps, np.arange(share.ranks + 1))
     share.gather(some.impulse, islands.first[all_of])
     share_velocities(share, some, islands.first[all_of], velocity)
-    projected_gauss_seidel.take_over(contacts, islands.rows, some)
+    projected_gauss_seidel.scatter_impulses(contacts, islands.rows, some)
     return int(sweeps.max())
 
 

@@ -113,10 +113,10 @@ def meet_springs(part: Springs, own: Any, parameters: Parameters, state: State, 
     """The pushes at the start of the step, on the passage; the velocity goes along with it."""
     contacts, passage = workspace.contacts, workspace.passage
     touching.gather(contacts, workspace.candidates, state.position, bodies_of(parameters), 0.0)
-    touching.approaches(contacts, workspace.before, contacts.change)
+    touching.normal_velocities(contacts, workspace.before, contacts.change)
     half = 0.5 if parameters.scheme.half_kicks else 1.0
     push_apart(part, parameters, state, contacts, half * parameters.time_step)
-    touching.push_all(contacts, contacts.impulse, passage, parameters.kick.mobility)
+    touching.apply_impulses(contacts, contacts.impulse, passage, parameters.kick.mobility)
     copy_rows(state.velocity, passage)
 
 
@@ -125,10 +125,10 @@ def rest_springs(part: Springs, own: Any, parameters: Parameters, state: State, 
     """The pushes at the end of a step of velocity Verlet."""
     contacts, passage = workspace.contacts, workspace.passage
     touching.gather(contacts, workspace.candidates, state.position, bodies_of(parameters), 0.0)
-    touching.approaches(contacts, passage, contacts.change)
+    touching.normal_velocities(contacts, passage, contacts.change)
     push_apart(part, parameters, state, contacts, 0.5 * parameters.time_step)
     copy_rows(passage, state.velocity)
-    touching.push_all(contacts, contacts.impulse, passage, parameters.kick.mobility)
+    touching.apply_impulses(contacts, contacts.impulse, passage, parameters.kick.mobility)
     copy_rows(state.velocity, passage)
 
 

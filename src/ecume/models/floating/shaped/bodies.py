@@ -8,7 +8,7 @@ import numpy as np
 
 from ecume._jit import compiled
 from ecume.engine.cells import Integers
-from ecume.engine.contact.torque_contacts import Levers, Party, make_levers
+from ecume.engine.contact.torque_contacts import OutlinedBodies, TorqueContacts, make_torque_contacts
 from ecume.engine.outlines import Outlines
 from ecume.models.floating.parameters import Parameters
 from ecume.models.floating.state import State, Workspace
@@ -73,7 +73,7 @@ class Crew(NamedTuple):
     """(N + walls, 3) velocity and spin with which everyone goes through this step"""
     before: Array
     """(N + walls, 3)"""
-    levers: Levers
+    levers: TorqueContacts
 
 
 def make_crew(many: Shaped, parameters: Parameters, state: State, workspace: Workspace) -> Crew:
@@ -89,14 +89,14 @@ def make_crew(many: Shaped, parameters: Parameters, state: State, workspace: Wor
         mobility=np.zeros((count, 3)),
         passage=np.zeros((rows, 3)),
         before=np.zeros((rows, 3)),
-        levers=make_levers(room, many.places),
+        levers=make_torque_contacts(room, many.places),
     )
 
 
 @compiled
-def party_of(part: Outlined, parameters: Parameters, crew: Crew) -> Party:
+def party_of(part: Outlined, parameters: Parameters, crew: Crew) -> OutlinedBodies:
     """What the contact solver must know of shapes and walls."""
-    return Party(part.outlines, parameters.floats.radius, parameters.walls, crew.mobility)
+    return OutlinedBodies(part.outlines, parameters.floats.radius, parameters.walls, crew.mobility)
 
 
 @compiled

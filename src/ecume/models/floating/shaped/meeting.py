@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from ecume._jit import compiled
-from ecume.engine.contact import projected_gauss_seidel
+from ecume.engine.contact import projected_gauss_seidel, warm_start
 from ecume.engine.contact import torque_contacts as touching
 from ecume.engine.contact.projected_gauss_seidel import Goal
-from ecume.engine.contact.torque_contacts import Levers
+from ecume.engine.contact.torque_contacts import TorqueContacts
 from ecume.engine.contact.warm_start import Memory
 from ecume.engine.outlines import Stance
 from ecume.models.floating.meeting import STEADY, TOLERABLE, restitution_of, restitutions_of, share_restitution
@@ -20,9 +20,9 @@ from ecume.units import Array
 
 
 @compiled
-def demand_stops(parameters: Parameters, levers: Levers, before: Array) -> float:
-    """Ask everyone to stop who comes together in this step and can bounce; the fastest of these approaches."""
-    touching.approaches(levers, before, levers.scratch)
+def demand_stops(parameters: Parameters, levers: TorqueContacts, before: Array) -> float:
+    """Ask everyone to stop who comes together in this step and can bounce; the fastest of these normal_velocities."""
+    touching.normal_velocities(levers, before, levers.scratch)
     slowest, fastest = TOLERABLE * parameters.slop / parameters.time_step, 0.0
     restitutions = restitutions_of(parameters)
     for row in range(levers.total[0]):
@@ -52,15 +52,15 @@ def bounce(crew: Crew, parameters: Parameters, state: State, workspace: Workspac
         if levers.impulse[row] > 0.0:
             state.tally[COLLISIONS] += 1.0
             levers.impulse[row] *= 1.0 + of_float[levers.first[row]]
-    touching.push_all(levers, levers.impulse, crew.passage)
+    touching.apply_impulses(levers, levers.impulse, crew.passage)
 
 
 @compiled
-def solve_contacts(parameters: Parameters, state: State, levers: Levers, velocity: Array) -> None:
+def solve_contacts(parameters: Parameters, state: State, levers: TorqueContacts, velocity: Array) -> None:
     """Impulses on `velocity`, from those remembered; remembered in turn."""
     memory = Memory(state.touches, state.touching, state.push)
-    touching.recall(levers, memory)
-    touching.approaches(levers, velocity, levers.scratch)
+    warm_start.recall(touching.contact_keys(levers), memory)
+    touching.normal_velocities(levers, velocity, levers.scratch)
     fastest = 0.0
     for row in range(levers.total[0]):
         fastest = max(fastest, levers.bound[row] - levers.scratch[row])
@@ -71,7 +71,7 @@ def solve_contacts(parameters: Parameters, state: State, levers: Levers, velocit
         state.tally[UNCONVERGED] += 1.0 if sweeps > projected_gauss_seidel.MOST_SWEEPS else 0.0
     else:
         levers.impulse[:] = 0.0
-    touching.remember(levers, memory)
+    warm_start.remember(touching.contact_keys(levers), memory)
 
 
 @compiled
@@ -111,8 +111,8 @@ def rest_outlined(part: Outlined, crew: Crew, parameters: Parameters, state: Sta
     if not part.solved:
         return
     levers = crew.levers
-    touching.approaches(levers, crew.before, levers.change)
-    touching.approaches(levers, crew.passage, levers.scratch)
+    touching.normal_velocities(levers, crew.before, levers.change)
+    touching.normal_velocities(levers, crew.passage, levers.scratch)
     for row in range(levers.total[0]):
         lasting = levers.change[row] >= -STEADY * abs(levers.scratch[row] - levers.change[row])
         levers.bound[row] = -max(levers.gap[row], 0.0) / parameters.time_step if lasting else -np.inf

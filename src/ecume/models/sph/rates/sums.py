@@ -93,45 +93,12 @@ def pushed(pull: float, own: float, push: float, damp: float) -> float:
 
 @inlined
 def _momentum(
-    deep: bool, fields: Floats, lists: Lists, constants: Constants,
+    deep: bool, both: bool, fields: Floats, lists: Lists, constants: Constants,
     kernel: KernelType, rates: Floats,
 ) -> None:  # fmt: skip
-    """Pressure and damping; dummies do not damp."""
-    counts, neighbor = lists
-    for particle in prange(constants[0].first, min(constants[0].last, rates.shape[1])):
-        i, numbers = INDEX(particle), constants[0]
-        x, y, z = fields[FIELD.position, i], fields[FIELD.position + 1, i], fields[FIELD.position + 2, i]
-        u, v, w = fields[FIELD.velocity, i], fields[FIELD.velocity + 1, i], fields[FIELD.velocity + 2, i]
-        own = fields[FIELD.force_term, i]
-        inverse, zero = numbers.inverse_length, numbers.zero
-        damper = numbers.smoothing_length, numbers.damping_divisor, numbers.sound_speed, numbers.alpha
-        ax, ay, az = zero, zero, zero
-        for k in range(whole(counts[i])):
-            j = INDEX(neighbor[i, k])
-            dx, dy = fields[FIELD.position, j] - x, fields[FIELD.position + 1, j] - y
-            du, dv = fields[FIELD.velocity, j] - u, fields[FIELD.velocity + 1, j] - v
-            weight, liquid, push = fields[FIELD.weight, j], fields[FIELD.liquid, j], fields[FIELD.force_term, j]
-            square, radial, dz = dx * dx + dy * dy, du * dx + dv * dy, zero
-            if deep:
-                dz = fields[FIELD.position + 2, j] - z
-                square, radial = square + dz * dz, radial + (fields[FIELD.velocity + 2, j] - w) * dz
-            pull = written_slope(math.sqrt(square) * inverse, kernel) * weight
-            pull = pushed(pull, own, push, liquid * damping(radial, square, damper))
-            ax += pull * dx
-            ay += pull * dy
-            if deep:
-                az += pull * dz
-        rates[RATE.acceleration, i] = numbers.slope_factor * ax
-        rates[RATE.acceleration + 1, i] = numbers.slope_factor * ay
-        rates[RATE.acceleration + 2, i] = numbers.slope_factor * az
-
-
-@inlined
-def _both(
-    deep: bool, fields: Floats, lists: Lists, constants: Constants,
-    kernel: KernelType, rates: Floats,
-) -> None:  # fmt: skip
-    """Both at once, without diffusion and dummies: each field is gathered once."""
+    """Pressure and artificial viscosity, in which dummies take no part; with `both`, also continuity, in one pass, for
+    tanks without diffusion and dummies. `deep` and `both` are literals: the compiler drops the other branches.
+    """
     counts, neighbor = lists
     for particle in prange(constants[0].first, min(constants[0].last, rates.shape[1])):
         i, numbers = INDEX(particle), constants[0]
@@ -151,14 +118,19 @@ def _both(
                 dz = fields[FIELD.position + 2, j] - z
                 square, radial = square + dz * dz, radial + (fields[FIELD.velocity + 2, j] - w) * dz
             pull = written_slope(math.sqrt(square) * inverse, kernel) * weight
-            stretching += stretched(pull, radial)
-            pull = pushed(pull, own, push, damping(radial, square, damper))
+            damp = damping(radial, square, damper)
+            if both:
+                stretching += stretched(pull, radial)
+            else:
+                damp *= fields[FIELD.liquid, j]
+            pull = pushed(pull, own, push, damp)
             ax += pull * dx
             ay += pull * dy
             if deep:
                 az += pull * dz
-        rates[RATE.continuity, i] = numbers.slope_factor * stretching
-        rates[RATE.diffusion, i] = zero
+        if both:
+            rates[RATE.continuity, i] = numbers.slope_factor * stretching
+            rates[RATE.diffusion, i] = zero
         rates[RATE.acceleration, i] = numbers.slope_factor * ax
         rates[RATE.acceleration + 1, i] = numbers.slope_factor * ay
         rates[RATE.acceleration + 2, i] = numbers.slope_factor * az
@@ -183,9 +155,9 @@ def sum_momentum(
 ) -> None:  # fmt: skip
     """Pressure and damping: see `_momentum`."""
     if constants[0].dimension == 3:
-        _momentum(True, fields, lists, constants, kernel, rates)
+        _momentum(True, False, fields, lists, constants, kernel, rates)
     else:
-        _momentum(False, fields, lists, constants, kernel, rates)
+        _momentum(False, False, fields, lists, constants, kernel, rates)
 
 
 @summing
@@ -193,11 +165,11 @@ def sum_both(
     fields: Floats, lists: Lists, constants: Constants, kernel: KernelType,
     rates: Floats,
 ) -> None:  # fmt: skip
-    """Both in one sum: see `_both`."""
+    """Continuity and momentum in one sum: see `_momentum`."""
     if constants[0].dimension == 3:
-        _both(True, fields, lists, constants, kernel, rates)
+        _momentum(True, True, fields, lists, constants, kernel, rates)
     else:
-        _both(False, fields, lists, constants, kernel, rates)
+        _momentum(False, True, fields, lists, constants, kernel, rates)
 
 
 @summing
