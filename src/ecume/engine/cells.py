@@ -20,7 +20,7 @@ class Cells(NamedTuple):
     low: Array
     """(d,) the lowest coordinate of all particles"""
     size: Array
-    """(1,) edge of a cell, at least the reach asked for"""
+    """(1,) edge of a cell, at least the requested reach"""
     shape: Integers
     """(d,) cells along each axis"""
     cell: Integers
@@ -32,7 +32,9 @@ class Cells(NamedTuple):
 
 
 def make_cells(count: int, dimension: int) -> Cells:
-    """Room for `count` particles. There are never many more cells than particles: a sparse crowd gets larger cells."""
+    """Arrays for `count` particles. Cells are larger in sparse systems, so that there are never many more than
+    particles.
+    """
     return Cells(
         low=np.zeros(dimension),
         size=np.ones(1),

@@ -115,7 +115,8 @@ def ellipses_near(x: float, y: float, one: Ellipse, other: Ellipse, reach: float
 def farthest_from_origin(x: float, y: float, ellipse: Ellipse) -> float:
     """The direction in which the point of an ellipse lies that is farthest from the origin, the center being (x, y).
 
-    Going on in the direction of the farthest point so far never comes nearer; Newton's method then ends it.
+    Fixed-point iteration, in the direction of the farthest point so far, never increases the error; Newton's method
+    then completes it.
     """
     direction = math.atan2(y, x)
     for _ in range(4):

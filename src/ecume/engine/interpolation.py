@@ -1,6 +1,6 @@
-"""Values at points, from values at particles near them: what a weighted sum over neighbors can be asked for.
+"""Interpolation at points from values at nearby particles: weighted sums over neighbors, means and linear fits.
 
-Weights come from outside: this file knows no kernel.
+The caller supplies the weights: this file contains no kernel.
 """
 
 from __future__ import annotations
@@ -82,7 +82,7 @@ def planes(pairs: Near, weight: Array, values: Array) -> Array:
 
 
 def dry(pairs: Near, weight: Array) -> NDArray[np.bool_]:
-    """(points,) whether nobody is near a point, so that there is no mean."""
+    """(points,) whether no particle is near a point, so that there is no mean."""
     return ~np.asarray(added(pairs, weight) > THIN)
 
 

@@ -1,10 +1,10 @@
-"""Full neighbor lists for crowds whose reach is a few spacings: every particle has all its neighbors, in cell order.
+"""Full neighbor lists for dense systems with a reach of a few spacings: all neighbors of each particle, in cell order.
 
-Arrays of many particles stand axis by axis, (d, N), so that a loop over neighbors reads along one contiguous row. Lists
-are made by threads and are the same for any number of them.
+Arrays of many particles are stored axis by axis, (d, N), so that a loop over neighbors reads along one contiguous row.
+Lists are made by threads and are the same for any number of threads.
 
 Cells are as wide as the reach, but only a quarter of it along the last axis: a row of cells is one run of sorted
-particles, and of each neighboring row the part is searched that a sphere around the particle cuts out of it.
+particles, and in each neighboring row only the part inside a sphere around the particle is searched.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ INDEX = np.uint64
 CHUNK = 128
 """Particles that one thread takes at a time."""
 BLOCKS = 16
-"""Parts of a crowd that are counted each by itself; how many must not depend on the threads."""
+"""Blocks of particles that are counted separately; their number must not depend on the number of threads."""
 SLICES = 4
 """Cells in a reach along the last axis."""
 STRIDE = 8
@@ -36,7 +36,7 @@ OUTLIERS = 0.02
 
 
 class Grid(NamedTuple):
-    """Cells around a crowd. Who is outside counts to the nearest cell."""
+    """A grid of cells. Particles outside belong to the nearest cell."""
 
     low: Array
     """(d,)"""
@@ -47,7 +47,7 @@ class Grid(NamedTuple):
 
 
 class Lists(NamedTuple):
-    """The neighbors of the first `len(counts)` particles of a crowd."""
+    """The neighbors of the first `len(counts)` particles."""
 
     counts: NDArray[np.int32]
     """(n,)"""
@@ -62,10 +62,10 @@ def room_for(centers: int, neighbors: int) -> Lists:
 
 
 def grid_around(position: Array, reach: float) -> Grid:
-    """The cells of a crowd, (d, N).
+    """The grid of cells for positions (d, N).
 
-    There are never many more of them than particles: where some are far out, the grid is laid around the others, and
-    the cells of a sparse crowd are larger.
+    There are never many more cells than particles: the grid excludes outliers, and cells are larger in sparse
+    systems.
     """
     most = 2.0 * position.shape[1] + 64.0
     low, high = position.min(axis=1), position.max(axis=1)
@@ -81,7 +81,7 @@ def grid_around(position: Array, reach: float) -> Grid:
 
 
 class Sorted(NamedTuple):
-    """A crowd cell by cell, ascending inside a cell."""
+    """Particles sorted by cell, ascending inside a cell."""
 
     position: Array
     """(d, N)"""
@@ -105,7 +105,7 @@ def _counting_sort(
     position: Array, low: Array, edge: Array, shape: Integers, cell: Integers, tally: Integers, there: Array,
     order: Slots, start: Integers,
 ) -> None:  # fmt: skip
-    """Linear and stable. Each block of particles is counted, told where it writes in each cell, and written."""
+    """Counting sort, linear and stable: each block of particles is counted, gets offsets by cell, and is written."""
     dimension, count = position.shape
     blocks, cells = tally.shape
     each = (count + blocks - 1) // blocks
@@ -138,11 +138,11 @@ def _counting_sort(
 def neighbor_lists(
     position: Array, passive: tuple[int, int], reach: float, before: Lists, own: tuple[int, int] = EVERYONE
 ) -> Lists:
-    """All neighbors closer than `reach` of the first particles of a crowd, (d, N); nobody is its own.
+    """All neighbors closer than `reach` of the first particles at positions (d, N); no particle is its own neighbor.
 
-    Particles from `passive[0]` up to `passive[1]` are not neighbors of one another: walls do not act on walls. The
-    lists take the place of those before, which were of as many particles, or are roomier. Only rows from `own[0]` up to
-    `own[1]` are written.
+    Particles from `passive[0]` up to `passive[1]` are not neighbors of each other: walls do not act on walls. The
+    arrays of the previous lists are reused, or replaced by larger ones. Only rows from `own[0]` up to `own[1]` are
+    written.
     """
     if not position.shape[1]:
         return before

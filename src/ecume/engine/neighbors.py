@@ -1,6 +1,6 @@
-"""Who is near whom: full lists with a skin, kept while nobody has moved by more than half of it.
+"""Verlet neighbor lists: full lists with a skin, valid while no particle has moved by more than half of the skin.
 
-Particles are renumbered cell by cell ("slots") so that neighbors lie close in memory. Each slot's list holds all its
+Particles are renumbered cell by cell ("slots") so that neighbors are close in memory. The list of each slot has all its
 neighbors in ascending order: sums over all of them, or over the later ones, which is each pair once, have one order.
 """
 
@@ -209,8 +209,8 @@ def build(lists: NeighborLists, position: Array, reach: float) -> bool:
 
 @compiled
 def count_neighbors(lists: NeighborLists, position: Array, reach: float, slots: tuple[int, int]) -> None:
-    """Sort everyone into slots, and count the neighbors of some slots: all into `first[slot + 1]`, the earlier ones
-    into `later[slot]`.
+    """Sort all particles into slots, and count the neighbors of some slots: all into `first[slot + 1]`, the earlier
+    ones into `later[slot]`.
     """
     rows = lists.rows
     sort_into_cells(lists.cells, position, reach)
@@ -286,7 +286,7 @@ def place_windows(place: Integers) -> None:
 
 @compiled
 def farthest_move(position: Array, reference: Array) -> float:
-    """The longest way any particle went since `reference`; NaN if a position is none."""
+    """The largest displacement since `reference`; NaN if a position is not finite."""
     farthest = 0.0
     for i in range(position.shape[0]):
         square = 0.0

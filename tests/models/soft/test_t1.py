@@ -150,16 +150,16 @@ def test_the_papers_own_way_converges_with_its_order_and_leaves_the_balance(meth
 @pytest.mark.parametrize(
     ("given", "says"),
     [
-        ({"reduced_force": 1e-3, "forces": (0.0, 1e-3)}, "came both"),
-        ({}, "came neither"),
+        ({"reduced_force": 1e-3, "forces": (0.0, 1e-3)}, "got both"),
+        ({}, "got neither"),
         ({"forces": (0.0, 0.0)}, "different"),
         ({"reduced_force": -1.0}, "reduced_force"),
         ({"reduced_force": 1e-3, "gap": 0.0}, "gap"),
         ({"reduced_force": 3e-8}, "lost in rounding"),
-        ({"forces": (0.0, 1e-7)}, "wanted 1e-07 or more"),
+        ({"forces": (0.0, 1e-7)}, "expected 1e-07 or more"),
         ({"reduced_force": 1e-3, "method": "magic"}, "no method"),
         ({"reduced_force": 1e-3, "prefactors": "magic"}, "prefactors"),
-        ({"reduced_force": 1e-3, "rtol": 0.0}, "rtol is 0.0; wanted 1e-11 to 0.01"),
+        ({"reduced_force": 1e-3, "rtol": 0.0}, "rtol is 0.0; expected 1e-11 to 0.01"),
         ({"reduced_force": 1e-3, "rtol": float("nan")}, "rtol is nan"),
     ],
 )

@@ -48,7 +48,7 @@ def test_where_each_number_comes_from_is_told():
 @pytest.mark.parametrize(
     ("table", "says"),
     [
-        ({"name": "watr"}, "liquid.name: came 'watr'; did you mean water"),
+        ({"name": "watr"}, "liquid.name: got 'watr'; did you mean water"),
         ({"name": "water", "temperature": "120 degC"}, "liquid.temperature: .*0 to 99.97 degrees"),
         ({"name": "water", "temperature": "120 m"}, "measures length, expected temperature"),
         ({"name": "water", "salinity": 0.03}, "liquid.salinity: water has no salinity"),

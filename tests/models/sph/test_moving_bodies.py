@@ -130,7 +130,7 @@ def test_steps_follow_the_swing_of_a_light_body_against_the_liquid(density):
 
 
 def test_a_step_too_long_for_a_light_body_is_refused():
-    with pytest.raises(SceneError, match=r"method\.time_step.*lightest body asks for"):
+    with pytest.raises(SceneError, match=r"method\.time_step.*lightest body requires"):
         SPH.parameters(tub(0.001, time_step=0.0015))
 
 

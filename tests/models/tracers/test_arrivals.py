@@ -167,7 +167,7 @@ def test_in_a_curved_wall_nobody_comes_in():
     grain = dataclasses.replace(DUST, positions=((0.0, 0.0),))
     hole = OpeningSpec(wall=0, low=(-0.5, -1.0), high=(0.5, 0.0), rate=1.0)
     scene = channel(particles=(grain,), tank=TankSpec(radius=0.5), openings=(hole,))
-    with pytest.raises(SceneError, match="wanted one in a flat wall"):
+    with pytest.raises(SceneError, match="expected one in a flat wall"):
         MODELS["tracers"].summary(scene)
 
 

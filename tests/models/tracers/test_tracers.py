@@ -240,7 +240,7 @@ def test_what_makes_no_sense_is_refused_with_its_place():
     assert "longer than half a relaxation time" in told(motion=TracerMotionSpec(regime="inertial", time_step=0.1))
     assert "would fit" in told(motion=TracerMotionSpec(time_step=0.03))
     assert "tank: polygon: not convex" in told(tank=TankSpec(vertices=((0, 0), (2, 0), (1, 0.2), (1, 2))))
-    assert "openings[0]: opening: came surface 7" in told(
+    assert "openings[0]: opening: got surface 7" in told(
         tank=TankSpec(size=(1.0, 1.0)), openings=(OpeningSpec(wall=7, low=(0.0, 0.0), high=(1.0, 0.0)),)
     )
 

@@ -18,7 +18,7 @@ from ecume.units import Array
 OWN, ACROSS, BACK, OTHER = range(4)
 """The four blocks of a pair (i, j) in `assemble_quads`: (i, i), (i, j), (j, i), (j, j)."""
 CHUNK = 1024
-"""Rows that one thread sweeps over at once. What ties them to other chunks is left out of the preconditioner."""
+"""Rows that one thread processes at once. Their coupling to other chunks is omitted from the preconditioner."""
 BITS = 16
 """Of a coordinate, in the order along Morton's curve."""
 
@@ -36,7 +36,9 @@ class Pattern(NamedTuple):
     diagonal: Integers
     """(N,) place of the block (i, i) of each particle"""
     inside: Integers
-    """(N, 3) in each row, the places of the first block of its chunk of rows, of its own, and of the first beyond"""
+    """(N, 3) in each row, the places of the first block of its chunk of rows, of the diagonal block, and of the first
+    block beyond the chunk
+    """
     upper: Integers
     """(P,) place of the block (i, j) of a pair"""
     lower: Integers

@@ -38,7 +38,7 @@ class Analysis(NamedTuple):
 
 
 def library() -> Any:
-    """Cvxopt, or a word of where to get it."""
+    """Import cvxopt; raise an error with the installation command if it is missing."""
     try:
         import cvxopt
         import cvxopt.cholmod

@@ -95,7 +95,7 @@ def substitute(full: Array, size: int, column: int) -> None:
 
 @compiled
 def invert_diagonal(matrix: Matrix, inverse: Array) -> bool:
-    """The inverse of each row's own block; False where there is none."""
+    """Write the inverse of each diagonal block; False if one is singular."""
     blocks, inside = matrix.blocks, matrix.pattern.inside
     width = blocks.shape[1]
     room = np.empty((width, 2 * width))

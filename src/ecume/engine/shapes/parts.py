@@ -42,13 +42,13 @@ class Shape(Part, Protocol):
         """(d,) the center of mass."""
 
     def volume(self) -> float:
-        """An area in the plane."""
+        """The volume; in 2D the area."""
 
     def surface(self) -> float:
-        """The area of its boundary; in the plane the length."""
+        """The area of its boundary; in 2D the length."""
 
     def inertia(self) -> Array:
-        """(3,) moments about the axes through the middle, of a unit mass; in the plane the last alone counts."""
+        """(3,) moments of inertia about the axes through the center, for unit mass; in 2D only the last is used."""
 
     def thickness(self) -> float:
         """Between the two parallel lines or planes that hold it most narrowly."""

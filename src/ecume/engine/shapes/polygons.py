@@ -1,4 +1,4 @@
-"""Polygons in the plane."""
+"""Polygons."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ecume.units import Array
 
 
 class Polygon(NamedTuple):
-    """Any simple polygon in the plane, vertices (V, 2) in either sense."""
+    """Any simple polygon, vertices (V, 2) clockwise or counterclockwise."""
 
     vertices: Array
 

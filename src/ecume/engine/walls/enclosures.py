@@ -1,6 +1,6 @@
-"""What encloses a raft of floats: surfaces in the plane as compiled loops read them, and the region inside.
+"""Enclosures of floats: 2D walls as compiled loops read them, and the region inside.
 
-An enclosure is convex and holds the origin: a circle around the origin, straight lines, or both. The distance from a
+An enclosure is convex and contains the origin: a circle around the origin, straight lines, or both. The distance from a
 wall is positive inside; the normal points inward and is the gradient of the distance.
 """
 
@@ -36,7 +36,7 @@ def no_walls() -> Walls:
 
 
 def enclosed_by(surfaces: Surfaces) -> Walls:
-    """The walls of a shape in the plane. Raises BadInput if it is not convex, or does not hold the origin.
+    """The walls of a 2D shape. Raises BadInput if it is not convex, or does not contain the origin.
 
     >>> from ecume.engine.walls import box
     >>> enclosed_by(box((-2.0, -1.0), (2.0, 1.0))).offset.tolist()
@@ -44,9 +44,9 @@ def enclosed_by(surfaces: Surfaces) -> Walls:
     """
     flat, round_ones = surfaces.kind == PLANE, surfaces.kind == INSIDE
     if surfaces.dimension != 2 or np.any(surfaces.face) or not np.all(flat | round_ones):
-        raise BadInput("enclosure: wanted a convex shape in the plane")
+        raise BadInput("enclosure: expected a convex 2D shape")
     if np.any(surfaces.place[round_ones]) or np.any(surfaces.size[flat] > 0.0):
-        raise BadInput("enclosure: wanted a shape around the origin")
+        raise BadInput("enclosure: expected a shape around the origin")
     radius = float(surfaces.size[round_ones].min(initial=math.inf))
     return Walls(radius, np.ascontiguousarray(surfaces.place[flat, :2]), surfaces.size[flat].copy())
 
@@ -92,9 +92,9 @@ def shrunk(walls: Walls, by: float) -> Walls:
 
 
 def corners(walls: Walls) -> Array:
-    """The corners of an enclosure by lines alone, counterclockwise, (K, 2) m. Raises BadInput if there are none."""
+    """The corners of an enclosure by lines alone, counterclockwise, (K, 2) m. Raises BadInput without corners."""
     if walls.disc_radius < math.inf or len(walls.offset) < 3:
-        raise BadInput("corners: wanted an enclosure by three or more lines")
+        raise BadInput("corners: expected an enclosure by three or more lines")
     order = np.argsort(np.arctan2(-walls.normal[:, 1], -walls.normal[:, 0]), kind="stable")
     one, after = order, np.roll(order, -1)
     (a, b), (c, d) = walls.normal[one].T, walls.normal[after].T

@@ -38,7 +38,7 @@ class Entrance(NamedTuple):
         return np.asarray(within.all(axis=1))
 
     def area(self) -> float:
-        """m^2, a length in the plane; of a wall along the axes, or of any in the plane."""
+        """m^2 in 3D, m in 2D; of an axis-parallel wall, or in 2D of any wall."""
         return float(np.prod(2.0 * self.half))
 
 
@@ -52,7 +52,7 @@ def entrance(walls: Surfaces, hole: int) -> Entrance:
     """
     d, wall = walls.dimension, int(walls.hole[hole])
     if walls.kind[wall] != PLANE:
-        raise BadInput(f"entrance: came an opening in {described(walls, wall)}; wanted one in a flat wall")
+        raise BadInput(f"entrance: got an opening in {described(walls, wall)}; expected one in a flat wall")
     normal, low, high = walls.place[wall, :d], walls.low[hole, :d], walls.high[hole, :d]
     along = np.linalg.svd(normal[None])[2][1:]
     edge = _border(normal, float(walls.size[wall]), low, high)

@@ -62,7 +62,7 @@ Log = tuple[Integers, Integers, Array, Array]
 
 @compiled_inside
 def undisturbed(course: Course, moment: Moment, kind: Integers, number: Array) -> bool:
-    """Whether nothing can be met: a bound that needs no roots, for nearly everyone."""
+    """Whether no collision is possible: a bound that needs no roots, sufficient for nearly all particles."""
     k = 0
     while k < kind.shape[0]:
         free, stop = False, max(int(kind[k, 2]), k + 1)

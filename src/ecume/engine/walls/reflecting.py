@@ -126,27 +126,27 @@ def _flown(started: Prepared, dt: float, packed: Sheet, log: Any, hits: Integers
 
 def _require_step(dt: float, walls: Surfaces) -> None:
     if not isinstance(walls, Surfaces):
-        raise BadInput(f"walls: came {type(walls).__name__}; wanted what box, polygon, planes, disc ... of walls make")
+        raise BadInput(f"walls: got {type(walls).__name__}; expected what box, polygon, planes, disc ... of walls make")
     if not 0.0 <= dt < np.inf:
-        raise BadInput(f"dt: came {dt!r}; wanted zero or more seconds; reverse velocities to go back in time")
+        raise BadInput(f"dt: got {dt!r}; expected zero or more seconds; reverse velocities to go back in time")
 
 
 def _prepared(position: Any, velocity: Any, acceleration: Any, radius: Any) -> Prepared:
     """Copies in the layout that compiled code wants."""
     new, fast = numbers_of(position, "position"), numbers_of(velocity, "velocity")
     if new.ndim != 2 or new.shape[1] not in (2, 3) or fast.shape != new.shape:
-        raise BadInput(f"position, velocity: came shapes {new.shape}, {fast.shape}; wanted (N, 2) or (N, 3) for both")
+        raise BadInput(f"position, velocity: got shapes {new.shape}, {fast.shape}; expected (N, 2) or (N, 3) for both")
     pushed = np.zeros((1, new.shape[1])) if acceleration is None else numbers_of(acceleration, "acceleration")
     pushed = np.atleast_2d(pushed)
     if pushed.shape not in ((1, new.shape[1]), new.shape):
-        raise BadInput(f"acceleration: came shape {pushed.shape}; wanted ({new.shape[1]},) or {new.shape}")
+        raise BadInput(f"acceleration: got shape {pushed.shape}; expected ({new.shape[1]},) or {new.shape}")
     width = np.atleast_1d(numbers_of(radius, "radius"))
     if width.shape not in ((1,), (len(new),)) or not np.all(width >= 0.0):
-        raise BadInput(f"radius: came {radius!r}; wanted a length, or one for each of {len(new)} particles")
+        raise BadInput(f"radius: got {radius!r}; expected a length, or one for each of {len(new)} particles")
     for name, array in (("position", new), ("velocity", fast), ("acceleration", pushed)):
         if not np.all(np.isfinite(array)):
             worst = int(np.flatnonzero(~np.isfinite(array).all(axis=1))[0])
-            raise BadInput(f"{name}: row {worst} is {array[worst].tolist()}; wanted finite numbers")
+            raise BadInput(f"{name}: row {worst} is {array[worst].tolist()}; expected finite numbers")
     return new, fast, pushed, width
 
 
@@ -178,7 +178,7 @@ def clearance(position: Array, walls: Surfaces) -> tuple[Array, Integers]:
 
 def _require_inside(position: Array, radius: Array, walls: Surfaces, packed: Sheet) -> None:
     if position.shape[1] != walls.dimension:
-        raise BadInput(f"position: came {position.shape[1]} coordinates; the walls have {walls.dimension}")
+        raise BadInput(f"position: got {position.shape[1]} coordinates; the walls have {walls.dimension}")
     clear, which = clearance(position, walls)
     scale = float(packed.number[:, SCALE].max(initial=0.0))
     grain = GRAIN * (scale + np.linalg.norm(position, axis=1))
@@ -189,5 +189,5 @@ def _require_inside(position: Array, radius: Array, walls: Surfaces, packed: She
         others = f" ({len(out)} of {len(position)} particles do)" if len(out) > 1 else ""
         raise BadInput(
             f"position: particle {i} at ({point}) starts outside: {radius[i % len(radius)] - clear[i]:.3g} m beyond "
-            f"{described(walls, int(which[i]))}{others}; wanted every particle inside, its radius included"
+            f"{described(walls, int(which[i]))}{others}; expected every particle inside, its radius included"
         )

@@ -49,7 +49,7 @@ def sheet(walls: Surfaces, restitution: Any = 1.0, tangential: Any = 1.0) -> She
 def _proportion(given: Any, name: str, count: int) -> Array:
     array = np.asarray(given, np.float64)
     if array.shape not in ((), (count,)) or not np.all((array >= 0.0) & (array <= 1.0)):
-        raise BadInput(f"{name}: came {given!r}; wanted a number from 0 to 1, or one for each of {count} surfaces")
+        raise BadInput(f"{name}: got {given!r}; expected a number from 0 to 1, or one for each of {count} surfaces")
     return array
 
 

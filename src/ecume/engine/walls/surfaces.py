@@ -48,7 +48,7 @@ def planes(points: Any, normals: Any, velocities: Any = None) -> Surfaces:
     _require_shape(normal, through, "normals", "points")
     lengths = np.linalg.norm(normal, axis=1)
     if not np.all(lengths > 0.0):
-        raise BadInput(f"planes: normal {int(np.argmin(lengths))} has no direction; wanted one that points inside")
+        raise BadInput(f"planes: normal {int(np.argmin(lengths))} has no direction; expected one that points inside")
     unit = normal / lengths[:, None]
     velocity = np.zeros_like(unit) if velocities is None else _rows(velocities, "velocities")
     _require_shape(velocity, through, "velocities", "points")
@@ -59,7 +59,7 @@ def box(low: Sequence[float], high: Sequence[float]) -> Surfaces:
     """The inside of a rectangle, or of a box: lower sides of all axes, then the upper ones."""
     bottom, top = np.asarray(low, np.float64), np.asarray(high, np.float64)
     if bottom.shape != top.shape or bottom.shape not in ((2,), (3,)) or not np.all(bottom < top):
-        raise BadInput(f"box: came {low!r} and {high!r}; wanted two corners, the lower one first")
+        raise BadInput(f"box: got {low!r} and {high!r}; expected two corners, the lower one first")
     axes = np.eye(len(bottom))
     return planes([bottom] * len(axes) + [top] * len(axes), np.concatenate([axes, -axes]))
 
@@ -70,7 +70,7 @@ def polygon(vertices: Any) -> Surfaces:
     sides = np.roll(corners, -1, axis=0) - corners
     after = np.roll(sides, -1, axis=0)
     if corners.shape[1] != 2 or len(corners) < 3:
-        raise BadInput(f"polygon: came {len(corners)} vertices; wanted three or more points (x, y)")
+        raise BadInput(f"polygon: got {len(corners)} vertices; expected three or more points (x, y)")
     turns = sides[:, 0] * after[:, 1] - sides[:, 1] * after[:, 0]
     way = math.copysign(1.0, float(turns.sum()))
     once = abs(abs(float(np.arctan2(turns, (sides * after).sum(axis=1)).sum())) - 2.0 * math.pi) < 1e-6
@@ -84,14 +84,14 @@ def polygon(vertices: Any) -> Surfaces:
 
 
 def polyhedron(vertices: Any) -> Surfaces:
-    """The inside of the convex hull of points in space: one plane a face."""
+    """The inside of the convex hull of 3D points: one plane for each face."""
     from scipy.spatial import ConvexHull, QhullError
 
     corners = _rows(vertices, "vertices")
     try:
         faces = np.asarray(ConvexHull(corners).equations)
     except (QhullError, ValueError) as error:
-        raise BadInput(f"polyhedron: came {len(corners)} points without a volume; wanted four or more") from error
+        raise BadInput(f"polyhedron: got {len(corners)} points without a volume; expected four or more") from error
     # A face of more than three corners comes as several triangles.
     apart = np.unique(np.round(faces, 9), axis=0, return_index=True)[1]
     normal, offset = -faces[np.sort(apart), :-1], faces[np.sort(apart), -1]
@@ -102,14 +102,14 @@ def disc(center: Sequence[float], radius: float) -> Surfaces:
     """The inside of a circle; of a sphere when the center has three coordinates."""
     middle = _rows([center], "center")
     if not radius > 0.0:
-        raise BadInput(f"disc: came radius {radius!r}; wanted one above 0")
+        raise BadInput(f"disc: got radius {radius!r}; expected one above 0")
     return _made(middle.shape[1], INSIDE, middle, np.array([float(radius)]), np.zeros_like(middle))
 
 
 def wedge(apex: Sequence[float], direction: Sequence[float], angle: float) -> Surfaces:
     """The inside of a corner: two lines that meet at the apex with the opening angle (rad) around the direction."""
     if not 0.0 < angle < math.pi:
-        raise BadInput(f"wedge: came angle {angle!r}; wanted radians between 0 and pi")
+        raise BadInput(f"wedge: got angle {angle!r}; expected radians between 0 and pi")
     middle = math.atan2(direction[1], direction[0])
     low, high = middle - 0.5 * angle, middle + 0.5 * angle
     return planes([apex, apex], [(-math.sin(low), math.cos(low)), (math.sin(high), -math.cos(high))])
@@ -118,7 +118,7 @@ def wedge(apex: Sequence[float], direction: Sequence[float], angle: float) -> Su
 def outside(shape: Surfaces) -> Surfaces:
     """A convex shape as an obstacle: the same surfaces seen from outside."""
     if np.any(shape.face) or len(shape.hole) or (np.any(shape.kind != PLANE) and len(shape.kind) > 1):
-        raise BadInput("outside: wanted one convex shape without openings: a box, polygon, polyhedron, disc or plane")
+        raise BadInput("outside: expected one convex shape without openings: a box, polygon, polyhedron, disc or plane")
     count = len(shape.kind)
     if shape.kind[0] != PLANE:
         return shape._replace(kind=-shape.kind)
@@ -129,14 +129,14 @@ def outside(shape: Surfaces) -> Surfaces:
 def opening(walls: Surfaces, number: int, low: Sequence[float], high: Sequence[float]) -> Surfaces:
     """The same walls with a hole in surface `number`: its part between two corners. Who flies through has left."""
     if not 0 <= number < len(walls.kind):
-        raise BadInput(f"opening: came surface {number}; there are {len(walls.kind)}, from 0")
+        raise BadInput(f"opening: got surface {number}; there are {len(walls.kind)}, from 0")
     corners = _rows([low, high], "low, high")
     if corners.shape[1] != walls.dimension or not np.all(corners[0] <= corners[1]):
-        raise BadInput(f"opening: came {low!r} and {high!r}; wanted two corners, the lower one first")
+        raise BadInput(f"opening: got {low!r} and {high!r}; expected two corners, the lower one first")
     wide = _padded(corners)
     if not _meets(walls, number, wide):
         told = described(walls, number)
-        raise BadInput(f"opening: {low!r} to {high!r} has no part in {told}; wanted a part of that surface")
+        raise BadInput(f"opening: {low!r} to {high!r} has no part in {told}; expected a part of that surface")
     return walls._replace(
         hole=np.append(walls.hole, np.int64(number)),
         low=np.vstack([walls.low, wide[:1]]),
@@ -147,7 +147,7 @@ def opening(walls: Surfaces, number: int, low: Sequence[float], high: Sequence[f
 def together(*shapes: Surfaces) -> Surfaces:
     """All of them at once, numbered one after the other."""
     if len({shape.dimension for shape in shapes}) != 1:
-        raise BadInput("together: wanted shapes of one dimension")
+        raise BadInput("together: expected shapes of one dimension")
     starts = np.cumsum([0] + [len(shape.kind) for shape in shapes])
     faces = [shape.face + start * (shape.face[:, 1:] > 0) for shape, start in zip(shapes, starts, strict=False)]
     holes = [shape.hole + start for shape, start in zip(shapes, starts, strict=False)]
@@ -226,7 +226,7 @@ def _meets(walls: Surfaces, number: int, corners: Array) -> bool:
 def _rows(given: Any, name: str) -> Array:
     array = np.atleast_2d(numbers_of(given, name))
     if array.ndim != 2 or array.shape[1] not in (2, 3) or not np.all(np.isfinite(array)):
-        raise BadInput(f"{name}: came an array of shape {array.shape}; wanted finite numbers, (K, 2) or (K, 3)")
+        raise BadInput(f"{name}: got an array of shape {array.shape}; expected finite numbers, (K, 2) or (K, 3)")
     return array
 
 
@@ -235,12 +235,12 @@ def numbers_of(given: Any, name: str) -> Array:
     try:
         return np.array(given, np.float64, order="C")
     except (TypeError, ValueError) as error:
-        raise BadInput(f"{name}: came {str(given)[:60]}; wanted numbers") from error
+        raise BadInput(f"{name}: got {str(given)[:60]}; expected numbers") from error
 
 
 def _require_shape(array: Array, other: Array, name: str, its: str) -> None:
     if array.shape != other.shape:
-        raise BadInput(f"{name}: came shape {array.shape}; wanted {other.shape}, as the {its} have")
+        raise BadInput(f"{name}: got shape {array.shape}; expected {other.shape}, as the {its} have")
 
 
 def _padded(array: Array) -> Array:

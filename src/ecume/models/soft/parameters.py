@@ -84,10 +84,10 @@ class Planes(NamedTuple):
 
 
 class Parameters(NamedTuple):
-    """Everything about a scene that compiled code and the march need."""
+    """All parameters of a scene that compiled code and the time integration need."""
 
     time_step: float
-    """s: a tick; steps of the march are as long as accuracy allows and end on ticks where frames are due"""
+    """s: a tick; time steps are limited by accuracy and end at the ticks of frames"""
     steps_per_frame: int
     dimensions: int
     radius: Array
@@ -101,11 +101,11 @@ class Parameters(NamedTuple):
     spin_drag: Array
     """(N,) N s/m on each sphere's equator"""
     torque: Array
-    """(N, s) N at the equator, external, at load 1: of one component in a layer, three in space, none without spins"""
+    """(N, s) N at the equator, external, at load 1: one component in a layer, three in 3D, none without spins"""
     weight: Array
     """(N, d) N in gravity, less what the liquid lifts"""
     box: Array
-    """(3,) m: sides of the periodic box at scale 1; zero where there is none, and along axes that walls stand across"""
+    """(3,) m: sides of the periodic box at scale 1; zero without a box, and along axes between walls"""
     walls: Planes
     contacts: Contacts
     laws: Laws

@@ -28,7 +28,7 @@ that is left on a sphere, over the typical one.
 ACCEPTED, REJECTED, FAILED = range(3)
 """Places in `State.tally`."""
 NO_BOOKS = np.zeros(0)
-"""Of runs that a former version began: nothing is booked."""
+"""For runs begun by an earlier version, which have no energy budget."""
 
 UPRIGHT = {0: np.zeros(0), 1: np.zeros(1), 3: np.array([1.0, 0.0, 0.0, 0.0])}
 """The orientation at time 0, by the components of a spin."""
@@ -42,7 +42,7 @@ class State(NamedTuple):
     velocity: Array
     """(N, d) m/s on the average of the last step"""
     orientation: Array
-    """(N, 1) rad in a layer, (N, 4) quaternions in space; (N, 0) where spheres do not spin"""
+    """(N, 1) rad in a layer, (N, 4) quaternions in 3D; (N, 0) for spheres without spin"""
     spin: Array
     """(N, s) rad/s on the average of the last step"""
     step: Integers
@@ -50,7 +50,7 @@ class State(NamedTuple):
     contacts: Integers
     """(1,) how many contacts there are: the arrays of contacts have room for more"""
     generation: Integers
-    """(1,) how often contacts came or went"""
+    """(1,) number of times that contacts opened or closed"""
     pair: Integers
     """(room, 2) who is in contact"""
     image: Integers
@@ -241,7 +241,7 @@ class Bodies(NamedTuple):
     before: Array
     """(N, d) at the step's beginning"""
     moved: Array
-    """(N, d) m: how far from there, in digits of its own: short steps would drown in those of the places"""
+    """(N, d) m: displacement from there, kept separately: short steps would be lost in the rounding of positions"""
     start: Array
     """(N, d) m: how far from there the stage starts; means something with drag only"""
     slope: Array
@@ -271,7 +271,7 @@ class During(NamedTuple):
 
 
 class Books(NamedTuple):
-    """What the energy's books need of a step; see `booking`."""
+    """The rows of the energy budget in a step; see `energy_budget`."""
 
     lines: Array
     """(S + 1, 8) a line for each stage, zero for those that do not count; in the last what the step adds to
@@ -297,7 +297,7 @@ class Step(NamedTuple):
     bodies: Bodies
     spins: Spins
     walls: Walls | tuple[()]
-    """nothing where there are none: what walls do is then not compiled"""
+    """None without walls, whose code is then not compiled"""
     matrix: Matrix
     cell: Cell
     borders: Borders

@@ -100,9 +100,9 @@ class Rates(NamedTuple):
     acceleration: Floats
     """(3, N) the pressure force, or the viscous force, as the sums have it"""
     crowding: Floats
-    """(3, N) points away from where particles are many"""
+    """(3, N) the gradient of the particle concentration, reversed"""
     even_crowding: Floats
-    """(3, N) the crowding vector in which all neighbors count alike"""
+    """(3, N) the same vector with equal weights of all neighbors"""
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -179,7 +179,7 @@ class Constants(Protocol):
         """Return the record."""
 
     def copy(self) -> Constants:
-        """Return an array with a record of its own."""
+        """Return a copy."""
 
 
 def constants_from(precision: Precision, values: Mapping[str, float]) -> Constants:

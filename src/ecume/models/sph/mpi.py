@@ -1,9 +1,8 @@
-"""One tank on many ranks: each lists the neighbors of its own part of the liquid, sums over them, and does all else as
-if alone.
+"""One tank on many ranks: each rank has the neighbor lists and sums of a part of the liquid; all else is replicated.
 
-Everyone holds the whole state. Particles stand in cell order, so that a part is a region of the tank; rates that others
-summed are gathered, and everyone goes on with the same numbers: the same bits for any number of ranks, and those of a
-run without. See `ecume.models.floating.spread`.
+Each rank has the whole state. Particles are in cell order, so that a part is a region of the tank; the rates of all
+parts are gathered, so that all ranks continue with the same numbers: the bits are the same for any number of ranks, and
+without MPI. See `ecume.models.floating.spread`.
 """
 
 from __future__ import annotations
@@ -47,10 +46,10 @@ def workspace_shared(share: Share, parameters: Parameters, state: State, room: f
 
 
 def march_shared(share: Share, parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
-    """March: see `ecume.models.model.Model.advance`."""
+    """Integrate: see `ecume.models.model.Model.advance`."""
     return advance(own_part(share, parameters, state), state, workspace, steps)
 
 
 def complete(share: Share, parameters: Parameters, state: State, scratch: Workspace) -> Workspace:
-    """Lists of everyone: for sums that one rank takes by itself."""
+    """A workspace with the lists of all particles, for sums that one rank takes alone."""
     return workspace(parameters, state, 1.0)

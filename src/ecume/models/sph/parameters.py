@@ -20,9 +20,9 @@ class Guard(NamedTuple):
     owner: Integers
     """(K,) the side or obstacle that each surface belongs to"""
     radius: float
-    """m, how far off the surface everyone is kept"""
+    """m, distance from the surface to which particles are reflected"""
     reach: float
-    """m, who is closer than this is pushed off; zero where walls do nothing but reflect"""
+    """m, range of the repulsion; zero if walls only reflect"""
 
 
 class Material(NamedTuple):
@@ -73,7 +73,7 @@ class Boundary(NamedTuple):
 
 
 class Bodies(NamedTuple):
-    """Rigid bodies. Three rows for a place or a vector in the plane, too."""
+    """Rigid bodies. Positions and vectors have three rows in 2D too."""
 
     shapes: tuple[Shape, ...]
     """about their middles, as they start"""
@@ -96,7 +96,7 @@ class Bodies(NamedTuple):
 
 
 class Drive(NamedTuple):
-    """A motion that is told: amplitude (sin(turning t + phase) + start), and a table of n values."""
+    """A prescribed motion: amplitude (sin(turning t + phase) + start), plus a table of n values."""
 
     amplitude: Array
     """(n,)"""
@@ -143,7 +143,7 @@ class Liquid(NamedTuple):
     density: Array
     mass: Array
     region: Integers
-    """(N,) which table of the scene each came from"""
+    """(N,) the table of the scene that each belongs to"""
 
 
 class Gauge(NamedTuple):
@@ -194,7 +194,7 @@ class Parameters(NamedTuple):
     gravity: Array
     """(d,) what pulls"""
     hydrostatic: Array
-    """(d,) what a modified pressure leaves out, zero otherwise"""
+    """(d,) gravity that a modified pressure omits, zero otherwise"""
     surface: float
     """m along y, from where a modified pressure's hydrostatic part counts"""
     constants: Constants

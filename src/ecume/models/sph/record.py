@@ -39,11 +39,11 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
 def checked_parameters(scene: SphScene) -> Parameters:
     """The parameters of a scene that fits into the machine."""
     count = particles_expected(scene)
-    wanted = count * bytes_per_particle(scene)
+    needed = count * bytes_per_particle(scene)
     there = psutil.virtual_memory().total
-    if wanted > there:
-        message = f"about {count:.3g} particles need {wanted / 1e9:.3g} GB, this machine has {there / 1e9:.3g} GB"
-        too_many = Fault("spacing", f"came {scene.spacing:g} m: {message}; use a wider spacing")
+    if needed > there:
+        message = f"about {count:.3g} particles need {needed / 1e9:.3g} GB, this machine has {there / 1e9:.3g} GB"
+        too_many = Fault("spacing", f"got {scene.spacing:g} m: {message}; use a wider spacing")
         raise SceneError(regions_beyond(scene) or [too_many])
     require_right_split(scene)
     return within_steps(scene, parameters_of(scene))
@@ -61,7 +61,7 @@ def regions_beyond(scene: SphScene) -> list[Fault]:
 
 
 def particles_expected(scene: SphScene) -> float:
-    """A rough upper bound, before anything is laid out."""
+    """A rough upper bound of the number of particles, before they are placed."""
     total = 0.0
     for region in scene.fluid:
         low, high = part_of(region, scene.spacing).bounds()

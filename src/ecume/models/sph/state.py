@@ -57,7 +57,7 @@ class State(NamedTuple):
     zone: Integers
     """(N,) 0 for liquid, else the buffer it is in: see `open_boundaries`"""
     reference: Array
-    """(d, N) where everyone was when the lists were made: their order decides the order of sums"""
+    """(d, N) positions when the lists were made, which determine the order of sums"""
     skin: Array
     """(1,) m: how far beyond the support the lists look"""
     pose: Array
@@ -75,7 +75,7 @@ class State(NamedTuple):
     carried_velocity: Array
     """(d, C) m/s"""
     carried_clock: Integers
-    """(1,) how often they were moved: when a random number is asked for"""
+    """(1,) number of steps of passive particles, the counter of their random numbers"""
     clock: Array
     """(2,) s: now, within a step too; when the lists were made"""
     step: Integers
@@ -87,7 +87,7 @@ class State(NamedTuple):
     hits: Integers
     """of the guard, by `Boundary.names`"""
     crowd: Integers
-    """how many came, left and were lost; the number that the next one will have"""
+    """numbers of particles that entered, left and were lost; the number of the next particle"""
     books: Array = np.zeros(2)
     """work from outside (J), and its rate by forces (W) at the end of the last step: see `report.energy_budget`"""
 
@@ -112,9 +112,9 @@ class Workspace:
     before: Array
     """(d + 1, N) rates of velocity and density at the last positions"""
     cells: CellLists | None
-    """for the interpolation at passive particles; None where there are none"""
+    """for the interpolation at passive particles; None without them"""
     share: Share | None = None
-    """where ranks march together"""
+    """of MPI ranks"""
 
     def take(self, other: Workspace) -> None:
         """Become the other."""
@@ -173,7 +173,7 @@ PER_PARTICLE = (
 
 
 def sort_state(parameters: Parameters, state: State) -> None:
-    """Neighbors in space become neighbors in memory."""
+    """Sort particles by cell, so that neighbors are close in memory."""
     order = sorted_crowd(state.position, grid_around(state.position, parameters.support)).order
     for name in PER_PARTICLE:
         array = getattr(state, name)
@@ -181,10 +181,10 @@ def sort_state(parameters: Parameters, state: State) -> None:
 
 
 def skin_for(parameters: Parameters, state: State) -> float:
-    """How far the next lists look beyond the support (m): the further, the longer they last, and the more they hold.
+    """The skin of the next lists (m). Lists with a larger skin are valid for longer, but contain more pairs.
 
-    The fastest particle sets how long they last. Making them costs about as much as two and a half sums, and in small
-    crowds as much as summing over some hundred particles more.
+    The fastest particle determines how long they are valid. Making them costs about as much as two and a half sums, and
+    in small systems as much as the sums of some hundred additional particles.
     """
     way = largest(state.velocity) * parameters.time_step / parameters.support
     if not math.isfinite(way):
@@ -194,7 +194,7 @@ def skin_for(parameters: Parameters, state: State) -> float:
 
 
 def workspace_at(parameters: Parameters, state: State, before: Workspace | None = None) -> Workspace:
-    """Lists and tables for the crowd at the state's reference positions; they lie where those before lay.
+    """The workspace at the state's reference positions; the arrays of the previous workspace are reused.
 
     `parameters` are those at the reference: see `prescribed_motion`.
     """

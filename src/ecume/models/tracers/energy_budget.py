@@ -1,11 +1,11 @@
-"""What the liquid and openings bring to tracers, booked so that their energy less this work never rises.
+"""The work of the liquid and of openings on tracers. Their energy minus this work never increases.
 
-Drag G on a particle takes at most what it gives to the liquid: G.v = G.u - (dissipation), with u the liquid's velocity.
-So a liquid that flows does the work of G.u: over a step u stands still, as it does in the flight. In a step in which a
-wall is met drag pushes on as if there were none, and in a flow may bring more, G.v: then that counts. A liquid at rest
-brings nothing: what drag gives there after a bounce is an error, and is judged as one. The liquid's kicks bring heat:
-what the energy with them is more than that without. Who comes in or goes out takes its energy along. What has no
-inertia has no energy of motion: that of its velocity in a frame is lent by the liquid.
+The power of the drag force G on a particle is G.v = G.u - (dissipation), with the liquid's velocity u; a flowing
+liquid does at most the work of G.u, where u is constant during a step, as in the flight. In a step with a collision the
+drag continues as in free flight and may do more work in a flow, G.v, which then counts. A liquid at rest does no work:
+energy gained from drag after a bounce is an error, and is detected as one. Thermal noise adds heat, the difference of
+the energies with and without it. Particles that enter or leave carry their energy. Tracers without inertia have no
+kinetic energy: their velocity in a frame is that of the liquid.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ from ecume.models.tracers.parameters import Parameters
 from ecume.models.tracers.state import State, Workspace, came
 
 NOT_NOW = 1 << 40
-"""The fate of those that a passage leaves out."""
+"""The fate of particles that a passage excludes."""
 
 
 @compiled
 def booked(parameters: Parameters) -> bool:
-    """Whether the liquid flows or kicks, or somebody may go."""
+    """Whether the liquid flows or has thermal noise, or particles may leave."""
     return bool(stirred(parameters) or len(parameters.bouncing.hole) > 0)
 
 
@@ -82,7 +82,7 @@ def carry_of_flight(parameters: Parameters, state: State, scratch: Workspace, i:
 
 @compiled
 def heat_of_flight(parameters: Parameters, state: State, scratch: Workspace, i: int) -> float:
-    """By chance, per mass (J/kg): in a free flight exactly; where walls are met, chance pushes along the parabola."""
+    """Work of thermal noise per mass (J/kg): exact in free flight; with wall collisions, that along the parabola."""
     h, last, heat = parameters.time_step, scratch.origin.shape[1] - 1, 0.0
     for axis in range(last + 1):
         shift, kicked = scratch.shift[i, axis], scratch.noise[i, axis]
@@ -115,7 +115,7 @@ def work_of_drifts(parameters: Parameters, state: State, scratch: Workspace, tim
 
 @compiled
 def work_of_steps(parameters: Parameters, state: State, scratch: Workspace) -> float:
-    """On those without inertia, by chance: the height that they gained (J)."""
+    """Work of thermal noise on tracers without inertia: their gain of potential energy (J)."""
     total, bodies, last = 0.0, parameters.bodies, state.position.shape[1] - 1
     for i in range(len(scratch.fate)):
         if scratch.fate[i] < NOT_NOW:
@@ -137,7 +137,7 @@ def lent(parameters: Parameters, state: State) -> float:
 
 
 def exchange(parameters: Parameters, state: State) -> State:
-    """The state with everyone who is there by now; they bring their energy along."""
+    """The state with all particles that have entered by now, and their energy in the budget."""
     arrivals, first, bodies = parameters.arrivals, came(parameters, state), parameters.bodies
     last = int(np.searchsorted(arrivals.step, int(state.step[0]), side="right"))
     position, velocity = arrivals.position[first:last], arrivals.velocity[first:last]

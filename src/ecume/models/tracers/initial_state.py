@@ -44,7 +44,7 @@ def outside(placed: Array, species: ParticleSpec, surfaces: Surfaces, index: int
         Fault(
             f"particles[{index}].positions[{i}]",
             f"{tuple(placed[i].tolist())} is {species.radius - clear[i]:.3g} m beyond "
-            f"{described(surfaces, int(which[i]))}; wanted it inside, its radius included",
+            f"{described(surfaces, int(which[i]))}; expected a position inside, its radius included",
         )
         for i in np.flatnonzero(clear < species.radius * (1.0 - 1e-9))[:20]
     ]
@@ -58,7 +58,7 @@ def scattered(
     index: int,
     scene: TracersScene,
 ) -> Array:
-    """Places at random, evenly over the tank or the part asked for."""
+    """Random positions, uniform in the tank or in the given part of it."""
     low, high = (np.array(corner) for corner in corners(species, scene))
     found = np.zeros((0, scene.dimensions))
     for _ in range(TRIES):

@@ -24,7 +24,7 @@ from ecume.units import Array
 TRIES = 1000
 """Rounds of dice after which an opening has no room."""
 PURPOSE = 16
-"""What numbers are drawn for, see `counter_of`: the first that no motion asks for, four for each opening."""
+"""Purposes of random numbers, see `counter_of`: the first that no motion uses, four for each opening."""
 
 
 class Stream(NamedTuple):
@@ -64,7 +64,7 @@ class Newcomers(NamedTuple):
 
 
 def newcomers_of(scene: TracersScene, surfaces: Surfaces, stream: Stream) -> Newcomers:
-    """Everyone who comes. Raises SceneError where nobody could."""
+    """All particles that will enter. Raises SceneError for an opening through which none can."""
     faults, found, d = list[Fault](), [], scene.dimensions
     for index, hole in enumerate(scene.openings):
         try:
@@ -88,11 +88,11 @@ def _through(scene: TracersScene, surfaces: Surfaces, stream: Stream, index: int
     if slowest <= 0.0:
         way = ", ".join(f"{part:.3g}" for part in door.normal)
         came = f"what comes in goes {slowest:.3g} m/s along the inward normal ({way})"
-        raise BadInput(f"{came}; wanted it above 0 in all of the opening: set velocity, or liquid.flow")
+        raise BadInput(f"{came}; expected above 0 in all of the opening: set velocity, or liquid.flow")
     rate = hole.rate if hole.rate is not None else (hole.concentration or 0.0) * speed * door.area()
     count = math.floor(rate * scene.duration)
     if count > MOST_PARTICLES:
-        raise BadInput(f"{count:.3g} particles would come in; wanted at most {MOST_PARTICLES:.0e}")
+        raise BadInput(f"{count:.3g} particles would enter; expected at most {MOST_PARTICLES:.0e}")
     who = np.arange(count)
     time = (who + _draws(who, 0, (scene.seed, PURPOSE + 4 * index))[:, 0]) / rate
     position = _places(scene, surfaces, stream, index, count)
@@ -127,7 +127,7 @@ def _ends(door: Entrance) -> Array:
 
 
 def _places(scene: TracersScene, surfaces: Surfaces, stream: Stream, index: int, count: int) -> Array:
-    """(count, d) a radius inside of the wall; where a concentration is asked for as dense as the flow brings them."""
+    """(count, d) positions, a radius inside the wall; with a given concentration, distributed as the flux."""
     hole, door = scene.openings[index], entrance(surfaces, index)
     species, d = species_of(scene, hole), scene.dimensions
     radius = scene.particles[species].radius
@@ -144,7 +144,7 @@ def _places(scene: TracersScene, surfaces: Surfaces, stream: Stream, index: int,
         left = left[~fits]
         if not len(left):
             return places
-    raise BadInput(f"no room for a radius of {radius:g} m in the opening; wanted a wider one")
+    raise BadInput(f"no room for a radius of {radius:g} m in the opening; expected a wider one")
 
 
 def _draws(who: Integers, when: int, chance: tuple[int, int]) -> Array:

@@ -23,7 +23,7 @@ from ecume.units import Array
 
 
 def unit_factor(reynolds: float) -> float:
-    """1: the drag is Stokes's, or there is none."""
+    """1: Stokes drag, or no drag."""
     return 1.0
 
 
@@ -105,7 +105,7 @@ class Bodies(NamedTuple):
     settling: Array
     """m/s, downwards: the terminal speed"""
     overdamped: Integers
-    """1 where inertia is left out"""
+    """1 without inertia"""
     density: Array
     species: Integers
 
@@ -120,7 +120,7 @@ class Parameters(NamedTuple):
     drag: DragChoice
     fluid: Fluid
     bodies: Bodies
-    """of those who are there at the start, and then of those who come"""
+    """of the particles at the start, then of those that enter"""
     arrivals: Arrivals
     bouncing: Sheet
     """the walls with the tank's coefficients"""
@@ -222,13 +222,13 @@ def settling_speed(scene: TracersScene, fluid: Fluid, species: object) -> float:
 
 
 def time_step_of(scene: TracersScene, surfaces: Surfaces, fluid: Fluid, bodies: Bodies) -> float:
-    """The step (s): asked for, or as short as the relaxation and the walls need. A whole number of steps is a frame."""
+    """The time step (s): as given, or limited by relaxation and walls. A frame is a whole number of steps."""
     asked = scene.motion.time_step
     if asked is not None:
         steps = scene.frame_every / asked
         if abs(steps - round(steps)) > 1e-9 * steps or round(steps) < 1:
             fits = scene.frame_every / max(1, math.ceil(steps))
-            came = f"came {asked:g} s; frame_every, {scene.frame_every:g} s, is no whole number of such steps"
+            came = f"got {asked:g} s; frame_every, {scene.frame_every:g} s, is no whole number of such steps"
             raise SceneError([Fault("motion.time_step", f"{came}; {fits:.9g} s would fit")])
         return scene.frame_every / round(steps)
     longest = min(scene.frame_every, 0.1 / abs(fluid.shear_rate) if fluid.shear_rate else math.inf)
@@ -251,7 +251,7 @@ def kinds_of(bodies: Bodies) -> set[tuple[float, ...]]:
 
 
 def overdamped_step(body: tuple[float, float, float, float], surfaces: Surfaces, fluid: Fluid) -> float:
-    """How long a step may be of what has no inertia, so that it crosses little of the tank or of its own layer."""
+    """The longest step of tracers without inertia: they cross a small part of the tank or of their layer."""
     friction, speed, weight, radius = body
     sizes = surfaces.size
     room = float(np.ptp(sizes) if len(sizes) > 1 else np.abs(sizes).sum() or math.inf)
@@ -271,7 +271,7 @@ def _require_names(scene: TracersScene) -> None:
     for key, known in tables:
         came = getattr(scene.motion, key)
         if came not in known:
-            faults.append(Fault(f"motion.{key}", f"came {came!r}; {suggestion(came, known)}"))
+            faults.append(Fault(f"motion.{key}", f"got {came!r}; {suggestion(came, known)}"))
     if scene.motion.brownian and scene.motion.drag in DRAGS and not DRAGS[scene.motion.drag].resists:
         faults.append(Fault("motion.brownian", "needs drag: what the liquid kicks, it also slows down"))
     if faults:

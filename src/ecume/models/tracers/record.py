@@ -136,7 +136,7 @@ def summary_of(scene: TracersScene, parameters: Parameters, index: int) -> list[
     if friction > 0.0:
         reynolds = drag.particle_reynolds(abs(speed), species.radius, fluid.density, fluid.viscosity)
         way = "sinks" if speed > 0.0 else "rises" if speed < 0.0 else "floats about"
-        regime = "overdamped: inertia is left out" if bodies.overdamped[first] else "inertial"
+        regime = "overdamped: without inertia" if bodies.overdamped[first] else "inertial"
         rows += [
             (f"{name}: terminal speed", f"{1e3 * abs(speed):.4g} mm/s", f"{way}; Reynolds number {reynolds:.3g}"),
             (f"{name}: relaxation time", f"{1e3 * drag.relaxation_time(mass, friction):.4g} ms", regime),
@@ -158,13 +158,13 @@ RISE = 1e-6
 
 
 def invariants(scene: TracersScene, parameters: Parameters) -> list[Invariant]:
-    """The rows of a scene. What the liquid and openings bring is booked, see `work`."""
+    """The rows of a scene. The work of liquid and openings is in the energy budget, see `energy_budget`."""
     everyone = Invariant("mass", "particles that are neither inside nor gone through an opening", 0.0, _missing)
     return [everyone, energy_never_rises(RISE)]
 
 
 def _missing(seen: Seen) -> float:
-    """Of those that were there at the start or came in since."""
+    """Of the particles at the start and those that entered since."""
     came = _through("came", seen.now) - _through("came", seen.first)
     gone = _through("left", seen.now) - _through("left", seen.first)
     return abs(seen.first["particles_inside"] + came - gone - seen.now["particles_inside"])

@@ -30,14 +30,14 @@ class State(NamedTuple):
     tally: Integers
     """(1,) flights with more bounces than a step may have"""
     work: Array = np.zeros(1)
-    """(1,) J that came from outside: see `work`"""
+    """(1,) J of work from outside: see `energy_budget`"""
 
 
 class Workspace(NamedTuple):
     """Scratch of one step."""
 
     origin: Array
-    """(N, d) where everyone was"""
+    """(N, d) previous positions"""
     travel: Array
     """(N, d) the velocity with which the step begins"""
     push: Array

@@ -9,7 +9,7 @@ from ecume.scenes.tracers import ObstacleSpec, TankSpec, TracersScene
 
 
 def surfaces_of(scene: TracersScene) -> Surfaces:
-    """The tank's walls, then the obstacles', with the openings. Raises SceneError where a shape is none."""
+    """The walls of the tank, then of the obstacles, with the openings. Raises SceneError for an invalid shape."""
     faults: list[Fault] = []
     shapes: list[Surfaces] = []
     for path, given in (("tank", scene.tank), *((f"obstacles[{k}]", body) for k, body in enumerate(scene.obstacles))):

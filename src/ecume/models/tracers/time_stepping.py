@@ -1,8 +1,8 @@
-"""One step of the tracers, and the march of many.
+"""Time integration of tracers.
 
-With inertia: the flight of the step is exact without walls, and a parabola between them. Without: half a drift, whole
-diffusion, half a drift, each turned back by the walls in the way that is exact for it alone (a drift stops there, a
-diffusing particle is mirrored).
+With inertia, the flight of a step is exact without walls, and a parabola between collisions. Without inertia, a step is
+half a drift, diffusion, and half a drift; walls act on each part in the way that is exact for it alone (a drift stops
+at the wall, a diffusing particle is reflected).
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ def all_somewhere(position: Array, velocity: Array) -> bool:
 
 @compiled
 def note_fates(state: State, fate: Integers) -> bool:
-    """Who left, and whose flight was cut short. False when somebody was outside, or nowhere."""
+    """Mark particles that left, and flights that were truncated. False if a position is outside or not finite."""
     left, tally = state.left, state.tally
     for i in range(fate.shape[0]):
         if fate[i] == STARTED_OUTSIDE:
@@ -150,7 +150,7 @@ def somebody_comes(parameters: Parameters, state: State) -> bool:
 
 @compiled
 def advance(parameters: Parameters, state: State, scratch: Workspace, steps: int) -> int:
-    """March: see `ecume.models.model.Model.advance`."""
+    """Integrate: see `ecume.models.model.Model.advance`."""
     overdamped = parameters.bodies.overdamped
     for _ in range(steps):
         if not all_somewhere(state.position, state.velocity):

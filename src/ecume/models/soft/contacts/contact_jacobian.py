@@ -1,7 +1,7 @@
-"""What one contact answers to small changes: of its own numbers, and of where its spheres are, within a stage.
+"""Jacobian of one contact within a stage: its response to changes of its internal variables and of the positions.
 
-In the plane of n and the surface's shear direction a contact has four numbers: q, the turn of n, and the pull and shear
-of X_ij along them. Forces are on sphere i, from i to j: tension is positive here.
+Within the plane of n and the surface's shear direction a contact has four variables: q, the rotation of n, and the
+normal and shear components of X_ij. Forces are on sphere i, from i to j: tension is positive here.
 """
 
 from __future__ import annotations

@@ -45,7 +45,7 @@ def renew_contacts(parameters: Parameters, state: State, met: Found | None = Non
 def newcomers(parameters: Parameters, position: Array, box: Box, known: tuple[Integers, Integers]) -> Found:
     """The pairs below the reach that are not in contact; those that are, and their images, are `known`, in order.
 
-    Where films never fade everyone is in contact from the start.
+    If films never fade, all spheres are in contact from the start.
     """
     if np.isinf(parameters.contacts.fade_to):
         return np.zeros((0, 2), np.int64), np.zeros((0, position.shape[1]), np.int64), np.zeros((0, position.shape[1]))
@@ -57,7 +57,7 @@ def newcomers(parameters: Parameters, position: Array, box: Box, known: tuple[In
 
 @compiled
 def strike_out(found: Integers, known: Integers, fresh: NDArray[np.bool_]) -> None:
-    """Mark those rows as not fresh that are known, too; both lists are in the same order, and name nobody twice."""
+    """Mark the rows that are also in `known` as not new; both lists are in the same order and without repetition."""
     k = 0
     for row in range(len(found)):
         while k < len(known) and comes_before(known, k, found, row):
@@ -159,7 +159,7 @@ def wraps(position: Array, box: Box) -> Integers:
 
 
 def at_home(position: Array, box: Box) -> Array:
-    """Places within the box; as they are where there is none."""
+    """Positions wrapped into the box; unchanged without a box."""
     away = wraps(position, box)
     places = position - away * box.sides
     places[:, 0] -= box.tilt * away[:, 1]

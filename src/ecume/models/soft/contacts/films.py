@@ -64,7 +64,7 @@ class Answers(NamedTuple):
 
 
 def count_pairs(contacts: Contacts, pairs: Pairs, *_: object) -> int:
-    """How large a crowd of contacts is."""
+    """The number of contacts, for the choice between serial and threaded loops."""
     return len(pairs.first)
 
 
@@ -72,7 +72,7 @@ def count_pairs(contacts: Contacts, pairs: Pairs, *_: object) -> int:
 def answer(contacts: Contacts, pairs: Pairs, films: Films, position: Array, span: float, answers: Answers) -> None:
     """Linearize every contact over a span of time that its stage treats implicitly.
 
-    Each is solved in a frame that spins with its pair, and told along the axes as they are.
+    Each is solved in a frame that rotates with its pair, and the result is given along the fixed axes.
     """
     first, second, offset = pairs.first, pairs.second, pairs.offset
     radius_sum, reduced_radius, modulus = pairs.radius_sum, pairs.reduced_radius, pairs.modulus

@@ -21,8 +21,9 @@ from ecume.models.soft.contacts.films import Answers, Pairs, center_distance, tu
 from ecume.units import Array
 
 FIRM = 1e-9
-"""A sphere in space spins without resistance about the line to its only neighbor. Newton's matrix is made this much
-firmer against spins, relatively, and so is regular; what is solved stays as it is."""
+"""A sphere with a single neighbor in 3D rotates without resistance about the line to it. This relative stiffness
+against spins is added to Newton's matrix, which makes it regular; the equations do not change.
+"""
 
 
 class Spins(NamedTuple):
@@ -31,7 +32,7 @@ class Spins(NamedTuple):
     radius: Array
     """(N,) m"""
     turn: Array
-    """(N, s) m since the step's beginning, of the stage; one component in a layer, three in space"""
+    """(N, s) m since the start of the step, of the stage; one component in a layer, three in 3D"""
     start: Array
     """(N, s) m: where the stage starts from; means something with drag only"""
     slope: Array
@@ -229,7 +230,7 @@ def make_spins(radius: Array, drag: Array, torque: Array, shape: tuple[int, int,
 
 
 def turned_orientation(orientation: Array, angle: Array) -> Array:
-    """Orientations after a turn by these angles (rad): in a layer angles, in space quaternions, scalar first."""
+    """Orientations after a rotation by these angles (rad): angles in a layer, quaternions (scalar first) in 3D."""
     if orientation.shape[1] < 4:
         return np.asarray(orientation + angle)
     size = np.linalg.norm(angle, axis=1, keepdims=True)
@@ -261,11 +262,11 @@ def turn_first(matrix: Matrix, spins: Spins, right: Array) -> None:
 
 @compiled
 def unturn(position: Array, spins: Spins, changes: Array, pull: tuple[Array, Array, float]) -> None:
-    """Add to the first change of places and spins as much of the others, which answer to `turn_first`, as leaves what
-    pulls at the spheres without moment; where no pull resists a turn, as leaves the spheres without mean spin. `pull`
-    is what grows with the load, what does not, and the load.
+    """Add to the first change of positions and spins a multiple of the others, the responses to `turn_first`, so that
+    the total moment of external forces is zero; if these do not resist a rotation, so that the mean spin is zero.
+    `pull` is the part proportional to the load, the constant part, and the load.
 
-    The first sphere is held in the matrix: by what is so left of the moment, since the contacts' own is none.
+    The matrix holds the first sphere: the remaining moment acts on it, since contacts have no total moment.
     """
     whole, columns, to_mean, to_moment = np.zeros((3, 3)), np.zeros((3, 3)), np.zeros(3), np.zeros(3)
     moment, size = moment_of(position, spins, changes[0], pull)
@@ -328,7 +329,9 @@ def own_moment(spins: Spins, load: float) -> Array:
 
 @compiled
 def least_squares(matrix: Array, right: Array, otherwise: Array) -> Array:
-    """What solves three equations, and where they say nothing is as told: by normal equations and elimination."""
+    """The solution of three equations by normal equations and elimination; undetermined components keep the given
+    value.
+    """
     rows, solution = np.zeros((3, 4)), np.zeros(3)
     for k in range(3):
         rows[k, k] = UNTOLD**2

@@ -346,7 +346,7 @@ def slopes_at_walls(walls: Walls) -> None:
 
 @where_there()
 def begin_walls(walls: Walls, scheme: Scheme, stage: int, time_step: float) -> None:
-    """Where a stage starts from, and where walls that move as they are told will be at its end."""
+    """The initial guess of a stage, with walls of prescribed motion at their positions at its end."""
     touches, places, rows = walls.touches, walls.places, scheme.rows
     for c in range(len(touches.first)):
         touches.log_gap_start[c] = touches.log_gap_before[c]
@@ -395,7 +395,7 @@ def wall_error(walls: Walls, scheme: Scheme, time_step: float) -> float:
 
 @where_there()
 def accept_walls(walls: Walls, turn: Array) -> None:
-    """The end of a step is the next one's beginning, from where spins are counted anew: slips keep what was rolled."""
+    """Start the next step: spins are counted from zero again, and slips keep the rolled distance."""
     touches, places = walls.touches, walls.places
     for c in range(len(touches.first)):
         touches.log_gap_before[c] = touches.log_gap[c]

@@ -188,7 +188,9 @@ def border_walls(walls: Walls, load: tuple[float, float], borders: Borders, dime
 
 
 def close(borders: Borders, count: int) -> Array | None:
-    """The unknowns' change, from the solutions of all right sides, which become one; None where there is none."""
+    """The change of the unknowns, from the solutions of all right-hand sides, which are combined; None without a
+    solution.
+    """
     by = borders.change.reshape(len(borders.change), -1)
     rows = borders.rows[:count].reshape(count, -1)
     matrix = borders.corner[:count, :count] + dots(rows, by[1 : 1 + count])

@@ -142,7 +142,7 @@ def first_slopes(step: Step) -> None:
 
 @compiled
 def first_spins(step: Step) -> None:
-    """How fast spheres spin at the step's beginning, where drag tells: with half the vorticity of the liquid."""
+    """The spins at the start of a step if drag determines them: half the vorticity of the liquid."""
     spins, right, dimensions = step.spins, step.bodies.right, step.bodies.position.shape[1]
     for i in range(len(spins.drag)):
         for k in range(spins.turn.shape[1]):
@@ -194,8 +194,8 @@ def attempt_with(newton: Callable[..., bool], contacts: Contacts, step: Step, sc
 
 @compiled
 def dense(contacts: Contacts, step: Step, scheme: Scheme, during: During, task: int) -> float:
-    """All that is asked of few spheres: to BEGIN, to BALANCE over a time `during.length`, or to try a STEP. One whole
-    and not three, each of which would take as long to compile.
+    """All operations for few spheres: BEGIN, BALANCE over a time `during.length`, or try a STEP. One function instead
+    of three, each of which would take as long to compile.
     """
     origin = drive_of(during.drives[0])
     first_stage(contacts, step, origin)

@@ -17,7 +17,7 @@ from ecume.units import Array
 
 
 class Scheme(NamedTuple):
-    """A tableau: stage i starts from the slopes before it, weighted by its row, and adds `diagonal` of its own."""
+    """A Butcher tableau: stage i adds the earlier slopes, weighted by its row, and `diagonal` times its slope."""
 
     rows: Array
     """(S, S) strictly below the diagonal; the last row ends the step"""

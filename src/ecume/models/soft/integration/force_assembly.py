@@ -20,7 +20,7 @@ CHUNK = 256
 
 
 def count_pairs(pairs: Pairs, *_: object) -> int:
-    """How large a crowd of contacts is."""
+    """The number of contacts, for the choice between serial and threaded loops."""
     return len(pairs.first)
 
 
@@ -151,7 +151,7 @@ def hold_back(bodies: Bodies, spin_drag: Array, span: float) -> None:
 
 
 def count_links(pattern: Pattern, *_: object) -> int:
-    """How large a crowd of contacts is."""
+    """The number of contacts, for the choice between serial and threaded loops."""
     return len(pattern.upper)
 
 

@@ -19,8 +19,8 @@ from ecume.models.soft.state import During, Step, Workspace
 FINE = 1e-13
 """The last change of a position, over its distance, with which spheres are said to be balanced."""
 FINE_SPUN = 1e-10
-"""The same where spheres spin: in space loads alone resist a spin about the line of a contact, so that rounding leaves
-more of it.
+"""The same with spinning spheres: in 3D only loads resist a spin about the line of a contact, so that its rounding
+error is larger.
 """
 AT_ONCE = 1e-9
 """Of a step: the time in which the liquid is to hold spheres where they are."""
@@ -34,7 +34,7 @@ ITERATIONS, WITHOUT, BROKEN = range(3)
 """Places in `State.effort`."""
 
 Way = Callable[[Contacts, Step, Scheme, During, int], float]
-"""A way to begin a step, to balance, or to try a step: what came of it, or `stages.FAILED`."""
+"""A function that begins a step, balances forces, or tries a step: its status, or `dirk.FAILED`."""
 
 
 def choices(parameters: Parameters, kept: Kept, effort: Integers) -> tuple[str, ...]:

@@ -42,8 +42,8 @@ MOST_ITERATIONS = 12
 BALANCE = 1e-9
 """The largest force that may be left on a sphere, over the largest there is, or what may be missing of a stress."""
 CLOSE, LIKELY = 1e-10, 0.1
-"""What is left is made less for as long as that halves it, down to this part of the largest force and of what rounding
-may leave: that is told from above.
+"""Newton's method continues as long as it halves the residual, down to this fraction of the largest force and of an
+upper bound of the rounding error.
 """
 
 Solve = Callable[[Matrix, Array, Array, int], bool]
@@ -213,7 +213,7 @@ def shift_contacts(pairs: Pairs, answers: Answers, bodies: Bodies, by: Array) ->
 
 
 def count_films(films: Films, *_: object) -> int:
-    """How large a crowd of contacts is."""
+    """The number of contacts, for the choice between serial and threaded loops."""
     return len(films.log_gap)
 
 

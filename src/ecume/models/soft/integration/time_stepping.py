@@ -1,4 +1,4 @@
-"""The march: steps as long as the accuracy allows, ending where a frame is due or the protocol turns."""
+"""Time integration with adaptive steps, which end at frames and at corners of the protocol."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ NEARLY = 1e-9
 
 
 def advance(parameters: Parameters, state: State, scratch: Workspace, steps: int) -> int:
-    """Move on by that many ticks at least, never past a frame; CROWDED when contacts came or went."""
+    """Integrate over at least that many ticks, but not past a frame; `CROWDED` if contacts opened or closed."""
     if scratch.generation != state.generation[0]:
         return CROWDED
     until = int(state.step[0]) + steps

@@ -27,7 +27,7 @@ MORE = 5
 
 
 class Cell(NamedTuple):
-    """The box in a step; sides of zero where there is none."""
+    """The box in a step; sides of zero without a box."""
 
     sides: Array
     """(3,) m at the start"""
@@ -63,7 +63,7 @@ class Box(NamedTuple):
     """The box as it stands, for book-keeping."""
 
     sides: Array
-    """(d,) m; zero where there is none"""
+    """(d,) m; zero without a box"""
     tilt: float
     """m"""
 

@@ -114,7 +114,7 @@ def next_turn(protocol: Protocol, time: float) -> float:
 
 
 class Course(NamedTuple):
-    """Where a protocol stands, and how it goes on."""
+    """The present values and rates of a protocol."""
 
     values: tuple[float, ...] = (1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0)
     shear_rate: float = 0.0

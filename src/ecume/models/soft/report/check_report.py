@@ -71,7 +71,7 @@ def forces(scene: SoftScene, parameters: Parameters, pair: SoftPair, gap: float)
 
 
 def fillings(parameters: Parameters) -> float:
-    """The largest volume fraction that the protocol comes to, as long as the box is told its size; 0 without one."""
+    """The largest volume fraction of the protocol, if it prescribes the size of the box; 0 without a box."""
     box, dimensions = parameters.box[: parameters.dimensions], parameters.dimensions
     if not box.all():
         return 0.0
@@ -127,7 +127,7 @@ def _crowd(scene: SoftScene, parameters: Parameters, state: State) -> list[Row]:
 
 
 def doubts(scene: SoftScene, parameters: Parameters, typical: Expected) -> list[Row]:
-    """What somebody may not have meant."""
+    """Warnings on settings that may be unintended."""
     radius, gap, laws = parameters.radius, typical.gap, parameters.laws
     random = sum(species.count or 0 for species in scene.spheres)
     alike = random >= MANY and float(radius.std() / radius.mean()) < ALIKE

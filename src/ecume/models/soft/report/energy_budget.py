@@ -1,11 +1,11 @@
-"""The energy's books of soft spheres: what was done to them, and where it went.
+"""The energy budget of soft spheres: the work done on them, and the energy stored and dissipated.
 
-Without inertia all work that is done goes into films, into deflections, and into the drag of the liquid around. At each
-stage of a step stands the power of each, and a step adds them up with the scheme's own weights: so books close as well
-as steps are solved, by its order. What pulls at spheres is told by the way that they went, since places have no rates.
+Without inertia all work is dissipated in films and in the drag of the surrounding liquid, or stored in deflections. The
+powers are evaluated at each stage of a step, and added with the weights of the scheme: the budget closes with the order
+of the scheme. The work of external forces follows from displacements, since positions have no rates.
 
-The law of the surfaces has no potential: a contact's size follows its gap, and the film feels nothing of it. What
-surfaces so take or give beside what they hold is counted apart; see `elasticity.gap_energy`.
+The surface law has no potential: the size of a contact follows its gap, without a force on the film. The energy that
+surfaces take or give in this way is a separate entry; see `elasticity.gap_energy`.
 """
 
 from __future__ import annotations
@@ -32,8 +32,9 @@ from ecume.units import Array
 INJECTED, FILMS, DRAG, SIZE = range(4)
 """Places in `State.books` (J): work from outside; what films, and drag, dissipated; what contacts' sizes took."""
 TO_FILMS, TO_SIZE, DRIVEN, SHRUNK, DRAGGED, ANSWERED, BY_LOAD, BY_WEIGHT = range(8)
-"""Places in a stage's line: powers (W), but for SHRUNK, BY_LOAD and BY_WEIGHT (J). What goes as it is told is DRIVEN;
-what goes as it is found to, ANSWERED: its rates are slopes of the scheme, with whose weights they add up to its way.
+"""Columns of a stage's row: powers (W), but for SHRUNK, BY_LOAD and BY_WEIGHT (J). DRIVEN is prescribed motion;
+ANSWERED is motion that responds to stresses: its rates are slopes of the scheme, and its displacement their weighted
+sum.
 """
 
 Five = tuple[float, float, float, float, float]
@@ -55,13 +56,13 @@ def surface_work(
 
 
 def count_pairs(contacts: Contacts, step: Step, *_: object) -> int:
-    """How large a crowd of contacts is."""
+    """The number of contacts, for the choice between serial and threaded loops."""
     return len(step.pairs.first)
 
 
 @shared(count_pairs)
 def book_stage(contacts: Contacts, step: Step, scheme: Scheme, during: During, stage: int) -> None:
-    """Write a solved stage's line; after the last one, what the step adds to the books."""
+    """Write the row of a solved stage; after the last stage, the contribution of the step to the energy budget."""
     pairs, books, box = step.pairs, step.books, box_rates(step.cell, stage)
     first, second, offset, image, turn = pairs.first, pairs.second, pairs.offset, pairs.image, pairs.turn
     radius_sum, reduced_radius, modulus = pairs.radius_sum, pairs.reduced_radius, pairs.modulus
@@ -198,10 +199,10 @@ def book_drag(line: Array, friction: float, speed: float, along: float) -> None:
 
 @compiled
 def add_up(lines: Array, scheme: Scheme, length: float, drives: Array) -> None:
-    """What a step adds to the books, into the line after those of its stages.
+    """The contribution of a step to the energy budget, in the row after those of its stages.
 
-    What pulls by a load l(t), straight in a step, does the integral of l dY along its way Y: l Y at the end, less that
-    of Y dl.
+    A force with a load l(t), linear within a step, does the work integral of l dY over its displacement Y: l Y at the
+    end, less the integral of Y dl.
     """
     added, last = lines[len(lines) - 1], len(lines) - 2
     grown = drives[last, 0] - drives[0, 0]

@@ -25,7 +25,7 @@ from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
 SLOTS = {2: 8, 3: 16}
-"""Contacts that a sphere tells of in a frame, in each dimension: those with later spheres, narrow gaps first."""
+"""Contacts that a frame lists for a sphere, by dimension: those with later spheres, the narrowest gaps first."""
 STRESS = {2: "N/m", 3: "Pa"}
 """The unit of stress: in a layer, force over length."""
 VISCOSITY = {2: "N*s/m", 3: "Pa*s"}
@@ -101,7 +101,7 @@ def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
 
 
 def _spinning(state: State) -> dict[str, Array | Integers]:
-    """How spheres lie and spin, where they do: angles in a layer, quaternions in space."""
+    """Orientations and spins of spheres that rotate: angles in a layer, quaternions in 3D."""
     if state.spin.shape[1] == 0:
         return {}
     if state.spin.shape[1] == 1:
@@ -124,9 +124,9 @@ def velocity_at_home(parameters: Parameters, state: State, box: Box) -> Array:
 
 
 def _budget(parameters: Parameters, state: State, step: Step, gap: Array, held: float) -> dict[str, float]:
-    """The energy's books (J): what there is, was put in and was dissipated, and what the surfaces' law took besides.
+    """The energy budget (J): stored, injected and dissipated energy, and the separate entry of the surface law.
 
-    Runs that a former version began have none.
+    Runs begun by an earlier version have no energy budget.
     """
     if not len(state.books):
         return {}
@@ -269,7 +269,7 @@ def _box_units(dimensions: int, numbers: Mapping[str, float]) -> dict[str, str]:
 
 
 def _slots(parameters: Parameters, step: Step, gap: Array, tension: Array) -> dict[str, Array | Integers]:
-    """Contacts as arrays of the spheres: each stands at the sphere of lower number; -1 where there is none."""
+    """Contacts as arrays over spheres: each is listed at its sphere of lower number; -1 fills the rest."""
     first, count = step.pairs.first, len(parameters.radius)
     slots = min(SLOTS[parameters.dimensions], max(count - 1, 1))
     order = np.lexsort((step.log_gap, first))

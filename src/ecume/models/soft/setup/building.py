@@ -32,7 +32,7 @@ from ecume.scenes.soft import SIDES, FilmSpec, SoftScene, SphereSpec, dimensions
 from ecume.units import Array
 
 TICKS = 1024
-"""Steps of the march between two frames, by which its progress is told; the steps of time are far fewer."""
+"""Ticks between two frames, in which progress is reported; there are far fewer time steps."""
 FADE = 1.25
 """A film fades from the reach to this many reaches."""
 ROUNDING = 1e-12
@@ -239,12 +239,12 @@ def _missing_needs(scene: SoftScene, laws: Laws) -> list[Fault]:
 
 
 def _modulus(scene: SoftScene, species: SphereSpec) -> float:
-    """That of the material; of bubbles, what tells how stiff they are: surface tension over radius."""
+    """The modulus of the material; for bubbles the equivalent, surface tension over radius."""
     return (scene.liquid.surface_tension or 0.0) / species.radius if species.modulus is None else species.modulus
 
 
 def _unknown_names(scene: SoftScene) -> list[Fault]:
-    """Laws and schemes that there are none of."""
+    """Faults for names of laws and schemes that do not exist."""
     asked: list[tuple[str, Any, str, str]] = [
         ("films.prefactors", PREFACTORS, scene.films.prefactors, "set of prefactors"),
         ("films.surface", SURFACES, scene.films.surface, "elastic law"),

@@ -68,5 +68,5 @@ def pushed_apart(parameters: Parameters, position: Array, box: Box, least: float
         if not len(neighbors(tight, found, box)[0]) and (wall_gaps(parameters, found, planes.place) >= least).all():
             return found
     told = f"no places were found with gaps of {least:.3g} m everywhere"
-    way_out = "wanted a larger box.size, a smaller box.volume_fraction or a smaller box.gap"
+    way_out = "expected a larger box.size, a smaller box.volume_fraction or a smaller box.gap"
     raise SceneError([Fault("box.size", f"{told}; {way_out}")])

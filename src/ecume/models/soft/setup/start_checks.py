@@ -27,7 +27,7 @@ def require_balance(parameters: Parameters) -> None:
                 Fault(
                     "spheres",
                     f"the forces on all spheres sum to {total:.3g} N, and nothing holds them; "
-                    "wanted a sum of zero, walls, or liquid.drag = true",
+                    "expected a sum of zero, walls, or liquid.drag = true",
                 )
             ]
         )
@@ -45,7 +45,7 @@ def require_no_torque(parameters: Parameters, state: State) -> None:
     size = np.abs(parameters.force).max() * parameters.radius.max()
     if total > UNBALANCED * max(largest, size) * len(moment):
         told = f"forces and torques turn the spheres all together, with {total:.3g} N m, and nothing holds them"
-        raise SceneError([Fault("spheres", f"{told}; wanted no torque in sum, or liquid.drag = true")])
+        raise SceneError([Fault("spheres", f"{told}; expected no torque in sum, or liquid.drag = true")])
 
 
 def require_gaps(parameters: Parameters, position: Array, box: Box) -> None:
@@ -54,12 +54,12 @@ def require_gaps(parameters: Parameters, position: Array, box: Box) -> None:
     pair, _, _ = neighbors(touching, position, box)
     if len(pair):
         first, second = pair[0]
-        told = f"spheres {first} and {second} overlap before they are deformed; wanted a gap for the film"
+        told = f"spheres {first} and {second} overlap before they are deformed; expected a gap for the film"
         raise SceneError([Fault("spheres", told)])
     gap = wall_gaps(parameters, position, parameters.walls.place)
     if not (gap > 0.0).all():
         sphere, wall = (int(index[0]) for index in np.nonzero(~(gap > 0.0)))
-        told = f"sphere {sphere} is in wall {wall} or beyond it; wanted a gap for the film"
+        told = f"sphere {sphere} is in wall {wall} or beyond it; expected a gap for the film"
         raise SceneError([Fault("spheres", told)])
 
 

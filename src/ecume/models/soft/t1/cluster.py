@@ -1,4 +1,4 @@
-"""Four spheres about to swap neighbors: the scene, and how its course is told."""
+"""Four spheres that exchange neighbors: the scene and its results."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from ecume.scenes.soft import FilmSpec, SoftLiquid, SoftScene, SphereSpec, Stage
 from ecume.units import Array
 
 APART, MET = 1.0, 0.2
-"""A diagonal gap of a radius: the cluster has dissociated. If the vertical pair came as close as this before, it had
-swapped neighbors nevertheless, and was pulled apart afterwards."""
+"""With a diagonal gap of one radius the cluster has dissociated. If the vertical pair was as close as this before, the
+neighbors were exchanged nevertheless, and the cluster was pulled apart afterwards."""
 PATIENCE = 30.0
 """A process that takes this many times the closed-form time to part the horizontal pair, and 60 units, is blocked."""
 SQRT3 = math.sqrt(3.0)
@@ -52,7 +52,7 @@ class T1:
     """`t1`, `blocked` or `dissociated`; `t1` also where the cluster swapped neighbors and was torn before it completed
     """
     durations: dict[float, float]
-    """for every threshold that was asked for"""
+    """for every given threshold"""
     reduced_force: float
     """kappa = F_N / (E R^2)"""
     steps: int
@@ -100,14 +100,14 @@ def t1_scene(gap: float, forces: tuple[float, float], prefactors: str, ramp: flo
 
 
 class Units(NamedTuple):
-    """What the series is told in (m, N)."""
+    """Units of the series (m, N)."""
 
     length: float
     force: float
 
 
 class Effort(NamedTuple):
-    """What a march cost, and how well its forces balanced."""
+    """The cost of an integration, and the residual of its force balance."""
 
     steps: int
     rejected: int
@@ -136,9 +136,9 @@ def _end(series: Sequence[Instant]) -> str:
 
 
 def reached(instant: Instant, goal: float) -> bool:
-    """Whether the vertical pair, once it is the closer one, carries that much; a goal below zero is none.
+    """Whether the vertical pair, once it is the closer one, carries that force; a negative goal is never reached.
 
-    At first the far vertical pair carries a spike: a wide film has a large contact, and its surface is stiff.
+    At first the distant vertical pair has a peak of force: a wide film has a large contact, and its surface is stiff.
     """
     swapped = instant.gap_vertical < instant.gap_horizontal
     return goal > 0.0 and swapped and -instant.tension_vertical >= goal

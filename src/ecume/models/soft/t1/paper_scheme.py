@@ -43,7 +43,7 @@ SCHEMES = {"paper": ADAMS_BASHFORTH, "rk2": RUNGE_KUTTA_2, "rk4": RUNGE_KUTTA_4}
 
 
 ROWS = 400
-"""How many rows of a record are worked out at once."""
+"""Rows of a record that are computed at once."""
 LOOKS = 4000
 """Rows in the time that two spheres would take to part."""
 MOST_STEPS = 1e9
@@ -59,7 +59,7 @@ class Places(NamedTuple):
 
 
 class Course(NamedTuple):
-    """How a march goes: its step, the ramp of the forces, which scheme, and when to look."""
+    """Settings of an integration: time step, ramp of the forces, scheme, and times of output."""
 
     length: float
     ramp: float
@@ -197,7 +197,7 @@ def places_of(step: Step) -> Places:
 def follow(
     scene: SoftScene, forces: tuple[float, float], thresholds: Sequence[float], how: tuple[str, float | None]
 ) -> T1:
-    """March a cluster in one of these ways; `how` is the scheme and its step, left out eta/E or a tenth of the ramp."""
+    """Integrate a cluster; `how` is the scheme and its time step, by default eta/E or a tenth of the ramp."""
     horizontal, vertical = forces
     kappa, ramp = abs(horizontal - vertical / SQRT3), scene.protocol[-1].time
     length = min(kappa, 0.1 * ramp) if how[1] is None else how[1]

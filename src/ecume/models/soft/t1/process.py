@@ -83,16 +83,16 @@ def t1_process(
     for name, value in (("gap", gap), ("ramp", ramp), *(("threshold", one) for one in thresholds)):
         require_positive(name, value)
     if not TOLERANCES[0] <= rtol <= TOLERANCES[1]:
-        raise BadInput(f"rtol is {rtol!r}; wanted {TOLERANCES[0]:g} to {TOLERANCES[1]:g}")
+        raise BadInput(f"rtol is {rtol!r}; expected {TOLERANCES[0]:g} to {TOLERANCES[1]:g}")
     chosen(dict.fromkeys(("implicit", *paper_scheme.SCHEMES)), method, "method")
     kappa = abs(pull[0] - pull[1] / SQRT3)
     if kappa < FAINTEST:
         told = "deflections are lost in rounding, and durations no longer depend on it"
-        raise BadInput(f"the reduced force is {kappa:.3g}: {told}; wanted {FAINTEST:g} or more")
+        raise BadInput(f"the reduced force is {kappa:.3g}: {told}; expected {FAINTEST:g} or more")
     scene = replace(t1_scene(gap, pull, prefactors, ramp, rtol), rotation=rotation)
     if method != "implicit":
         if rotation:
-            raise BadInput(f"method={method!r} knows no rotation; wanted method='implicit'")
+            raise BadInput(f"method={method!r} knows no rotation; expected method='implicit'")
         return paper_scheme.follow(scene, pull, sorted(thresholds), (method, time_step))
     return follow(scene, pull, sorted(thresholds))
 
@@ -100,24 +100,24 @@ def t1_process(
 def _forces(reduced: float | None, ratio: float, forces: tuple[float, float] | None) -> tuple[float, float]:
     """(F_h, F_v) in E R^2."""
     if (reduced is None) == (forces is None):
-        raise BadInput("wanted either reduced_force or forces; came " + ("both" if forces else "neither"))
+        raise BadInput("expected either reduced_force or forces; got " + ("both" if forces else "neither"))
     if forces is None:
         require_positive("reduced_force", reduced or 0.0)
         if ratio == 1.0 / SQRT3:
-            raise BadInput("force_ratio is 1/sqrt(3): nothing pulls at the horizontal film; wanted another")
+            raise BadInput("force_ratio is 1/sqrt(3): nothing pulls at the horizontal film; expected another")
         vertical = (reduced or 0.0) / abs(ratio - 1.0 / SQRT3)
         return ratio * vertical, vertical
     if not all(map(math.isfinite, forces)) or forces[0] == forces[1] / SQRT3:
-        raise BadInput(f"forces are {forces!r}; wanted two finite ones with F_h different from F_v/sqrt(3)")
+        raise BadInput(f"forces are {forces!r}; expected two finite ones with F_h different from F_v/sqrt(3)")
     return forces
 
 
 def follow(
     scene: SoftScene, forces: tuple[float, float], thresholds: Sequence[float], units: tuple[float, float] = (1.0, 1.0)
 ) -> T1:
-    """March a cluster until it has swapped, dissociated, or stood still for too long.
+    """Integrate a cluster until it has exchanged neighbors, dissociated, or come to rest.
 
-    `forces` are the pulls in E R^2, `units` the lengths and forces (E R^2) that the scene is written in.
+    `forces` are the external forces in E R^2, `units` the length and force (E R^2) of the scene.
     """
     horizontal, vertical = forces
     parameters = parameters_of(scene)
@@ -212,7 +212,7 @@ def _diagonal_angle(scratch: Workspace) -> float:
 
 
 def _crossing(parameters: Parameters, span: Span, scratch: Workspace, unit: Units, goal: float) -> float:
-    """When within the last step the vertical pair came to carry that much, by taking shorter ones."""
+    """The time within the last step at which the vertical pair carries that force, by shorter steps."""
     from scipy.optimize import brentq
 
     step, scheme = scratch.step, SCHEMES[parameters.scheme].tableau

@@ -1,9 +1,10 @@
-"""Sides that liquid comes in and goes out through, and who is lost through open ones.
+"""Inflows and outflows, and the loss of particles through open sides.
 
-Behind each such side there is a buffer as long as the support. Its particles move evenly and are neighbors like others,
-so that the liquid before them never sees an end. Behind an inflow they have the velocity that was asked for, and the
-pressure of the liquid before them; one that comes in leaves its place to a new one. Behind an outflow they keep the
-velocity with which they went out, and have the pressure that was asked for; at the buffer's end they are gone.
+Behind each inflow or outflow there is a buffer as long as the support. Its particles have constant velocity and are
+neighbors like others, so that the liquid has full support at the side. Behind an inflow they have the specified
+velocity, and the pressure of the liquid at the side; a particle that enters is replaced by a new one in the buffer.
+Behind an outflow they keep the velocity with which they left, and have the specified pressure; at the end of the buffer
+they are removed.
 """
 
 from __future__ import annotations
@@ -38,18 +39,18 @@ admit(enthalpies)
 
 
 def speed_at(gate: Gate, points: Array) -> Array:
-    """(N,) how fast liquid goes through a gate at points (N, d) that it is mean of."""
+    """(N,) m/s, the speed of the liquid through a gate at points (N, d), from its mean and profile."""
     speed = np.full(len(points), gate.speed)
     for axis in np.flatnonzero(gate.curved):
-        # Below a surface it is half of a channel of twice the depth.
+        # With a free surface, the profile is half of that of a channel of twice the depth.
         width = float(gate.high[axis] - gate.low[axis]) * gate.curved[axis]
         speed *= [channel_speed(y - gate.low[axis], width, 1.0) for y in points[:, axis]]
     return speed
 
 
 def with_buffers(parameters: Parameters, state: State) -> State:
-    """The state at the start with all buffers: full behind an inflow, as full as the liquid before it behind an
-    outflow.
+    """The state at the start with all buffers: full behind an inflow, and behind an outflow as full as the liquid
+    there.
     """
     for gate in parameters.gates:
         points = _rows(gate, parameters.spacing)
@@ -65,7 +66,7 @@ def with_buffers(parameters: Parameters, state: State) -> State:
 
 
 def _rows(gate: Gate, spacing: float) -> Array:
-    """The lattice of a buffer, row behind row."""
+    """The lattice of a buffer, (N, d)."""
     axes = []
     for axis in range(len(gate.low)):
         count = round(float(gate.high[axis] - gate.low[axis]) / spacing)
@@ -75,7 +76,7 @@ def _rows(gate: Gate, spacing: float) -> Array:
 
 
 def _continued(gate: Gate, spacing: float, state: State) -> tuple[Array, Array]:
-    """The row of liquid before an outflow, repeated behind it."""
+    """Positions and velocities behind an outflow: the last row of liquid, repeated."""
     away = gate.inward * (state.position[gate.axis] - gate.place)
     row = (state.zone == 0) & (away < spacing) & (away >= 0.0)
     points, velocity = state.position[:, row].T, state.velocity[:, row].T
@@ -86,7 +87,7 @@ def _continued(gate: Gate, spacing: float, state: State) -> tuple[Array, Array]:
 
 
 def _with(state: State, born: dict[str, Array], zone: int) -> State:
-    """The state with more particles, each with a number of its own."""
+    """The state with additional particles, which get new numbers."""
     count = born["position"].shape[1]
     state.crowd[NEXT] += count
     born = {
@@ -103,7 +104,7 @@ def _with(state: State, born: dict[str, Array], zone: int) -> State:
 
 
 def feed(parameters: Parameters, state: State) -> None:
-    """Give the buffers their pressures: of the liquid before an inflow, with its weight; of an outflow as asked."""
+    """Set the pressures of buffers: hydrostatic, from the liquid at an inflow, or as specified at an outflow."""
     pull, tait = parameters.gravity, parameters.tait
     for gate in parameters.gates:
         head = gate.pressure / parameters.material.density - float(pull[1] * gate.high[1])
@@ -117,7 +118,7 @@ def feed(parameters: Parameters, state: State) -> None:
 def mean_head(
     density: Array, position: Array, zone: Integers, pull: Array, tait: Tait, axis: int, reach: tuple[float, float]
 ) -> float:
-    """Enthalpy less what gravity does, of the liquid between two places along an axis; 0 where there is none."""
+    """Mean enthalpy less the gravitational part, of the liquid between two positions on an axis; 0 without liquid."""
     total, count = 0.0, 0
     for i in range(len(density)):
         x = position[axis, i]
@@ -133,7 +134,7 @@ def mean_head(
 def store_density(
     density: Array, position: Array, zone: Integers, pull: Array, tait: Tait, own: int, head: float
 ) -> None:
-    """Of a buffer's particles, at rest under gravity."""
+    """Set the densities of a buffer's particles, hydrostatic under gravity."""
     for i in range(len(density)):
         if zone[i] == own:
             enthalpy = head
@@ -143,7 +144,7 @@ def store_density(
 
 
 def still(state: State) -> None:
-    """Nothing pushes the buffers, thickens them or shifts them; nothing in an outflow's flows back by itself."""
+    """Set the rates of buffer particles to zero: they are not accelerated, compressed or shifted."""
     held = np.flatnonzero(state.zone > 0)
     state.acceleration[:, held] = 0.0
     state.thickening[held] = 0.0
@@ -151,13 +152,13 @@ def still(state: State) -> None:
 
 
 def due(parameters: Parameters, state: State) -> bool:
-    """Whether somebody comes, goes or is lost."""
+    """Whether a particle enters, leaves or is lost."""
     comes, out, back, gone = _crossings(parameters, state)
     return bool(len(comes) or len(out) or len(back) or gone.any())
 
 
 def _crossings(parameters: Parameters, state: State) -> tuple[Integers, Integers, Integers, Any]:
-    """Who comes in from a buffer; who goes out into which; who comes back from one; flags of who is gone."""
+    """Particles that enter from a buffer, leave into one, and return from one; flags of those that are removed."""
     low, high = parameters.bounds
     gone = ((state.position < low[:, None]) | (state.position > high[:, None])).any(axis=0)
     comes, out, back = (np.zeros(len(gone), bool) for _ in range(3))
@@ -171,13 +172,13 @@ def _crossings(parameters: Parameters, state: State) -> tuple[Integers, Integers
             out |= (state.zone == 0) & (away < 0.0)
             gone |= mine & (away < -length)
     if gone.all():
-        # There is no run without a particle: the last ones stay.
+        # A run needs at least one particle: the last ones stay.
         gone[:] = False
     return np.flatnonzero(comes), np.flatnonzero(out), np.flatnonzero(back), gone
 
 
 def exchange(parameters: Parameters, state: State) -> State:
-    """The state with who came, and without who went; its lists are to be made anew."""
+    """The state with the particles that enter and without those that leave; its lists must be renewed."""
     comes, out, back, gone = _crossings(parameters, state)
     enter, leave = np.zeros_like(gone), gone & (state.zone == 0)
     enter[comes], enter[back], leave[out] = True, True, True

@@ -22,13 +22,13 @@ from ecume.models.sph.parameters import Bodies, Dummies, Parameters
 from ecume.units import Array
 
 LEAST_DELAY = 4.0
-"""In evaluations: sound must not make a body tremble."""
+"""In evaluations: sound waves must not make a body oscillate."""
 ANSWERED = 0.2
-"""Of the displaced liquid, what moves with a body of two spacings' radius because its dummies know how it moves."""
+"""The part of the displaced liquid that moves with a body of two spacings' radius, by the pressure of its dummies."""
 
 
 def rotations(pose: Array) -> Array:
-    """(B, 3, 3) what turns a body's own axes to where they are."""
+    """(B, 3, 3) the rotation matrices of the bodies."""
     w, x, y, z = pose[3:]
     rows = [
         [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
@@ -39,7 +39,7 @@ def rotations(pose: Array) -> Array:
 
 
 def placed(bodies: Bodies, dummies: Dummies, pose: Array, motion: Array) -> Dummies:
-    """The dummies with those of bodies where the bodies are, and as fast."""
+    """The dummies, with those of bodies at the present positions and velocities."""
     if not bodies.shapes:
         return dummies
     d, first = len(dummies.position), bodies.first
@@ -53,8 +53,8 @@ def placed(bodies: Bodies, dummies: Dummies, pose: Array, motion: Array) -> Dumm
 
 
 def pulls_of(bodies: Bodies, dummies: Dummies, state: tuple[Array, Array, Array], gravity: Array) -> Array:
-    """(d, D) what pulls at the liquid as each dummy sees it: gravity less its own acceleration, from pose, motion and
-    acceleration of the bodies. Walls and obstacles stand still.
+    """(d, D) gravity less the acceleration of each dummy, from pose, motion and acceleration of the bodies. Walls and
+    obstacles are at rest.
     """
     pulls = np.repeat(gravity[:, None], dummies.position.shape[1], axis=1)
     if bodies.shapes:
@@ -69,10 +69,11 @@ def pulls_of(bodies: Bodies, dummies: Dummies, state: tuple[Array, Array, Array]
 
 
 def delay(bodies: Bodies, density: float) -> Array:
-    """(B,) in how many evaluations dummies learn of their body's acceleration.
+    """(B,) the number of evaluations over which the acceleration that dummies use relaxes to that of their body.
 
-    At once, a body lighter than the liquid which its dummies move would answer its own push with a larger one, and that
-    again: a twentieth of its density diverged. The displaced liquid over the body's mass bounds that from above.
+    Without relaxation, a body lighter than the liquid that its dummies accelerate is unstable: each change of its
+    acceleration causes a larger one. A body of a twentieth of the liquid's density diverged. The ratio of displaced
+    mass to body mass is an upper bound of the gain.
     """
     volume = np.array([shape.volume() for shape in bodies.shapes])
     late: Array = LEAST_DELAY + ANSWERED * density * volume / bodies.mass
@@ -80,14 +81,14 @@ def delay(bodies: Bodies, density: float) -> Array:
 
 
 def inverse_inertia(bodies: Bodies, turn: Array) -> Array:
-    """(B, 3, 3) along the axes of space; zero about an axis that a body in the plane cannot turn about."""
+    """(B, 3, 3) the inverse inertia tensors in the fixed frame; zero about axes of no rotation in 2D."""
     inverse = np.divide(1.0, bodies.inertia, out=np.zeros_like(bodies.inertia), where=bodies.inertia > 0.0)
     found: Array = np.einsum("nab,bn,ncb->nac", turn, inverse, turn)
     return found
 
 
 def pushed(bodies: Bodies, pose: Array, motion: Array, load: tuple[Array, Array], gravity: Array) -> Array:
-    """(6, B) the acceleration and the change of spin, of forces and torques (B, 3): Newton's and Euler's laws."""
+    """(6, B) linear and angular acceleration from forces and torques (B, 3): Newton's and Euler's equations."""
     force, torque = load
     turn, spin = rotations(pose), motion[3:].T
     along = np.einsum("nba,nb->na", turn, spin) * bodies.inertia.T
@@ -100,7 +101,7 @@ def pushed(bodies: Bodies, pose: Array, motion: Array, load: tuple[Array, Array]
 
 
 def energy_of_bodies(parameters: Parameters, pose: Array, motion: Array) -> float:
-    """Of their motion and spin, and in gravity and in the pull to a point (J)."""
+    """Kinetic energy of translation and rotation, and potential energy in gravity and in the central pull (J)."""
     bodies, place = parameters.bodies, pose[: parameters.dimension]
     if not bodies.shapes:
         return 0.0
@@ -111,14 +112,14 @@ def energy_of_bodies(parameters: Parameters, pose: Array, motion: Array) -> floa
 
 
 def carry(pose: Array, motion: Array, time: float) -> None:
-    """Move and turn every body with its velocity and spin."""
+    """Move and rotate each body with its velocity and spin."""
     pose[:3] += time * motion[:3]
     for body in range(pose.shape[1]):
         pose[3:, body] = turned(pose[3:, body], time * motion[3:, body])
 
 
 def turned(quaternion: Array, angle: Array) -> Array:
-    """A quaternion after a turn by a vector of angle (rad) about the axes of space."""
+    """A quaternion after rotation by a rotation vector (rad) in the fixed frame."""
     size = length(angle)
     share = sinc(0.5 * size / np.pi) * 0.5
     a, (b, c, d) = cos(0.5 * size), share * angle
@@ -136,7 +137,7 @@ def turned(quaternion: Array, angle: Array) -> Array:
 
 
 def farthest_way(bodies: Bodies, pose: Array, reference: Array) -> float:
-    """No point of any body went farther than this since the reference."""
+    """An upper bound of the displacement of any point of a body since the reference."""
     most = 0.0
     for body, rim in enumerate(bodies.rims):
         way = length(pose[:3, body] - reference[:3, body])
@@ -146,8 +147,8 @@ def farthest_way(bodies: Bodies, pose: Array, reference: Array) -> float:
 
 
 def keep_out(bodies: Bodies, pose: Array, motion: Array, liquid: tuple[Array, Array, Array]) -> int:
-    """Put liquid (position, velocity, mass) that got into a body back onto its surface; how many. What the liquid's
-    momentum gains the body's loses.
+    """Move liquid particles (position, velocity, mass) inside a body back to its surface; returns their number. The
+    momentum of liquid and bodies is conserved.
     """
     position, velocity, mass = liquid
     d, hits = len(position), 0
@@ -167,7 +168,7 @@ def keep_out(bodies: Bodies, pose: Array, motion: Array, liquid: tuple[Array, Ar
 
 
 def _bounce(bodies: Bodies, body: int, state: tuple[Array, Array], particle: tuple[Array, Array, float, Array]) -> None:
-    """End their approach, as of two bodies that stick: the lighter one gives way."""
+    """Stop the approach of a particle and a body by a perfectly inelastic impulse."""
     pose, motion = state
     x, v, mass, out = particle
     arm, normal = np.pad(x, (0, 3 - len(x))) - pose[:3, body], np.pad(out, (0, 3 - len(out)))
@@ -181,7 +182,7 @@ def _bounce(bodies: Bodies, body: int, state: tuple[Array, Array], particle: tup
 
 
 def give(bodies: Bodies, body: int, state: tuple[Array, Array], impulse: tuple[Array, Any]) -> None:
-    """Hand a body an impulse at an arm from its middle."""
+    """Apply an impulse to a body at a lever arm from its center."""
     pose, motion = state
     inverse = inverse_inertia_of(bodies, body, pose)
     motion[:3, body] += impulse[0] / bodies.mass[body]
@@ -202,7 +203,7 @@ NOTHING = -1
 
 
 class Contact(NamedTuple):
-    """One body in another, or in something that does not give way."""
+    """The contact of a body with another body, a side or an obstacle."""
 
     body: int
     other: int
@@ -217,8 +218,8 @@ class Contact(NamedTuple):
 
 
 def collide(bodies: Bodies, sheet: Sheet, state: tuple[Array, Array], calm: float) -> tuple[int, float]:
-    """Resolve all contacts of bodies with poses and motions, in place; how many there were at first, and what walls
-    that move did (J). What approaches more slowly than `calm` does not bounce.
+    """Resolve all contacts of bodies, changing poses and motions; returns the number of contacts before, and the work
+    of moving walls (J). Approaches slower than `calm` have no restitution.
     """
     first, work = 0, 0.0
     for sweep in range(SWEEPS):
@@ -233,7 +234,7 @@ def collide(bodies: Bodies, sheet: Sheet, state: tuple[Array, Array], calm: floa
 
 
 def contacts(bodies: Bodies, sheet: Sheet, pose: Array) -> Iterator[Contact]:
-    """The deepest point of every pair that overlaps."""
+    """The deepest point of each overlapping pair."""
     rims = [pose[:3, b] + product(rim, rotations(pose[:, b : b + 1])[0].T) for b, rim in enumerate(bodies.rims)]
     none = np.zeros(3)
     for body, rim in enumerate(rims):
@@ -255,7 +256,7 @@ def contacts(bodies: Bodies, sheet: Sheet, pose: Array) -> Iterator[Contact]:
 def _between(
     body: int, other: int, rim: Array, solid: tuple[Shape, Array | None], velocity: Array
 ) -> Iterator[Contact]:
-    """The deepest of a body's points inside a solid."""
+    """The deepest point of a body inside a solid, if there is one."""
     shape, pose = solid
     d = len(shape.middle())
     turn = np.eye(3) if pose is None else rotations(pose)[0]
@@ -302,7 +303,7 @@ def _strike(bodies: Bodies, state: tuple[Array, Array], contact: Contact, calm: 
         return np.zeros(3)
     give_way = sum(_compliance(bodies, body, pose, arm) for body, arm in zip(pair, arms, strict=True))
     bounce = min(bodies.restitution[body] for body in pair) if normal_speed < -calm else 0.0
-    # Sticking, unless friction is too weak for it: then the tangential part is cut to Coulomb's cone.
+    # Sticking impulse; if it is outside the friction cone, the tangential part slides on the cone.
     wanted = solve(give_way, -approach - bounce * normal_speed * contact.normal)
     along = dot(wanted, contact.normal)
     across = wanted - along * contact.normal

@@ -41,7 +41,9 @@ def flag_outside(position: Array, kind: Integers, number: Array, radius: float, 
 
 
 def turn_back(guard: Guard, position: Array, velocity: Array, transport: Array, time: float) -> Integers:
-    """Let whoever is outside after a drift of that time fly it again, in place; (K,) the hits at each surface."""
+    """Repeat the drift of particles that are outside after it, with reflections, in place; returns (K,) hits by
+    surface.
+    """
     hits = np.zeros(len(guard.owner), np.int64)
     out = np.zeros(position.shape[1], np.bool_)
     if not len(hits):
@@ -74,7 +76,9 @@ def _as_before(packed: Sheet, time: float) -> Sheet:
 
 
 def _push_inside(guard: Guard, x: Array, v: Array, hits: Integers) -> None:
-    """Who started outside, since a wall came over it, is put onto the wall and goes no further into it."""
+    """Particles that started outside, because a wall moved over them, are put onto the wall, and their approach is
+    stopped.
+    """
     kind, number = guard.sheet.kind, guard.sheet.number
     for _ in range(4):
         here = (x[0], x[1], x[2] if len(x) == 3 else 0.0)
@@ -92,14 +96,14 @@ def _push_inside(guard: Guard, x: Array, v: Array, hits: Integers) -> None:
 admit(wall_repulsion)
 
 FASTEST = 0.1
-"""In sound speeds, as fast as a weakly compressible liquid may be: who comes so fast just touches the wall."""
+"""In sound speeds, the limit of a weakly compressible liquid: a particle of this speed just reaches the wall."""
 
 
 class Leaning(NamedTuple):
-    """Particles that something pushes off."""
+    """Particles that a wall, obstacle or body repels."""
 
     owner: int
-    """what pushes: a place in `Boundary.names`"""
+    """of the repulsion: a place in `Boundary.names`"""
     who: Integers
     """(n,)"""
     push: Array
@@ -108,7 +112,7 @@ class Leaning(NamedTuple):
 
 @spread
 def push_off(position: Array, kind: Integers, number: Array, reach: float, speed: float, acceleration: Array) -> None:
-    """Add what walls and obstacles do."""
+    """Add the repulsion by walls and obstacles."""
     for i in prange(position.shape[1]):
         k, z = 0, position[2, i] if position.shape[0] == 3 else 0.0
         x = position[0, i], position[1, i], z
@@ -124,19 +128,19 @@ def push_off(position: Array, kind: Integers, number: Array, reach: float, speed
 
 
 def speed_of(parameters: Parameters) -> float:
-    """Whom the push just stops (m/s)."""
+    """The approach velocity that the repulsion just stops (m/s)."""
     return FASTEST * parameters.material.sound_speed
 
 
 def push_off_walls(parameters: Parameters, state: State) -> None:
-    """Add to the liquid's acceleration what walls and obstacles do, at this instant."""
+    """Add the present repulsion by walls and obstacles to the acceleration of the liquid."""
     guard = parameters.boundary.guard
     if guard.reach > 0.0 and len(guard.owner):
         push_off(state.position, *guard.sheet[:2], guard.reach, speed_of(parameters), state.acceleration)
 
 
 def push_off_bodies(parameters: Parameters, state: State) -> tuple[Array, Array]:
-    """Add what bodies do; force and torque on each, (B, 3), are the liquid's loss."""
+    """Add the repulsion by bodies; returns the opposite force and torque on each body, (B, 3)."""
     bodies = len(parameters.bodies.shapes)
     force, torque = np.zeros((bodies, 3)), np.zeros((bodies, 3))
     first = len(parameters.boundary.names) - bodies
@@ -148,7 +152,7 @@ def push_off_bodies(parameters: Parameters, state: State) -> tuple[Array, Array]
 
 
 def at_body(parameters: Parameters, state: State, body: int) -> Leaning:
-    """Who leans on a body."""
+    """Particles repelled by a body."""
     bodies, reach = parameters.bodies, parameters.boundary.guard.reach
     shape, d = bodies.shapes[body], len(state.position)
     away = state.position - state.pose[:d, body : body + 1]
@@ -163,7 +167,7 @@ def at_body(parameters: Parameters, state: State, body: int) -> Leaning:
 
 
 def everyone_leaning(parameters: Parameters, state: State) -> list[Leaning]:
-    """On walls and obstacles one after the other, then on bodies."""
+    """Repelled particles by walls and obstacles, then by bodies."""
     guard, found = parameters.boundary.guard, []
     if guard.reach == 0.0:
         return []
@@ -173,7 +177,7 @@ def everyone_leaning(parameters: Parameters, state: State) -> list[Leaning]:
 
 
 def leaning_on(parameters: Parameters, state: State, owner: int) -> Leaning:
-    """Who leans on a wall or an obstacle."""
+    """Particles repelled by a wall or an obstacle."""
     guard, push = parameters.boundary.guard, np.zeros_like(state.position)
     if guard.reach > 0.0:
         push_off(state.position, *_sheet_of(guard, owner)[:2], guard.reach, speed_of(parameters), push)
@@ -182,7 +186,7 @@ def leaning_on(parameters: Parameters, state: State, owner: int) -> Leaning:
 
 
 def _sheet_of(guard: Guard, owner: int) -> Sheet:
-    """The surfaces of one wall or obstacle; an obstacle's planes say where theirs begin and end."""
+    """The surfaces of one wall or obstacle, with the ranges of an obstacle's planes renumbered."""
     mine = np.flatnonzero(guard.owner == owner)
     kind = guard.sheet.kind[mine].copy()
     kind[:, 1:] -= mine[0] * (kind[:, 2:] > 0)
@@ -190,7 +194,7 @@ def _sheet_of(guard: Guard, owner: int) -> Sheet:
 
 
 def load_of(parameters: Parameters, state: State, leaning: Leaning) -> tuple[Array, Array]:
-    """Force and torque, (3,) each, that those who lean press with."""
+    """Force and torque, (3,) each, on the wall or body by the repelled particles."""
     d, who = len(state.position), leaning.who
     force, place = np.zeros((3, len(who))), np.zeros((3, len(who)))
     force[:d], place[:d] = -state.mass[who] * leaning.push, state.position[:, who]
@@ -198,7 +202,7 @@ def load_of(parameters: Parameters, state: State, leaning: Leaning) -> tuple[Arr
 
 
 def energy_of(parameters: Parameters, state: State, leaning: Leaning) -> float:
-    """What those who lean are given back when they leave (J)."""
+    """Potential energy of the repulsion of these particles (J)."""
     reach, speed = parameters.boundary.guard.reach, speed_of(parameters)
     gap = reach - np.sqrt((leaning.push**2).sum(axis=0)) * (reach / speed) ** 2
     energy = [wall_repulsion.standoff_energy(own, reach, speed) for own in gap]

@@ -10,7 +10,7 @@ from ecume._jit import compiled_inside, prange, spread, summing
 from ecume.units import Array
 
 BLOCKS = 16
-"""Parts of a crowd that are searched each by itself."""
+"""Blocks of particles that are searched separately."""
 
 
 @spread
@@ -71,7 +71,7 @@ def largest(vectors: Array) -> float:
 
 @summing
 def largest_squares(vectors: Array, most: Array) -> None:
-    """Of so many parts of a crowd."""
+    """Write the largest square of each block of particles."""
     dimension, count = vectors.shape
     each = (count + len(most) - 1) // len(most)
     for block in prange(len(most)):
@@ -94,7 +94,7 @@ def farthest(position: Array, reference: Array) -> float:
 
 @summing
 def farthest_squares(position: Array, reference: Array, most: Array) -> None:
-    """Of so many parts of a crowd."""
+    """Write the largest square of each block of particles."""
     dimension, count = position.shape
     each = (count + len(most) - 1) // len(most)
     for block in prange(len(most)):

@@ -1,8 +1,8 @@
-"""Particles that the liquid carries: tracers, and grains with drag, weight and buoyancy. They do nothing to it.
+"""Passive particles in the liquid: tracers, and grains with drag, weight and buoyancy. They do not act on the liquid.
 
-The liquid's velocity comes from its particles around by Shepard's mean; outside of the liquid a grain falls freely.
-Grains move by the exact solution of their step for the drag of its beginning, with the added mass of half the liquid
-that they displace. The pressure that accelerates the liquid, other than that which bears weight, is left out.
+The velocity of the liquid is the Shepard mean over the particles around; outside of the liquid a grain falls freely.
+The equation of motion of grains is integrated exactly for the drag coefficient at the start of the step, with an added
+mass of half the displaced liquid. The force of the pressure gradient is limited to its hydrostatic part (buoyancy).
 """
 
 from __future__ import annotations

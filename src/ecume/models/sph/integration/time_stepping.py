@@ -53,7 +53,7 @@ CALM = 0.01
 
 
 def advance(parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
-    """March that many steps; each is divided where speeds or forces ask for it."""
+    """Integrate over that many steps; each is divided if speeds or forces require it."""
     step = INTEGRATORS[parameters.integrator]
     # Who is nowhere has no neighbors, and would do no harm that anyone notices.
     if not np.isfinite(state.position).all():
@@ -133,7 +133,7 @@ def kick_all(state: State, time: float) -> None:
 
 
 def move(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
-    """Drift with the velocity and the transport, turn back whoever got through a wall, renew the lists when due."""
+    """Drift with the velocity and the transport velocity, reflect particles at walls, renew the lists when due."""
     drift(state.position, state.velocity, time)
     if parameters.transports:
         drift(state.position, state.transport, time)
@@ -168,7 +168,9 @@ def way_of_solids(parameters: Parameters, state: State) -> float:
 
 
 def renew(parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """Make the lists anew here; now and then put the particles into cell order before. Periodic sides are passed."""
+    """Renew the lists at the present positions, wrapped at periodic sides; at times sort the particles into cells
+    before.
+    """
     wrap(parameters, state)
     if int(state.tally[RENEWALS]) % SORT_EVERY == 0:
         sort_state(parameters, state)

@@ -134,7 +134,7 @@ def add_gradient_diffusion(fields: Floats, lists: Lists, constants: Constants, f
 
 admit(viscous)
 LEAST = 1e-30
-"""Pa s: a harmonic mean of two zeros is none."""
+"""Pa s, a lower bound: the harmonic mean of two zeros is not a number."""
 
 
 def stir(parameters: Parameters, workspace: Workspace) -> None:

@@ -75,7 +75,7 @@ KERNEL_TYPES = {KERNEL_CODES[name]: WRITTEN.get(form.slope, AnyKernel) for name,
 
 
 def kernel_type(constants: Constants) -> KernelType:
-    """The kernel as a type that `written_slope` knows; KeyError where there is none."""
+    """The kernel as a type that `written_slope` dispatches on; KeyError for an unknown kernel."""
     code = int(number(constants, "kernel"))
     return KERNEL_TYPES[code](code)
 

@@ -1,4 +1,4 @@
-"""What particles move with beside the liquid's velocity, so that they stay evenly spread."""
+"""Particle shifting: a transport velocity relative to the liquid that keeps the particles evenly spaced."""
 
 from __future__ import annotations
 
@@ -37,15 +37,16 @@ def shift(parameters: Parameters, state: State, workspace: Workspace, time: floa
 
 
 def keep_volume(state: State, crowd: NDArray[np.floating], time: float) -> None:
-    """Thin the liquid by the mean of 2 W.sum_j V_j F x_ij over whoever moves with a transport W; dummies count half.
+    """Reduce the density by the mean of 2 W.sum_j V_j F x_ij over particles with a transport velocity W; dummies count
+    half.
 
-    The equation of continuity sees how a flow crowds particles, and not how the transport spreads them again: without
-    this all of the volume shrinks, a percent in a few turns of a vortex. The sum is what - div W with differences and
-    div W with sums leave together (Sun et al. 2019, eq. 5); particle by particle it would be noise in the pressure.
-    [sun2019]
+    The equation of continuity includes the compression by the flow, but not the spreading by the transport velocity:
+    without this correction the whole volume shrinks, by a percent in a few turns of a vortex. The sum is the difference
+    of div W by sums and div W by differences (Sun et al. 2019, eq. 5); applied particle by particle it would be noise
+    in the pressure. [sun2019]
 
-    Why half: of a pair that both move, i and j each bring W_i and W_j into the other's sum of differences, and over all
-    pairs of liquid that is twice W_i.F x_ij; a dummy brings no W of its own, and has no sum that W_i could enter.
+    The factor of one half: for a pair of liquid particles, W_i and W_j enter the sums of differences of both, which
+    over all pairs is twice W_i.F x_ij; a dummy has no W, and no sum that W_i could enter.
     """
     spread = (state.transport * crowd).sum(axis=0)
     moved = (state.transport != 0.0).any(axis=0)
@@ -90,9 +91,9 @@ def near_surface(parameters: Parameters, workspace: Workspace) -> Flags:
 
 @summing
 def sum_crowd(fields: Floats, lists: Lists, constants: Constants, rates: Floats) -> None:
-    """Where the crowd is not: sum_j V_j F x_ij, zero amid a lattice; and how full it is here, -sum_j V_j F r^2.
+    """Sum the reversed concentration gradient sum_j V_j F x_ij, zero in a lattice, and the fullness -sum_j V_j F r^2.
 
-    The even sum counts dummies half (see `keep_volume`).
+    The even sum has equal weights and counts dummies half (see `keep_volume`).
 
     With a reference value each neighbor counts 1 + 0.2 (W/W(dx))^4 times in the first (Sun et al. 2017, eq. 6).
     """
@@ -143,7 +144,7 @@ def sum_crowd(fields: Floats, lists: Lists, constants: Constants, rates: Floats)
 
 @spread
 def spread_flags(near: Flags, flags: Flags, lists: Lists) -> None:
-    """Whoever has a flagged neighbor is flagged."""
+    """Flag all particles with a flagged neighbor."""
     counts, neighbor = lists
     for i in prange(len(near)):
         for k in range(counts[i]):
@@ -152,12 +153,12 @@ def spread_flags(near: Flags, flags: Flags, lists: Lists) -> None:
 
 
 class Shifting(NamedTuple):
-    """How particles are kept evenly spread."""
+    """A shifting method."""
 
     transport: Callable[[Parameters, State, Workspace, Array, float], Array]
-    """the velocity (d, N) of the next drift beside the liquid's own, from the crowding vector"""
+    """the transport velocity (d, N) of the next drift, relative to the liquid, from the concentration gradient"""
     tensile: bool
-    """whether the crowding vector counts near neighbors more: see `sum_crowd`"""
+    """whether near neighbors have larger weights in the gradient: see `sum_crowd`"""
 
 
 SHIFTINGS = {"none": Shifting(of_background, tensile=False), "delta-plus": Shifting(delta_plus, tensile=True)}

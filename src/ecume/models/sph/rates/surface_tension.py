@@ -63,7 +63,7 @@ class GridNumbers(NamedTuple):
 
 
 class Grid(NamedTuple):
-    """Where the nodes are: three axes always, the third of one node in the plane."""
+    """The grid of nodes, with three axes; in 2D the third has one node."""
 
     low: Array
     shape: Integers
@@ -72,7 +72,7 @@ class Grid(NamedTuple):
 
 
 class Colors(NamedTuple):
-    """Everyone who colors, and the nodes around them."""
+    """The particles that contribute to the color, and the nodes around them."""
 
     position: Array
     """(3, columns)"""
@@ -119,7 +119,7 @@ def planes_of(parameters: Parameters) -> Array:
 
 
 def contour_energy(parameters: Parameters, workspace: Workspace) -> float:
-    """J (per meter of depth in the plane): sigma times the sum over nodes."""
+    """J (in 2D per meter of depth): sigma times the sum over nodes."""
     nodes = colors_of(parameters, workspace).nodes
     return node_share(parameters) * float(nodes[ENERGY].sum())
 
@@ -233,7 +233,7 @@ def weigh(nodes: Array, planes: Array, low: Array, shape: Integers, numbers: Gri
 def draw(
     force: Array, position: Array, volume: Array, nodes: Array, low: Array, shape: Integers, numbers: GridNumbers
 ) -> None:
-    """Minus the derivatives of the sum of all energies by everyone's position."""
+    """Minus the derivative of the total energy with respect to each position."""
     reach = numbers.reach
     for i in prange(position.shape[1]):
         x, y, z = position[0, i], position[1, i], position[2, i]
@@ -265,9 +265,9 @@ admit(tension)
 INDEX = np.uint64
 STRENGTHS = {2: tension.cohesion_strength_in_plane, 3: tension.cohesion_strength_in_space}
 COUNTED = {2: 0.331, 3: 0.236}
-"""The part of cohesion's own tension that is left beside the pressure it calls up, which keeps what the sum for
-continuity makes of div v at zero, up to a flat surface. Worked out for Wendland's C2 and evenly spread liquid: see the
-page on the physics, and `tests/models/sph/test_tension.py`.
+"""The part of cohesion's tension that remains beside the pressure that it causes, for which div v in the sum of
+continuity is zero up to a flat surface. Computed for Wendland's C2 and uniform liquid: see the page on the physics, and
+`tests/models/sph/test_tension.py`.
 """
 
 

@@ -109,7 +109,7 @@ def _cost(scene: SphScene, parameters: Parameters, count: int, bytes_each: float
         (
             "time step",
             f"{parameters.time_step:.3g} s",
-            f"{time_step_remark(scene, parameters)}; divided where the flow asks for it",
+            f"{time_step_remark(scene, parameters)}; divided if the flow requires it",
         ),
         ("steps", str(steps), f"{frames} frames of {parameters.steps_per_frame} steps"),
         ("memory", f"{1e-6 * count * bytes_each:.3g} MB", f"{bytes_each:.0f} bytes a particle"),

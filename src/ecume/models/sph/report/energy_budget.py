@@ -38,8 +38,8 @@ admit(enthalpy)
 
 
 def energies(parameters: Parameters, state: State, propped: float, surface: float) -> Mapping[str, float]:
-    """Of motion, in gravity (a shake's pull is told as work), of compression, that of what leans on walls included, of
-    the surface, and of the bodies.
+    """Kinetic, potential (a shaken tank is counted as work), elastic (with the repulsion of walls) and surface energy,
+    and the energy of the bodies (J).
     """
     material = parameters.material
     laws = material.density, material.sound_speed, material.exponent
@@ -109,7 +109,7 @@ def leaks(parameters: Parameters) -> bool:
 
 
 def untold(parameters: Parameters) -> bool:
-    """Whether surface tension does work that nobody books: it pulls at what moves, and is not among the loads."""
+    """Whether surface tension does work outside the energy budget: it acts on moving parts, but not in the loads."""
     return parameters.tension != "none" and bool(parameters.drives or parameters.gates or parameters.bodies.shapes)
 
 
@@ -153,7 +153,7 @@ def moving_sides(now: Parameters) -> Integers:
 
 
 def power_of_side(now: Parameters, state: State, workspace: Workspace, row: int) -> float:
-    """Of a side with images, and of those who lean on it (W)."""
+    """Power of a moving side on images and on repelled particles (W)."""
     boundary, d = now.boundary, now.dimension
     side, velocity = int(boundary.image_owner[row]), boundary.table[row, 2 * d : 3 * d]
     normal, place = boundary.sides.normal[row], boundary.sides.point[row]
@@ -210,7 +210,7 @@ def lifted(parameters: Parameters, state: State, out: NDArray[np.bool_], shift: 
 
 
 def brought(parameters: Parameters, state: State, entering: Array, leaving: Array) -> float:
-    """The energy of those who come in, less that of those who go (J); no number where one of them is nowhere."""
+    """The energy of particles that enter, less that of particles that leave (J); NaN if a position is not finite."""
     with np.errstate(over="ignore", invalid="ignore"):
         return energy_of(parameters, state, entering) - energy_of(parameters, state, leaving)
 

@@ -1,4 +1,4 @@
-"""What a liquid must not lose: mass, and energy that nobody brings; and how far it may be squeezed."""
+"""Invariants of a tank: mass, energy minus work, momentum of isolated liquid; and the limit of compression."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ SQUEEZED = 0.2
 RISE = 0.02
 """Of the energy: densities that are diffused and particles that are shifted bring a little."""
 RISE_IN_FILMS = 0.1
-"""Of the energy, with bodies: where one comes to a floor or an obstacle, the liquid between is thinner than the kernel,
-and the pressure of dummies, which nobody compresses, does a work of its own: 3 to 7 % of what moves was seen, and up to
-11 % of a disc four particles across, which breaks this.
+"""Of the energy, with bodies: near a floor or an obstacle the liquid between is thinner than the kernel support, and
+the pressure of dummies does work that is not in the budget: 3 to 7 % of the kinetic energy was seen, and up to 11 % for
+a disc four particles across, which exceeds this.
 """
 TURNED_BACK = 1e-3
 """Hits of the guard, a particle and step."""

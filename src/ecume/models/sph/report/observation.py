@@ -125,8 +125,8 @@ def carried_arrays(parameters: Parameters, state: State, workspace: Workspace) -
 def of_solids(
     parameters: Parameters, state: State, workspace: Workspace, leaning: list[Leaning]
 ) -> tuple[dict[str, float], dict[str, str]]:
-    """What the liquid does to walls, obstacles and bodies, who was turned back there, and where the bodies are; with
-    units. In the plane forces are per meter of depth, and torques about z.
+    """Forces and torques on walls, obstacles and bodies, hits of the guard, and poses of bodies, with units. In 2D
+    forces are per meter of depth, and torques about z.
     """
     fill(parameters, state, workspace)
     axes, turns = "xyz"[: parameters.dimension], "z" if parameters.dimension == 2 else "xyz"
@@ -150,7 +150,7 @@ def of_solids(
 
 
 def pose_of(state: State, body: int, axes: str, turns: str) -> dict[str, float]:
-    """Place, velocity, orientation and spin of a body: an angle in the plane, a quaternion in space."""
+    """Position, velocity, orientation and spin of a body; the orientation is an angle in 2D, a quaternion in 3D."""
     pose, move, name = state.pose[:, body], state.motion[:, body], f"body{body}"
     found = {f"{name}_{axis}": float(pose[k]) for k, axis in enumerate(axes)}
     found |= {f"{name}_velocity_{axis}": float(move[k]) for k, axis in enumerate(axes)}

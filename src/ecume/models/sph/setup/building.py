@@ -172,7 +172,7 @@ def parameters_of(scene: SphScene) -> Parameters:
 
 
 def central_pull_of(scene: SphScene) -> tuple[float, Array]:
-    """Its rate (1/s), zero where there is none, and the point it pulls to."""
+    """The rate of the central pull (1/s), zero without one, and its center."""
     pull = scene.central_pull
     return (0.0, np.zeros(len(scene.tank.low))) if pull is None else (pull.rate, np.array(pull.center))
 
@@ -195,7 +195,7 @@ def background_of(scene: SphScene, material: Material) -> float:
 
 
 LENIENT = 4.0
-"""How many times longer than the laws of thumb allow a step may be that somebody asks for."""
+"""Largest ratio of a given time step to the limits, which are rules of thumb."""
 BODIES = "the lightest body"
 
 
@@ -226,12 +226,12 @@ def steps_of(scene: SphScene, material: Material) -> tuple[float, int]:
     """The time step and how many fit between two frames."""
     limits = limits_of(scene, material)
     longest = min(limits.values())
-    wanted = scene.method.time_step or longest
-    # The others are laws of thumb with much to spare; a body that is too light for its step diverges.
-    if wanted > min(LENIENT * longest, limits[BODIES]):
-        message = f"came {wanted:g} s; {limiter(limits)} asks for {longest:.3g} s or less"
+    step = scene.method.time_step or longest
+    # The other limits are rules of thumb with a margin; a body that is too light for its time step diverges.
+    if step > min(LENIENT * longest, limits[BODIES]):
+        message = f"got {step:g} s; {limiter(limits)} requires {longest:.3g} s or less"
         raise SceneError([Fault("method.time_step", message)])
-    per_frame = max(1, math.ceil(scene.frame_every / wanted * (1.0 - 1e-9)))
+    per_frame = max(1, math.ceil(scene.frame_every / step * (1.0 - 1e-9)))
     return scene.frame_every / per_frame, per_frame
 
 

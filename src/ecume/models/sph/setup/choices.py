@@ -34,16 +34,16 @@ TURBULENCES = {"none": False, "smagorinsky": True}
 """Whether eddies add a viscosity: see `gradients.stir`."""
 PRECISIONS: dict[str, Precision] = {"double": np.float64, "single": np.float32}
 USUAL_ALPHA = 0.02
-"""Of the artificial viscosity, where the liquid has none of its own."""
+"""Coefficient of the artificial viscosity for a liquid without viscosity."""
 
 
 def chosen(name: str, names: Any, path: str) -> str:
     """A law's name, if there is such a law."""
     if name not in names:
-        wanted = ", ".join(names)
+        known = ", ".join(names)
         near = suggestion(name, names)
         meant = "" if near.startswith("known") else f"; {near}"
-        raise SceneError([Fault(path, f"came {name!r}; wanted one of {wanted}{meant}")])
+        raise SceneError([Fault(path, f"got {name!r}; expected one of {known}{meant}")])
     return name
 
 
@@ -68,7 +68,7 @@ def held_pull(scene: SphScene) -> Array:
 
 
 def modified(scene: SphScene) -> bool:
-    """Whether gravity is left out of the motion, and the hydrostatic pressure added for output."""
+    """Whether gravity is omitted from the motion, and the hydrostatic pressure added in frames."""
     return scene.method.pressure_split == "modified"
 
 
@@ -192,7 +192,7 @@ def require_right_split(scene: SphScene) -> None:
         added=True, gravity_acts=split == "original", in_forces=False, free_surface=free_surface(scene)
     )
     if reason:
-        raise SceneError([Fault("method.pressure_split", f"came {split!r}; {reason}; use 'none'")])
+        raise SceneError([Fault("method.pressure_split", f"got {split!r}; {reason}; use 'none'")])
 
 
 ROOM = ICE_POINT + 20.0
@@ -210,7 +210,7 @@ def substance_of(given: FluidSpec) -> LiquidProperties | None:
             raise SceneError([Fault(f"liquid.{told[0]}", 'says nothing without a name; write name = "water"')])
         return None
     if given.name not in LIQUIDS:
-        raise SceneError([Fault("liquid.name", f"came {given.name!r}; {suggestion(given.name, LIQUIDS)}")])
+        raise SceneError([Fault("liquid.name", f"got {given.name!r}; {suggestion(given.name, LIQUIDS)}")])
     try:
         return liquid(given.name, ROOM if given.temperature is None else given.temperature, given.salinity)
     except BadInput as fault:

@@ -94,9 +94,9 @@ def _wave_velocity(region: RegionSpec, scene: SphScene, points: Array) -> Array:
 
 
 def pressure_in(region: RegionSpec, scene: SphScene, points: Array, density: float) -> Array:
-    """(N,) the gauge pressure that keeps a region's flow as it is (Pa), beside that of its depth.
+    """(N,) the gauge pressure of a region's flow (Pa), without the hydrostatic part.
 
-    Started without it, a weakly compressible liquid rings: sound goes to and fro that only viscosity damps.
+    Without it a weakly compressible liquid starts with sound waves, which only viscosity damps.
     """
     if scene.method.start == "rest":
         return np.zeros(len(points))
@@ -191,7 +191,7 @@ def _particles(scene: SphScene, material: Material, pieces: list[tuple[Array, Ar
     """Densities and masses of points where the enthalpy (J/kg) is known."""
     points, velocity, head = (np.concatenate(parts) for parts in zip(*pieces, strict=True))
     if len(points) == 0:
-        raise SceneError([Fault("spacing", f"came {scene.spacing:g} m: no particle fits into the liquid")])
+        raise SceneError([Fault("spacing", f"got {scene.spacing:g} m: no particle fits into the liquid")])
     laws = material.density, material.sound_speed, material.exponent
     density = np.array([density_at_enthalpy(each, *laws) for each in head])
     mass = density * scene.spacing ** points.shape[1]

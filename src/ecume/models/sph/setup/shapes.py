@@ -10,7 +10,7 @@ from ecume.scenes.sph import RegionSpec, ShapeSpec, SphScene
 from ecume.units import Array
 
 CLEARANCE = 0.25
-"""Liquid that would start closer to a solid than this many spacings is left out."""
+"""Liquid that would start closer to a solid than this many spacings is omitted."""
 
 
 def shape_of(spec: ShapeSpec) -> Shape:
@@ -43,8 +43,8 @@ def free_of(points: Array, solids: list[Shape], spacing: float) -> Flags:
 
 
 def grains(shape: Shape, spacing: float, support: float) -> tuple[Array, Array]:
-    """Dummies of a solid, (n, d), and their volumes, which fill the whole shape: where it is thicker than the support,
-    its core is left out.
+    """Dummies of a solid, (n, d), and their volumes, which fill the whole shape; the core deeper than the support is
+    omitted.
     """
     if isinstance(shape, Box):
         points, volume = _cells_of(shape, spacing)

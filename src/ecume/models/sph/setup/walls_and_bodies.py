@@ -48,7 +48,7 @@ def require_long_periods(scene: SphScene, support: float) -> None:
         if _side(scene, 2 * axis).kind == "periodic" and size[axis] < LEAST_PERIOD * support:
             least = LEAST_PERIOD * support
             came = f"{size[axis]:.4g} m along {'xyz'[axis]}, where the tank is periodic"
-            raise SceneError([Fault("tank.high", f"came {came}; wanted {least:.4g} m, or a smaller spacing")])
+            raise SceneError([Fault("tank.high", f"got {came}; expected {least:.4g} m, or a smaller spacing")])
 
 
 def joined(pieces: list[Dummies]) -> Dummies:
@@ -211,7 +211,7 @@ def gates_of(scene: SphScene, support: float) -> tuple[Gate, ...]:
     found, tank = [], scene.tank
     transported = PRESSURE_FORCES[scene.method.pressure_force].transported
     if transported and any(side_of(scene, k).kind in ENDS for k in range(len(SIDES))):
-        message = "came 'transport', which is for closed flows; with in- and outflows use 'sum'"
+        message = "got 'transport', which is for closed flows; with in- and outflows use 'sum'"
         raise SceneError([Fault("method.pressure_force", message)])
     if scene.central_pull is not None and any(side_of(scene, k).kind in ENDS for k in range(2 * len(tank.low))):
         message = "goes with no in- or outflow: the pressure of the liquid behind those follows from gravity alone"
@@ -304,10 +304,10 @@ def _require_possible(scene: SphScene) -> None:
         if any(side.kind == "periodic" for side in sides):
             faults.append(Fault(f"bodies[{index}]", "a tank with bodies cannot have periodic sides; use walls"))
         if (ends[0] < low - 1e-9).any() or (ends[1] > high + 1e-9).any():
-            faults.append(Fault(f"bodies[{index}]", "reaches out of the tank; wanted a body inside it"))
+            faults.append(Fault(f"bodies[{index}]", "reaches out of the tank; expected a body inside it"))
     faults += _overlaps(scene)
     if scene.bodies and scene.method.pressure_split == "modified":
-        faults.append(Fault("method.pressure_split", "came 'modified'; bodies need the whole pressure: use 'none'"))
+        faults.append(Fault("method.pressure_split", "got 'modified'; bodies need the whole pressure: use 'none'"))
     if faults:
         raise SceneError(faults)
 
@@ -333,7 +333,7 @@ def _overlap(one: Shape, other: Shape, fine: float) -> float:
 
 
 def mass_of(spec: BodySpec, shape: Shape) -> float:
-    """kg; in the plane of one meter's depth."""
+    """kg; in 2D kg per meter of depth."""
     return spec.mass if spec.mass is not None else float(spec.density or 0.0) * shape.volume()
 
 
