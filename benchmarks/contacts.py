@@ -19,8 +19,8 @@ from ecume._jit import use_threads
 from ecume.engine.contact import contacts as touching
 from ecume.engine.contact import projected_gauss_seidel
 from ecume.engine.contact.projected_gauss_seidel import CONVERGED, Goal
-from ecume.models.floating.meeting import TOLERABLE, bodies_of
-from ecume.models.floating.stepping import forces_at
+from ecume.models.floating.contacts.collisions import TOLERABLE, bodies_of
+from ecume.models.floating.time_integration.integration import forces_at
 
 SPACING = 2.000001e-3
 CONTACTS_PER_FLOAT = 2.97

@@ -10,7 +10,7 @@ from scipy.special import k0, k1
 
 from ecume.laws import quadrupoles
 from ecume.laws.lines import Line, spread_charges
-from ecume.models.floating.kinds import kinds_afloat
+from ecume.models.floating.setup.kinds import kinds_afloat
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
 from ecume.units import Array

@@ -8,7 +8,7 @@ from ecume.errors import SceneError
 from ecume.laws import capillarity
 from ecume.laws.drag import pair_factor
 from ecume.models import MODELS
-from ecume.models.floating.films import CLOSEST, film_excess, find_films, make_films, resist, slow_down
+from ecume.models.floating.forces.films import CLOSEST, film_excess, find_films, make_films, resist, slow_down
 from tests.models.floating.bowls import WATER, scene_of
 
 FLOATING = MODELS["floating"]

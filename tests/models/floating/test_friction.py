@@ -9,7 +9,7 @@ from ecume import _jit
 from ecume.errors import SceneError
 from ecume.laws.rotation import sphere_inertia, sphere_turning_friction, turning_factor
 from ecume.models import MODELS
-from ecume.models.floating.kinds import kinds_afloat
+from ecume.models.floating.setup.kinds import kinds_afloat
 from ecume.simulation import moments, simulate
 from tests.models.floating.bowls import HEAVY, WATER, scene_of
 from tests.models.floating.test_rafts import copied, digest, end_of

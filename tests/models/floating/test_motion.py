@@ -10,9 +10,9 @@ from scipy.special import k1
 from ecume.errors import Diverged, SceneError
 from ecume.laws import drag, flotation
 from ecume.models import MODELS
-from ecume.models.floating.kinds import afloat
-from ecume.models.floating.schemes import SCHEMES
-from ecume.models.floating.time_steps import StepWarning
+from ecume.models.floating.setup.kinds import afloat
+from ecume.models.floating.time_integration.integrators import SCHEMES
+from ecume.models.floating.time_integration.step_size import StepWarning
 from ecume.simulation import simulate
 from tests.models.floating.bowls import HEAVY, LIGHT, WATER, lone_float_in_a_dish, scene_of, two_floats
 
@@ -130,8 +130,8 @@ def test_a_steady_force_gives_the_exact_terminal_speed_however_long_the_step(per
     scene = two_floats(8e-3, motion="drag = true", contacts='law = "none"')
     parameters = FLOATING.parameters(scene)
     relaxation, mass = parameters.floats.relaxation_time[0], parameters.floats.mass[0]
-    from ecume.models.floating.schemes import give_kick
-    from ecume.models.floating.time_steps import kick_of
+    from ecume.models.floating.time_integration.integrators import give_kick
+    from ecume.models.floating.time_integration.step_size import kick_of
 
     kick = kick_of(parameters.scheme, 2.0 * per_relaxation * relaxation, parameters.floats, 0)
     force = np.array([[3e-7, 0.0], [0.0, -2e-7]])

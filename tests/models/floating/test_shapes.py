@@ -9,10 +9,10 @@ from ecume import _jit
 from ecume.errors import SceneError
 from ecume.laws.ellipsoids import ellipsoid_friction
 from ecume.models.floating import FLOATING
-from ecume.models.floating.kinds import kinds_afloat
+from ecume.models.floating.setup.kinds import kinds_afloat
+from ecume.models.floating.shaped.bodies import shaped_energies
 from ecume.models.floating.shaped.figures import Skeleton, moments, silhouette
-from ecume.models.floating.shaped.forces import shaped_energies
-from ecume.models.floating.stepping import forces_at
+from ecume.models.floating.time_integration.integration import forces_at
 from ecume.simulation import moments as moments_of
 from ecume.simulation import simulate
 from tests.models.floating.bowls import scene_of

@@ -5,7 +5,7 @@ import pytest
 
 from ecume.laws import multipole
 from ecume.models import MODELS
-from ecume.models.floating.kinds import kinds_afloat
+from ecume.models.floating.setup.kinds import kinds_afloat
 from ecume.models.liquids import liquid_of
 from ecume.scenes.load import load_scene
 from ecume.show.floating.surface import SOLVED_CELLS, sheet, surface, typical_meniscus

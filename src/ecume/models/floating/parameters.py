@@ -160,6 +160,11 @@ class Scratch(NamedTuple):
     contacts: Any
 
 
+def part_of(parameters: Parameters, constants: type) -> Any:
+    """The interaction of this type; None if there is none."""
+    return next((part for part in parameters.parts.interactions if isinstance(part, constants)), None)
+
+
 STRENGTH, CAPILLARY_LENGTH, CUTOFF, SURFACE_TENSION, INVERSE_SQUARE, OWN = range(6)
 
 

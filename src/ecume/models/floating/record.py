@@ -4,21 +4,40 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 
+from ecume.laws import brownian, capillarity, drag, ellipsoids, flotation, images, meniscus, pair_laws
 from ecume.models.diagnosis import DEEP, first_broken, when
-from ecume.models.floating.extending import advance_extended
-from ecume.models.floating.invariants import invariants
-from ecume.models.floating.observing import observe
 from ecume.models.floating.parameters import Parameters
-from ecume.models.floating.room import ROOMIER, checked_parameters
-from ecume.models.floating.sources import laws_of
-from ecume.models.floating.starting import start
+from ecume.models.floating.report.check_report import summary
+from ecume.models.floating.report.frames import observe
+from ecume.models.floating.report.invariants import invariants
+from ecume.models.floating.setup.initial_state import start
+from ecume.models.floating.setup.scene_parameters import ROOMIER, checked_parameters, chosen_by
 from ecume.models.floating.state import DEEPEST, State, Workspace, make_workspace
-from ecume.models.floating.stepping import advance, fill_lists, make_scratch
-from ecume.models.floating.telling import summary
-from ecume.models.model import Model
+from ecume.models.floating.time_integration.integration import advance, fill_lists, make_scratch
+from ecume.models.floating.user_laws import advance_extended
+from ecume.models.model import Model, Source
+
+
+def laws_of(scene: Any) -> list[Source]:
+    """Where floats sit, how they attract, what the dish does, drag and collisions."""
+    charge = flotation.CHARGES.get(str(scene.interaction.charge))
+    laws: list[Source] = [charge] if charge else []
+    row = pair_laws.PAIR_LAWS.get(str(scene.interaction.law))
+    laws += row.papers if row is not None else ()
+    chosen = chosen_by(scene)
+    laws += [law for row in chosen.interactions for law in row.laws]
+    if scene.dish is not None:
+        laws += capillarity.WALLS.get(str(scene.dish.law), ())
+        laws += [meniscus.dish_height, *([images.plane_image_force] if scene.dish.image != "none" else [])]
+    laws += [drag.immersion_factor, drag.stokes_friction] if scene.motion.drag else []
+    if scene.shaped:
+        laws += [ellipsoids.ellipsoid_friction, ellipsoids.ellipsoid_turning_friction] if scene.motion.drag else []
+    laws += [brownian.diffusivity] if scene.motion.temperature else []
+    return [*laws, *chosen.contacts.laws]
 
 
 def workspace(parameters: Parameters, state: State, room: float) -> Workspace:

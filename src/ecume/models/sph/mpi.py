@@ -3,7 +3,7 @@ if alone.
 
 Everyone holds the whole state. Particles stand in cell order, so that a part is a region of the tank; rates that others
 summed are gathered, and everyone goes on with the same numbers: the same bits for any number of ranks, and those of a
-run without. See `ecume.models.floating.spread`.
+run without. See `ecume.models.floating.mpi`.
 """
 
 from __future__ import annotations

@@ -1,17 +1,25 @@
-"""What never changes about shapes while they move, and the scratch of their march."""
+"""Floats that are not round: their constants and workspace, and the forces and torques on the charges inside their
+contact lines.
+"""
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
 
-from ecume._jit import compiled
+from ecume._jit import admit, compiled
 from ecume.engine.cells import Integers
 from ecume.engine.contact.torque_contacts import Levers, Party, make_levers
+from ecume.engine.neighbors import NeighborLists
 from ecume.engine.outlines import Outlines
-from ecume.models.floating.parameters import Parameters
+from ecume.engine.walls import wall_count
+from ecume.laws import capillarity, special
+from ecume.laws.capillarity import pair_energy, pair_force
+from ecume.models.floating.parameters import CAPILLARY_LENGTH, CUTOFF, STRENGTH, Parameters
 from ecume.models.floating.state import State, Workspace
+from ecume.models.floating.walls.wall_laws import acts, wall_energy, wall_force
 from ecume.units import Array
 
 
@@ -104,3 +112,118 @@ def store_angles(crew: Crew, state: State) -> None:
     """The angles become those of the state."""
     for i in range(len(state.turning)):
         state.turning[i, 0] = crew.angle[i]
+
+
+admit(special, capillarity)
+
+
+@compiled
+def turn_charges(many: Shaped, turning: Array, at: Array) -> None:
+    """The charges as the bodies are turned now."""
+    for i in range(len(turning)):
+        c, s = math.cos(turning[i, 0]), math.sin(turning[i, 0])
+        for p in range(many.first[i], many.first[i + 1]):
+            x, y = many.place[p, 0], many.place[p, 1]
+            at[p, 0], at[p, 1] = c * x - s * y, s * x + c * y
+
+
+@compiled
+def pull_pair(
+    many: Shaped, parameters: Parameters, at: Array, pair: tuple[int, int], apart: tuple[float, float]
+) -> tuple[float, float, float, float]:
+    """Force on the first of two bodies (its second is `apart` from it), and the torques on both."""
+    (i, j), (x, y) = pair, apart
+    unit, length = parameters.pair[STRENGTH], parameters.pair[CAPILLARY_LENGTH]
+    force_x, force_y, torque_i, torque_j = 0.0, 0.0, 0.0, 0.0
+    for p in range(many.first[i], many.first[i + 1]):
+        on_x, on_y = 0.0, 0.0
+        for q in range(many.first[j], many.first[j + 1]):
+            to_x, to_y = x + at[q, 0] - at[p, 0], y + at[q, 1] - at[p, 1]
+            distance = math.sqrt(to_x * to_x + to_y * to_y)
+            pull = -pair_force(distance, unit * many.charge[p] * many.charge[q], length) / distance
+            on_x += pull * to_x
+            on_y += pull * to_y
+            torque_j -= pull * (at[q, 0] * to_y - at[q, 1] * to_x)
+        torque_i += at[p, 0] * on_y - at[p, 1] * on_x
+        force_x += on_x
+        force_y += on_y
+    return force_x, force_y, torque_i, torque_j
+
+
+@compiled
+def add_wall_forces(many: Shaped, parameters: Parameters, position: Array, crew: Crew, force: Array) -> None:
+    """The menisci at the walls act on each charge."""
+    for i in range(len(position)):
+        for p in range(many.first[i], many.first[i + 1]):
+            place = (position[i, 0] + crew.at[p, 0], position[i, 1] + crew.at[p, 1])
+            for number in range(wall_count(parameters.walls)):
+                away, in_x, in_y = wall_force(parameters, number, place, many.wall_strength[number, p], many.charge[p])
+                force[i, 0] += away * in_x
+                force[i, 1] += away * in_y
+                crew.torque[i] += away * (crew.at[p, 0] * in_y - crew.at[p, 1] * in_x)
+
+
+@compiled
+def shaped_forces(
+    many: Shaped, crew: Crew, parameters: Parameters, position: Array, lists: NeighborLists, force: Array
+) -> None:
+    """Add the forces on all bodies, and find the torques; each pair once, so that they cancel to rounding."""
+    cutoff = parameters.pair[CUTOFF]
+    turn_charges(many, crew.turning, crew.at)
+    crew.torque[:] = 0.0
+    order, first, neighbor = lists.cells.order, lists.rows.first, lists.rows.neighbor
+    for slot in range(len(order) if parameters.pair[STRENGTH] != 0.0 else 0):
+        i = order[slot]
+        for place in range(first[slot], first[slot + 1]):
+            j = order[neighbor[place]]
+            x, y = position[j, 0] - position[i, 0], position[j, 1] - position[i, 1]
+            if i < j and x * x + y * y < cutoff * cutoff:
+                force_x, force_y, torque_i, torque_j = pull_pair(many, parameters, crew.at, (i, j), (x, y))
+                force[i, 0] += force_x
+                force[i, 1] += force_y
+                force[j, 0] -= force_x
+                force[j, 1] -= force_y
+                crew.torque[i] += torque_i
+                crew.torque[j] += torque_j
+    if acts(parameters):
+        add_wall_forces(many, parameters, position, crew, force)
+
+
+@compiled
+def energy_of_pair(
+    many: Shaped, parameters: Parameters, at: Array, pair: tuple[int, int], apart: tuple[float, float]
+) -> float:
+    """What two bodies have together (J), less what their whole charges have at the cutoff."""
+    (i, j), (x, y) = pair, apart
+    unit, length, cutoff = parameters.pair[STRENGTH], parameters.pair[CAPILLARY_LENGTH], parameters.pair[CUTOFF]
+    total = 0.0
+    for p in range(many.first[i], many.first[i + 1]):
+        for q in range(many.first[j], many.first[j + 1]):
+            distance = math.sqrt((x + at[q, 0] - at[p, 0]) ** 2 + (y + at[q, 1] - at[p, 1]) ** 2)
+            strength = unit * many.charge[p] * many.charge[q]
+            total += pair_energy(distance, strength, length) - pair_energy(cutoff, strength, length)
+    return total
+
+
+@compiled
+def shaped_energies(
+    many: Shaped, crew: Crew, parameters: Parameters, state: State, workspace: Workspace
+) -> tuple[float, float]:
+    """Energies of all pairs and of all walls (J)."""
+    cutoff = parameters.pair[CUTOFF]
+    walls, lists = parameters.walls, workspace.lists
+    turn_charges(many, state.turning, crew.at)
+    order, first, neighbor = lists.cells.order, lists.rows.first, lists.rows.neighbor
+    pairs, at_walls = 0.0, 0.0
+    for slot in range(len(order)):
+        i = order[slot]
+        for place in range(first[slot], first[slot + 1]):
+            j = order[neighbor[place]]
+            x, y = state.position[j, 0] - state.position[i, 0], state.position[j, 1] - state.position[i, 1]
+            if i < j and x * x + y * y < cutoff * cutoff and parameters.pair[STRENGTH] != 0.0:
+                pairs += energy_of_pair(many, parameters, crew.at, (i, j), (x, y))
+        for p in range(many.first[i], many.first[i + 1]):
+            at = (state.position[i, 0] + crew.at[p, 0], state.position[i, 1] + crew.at[p, 1])
+            for number in range(wall_count(walls) if acts(parameters) else 0):
+                at_walls += wall_energy(parameters, number, at, many.wall_strength[number, p], many.charge[p])[0]
+    return pairs, at_walls

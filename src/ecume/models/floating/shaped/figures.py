@@ -1,24 +1,37 @@
-"""What a shape is, seen from above, and how it floats: outline, contact line, inertia, friction."""
+"""From the shapes of a scene to constants: outline, contact line, inertia and friction of each shape, the tables of
+all bodies, and their time scales.
+"""
 
 from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from ecume.engine.cells import Integers
+from ecume.engine.outlines import Outlines, Stance, bodies_near, turn_corners, wall_near
+from ecume.engine.walls import wall_count
+from ecume.errors import Fault, SceneError
 from ecume.laws import drag, flotation
 from ecume.laws.ellipsoids import ellipsoid_friction, ellipsoid_turning_friction, ellipsoid_undulation
 from ecume.laws.lines import Line, needle_charge, spread_charges, star_charges
+from ecume.models.floating.options import Built
+from ecume.models.floating.parameters import Parameters
+from ecume.models.floating.setup.kinds import distinct_kinds
+from ecume.models.floating.shaped.bodies import Shaped, pull_pair
+from ecume.models.floating.walls.shapes import wall_strengths
 from ecume.units import Array
 
 if TYPE_CHECKING:
-    from ecume.scenes.floating import ShapeSpec
+    from ecume.scenes.floating import FloatingScene, ShapeSpec
+
 
 FINE = 720
 """Points of an outline from which area and inertia are worked out; the area is good to 1e-5."""
+
 WET = 0.5
 """Of the friction deep in the liquid, what a flat body at the surface has."""
 
@@ -220,3 +233,196 @@ def moments(points: Array) -> tuple[float, float]:
     cross = points[:, 0] * following[:, 1] - points[:, 1] * following[:, 0]
     squares = np.sum(points**2 + points * following + following**2, axis=1)
     return 0.5 * float(cross.sum()), float(cross @ squares) / 12.0
+
+
+NEIGHBORS = 6.0
+
+NEARLY = 1.001
+"""Over the touching distance: where the stiffness of the pull is measured."""
+
+TURN = 0.2
+"""rad: a step is a twentieth of the time for that. Contacts foresee a turn as if tips went straight on."""
+
+DIFFERENCE = 1e-4
+"""Of a radius, or rad: the step of its differences."""
+
+
+def shapes_of(parameters: Parameters, scene: FloatingScene) -> Built:
+    """Floats that turn and touch as what they are. Raises SceneError for what does not go with that."""
+    if faults := _too_flat(parameters, parameters.walls.disc_radius):
+        raise SceneError(faults)
+    kinds, number = distinct_kinds(scene)
+    figures = [kind.figure for kind in kinds]
+    shaped = make_shaped([figures[k] for k in number], drag=bool(scene.motion.drag))
+    strength = wall_strengths(scene, parameters.floats._replace(charge=shaped.charge))
+    shaped = shaped._replace(wall_strength=strength)
+    return Built(shaped, min(quickest(shaped, parameters, number), spinning_time(shaped, parameters, scene)))
+
+
+def make_shaped(figures: Sequence[Figure], *, drag: bool = True) -> Shaped:
+    """All bodies in one table."""
+    spread = [charges_of(figure) for figure in figures]
+    shares = 1.0 if drag else 0.0
+    return Shaped(
+        outlines=outlines_of([figure.skeleton for figure in figures]),
+        place=np.concatenate([places for places, _ in spread]),
+        charge=np.concatenate([charges for _, charges in spread]),
+        first=_firsts([len(charges) for _, charges in spread]),
+        wall_strength=np.zeros((0, 0)),
+        inertia=np.array([figure.inertia for figure in figures]),
+        friction=shares * np.array([figure.friction for figure in figures]),
+        places=_most_places([figure.skeleton for figure in figures]),
+    )
+
+
+def outlines_of(skeletons: Sequence[Skeleton]) -> Outlines:
+    """Outlines of all bodies."""
+    firsts = _firsts([len(skeleton.corners) for skeleton in skeletons])
+    edges = [
+        np.array(skeleton.edges, np.int64).reshape(-1, 2) + first
+        for skeleton, first in zip(skeletons, firsts, strict=False)
+    ]
+    return Outlines(
+        axes=np.array([skeleton.axes for skeleton in skeletons]),
+        rounding=np.array([skeleton.rounding for skeleton in skeletons]),
+        corner=np.concatenate([np.reshape(skeleton.corners, (-1, 2)) for skeleton in skeletons]),
+        first_corner=firsts,
+        edge=np.concatenate(edges),
+        first_edge=_firsts([len(skeleton.edges) for skeleton in skeletons]),
+    )
+
+
+def _firsts(counts: Sequence[int]) -> Integers:
+    return np.cumsum([0, *counts]).astype(np.int64)
+
+
+def _most_places(skeletons: Sequence[Skeleton]) -> int:
+    """How many places two of these can be near at."""
+    corners = max(len(skeleton.corners) for skeleton in skeletons)
+    edges = max(len(skeleton.edges) for skeleton in skeletons)
+    return 1 + corners + edges + corners * corners + 2 * corners * edges
+
+
+def _too_flat(parameters: Parameters, dish_radius: float) -> list[Fault]:
+    """An ellipse whose flank is flatter than the wall would touch it at two places."""
+    if float(parameters.floats.radius.max()) < 0.5 * dish_radius:
+        return []
+    return [Fault("dish.radius", f"{dish_radius:g} m is less than twice the radius of a float with a shape")]
+
+
+def quickest(many: Shaped, parameters: Parameters, number: Integers) -> float:
+    """How soon the stiffest pair turns back or relaxes, gliding or turning (s), with six touching neighbors."""
+    first = [int(np.flatnonzero(number == kind)[0]) for kind in np.unique(number)]
+    found = [_times(many, parameters, (i, j)) for i, j in itertools.combinations_with_replacement(first, 2)]
+    return min(found, default=math.inf)
+
+
+def spinning_time(many: Shaped, parameters: Parameters, scene: FloatingScene) -> float:
+    """How soon a float turns by `TURN`, if a blow makes all of the fastest start's energy spin (s)."""
+    starts = [*(species.velocity for species in scene.floats), *((row.vx, row.vy) for row in scene.rows)]
+    speed = max(math.hypot(*velocity) for velocity in starts)
+    spin = speed * math.sqrt(float(np.max(parameters.floats.mass / many.inertia)))
+    return TURN / spin if spin > 0.0 else math.inf
+
+
+def _times(many: Shaped, parameters: Parameters, pair: tuple[int, int]) -> float:
+    """The shortest time of two bodies that touch, over how they are turned."""
+    times = []
+    ways = 0.0, 0.25 * math.pi, 0.5 * math.pi
+    for turns in itertools.product(ways, ways):
+        glide, turn = _stiffnesses(many, parameters, pair, turns)
+        masses = parameters.floats.mass
+        for i in pair:
+            for stiff, inertia, friction in (
+                (glide, masses[i], many.friction[i, :2].min()),
+                (turn, many.inertia[i], many.friction[i, 2]),
+            ):
+                if stiff > 0.0:
+                    slow = 0.0 if not parameters.scheme.inertia else math.sqrt(inertia / (NEIGHBORS * stiff))
+                    times.append(max(slow, friction / (NEIGHBORS * stiff)))
+    return min(times, default=math.inf)
+
+
+def _stiffnesses(
+    many: Shaped, parameters: Parameters, pair: tuple[int, int], turns: tuple[float, float]
+) -> tuple[float, float]:
+    """|dF/dl| (N/m) and |d torque/d angle| (N m) of two touching bodies, by differences."""
+    apart = touching_distance(many, parameters, pair, turns) * NEARLY
+    size = DIFFERENCE * float(parameters.floats.radius[list(pair)].min())
+    near, far = (_pull(many, parameters, pair, turns, apart + step) for step in (0.0, size))
+    turned = _pull(many, parameters, pair, (turns[0] + DIFFERENCE, turns[1]), apart)
+    return abs(far[0] - near[0]) / size, abs(turned[2] - near[2]) / DIFFERENCE
+
+
+def _pull(
+    many: Shaped, parameters: Parameters, pair: tuple[int, int], turns: tuple[float, float], apart: float
+) -> tuple[float, float, float, float]:
+    """Forces and torques of two bodies, the second to the right of the first. A kind alone meets its own copy."""
+    blocks = [slice(many.first[k], many.first[k + 1]) for k in pair]
+    two = many._replace(
+        charge=np.concatenate([many.charge[block] for block in blocks]),
+        first=_firsts([block.stop - block.start for block in blocks]),
+    )
+    at = np.concatenate([_turned(many.place[block], turn) for block, turn in zip(blocks, turns, strict=True)])
+    found: tuple[float, float, float, float] = pull_pair(two, parameters, at, (0, 1), (apart, 0.0))
+    return found
+
+
+def _turned(points: Array, angle: float) -> Array:
+    c, s = math.cos(angle), math.sin(angle)
+    return np.asarray(points @ np.array([[c, s], [-s, c]]))
+
+
+def touching_distance(many: Shaped, parameters: Parameters, pair: tuple[int, int], turns: tuple[float, float]) -> float:
+    """How far apart the centers of two bodies are that touch, the second to the right of the first: by halving."""
+    outlines = _two(many.outlines, pair)
+    near, far = 0.0, 2.0 * float(parameters.floats.radius[list(pair)].max())
+    found = np.zeros((many.places, 8))
+    for _ in range(30):
+        middle = 0.5 * (near + far)
+        stance = Stance(np.array([[0.0, 0.0], [middle, 0.0]]), np.array(turns), np.zeros_like(outlines.corner))
+        turn_corners(outlines, stance)
+        total = bodies_near(outlines, stance, 0, 1, far, found)
+        apart = total == 0 or float(found[:total, 0].min()) > 0.0
+        near, far = (near, middle) if apart and middle > 1e-3 * far else (middle, far)
+    return far
+
+
+def _two(outlines: Outlines, pair: tuple[int, int]) -> Outlines:
+    """The outlines of two bodies alone, which may be one and its copy."""
+    corners = [slice(outlines.first_corner[k], outlines.first_corner[k + 1]) for k in pair]
+    edges = [slice(outlines.first_edge[k], outlines.first_edge[k + 1]) for k in pair]
+    first = _firsts([part.stop - part.start for part in corners])
+    return Outlines(
+        outlines.axes[list(pair)],
+        outlines.rounding[list(pair)],
+        np.concatenate([outlines.corner[part] for part in corners]),
+        first,
+        np.concatenate(
+            [outlines.edge[e] - c.start + first[k] for k, (e, c) in enumerate(zip(edges, corners, strict=True))]
+        ),
+        _firsts([part.stop - part.start for part in edges]),
+    )
+
+
+def overlaps(
+    outlines: Outlines, places: int, parameters: Parameters, at: tuple[Array, Array], reach: float
+) -> list[tuple[int, int, float]]:
+    """Pairs (i, j, gap) nearer than `reach`, for bodies `at` these positions and angles; a wall number k stands as
+    N + k. For starts and frames: each with each.
+    """
+    (position, angle), radius, count = at, parameters.floats.radius, len(at[0])
+    stance = Stance(np.ascontiguousarray(position), np.ascontiguousarray(angle), np.zeros_like(outlines.corner))
+    turn_corners(outlines, stance)
+    near, found = np.zeros((places, 8)), []
+    for i in range(count):
+        apart = np.hypot(*(position[i + 1 :] - position[i]).T)
+        for j in i + 1 + np.flatnonzero(apart < radius[i] + radius[i + 1 :] + reach):
+            total = bodies_near(outlines, stance, i, int(j), reach, near)
+            if total:
+                found.append((i, int(j), float(near[:total, 0].min())))
+        for wall in range(wall_count(parameters.walls)):
+            total = wall_near(outlines, stance, parameters.walls, (i, wall), reach, near)
+            if total:
+                found.append((i, count + wall, float(near[:total, 0].min())))
+    return found

@@ -99,9 +99,9 @@ def _round_field(dish: DishSpec, liquid: flotation.Liquid, x: Array, y: Array) -
 
 
 def _round_multipoles(many_floats: Any, dish: DishSpec, liquid: flotation.Liquid) -> Any:
-    from ecume.models.floating import many  # its loops are compiled on import
+    from ecume.models.floating.forces import multipoles  # its loops are compiled on import
 
-    return many.with_dish(many_floats, _radius(dish), dish.contact_angle, mirrored=True)
+    return multipoles.with_dish(many_floats, _radius(dish), dish.contact_angle, mirrored=True)
 
 
 ROUND = Meniscus(
@@ -160,9 +160,9 @@ def _between(nodes: Array, side: float, contact_angle: float, liquid: flotation.
 
 
 def _facing_multipoles(many_floats: Any, dish: DishSpec, liquid: flotation.Liquid) -> Any:
-    from ecume.models.floating import many  # its loops are compiled on import
+    from ecume.models.floating.forces import multipoles  # its loops are compiled on import
 
-    return many.with_basin(many_floats, _sides(dish), dish.contact_angle, liquid, mirrored=True)
+    return multipoles.with_basin(many_floats, _sides(dish), dish.contact_angle, liquid, mirrored=True)
 
 
 FACING = Meniscus(

@@ -1,0 +1,368 @@
+"""What contacts do to floats in one step: they bounce, they meet, they settle, they rest.
+
+Bouncing acts on what the velocities were before the kick, less what drag takes of them: the impulses that would just
+stop everyone who comes together, times 1 + e. All other solves are plastic, on velocities that have their kick. Either
+way kinetic energy can only fall, for any number of simultaneous contacts: a plastic solve is a projection on a convex
+set that holds rest, and a bounce mirrors part of what the projection takes away. Restitution of single contacts amid
+others that last has no such bound (Kane's paradox), and made floats between two neighbors rattle for ever.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ecume._jit import compiled, compiled_inside, composed, selected
+from ecume.engine.contact import contacts as touching
+from ecume.engine.contact import projected_gauss_seidel
+from ecume.engine.contact.contacts import Bodies, Contacts
+from ecume.engine.contact.projected_gauss_seidel import Goal
+from ecume.engine.contact.torque_contacts import Levers
+from ecume.models.floating.contacts.friction import (
+    Rough,
+    load_rough,
+    memory_of,
+    push_rough,
+    recall_rough,
+    remember_rough,
+    resume_rough,
+    stop_rough,
+    store_rough,
+)
+from ecume.models.floating.parameters import Parameters
+from ecume.models.floating.state import COLLISIONS, DEEPEST, SWEEPS, UNCONVERGED, State, Workspace, add_rows, copy_rows
+from ecume.units import Array
+
+STEADY = 2.0
+"""At the end of a step, an approach faster than this many kicks is left for the next step to bounce."""
+
+TOLERABLE = 1e-3
+"""What a contact may err by in one step, over the overlap that is left alone; a slower approach does not bounce."""
+
+
+class Impulses(NamedTuple):
+    """Contacts that are solved as impulses, without friction."""
+
+    overlapping: bool
+    """whether floats collide only where they overlap already, as in the original program"""
+
+
+class Solver(NamedTuple):
+    """How impulses are found: what contacts with and without friction do differently."""
+
+    stop: Callable[..., int]
+    """stop(part, own, bodies, contacts, velocity, goal): the impulses that stop everyone; how many sweeps"""
+    push: Callable[..., None]
+    """push(part, own, bodies, contacts, passage): impulses times the factor in `contacts.scratch`, on the passage"""
+    solve: Callable[..., int]
+    """solve(part, own, bodies, contacts, velocity, goal): impulses from those that stand there; how many sweeps"""
+    recall: Callable[..., None]
+    """recall(part, own, state, workspace): impulses along the surfaces from the step before"""
+    remember: Callable[..., None]
+    """remember(part, own, state, workspace): the same impulses for the next step"""
+    load_spins: Callable[..., None]
+    """load_spins(part, own, parameters, state, last): spins with their kick; `last` at the end of a step"""
+    store_spins: Callable[..., None]
+    """store_spins(part, own, parameters, state, last): spins, and angles along the passage, become the state's"""
+
+
+def _solver(kind: type) -> Solver:
+    return SOLVERS[kind]
+
+
+stop = selected(lambda kind: _solver(kind).stop)
+
+push = selected(lambda kind: _solver(kind).push)
+
+solve = selected(lambda kind: _solver(kind).solve)
+
+recall = selected(lambda kind: _solver(kind).recall)
+
+remember = selected(lambda kind: _solver(kind).remember)
+
+load_spins = selected(lambda kind: _solver(kind).load_spins)
+
+store_spins = selected(lambda kind: _solver(kind).store_spins)
+
+
+@compiled_inside
+def bodies_of(parameters: Parameters) -> Bodies:
+    """What the contact solver must know of floats and walls."""
+    return Bodies(parameters.floats.radius, parameters.walls, parameters.kick.mobility)
+
+
+@compiled_inside
+def restitutions_of(parameters: Parameters) -> tuple[int, float, float]:
+    """The number of floats, and the restitution among them and at walls: all that `restitution_of` needs."""
+    return len(parameters.floats.radius), parameters.restitution, parameters.wall_restitution
+
+
+@compiled_inside
+def restitution_of(restitutions: tuple[int, float, float], partner: int) -> float:
+    """Of a contact with that partner: a float, or a wall beyond the last of them."""
+    count, among_floats, at_walls = restitutions
+    return among_floats if partner < count else at_walls
+
+
+@compiled
+def demand_stops(overlapping: bool, parameters: Parameters, contacts: Contacts, before: Array) -> float:
+    """Ask everyone to stop who comes together in this step and can bounce; the fastest of these approaches.
+
+    Without restitution a pair goes on until it touches, and is stopped there in the next step.
+    """
+    speed, bound, gap, second = contacts.scratch, contacts.bound, contacts.gap, contacts.second
+    touching.approaches(contacts, before, speed)
+    slowest, restitutions = TOLERABLE * parameters.slop / parameters.time_step, restitutions_of(parameters)
+    fastest = 0.0
+    for row in range(contacts.total[0]):
+        comes = speed[row] < -slowest and gap[row] + parameters.time_step * speed[row] < 0.0
+        among_floats = second[row] < len(parameters.floats.radius)
+        if overlapping and among_floats:
+            # As in the original, which acts on what overlaps already.
+            comes = speed[row] < 0.0 and gap[row] <= 0.0
+        elif restitution_of(restitutions, second[row]) == 0.0:
+            comes = comes and gap[row] < parameters.slop
+        bound[row] = 0.0 if comes else -np.inf
+        if comes:
+            fastest = max(fastest, -speed[row])
+    return fastest
+
+
+@compiled
+def share_restitution(parameters: Parameters, contacts: Contacts | Levers, of_float: Array) -> None:
+    """The restitution of each float: the least among all who bounce together, since unlike ones could create energy."""
+    first, second, impulse, count = contacts.first, contacts.second, contacts.impulse, len(parameters.floats.radius)
+    for i in range(count):
+        of_float[i] = np.inf
+    restitutions, changed = restitutions_of(parameters), True
+    while changed:
+        changed = False
+        for row in range(contacts.total[0]):
+            if impulse[row] > 0.0:
+                i, j = first[row], second[row]
+                least = min(of_float[i], restitution_of(restitutions, j))
+                if j < count:
+                    least = min(least, of_float[j])
+                    changed = changed or of_float[j] > least
+                    of_float[j] = least
+                changed = changed or of_float[i] > least
+                of_float[i] = least
+
+
+@composed
+def bounce(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """Collisions: impulses on the passage, (1 + e) times those that stop everyone."""
+    contacts, before, of_float = workspace.contacts, workspace.before, workspace.restitution
+    fastest = demand_stops(part.overlapping, parameters, contacts, before)
+    if fastest <= 0.0:
+        return
+    push_nobody(contacts)
+    goal = Goal(projected_gauss_seidel.CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
+    state.tally[SWEEPS] += stop(part, own, bodies_of(parameters), contacts, before, goal)
+    share_restitution(parameters, contacts, of_float)
+    state.tally[COLLISIONS] += thrown_back(contacts, of_float)
+    push(part, own, bodies_of(parameters), contacts, workspace.passage)
+
+
+@compiled
+def push_nobody(contacts: Contacts) -> None:
+    """No impulses."""
+    for row in range(contacts.total[0]):
+        contacts.impulse[row] = 0.0
+
+
+@compiled
+def thrown_back(contacts: Contacts, of_float: Array) -> float:
+    """How many bounce; into `scratch` by what each impulse that stops is multiplied."""
+    many = 0.0
+    for row in range(contacts.total[0]):
+        bounces = contacts.impulse[row] > 0.0
+        many += 1.0 if bounces else 0.0
+        contacts.scratch[row] = 1.0 + of_float[contacts.first[row]] if bounces else 0.0
+    return many
+
+
+@compiled
+def solve_smooth(part: Any, own: Any, bodies: Bodies, contacts: Contacts, velocity: Array, goal: Goal) -> int:
+    """Contacts without friction: how many sweeps their solution takes."""
+    touching.weigh(contacts, bodies.mobility)
+    return projected_gauss_seidel.solve(contacts, velocity, bodies.mobility, goal)
+
+
+@compiled
+def push_smooth(part: Any, own: Any, bodies: Bodies, contacts: Contacts, passage: Array) -> None:
+    """The impulses of bounces, on the passage."""
+    for row in range(contacts.total[0]):
+        contacts.impulse[row] *= contacts.scratch[row]
+    touching.push_all(contacts, contacts.impulse, passage, bodies.mobility)
+
+
+@composed
+def no_memory(part: Any, own: Any, state: State, workspace: Workspace) -> None:
+    """Smooth surfaces have no impulses along them."""
+
+
+@composed
+def no_spins(part: Any, own: Any, parameters: Parameters, state: State, last: bool) -> None:
+    """Smooth surfaces turn nobody."""
+
+
+SMOOTH = Solver(solve_smooth, push_smooth, solve_smooth, no_memory, no_memory, no_spins, no_spins)
+
+SOLVERS: dict[type, Solver] = {
+    Impulses: SMOOTH,
+    Rough: Solver(stop_rough, push_rough, resume_rough, recall_rough, remember_rough, load_rough, store_rough),
+}
+"""By the type of the part."""
+
+
+@compiled
+def goal_of(parameters: Parameters, contacts: Contacts, velocity: Array) -> Goal:
+    """How good impulses must be for these velocities; nothing is wanted where nobody comes too near."""
+    touching.approaches(contacts, velocity, contacts.scratch)
+    fastest = 0.0
+    for row in range(contacts.total[0]):
+        fastest = max(fastest, contacts.bound[row] - contacts.scratch[row])
+    return Goal(projected_gauss_seidel.CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
+
+
+@composed
+def solve_contacts(
+    part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace, velocity: Array
+) -> None:
+    """Impulses on `velocity`, from those remembered; remembered in turn."""
+    contacts, memory = workspace.contacts, memory_of(state)
+    recall(part, own, state, workspace)
+    touching.recall(contacts, memory)
+    goal = goal_of(parameters, contacts, velocity)
+    sweeps = 0
+    if goal.wanted > 0.0:
+        sweeps = solve(part, own, bodies_of(parameters), contacts, velocity, goal)
+    else:
+        push_nobody(contacts)
+    state.tally[SWEEPS] += sweeps
+    state.tally[UNCONVERGED] += 1.0 if sweeps > projected_gauss_seidel.MOST_SWEEPS else 0.0
+    touching.remember(contacts, memory)
+    remember(part, own, state, workspace)
+
+
+@compiled
+def meet(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """See `meet_by_passes`."""
+    meet_by_passes(part, own, parameters, state, workspace)
+
+
+@composed
+def meet_by_passes(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """The first contact solves: bounces, then a plastic one on the passage: nobody ends the step inside another.
+
+    The velocity changes with the passage; `before`, the velocities before the kick, is used up.
+    """
+    contacts = workspace.contacts
+    load_spins(part, own, parameters, state, False)
+    # Twice the pace for a pair that meets head on, and twice again for those whom others push.
+    reach = 4.0 * workspace.ahead[0] + parameters.slop
+    touching.gather(contacts, workspace.candidates, state.position, bodies_of(parameters), reach)
+    set_out(parameters, state, workspace)
+    bounce(part, own, parameters, state, workspace)
+    demand_gaps(part.overlapping, parameters, contacts)
+    solve_contacts(part, own, parameters, state, workspace, workspace.passage)
+    add_rows(state.velocity, workspace.passage)
+    store_spins(part, own, parameters, state, False)
+
+
+@compiled
+def set_out(parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """What contacts can change apart from what they cannot."""
+    passage, before, decay, velocity = workspace.passage, workspace.before, parameters.kick.decay, state.velocity
+    for i in range(len(velocity)):
+        # Only what drag leaves of a velocity can bounce: in syrup nothing does.
+        before[i, 0] *= decay[i]
+        before[i, 1] *= decay[i]
+        # What the velocity has beside the passage is kept, and the passage's own changes are added to it.
+        velocity[i, 0] -= passage[i, 0]
+        velocity[i, 1] -= passage[i, 1]
+
+
+@compiled
+def demand_gaps(overlapping: bool, parameters: Parameters, contacts: Contacts) -> None:
+    """Ask everyone to close no more than the gap in this step."""
+    for row in range(contacts.total[0]):
+        free = overlapping and contacts.second[row] < len(parameters.floats.radius)
+        contacts.bound[row] = -np.inf if free else -max(contacts.gap[row], 0.0) / parameters.time_step
+
+
+@compiled
+def settle(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """See `settle_by_passes`."""
+    settle_by_passes(part, own, parameters, state, workspace)
+
+
+@composed
+def settle_by_passes(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """Find who touches whom at the new places, and undo deep overlaps, which changes no velocity."""
+    if part.overlapping:
+        return
+    contacts, bodies = workspace.contacts, bodies_of(parameters)
+    reach = 2.0 * workspace.ahead[0] + parameters.slop
+    touching.gather(contacts, workspace.candidates, state.position, bodies, reach)
+    deepest = deepest_overlap(contacts)
+    state.tally[DEEPEST] = max(state.tally[DEEPEST], deepest)
+    if deepest > parameters.slop:
+        touching.weigh(contacts, bodies.mobility)
+        touching.separate(contacts, state.position, bodies, parameters.slop)
+        touching.gather(contacts, workspace.candidates, state.position, bodies, reach)
+
+
+@compiled
+def deepest_overlap(contacts: Contacts) -> float:
+    """How far the deepest contact overlaps (m)."""
+    deepest = 0.0
+    for row in range(contacts.total[0]):
+        deepest = max(deepest, -contacts.gap[row])
+    return deepest
+
+
+@compiled
+def demand_rest(parameters: Parameters, contacts: Contacts, velocity: Array, before: Array) -> None:
+    """Ask every pair that only the kick brings together to close no gap at once; `before` are the speeds without it.
+
+    Whoever comes faster is left alone: the next step sees a collision.
+    """
+    speed, bound, gap = contacts.scratch, contacts.bound, contacts.gap
+    touching.approaches(contacts, velocity, speed)
+    for row in range(contacts.total[0]):
+        lasting = before[row] >= -STEADY * abs(speed[row] - before[row])
+        bound[row] = -max(gap[row], 0.0) / parameters.time_step if lasting else -np.inf
+
+
+@compiled
+def rest(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """See `rest_by_passes`."""
+    rest_by_passes(part, own, parameters, state, workspace)
+
+
+@composed
+def rest_by_passes(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """The last contact solve: on the velocity at the end of the step, so that what is pressed together rests."""
+    if part.overlapping:
+        return
+    load_spins(part, own, parameters, state, True)
+    contacts, passage, before = workspace.contacts, workspace.passage, workspace.before
+    slow_down(before, passage, parameters.kick.decay)
+    copy_rows(passage, state.velocity)
+    touching.approaches(contacts, before, contacts.change)
+    demand_rest(parameters, contacts, passage, contacts.change)
+    solve_contacts(part, own, parameters, state, workspace, passage)
+    copy_rows(state.velocity, passage)
+    store_spins(part, own, parameters, state, True)
+
+
+@compiled
+def slow_down(to: Array, velocity: Array, decay: Array) -> None:
+    """What drag leaves of velocities."""
+    for i in range(len(decay)):
+        to[i, 0] = decay[i] * velocity[i, 0]
+        to[i, 1] = decay[i] * velocity[i, 1]

@@ -1,0 +1,149 @@
+"""Contacts as springs and dashpots instead of impulses: soft, and only as stable as the time step is short.
+
+The push of a contact is the spring's at the places and the dashpot's at the velocities that a step begins with;
+velocity Verlet has the other half of it at the end, where dashpots see the velocities through the step: with those at
+its end a pair would rest off its balance. Pushes are equal and opposite along the line of centers, so that
+momentum and angular momentum are kept to rounding. Nothing bounds overlaps but the stiffness.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from ecume._jit import admit, compiled
+from ecume.engine.contact import contacts as touching
+from ecume.engine.contact.contacts import Contacts
+from ecume.errors import Fault, SceneError
+from ecume.laws import contact
+from ecume.laws.contact import dashpot_restitution, spring_energy, spring_push
+from ecume.models.floating.contacts.collisions import bodies_of
+from ecume.models.floating.forces.pair_forces import law_of, row_of, two_floats
+from ecume.models.floating.options import Built
+from ecume.models.floating.parameters import CAPILLARY_LENGTH, Parameters
+from ecume.models.floating.state import DEEPEST, State, Workspace, copy_rows
+from ecume.models.floating.time_integration.step_size import RAFT_NEIGHBORS
+from ecume.units import Array
+
+if TYPE_CHECKING:
+    from ecume.scenes.floating import FloatingScene
+
+
+admit(contact)
+
+
+class Springs(NamedTuple):
+    """What never changes where contacts are soft."""
+
+    stiffness: float
+    """N/m"""
+    damping: float
+    """of the dashpots between floats, over the critical one"""
+    wall_damping: float
+
+
+SHALLOW = 1e-3
+"""What the strongest pulls press into one another, over the smallest radius, where a scene names no stiffness."""
+
+LEAST_RESTITUTION = 0.05
+"""Below it a dashpot would have to be far over its critical damping, and steps short for its sake."""
+
+
+def springs_of(parameters: Parameters, scene: FloatingScene, interactions: tuple[Any, ...]) -> Built:
+    """Soft contacts. Raises SceneError where restitution asks for too much damping."""
+    slow = not parameters.scheme.inertia
+    stiffness = scene.contacts.stiffness or stiffness_of(parameters)
+    at_walls = parameters.wall_restitution if scene.dish is not None else 1.0
+    dampings = [0.0 if slow else damping_of(each) for each in (parameters.restitution, at_walls)]
+    floats = parameters.floats
+    quickest = math.pi * math.sqrt(0.5 * float(floats.mass.min()) / stiffness) / max(1.0, 2.0 * max(dampings))
+    if slow:
+        quickest = float((floats.mass / floats.relaxation_time).min()) / (2.0 * RAFT_NEIGHBORS * stiffness)
+    return Built(Springs(stiffness, *dampings), quickest)
+
+
+def stiffness_of(parameters: Parameters) -> float:
+    """N/m: so stiff that six neighbors and the walls press nobody in by more than SHALLOW. Raises SceneError."""
+    floats, length = parameters.floats, float(parameters.pair[CAPILLARY_LENGTH])
+    smallest, strongest = float(floats.radius.min()), float(abs(floats.charge).max())
+    touching = two_floats(parameters, (smallest, smallest), (strongest, strongest))
+    pull = abs(float(row_of(parameters).force(2.0 * smallest, touching, law_of(parameters))))
+    walls = float(abs(parameters.wall_strength).max(initial=0.0)) / length
+    if pull + walls == 0.0:
+        raise _fault("stiffness", "left out, and nothing presses the floats together; wanted N/m")
+    return (RAFT_NEIGHBORS * pull + walls) / (SHALLOW * smallest)
+
+
+def damping_of(restitution: float) -> float:
+    """The dashpot's damping over the critical one, for a lone collision's restitution. Raises SceneError."""
+    if restitution < LEAST_RESTITUTION:
+        raise _fault(
+            "restitution",
+            f"came {restitution:g}; dashpots want {LEAST_RESTITUTION:g} or more, also of dish.restitution",
+        )
+    from scipy.optimize import brentq
+
+    return float(brentq(lambda damping: dashpot_restitution(damping) - restitution, 0.0, 4.0, xtol=1e-14))
+
+
+def _fault(key: str, message: str) -> SceneError:
+    return SceneError([Fault(f"contacts.{key}", message)])
+
+
+@compiled
+def reduced_mass(mass: Array, i: int, j: int) -> float:
+    """Of a contact; a wall moves for nobody."""
+    return float(mass[i] * mass[j] / (mass[i] + mass[j]) if j < len(mass) else mass[i])
+
+
+@compiled
+def push_apart(springs: Springs, parameters: Parameters, state: State, contacts: Contacts, time: float) -> None:
+    """The impulses that springs and dashpots give in that time, for speeds of approach in `contacts.change`."""
+    mass = parameters.floats.mass
+    for row in range(contacts.total[0]):
+        j, overlap = contacts.second[row], -contacts.gap[row]
+        damping = springs.damping if j < len(mass) else springs.wall_damping
+        critical = 2.0 * math.sqrt(springs.stiffness * reduced_mass(mass, contacts.first[row], j))
+        push = spring_push(overlap, -contacts.change[row], springs.stiffness, damping * critical)
+        contacts.impulse[row] = time * push
+        state.tally[DEEPEST] = max(state.tally[DEEPEST], overlap)
+
+
+@compiled
+def meet_springs(part: Springs, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """The pushes at the start of the step, on the passage; the velocity goes along with it."""
+    contacts, passage = workspace.contacts, workspace.passage
+    touching.gather(contacts, workspace.candidates, state.position, bodies_of(parameters), 0.0)
+    touching.approaches(contacts, workspace.before, contacts.change)
+    half = 0.5 if parameters.scheme.half_kicks else 1.0
+    push_apart(part, parameters, state, contacts, half * parameters.time_step)
+    touching.push_all(contacts, contacts.impulse, passage, parameters.kick.mobility)
+    copy_rows(state.velocity, passage)
+
+
+@compiled
+def rest_springs(part: Springs, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """The pushes at the end of a step of velocity Verlet."""
+    contacts, passage = workspace.contacts, workspace.passage
+    touching.gather(contacts, workspace.candidates, state.position, bodies_of(parameters), 0.0)
+    touching.approaches(contacts, passage, contacts.change)
+    push_apart(part, parameters, state, contacts, 0.5 * parameters.time_step)
+    copy_rows(passage, state.velocity)
+    touching.push_all(contacts, contacts.impulse, passage, parameters.kick.mobility)
+    copy_rows(state.velocity, passage)
+
+
+@compiled
+def spring_energies(
+    springs: Springs, own: Any, parameters: Parameters, state: State, workspace: Workspace
+) -> tuple[float, float]:
+    """Of all contacts (J): among floats, and with walls."""
+    contacts, among, at_walls = workspace.contacts, 0.0, 0.0
+    touching.gather(contacts, workspace.candidates, state.position, bodies_of(parameters), 0.0)
+    for row in range(contacts.total[0]):
+        energy = spring_energy(-contacts.gap[row], springs.stiffness)
+        if contacts.second[row] < len(state.position):
+            among += energy
+        else:
+            at_walls += energy
+    return among, at_walls

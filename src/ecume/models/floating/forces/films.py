@@ -1,0 +1,175 @@
+"""Liquid that is squeezed from between floats: two that approach drag more than each would alone.
+
+Films oppose how fast two come together or part, along the line of their centers, with the friction
+zeta (lambda - 1)/2 of `drag.pair_factor`, added up over pairs. Velocities follow from forces all at once:
+(1/g + G) v = v0/g, where v0 are those of the kick without films, g its gain and G the films' friction, by conjugate
+gradients. What two films' ends do cancels to rounding.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from ecume._jit import compiled
+from ecume.engine.cells import Integers
+from ecume.engine.neighbors import NeighborLists
+from ecume.laws.drag import pair_factor
+from ecume.models.floating.options import Built
+from ecume.models.floating.parameters import Parameters
+from ecume.models.floating.state import State, Workspace, copy_rows
+from ecume.units import Array
+
+if TYPE_CHECKING:
+    from ecume.scenes.floating import FloatingScene
+
+
+NODES = 1024
+
+CLOSEST = 1e-6
+"""Gap over R that a table begins with where nothing is rough."""
+
+TOLERANCE = 1e-10
+"""Of the velocities' residual, over what it was."""
+
+MOST_TURNS = 10_000
+
+
+class Films(NamedTuple):
+    """The part of a scene that has films."""
+
+    excess: Array
+    """(NODES,) lambda - lambda(reach), over the logarithm of gap/R"""
+    ends: Array
+    """(2,) the first and the last logarithm"""
+    reach: float
+    """l/R beyond which there is no film"""
+
+
+class Pairs(NamedTuple):
+    """Films of one step."""
+
+    first: Integers
+    second: Integers
+    along: Array
+    """(P, 2) from the first to the second"""
+    friction: Array
+    """N s/m"""
+
+
+def make_films(roughness: float, reach: float) -> Films:
+    """A table of `pair_factor`, level below the gap `roughness` (over R), zero at l/R = `reach`."""
+    ends = np.log([max(roughness, CLOSEST), reach - 2.0])
+    gaps = np.exp(np.linspace(ends[0], ends[1], NODES))
+    return Films(np.asarray(pair_factor(2.0 + gaps, roughness)) - float(pair_factor(reach)), ends, reach)
+
+
+@compiled
+def film_excess(films: Films, gap: float) -> float:
+    """Lambda - lambda(reach) at a gap over R."""
+    ends, excess = films.ends, films.excess
+    if gap >= films.reach - 2.0:
+        return 0.0
+    place = (math.log(max(gap, math.exp(ends[0]))) - ends[0]) / (ends[1] - ends[0]) * (NODES - 1)
+    node = min(int(place), NODES - 2)
+    return float(excess[node] + (place - node) * (excess[node + 1] - excess[node]))
+
+
+@compiled
+def find_films(films: Films, parameters: Parameters, position: Array, lists: NeighborLists) -> Pairs:
+    """All pairs with a film, ordered by i's slot. Unlike ones count as two of twice the reduced radius."""
+    order, first, neighbor, floats = lists.cells.order, lists.rows.first, lists.rows.neighbor, parameters.floats
+    found, pairs = 0, Pairs(np.empty(0, np.int64), np.empty(0, np.int64), np.empty((0, 2)), np.empty(0))
+    for writing in range(2):
+        if writing == 1:
+            pairs = Pairs(np.empty(found, np.int64), np.empty(found, np.int64), np.empty((found, 2)), np.empty(found))
+        found = 0
+        for slot in range(len(order)):
+            i = order[slot]
+            for place in range(first[slot], first[slot + 1]):
+                j = order[neighbor[place]]
+                x, y = position[j, 0] - position[i, 0], position[j, 1] - position[i, 1]
+                distance = math.sqrt(x * x + y * y)
+                radius = 2.0 * floats.radius[i] * floats.radius[j] / (floats.radius[i] + floats.radius[j])
+                gap = (distance - floats.radius[i] - floats.radius[j]) / radius
+                if i < j and gap < films.reach - 2.0 and distance > 0.0:
+                    if writing == 1:
+                        drag_i = floats.mass[i] / (floats.relaxation_time[i] * floats.radius[i])
+                        drag_j = floats.mass[j] / (floats.relaxation_time[j] * floats.radius[j])
+                        pairs.first[found], pairs.second[found] = i, j
+                        pairs.along[found, 0], pairs.along[found, 1] = x / distance, y / distance
+                        pairs.friction[found] = 0.25 * (drag_i + drag_j) * radius * film_excess(films, gap)
+                    found += 1
+    return pairs
+
+
+@compiled
+def resist(pairs: Pairs, velocity: Array, force: Array) -> None:
+    """The films' forces, equal and opposite."""
+    for i in range(force.shape[0]):
+        force[i, 0], force[i, 1] = 0.0, 0.0
+    first, second, along, friction = pairs.first, pairs.second, pairs.along, pairs.friction
+    for row in range(len(friction)):
+        i, j, x, y = first[row], second[row], along[row, 0], along[row, 1]
+        apart = (velocity[j, 0] - velocity[i, 0]) * x + (velocity[j, 1] - velocity[i, 1]) * y
+        pull = friction[row] * apart
+        force[i, 0] += pull * x
+        force[i, 1] += pull * y
+        force[j, 0] -= pull * x
+        force[j, 1] -= pull * y
+
+
+@compiled
+def slow_down(pairs: Pairs, gain: Array, velocity: Array) -> int:
+    """Velocities with films from those without; the number of turns."""
+    count = velocity.shape[0]
+    given, slowed, force = velocity.copy(), velocity.copy(), np.zeros((count, 2))
+    residual, way = np.zeros((count, 2)), np.zeros((count, 2))
+    resist(pairs, slowed, residual)
+    square, turns = 0.0, 0
+    for i in range(count):
+        way[i, 0], way[i, 1] = gain[i] * residual[i, 0], gain[i] * residual[i, 1]
+        square += residual[i, 0] * way[i, 0] + residual[i, 1] * way[i, 1]
+    goal = TOLERANCE * TOLERANCE * square
+    while square > goal and turns < MOST_TURNS:
+        resist(pairs, way, force)
+        bend = 0.0
+        for i in range(count):
+            force[i, 0] = way[i, 0] / gain[i] - force[i, 0]
+            force[i, 1] = way[i, 1] / gain[i] - force[i, 1]
+            bend += way[i, 0] * force[i, 0] + way[i, 1] * force[i, 1]
+        length, last, square = square / bend, square, 0.0
+        for i in range(count):
+            for axis in range(2):
+                slowed[i, axis] += length * way[i, axis]
+                residual[i, axis] -= length * force[i, axis]
+                square += residual[i, axis] * residual[i, axis] * gain[i]
+        for i in range(count):
+            way[i, 0] = gain[i] * residual[i, 0] + square / last * way[i, 0]
+            way[i, 1] = gain[i] * residual[i, 1] + square / last * way[i, 1]
+        turns += 1
+    # From the films' forces, so that momentum is kept to rounding wherever the turns ended.
+    resist(pairs, slowed, force)
+    for i in range(count):
+        velocity[i, 0] = given[i, 0] + gain[i] * force[i, 0]
+        velocity[i, 1] = given[i, 1] + gain[i] * force[i, 1]
+    return turns
+
+
+@compiled
+def slow_by_films(part: Films, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """Velocities after a kick, and the passage, become those with films."""
+    pairs = find_films(part, parameters, state.position, workspace.lists)
+    if len(pairs.friction) > 0:
+        slow_down(pairs, parameters.kick.gain, state.velocity)
+        copy_rows(workspace.passage, state.velocity)
+
+
+def films_of(parameters: Parameters, scene: FloatingScene) -> Built:
+    """Films between floats."""
+    asked = scene.motion.films
+    assert asked is not None  # noqa: S101  # for the type checker: the scene has chosen films
+    largest, smallest = float(parameters.floats.radius.max()), float(parameters.floats.radius.min())
+    return Built(make_films(asked.roughness / smallest, asked.reach), reach=asked.reach * largest)

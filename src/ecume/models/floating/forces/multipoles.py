@@ -1,0 +1,521 @@
+"""Many-body forces: menisci of all floats solved together by multipoles, or corrected pair by pair.
+
+Multipoles: each solution starts from the amplitudes of the last one, which are part of the state.
+
+Pair corrections: each pair of kinds has a table of the energy of two bodies beyond superposition, from their
+multipole solution, and of its slopes. Between the nodes it is a cubic, whose derivative is the force. The effect of a
+third body is ignored.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ecume._jit import compiled
+from ecume._portable import phase_factor
+from ecume.engine.cells import Integers
+from ecume.engine.neighbors import NeighborLists
+from ecume.errors import BadInput, Fault, SceneError
+from ecume.laws import drag, flotation
+from ecume.laws.flotation import Disc, Liquid, Sphere
+from ecume.laws.meniscus import facing_amplitude, plane_amplitude
+from ecume.laws.multipole.closures import Undulated, closure_of
+from ecume.laws.multipole.echoes import Echoes, echo_heights, incoming, make_echoes, make_round_echoes
+from ecume.laws.multipole.graf import Rims, Waves, energy, forces, make_rims, sent, torques
+from ecume.laws.multipole.ladders import outgoing_ladder, regular_ladder
+from ecume.laws.multipole.solving import Krylov, iterate, make_krylov
+from ecume.laws.multipole.walls import Basin, images
+from ecume.laws.special import bessel_k0, bessel_k1, scaled_bessel_i1
+from ecume.models.floating.options import Built
+from ecume.models.floating.parameters import Parameters, part_of
+from ecume.models.floating.setup.kinds import distinct_kinds
+from ecume.models.floating.state import State, Workspace, make_state
+from ecume.models.floating.time_integration.step_size import RAFT_NEIGHBORS
+from ecume.models.floating.walls.shapes import meniscus_of
+from ecume.models.floating.walls.wall_laws import acts
+from ecume.models.liquids import liquid_of
+from ecume.units import Array
+
+if TYPE_CHECKING:
+    from ecume.scenes.floating import FloatingScene
+    from ecume.trajectories.frame import Frame
+
+
+TOLERANCE = 1e-9
+"""Of the amplitudes, in each step."""
+
+WAVES_PER_ORDER = 4.0
+"""Orders that a round wall answers, over the bodies' order times wall radius over body radius."""
+
+MOST_WAVES = 400
+
+STIFFER = 10.0
+"""By how much stiffer rafts of pinned discs are than superposition says, at most: their pull is up to ten times it."""
+
+
+class Many(NamedTuple):
+    """What never changes: bodies, walls, units."""
+
+    rims: Rims
+    echoes: Echoes
+    menisci: Array
+    """(W, 4) of plane walls: amplitude, direction towards the wall, distance from the origin; in capillary lengths"""
+    dish: float
+    """amplitude of a round wall's meniscus over exp(-brim) I_1(brim); zero without one"""
+    length: float
+    """the capillary length, m"""
+    tension: float
+    """N/m"""
+    inertia: Array
+    """(N,) kg m^2, of floats that turn; empty where none does"""
+    friction: Array
+    """(N,) N m s, against their turning"""
+    advances_angles: bool = True
+    """whether angles advance here, and not with the contacts"""
+
+
+class Crowd(NamedTuple):
+    """Scratch."""
+
+    force: Array
+    """(N, 2) over tension and length"""
+    amplitudes: Waves
+    """(N, order + 1) those of the state, seen as complex numbers"""
+    krylov: Krylov
+    at: Array
+    """(N, 2) in capillary lengths"""
+    waves: Waves
+    """(N, order + 2)"""
+    outer: Waves
+    """(N, order + 2) the walls' part of them"""
+    right: Waves
+    torque: Array
+    """(N,) N m"""
+    turning: Array
+    """(N, 2) that of the state"""
+
+
+def make_many(
+    bodies: Sequence[tuple[Disc | Sphere | Undulated, float]], liquid: Liquid, order: int, reach: float
+) -> Many:
+    """Bodies with the charges (m) that they should have far away, on an endless surface."""
+    length = liquid.capillary_length
+    closures = []
+    for body, charge in bodies:
+        found = closure_of(body, liquid, order)
+        wanted = -charge / length * bessel_k0(found.radius)
+        source = found.source.copy()
+        source[0] = wanted
+        closures.append(found._replace(source=source))
+    rims = make_rims(closures, reach / length)
+    echoes = make_echoes(images(None, liquid), order + 1, rims.reference)
+    none = np.zeros(0)
+    return Many(rims, echoes, np.zeros((0, 4)), 0.0, length, liquid.surface_tension, none, none)
+
+
+def with_basin(many: Many, size: tuple[float, float], contact_angle: float, liquid: Liquid, mirrored: bool) -> Many:
+    """Between four plane walls."""
+    menisci = [
+        (
+            facing_amplitude(side, contact_angle, liquid) / many.length,
+            *(sign * np.eye(2)[axis]),
+            0.5 * side / many.length,
+        )
+        for axis, side in enumerate(size)
+        for sign in (-1.0, 1.0)
+    ]
+    mirrors = images(Basin(*size, contact_angle), liquid) if mirrored else images(None, liquid)
+    near = np.hypot(mirrors[:, 1], mirrors[:, 3]) <= 2.0 * max(size) / many.length + many.rims.range
+    return many._replace(menisci=np.array(menisci), echoes=many.echoes._replace(mirrors=mirrors[near]))
+
+
+def with_dish(many: Many, radius: float, contact_angle: float, mirrored: bool) -> Many:
+    """Inside a round wall."""
+    brim, orders = radius / many.length, many.rims.response.shape[1]
+    waves = min(MOST_WAVES, math.ceil(WAVES_PER_ORDER * orders * brim / many.rims.radius.min()))
+    round_echoes = make_round_echoes(brim, waves, orders, many.rims.reference, pinned=False)
+    strength = plane_amplitude(contact_angle) / scaled_bessel_i1(brim)
+    return many._replace(dish=strength, echoes=round_echoes if mirrored else many.echoes._replace(brim=brim))
+
+
+def make_crowd(part: Many, parameters: Parameters, state: State, workspace: Any) -> Crowd:
+    """Scratch around the state's amplitudes and angles."""
+    return crowd_around(state.amplitudes, state.turning)
+
+
+def crowd_around(amplitudes: Array, turning: Array) -> Crowd:
+    """Scratch around these amplitudes and angles."""
+    waves: NDArray[np.complex128] = amplitudes.view(np.complex128)
+    count, orders = waves.shape
+    wide = (count, orders + 1)
+    return Crowd(
+        np.zeros((count, 2)),
+        waves,
+        make_krylov(count, orders),
+        np.zeros((count, 2)),
+        np.zeros(wide, np.complex128),
+        np.zeros(wide, np.complex128),
+        np.zeros((count, orders), np.complex128),
+        np.zeros(count),
+        turning if turning.shape[1] else np.zeros((count, 2)),
+    )
+
+
+@compiled
+def fill_outer(many: Many, at: Array, outer: Waves) -> None:
+    """The walls' own menisci around each body: see `ecume.laws.multipole.walls.outer_waves`."""
+    rims, brim, orders = many.rims, many.echoes.brim, outer.shape[1]
+    ladder = np.zeros(orders)
+    outer[:] = 0.0
+    for i in range(len(at)):
+        x, y, a = at[i, 0], at[i, 1], rims.radius[i]
+        # I_m(a) = exp(a) regular_m (s/2)^m/m!
+        for wall in range(len(many.menisci)):
+            amplitude, to_x, to_y, away = many.menisci[wall]
+            inside, turn = amplitude * math.exp(to_x * x + to_y * y - away + a), complex(to_x, -to_y)
+            phase = complex(inside, 0.0)
+            for m in range(orders):
+                outer[i, m] += phase * rims.regular[i, m]
+                phase *= turn * 0.5 * rims.reference / (m + 1.0)
+        if many.dish != 0.0:
+            out = math.sqrt(x * x + y * y)
+            turn = complex(x / out, -y / out) if out > 0.0 else complex(1.0, 0.0)
+            regular_ladder(out, brim, ladder)
+            phase = complex(many.dish * math.exp(out - brim + a), 0.0)
+            for m in range(orders):
+                outer[i, m] += phase * ladder[m] * rims.regular[i, m]
+                phase *= turn * 0.25 * rims.reference * brim / ((m + 1.0) * (m + 1.0))
+
+
+@compiled
+def resolve(many: Many, position: Array, crowd: Crowd) -> int:
+    """Amplitudes and waves at these positions; below zero where they were not found."""
+    rims, orders = many.rims, crowd.amplitudes.shape[1]
+    for i in range(len(position)):
+        crowd.at[i, 0], crowd.at[i, 1] = position[i, 0] / many.length, position[i, 1] / many.length
+    fill_outer(many, crowd.at, crowd.outer)
+    for i in range(len(position)):
+        angle, phase = crowd.turning[i, 0], complex(1.0, 0.0)
+        turn = complex(math.cos(angle), -math.sin(angle))
+        for m in range(orders):
+            crowd.right[i, m] = phase * rims.source[i, m] + rims.response[i, m] * crowd.outer[i, m]
+            phase *= turn
+    taken = iterate(rims, many.echoes, crowd.at, crowd.right, crowd.amplitudes, crowd.krylov, TOLERANCE)
+    incoming(rims, many.echoes, crowd.at, crowd.amplitudes, crowd.waves)
+    for i in range(len(position)):
+        for m in range(orders + 1):
+            crowd.waves[i, m] += crowd.outer[i, m]
+    return taken
+
+
+@compiled
+def many_forces(
+    part: Many, own: Crowd, parameters: Parameters, position: Array, lists: NeighborLists, force: Array
+) -> None:
+    """Add the forces on all floats at these positions, walls included; NaN where the amplitudes were not found."""
+    taken = resolve(part, position, own)
+    forces(part.rims, own.amplitudes, own.waves, own.force)
+    scale = part.tension * part.length if taken >= 0 else math.nan
+    torques(part.rims, own.amplitudes, own.waves, own.torque)
+    for i in range(len(force)):
+        force[i, 0] += scale * own.force[i, 0]
+        force[i, 1] += scale * own.force[i, 1]
+        own.torque[i] *= scale * part.length
+
+
+def many_energy(
+    part: Many, own: Any, parameters: Parameters, state: State, workspace: Workspace
+) -> tuple[float, float]:
+    """What the floats have on one surface beyond what each has alone (J), walls included."""
+    crowd = make_crowd(part, parameters, state._replace(amplitudes=state.amplitudes.copy()), workspace)
+    resolve(part, state.position, crowd)
+    orders = crowd.amplitudes.shape[1]
+    turned = part.rims.source * phase_factor(-np.arange(orders) * crowd.turning[:, :1])
+    rims = part.rims._replace(source=turned)
+    return part.tension * part.length**2 * energy(rims, crowd.amplitudes, crowd.waves, crowd.outer), 0.0
+
+
+@compiled
+def turn_floats(part: Many, own: Crowd, parameters: Parameters, state: State, first: bool) -> None:
+    """Half a kick of the spins of floats that turn by their menisci; the angles after the first half, unless contacts
+    turn the floats, too, and advance the angles.
+    """
+    time = parameters.time_step
+    if len(part.inertia) == 0:
+        return
+    give_turns(part, own.torque, state.turning, 0.5 * time)
+    if first and part.advances_angles:
+        for i in range(len(state.turning)):
+            state.turning[i, 0] += time * state.turning[i, 1]
+
+
+@compiled
+def give_turns(many: Many, torque: Array, turning: Array, time: float) -> None:
+    """Drag and a torque that stays for that time, solved exactly, on the spins."""
+    for i in range(len(torque)):
+        rate = many.friction[i] / many.inertia[i] * time
+        held = -math.expm1(-rate) / rate if rate > 0.0 else 1.0
+        turning[i, 1] = math.exp(-rate) * turning[i, 1] + held * time * torque[i] / many.inertia[i]
+
+
+Kind = tuple[Disc | Sphere, float]
+"""A body and its charge (m)."""
+
+NODES = 97
+
+MOST_KINDS = 24
+
+ORDER = 24
+
+FARTHEST = 50.0
+"""Reach of the two-body solutions, in capillary lengths."""
+
+
+class Corrected(NamedTuple):
+    """Tables for all pairs of kinds, over s = sqrt(distance/touching - 1)."""
+
+    kind: Integers
+    """(N,)"""
+    touching: Array
+    """(K, K) sum of the contact lines' radii (m)"""
+    step: Array
+    """(K, K) of s"""
+    energy: Array
+    """(K, K, NODES) J"""
+    slope: Array
+    """(K, K, NODES) dE/ds"""
+
+
+def make_corrected(kinds: list[Kind], kind: Integers, liquid: Liquid, cutoff: float) -> Corrected:
+    """The tables, each with a solution of two bodies at every node."""
+    count, length = len(kinds), liquid.capillary_length
+    many = make_many(kinds, liquid, ORDER, cutoff)
+    radius = many.rims.radius * length
+    touching = radius[:, None] + radius[None, :]
+    step = np.sqrt(np.maximum(cutoff / touching - 1.0, 1.0)) / (NODES - 1)
+    energy, slope = np.zeros((count, count, NODES)), np.zeros((count, count, NODES))
+    for a in range(count):
+        for b in range(a, count):
+            s = step[a, b] * np.arange(NODES)
+            distance = touching[a, b] * (1.0 + s * s)
+            two = make_many([kinds[a], kinds[b]], liquid, ORDER, FARTHEST * length)
+            product = 2.0 * math.pi * kinds[a][1] * kinds[b][1] / length**2
+            found = np.array([_beyond(two, product, float(apart)) for apart in distance])
+            energy[a, b] = energy[b, a] = found[:, 0] - found[-1, 0]
+            slope[a, b] = slope[b, a] = -found[:, 1] * 2.0 * s * touching[a, b]
+    return Corrected(kind, touching, step, energy, slope)
+
+
+def _beyond(many: Many, product: float, apart: float) -> tuple[float, float]:
+    """Energy and force (positive repels) of two bodies less those of superposition, K0 and K1 times `product`."""
+    from ecume.laws.multipole import graf, solving
+
+    x = apart / many.length
+    at = np.array([[0.0, 0.0], [x, 0.0]])
+    amplitudes = solving.eliminate(many.rims, many.echoes, at, many.rims.source)
+    waves, force = np.zeros((2, ORDER + 2), np.complex128), np.zeros((2, 2))
+    graf.receive_all(many.rims, many.echoes.mirrors, at, amplitudes, waves)
+    graf.forces(many.rims, amplitudes, waves, force)
+    energy = graf.energy(many.rims, amplitudes, waves, np.zeros_like(waves))
+    return (
+        many.tension * many.length**2 * (energy + product * bessel_k0(x)),
+        many.tension * many.length * (float(force[1, 0]) + product * bessel_k1(x)),
+    )
+
+
+@compiled
+def correction(tables: Corrected, i: int, j: int, distance: float) -> tuple[float, float]:
+    """Energy and force (positive repels) beyond superposition; zero beyond the table, straight on below it."""
+    a, b = tables.kind[i], tables.kind[j]
+    touching, step = tables.touching[a, b], tables.step[a, b]
+    s = math.sqrt(max(distance / touching - 1.0, 0.0))
+    place = s / step
+    if place >= NODES - 1:
+        return 0.0, 0.0
+    energy, slope = tables.energy[a, b], tables.slope[a, b]
+    node = int(place)
+    t, low, high = place - node, energy[node], energy[node + 1]
+    left, right = step * slope[node], step * slope[node + 1]
+    bend, twist = 3.0 * (high - low) - 2.0 * left - right, 2.0 * (low - high) + left + right
+    value = low + t * (left + t * (bend + t * twist))
+    # dE/ds over s, which has a limit at touching
+    rising = left + t * (2.0 * bend + 3.0 * t * twist)
+    change = rising / (step * s) if s > 1e-9 else 2.0 * bend / (step * step)
+    repelled = -change / (2.0 * touching)
+    return value - repelled * min(distance - touching, 0.0), repelled
+
+
+@compiled
+def add_corrections(tables: Corrected, position: Array, lists: NeighborLists, force: Array) -> float:
+    """Add the corrections of all pairs of the lists to the forces; their energy."""
+    order, first, neighbor = lists.cells.order, lists.rows.first, lists.rows.neighbor
+    total = 0.0
+    for slot in range(len(order)):
+        i = order[slot]
+        for place in range(first[slot], first[slot + 1]):
+            j = order[neighbor[place]]
+            x, y = position[j, 0] - position[i, 0], position[j, 1] - position[i, 1]
+            distance = math.sqrt(x * x + y * y)
+            energy, repelled = correction(tables, i, j, distance)
+            force[i, 0] -= repelled * x / distance
+            force[i, 1] -= repelled * y / distance
+            total += 0.5 * energy
+    return total
+
+
+@compiled
+def corrected_forces(
+    part: Corrected, own: Any, parameters: Parameters, position: Array, lists: NeighborLists, force: Array
+) -> None:
+    """Add the corrections of all pairs."""
+    add_corrections(part, position, lists, force)
+
+
+def corrected_energy(
+    part: Corrected, own: Any, parameters: Parameters, state: State, workspace: Workspace
+) -> tuple[float, float]:
+    """The energy of the corrections (J)."""
+    return float(add_corrections(part, state.position, workspace.lists, np.zeros_like(state.position))), 0.0
+
+
+Bodies = list[tuple[Any, float]]
+
+
+def multipoles_of(parameters: Parameters, scene: FloatingScene) -> Built:
+    """All floats on one surface."""
+    kinds, number = distinct_kinds(scene)
+    dish, bodies, liquid = scene.dish, bodies_of(kinds), liquid_of(scene)
+    found = _made(lambda: make_many([bodies[k] for k in number], liquid, scene.interaction.order, parameters.cutoff))
+    if dish is not None and acts(parameters):
+        found = meniscus_of(dish).multipoles(found, dish, liquid)
+    if not any(kind.rim[1] > 0.0 for kind in kinds):
+        return Built(found, stiffer=_stiffer(bodies))
+    moment, friction, quickest = _turning(parameters, scene, [kinds[k] for k in number])
+    turned = found._replace(inertia=moment, friction=friction, advances_angles=not scene.rubs)
+    return Built(turned, quickest, _stiffer(bodies))
+
+
+def _turning(parameters: Parameters, scene: FloatingScene, every: Sequence[Any]) -> tuple[Any, Any, float]:
+    """Of floats that turn: their inertia, m a^2/2, what resists, and how quick the stiffest of them is.
+
+    A rim of height H feels a neighbor that touches as a spring of about 12 pi gamma (m H/4)^2 when it turns, over a^2
+    when it shifts, by the law of quadrupoles at l = 2 a; six of them at most.
+    """
+    liquid = liquid_of(scene)
+    mass, radius = parameters.floats.mass, parameters.floats.radius
+    resisting = [drag.disc_turning_friction(float(a), liquid.viscosity) if scene.motion.drag else 0.0 for a in radius]
+    moment, friction = 0.5 * mass * radius**2, np.array(resisting)
+    height = max(kind.rim[0] * kind.rim[1] for kind in every)
+    spring = RAFT_NEIGHBORS * 12.0 * math.pi * liquid.surface_tension * (0.5 * height) ** 2
+    turning = np.maximum(np.sqrt(moment / spring), friction / spring)
+    shifting = np.sqrt(mass / spring) * radius
+    return moment, friction, float(min(turning.min(), shifting.min()))
+
+
+def corrections_of(parameters: Parameters, scene: FloatingScene) -> Built:
+    """Tables for pairs. Raises SceneError where there are too many kinds of floats."""
+    kinds, number = distinct_kinds(scene)
+    if len(kinds) > MOST_KINDS:
+        raise _fault(
+            "interaction.method",
+            f"'pair-corrected' needs a table for each pair of kinds, and there are {len(kinds)} of them, more than "
+            f"{MOST_KINDS}; take 'multipole' or 'superposition'",
+        )
+    bodies = bodies_of(kinds)
+    tables = _made(lambda: make_corrected(bodies, number, liquid_of(scene), parameters.cutoff))
+    return Built(tables, stiffer=_stiffer(bodies))
+
+
+def bodies_of(kinds: Sequence[Any]) -> Bodies:
+    """Bodies and charges."""
+    return [
+        (Undulated(kind.body, ((*kind.rim, 0.0),)) if kind.rim[1] > 0.0 else kind.body, kind.charge) for kind in kinds
+    ]
+
+
+def _made(make: Callable[[], Any]) -> Any:
+    try:
+        return make()
+    except BadInput as error:
+        raise _fault("interaction.method", str(error)) from None
+
+
+def _stiffer(bodies: Bodies) -> float:
+    discs = [body.disc if isinstance(body, Undulated) else body for body, _ in bodies]
+    pinned = any(isinstance(disc, flotation.Disc) and disc.tilting for disc in discs)
+    return STIFFER if pinned else 2.0
+
+
+def _fault(path: str, message: str) -> SceneError:
+    return SceneError([Fault(path, message)])
+
+
+def multipoles_in(parameters: Parameters) -> Many:
+    """The part of floats that go by multipoles."""
+    many: Many = part_of(parameters, Many)
+    return many
+
+
+def solved(parameters: Parameters, frame: Frame) -> Crowd:
+    """The multipoles of a frame's floats, found anew: frames do not keep them."""
+    many = multipoles_in(parameters)
+    count, orders = many.rims.response.shape
+    angle = frame.arrays.get("angle", np.zeros(count))
+    turning = np.stack([angle, np.zeros(count)], axis=1)
+    position = np.ascontiguousarray(frame.arrays["position"])
+    state = make_state(position, np.zeros((count, 2)))
+    state = state._replace(amplitudes=np.zeros((count, 2 * orders)), turning=turning)
+    crowd = make_crowd(many, parameters, state, None)
+    resolve(many, position, crowd)
+    return crowd
+
+
+def heights_at(many: Many, crowd: Crowd, points: Array) -> Array:
+    """(P,) m at `points` (P, 2) in m: what floats add to the walls' own meniscus, the walls' answer to them included;
+    a float's own part goes on inside its contact line as it is there.
+    """
+    places = points / many.length
+    heights = np.zeros(len(points))
+    add_waves(many.rims, many.echoes.mirrors, crowd.at, crowd.amplitudes, places, heights)
+    if len(many.echoes.answer):
+        heights += echo_heights(many.rims, many.echoes, crowd.at, crowd.amplitudes, places)
+    return np.asarray(many.length * heights)
+
+
+def bends(many: Many, crowd: Crowd) -> Array:
+    """(N,) m: how far each float by itself bends the surface, as the root mean square around its edge."""
+    squares = np.abs(crowd.amplitudes) ** 2
+    return np.asarray(many.length * np.sqrt(squares[:, 0] + 2.0 * squares[:, 1:].sum(axis=1)))
+
+
+@compiled
+def add_waves(rims: Rims, mirrors: Array, at: Array, amplitudes: Waves, places: Array, heights: Array) -> None:
+    """Add the sum over bodies and images of A_m K_m(r)/K_m(a) exp(i m phi), m and -m, all in capillary lengths; inside
+    a contact line as at it.
+    """
+    orders = amplitudes.shape[1]
+    ladder, turned = np.zeros(orders), np.zeros(orders, np.complex128)
+    for t in range(len(mirrors)):
+        mirror = mirrors[t]
+        for j in range(len(at)):
+            sent(amplitudes[j], mirror, turned)
+            a = rims.radius[j]
+            for k in range(len(places)):
+                x = places[k, 0] - mirror[0] * at[j, 0] - mirror[1]
+                y = places[k, 1] - mirror[2] * at[j, 1] - mirror[3]
+                distance = math.sqrt(x * x + y * y)
+                if distance - a > rims.range:
+                    continue
+                turn = complex(x / distance, y / distance) if distance > 0.0 else complex(1.0, 0.0)
+                out = max(distance, a)
+                outgoing_ladder(out, rims.reference, ladder)
+                own, phase = turned[0].real * rims.inverse[j, 0] * ladder[0], turn
+                for m in range(1, orders):
+                    own += 2.0 * (turned[m] * phase).real * rims.inverse[j, m] * ladder[m]
+                    phase *= turn
+                heights[k] += math.exp(a - out) * own

@@ -1,0 +1,137 @@
+"""Contacts of shapes in one step: as those of discs (`ecume.models.floating.contacts.collisions`), with spins."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ecume._jit import compiled
+from ecume.engine.contact import projected_gauss_seidel
+from ecume.engine.contact import torque_contacts as touching
+from ecume.engine.contact.projected_gauss_seidel import Goal
+from ecume.engine.contact.torque_contacts import Levers
+from ecume.engine.contact.warm_start import Memory
+from ecume.engine.outlines import Stance
+from ecume.models.floating.contacts.collisions import (
+    STEADY,
+    TOLERABLE,
+    restitution_of,
+    restitutions_of,
+    share_restitution,
+)
+from ecume.models.floating.parameters import Parameters
+from ecume.models.floating.shaped.bodies import Crew, Outlined, party_of, store_angles
+from ecume.models.floating.state import COLLISIONS, DEEPEST, SWEEPS, UNCONVERGED, State, Workspace
+from ecume.models.model import CROWDED, DONE
+from ecume.units import Array
+
+
+@compiled
+def demand_stops(parameters: Parameters, levers: Levers, before: Array) -> float:
+    """Ask everyone to stop who comes together in this step and can bounce; the fastest of these approaches."""
+    touching.approaches(levers, before, levers.scratch)
+    slowest, fastest = TOLERABLE * parameters.slop / parameters.time_step, 0.0
+    restitutions = restitutions_of(parameters)
+    for row in range(levers.total[0]):
+        speed, gap = levers.scratch[row], levers.gap[row]
+        comes = speed < -slowest and gap + parameters.time_step * speed < 0.0
+        if restitution_of(restitutions, levers.second[row]) == 0.0:
+            comes = comes and gap < parameters.slop
+        levers.bound[row] = 0.0 if comes else -np.inf
+        if comes:
+            fastest = max(fastest, -speed)
+    return fastest
+
+
+@compiled
+def bounce(crew: Crew, parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """Collisions: impulses on the passage, (1 + e) times those that stop everyone."""
+    of_float = workspace.restitution
+    levers = crew.levers
+    fastest = demand_stops(parameters, levers, crew.before)
+    if fastest <= 0.0:
+        return
+    levers.impulse[:] = 0.0
+    goal = Goal(projected_gauss_seidel.CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
+    state.tally[SWEEPS] += touching.solve(levers, crew.before, goal)
+    share_restitution(parameters, levers, of_float)
+    for row in range(levers.total[0]):
+        if levers.impulse[row] > 0.0:
+            state.tally[COLLISIONS] += 1.0
+            levers.impulse[row] *= 1.0 + of_float[levers.first[row]]
+    touching.push_all(levers, levers.impulse, crew.passage)
+
+
+@compiled
+def solve_contacts(parameters: Parameters, state: State, levers: Levers, velocity: Array) -> None:
+    """Impulses on `velocity`, from those remembered; remembered in turn."""
+    memory = Memory(state.touches, state.touching, state.push)
+    touching.recall(levers, memory)
+    touching.approaches(levers, velocity, levers.scratch)
+    fastest = 0.0
+    for row in range(levers.total[0]):
+        fastest = max(fastest, levers.bound[row] - levers.scratch[row])
+    goal = Goal(projected_gauss_seidel.CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
+    if fastest > 0.0:
+        sweeps = touching.solve(levers, velocity, goal)
+        state.tally[SWEEPS] += sweeps
+        state.tally[UNCONVERGED] += 1.0 if sweeps > projected_gauss_seidel.MOST_SWEEPS else 0.0
+    else:
+        levers.impulse[:] = 0.0
+    touching.remember(levers, memory)
+
+
+@compiled
+def meet_outlined(part: Outlined, crew: Crew, parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """The first contact solves, on the passage: bounces, then a plastic one, so that nobody ends inside another."""
+    if not part.solved:
+        return
+    bounce(crew, parameters, state, workspace)
+    for row in range(crew.levers.total[0]):
+        crew.levers.bound[row] = -max(crew.levers.gap[row], 0.0) / parameters.time_step
+    solve_contacts(parameters, state, crew.levers, crew.passage)
+
+
+@compiled
+def settle_outlined(part: Outlined, crew: Crew, parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """Find who touches whom at the new places, and undo deep overlaps, which changes no velocity."""
+    if not part.solved:
+        return
+    reach = 2.0 * workspace.ahead[0] + parameters.slop
+    stance = Stance(state.position, crew.angle, crew.corner)
+    party, levers = party_of(part, parameters, crew), crew.levers
+    touching.gather(levers, workspace.candidates, stance, party, reach)
+    deepest = touching.deepest_overlap(levers)
+    state.tally[DEEPEST] = max(state.tally[DEEPEST], deepest)
+    if deepest > parameters.slop:
+        touching.separate(levers, workspace.candidates, stance, party, parameters.slop)
+        touching.gather(levers, workspace.candidates, stance, party, reach)
+    store_angles(crew, state)
+
+
+@compiled
+def rest_outlined(part: Outlined, crew: Crew, parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """The last contact solve, on the passage, which is the velocity at the end of the step; `before` without the kick.
+
+    Whoever comes faster than by the kick alone is left to the next step, which sees a collision.
+    """
+    if not part.solved:
+        return
+    levers = crew.levers
+    touching.approaches(levers, crew.before, levers.change)
+    touching.approaches(levers, crew.passage, levers.scratch)
+    for row in range(levers.total[0]):
+        lasting = levers.change[row] >= -STEADY * abs(levers.scratch[row] - levers.change[row])
+        levers.bound[row] = -max(levers.gap[row], 0.0) / parameters.time_step if lasting else -np.inf
+    solve_contacts(parameters, state, levers, crew.passage)
+
+
+@compiled
+def find_outlined(part: Outlined, crew: Crew, parameters: Parameters, state: State, workspace: Workspace) -> int:
+    """Who may meet in this step; CROWDED where there is no room for all."""
+    if not part.solved:
+        return DONE
+    stance = Stance(state.position, crew.angle, crew.corner)
+    # Twice the pace for a pair that meets head on, and twice again for those whom others push.
+    reach = 4.0 * workspace.ahead[0] + parameters.slop
+    room = touching.gather(crew.levers, workspace.candidates, stance, party_of(part, parameters, crew), reach)
+    return DONE if room else CROWDED

@@ -1,0 +1,83 @@
+"""What is done to floats from outside, booked step by step: by a current, by a dish that is moved, by chance.
+
+A current drags with zeta (u - v). Its own part, zeta u, does the work that is injected; -zeta v is what a liquid at
+rest would do, and dissipates. So a float that drifts with the current is given zeta u^2 and loses as much. A dish in
+motion acts, as seen from it, by the inertia and the drag that `swaying.left_behind` tells. Chance gives and takes
+heat: what Langevin's random force and drag do together along a path, -F o dx of all other forces, in Stratonovich's
+sense [sekimoto1998]; contacts are hard and do no work.
+"""
+
+from __future__ import annotations
+
+import math
+
+from ecume._jit import compiled
+from ecume.laws.dish_motion import left_behind, sway_acceleration, sway_velocity
+from ecume.laws.drag import schiller_naumann_factor
+from ecume.models.floating.forces.flow_and_noise import current_at, straight_current
+from ecume.models.floating.parameters import Parameters
+from ecume.models.floating.state import WORK, State, Workspace
+from ecume.units import Array
+
+
+@compiled
+def is_driven(parameters: Parameters) -> bool:
+    """Whether anything does work on the floats from outside."""
+    drift = parameters.drift
+    return bool(drift.flows or drift.sway.moves or drift.thermal > 0.0)
+
+
+@compiled
+def power_of_current(parameters: Parameters, state: State, passage: Array) -> float:
+    """That of the current's drag along the passage, in its middle (W)."""
+    mass, relaxation, radius = parameters.floats.mass, parameters.floats.relaxation_time, parameters.floats.radius
+    drift, position, velocity, half = parameters.drift, state.position, state.velocity, 0.5 * parameters.time_step
+    flow, thickness, tabled, power = drift.flow, drift.thickness, drift.nodes.shape[1] > 0, 0.0
+    for i in range(len(position)):
+        x, y = position[i, 0] + half * passage[i, 0], position[i, 1] + half * passage[i, 1]
+        # The whole of `drift` is slow to hand over.
+        along, across = current_at(drift, x, y) if tabled else straight_current(flow, x, y)
+        friction = mass[i] / relaxation[i]
+        if thickness > 0.0:
+            slip = math.sqrt((velocity[i, 0] - along) ** 2 + (velocity[i, 1] - across) ** 2)
+            friction *= schiller_naumann_factor(2.0 * radius[i] * slip * thickness)
+        power += friction * (along * passage[i, 0] + across * passage[i, 1])
+    return power
+
+
+@compiled
+def power_of_dish(parameters: Parameters, passage: Array, time: float) -> float:
+    """That of a dish in motion, as seen from it (W)."""
+    mass, relaxation, sway = parameters.floats.mass, parameters.floats.relaxation_time, parameters.drift.sway
+    power = 0.0
+    for axis in range(2):
+        speed = sway.velocity[axis] + sway_velocity(sway.amplitude[axis], sway.turning, time)
+        change = sway_acceleration(sway.amplitude[axis], sway.turning, time)
+        change = change if parameters.scheme.inertia else 0.0
+        for i in range(len(mass)):
+            pulled = left_behind(mass[i], mass[i] / relaxation[i], change, speed, sway.slip)
+            power += passage[i, axis] * pulled
+    return power
+
+
+@compiled
+def book(parameters: Parameters, state: State, passage: Array) -> None:
+    """A step's work, by the forces in the middle of the passage."""
+    drift, tally, time = parameters.drift, state.tally, parameters.time_step
+    # Runs of former versions have no place for it.
+    if len(tally) <= WORK:
+        return
+    if drift.flows:
+        tally[WORK] += time * power_of_current(parameters, state, passage)
+    if drift.sway.moves and not drift.thermal > 0.0:
+        tally[WORK] += time * power_of_dish(parameters, passage, (state.step[0] + 0.5) * time)
+
+
+@compiled
+def book_heat(parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """Half a step's heat, by the forces where the passage begins, or ends; a dish in motion is a part of it."""
+    passage, force, power = workspace.passage, workspace.force, 0.0
+    if parameters.drift.thermal > 0.0 and len(state.tally) > WORK:
+        for i in range(len(force)):
+            power += force[i, 0] * passage[i, 0] + force[i, 1] * passage[i, 1]
+        state.tally[WORK] -= 0.5 * parameters.time_step * power

@@ -1,0 +1,228 @@
+"""The time step: the longest good one by the stiffness of forces and the speed of floats, and the scene's own."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from ecume.engine.walls import enclosures
+from ecume.errors import Fault, SceneError
+from ecume.models.floating.forces.flow_and_noise import drift_of
+from ecume.models.floating.forces.pair_forces import law_of, row_of, two_floats
+from ecume.models.floating.parameters import CAPILLARY_LENGTH, Drift, Floats, Kick, Parameters, Scheme
+from ecume.models.floating.walls.shapes import walls_of
+from ecume.models.floating.walls.wall_laws import wall_stiffness
+from ecume.units import Array
+
+if TYPE_CHECKING:
+    from ecume.scenes.floating import FloatingScene
+
+GOOD = 0.05
+"""Time steps over the shortest time scale: the error of a step is then below a thousandth."""
+
+LOOSEST_OVER_CHOSEN = 4.0
+
+LARGEST_OVER_CHOSEN = 20.0
+"""Beyond this the scheme is unstable."""
+
+RAFT_NEIGHBORS = 6.0
+
+PACKED = 0.9069
+"""Of the surface that touching discs cover on a triangular lattice."""
+
+FINE = 1e-6
+"""Step of finite differences, over the distance."""
+
+PLACES = 400
+"""Number of distances for the integral of a force over a half-plane."""
+
+SKIN_PER_STEP = 0.1
+"""Nobody may go farther in a step, over the skin."""
+
+
+def pair_stiffness(parameters: Parameters, radius: tuple[float, float], charge: tuple[float, float]) -> float:
+    """The stiffness |dF/dl| of the pair law for two floats in contact (N/m)."""
+    row, law, distance = row_of(parameters), law_of(parameters), radius[0] + radius[1]
+    own = two_floats(parameters, radius, charge)
+    if row.stiffness is not None:
+        return parameters.stiffer * float(row.stiffness(distance, own, law))
+    near, far = (float(row.force((1.0 + change) * distance, own, law)) for change in (-FINE, FINE))
+    return parameters.stiffer * abs(far - near) / (2.0 * FINE * distance)
+
+
+def stiffness_over_mass(parameters: Parameters) -> tuple[Array, Array]:
+    """Of each distinct kind of float in the crowd's worst place: stiffness (N/m) and mass (kg)."""
+    floats = parameters.floats
+    kinds = np.unique(np.stack([floats.radius, np.abs(floats.charge), floats.mass], axis=1), axis=0)
+    # The strongest partner of any kind, as small or as large as any, bounds them all: a table of a thousand different
+    # floats costs two thousand evaluations.
+    strongest, extremes = float(np.max(kinds[:, 1])), {float(np.min(kinds[:, 0])), float(np.max(kinds[:, 0]))}
+    wall = wall_stiffness(parameters)
+    stiffness = [
+        2.0 * RAFT_NEIGHBORS * max(pair_stiffness(parameters, (radius, other), (felt, strongest)) for other in extremes)
+        + wall
+        for radius, felt in kinds[:, :2].tolist()
+    ]
+    return np.array(stiffness), kinds[:, 2]
+
+
+def chosen_step(parameters: Parameters, speed: float) -> float:
+    """The longest good step (s).
+
+    A float on a spring k turns back after about sqrt(m/k), or relaxes in zeta/k where drag rules; the kick takes drag
+    exactly, so that the longer of the two counts: syrup needs no tinier step than water.
+    """
+    stiffness, mass = stiffness_over_mass(parameters)
+    friction = _least_friction(parameters.floats)
+    slow = not parameters.scheme.inertia
+    scales = [
+        max(0.0 if slow else math.sqrt(m / k), friction / k) if k > 0.0 else math.inf
+        for k, m in zip(stiffness, mass, strict=True)
+    ]
+    step = min(GOOD * min(*scales, parameters.quickest), wandering_step(parameters))
+    if slow:
+        speed += gathering_speed(parameters)
+    return min(step, SKIN_PER_STEP * parameters.skin / speed) if speed > 0.0 else step
+
+
+def gathering_speed(parameters: Parameters) -> float:
+    """The fastest that walls and all others together, in a raft, can move a float that has no inertia (m/s)."""
+    floats, length = parameters.floats, float(parameters.pair[CAPILLARY_LENGTH])
+    mobility, charge = floats.relaxation_time / floats.mass, np.abs(floats.charge)
+    area = math.pi * float(np.sum(floats.radius**2)) / PACKED
+    walls = np.abs(parameters.wall_strength).sum(axis=0) / length
+    return float(np.max(mobility * (parameters.stiffer * raft_pull(parameters, charge, area) + walls)))
+
+
+def raft_pull(parameters: Parameters, charge: Array, area: float) -> Array:
+    """The force of the pair law on each float at the edge of a raft of all floats that covers this area (N)."""
+    row, law, floats = row_of(parameters), law_of(parameters), parameters.floats
+    if row.raft_pull is not None:
+        return np.asarray(row.raft_pull(charge, area, float(parameters.pair[CAPILLARY_LENGTH]), law))
+    # A half-plane of floats with the largest charge: F = 2 n int |F(l)| l dl, with n floats per m^2.
+    near, strongest = 2.0 * float(floats.radius.min()), float(charge.max())
+    own = two_floats(parameters, (0.5 * near, 0.5 * near), (strongest, strongest))
+    distance = np.geomspace(near, max(parameters.cutoff, 2.0 * near), PLACES)
+    force = np.array([abs(float(row.force(each, own, law))) for each in distance.tolist()])
+    whole = 2.0 * len(charge) / area * float(np.trapezoid(force * distance, distance))
+    return np.full(len(charge), whole)
+
+
+def wandering_step(parameters: Parameters) -> float:
+    """The step in which chance carries floats by GOOD of their radius, r.m.s. along an axis (s)."""
+    thermal, floats = parameters.drift.thermal, parameters.floats
+    if thermal == 0.0:
+        return math.inf
+    friction = floats.mass / floats.relaxation_time
+    return float(np.min((GOOD * floats.radius) ** 2 * friction)) / (2.0 * thermal)
+
+
+def _least_friction(floats: Floats) -> float:
+    """N s/m, of the float that drag slows least; zero without drag."""
+    return float(np.min(floats.mass / floats.relaxation_time))
+
+
+FARTHEST_CHANCE = 6.5
+"""Standard deviations that chance is allowed for when neighbors are listed."""
+
+
+class StepWarning(UserWarning):
+    """The time step is longer than is good for the result."""
+
+
+def kick_of(scheme: Scheme, time_step: float, floats: Floats, walls: int) -> Kick:
+    """One kick of the scheme: half a step for velocity Verlet, a whole one for the others."""
+    time = 0.5 * time_step if scheme.half_kicks else time_step
+    if not scheme.inertia:
+        gain = floats.relaxation_time / floats.mass
+        return Kick(np.zeros_like(gain), gain, np.concatenate([gain / time, np.zeros(walls)]))
+    ratio = time / floats.relaxation_time
+    decay = np.exp(-ratio)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        held = np.where(ratio > 0.0, -np.expm1(-ratio) / ratio, 1.0)
+    gain = time / floats.mass * held
+    mobility = np.concatenate([gain / time, np.zeros(walls)])
+    return Kick(decay, gain, mobility)
+
+
+def good_step(parameters: Parameters, scene: FloatingScene) -> float:
+    """The longest time step that is good (s)."""
+    return chosen_step(parameters, _speeds(scene))
+
+
+class Step(NamedTuple):
+    """A time step, and what follows from it."""
+
+    time_step: float
+    steps_per_frame: int
+    kick: Kick
+    drift: Drift
+
+
+def step_of(parameters: Parameters, scene: FloatingScene) -> Step:
+    """The time step: the scene's own, or the longest that is good, a whole number of times in the time between
+    frames.
+    """
+    good, frame = good_step(parameters, scene), scene.frame_every
+    asked = scene.motion.time_step
+    if asked is not None:
+        _judge(asked, good)
+    steps = max(1, math.ceil(frame / (asked if asked is not None else good) * (1.0 - 1e-9)))
+    if asked is not None and abs(steps * asked - frame) > 1e-9 * frame:
+        raise _fault(
+            "motion.time_step", f"{asked:g} s does not divide frame_every = {frame:g} s; {frame / steps:.9g} s would do"
+        )
+    time_step = frame / steps
+    kick = kick_of(
+        parameters.scheme, time_step, parameters.floats, len(parameters.kick.mobility) - len(parameters.floats.mass)
+    )
+    stiffest = float(parameters.floats.relaxation_time.min())
+    if scene.motion.integrator == "rk4" and time_step > 2.0 * stiffest:
+        raise _fault(
+            "motion.integrator", f"'rk4' needs a time step below {2.0 * stiffest:.3g} s in so viscous a liquid; "
+            f"it is {time_step:.3g} s. Set motion.time_step, or use 'velocity-verlet'"
+        )  # fmt: skip
+    jump = FARTHEST_CHANCE * math.sqrt(2.0 * parameters.drift.thermal * float(kick.gain.max()) * time_step)
+    jump = (jump if parameters.drift.thermal > 0.0 else 0.0) + time_step * _swaying(parameters, kick)
+    drift = parameters.drift._replace(jump=jump)
+    return Step(time_step, steps, kick, drift)
+
+
+def _swaying(parameters: Parameters, kick: Kick) -> float:
+    """The most that a dish in motion changes a velocity by in a kick (m/s)."""
+    sway, floats = parameters.drift.sway, parameters.floats
+    far = float(np.hypot(*sway.amplitude))
+    speed, change = float(np.hypot(*sway.velocity)) + far * sway.turning, far * sway.turning**2
+    change = change if parameters.scheme.inertia else 0.0
+    return sway.slip * float(np.max(kick.gain * floats.mass * (change + speed / floats.relaxation_time)))
+
+
+def _judge(asked: float, good: float) -> None:
+    """Refuse or warn of a step too large, with the number that would do."""
+    if asked > LARGEST_OVER_CHOSEN * good:
+        raise _fault(
+            "motion.time_step", f"{asked:.3g} s is unstable here; wanted at most {LARGEST_OVER_CHOSEN * good:.3g} s, "
+            f"{good:.3g} s is good"
+        )  # fmt: skip
+    if asked > LOOSEST_OVER_CHOSEN * good:
+        warnings.warn(f"motion.time_step: {asked:.3g} s is coarse; {good:.3g} s is good", StepWarning, stacklevel=2)
+
+
+def _speeds(scene: FloatingScene) -> float:
+    """The fastest start, or the fastest that the surface flows in the dish."""
+    reach = max((math.hypot(*place) for species in scene.floats for place in species.positions), default=0.0)
+    if scene.dish is not None:
+        reach = enclosures.farthest(walls_of(scene.dish))
+    drift = drift_of(scene)
+    flow, nodes = drift.flow, np.hypot(drift.nodes[0], drift.nodes[1])
+    flowing = math.hypot(flow[0], flow[1]) + reach * float(np.abs(flow[2:]).sum()) + float(nodes.max(initial=0.0))
+    speeds = [math.hypot(*each) for species in scene.floats for each in (species.velocities or [species.velocity])]
+    flowing += drift.sway.slip * (float(np.hypot(*drift.sway.velocity + drift.sway.turning * drift.sway.amplitude)))
+    return max([flowing, *speeds, *(math.hypot(row.vx, row.vy) for row in scene.rows)])
+
+
+def _fault(path: str, message: str) -> SceneError:
+    return SceneError([Fault(path, message)])
