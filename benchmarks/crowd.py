@@ -50,7 +50,7 @@ def pull_of(march: March, kind: type) -> Callable[[], None]:
     law = summed_law(march.parameters._replace(single=kind is np.float32))
 
     def pull() -> None:
-        pair_forces.pull(law, rows, floats, pair, scratch.force)
+        pair_forces.sum_pair_forces(law, rows, floats, pair, scratch.force)
 
     pull()
     return pull

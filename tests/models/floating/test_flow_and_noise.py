@@ -7,8 +7,8 @@ import pytest
 
 from ecume.errors import SceneError
 from ecume.models import MODELS
-from ecume.models.floating.time_integration.integrators import jiggle
-from ecume.models.floating.time_integration.step_size import chosen_step, wandering_step
+from ecume.models.floating.time_integration.integrators import add_noise
+from ecume.models.floating.time_integration.step_size import diffusion_step, longest_good_step
 from ecume.simulation import simulate
 from tests.models.floating.bowls import WATER, scene_of
 
@@ -43,7 +43,7 @@ def test_a_creeping_float_goes_with_force_over_friction_at_once():
 def test_the_step_of_creeping_floats_follows_drag_alone():
     floats = f"[[floats]]\n{SMALL}positions = [[0.0, 0.0], [1e-4, 0.0]]\n"
     slow, fast = (
-        chosen_step(FLOATING.parameters(creeping(floats.replace("1500.0", density))), 0.0)
+        longest_good_step(FLOATING.parameters(creeping(floats.replace("1500.0", density))), 0.0)
         for density in ("1500.0", "3000.0")
     )
     assert fast < slow  # a heavier charge pulls harder
@@ -56,7 +56,7 @@ def test_chance_spreads_floats_by_twice_the_diffusion_coefficient():
     parameters = FLOATING.parameters(scene)
     velocity = np.zeros((count, 2))
     for step in range(4):
-        jiggle(parameters, velocity, step)
+        add_noise(parameters, velocity, step)
     moved = velocity * parameters.time_step
     friction = parameters.floats.mass[0] / parameters.floats.relaxation_time[0]
     expected = 4 * 2 * 1.380649e-23 * temperature / friction * parameters.time_step
@@ -65,7 +65,7 @@ def test_chance_spreads_floats_by_twice_the_diffusion_coefficient():
     assert abs(np.mean(moved[:, 0] * moved[:, 1])) < 5 * expected / math.sqrt(count)
     again = np.zeros((count, 2))
     for step in range(4):
-        jiggle(parameters, again, step)
+        add_noise(parameters, again, step)
     assert np.array_equal(again, velocity)
 
 
@@ -94,10 +94,10 @@ def test_brownian_motion_has_the_temperature_of_the_scene_to_two_percent():
 def test_warm_floats_take_steps_small_beside_their_radius():
     parameters = FLOATING.parameters(creeping(f"[[floats]]\n{SMALL}{ALONE}", 300.0))
     friction = parameters.floats.mass[0] / parameters.floats.relaxation_time[0]
-    far = math.sqrt(2 * parameters.drift.thermal / friction * wandering_step(parameters))
+    far = math.sqrt(2 * parameters.drift.thermal / friction * diffusion_step(parameters))
     assert far == pytest.approx(0.05 * 2e-5)
     assert parameters.drift.jump > 0.0
-    assert wandering_step(FLOATING.parameters(creeping(f"[[floats]]\n{SMALL}{ALONE}"))) == math.inf
+    assert diffusion_step(FLOATING.parameters(creeping(f"[[floats]]\n{SMALL}{ALONE}"))) == math.inf
 
 
 @pytest.mark.parametrize("integrator", ["overdamped", "velocity-verlet"])

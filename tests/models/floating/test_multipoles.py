@@ -8,7 +8,7 @@ import pytest
 from ecume.errors import SceneError
 from ecume.laws import multipole
 from ecume.models.floating import FLOATING
-from ecume.models.floating.setup.kinds import kinds_afloat
+from ecume.models.floating.setup.kinds import float_kinds
 from ecume.models.liquids import liquid_of
 from ecume.scenes.floating import DiscSpec, DishSpec, FloatingScene, FloatSpec, InteractionSpec, MotionSpec
 from ecume.scenes.load import load_scene
@@ -55,7 +55,7 @@ def test_the_march_has_the_forces_of_the_solver(dish):
     walls = None
     if dish is not None:
         walls = multipole.Dish(8e-3, 0.9) if dish.radius else multipole.Basin(0.02, 0.015, 0.9)
-    (kind,) = kinds_afloat(scene)
+    (kind,) = float_kinds(scene)
     found = multipole.solve(places, [kind.body] * 3, liquid_of(scene), 6, walls=walls)
     assert forces(scene) == pytest.approx(found.forces, rel=1e-6, abs=1e-6 * np.abs(found.forces).max())
 

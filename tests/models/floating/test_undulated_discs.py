@@ -6,7 +6,7 @@ import pytest
 from ecume.errors import SceneError
 from ecume.laws import multipole
 from ecume.models.floating import FLOATING
-from ecume.models.floating.setup.kinds import kinds_afloat
+from ecume.models.floating.setup.kinds import float_kinds
 from ecume.models.liquids import liquid_of
 from ecume.scenes.floating import DiscSpec, FloatingScene, FloatSpec, InteractionSpec, LiquidSpec, MotionSpec
 from ecume.simulation import moments, simulate
@@ -41,7 +41,7 @@ def test_forces_and_torques_of_the_march_are_those_of_the_solver():
     state = FLOATING.start(scene, parameters)
     workspace = FLOATING.workspace(parameters, state, 1.0)
     FLOATING.advance(parameters, state, workspace, 0)
-    disc = kinds_afloat(scene)[0].body
+    disc = float_kinds(scene)[0].body
     bodies = [multipole.Undulated(disc, ((2, HEIGHT, angle),)) for angle in (0.4, 1.1)]
     found = multipole.solve(state.position, bodies, liquid_of(scene), 8)
     assert workspace.force == pytest.approx(found.forces, rel=1e-6)

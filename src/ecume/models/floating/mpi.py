@@ -44,9 +44,9 @@ from ecume.models.floating.forces.pair_forces import (
     add_windows,
     pair_option,
     pairs_of,
-    pull_in_threads,
-    pull_parallel,
     sort_floats,
+    sum_in_parallel,
+    sum_stretches,
 )
 from ecume.models.floating.options import Option, faults_of
 from ecume.models.floating.parameters import Parameters, Parts, Scratch
@@ -101,15 +101,15 @@ class SharedRows(NamedTuple):
     share: Share
 
 
-def pull_shared(share: Share, law: Any, rows: Any, floats: Any, pair: Array, force: Array) -> None:
+def sum_shared(share: Share, law: Any, rows: Any, floats: Any, pair: Array, force: Array) -> None:
     """Pair forces on all slots: the windows of some stretches, or all of a small crowd."""
     if force.shape[1] < THREADS_FROM:
-        pull_parallel(law, rows, floats, pair, force)
+        sum_in_parallel(law, rows, floats, pair, force)
         return
     edge, place, all_of = rows[5], rows[6], share.parts(STRETCHES)
     own = slice(all_of[share.rank], all_of[share.rank + 1] + 1)
     windows = np.zeros((2, place[STRETCHES]))
-    pull_in_threads(law, edge[own], place[own], rows, floats, pair, windows[0], windows[1])
+    sum_stretches(law, edge[own], place[own], rows, floats, pair, windows[0], windows[1])
     for along in windows:
         share.gather(along, place[all_of])
     add_windows(edge, place, windows, force)
@@ -181,7 +181,7 @@ def shared_forces(
     part: SharedPairs, own: Sorted, parameters: Parameters, position: Array, lists: NeighborLists, force: Array
 ) -> None:
     """Add the forces on all floats: see `forces.superposed_forces`."""
-    pull_shared(part.share, part.law, pairs_of(lists.rows), (own.charge, own.radius), own.pair, own.force)
+    sum_shared(part.share, part.law, pairs_of(lists.rows), (own.charge, own.radius), own.pair, own.force)
     add_from_slots(lists.cells.order, own.force, force)
     add_wall_forces(parameters, position, force)
 
@@ -214,9 +214,9 @@ def solve_shared(
     return int(sweeps.max())
 
 
-def push_shared(part: SharedImpulses, own: Any, bodies: Bodies, contacts: Contacts, passage: Array) -> None:
+def push_shared(part: SharedImpulses, own: Any, bodies: Bodies, contacts: Contacts, midstep_velocity: Array) -> None:
     """The impulses of bounces on the passage: see `collisions.push_smooth`. Every rank has all of them."""
-    collisions.push_smooth((), (), bodies, contacts, passage)
+    collisions.push_smooth((), (), bodies, contacts, midstep_velocity)
 
 
 def share_velocities(share: Share, some: Contacts, bounds: Integers, velocity: Array) -> None:
@@ -243,9 +243,9 @@ interactions.BY_CONSTANTS[SharedPairs] = dataclasses.replace(
 contact_models.BY_CONSTANTS[SharedImpulses] = dataclasses.replace(
     contact_models.CONTACTS["impulse"],
     constants=SharedImpulses,
-    meet=collisions.meet_by_passes,
-    settle=collisions.settle_by_passes,
-    rest=collisions.rest_by_passes,
+    before_drift=collisions.collide_by_passes,
+    after_drift=collisions.separate_by_passes,
+    at_end=collisions.constrain_velocities_by_passes,
 )
 
 collisions.SOLVERS[SharedImpulses] = collisions.SMOOTH._replace(stop=solve_shared, push=push_shared, solve=solve_shared)

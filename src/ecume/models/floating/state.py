@@ -55,7 +55,7 @@ class Workspace(NamedTuple):
     contacts: contacts.Contacts
     force: Array
     """(N, 2) N, at the present positions"""
-    passage: Array
+    midstep_velocity: Array
     """(N + walls, 2) m/s: the velocity with which everyone goes through this step; walls stand still"""
     before: Array
     """(N + walls, 2) m/s: what the passage was before contacts"""
@@ -63,7 +63,7 @@ class Workspace(NamedTuple):
     """(N,) of each float in a collision"""
     stages: Array
     """(5, N, 2) of the Runge-Kutta scheme"""
-    ahead: Array
+    travel: Array
     """(1,) m: how far anyone may go in this step"""
     ready: Integers
     """(1,) whether `force` holds at the present positions"""
@@ -103,17 +103,17 @@ def make_workspace(parameters: Parameters, state: State, room: float) -> Workspa
         candidates=contacts.make_candidates(count, pairs),
         contacts=contacts.make_contacts(pairs + count * walls),
         force=np.zeros((count, 2)),
-        passage=np.zeros((count + walls, 2)),
+        midstep_velocity=np.zeros((count + walls, 2)),
         before=np.zeros((count + walls, 2)),
         restitution=np.zeros(count),
         stages=np.zeros((5, count, 2)),
-        ahead=np.zeros(1),
+        travel=np.zeros(1),
         ready=np.zeros(1, np.int64),
     )
 
 
 @compiled
-def drift(position: Array, velocity: Array, time: float) -> None:
+def advance_rows(position: Array, velocity: Array, time: float) -> None:
     """Straight on. The passage has a row more than there are floats where a dish stands around them: its own."""
     for i in range(min(position.shape[0], velocity.shape[0])):
         position[i, 0] += time * velocity[i, 0]

@@ -21,15 +21,15 @@ from ecume.engine.contact.contacts import Bodies, Contacts
 from ecume.engine.contact.projected_gauss_seidel import Goal
 from ecume.engine.contact.torque_contacts import Levers
 from ecume.models.floating.contacts.friction import (
-    Rough,
-    load_rough,
+    Friction,
+    continue_with_friction,
+    load_friction_spins,
     memory_of,
-    push_rough,
-    recall_rough,
-    remember_rough,
-    resume_rough,
-    stop_rough,
-    store_rough,
+    push_with_friction,
+    recall_friction,
+    remember_friction,
+    stop_with_friction,
+    store_friction_spins,
 )
 from ecume.models.floating.parameters import Parameters
 from ecume.models.floating.state import COLLISIONS, DEEPEST, SWEEPS, UNCONVERGED, State, Workspace, add_rows, copy_rows
@@ -88,7 +88,7 @@ store_spins = selected(lambda kind: _solver(kind).store_spins)
 
 
 @compiled_inside
-def bodies_of(parameters: Parameters) -> Bodies:
+def contact_bodies(parameters: Parameters) -> Bodies:
     """What the contact solver must know of floats and walls."""
     return Bodies(parameters.floats.radius, parameters.walls, parameters.kick.mobility)
 
@@ -107,7 +107,7 @@ def restitution_of(restitutions: tuple[int, float, float], partner: int) -> floa
 
 
 @compiled
-def demand_stops(overlapping: bool, parameters: Parameters, contacts: Contacts, before: Array) -> float:
+def require_stops(overlapping: bool, parameters: Parameters, contacts: Contacts, before: Array) -> float:
     """Ask everyone to stop who comes together in this step and can bounce; the fastest of these approaches.
 
     Without restitution a pair goes on until it touches, and is stopped there in the next step.
@@ -155,33 +155,33 @@ def share_restitution(parameters: Parameters, contacts: Contacts | Levers, of_fl
 def bounce(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """Collisions: impulses on the passage, (1 + e) times those that stop everyone."""
     contacts, before, of_float = workspace.contacts, workspace.before, workspace.restitution
-    fastest = demand_stops(part.overlapping, parameters, contacts, before)
+    fastest = require_stops(part.overlapping, parameters, contacts, before)
     if fastest <= 0.0:
         return
-    push_nobody(contacts)
+    clear_impulses(contacts)
     goal = Goal(projected_gauss_seidel.CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
-    state.tally[SWEEPS] += stop(part, own, bodies_of(parameters), contacts, before, goal)
+    state.tally[SWEEPS] += stop(part, own, contact_bodies(parameters), contacts, before, goal)
     share_restitution(parameters, contacts, of_float)
-    state.tally[COLLISIONS] += thrown_back(contacts, of_float)
-    push(part, own, bodies_of(parameters), contacts, workspace.passage)
+    state.tally[COLLISIONS] += count_bounces(contacts, of_float)
+    push(part, own, contact_bodies(parameters), contacts, workspace.midstep_velocity)
 
 
 @compiled
-def push_nobody(contacts: Contacts) -> None:
+def clear_impulses(contacts: Contacts) -> None:
     """No impulses."""
     for row in range(contacts.total[0]):
         contacts.impulse[row] = 0.0
 
 
 @compiled
-def thrown_back(contacts: Contacts, of_float: Array) -> float:
+def count_bounces(contacts: Contacts, of_float: Array) -> float:
     """How many bounce; into `scratch` by what each impulse that stops is multiplied."""
-    many = 0.0
+    count = 0.0
     for row in range(contacts.total[0]):
         bounces = contacts.impulse[row] > 0.0
-        many += 1.0 if bounces else 0.0
+        count += 1.0 if bounces else 0.0
         contacts.scratch[row] = 1.0 + of_float[contacts.first[row]] if bounces else 0.0
-    return many
+    return count
 
 
 @compiled
@@ -192,11 +192,11 @@ def solve_smooth(part: Any, own: Any, bodies: Bodies, contacts: Contacts, veloci
 
 
 @compiled
-def push_smooth(part: Any, own: Any, bodies: Bodies, contacts: Contacts, passage: Array) -> None:
+def push_smooth(part: Any, own: Any, bodies: Bodies, contacts: Contacts, midstep_velocity: Array) -> None:
     """The impulses of bounces, on the passage."""
     for row in range(contacts.total[0]):
         contacts.impulse[row] *= contacts.scratch[row]
-    touching.push_all(contacts, contacts.impulse, passage, bodies.mobility)
+    touching.push_all(contacts, contacts.impulse, midstep_velocity, bodies.mobility)
 
 
 @composed
@@ -213,7 +213,15 @@ SMOOTH = Solver(solve_smooth, push_smooth, solve_smooth, no_memory, no_memory, n
 
 SOLVERS: dict[type, Solver] = {
     Impulses: SMOOTH,
-    Rough: Solver(stop_rough, push_rough, resume_rough, recall_rough, remember_rough, load_rough, store_rough),
+    Friction: Solver(
+        stop_with_friction,
+        push_with_friction,
+        continue_with_friction,
+        recall_friction,
+        remember_friction,
+        load_friction_spins,
+        store_friction_spins,
+    ),
 }
 """By the type of the part."""
 
@@ -239,9 +247,9 @@ def solve_contacts(
     goal = goal_of(parameters, contacts, velocity)
     sweeps = 0
     if goal.wanted > 0.0:
-        sweeps = solve(part, own, bodies_of(parameters), contacts, velocity, goal)
+        sweeps = solve(part, own, contact_bodies(parameters), contacts, velocity, goal)
     else:
-        push_nobody(contacts)
+        clear_impulses(contacts)
     state.tally[SWEEPS] += sweeps
     state.tally[UNCONVERGED] += 1.0 if sweeps > projected_gauss_seidel.MOST_SWEEPS else 0.0
     touching.remember(contacts, memory)
@@ -249,13 +257,13 @@ def solve_contacts(
 
 
 @compiled
-def meet(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """See `meet_by_passes`."""
-    meet_by_passes(part, own, parameters, state, workspace)
+def collide(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """See `collide_by_passes`."""
+    collide_by_passes(part, own, parameters, state, workspace)
 
 
 @composed
-def meet_by_passes(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+def collide_by_passes(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """The first contact solves: bounces, then a plastic one on the passage: nobody ends the step inside another.
 
     The velocity changes with the passage; `before`, the velocities before the kick, is used up.
@@ -263,31 +271,36 @@ def meet_by_passes(part: Any, own: Any, parameters: Parameters, state: State, wo
     contacts = workspace.contacts
     load_spins(part, own, parameters, state, False)
     # Twice the pace for a pair that meets head on, and twice again for those whom others push.
-    reach = 4.0 * workspace.ahead[0] + parameters.slop
-    touching.gather(contacts, workspace.candidates, state.position, bodies_of(parameters), reach)
-    set_out(parameters, state, workspace)
+    reach = 4.0 * workspace.travel[0] + parameters.slop
+    touching.gather(contacts, workspace.candidates, state.position, contact_bodies(parameters), reach)
+    split_velocities(parameters, state, workspace)
     bounce(part, own, parameters, state, workspace)
-    demand_gaps(part.overlapping, parameters, contacts)
-    solve_contacts(part, own, parameters, state, workspace, workspace.passage)
-    add_rows(state.velocity, workspace.passage)
+    require_gaps(part.overlapping, parameters, contacts)
+    solve_contacts(part, own, parameters, state, workspace, workspace.midstep_velocity)
+    add_rows(state.velocity, workspace.midstep_velocity)
     store_spins(part, own, parameters, state, False)
 
 
 @compiled
-def set_out(parameters: Parameters, state: State, workspace: Workspace) -> None:
+def split_velocities(parameters: Parameters, state: State, workspace: Workspace) -> None:
     """What contacts can change apart from what they cannot."""
-    passage, before, decay, velocity = workspace.passage, workspace.before, parameters.kick.decay, state.velocity
+    midstep_velocity, before, decay, velocity = (
+        workspace.midstep_velocity,
+        workspace.before,
+        parameters.kick.decay,
+        state.velocity,
+    )
     for i in range(len(velocity)):
         # Only what drag leaves of a velocity can bounce: in syrup nothing does.
         before[i, 0] *= decay[i]
         before[i, 1] *= decay[i]
         # What the velocity has beside the passage is kept, and the passage's own changes are added to it.
-        velocity[i, 0] -= passage[i, 0]
-        velocity[i, 1] -= passage[i, 1]
+        velocity[i, 0] -= midstep_velocity[i, 0]
+        velocity[i, 1] -= midstep_velocity[i, 1]
 
 
 @compiled
-def demand_gaps(overlapping: bool, parameters: Parameters, contacts: Contacts) -> None:
+def require_gaps(overlapping: bool, parameters: Parameters, contacts: Contacts) -> None:
     """Ask everyone to close no more than the gap in this step."""
     for row in range(contacts.total[0]):
         free = overlapping and contacts.second[row] < len(parameters.floats.radius)
@@ -295,18 +308,18 @@ def demand_gaps(overlapping: bool, parameters: Parameters, contacts: Contacts) -
 
 
 @compiled
-def settle(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """See `settle_by_passes`."""
-    settle_by_passes(part, own, parameters, state, workspace)
+def separate(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """See `separate_by_passes`."""
+    separate_by_passes(part, own, parameters, state, workspace)
 
 
 @composed
-def settle_by_passes(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+def separate_by_passes(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """Find who touches whom at the new places, and undo deep overlaps, which changes no velocity."""
     if part.overlapping:
         return
-    contacts, bodies = workspace.contacts, bodies_of(parameters)
-    reach = 2.0 * workspace.ahead[0] + parameters.slop
+    contacts, bodies = workspace.contacts, contact_bodies(parameters)
+    reach = 2.0 * workspace.travel[0] + parameters.slop
     touching.gather(contacts, workspace.candidates, state.position, bodies, reach)
     deepest = deepest_overlap(contacts)
     state.tally[DEEPEST] = max(state.tally[DEEPEST], deepest)
@@ -326,7 +339,7 @@ def deepest_overlap(contacts: Contacts) -> float:
 
 
 @compiled
-def demand_rest(parameters: Parameters, contacts: Contacts, velocity: Array, before: Array) -> None:
+def require_rest(parameters: Parameters, contacts: Contacts, velocity: Array, before: Array) -> None:
     """Ask every pair that only the kick brings together to close no gap at once; `before` are the speeds without it.
 
     Whoever comes faster is left alone: the next step sees a collision.
@@ -339,29 +352,31 @@ def demand_rest(parameters: Parameters, contacts: Contacts, velocity: Array, bef
 
 
 @compiled
-def rest(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """See `rest_by_passes`."""
-    rest_by_passes(part, own, parameters, state, workspace)
+def constrain_velocities(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """See `constrain_velocities_by_passes`."""
+    constrain_velocities_by_passes(part, own, parameters, state, workspace)
 
 
 @composed
-def rest_by_passes(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+def constrain_velocities_by_passes(
+    part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace
+) -> None:
     """The last contact solve: on the velocity at the end of the step, so that what is pressed together rests."""
     if part.overlapping:
         return
     load_spins(part, own, parameters, state, True)
-    contacts, passage, before = workspace.contacts, workspace.passage, workspace.before
-    slow_down(before, passage, parameters.kick.decay)
-    copy_rows(passage, state.velocity)
+    contacts, midstep_velocity, before = workspace.contacts, workspace.midstep_velocity, workspace.before
+    decay_velocities(before, midstep_velocity, parameters.kick.decay)
+    copy_rows(midstep_velocity, state.velocity)
     touching.approaches(contacts, before, contacts.change)
-    demand_rest(parameters, contacts, passage, contacts.change)
-    solve_contacts(part, own, parameters, state, workspace, passage)
-    copy_rows(state.velocity, passage)
+    require_rest(parameters, contacts, midstep_velocity, contacts.change)
+    solve_contacts(part, own, parameters, state, workspace, midstep_velocity)
+    copy_rows(state.velocity, midstep_velocity)
     store_spins(part, own, parameters, state, True)
 
 
 @compiled
-def slow_down(to: Array, velocity: Array, decay: Array) -> None:
+def decay_velocities(to: Array, velocity: Array, decay: Array) -> None:
     """What drag leaves of velocities."""
     for i in range(len(decay)):
         to[i, 0] = decay[i] * velocity[i, 0]

@@ -10,13 +10,18 @@ import numpy as np
 
 from ecume._jit import composed, selected
 from ecume.laws import contact
-from ecume.models.floating.contacts.collisions import Impulses, meet, rest, settle
-from ecume.models.floating.contacts.friction import Rough, friction_at_step, friction_of, make_rubbed
-from ecume.models.floating.contacts.springs import Springs, meet_springs, rest_springs, spring_energies, springs_of
+from ecume.models.floating.contacts.collisions import Impulses, collide, constrain_velocities, separate
+from ecume.models.floating.contacts.friction import Friction, friction_at_step, friction_of, make_friction_scratch
+from ecume.models.floating.contacts.springs import Springs, push_at_end, push_before_drift, spring_energies, springs_of
 from ecume.models.floating.options import Built, Option
 from ecume.models.floating.parameters import Parameters
 from ecume.models.floating.shaped.bodies import Outlined, Shaped
-from ecume.models.floating.shaped.contacts import find_outlined, meet_outlined, rest_outlined, settle_outlined
+from ecume.models.floating.shaped.contacts import (
+    collide_outlines,
+    constrain_outline_velocities,
+    find_outline_contacts,
+    separate_outlines,
+)
 from ecume.models.floating.shaped.figures import overlaps
 from ecume.models.floating.state import State, Workspace
 from ecume.models.model import DONE
@@ -51,9 +56,11 @@ def no_scratch(part: Any, parameters: Parameters, state: State, workspace: Works
     return ()
 
 
-def friction_scratch(part: Rough, parameters: Parameters, state: State, workspace: Workspace, interactions: Any) -> Any:
+def friction_scratch(
+    part: Friction, parameters: Parameters, state: State, workspace: Workspace, interactions: Any
+) -> Any:
     """Impulses along surfaces, and spins."""
-    return make_rubbed(part, parameters, state, workspace)
+    return make_friction_scratch(part, parameters, state, workspace)
 
 
 def shared_scratch(part: Any, parameters: Parameters, state: State, workspace: Workspace, interactions: Any) -> Any:
@@ -61,7 +68,7 @@ def shared_scratch(part: Any, parameters: Parameters, state: State, workspace: W
     return interactions[0]
 
 
-def as_they_are(state: State) -> State:
+def unchanged_state(state: State) -> State:
     """The state needs no more."""
     return state
 
@@ -84,16 +91,16 @@ class ContactModel(Option):
     """at_step(part, parameters, turned): the part for the chosen time step; `turned` is the inertia of floats that
     interactions turn, or None
     """
-    meet: Callable[..., None] = no_contacts
-    """meet(part, scratch, parameters, state, workspace): before the drift, on the passage"""
-    settle: Callable[..., None] = no_contacts
-    """settle(part, scratch, parameters, state, workspace): after the drift, on positions"""
-    rest: Callable[..., None] = no_contacts
-    """rest(part, scratch, parameters, state, workspace): on velocities at the end of the step"""
+    before_drift: Callable[..., None] = no_contacts
+    """before_drift(part, scratch, parameters, state, workspace): change `workspace.midstep_velocity`"""
+    after_drift: Callable[..., None] = no_contacts
+    """after_drift(part, scratch, parameters, state, workspace): change positions"""
+    at_end: Callable[..., None] = no_contacts
+    """at_end(part, scratch, parameters, state, workspace): change velocities at the end of the step"""
     find: Callable[..., int] = all_listed
-    """find(part, scratch, parameters, state, workspace): who may meet in this step; DONE or CROWDED"""
+    """find(part, scratch, parameters, state, workspace): list possible contacts of this step; DONE or CROWDED"""
     scratch: Callable[..., Any] = no_scratch
-    state: Callable[[State], State] = as_they_are
+    state: Callable[[State], State] = unchanged_state
     inertia: Callable[[Any], Array | None] = lambda part: None
     """inertia(part): of floats that contacts turn (kg m^2), (N,)"""
     energy: Callable[..., tuple[float, float]] = no_energy
@@ -120,7 +127,6 @@ def _simple(part: Any) -> Callable[..., Built]:
 
 
 ENDS = "contacts act on the velocity at the ends of a step"
-
 CONTACTS = {
     "none": ContactModel(
         path="contacts.law", name="'none'", constants=NoContacts, make=_simple(NoContacts()),
@@ -128,17 +134,19 @@ CONTACTS = {
     ),
     "impulse": ContactModel(
         path="contacts.law", name="'impulse'", constants=Impulses, make=_simple(Impulses(False)),
-        meet=meet, settle=settle, rest=rest, gives=frozenset({"shared contacts", "lubricated"}),
+        before_drift=collide, after_drift=separate, at_end=constrain_velocities,
+        gives=frozenset({"shared contacts", "lubricated"}),
     ),
     "legacy": ContactModel(
         path="contacts.legacy_coefficient", name="the original collisions", constants=Impulses,
-        make=_simple(Impulses(True)), meet=meet, settle=settle, rest=rest,
+        make=_simple(Impulses(True)), before_drift=collide, after_drift=separate, at_end=constrain_velocities,
         gives=frozenset({"shared contacts", "lubricated"}),
         needs={"round": "the original program knows spheres only"},
     ),
     "friction": ContactModel(
-        path="contacts.friction", name="friction", constants=Rough, make=friction_of, at_step=friction_at_step,
-        meet=meet, settle=settle, rest=rest, scratch=friction_scratch, state=with_friction_impulses,
+        path="contacts.friction", name="friction", constants=Friction, make=friction_of, at_step=friction_at_step,
+        before_drift=collide, after_drift=separate, at_end=constrain_velocities, scratch=friction_scratch,
+        state=with_friction_impulses,
         inertia=lambda part: np.asarray(part.inertia), gives=frozenset({"lubricated"}),
         needs={
             "reciprocal": "spins take what the law's momentum lacks",
@@ -148,7 +156,7 @@ CONTACTS = {
     ),
     "spring-dashpot": ContactModel(
         path="contacts.law", name="'spring-dashpot'", constants=Springs, make=springs_of,
-        meet=meet_springs, rest=rest_springs, energy=spring_energies,
+        before_drift=push_before_drift, at_end=push_at_end, energy=spring_energies,
         laws=(contact.spring_push, contact.dashpot_restitution),
         needs={
             "reciprocal": "its energy is compared with that of the pair law",
@@ -157,8 +165,9 @@ CONTACTS = {
         },
     ),
     "outlines": ContactModel(
-        path="floats", name="a float with a shape", constants=Outlined, make=_outlined, meet=meet_outlined,
-        settle=settle_outlined, rest=rest_outlined, find=find_outlined, scratch=shared_scratch, gaps=_outline_gaps,
+        path="floats", name="a float with a shape", constants=Outlined, make=_outlined,
+        before_drift=collide_outlines, after_drift=separate_outlines, at_end=constrain_outline_velocities,
+        find=find_outline_contacts, scratch=shared_scratch, gaps=_outline_gaps,
     ),
 }  # fmt: skip
 """By the name of the choice."""
@@ -177,10 +186,10 @@ def gaps_between(parameters: Parameters, position: Array, angle: Array, reach: f
     return [] if gaps is None else gaps(parameters.parts.contacts, parameters, position, angle, reach)
 
 
-meet_contacts = selected(lambda kind: BY_CONSTANTS[kind].meet)
+contacts_before_drift = selected(lambda kind: BY_CONSTANTS[kind].before_drift)
 
-settle_contacts = selected(lambda kind: BY_CONSTANTS[kind].settle)
+contacts_after_drift = selected(lambda kind: BY_CONSTANTS[kind].after_drift)
 
-rest_contacts = selected(lambda kind: BY_CONSTANTS[kind].rest)
+contacts_at_end = selected(lambda kind: BY_CONSTANTS[kind].at_end)
 
 find_contacts = selected(lambda kind: BY_CONSTANTS[kind].find)

@@ -14,7 +14,7 @@ import numpy as np
 
 from ecume._jit import compiled
 from ecume.engine.contact import contacts as touching
-from ecume.engine.contact import friction as rubs
+from ecume.engine.contact import friction as coulomb
 from ecume.engine.contact.contacts import Bodies, Contacts
 from ecume.engine.contact.friction import Motion, Rubbing
 from ecume.engine.contact.projected_gauss_seidel import Goal
@@ -22,7 +22,7 @@ from ecume.engine.contact.warm_start import Memory
 from ecume.laws import drag, flotation, rotation
 from ecume.models.floating.options import Built
 from ecume.models.floating.parameters import Parameters
-from ecume.models.floating.setup.kinds import Afloat, distinct_kinds
+from ecume.models.floating.setup.kinds import FloatKind, distinct_kinds
 from ecume.models.floating.state import State, Workspace
 from ecume.units import Array
 
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from ecume.scenes.floating import FloatingScene
 
 
-class Rough(NamedTuple):
+class Friction(NamedTuple):
     """What never changes where surfaces rub."""
 
     friction: tuple[float, float]
@@ -45,7 +45,7 @@ class Rough(NamedTuple):
     """see `contact_solver.Impulses`"""
 
 
-class Rubbed(NamedTuple):
+class FrictionScratch(NamedTuple):
     """Scratch."""
 
     rubbing: Rubbing
@@ -55,10 +55,12 @@ class Rubbed(NamedTuple):
     """(N + walls,) rad/s, before contacts"""
 
 
-def make_rubbed(part: Rough, parameters: Parameters, state: State, workspace: Workspace) -> Rubbed:
+def make_friction_scratch(
+    part: Friction, parameters: Parameters, state: State, workspace: Workspace
+) -> FrictionScratch:
     """Room for as many contacts as the workspace has."""
     everyone = len(parameters.kick.mobility)
-    return Rubbed(rubs.make_rubbing(len(workspace.contacts.gap)), np.zeros(everyone), np.zeros(everyone))
+    return FrictionScratch(coulomb.make_rubbing(len(workspace.contacts.gap)), np.zeros(everyone), np.zeros(everyone))
 
 
 @compiled
@@ -68,54 +70,62 @@ def memory_of(state: State) -> Memory:
 
 
 @compiled
-def solve_rough(part: Rough, rubbing: Rubbing, bodies: Bodies, contacts: Contacts, motion: Motion, goal: Goal) -> int:
+def solve_with_friction(
+    part: Friction, rubbing: Rubbing, bodies: Bodies, contacts: Contacts, motion: Motion, goal: Goal
+) -> int:
     """Contacts with friction, on these velocities and spins: how many sweeps their solution takes."""
     touching.weigh(contacts, bodies.mobility)
-    rubs.prepare(contacts, rubbing, bodies.radius, part.friction, motion)
-    return rubs.solve(contacts, rubbing, motion, goal)
+    coulomb.prepare(contacts, rubbing, bodies.radius, part.friction, motion)
+    return coulomb.solve(contacts, rubbing, motion, goal)
 
 
 @compiled
-def stop_rough(part: Rough, own: Rubbed, bodies: Bodies, contacts: Contacts, velocity: Array, goal: Goal) -> int:
+def stop_with_friction(
+    part: Friction, own: FrictionScratch, bodies: Bodies, contacts: Contacts, velocity: Array, goal: Goal
+) -> int:
     """Stop everyone, from no impulses."""
     for row in range(contacts.total[0]):
         own.rubbing.impulse[row] = 0.0
     motion = Motion(velocity, own.before, bodies.mobility, part.ease)
-    return solve_rough(part, own.rubbing, bodies, contacts, motion, goal)
+    return solve_with_friction(part, own.rubbing, bodies, contacts, motion, goal)
 
 
 @compiled
-def push_rough(part: Rough, own: Rubbed, bodies: Bodies, contacts: Contacts, passage: Array) -> None:
+def push_with_friction(
+    part: Friction, own: FrictionScratch, bodies: Bodies, contacts: Contacts, midstep_velocity: Array
+) -> None:
     """The impulses of bounces, on the passage and on the spins."""
     rubbing = own.rubbing
     for row in range(contacts.total[0]):
         contacts.impulse[row] *= contacts.scratch[row]
         rubbing.impulse[row] *= contacts.scratch[row]
-    motion = Motion(passage, own.spin, bodies.mobility, part.ease)
-    rubs.push_all(contacts, rubbing, (contacts.impulse, rubbing.impulse), motion)
+    motion = Motion(midstep_velocity, own.spin, bodies.mobility, part.ease)
+    coulomb.push_all(contacts, rubbing, (contacts.impulse, rubbing.impulse), motion)
 
 
 @compiled
-def resume_rough(part: Rough, own: Rubbed, bodies: Bodies, contacts: Contacts, velocity: Array, goal: Goal) -> int:
+def continue_with_friction(
+    part: Friction, own: FrictionScratch, bodies: Bodies, contacts: Contacts, velocity: Array, goal: Goal
+) -> int:
     """Solve on a velocity and the spins through the step, from the impulses that stand there."""
     motion = Motion(velocity, own.spin, bodies.mobility, part.ease)
-    return solve_rough(part, own.rubbing, bodies, contacts, motion, goal)
+    return solve_with_friction(part, own.rubbing, bodies, contacts, motion, goal)
 
 
 @compiled
-def recall_rough(part: Rough, own: Rubbed, state: State, workspace: Workspace) -> None:
+def recall_friction(part: Friction, own: FrictionScratch, state: State, workspace: Workspace) -> None:
     """Start from the impulses along the surfaces of the step before."""
-    rubs.recall(workspace.contacts, own.rubbing, memory_of(state), state.rub)
+    coulomb.recall(workspace.contacts, own.rubbing, memory_of(state), state.rub)
 
 
 @compiled
-def remember_rough(part: Rough, own: Rubbed, state: State, workspace: Workspace) -> None:
+def remember_friction(part: Friction, own: FrictionScratch, state: State, workspace: Workspace) -> None:
     """Keep the impulses along the surfaces for the next step."""
-    rubs.remember(workspace.contacts, own.rubbing, memory_of(state), state.rub)
+    coulomb.remember(workspace.contacts, own.rubbing, memory_of(state), state.rub)
 
 
 @compiled
-def load_rough(part: Rough, own: Rubbed, parameters: Parameters, state: State, last: bool) -> None:
+def load_friction_spins(part: Friction, own: FrictionScratch, parameters: Parameters, state: State, last: bool) -> None:
     """The spins through the step, after their kick; velocity Verlet's have the other half of it at the end."""
     kicked = not last or parameters.scheme.half_kicks
     for i in range(len(state.turning)):
@@ -124,7 +134,9 @@ def load_rough(part: Rough, own: Rubbed, parameters: Parameters, state: State, l
 
 
 @compiled
-def store_rough(part: Rough, own: Rubbed, parameters: Parameters, state: State, last: bool) -> None:
+def store_friction_spins(
+    part: Friction, own: FrictionScratch, parameters: Parameters, state: State, last: bool
+) -> None:
     """Spins become the state's; angles go through the step with them."""
     for i in range(len(state.turning)):
         state.turning[i, 1] = own.spin[i]
@@ -138,10 +150,10 @@ def friction_of(parameters: Parameters, scene: FloatingScene, interactions: tupl
     inertia = np.array([float_inertia(kind) for kind in kinds])[number]
     friction = np.array([turning_friction_of(kind, scene) for kind in kinds])[number]
     coefficients = scene.contacts.friction, scene.dish.friction if scene.dish is not None else 0.0
-    return Built(Rough(coefficients, inertia, friction, friction))
+    return Built(Friction(coefficients, inertia, friction, friction))
 
 
-def friction_at_step(part: Rough, parameters: Parameters, turned: Array | None) -> Rough:
+def friction_at_step(part: Friction, parameters: Parameters, turned: Array | None) -> Friction:
     """The part with the kicks of its spins. Where interactions turn the floats, too, these take care of drag."""
     friction = part.decay if turned is None else np.zeros_like(part.decay)
     decay, ease = spin_kick(parameters, part.inertia, friction)
@@ -149,14 +161,14 @@ def friction_at_step(part: Rough, parameters: Parameters, turned: Array | None) 
     return part._replace(decay=decay, ease=np.concatenate([ease, walls]))
 
 
-def float_inertia(kind: Afloat) -> float:
+def float_inertia(kind: FloatKind) -> float:
     """The moment of inertia of one of a kind about the vertical (kg m^2); added mass is not a part of it."""
     if isinstance(kind.body, flotation.Disc):
         return rotation.disc_inertia(kind.mass, kind.body.radius)
     return rotation.sphere_inertia(kind.density * 4.0 / 3.0 * math.pi * kind.radius**3, kind.radius)
 
 
-def turning_friction_of(kind: Afloat, scene: FloatingScene) -> float:
+def turning_friction_of(kind: FloatKind, scene: FloatingScene) -> float:
     """The torque per spin of the liquid on one of a kind (N m s)."""
     viscosity = scene.liquid.viscosity if scene.motion.drag else 0.0
     if isinstance(kind.body, flotation.Disc):

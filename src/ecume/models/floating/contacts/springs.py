@@ -17,7 +17,7 @@ from ecume.engine.contact.contacts import Contacts
 from ecume.errors import Fault, SceneError
 from ecume.laws import contact
 from ecume.laws.contact import dashpot_restitution, spring_energy, spring_push
-from ecume.models.floating.contacts.collisions import bodies_of
+from ecume.models.floating.contacts.collisions import contact_bodies
 from ecume.models.floating.forces.pair_forces import law_of, row_of, two_floats
 from ecume.models.floating.options import Built
 from ecume.models.floating.parameters import CAPILLARY_LENGTH, Parameters
@@ -110,27 +110,27 @@ def push_apart(springs: Springs, parameters: Parameters, state: State, contacts:
 
 
 @compiled
-def meet_springs(part: Springs, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+def push_before_drift(part: Springs, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """The pushes at the start of the step, on the passage; the velocity goes along with it."""
-    contacts, passage = workspace.contacts, workspace.passage
-    touching.gather(contacts, workspace.candidates, state.position, bodies_of(parameters), 0.0)
+    contacts, midstep_velocity = workspace.contacts, workspace.midstep_velocity
+    touching.gather(contacts, workspace.candidates, state.position, contact_bodies(parameters), 0.0)
     touching.approaches(contacts, workspace.before, contacts.change)
     half = 0.5 if parameters.scheme.half_kicks else 1.0
     push_apart(part, parameters, state, contacts, half * parameters.time_step)
-    touching.push_all(contacts, contacts.impulse, passage, parameters.kick.mobility)
-    copy_rows(state.velocity, passage)
+    touching.push_all(contacts, contacts.impulse, midstep_velocity, parameters.kick.mobility)
+    copy_rows(state.velocity, midstep_velocity)
 
 
 @compiled
-def rest_springs(part: Springs, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+def push_at_end(part: Springs, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """The pushes at the end of a step of velocity Verlet."""
-    contacts, passage = workspace.contacts, workspace.passage
-    touching.gather(contacts, workspace.candidates, state.position, bodies_of(parameters), 0.0)
-    touching.approaches(contacts, passage, contacts.change)
+    contacts, midstep_velocity = workspace.contacts, workspace.midstep_velocity
+    touching.gather(contacts, workspace.candidates, state.position, contact_bodies(parameters), 0.0)
+    touching.approaches(contacts, midstep_velocity, contacts.change)
     push_apart(part, parameters, state, contacts, 0.5 * parameters.time_step)
-    copy_rows(passage, state.velocity)
-    touching.push_all(contacts, contacts.impulse, passage, parameters.kick.mobility)
-    copy_rows(state.velocity, passage)
+    copy_rows(midstep_velocity, state.velocity)
+    touching.push_all(contacts, contacts.impulse, midstep_velocity, parameters.kick.mobility)
+    copy_rows(state.velocity, midstep_velocity)
 
 
 @compiled
@@ -139,7 +139,7 @@ def spring_energies(
 ) -> tuple[float, float]:
     """Of all contacts (J): among floats, and with walls."""
     contacts, among, at_walls = workspace.contacts, 0.0, 0.0
-    touching.gather(contacts, workspace.candidates, state.position, bodies_of(parameters), 0.0)
+    touching.gather(contacts, workspace.candidates, state.position, contact_bodies(parameters), 0.0)
     for row in range(contacts.total[0]):
         energy = spring_energy(-contacts.gap[row], springs.stiffness)
         if contacts.second[row] < len(state.position):

@@ -13,7 +13,7 @@ from ecume.engine.neighbors import NeighborLists, Slots
 from ecume.laws import dipoles
 from ecume.laws.dipoles import dipole_energy, dipole_force, dipole_strength
 from ecume.laws.pair_laws import Dipoles
-from ecume.models.floating.forces.pair_forces import add_from_slots, pairs_of, pull
+from ecume.models.floating.forces.pair_forces import add_from_slots, pairs_of, sum_pair_forces
 from ecume.models.floating.options import Built
 from ecume.models.floating.parameters import CAPILLARY_LENGTH, CUTOFF, STRENGTH, SURFACE_TENSION, Parameters
 from ecume.models.floating.setup.kinds import moments_of
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 admit(dipoles)
 
 
-class Polar(NamedTuple):
+class DipoleMoments(NamedTuple):
     """Moments: the part of a scene that has some."""
 
     moment: Array
@@ -37,7 +37,7 @@ class Polar(NamedTuple):
     """the law's constants, the first of them as in `parameters.pack_pair`: strength of two unit moments, cutoff"""
 
 
-class Magnets(NamedTuple):
+class SortedMoments(NamedTuple):
     """Scratch in the order of the slots."""
 
     moment: Array
@@ -45,20 +45,22 @@ class Magnets(NamedTuple):
     """(2, N) N"""
 
 
-def make_polar(moment: Array, cutoff: float) -> Polar:
+def make_dipole_moments(moment: Array, cutoff: float) -> DipoleMoments:
     """Moments that act up to a cutoff (m)."""
     pair = np.zeros(max(STRENGTH, CUTOFF, SURFACE_TENSION) + 1)
     pair[STRENGTH], pair[CUTOFF], pair[CAPILLARY_LENGTH] = dipole_strength(1.0, 1.0), cutoff, 1.0
-    return Polar(np.asarray(moment, np.float64), pair)
+    return DipoleMoments(np.asarray(moment, np.float64), pair)
 
 
-def make_magnets(part: Polar, parameters: Parameters, state: State, workspace: Workspace) -> Magnets:
+def make_sorted_moments(
+    part: DipoleMoments, parameters: Parameters, state: State, workspace: Workspace
+) -> SortedMoments:
     """Scratch."""
-    return Magnets(np.zeros_like(part.moment), np.zeros((2, len(part.moment))))
+    return SortedMoments(np.zeros_like(part.moment), np.zeros((2, len(part.moment))))
 
 
 @compiled
-def sort_moments(part: Polar, own: Magnets, parameters: Parameters, lists: NeighborLists) -> None:
+def sort_moments(part: DipoleMoments, own: SortedMoments, parameters: Parameters, lists: NeighborLists) -> None:
     """Copy moments into the order of the slots; after each new neighbor list."""
     order = lists.cells.order
     for slot in range(len(order)):
@@ -66,16 +68,16 @@ def sort_moments(part: Polar, own: Magnets, parameters: Parameters, lists: Neigh
 
 
 @compiled
-def polar_forces(
-    part: Polar, own: Magnets, parameters: Parameters, position: Array, lists: NeighborLists, force: Array
+def dipole_forces(
+    part: DipoleMoments, own: SortedMoments, parameters: Parameters, position: Array, lists: NeighborLists, force: Array
 ) -> None:
     """Add the forces of all pairs of dipoles."""
-    pull(Dipoles(part.pair[STRENGTH]), pairs_of(lists.rows), (own.moment, own.moment), part.pair, own.force)
+    sum_pair_forces(Dipoles(part.pair[STRENGTH]), pairs_of(lists.rows), (own.moment, own.moment), part.pair, own.force)
     add_from_slots(lists.cells.order, own.force, force)
 
 
-def polar_energy(
-    part: Polar, own: Magnets, parameters: Parameters, state: State, workspace: Workspace
+def dipole_energies(
+    part: DipoleMoments, own: SortedMoments, parameters: Parameters, state: State, workspace: Workspace
 ) -> tuple[float, float]:
     """The energy of all pairs of dipoles (J)."""
     rows = workspace.lists.rows
@@ -84,10 +86,10 @@ def polar_energy(
 
 
 @compiled
-def sum_of_dipole_energies(position: Array, polar: Polar, listed: tuple[Integers, Slots, Integers]) -> float:
+def sum_of_dipole_energies(position: Array, part: DipoleMoments, listed: tuple[Integers, Slots, Integers]) -> float:
     """Energies (J) of all pairs within the cutoff, each less its value there."""
     first, neighbor, order = listed
-    moment, cutoff, total = polar.moment, polar.pair[CUTOFF], 0.0
+    moment, cutoff, total = part.moment, part.pair[CUTOFF], 0.0
     for slot in range(len(order)):
         i, own = order[slot], 0.0
         for place in range(first[slot], first[slot + 1]):
@@ -114,4 +116,4 @@ def dipoles_of(parameters: Parameters, scene: FloatingScene) -> Built:
     quickest = float(np.min(np.sqrt(floats.mass / spring)))
     if not parameters.scheme.inertia:
         quickest = float(np.min(floats.mass / floats.relaxation_time)) / spring
-    return Built(make_polar(moment, cutoff), quickest, reach=cutoff)
+    return Built(make_dipole_moments(moment, cutoff), quickest, reach=cutoff)

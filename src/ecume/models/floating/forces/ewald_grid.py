@@ -26,7 +26,7 @@ from ecume.engine.cells import Integers
 from ecume.engine.neighbors import NeighborLists, Slots
 from ecume.engine.walls import enclosures
 from ecume.errors import BadInput, Fault, SceneError
-from ecume.laws import ewald as splitting
+from ecume.laws import ewald
 from ecume.laws.ewald import SplitFit, smooth_self_energy, smooth_wave, smooth_wave_within
 from ecume.laws.pair_laws import Short, short_constants
 from ecume.models.floating.parameters import CAPILLARY_LENGTH, CUTOFF, INVERSE_SQUARE, STRENGTH, Parameters
@@ -45,7 +45,6 @@ SHARE = 0.6
 """Of the error, for the cut and for the grid: they add up as squares, and chance has its part."""
 
 ORDERS = (4, 6, 8, 10, 12)
-
 LOOSEST, FINEST = 1e-1, 1e-10
 """Accuracies that a grid can be asked for."""
 
@@ -62,7 +61,6 @@ GAIN = 2.0
 """By how much a grid must be less work to be taken unasked: a march in Python has costs that are not counted."""
 
 MOST_POINTS = 2**28
-
 WIDEST = 0.1
 """Eta above which waves as long as the capillary length would count, which the error of a grid leaves aside."""
 
@@ -88,7 +86,7 @@ class Split(NamedTuple):
     """constants of what is summed pair by pair"""
 
 
-def crowd_area(parameters: Parameters, scene: FloatingScene) -> float:
+def initial_area(parameters: Parameters, scene: FloatingScene) -> float:
     """The surface (m^2) that the crowd starts on."""
     from ecume.models.floating.setup.initial_state import given_places, region_of
 
@@ -108,21 +106,21 @@ def _coarsest(order: int, error: float) -> float:
     low, high = 0.02, 3.0
     for _ in range(12):
         middle = math.sqrt(low * high)
-        low, high = (low, middle) if splitting.grid_error(middle, order) > error else (middle, high)
+        low, high = (low, middle) if ewald.grid_error(middle, order) > error else (middle, high)
     return low
 
 
 @lru_cache(maxsize=32)
 def _farthest(error: float) -> float:
     """Where the short part may be cut off: w = x^2/(4 eta)."""
-    low, high = 1.0, splitting.FARTHEST
+    low, high = 1.0, ewald.FARTHEST
     while high - low > 1e-3:
         middle = 0.5 * (low + high)
-        low, high = (middle, high) if splitting.short_error(middle) > error else (low, middle)
+        low, high = (middle, high) if ewald.short_error(middle) > error else (low, middle)
     return high
 
 
-class Crowd(NamedTuple):
+class FloatStatistics(NamedTuple):
     """What the work depends on; lengths over the capillary length."""
 
     floats: int
@@ -139,12 +137,12 @@ class Crowd(NamedTuple):
         return min(float(self.floats), math.pi * self.density * (reach + self.skin) ** 2)
 
 
-def crowd_of(parameters: Parameters, scene: FloatingScene) -> Crowd:
+def statistics_of(parameters: Parameters, scene: FloatingScene) -> FloatStatistics:
     """The crowd of a scene."""
     length, radius = float(parameters.pair[CAPILLARY_LENGTH]), parameters.floats.radius
-    area, count = crowd_area(parameters, scene) / length**2, len(radius)
+    area, count = initial_area(parameters, scene) / length**2, len(radius)
     packed = PACKED * count / (math.pi * float(np.sum((radius / length) ** 2)))
-    return Crowd(
+    return FloatStatistics(
         floats=count,
         density=math.sqrt(packed * min(count / area, packed)),
         side=math.sqrt(area),
@@ -166,30 +164,30 @@ class Choice(NamedTuple):
     points: float
 
 
-def best_split(crowd: Crowd, accuracy: float) -> tuple[Choice, SplitFit]:
+def best_split(statistics: FloatStatistics, accuracy: float) -> tuple[Choice, SplitFit]:
     """The cheapest split of that accuracy, r.m.s. error of forces over their r.m.s. with charges of random sign; and
     its short law, which errs by a tenth of that at most.
     """
-    for choice in sorted(_splits(crowd, accuracy)):
-        fit = splitting.fit_short(choice.eta, DEEPEST_TOUCH * crowd.touching, choice.cutoff)
+    for choice in sorted(_splits(statistics, accuracy)):
+        fit = ewald.fit_short(choice.eta, DEEPEST_TOUCH * statistics.touching, choice.cutoff)
         if fit.error < 0.1 * accuracy:
             return choice, fit
     raise BadInput("a grid cannot be that accurate here; take 'cells'")
 
 
-def _splits(crowd: Crowd, accuracy: float) -> list[Choice]:
+def _splits(statistics: FloatStatistics, accuracy: float) -> list[Choice]:
     """All that are looked at."""
-    error = SHARE * accuracy * splitting.crowd_force(crowd.touching)
+    error = SHARE * accuracy * ewald.crowd_force(statistics.touching)
     farthest = _farthest(error)
     choices = []
     for order in ORDERS:
         coarsest = _coarsest(order, error)
-        for cutoff in np.geomspace(1.5 * crowd.touching, crowd.cutoff, STEPS).tolist():
+        for cutoff in np.geomspace(1.5 * statistics.touching, statistics.cutoff, STEPS).tolist():
             eta = cutoff**2 / (4.0 * farthest)
             spacing = coarsest * math.sqrt(eta)
-            side = crowd.side + min(crowd.cutoff, math.sqrt(2.0) * crowd.side)
+            side = statistics.side + min(statistics.cutoff, math.sqrt(2.0) * statistics.side)
             points = (side / spacing + 2.0 * order) ** 2
-            work = crowd.floats * (PAIR * crowd.neighbors(cutoff) + SPLINE * order * (3.0 * order + 20.0))
+            work = statistics.floats * (PAIR * statistics.neighbors(cutoff) + SPLINE * order * (3.0 * order + 20.0))
             if points <= MOST_POINTS and eta <= WIDEST:
                 choices.append(Choice(work + POINT * points, eta, spacing, order, cutoff, points))
     return choices
@@ -199,23 +197,23 @@ def split_of(parameters: Parameters, scene: FloatingScene, *, eligible: bool) ->
     """A grid where it is asked for, or cheaper where nobody asked and it is `eligible`, and the cutoff (m) of what is
     left to lists; None without a grid. Raises SceneError where there can be none.
     """
-    asked, accuracy = scene.interaction.sum, scene.interaction.accuracy
+    requested, accuracy = scene.interaction.sum, scene.interaction.accuracy
     fits = FINEST <= accuracy <= LOOSEST
-    if asked == "grid" and not fits:
+    if requested == "grid" and not fits:
         raise _fault(f"a grid is not finer than an accuracy of {FINEST:g}; take 'cells'")
-    if asked == "cells" or (asked == "auto" and not (eligible and fits)):
+    if requested == "cells" or (requested == "auto" and not (eligible and fits)):
         return None
-    crowd = crowd_of(parameters, scene)
-    if asked == "auto" and crowd.floats < WORTH:
+    statistics = statistics_of(parameters, scene)
+    if requested == "auto" and statistics.floats < WORTH:
         return None
-    cells = crowd.floats * PAIR * crowd.neighbors(crowd.cutoff)
+    cells = statistics.floats * PAIR * statistics.neighbors(statistics.cutoff)
     try:
-        choice, fit = best_split(crowd, accuracy)
+        choice, fit = best_split(statistics, accuracy)
     except BadInput as error:
-        if asked == "auto":
+        if requested == "auto":
             return None
         raise _fault(str(error)) from None
-    return None if asked == "auto" and cells <= GAIN * choice.work else _made(parameters, choice, fit, cells)
+    return None if requested == "auto" and cells <= GAIN * choice.work else _made(parameters, choice, fit, cells)
 
 
 def _made(parameters: Parameters, choice: Choice, fit: SplitFit, cells: float) -> tuple[Split, float]:
@@ -281,7 +279,7 @@ def grid_around(split: Split, reference: Array, length: float) -> Grid:
     rungs = np.ceil(RUNGS * log(span / split.spacing) / math.log(2.0))
     extent = split.spacing * exp(math.log(2.0) * rungs / RUNGS)
     diagonal = float(np.hypot(*extent))
-    soft = 2.0 * math.sqrt(splitting.FARTHEST * split.eta) * length
+    soft = 2.0 * math.sqrt(ewald.FARTHEST * split.eta) * length
     near = diagonal + soft < split.far
     apart = diagonal + 2.0 * soft if near else split.far
     rows, columns = (math.ceil(each / split.spacing) + 2 * split.order for each in extent + apart)
@@ -323,7 +321,7 @@ def waves_of(shape: tuple[int, int], spacing: float, eta: float, order: int, rea
 
 def _undone(phase: Array, order: int) -> Array:
     """U^2/(sum U^2)^2 of one axis."""
-    share = np.asarray(splitting.spline_share(phase, order))
+    share = np.asarray(ewald.spline_share(phase, order))
     kept: Array = share * share / power(sinc(phase / (2.0 * np.pi)), 2 * order)
     return kept
 
@@ -368,7 +366,7 @@ def _short_table(pair: Array, short: Short, eta: float) -> tuple[Array, Array]:
     """The short part over the logarithm of the squared distance (m^2); and from where to where."""
     ends = log(np.array([(0.1 * short.lower * pair[CAPILLARY_LENGTH]) ** 2, pair[CUTOFF] ** 2]))
     x = np.sqrt(exp(np.linspace(float(ends[0]), float(ends[1]), TABLE)) * pair[INVERSE_SQUARE])
-    return ends, np.asarray(splitting.short_energy(x, eta))
+    return ends, np.asarray(ewald.short_energy(x, eta))
 
 
 @compiled

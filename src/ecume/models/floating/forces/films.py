@@ -27,7 +27,6 @@ if TYPE_CHECKING:
 
 
 NODES = 1024
-
 CLOSEST = 1e-6
 """Gap over R that a table begins with where nothing is rough."""
 
@@ -106,7 +105,7 @@ def find_films(films: Films, parameters: Parameters, position: Array, lists: Nei
 
 
 @compiled
-def resist(pairs: Pairs, velocity: Array, force: Array) -> None:
+def film_forces(pairs: Pairs, velocity: Array, force: Array) -> None:
     """The films' forces, equal and opposite."""
     for i in range(force.shape[0]):
         force[i, 0], force[i, 1] = 0.0, 0.0
@@ -122,36 +121,36 @@ def resist(pairs: Pairs, velocity: Array, force: Array) -> None:
 
 
 @compiled
-def slow_down(pairs: Pairs, gain: Array, velocity: Array) -> int:
+def solve_velocities(pairs: Pairs, gain: Array, velocity: Array) -> int:
     """Velocities with films from those without; the number of turns."""
     count = velocity.shape[0]
     given, slowed, force = velocity.copy(), velocity.copy(), np.zeros((count, 2))
-    residual, way = np.zeros((count, 2)), np.zeros((count, 2))
-    resist(pairs, slowed, residual)
+    residual, direction = np.zeros((count, 2)), np.zeros((count, 2))
+    film_forces(pairs, slowed, residual)
     square, turns = 0.0, 0
     for i in range(count):
-        way[i, 0], way[i, 1] = gain[i] * residual[i, 0], gain[i] * residual[i, 1]
-        square += residual[i, 0] * way[i, 0] + residual[i, 1] * way[i, 1]
+        direction[i, 0], direction[i, 1] = gain[i] * residual[i, 0], gain[i] * residual[i, 1]
+        square += residual[i, 0] * direction[i, 0] + residual[i, 1] * direction[i, 1]
     goal = TOLERANCE * TOLERANCE * square
     while square > goal and turns < MOST_TURNS:
-        resist(pairs, way, force)
-        bend = 0.0
+        film_forces(pairs, direction, force)
+        curvature = 0.0
         for i in range(count):
-            force[i, 0] = way[i, 0] / gain[i] - force[i, 0]
-            force[i, 1] = way[i, 1] / gain[i] - force[i, 1]
-            bend += way[i, 0] * force[i, 0] + way[i, 1] * force[i, 1]
-        length, last, square = square / bend, square, 0.0
+            force[i, 0] = direction[i, 0] / gain[i] - force[i, 0]
+            force[i, 1] = direction[i, 1] / gain[i] - force[i, 1]
+            curvature += direction[i, 0] * force[i, 0] + direction[i, 1] * force[i, 1]
+        length, last, square = square / curvature, square, 0.0
         for i in range(count):
             for axis in range(2):
-                slowed[i, axis] += length * way[i, axis]
+                slowed[i, axis] += length * direction[i, axis]
                 residual[i, axis] -= length * force[i, axis]
                 square += residual[i, axis] * residual[i, axis] * gain[i]
         for i in range(count):
-            way[i, 0] = gain[i] * residual[i, 0] + square / last * way[i, 0]
-            way[i, 1] = gain[i] * residual[i, 1] + square / last * way[i, 1]
+            direction[i, 0] = gain[i] * residual[i, 0] + square / last * direction[i, 0]
+            direction[i, 1] = gain[i] * residual[i, 1] + square / last * direction[i, 1]
         turns += 1
     # From the films' forces, so that momentum is kept to rounding wherever the turns ended.
-    resist(pairs, slowed, force)
+    film_forces(pairs, slowed, force)
     for i in range(count):
         velocity[i, 0] = given[i, 0] + gain[i] * force[i, 0]
         velocity[i, 1] = given[i, 1] + gain[i] * force[i, 1]
@@ -159,17 +158,17 @@ def slow_down(pairs: Pairs, gain: Array, velocity: Array) -> int:
 
 
 @compiled
-def slow_by_films(part: Films, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+def apply_films(part: Films, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """Velocities after a kick, and the passage, become those with films."""
     pairs = find_films(part, parameters, state.position, workspace.lists)
     if len(pairs.friction) > 0:
-        slow_down(pairs, parameters.kick.gain, state.velocity)
-        copy_rows(workspace.passage, state.velocity)
+        solve_velocities(pairs, parameters.kick.gain, state.velocity)
+        copy_rows(workspace.midstep_velocity, state.velocity)
 
 
 def films_of(parameters: Parameters, scene: FloatingScene) -> Built:
     """Films between floats."""
-    asked = scene.motion.films
-    assert asked is not None  # noqa: S101  # for the type checker: the scene has chosen films
+    given = scene.motion.films
+    assert given is not None  # noqa: S101  # for the type checker: the scene has chosen films
     largest, smallest = float(parameters.floats.radius.max()), float(parameters.floats.radius.min())
-    return Built(make_films(asked.roughness / smallest, asked.reach), reach=asked.reach * largest)
+    return Built(make_films(given.roughness / smallest, given.reach), reach=given.reach * largest)

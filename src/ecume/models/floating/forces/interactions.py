@@ -15,27 +15,27 @@ from ecume._jit import composed, each_by_type
 from ecume.engine.neighbors import NeighborLists, sort_positions
 from ecume.laws import dipoles, ellipsoids, ewald, lines, multipole, quadrupoles
 from ecume.models.floating.forces.dipoles import (
-    Polar,
+    DipoleMoments,
+    dipole_energies,
+    dipole_forces,
     dipoles_of,
-    make_magnets,
-    polar_energy,
-    polar_forces,
+    make_sorted_moments,
     sort_moments,
 )
 from ecume.models.floating.forces.ewald_grid import Split, make_reference, smooth_forces, split_energy, split_lines
-from ecume.models.floating.forces.films import Films, films_of, slow_by_films
+from ecume.models.floating.forces.films import Films, apply_films, films_of
 from ecume.models.floating.forces.flow_and_noise import add_flow
 from ecume.models.floating.forces.multipoles import (
-    Corrected,
-    Many,
-    corrected_energy,
-    corrected_forces,
+    Multipoles,
+    PairTables,
+    correction_energy,
+    correction_forces,
     corrections_of,
-    make_crowd,
-    many_energy,
-    many_forces,
+    kick_multipole_spins,
+    make_multipole_scratch,
+    multipole_energy,
+    multipole_forces,
     multipoles_of,
-    turn_floats,
 )
 from ecume.models.floating.forces.pair_forces import (
     Superposed,
@@ -47,7 +47,7 @@ from ecume.models.floating.forces.pair_forces import (
 )
 from ecume.models.floating.options import Built, Option
 from ecume.models.floating.parameters import Parameters, Parts, Scratch
-from ecume.models.floating.shaped.bodies import Shaped, make_crew, shaped_energies, shaped_forces
+from ecume.models.floating.shaped.bodies import Shaped, make_shaped_scratch, shaped_energies, shaped_forces
 from ecume.models.floating.shaped.figures import shapes_of
 from ecume.models.floating.state import State, Workspace, clear
 from ecume.units import Array
@@ -67,7 +67,7 @@ def unsorted(part: Any, own: Any, parameters: Parameters, lists: NeighborLists) 
 
 
 @composed
-def turn_nobody(part: Any, own: Any, parameters: Parameters, state: State, first: bool) -> None:
+def no_turning(part: Any, own: Any, parameters: Parameters, state: State, first: bool) -> None:
     """Forces through centers turn nobody."""
 
 
@@ -89,7 +89,7 @@ class Interaction(Option):
     scratch: Callable[[Any, Parameters, State, Workspace], Any] = no_scratch
     sort: Callable[..., None] = unsorted
     """sort(part, scratch, parameters, lists): after new lists"""
-    turn: Callable[..., None] = turn_nobody
+    kick_spins: Callable[..., None] = no_turning
     """turn(part, scratch, parameters, state, first): half a kick of the spins, before and after a step"""
     state: Callable[[Any, State], State] = lambda part, state: state
     """state(part, state): the state with what the part needs"""
@@ -107,17 +107,16 @@ class Interaction(Option):
     """functions whose docstrings name the references that `ecume cite` lists"""
 
 
-def _with_amplitudes(part: Many, state: State) -> State:
+def _with_amplitudes(part: Multipoles, state: State) -> State:
     """With room for the multipoles."""
     return state._replace(amplitudes=np.zeros((len(state.position), 2 * part.rims.response.shape[1])))
 
 
-def _turned(part: Many) -> Array | None:
+def _turned(part: Multipoles) -> Array | None:
     return np.asarray(part.inertia) if len(part.inertia) else None
 
 
 ROUND = frozenset({"round"})
-
 INTERACTIONS = {
     "superposition": Interaction(
         path="interaction.method", name="'superposition'", constants=Superposed, make=superposed_of,
@@ -126,7 +125,7 @@ INTERACTIONS = {
     ),
     "shapes": Interaction(
         path="floats", name="a float with a shape", constants=Shaped, make=shapes_of, add_forces=shaped_forces,
-        energy=shaped_energies, scratch=make_crew, inertia=lambda part: np.asarray(part.inertia),
+        energy=shaped_energies, scratch=make_shaped_scratch, inertia=lambda part: np.asarray(part.inertia),
         laws=(ellipsoids.ellipsoid_undulation, lines.spread_charges, quadrupoles.quadrupole_energy),
         needs={
             "turns bodies": "its drag differs along and across, and kicks must turn it",
@@ -136,8 +135,9 @@ INTERACTIONS = {
         },
     ),
     "multipole": Interaction(
-        path="interaction.method", name="'multipole'", constants=Many, make=multipoles_of, add_forces=many_forces,
-        energy=many_energy, scratch=make_crowd, turn=turn_floats, state=_with_amplitudes, inertia=_turned,
+        path="interaction.method", name="'multipole'", constants=Multipoles, make=multipoles_of,
+        add_forces=multipole_forces, energy=multipole_energy, scratch=make_multipole_scratch,
+        kick_spins=kick_multipole_spins, state=_with_amplitudes, inertia=_turned,
         gives=ROUND | {"undulations"}, laws=(multipole.solve,),
         needs={
             "menisci": "multipoles are the shape of the liquid's surface",
@@ -145,13 +145,13 @@ INTERACTIONS = {
         },
     ),
     "pair-corrected": Interaction(
-        path="interaction.method", name="'pair-corrected'", constants=Corrected, make=corrections_of,
-        add_forces=corrected_forces, energy=corrected_energy, gives=ROUND | {"pair sum"}, laws=(multipole.solve,),
+        path="interaction.method", name="'pair-corrected'", constants=PairTables, make=corrections_of,
+        add_forces=correction_forces, energy=correction_energy, gives=ROUND | {"pair sum"}, laws=(multipole.solve,),
         needs={"menisci": "tables hold what two menisci do beyond their sum"},
     ),
     "dipoles": Interaction(
-        path="floats", name="a magnetic moment", constants=Polar, make=dipoles_of, add_forces=polar_forces,
-        energy=polar_energy, scratch=make_magnets, sort=sort_moments,
+        path="floats", name="a magnetic moment", constants=DipoleMoments, make=dipoles_of, add_forces=dipole_forces,
+        energy=dipole_energies, scratch=make_sorted_moments, sort=sort_moments,
         arrays=lambda part: {"magnetic_moment": (part.moment.copy(), "A*m^2")},
         gives=ROUND | {"pair sum", "undulations", "grid"}, laws=(dipoles.dipole_force,),
         needs={
@@ -190,7 +190,7 @@ class Resistance(Option):
 
 RESISTANCES = {
     "films": Resistance(
-        path="motion.films", name="a film", constants=Films, make=films_of, slow=slow_by_films,
+        path="motion.films", name="a film", constants=Films, make=films_of, slow=apply_films,
         needs={
             "reciprocal": "films keep momentum, and so must the law",
             "kicks before the drift": "films slow the velocity of a whole kick, which then drifts",
@@ -209,9 +209,9 @@ add_forces = each_by_type(lambda kind: BY_CONSTANTS[kind].add_forces)
 
 sort_parts = each_by_type(lambda kind: BY_CONSTANTS[kind].sort)
 
-turn_parts = each_by_type(lambda kind: BY_CONSTANTS[kind].turn)
+kick_spins = each_by_type(lambda kind: BY_CONSTANTS[kind].kick_spins)
 
-slow_parts = each_by_type(lambda kind: RESISTANCES_BY_CONSTANTS[kind].slow)
+apply_resistances = each_by_type(lambda kind: RESISTANCES_BY_CONSTANTS[kind].slow)
 
 
 @composed

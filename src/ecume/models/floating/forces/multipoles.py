@@ -53,12 +53,11 @@ WAVES_PER_ORDER = 4.0
 """Orders that a round wall answers, over the bodies' order times wall radius over body radius."""
 
 MOST_WAVES = 400
-
 STIFFER = 10.0
 """By how much stiffer rafts of pinned discs are than superposition says, at most: their pull is up to ten times it."""
 
 
-class Many(NamedTuple):
+class Multipoles(NamedTuple):
     """What never changes: bodies, walls, units."""
 
     rims: Rims
@@ -79,7 +78,7 @@ class Many(NamedTuple):
     """whether angles advance here, and not with the contacts"""
 
 
-class Crowd(NamedTuple):
+class MultipoleScratch(NamedTuple):
     """Scratch."""
 
     force: Array
@@ -100,9 +99,9 @@ class Crowd(NamedTuple):
     """(N, 2) that of the state"""
 
 
-def make_many(
+def make_multipoles(
     bodies: Sequence[tuple[Disc | Sphere | Undulated, float]], liquid: Liquid, order: int, reach: float
-) -> Many:
+) -> Multipoles:
     """Bodies with the charges (m) that they should have far away, on an endless surface."""
     length = liquid.capillary_length
     closures = []
@@ -115,45 +114,49 @@ def make_many(
     rims = make_rims(closures, reach / length)
     echoes = make_echoes(images(None, liquid), order + 1, rims.reference)
     none = np.zeros(0)
-    return Many(rims, echoes, np.zeros((0, 4)), 0.0, length, liquid.surface_tension, none, none)
+    return Multipoles(rims, echoes, np.zeros((0, 4)), 0.0, length, liquid.surface_tension, none, none)
 
 
-def with_basin(many: Many, size: tuple[float, float], contact_angle: float, liquid: Liquid, mirrored: bool) -> Many:
+def with_basin(
+    multipoles: Multipoles, size: tuple[float, float], contact_angle: float, liquid: Liquid, mirrored: bool
+) -> Multipoles:
     """Between four plane walls."""
     menisci = [
         (
-            facing_amplitude(side, contact_angle, liquid) / many.length,
+            facing_amplitude(side, contact_angle, liquid) / multipoles.length,
             *(sign * np.eye(2)[axis]),
-            0.5 * side / many.length,
+            0.5 * side / multipoles.length,
         )
         for axis, side in enumerate(size)
         for sign in (-1.0, 1.0)
     ]
     mirrors = images(Basin(*size, contact_angle), liquid) if mirrored else images(None, liquid)
-    near = np.hypot(mirrors[:, 1], mirrors[:, 3]) <= 2.0 * max(size) / many.length + many.rims.range
-    return many._replace(menisci=np.array(menisci), echoes=many.echoes._replace(mirrors=mirrors[near]))
+    near = np.hypot(mirrors[:, 1], mirrors[:, 3]) <= 2.0 * max(size) / multipoles.length + multipoles.rims.range
+    return multipoles._replace(menisci=np.array(menisci), echoes=multipoles.echoes._replace(mirrors=mirrors[near]))
 
 
-def with_dish(many: Many, radius: float, contact_angle: float, mirrored: bool) -> Many:
+def with_dish(multipoles: Multipoles, radius: float, contact_angle: float, mirrored: bool) -> Multipoles:
     """Inside a round wall."""
-    brim, orders = radius / many.length, many.rims.response.shape[1]
-    waves = min(MOST_WAVES, math.ceil(WAVES_PER_ORDER * orders * brim / many.rims.radius.min()))
-    round_echoes = make_round_echoes(brim, waves, orders, many.rims.reference, pinned=False)
+    brim, orders = radius / multipoles.length, multipoles.rims.response.shape[1]
+    waves = min(MOST_WAVES, math.ceil(WAVES_PER_ORDER * orders * brim / multipoles.rims.radius.min()))
+    round_echoes = make_round_echoes(brim, waves, orders, multipoles.rims.reference, pinned=False)
     strength = plane_amplitude(contact_angle) / scaled_bessel_i1(brim)
-    return many._replace(dish=strength, echoes=round_echoes if mirrored else many.echoes._replace(brim=brim))
+    return multipoles._replace(
+        dish=strength, echoes=round_echoes if mirrored else multipoles.echoes._replace(brim=brim)
+    )
 
 
-def make_crowd(part: Many, parameters: Parameters, state: State, workspace: Any) -> Crowd:
+def make_multipole_scratch(part: Multipoles, parameters: Parameters, state: State, workspace: Any) -> MultipoleScratch:
     """Scratch around the state's amplitudes and angles."""
-    return crowd_around(state.amplitudes, state.turning)
+    return multipole_scratch(state.amplitudes, state.turning)
 
 
-def crowd_around(amplitudes: Array, turning: Array) -> Crowd:
+def multipole_scratch(amplitudes: Array, turning: Array) -> MultipoleScratch:
     """Scratch around these amplitudes and angles."""
     waves: NDArray[np.complex128] = amplitudes.view(np.complex128)
     count, orders = waves.shape
     wide = (count, orders + 1)
-    return Crowd(
+    return MultipoleScratch(
         np.zeros((count, 2)),
         waves,
         make_krylov(count, orders),
@@ -167,55 +170,55 @@ def crowd_around(amplitudes: Array, turning: Array) -> Crowd:
 
 
 @compiled
-def fill_outer(many: Many, at: Array, outer: Waves) -> None:
+def fill_outer(multipoles: Multipoles, at: Array, outer: Waves) -> None:
     """The walls' own menisci around each body: see `ecume.laws.multipole.walls.outer_waves`."""
-    rims, brim, orders = many.rims, many.echoes.brim, outer.shape[1]
+    rims, brim, orders = multipoles.rims, multipoles.echoes.brim, outer.shape[1]
     ladder = np.zeros(orders)
     outer[:] = 0.0
     for i in range(len(at)):
         x, y, a = at[i, 0], at[i, 1], rims.radius[i]
         # I_m(a) = exp(a) regular_m (s/2)^m/m!
-        for wall in range(len(many.menisci)):
-            amplitude, to_x, to_y, away = many.menisci[wall]
+        for wall in range(len(multipoles.menisci)):
+            amplitude, to_x, to_y, away = multipoles.menisci[wall]
             inside, turn = amplitude * math.exp(to_x * x + to_y * y - away + a), complex(to_x, -to_y)
             phase = complex(inside, 0.0)
             for m in range(orders):
                 outer[i, m] += phase * rims.regular[i, m]
                 phase *= turn * 0.5 * rims.reference / (m + 1.0)
-        if many.dish != 0.0:
+        if multipoles.dish != 0.0:
             out = math.sqrt(x * x + y * y)
             turn = complex(x / out, -y / out) if out > 0.0 else complex(1.0, 0.0)
             regular_ladder(out, brim, ladder)
-            phase = complex(many.dish * math.exp(out - brim + a), 0.0)
+            phase = complex(multipoles.dish * math.exp(out - brim + a), 0.0)
             for m in range(orders):
                 outer[i, m] += phase * ladder[m] * rims.regular[i, m]
                 phase *= turn * 0.25 * rims.reference * brim / ((m + 1.0) * (m + 1.0))
 
 
 @compiled
-def resolve(many: Many, position: Array, crowd: Crowd) -> int:
+def resolve(multipoles: Multipoles, position: Array, scratch: MultipoleScratch) -> int:
     """Amplitudes and waves at these positions; below zero where they were not found."""
-    rims, orders = many.rims, crowd.amplitudes.shape[1]
+    rims, orders = multipoles.rims, scratch.amplitudes.shape[1]
     for i in range(len(position)):
-        crowd.at[i, 0], crowd.at[i, 1] = position[i, 0] / many.length, position[i, 1] / many.length
-    fill_outer(many, crowd.at, crowd.outer)
+        scratch.at[i, 0], scratch.at[i, 1] = position[i, 0] / multipoles.length, position[i, 1] / multipoles.length
+    fill_outer(multipoles, scratch.at, scratch.outer)
     for i in range(len(position)):
-        angle, phase = crowd.turning[i, 0], complex(1.0, 0.0)
+        angle, phase = scratch.turning[i, 0], complex(1.0, 0.0)
         turn = complex(math.cos(angle), -math.sin(angle))
         for m in range(orders):
-            crowd.right[i, m] = phase * rims.source[i, m] + rims.response[i, m] * crowd.outer[i, m]
+            scratch.right[i, m] = phase * rims.source[i, m] + rims.response[i, m] * scratch.outer[i, m]
             phase *= turn
-    taken = iterate(rims, many.echoes, crowd.at, crowd.right, crowd.amplitudes, crowd.krylov, TOLERANCE)
-    incoming(rims, many.echoes, crowd.at, crowd.amplitudes, crowd.waves)
+    taken = iterate(rims, multipoles.echoes, scratch.at, scratch.right, scratch.amplitudes, scratch.krylov, TOLERANCE)
+    incoming(rims, multipoles.echoes, scratch.at, scratch.amplitudes, scratch.waves)
     for i in range(len(position)):
         for m in range(orders + 1):
-            crowd.waves[i, m] += crowd.outer[i, m]
+            scratch.waves[i, m] += scratch.outer[i, m]
     return taken
 
 
 @compiled
-def many_forces(
-    part: Many, own: Crowd, parameters: Parameters, position: Array, lists: NeighborLists, force: Array
+def multipole_forces(
+    part: Multipoles, own: MultipoleScratch, parameters: Parameters, position: Array, lists: NeighborLists, force: Array
 ) -> None:
     """Add the forces on all floats at these positions, walls included; NaN where the amplitudes were not found."""
     taken = resolve(part, position, own)
@@ -228,55 +231,54 @@ def many_forces(
         own.torque[i] *= scale * part.length
 
 
-def many_energy(
-    part: Many, own: Any, parameters: Parameters, state: State, workspace: Workspace
+def multipole_energy(
+    part: Multipoles, own: Any, parameters: Parameters, state: State, workspace: Workspace
 ) -> tuple[float, float]:
     """What the floats have on one surface beyond what each has alone (J), walls included."""
-    crowd = make_crowd(part, parameters, state._replace(amplitudes=state.amplitudes.copy()), workspace)
-    resolve(part, state.position, crowd)
-    orders = crowd.amplitudes.shape[1]
-    turned = part.rims.source * phase_factor(-np.arange(orders) * crowd.turning[:, :1])
+    scratch = make_multipole_scratch(part, parameters, state._replace(amplitudes=state.amplitudes.copy()), workspace)
+    resolve(part, state.position, scratch)
+    orders = scratch.amplitudes.shape[1]
+    turned = part.rims.source * phase_factor(-np.arange(orders) * scratch.turning[:, :1])
     rims = part.rims._replace(source=turned)
-    return part.tension * part.length**2 * energy(rims, crowd.amplitudes, crowd.waves, crowd.outer), 0.0
+    return part.tension * part.length**2 * energy(rims, scratch.amplitudes, scratch.waves, scratch.outer), 0.0
 
 
 @compiled
-def turn_floats(part: Many, own: Crowd, parameters: Parameters, state: State, first: bool) -> None:
+def kick_multipole_spins(
+    part: Multipoles, own: MultipoleScratch, parameters: Parameters, state: State, first: bool
+) -> None:
     """Half a kick of the spins of floats that turn by their menisci; the angles after the first half, unless contacts
     turn the floats, too, and advance the angles.
     """
     time = parameters.time_step
     if len(part.inertia) == 0:
         return
-    give_turns(part, own.torque, state.turning, 0.5 * time)
+    kick_spins_with_drag(part, own.torque, state.turning, 0.5 * time)
     if first and part.advances_angles:
         for i in range(len(state.turning)):
             state.turning[i, 0] += time * state.turning[i, 1]
 
 
 @compiled
-def give_turns(many: Many, torque: Array, turning: Array, time: float) -> None:
+def kick_spins_with_drag(multipoles: Multipoles, torque: Array, turning: Array, time: float) -> None:
     """Drag and a torque that stays for that time, solved exactly, on the spins."""
     for i in range(len(torque)):
-        rate = many.friction[i] / many.inertia[i] * time
+        rate = multipoles.friction[i] / multipoles.inertia[i] * time
         held = -math.expm1(-rate) / rate if rate > 0.0 else 1.0
-        turning[i, 1] = math.exp(-rate) * turning[i, 1] + held * time * torque[i] / many.inertia[i]
+        turning[i, 1] = math.exp(-rate) * turning[i, 1] + held * time * torque[i] / multipoles.inertia[i]
 
 
 Kind = tuple[Disc | Sphere, float]
 """A body and its charge (m)."""
 
 NODES = 97
-
 MOST_KINDS = 24
-
 ORDER = 24
-
 FARTHEST = 50.0
 """Reach of the two-body solutions, in capillary lengths."""
 
 
-class Corrected(NamedTuple):
+class PairTables(NamedTuple):
     """Tables for all pairs of kinds, over s = sqrt(distance/touching - 1)."""
 
     kind: Integers
@@ -291,11 +293,11 @@ class Corrected(NamedTuple):
     """(K, K, NODES) dE/ds"""
 
 
-def make_corrected(kinds: list[Kind], kind: Integers, liquid: Liquid, cutoff: float) -> Corrected:
+def make_pair_tables(kinds: list[Kind], kind: Integers, liquid: Liquid, cutoff: float) -> PairTables:
     """The tables, each with a solution of two bodies at every node."""
     count, length = len(kinds), liquid.capillary_length
-    many = make_many(kinds, liquid, ORDER, cutoff)
-    radius = many.rims.radius * length
+    multipoles = make_multipoles(kinds, liquid, ORDER, cutoff)
+    radius = multipoles.rims.radius * length
     touching = radius[:, None] + radius[None, :]
     step = np.sqrt(np.maximum(cutoff / touching - 1.0, 1.0)) / (NODES - 1)
     energy, slope = np.zeros((count, count, NODES)), np.zeros((count, count, NODES))
@@ -303,33 +305,33 @@ def make_corrected(kinds: list[Kind], kind: Integers, liquid: Liquid, cutoff: fl
         for b in range(a, count):
             s = step[a, b] * np.arange(NODES)
             distance = touching[a, b] * (1.0 + s * s)
-            two = make_many([kinds[a], kinds[b]], liquid, ORDER, FARTHEST * length)
+            two = make_multipoles([kinds[a], kinds[b]], liquid, ORDER, FARTHEST * length)
             product = 2.0 * math.pi * kinds[a][1] * kinds[b][1] / length**2
             found = np.array([_beyond(two, product, float(apart)) for apart in distance])
             energy[a, b] = energy[b, a] = found[:, 0] - found[-1, 0]
             slope[a, b] = slope[b, a] = -found[:, 1] * 2.0 * s * touching[a, b]
-    return Corrected(kind, touching, step, energy, slope)
+    return PairTables(kind, touching, step, energy, slope)
 
 
-def _beyond(many: Many, product: float, apart: float) -> tuple[float, float]:
+def _beyond(multipoles: Multipoles, product: float, apart: float) -> tuple[float, float]:
     """Energy and force (positive repels) of two bodies less those of superposition, K0 and K1 times `product`."""
     from ecume.laws.multipole import graf, solving
 
-    x = apart / many.length
+    x = apart / multipoles.length
     at = np.array([[0.0, 0.0], [x, 0.0]])
-    amplitudes = solving.eliminate(many.rims, many.echoes, at, many.rims.source)
+    amplitudes = solving.eliminate(multipoles.rims, multipoles.echoes, at, multipoles.rims.source)
     waves, force = np.zeros((2, ORDER + 2), np.complex128), np.zeros((2, 2))
-    graf.receive_all(many.rims, many.echoes.mirrors, at, amplitudes, waves)
-    graf.forces(many.rims, amplitudes, waves, force)
-    energy = graf.energy(many.rims, amplitudes, waves, np.zeros_like(waves))
+    graf.receive_all(multipoles.rims, multipoles.echoes.mirrors, at, amplitudes, waves)
+    graf.forces(multipoles.rims, amplitudes, waves, force)
+    energy = graf.energy(multipoles.rims, amplitudes, waves, np.zeros_like(waves))
     return (
-        many.tension * many.length**2 * (energy + product * bessel_k0(x)),
-        many.tension * many.length * (float(force[1, 0]) + product * bessel_k1(x)),
+        multipoles.tension * multipoles.length**2 * (energy + product * bessel_k0(x)),
+        multipoles.tension * multipoles.length * (float(force[1, 0]) + product * bessel_k1(x)),
     )
 
 
 @compiled
-def correction(tables: Corrected, i: int, j: int, distance: float) -> tuple[float, float]:
+def correction(tables: PairTables, i: int, j: int, distance: float) -> tuple[float, float]:
     """Energy and force (positive repels) beyond superposition; zero beyond the table, straight on below it."""
     a, b = tables.kind[i], tables.kind[j]
     touching, step = tables.touching[a, b], tables.step[a, b]
@@ -351,7 +353,7 @@ def correction(tables: Corrected, i: int, j: int, distance: float) -> tuple[floa
 
 
 @compiled
-def add_corrections(tables: Corrected, position: Array, lists: NeighborLists, force: Array) -> float:
+def add_corrections(tables: PairTables, position: Array, lists: NeighborLists, force: Array) -> float:
     """Add the corrections of all pairs of the lists to the forces; their energy."""
     order, first, neighbor = lists.cells.order, lists.rows.first, lists.rows.neighbor
     total = 0.0
@@ -369,15 +371,15 @@ def add_corrections(tables: Corrected, position: Array, lists: NeighborLists, fo
 
 
 @compiled
-def corrected_forces(
-    part: Corrected, own: Any, parameters: Parameters, position: Array, lists: NeighborLists, force: Array
+def correction_forces(
+    part: PairTables, own: Any, parameters: Parameters, position: Array, lists: NeighborLists, force: Array
 ) -> None:
     """Add the corrections of all pairs."""
     add_corrections(part, position, lists, force)
 
 
-def corrected_energy(
-    part: Corrected, own: Any, parameters: Parameters, state: State, workspace: Workspace
+def correction_energy(
+    part: PairTables, own: Any, parameters: Parameters, state: State, workspace: Workspace
 ) -> tuple[float, float]:
     """The energy of the corrections (J)."""
     return float(add_corrections(part, state.position, workspace.lists, np.zeros_like(state.position))), 0.0
@@ -389,8 +391,10 @@ Bodies = list[tuple[Any, float]]
 def multipoles_of(parameters: Parameters, scene: FloatingScene) -> Built:
     """All floats on one surface."""
     kinds, number = distinct_kinds(scene)
-    dish, bodies, liquid = scene.dish, bodies_of(kinds), liquid_of(scene)
-    found = _made(lambda: make_many([bodies[k] for k in number], liquid, scene.interaction.order, parameters.cutoff))
+    dish, bodies, liquid = scene.dish, bodies_and_charges(kinds), liquid_of(scene)
+    found = _made(
+        lambda: make_multipoles([bodies[k] for k in number], liquid, scene.interaction.order, parameters.cutoff)
+    )
     if dish is not None and acts(parameters):
         found = meniscus_of(dish).multipoles(found, dish, liquid)
     if not any(kind.rim[1] > 0.0 for kind in kinds):
@@ -426,12 +430,12 @@ def corrections_of(parameters: Parameters, scene: FloatingScene) -> Built:
             f"'pair-corrected' needs a table for each pair of kinds, and there are {len(kinds)} of them, more than "
             f"{MOST_KINDS}; take 'multipole' or 'superposition'",
         )
-    bodies = bodies_of(kinds)
-    tables = _made(lambda: make_corrected(bodies, number, liquid_of(scene), parameters.cutoff))
+    bodies = bodies_and_charges(kinds)
+    tables = _made(lambda: make_pair_tables(bodies, number, liquid_of(scene), parameters.cutoff))
     return Built(tables, stiffer=_stiffer(bodies))
 
 
-def bodies_of(kinds: Sequence[Any]) -> Bodies:
+def bodies_and_charges(kinds: Sequence[Any]) -> Bodies:
     """Bodies and charges."""
     return [
         (Undulated(kind.body, ((*kind.rim, 0.0),)) if kind.rim[1] > 0.0 else kind.body, kind.charge) for kind in kinds
@@ -455,42 +459,42 @@ def _fault(path: str, message: str) -> SceneError:
     return SceneError([Fault(path, message)])
 
 
-def multipoles_in(parameters: Parameters) -> Many:
+def multipoles_in(parameters: Parameters) -> Multipoles:
     """The part of floats that go by multipoles."""
-    many: Many = part_of(parameters, Many)
-    return many
+    multipoles: Multipoles = part_of(parameters, Multipoles)
+    return multipoles
 
 
-def solved(parameters: Parameters, frame: Frame) -> Crowd:
+def solved(parameters: Parameters, frame: Frame) -> MultipoleScratch:
     """The multipoles of a frame's floats, found anew: frames do not keep them."""
-    many = multipoles_in(parameters)
-    count, orders = many.rims.response.shape
+    multipoles = multipoles_in(parameters)
+    count, orders = multipoles.rims.response.shape
     angle = frame.arrays.get("angle", np.zeros(count))
     turning = np.stack([angle, np.zeros(count)], axis=1)
     position = np.ascontiguousarray(frame.arrays["position"])
     state = make_state(position, np.zeros((count, 2)))
     state = state._replace(amplitudes=np.zeros((count, 2 * orders)), turning=turning)
-    crowd = make_crowd(many, parameters, state, None)
-    resolve(many, position, crowd)
-    return crowd
+    scratch = make_multipole_scratch(multipoles, parameters, state, None)
+    resolve(multipoles, position, scratch)
+    return scratch
 
 
-def heights_at(many: Many, crowd: Crowd, points: Array) -> Array:
+def heights_at(multipoles: Multipoles, scratch: MultipoleScratch, points: Array) -> Array:
     """(P,) m at `points` (P, 2) in m: what floats add to the walls' own meniscus, the walls' answer to them included;
     a float's own part goes on inside its contact line as it is there.
     """
-    places = points / many.length
+    places = points / multipoles.length
     heights = np.zeros(len(points))
-    add_waves(many.rims, many.echoes.mirrors, crowd.at, crowd.amplitudes, places, heights)
-    if len(many.echoes.answer):
-        heights += echo_heights(many.rims, many.echoes, crowd.at, crowd.amplitudes, places)
-    return np.asarray(many.length * heights)
+    add_waves(multipoles.rims, multipoles.echoes.mirrors, scratch.at, scratch.amplitudes, places, heights)
+    if len(multipoles.echoes.answer):
+        heights += echo_heights(multipoles.rims, multipoles.echoes, scratch.at, scratch.amplitudes, places)
+    return np.asarray(multipoles.length * heights)
 
 
-def bends(many: Many, crowd: Crowd) -> Array:
+def bends(multipoles: Multipoles, scratch: MultipoleScratch) -> Array:
     """(N,) m: how far each float by itself bends the surface, as the root mean square around its edge."""
-    squares = np.abs(crowd.amplitudes) ** 2
-    return np.asarray(many.length * np.sqrt(squares[:, 0] + 2.0 * squares[:, 1:].sum(axis=1)))
+    squares = np.abs(scratch.amplitudes) ** 2
+    return np.asarray(multipoles.length * np.sqrt(squares[:, 0] + 2.0 * squares[:, 1:].sum(axis=1)))
 
 
 @compiled

@@ -120,8 +120,8 @@ def _pull_for(constants: type) -> Callable[..., float]:
 def pull_by_force(square: float, own: PairParameters, law: Any) -> float:
     """-force/distance, for laws that define their force alone."""
     distance = max(math.sqrt(square), LEAST_DISTANCE)
-    pull: float = -pair_force(distance, own, law) / distance
-    return pull
+    sum_pair_forces: float = -pair_force(distance, own, law) / distance
+    return sum_pair_forces
 
 
 pair_pull = by_type(_pull_for)
@@ -154,7 +154,7 @@ seen_radii = by_type(lambda constants: _all_radii if pair_laws.row_of(constants)
 
 
 @compiled
-def pull_stretch(
+def sum_stretch(
     law: Any,
     stretch: tuple[int, int],
     rows: Any,
@@ -208,36 +208,36 @@ def pull_stretch(
 
 
 @threaded
-def pull_in_threads(
+def sum_stretches(
     law: Any, edge: Any, place: Any, rows: Any, floats: Any, pair: Array, along: Array, across: Array
 ) -> None:
     """Add the forces of many stretches, each into its own window, in parallel."""
     for k in prange(len(edge) - 1):
         window = along[place[k] : place[k + 1]], across[place[k] : place[k + 1]]
-        pull_stretch(law, (edge[k], edge[k + 1]), rows, floats, pair, window)
+        sum_stretch(law, (edge[k], edge[k + 1]), rows, floats, pair, window)
 
 
 @compiled
-def pull_serial(law: Any, rows: Any, floats: tuple[Array, Array], pair: Array, force: Array) -> None:
+def sum_serially(law: Any, rows: Any, floats: tuple[Array, Array], pair: Array, force: Array) -> None:
     """The forces of all pairs on all slots, computed by one thread."""
     force[:] = 0.0
-    pull_stretch(law, (0, force.shape[1]), rows, floats, pair, (force[0], force[1]))
+    sum_stretch(law, (0, force.shape[1]), rows, floats, pair, (force[0], force[1]))
 
 
 @compiled
-def pull_parallel(law: Any, rows: Any, floats: tuple[Array, Array], pair: Array, force: Array) -> None:
+def sum_in_parallel(law: Any, rows: Any, floats: tuple[Array, Array], pair: Array, force: Array) -> None:
     """The forces of all pairs on all slots, computed by several threads if there are many floats."""
     if force.shape[1] < THREADS_FROM:
-        pull_serial(law, rows, floats, pair, force)
+        sum_serially(law, rows, floats, pair, force)
     else:
         edge, place = rows[5], rows[6]
         windows = np.zeros((2, place[STRETCHES]))
-        pull_in_threads(law, edge, place, rows, floats, pair, windows[0], windows[1])
+        sum_stretches(law, edge, place, rows, floats, pair, windows[0], windows[1])
         add_windows(edge, place, windows, force)
 
 
 @compiled
-def pull_one_sided(law: Any, rows: Any, floats: tuple[Array, Array], pair: Array, force: Array) -> None:
+def sum_one_sided(law: Any, rows: Any, floats: tuple[Array, Array], pair: Array, force: Array) -> None:
     """The forces of all pairs on all slots for a law that is not reciprocal: each slot sums over all its neighbors."""
     first, _, neighbor, x, y, _, _ = rows
     charge, radius = floats
@@ -259,11 +259,11 @@ def pull_one_sided(law: Any, rows: Any, floats: tuple[Array, Array], pair: Array
 def _sum_for(constants: type) -> Callable[..., None]:
     row = pair_laws.row_of(constants)
     if not row.reciprocal:
-        return pull_one_sided
-    return pull_parallel if row.threaded else pull_serial
+        return sum_one_sided
+    return sum_in_parallel if row.threaded else sum_serially
 
 
-pull = by_type(_sum_for, 0)
+sum_pair_forces = by_type(_sum_for, 0)
 """pull(law, rows, floats, pair, force): the forces of all pairs on all slots."""
 
 
@@ -296,7 +296,7 @@ def superposed_forces(
     part: Superposed, own: Sorted, parameters: Parameters, position: Array, lists: NeighborLists, force: Array
 ) -> None:
     """Add the forces of all pairs and of the walls."""
-    pull(part.law, pairs_of(lists.rows), (own.charge, own.radius), own.pair, own.force)
+    sum_pair_forces(part.law, pairs_of(lists.rows), (own.charge, own.radius), own.pair, own.force)
     add_from_slots(lists.cells.order, own.force, force)
     add_wall_forces(parameters, position, force)
 

@@ -14,9 +14,9 @@ from ecume.models.floating.forces.interactions import interactions_of
 from ecume.models.floating.forces.pair_forces import law_of, row_of, two_floats
 from ecume.models.floating.parameters import Parameters, part_of
 from ecume.models.floating.setup.initial_state import start
-from ecume.models.floating.setup.kinds import Afloat, kinds_afloat
+from ecume.models.floating.setup.kinds import FloatKind, float_kinds
 from ecume.models.floating.setup.scene_parameters import checked_parameters, memory_estimate
-from ecume.models.floating.time_integration.step_size import LARGEST_OVER_CHOSEN, LOOSEST_OVER_CHOSEN, good_step
+from ecume.models.floating.time_integration.step_size import COARSE_OVER_GOOD, UNSTABLE_OVER_GOOD, good_step
 from ecume.models.liquids import liquid_of
 from ecume.scenes.floating import FloatingScene
 
@@ -32,7 +32,7 @@ PER_STEP, PER_FLOAT = 5e-6, 1.2e-6
 PER_PAIR = 6e-9
 """Seconds for each pair's worth of work where a grid takes part."""
 
-PER_MEETING, MOST_MET = 7e-8, 300
+PER_CONTACT, MOST_CONTACTS = 7e-8, 300
 """Seconds more for each pair of floats while they gather to rafts, whose contacts are solved together; up to rafts of
 so many. Measured with 60, 150, 300 and 1,000 floats that cover a third of their dish; rafts at rest cost less again.
 """
@@ -107,23 +107,23 @@ def _summary_of_steps(parameters: Parameters, scene: FloatingScene) -> list[Row]
 
 def _step_remark(time_step: float, good: float) -> str:
     """What a longer step than this one would be; `good` is the longest good one."""
-    coarse, refused = 1e3 * LOOSEST_OVER_CHOSEN * good, 1e3 * LARGEST_OVER_CHOSEN * good
-    if time_step > LOOSEST_OVER_CHOSEN * good:
+    coarse, refused = 1e3 * COARSE_OVER_GOOD * good, 1e3 * UNSTABLE_OVER_GOOD * good
+    if time_step > COARSE_OVER_GOOD * good:
         return f"coarse; {1e3 * good:.3g} ms is good, refused above {refused:.3g} ms"
     return f"good; coarse above {coarse:.3g} ms, refused above {refused:.3g} ms"
 
 
 def _summary_of_species(scene: FloatingScene) -> list[Row]:
     """What follows for each species; those of a table may differ from row to row."""
-    members: dict[str, dict[Afloat, int]] = {name: {} for name, _ in scene.kinds}
+    members: dict[str, dict[FloatKind, int]] = {name: {} for name, _ in scene.kinds}
     owners = [(species.name, species.count) for species in scene.floats]
     owners += [(row.species_name, 1) for row in scene.rows]
-    for (name, count), kind in zip(owners, kinds_afloat(scene), strict=True):
+    for (name, count), kind in zip(owners, float_kinds(scene), strict=True):
         members[name][kind] = members[name].get(kind, 0) + count
     return [row for name, found in members.items() for row in _summary_of(name, found, scene)]
 
 
-def _summary_of(name: str, members: dict[Afloat, int], scene: FloatingScene) -> list[Row]:
+def _summary_of(name: str, members: dict[FloatKind, int], scene: FloatingScene) -> list[Row]:
     """One species: a number where all are alike, from the least to the greatest where they are not."""
     liquid = liquid_of(scene)
     if any(is_shape(kind) for kind in members):
@@ -153,18 +153,18 @@ def _summary_of(name: str, members: dict[Afloat, int], scene: FloatingScene) -> 
     return [(f"{name}: {what}", value, remark) for what, value, remark in rows]
 
 
-def _filling(members: dict[Afloat, int]) -> Row:
+def _filling(members: dict[FloatKind, int]) -> Row:
     angles = _numbers((math.degrees(kind.equilibrium.filling_angle) for kind in members), 4)
     return ("filling angle", f"{angles} deg", "from the bottom to the contact line")
 
 
-def _heights(members: dict[Afloat, int]) -> Row:
+def _heights(members: dict[FloatKind, int]) -> Row:
     lines = _numbers((1e3 * kind.equilibrium.contact_height for kind in members), 3)
     centers = _numbers((1e3 * kind.equilibrium.center_height for kind in members), 3)
     return ("height of the contact line", f"{lines} mm", f"over the flat surface; of the center: {centers} mm")
 
 
-def _charges(members: Iterable[Afloat]) -> Row:
+def _charges(members: Iterable[FloatKind]) -> Row:
     charges = [kind.charge for kind in members]
     remark = _by_sign(charges, "heavy: attract the heavy", "light: attract the light") if any(charges) else "none"
     return ("capillary charge", f"{_numbers(1e6 * charge for charge in charges)} um", remark)
@@ -184,7 +184,7 @@ def _closeness(spheres: Sequence[flotation.Sphere]) -> Row:
     )
 
 
-def _summary_of_disc(name: str, kind: Afloat, scene: FloatingScene) -> list[Row]:
+def _summary_of_disc(name: str, kind: FloatKind, scene: FloatingScene) -> list[Row]:
     """A disc: size, load, lean, slope, heights and charge."""
     disc, slope, liquid = kind.body, kind.equilibrium.slope_angle, liquid_of(scene)
     assert isinstance(disc, flotation.Disc)  # noqa: S101  # a species is of one kind
@@ -201,13 +201,13 @@ def _summary_of_disc(name: str, kind: Afloat, scene: FloatingScene) -> list[Row]
     return [(f"{name}: {what}", value, remark) for what, value, remark in rows]
 
 
-def is_shape(kind: Afloat) -> bool:
+def is_shape(kind: FloatKind) -> bool:
     """Whether it is neither a sphere nor a disc."""
     lying = isinstance(kind.body, flotation.Ellipsoid | flotation.HorizontalCylinder)
     return lying or (kind.figure is not None and len(kind.figure.skeleton.corners) > 0)
 
 
-def _summary_of_shape(name: str, kind: Afloat) -> list[Row]:
+def _summary_of_shape(name: str, kind: FloatKind) -> list[Row]:
     """An ellipsoid, a needle, a square or a star: slope, rise, charge, friction."""
     line, (along, across, _) = kind.figure.line, kind.figure.friction
     slope = kind.equilibrium.slope_angle
@@ -259,7 +259,7 @@ def _span(ends: tuple[str, str]) -> str:
 def seconds_per_step(count: int) -> tuple[float, float]:
     """Rough figures of a step on one core: while so many floats drift, and while they gather to rafts."""
     drifting = PER_STEP + PER_FLOAT * count
-    return drifting, drifting + PER_MEETING * count * min(count, MOST_MET)
+    return drifting, drifting + PER_CONTACT * count * min(count, MOST_CONTACTS)
 
 
 def _duration(seconds: float) -> str:

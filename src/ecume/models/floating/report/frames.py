@@ -132,19 +132,19 @@ def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame
     numbers = {
         **energies(parameters, state, workspace),
         **motion(parameters, state),
-        **crowd(parameters, state, workspace),
+        **contact_numbers(parameters, state, workspace),
     }
     numbers = {name: float(numbers[name]) for name in NUMBER_UNITS}
     time = int(state.step[0]) * parameters.time_step
     if is_driven(parameters) and len(state.tally) > WORK:
         numbers[INJECTED], units[INJECTED] = float(state.tally[WORK]), "J"
     if parameters.drift.sway.moves:
-        numbers |= place_of_dish(parameters, time)
+        numbers |= dish_position(parameters, time)
         units |= {"dish_x": "m", "dish_y": "m"}
     return Frame(time, arrays, numbers, {**units, **NUMBER_UNITS})
 
 
-def place_of_dish(parameters: Parameters, time: float) -> dict[str, float]:
+def dish_position(parameters: Parameters, time: float) -> dict[str, float]:
     """Where a dish in motion is: floats are seen from it."""
     sway = parameters.drift.sway
     x, y = (
@@ -187,7 +187,7 @@ def motion(parameters: Parameters, state: State) -> dict[str, float]:
     }
 
 
-def crowd(parameters: Parameters, state: State, workspace: Workspace) -> dict[str, float]:
+def contact_numbers(parameters: Parameters, state: State, workspace: Workspace) -> dict[str, float]:
     """Clusters, contacts, overlaps, and what the contact solver did so far."""
     radius = parameters.floats.radius
     label = np.zeros(len(radius), np.int64)

@@ -33,7 +33,6 @@ as deep in itself as a run leaves it.
 """
 
 MOST_FAULTS = 20
-
 TURNS = 7
 """Keeps the angles' random numbers apart from those of the places."""
 
@@ -63,27 +62,27 @@ def start(scene: FloatingScene, parameters: Parameters) -> State:
     state = make_state(places.position, places.velocity)
     for part, row in interactions_of(parameters):
         state = row.state(part, state)
-    return first_turns(contacts_of(parameters).state(state), scene, parameters)
+    return with_angles(contacts_of(parameters).state(state), scene, parameters)
 
 
-def first_turns(state: State, scene: FloatingScene, parameters: Parameters) -> State:
+def with_angles(state: State, scene: FloatingScene, parameters: Parameters) -> State:
     """The state with angles for floats that turn: given ones, or by chance."""
     if inertia_of(parameters) is None:
         return state
-    angle, spin = first_angles(scene), np.zeros(len(state.position))
+    angle, spin = initial_angles(scene), np.zeros(len(state.position))
     spin[len(spin) - len(scene.rows) :] = [row.spin for row in scene.rows]
     return state._replace(turning=np.stack([angle, spin], axis=1))
 
 
-def first_angles(scene: FloatingScene) -> Array:
+def initial_angles(scene: FloatingScene) -> Array:
     """Of all floats: given ones, or by chance."""
     count = sum(one.count for one in scene.floats)
     chance = np.random.default_rng([scene.seed, TURNS]).uniform(0.0, 2.0 * math.pi, count + len(scene.rows))
     turned = [species.shape or species.disc for species in scene.floats]
     given = [math.nan if one is None or one.angle is None else one.angle for one in turned]
-    told = np.repeat(given, [one.count for one in scene.floats])
-    told = np.concatenate([told, [row.angle for row in scene.rows]])
-    return np.where(np.isnan(told), chance, told)
+    listed = np.repeat(given, [one.count for one in scene.floats])
+    listed = np.concatenate([listed, [row.angle for row in scene.rows]])
+    return np.where(np.isnan(listed), chance, listed)
 
 
 def given_places(scene: FloatingScene) -> Places:
@@ -134,7 +133,7 @@ def _check_shapes(scene: FloatingScene, parameters: Parameters, position: Array,
     # Whoever is placed by chance is out of the way.
     far = 4.0 * (np.abs(np.nan_to_num(position)).max() + radius.sum()) * (1.0 + np.arange(len(position)))
     there = np.where(np.isnan(position), far[:, None], position)
-    for i, j, gap in gaps_between(parameters, there, first_angles(scene), 0.0):
+    for i, j, gap in gaps_between(parameters, there, initial_angles(scene), 0.0):
         if i in which and (j in which or j >= len(radius)) and -gap > TOUCHING * radius[i]:
             other = f"{names[j]}" if j < len(radius) else "the dish's wall"
             faults.append(Fault(names[i], f"overlaps {other} by {-gap:.3g} m"))

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from ecume.scenes.floating import DiscSpec, FloatingScene, FloatRow, FloatSpec, ShapeSpec
 
 
-class Afloat(NamedTuple):
+class FloatKind(NamedTuple):
     """One kind of float as it floats: what it is made of, and what the laws make of it."""
 
     body: flotation.Body
@@ -55,13 +55,13 @@ def contact_angle_of(given: FloatSpec | FloatRow, liquid: flotation.Liquid) -> f
     return given.contact_angle
 
 
-def afloat(given: FloatSpec | FloatRow, scene: FloatingScene) -> Afloat:
+def float_kind(given: FloatSpec | FloatRow, scene: FloatingScene) -> FloatKind:
     """How one kind of float floats. Raises BadInput where it does not."""
     liquid = liquid_of(scene)
     if given.disc is not None:
-        return disc_afloat(given, given.disc, scene)
+        return disc_kind(given, given.disc, scene)
     if given.shape is not None:
-        return shape_afloat(given, given.shape, scene)
+        return shape_kind(given, given.shape, scene)
     sphere = flotation.Sphere(given.radius, given.density, contact_angle_of(given, liquid))
     balance = flotation.equilibrium(sphere, liquid)
     assert scene.interaction.charge is not None  # noqa: S101  # the scene has filled it in
@@ -71,11 +71,11 @@ def afloat(given: FloatSpec | FloatRow, scene: FloatingScene) -> Afloat:
     if scene.motion.added_mass:
         mass += drag.added_mass(given.radius, balance.filling_angle, liquid.density)
     friction = drag.stokes_friction(given.radius, liquid.viscosity, factor)
-    found = Afloat(sphere, given.density, sphere.contact_angle, balance, charge, mass, friction, radius=given.radius)
+    found = FloatKind(sphere, given.density, sphere.contact_angle, balance, charge, mass, friction, radius=given.radius)
     return found._replace(figure=_round_figure(found, scene))
 
 
-def disc_afloat(given: FloatSpec | FloatRow, disc: DiscSpec, scene: FloatingScene) -> Afloat:
+def disc_kind(given: FloatSpec | FloatRow, disc: DiscSpec, scene: FloatingScene) -> FloatKind:
     """How a disc floats, pinned to one of its edges. Raises BadInput where it does not."""
     liquid = liquid_of(scene)
     solid = flotation.VerticalCylinder(given.radius, disc.thickness, given.density, 0.5 * math.pi)
@@ -85,20 +85,20 @@ def disc_afloat(given: FloatSpec | FloatRow, disc: DiscSpec, scene: FloatingScen
     mass = given.density * math.pi * given.radius**2 * disc.thickness
     friction = drag.disc_friction(given.radius, liquid.viscosity)
     rim = disc.mode, disc.undulation
-    found = Afloat(body, given.density, math.nan, balance, charge, mass, friction, rim, radius=given.radius)
+    found = FloatKind(body, given.density, math.nan, balance, charge, mass, friction, rim, radius=given.radius)
     return found._replace(figure=_round_figure(found, scene))
 
 
-def shape_afloat(given: FloatSpec | FloatRow, shape: ShapeSpec, scene: FloatingScene) -> Afloat:
+def shape_kind(given: FloatSpec | FloatRow, shape: ShapeSpec, scene: FloatingScene) -> FloatKind:
     """How a float with a shape floats. Raises BadInput where it does not."""
-    from ecume.models.floating.shaped.figures import Given, floated
+    from ecume.models.floating.shaped.figures import Given, floating_shape
 
     liquid = liquid_of(scene)
     angle = math.nan if shape.pinned else contact_angle_of(given, liquid)
     asked = Given(shape, given.radius, given.density, angle, str(scene.interaction.charge))
-    found = floated(asked, liquid)
+    found = floating_shape(asked, liquid)
     figure = found.figure
-    return Afloat(
+    return FloatKind(
         body=found.body,
         density=given.density,
         contact_angle=angle,
@@ -111,7 +111,7 @@ def shape_afloat(given: FloatSpec | FloatRow, shape: ShapeSpec, scene: FloatingS
     )
 
 
-def _round_figure(kind: Afloat, scene: FloatingScene) -> Any:
+def _round_figure(kind: FloatKind, scene: FloatingScene) -> Any:
     """The figure of a sphere or a disc among shapes; none where there are no shapes."""
     if not scene.shaped or not isinstance(kind.body, flotation.Sphere | flotation.Disc):
         return None
@@ -120,16 +120,16 @@ def _round_figure(kind: Afloat, scene: FloatingScene) -> Any:
     return round_figure(kind.body, kind.charge, kind.mass, kind.friction)
 
 
-def kinds_afloat(scene: FloatingScene) -> list[Afloat]:
+def float_kinds(scene: FloatingScene) -> list[FloatKind]:
     """Each of the scene's float tables and rows, afloat; all faults at once."""
     faults: list[Fault] = []
-    found: list[Afloat] = []
-    known: dict[Any, Afloat | BadInput] = {}
+    found: list[FloatKind] = []
+    known: dict[Any, FloatKind | BadInput] = {}
     for where, given in _given(scene):
         key = (given.radius, given.density, given.contact_angle, given.surface_energies, given.disc, given.shape)
         if key not in known:
             try:
-                known[key] = afloat(given, scene)
+                known[key] = float_kind(given, scene)
             except BadInput as error:
                 known[key] = error
         kind = known[key]
@@ -149,12 +149,12 @@ def _given(scene: FloatingScene) -> list[tuple[str, FloatSpec | FloatRow]]:
 
 def floats_of(scene: FloatingScene) -> Floats:
     """Float by float: the tables' first, then the rows."""
-    kinds = kinds_afloat(scene)
+    kinds = float_kinds(scene)
     counts = [given.count for _, given in _given(scene)]
     names = [kind.name for kind in scene.kinds]
     species = [names.index(given.species_name) for _, given in _given(scene)]
 
-    def each(of: Callable[[Afloat], float]) -> Array:
+    def each(of: Callable[[FloatKind], float]) -> Array:
         return np.repeat(np.array([of(kind) for kind in kinds]), counts)
 
     return Floats(
@@ -176,9 +176,9 @@ def moments_of(scene: FloatingScene) -> Array:
     return np.repeat(np.array([given.magnetic_moment for _, given in _given(scene)]), counts)
 
 
-def distinct_kinds(scene: FloatingScene) -> tuple[list[Afloat], Integers]:
+def distinct_kinds(scene: FloatingScene) -> tuple[list[FloatKind], Integers]:
     """The kinds of floats there are, and which of them each float is."""
-    found = kinds_afloat(scene)
+    found = float_kinds(scene)
     counts = [given.count for _, given in _given(scene)]
     kinds = list(dict.fromkeys(found))
     return kinds, np.repeat(np.array([kinds.index(kind) for kind in found], dtype=np.int64), counts)

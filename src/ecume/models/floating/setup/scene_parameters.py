@@ -51,8 +51,8 @@ def parameters_of(scene: FloatingScene) -> Parameters:
     _check_names(scene)
     chosen = chosen_by(scene)
     require_compatible(options_of(scene, chosen), TABLES)
-    parameters, asked = _parameters_with(scene, chosen, 1.0), scene.motion.time_step
-    longer = 1.0 if asked is None else asked / good_step(parameters, scene)
+    parameters, requested = _parameters_with(scene, chosen, 1.0), scene.motion.time_step
+    longer = 1.0 if requested is None else requested / good_step(parameters, scene)
     # Who goes farther in a step than usual needs lists that reach as much farther.
     return parameters if longer <= 1.0 else _parameters_with(scene, chosen, longer)
 
@@ -60,7 +60,7 @@ def parameters_of(scene: FloatingScene) -> Parameters:
 def _parameters_with(scene: FloatingScene, chosen: Chosen, longer: float) -> Parameters:
     """The same, with lists for steps that many times as long as the usual ones."""
     plain = _without_parts(scene, chosen, longer)
-    eligible = chosen.may_take_grid and row_of(plain).menisci
+    eligible = chosen.grid_allowed and row_of(plain).menisci
     split = split_of(plain, scene, eligible=eligible) if chosen.sums_menisci else None
     if split is not None:
         plain = cut_off(plain, split[1])
@@ -186,8 +186,8 @@ class Chosen(NamedTuple):
     resistances: tuple[Resistance, ...]
     contacts: ContactModel
     """those that are asked for; floats with a shape have contacts of their own beside them"""
-    asked_contacts: ContactModel
-    may_take_grid: bool
+    requested_contacts: ContactModel
+    grid_allowed: bool
     """whether a grid may be taken unasked"""
 
     @property
@@ -205,16 +205,16 @@ def chosen_by(scene: FloatingScene) -> Chosen:
     names += ["grid"] if scene.interaction.sum == "grid" else []
     names += ["dipoles"] if np.any(moments_of(scene)) else []
     films = [RESISTANCES["films"]] if scene.motion.films is not None else []
-    asked = CONTACTS[_contacts_of(scene)]
-    plain = names == ["superposition"] and not films and asked is not CONTACTS["friction"]
+    requested = CONTACTS[_contacts_of(scene)]
+    plain = names == ["superposition"] and not films and requested is not CONTACTS["friction"]
     return Chosen(
         integrator=integrator,
         interactions=tuple(INTERACTIONS[name] for name in names),
         resistances=tuple(films),
-        contacts=CONTACTS["outlines"] if scene.shaped else asked,
-        asked_contacts=asked,
+        contacts=CONTACTS["outlines"] if scene.shaped else requested,
+        requested_contacts=requested,
         # With forces on the way, four sums a step are still less work in compiled code.
-        may_take_grid=plain and "kicks at the ends" in integrator.gives,
+        grid_allowed=plain and "kicks at the ends" in integrator.gives,
     )
 
 
@@ -237,7 +237,7 @@ def _contacts_of(scene: FloatingScene) -> str:
 def options_of(scene: FloatingScene, chosen: Chosen) -> list[Option]:
     """All options of a scene that can do something or need something."""
     motion, law = scene.motion, str(scene.interaction.law)
-    rows = [chosen.integrator, *chosen.interactions, *chosen.resistances, chosen.asked_contacts]
+    rows = [chosen.integrator, *chosen.interactions, *chosen.resistances, chosen.requested_contacts]
     surroundings = [pair_option(law), _drag_of(scene), _wall_of(scene)]
     active = [
         (motion.temperature > 0.0, NOISE),
@@ -337,9 +337,7 @@ ROOMIER = 1.6
 """How much longer rows of neighbors become when they were too short."""
 
 BYTES_PER_FLOAT = 1200
-
 BYTES_PER_NEIGHBOR = 4
-
 BYTES_PER_POINT = 60
 """Of a grid: charges, their transform, waves, and two fields."""
 

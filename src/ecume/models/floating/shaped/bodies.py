@@ -62,7 +62,7 @@ class Outlined(NamedTuple):
     """whether contacts do anything"""
 
 
-class Crew(NamedTuple):
+class ShapedScratch(NamedTuple):
     """Scratch of all parts of floats with a shape."""
 
     torque: Array
@@ -77,70 +77,70 @@ class Crew(NamedTuple):
     """(V, 2)"""
     mobility: Array
     """(N, 3)"""
-    passage: Array
+    midstep_velocity: Array
     """(N + walls, 3) velocity and spin with which everyone goes through this step"""
     before: Array
     """(N + walls, 3)"""
     levers: Levers
 
 
-def make_crew(many: Shaped, parameters: Parameters, state: State, workspace: Workspace) -> Crew:
+def make_shaped_scratch(shaped: Shaped, parameters: Parameters, state: State, workspace: Workspace) -> ShapedScratch:
     """Scratch with room for as many contacts as the workspace has."""
     room = 2 * len(workspace.contacts.first)
     count, rows = len(state.position), len(parameters.kick.mobility)
-    return Crew(
+    return ShapedScratch(
         torque=np.zeros(count),
         turning=state.turning,
-        at=np.zeros_like(many.place),
+        at=np.zeros_like(shaped.place),
         angle=np.zeros(count),
-        corner=np.zeros_like(many.outlines.corner),
+        corner=np.zeros_like(shaped.outlines.corner),
         mobility=np.zeros((count, 3)),
-        passage=np.zeros((rows, 3)),
+        midstep_velocity=np.zeros((rows, 3)),
         before=np.zeros((rows, 3)),
-        levers=make_levers(room, many.places),
+        levers=make_levers(room, shaped.places),
     )
 
 
 @compiled
-def party_of(part: Outlined, parameters: Parameters, crew: Crew) -> Party:
+def solver_bodies(part: Outlined, parameters: Parameters, own: ShapedScratch) -> Party:
     """What the contact solver must know of shapes and walls."""
-    return Party(part.outlines, parameters.floats.radius, parameters.walls, crew.mobility)
+    return Party(part.outlines, parameters.floats.radius, parameters.walls, own.mobility)
 
 
 @compiled
-def store_angles(crew: Crew, state: State) -> None:
+def store_angles(own: ShapedScratch, state: State) -> None:
     """The angles become those of the state."""
     for i in range(len(state.turning)):
-        state.turning[i, 0] = crew.angle[i]
+        state.turning[i, 0] = own.angle[i]
 
 
 admit(special, capillarity)
 
 
 @compiled
-def turn_charges(many: Shaped, turning: Array, at: Array) -> None:
+def turn_charges(shaped: Shaped, turning: Array, at: Array) -> None:
     """The charges as the bodies are turned now."""
     for i in range(len(turning)):
         c, s = math.cos(turning[i, 0]), math.sin(turning[i, 0])
-        for p in range(many.first[i], many.first[i + 1]):
-            x, y = many.place[p, 0], many.place[p, 1]
+        for p in range(shaped.first[i], shaped.first[i + 1]):
+            x, y = shaped.place[p, 0], shaped.place[p, 1]
             at[p, 0], at[p, 1] = c * x - s * y, s * x + c * y
 
 
 @compiled
-def pull_pair(
-    many: Shaped, parameters: Parameters, at: Array, pair: tuple[int, int], apart: tuple[float, float]
+def body_pair_forces(
+    shaped: Shaped, parameters: Parameters, at: Array, pair: tuple[int, int], apart: tuple[float, float]
 ) -> tuple[float, float, float, float]:
     """Force on the first of two bodies (its second is `apart` from it), and the torques on both."""
     (i, j), (x, y) = pair, apart
     unit, length = parameters.pair[STRENGTH], parameters.pair[CAPILLARY_LENGTH]
     force_x, force_y, torque_i, torque_j = 0.0, 0.0, 0.0, 0.0
-    for p in range(many.first[i], many.first[i + 1]):
+    for p in range(shaped.first[i], shaped.first[i + 1]):
         on_x, on_y = 0.0, 0.0
-        for q in range(many.first[j], many.first[j + 1]):
+        for q in range(shaped.first[j], shaped.first[j + 1]):
             to_x, to_y = x + at[q, 0] - at[p, 0], y + at[q, 1] - at[p, 1]
             distance = math.sqrt(to_x * to_x + to_y * to_y)
-            pull = -pair_force(distance, unit * many.charge[p] * many.charge[q], length) / distance
+            pull = -pair_force(distance, unit * shaped.charge[p] * shaped.charge[q], length) / distance
             on_x += pull * to_x
             on_y += pull * to_y
             torque_j -= pull * (at[q, 0] * to_y - at[q, 1] * to_x)
@@ -151,26 +151,28 @@ def pull_pair(
 
 
 @compiled
-def add_wall_forces(many: Shaped, parameters: Parameters, position: Array, crew: Crew, force: Array) -> None:
+def add_wall_forces(shaped: Shaped, parameters: Parameters, position: Array, own: ShapedScratch, force: Array) -> None:
     """The menisci at the walls act on each charge."""
     for i in range(len(position)):
-        for p in range(many.first[i], many.first[i + 1]):
-            place = (position[i, 0] + crew.at[p, 0], position[i, 1] + crew.at[p, 1])
+        for p in range(shaped.first[i], shaped.first[i + 1]):
+            place = (position[i, 0] + own.at[p, 0], position[i, 1] + own.at[p, 1])
             for number in range(wall_count(parameters.walls)):
-                away, in_x, in_y = wall_force(parameters, number, place, many.wall_strength[number, p], many.charge[p])
+                away, in_x, in_y = wall_force(
+                    parameters, number, place, shaped.wall_strength[number, p], shaped.charge[p]
+                )
                 force[i, 0] += away * in_x
                 force[i, 1] += away * in_y
-                crew.torque[i] += away * (crew.at[p, 0] * in_y - crew.at[p, 1] * in_x)
+                own.torque[i] += away * (own.at[p, 0] * in_y - own.at[p, 1] * in_x)
 
 
 @compiled
 def shaped_forces(
-    many: Shaped, crew: Crew, parameters: Parameters, position: Array, lists: NeighborLists, force: Array
+    shaped: Shaped, own: ShapedScratch, parameters: Parameters, position: Array, lists: NeighborLists, force: Array
 ) -> None:
     """Add the forces on all bodies, and find the torques; each pair once, so that they cancel to rounding."""
     cutoff = parameters.pair[CUTOFF]
-    turn_charges(many, crew.turning, crew.at)
-    crew.torque[:] = 0.0
+    turn_charges(shaped, own.turning, own.at)
+    own.torque[:] = 0.0
     order, first, neighbor = lists.cells.order, lists.rows.first, lists.rows.neighbor
     for slot in range(len(order) if parameters.pair[STRENGTH] != 0.0 else 0):
         i = order[slot]
@@ -178,41 +180,41 @@ def shaped_forces(
             j = order[neighbor[place]]
             x, y = position[j, 0] - position[i, 0], position[j, 1] - position[i, 1]
             if i < j and x * x + y * y < cutoff * cutoff:
-                force_x, force_y, torque_i, torque_j = pull_pair(many, parameters, crew.at, (i, j), (x, y))
+                force_x, force_y, torque_i, torque_j = body_pair_forces(shaped, parameters, own.at, (i, j), (x, y))
                 force[i, 0] += force_x
                 force[i, 1] += force_y
                 force[j, 0] -= force_x
                 force[j, 1] -= force_y
-                crew.torque[i] += torque_i
-                crew.torque[j] += torque_j
+                own.torque[i] += torque_i
+                own.torque[j] += torque_j
     if acts(parameters):
-        add_wall_forces(many, parameters, position, crew, force)
+        add_wall_forces(shaped, parameters, position, own, force)
 
 
 @compiled
 def energy_of_pair(
-    many: Shaped, parameters: Parameters, at: Array, pair: tuple[int, int], apart: tuple[float, float]
+    shaped: Shaped, parameters: Parameters, at: Array, pair: tuple[int, int], apart: tuple[float, float]
 ) -> float:
     """What two bodies have together (J), less what their whole charges have at the cutoff."""
     (i, j), (x, y) = pair, apart
     unit, length, cutoff = parameters.pair[STRENGTH], parameters.pair[CAPILLARY_LENGTH], parameters.pair[CUTOFF]
     total = 0.0
-    for p in range(many.first[i], many.first[i + 1]):
-        for q in range(many.first[j], many.first[j + 1]):
+    for p in range(shaped.first[i], shaped.first[i + 1]):
+        for q in range(shaped.first[j], shaped.first[j + 1]):
             distance = math.sqrt((x + at[q, 0] - at[p, 0]) ** 2 + (y + at[q, 1] - at[p, 1]) ** 2)
-            strength = unit * many.charge[p] * many.charge[q]
+            strength = unit * shaped.charge[p] * shaped.charge[q]
             total += pair_energy(distance, strength, length) - pair_energy(cutoff, strength, length)
     return total
 
 
 @compiled
 def shaped_energies(
-    many: Shaped, crew: Crew, parameters: Parameters, state: State, workspace: Workspace
+    shaped: Shaped, own: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> tuple[float, float]:
     """Energies of all pairs and of all walls (J)."""
     cutoff = parameters.pair[CUTOFF]
     walls, lists = parameters.walls, workspace.lists
-    turn_charges(many, state.turning, crew.at)
+    turn_charges(shaped, state.turning, own.at)
     order, first, neighbor = lists.cells.order, lists.rows.first, lists.rows.neighbor
     pairs, at_walls = 0.0, 0.0
     for slot in range(len(order)):
@@ -221,9 +223,9 @@ def shaped_energies(
             j = order[neighbor[place]]
             x, y = state.position[j, 0] - state.position[i, 0], state.position[j, 1] - state.position[i, 1]
             if i < j and x * x + y * y < cutoff * cutoff and parameters.pair[STRENGTH] != 0.0:
-                pairs += energy_of_pair(many, parameters, crew.at, (i, j), (x, y))
-        for p in range(many.first[i], many.first[i + 1]):
-            at = (state.position[i, 0] + crew.at[p, 0], state.position[i, 1] + crew.at[p, 1])
+                pairs += energy_of_pair(shaped, parameters, own.at, (i, j), (x, y))
+        for p in range(shaped.first[i], shaped.first[i + 1]):
+            at = (state.position[i, 0] + own.at[p, 0], state.position[i, 1] + own.at[p, 1])
             for number in range(wall_count(walls) if acts(parameters) else 0):
-                at_walls += wall_energy(parameters, number, at, many.wall_strength[number, p], many.charge[p])[0]
+                at_walls += wall_energy(parameters, number, at, shaped.wall_strength[number, p], shaped.charge[p])[0]
     return pairs, at_walls

@@ -19,14 +19,14 @@ from ecume.models.floating.contacts.collisions import (
     share_restitution,
 )
 from ecume.models.floating.parameters import Parameters
-from ecume.models.floating.shaped.bodies import Crew, Outlined, party_of, store_angles
+from ecume.models.floating.shaped.bodies import Outlined, ShapedScratch, solver_bodies, store_angles
 from ecume.models.floating.state import COLLISIONS, DEEPEST, SWEEPS, UNCONVERGED, State, Workspace
 from ecume.models.model import CROWDED, DONE
 from ecume.units import Array
 
 
 @compiled
-def demand_stops(parameters: Parameters, levers: Levers, before: Array) -> float:
+def require_stops(parameters: Parameters, levers: Levers, before: Array) -> float:
     """Ask everyone to stop who comes together in this step and can bounce; the fastest of these approaches."""
     touching.approaches(levers, before, levers.scratch)
     slowest, fastest = TOLERABLE * parameters.slop / parameters.time_step, 0.0
@@ -43,22 +43,22 @@ def demand_stops(parameters: Parameters, levers: Levers, before: Array) -> float
 
 
 @compiled
-def bounce(crew: Crew, parameters: Parameters, state: State, workspace: Workspace) -> None:
+def bounce(own: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """Collisions: impulses on the passage, (1 + e) times those that stop everyone."""
     of_float = workspace.restitution
-    levers = crew.levers
-    fastest = demand_stops(parameters, levers, crew.before)
+    levers = own.levers
+    fastest = require_stops(parameters, levers, own.before)
     if fastest <= 0.0:
         return
     levers.impulse[:] = 0.0
     goal = Goal(projected_gauss_seidel.CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
-    state.tally[SWEEPS] += touching.solve(levers, crew.before, goal)
+    state.tally[SWEEPS] += touching.solve(levers, own.before, goal)
     share_restitution(parameters, levers, of_float)
     for row in range(levers.total[0]):
         if levers.impulse[row] > 0.0:
             state.tally[COLLISIONS] += 1.0
             levers.impulse[row] *= 1.0 + of_float[levers.first[row]]
-    touching.push_all(levers, levers.impulse, crew.passage)
+    touching.push_all(levers, levers.impulse, own.midstep_velocity)
 
 
 @compiled
@@ -81,57 +81,65 @@ def solve_contacts(parameters: Parameters, state: State, levers: Levers, velocit
 
 
 @compiled
-def meet_outlined(part: Outlined, crew: Crew, parameters: Parameters, state: State, workspace: Workspace) -> None:
+def collide_outlines(
+    part: Outlined, own: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
+) -> None:
     """The first contact solves, on the passage: bounces, then a plastic one, so that nobody ends inside another."""
     if not part.solved:
         return
-    bounce(crew, parameters, state, workspace)
-    for row in range(crew.levers.total[0]):
-        crew.levers.bound[row] = -max(crew.levers.gap[row], 0.0) / parameters.time_step
-    solve_contacts(parameters, state, crew.levers, crew.passage)
+    bounce(own, parameters, state, workspace)
+    for row in range(own.levers.total[0]):
+        own.levers.bound[row] = -max(own.levers.gap[row], 0.0) / parameters.time_step
+    solve_contacts(parameters, state, own.levers, own.midstep_velocity)
 
 
 @compiled
-def settle_outlined(part: Outlined, crew: Crew, parameters: Parameters, state: State, workspace: Workspace) -> None:
+def separate_outlines(
+    part: Outlined, own: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
+) -> None:
     """Find who touches whom at the new places, and undo deep overlaps, which changes no velocity."""
     if not part.solved:
         return
-    reach = 2.0 * workspace.ahead[0] + parameters.slop
-    stance = Stance(state.position, crew.angle, crew.corner)
-    party, levers = party_of(part, parameters, crew), crew.levers
-    touching.gather(levers, workspace.candidates, stance, party, reach)
+    reach = 2.0 * workspace.travel[0] + parameters.slop
+    stance = Stance(state.position, own.angle, own.corner)
+    bodies, levers = solver_bodies(part, parameters, own), own.levers
+    touching.gather(levers, workspace.candidates, stance, bodies, reach)
     deepest = touching.deepest_overlap(levers)
     state.tally[DEEPEST] = max(state.tally[DEEPEST], deepest)
     if deepest > parameters.slop:
-        touching.separate(levers, workspace.candidates, stance, party, parameters.slop)
-        touching.gather(levers, workspace.candidates, stance, party, reach)
-    store_angles(crew, state)
+        touching.separate(levers, workspace.candidates, stance, bodies, parameters.slop)
+        touching.gather(levers, workspace.candidates, stance, bodies, reach)
+    store_angles(own, state)
 
 
 @compiled
-def rest_outlined(part: Outlined, crew: Crew, parameters: Parameters, state: State, workspace: Workspace) -> None:
+def constrain_outline_velocities(
+    part: Outlined, own: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
+) -> None:
     """The last contact solve, on the passage, which is the velocity at the end of the step; `before` without the kick.
 
     Whoever comes faster than by the kick alone is left to the next step, which sees a collision.
     """
     if not part.solved:
         return
-    levers = crew.levers
-    touching.approaches(levers, crew.before, levers.change)
-    touching.approaches(levers, crew.passage, levers.scratch)
+    levers = own.levers
+    touching.approaches(levers, own.before, levers.change)
+    touching.approaches(levers, own.midstep_velocity, levers.scratch)
     for row in range(levers.total[0]):
         lasting = levers.change[row] >= -STEADY * abs(levers.scratch[row] - levers.change[row])
         levers.bound[row] = -max(levers.gap[row], 0.0) / parameters.time_step if lasting else -np.inf
-    solve_contacts(parameters, state, levers, crew.passage)
+    solve_contacts(parameters, state, levers, own.midstep_velocity)
 
 
 @compiled
-def find_outlined(part: Outlined, crew: Crew, parameters: Parameters, state: State, workspace: Workspace) -> int:
+def find_outline_contacts(
+    part: Outlined, own: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
+) -> int:
     """Who may meet in this step; CROWDED where there is no room for all."""
     if not part.solved:
         return DONE
-    stance = Stance(state.position, crew.angle, crew.corner)
+    stance = Stance(state.position, own.angle, own.corner)
     # Twice the pace for a pair that meets head on, and twice again for those whom others push.
-    reach = 4.0 * workspace.ahead[0] + parameters.slop
-    room = touching.gather(crew.levers, workspace.candidates, stance, party_of(part, parameters, crew), reach)
+    reach = 4.0 * workspace.travel[0] + parameters.slop
+    room = touching.gather(own.levers, workspace.candidates, stance, solver_bodies(part, parameters, own), reach)
     return DONE if room else CROWDED

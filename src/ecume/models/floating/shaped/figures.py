@@ -21,7 +21,7 @@ from ecume.laws.lines import Line, needle_charge, spread_charges, star_charges
 from ecume.models.floating.options import Built
 from ecume.models.floating.parameters import Parameters
 from ecume.models.floating.setup.kinds import distinct_kinds
-from ecume.models.floating.shaped.bodies import Shaped, pull_pair
+from ecume.models.floating.shaped.bodies import Shaped, body_pair_forces
 from ecume.models.floating.walls.shapes import wall_strengths
 from ecume.units import Array
 
@@ -64,7 +64,7 @@ def charges_of(figure: Figure) -> tuple[Array, Array]:
     return star_charges(figure.line, figure.tips) if figure.tips else spread_charges(figure.line)
 
 
-class Floated(NamedTuple):
+class FloatingShape(NamedTuple):
     """A shape as it floats."""
 
     body: flotation.Body
@@ -84,12 +84,12 @@ class Given(NamedTuple):
     theory: str
 
 
-def floated(given: Given, liquid: flotation.Liquid) -> Floated:
+def floating_shape(given: Given, liquid: flotation.Liquid) -> FloatingShape:
     """How a shape floats. Raises BadInput where it does not."""
-    return FLOATED[given.shape.kind](given, liquid)
+    return SHAPE_KINDS[given.shape.kind](given, liquid)
 
 
-def _ellipsoid(given: Given, liquid: flotation.Liquid) -> Floated:
+def _ellipsoid(given: Given, liquid: flotation.Liquid) -> FloatingShape:
     width = given.shape.width or 0.0
     axes = given.radius, 0.5 * width, 0.5 * (given.shape.thickness or width)
     body = flotation.Ellipsoid(axes, given.density, given.contact_angle)
@@ -104,10 +104,10 @@ def _ellipsoid(given: Given, liquid: flotation.Liquid) -> Floated:
     wet = float(drag.factor_at_filling(balance.filling_angle))
     inertia = mass * (axes[0] ** 2 + axes[1] ** 2) / 5.0
     figure = Figure(skeleton_of(given.shape, given.radius), line, inertia, _friction(axes, wet, liquid))
-    return Floated(body, balance, mass, figure)
+    return FloatingShape(body, balance, mass, figure)
 
 
-def _needle(given: Given, liquid: flotation.Liquid) -> Floated:
+def _needle(given: Given, liquid: flotation.Liquid) -> FloatingShape:
     thick = 0.5 * (given.shape.width or 0.0)
     body = flotation.HorizontalCylinder(thick, given.density, given.contact_angle)
     balance = flotation.equilibrium(body, liquid, given.theory)
@@ -120,10 +120,10 @@ def _needle(given: Given, liquid: flotation.Liquid) -> Floated:
     wet = float(drag.factor_at_filling(balance.filling_angle))
     friction = _friction((given.radius, thick, thick), wet, liquid)
     figure = Figure(skeleton_of(given.shape, given.radius), line, inertia, friction)
-    return Floated(body, balance, shaft + ends, figure)
+    return FloatingShape(body, balance, shaft + ends, figure)
 
 
-def _plate(given: Given, liquid: flotation.Liquid) -> Floated:
+def _plate(given: Given, liquid: flotation.Liquid) -> FloatingShape:
     """A flat body pinned to one of its edges: it floats as a disc of its area does, and drags as one."""
     skeleton = skeleton_of(given.shape, given.radius)
     thickness = given.shape.thickness or given.shape.width or 2.0 * _half_side(given.shape, given.radius)
@@ -138,7 +138,7 @@ def _plate(given: Given, liquid: flotation.Liquid) -> Floated:
     inertia = given.density * thickness * second
     tips = given.radius - skeleton.rounding if given.shape.kind == "star" else 0.0
     figure = Figure(skeleton, line, inertia, friction, tips)
-    return Floated(body, balance, given.density * area * thickness, figure)
+    return FloatingShape(body, balance, given.density * area * thickness, figure)
 
 
 def _friction(axes: tuple[float, float, float], wet: float, liquid: flotation.Liquid) -> tuple[float, float, float]:
@@ -152,7 +152,7 @@ def _friction(axes: tuple[float, float, float], wet: float, liquid: flotation.Li
     )
 
 
-FLOATED: dict[str, Callable[[Given, flotation.Liquid], Floated]] = {
+SHAPE_KINDS: dict[str, Callable[[Given, flotation.Liquid], FloatingShape]] = {
     "ellipsoid": _ellipsoid,
     "needle": _needle,
     "square": _plate,
@@ -236,7 +236,6 @@ def moments(points: Array) -> tuple[float, float]:
 
 
 NEIGHBORS = 6.0
-
 NEARLY = 1.001
 """Over the touching distance: where the stiffness of the pull is measured."""
 
@@ -256,7 +255,7 @@ def shapes_of(parameters: Parameters, scene: FloatingScene) -> Built:
     shaped = make_shaped([figures[k] for k in number], drag=bool(scene.motion.drag))
     strength = wall_strengths(scene, parameters.floats._replace(charge=shaped.charge))
     shaped = shaped._replace(wall_strength=strength)
-    return Built(shaped, min(quickest(shaped, parameters, number), spinning_time(shaped, parameters, scene)))
+    return Built(shaped, min(shortest_time(shaped, parameters, number), spinning_time(shaped, parameters, scene)))
 
 
 def make_shaped(figures: Sequence[Figure], *, drag: bool = True) -> Shaped:
@@ -310,32 +309,32 @@ def _too_flat(parameters: Parameters, dish_radius: float) -> list[Fault]:
     return [Fault("dish.radius", f"{dish_radius:g} m is less than twice the radius of a float with a shape")]
 
 
-def quickest(many: Shaped, parameters: Parameters, number: Integers) -> float:
+def shortest_time(shaped: Shaped, parameters: Parameters, number: Integers) -> float:
     """How soon the stiffest pair turns back or relaxes, gliding or turning (s), with six touching neighbors."""
     first = [int(np.flatnonzero(number == kind)[0]) for kind in np.unique(number)]
-    found = [_times(many, parameters, (i, j)) for i, j in itertools.combinations_with_replacement(first, 2)]
+    found = [_times(shaped, parameters, (i, j)) for i, j in itertools.combinations_with_replacement(first, 2)]
     return min(found, default=math.inf)
 
 
-def spinning_time(many: Shaped, parameters: Parameters, scene: FloatingScene) -> float:
+def spinning_time(shaped: Shaped, parameters: Parameters, scene: FloatingScene) -> float:
     """How soon a float turns by `TURN`, if a blow makes all of the fastest start's energy spin (s)."""
     starts = [*(species.velocity for species in scene.floats), *((row.vx, row.vy) for row in scene.rows)]
     speed = max(math.hypot(*velocity) for velocity in starts)
-    spin = speed * math.sqrt(float(np.max(parameters.floats.mass / many.inertia)))
+    spin = speed * math.sqrt(float(np.max(parameters.floats.mass / shaped.inertia)))
     return TURN / spin if spin > 0.0 else math.inf
 
 
-def _times(many: Shaped, parameters: Parameters, pair: tuple[int, int]) -> float:
+def _times(shaped: Shaped, parameters: Parameters, pair: tuple[int, int]) -> float:
     """The shortest time of two bodies that touch, over how they are turned."""
     times = []
     ways = 0.0, 0.25 * math.pi, 0.5 * math.pi
     for turns in itertools.product(ways, ways):
-        glide, turn = _stiffnesses(many, parameters, pair, turns)
+        glide, turn = _stiffnesses(shaped, parameters, pair, turns)
         masses = parameters.floats.mass
         for i in pair:
             for stiff, inertia, friction in (
-                (glide, masses[i], many.friction[i, :2].min()),
-                (turn, many.inertia[i], many.friction[i, 2]),
+                (glide, masses[i], shaped.friction[i, :2].min()),
+                (turn, shaped.inertia[i], shaped.friction[i, 2]),
             ):
                 if stiff > 0.0:
                     slow = 0.0 if not parameters.scheme.inertia else math.sqrt(inertia / (NEIGHBORS * stiff))
@@ -344,27 +343,27 @@ def _times(many: Shaped, parameters: Parameters, pair: tuple[int, int]) -> float
 
 
 def _stiffnesses(
-    many: Shaped, parameters: Parameters, pair: tuple[int, int], turns: tuple[float, float]
+    shaped: Shaped, parameters: Parameters, pair: tuple[int, int], turns: tuple[float, float]
 ) -> tuple[float, float]:
     """|dF/dl| (N/m) and |d torque/d angle| (N m) of two touching bodies, by differences."""
-    apart = touching_distance(many, parameters, pair, turns) * NEARLY
+    apart = touching_distance(shaped, parameters, pair, turns) * NEARLY
     size = DIFFERENCE * float(parameters.floats.radius[list(pair)].min())
-    near, far = (_pull(many, parameters, pair, turns, apart + step) for step in (0.0, size))
-    turned = _pull(many, parameters, pair, (turns[0] + DIFFERENCE, turns[1]), apart)
+    near, far = (_pull(shaped, parameters, pair, turns, apart + step) for step in (0.0, size))
+    turned = _pull(shaped, parameters, pair, (turns[0] + DIFFERENCE, turns[1]), apart)
     return abs(far[0] - near[0]) / size, abs(turned[2] - near[2]) / DIFFERENCE
 
 
 def _pull(
-    many: Shaped, parameters: Parameters, pair: tuple[int, int], turns: tuple[float, float], apart: float
+    shaped: Shaped, parameters: Parameters, pair: tuple[int, int], turns: tuple[float, float], apart: float
 ) -> tuple[float, float, float, float]:
     """Forces and torques of two bodies, the second to the right of the first. A kind alone meets its own copy."""
-    blocks = [slice(many.first[k], many.first[k + 1]) for k in pair]
-    two = many._replace(
-        charge=np.concatenate([many.charge[block] for block in blocks]),
+    blocks = [slice(shaped.first[k], shaped.first[k + 1]) for k in pair]
+    two = shaped._replace(
+        charge=np.concatenate([shaped.charge[block] for block in blocks]),
         first=_firsts([block.stop - block.start for block in blocks]),
     )
-    at = np.concatenate([_turned(many.place[block], turn) for block, turn in zip(blocks, turns, strict=True)])
-    found: tuple[float, float, float, float] = pull_pair(two, parameters, at, (0, 1), (apart, 0.0))
+    at = np.concatenate([_turned(shaped.place[block], turn) for block, turn in zip(blocks, turns, strict=True)])
+    found: tuple[float, float, float, float] = body_pair_forces(two, parameters, at, (0, 1), (apart, 0.0))
     return found
 
 
@@ -373,11 +372,13 @@ def _turned(points: Array, angle: float) -> Array:
     return np.asarray(points @ np.array([[c, s], [-s, c]]))
 
 
-def touching_distance(many: Shaped, parameters: Parameters, pair: tuple[int, int], turns: tuple[float, float]) -> float:
+def touching_distance(
+    shaped: Shaped, parameters: Parameters, pair: tuple[int, int], turns: tuple[float, float]
+) -> float:
     """How far apart the centers of two bodies are that touch, the second to the right of the first: by halving."""
-    outlines = _two(many.outlines, pair)
+    outlines = _two(shaped.outlines, pair)
     near, far = 0.0, 2.0 * float(parameters.floats.radius[list(pair)].max())
-    found = np.zeros((many.places, 8))
+    found = np.zeros((shaped.places, 8))
     for _ in range(30):
         middle = 0.5 * (near + far)
         stance = Stance(np.array([[0.0, 0.0], [middle, 0.0]]), np.array(turns), np.zeros_like(outlines.corner))

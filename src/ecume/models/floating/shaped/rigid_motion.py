@@ -9,7 +9,7 @@ import math
 
 from ecume._jit import compiled, composed
 from ecume.models.floating.parameters import Parameters, Parts, Scratch
-from ecume.models.floating.shaped.bodies import Crew, RigidKicks
+from ecume.models.floating.shaped.bodies import RigidKicks, ShapedScratch
 from ecume.models.floating.state import State, Workspace
 from ecume.models.model import DIVERGED, DONE
 from ecume.units import Array
@@ -39,17 +39,19 @@ def slowed(part: RigidKicks, parameters: Parameters, i: int, axis: int) -> tuple
 
 
 @compiled
-def kick(part: RigidKicks, crew: Crew, parameters: Parameters, force: Array, velocity: Array, share: float) -> None:
+def kick(
+    part: RigidKicks, own: ShapedScratch, parameters: Parameters, force: Array, velocity: Array, share: float
+) -> None:
     """Drag and `share` of the forces that stay for a kick, solved exactly, on velocities and spins (N, 3)."""
     for i in range(len(force)):
-        c, s = math.cos(crew.angle[i]), math.sin(crew.angle[i])
+        c, s = math.cos(own.angle[i]), math.sin(own.angle[i])
         decay, gain = slowed(part, parameters, i, 0)
         along = decay * (c * velocity[i, 0] + s * velocity[i, 1]) + share * gain * (c * force[i, 0] + s * force[i, 1])
         decay, gain = slowed(part, parameters, i, 1)
         across = decay * (c * velocity[i, 1] - s * velocity[i, 0]) + share * gain * (c * force[i, 1] - s * force[i, 0])
         decay, gain = slowed(part, parameters, i, 2)
         velocity[i, 0], velocity[i, 1] = c * along - s * across, s * along + c * across
-        velocity[i, 2] = decay * velocity[i, 2] + share * gain * crew.torque[i]
+        velocity[i, 2] = decay * velocity[i, 2] + share * gain * own.torque[i]
 
 
 @compiled
@@ -75,13 +77,13 @@ def copy(target: Array, source: Array) -> None:
 
 
 @compiled
-def tips_ahead(part: RigidKicks, crew: Crew, parameters: Parameters, state: State) -> tuple[float, float]:
+def tip_travel(part: RigidKicks, own: ShapedScratch, parameters: Parameters, state: State) -> tuple[float, float]:
     """How far a tip may go in this step because its body turns, and the farthest turn (rad); NaN if one is none."""
     farthest, widest = 0.0, 0.0
     for i in range(len(state.turning)):
         decay, gain = slowed(part, parameters, i, 2)
         # Twice, for Verlet's second half.
-        turn = parameters.time_step * (decay * abs(state.turning[i, 1]) + 2.0 * gain * abs(crew.torque[i]))
+        turn = parameters.time_step * (decay * abs(state.turning[i, 1]) + 2.0 * gain * abs(own.torque[i]))
         way = turn * parameters.floats.radius[i]
         if farthest == farthest and not way <= farthest:
             farthest = way
@@ -91,12 +93,12 @@ def tips_ahead(part: RigidKicks, crew: Crew, parameters: Parameters, state: Stat
 
 
 @compiled
-def fill_mobility(part: RigidKicks, crew: Crew, parameters: Parameters) -> None:
+def fill_mobility(part: RigidKicks, own: ShapedScratch, parameters: Parameters) -> None:
     """Velocity per impulse along each body, across it, and in its spin."""
     time = kick_time(parameters)
-    for i in range(len(crew.mobility)):
+    for i in range(len(own.mobility)):
         for axis in range(3):
-            crew.mobility[i, axis] = slowed(part, parameters, i, axis)[1] / time
+            own.mobility[i, axis] = slowed(part, parameters, i, axis)[1] / time
 
 
 @composed
@@ -104,53 +106,59 @@ def predict_rigid(
     part: RigidKicks, parts: Parts, scratch: Scratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
     """The kick up to the drift, on the passage; `before` is the velocity without forces."""
-    load(state, scratch.integrator.passage)
+    load(state, scratch.integrator.midstep_velocity)
     kick_twice(part, scratch.integrator, parameters, workspace.force)
 
 
 @compiled
-def kick_twice(part: RigidKicks, crew: Crew, parameters: Parameters, force: Array) -> None:
+def kick_twice(part: RigidKicks, own: ShapedScratch, parameters: Parameters, force: Array) -> None:
     """The passage after a kick, and `before` after one without forces."""
-    copy(crew.before, crew.passage)
-    kick(part, crew, parameters, force, crew.before, 0.0)
-    kick(part, crew, parameters, force, crew.passage, 1.0)
+    copy(own.before, own.midstep_velocity)
+    kick(part, own, parameters, force, own.before, 0.0)
+    kick(part, own, parameters, force, own.midstep_velocity, 1.0)
 
 
 @compiled
-def finish_rigid(part: RigidKicks, crew: Crew, parameters: Parameters, state: State, workspace: Workspace) -> None:
+def finish_rigid(
+    part: RigidKicks, own: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
+) -> None:
     """The second half of a kick, where there are halves."""
     if parameters.scheme.half_kicks:
-        kick_twice(part, crew, parameters, workspace.force)
+        kick_twice(part, own, parameters, workspace.force)
 
 
 @compiled
-def move_rigid(part: RigidKicks, crew: Crew, parameters: Parameters, state: State, workspace: Workspace) -> None:
+def move_rigid(
+    part: RigidKicks, own: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
+) -> None:
     """Glide and turn with the passage."""
     time = parameters.time_step
     for i in range(len(state.position)):
-        state.position[i, 0] += time * crew.passage[i, 0]
-        state.position[i, 1] += time * crew.passage[i, 1]
-        crew.angle[i] += time * crew.passage[i, 2]
-        state.turning[i, 0] = crew.angle[i]
+        state.position[i, 0] += time * own.midstep_velocity[i, 0]
+        state.position[i, 1] += time * own.midstep_velocity[i, 1]
+        own.angle[i] += time * own.midstep_velocity[i, 2]
+        state.turning[i, 0] = own.angle[i]
 
 
 @compiled
-def begin_rigid(part: RigidKicks, crew: Crew, parameters: Parameters, state: State) -> None:
+def begin_rigid(part: RigidKicks, own: ShapedScratch, parameters: Parameters, state: State) -> None:
     """Angles and mobilities for a new workspace."""
     for i in range(len(state.position)):
-        crew.angle[i] = state.turning[i, 0]
-    fill_mobility(part, crew, parameters)
+        own.angle[i] = state.turning[i, 0]
+    fill_mobility(part, own, parameters)
 
 
 @compiled
-def foresee_rigid(part: RigidKicks, crew: Crew, parameters: Parameters, state: State, workspace: Workspace) -> int:
+def bound_rigid_travel(
+    part: RigidKicks, own: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
+) -> int:
     """Tips go farther than centers; DIVERGED where a body turns too far in a step."""
-    tips, turn = tips_ahead(part, crew, parameters, state)
-    workspace.ahead[0] += tips
+    tips, turn = tip_travel(part, own, parameters, state)
+    workspace.travel[0] += tips
     return DONE if turn <= FARTHEST_TURN else DIVERGED
 
 
 @compiled
-def store_rigid(part: RigidKicks, crew: Crew, state: State) -> None:
+def store_rigid(part: RigidKicks, own: ShapedScratch, state: State) -> None:
     """Velocities and spins of the state."""
-    store(state, crew.passage)
+    store(state, own.midstep_velocity)

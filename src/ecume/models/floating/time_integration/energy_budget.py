@@ -28,25 +28,25 @@ def is_driven(parameters: Parameters) -> bool:
 
 
 @compiled
-def power_of_current(parameters: Parameters, state: State, passage: Array) -> float:
+def power_of_current(parameters: Parameters, state: State, midstep_velocity: Array) -> float:
     """That of the current's drag along the passage, in its middle (W)."""
     mass, relaxation, radius = parameters.floats.mass, parameters.floats.relaxation_time, parameters.floats.radius
     drift, position, velocity, half = parameters.drift, state.position, state.velocity, 0.5 * parameters.time_step
     flow, thickness, tabled, power = drift.flow, drift.thickness, drift.nodes.shape[1] > 0, 0.0
     for i in range(len(position)):
-        x, y = position[i, 0] + half * passage[i, 0], position[i, 1] + half * passage[i, 1]
+        x, y = position[i, 0] + half * midstep_velocity[i, 0], position[i, 1] + half * midstep_velocity[i, 1]
         # The whole of `drift` is slow to hand over.
         along, across = current_at(drift, x, y) if tabled else straight_current(flow, x, y)
         friction = mass[i] / relaxation[i]
         if thickness > 0.0:
             slip = math.sqrt((velocity[i, 0] - along) ** 2 + (velocity[i, 1] - across) ** 2)
             friction *= schiller_naumann_factor(2.0 * radius[i] * slip * thickness)
-        power += friction * (along * passage[i, 0] + across * passage[i, 1])
+        power += friction * (along * midstep_velocity[i, 0] + across * midstep_velocity[i, 1])
     return power
 
 
 @compiled
-def power_of_dish(parameters: Parameters, passage: Array, time: float) -> float:
+def power_of_dish(parameters: Parameters, midstep_velocity: Array, time: float) -> float:
     """That of a dish in motion, as seen from it (W)."""
     mass, relaxation, sway = parameters.floats.mass, parameters.floats.relaxation_time, parameters.drift.sway
     power = 0.0
@@ -56,28 +56,28 @@ def power_of_dish(parameters: Parameters, passage: Array, time: float) -> float:
         change = change if parameters.scheme.inertia else 0.0
         for i in range(len(mass)):
             pulled = left_behind(mass[i], mass[i] / relaxation[i], change, speed, sway.slip)
-            power += passage[i, axis] * pulled
+            power += midstep_velocity[i, axis] * pulled
     return power
 
 
 @compiled
-def book(parameters: Parameters, state: State, passage: Array) -> None:
+def add_work(parameters: Parameters, state: State, midstep_velocity: Array) -> None:
     """A step's work, by the forces in the middle of the passage."""
     drift, tally, time = parameters.drift, state.tally, parameters.time_step
     # Runs of former versions have no place for it.
     if len(tally) <= WORK:
         return
     if drift.flows:
-        tally[WORK] += time * power_of_current(parameters, state, passage)
+        tally[WORK] += time * power_of_current(parameters, state, midstep_velocity)
     if drift.sway.moves and not drift.thermal > 0.0:
-        tally[WORK] += time * power_of_dish(parameters, passage, (state.step[0] + 0.5) * time)
+        tally[WORK] += time * power_of_dish(parameters, midstep_velocity, (state.step[0] + 0.5) * time)
 
 
 @compiled
-def book_heat(parameters: Parameters, state: State, workspace: Workspace) -> None:
+def add_heat(parameters: Parameters, state: State, workspace: Workspace) -> None:
     """Half a step's heat, by the forces where the passage begins, or ends; a dish in motion is a part of it."""
-    passage, force, power = workspace.passage, workspace.force, 0.0
+    midstep_velocity, force, power = workspace.midstep_velocity, workspace.force, 0.0
     if parameters.drift.thermal > 0.0 and len(state.tally) > WORK:
         for i in range(len(force)):
-            power += force[i, 0] * passage[i, 0] + force[i, 1] * passage[i, 1]
+            power += force[i, 0] * midstep_velocity[i, 0] + force[i, 1] * midstep_velocity[i, 1]
         state.tally[WORK] -= 0.5 * parameters.time_step * power

@@ -22,25 +22,25 @@ from ecume.engine.cells import Integers
 from ecume.engine.contact.contacts import Candidates
 from ecume.engine.neighbors import NeighborLists, build, farthest_move
 from ecume.models.floating.contacts.contact_models import (
+    contacts_after_drift,
+    contacts_at_end,
+    contacts_before_drift,
     contacts_of,
     find_contacts,
-    meet_contacts,
-    rest_contacts,
-    settle_contacts,
 )
 from ecume.models.floating.forces.interactions import (
     BY_CONSTANTS,
+    apply_resistances,
     evaluate,
     interactions_of,
-    slow_parts,
+    kick_spins,
     sort_parts,
-    turn_parts,
 )
 from ecume.models.floating.parameters import Kick, Parameters, Parts, Scratch
 from ecume.models.floating.shaped.bodies import RigidKicks
 from ecume.models.floating.state import State, Workspace, copy_rows
-from ecume.models.floating.time_integration.energy_budget import book, book_heat, is_driven
-from ecume.models.floating.time_integration.integrators import begin, finish, foresee, move, predict, store
+from ecume.models.floating.time_integration.energy_budget import add_heat, add_work, is_driven
+from ecume.models.floating.time_integration.integrators import begin, bound_travel, finish, move, predict, store
 from ecume.models.model import CROWDED, DIVERGED, DONE
 from ecume.units import Array
 
@@ -149,7 +149,7 @@ renew = selected(lambda kind: LISTS[kind])
 
 
 @compiled
-def farthest_ahead(kick: Kick, velocity: Array, force: Array) -> float:
+def highest_speed(kick: Kick, velocity: Array, force: Array) -> float:
     """The highest speed with which anyone can go through the next step, contacts aside; NaN if a number is none."""
     fastest = 0.0
     for i in range(velocity.shape[0]):
@@ -165,7 +165,7 @@ def farthest_ahead(kick: Kick, velocity: Array, force: Array) -> float:
 @composed
 def keep_lists(parts: Parts, scratch: Scratch, parameters: Parameters, state: State, workspace: Workspace) -> int:
     """New lists before anyone leaves the old ones' reach; nothing but the reference positions changes in the state."""
-    status = must_renew(parameters, state, workspace)
+    status = list_status(parameters, state, workspace)
     if status != CROWDED:
         return status
     copy_rows(workspace.stages[0], state.reference)
@@ -177,12 +177,12 @@ def keep_lists(parts: Parts, scratch: Scratch, parameters: Parameters, state: St
 
 
 @compiled_inside
-def must_renew(parameters: Parameters, state: State, workspace: Workspace) -> int:
+def list_status(parameters: Parameters, state: State, workspace: Workspace) -> int:
     """DONE where lists hold for another step, CROWDED where they do not, DIVERGED where none could."""
-    ahead = parameters.time_step * farthest_ahead(parameters.kick, state.velocity, workspace.force)
+    ahead = parameters.time_step * highest_speed(parameters.kick, state.velocity, workspace.force)
     ahead += parameters.drift.jump
     moved = farthest_move(state.position, state.reference)
-    workspace.ahead[0] = ahead
+    workspace.travel[0] = ahead
     if not ahead <= 0.25 * parameters.skin:
         return DIVERGED
     return CROWDED if moved + ahead > 0.25 * parameters.skin else DONE
@@ -191,26 +191,26 @@ def must_renew(parameters: Parameters, state: State, workspace: Workspace) -> in
 @composed
 def step(parts: Parts, scratch: Scratch, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """One time step."""
-    turn_parts(parts.interactions, scratch.interactions, parameters, state, True)
+    kick_spins(parts.interactions, scratch.interactions, parameters, state, True)
     copy_rows(workspace.before, state.velocity)
     predict(parts.integrator, parts, scratch, parameters, state, workspace)
-    slow_parts(parts.resistances, scratch.resistances, parameters, state, workspace)
-    meet_contacts(parts.contacts, scratch.contacts, parameters, state, workspace)
+    apply_resistances(parts.resistances, scratch.resistances, parameters, state, workspace)
+    contacts_before_drift(parts.contacts, scratch.contacts, parameters, state, workspace)
     driven = is_driven(parameters)
     if driven:
-        book(parameters, state, workspace.passage)
-        book_heat(parameters, state, workspace)
+        add_work(parameters, state, workspace.midstep_velocity)
+        add_heat(parameters, state, workspace)
     move(parts.integrator, scratch.integrator, parameters, state, workspace)
-    settle_contacts(parts.contacts, scratch.contacts, parameters, state, workspace)
+    contacts_after_drift(parts.contacts, scratch.contacts, parameters, state, workspace)
     if parameters.scheme.forces_at_end:
         evaluate(parts, scratch, parameters, state.position, workspace.lists, workspace.force)
     if driven:
-        book_heat(parameters, state, workspace)
+        add_heat(parameters, state, workspace)
     finish(parts.integrator, scratch.integrator, parameters, state, workspace)
     if parameters.scheme.contacts_at_end:
-        rest_contacts(parts.contacts, scratch.contacts, parameters, state, workspace)
+        contacts_at_end(parts.contacts, scratch.contacts, parameters, state, workspace)
     store(parts.integrator, scratch.integrator, state)
-    turn_parts(parts.interactions, scratch.interactions, parameters, state, False)
+    kick_spins(parts.interactions, scratch.interactions, parameters, state, False)
     state.step[0] += 1
 
 
@@ -228,7 +228,7 @@ def integrate(
     for _ in range(steps):
         status = keep_lists(parts, scratch, parameters, state, workspace)
         if status == DONE:
-            status = foresee(parts.integrator, scratch.integrator, parameters, state, workspace)
+            status = bound_travel(parts.integrator, scratch.integrator, parameters, state, workspace)
         if status == DONE:
             status = find_contacts(parts.contacts, scratch.contacts, parameters, state, workspace)
         if status != DONE:

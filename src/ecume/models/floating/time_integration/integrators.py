@@ -20,13 +20,13 @@ from ecume.models.floating.parameters import Kick, Parameters, Parts, Scheme, Sc
 from ecume.models.floating.shaped.bodies import RigidKicks
 from ecume.models.floating.shaped.rigid_motion import (
     begin_rigid,
+    bound_rigid_travel,
     finish_rigid,
-    foresee_rigid,
     move_rigid,
     predict_rigid,
     store_rigid,
 )
-from ecume.models.floating.state import State, Workspace, clear, copy_rows, drift
+from ecume.models.floating.state import State, Workspace, advance_rows, clear, copy_rows
 from ecume.models.model import DONE
 from ecume.units import Array
 
@@ -34,7 +34,7 @@ admit(brownian, drag, dish_motion)
 
 
 @compiled
-def give_kick(kick: Kick, velocity: Array, force: Array) -> None:
+def apply_kick(kick: Kick, velocity: Array, force: Array) -> None:
     """Drag and a force that stays for the kick's time, solved exactly."""
     decay, gain = kick.decay, kick.gain
     for i in range(force.shape[0]):
@@ -44,17 +44,17 @@ def give_kick(kick: Kick, velocity: Array, force: Array) -> None:
 
 @compiled_inside
 def kick_floats(parameters: Parameters, state: State, force: Array, ahead: float) -> None:
-    """`give_kick`, with the drag of the scene's law and a dish in motion, `ahead` steps from now."""
+    """`apply_kick`, with the drag of the scene's law and a dish in motion, `ahead` steps from now."""
     if parameters.drift.thickness > 0.0:
-        give_fast_kick(parameters, state, force)
+        apply_nonlinear_kick(parameters, state, force)
     else:
-        give_kick(parameters.kick, state.velocity, force)
+        apply_kick(parameters.kick, state.velocity, force)
     if parameters.drift.sway.moves:
-        leave_behind(parameters, state, (state.step[0] + ahead) * parameters.time_step)
+        add_dish_motion(parameters, state, (state.step[0] + ahead) * parameters.time_step)
 
 
 @compiled
-def leave_behind(parameters: Parameters, state: State, time: float) -> None:
+def add_dish_motion(parameters: Parameters, state: State, time: float) -> None:
     """What the motion of the dish does to velocities as seen from it; what has no inertia feels its velocity only."""
     sway, floats, gain, velocity = parameters.drift.sway, parameters.floats, parameters.kick.gain, state.velocity
     for axis in range(2):
@@ -67,8 +67,8 @@ def leave_behind(parameters: Parameters, state: State, time: float) -> None:
 
 
 @compiled
-def give_fast_kick(parameters: Parameters, state: State, force: Array) -> None:
-    """A drag that grows with the speed through the liquid: that of the kick's beginning, then as in `give_kick`."""
+def apply_nonlinear_kick(parameters: Parameters, state: State, force: Array) -> None:
+    """A drag that grows with the speed through the liquid: that of the kick's beginning, then as in `apply_kick`."""
     floats, velocity = parameters.floats, state.velocity
     time = 0.5 * parameters.time_step if parameters.scheme.half_kicks else parameters.time_step
     for i in range(force.shape[0]):
@@ -94,7 +94,7 @@ def accelerate(parameters: Parameters, velocity: Array, force: Array, accelerati
 
 
 @compiled
-def jiggle(parameters: Parameters, velocity: Array, step: int) -> None:
+def add_noise(parameters: Parameters, velocity: Array, step: int) -> None:
     """Brownian motion as a velocity of one step: a normal displacement of variance 2 kT/zeta dt along each axis."""
     gain, time = parameters.kick.gain, parameters.time_step
     for i in range(velocity.shape[0]):
@@ -120,23 +120,21 @@ class Stoermer(NamedTuple):
 def predict_kicked(
     part: Kicks, parts: Parts, scratch: Scratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
-    """The smooth part up to the drift: `passage` is the displacement over the time step, and the velocity has its
-    kick.
-    """
-    kick_and_pass(parameters, state, workspace)
+    """The smooth part up to the drift: velocities after their kick, and the midstep velocity."""
+    kick_before_drift(parameters, state, workspace)
 
 
 @compiled_inside
-def kick_and_pass(parameters: Parameters, state: State, workspace: Workspace) -> None:
+def kick_before_drift(parameters: Parameters, state: State, workspace: Workspace) -> None:
     """See `predict_kicked`."""
     if parameters.scheme.drifts_first:
-        copy_rows(workspace.passage, state.velocity)
+        copy_rows(workspace.midstep_velocity, state.velocity)
         kick_floats(parameters, state, workspace.force, 0.5)
     else:
         kick_floats(parameters, state, workspace.force, 0.0 if parameters.scheme.half_kicks else 0.5)
         if parameters.drift.thermal > 0.0:
-            jiggle(parameters, state.velocity, int(state.step[0]))
-        copy_rows(workspace.passage, state.velocity)
+            add_noise(parameters, state.velocity, int(state.step[0]))
+        copy_rows(workspace.midstep_velocity, state.velocity)
 
 
 @composed
@@ -146,9 +144,9 @@ def predict_runge_kutta(
     """The classical scheme of fourth order, drag included: passage and velocity change by the weighted means of four
     stages.
     """
-    time, passage, stages = parameters.time_step, workspace.passage, workspace.stages
+    time, midstep_velocity, stages = parameters.time_step, workspace.midstep_velocity, workspace.stages
     position, velocity, rate, slope, push = stages[0], stages[1], stages[2], stages[3], stages[4]
-    clear(passage)
+    clear(midstep_velocity)
     clear(rate)
     copy_rows(push, workspace.force)
     copy_rows(velocity, state.velocity)
@@ -156,15 +154,15 @@ def predict_runge_kutta(
         if stage > 0:
             ahead = time if stage == 3 else 0.5 * time
             copy_rows(position, state.position)
-            drift(position, velocity, ahead)
+            advance_rows(position, velocity, ahead)
             copy_rows(velocity, state.velocity)
-            drift(velocity, slope, ahead)
+            advance_rows(velocity, slope, ahead)
             evaluate(parts, scratch, parameters, position, workspace.lists, push)
         accelerate(parameters, velocity, push, slope)
         weight = 1.0 / 6.0 if stage in (0, 3) else 1.0 / 3.0
-        drift(passage, velocity, weight)
-        drift(rate, slope, weight)
-    drift(state.velocity, rate, time)
+        advance_rows(midstep_velocity, velocity, weight)
+        advance_rows(rate, slope, weight)
+    advance_rows(state.velocity, rate, time)
 
 
 @composed
@@ -172,13 +170,13 @@ def predict_stoermer(
     part: Stoermer, parts: Parts, scratch: Scratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
     """Drift, kick, drift: the midpoints obey x(t+dt) = 2 x(t) - x(t-dt) + dt^2 a. No force is known between steps."""
-    passage, middle = workspace.passage, workspace.stages[0]
-    copy_rows(passage, state.velocity)
+    midstep_velocity, middle = workspace.midstep_velocity, workspace.stages[0]
+    copy_rows(midstep_velocity, state.velocity)
     copy_rows(middle, state.position)
-    drift(middle, state.velocity, 0.5 * parameters.time_step)
+    advance_rows(middle, state.velocity, 0.5 * parameters.time_step)
     evaluate(parts, scratch, parameters, middle, workspace.lists, workspace.force)
-    give_kick(parameters.kick, state.velocity, workspace.force)
-    average_rows(passage, state.velocity)
+    apply_kick(parameters.kick, state.velocity, workspace.force)
+    average_rows(midstep_velocity, state.velocity)
 
 
 @compiled
@@ -208,24 +206,24 @@ def finish_stoermer(part: Any, scratch: Any, parameters: Parameters, state: Stat
 
 
 @compiled
-def pass_straight(part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+def drift_straight(part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """Drift with the velocity through the step."""
-    drift(state.position, workspace.passage, parameters.time_step)
+    advance_rows(state.position, workspace.midstep_velocity, parameters.time_step)
 
 
 @composed
-def nothing_to_begin(part: Any, scratch: Any, parameters: Parameters, state: State) -> None:
+def no_preparation(part: Any, scratch: Any, parameters: Parameters, state: State) -> None:
     """Discs and spheres need no preparation."""
 
 
 @composed
-def as_foreseen(part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> int:
+def no_more_travel(part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> int:
     """Discs and spheres go no farther than their centers."""
     return DONE
 
 
 @composed
-def nothing_to_store(part: Any, scratch: Any, state: State) -> None:
+def no_storage(part: Any, scratch: Any, state: State) -> None:
     """The state has its velocities already."""
 
 
@@ -240,13 +238,13 @@ class Integrator(Option):
     """predict(part, parts, scratch, parameters, state, workspace): velocities and passage up to the drift"""
     finish: Callable[..., None] = finish_kicked
     """finish(part, scratch, parameters, state, workspace): the rest of the kick, with the forces at the end"""
-    move: Callable[..., None] = pass_straight
+    move: Callable[..., None] = drift_straight
     """move(part, scratch, parameters, state, workspace): the drift"""
-    begin: Callable[..., None] = nothing_to_begin
+    begin: Callable[..., None] = no_preparation
     """begin(part, scratch, parameters, state): what a new workspace lacks"""
-    foresee: Callable[..., int] = as_foreseen
-    """foresee(part, scratch, parameters, state, workspace): add to `workspace.ahead`; DONE or DIVERGED"""
-    store: Callable[..., None] = nothing_to_store
+    bound_travel: Callable[..., int] = no_more_travel
+    """foresee(part, scratch, parameters, state, workspace): add to `workspace.travel`; DONE or DIVERGED"""
+    store: Callable[..., None] = no_storage
     """store(part, scratch, state): write velocities into the state at the end of a step"""
 
 
@@ -285,11 +283,10 @@ INTEGRATORS = {
 """The choices of `motion.integrator`."""
 
 SCHEMES = tuple(INTEGRATORS)
-
 RIGID = Integrator(
     slot="rigid integrator", path="floats", name="a float with a shape", scheme=Scheme(True, True, False, True, True),
     constants=RigidKicks, predict=predict_rigid, finish=finish_rigid, move=move_rigid, begin=begin_rigid,
-    foresee=foresee_rigid, store=store_rigid,
+    bound_travel=bound_rigid_travel, store=store_rigid,
 )  # fmt: skip
 """Takes the place of an integrator's functions for floats with a shape."""
 
@@ -303,6 +300,6 @@ move = selected(lambda kind: BY_CONSTANTS[kind].move)
 
 begin = selected(lambda kind: BY_CONSTANTS[kind].begin)
 
-foresee = selected(lambda kind: BY_CONSTANTS[kind].foresee)
+bound_travel = selected(lambda kind: BY_CONSTANTS[kind].bound_travel)
 
 store = selected(lambda kind: BY_CONSTANTS[kind].store)

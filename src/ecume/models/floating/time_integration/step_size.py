@@ -23,13 +23,11 @@ if TYPE_CHECKING:
 GOOD = 0.05
 """Time steps over the shortest time scale: the error of a step is then below a thousandth."""
 
-LOOSEST_OVER_CHOSEN = 4.0
-
-LARGEST_OVER_CHOSEN = 20.0
+COARSE_OVER_GOOD = 4.0
+UNSTABLE_OVER_GOOD = 20.0
 """Beyond this the scheme is unstable."""
 
 RAFT_NEIGHBORS = 6.0
-
 PACKED = 0.9069
 """Of the surface that touching discs cover on a triangular lattice."""
 
@@ -69,7 +67,7 @@ def stiffness_over_mass(parameters: Parameters) -> tuple[Array, Array]:
     return np.array(stiffness), kinds[:, 2]
 
 
-def chosen_step(parameters: Parameters, speed: float) -> float:
+def longest_good_step(parameters: Parameters, speed: float) -> float:
     """The longest good step (s).
 
     A float on a spring k turns back after about sqrt(m/k), or relaxes in zeta/k where drag rules; the kick takes drag
@@ -82,13 +80,13 @@ def chosen_step(parameters: Parameters, speed: float) -> float:
         max(0.0 if slow else math.sqrt(m / k), friction / k) if k > 0.0 else math.inf
         for k, m in zip(stiffness, mass, strict=True)
     ]
-    step = min(GOOD * min(*scales, parameters.quickest), wandering_step(parameters))
+    step = min(GOOD * min(*scales, parameters.quickest), diffusion_step(parameters))
     if slow:
-        speed += gathering_speed(parameters)
+        speed += attraction_speed(parameters)
     return min(step, SKIN_PER_STEP * parameters.skin / speed) if speed > 0.0 else step
 
 
-def gathering_speed(parameters: Parameters) -> float:
+def attraction_speed(parameters: Parameters) -> float:
     """The fastest that walls and all others together, in a raft, can move a float that has no inertia (m/s)."""
     floats, length = parameters.floats, float(parameters.pair[CAPILLARY_LENGTH])
     mobility, charge = floats.relaxation_time / floats.mass, np.abs(floats.charge)
@@ -111,7 +109,7 @@ def raft_pull(parameters: Parameters, charge: Array, area: float) -> Array:
     return np.full(len(charge), whole)
 
 
-def wandering_step(parameters: Parameters) -> float:
+def diffusion_step(parameters: Parameters) -> float:
     """The step in which chance carries floats by GOOD of their radius, r.m.s. along an axis (s)."""
     thermal, floats = parameters.drift.thermal, parameters.floats
     if thermal == 0.0:
@@ -125,7 +123,7 @@ def _least_friction(floats: Floats) -> float:
     return float(np.min(floats.mass / floats.relaxation_time))
 
 
-FARTHEST_CHANCE = 6.5
+NOISE_DEVIATIONS = 6.5
 """Standard deviations that chance is allowed for when neighbors are listed."""
 
 
@@ -150,7 +148,7 @@ def kick_of(scheme: Scheme, time_step: float, floats: Floats, walls: int) -> Kic
 
 def good_step(parameters: Parameters, scene: FloatingScene) -> float:
     """The longest time step that is good (s)."""
-    return chosen_step(parameters, _speeds(scene))
+    return longest_good_step(parameters, _speeds(scene))
 
 
 class Step(NamedTuple):
@@ -167,13 +165,13 @@ def step_of(parameters: Parameters, scene: FloatingScene) -> Step:
     frames.
     """
     good, frame = good_step(parameters, scene), scene.frame_every
-    asked = scene.motion.time_step
-    if asked is not None:
-        _judge(asked, good)
-    steps = max(1, math.ceil(frame / (asked if asked is not None else good) * (1.0 - 1e-9)))
-    if asked is not None and abs(steps * asked - frame) > 1e-9 * frame:
+    given = scene.motion.time_step
+    if given is not None:
+        _judge(given, good)
+    steps = max(1, math.ceil(frame / (given if given is not None else good) * (1.0 - 1e-9)))
+    if given is not None and abs(steps * given - frame) > 1e-9 * frame:
         raise _fault(
-            "motion.time_step", f"{asked:g} s does not divide frame_every = {frame:g} s; {frame / steps:.9g} s would do"
+            "motion.time_step", f"{given:g} s does not divide frame_every = {frame:g} s; {frame / steps:.9g} s would do"
         )
     time_step = frame / steps
     kick = kick_of(
@@ -185,7 +183,7 @@ def step_of(parameters: Parameters, scene: FloatingScene) -> Step:
             "motion.integrator", f"'rk4' needs a time step below {2.0 * stiffest:.3g} s in so viscous a liquid; "
             f"it is {time_step:.3g} s. Set motion.time_step, or use 'velocity-verlet'"
         )  # fmt: skip
-    jump = FARTHEST_CHANCE * math.sqrt(2.0 * parameters.drift.thermal * float(kick.gain.max()) * time_step)
+    jump = NOISE_DEVIATIONS * math.sqrt(2.0 * parameters.drift.thermal * float(kick.gain.max()) * time_step)
     jump = (jump if parameters.drift.thermal > 0.0 else 0.0) + time_step * _swaying(parameters, kick)
     drift = parameters.drift._replace(jump=jump)
     return Step(time_step, steps, kick, drift)
@@ -200,15 +198,15 @@ def _swaying(parameters: Parameters, kick: Kick) -> float:
     return sway.slip * float(np.max(kick.gain * floats.mass * (change + speed / floats.relaxation_time)))
 
 
-def _judge(asked: float, good: float) -> None:
+def _judge(given: float, good: float) -> None:
     """Refuse or warn of a step too large, with the number that would do."""
-    if asked > LARGEST_OVER_CHOSEN * good:
+    if given > UNSTABLE_OVER_GOOD * good:
         raise _fault(
-            "motion.time_step", f"{asked:.3g} s is unstable here; wanted at most {LARGEST_OVER_CHOSEN * good:.3g} s, "
+            "motion.time_step", f"{given:.3g} s is unstable here; expected at most {UNSTABLE_OVER_GOOD * good:.3g} s, "
             f"{good:.3g} s is good"
         )  # fmt: skip
-    if asked > LOOSEST_OVER_CHOSEN * good:
-        warnings.warn(f"motion.time_step: {asked:.3g} s is coarse; {good:.3g} s is good", StepWarning, stacklevel=2)
+    if given > COARSE_OVER_GOOD * good:
+        warnings.warn(f"motion.time_step: {given:.3g} s is coarse; {good:.3g} s is good", StepWarning, stacklevel=2)
 
 
 def _speeds(scene: FloatingScene) -> float:
