@@ -59,7 +59,7 @@ def test_equilibrium_and_closeness_are_told_for_each_species():
     assert rows["float-1: height of the contact line"][0].startswith("-0.0")
     share, remark = rows["float-1: beyond superposition"]
     assert float(share.removeprefix("over ").removesuffix(" %")) > 0.0
-    assert "harder" in remark
+    assert "exceeds superposition" in remark
 
 
 def test_discs_say_what_they_carry_and_that_superposition_errs():

@@ -139,7 +139,7 @@ def test_a_march_on_ranks_is_that_of_one(ranks: int, changes: tuple[str, ...]) -
 @pytest.mark.parametrize(
     ("change", "told"),
     [
-        ("interaction.method=multipole", "neighbors of its own floats only"),
+        ("interaction.method=multipole", "neighbors of a part of the floats only"),
         ("contacts.friction=0.2", "islands of contacts without friction"),
     ],
 )

@@ -73,8 +73,8 @@ def test_laws_that_add_nothing_change_no_bit(extended, monkeypatch):
     [
         (lambda distance: 1.0, "expected 1, got 2"),
         (lambda distance, parameters: parameters.color, "Unknown attribute 'color'"),
-        (lambda distance, parameters: None, "came None at 0.0032 m; wanted a force in N"),
-        (lambda distance, parameters: math.nan, "came nan"),
+        (lambda distance, parameters: None, "got None at 0.0032 m; expected a force in N"),
+        (lambda distance, parameters: math.nan, "got nan"),
         (lambda distance, parameters: parameters.radius_i / distance, "would create momentum"),
         (lambda distance, parameters: parameters.charge_i - parameters.charge_j, "would create momentum"),
         (3, "extra_laws: 3: cannot be used"),

@@ -1,11 +1,11 @@
-"""One crowd on many ranks: each has the neighbors of its own part of the crowd and sums the forces of their pairs, and
-does all else as if alone.
+"""Floats on many MPI ranks: each rank has the neighbor lists of a part of the floats and sums the forces of their
+pairs.
 
-Everyone holds the whole state. The stretches that threads share (see `pulling`) are shared out in unbroken runs, and
-with them the rows of the lists; who may touch is told to everyone, and the windows of forces that others filled are
-gathered and added up in order, as in one process. Kicks, drag, chance, contacts and walls are the same compiled code on
-the same numbers, so that everyone comes to the same bits, which are those of a run without ranks. It is the
-replicated-data way [plimpton1995, sec. 3]: its limit is what everyone does, and the messages.
+Every rank holds the whole state. The stretches that threads share (see `forces.pair_forces`) are distributed in
+consecutive runs, and with them the rows of the lists. All ranks receive the pairs that may touch, and the windows of
+forces of the other ranks, which they add up in order, as in one process. Kicks, drag, noise, contacts and walls are
+the same compiled code on the same numbers, so that all ranks compute the same bits, which are those of a run without
+MPI. This is the replicated-data method [plimpton1995, sec. 3]: the replicated work and the messages limit it.
 """
 
 from __future__ import annotations
@@ -33,51 +33,45 @@ from ecume.engine.neighbors import (
 )
 from ecume.errors import BadInput
 from ecume.models.floating.contacts import collisions, contact_models
-from ecume.models.floating.contacts.contact_models import contacts_of
 from ecume.models.floating.forces import interactions
-from ecume.models.floating.forces.interactions import RESISTANCES_BY_CONSTANTS, interactions_of, sort_parts
+from ecume.models.floating.forces.interactions import sort_parts
 from ecume.models.floating.forces.pair_forces import (
-    NAMES,
     Sorted,
     add_from_slots,
     add_wall_forces,
     add_windows,
-    pair_option,
     pairs_of,
     sort_floats,
     sum_in_parallel,
     sum_stretches,
 )
-from ecume.models.floating.options import Option, faults_of
+from ecume.models.floating.options import Option
 from ecume.models.floating.parameters import Parameters, Parts, Scratch
 from ecume.models.floating.record import workspace
-from ecume.models.floating.setup.scene_parameters import TABLES
+from ecume.models.floating.setup.scene_parameters import faults_with
 from ecume.models.floating.state import State, Workspace
 from ecume.models.floating.time_integration import integration
 from ecume.models.floating.time_integration.integration import EveryRow, find_pairs, renew_lists, sort_pairs
 from ecume.units import Array
 
 FEW_CONTACTS = 2000
-"""Fewer are solved by everyone: messages would take longer."""
+"""Fewer contacts are solved by every rank: messages would take longer."""
 
 
 ENGINE = Option(
     slot="engine", path="--engine", name="--engine mpi",
     needs={
         "reciprocal": "each pair is summed once, by one rank",
-        "shared": "each rank has the neighbors of its own floats only",
-        "shared films": "each rank has the neighbors of its own floats only",
+        "shared": "each rank has the neighbors of a part of the floats only",
+        "shared films": "each rank has the neighbors of a part of the floats only",
         "shared contacts": "ranks solve islands of contacts without friction",
     },
 )  # fmt: skip
 
 
 def require_spreadable(parameters: Parameters) -> None:
-    """Raise BadInput for floats that are not spread over ranks."""
-    rows: list[Option] = [row for _, row in interactions_of(parameters)]
-    rows += [RESISTANCES_BY_CONSTANTS[type(part)] for part in parameters.parts.resistances]
-    rows += [contacts_of(parameters), pair_option(NAMES[parameters.pair_law])]
-    if faults := faults_of([ENGINE, *rows], TABLES):
+    """Raise BadInput for floats that cannot be distributed over ranks."""
+    if faults := faults_with(ENGINE, parameters):
         raise BadInput("; ".join(fault.message for fault in faults))
 
 
@@ -89,20 +83,20 @@ class SharedPairs(NamedTuple):
 
 
 class SharedImpulses(NamedTuple):
-    """`Impulses` that all ranks find together."""
+    """`Impulses` that all ranks compute together."""
 
     overlapping: bool
     share: Share
 
 
 class SharedRows(NamedTuple):
-    """Neighbor lists of which each rank has its own rows."""
+    """Neighbor lists, of which each rank has a part of the rows."""
 
     share: Share
 
 
 def sum_shared(share: Share, law: Any, rows: Any, floats: Any, pair: Array, force: Array) -> None:
-    """Pair forces on all slots: the windows of some stretches, or all of a small crowd."""
+    """Compute the pair forces on all slots: the windows of some stretches on each rank, or all for few floats."""
     if force.shape[1] < THREADS_FROM:
         sum_in_parallel(law, rows, floats, pair, force)
         return
@@ -118,8 +112,8 @@ def sum_shared(share: Share, law: Any, rows: Any, floats: Any, pair: Array, forc
 def renew_shared(
     part: SharedRows, parts: Parts, scratch: Scratch, parameters: Parameters, reference: Array, workspace: Workspace
 ) -> bool:
-    """Lists and candidates at the reference positions, of which everyone makes a part and holds the own rows alone.
-    False when there is no room for all of them. See `integration.renew_lists`.
+    """Make lists and candidates at the reference positions; each rank makes and stores its part of the rows.
+    False when there is no room. See `integration.renew_lists`.
     """
     share, lists, candidates = part.share, workspace.lists, workspace.candidates
     rows, count, rank = lists.rows, len(reference), share.rank
@@ -142,7 +136,7 @@ def renew_shared(
 
 
 def share_pairs(share: Share, parameters: Parameters, lists: NeighborLists, candidates: Candidates) -> bool:
-    """Tell everyone who may touch whom, by the rows that each rank holds. False when there is no room."""
+    """Send the pairs that may touch, from the rows of each rank, to all ranks. False when there is no room."""
     edge, room = lists.rows.edge[share.parts(STRETCHES)], len(candidates.partner)
     own = edge[share.rank], edge[share.rank + 1]
     found = find_pairs(lists, own, parameters.floats.radius, parameters.skin, room)
@@ -161,7 +155,7 @@ def share_pairs(share: Share, parameters: Parameters, lists: NeighborLists, cand
 
 
 def complete(share: Share, parameters: Parameters, state: State, workspace: Workspace) -> Workspace:
-    """With the rows of lists that other ranks hold, too: for sums that one rank takes by itself."""
+    """Return the workspace with the list rows of all ranks, for sums that one rank computes alone."""
     lists, all_of = workspace.lists, share.parts(STRETCHES)
     place = lists.rows.place.copy()
     sort_positions(lists, state.reference)
@@ -173,7 +167,7 @@ def complete(share: Share, parameters: Parameters, state: State, workspace: Work
 
 
 def workspace_shared(share: Share, parameters: Parameters, state: State, room: float) -> Workspace:
-    """See `ecume.models.model.Model.workspace`; everyone has all."""
+    """See `ecume.models.model.Model.workspace`; every rank allocates all of it."""
     return workspace(parameters, state, room)
 
 
@@ -215,13 +209,13 @@ def solve_shared(
 
 
 def push_shared(part: SharedImpulses, own: Any, bodies: Bodies, contacts: Contacts, midstep_velocity: Array) -> None:
-    """The impulses of bounces on the passage: see `collisions.push_smooth`. Every rank has all of them."""
+    """Apply the impulses of collisions: see `collisions.push_smooth`. Every rank has all of them."""
     collisions.push_smooth((), (), bodies, contacts, midstep_velocity)
 
 
 def share_velocities(share: Share, some: Contacts, bounds: Integers, velocity: Array) -> None:
-    """Tell everyone how fast the bodies are whose contacts each rank solved: who hangs on two ranks' is no body that
-    can be moved.
+    """Send the velocities of the bodies whose contacts each rank solved to all ranks. A body with contacts on two ranks
+    is immovable.
     """
     owner = np.full(len(velocity), share.ranks)
     for rank in range(share.ranks):

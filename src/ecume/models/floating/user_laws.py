@@ -1,4 +1,4 @@
-"""A user's own pair laws, compiled into the simulation together with the pair law of the scene."""
+"""Pair laws of the user, compiled into the simulation together with the pair law of the scene."""
 
 from __future__ import annotations
 
@@ -9,20 +9,19 @@ from typing import Any
 from ecume._jit import compiled_once, of_this_process
 from ecume.errors import BadInput
 from ecume.laws.pair_laws import add_row, row_of
-from ecume.models.floating.forces.interactions import interactions_of
-from ecume.models.floating.forces.pair_forces import LEAST_DISTANCE, NAMES, Superposed, pair_option, pull_by_force
-from ecume.models.floating.options import Option, faults_of
+from ecume.models.floating.forces.pair_forces import LEAST_DISTANCE, Superposed, pull_by_force
+from ecume.models.floating.options import Option
 from ecume.models.floating.parameters import PairParameters, Parameters
-from ecume.models.floating.setup.scene_parameters import TABLES
+from ecume.models.floating.setup.scene_parameters import faults_with
 from ecume.models.floating.state import State, Workspace
 from ecume.models.floating.time_integration.integration import advance_with
 
 ROUNDING = 1e-12
-"""By how much of itself a force may change when i and j are swapped: sums in another order, no more."""
+"""Tolerated relative change of a force when i and j are exchanged: rounding only."""
 
 
 def advance_extended(extra_laws: Sequence[Callable[..., float]]) -> Callable[..., int]:
-    """The `advance` of floats with a user's own pair laws compiled into it, which takes seconds a process.
+    """Return `advance` with pair laws of the user, whose compilation takes seconds per process.
 
     A law is a function (distance, parameters) -> force (N, positive repels) of a `PairParameters`, the same when i and
     j are swapped. It acts up to the scene's cutoff. Raises BadInput for what is no such law.
@@ -33,11 +32,11 @@ def advance_extended(extra_laws: Sequence[Callable[..., float]]) -> Callable[...
 
 
 DISTANCES = (3.2e-3, 5e-3, 2e-2)
-"""At which laws are tried, m."""
+"""m: distances at which user laws are tested."""
 
 
 def _require_force(law: Callable[..., float]) -> None:
-    """Try a user's law on two likely spheres: what is wrong with it is told before the march is compiled around it."""
+    """Test a user law with two typical spheres, so that faults are reported before the time step is compiled."""
     own = PairParameters(1e-3, 2e-3, 1e-4, -3e-5, 2.7e-3, 0.07)
     seen_from_j = PairParameters(2e-3, 1e-3, -3e-5, 1e-4, 2.7e-3, 0.07)
     try:
@@ -47,7 +46,7 @@ def _require_force(law: Callable[..., float]) -> None:
         said = [line for line in str(error).splitlines() if line.strip() and not line.startswith("Failed in nopython")]
         why = said[0].strip() if said else type(error).__name__
         raise BadInput(
-            f"extra_laws: {_named(law)}: cannot be used: {why}; wanted a plain function (distance, parameters) -> "
+            f"extra_laws: {_named(law)}: cannot be used: {why}; expected a plain function (distance, parameters) -> "
             "force, of numbers and the functions of math"
         ) from error
     for distance, (one, other) in zip(DISTANCES, forces, strict=True):
@@ -55,17 +54,17 @@ def _require_force(law: Callable[..., float]) -> None:
 
 
 def _require_action_and_reaction(name: str, distance: float, one: object, other: object) -> None:
-    """What i does to j, j does to i: the force is a number, and the same whoever of the two is called i."""
+    """Require that the force is a number, and the same if i and j are exchanged."""
     for force in (one, other):
         if isinstance(force, bool) or not isinstance(force, (int, float)) or not math.isfinite(force):
-            raise BadInput(f"extra_laws: {name}: came {force!r} at {distance:g} m; wanted a force in N")
+            raise BadInput(f"extra_laws: {name}: got {force!r} at {distance:g} m; expected a force in N")
     assert isinstance(one, (int, float))  # noqa: S101  # for the type checker: the loop has seen to it
     assert isinstance(other, (int, float))  # noqa: S101
     if abs(one - other) > ROUNDING * max(abs(one), abs(other)):
         raise BadInput(
-            f"extra_laws: {name}: {distance:g} m apart, two unlike floats push each other with {one:.4g} N and with "
-            f"{other:.4g} N, which would create momentum; wanted a force that stays the same when i and j are swapped, "
-            "such as one of radius_i * radius_j"
+            f"extra_laws: {name}: at {distance:g} m, got forces of {one:.4g} N and "
+            f"{other:.4g} N on two unequal floats, which would create momentum; expected a force that is "
+            "the same if i and j are exchanged, such as one of radius_i * radius_j"
         )
 
 
@@ -74,7 +73,7 @@ def _named(law: object) -> str:
 
 
 def _advance_with_extra(laws: tuple[Callable[..., float], ...]) -> Callable[..., int]:
-    """`advance` with the sum of the laws added to the pair law of the scene."""
+    """Return `advance` with the sum of the laws added to the pair law of the scene."""
     extra = _no_law
     for law in laws:
         extra = _sum_of(compiled_once(law), extra)
@@ -91,7 +90,7 @@ def _advance_with_extra(laws: tuple[Callable[..., float], ...]) -> Callable[...,
 
 
 def _extended(constants: type, extra: Callable[..., float]) -> Any:
-    """The type of constants that makes compiled code run a pair law plus the user's laws."""
+    """Return the type of constants that selects a pair law plus the user laws in compiled code."""
     row = row_of(constants)
     alone = compiled_once(row.pull or pull_by_force)
 
@@ -106,7 +105,7 @@ def _extended(constants: type, extra: Callable[..., float]) -> Any:
 
 
 EXTRA_LAWS = Option(
-    slot="extra laws", path="extra_laws", name="a law of your own",
+    slot="extra laws", path="extra_laws", name="a user law",
     needs={
         "reciprocal": "its sum counts each pair once",
         "pair sum": "it is added to the pair law, as far as lists of neighbors reach",
@@ -116,8 +115,7 @@ EXTRA_LAWS = Option(
 
 def _require_pair_sums(parameters: Parameters) -> None:
     """Raise BadInput for scenes whose forces are not a sum over pairs of floats."""
-    rows = [row for _, row in interactions_of(parameters)]
-    if faults := faults_of([EXTRA_LAWS, pair_option(NAMES[parameters.pair_law]), *rows], TABLES):
+    if faults := faults_with(EXTRA_LAWS, parameters):
         raise BadInput("; ".join(str(fault) for fault in faults))
     if parameters.single:
         raise BadInput("extra_laws: got interaction.precision = 'single'; expected 'double'")

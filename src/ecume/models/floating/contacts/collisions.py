@@ -1,10 +1,10 @@
-"""What contacts do to floats in one step: they bounce, they meet, they settle, they rest.
+"""Contacts as impulses: collisions with restitution, and the constraints that floats do not overlap.
 
-Bouncing acts on what the velocities were before the kick, less what drag takes of them: the impulses that would just
-stop everyone who comes together, times 1 + e. All other solves are plastic, on velocities that have their kick. Either
-way kinetic energy can only fall, for any number of simultaneous contacts: a plastic solve is a projection on a convex
-set that holds rest, and a bounce mirrors part of what the projection takes away. Restitution of single contacts amid
-others that last has no such bound (Kane's paradox), and made floats between two neighbors rattle for ever.
+Collisions act on the velocities before the kick, reduced by drag: the impulses that stop all approaching pairs, times
+1 + e. All other solves are plastic, on velocities after the kick. In both cases the kinetic energy can only decrease,
+for any number of simultaneous contacts: a plastic solve is a projection on a convex set that contains the state of
+rest, and a collision returns part of what the projection removes. Restitution of single contacts next to lasting
+contacts has no such bound (Kane's paradox): floats between two neighbors would rattle forever.
 """
 
 from __future__ import annotations
@@ -36,36 +36,36 @@ from ecume.models.floating.state import COLLISIONS, DEEPEST, SWEEPS, UNCONVERGED
 from ecume.units import Array
 
 STEADY = 2.0
-"""At the end of a step, an approach faster than this many kicks is left for the next step to bounce."""
+"""At the end of a step, an approach faster than this many kicks is a collision of the next step."""
 
 TOLERABLE = 1e-3
-"""What a contact may err by in one step, over the overlap that is left alone; a slower approach does not bounce."""
+"""Tolerance of a contact in one step, over the tolerated overlap; a slower approach does not bounce."""
 
 
 class Impulses(NamedTuple):
     """Contacts that are solved as impulses, without friction."""
 
     overlapping: bool
-    """whether floats collide only where they overlap already, as in the original program"""
+    """whether floats collide only if they already overlap, as in the original program"""
 
 
 class Solver(NamedTuple):
-    """How impulses are found: what contacts with and without friction do differently."""
+    """How impulses are computed: the functions that differ between contacts with and without friction."""
 
     stop: Callable[..., int]
-    """stop(part, own, bodies, contacts, velocity, goal): the impulses that stop everyone; how many sweeps"""
+    """stop(part, own, bodies, contacts, velocity, goal): impulses that stop all approaches; number of sweeps"""
     push: Callable[..., None]
-    """push(part, own, bodies, contacts, passage): impulses times the factor in `contacts.scratch`, on the passage"""
+    """push(part, own, bodies, contacts, velocity): apply the impulses times the factors in `contacts.scratch`"""
     solve: Callable[..., int]
-    """solve(part, own, bodies, contacts, velocity, goal): impulses from those that stand there; how many sweeps"""
+    """solve(part, own, bodies, contacts, velocity, goal): impulses, from the stored ones; number of sweeps"""
     recall: Callable[..., None]
-    """recall(part, own, state, workspace): impulses along the surfaces from the step before"""
+    """recall(part, own, state, workspace): tangential impulses of the previous step"""
     remember: Callable[..., None]
-    """remember(part, own, state, workspace): the same impulses for the next step"""
+    """remember(part, own, state, workspace): store the tangential impulses for the next step"""
     load_spins: Callable[..., None]
-    """load_spins(part, own, parameters, state, last): spins with their kick; `last` at the end of a step"""
+    """load_spins(part, own, parameters, state, last): spins after their kick; `last` at the end of a step"""
     store_spins: Callable[..., None]
-    """store_spins(part, own, parameters, state, last): spins, and angles along the passage, become the state's"""
+    """store_spins(part, own, parameters, state, last): store spins, and advance angles, in the state"""
 
 
 def _solver(kind: type) -> Solver:
@@ -89,28 +89,28 @@ store_spins = selected(lambda kind: _solver(kind).store_spins)
 
 @compiled_inside
 def contact_bodies(parameters: Parameters) -> Bodies:
-    """What the contact solver must know of floats and walls."""
+    """Return the data of floats and walls for the contact solver."""
     return Bodies(parameters.floats.radius, parameters.walls, parameters.kick.mobility)
 
 
 @compiled_inside
 def restitutions_of(parameters: Parameters) -> tuple[int, float, float]:
-    """The number of floats, and the restitution among them and at walls: all that `restitution_of` needs."""
+    """The number of floats, and the restitution among them and at walls, for `restitution_of`."""
     return len(parameters.floats.radius), parameters.restitution, parameters.wall_restitution
 
 
 @compiled_inside
 def restitution_of(restitutions: tuple[int, float, float], partner: int) -> float:
-    """Of a contact with that partner: a float, or a wall beyond the last of them."""
+    """The restitution of a contact with this partner: a float, or a wall if its number is beyond the last float."""
     count, among_floats, at_walls = restitutions
     return among_floats if partner < count else at_walls
 
 
 @compiled
 def require_stops(overlapping: bool, parameters: Parameters, contacts: Contacts, before: Array) -> float:
-    """Ask everyone to stop who comes together in this step and can bounce; the fastest of these approaches.
+    """Require that pairs which collide in this step stop; return the fastest of these approaches.
 
-    Without restitution a pair goes on until it touches, and is stopped there in the next step.
+    Without restitution a pair moves until it touches, and is stopped in the next step.
     """
     speed, bound, gap, second = contacts.scratch, contacts.bound, contacts.gap, contacts.second
     touching.approaches(contacts, before, speed)
@@ -132,7 +132,7 @@ def require_stops(overlapping: bool, parameters: Parameters, contacts: Contacts,
 
 @compiled
 def share_restitution(parameters: Parameters, contacts: Contacts | Levers, of_float: Array) -> None:
-    """The restitution of each float: the least among all who bounce together, since unlike ones could create energy."""
+    """Compute the restitution of each float: the least among all that collide together, which cannot create energy."""
     first, second, impulse, count = contacts.first, contacts.second, contacts.impulse, len(parameters.floats.radius)
     for i in range(count):
         of_float[i] = np.inf
@@ -153,7 +153,7 @@ def share_restitution(parameters: Parameters, contacts: Contacts | Levers, of_fl
 
 @composed
 def bounce(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """Collisions: impulses on the passage, (1 + e) times those that stop everyone."""
+    """Apply collisions to the midstep velocities: (1 + e) times the impulses that stop all approaches."""
     contacts, before, of_float = workspace.contacts, workspace.before, workspace.restitution
     fastest = require_stops(part.overlapping, parameters, contacts, before)
     if fastest <= 0.0:
@@ -168,14 +168,14 @@ def bounce(part: Any, own: Any, parameters: Parameters, state: State, workspace:
 
 @compiled
 def clear_impulses(contacts: Contacts) -> None:
-    """No impulses."""
+    """Set all impulses to zero."""
     for row in range(contacts.total[0]):
         contacts.impulse[row] = 0.0
 
 
 @compiled
 def count_bounces(contacts: Contacts, of_float: Array) -> float:
-    """How many bounce; into `scratch` by what each impulse that stops is multiplied."""
+    """Return the number of collisions; store the factor of each impulse in `scratch`."""
     count = 0.0
     for row in range(contacts.total[0]):
         bounces = contacts.impulse[row] > 0.0
@@ -186,14 +186,14 @@ def count_bounces(contacts: Contacts, of_float: Array) -> float:
 
 @compiled
 def solve_smooth(part: Any, own: Any, bodies: Bodies, contacts: Contacts, velocity: Array, goal: Goal) -> int:
-    """Contacts without friction: how many sweeps their solution takes."""
+    """Solve contacts without friction; return the number of sweeps."""
     touching.weigh(contacts, bodies.mobility)
     return projected_gauss_seidel.solve(contacts, velocity, bodies.mobility, goal)
 
 
 @compiled
 def push_smooth(part: Any, own: Any, bodies: Bodies, contacts: Contacts, midstep_velocity: Array) -> None:
-    """The impulses of bounces, on the passage."""
+    """Apply the impulses of collisions to the midstep velocities."""
     for row in range(contacts.total[0]):
         contacts.impulse[row] *= contacts.scratch[row]
     touching.push_all(contacts, contacts.impulse, midstep_velocity, bodies.mobility)
@@ -201,12 +201,12 @@ def push_smooth(part: Any, own: Any, bodies: Bodies, contacts: Contacts, midstep
 
 @composed
 def no_memory(part: Any, own: Any, state: State, workspace: Workspace) -> None:
-    """Smooth surfaces have no impulses along them."""
+    """Do nothing: smooth surfaces have no tangential impulses."""
 
 
 @composed
 def no_spins(part: Any, own: Any, parameters: Parameters, state: State, last: bool) -> None:
-    """Smooth surfaces turn nobody."""
+    """Do nothing: smooth surfaces exert no torques."""
 
 
 SMOOTH = Solver(solve_smooth, push_smooth, solve_smooth, no_memory, no_memory, no_spins, no_spins)
@@ -228,7 +228,7 @@ SOLVERS: dict[type, Solver] = {
 
 @compiled
 def goal_of(parameters: Parameters, contacts: Contacts, velocity: Array) -> Goal:
-    """How good impulses must be for these velocities; nothing is wanted where nobody comes too near."""
+    """Return the tolerance of impulses for these velocities; zero if no pair approaches too far."""
     touching.approaches(contacts, velocity, contacts.scratch)
     fastest = 0.0
     for row in range(contacts.total[0]):
@@ -240,7 +240,7 @@ def goal_of(parameters: Parameters, contacts: Contacts, velocity: Array) -> Goal
 def solve_contacts(
     part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace, velocity: Array
 ) -> None:
-    """Impulses on `velocity`, from those remembered; remembered in turn."""
+    """Solve for impulses on `velocity`, starting from those of the previous solve, and store them."""
     contacts, memory = workspace.contacts, memory_of(state)
     recall(part, own, state, workspace)
     touching.recall(contacts, memory)
@@ -258,19 +258,20 @@ def solve_contacts(
 
 @compiled
 def collide(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """See `collide_by_passes`."""
+    """Solve contacts before the drift: see `collide_by_passes`."""
     collide_by_passes(part, own, parameters, state, workspace)
 
 
 @composed
 def collide_by_passes(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """The first contact solves: bounces, then a plastic one on the passage: nobody ends the step inside another.
+    """Solve collisions, then a plastic solve for the midstep velocities, so that no float overlaps another after the
+    step.
 
-    The velocity changes with the passage; `before`, the velocities before the kick, is used up.
+    The velocities change with the midstep velocities. `before`, the velocities before the kick, is overwritten.
     """
     contacts = workspace.contacts
     load_spins(part, own, parameters, state, False)
-    # Twice the pace for a pair that meets head on, and twice again for those whom others push.
+    # Twice the travel for a head-on pair, and twice again for floats that others push.
     reach = 4.0 * workspace.travel[0] + parameters.slop
     touching.gather(contacts, workspace.candidates, state.position, contact_bodies(parameters), reach)
     split_velocities(parameters, state, workspace)
@@ -283,7 +284,7 @@ def collide_by_passes(part: Any, own: Any, parameters: Parameters, state: State,
 
 @compiled
 def split_velocities(parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """What contacts can change apart from what they cannot."""
+    """Separate the part of the velocities that contacts change from the rest."""
     midstep_velocity, before, decay, velocity = (
         workspace.midstep_velocity,
         workspace.before,
@@ -291,17 +292,17 @@ def split_velocities(parameters: Parameters, state: State, workspace: Workspace)
         state.velocity,
     )
     for i in range(len(velocity)):
-        # Only what drag leaves of a velocity can bounce: in syrup nothing does.
+        # Only the velocity that remains after drag can rebound: in syrup nothing does.
         before[i, 0] *= decay[i]
         before[i, 1] *= decay[i]
-        # What the velocity has beside the passage is kept, and the passage's own changes are added to it.
+        # The difference between the velocity and the midstep velocity is kept; changes of the latter are added to it.
         velocity[i, 0] -= midstep_velocity[i, 0]
         velocity[i, 1] -= midstep_velocity[i, 1]
 
 
 @compiled
 def require_gaps(overlapping: bool, parameters: Parameters, contacts: Contacts) -> None:
-    """Ask everyone to close no more than the gap in this step."""
+    """Require that no pair closes more than its gap in this step."""
     for row in range(contacts.total[0]):
         free = overlapping and contacts.second[row] < len(parameters.floats.radius)
         contacts.bound[row] = -np.inf if free else -max(contacts.gap[row], 0.0) / parameters.time_step
@@ -309,13 +310,13 @@ def require_gaps(overlapping: bool, parameters: Parameters, contacts: Contacts) 
 
 @compiled
 def separate(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """See `separate_by_passes`."""
+    """Remove overlaps after the drift: see `separate_by_passes`."""
     separate_by_passes(part, own, parameters, state, workspace)
 
 
 @composed
 def separate_by_passes(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """Find who touches whom at the new places, and undo deep overlaps, which changes no velocity."""
+    """List the contacts at the new positions, and remove deep overlaps without changing velocities."""
     if part.overlapping:
         return
     contacts, bodies = workspace.contacts, contact_bodies(parameters)
@@ -331,7 +332,7 @@ def separate_by_passes(part: Any, own: Any, parameters: Parameters, state: State
 
 @compiled
 def deepest_overlap(contacts: Contacts) -> float:
-    """How far the deepest contact overlaps (m)."""
+    """The largest overlap of any contact (m)."""
     deepest = 0.0
     for row in range(contacts.total[0]):
         deepest = max(deepest, -contacts.gap[row])
@@ -340,9 +341,10 @@ def deepest_overlap(contacts: Contacts) -> float:
 
 @compiled
 def require_rest(parameters: Parameters, contacts: Contacts, velocity: Array, before: Array) -> None:
-    """Ask every pair that only the kick brings together to close no gap at once; `before` are the speeds without it.
+    """Require that pairs which approach by the kick alone close no gap at once; `before` are the speeds without the
+    kick.
 
-    Whoever comes faster is left alone: the next step sees a collision.
+    A faster approach is not constrained: it is a collision of the next step.
     """
     speed, bound, gap = contacts.scratch, contacts.bound, contacts.gap
     touching.approaches(contacts, velocity, speed)
@@ -353,7 +355,7 @@ def require_rest(parameters: Parameters, contacts: Contacts, velocity: Array, be
 
 @compiled
 def constrain_velocities(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """See `constrain_velocities_by_passes`."""
+    """Solve contacts at the end of the step: see `constrain_velocities_by_passes`."""
     constrain_velocities_by_passes(part, own, parameters, state, workspace)
 
 
@@ -361,7 +363,7 @@ def constrain_velocities(part: Any, own: Any, parameters: Parameters, state: Sta
 def constrain_velocities_by_passes(
     part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
-    """The last contact solve: on the velocity at the end of the step, so that what is pressed together rests."""
+    """Solve contacts for the velocity at the end of the step, so that compressed floats are at rest."""
     if part.overlapping:
         return
     load_spins(part, own, parameters, state, True)
@@ -377,7 +379,7 @@ def constrain_velocities_by_passes(
 
 @compiled
 def decay_velocities(to: Array, velocity: Array, decay: Array) -> None:
-    """What drag leaves of velocities."""
+    """Reduce velocities by the drag of one kick."""
     for i in range(len(decay)):
         to[i, 0] = decay[i] * velocity[i, 0]
         to[i, 1] = decay[i] * velocity[i, 1]

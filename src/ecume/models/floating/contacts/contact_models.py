@@ -1,4 +1,4 @@
-"""The table of contacts: what happens where floats touch, one row of which a scene chooses (`contacts.law`)."""
+"""The table of contact models, from which a scene chooses one row (`contacts.law`)."""
 
 from __future__ import annotations
 
@@ -37,44 +37,44 @@ class NoContacts(NamedTuple):
 
 @composed
 def no_contacts(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """Nothing happens."""
+    """Do nothing."""
 
 
 @composed
 def all_listed(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> int:
-    """Candidates are listed with the neighbors."""
+    """Return DONE: candidates are listed with the neighbors."""
     return DONE
 
 
 def no_energy(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> tuple[float, float]:
-    """Impulses store no energy."""
+    """Return zero: impulses store no energy."""
     return 0.0, 0.0
 
 
 def no_scratch(part: Any, parameters: Parameters, state: State, workspace: Workspace, interactions: Any) -> Any:
-    """Contacts without friction need no more than the workspace has."""
+    """Return an empty workspace for contacts without friction."""
     return ()
 
 
 def friction_scratch(
     part: Friction, parameters: Parameters, state: State, workspace: Workspace, interactions: Any
 ) -> Any:
-    """Impulses along surfaces, and spins."""
+    """Return the workspace for tangential impulses and spins."""
     return make_friction_scratch(part, parameters, state, workspace)
 
 
 def shared_scratch(part: Any, parameters: Parameters, state: State, workspace: Workspace, interactions: Any) -> Any:
-    """That of the floats with a shape."""
+    """Return the workspace of the floats with a shape."""
     return interactions[0]
 
 
 def unchanged_state(state: State) -> State:
-    """The state needs no more."""
+    """Return the state as it is."""
     return state
 
 
 def with_friction_impulses(state: State) -> State:
-    """The state with room for impulses along the surfaces."""
+    """Return the state with an array of tangential impulses."""
     return state._replace(rub=np.zeros(len(state.push)))
 
 
@@ -98,7 +98,7 @@ class ContactModel(Option):
     at_end: Callable[..., None] = no_contacts
     """at_end(part, scratch, parameters, state, workspace): change velocities at the end of the step"""
     find: Callable[..., int] = all_listed
-    """find(part, scratch, parameters, state, workspace): list possible contacts of this step; DONE or CROWDED"""
+    """find(part, scratch, parameters, state, workspace): list possible contacts of this step; `DONE` or `CROWDED`"""
     scratch: Callable[..., Any] = no_scratch
     state: Callable[[State], State] = unchanged_state
     inertia: Callable[[Any], Array | None] = lambda part: None

@@ -1,8 +1,9 @@
-"""Floats whose surfaces rub: contacts with Coulomb's friction, and the spins that it makes.
+"""Contacts with Coulomb friction, and the spins that it causes.
 
-A bounce gives (1 + e) times the impulses that would stop everyone, those along the surfaces included: these do no work
-on what they stop, so that the bounce mirrors a part of what they take, and energy can only fall. What slides in a lone
-collision is braked by mu times its normal impulse, as it should be; what sticks springs back by e along the surface.
+A collision applies (1 + e) times the impulses that stop all relative motion, including the tangential ones. These
+remove a part of the kinetic energy, of which the collision returns a fraction, so that the energy can only decrease.
+In a single collision a sliding contact loses mu times its normal impulse; a sticking contact rebounds tangentially
+with e.
 """
 
 from __future__ import annotations
@@ -31,26 +32,26 @@ if TYPE_CHECKING:
 
 
 class Friction(NamedTuple):
-    """What never changes where surfaces rub."""
+    """Constants of contacts with friction."""
 
     friction: tuple[float, float]
-    """coefficients between two floats, and at walls"""
+    """coefficients of friction between two floats, and at walls"""
     inertia: Array
     """(N,) kg m^2"""
     decay: Array
-    """(N,) what drag leaves of a spin over the scheme's kick"""
+    """(N,) the fraction of a spin that remains after the drag of one kick"""
     ease: Array
-    """(N + walls,) spin per angular impulse over the kick"""
+    """(N + walls,) spin per angular impulse during one kick"""
     overlapping: bool = False
     """see `contact_solver.Impulses`"""
 
 
 class FrictionScratch(NamedTuple):
-    """Scratch."""
+    """Workspace of contacts with friction."""
 
     rubbing: Rubbing
     spin: Array
-    """(N + walls,) rad/s, through this step; walls do not turn"""
+    """(N + walls,) rad/s, during this step; walls do not turn"""
     before: Array
     """(N + walls,) rad/s, before contacts"""
 
@@ -58,14 +59,14 @@ class FrictionScratch(NamedTuple):
 def make_friction_scratch(
     part: Friction, parameters: Parameters, state: State, workspace: Workspace
 ) -> FrictionScratch:
-    """Room for as many contacts as the workspace has."""
-    everyone = len(parameters.kick.mobility)
-    return FrictionScratch(coulomb.make_rubbing(len(workspace.contacts.gap)), np.zeros(everyone), np.zeros(everyone))
+    """Return a workspace for as many contacts as the common workspace holds."""
+    count = len(parameters.kick.mobility)
+    return FrictionScratch(coulomb.make_rubbing(len(workspace.contacts.gap)), np.zeros(count), np.zeros(count))
 
 
 @compiled
 def memory_of(state: State) -> Memory:
-    """The impulses of the step before."""
+    """Return the impulses of the previous step."""
     return Memory(state.touches, state.touching, state.push)
 
 
@@ -73,7 +74,7 @@ def memory_of(state: State) -> Memory:
 def solve_with_friction(
     part: Friction, rubbing: Rubbing, bodies: Bodies, contacts: Contacts, motion: Motion, goal: Goal
 ) -> int:
-    """Contacts with friction, on these velocities and spins: how many sweeps their solution takes."""
+    """Solve contacts with friction for these velocities and spins; return the number of sweeps."""
     touching.weigh(contacts, bodies.mobility)
     coulomb.prepare(contacts, rubbing, bodies.radius, part.friction, motion)
     return coulomb.solve(contacts, rubbing, motion, goal)
@@ -83,7 +84,7 @@ def solve_with_friction(
 def stop_with_friction(
     part: Friction, own: FrictionScratch, bodies: Bodies, contacts: Contacts, velocity: Array, goal: Goal
 ) -> int:
-    """Stop everyone, from no impulses."""
+    """Stop all relative motion, starting from zero impulses; return the number of sweeps."""
     for row in range(contacts.total[0]):
         own.rubbing.impulse[row] = 0.0
     motion = Motion(velocity, own.before, bodies.mobility, part.ease)
@@ -94,7 +95,7 @@ def stop_with_friction(
 def push_with_friction(
     part: Friction, own: FrictionScratch, bodies: Bodies, contacts: Contacts, midstep_velocity: Array
 ) -> None:
-    """The impulses of bounces, on the passage and on the spins."""
+    """Apply the impulses of collisions to the midstep velocities and the spins."""
     rubbing = own.rubbing
     for row in range(contacts.total[0]):
         contacts.impulse[row] *= contacts.scratch[row]
@@ -107,26 +108,26 @@ def push_with_friction(
 def continue_with_friction(
     part: Friction, own: FrictionScratch, bodies: Bodies, contacts: Contacts, velocity: Array, goal: Goal
 ) -> int:
-    """Solve on a velocity and the spins through the step, from the impulses that stand there."""
+    """Solve for velocities and spins, starting from the stored impulses; return the number of sweeps."""
     motion = Motion(velocity, own.spin, bodies.mobility, part.ease)
     return solve_with_friction(part, own.rubbing, bodies, contacts, motion, goal)
 
 
 @compiled
 def recall_friction(part: Friction, own: FrictionScratch, state: State, workspace: Workspace) -> None:
-    """Start from the impulses along the surfaces of the step before."""
+    """Start from the tangential impulses of the previous step."""
     coulomb.recall(workspace.contacts, own.rubbing, memory_of(state), state.rub)
 
 
 @compiled
 def remember_friction(part: Friction, own: FrictionScratch, state: State, workspace: Workspace) -> None:
-    """Keep the impulses along the surfaces for the next step."""
+    """Store the tangential impulses for the next step."""
     coulomb.remember(workspace.contacts, own.rubbing, memory_of(state), state.rub)
 
 
 @compiled
 def load_friction_spins(part: Friction, own: FrictionScratch, parameters: Parameters, state: State, last: bool) -> None:
-    """The spins through the step, after their kick; velocity Verlet's have the other half of it at the end."""
+    """Apply a kick to the spins; in velocity Verlet, the other half follows at the end of the step."""
     kicked = not last or parameters.scheme.half_kicks
     for i in range(len(state.turning)):
         own.spin[i] = state.turning[i, 1] * (part.decay[i] if kicked else 1.0)
@@ -137,7 +138,7 @@ def load_friction_spins(part: Friction, own: FrictionScratch, parameters: Parame
 def store_friction_spins(
     part: Friction, own: FrictionScratch, parameters: Parameters, state: State, last: bool
 ) -> None:
-    """Spins become the state's; angles go through the step with them."""
+    """Store the spins in the state, and advance the angles with them."""
     for i in range(len(state.turning)):
         state.turning[i, 1] = own.spin[i]
         if not last:
@@ -145,7 +146,7 @@ def store_friction_spins(
 
 
 def friction_of(parameters: Parameters, scene: FloatingScene, interactions: tuple[Any, ...]) -> Built:
-    """Floats that rub; what depends on the time step comes later."""
+    """Return contacts with friction; `friction_at_step` adds what depends on the time step."""
     kinds, number = distinct_kinds(scene)
     inertia = np.array([float_inertia(kind) for kind in kinds])[number]
     friction = np.array([turning_friction_of(kind, scene) for kind in kinds])[number]
@@ -154,7 +155,9 @@ def friction_of(parameters: Parameters, scene: FloatingScene, interactions: tupl
 
 
 def friction_at_step(part: Friction, parameters: Parameters, turned: Array | None) -> Friction:
-    """The part with the kicks of its spins. Where interactions turn the floats, too, these take care of drag."""
+    """Return the part with the constants of its spin kicks. If interactions also turn the floats, they include the
+    drag.
+    """
     friction = part.decay if turned is None else np.zeros_like(part.decay)
     decay, ease = spin_kick(parameters, part.inertia, friction)
     walls = np.zeros(len(parameters.kick.mobility) - len(ease))
@@ -162,14 +165,14 @@ def friction_at_step(part: Friction, parameters: Parameters, turned: Array | Non
 
 
 def float_inertia(kind: FloatKind) -> float:
-    """The moment of inertia of one of a kind about the vertical (kg m^2); added mass is not a part of it."""
+    """The moment of inertia of one float about the vertical (kg m^2), without added mass."""
     if isinstance(kind.body, flotation.Disc):
         return rotation.disc_inertia(kind.mass, kind.body.radius)
     return rotation.sphere_inertia(kind.density * 4.0 / 3.0 * math.pi * kind.radius**3, kind.radius)
 
 
 def turning_friction_of(kind: FloatKind, scene: FloatingScene) -> float:
-    """The torque per spin of the liquid on one of a kind (N m s)."""
+    """The torque of the liquid on one float, per spin (N m s)."""
     viscosity = scene.liquid.viscosity if scene.motion.drag else 0.0
     if isinstance(kind.body, flotation.Disc):
         return drag.disc_turning_friction(kind.body.radius, viscosity)
@@ -178,7 +181,7 @@ def turning_friction_of(kind: FloatKind, scene: FloatingScene) -> float:
 
 
 def spin_kick(parameters: Parameters, inertia: Array, friction: Array) -> tuple[Array, Array]:
-    """What drag leaves of each spin over a kick of the scheme, and spin per angular impulse over it."""
+    """The fraction of each spin that remains after the drag of one kick, and the spin per angular impulse."""
     time = 0.5 * parameters.time_step if parameters.scheme.half_kicks else parameters.time_step
     if not parameters.scheme.inertia:
         return np.zeros_like(inertia), 1.0 / (friction * time)

@@ -1,9 +1,9 @@
-"""Contacts as springs and dashpots instead of impulses: soft, and only as stable as the time step is short.
+"""Contacts as springs and dashpots instead of impulses. They are stable only for short time steps.
 
-The push of a contact is the spring's at the places and the dashpot's at the velocities that a step begins with;
-velocity Verlet has the other half of it at the end, where dashpots see the velocities through the step: with those at
-its end a pair would rest off its balance. Pushes are equal and opposite along the line of centers, so that
-momentum and angular momentum are kept to rounding. Nothing bounds overlaps but the stiffness.
+The force of a contact is that of the spring at the positions, and of the dashpot at the velocities, at the beginning
+of the step. In velocity Verlet, the other half of it acts at the end, where dashpots use the midstep velocities: with
+those at the end, a pair would rest off its equilibrium. Forces are equal and opposite along the line of centers, so
+that momentum and angular momentum are conserved to rounding. Only the stiffness limits overlaps.
 """
 
 from __future__ import annotations
@@ -14,12 +14,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from ecume._jit import admit, compiled
 from ecume.engine.contact import contacts as touching
 from ecume.engine.contact.contacts import Contacts
-from ecume.errors import Fault, SceneError
 from ecume.laws import contact
 from ecume.laws.contact import dashpot_restitution, spring_energy, spring_push
 from ecume.models.floating.contacts.collisions import contact_bodies
 from ecume.models.floating.forces.pair_forces import law_of, row_of, two_floats
-from ecume.models.floating.options import Built
+from ecume.models.floating.options import Built, scene_error
 from ecume.models.floating.parameters import CAPILLARY_LENGTH, Parameters
 from ecume.models.floating.state import DEEPEST, State, Workspace, copy_rows
 from ecume.models.floating.time_integration.step_size import RAFT_NEIGHBORS
@@ -33,7 +32,7 @@ admit(contact)
 
 
 class Springs(NamedTuple):
-    """What never changes where contacts are soft."""
+    """Constants of contacts with springs."""
 
     stiffness: float
     """N/m"""
@@ -43,14 +42,14 @@ class Springs(NamedTuple):
 
 
 SHALLOW = 1e-3
-"""What the strongest pulls press into one another, over the smallest radius, where a scene names no stiffness."""
+"""Overlap caused by the strongest attraction, over the smallest radius, if a scene gives no stiffness."""
 
 LEAST_RESTITUTION = 0.05
-"""Below it a dashpot would have to be far over its critical damping, and steps short for its sake."""
+"""Below this value dashpots would be far above critical damping, and would require short time steps."""
 
 
 def springs_of(parameters: Parameters, scene: FloatingScene, interactions: tuple[Any, ...]) -> Built:
-    """Soft contacts. Raises SceneError where restitution asks for too much damping."""
+    """Return contacts with springs. Raises SceneError if the restitution requires too much damping."""
     slow = not parameters.scheme.inertia
     stiffness = scene.contacts.stiffness or stiffness_of(parameters)
     at_walls = parameters.wall_restitution if scene.dish is not None else 1.0
@@ -63,42 +62,40 @@ def springs_of(parameters: Parameters, scene: FloatingScene, interactions: tuple
 
 
 def stiffness_of(parameters: Parameters) -> float:
-    """N/m: so stiff that six neighbors and the walls press nobody in by more than SHALLOW. Raises SceneError."""
+    """The stiffness (N/m) at which six neighbors and the walls cause an overlap of SHALLOW. Raises SceneError."""
     floats, length = parameters.floats, float(parameters.pair[CAPILLARY_LENGTH])
     smallest, strongest = float(floats.radius.min()), float(abs(floats.charge).max())
     touching = two_floats(parameters, (smallest, smallest), (strongest, strongest))
     pull = abs(float(row_of(parameters).force(2.0 * smallest, touching, law_of(parameters))))
     walls = float(abs(parameters.wall_strength).max(initial=0.0)) / length
     if pull + walls == 0.0:
-        raise _fault("stiffness", "left out, and nothing presses the floats together; wanted N/m")
+        raise scene_error(
+            "contacts.stiffness", "got none, and no force presses the floats together; expected a stiffness in N/m"
+        )
     return (RAFT_NEIGHBORS * pull + walls) / (SHALLOW * smallest)
 
 
 def damping_of(restitution: float) -> float:
     """The dashpot's damping over the critical one, for a lone collision's restitution. Raises SceneError."""
     if restitution < LEAST_RESTITUTION:
-        raise _fault(
-            "restitution",
-            f"came {restitution:g}; dashpots want {LEAST_RESTITUTION:g} or more, also of dish.restitution",
+        raise scene_error(
+            "contacts.restitution",
+            f"got {restitution:g}; expected {LEAST_RESTITUTION:g} or more with dashpots, also for dish.restitution",
         )
     from scipy.optimize import brentq
 
     return float(brentq(lambda damping: dashpot_restitution(damping) - restitution, 0.0, 4.0, xtol=1e-14))
 
 
-def _fault(key: str, message: str) -> SceneError:
-    return SceneError([Fault(f"contacts.{key}", message)])
-
-
 @compiled
 def reduced_mass(mass: Array, i: int, j: int) -> float:
-    """Of a contact; a wall moves for nobody."""
+    """The reduced mass of a contact (kg); a wall has infinite mass."""
     return float(mass[i] * mass[j] / (mass[i] + mass[j]) if j < len(mass) else mass[i])
 
 
 @compiled
 def push_apart(springs: Springs, parameters: Parameters, state: State, contacts: Contacts, time: float) -> None:
-    """The impulses that springs and dashpots give in that time, for speeds of approach in `contacts.change`."""
+    """Compute the impulses of springs and dashpots in that time, from the approach speeds in `contacts.change`."""
     mass = parameters.floats.mass
     for row in range(contacts.total[0]):
         j, overlap = contacts.second[row], -contacts.gap[row]
@@ -111,7 +108,7 @@ def push_apart(springs: Springs, parameters: Parameters, state: State, contacts:
 
 @compiled
 def push_before_drift(part: Springs, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """The pushes at the start of the step, on the passage; the velocity goes along with it."""
+    """Apply the forces at the start of the step to the midstep velocities and to the velocities."""
     contacts, midstep_velocity = workspace.contacts, workspace.midstep_velocity
     touching.gather(contacts, workspace.candidates, state.position, contact_bodies(parameters), 0.0)
     touching.approaches(contacts, workspace.before, contacts.change)
@@ -123,7 +120,7 @@ def push_before_drift(part: Springs, own: Any, parameters: Parameters, state: St
 
 @compiled
 def push_at_end(part: Springs, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """The pushes at the end of a step of velocity Verlet."""
+    """Apply the forces at the end of a step of velocity Verlet."""
     contacts, midstep_velocity = workspace.contacts, workspace.midstep_velocity
     touching.gather(contacts, workspace.candidates, state.position, contact_bodies(parameters), 0.0)
     touching.approaches(contacts, midstep_velocity, contacts.change)
@@ -137,7 +134,7 @@ def push_at_end(part: Springs, own: Any, parameters: Parameters, state: State, w
 def spring_energies(
     springs: Springs, own: Any, parameters: Parameters, state: State, workspace: Workspace
 ) -> tuple[float, float]:
-    """Of all contacts (J): among floats, and with walls."""
+    """The energy of all contacts (J): among floats, and with walls."""
     contacts, among, at_walls = workspace.contacts, 0.0, 0.0
     touching.gather(contacts, workspace.candidates, state.position, contact_bodies(parameters), 0.0)
     for row in range(contacts.total[0]):

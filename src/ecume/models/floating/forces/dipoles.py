@@ -1,4 +1,4 @@
-"""Floats that are magnets, too: upright dipoles repel one another beside what their menisci do."""
+"""Magnetic floats: vertical dipoles that repel one another, in addition to capillary forces."""
 
 from __future__ import annotations
 
@@ -29,16 +29,16 @@ admit(dipoles)
 
 
 class DipoleMoments(NamedTuple):
-    """Moments: the part of a scene that has some."""
+    """Magnetic moments, the constants of this interaction."""
 
     moment: Array
-    """(N,) A m^2, upwards"""
+    """(N,) A m^2, upward"""
     pair: Array
     """the law's constants, the first of them as in `parameters.pack_pair`: strength of two unit moments, cutoff"""
 
 
 class SortedMoments(NamedTuple):
-    """Scratch in the order of the slots."""
+    """Workspace in the order of the slots."""
 
     moment: Array
     force: Array
@@ -46,7 +46,7 @@ class SortedMoments(NamedTuple):
 
 
 def make_dipole_moments(moment: Array, cutoff: float) -> DipoleMoments:
-    """Moments that act up to a cutoff (m)."""
+    """Return moments that act up to a cutoff (m)."""
     pair = np.zeros(max(STRENGTH, CUTOFF, SURFACE_TENSION) + 1)
     pair[STRENGTH], pair[CUTOFF], pair[CAPILLARY_LENGTH] = dipole_strength(1.0, 1.0), cutoff, 1.0
     return DipoleMoments(np.asarray(moment, np.float64), pair)
@@ -55,7 +55,7 @@ def make_dipole_moments(moment: Array, cutoff: float) -> DipoleMoments:
 def make_sorted_moments(
     part: DipoleMoments, parameters: Parameters, state: State, workspace: Workspace
 ) -> SortedMoments:
-    """Scratch."""
+    """Return the workspace."""
     return SortedMoments(np.zeros_like(part.moment), np.zeros((2, len(part.moment))))
 
 
@@ -87,7 +87,7 @@ def dipole_energies(
 
 @compiled
 def sum_of_dipole_energies(position: Array, part: DipoleMoments, listed: tuple[Integers, Slots, Integers]) -> float:
-    """Energies (J) of all pairs within the cutoff, each less its value there."""
+    """The energies (J) of all pairs within the cutoff, each minus its value at the cutoff."""
     first, neighbor, order = listed
     moment, cutoff, total = part.moment, part.pair[CUTOFF], 0.0
     for slot in range(len(order)):
@@ -104,7 +104,7 @@ def sum_of_dipole_energies(position: Array, part: DipoleMoments, listed: tuple[I
 
 
 def dipoles_of(parameters: Parameters, scene: FloatingScene) -> Built:
-    """Floats that are magnets. Two that touch are a spring of 4 F/l; six of them at most."""
+    """Return the dipoles of a scene. Two touching floats are a spring of 4 F/l; a float has at most six neighbors."""
     moment = moments_of(scene)
     radius, walls = parameters.floats.radius, parameters.walls
     touching = 2.0 * float(radius.min())

@@ -25,10 +25,11 @@ from ecume.engine import grid_splines
 from ecume.engine.cells import Integers
 from ecume.engine.neighbors import NeighborLists, Slots
 from ecume.engine.walls import enclosures
-from ecume.errors import BadInput, Fault, SceneError
+from ecume.errors import BadInput
 from ecume.laws import ewald
 from ecume.laws.ewald import SplitFit, smooth_self_energy, smooth_wave, smooth_wave_within
 from ecume.laws.pair_laws import Short, short_constants
+from ecume.models.floating.options import scene_error
 from ecume.models.floating.parameters import CAPILLARY_LENGTH, CUTOFF, INVERSE_SQUARE, STRENGTH, Parameters
 from ecume.models.floating.state import State, Workspace
 from ecume.models.floating.time_integration.step_size import PACKED
@@ -39,34 +40,35 @@ if TYPE_CHECKING:
 
 
 DEEPEST_TOUCH = 0.9
-"""Pair laws are fitted down to this part of the smallest touching distance."""
+"""Pair laws are fitted down to this fraction of the smallest touching distance."""
 
 SHARE = 0.6
-"""Of the error, for the cut and for the grid: they add up as squares, and chance has its part."""
+"""Fractions of the error for the cutoff and for the grid: their squares add up."""
 
 ORDERS = (4, 6, 8, 10, 12)
 LOOSEST, FINEST = 1e-1, 1e-10
-"""Accuracies that a grid can be asked for."""
+"""The range of accuracies of a grid."""
 
 PAIR, POINT, SPLINE = 1.0, 7.0, 0.6
-"""Work, over that of a pair in a list: a point of the grid, all transforms included; a float's share of a point."""
+"""Work relative to that of a listed pair: of a grid point, including all transforms; of assigning a float to a point.
+"""
 
 STEPS = 60
-"""Places at which the work is looked at between the closest pairs and the cutoff."""
+"""Number of trial cutoffs between the touching distance and the cutoff."""
 
 WORTH = 2000
-"""Fewer floats are summed by cells: a step in Python would cost more than it saves."""
+"""Fewer floats are summed by cells: a time step in Python would cost more than it saves."""
 
 GAIN = 2.0
-"""By how much a grid must be less work to be taken unasked: a march in Python has costs that are not counted."""
+"""A grid is chosen automatically if it reduces the work by this factor: time steps in Python have further costs."""
 
 MOST_POINTS = 2**28
 WIDEST = 0.1
-"""Eta above which waves as long as the capillary length would count, which the error of a grid leaves aside."""
+"""Largest eta: above it, waves as long as the capillary length matter, which the error of the grid ignores."""
 
 
 class Split(NamedTuple):
-    """How the sum is split: the part of a scene that wants it."""
+    """How the sum is split: the constants of a scene with a grid."""
 
     eta: float
     """in squares of the capillary length"""
@@ -75,19 +77,19 @@ class Split(NamedTuple):
     order: int
     """of the splines"""
     far: float
-    """m: farther than this floats need not feel each other"""
+    """m: the cutoff without a grid"""
     margin: float
-    """m: who is that near to the others' rectangle is still on the grid"""
+    """m: distance around the rectangle of the floats that the grid covers"""
     work: tuple[float, float]
-    """what a step is reckoned to cost, in pairs: with cells alone, and with the grid"""
+    """estimated work of a time step, in pairs: with cells alone, and with the grid"""
     points: float
-    """of the grid, about"""
+    """approximate number of grid points"""
     short: Short
-    """constants of what is summed pair by pair"""
+    """constants of the short-range part, which is summed over pairs"""
 
 
 def initial_area(parameters: Parameters, scene: FloatingScene) -> float:
-    """The surface (m^2) that the crowd starts on."""
+    """The area (m^2) that the floats cover at the start."""
     from ecume.models.floating.setup.initial_state import given_places, region_of
 
     region = region_of(parameters)
@@ -102,7 +104,7 @@ def initial_area(parameters: Parameters, scene: FloatingScene) -> float:
 
 @lru_cache(maxsize=32)
 def _coarsest(order: int, error: float) -> float:
-    """The largest spacing, over sqrt(eta), at which a grid errs by no more."""
+    """The largest spacing, over sqrt(eta), with an error below this one."""
     low, high = 0.02, 3.0
     for _ in range(12):
         middle = math.sqrt(low * high)
@@ -112,7 +114,7 @@ def _coarsest(order: int, error: float) -> float:
 
 @lru_cache(maxsize=32)
 def _farthest(error: float) -> float:
-    """Where the short part may be cut off: w = x^2/(4 eta)."""
+    """The cutoff of the short-range part, as w = x^2/(4 eta)."""
     low, high = 1.0, ewald.FARTHEST
     while high - low > 1e-3:
         middle = 0.5 * (low + high)
@@ -121,24 +123,24 @@ def _farthest(error: float) -> float:
 
 
 class FloatStatistics(NamedTuple):
-    """What the work depends on; lengths over the capillary length."""
+    """Numbers on which the work depends; lengths over the capillary length."""
 
     floats: int
     density: float
-    """floats in a square of that side: between that of the start and that of a raft"""
+    """floats per squared capillary length: the geometric mean of the start and a raft"""
     side: float
     touching: float
     skin: float
     cutoff: float
-    """of cells alone"""
+    """with cells alone"""
 
     def neighbors(self, reach: float) -> float:
-        """How many a float has within a reach."""
+        """The number of neighbors of a float within a distance."""
         return min(float(self.floats), math.pi * self.density * (reach + self.skin) ** 2)
 
 
 def statistics_of(parameters: Parameters, scene: FloatingScene) -> FloatStatistics:
-    """The crowd of a scene."""
+    """The statistics of a scene."""
     length, radius = float(parameters.pair[CAPILLARY_LENGTH]), parameters.floats.radius
     area, count = initial_area(parameters, scene) / length**2, len(radius)
     packed = PACKED * count / (math.pi * float(np.sum((radius / length) ** 2)))
@@ -153,10 +155,10 @@ def statistics_of(parameters: Parameters, scene: FloatingScene) -> FloatStatisti
 
 
 class Choice(NamedTuple):
-    """A way to split the sum."""
+    """One way to split the sum."""
 
     work: float
-    """of a step, in pairs"""
+    """of a time step, in pairs"""
     eta: float
     spacing: float
     order: int
@@ -165,19 +167,19 @@ class Choice(NamedTuple):
 
 
 def best_split(statistics: FloatStatistics, accuracy: float) -> tuple[Choice, SplitFit]:
-    """The cheapest split of that accuracy, r.m.s. error of forces over their r.m.s. with charges of random sign; and
-    its short law, which errs by a tenth of that at most.
+    """The cheapest split of this accuracy (r.m.s. error of forces over their r.m.s. with charges of random sign), and
+    its short-range law, whose error is at most a tenth of it.
     """
     for choice in sorted(_splits(statistics, accuracy)):
         fit = ewald.fit_short(choice.eta, DEEPEST_TOUCH * statistics.touching, choice.cutoff)
         if fit.error < 0.1 * accuracy:
             return choice, fit
-    raise BadInput("a grid cannot be that accurate here; take 'cells'")
+    raise BadInput("a grid cannot reach this accuracy here; use 'cells'")
 
 
 def _splits(statistics: FloatStatistics, accuracy: float) -> list[Choice]:
-    """All that are looked at."""
-    error = SHARE * accuracy * ewald.crowd_force(statistics.touching)
+    """All candidates."""
+    error = SHARE * accuracy * ewald.random_charge_force(statistics.touching)
     farthest = _farthest(error)
     choices = []
     for order in ORDERS:
@@ -194,13 +196,16 @@ def _splits(statistics: FloatStatistics, accuracy: float) -> list[Choice]:
 
 
 def split_of(parameters: Parameters, scene: FloatingScene, *, eligible: bool) -> tuple[Split, float] | None:
-    """A grid where it is asked for, or cheaper where nobody asked and it is `eligible`, and the cutoff (m) of what is
-    left to lists; None without a grid. Raises SceneError where there can be none.
+    """A grid if the scene requests it, or if it is cheaper and `eligible`, and the cutoff (m) of the short-range
+    part; None without a grid. Raises SceneError if a requested grid is impossible.
     """
     requested, accuracy = scene.interaction.sum, scene.interaction.accuracy
     fits = FINEST <= accuracy <= LOOSEST
     if requested == "grid" and not fits:
-        raise _fault(f"a grid is not finer than an accuracy of {FINEST:g}; take 'cells'")
+        raise scene_error(
+            "interaction.sum",
+            f"got an accuracy of {accuracy:g}; expected {FINEST:g} to {LOOSEST:g} with a grid, or 'cells'",
+        )
     if requested == "cells" or (requested == "auto" and not (eligible and fits)):
         return None
     statistics = statistics_of(parameters, scene)
@@ -212,7 +217,7 @@ def split_of(parameters: Parameters, scene: FloatingScene, *, eligible: bool) ->
     except BadInput as error:
         if requested == "auto":
             return None
-        raise _fault(str(error)) from None
+        raise scene_error("interaction.sum", str(error)) from None
     return None if requested == "auto" and cells <= GAIN * choice.work else _made(parameters, choice, fit, cells)
 
 
@@ -232,48 +237,46 @@ def _made(parameters: Parameters, choice: Choice, fit: SplitFit, cells: float) -
 
 
 def cut_off(parameters: Parameters, cutoff: float) -> Parameters:
-    """The parameters with another cutoff of the pair law."""
+    """Return the parameters with another cutoff of the pair law."""
     pair, widest = parameters.pair.copy(), 2.0 * float(parameters.floats.radius.max())
     pair[CUTOFF] = cutoff
     return parameters._replace(pair=pair, cutoff=cutoff, reach=max(cutoff, widest) + parameters.skin)
 
 
 def split_lines(split: Split, parameters: Parameters) -> list[tuple[str, str, str]]:
-    """What `ecume check` says of a grid."""
+    """The lines of `ecume check` about a grid."""
     cells, work = split.work
     remark = (
-        f"splines of order {split.order}; pairs up to {parameters.cutoff * 1e6:.3g} um one by one; "
-        f"{work / cells:.2g} of the work of cells alone"
+        f"splines of order {split.order}; neighbor lists up to {parameters.cutoff * 1e6:.3g} um; "
+        f"{work / cells:.2g} of the work with cells alone"
     )
     return [("pair forces", f"a grid of {split.spacing * 1e6:.3g} um", remark)]
 
 
-def _fault(message: str) -> SceneError:
-    return SceneError([Fault("interaction.sum", message)])
-
-
 WORKERS = 4
-"""Parts that a transform is done in, whatever the machine: so that bits do not depend on it."""
+"""Threads of a transform on every machine, so that bits do not depend on it."""
 
 RUNGS = 4
-"""A crowd's extent is rounded up to a power of 2^(1/4), so that most new lists find the waves of the old."""
+"""The extent is rounded up to a power of 2^(1/4), so that most new lists use the same waves."""
 
 TABLE = 16384
-"""Places at which the short part's energy is tabled, over the logarithm of the distance."""
+"""Number of nodes of the table of the short-range energy, over the logarithm of the distance."""
 
 
 class Grid(NamedTuple):
-    """A grid around a crowd."""
+    """A grid around all floats."""
 
     low: Array
     """(2,) m: its first point"""
     shape: tuple[int, int]
     reach: float
-    """in capillary lengths: where K0 is cut off before it is smoothed; infinite where copies are far enough"""
+    """in capillary lengths: where K0 is cut off before it is smoothed; infinite if images are far enough"""
 
 
 def grid_around(split: Split, reference: Array, length: float) -> Grid:
-    """Room for the crowd, for splines beyond its edges, and for as much nothing as keeps its copies apart."""
+    """Return a grid with room for all floats, for splines beyond the edges, and for a margin that separates periodic
+    images.
+    """
     low = reference.min(axis=0) - split.margin
     span = reference.max(axis=0) + split.margin - low
     rungs = np.ceil(RUNGS * log(span / split.spacing) / math.log(2.0))
@@ -289,7 +292,7 @@ def grid_around(split: Split, reference: Array, length: float) -> Grid:
 
 
 class Waves(NamedTuple):
-    """What the transform of the charges is multiplied by."""
+    """The factors that multiply the transform of the charges."""
 
     potential: Array
     """(rows, columns/2 + 1)"""
@@ -301,15 +304,15 @@ class Waves(NamedTuple):
 
 @lru_cache(maxsize=2)
 def waves_of(shape: tuple[int, int], spacing: float, eta: float, order: int, reach: float) -> Waves:
-    """The smooth part on a grid of that spacing (capillary lengths), and what undoes the splines, twice.
+    """The smooth part on a grid of this spacing (capillary lengths), divided by the transform of the splines, squared.
 
-    [hockney1988, eq. 8-22]: the factor for which forces err least, U^2/(sum U^2)^2 for each axis.
+    [hockney1988, eq. 8-22]: the factor with the least error of forces, U^2/(sum U^2)^2 for each axis.
     """
     along = 2.0 * np.pi / spacing * fft.fftfreq(shape[0])[:, None]
     across = 2.0 * np.pi / spacing * fft.rfftfreq(shape[1])[None, :]
     squared = along**2 + across**2
     smooth = smooth_wave(squared, eta) if math.isinf(reach) else smooth_wave_within(squared, eta, reach)
-    # The highest wave of an even grid has no slope.
+    # The highest wavenumber of an even grid has no slope.
     odd = along.copy(), across.copy()
     if shape[0] % 2 == 0:
         odd[0][shape[0] // 2] = 0.0
@@ -320,14 +323,14 @@ def waves_of(shape: tuple[int, int], spacing: float, eta: float, order: int, rea
 
 
 def _undone(phase: Array, order: int) -> Array:
-    """U^2/(sum U^2)^2 of one axis."""
+    """The factor U^2/(sum U^2)^2 of one axis."""
     share = np.asarray(ewald.spline_share(phase, order))
     kept: Array = share * share / power(sinc(phase / (2.0 * np.pi)), 2 * order)
     return kept
 
 
 def transformed(split: Split, position: Array, charge: Array, grid: Grid, length: float) -> tuple[Any, Any, Waves]:
-    """Where everyone is on the grid, the transform of the smooth potential, and the waves."""
+    """Return the spline weights of all floats, the transform of the smooth potential, and the waves."""
     spread = grid_splines.spread_out(position, grid.low, split.spacing, grid.shape[0], split.order)
     waves = waves_of(grid.shape, split.spacing / length, split.eta, split.order, grid.reach)
     spectrum = fft.rfft2(grid_splines.density(spread, charge, grid.shape), workers=WORKERS)
@@ -336,7 +339,7 @@ def transformed(split: Split, position: Array, charge: Array, grid: Grid, length
 
 
 def add_smooth_forces(parameters: Parameters, split: Split, position: Array, grid: Grid, force: Array) -> None:
-    """The smooth part's forces: S A grad(sum of A T), S = 2 pi gamma; towards where the potential is higher."""
+    """Add the forces of the smooth part: S A grad(sum of A T), S = 2 pi gamma; toward higher potential."""
     charge, length = parameters.floats.charge, float(parameters.pair[CAPILLARY_LENGTH])
     spread, spectrum, waves = transformed(split, position, charge, grid, length)
     slopes = np.stack([
@@ -349,7 +352,7 @@ def add_smooth_forces(parameters: Parameters, split: Split, position: Array, gri
 def split_energy(
     part: Split, own: Any, parameters: Parameters, state: State, workspace: Workspace
 ) -> tuple[float, float]:
-    """The energy of all pairs (J), those of the short part included: zero when all are far apart."""
+    """The energy of all pairs (J), including the short-range part: zero at infinite distance."""
     split, pair, charge = part, parameters.pair, parameters.floats.charge
     length, rows = float(pair[CAPILLARY_LENGTH]), workspace.lists.rows
     grid = grid_around(split, state.reference, length)
@@ -363,7 +366,9 @@ def split_energy(
 
 
 def _short_table(pair: Array, short: Short, eta: float) -> tuple[Array, Array]:
-    """The short part over the logarithm of the squared distance (m^2); and from where to where."""
+    """The ends and the values of the table of the short-range energy, over the logarithm of the squared distance
+    (m^2).
+    """
     ends = log(np.array([(0.1 * short.lower * pair[CAPILLARY_LENGTH]) ** 2, pair[CUTOFF] ** 2]))
     x = np.sqrt(exp(np.linspace(float(ends[0]), float(ends[1]), TABLE)) * pair[INVERSE_SQUARE])
     return ends, np.asarray(ewald.short_energy(x, eta))
@@ -373,7 +378,7 @@ def _short_table(pair: Array, short: Short, eta: float) -> tuple[Array, Array]:
 def sum_of_short_energies(
     position: Array, charge: Array, listed: tuple[Integers, Slots, Integers], ends: Array, table: Array
 ) -> float:
-    """The short part's energies of all pairs, over S."""
+    """The short-range energies of all pairs, over S."""
     first, neighbor, order = listed
     total, scale, farthest = 0.0, (len(table) - 1) / (ends[1] - ends[0]), math.exp(ends[1])
     for slot in range(len(order)):
@@ -391,20 +396,20 @@ def sum_of_short_energies(
 
 
 class Reference(NamedTuple):
-    """Scratch: where everyone was when the lists were made, around which the grid lies."""
+    """Workspace: the reference positions of the neighbor lists, around which the grid is placed."""
 
     position: Array
-    """(N, 2) that of the state"""
+    """(N, 2) those of the state"""
 
 
 def make_reference(part: Split, parameters: Parameters, state: State, workspace: Workspace) -> Reference:
-    """Scratch."""
+    """Return the workspace."""
     return Reference(state.reference)
 
 
 def smooth_forces(
     part: Split, own: Reference, parameters: Parameters, position: Array, lists: NeighborLists, force: Array
 ) -> None:
-    """Add the forces of the smooth part. In Python, since SciPy transforms."""
+    """Add the forces of the smooth part. In Python, since the transforms are SciPy's."""
     length = float(parameters.pair[CAPILLARY_LENGTH])
     add_smooth_forces(parameters, part, position, grid_around(part, own.position, length), force)

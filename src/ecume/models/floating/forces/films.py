@@ -1,9 +1,9 @@
-"""Liquid that is squeezed from between floats: two that approach drag more than each would alone.
+"""Lubrication films between floats: the drag of two floats increases when they approach.
 
-Films oppose how fast two come together or part, along the line of their centers, with the friction
-zeta (lambda - 1)/2 of `drag.pair_factor`, added up over pairs. Velocities follow from forces all at once:
-(1/g + G) v = v0/g, where v0 are those of the kick without films, g its gain and G the films' friction, by conjugate
-gradients. What two films' ends do cancels to rounding.
+A film opposes the relative velocity along the line of centers with the friction zeta (lambda - 1)/2 of
+`drag.pair_factor`, summed over pairs. The velocities are the solution of the linear system (1/g + G) v = v0/g, where v0
+are the velocities after the kick without films, g is its gain and G the friction of the films, by conjugate gradients.
+The two forces of a film cancel to rounding.
 """
 
 from __future__ import annotations
@@ -28,16 +28,16 @@ if TYPE_CHECKING:
 
 NODES = 1024
 CLOSEST = 1e-6
-"""Gap over R that a table begins with where nothing is rough."""
+"""Smallest gap over R in the table for smooth floats."""
 
 TOLERANCE = 1e-10
-"""Of the velocities' residual, over what it was."""
+"""Residual of the velocities over its initial value."""
 
-MOST_TURNS = 10_000
+MOST_ITERATIONS = 10_000
 
 
 class Films(NamedTuple):
-    """The part of a scene that has films."""
+    """Constants of films."""
 
     excess: Array
     """(NODES,) lambda - lambda(reach), over the logarithm of gap/R"""
@@ -48,7 +48,7 @@ class Films(NamedTuple):
 
 
 class Pairs(NamedTuple):
-    """Films of one step."""
+    """The films of one time step."""
 
     first: Integers
     second: Integers
@@ -59,7 +59,7 @@ class Pairs(NamedTuple):
 
 
 def make_films(roughness: float, reach: float) -> Films:
-    """A table of `pair_factor`, level below the gap `roughness` (over R), zero at l/R = `reach`."""
+    """Return a table of `pair_factor`, constant below the gap `roughness` (over R), zero at l/R = `reach`."""
     ends = np.log([max(roughness, CLOSEST), reach - 2.0])
     gaps = np.exp(np.linspace(ends[0], ends[1], NODES))
     return Films(np.asarray(pair_factor(2.0 + gaps, roughness)) - float(pair_factor(reach)), ends, reach)
@@ -67,7 +67,7 @@ def make_films(roughness: float, reach: float) -> Films:
 
 @compiled
 def film_excess(films: Films, gap: float) -> float:
-    """Lambda - lambda(reach) at a gap over R."""
+    """The value of lambda - lambda(reach) at this gap (over R)."""
     ends, excess = films.ends, films.excess
     if gap >= films.reach - 2.0:
         return 0.0
@@ -78,7 +78,7 @@ def film_excess(films: Films, gap: float) -> float:
 
 @compiled
 def find_films(films: Films, parameters: Parameters, position: Array, lists: NeighborLists) -> Pairs:
-    """All pairs with a film, ordered by i's slot. Unlike ones count as two of twice the reduced radius."""
+    """All pairs with a film, ordered by the slot of i. Unequal floats count as two of twice the reduced radius."""
     order, first, neighbor, floats = lists.cells.order, lists.rows.first, lists.rows.neighbor, parameters.floats
     found, pairs = 0, Pairs(np.empty(0, np.int64), np.empty(0, np.int64), np.empty((0, 2)), np.empty(0))
     for writing in range(2):
@@ -106,7 +106,7 @@ def find_films(films: Films, parameters: Parameters, position: Array, lists: Nei
 
 @compiled
 def film_forces(pairs: Pairs, velocity: Array, force: Array) -> None:
-    """The films' forces, equal and opposite."""
+    """Compute the forces of the films, equal and opposite."""
     for i in range(force.shape[0]):
         force[i, 0], force[i, 1] = 0.0, 0.0
     first, second, along, friction = pairs.first, pairs.second, pairs.along, pairs.friction
@@ -122,17 +122,17 @@ def film_forces(pairs: Pairs, velocity: Array, force: Array) -> None:
 
 @compiled
 def solve_velocities(pairs: Pairs, gain: Array, velocity: Array) -> int:
-    """Velocities with films from those without; the number of turns."""
+    """Solve for the velocities with films from those without; return the number of iterations."""
     count = velocity.shape[0]
     given, slowed, force = velocity.copy(), velocity.copy(), np.zeros((count, 2))
     residual, direction = np.zeros((count, 2)), np.zeros((count, 2))
     film_forces(pairs, slowed, residual)
-    square, turns = 0.0, 0
+    square, iterations = 0.0, 0
     for i in range(count):
         direction[i, 0], direction[i, 1] = gain[i] * residual[i, 0], gain[i] * residual[i, 1]
         square += residual[i, 0] * direction[i, 0] + residual[i, 1] * direction[i, 1]
     goal = TOLERANCE * TOLERANCE * square
-    while square > goal and turns < MOST_TURNS:
+    while square > goal and iterations < MOST_ITERATIONS:
         film_forces(pairs, direction, force)
         curvature = 0.0
         for i in range(count):
@@ -148,18 +148,18 @@ def solve_velocities(pairs: Pairs, gain: Array, velocity: Array) -> int:
         for i in range(count):
             direction[i, 0] = gain[i] * residual[i, 0] + square / last * direction[i, 0]
             direction[i, 1] = gain[i] * residual[i, 1] + square / last * direction[i, 1]
-        turns += 1
-    # From the films' forces, so that momentum is kept to rounding wherever the turns ended.
+        iterations += 1
+    # From the forces of the films, so that momentum is conserved to rounding for any number of iterations.
     film_forces(pairs, slowed, force)
     for i in range(count):
         velocity[i, 0] = given[i, 0] + gain[i] * force[i, 0]
         velocity[i, 1] = given[i, 1] + gain[i] * force[i, 1]
-    return turns
+    return iterations
 
 
 @compiled
 def apply_films(part: Films, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """Velocities after a kick, and the passage, become those with films."""
+    """Apply films to the velocities after a kick and to the midstep velocities."""
     pairs = find_films(part, parameters, state.position, workspace.lists)
     if len(pairs.friction) > 0:
         solve_velocities(pairs, parameters.kick.gain, state.velocity)
@@ -167,7 +167,7 @@ def apply_films(part: Films, own: Any, parameters: Parameters, state: State, wor
 
 
 def films_of(parameters: Parameters, scene: FloatingScene) -> Built:
-    """Films between floats."""
+    """Return the films of a scene."""
     given = scene.motion.films
     assert given is not None  # noqa: S101  # for the type checker: the scene has chosen films
     largest, smallest = float(parameters.floats.radius.max()), float(parameters.floats.radius.min())

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def drift_of(scene: FloatingScene) -> Drift:
-    """The flow and the chance that a scene asks for; both need drag."""
+    """The flow and the noise of a scene; both need drag."""
     flow, motion = scene.liquid.flow, scene.motion
     fast = motion.drag_law == DRAG_LAWS[1]
     rates = np.zeros(6)
@@ -32,7 +32,7 @@ def drift_of(scene: FloatingScene) -> Drift:
 
 
 def sway_of(scene: FloatingScene) -> Sway:
-    """How the dish is moved."""
+    """The motion of the dish."""
     moved = scene.dish.motion if scene.dish is not None else None
     if moved is None:
         return Sway(False, np.zeros(2), np.zeros(2), 0.0, 0.0)
@@ -45,14 +45,14 @@ NO_NODES = np.zeros((2, 0, 0)), np.zeros(4)
 
 
 def _nodes_of(nodes: NodesSpec) -> tuple[Array, Array]:
-    """A table's velocities, and where they stand."""
+    """The velocities at the nodes of a table, and the frame of the nodes."""
     table, low, high = np.array([nodes.vx, nodes.vy]), np.array(nodes.low), np.array(nodes.high)
     return table, np.concatenate([low, (np.array(table.shape[1:]) - 1.0) / (high - low)])
 
 
 @compiled_inside
 def straight_current(flow: Array, x: float, y: float) -> tuple[float, float]:
-    """That of a flow which is uniform, and linear in the place."""
+    """The velocity of a flow that is uniform, or linear in the position (m/s)."""
     return flow[0] + flow[2] * x + flow[3] * y, flow[1] + flow[4] * x + flow[5] * y
 
 
@@ -68,7 +68,7 @@ def current_at(drift: Drift, x: float, y: float) -> tuple[float, float]:
 
 @compiled
 def between_nodes(drift: Drift, x: float, y: float) -> tuple[float, float]:
-    """That of a table: straight along x and along y between its nodes, beyond it as at its edge."""
+    """The velocity from a table (m/s): bilinear between its nodes, constant beyond its edge."""
     nodes, frame = drift.nodes, drift.frame
     last_x, last_y = nodes.shape[1] - 1.0, nodes.shape[2] - 1.0
     u = min(max((x - frame[0]) * frame[2], 0.0), last_x)
@@ -84,7 +84,7 @@ def between_nodes(drift: Drift, x: float, y: float) -> tuple[float, float]:
 
 @compiled
 def add_flow(parameters: Parameters, position: Array, force: Array) -> None:
-    """The flowing surface drags at each float: zeta u, where u is its velocity at the float's center."""
+    """Add the drag of the flowing surface: zeta u, where u is its velocity at the center of the float."""
     mass, relaxation = parameters.floats.mass, parameters.floats.relaxation_time
     for i in range(position.shape[0]):
         friction, (along, across) = (

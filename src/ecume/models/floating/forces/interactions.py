@@ -1,4 +1,4 @@
-"""The table of interactions: forces between floats, and between floats and walls, of which a scene combines some.
+"""The table of interactions: forces between floats, and between floats and walls. A scene combines one or more.
 
 A part is a NamedTuple of constants, and its type is the key of its row. `evaluate` adds up the forces of all parts.
 """
@@ -57,18 +57,18 @@ if TYPE_CHECKING:
 
 
 def no_scratch(part: Any, parameters: Parameters, state: State, workspace: Workspace) -> Any:
-    """No workspace of its own."""
+    """Return an empty workspace."""
     return ()
 
 
 @composed
 def unsorted(part: Any, own: Any, parameters: Parameters, lists: NeighborLists) -> None:
-    """Nothing is kept in the order of the lists."""
+    """Do nothing: the part stores nothing in the order of the lists."""
 
 
 @composed
 def no_turning(part: Any, own: Any, parameters: Parameters, state: State, first: bool) -> None:
-    """Forces through centers turn nobody."""
+    """Do nothing: the forces act through the centers."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -83,32 +83,34 @@ class Interaction(Option):
     add_forces: Callable[..., None]
     """add_forces(part, scratch, parameters, position, lists, force): add to the forces (N, 2)"""
     energy: Callable[..., tuple[float, float]]
-    """energy(part, scratch, parameters, state, workspace): among floats and at walls (J), forces are minus its slope"""
+    """energy(part, scratch, parameters, state, workspace): among floats and at walls (J); forces are minus its
+    gradient
+    """
     compiled: bool = True
     """whether compiled code can call `add_forces`; if not, Python runs the time steps"""
     scratch: Callable[[Any, Parameters, State, Workspace], Any] = no_scratch
     sort: Callable[..., None] = unsorted
-    """sort(part, scratch, parameters, lists): after new lists"""
+    """sort(part, scratch, parameters, lists): called after new lists"""
     kick_spins: Callable[..., None] = no_turning
-    """turn(part, scratch, parameters, state, first): half a kick of the spins, before and after a step"""
+    """kick_spins(part, scratch, parameters, state, first): half a kick of the spins, before and after a step"""
     state: Callable[[Any, State], State] = lambda part, state: state
     """state(part, state): the state with what the part needs"""
     inertia: Callable[[Any], Array | None] = lambda part: None
     """inertia(part): of floats that the part turns (kg m^2), (N,)"""
     arrays: Callable[[Any], Mapping[str, tuple[Array, str]]] = lambda part: {}
-    """arrays(part): quantities for frames, with their units"""
+    """arrays(part): quantities for frames, with units"""
     lines: Callable[[Any, Parameters], list[tuple[str, str, str]]] = lambda part, parameters: []
     """lines(part, parameters): further lines of `ecume check`"""
     pairs_worth: Callable[[Any], float] = lambda part: 0.0
-    """pairs_worth(part): work of a step beside lists, in pairs"""
+    """pairs_worth(part): work of a time step in addition to lists, in pairs"""
     points: Callable[[Any], float] = lambda part: 0.0
-    """points(part): of a grid, for the estimate of memory"""
+    """points(part): number of grid points, for the estimate of memory"""
     laws: tuple[Callable[..., Any], ...] = ()
     """functions whose docstrings name the references that `ecume cite` lists"""
 
 
 def _with_amplitudes(part: Multipoles, state: State) -> State:
-    """With room for the multipoles."""
+    """Return the state with an array for the multipoles."""
     return state._replace(amplitudes=np.zeros((len(state.position), 2 * part.rims.response.shape[1])))
 
 
@@ -177,7 +179,7 @@ BY_CONSTANTS: dict[type, Interaction] = {row.constants: row for row in INTERACTI
 
 @dataclass(frozen=True, kw_only=True)
 class Resistance(Option):
-    """A row of the table of what slows floats beside drag."""
+    """A row of the table of resistances, which slow floats in addition to drag."""
 
     slot: str = "resistance"
     constants: type
@@ -185,7 +187,7 @@ class Resistance(Option):
     make: Callable[[Parameters, FloatingScene], Built]
     """make(parameters without parts, scene). Raises SceneError"""
     slow: Callable[..., None]
-    """slow(part, scratch, parameters, state, workspace): change velocities after a kick, and the passage"""
+    """slow(part, scratch, parameters, state, workspace): change velocities and midstep velocities after a kick"""
 
 
 RESISTANCES = {

@@ -20,7 +20,7 @@ from ecume._jit import compiled
 from ecume._portable import phase_factor
 from ecume.engine.cells import Integers
 from ecume.engine.neighbors import NeighborLists
-from ecume.errors import BadInput, Fault, SceneError
+from ecume.errors import BadInput
 from ecume.laws import drag, flotation
 from ecume.laws.flotation import Disc, Liquid, Sphere
 from ecume.laws.meniscus import facing_amplitude, plane_amplitude
@@ -31,7 +31,7 @@ from ecume.laws.multipole.ladders import outgoing_ladder, regular_ladder
 from ecume.laws.multipole.solving import Krylov, iterate, make_krylov
 from ecume.laws.multipole.walls import Basin, images
 from ecume.laws.special import bessel_k0, bessel_k1, scaled_bessel_i1
-from ecume.models.floating.options import Built
+from ecume.models.floating.options import Built, scene_error
 from ecume.models.floating.parameters import Parameters, part_of
 from ecume.models.floating.setup.kinds import distinct_kinds
 from ecume.models.floating.state import State, Workspace, make_state
@@ -47,18 +47,19 @@ if TYPE_CHECKING:
 
 
 TOLERANCE = 1e-9
-"""Of the amplitudes, in each step."""
+"""Relative tolerance of the amplitudes in each time step."""
 
 WAVES_PER_ORDER = 4.0
-"""Orders that a round wall answers, over the bodies' order times wall radius over body radius."""
+"""Orders of the response of a round wall, over (order of the bodies) times (wall radius) / (body radius)."""
 
 MOST_WAVES = 400
 STIFFER = 10.0
-"""By how much stiffer rafts of pinned discs are than superposition says, at most: their pull is up to ten times it."""
+"""Stiffness of rafts of pinned discs over that of superposition, at most: their attraction is up to ten times larger.
+"""
 
 
 class Multipoles(NamedTuple):
-    """What never changes: bodies, walls, units."""
+    """Constants of multipoles: bodies, walls, units."""
 
     rims: Rims
     echoes: Echoes
@@ -71,27 +72,27 @@ class Multipoles(NamedTuple):
     tension: float
     """N/m"""
     inertia: Array
-    """(N,) kg m^2, of floats that turn; empty where none does"""
+    """(N,) kg m^2, of floats that turn; empty if no float turns"""
     friction: Array
     """(N,) N m s, against their turning"""
     advances_angles: bool = True
-    """whether angles advance here, and not with the contacts"""
+    """whether angles advance here instead of with the contacts"""
 
 
 class MultipoleScratch(NamedTuple):
-    """Scratch."""
+    """Workspace of multipoles."""
 
     force: Array
-    """(N, 2) over tension and length"""
+    """(N, 2) in units of tension times capillary length"""
     amplitudes: Waves
-    """(N, order + 1) those of the state, seen as complex numbers"""
+    """(N, order + 1) those of the state, viewed as complex numbers"""
     krylov: Krylov
     at: Array
     """(N, 2) in capillary lengths"""
     waves: Waves
     """(N, order + 2)"""
     outer: Waves
-    """(N, order + 2) the walls' part of them"""
+    """(N, order + 2) the part of the walls"""
     right: Waves
     torque: Array
     """(N,) N m"""
@@ -102,7 +103,7 @@ class MultipoleScratch(NamedTuple):
 def make_multipoles(
     bodies: Sequence[tuple[Disc | Sphere | Undulated, float]], liquid: Liquid, order: int, reach: float
 ) -> Multipoles:
-    """Bodies with the charges (m) that they should have far away, on an endless surface."""
+    """Return bodies with these capillary charges (m) in the far field, on an unbounded surface."""
     length = liquid.capillary_length
     closures = []
     for body, charge in bodies:
@@ -120,7 +121,7 @@ def make_multipoles(
 def with_basin(
     multipoles: Multipoles, size: tuple[float, float], contact_angle: float, liquid: Liquid, mirrored: bool
 ) -> Multipoles:
-    """Between four plane walls."""
+    """Return the multipoles between four plane walls."""
     menisci = [
         (
             facing_amplitude(side, contact_angle, liquid) / multipoles.length,
@@ -136,7 +137,7 @@ def with_basin(
 
 
 def with_dish(multipoles: Multipoles, radius: float, contact_angle: float, mirrored: bool) -> Multipoles:
-    """Inside a round wall."""
+    """Return the multipoles inside a round wall."""
     brim, orders = radius / multipoles.length, multipoles.rims.response.shape[1]
     waves = min(MOST_WAVES, math.ceil(WAVES_PER_ORDER * orders * brim / multipoles.rims.radius.min()))
     round_echoes = make_round_echoes(brim, waves, orders, multipoles.rims.reference, pinned=False)
@@ -147,12 +148,12 @@ def with_dish(multipoles: Multipoles, radius: float, contact_angle: float, mirro
 
 
 def make_multipole_scratch(part: Multipoles, parameters: Parameters, state: State, workspace: Any) -> MultipoleScratch:
-    """Scratch around the state's amplitudes and angles."""
+    """Return the workspace with the amplitudes and angles of the state."""
     return multipole_scratch(state.amplitudes, state.turning)
 
 
 def multipole_scratch(amplitudes: Array, turning: Array) -> MultipoleScratch:
-    """Scratch around these amplitudes and angles."""
+    """Return a workspace with these amplitudes and angles."""
     waves: NDArray[np.complex128] = amplitudes.view(np.complex128)
     count, orders = waves.shape
     wide = (count, orders + 1)
@@ -171,7 +172,7 @@ def multipole_scratch(amplitudes: Array, turning: Array) -> MultipoleScratch:
 
 @compiled
 def fill_outer(multipoles: Multipoles, at: Array, outer: Waves) -> None:
-    """The walls' own menisci around each body: see `ecume.laws.multipole.walls.outer_waves`."""
+    """Fill in the menisci of the walls around each body: see `ecume.laws.multipole.walls.outer_waves`."""
     rims, brim, orders = multipoles.rims, multipoles.echoes.brim, outer.shape[1]
     ladder = np.zeros(orders)
     outer[:] = 0.0
@@ -197,7 +198,7 @@ def fill_outer(multipoles: Multipoles, at: Array, outer: Waves) -> None:
 
 @compiled
 def resolve(multipoles: Multipoles, position: Array, scratch: MultipoleScratch) -> int:
-    """Amplitudes and waves at these positions; below zero where they were not found."""
+    """Solve for amplitudes and waves at these positions; return a negative number if the solution failed."""
     rims, orders = multipoles.rims, scratch.amplitudes.shape[1]
     for i in range(len(position)):
         scratch.at[i, 0], scratch.at[i, 1] = position[i, 0] / multipoles.length, position[i, 1] / multipoles.length
@@ -220,7 +221,7 @@ def resolve(multipoles: Multipoles, position: Array, scratch: MultipoleScratch) 
 def multipole_forces(
     part: Multipoles, own: MultipoleScratch, parameters: Parameters, position: Array, lists: NeighborLists, force: Array
 ) -> None:
-    """Add the forces on all floats at these positions, walls included; NaN where the amplitudes were not found."""
+    """Add the forces on all floats at these positions, including walls; NaN if the solution failed."""
     taken = resolve(part, position, own)
     forces(part.rims, own.amplitudes, own.waves, own.force)
     scale = part.tension * part.length if taken >= 0 else math.nan
@@ -234,7 +235,7 @@ def multipole_forces(
 def multipole_energy(
     part: Multipoles, own: Any, parameters: Parameters, state: State, workspace: Workspace
 ) -> tuple[float, float]:
-    """What the floats have on one surface beyond what each has alone (J), walls included."""
+    """The energy of all floats and walls (J), less the energy of each float alone."""
     scratch = make_multipole_scratch(part, parameters, state._replace(amplitudes=state.amplitudes.copy()), workspace)
     resolve(part, state.position, scratch)
     orders = scratch.amplitudes.shape[1]
@@ -261,7 +262,7 @@ def kick_multipole_spins(
 
 @compiled
 def kick_spins_with_drag(multipoles: Multipoles, torque: Array, turning: Array, time: float) -> None:
-    """Drag and a torque that stays for that time, solved exactly, on the spins."""
+    """Change the spins by drag and a torque that is constant during that time, solved exactly."""
     for i in range(len(torque)):
         rate = multipoles.friction[i] / multipoles.inertia[i] * time
         held = -math.expm1(-rate) / rate if rate > 0.0 else 1.0
@@ -269,13 +270,13 @@ def kick_spins_with_drag(multipoles: Multipoles, torque: Array, turning: Array, 
 
 
 Kind = tuple[Disc | Sphere, float]
-"""A body and its charge (m)."""
+"""A body and its capillary charge (m)."""
 
 NODES = 97
 MOST_KINDS = 24
 ORDER = 24
 FARTHEST = 50.0
-"""Reach of the two-body solutions, in capillary lengths."""
+"""Cutoff of the two-body solutions, in capillary lengths."""
 
 
 class PairTables(NamedTuple):
@@ -294,7 +295,7 @@ class PairTables(NamedTuple):
 
 
 def make_pair_tables(kinds: list[Kind], kind: Integers, liquid: Liquid, cutoff: float) -> PairTables:
-    """The tables, each with a solution of two bodies at every node."""
+    """Compute the tables from a solution of two bodies at every node."""
     count, length = len(kinds), liquid.capillary_length
     multipoles = make_multipoles(kinds, liquid, ORDER, cutoff)
     radius = multipoles.rims.radius * length
@@ -314,7 +315,7 @@ def make_pair_tables(kinds: list[Kind], kind: Integers, liquid: Liquid, cutoff: 
 
 
 def _beyond(multipoles: Multipoles, product: float, apart: float) -> tuple[float, float]:
-    """Energy and force (positive repels) of two bodies less those of superposition, K0 and K1 times `product`."""
+    """Energy and force (positive repels) of two bodies, minus superposition: K0 and K1 times `product`."""
     from ecume.laws.multipole import graf, solving
 
     x = apart / multipoles.length
@@ -332,7 +333,7 @@ def _beyond(multipoles: Multipoles, product: float, apart: float) -> tuple[float
 
 @compiled
 def correction(tables: PairTables, i: int, j: int, distance: float) -> tuple[float, float]:
-    """Energy and force (positive repels) beyond superposition; zero beyond the table, straight on below it."""
+    """Energy and force (positive repels) beyond superposition; zero beyond the table, linear below it."""
     a, b = tables.kind[i], tables.kind[j]
     touching, step = tables.touching[a, b], tables.step[a, b]
     s = math.sqrt(max(distance / touching - 1.0, 0.0))
@@ -354,7 +355,7 @@ def correction(tables: PairTables, i: int, j: int, distance: float) -> tuple[flo
 
 @compiled
 def add_corrections(tables: PairTables, position: Array, lists: NeighborLists, force: Array) -> float:
-    """Add the corrections of all pairs of the lists to the forces; their energy."""
+    """Add the corrections of all listed pairs to the forces; return their energy (J)."""
     order, first, neighbor = lists.cells.order, lists.rows.first, lists.rows.neighbor
     total = 0.0
     for slot in range(len(order)):
@@ -374,7 +375,7 @@ def add_corrections(tables: PairTables, position: Array, lists: NeighborLists, f
 def correction_forces(
     part: PairTables, own: Any, parameters: Parameters, position: Array, lists: NeighborLists, force: Array
 ) -> None:
-    """Add the corrections of all pairs."""
+    """Add the corrections of all pairs to the forces."""
     add_corrections(part, position, lists, force)
 
 
@@ -389,7 +390,7 @@ Bodies = list[tuple[Any, float]]
 
 
 def multipoles_of(parameters: Parameters, scene: FloatingScene) -> Built:
-    """All floats on one surface."""
+    """Return the multipoles of all floats."""
     kinds, number = distinct_kinds(scene)
     dish, bodies, liquid = scene.dish, bodies_and_charges(kinds), liquid_of(scene)
     found = _made(
@@ -405,10 +406,10 @@ def multipoles_of(parameters: Parameters, scene: FloatingScene) -> Built:
 
 
 def _turning(parameters: Parameters, scene: FloatingScene, every: Sequence[Any]) -> tuple[Any, Any, float]:
-    """Of floats that turn: their inertia, m a^2/2, what resists, and how quick the stiffest of them is.
+    """Constants of floats that turn: inertia m a^2/2, rotational friction, and the shortest time scale (s).
 
-    A rim of height H feels a neighbor that touches as a spring of about 12 pi gamma (m H/4)^2 when it turns, over a^2
-    when it shifts, by the law of quadrupoles at l = 2 a; six of them at most.
+    For a rim of height H, a touching neighbor acts as a spring of about 12 pi gamma (m H/4)^2 against rotation, and of
+    that over a^2 against displacement, by the law of quadrupoles at l = 2 a; there are at most six neighbors.
     """
     liquid = liquid_of(scene)
     mass, radius = parameters.floats.mass, parameters.floats.radius
@@ -422,13 +423,13 @@ def _turning(parameters: Parameters, scene: FloatingScene, every: Sequence[Any])
 
 
 def corrections_of(parameters: Parameters, scene: FloatingScene) -> Built:
-    """Tables for pairs. Raises SceneError where there are too many kinds of floats."""
+    """Return tables of pair corrections. Raises SceneError if there are too many kinds of floats."""
     kinds, number = distinct_kinds(scene)
     if len(kinds) > MOST_KINDS:
-        raise _fault(
+        raise scene_error(
             "interaction.method",
             f"'pair-corrected' needs a table for each pair of kinds, and there are {len(kinds)} of them, more than "
-            f"{MOST_KINDS}; take 'multipole' or 'superposition'",
+            f"{MOST_KINDS}; use 'multipole' or 'superposition'",
         )
     bodies = bodies_and_charges(kinds)
     tables = _made(lambda: make_pair_tables(bodies, number, liquid_of(scene), parameters.cutoff))
@@ -436,7 +437,7 @@ def corrections_of(parameters: Parameters, scene: FloatingScene) -> Built:
 
 
 def bodies_and_charges(kinds: Sequence[Any]) -> Bodies:
-    """Bodies and charges."""
+    """The bodies of these kinds, with their capillary charges (m)."""
     return [
         (Undulated(kind.body, ((*kind.rim, 0.0),)) if kind.rim[1] > 0.0 else kind.body, kind.charge) for kind in kinds
     ]
@@ -446,7 +447,7 @@ def _made(make: Callable[[], Any]) -> Any:
     try:
         return make()
     except BadInput as error:
-        raise _fault("interaction.method", str(error)) from None
+        raise scene_error("interaction.method", str(error)) from None
 
 
 def _stiffer(bodies: Bodies) -> float:
@@ -455,18 +456,14 @@ def _stiffer(bodies: Bodies) -> float:
     return STIFFER if pinned else 2.0
 
 
-def _fault(path: str, message: str) -> SceneError:
-    return SceneError([Fault(path, message)])
-
-
 def multipoles_in(parameters: Parameters) -> Multipoles:
-    """The part of floats that go by multipoles."""
+    """The multipoles of the parameters."""
     multipoles: Multipoles = part_of(parameters, Multipoles)
     return multipoles
 
 
 def solved(parameters: Parameters, frame: Frame) -> MultipoleScratch:
-    """The multipoles of a frame's floats, found anew: frames do not keep them."""
+    """The multipoles of the floats in a frame, solved again: frames do not contain them."""
     multipoles = multipoles_in(parameters)
     count, orders = multipoles.rims.response.shape
     angle = frame.arrays.get("angle", np.zeros(count))
@@ -480,8 +477,8 @@ def solved(parameters: Parameters, frame: Frame) -> MultipoleScratch:
 
 
 def heights_at(multipoles: Multipoles, scratch: MultipoleScratch, points: Array) -> Array:
-    """(P,) m at `points` (P, 2) in m: what floats add to the walls' own meniscus, the walls' answer to them included;
-    a float's own part goes on inside its contact line as it is there.
+    """(P,) m at `points` (P, 2) in m: the deformation by the floats, including the response of the walls, without the
+    menisci of the walls; the part of a float is constant inside its contact line.
     """
     places = points / multipoles.length
     heights = np.zeros(len(points))
@@ -492,7 +489,7 @@ def heights_at(multipoles: Multipoles, scratch: MultipoleScratch, points: Array)
 
 
 def bends(multipoles: Multipoles, scratch: MultipoleScratch) -> Array:
-    """(N,) m: how far each float by itself bends the surface, as the root mean square around its edge."""
+    """(N,) m: the deformation of the surface by each float alone, as the root mean square around its edge."""
     squares = np.abs(scratch.amplitudes) ** 2
     return np.asarray(multipoles.length * np.sqrt(squares[:, 0] + 2.0 * squares[:, 1:].sum(axis=1)))
 

@@ -64,13 +64,13 @@ def summed_law(parameters: Parameters) -> Any:
 
 
 def two_floats(parameters: Parameters, radius: tuple[float, float], charge: tuple[float, float]) -> PairParameters:
-    """Two floats in the liquid of the scene, as pair laws see them."""
+    """Two floats in the liquid of the scene, as arguments of pair laws."""
     length, tension = float(parameters.pair[CAPILLARY_LENGTH]), float(parameters.pair[SURFACE_TENSION])
     return PairParameters(*radius, *charge, length, tension)
 
 
 def row_of_law(law: Any) -> PairLaw:
-    """The row of these constants, be they those of a scene or of a part of it."""
+    """The row of the pair law with these constants."""
     return pair_laws.row_of(type(law))
 
 
@@ -90,7 +90,7 @@ def pair_option(name: str) -> Option:
 admit(capillarity, dipoles, pair_laws, screened, special, ewald)
 
 PADDED = 8
-"""Neighbors are padded to a multiple of the vector width, since what is left over runs one by one."""
+"""Neighbors are padded to a multiple of the vector width, since a remainder is not vectorized."""
 
 LEAST_DISTANCE = 1e-300
 """m: shorter distances count as this one, so that nothing is divided by zero."""
@@ -98,7 +98,7 @@ LEAST_DISTANCE = 1e-300
 
 @compiled_inside
 def pairs_of(rows: Rows) -> Any:
-    """What sums over pairs want of the lists, in two dimensions."""
+    """The parts of the neighbor lists that sums over pairs require, in 2D."""
     x, y = rows.sorted_position[0], rows.sorted_position[1]
     return rows.first, rows.later, rows.neighbor, x, y, rows.edge, rows.place
 
@@ -164,8 +164,8 @@ def sum_stretch(
 ) -> None:
     """Add the forces between a stretch of slots and the later slots, by a pair law.
 
-    Four plain loops instead of one: gather the neighbors, work out all their forces (this one vectorizes, without
-    changing a bit), give them to the neighbors, add them up in lanes. The second one is in the precision of `pair`, of
+    Four plain loops instead of one: gather the neighbors, compute all forces (this loop vectorizes without changing a
+    bit), distribute them to the neighbors, add them up in lanes. The second loop is in the precision of `pair`, of
     the law and of the charges; distances are computed and forces added up in double. Radii are gathered only for laws
     that depend on them.
     """
@@ -268,25 +268,25 @@ sum_pair_forces = by_type(_sum_for, 0)
 
 
 class Sorted(NamedTuple):
-    """Scratch in the order of the slots."""
+    """Workspace in the order of the slots."""
 
     charge: Array
     radius: Array
     force: Array
     """(2, N)"""
     pair: Array
-    """the pair law's constants; like the charges in the precision of the sums"""
+    """the constants of the pair law, in the precision of the sums, as the charges"""
 
 
 class Superposed(NamedTuple):
-    """The part of floats that interact by a pair law, and with walls one by one."""
+    """Floats that interact by a pair law, and separately with each wall."""
 
     law: Any
     """constants of the pair law, in the precision of the sum over pairs"""
 
 
 def make_sorted(part: Superposed, parameters: Parameters, state: State, workspace: Workspace) -> Sorted:
-    """Its workspace."""
+    """Return the workspace."""
     count, kind = len(state.position), np.float32 if parameters.single else np.float64
     return Sorted(np.zeros(count, kind), np.zeros(count), np.zeros((2, count)), parameters.pair.astype(kind))
 
@@ -320,7 +320,7 @@ def add_from_slots(order: Integers, sorted_force: Array, force: Array) -> None:
 
 @compiled
 def add_wall_forces(parameters: Parameters, position: Array, force: Array) -> None:
-    """The meniscus at the walls pushes or pulls each float."""
+    """Add the forces of the wall menisci on each float."""
     strength, charge = parameters.wall_strength, parameters.floats.charge
     if not acts(parameters):
         return
@@ -347,8 +347,8 @@ def superposed_energy(
 def sum_of_pair_energies(
     law: Any, position: Array, floats: Floats, pair: Array, rows: tuple[Integers, Slots, Integers]
 ) -> float:
-    """Exact energies of all pairs within the cutoff, each less its value there, so that a pair that parts changes
-    nothing.
+    """The energies of all pairs within the cutoff, each minus its value at the cutoff, so that the energy is
+    continuous.
     """
     first, neighbor, order = rows
     length, tension, cutoff = pair[CAPILLARY_LENGTH], pair[SURFACE_TENSION], pair[CUTOFF]
@@ -369,7 +369,7 @@ def sum_of_pair_energies(
 
 @compiled
 def sum_of_wall_energies(parameters: Parameters, position: Array) -> float:
-    """Energies of all floats in the walls' menisci, mirror images included."""
+    """The energies of all floats in the menisci of the walls, including mirror images."""
     strength, charge, total = parameters.wall_strength, parameters.floats.charge, 0.0
     if not acts(parameters):
         return total
@@ -383,5 +383,5 @@ def sum_of_wall_energies(parameters: Parameters, position: Array) -> float:
 
 
 def superposed_of(parameters: Parameters, scene: FloatingScene) -> Built:
-    """Floats that interact by the pair law."""
+    """Return the pair forces of a scene."""
     return Built(Superposed(summed_law(parameters)))

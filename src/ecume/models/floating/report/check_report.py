@@ -1,4 +1,4 @@
-"""What `ecume check` says of a floating scene: what follows from it."""
+"""The lines of `ecume check` for a floating scene: numbers that follow from it."""
 
 from __future__ import annotations
 
@@ -21,33 +21,33 @@ from ecume.models.liquids import liquid_of
 from ecume.scenes.floating import FloatingScene
 
 STEEP = 0.3
-"""Slopes (rad) above which menisci no longer add up."""
+"""Slopes (rad) above which superposition of menisci is inaccurate."""
 
 ODD = 0.05
-"""Share of a pair's force that may come from beyond the sum of two menisci."""
+"""Tolerated fraction of the force of a pair beyond the superposition of two menisci."""
 
 PER_STEP, PER_FLOAT = 5e-6, 1.2e-6
-"""Seconds of a step, and for each float of it, while floats drift: measured on one core of a small cloud machine."""
+"""Seconds per time step, and per float, for separated floats: measured on one core of a small cloud machine."""
 
 PER_PAIR = 6e-9
-"""Seconds for each pair's worth of work where a grid takes part."""
+"""Seconds per pair of work if there is a grid."""
 
 PER_CONTACT, MOST_CONTACTS = 7e-8, 300
-"""Seconds more for each pair of floats while they gather to rafts, whose contacts are solved together; up to rafts of
-so many. Measured with 60, 150, 300 and 1,000 floats that cover a third of their dish; rafts at rest cost less again.
+"""Additional seconds per pair of floats in rafts, whose contacts are solved together, and the largest raft size in this
+estimate. Measured with 60, 150, 300 and 1,000 floats that cover a third of their dish; rafts at rest cost less again.
 """
 
 Row = tuple[str, str, str]
 
 
 def summary(scene: FloatingScene) -> list[Row]:
-    """Derived numbers: name, value with unit, remark. Raises SceneError for whatever would keep a run from starting."""
+    """Derived numbers: name, value with unit, remark. Raises SceneError if the run could not start."""
     parameters = checked_parameters(scene)
     start(scene, parameters)
     length = liquid_of(scene).capillary_length
     count = len(parameters.floats.radius)
     return [
-        ("capillary length", f"{length * 1e3:.4g} mm", "how far a meniscus reaches"),
+        ("capillary length", f"{length * 1e3:.4g} mm", "range of a meniscus"),
         *_summary_of_species(scene),
         *_summary_of_pairs(parameters),
         *_summary_of_chance(parameters),
@@ -59,23 +59,23 @@ def summary(scene: FloatingScene) -> list[Row]:
 
 
 def _summary_of_sums(parameters: Parameters, length: float) -> list[Row]:
-    """How far floats feel each other, and how that is added up."""
+    """The cutoff of the pair law, and the method of summation."""
     split = part_of(parameters, Split)
     far = split.far if split is not None else parameters.cutoff
     left = capillarity.neglected_fraction(far / length)
-    cut = f"{far / length:.3g} capillary lengths; {left:.1e} of a raft's pull is left out"
+    cut = f"{far / length:.3g} capillary lengths; {left:.1e} of the attraction of a raft is ignored"
     lines = [line for part, row in interactions_of(parameters) for line in row.lines(part, parameters)]
     return [("cutoff", f"{far * 1e3:.4g} mm", cut), *lines]
 
 
 def _summary_of_pairs(parameters: Parameters) -> list[Row]:
-    """The lines that the pair law adds to the report."""
+    """The lines of the pair law."""
     lines = row_of(parameters).check_lines
     return [] if lines is None else lines(law_of(parameters))
 
 
 def _summary_of_chance(parameters: Parameters) -> list[Row]:
-    """What two that touch gain, over kT."""
+    """The binding energies of touching pairs, over kT."""
     thermal, floats = parameters.drift.thermal, parameters.floats
     row, law = row_of(parameters), law_of(parameters)
     if thermal == 0.0 or row.energy is None or not row.has_force:
@@ -85,7 +85,7 @@ def _summary_of_chance(parameters: Parameters) -> list[Row]:
         -row.energy(2.0 * radius, two_floats(parameters, (radius, radius), (charge, charge)), law) / thermal
         for radius, charge in kinds
     ]
-    weak = "below kT: chance parts them, and nothing gathers" if min(bonds) < 1.0 else "of two that touch"
+    weak = "below kT: noise separates them, and no rafts form" if min(bonds) < 1.0 else "of two touching floats"
     return [(row.bond, f"{_numbers(bonds, 3)} kT", weak)]
 
 
@@ -100,13 +100,13 @@ def _summary_of_steps(parameters: Parameters, scene: FloatingScene) -> list[Row]
         (
             "time to run it",
             _span((_duration(drifting), _duration(gathering))),
-            "roughly: from all adrift to rafts that gather all the time; compilation is not counted",
+            "roughly, from separated floats to rafts that grow all the time; without compilation",
         ),
     ]
 
 
 def _step_remark(time_step: float, good: float) -> str:
-    """What a longer step than this one would be; `good` is the longest good one."""
+    """The judgment of a time step; `good` is the longest good one."""
     coarse, refused = 1e3 * COARSE_OVER_GOOD * good, 1e3 * UNSTABLE_OVER_GOOD * good
     if time_step > COARSE_OVER_GOOD * good:
         return f"coarse; {1e3 * good:.3g} ms is good, refused above {refused:.3g} ms"
@@ -114,7 +114,7 @@ def _step_remark(time_step: float, good: float) -> str:
 
 
 def _summary_of_species(scene: FloatingScene) -> list[Row]:
-    """What follows for each species; those of a table may differ from row to row."""
+    """The lines of each species; the floats of a table may differ from row to row."""
     members: dict[str, dict[FloatKind, int]] = {name: {} for name, _ in scene.kinds}
     owners = [(species.name, species.count) for species in scene.floats]
     owners += [(row.species_name, 1) for row in scene.rows]
@@ -124,7 +124,7 @@ def _summary_of_species(scene: FloatingScene) -> list[Row]:
 
 
 def _summary_of(name: str, members: dict[FloatKind, int], scene: FloatingScene) -> list[Row]:
-    """One species: a number where all are alike, from the least to the greatest where they are not."""
+    """The lines of one species: one number if all floats are equal, otherwise the range."""
     liquid = liquid_of(scene)
     if any(is_shape(kind) for kind in members):
         return [row for kind in members for row in _summary_of_shape(name, kind)]
@@ -171,16 +171,16 @@ def _charges(members: Iterable[FloatKind]) -> Row:
 
 
 def _closeness(spheres: Sequence[flotation.Sphere]) -> Row:
-    """How far from the truth two equal ones are that touch."""
+    """The error of superposition for two equal touching floats."""
     excess = [flotation.superposition_excess(sphere.contact_angle, 0.0) for sphere in spheres]
     worst = max(spheres, key=lambda sphere: flotation.superposition_reach(sphere.contact_angle, ODD) * sphere.radius)
     reach = 2e3 * worst.radius * flotation.superposition_reach(worst.contact_angle, ODD)
-    near = f"at contact; two nearer than {reach:.2g} mm pull over {100.0 * ODD:.0f} % harder than their menisci's sum"
+    near = f"at contact; closer than {reach:.2g} mm the attraction exceeds superposition by over {100.0 * ODD:.0f} %"
     share = _numbers((100.0 * each for each in excess), 2)
     return (
         "beyond superposition",
         f"over {share} %",
-        near if reach > 0.0 else "at contact, harder than the sum of two menisci",
+        near if reach > 0.0 else "at contact, above superposition",
     )
 
 
@@ -197,12 +197,12 @@ def _summary_of_disc(name: str, kind: FloatKind, scene: FloatingScene) -> list[R
         _charges([kind]),
     ]
     if scene.interaction.method == "superposition":
-        rows.append(("beyond superposition", "up to tenfold", "pinned rims in rafts; method = 'multipole' knows"))
+        rows.append(("beyond superposition", "up to tenfold", "pinned rims in rafts; use method = 'multipole'"))
     return [(f"{name}: {what}", value, remark) for what, value, remark in rows]
 
 
 def is_shape(kind: FloatKind) -> bool:
-    """Whether it is neither a sphere nor a disc."""
+    """Whether a kind is neither a sphere nor a disc."""
     lying = isinstance(kind.body, flotation.Ellipsoid | flotation.HorizontalCylinder)
     return lying or (kind.figure is not None and len(kind.figure.skeleton.corners) > 0)
 
@@ -218,7 +218,7 @@ def _summary_of_shape(name: str, kind: FloatKind) -> list[Row]:
         _heights({kind: 1}),
         ("rise of the contact line", f"{1e6 * line.rise:.4g} um", f"{rise} {line.mode} times around"),
         _charges([kind]),
-        ("friction across over along", f"{across / along:.3g}", "how much easier it goes along itself"),
+        ("friction across over along", f"{across / along:.3g}", "ratio of the friction across and along the float"),
     ]
     return [(f"{name}: {what}", value, remark) for what, value, remark in rows]
 
@@ -229,7 +229,7 @@ def _sinking_ratio(sphere: flotation.Sphere, liquid: flotation.Liquid) -> float:
 
 
 def _by_sign(values: Sequence[float], positive: str, negative: str) -> str:
-    """What those do that are positive, and those that are not."""
+    """The remark for positive values, negative values, or both."""
     above = sum(value > 0 for value in values)
     if above in (0, len(values)):
         return positive if above else negative
@@ -238,17 +238,17 @@ def _by_sign(values: Sequence[float], positive: str, negative: str) -> str:
 
 def _slope_remark(slopes: Sequence[float]) -> str:
     steepest = max(abs(slope) for slope in slopes)
-    return "steep: two of them close together pull harder than the sum says" if steepest > STEEP else "gentle"
+    return "steep: two of them close together attract more than superposition" if steepest > STEEP else "gentle"
 
 
 def _numbers(values: Iterable[float], digits: int = 4) -> str:
-    """The least and the greatest of some values, or the one they all are."""
+    """The least and the greatest of some values, or the common value."""
     ordered = sorted(value + 0.0 for value in values)  # no minus before a zero
     return _span((f"{ordered[0]:.{digits}g}", f"{ordered[-1]:.{digits}g}"))
 
 
 def _span(ends: tuple[str, str]) -> str:
-    """From one to the other, if they are not the same.
+    """A range, or one value if both ends are equal.
 
     >>> _span(("3.1", "4.2")), _span(("4", "4"))
     ('3.1 to 4.2', '4')
@@ -257,7 +257,7 @@ def _span(ends: tuple[str, str]) -> str:
 
 
 def seconds_per_step(count: int) -> tuple[float, float]:
-    """Rough figures of a step on one core: while so many floats drift, and while they gather to rafts."""
+    """Estimated seconds per time step on one core: for separated floats, and for floats that form rafts."""
     drifting = PER_STEP + PER_FLOAT * count
     return drifting, drifting + PER_CONTACT * count * min(count, MOST_CONTACTS)
 

@@ -1,4 +1,4 @@
-"""From a state to a frame: copies of what floats are and do, and the numbers of the whole."""
+"""Frames: copies of the state of all floats, and numbers of the whole system."""
 
 from __future__ import annotations
 
@@ -52,12 +52,12 @@ NUMBER_UNITS = {
 }
 
 CONTACT_GAP = 1e-3
-"""Floats whose gap is below this part of the smaller radius count as touching."""
+"""Floats whose gap is below this fraction of the smaller radius count as touching."""
 
 
 @compiled
 def touching_pairs(position: Array, radius: Array, candidates: Candidates, label: Integers) -> tuple[int, float]:
-    """Label clusters by their lowest member; how many pairs touch, and the deepest overlap among them."""
+    """Label clusters by their lowest member; return the number of touching pairs and the deepest overlap."""
     first, partner = candidates.first, candidates.partner
     contacts, deepest = 0, 0.0
     for i in range(position.shape[0]):
@@ -92,7 +92,7 @@ def _join(label: Integers, i: int, j: int) -> None:
 
 @compiled
 def deepest_in_walls(walls: Walls, position: Array, radius: Array) -> float:
-    """How far the worst float is inside a wall."""
+    """The deepest overlap of a float with a wall (m)."""
     worst = 0.0
     for i in range(position.shape[0]):
         for number in range(wall_count(walls)):
@@ -101,7 +101,7 @@ def deepest_in_walls(walls: Walls, position: Array, radius: Array) -> float:
 
 
 def touching_shapes(parameters: Parameters, state: State, label: Integers) -> tuple[int, float]:
-    """The same for shapes, walls included in the deepest overlap."""
+    """The same as `touching_pairs` for shapes, including walls in the deepest overlap."""
     radius, contacts, deepest = parameters.floats.radius, 0, 0.0
     label[:] = np.arange(len(radius))
     for i, j, gap in gaps_between(parameters, state.position, state.turning[:, 0], CONTACT_GAP * float(radius.min())):
@@ -115,7 +115,7 @@ def touching_shapes(parameters: Parameters, state: State, label: Integers) -> tu
 
 
 def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame:
-    """The frame of this instant."""
+    """Return the frame of this state."""
     floats = parameters.floats
     arrays = {
         "position": state.position.copy(),
@@ -145,7 +145,7 @@ def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame
 
 
 def dish_position(parameters: Parameters, time: float) -> dict[str, float]:
-    """Where a dish in motion is: floats are seen from it."""
+    """The position of a moving dish, which is the frame of reference of the floats."""
     sway = parameters.drift.sway
     x, y = (
         speed * time + sway_place(far, sway.turning, time)
@@ -155,7 +155,7 @@ def dish_position(parameters: Parameters, time: float) -> dict[str, float]:
 
 
 def energies(parameters: Parameters, state: State, workspace: Workspace) -> dict[str, float]:
-    """Kinetic, pair and wall energies (J), and their sum: without the first where there is no inertia."""
+    """Kinetic, pair and wall energies (J), and their sum: without the kinetic energy if there is no inertia."""
     kinetic = 0.5 * float(np.sum(parameters.floats.mass * np.sum(state.velocity**2, axis=1)))
     if (inertia := inertia_of(parameters)) is not None:
         kinetic += 0.5 * float(np.sum(inertia * state.turning[:, 1] ** 2))
@@ -188,7 +188,7 @@ def motion(parameters: Parameters, state: State) -> dict[str, float]:
 
 
 def contact_numbers(parameters: Parameters, state: State, workspace: Workspace) -> dict[str, float]:
-    """Clusters, contacts, overlaps, and what the contact solver did so far."""
+    """Clusters, contacts, overlaps, and the counts of the contact solver since the start."""
     radius = parameters.floats.radius
     label = np.zeros(len(radius), np.int64)
     if contacts_of(parameters).gaps is not None:

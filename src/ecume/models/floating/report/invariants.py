@@ -1,4 +1,4 @@
-"""What floats must not lose: energy that nobody brings, momentum where nobody takes any, and their distance."""
+"""Invariants of floats: the energy budget, momentum of isolated floats, and overlaps."""
 
 from __future__ import annotations
 
@@ -12,20 +12,20 @@ from ecume.models.invariants import INJECTED, Invariant, Seen, energy_never_rise
 from ecume.scenes.floating import FloatingScene
 
 RISE = 1e-3
-"""Of the energy: what steps as long as are chosen may err."""
+"""Tolerance of the energy with the default time step."""
 
 OVERLAP = 0.02
-"""Of the smallest radius: contacts leave 1e-4 alone, and a crowd that rushes together more for a step."""
+"""Over the smallest radius: contacts tolerate 1e-4; many fast floats overlap more for one step."""
 
 UNSETTLED = 0.01
-"""The part of all steps whose contacts may end before they converge."""
+"""Tolerated fraction of steps whose contacts do not converge."""
 
 ROUNDING = 1e-9
-"""Of momentum: pairs cancel to the bit, sums of them to rounding."""
+"""Tolerance of momentum: pair forces cancel exactly, sums to rounding."""
 
 
 def invariants(scene: FloatingScene, parameters: Parameters) -> list[Invariant]:
-    """The rows of a scene."""
+    """The invariants of a scene."""
     return list(_rows(scene, parameters))
 
 
@@ -48,25 +48,25 @@ def _rows(scene: FloatingScene, parameters: Parameters) -> Iterator[Invariant]:
 
 
 def _energy(parameters: Parameters) -> Invariant:
-    """Energy less what is done from outside never rises. Without inertia it is all potential, and what chance does
-    with less than kT a float is nothing. A law that breaks Newton's third has none.
+    """The energy minus the injected work never increases. Without inertia it is potential energy only, and thermal
+    noise changes it by kT per float. A law that is not reciprocal has no energy.
     """
     heat = len(parameters.floats.mass) * parameters.drift.thermal
     motion = ("kinetic_energy",) if parameters.scheme.inertia else ()
     energy = energy_never_rises(RISE, lambda seen: heat, motion)
     if not is_driven(parameters):
         return energy
-    # Runs that a former version began did not book.
+    # Runs of former versions have no injected work.
     return energy._replace(value=lambda seen: energy.value(seen) if INJECTED in seen.now else 0.0)
 
 
 def _alone(scene: FloatingScene, parameters: Parameters) -> bool:
-    """Whether floats feel one another and nothing else."""
+    """Whether floats interact with one another only."""
     dragged = any(math.isfinite(float(time)) for time in parameters.floats.relaxation_time)
     pushed = is_driven(parameters) or not row_of(parameters).reciprocal or not parameters.scheme.inertia
     return scene.dish is None and not dragged and not pushed
 
 
 def _momenta(seen: Seen, mass: float) -> float:
-    """At most what all of them together would have if they went the same way: sqrt(2 m E)."""
+    """The largest possible momentum at this energy, sqrt(2 m E)."""
     return math.sqrt(2.0 * mass * seen.largest["kinetic_energy"])

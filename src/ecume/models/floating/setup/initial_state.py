@@ -1,4 +1,4 @@
-"""Where floats start: at given places, on lattices and rings, at random; and whether they fit."""
+"""The first state: floats at given positions, on lattices and rings, or at random, without overlap."""
 
 from __future__ import annotations
 
@@ -25,27 +25,27 @@ if TYPE_CHECKING:
 
 
 OPEN_COVERAGE = 0.15
-"""Without a dish, floats are placed at random in a square that they cover to this part."""
+"""Without a dish, floats are placed at random in a square, of which they cover this fraction."""
 
 TOUCHING = 1e-3
-"""Overlaps up to this part of a radius are floats that touch: a raft of another run, from which a scene may start, is
-as deep in itself as a run leaves it.
+"""Overlaps up to this fraction of a radius are accepted: a scene may start from a raft of another run, whose floats
+overlap slightly.
 """
 
 MOST_FAULTS = 20
 TURNS = 7
-"""Keeps the angles' random numbers apart from those of the places."""
+"""Separates the random numbers of angles from those of positions."""
 
 
 class Places(NamedTuple):
-    """Where each float of the scene starts, and with which velocity; NaN where chance decides."""
+    """The initial position and velocity of each float of the scene; NaN if they are random."""
 
     position: Array
     velocity: Array
 
 
 def start(scene: FloatingScene, parameters: Parameters) -> State:
-    """The state at time 0. Raises SceneError where floats overlap, lie outside, or find no room."""
+    """Return the state at time 0. Raises SceneError if floats overlap, are outside, or do not fit."""
     places = given_places(scene)
     free = np.isnan(places.position[:, 0])
     if contacts_of(parameters).gaps is not None:
@@ -66,7 +66,7 @@ def start(scene: FloatingScene, parameters: Parameters) -> State:
 
 
 def with_angles(state: State, scene: FloatingScene, parameters: Parameters) -> State:
-    """The state with angles for floats that turn: given ones, or by chance."""
+    """Return the state with angles for floats that turn, given or random."""
     if inertia_of(parameters) is None:
         return state
     angle, spin = initial_angles(scene), np.zeros(len(state.position))
@@ -75,7 +75,7 @@ def with_angles(state: State, scene: FloatingScene, parameters: Parameters) -> S
 
 
 def initial_angles(scene: FloatingScene) -> Array:
-    """Of all floats: given ones, or by chance."""
+    """The angles of all floats, given or random."""
     count = sum(one.count for one in scene.floats)
     chance = np.random.default_rng([scene.seed, TURNS]).uniform(0.0, 2.0 * math.pi, count + len(scene.rows))
     turned = [species.shape or species.disc for species in scene.floats]
@@ -86,7 +86,7 @@ def initial_angles(scene: FloatingScene) -> Array:
 
 
 def given_places(scene: FloatingScene) -> Places:
-    """What the scene itself says: the tables' floats first, then the rows."""
+    """The positions and velocities in the scene: first the tables of floats, then the rows."""
     positions = [_places_of(species) for species in scene.floats]
     velocities = [_velocities_of(species) for species in scene.floats]
     if scene.rows:
@@ -110,7 +110,7 @@ def _places_of(species: FloatSpec) -> Array:
 
 
 def region_of(parameters: Parameters) -> Region:
-    """Where floats may be placed at random."""
+    """The region in which floats can be placed at random."""
     low, high = enclosures.bounds(parameters.walls)
     side = 0.5 * math.sqrt(math.pi * float(np.sum(parameters.floats.radius**2)) / OPEN_COVERAGE)
     if math.inf in high:
@@ -119,7 +119,7 @@ def region_of(parameters: Parameters) -> Region:
 
 
 def _check(scene: FloatingScene, parameters: Parameters, position: Array, which: Integers) -> None:
-    """All floats with given places that overlap, or are not inside the dish."""
+    """Raise SceneError for floats with given positions that overlap or are outside the dish."""
     names = float_names(scene)
     faults = [*_outside(parameters, position, which, names), *_overlapping(parameters.floats, position, which, names)]
     if faults:
@@ -128,9 +128,9 @@ def _check(scene: FloatingScene, parameters: Parameters, position: Array, which:
 
 
 def _check_shapes(scene: FloatingScene, parameters: Parameters, position: Array, which: Any) -> None:
-    """The same for shapes, as they are turned at the start."""
+    """The same for shapes with their initial angles."""
     names, radius, faults = float_names(scene), parameters.floats.radius, []
-    # Whoever is placed by chance is out of the way.
+    # Floats at random positions are placed far away.
     far = 4.0 * (np.abs(np.nan_to_num(position)).max() + radius.sum()) * (1.0 + np.arange(len(position)))
     there = np.where(np.isnan(position), far[:, None], position)
     for i, j, gap in gaps_between(parameters, there, initial_angles(scene), 0.0):
@@ -142,7 +142,7 @@ def _check_shapes(scene: FloatingScene, parameters: Parameters, position: Array,
 
 
 def float_names(scene: FloatingScene) -> list[str]:
-    """Each float's path in the scene."""
+    """The path of each float in the scene."""
     names = [f"floats[{k}].positions[{n}]" for k, species in enumerate(scene.floats) for n in range(species.count)]
     return names + [f"rows[{k}]" for k in range(len(scene.rows))]
 

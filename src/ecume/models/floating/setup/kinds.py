@@ -1,4 +1,4 @@
-"""The kinds of floats of a scene as they float: equilibria, charges, masses and drag."""
+"""The kinds of floats of a scene: equilibria, capillary charges, masses and drag."""
 
 from __future__ import annotations
 
@@ -21,26 +21,26 @@ if TYPE_CHECKING:
 
 
 class FloatKind(NamedTuple):
-    """One kind of float as it floats: what it is made of, and what the laws make of it."""
+    """One kind of float: its material, and its equilibrium by the laws."""
 
     body: flotation.Body
     density: float
     contact_angle: float
-    """of a disc NaN: its edge takes any"""
+    """NaN for a disc, whose edge pins the contact line at any angle"""
     equilibrium: flotation.Equilibrium
     charge: float
     mass: float
     friction: float
     rim: tuple[int, float] = (2, 0.0)
-    """mode of an undulated rim, and its height (m)"""
+    """mode of an undulated rim, and its amplitude (m)"""
     figure: Any = None
     """a `shaped.figures.Figure` in scenes where a float has a shape"""
     radius: float = 0.0
-    """of the circle around it"""
+    """of the circumscribed circle"""
 
 
 def contact_angle_of(given: FloatSpec | FloatRow, liquid: flotation.Liquid) -> float:
-    """The contact angle as a number: given, by Young's law, or by the original project's closure."""
+    """The contact angle: given, by Young's law, or by the closure of the original project."""
     if given.surface_energies is not None:
         energies = given.surface_energies
         return flotation.young_contact_angle(
@@ -56,7 +56,7 @@ def contact_angle_of(given: FloatSpec | FloatRow, liquid: flotation.Liquid) -> f
 
 
 def float_kind(given: FloatSpec | FloatRow, scene: FloatingScene) -> FloatKind:
-    """How one kind of float floats. Raises BadInput where it does not."""
+    """Return one kind of float. Raises BadInput if it sinks."""
     liquid = liquid_of(scene)
     if given.disc is not None:
         return disc_kind(given, given.disc, scene)
@@ -76,7 +76,7 @@ def float_kind(given: FloatSpec | FloatRow, scene: FloatingScene) -> FloatKind:
 
 
 def disc_kind(given: FloatSpec | FloatRow, disc: DiscSpec, scene: FloatingScene) -> FloatKind:
-    """How a disc floats, pinned to one of its edges. Raises BadInput where it does not."""
+    """Return a disc whose contact line is pinned to one of its edges. Raises BadInput if it sinks."""
     liquid = liquid_of(scene)
     solid = flotation.VerticalCylinder(given.radius, disc.thickness, given.density, 0.5 * math.pi)
     body = dataclasses.replace(flotation.disc_of_cylinder(solid, liquid, disc.rim), tilting=disc.tilting)
@@ -90,7 +90,7 @@ def disc_kind(given: FloatSpec | FloatRow, disc: DiscSpec, scene: FloatingScene)
 
 
 def shape_kind(given: FloatSpec | FloatRow, shape: ShapeSpec, scene: FloatingScene) -> FloatKind:
-    """How a float with a shape floats. Raises BadInput where it does not."""
+    """Return a float with a shape. Raises BadInput if it sinks."""
     from ecume.models.floating.shaped.figures import Given, floating_shape
 
     liquid = liquid_of(scene)
@@ -112,7 +112,7 @@ def shape_kind(given: FloatSpec | FloatRow, shape: ShapeSpec, scene: FloatingSce
 
 
 def _round_figure(kind: FloatKind, scene: FloatingScene) -> Any:
-    """The figure of a sphere or a disc among shapes; none where there are no shapes."""
+    """The figure of a sphere or a disc in a scene with shapes; otherwise None."""
     if not scene.shaped or not isinstance(kind.body, flotation.Sphere | flotation.Disc):
         return None
     from ecume.models.floating.shaped.figures import round_figure
@@ -121,7 +121,7 @@ def _round_figure(kind: FloatKind, scene: FloatingScene) -> Any:
 
 
 def float_kinds(scene: FloatingScene) -> list[FloatKind]:
-    """Each of the scene's float tables and rows, afloat; all faults at once."""
+    """The kind of each table and row of the scene. Raises SceneError with all faults."""
     faults: list[Fault] = []
     found: list[FloatKind] = []
     known: dict[Any, FloatKind | BadInput] = {}
@@ -148,7 +148,7 @@ def _given(scene: FloatingScene) -> list[tuple[str, FloatSpec | FloatRow]]:
 
 
 def floats_of(scene: FloatingScene) -> Floats:
-    """Float by float: the tables' first, then the rows."""
+    """The properties of all floats: first the tables, then the rows."""
     kinds = float_kinds(scene)
     counts = [given.count for _, given in _given(scene)]
     names = [kind.name for kind in scene.kinds]
@@ -171,13 +171,13 @@ def floats_of(scene: FloatingScene) -> Floats:
 
 
 def moments_of(scene: FloatingScene) -> Array:
-    """Float by float: magnetic moments (A m^2)."""
+    """The magnetic moments of all floats (A m^2)."""
     counts = [given.count for _, given in _given(scene)]
     return np.repeat(np.array([given.magnetic_moment for _, given in _given(scene)]), counts)
 
 
 def distinct_kinds(scene: FloatingScene) -> tuple[list[FloatKind], Integers]:
-    """The kinds of floats there are, and which of them each float is."""
+    """The distinct kinds of floats, and the number of the kind of each float."""
     found = float_kinds(scene)
     counts = [given.count for _, given in _given(scene)]
     kinds = list(dict.fromkeys(found))

@@ -16,19 +16,20 @@ from ecume.errors import BadInput, Fault, SceneError
 from ecume.laws import capillarity, flotation, images
 from ecume.laws.contact import legacy_restitution
 from ecume.laws.pair_laws import PAIR_LAWS, Setting
-from ecume.models.floating.contacts.contact_models import CONTACTS, ContactModel
+from ecume.models.floating.contacts.contact_models import CONTACTS, ContactModel, contacts_of
 from ecume.models.floating.forces.ewald_grid import DEEPEST_TOUCH, cut_off, split_of
 from ecume.models.floating.forces.flow_and_noise import drift_of
 from ecume.models.floating.forces.interactions import (
     BY_CONSTANTS,
     INTERACTIONS,
     RESISTANCES,
+    RESISTANCES_BY_CONSTANTS,
     Interaction,
     Resistance,
     interactions_of,
 )
 from ecume.models.floating.forces.pair_forces import NAMES, Superposed, law_in_precision, pair_option, row_of
-from ecume.models.floating.options import Built, Option, require_compatible
+from ecume.models.floating.options import Built, Option, faults_of, require_compatible, scene_error
 from ecume.models.floating.parameters import DRAG_LAWS, Parameters, Parts, pack_pair
 from ecume.models.floating.setup.kinds import floats_of, moments_of
 from ecume.models.floating.shaped.bodies import RigidKicks
@@ -43,22 +44,22 @@ from ecume.scenes.floating import FloatingScene
 from ecume.units import Array
 
 SLOP = 1e-4
-"""Overlaps up to this part of the smallest radius are left alone."""
+"""Tolerated overlap, over the smallest radius."""
 
 
 def parameters_of(scene: FloatingScene) -> Parameters:
-    """Everything a run needs and never changes. Raises SceneError."""
+    """Return the parameters of a scene. Raises SceneError."""
     _check_names(scene)
     chosen = chosen_by(scene)
     require_compatible(options_of(scene, chosen), TABLES)
     parameters, requested = _parameters_with(scene, chosen, 1.0), scene.motion.time_step
     longer = 1.0 if requested is None else requested / good_step(parameters, scene)
-    # Who goes farther in a step than usual needs lists that reach as much farther.
+    # Floats that move farther in a step require lists with a longer range.
     return parameters if longer <= 1.0 else _parameters_with(scene, chosen, longer)
 
 
 def _parameters_with(scene: FloatingScene, chosen: Chosen, longer: float) -> Parameters:
-    """The same, with lists for steps that many times as long as the usual ones."""
+    """Return parameters with neighbor lists for time steps that are longer by this factor than the default."""
     plain = _without_parts(scene, chosen, longer)
     eligible = chosen.grid_allowed and row_of(plain).menisci
     split = split_of(plain, scene, eligible=eligible) if chosen.sums_menisci else None
@@ -88,12 +89,12 @@ def _parameters_with(scene: FloatingScene, chosen: Chosen, longer: float) -> Par
 
 
 def inertia_by(part: Any) -> Array | None:
-    """Of floats that an interaction turns."""
+    """The inertia of floats that an interaction turns, or None."""
     return BY_CONSTANTS[type(part)].inertia(part)
 
 
 def _without_parts(scene: FloatingScene, chosen: Chosen, longer: float) -> Parameters:
-    """All that does not depend on the choice of parts."""
+    """Return parameters without parts."""
     drift = drift_of(scene)
     floats, liquid = floats_of(scene), liquid_of(scene)
     length, row = liquid.capillary_length, PAIR_LAWS[str(scene.interaction.law)]
@@ -103,7 +104,7 @@ def _without_parts(scene: FloatingScene, chosen: Chosen, longer: float) -> Param
     try:
         law = row.make_constants(setting)
     except BadInput as error:
-        raise _fault("floats", str(error)) from None
+        raise scene_error("floats", str(error)) from None
     strength = law.strength if row.menisci else 0.0
     mirrored = scene.dish is not None and scene.dish.image != "none"
     walls, scheme = walls_of(scene.dish), chosen.integrator.scheme
@@ -140,7 +141,7 @@ def _restitution(scene: FloatingScene) -> float:
 
 
 def _check_names(scene: FloatingScene) -> None:
-    """The names of laws, against the laws' tables."""
+    """Raise SceneError for names of laws that are not in the tables."""
     choices = [
         ("motion.integrator", scene.motion.integrator, SCHEMES),
         ("motion.drag_law", scene.motion.drag_law, DRAG_LAWS),
@@ -185,10 +186,10 @@ class Chosen(NamedTuple):
     """the first is the base, the others add forces to it"""
     resistances: tuple[Resistance, ...]
     contacts: ContactModel
-    """those that are asked for; floats with a shape have contacts of their own beside them"""
+    """the contacts in the scene; floats with a shape have other contacts"""
     requested_contacts: ContactModel
     grid_allowed: bool
-    """whether a grid may be taken unasked"""
+    """whether a grid can be chosen automatically"""
 
     @property
     def sums_menisci(self) -> bool:
@@ -213,19 +214,19 @@ def chosen_by(scene: FloatingScene) -> Chosen:
         resistances=tuple(films),
         contacts=CONTACTS["outlines"] if scene.shaped else requested,
         requested_contacts=requested,
-        # With forces on the way, four sums a step are still less work in compiled code.
+        # With forces within a step, four sums per step are still less work in compiled code.
         grid_allowed=plain and "kicks at the ends" in integrator.gives,
     )
 
 
 def _contacts_of(scene: FloatingScene) -> str:
-    """Which contacts a scene asks for. Raises SceneError for keys that exclude each other."""
+    """The contacts of a scene. Raises SceneError for keys that exclude each other."""
     law, legacy = scene.contacts.law, scene.contacts.legacy_coefficient is not None
     if law != "spring-dashpot" and scene.contacts.stiffness is not None:
-        raise _fault("contacts.stiffness", "means something only with contacts.law = 'spring-dashpot'")
+        raise scene_error("contacts.stiffness", "means something only with contacts.law = 'spring-dashpot'")
     if scene.rubs and (law != "impulse" or legacy):
         key = "contacts.friction" if scene.contacts.friction > 0.0 else "dish.friction"
-        raise _fault(
+        raise scene_error(
             key, "friction needs contacts that are solved as impulses, to which it adds those along the surfaces: "
             "contacts.law = 'impulse', without a legacy coefficient"
         )  # fmt: skip
@@ -235,7 +236,7 @@ def _contacts_of(scene: FloatingScene) -> str:
 
 
 def options_of(scene: FloatingScene, chosen: Chosen) -> list[Option]:
-    """All options of a scene that can do something or need something."""
+    """All options of a scene that have capabilities or needs."""
     motion, law = scene.motion, str(scene.interaction.law)
     rows = [chosen.integrator, *chosen.interactions, *chosen.resistances, chosen.requested_contacts]
     surroundings = [pair_option(law), _drag_of(scene), _wall_of(scene)]
@@ -329,23 +330,19 @@ def _wall_of(scene: FloatingScene) -> Option:
     return Option(slot="wall", path="dish.law", name=repr(law), gives=frozenset(gives))
 
 
-def _fault(path: str, message: str) -> SceneError:
-    return SceneError([Fault(path, message)])
-
-
 ROOMIER = 1.6
-"""How much longer rows of neighbors become when they were too short."""
+"""Factor by which rows of neighbor lists grow when they are too short."""
 
 BYTES_PER_FLOAT = 1200
 BYTES_PER_NEIGHBOR = 4
 BYTES_PER_POINT = 60
-"""Of a grid: charges, their transform, waves, and two fields."""
+"""Bytes per grid point: charges, their transform, waves, and two fields."""
 
 
 def checked_parameters(scene: FloatingScene) -> Parameters:
-    """The parameters of a scene that fits into the machine."""
+    """Return the parameters of a scene that fits into memory."""
     count = len(scene.rows) + sum(species.count for species in scene.floats)
-    # Tested before anything is laid out: a hundred million floats are typed as quickly as a hundred.
+    # Tested before any allocation: a hundred million floats are typed as quickly as a hundred.
     _require_memory(count, BYTES_PER_FLOAT * count)
     parameters = parameters_of(scene)
     _require_memory(count, memory_estimate(parameters))
@@ -353,7 +350,7 @@ def checked_parameters(scene: FloatingScene) -> Parameters:
 
 
 def memory_estimate(parameters: Parameters) -> float:
-    """Bytes of a run, when the floats are packed to rafts."""
+    """Bytes of a run when the floats form rafts."""
     count = len(parameters.floats.radius)
     packed = 0.92 * (parameters.reach / float(parameters.floats.radius.min())) ** 2
     grid = BYTES_PER_POINT * sum(row.points(part) for part, row in interactions_of(parameters))
@@ -372,3 +369,11 @@ def _require_memory(count: int, wanted: float) -> None:
                 )
             ]
         )
+
+
+def faults_with(option: Option, parameters: Parameters) -> list[Fault]:
+    """The needs of an option outside the scene (MPI, user laws) that the parts of the parameters do not meet."""
+    rows: list[Option] = [row for _, row in interactions_of(parameters)]
+    rows += [RESISTANCES_BY_CONSTANTS[type(part)] for part in parameters.parts.resistances]
+    rows += [contacts_of(parameters), pair_option(NAMES[parameters.pair_law])]
+    return faults_of([option, *rows], TABLES)

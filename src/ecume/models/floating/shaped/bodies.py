@@ -40,11 +40,11 @@ class Shaped(NamedTuple):
     friction: Array
     """(N, 3) along and across each body (N s/m), against turning (N m s)"""
     places: int
-    """at how many places two may be near"""
+    """the largest number of contact points of two bodies"""
 
 
 class RigidKicks(NamedTuple):
-    """The integrator of bodies with three velocities: along themselves, across, and their spin."""
+    """The integrator of bodies with three velocities: along their axis, across it, and spin."""
 
     inertia: Array
     """(N,) kg m^2"""
@@ -53,24 +53,24 @@ class RigidKicks(NamedTuple):
 
 
 class Outlined(NamedTuple):
-    """Contacts of bodies that touch as what they are, with levers."""
+    """Contacts between outlines, with lever arms."""
 
     outlines: Outlines
     places: int
-    """at how many places two may be near"""
+    """the largest number of contact points of two bodies"""
     solved: bool
-    """whether contacts do anything"""
+    """whether contacts are solved"""
 
 
 class ShapedScratch(NamedTuple):
-    """Scratch of all parts of floats with a shape."""
+    """Workspace of all parts of floats with a shape."""
 
     torque: Array
     """(N,) N m"""
     turning: Array
-    """(N, 2) that of the state"""
+    """(N, 2) those of the state"""
     at: Array
-    """(P, 2) the charges, as seen from the center of each one's body"""
+    """(P, 2) the charges, relative to the centers of their bodies"""
     angle: Array
     """(N,)"""
     corner: Array
@@ -78,14 +78,14 @@ class ShapedScratch(NamedTuple):
     mobility: Array
     """(N, 3)"""
     midstep_velocity: Array
-    """(N + walls, 3) velocity and spin with which everyone goes through this step"""
+    """(N + walls, 3) midstep velocities and spins"""
     before: Array
     """(N + walls, 3)"""
     levers: Levers
 
 
 def make_shaped_scratch(shaped: Shaped, parameters: Parameters, state: State, workspace: Workspace) -> ShapedScratch:
-    """Scratch with room for as many contacts as the workspace has."""
+    """Return a workspace for as many contacts as the common workspace holds."""
     room = 2 * len(workspace.contacts.first)
     count, rows = len(state.position), len(parameters.kick.mobility)
     return ShapedScratch(
@@ -103,13 +103,13 @@ def make_shaped_scratch(shaped: Shaped, parameters: Parameters, state: State, wo
 
 @compiled
 def solver_bodies(part: Outlined, parameters: Parameters, own: ShapedScratch) -> Party:
-    """What the contact solver must know of shapes and walls."""
+    """Return the data of shapes and walls for the contact solver."""
     return Party(part.outlines, parameters.floats.radius, parameters.walls, own.mobility)
 
 
 @compiled
 def store_angles(own: ShapedScratch, state: State) -> None:
-    """The angles become those of the state."""
+    """Store the angles in the state."""
     for i in range(len(state.turning)):
         state.turning[i, 0] = own.angle[i]
 
@@ -119,7 +119,7 @@ admit(special, capillarity)
 
 @compiled
 def turn_charges(shaped: Shaped, turning: Array, at: Array) -> None:
-    """The charges as the bodies are turned now."""
+    """Rotate the charges by the angles of their bodies."""
     for i in range(len(turning)):
         c, s = math.cos(turning[i, 0]), math.sin(turning[i, 0])
         for p in range(shaped.first[i], shaped.first[i + 1]):
@@ -131,7 +131,7 @@ def turn_charges(shaped: Shaped, turning: Array, at: Array) -> None:
 def body_pair_forces(
     shaped: Shaped, parameters: Parameters, at: Array, pair: tuple[int, int], apart: tuple[float, float]
 ) -> tuple[float, float, float, float]:
-    """Force on the first of two bodies (its second is `apart` from it), and the torques on both."""
+    """The force on the first of two bodies (the second is displaced by `apart`), and the torques on both."""
     (i, j), (x, y) = pair, apart
     unit, length = parameters.pair[STRENGTH], parameters.pair[CAPILLARY_LENGTH]
     force_x, force_y, torque_i, torque_j = 0.0, 0.0, 0.0, 0.0
@@ -152,7 +152,7 @@ def body_pair_forces(
 
 @compiled
 def add_wall_forces(shaped: Shaped, parameters: Parameters, position: Array, own: ShapedScratch, force: Array) -> None:
-    """The menisci at the walls act on each charge."""
+    """Add the forces of the wall menisci on each charge."""
     for i in range(len(position)):
         for p in range(shaped.first[i], shaped.first[i + 1]):
             place = (position[i, 0] + own.at[p, 0], position[i, 1] + own.at[p, 1])
@@ -169,7 +169,7 @@ def add_wall_forces(shaped: Shaped, parameters: Parameters, position: Array, own
 def shaped_forces(
     shaped: Shaped, own: ShapedScratch, parameters: Parameters, position: Array, lists: NeighborLists, force: Array
 ) -> None:
-    """Add the forces on all bodies, and find the torques; each pair once, so that they cancel to rounding."""
+    """Add the forces on all bodies, and compute the torques; each pair once, so that they cancel to rounding."""
     cutoff = parameters.pair[CUTOFF]
     turn_charges(shaped, own.turning, own.at)
     own.torque[:] = 0.0
@@ -195,7 +195,7 @@ def shaped_forces(
 def energy_of_pair(
     shaped: Shaped, parameters: Parameters, at: Array, pair: tuple[int, int], apart: tuple[float, float]
 ) -> float:
-    """What two bodies have together (J), less what their whole charges have at the cutoff."""
+    """The energy of two bodies (J), minus that of their charges at the cutoff."""
     (i, j), (x, y) = pair, apart
     unit, length, cutoff = parameters.pair[STRENGTH], parameters.pair[CAPILLARY_LENGTH], parameters.pair[CUTOFF]
     total = 0.0

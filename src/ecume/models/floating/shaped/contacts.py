@@ -27,7 +27,7 @@ from ecume.units import Array
 
 @compiled
 def require_stops(parameters: Parameters, levers: Levers, before: Array) -> float:
-    """Ask everyone to stop who comes together in this step and can bounce; the fastest of these approaches."""
+    """Require that pairs which collide in this step stop; return the fastest of these approaches."""
     touching.approaches(levers, before, levers.scratch)
     slowest, fastest = TOLERABLE * parameters.slop / parameters.time_step, 0.0
     restitutions = restitutions_of(parameters)
@@ -44,7 +44,7 @@ def require_stops(parameters: Parameters, levers: Levers, before: Array) -> floa
 
 @compiled
 def bounce(own: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """Collisions: impulses on the passage, (1 + e) times those that stop everyone."""
+    """Apply collisions to the midstep velocities: (1 + e) times the impulses that stop all approaches."""
     of_float = workspace.restitution
     levers = own.levers
     fastest = require_stops(parameters, levers, own.before)
@@ -63,7 +63,7 @@ def bounce(own: ShapedScratch, parameters: Parameters, state: State, workspace: 
 
 @compiled
 def solve_contacts(parameters: Parameters, state: State, levers: Levers, velocity: Array) -> None:
-    """Impulses on `velocity`, from those remembered; remembered in turn."""
+    """Solve for impulses on `velocity`, starting from those of the previous solve, and store them."""
     memory = Memory(state.touches, state.touching, state.push)
     touching.recall(levers, memory)
     touching.approaches(levers, velocity, levers.scratch)
@@ -84,7 +84,7 @@ def solve_contacts(parameters: Parameters, state: State, levers: Levers, velocit
 def collide_outlines(
     part: Outlined, own: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
-    """The first contact solves, on the passage: bounces, then a plastic one, so that nobody ends inside another."""
+    """Solve collisions, then a plastic solve for the midstep velocities, so that no float overlaps another."""
     if not part.solved:
         return
     bounce(own, parameters, state, workspace)
@@ -97,7 +97,7 @@ def collide_outlines(
 def separate_outlines(
     part: Outlined, own: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
-    """Find who touches whom at the new places, and undo deep overlaps, which changes no velocity."""
+    """List the contacts at the new positions, and remove deep overlaps without changing velocities."""
     if not part.solved:
         return
     reach = 2.0 * workspace.travel[0] + parameters.slop
@@ -116,9 +116,9 @@ def separate_outlines(
 def constrain_outline_velocities(
     part: Outlined, own: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
-    """The last contact solve, on the passage, which is the velocity at the end of the step; `before` without the kick.
+    """Solve contacts for the velocity at the end of the step; `before` is the velocity without the kick.
 
-    Whoever comes faster than by the kick alone is left to the next step, which sees a collision.
+    A faster approach than by the kick alone is a collision of the next step.
     """
     if not part.solved:
         return
@@ -135,11 +135,11 @@ def constrain_outline_velocities(
 def find_outline_contacts(
     part: Outlined, own: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> int:
-    """Who may meet in this step; CROWDED where there is no room for all."""
+    """List the contacts that are possible in this step; `CROWDED` if there is no room."""
     if not part.solved:
         return DONE
     stance = Stance(state.position, own.angle, own.corner)
-    # Twice the pace for a pair that meets head on, and twice again for those whom others push.
+    # Twice the travel for a head-on pair, and twice again for floats that others push.
     reach = 4.0 * workspace.travel[0] + parameters.slop
     room = touching.gather(own.levers, workspace.candidates, stance, solver_bodies(part, parameters, own), reach)
     return DONE if room else CROWDED

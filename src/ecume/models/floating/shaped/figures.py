@@ -30,14 +30,14 @@ if TYPE_CHECKING:
 
 
 FINE = 720
-"""Points of an outline from which area and inertia are worked out; the area is good to 1e-5."""
+"""Number of points of an outline for area and inertia; the area is accurate to 1e-5."""
 
 WET = 0.5
-"""Of the friction deep in the liquid, what a flat body at the surface has."""
+"""Friction of a flat body at the surface, over that of an immersed body."""
 
 
 class Skeleton(NamedTuple):
-    """An outline in the body's own frame; see `ecume.engine.outlines.Outlines`. Lengths in m."""
+    """An outline in the frame of the body; see `ecume.engine.outlines.Outlines`. Lengths in m."""
 
     axes: tuple[float, float] = (0.0, 0.0)
     corners: tuple[tuple[float, float], ...] = ()
@@ -46,7 +46,7 @@ class Skeleton(NamedTuple):
 
 
 class Figure(NamedTuple):
-    """One body: what it looks like from above, and what moves it."""
+    """One body: outline, contact line, inertia and friction."""
 
     skeleton: Skeleton
     line: Line
@@ -56,16 +56,16 @@ class Figure(NamedTuple):
     friction: tuple[float, float, float]
     """along, across (N s/m), turning (N m s)"""
     tips: float = 0.0
-    """of a star: how far from its middle the charges of its arms are"""
+    """m: distance of the charges of the arms of a star from its center"""
 
 
 def charges_of(figure: Figure) -> tuple[Array, Array]:
-    """Places (P, 2) and charges (P,) inside its contact line (m)."""
+    """Positions (P, 2) and charges (P,) inside the contact line (m)."""
     return star_charges(figure.line, figure.tips) if figure.tips else spread_charges(figure.line)
 
 
 class FloatingShape(NamedTuple):
-    """A shape as it floats."""
+    """A shape in equilibrium."""
 
     body: flotation.Body
     equilibrium: flotation.Equilibrium
@@ -74,18 +74,18 @@ class FloatingShape(NamedTuple):
 
 
 class Given(NamedTuple):
-    """What a scene says of a shape."""
+    """A shape as given in a scene."""
 
     shape: ShapeSpec
     radius: float
     density: float
     contact_angle: float
-    """NaN where an edge pins the contact line"""
+    """NaN if an edge pins the contact line"""
     theory: str
 
 
 def floating_shape(given: Given, liquid: flotation.Liquid) -> FloatingShape:
-    """How a shape floats. Raises BadInput where it does not."""
+    """Return a shape in equilibrium. Raises BadInput if it sinks."""
     return SHAPE_KINDS[given.shape.kind](given, liquid)
 
 
@@ -124,7 +124,7 @@ def _needle(given: Given, liquid: flotation.Liquid) -> FloatingShape:
 
 
 def _plate(given: Given, liquid: flotation.Liquid) -> FloatingShape:
-    """A flat body pinned to one of its edges: it floats as a disc of its area does, and drags as one."""
+    """A flat body with a pinned contact line: equilibrium and drag are those of a disc of the same area."""
     skeleton = skeleton_of(given.shape, given.radius)
     thickness = given.shape.thickness or given.shape.width or 2.0 * _half_side(given.shape, given.radius)
     area, second = moments(silhouette(skeleton, count=FINE))
@@ -142,7 +142,7 @@ def _plate(given: Given, liquid: flotation.Liquid) -> FloatingShape:
 
 
 def _friction(axes: tuple[float, float, float], wet: float, liquid: flotation.Liquid) -> tuple[float, float, float]:
-    """Of an ellipsoid with these semi-axes, of which that part drags that a sphere as deep has: half at 90 degrees."""
+    """The friction of an ellipsoid with these semi-axes, times the fraction `wet` (0.5 for a sphere at 90 degrees)."""
     a, b, c = axes
     viscosity = wet * liquid.viscosity
     return (
@@ -161,7 +161,7 @@ SHAPE_KINDS: dict[str, Callable[[Given, flotation.Liquid], FloatingShape]] = {
 
 
 def skeleton_of(shape: ShapeSpec, radius: float) -> Skeleton:
-    """The outline of a shape inside the circle around it."""
+    """The outline of a shape inside its circumscribed circle."""
     thick = 0.5 * (shape.width or 0.0)
     if shape.kind == "ellipsoid":
         return Skeleton(axes=(radius, thick))
@@ -179,12 +179,12 @@ def skeleton_of(shape: ShapeSpec, radius: float) -> Skeleton:
 
 
 def _half_side(shape: ShapeSpec, radius: float) -> float:
-    """Of a square whose round corners touch the circle around it."""
+    """Half the side of a square whose rounded corners touch the circumscribed circle."""
     return radius / (math.sqrt(2.0) * (1.0 - shape.corner) + shape.corner)
 
 
 def round_figure(kind: flotation.Sphere | flotation.Disc, charge: float, mass: float, friction: float) -> Figure:
-    """A sphere or a disc among shapes: nothing turns it but its own spin's friction stops it."""
+    """The figure of a sphere or a disc in a scene with shapes: no force turns it, and friction stops its spin."""
     radius = kind.radius
     share = 0.4 if isinstance(kind, flotation.Sphere) else 0.5
     turning = friction * radius**2 * (4.0 / 3.0 if isinstance(kind, flotation.Sphere) else 1.0)
@@ -194,7 +194,7 @@ def round_figure(kind: flotation.Sphere | flotation.Disc, charge: float, mass: f
 
 
 def silhouette(skeleton: Skeleton, count: int = 120) -> Array:
-    """(count, 2) points around a body in its own frame: each ray from its center leaves it once."""
+    """(count, 2) points of the outline in the frame of the body: each ray from its center crosses it once."""
     turn = 2.0 * math.pi * np.arange(count) / count
     rays = np.stack([np.cos(turn), np.sin(turn)], axis=1)
     if skeleton.axes[0] > 0.0:
@@ -209,7 +209,7 @@ def silhouette(skeleton: Skeleton, count: int = 120) -> Array:
 
 
 def _out_of_disc(rays: Array, center: Array, radius: float) -> Array:
-    """How far along each ray it leaves a disc; zero where it misses it."""
+    """The distance along each ray to the far side of a disc; zero if it misses the disc."""
     along, across = rays @ center, rays[:, 0] * center[1] - rays[:, 1] * center[0]
     half = np.sqrt(np.maximum(radius**2 - across**2, 0.0))
     reached: Array = np.where(np.abs(across) <= radius, np.maximum(along + half, 0.0), 0.0)
@@ -217,7 +217,7 @@ def _out_of_disc(rays: Array, center: Array, radius: float) -> Array:
 
 
 def _out_of_side(rays: Array, start: Array, end: Array, aside: float) -> Array:
-    """How far along each ray it crosses the line beside an edge; zero where it does not."""
+    """The distance along each ray to the line parallel to an edge; zero if it does not cross it."""
     along = (end - start) / np.hypot(*(end - start))
     normal = np.array([-along[1], along[0]])
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -237,17 +237,17 @@ def moments(points: Array) -> tuple[float, float]:
 
 NEIGHBORS = 6.0
 NEARLY = 1.001
-"""Over the touching distance: where the stiffness of the pull is measured."""
+"""Distance over the touching distance at which the stiffness of the attraction is computed."""
 
 TURN = 0.2
-"""rad: a step is a twentieth of the time for that. Contacts foresee a turn as if tips went straight on."""
+"""rad: the time step is a twentieth of the time for this rotation, since contacts predict tips along straight lines."""
 
 DIFFERENCE = 1e-4
-"""Of a radius, or rad: the step of its differences."""
+"""Step of finite differences, over the radius or in rad."""
 
 
 def shapes_of(parameters: Parameters, scene: FloatingScene) -> Built:
-    """Floats that turn and touch as what they are. Raises SceneError for what does not go with that."""
+    """Return floats that turn and touch at their outlines. Raises SceneError if they are too large for the dish."""
     if faults := _too_flat(parameters, parameters.walls.disc_radius):
         raise SceneError(faults)
     kinds, number = distinct_kinds(scene)
@@ -259,7 +259,7 @@ def shapes_of(parameters: Parameters, scene: FloatingScene) -> Built:
 
 
 def make_shaped(figures: Sequence[Figure], *, drag: bool = True) -> Shaped:
-    """All bodies in one table."""
+    """Return the tables of all bodies."""
     spread = [charges_of(figure) for figure in figures]
     shares = 1.0 if drag else 0.0
     return Shaped(
@@ -275,7 +275,7 @@ def make_shaped(figures: Sequence[Figure], *, drag: bool = True) -> Shaped:
 
 
 def outlines_of(skeletons: Sequence[Skeleton]) -> Outlines:
-    """Outlines of all bodies."""
+    """Return the outlines of all bodies."""
     firsts = _firsts([len(skeleton.corners) for skeleton in skeletons])
     edges = [
         np.array(skeleton.edges, np.int64).reshape(-1, 2) + first
@@ -296,28 +296,28 @@ def _firsts(counts: Sequence[int]) -> Integers:
 
 
 def _most_places(skeletons: Sequence[Skeleton]) -> int:
-    """How many places two of these can be near at."""
+    """The largest number of contact points of two bodies."""
     corners = max(len(skeleton.corners) for skeleton in skeletons)
     edges = max(len(skeleton.edges) for skeleton in skeletons)
     return 1 + corners + edges + corners * corners + 2 * corners * edges
 
 
 def _too_flat(parameters: Parameters, dish_radius: float) -> list[Fault]:
-    """An ellipse whose flank is flatter than the wall would touch it at two places."""
+    """The fault of a float so large that it would touch a round wall at two points."""
     if float(parameters.floats.radius.max()) < 0.5 * dish_radius:
         return []
     return [Fault("dish.radius", f"{dish_radius:g} m is less than twice the radius of a float with a shape")]
 
 
 def shortest_time(shaped: Shaped, parameters: Parameters, number: Integers) -> float:
-    """How soon the stiffest pair turns back or relaxes, gliding or turning (s), with six touching neighbors."""
+    """The shortest time scale (s) of oscillation or relaxation of a pair, for six touching neighbors."""
     first = [int(np.flatnonzero(number == kind)[0]) for kind in np.unique(number)]
     found = [_times(shaped, parameters, (i, j)) for i, j in itertools.combinations_with_replacement(first, 2)]
     return min(found, default=math.inf)
 
 
 def spinning_time(shaped: Shaped, parameters: Parameters, scene: FloatingScene) -> float:
-    """How soon a float turns by `TURN`, if a blow makes all of the fastest start's energy spin (s)."""
+    """The time (s) in which a float turns by `TURN` if the whole initial kinetic energy becomes rotation."""
     starts = [*(species.velocity for species in scene.floats), *((row.vx, row.vy) for row in scene.rows)]
     speed = max(math.hypot(*velocity) for velocity in starts)
     spin = speed * math.sqrt(float(np.max(parameters.floats.mass / shaped.inertia)))
@@ -325,7 +325,7 @@ def spinning_time(shaped: Shaped, parameters: Parameters, scene: FloatingScene) 
 
 
 def _times(shaped: Shaped, parameters: Parameters, pair: tuple[int, int]) -> float:
-    """The shortest time of two bodies that touch, over how they are turned."""
+    """The shortest time scale of two touching bodies, over their angles."""
     times = []
     ways = 0.0, 0.25 * math.pi, 0.5 * math.pi
     for turns in itertools.product(ways, ways):
@@ -345,7 +345,7 @@ def _times(shaped: Shaped, parameters: Parameters, pair: tuple[int, int]) -> flo
 def _stiffnesses(
     shaped: Shaped, parameters: Parameters, pair: tuple[int, int], turns: tuple[float, float]
 ) -> tuple[float, float]:
-    """|dF/dl| (N/m) and |d torque/d angle| (N m) of two touching bodies, by differences."""
+    """The stiffnesses |dF/dl| (N/m) and |d torque/d angle| (N m) of two touching bodies, by finite differences."""
     apart = touching_distance(shaped, parameters, pair, turns) * NEARLY
     size = DIFFERENCE * float(parameters.floats.radius[list(pair)].min())
     near, far = (_pull(shaped, parameters, pair, turns, apart + step) for step in (0.0, size))
@@ -356,7 +356,7 @@ def _stiffnesses(
 def _pull(
     shaped: Shaped, parameters: Parameters, pair: tuple[int, int], turns: tuple[float, float], apart: float
 ) -> tuple[float, float, float, float]:
-    """Forces and torques of two bodies, the second to the right of the first. A kind alone meets its own copy."""
+    """The forces and torques of two bodies, the second to the right of the first; both may be the same body."""
     blocks = [slice(shaped.first[k], shaped.first[k + 1]) for k in pair]
     two = shaped._replace(
         charge=np.concatenate([shaped.charge[block] for block in blocks]),
@@ -375,7 +375,7 @@ def _turned(points: Array, angle: float) -> Array:
 def touching_distance(
     shaped: Shaped, parameters: Parameters, pair: tuple[int, int], turns: tuple[float, float]
 ) -> float:
-    """How far apart the centers of two bodies are that touch, the second to the right of the first: by halving."""
+    """The distance of the centers of two touching bodies, the second to the right of the first, by bisection."""
     outlines = _two(shaped.outlines, pair)
     near, far = 0.0, 2.0 * float(parameters.floats.radius[list(pair)].max())
     found = np.zeros((shaped.places, 8))
@@ -390,7 +390,7 @@ def touching_distance(
 
 
 def _two(outlines: Outlines, pair: tuple[int, int]) -> Outlines:
-    """The outlines of two bodies alone, which may be one and its copy."""
+    """The outlines of two bodies, which may be the same."""
     corners = [slice(outlines.first_corner[k], outlines.first_corner[k + 1]) for k in pair]
     edges = [slice(outlines.first_edge[k], outlines.first_edge[k + 1]) for k in pair]
     first = _firsts([part.stop - part.start for part in corners])

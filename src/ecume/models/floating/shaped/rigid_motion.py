@@ -1,6 +1,6 @@
-"""How shapes glide and turn in a time step: kicks and drift of three velocities for each body.
+"""Translation and rotation of shapes in a time step: kicks and drift of three velocities for each body.
 
-A body is slowed along itself, across itself and in its spin, each exactly under a force that stays for the kick.
+Drag acts along the axis, across it and on the spin, each solved exactly for a constant force during the kick.
 """
 
 from __future__ import annotations
@@ -15,19 +15,19 @@ from ecume.models.model import DIVERGED, DONE
 from ecume.units import Array
 
 FARTHEST_TURN = 0.5
-"""rad in a step: beyond, nothing that is known of contacts holds."""
+"""rad in one step: beyond it, the predicted contacts are wrong."""
 
 
 @compiled
 def kick_time(parameters: Parameters) -> float:
-    """Half a step for velocity Verlet, a whole one for the others."""
+    """The duration of a kick (s): half a step for velocity Verlet, a whole step for the others."""
     return 0.5 * parameters.time_step if parameters.scheme.half_kicks else parameters.time_step
 
 
 @compiled
 def slowed(part: RigidKicks, parameters: Parameters, i: int, axis: int) -> tuple[float, float]:
-    """What drag leaves of body i's velocity along an axis of its own (2: its spin) after a kick, and what a unit force
-    gives.
+    """The decay of the velocity of body i along one of its axes (2: spin) by drag in a kick, and the gain per unit
+    force.
     """
     time = kick_time(parameters)
     friction, mass = part.friction[i, axis], part.inertia[i] if axis == 2 else parameters.floats.mass[i]
@@ -42,7 +42,7 @@ def slowed(part: RigidKicks, parameters: Parameters, i: int, axis: int) -> tuple
 def kick(
     part: RigidKicks, own: ShapedScratch, parameters: Parameters, force: Array, velocity: Array, share: float
 ) -> None:
-    """Drag and `share` of the forces that stay for a kick, solved exactly, on velocities and spins (N, 3)."""
+    """Change velocities and spins (N, 3) by drag and `share` of the forces during a kick, solved exactly."""
     for i in range(len(force)):
         c, s = math.cos(own.angle[i]), math.sin(own.angle[i])
         decay, gain = slowed(part, parameters, i, 0)
@@ -56,21 +56,21 @@ def kick(
 
 @compiled
 def load(state: State, velocity: Array) -> None:
-    """Velocities and spins of the state; walls stand still."""
+    """Copy velocities and spins from the state; walls are at rest."""
     for i in range(len(state.velocity)):
         velocity[i, 0], velocity[i, 1], velocity[i, 2] = state.velocity[i, 0], state.velocity[i, 1], state.turning[i, 1]
 
 
 @compiled
 def store(state: State, velocity: Array) -> None:
-    """These are the state's velocities and spins."""
+    """Store velocities and spins in the state."""
     for i in range(len(state.velocity)):
         state.velocity[i, 0], state.velocity[i, 1], state.turning[i, 1] = velocity[i, 0], velocity[i, 1], velocity[i, 2]
 
 
 @compiled
 def copy(target: Array, source: Array) -> None:
-    """All of it."""
+    """Copy all rows."""
     for i in range(target.shape[0]):
         for axis in range(3):
             target[i, axis] = source[i, axis]
@@ -78,11 +78,11 @@ def copy(target: Array, source: Array) -> None:
 
 @compiled
 def tip_travel(part: RigidKicks, own: ShapedScratch, parameters: Parameters, state: State) -> tuple[float, float]:
-    """How far a tip may go in this step because its body turns, and the farthest turn (rad); NaN if one is none."""
+    """The longest travel of a tip by rotation in this step (m), and the largest rotation (rad); NaN is kept."""
     farthest, widest = 0.0, 0.0
     for i in range(len(state.turning)):
         decay, gain = slowed(part, parameters, i, 2)
-        # Twice, for Verlet's second half.
+        # Twice, for the second half kick of velocity Verlet.
         turn = parameters.time_step * (decay * abs(state.turning[i, 1]) + 2.0 * gain * abs(own.torque[i]))
         way = turn * parameters.floats.radius[i]
         if farthest == farthest and not way <= farthest:
@@ -94,7 +94,7 @@ def tip_travel(part: RigidKicks, own: ShapedScratch, parameters: Parameters, sta
 
 @compiled
 def fill_mobility(part: RigidKicks, own: ShapedScratch, parameters: Parameters) -> None:
-    """Velocity per impulse along each body, across it, and in its spin."""
+    """Compute velocity per impulse along each body, across it, and for its spin."""
     time = kick_time(parameters)
     for i in range(len(own.mobility)):
         for axis in range(3):
@@ -105,14 +105,14 @@ def fill_mobility(part: RigidKicks, own: ShapedScratch, parameters: Parameters) 
 def predict_rigid(
     part: RigidKicks, parts: Parts, scratch: Scratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
-    """The kick up to the drift, on the passage; `before` is the velocity without forces."""
+    """Compute the midstep velocities by the first kick; `before` is the velocity without forces."""
     load(state, scratch.integrator.midstep_velocity)
     kick_twice(part, scratch.integrator, parameters, workspace.force)
 
 
 @compiled
 def kick_twice(part: RigidKicks, own: ShapedScratch, parameters: Parameters, force: Array) -> None:
-    """The passage after a kick, and `before` after one without forces."""
+    """Compute the midstep velocities after a kick, and `before` after a kick without forces."""
     copy(own.before, own.midstep_velocity)
     kick(part, own, parameters, force, own.before, 0.0)
     kick(part, own, parameters, force, own.midstep_velocity, 1.0)
@@ -122,7 +122,7 @@ def kick_twice(part: RigidKicks, own: ShapedScratch, parameters: Parameters, for
 def finish_rigid(
     part: RigidKicks, own: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
-    """The second half of a kick, where there are halves."""
+    """Apply the second half kick, if the scheme has one."""
     if parameters.scheme.half_kicks:
         kick_twice(part, own, parameters, workspace.force)
 
@@ -131,7 +131,7 @@ def finish_rigid(
 def move_rigid(
     part: RigidKicks, own: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
-    """Glide and turn with the passage."""
+    """Advance positions and angles with the midstep velocities."""
     time = parameters.time_step
     for i in range(len(state.position)):
         state.position[i, 0] += time * own.midstep_velocity[i, 0]
@@ -142,7 +142,7 @@ def move_rigid(
 
 @compiled
 def begin_rigid(part: RigidKicks, own: ShapedScratch, parameters: Parameters, state: State) -> None:
-    """Angles and mobilities for a new workspace."""
+    """Fill in the angles and mobilities of a new workspace."""
     for i in range(len(state.position)):
         own.angle[i] = state.turning[i, 0]
     fill_mobility(part, own, parameters)
@@ -152,7 +152,7 @@ def begin_rigid(part: RigidKicks, own: ShapedScratch, parameters: Parameters, st
 def bound_rigid_travel(
     part: RigidKicks, own: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> int:
-    """Tips go farther than centers; DIVERGED where a body turns too far in a step."""
+    """Add the travel of tips by rotation; `DIVERGED` if a body turns too far in a step."""
     tips, turn = tip_travel(part, own, parameters, state)
     workspace.travel[0] += tips
     return DONE if turn <= FARTHEST_TURN else DIVERGED
@@ -160,5 +160,5 @@ def bound_rigid_travel(
 
 @compiled
 def store_rigid(part: RigidKicks, own: ShapedScratch, state: State) -> None:
-    """Velocities and spins of the state."""
+    """Store velocities and spins in the state."""
     store(state, own.midstep_velocity)

@@ -1,10 +1,10 @@
-"""What is done to floats from outside, booked step by step: by a current, by a dish that is moved, by chance.
+"""Energy budget: the work done on floats from outside in each step, by a current, by a moving dish, and by noise.
 
-A current drags with zeta (u - v). Its own part, zeta u, does the work that is injected; -zeta v is what a liquid at
-rest would do, and dissipates. So a float that drifts with the current is given zeta u^2 and loses as much. A dish in
-motion acts, as seen from it, by the inertia and the drag that `swaying.left_behind` tells. Chance gives and takes
-heat: what Langevin's random force and drag do together along a path, -F o dx of all other forces, in Stratonovich's
-sense [sekimoto1998]; contacts are hard and do no work.
+A current drags with zeta (u - v). Its part zeta u does the injected work; -zeta v is the drag of a liquid at rest,
+which dissipates. A float that drifts with the current receives zeta u^2 and dissipates as much. A moving dish acts,
+in its own frame, by inertia and by the drag of `left_behind`. Noise exchanges heat with the floats: the work of the
+random force and of the drag together along a path is -F o dx of all other forces, in the sense of Stratonovich
+[sekimoto1998]. Contacts are hard and do no work.
 """
 
 from __future__ import annotations
@@ -22,20 +22,20 @@ from ecume.units import Array
 
 @compiled
 def is_driven(parameters: Parameters) -> bool:
-    """Whether anything does work on the floats from outside."""
+    """Whether external forces do work on the floats."""
     drift = parameters.drift
     return bool(drift.flows or drift.sway.moves or drift.thermal > 0.0)
 
 
 @compiled
 def power_of_current(parameters: Parameters, state: State, midstep_velocity: Array) -> float:
-    """That of the current's drag along the passage, in its middle (W)."""
+    """The power of the drag of the current at the midpoint of the step (W)."""
     mass, relaxation, radius = parameters.floats.mass, parameters.floats.relaxation_time, parameters.floats.radius
     drift, position, velocity, half = parameters.drift, state.position, state.velocity, 0.5 * parameters.time_step
     flow, thickness, tabled, power = drift.flow, drift.thickness, drift.nodes.shape[1] > 0, 0.0
     for i in range(len(position)):
         x, y = position[i, 0] + half * midstep_velocity[i, 0], position[i, 1] + half * midstep_velocity[i, 1]
-        # The whole of `drift` is slow to hand over.
+        # Passing the whole of `drift` is slow.
         along, across = current_at(drift, x, y) if tabled else straight_current(flow, x, y)
         friction = mass[i] / relaxation[i]
         if thickness > 0.0:
@@ -47,7 +47,7 @@ def power_of_current(parameters: Parameters, state: State, midstep_velocity: Arr
 
 @compiled
 def power_of_dish(parameters: Parameters, midstep_velocity: Array, time: float) -> float:
-    """That of a dish in motion, as seen from it (W)."""
+    """The power of a moving dish, in its frame (W)."""
     mass, relaxation, sway = parameters.floats.mass, parameters.floats.relaxation_time, parameters.drift.sway
     power = 0.0
     for axis in range(2):
@@ -62,9 +62,9 @@ def power_of_dish(parameters: Parameters, midstep_velocity: Array, time: float) 
 
 @compiled
 def add_work(parameters: Parameters, state: State, midstep_velocity: Array) -> None:
-    """A step's work, by the forces in the middle of the passage."""
+    """Add the work of one step, by the forces at its midpoint."""
     drift, tally, time = parameters.drift, state.tally, parameters.time_step
-    # Runs of former versions have no place for it.
+    # States of former versions have no such entry.
     if len(tally) <= WORK:
         return
     if drift.flows:
@@ -75,7 +75,7 @@ def add_work(parameters: Parameters, state: State, midstep_velocity: Array) -> N
 
 @compiled
 def add_heat(parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """Half a step's heat, by the forces where the passage begins, or ends; a dish in motion is a part of it."""
+    """Add the heat of half a step, by the forces at its beginning or end, including a moving dish."""
     midstep_velocity, force, power = workspace.midstep_velocity, workspace.force, 0.0
     if parameters.drift.thermal > 0.0 and len(state.tally) > WORK:
         for i in range(len(force)):

@@ -1,12 +1,12 @@
 """One time step, and many of them.
 
-Kick, meet, drift, kick, rest: the velocity Verlet scheme with unilateral constraints, as RATTLE is with
-bilateral ones. The first contact solve acts on the velocity with which everyone goes through the step, so that nobody
-ends inside another; the second on the velocity at its end, so that touching floats are at rest when nothing moves them.
-Other schemes put their own passage and their own kick in place of Verlet's.
+Kick, contacts, drift, forces, kick, contacts: velocity Verlet with unilateral constraints, as RATTLE is velocity
+Verlet with bilateral ones. The first contact solve acts on the midstep velocity, so that no float overlaps another
+after the step; the second acts on the velocity at its end, so that touching floats are at rest if no force moves
+them. Other schemes define their own midstep velocity and kick.
 
-What a scene has chosen stands in `Parts`: an integrator, interactions, resistances and contacts. The functions of their
-rows are chosen by the types of these parts, when the step is compiled.
+The chosen parts of a scene are in `Parts`: an integrator, interactions, resistances and contacts. The types of these
+parts select the functions of their rows when the step is compiled.
 """
 
 from __future__ import annotations
@@ -49,8 +49,8 @@ from ecume.units import Array
 def find_pairs(
     lists: NeighborLists, slots: tuple[int, int], radius: Array, skin: float, room: int
 ) -> tuple[Integers, Integers]:
-    """Who of some slots may touch whom of the later ones, while the lists hold: the lower of each pair, and the higher.
-    One more than there is room for when there are too many.
+    """Pairs of some slots and later slots that may touch while the lists are valid: the lower number of each pair, and
+    the higher. One more pair than there is room for if there are too many.
     """
     order, rows, widest, found = lists.cells.order, lists.rows, radius.max(), 0
     x, y = rows.sorted_position[0], rows.sorted_position[1]
@@ -76,7 +76,7 @@ def find_pairs(
 
 @compiled
 def list_candidates(candidates: Candidates, lists: NeighborLists, radius: Array, skin: float) -> bool:
-    """Pairs that may touch while the lists hold, ordered by i, then j. False when there is no room."""
+    """List pairs that may touch while the lists are valid, ordered by i, then j. False when there is no room."""
     room = len(candidates.partner)
     lower, higher = find_pairs(lists, (0, len(radius)), radius, skin, room)
     if len(lower) > room:
@@ -87,7 +87,7 @@ def list_candidates(candidates: Candidates, lists: NeighborLists, radius: Array,
 
 @compiled
 def sort_pairs(candidates: Candidates, lower: Integers, higher: Integers) -> None:
-    """Write down pairs by the lower, then by the higher."""
+    """Store pairs ordered by the lower number, then by the higher."""
     starts, partner, count = candidates.first, candidates.partner, len(candidates.first) - 1
     for i in range(count + 1):
         starts[i] = 0
@@ -95,7 +95,7 @@ def sort_pairs(candidates: Candidates, lower: Integers, higher: Integers) -> Non
         starts[i + 1] += 1
     for i in range(count):
         starts[i + 1] += starts[i]
-    # From the end, so that what a start was moved down by is what was written.
+    # From the end, so that each start moves down by the number of stored pairs.
     ends = starts[1:].copy()
     for number in range(len(lower)):
         i, j = lower[number], higher[number]
@@ -107,7 +107,7 @@ def sort_pairs(candidates: Candidates, lower: Integers, higher: Integers) -> Non
 
 @compiled_inside
 def _ascend(values: Integers, begin: int, end: int) -> None:
-    """Sort a few."""
+    """Sort a few values by insertion."""
     for place in range(begin + 1, end):
         value, spot = values[place], place
         while spot > begin and values[spot - 1] > value:
@@ -124,7 +124,7 @@ class EveryRow(NamedTuple):
 def renew_lists(
     part: EveryRow, parts: Parts, scratch: Scratch, parameters: Parameters, reference: Array, workspace: Workspace
 ) -> bool:
-    """Neighbor lists and candidates at the reference positions. False when there is no room."""
+    """Make neighbor lists and candidates at the reference positions. False when there is no room."""
     if not build_all(parameters, reference, workspace.lists, workspace.candidates):
         return False
     sort_parts(parts.interactions, scratch.interactions, parameters, workspace.lists)
@@ -133,7 +133,7 @@ def renew_lists(
 
 @compiled
 def build_all(parameters: Parameters, reference: Array, lists: NeighborLists, candidates: Candidates) -> bool:
-    """Neighbors and candidates. False when there is no room."""
+    """Make neighbor lists and candidates. False when there is no room."""
     if not build(lists, reference, parameters.reach):
         return False
     if not list_candidates(candidates, lists, parameters.floats.radius, parameters.skin):
@@ -150,13 +150,13 @@ renew = selected(lambda kind: LISTS[kind])
 
 @compiled
 def highest_speed(kick: Kick, velocity: Array, force: Array) -> float:
-    """The highest speed with which anyone can go through the next step, contacts aside; NaN if a number is none."""
+    """The highest possible midstep speed of any float, without contacts; NaN if any speed is NaN."""
     fastest = 0.0
     for i in range(velocity.shape[0]):
-        # What drag takes at once carries nobody.
+        # A velocity that drag stops at once moves no float.
         speed = math.sqrt(velocity[i, 0] ** 2 + velocity[i, 1] ** 2) if kick.decay[i] > 0.0 else 0.0
         speed += kick.gain[i] * math.sqrt(force[i, 0] ** 2 + force[i, 1] ** 2)
-        # Written so that a NaN is taken, and kept.
+        # Written so that a NaN is kept.
         if fastest == fastest and not speed <= fastest:
             fastest = speed
     return fastest
@@ -164,7 +164,7 @@ def highest_speed(kick: Kick, velocity: Array, force: Array) -> float:
 
 @composed
 def keep_lists(parts: Parts, scratch: Scratch, parameters: Parameters, state: State, workspace: Workspace) -> int:
-    """New lists before anyone leaves the old ones' reach; nothing but the reference positions changes in the state."""
+    """Make new lists before the old ones become invalid; only the reference positions of the state change."""
     status = list_status(parameters, state, workspace)
     if status != CROWDED:
         return status
@@ -178,7 +178,7 @@ def keep_lists(parts: Parts, scratch: Scratch, parameters: Parameters, state: St
 
 @compiled_inside
 def list_status(parameters: Parameters, state: State, workspace: Workspace) -> int:
-    """DONE where lists hold for another step, CROWDED where they do not, DIVERGED where none could."""
+    """Return `DONE` if lists are valid for another step, `CROWDED` if not, `DIVERGED` if no list can be."""
     ahead = parameters.time_step * highest_speed(parameters.kick, state.velocity, workspace.force)
     ahead += parameters.drift.jump
     moved = farthest_move(state.position, state.reference)
@@ -190,7 +190,7 @@ def list_status(parameters: Parameters, state: State, workspace: Workspace) -> i
 
 @composed
 def step(parts: Parts, scratch: Scratch, parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """One time step."""
+    """Advance by one time step."""
     kick_spins(parts.interactions, scratch.interactions, parameters, state, True)
     copy_rows(workspace.before, state.velocity)
     predict(parts.integrator, parts, scratch, parameters, state, workspace)
@@ -218,8 +218,8 @@ def step(parts: Parts, scratch: Scratch, parameters: Parameters, state: State, w
 def integrate(
     parts: Parts, scratch: Scratch, parameters: Parameters, state: State, workspace: Workspace, steps: int
 ) -> int:
-    """Advance by that many steps: see `ecume.models.model.Model.advance`. `parameters` and `workspace` come without
-    parts, so that whatever does not depend on these is compiled once for all of them.
+    """Advance by that many steps: see `ecume.models.model.Model.advance`. `parameters` and `workspace` have no parts,
+    so that code which does not depend on them is compiled once.
     """
     begin(parts.integrator, scratch.integrator, parameters, state)
     if workspace.ready[0] == 0 and parameters.scheme.forces_at_end:
@@ -240,28 +240,28 @@ def integrate(
 
 
 def advance(parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
-    """See `ecume.models.model.Model.advance`. Compiled code takes all steps where it can call every part; otherwise
+    """See `ecume.models.model.Model.advance`. Compiled code runs all steps if it can call every part; otherwise
     Python runs the same text, step by step, around compiled parts.
     """
     return advance_with(parameters.parts, parameters, state, workspace, steps)
 
 
 def advance_with(parts: Parts, parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
-    """Advance with these parts in the place of the parameters' own."""
+    """Advance with these parts instead of those of the parameters."""
     run = integrate if all(BY_CONSTANTS[type(part)].compiled for part in parts.interactions) else plainly(integrate)
     bare, scratch = parameters._replace(parts=()), workspace.scratch
     return run(parts, scratch, bare, state, workspace._replace(scratch=()), steps)
 
 
 def forces_at(parameters: Parameters, position: Array, workspace: Workspace) -> Array:
-    """The forces on all floats (N, 2) at these positions, where the workspace's lists hold; it keeps them."""
+    """The forces on all floats (N, 2) at these positions, where the lists must be valid; kept in the workspace."""
     bare = parameters._replace(parts=())
     evaluate(parameters.parts, workspace.scratch, bare, position, workspace.lists, workspace.force)
     return workspace.force
 
 
 def make_scratch(parameters: Parameters, state: State, workspace: Workspace) -> Scratch:
-    """The workspace of each part."""
+    """Allocate the workspaces of all parts."""
     parts = parameters.parts
     own = tuple(row.scratch(part, parameters, state, workspace) for part, row in interactions_of(parameters))
     touching = contacts_of(parameters).scratch(parts.contacts, parameters, state, workspace, own)
@@ -271,13 +271,13 @@ def make_scratch(parameters: Parameters, state: State, workspace: Workspace) -> 
 
 
 def fill_lists(parameters: Parameters, state: State, workspace: Workspace) -> bool:
-    """Make the lists of a new workspace at the state's reference positions. False when there is no room."""
+    """Make the lists of a new workspace at the reference positions. False when there is no room."""
     bare, parts, scratch = parameters._replace(parts=()), parameters.parts, workspace.scratch
     return bool(renew_lists(EveryRow(), parts, scratch, bare, state.reference, workspace._replace(scratch=())))
 
 
 def inertia_of(parameters: Parameters) -> Array | None:
-    """The moments of inertia of floats that turn (kg m^2), (N,); None where none does."""
+    """The moments of inertia of floats that turn (kg m^2), (N,); None if no float turns."""
     by_contacts = contacts_of(parameters).inertia(parameters.parts.contacts)
     found = [by_contacts, *(row.inertia(part) for part, row in interactions_of(parameters))]
     return next((each for each in found if each is not None), None)

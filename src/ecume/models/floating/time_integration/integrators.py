@@ -1,4 +1,4 @@
-"""The smooth part of a time step, scheme by scheme: what kick, drag and drift do when nothing touches."""
+"""The table of integrators: kick, drag and drift of a time step without contacts."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ admit(brownian, drag, dish_motion)
 
 @compiled
 def apply_kick(kick: Kick, velocity: Array, force: Array) -> None:
-    """Drag and a force that stays for the kick's time, solved exactly."""
+    """Change velocities by drag and a force that is constant during the kick, solved exactly."""
     decay, gain = kick.decay, kick.gain
     for i in range(force.shape[0]):
         velocity[i, 0] = decay[i] * velocity[i, 0] + gain[i] * force[i, 0]
@@ -44,7 +44,7 @@ def apply_kick(kick: Kick, velocity: Array, force: Array) -> None:
 
 @compiled_inside
 def kick_floats(parameters: Parameters, state: State, force: Array, ahead: float) -> None:
-    """`apply_kick`, with the drag of the scene's law and a dish in motion, `ahead` steps from now."""
+    """Apply a kick with the drag law of the scene and a moving dish, `ahead` steps from now."""
     if parameters.drift.thickness > 0.0:
         apply_nonlinear_kick(parameters, state, force)
     else:
@@ -55,7 +55,7 @@ def kick_floats(parameters: Parameters, state: State, force: Array, ahead: float
 
 @compiled
 def add_dish_motion(parameters: Parameters, state: State, time: float) -> None:
-    """What the motion of the dish does to velocities as seen from it; what has no inertia feels its velocity only."""
+    """Change velocities by the motion of the dish, in its frame; without inertia only its velocity acts."""
     sway, floats, gain, velocity = parameters.drift.sway, parameters.floats, parameters.kick.gain, state.velocity
     for axis in range(2):
         speed = sway.velocity[axis] + sway_velocity(sway.amplitude[axis], sway.turning, time)
@@ -68,7 +68,7 @@ def add_dish_motion(parameters: Parameters, state: State, time: float) -> None:
 
 @compiled
 def apply_nonlinear_kick(parameters: Parameters, state: State, force: Array) -> None:
-    """A drag that grows with the speed through the liquid: that of the kick's beginning, then as in `apply_kick`."""
+    """Apply a kick with a drag coefficient that depends on the speed at the beginning of the kick."""
     floats, velocity = parameters.floats, state.velocity
     time = 0.5 * parameters.time_step if parameters.scheme.half_kicks else parameters.time_step
     for i in range(force.shape[0]):
@@ -77,7 +77,7 @@ def apply_nonlinear_kick(parameters: Parameters, state: State, force: Array) -> 
         speed = math.sqrt((velocity[i, 0] - along) ** 2 + (velocity[i, 1] - across) ** 2)
         faster = schiller_naumann_factor(2.0 * floats.radius[i] * speed * parameters.drift.thickness)
         decay = math.exp(-time * faster / floats.relaxation_time[i])
-        # The speed that the force and the flow would lead to; the force holds Stokes's part of the flow.
+        # The terminal velocity of force and flow; the force contains Stokes's part of the flow.
         last_x = along + (force[i, 0] - friction * along) / (friction * faster)
         last_y = across + (force[i, 1] - friction * across) / (friction * faster)
         velocity[i, 0] = last_x + decay * (velocity[i, 0] - last_x)
@@ -86,7 +86,7 @@ def apply_nonlinear_kick(parameters: Parameters, state: State, force: Array) -> 
 
 @compiled
 def accelerate(parameters: Parameters, velocity: Array, force: Array, acceleration: Array) -> None:
-    """F/m - v/tau."""
+    """Compute accelerations F/m - v/tau."""
     mass, relaxation = parameters.floats.mass, parameters.floats.relaxation_time
     for i in range(force.shape[0]):
         acceleration[i, 0] = force[i, 0] / mass[i] - velocity[i, 0] / relaxation[i]
@@ -95,7 +95,7 @@ def accelerate(parameters: Parameters, velocity: Array, force: Array, accelerati
 
 @compiled
 def add_noise(parameters: Parameters, velocity: Array, step: int) -> None:
-    """Brownian motion as a velocity of one step: a normal displacement of variance 2 kT/zeta dt along each axis."""
+    """Add Brownian motion to the velocities: a normal displacement of variance 2 kT/zeta dt along each axis."""
     gain, time = parameters.kick.gain, parameters.time_step
     for i in range(velocity.shape[0]):
         far = math.sqrt(2.0 * diffusivity(parameters.drift.thermal, 1.0 / gain[i]) / time)
@@ -105,7 +105,7 @@ def add_noise(parameters: Parameters, velocity: Array, step: int) -> None:
 
 
 class Kicks(NamedTuple):
-    """Schemes that kick and drift; `Parameters.scheme` says in which order."""
+    """Schemes of kicks and drift, in the order of `Parameters.scheme`."""
 
 
 class RungeKutta(NamedTuple):
@@ -120,13 +120,13 @@ class Stoermer(NamedTuple):
 def predict_kicked(
     part: Kicks, parts: Parts, scratch: Scratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
-    """The smooth part up to the drift: velocities after their kick, and the midstep velocity."""
+    """Compute velocities after their kick, and the midstep velocities."""
     kick_before_drift(parameters, state, workspace)
 
 
 @compiled_inside
 def kick_before_drift(parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """See `predict_kicked`."""
+    """Compute velocities after their kick, and the midstep velocities."""
     if parameters.scheme.drifts_first:
         copy_rows(workspace.midstep_velocity, state.velocity)
         kick_floats(parameters, state, workspace.force, 0.5)
@@ -141,7 +141,7 @@ def kick_before_drift(parameters: Parameters, state: State, workspace: Workspace
 def predict_runge_kutta(
     part: RungeKutta, parts: Parts, scratch: Scratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
-    """The classical scheme of fourth order, drag included: passage and velocity change by the weighted means of four
+    """The classical scheme of fourth order, including drag: positions and velocities change by weighted means of four
     stages.
     """
     time, midstep_velocity, stages = parameters.time_step, workspace.midstep_velocity, workspace.stages
@@ -169,7 +169,7 @@ def predict_runge_kutta(
 def predict_stoermer(
     part: Stoermer, parts: Parts, scratch: Scratch, parameters: Parameters, state: State, workspace: Workspace
 ) -> None:
-    """Drift, kick, drift: the midpoints obey x(t+dt) = 2 x(t) - x(t-dt) + dt^2 a. No force is known between steps."""
+    """Drift, kick, drift: the midpoints obey x(t+dt) = 2 x(t) - x(t-dt) + dt^2 a. There is no force between steps."""
     midstep_velocity, middle = workspace.midstep_velocity, workspace.stages[0]
     copy_rows(midstep_velocity, state.velocity)
     copy_rows(middle, state.position)
@@ -181,7 +181,7 @@ def predict_stoermer(
 
 @compiled
 def average_rows(rows: Array, others: Array) -> None:
-    """Half of each row and half of each other row."""
+    """Replace each row by the mean of it and the row of `others`."""
     for i in range(len(others)):
         rows[i, 0] = 0.5 * (rows[i, 0] + others[i, 0])
         rows[i, 1] = 0.5 * (rows[i, 1] + others[i, 1])
@@ -189,42 +189,42 @@ def average_rows(rows: Array, others: Array) -> None:
 
 @compiled
 def finish_kicked(part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """The second half of a kick, where there are halves."""
+    """Apply the second half kick, if the scheme has one."""
     if parameters.scheme.half_kicks:
         kick_floats(parameters, state, workspace.force, 1.0)
 
 
 @composed
 def finish_runge_kutta(part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """Nothing: the velocity has changed already."""
+    """Do nothing: the velocities are complete."""
 
 
 @compiled
 def finish_stoermer(part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """Forget the force in the middle of the step, so that the next step is not foreseen by it."""
+    """Clear the force at the midpoint, so that it does not affect the travel bound of the next step."""
     clear(workspace.force)
 
 
 @compiled
 def drift_straight(part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """Drift with the velocity through the step."""
+    """Advance positions with the midstep velocities."""
     advance_rows(state.position, workspace.midstep_velocity, parameters.time_step)
 
 
 @composed
 def no_preparation(part: Any, scratch: Any, parameters: Parameters, state: State) -> None:
-    """Discs and spheres need no preparation."""
+    """Do nothing: discs and spheres need no preparation."""
 
 
 @composed
 def no_more_travel(part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> int:
-    """Discs and spheres go no farther than their centers."""
+    """Return `DONE`: discs and spheres travel as far as their centers."""
     return DONE
 
 
 @composed
 def no_storage(part: Any, scratch: Any, state: State) -> None:
-    """The state has its velocities already."""
+    """Do nothing: the velocities are in the state."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -235,15 +235,15 @@ class Integrator(Option):
     constants: type
     """the type of the part, a NamedTuple"""
     predict: Callable[..., None]
-    """predict(part, parts, scratch, parameters, state, workspace): velocities and passage up to the drift"""
+    """predict(part, parts, scratch, parameters, state, workspace): velocities and midstep velocities"""
     finish: Callable[..., None] = finish_kicked
     """finish(part, scratch, parameters, state, workspace): the rest of the kick, with the forces at the end"""
     move: Callable[..., None] = drift_straight
     """move(part, scratch, parameters, state, workspace): the drift"""
     begin: Callable[..., None] = no_preparation
-    """begin(part, scratch, parameters, state): what a new workspace lacks"""
+    """begin(part, scratch, parameters, state): complete a new workspace"""
     bound_travel: Callable[..., int] = no_more_travel
-    """foresee(part, scratch, parameters, state, workspace): add to `workspace.travel`; DONE or DIVERGED"""
+    """bound_travel(part, scratch, parameters, state, workspace): add to `workspace.travel`; DONE or DIVERGED"""
     store: Callable[..., None] = no_storage
     """store(part, scratch, state): write velocities into the state at the end of a step"""
 
@@ -288,7 +288,7 @@ RIGID = Integrator(
     constants=RigidKicks, predict=predict_rigid, finish=finish_rigid, move=move_rigid, begin=begin_rigid,
     bound_travel=bound_rigid_travel, store=store_rigid,
 )  # fmt: skip
-"""Takes the place of an integrator's functions for floats with a shape."""
+"""Replaces the functions of an integrator for floats with a shape."""
 
 BY_CONSTANTS: dict[type, Integrator] = {row.constants: row for row in (*INTEGRATORS.values(), RIGID)}
 

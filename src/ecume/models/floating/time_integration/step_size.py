@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ecume.engine.walls import enclosures
-from ecume.errors import Fault, SceneError
 from ecume.models.floating.forces.flow_and_noise import drift_of
 from ecume.models.floating.forces.pair_forces import law_of, row_of, two_floats
+from ecume.models.floating.options import scene_error
 from ecume.models.floating.parameters import CAPILLARY_LENGTH, Drift, Floats, Kick, Parameters, Scheme
 from ecume.models.floating.walls.shapes import walls_of
 from ecume.models.floating.walls.wall_laws import wall_stiffness
@@ -21,15 +21,15 @@ if TYPE_CHECKING:
     from ecume.scenes.floating import FloatingScene
 
 GOOD = 0.05
-"""Time steps over the shortest time scale: the error of a step is then below a thousandth."""
+"""Time step over the shortest time scale, with an error per step below a thousandth."""
 
 COARSE_OVER_GOOD = 4.0
 UNSTABLE_OVER_GOOD = 20.0
-"""Beyond this the scheme is unstable."""
+"""Above this factor the scheme is unstable."""
 
 RAFT_NEIGHBORS = 6.0
 PACKED = 0.9069
-"""Of the surface that touching discs cover on a triangular lattice."""
+"""Area fraction of touching discs on a triangular lattice."""
 
 FINE = 1e-6
 """Step of finite differences, over the distance."""
@@ -38,7 +38,7 @@ PLACES = 400
 """Number of distances for the integral of a force over a half-plane."""
 
 SKIN_PER_STEP = 0.1
-"""Nobody may go farther in a step, over the skin."""
+"""Largest displacement in one step, over the skin."""
 
 
 def pair_stiffness(parameters: Parameters, radius: tuple[float, float], charge: tuple[float, float]) -> float:
@@ -52,11 +52,11 @@ def pair_stiffness(parameters: Parameters, radius: tuple[float, float], charge: 
 
 
 def stiffness_over_mass(parameters: Parameters) -> tuple[Array, Array]:
-    """Of each distinct kind of float in the crowd's worst place: stiffness (N/m) and mass (kg)."""
+    """The stiffness (N/m) and mass (kg) of each kind of float at its least favorable position."""
     floats = parameters.floats
     kinds = np.unique(np.stack([floats.radius, np.abs(floats.charge), floats.mass], axis=1), axis=0)
-    # The strongest partner of any kind, as small or as large as any, bounds them all: a table of a thousand different
-    # floats costs two thousand evaluations.
+    # The strongest charge with the smallest or largest radius bounds all partners: a table of a thousand floats
+    # requires two thousand evaluations.
     strongest, extremes = float(np.max(kinds[:, 1])), {float(np.min(kinds[:, 0])), float(np.max(kinds[:, 0]))}
     wall = wall_stiffness(parameters)
     stiffness = [
@@ -70,8 +70,8 @@ def stiffness_over_mass(parameters: Parameters) -> tuple[Array, Array]:
 def longest_good_step(parameters: Parameters, speed: float) -> float:
     """The longest good step (s).
 
-    A float on a spring k turns back after about sqrt(m/k), or relaxes in zeta/k where drag rules; the kick takes drag
-    exactly, so that the longer of the two counts: syrup needs no tinier step than water.
+    A float on a spring k oscillates with the time scale sqrt(m/k), or relaxes with zeta/k if drag dominates. Drag is
+    solved exactly, so that the longer of the two limits the step: syrup requires no shorter step than water.
     """
     stiffness, mass = stiffness_over_mass(parameters)
     friction = _least_friction(parameters.floats)
@@ -87,7 +87,7 @@ def longest_good_step(parameters: Parameters, speed: float) -> float:
 
 
 def attraction_speed(parameters: Parameters) -> float:
-    """The fastest that walls and all others together, in a raft, can move a float that has no inertia (m/s)."""
+    """The highest speed (m/s) of a float without inertia by the attraction of walls and of a raft of all others."""
     floats, length = parameters.floats, float(parameters.pair[CAPILLARY_LENGTH])
     mobility, charge = floats.relaxation_time / floats.mass, np.abs(floats.charge)
     area = math.pi * float(np.sum(floats.radius**2)) / PACKED
@@ -110,7 +110,7 @@ def raft_pull(parameters: Parameters, charge: Array, area: float) -> Array:
 
 
 def diffusion_step(parameters: Parameters) -> float:
-    """The step in which chance carries floats by GOOD of their radius, r.m.s. along an axis (s)."""
+    """The time (s) in which noise moves a float by GOOD of its radius (r.m.s. along one axis)."""
     thermal, floats = parameters.drift.thermal, parameters.floats
     if thermal == 0.0:
         return math.inf
@@ -119,20 +119,20 @@ def diffusion_step(parameters: Parameters) -> float:
 
 
 def _least_friction(floats: Floats) -> float:
-    """N s/m, of the float that drag slows least; zero without drag."""
+    """The smallest friction of any float (N s/m); zero without drag."""
     return float(np.min(floats.mass / floats.relaxation_time))
 
 
 NOISE_DEVIATIONS = 6.5
-"""Standard deviations that chance is allowed for when neighbors are listed."""
+"""Displacement by noise that neighbor lists allow for, in standard deviations."""
 
 
 class StepWarning(UserWarning):
-    """The time step is longer than is good for the result."""
+    """The time step is too long for an accurate result."""
 
 
 def kick_of(scheme: Scheme, time_step: float, floats: Floats, walls: int) -> Kick:
-    """One kick of the scheme: half a step for velocity Verlet, a whole one for the others."""
+    """Return one kick of the scheme: half a step for velocity Verlet, a whole step for the others."""
     time = 0.5 * time_step if scheme.half_kicks else time_step
     if not scheme.inertia:
         gain = floats.relaxation_time / floats.mass
@@ -147,12 +147,12 @@ def kick_of(scheme: Scheme, time_step: float, floats: Floats, walls: int) -> Kic
 
 
 def good_step(parameters: Parameters, scene: FloatingScene) -> float:
-    """The longest time step that is good (s)."""
+    """The longest good time step of a scene (s)."""
     return longest_good_step(parameters, _speeds(scene))
 
 
 class Step(NamedTuple):
-    """A time step, and what follows from it."""
+    """A time step and the constants that depend on it."""
 
     time_step: float
     steps_per_frame: int
@@ -161,16 +161,14 @@ class Step(NamedTuple):
 
 
 def step_of(parameters: Parameters, scene: FloatingScene) -> Step:
-    """The time step: the scene's own, or the longest that is good, a whole number of times in the time between
-    frames.
-    """
+    """The time step: that of the scene, or the longest good one that divides the time between frames."""
     good, frame = good_step(parameters, scene), scene.frame_every
     given = scene.motion.time_step
     if given is not None:
         _judge(given, good)
     steps = max(1, math.ceil(frame / (given if given is not None else good) * (1.0 - 1e-9)))
     if given is not None and abs(steps * given - frame) > 1e-9 * frame:
-        raise _fault(
+        raise scene_error(
             "motion.time_step", f"{given:g} s does not divide frame_every = {frame:g} s; {frame / steps:.9g} s would do"
         )
     time_step = frame / steps
@@ -179,7 +177,7 @@ def step_of(parameters: Parameters, scene: FloatingScene) -> Step:
     )
     stiffest = float(parameters.floats.relaxation_time.min())
     if scene.motion.integrator == "rk4" and time_step > 2.0 * stiffest:
-        raise _fault(
+        raise scene_error(
             "motion.integrator", f"'rk4' needs a time step below {2.0 * stiffest:.3g} s in so viscous a liquid; "
             f"it is {time_step:.3g} s. Set motion.time_step, or use 'velocity-verlet'"
         )  # fmt: skip
@@ -190,7 +188,7 @@ def step_of(parameters: Parameters, scene: FloatingScene) -> Step:
 
 
 def _swaying(parameters: Parameters, kick: Kick) -> float:
-    """The most that a dish in motion changes a velocity by in a kick (m/s)."""
+    """The largest change of a velocity by a moving dish in one kick (m/s)."""
     sway, floats = parameters.drift.sway, parameters.floats
     far = float(np.hypot(*sway.amplitude))
     speed, change = float(np.hypot(*sway.velocity)) + far * sway.turning, far * sway.turning**2
@@ -199,9 +197,9 @@ def _swaying(parameters: Parameters, kick: Kick) -> float:
 
 
 def _judge(given: float, good: float) -> None:
-    """Refuse or warn of a step too large, with the number that would do."""
+    """Raise SceneError or warn if a step is too long, with a sufficient value."""
     if given > UNSTABLE_OVER_GOOD * good:
-        raise _fault(
+        raise scene_error(
             "motion.time_step", f"{given:.3g} s is unstable here; expected at most {UNSTABLE_OVER_GOOD * good:.3g} s, "
             f"{good:.3g} s is good"
         )  # fmt: skip
@@ -210,7 +208,7 @@ def _judge(given: float, good: float) -> None:
 
 
 def _speeds(scene: FloatingScene) -> float:
-    """The fastest start, or the fastest that the surface flows in the dish."""
+    """The largest initial speed, or the largest speed of the flow in the dish (m/s)."""
     reach = max((math.hypot(*place) for species in scene.floats for place in species.positions), default=0.0)
     if scene.dish is not None:
         reach = enclosures.farthest(walls_of(scene.dish))
@@ -220,7 +218,3 @@ def _speeds(scene: FloatingScene) -> float:
     speeds = [math.hypot(*each) for species in scene.floats for each in (species.velocities or [species.velocity])]
     flowing += drift.sway.slip * (float(np.hypot(*drift.sway.velocity + drift.sway.turning * drift.sway.amplitude)))
     return max([flowing, *speeds, *(math.hypot(row.vx, row.vy) for row in scene.rows)])
-
-
-def _fault(path: str, message: str) -> SceneError:
-    return SceneError([Fault(path, message)])
