@@ -17,6 +17,7 @@ from ecume.errors import BadInput
 from ecume.models.floating import FLOATING, mpi
 from ecume.models.floating.mpi import complete, march_shared, require_spreadable
 from ecume.models.model import DONE
+from ecume.run.ranks import SPREAD, spread_of
 from ecume.scenes.load import load_scene
 
 BOWL = """
@@ -147,3 +148,9 @@ def test_what_is_not_spread_is_refused(change: str, told: str) -> None:
     parameters, _ = begun("floats[0].count=3", change)
     with pytest.raises(BadInput, match=told):
         require_spreadable(parameters)
+
+
+@pytest.mark.parametrize("name", SPREAD)
+def test_ranks_find_the_distribution_of_each_model(name):
+    functions = ("require_spreadable", "workspace_shared", "march_shared", "complete")
+    assert all(callable(getattr(spread_of(name), function)) for function in functions)
