@@ -396,20 +396,26 @@ def sum_of_short_energies(
 
 
 class Reference(NamedTuple):
-    """Workspace: the reference positions of the neighbor lists, around which the grid is placed."""
+    """Workspace: the reference positions of the neighbor lists, and the grid around them."""
 
     position: Array
     """(N, 2) those of the state"""
+    grid: list[Grid]
+    """one grid, placed after each new list"""
 
 
 def make_reference(part: Split, parameters: Parameters, state: State, workspace: Workspace) -> Reference:
     """Return the workspace."""
-    return Reference(state.reference)
+    return Reference(state.reference, [])
+
+
+def place_grid(part: Split, own: Reference, parameters: Parameters, lists: NeighborLists) -> None:
+    """Place the grid around the reference positions; after each new neighbor list."""
+    own.grid[:] = [grid_around(part, own.position, float(parameters.pair[CAPILLARY_LENGTH]))]
 
 
 def smooth_forces(
     part: Split, own: Reference, parameters: Parameters, position: Array, lists: NeighborLists, force: Array
 ) -> None:
     """Add the forces of the smooth part. In Python, since the transforms are SciPy's."""
-    length = float(parameters.pair[CAPILLARY_LENGTH])
-    add_smooth_forces(parameters, part, position, grid_around(part, own.position, length), force)
+    add_smooth_forces(parameters, part, position, own.grid[0], force)

@@ -22,7 +22,14 @@ from ecume.models.floating.forces.dipoles import (
     make_sorted_moments,
     sort_moments,
 )
-from ecume.models.floating.forces.ewald_grid import Split, make_reference, smooth_forces, split_energy, split_lines
+from ecume.models.floating.forces.ewald_grid import (
+    Split,
+    make_reference,
+    place_grid,
+    smooth_forces,
+    split_energy,
+    split_lines,
+)
 from ecume.models.floating.forces.films import Films, apply_films, films_of
 from ecume.models.floating.forces.flow_and_noise import add_flow
 from ecume.models.floating.forces.multipoles import (
@@ -163,7 +170,8 @@ INTERACTIONS = {
     ),
     "grid": Interaction(
         path="interaction.sum", name="'grid'", constants=Split, make=lambda parameters, scene: Built(()),
-        add_forces=smooth_forces, energy=split_energy, compiled=False, scratch=make_reference, lines=split_lines,
+        add_forces=smooth_forces, energy=split_energy, compiled=False, scratch=make_reference, sort=place_grid,
+        lines=split_lines,
         pairs_worth=lambda part: part.work[1], points=lambda part: part.points, gives=ROUND | {"shared", "superposed"},
         laws=(ewald.short_energy, ewald.smooth_wave, ewald.grid_error),
         needs={
