@@ -19,8 +19,8 @@ from ecume._jit import use_threads
 from ecume.engine.contact import contacts as touching
 from ecume.engine.contact import projected_gauss_seidel
 from ecume.engine.contact.projected_gauss_seidel import CONVERGED, Goal
-from ecume.models.floating.meeting import TOLERABLE, bodies_of
-from ecume.models.floating.stepping import forces_at
+from ecume.models.floating.contacts.collisions import TOLERABLE, contact_bodies
+from ecume.models.floating.time_integration.integration import forces_at
 
 SPACING = 2.000001e-3
 CONTACTS_PER_FLOAT = 2.97
@@ -60,7 +60,7 @@ def measured(size: int) -> None:
     """One raft: from nothing, and from the last solution."""
     march = raft(size)
     work, kick = march.workspace, pressed(march)
-    touching.gather(work.contacts, work.candidates, march.state.position, bodies_of(march.parameters), 1e-6)
+    touching.gather(work.contacts, work.candidates, march.state.position, contact_bodies(march.parameters), 1e-6)
     touching.set_effective_masses(work.contacts, march.parameters.kick.mobility)
     work.contacts.impulse[:] = 0.0
     chance = np.random.default_rng(1).uniform(1.0 - CHANGE, 1.0 + CHANGE, (len(kick), 1))

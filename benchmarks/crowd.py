@@ -21,10 +21,9 @@ from marching import March, heavy_spheres, machine
 
 from ecume._jit import compiled_once, use_threads
 from ecume.laws.special import bessel_k1
-from ecume.models.floating import forces
-from ecume.models.floating.pair_choice import summed_law
-from ecume.models.floating.pulling import pairs_of
-from ecume.models.floating.stepping import forces_at
+from ecume.models.floating.forces import pair_forces
+from ecume.models.floating.forces.pair_forces import pairs_of, summed_law
+from ecume.models.floating.time_integration.integration import forces_at
 from ecume.scenes.load import load_scene
 
 COUNT, SPACING = 2000, 2.02e-3
@@ -51,7 +50,7 @@ def pull_of(march: March, kind: type) -> Callable[[], None]:
     law = summed_law(march.parameters._replace(single=kind is np.float32))
 
     def pull() -> None:
-        forces.pull(law, rows, floats, pair, scratch.force)
+        pair_forces.sum_pair_forces(law, rows, floats, pair, scratch.force)
 
     pull()
     return pull

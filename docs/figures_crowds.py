@@ -11,10 +11,10 @@ from scipy.special import k1
 
 from ecume.laws import dipoles
 from ecume.models import MODELS
-from ecume.models.floating import summing
-from ecume.models.floating.interactions import part_of
-from ecume.models.floating.polar import Polar
-from ecume.models.floating.stepping import forces_at
+from ecume.models.floating.forces import ewald_grid
+from ecume.models.floating.forces.dipoles import DipoleMoments
+from ecume.models.floating.parameters import part_of
+from ecume.models.floating.time_integration.integration import forces_at
 from ecume.scenes.load import load_scene
 from ecume.scenes.templates import folder
 from ecume.show.style import INK, MUTED, PALETTE, figure, style
@@ -61,9 +61,9 @@ def _direct(pair: Array, position: Array, charge: Array) -> Array:
 def counted_work(count: int, radius: float, coverage: float) -> tuple[float, float]:
     """Work of a float, in pairs, with cells alone and with a grid; the radius is over the capillary length."""
     density = coverage / (np.pi * radius**2)
-    between = np.sqrt(density * summing.PACKED / (np.pi * radius**2))
-    crowd = summing.Crowd(count, between, float(np.sqrt(count / density)), 2.0 * radius, radius, 10.2)
-    return crowd.neighbors(crowd.cutoff), summing.best_split(crowd, 1e-4)[0].work / count
+    between = np.sqrt(density * ewald_grid.PACKED / (np.pi * radius**2))
+    statistics = ewald_grid.FloatStatistics(count, between, float(np.sqrt(count / density)), 2.0 * radius, radius, 10.2)
+    return statistics.neighbors(statistics.cutoff), ewald_grid.best_split(statistics, 1e-4)[0].work / count
 
 
 def crowds() -> Figure:
@@ -93,7 +93,7 @@ def magnets() -> Figure:
     scene = load_scene(str(folder() / "mermaid.toml"))
     parameters = MODELS["floating"].parameters(scene)
     length, unit, charge = parameters.pair[1], parameters.pair[0], parameters.floats.charge[0]
-    touching, moment = 2.0 * parameters.floats.radius[0], part_of(parameters, Polar).moment[0]
+    touching, moment = 2.0 * parameters.floats.radius[0], part_of(parameters, DipoleMoments).moment[0]
     with style():
         drawn = figure(9.6, 4.2)
         left, right = drawn.subplots(1, 2)

@@ -47,7 +47,8 @@ def test_an_edited_law_is_compiled_anew_and_an_edit_elsewhere_compiles_nothing(t
 
 
 def test_a_time_step_depends_on_its_laws_and_on_nothing_that_draws_or_reads():
-    names = {path.relative_to(PACKAGE).as_posix() for path in _cache.sources(PACKAGE / "models/floating/stepping.py")}
+    step = PACKAGE / "models/floating/time_integration/integration.py"
+    names = {path.relative_to(PACKAGE).as_posix() for path in _cache.sources(step)}
     assert {
         "_jit.py",
         "engine/contact/contacts.py",

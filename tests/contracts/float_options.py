@@ -15,7 +15,7 @@ from tests.models.floating.bowls import scene_of
 
 from ecume.errors import SceneError
 from ecume.models import MODELS
-from ecume.models.floating import corrected
+from ecume.models.floating.forces import multipoles
 
 PAGE = Path(__file__).parents[2] / "docs" / "physics" / "floating-compatibility.md"
 FLOATING = MODELS["floating"]
@@ -78,8 +78,8 @@ NEW = {
 
 def shorten_tables(replace: Callable[[Any, str, Any], None]) -> None:
     """Tables of corrected pairs with few nodes and orders, which are as smooth and take no minutes."""
-    replace(corrected, "NODES", 9)
-    replace(corrected, "ORDER", 2)
+    replace(multipoles, "NODES", 9)
+    replace(multipoles, "ORDER", 2)
 
 
 def scene_with(*names: str) -> Any:

@@ -13,7 +13,7 @@ from tests.contracts.float_options import NEW, PAGE, page, pairs, refusal, scene
 
 from ecume.models.floating import FLOATING
 from ecume.models.floating.options import CAPABILITIES
-from ecume.models.floating.stepping import forces_at
+from ecume.models.floating.time_integration.integration import forces_at
 from ecume.models.model import DONE
 
 PLAIN = os.environ.get("NUMBA_DISABLE_JIT") == "1"

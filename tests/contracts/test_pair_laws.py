@@ -15,11 +15,11 @@ from ecume.errors import BadInput, SceneError
 from ecume.laws.pair_laws import CAPABILITIES, PAIR_LAWS, Setting, row_of
 from ecume.models import MODELS
 from ecume.models.floating import PairParameters
-from ecume.models.floating.observing import observe
-from ecume.models.floating.pair_choice import law_of
+from ecume.models.floating.forces.pair_forces import law_of
+from ecume.models.floating.mpi import require_spreadable
 from ecume.models.floating.parameters import CAPILLARY_LENGTH, SURFACE_TENSION
-from ecume.models.floating.schemes import SCHEMES
-from ecume.models.floating.spread import require_spreadable
+from ecume.models.floating.report.frames import observe
+from ecume.models.floating.time_integration.integrators import SCHEMES
 from ecume.simulation import simulate
 
 FLOATING = MODELS["floating"]

@@ -12,8 +12,8 @@ EDITS = {
         ("models/sph/integration/time_stepping.py", "end", "", block("semi-implicit-row")),
     ],
     "measured quantity": [
-        ("models/floating/observing.py", "after", "NUMBER_UNITS = {", block("gyration-unit")),
-        ("models/floating/observing.py", "after", '        "momentum_x": ', block("gyration-value")),
+        ("models/floating/report/frames.py", "after", "NUMBER_UNITS = {", block("gyration-unit")),
+        ("models/floating/report/frames.py", "after", '        "momentum_x": ', block("gyration-value")),
     ],
     "figure": [
         ("show/floating/figures.py", "before", "FLOATING_FIGURES = {", block("fastest") + "\n\n"),

@@ -42,7 +42,7 @@ def test_the_fit_is_as_good_as_it_says_and_stays_level_below(eta):
     assert fit.error < 1e-7
     assert np.max(np.abs(found / ewald.short_pull(x, eta) - 1)) < fit.error + 1e-12
     assert ewald.fitted_short_pull(0.0, fit) == ewald.fitted_short_pull(fit.lower**2, fit)
-    with pytest.raises(BadInput, match="wanted at most"):
+    with pytest.raises(BadInput, match="expected at most"):
         ewald.fit_short(eta, 0.1 * upper, 2 * upper)
 
 
@@ -61,7 +61,7 @@ def test_the_own_energy_is_the_smooth_part_at_zero():
 
 def test_the_scale_of_a_random_crowd_is_the_integral_of_k1_squared():
     wanted = 2 * np.pi * quad(lambda x: k1(x) ** 2 * x, 0.05, 40.0)[0]
-    assert ewald.crowd_force(0.05) ** 2 == pytest.approx(wanted, rel=1e-8)
+    assert ewald.random_charge_force(0.05) ** 2 == pytest.approx(wanted, rel=1e-8)
 
 
 def test_what_a_cut_leaves_out_is_the_integral_of_the_short_force_squared():

@@ -305,7 +305,7 @@ def test_the_greatest_load_is_found_where_it_lies_at_the_first_slope_tried():
         (lambda: flotation.VerticalCylinder(1e-3, 0.0, 1.0, 1.0), "height"),
         (lambda: flotation.VerticalCylinder(1e-3, 1.0, 1.0, 70.0), "did you mean 70 degrees"),
         (lambda: flotation.HorizontalCylinder(1e-3, 0.0, 1.0), "density"),
-        (lambda: flotation.Ellipsoid((1e-3, 1e-3), 1.0, 1.0), "wanted three"),
+        (lambda: flotation.Ellipsoid((1e-3, 1e-3), 1.0, 1.0), "expected three"),
         (lambda: flotation.Ellipsoid((1e-3, 1e-3, -1.0), 1.0, 1.0), "semi-axis"),
         (lambda: flotation.equilibrium("cork", WATER), "no floating body"),
         (lambda: flotation.equilibrium(SPHERE, WATER, "magic"), "nonlinear, closed-form, linear"),

@@ -191,7 +191,7 @@ def test_numbers_give_numbers_and_arrays_arrays():
 
 @pytest.mark.parametrize("h", [0.0, -1.0, math.nan, math.inf, np.array([0.1, 0.0])])
 def test_a_smoothing_length_is_a_positive_number(h):
-    with pytest.raises(BadInput, match=r"smoothing length h is .*wanted positive"):
+    with pytest.raises(BadInput, match=r"smoothing length h is .*expected positive"):
         kernel("lucy", 1).value(0.1, h)
 
 
@@ -203,7 +203,7 @@ def test_misspelt_kernels_are_guessed():
 
 
 def test_a_displacement_has_as_many_numbers_as_the_kernel_has_dimensions():
-    with pytest.raises(BadInput, match=r"shape \(5, 2\); wanted \(..., 3\)"):
+    with pytest.raises(BadInput, match=r"shape \(5, 2\); expected \(..., 3\)"):
         kernel("lucy", 3).gradient(np.zeros((5, 2)), 1.0)
 
 

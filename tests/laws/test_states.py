@@ -89,7 +89,7 @@ def test_either_sound_speed_or_stiffness_is_given(given):
 
 @pytest.mark.parametrize("given", [{"sound_speed": -1.0}, {"stiffness": 0.0}, {"sound_speed": 1.0, "exponent": 0.0}])
 def test_what_makes_no_equation_of_state_is_refused(given):
-    with pytest.raises(BadInput, match="wanted a positive number"):
+    with pytest.raises(BadInput, match="expected a positive number"):
         states.absolute_pressure(1000.0, 0.0, 1.0, **given)
 
 

@@ -17,7 +17,7 @@ import psutil
 
 from ecume._jit import FEW
 from ecume.errors import Diverged
-from ecume.models.floating.schemes import SCHEMES as FLOATING_SCHEMES
+from ecume.models.floating.time_integration.integrators import SCHEMES as FLOATING_SCHEMES
 from ecume.models.soft.integration.dirk_schemes import SCHEMES as SOFT_SCHEMES
 from ecume.run.recording import difference
 from ecume.scenes.load import load_scene

@@ -96,19 +96,19 @@ def test_a_wall_of_the_wrong_sign_is_seen(monkeypatch):
 
 
 @pytest.mark.compiled
-@pytest.mark.filterwarnings("ignore::ecume.models.floating.time_steps.StepWarning")
+@pytest.mark.filterwarnings("ignore::ecume.models.floating.time_integration.step_size.StepWarning")
 def test_the_integrators_have_their_orders_and_keep_or_lose_the_energy():
     assert not missed([*map(integrators.order, integrators.ORDERS), *integrators.energies(50_000)])
 
 
 @pytest.mark.compiled
-@pytest.mark.filterwarnings("ignore::ecume.models.floating.time_steps.StepWarning")
+@pytest.mark.filterwarnings("ignore::ecume.models.floating.time_integration.step_size.StepWarning")
 def test_an_integrator_of_another_order_is_seen(monkeypatch):
     monkeypatch.setitem(integrators.ORDERS, "velocity-verlet", 1)
     assert missed([integrators.order("velocity-verlet")])
 
 
-@pytest.mark.filterwarnings("ignore::ecume.models.floating.time_steps.StepWarning")
+@pytest.mark.filterwarnings("ignore::ecume.models.floating.time_integration.step_size.StepWarning")
 def test_a_float_that_verlet_throws_out_is_no_small_change_of_energy(monkeypatch):
     def thrown_out(scene):
         raise Diverged("float 0 left")

@@ -23,7 +23,7 @@ Row = TypeVar("Row")
 Given = ParamSpec("Given")
 
 
-def require_positive(name: str, value: float, hint: str = "wanted a positive number") -> None:
+def require_positive(name: str, value: float, hint: str = "expected a positive number") -> None:
     """Refuse what is not a positive, finite number."""
     if not (value > 0.0 and math.isfinite(value)):
         raise BadInput(f"the {name} is {value!r}; {hint}")
@@ -32,20 +32,20 @@ def require_positive(name: str, value: float, hint: str = "wanted a positive num
 def require_not_negative(name: str, value: float) -> None:
     """Refuse what is negative or not finite."""
     if not (value >= 0.0 and math.isfinite(value)):
-        raise BadInput(f"the {name} is {value!r}; wanted zero or a positive number")
+        raise BadInput(f"the {name} is {value!r}; expected zero or a positive number")
 
 
 def require_finite(name: str, value: float) -> None:
     """Refuse what is infinite or no number."""
     if not math.isfinite(value):
-        raise BadInput(f"the {name} is {value!r}; wanted a finite number")
+        raise BadInput(f"the {name} is {value!r}; expected a finite number")
 
 
 def require_angle(name: str, value: float) -> None:
     """Refuse what is no contact angle."""
     if not 0.0 <= value <= math.pi:
         hint = f"; did you mean {value:g} degrees, {math.radians(value):.4g} rad?" if math.pi < value <= 180.0 else ""
-        raise BadInput(f"the {name} is {value!r}; wanted radians between 0 and pi{hint}")
+        raise BadInput(f"the {name} is {value!r}; expected radians between 0 and pi{hint}")
 
 
 def require_numbers(bond_number: float, density_ratio: float, contact_angle: float) -> None:
@@ -60,10 +60,10 @@ def require_numbers(bond_number: float, density_ratio: float, contact_angle: flo
     if bond_number < LEAST_BOND_NUMBER:
         raise BadInput(
             f"the bond number is {bond_number:g}: a radius of {math.sqrt(bond_number):.1e} capillary lengths "
-            "is less than an atom's; wanted a larger one"
+            "is less than an atom's; expected a larger one"
         )
     if not math.isfinite(density_ratio):
-        raise BadInput(f"the density ratio is {density_ratio!r}; wanted a finite number")
+        raise BadInput(f"the density ratio is {density_ratio!r}; expected a finite number")
     require_angle("contact_angle", contact_angle)
 
 
@@ -78,8 +78,8 @@ def as_distances(name: str, value: Lengths, least: float = 0.0) -> Array:
     """Distances as an array, refused below `least`."""
     distances = np.asarray(value, dtype=np.float64)
     if not bool(np.all((distances >= least) & np.isfinite(distances))):
-        wanted = "zero or more" if least == 0.0 else "positive numbers"
-        raise BadInput(f"{name} is {value!r}; wanted {wanted}, in meters")
+        expected = "zero or more" if least == 0.0 else "positive numbers"
+        raise BadInput(f"{name} is {value!r}; expected {expected}, in meters")
     return distances
 
 

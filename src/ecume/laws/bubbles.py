@@ -1,10 +1,10 @@
 """Surfaces of bubbles and drops: surface tension holds them round, and a contact flattens them.
 
-A flat facet lies between two bubbles that are pressed together. The liquid in it is at the mean of the pressures inside
-them, gamma (1/R_i + 1/R_j) above that outside, so that its area grows with the force. Around a facet of radius a the
-surface gives way by a logarithm of R/a: bubbles are the softer, the less they are pressed, and no power law describes
-them. Each contact stands for itself here: what other contacts of the same bubble add, and its volume that is kept, is
-left out. A wall is a flat, rigid partner; it has the sum of radii and the reduced radius of the sphere.
+A flat facet lies between two bubbles that are pressed together. The liquid in it is at the mean of the pressures
+inside them, gamma (1/R_i + 1/R_j) above that outside, so that its area grows with the force. Around a facet of radius
+a the deformation is a logarithm of R/a: bubbles are the softer, the less they are pressed, and no power law describes
+them. Each contact stands for itself here: the effects of other contacts of the same bubble and of its constant volume
+are ignored. A wall is a flat, rigid partner; it has the sum of radii and the reduced radius of the sphere.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 runs compile.
 
 Each law is an energy E and a force, F = -dE/d(distance); positive repels. Far from a floater the surface is the sum
-of what each floater and each wall does alone, so every law is a strength (an energy, worked out once for a pair)
+of what each floater and each wall does alone, so every law is a strength (an energy, computed once for a pair)
 times a function of distance. Arguments are positional, since compiled code wants them so; the order is always
 distance, strength, lengths.
 """
@@ -236,7 +236,7 @@ def truncation_radius(accuracy: Number) -> Number:
     15
     """
     if not 1e-15 <= accuracy < 1.0:
-        raise BadInput(f"accuracy of the cutoff is {accuracy!r}; wanted between 1e-15 and 1, such as 1e-6")
+        raise BadInput(f"accuracy of the cutoff is {accuracy!r}; expected between 1e-15 and 1, such as 1e-6")
     near, far = 0.0, 50.0
     while far - near > 1e-9:
         middle = 0.5 * (near + far)

@@ -44,7 +44,7 @@ def strength(delta: Number, smoothing_length: Length, sound_speed: Speed) -> Dif
 
 
 def flow(excess: Number, slope: Number) -> Number:
-    """-excess F: towards whoever has less, since F is never positive; of any quantity. [antuono2010].
+    """-excess F: toward the particle with less of the quantity, since F is never positive. [antuono2010].
 
     >>> flow(1.0, -2.0)
     2.0
@@ -145,4 +145,4 @@ EXCESSES: dict[str, Callable[..., float]] = {
     "fourtakas-linear": fourtakas_linear_excess,
     "fourtakas": fourtakas_excess,
 }
-"""By name; each asks for what it needs."""
+"""The laws by name, each with its own arguments."""

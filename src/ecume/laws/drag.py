@@ -54,7 +54,7 @@ def immersion_factor(contact_angle: Angles) -> Numbers:
     """
     angles = np.asarray(contact_angle, dtype=np.float64)
     if not bool(np.all((angles >= 0.0) & (angles <= math.pi))):
-        raise BadInput(f"contact_angle is {contact_angle!r}; wanted radians between 0 and pi")
+        raise BadInput(f"contact_angle is {contact_angle!r}; expected radians between 0 and pi")
     factors = np.maximum(spline(angles, IMMERSION_FACTORS, THIN_CAP), 0.0)
     return float(factors) if factors.ndim == 0 else factors
 
@@ -84,7 +84,7 @@ def pair_factor(separation: Numbers, roughness: Number = 0.0) -> Numbers:
     distances = np.maximum(np.asarray(separation, dtype=np.float64), 2.0 + roughness)
     if not bool(np.all((distances > 2.0) & np.isfinite(distances))) or not roughness >= 0.0:
         raise BadInput(
-            f"separation is {separation!r} and roughness {roughness!r}; wanted more than 2 radii, or a roughness"
+            f"separation is {separation!r} and roughness {roughness!r}; expected more than 2 radii, or a roughness"
         )
     factors = np.reshape([_pair_sum(float(each)) for each in distances.ravel()], distances.shape)
     return float(factors) if factors.ndim == 0 else factors

@@ -41,7 +41,7 @@ def drop_decay(
 
     The root s = -rate + i frequency of the linear Navier-Stokes equations without stress on the surface, R = 1:
     (s^2 + 2 nu n (n-1) s + omega^2) (k^2 + 2t - 2Q) = 2t (omega^2 + 2 nu n (n-1+Q) s), where k^2 = s/nu,
-    t = (n-1) (n+dim-2), and Q = k I_{m+1}(k)/I_m(k) with m = n in a plane, n + 1/2 in space: what a potential flow,
+    t = (n-1) (n+dim-2), and Q = k I_{m+1}(k)/I_m(k) with m = n in 2D, n + 1/2 in 3D: what a potential flow,
     r^n, and the vorticity from the surface, I_m, do together. For thin liquids the rate is nu (n-1) (2n+dim-2)/R^2,
     2n (n-1) nu/R^2 for a disc and (n-1) (2n+1) nu/R^2 for a ball [lamb1932, art. 355].
 

@@ -46,7 +46,7 @@ def reduced_radius(radius_i: Length, radius_j: Length) -> Length:
 
 
 def pair_modulus(modulus_i: Pressure, modulus_j: Pressure) -> Pressure:
-    """E = 2 / (1/E_i + 1/E_j): two surfaces give way one after the other; a rigid one leaves twice the other's.
+    """E = 2 / (1/E_i + 1/E_j): two surfaces deform in series; a rigid one leaves twice the other's.
 
     Of equal Poisson ratios, which the prefactors hold. [johnson1985, eq. 4.18].
 

@@ -15,10 +15,10 @@ PerVolume = Annotated[float, Unit("1/m^3")]
 def ellipsoid_undulation(along: Length, across: Length, contact_angle: Angle) -> Length:
     """H of the contact line H cos 2 phi of a free ellipsoid, phi from its first semi-axis: H = -(a - b)/6 sin^2 cos.
 
-    Exact to first order in a - b for small ones, whatever the upright semi-axis (which bends all sides alike). For
-    r = R (1 + f), Young's law at the polar angle theta says H (1 + m) = R (cos f - sin f_theta)_m in mode m. A wetted
+    Exact to first order in a - b for small ones, whatever the upright semi-axis (which bends all sides alike). For r
+    = R (1 + f), Young's law at the polar angle theta says H (1 + m) = R (cos f - sin f_theta)_m in mode m. A wetted
     ellipsoid (below 90 degrees) has dips at its tips and rises at its flanks; at 90 degrees none. The second order is
-    left out: with a = 3 b it is a guess of the right sign. First order of [vannierop2005]; compare [lehle2008].
+    ignored: with a = 3 b it is a guess of the right sign. First order of [vannierop2005]; compare [lehle2008].
 
     >>> ellipsoid_undulation(1.2, 1.0, 1.0) < 0.0 < ellipsoid_undulation(1.2, 1.0, 2.0)
     True

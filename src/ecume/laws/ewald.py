@@ -160,13 +160,13 @@ def spline_share(phase: Any, order: int) -> Any:
     return waves[..., ALIASES] / waves.sum(axis=-1)
 
 
-def crowd_force(touching: Number) -> Number:
+def random_charge_force(touching: Number) -> Number:
     """The root of int K1^2 d^2x beyond the touching distance x.
 
     With charges of either sign at random this is the r.m.s. force on one, over 2 pi gamma A^2/L and the root of their
     number in an area L^2: sqrt(pi x^2 [K0(x) K2(x) - K1(x)^2]). What the errors are compared with. [hockney1988].
 
-    >>> crowd_force(0.01) > crowd_force(0.1) > crowd_force(1.0)
+    >>> random_charge_force(0.01) > random_charge_force(0.1) > random_charge_force(1.0)
     True
     """
     from scipy.special import kn
@@ -182,7 +182,7 @@ def fit_short(eta: Number, lower: Number, upper: Number) -> SplitFit:
     """
     sharpness = 0.25 / eta
     if sharpness * upper**2 > FARTHEST:
-        raise BadInput(f"the short part is cut off at {upper!r}; wanted at most {math.sqrt(FARTHEST / sharpness)!r}")
+        raise BadInput(f"the short part is cut off at {upper!r}; expected at most {math.sqrt(FARTHEST / sharpness)!r}")
     return min((_fit(eta, lower, upper, shift) for shift in SHIFTS), key=lambda fit: fit.error)
 
 

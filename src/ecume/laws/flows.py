@@ -31,9 +31,9 @@ SpeedSquared = Annotated[Real, Unit("m^2/s^2")]
 Wavenumber = Annotated[float, Unit("1/m")]
 Stretching = Annotated[float, Unit("1/s^2")]
 TERMS = 400
-"""Of the series: what is left out is below 1e-7 of the largest speed at any time."""
+"""Number of terms of the series: the remainder is below 1e-7 of the largest speed at any time."""
 MODES = 199
-"""Of the double series, in each direction: what is left out is below 1e-7 of its largest value."""
+"""Number of terms of the double series in each direction: the remainder is below 1e-7 of its largest value."""
 
 
 def taylor_green_velocity(phase_along: Angles, phase_across: Angles, speed: Speed) -> Speeds:
@@ -77,7 +77,7 @@ def taylor_green_decay(
 
 
 def beltrami_velocity(phase_next: Angles, phase_last: Angles, speed: Speed) -> Speeds:
-    """Velocity along one axis of swirls in space, U (sin(k z) + cos(k y)) along x and so on around.
+    """Velocity along one axis of 3D swirls, U (sin(k z) + cos(k y)) along x and so on around.
 
     Angles: k times the coordinates along the next axis and along the one after that: y and z for x, z and x for y, x
     and y for z. The flow of Arnold, Beltrami and Childress with equal parts: its curl is k times itself, so that

@@ -21,11 +21,11 @@ WALLS = {"fixed-angle": 1.0, "pinned": -1.0}
 """The sign of an image: of a wall that keeps the contact angle, and of one that pins the contact line."""
 MOST_TERMS = 100_000
 DIGITS = 20.0
-"""Terms smaller than exp(-2 DIGITS) of the sum are left out."""
+"""Terms smaller than exp(-2 DIGITS) of the sum are ignored."""
 CENTER = 1e-6
 """In L: nearer the middle the force is in proportion to r."""
 FAR = 40.0
-"""In L: images farther away are left out."""
+"""In L: images farther away are ignored."""
 
 
 def image_force(charge: Length, r: Lengths, dish_radius: Length, liquid: Liquid, wall: str = "fixed-angle") -> Forces:
@@ -44,7 +44,7 @@ def image_force(charge: Length, r: Lengths, dish_radius: Length, liquid: Liquid,
     sign, length = chosen(WALLS, wall, "wall"), liquid.capillary_length
     distances = as_distances("r", r)
     if bool(np.any(distances >= dish_radius)):
-        raise BadInput(f"r is {np.max(distances):g} m; wanted less than the dish's radius, {dish_radius:g} m")
+        raise BadInput(f"r is {np.max(distances):g} m; expected less than the dish's radius, {dish_radius:g} m")
     slope = dish_sums(distances.ravel() / length, dish_radius / length, sign).slope
     strength = 2.0 * math.pi * liquid.surface_tension * charge**2 / length
     return as_given(strength * np.reshape(slope, distances.shape))

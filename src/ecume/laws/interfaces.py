@@ -1,7 +1,7 @@
 """How mobile the surfaces on both sides of a film are: what its liquid can hold on to while it is squeezed and sheared.
 
 Each law gives the film's friction against squeezing and against shear, and by which powers of contact size and gap they
-change there, which an implicit step asks for. Prefactors c_n and c_t are those of rigid surfaces
+change there, which an implicit step requires. Prefactors c_n and c_t are those of rigid surfaces
 (`ecume.laws.lubrication`).
 """
 
@@ -81,7 +81,7 @@ def drop_squeeze(
 def drop_shear(
     contact_size: Length, gap: Length, viscosity: Viscosity, viscosity_ratio: Number, prefactor: Number
 ) -> Friction:
-    """Shear friction eta a/(h/(c_t a) + 3/(8 lambda)) of a film between drops: film and drops give way in series.
+    """Shear friction eta a/(h/(c_t a) + 3/(8 lambda)) of a film between drops: film and drops deform in series.
 
     A drop is sheared as by a disc of radius a that moves edgewise on it, with 16/3 lambda eta a, half of a disc's
     friction in a liquid on both sides [happel1983].

@@ -2,11 +2,11 @@
 
 Close to a small body the surface is harmonic, and an ellipse has its own harmonics: with x + iy = c cosh(u + iv) they
 are exp(-m (u - u0)) cos(m v), H at the tips of the line u = u0. A smooth density of charges on a confocal ellipse
-inside has exactly that field outside; evenly spaced in v, few of them have it to many digits. So a body with a contact
-line that rises and falls becomes some points, each with the charge of a sphere, and all laws of spheres hold: pair
-forces, walls, Newton's third law, torques. Two such bodies far apart follow the law of quadrupoles; close together they
-feel the shape of each other's line [botto2012]. What contact lines do to each other (polarization) is left out, as it
-is for spheres.
+inside has exactly that field outside; evenly spaced in v, few of them have it to many digits. So a body with a
+contact line that rises and falls becomes some points, each with the charge of a sphere, and all laws of spheres hold:
+pair forces, walls, Newton's third law, torques. Two such bodies far apart follow the law of quadrupoles; close
+together they feel the shape of each other's line [botto2012]. The interaction of contact lines (polarization) is
+ignored, as for spheres.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class Line(NamedTuple):
 def needle_charge(length: Length, slope_angle: Angle) -> Length:
     """A of a lying needle: what its two contact lines carry, 2 gamma sin(psi) for each meter, over 2 pi gamma.
 
-    Where it is short beside the capillary length, its load is that of a long cylinder, end effects left out
+    Where it is short beside the capillary length, its load is that of a long cylinder, without end effects
     [keller1998]. The slope angle psi is that of `flotation.HorizontalCylinder`.
 
     >>> needle_charge(2e-3, 0.1) > 0
@@ -97,7 +97,9 @@ def star_charges(line: Line, tips: Length) -> tuple[Array, Array]:
 def _inner_ellipse(line: Line) -> tuple[float, float]:
     """Semi-axes of the confocal ellipse that the charges are on; slender lines have them between their foci."""
     if not line.along >= line.across > 0.0:
-        raise BadInput(f"a contact line has the semi-axes {line.along!r} and {line.across!r}; wanted the longer first")
+        raise BadInput(
+            f"a contact line has the semi-axes {line.along!r} and {line.across!r}; expected the longer first"
+        )
     focus = math.sqrt(line.along**2 - line.across**2)
     if focus > SLENDER * line.along:
         return focus, 0.0

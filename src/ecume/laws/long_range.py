@@ -1,6 +1,6 @@
 """Forces between surfaces that do not touch, across the gap: steric repulsion, and DLVO. A positive force repels.
 
-Each comes as energy, force, and the force's slope over the gap, which an implicit step asks for.
+Each comes as energy, force, and the force's slope over the gap, which an implicit step requires.
 """
 
 from __future__ import annotations

@@ -260,7 +260,7 @@ def _dish_profile(dish_radius: float, contact_angle: float) -> tuple[float, floa
 
 
 def _shot(core: float, height: float, contact_angle: float) -> Any:
-    """The surface from (core, height) outward until it is as steep as the wall wants it: r, z and psi along the arc
+    """The surface from (core, height) outward until it has the slope of the wall: r, z and psi along the arc
     length.
     """
     from scipy.integrate import solve_ivp

@@ -2,7 +2,7 @@
 
 A row of the table holds everything that depends on the choice. Its functions take and return plain numbers, so that
 they can be compiled into a simulation. `own` describes the two floats, and `law` holds the constants of the law. These
-are a NamedTuple of plain numbers, and compiled code selects the law by its type: each formula has a type of its own.
+are a NamedTuple of plain numbers, and compiled code selects the law by its type: each formula has a separate type.
 Forces are positive when they repel.
 """
 
@@ -167,8 +167,8 @@ def capillary_raft_pull(charge: Any, area: Area, capillary_length: Length, law: 
     """The force F = pi S A n min(L, r) on a float of charge A at the edge of a raft, where n is the raft's charge per
     area and r its radius: the attraction of a half-plane, or of the whole raft if it were at its center.
     """
-    crowd = math.pi * float(charge.sum()) / area * min(capillary_length, math.sqrt(area / math.pi))
-    return abs(law.strength) * charge * crowd
+    attraction = math.pi * float(charge.sum()) / area * min(capillary_length, math.sqrt(area / math.pi))
+    return abs(law.strength) * charge * attraction
 
 
 class OneSided(NamedTuple):

@@ -33,7 +33,7 @@ def turning_factor(contact_angle: Angles) -> Numbers:
     """
     angles = np.asarray(contact_angle, dtype=np.float64)
     if not bool(np.all((angles >= 0.0) & (angles <= math.pi))):
-        raise BadInput(f"contact_angle is {contact_angle!r}; wanted radians between 0 and pi")
+        raise BadInput(f"contact_angle is {contact_angle!r}; expected radians between 0 and pi")
     factors = np.maximum(spline(angles, TURNING_FACTORS, 0.0), 0.0)
     return float(factors) if factors.ndim == 0 else factors
 

@@ -1,4 +1,4 @@
-"""K1 as a loop over many pairs wants it: without branches and without a library call, so that it vectorizes."""
+"""K1 for a loop over many pairs: without branches and library calls, so that the loop vectorizes."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def fit_k1(lower: float, upper: float) -> ScreenedFit:
     if best.error > WANTED:
         raise BadInput(
             f"floats that touch at {lower:.2g} capillary lengths are too small for the pair law "
-            f"(relative error {best.error:.1e}, wanted {WANTED:.0e}); use a radius above {5e-4:g} capillary lengths"
+            f"(relative error {best.error:.1e}; expected {WANTED:.0e}); use a radius above {5e-4:g} capillary lengths"
         )
     return best
 

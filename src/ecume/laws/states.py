@@ -1,8 +1,8 @@
 """Equations of state: what pressure a density stands for, and which part of it is the weight of the liquid above.
 
 `pressure` here is gauge pressure, zero at the reference density: the pressure above that of the air. The hydrostatic
-part is rho_0 g (H - y). An equation of state in a liquid that feels its weight builds that part by itself; whoever
-adds it again counts it twice. `absolute_pressure` tells when.
+part is rho_0 g (H - y). An equation of state in a liquid that feels its weight builds that part by itself; adding it
+again would count it twice. `absolute_pressure` states when.
 """
 
 from __future__ import annotations
@@ -120,7 +120,7 @@ def speed_of_stiffness(stiff: Pressure, reference_density: Density, exponent: Nu
 def numerical_sound_speed(depth: Length, largest_speed: Speed, gravity: Acceleration) -> Speed:
     """Sound speed 10 max(sqrt(g H), u) that keeps changes of density below 1 %. [monaghan1994].
 
-    Sound this slow allows long time steps, and the flow still hardly notices that it can be compressed: the change of
+    Sound this slow allows long time steps, and the effect of compressibility on the flow remains small: the change of
     density is the square of the Mach number. A column of the depth H is 0.49 % shorter than H.
 
     >>> numerical_sound_speed(1.0, 2.0, 9.0)

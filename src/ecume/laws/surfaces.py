@@ -159,7 +159,9 @@ def hertz_check_lines(expected: Expected) -> list[tuple[str, str, str]]:
         return [surface]
     kappa, crossover = force / (pair.modulus * pair.radius**2), crossover_gap(pair, force)
     regime = (
-        "Poiseuille's: films are wider than surfaces give way" if gap > crossover else "Hertz's: flattened contacts"
+        "Poiseuille's: films are wider than the deformation of surfaces"
+        if gap > crossover
+        else "Hertz's: flattened contacts"
     )
     rows = [
         ("force", f"{force:.3g} N", f"expected between two spheres: {source}"),

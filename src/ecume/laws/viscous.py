@@ -108,8 +108,8 @@ def friction_left(pair_distance: Length, surface_per_volume: PerLength, dimensio
     """The part 1 - c (S/V) <r> of the friction of full surroundings that is left in a liquid with a free surface.
 
     <r>: pair_distance, the mean weighed as friction weighs pairs, (d+1)/d times the kernel's mean distance: h for
-    Wendland's C2 in a plane, 10 h/9 in space. Of all pairs the part c (S/V) <r> reaches through a sharp surface to
-    neighbors that are not there; c, half of the mean |cos| of the direction, is 1/pi in a plane, 1/4 in space.
+    Wendland's C2 in 2D, 10 h/9 in 3D. Of all pairs the part c (S/V) <r> reaches through a sharp surface to
+    neighbors that are not there; c, half of the mean |cos| of the direction, is 1/pi in 2D, 1/4 in 3D.
     Derived here, to first order in <r>, for friction as in [monaghan2005] and a strain that is even.
 
     >>> round(friction_left(10.0 / 9.0 * 0.1, 3.0, 3), 12)

@@ -138,7 +138,7 @@ def stoker_bore(dam_depth: Length, downstream_depth: Length, gravity: Accelerati
     """
     require_positive("downstream_depth", downstream_depth)
     if not downstream_depth < dam_depth:
-        raise BadInput(f"downstream_depth is {downstream_depth!r}; wanted less than behind the dam, {dam_depth!r}")
+        raise BadInput(f"downstream_depth is {downstream_depth!r}; expected less than behind the dam, {dam_depth!r}")
     low, high = downstream_depth, dam_depth
     while high - low > 4e-16 * dam_depth:
         middle = 0.5 * (low + high)

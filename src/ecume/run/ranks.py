@@ -61,7 +61,7 @@ def spread_of(name: str) -> Any:
     """The distribution of a model over ranks. Raises BadInput for a model without one."""
     if name not in SPREAD:
         raise BadInput(f"--engine mpi: goes with the models {' and '.join(map(repr, SPREAD))}, and not with {name!r}")
-    return importlib.import_module(f"ecume.models.{name}.spread")
+    return importlib.import_module(f"ecume.models.{name}.mpi")
 
 
 class Crew:

@@ -7,7 +7,7 @@ import warnings
 from collections.abc import Iterable, Iterator
 
 from ecume.errors import Diverged
-from ecume.models.floating.time_steps import StepWarning
+from ecume.models.floating.time_integration.step_size import StepWarning
 from ecume.models.liquids import liquid_of
 from ecume.scenes.floating import FloatingScene
 from ecume.simulation import simulate

@@ -10,7 +10,7 @@ from scipy.special import k0, k1
 
 from ecume.laws import quadrupoles
 from ecume.laws.lines import Line, spread_charges
-from ecume.models.floating.kinds import kinds_afloat
+from ecume.models.floating.setup.kinds import float_kinds
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
@@ -89,7 +89,7 @@ def _stress() -> Row:
 def _approach() -> list[Row]:
     """When two quadrupoles have come nearer, from two and a half diameters."""
     scene = floating_scene("shapes", [])
-    kind = kinds_afloat(scene)[0]
+    kind = float_kinds(scene)[0]
     line, friction = kind.figure.line, kind.figure.friction[0]
     moment = line.rise * (0.5 * (line.along + line.across)) ** 2
     rate = 576.0 * math.pi * scene.liquid.surface_tension * moment**2 / friction

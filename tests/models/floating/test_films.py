@@ -8,7 +8,14 @@ from ecume.errors import SceneError
 from ecume.laws import capillarity
 from ecume.laws.drag import pair_factor
 from ecume.models import MODELS
-from ecume.models.floating.films import CLOSEST, film_excess, find_films, make_films, resist, slow_down
+from ecume.models.floating.forces.films import (
+    CLOSEST,
+    film_excess,
+    film_forces,
+    find_films,
+    make_films,
+    solve_velocities,
+)
 from tests.models.floating.bowls import WATER, scene_of
 
 FLOATING = MODELS["floating"]
@@ -42,7 +49,7 @@ def test_two_that_are_pushed_together_go_slower_by_lambda():
     parameters, state, workspace = set_up(beads([(0.0, 0.0), (2.1 * RADIUS, 0.0)]))
     pairs = find_films(parameters.parts.resistances[0], parameters, state.position, workspace.lists)
     velocity = np.array([[1e-3, 2e-4], [-1e-3, 5e-4]])
-    slow_down(pairs, parameters.kick.gain, velocity)
+    solve_velocities(pairs, parameters.kick.gain, velocity)
     excess = pair_factor(2.1) - pair_factor(4.0)
     wanted = np.array([[1e-3 / (1 + excess), 2e-4], [-1e-3 / (1 + excess), 5e-4]])
     assert velocity == pytest.approx(wanted, rel=1e-5)
@@ -55,13 +62,13 @@ def test_films_do_not_hold_up_a_crowd_that_goes_as_one_and_keep_momentum():
     pairs = find_films(parameters.parts.resistances[0], parameters, state.position, workspace.lists)
     assert len(pairs.friction) > 40
     together = np.full((16, 2), 3e-3)
-    slow_down(pairs, parameters.kick.gain, together)
+    solve_velocities(pairs, parameters.kick.gain, together)
     assert together == pytest.approx(np.full((16, 2), 3e-3), rel=1e-12)
     given = 1e-3 * rng.normal(size=(16, 2))
     slowed, force = given.copy(), np.zeros((16, 2))
-    assert 0 < slow_down(pairs, parameters.kick.gain, slowed) < 100
+    assert 0 < solve_velocities(pairs, parameters.kick.gain, slowed) < 100
     assert slowed.sum(axis=0) == pytest.approx(given.sum(axis=0), abs=1e-15)
-    resist(pairs, slowed, force)
+    film_forces(pairs, slowed, force)
     assert slowed == pytest.approx(given + parameters.kick.gain[:, None] * force, abs=1e-12)
     assert np.sum(slowed**2) < np.sum(given**2)
 

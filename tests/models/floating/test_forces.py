@@ -6,10 +6,10 @@ from ecume.engine.neighbors import THREADS_FROM
 from ecume.laws import flotation
 from ecume.laws.pair_laws import PAIR_LAWS, Setting
 from ecume.models import MODELS
-from ecume.models.floating.observing import observe
-from ecume.models.floating.pair_choice import law_of, summed_law
+from ecume.models.floating.forces.pair_forces import law_of, summed_law
+from ecume.models.floating.report.frames import observe
 from ecume.models.floating.state import make_state
-from ecume.models.floating.stepping import forces_at
+from ecume.models.floating.time_integration.integration import forces_at
 from tests.models.floating.bowls import HEAVY, LIGHT, WATER, bowl, scene_of
 
 FLOATING = MODELS["floating"]

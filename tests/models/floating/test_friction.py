@@ -9,7 +9,7 @@ from ecume import _jit
 from ecume.errors import SceneError
 from ecume.laws.rotation import sphere_inertia, sphere_turning_friction, turning_factor
 from ecume.models import MODELS
-from ecume.models.floating.kinds import kinds_afloat
+from ecume.models.floating.setup.kinds import float_kinds
 from ecume.simulation import moments, simulate
 from tests.models.floating.bowls import HEAVY, WATER, scene_of
 from tests.models.floating.test_rafts import copied, digest, end_of
@@ -56,7 +56,7 @@ def test_a_grazing_collision_gives_the_impulses_of_coulombs_law(friction, slides
 @pytest.mark.compiled
 def test_a_spin_dies_away_as_the_drag_says():
     scene = grazing(0.5, viscosity=5e-3, duration=0.04, frame_every=0.01)
-    frames, floats = list(simulate(scene)), kinds_afloat(scene)[0]
+    frames, floats = list(simulate(scene)), float_kinds(scene)[0]
     arrays = frames[-1].arrays
     friction = sphere_turning_friction(1e-3, 5e-3, turning_factor(math.pi - floats.equilibrium.filling_angle))
     decay = math.exp(-friction / sphere_inertia(arrays["mass"][0], 1e-3) * 0.02)

@@ -10,9 +10,9 @@ from scipy.special import k1
 from ecume.errors import Diverged, SceneError
 from ecume.laws import drag, flotation
 from ecume.models import MODELS
-from ecume.models.floating.kinds import afloat
-from ecume.models.floating.schemes import SCHEMES
-from ecume.models.floating.time_steps import StepWarning
+from ecume.models.floating.setup.kinds import float_kind
+from ecume.models.floating.time_integration.integrators import SCHEMES
+from ecume.models.floating.time_integration.step_size import StepWarning
 from ecume.simulation import simulate
 from tests.models.floating.bowls import HEAVY, LIGHT, WATER, lone_float_in_a_dish, scene_of, two_floats
 
@@ -23,7 +23,7 @@ ORDERS = {"velocity-verlet": 2, "explicit-euler": 1, "stormer-verlet": 2, "semi-
 def meeting_time(apart, drag_on):
     """When two floats released at rest touch: the equation of motion, by an integrator of order 8."""
     scene = two_floats(apart, motion=f"drag = {str(drag_on).lower()}")
-    kind = afloat(scene.floats[0], scene)
+    kind = float_kind(scene.floats[0], scene)
     length = flotation.Liquid(1000.0, 0.0728, 1e-3).capillary_length
     strength = 2.0 * math.pi * 0.0728 * kind.charge**2 / length
     friction = kind.friction if drag_on else 0.0
@@ -130,13 +130,13 @@ def test_a_steady_force_gives_the_exact_terminal_speed_however_long_the_step(per
     scene = two_floats(8e-3, motion="drag = true", contacts='law = "none"')
     parameters = FLOATING.parameters(scene)
     relaxation, mass = parameters.floats.relaxation_time[0], parameters.floats.mass[0]
-    from ecume.models.floating.schemes import give_kick
-    from ecume.models.floating.time_steps import kick_of
+    from ecume.models.floating.time_integration.integrators import apply_kick
+    from ecume.models.floating.time_integration.step_size import kick_of
 
     kick = kick_of(parameters.scheme, 2.0 * per_relaxation * relaxation, parameters.floats, 0)
     force = np.array([[3e-7, 0.0], [0.0, -2e-7]])
     velocity = force * relaxation / mass
-    give_kick(kick, velocity, force)
+    apply_kick(kick, velocity, force)
     assert velocity == pytest.approx(force * relaxation / mass, rel=1e-13)
 
 
@@ -145,7 +145,7 @@ def test_drag_takes_away_a_velocity_exponentially():
     scene = scene_of(
         f"{WATER}[[floats]]\n{HEAVY}positions = [[0.0, 0.0]]\nvelocity = [0.01, 0.0]\n", duration=0.2, frame_every=0.1
     )
-    kind = afloat(scene.floats[0], scene)
+    kind = float_kind(scene.floats[0], scene)
     frames = list(simulate(scene))
     relaxation = drag.relaxation_time(kind.mass, kind.friction)
     # Kicks take drag exactly; the drift in between adds an error of second order in the step.
@@ -178,7 +178,7 @@ def test_heavy_floats_leave_a_wetting_wall_and_light_ones_climb_it(kind, wall_an
 
 
 def test_a_step_that_is_unstable_is_refused_with_the_number_that_would_do():
-    with pytest.raises(SceneError, match=r"motion.time_step: .* is unstable here; wanted at most .* s is good"):
+    with pytest.raises(SceneError, match=r"motion.time_step: .* is unstable here; expected at most .* s is good"):
         FLOATING.parameters(two_floats(6e-3, motion="time_step = 1.0", duration=10.0, frame_every=1.0))
 
 
@@ -226,7 +226,7 @@ def test_whatever_the_scheme_a_dish_does_not_move_by_itself(scheme):
     workspace = FLOATING.workspace(parameters, state, 1.0)
     for _ in range(4):
         FLOATING.advance(parameters, state, workspace, 1)
-        assert workspace.passage[1:].tolist() == [[0.0, 0.0]]
+        assert workspace.midstep_velocity[1:].tolist() == [[0.0, 0.0]]
 
 
 def test_a_run_that_leaves_its_range_says_when_who_and_what_to_do():
@@ -239,4 +239,4 @@ def test_a_run_that_leaves_its_range_says_when_who_and_what_to_do():
     assert "float 1 goes 50 m/s" in FLOATING.diagnosis(parameters, state)
     state.position[0, 1] = np.nan
     assert FLOATING.advance(parameters, state, workspace, 10) == 2
-    assert "float 0 has no finite position" in FLOATING.diagnosis(parameters, state)
+    assert "float 0 has a position that is not finite" in FLOATING.diagnosis(parameters, state)

@@ -9,10 +9,10 @@ from ecume import _jit
 from ecume.errors import SceneError
 from ecume.laws.ellipsoids import ellipsoid_friction
 from ecume.models.floating import FLOATING
-from ecume.models.floating.kinds import kinds_afloat
+from ecume.models.floating.setup.kinds import float_kinds
+from ecume.models.floating.shaped.bodies import shaped_energies
 from ecume.models.floating.shaped.figures import Skeleton, moments, silhouette
-from ecume.models.floating.shaped.forces import shaped_energies
-from ecume.models.floating.stepping import forces_at
+from ecume.models.floating.time_integration.integration import forces_at
 from ecume.simulation import moments as moments_of
 from ecume.simulation import simulate
 from tests.models.floating.bowls import scene_of
@@ -61,8 +61,8 @@ def opened(scene):
 
 
 def energy(parameters, state, workspace):
-    (shapes,), (crew,) = parameters.parts.interactions, workspace.scratch.interactions
-    return sum(shaped_energies(shapes, crew, parameters, state, workspace))
+    (shapes,), (scratch,) = parameters.parts.interactions, workspace.scratch.interactions
+    return sum(shaped_energies(shapes, scratch, parameters, state, workspace))
 
 
 def pulled(parameters, state, workspace):
@@ -109,7 +109,7 @@ def test_a_round_ellipsoid_floats_and_moves_as_a_sphere():
     one, other = (
         scene_of(LIQUID.format(viscosity=5.0) + body + extra, duration=0.2, frame_every=0.1) for extra in ("", shape)
     )
-    sphere, ellipsoid = (kinds_afloat(scene)[0] for scene in (one, other))
+    sphere, ellipsoid = (float_kinds(scene)[0] for scene in (one, other))
     assert ellipsoid.mass == pytest.approx(sphere.mass, rel=1e-12)
     assert ellipsoid.charge == pytest.approx(sphere.charge, rel=1e-8)
     assert ellipsoid.friction == pytest.approx(sphere.friction, rel=1e-8)
@@ -193,7 +193,7 @@ def test_a_body_is_slowed_less_along_itself_than_across_and_does_not_go_straight
         frame_every=0.02,
     )
     first, last = simulate(scene)
-    kind = kinds_afloat(scene)[0]
+    kind = float_kinds(scene)[0]
     along, across, _ = kind.figure.friction
     assert along < across
     assert along == pytest.approx(0.5 * ellipsoid_friction(5e-4, 2e-4, 2e-4, 1e-3), rel=0.5)
@@ -245,7 +245,7 @@ def test_outlines_reach_to_the_circle_around_them(kind):
     scene = everyone()
     figure = next(
         one.figure
-        for one, given in zip(kinds_afloat(scene), scene.floats, strict=True)
+        for one, given in zip(float_kinds(scene), scene.floats, strict=True)
         if given.shape and given.shape.kind == kind
     )
     assert np.hypot(*silhouette(figure.skeleton, 720).T).max() == pytest.approx(RADIUS, rel=1e-4)

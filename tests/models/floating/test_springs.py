@@ -100,7 +100,7 @@ def test_a_dashpot_takes_more_the_stiffer_it_is():
         ("[contacts]\nstiffness = 2.0\n", "only with contacts.law"),
         (f"[contacts]\n{SOFT}friction = 0.1\n", "solved as impulses"),
         (f"[contacts]\n{SOFT}restitution = 0.0\n", "0.05 or more"),
-        (f'[contacts]\n{SOFT}[interaction]\nlaw = "none"\n', "wanted N/m"),
+        (f'[contacts]\n{SOFT}[interaction]\nlaw = "none"\n', "expected a stiffness in N/m"),
         (f'[contacts]\n{SOFT}[motion]\nintegrator = "rk4"\n', "velocity-verlet"),
     ],
 )

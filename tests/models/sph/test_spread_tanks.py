@@ -13,7 +13,7 @@ from ecume.models.model import DONE
 from ecume.models.sph import SPH
 from ecume.models.sph.mpi import complete, march_shared, require_spreadable, workspace_shared
 from ecume.scenes.load import load_scene
-from tests.models.floating.test_spread import copied, on_ranks
+from tests.models.floating.test_mpi import copied, on_ranks
 
 TANK = """
 model = "sph"

@@ -5,7 +5,7 @@ import pytest
 
 from ecume.laws import multipole
 from ecume.models import MODELS
-from ecume.models.floating.kinds import kinds_afloat
+from ecume.models.floating.setup.kinds import float_kinds
 from ecume.models.liquids import liquid_of
 from ecume.scenes.load import load_scene
 from ecume.show.floating.surface import SOLVED_CELLS, sheet, surface, typical_meniscus
@@ -51,7 +51,7 @@ def framed(rim="", walls="", left=-1.3):
 def test_the_drawn_surface_is_that_of_the_solver(walls, rim):
     scene, frame = framed(rim, WALLS[walls][0])
     grid = sheet(scene, VIEW, cells=30, closest=1e-3)
-    body = kinds_afloat(scene)[0].body
+    body = float_kinds(scene)[0].body
     bodies = [multipole.Undulated(body, ((2, 20e-6, np.pi / 6),)) if rim else body] * 2
     found = multipole.solve(frame.arrays["position"], bodies, liquid_of(scene), ORDER, walls=WALLS[walls][1])
     x, y = np.meshgrid(grid.x, grid.y)

@@ -18,7 +18,7 @@ EXACT = 1e-12
 STALLED = 1e-9
 """Steps this small that no longer shrink are rounding."""
 ROUNDING = 1e-14
-"""What rounding leaves of a weight, over the unit it is asked in: all that a nearly neutral body can be known to."""
+"""Rounding error of a weight, over its unit: it limits the accuracy of a nearly neutral body."""
 NARROW = 1e-6
 """The load is quadratic around its maximum: known to the square of this."""
 SCAN = 12
@@ -40,7 +40,7 @@ class Contact(NamedTuple):
 
 
 class Load(NamedTuple):
-    """What a slope angle at the contact line carries, in the unit that the body's weight is asked in, and its
+    """The load that a slope angle at the contact line carries, in the unit of the weight of the body, and its
     derivative.
     """
 

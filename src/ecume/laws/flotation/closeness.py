@@ -31,7 +31,7 @@ def superposition_excess(contact_angle: Angle, gap: Number) -> Number:
     """
     require_angle("contact_angle", contact_angle)
     if not gap >= 0.0:
-        raise BadInput(f"the gap is {gap!r}; wanted zero or a positive number of diameters")
+        raise BadInput(f"the gap is {gap!r}; expected zero or a positive number of diameters")
     rim = 0.5 * math.sin(contact_angle) / (1.0 + gap)  # contact radius over the distance of the centers
     n = np.arange(1, MODES + 2)
     # Lengths over that distance; a_n in rim^n, c_n in rim^-n.

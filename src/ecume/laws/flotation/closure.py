@@ -1,4 +1,4 @@
-"""The original project's closure: a contact angle worked out from the weight, kept by name to reproduce its figures."""
+"""The original project's closure: a contact angle computed from the weight, kept by name to reproduce its figures."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ecume.units import Angle, Number
 
 @each_element
 def closure_contact_angle(bond_number: Number, density_ratio: Number) -> Angle:
-    """The contact angle that the original project derives from B and D; raises BadInput where there is none.
+    """The contact angle that the original project derives from B and D; raises BadInput if there is no solution.
 
     phi_c = arcsin(pi B/2) = pi - theta + arctan(z'_c) put into its (13): (pi/2) tan(theta + phi_c) = Sigma(D,
     theta), solved on the branch of slopes below 90 degrees. A root needs B <= 2/pi and tan(arcsin(pi B/2)) >= 4 D/(3

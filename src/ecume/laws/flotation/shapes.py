@@ -81,7 +81,9 @@ class Ellipsoid:
     def __post_init__(self) -> None:
         object.__setattr__(self, "semi_axes", tuple(self.semi_axes))
         if len(self.semi_axes) != 3:
-            raise BadInput(f"the ellipsoid's semi_axes are {self.semi_axes!r}; wanted three: along x, along y, upright")
+            raise BadInput(
+                f"the ellipsoid's semi_axes are {self.semi_axes!r}; expected three: along x, along y, upright"
+            )
         for length in self.semi_axes:
             require_positive("ellipsoid's semi-axis", length)
         require_positive("ellipsoid's density", self.density)

@@ -34,8 +34,8 @@ STEEPEST = 2.8
 
 
 class OuterMeniscus(NamedTuple):
-    """The surface outside a contact line, in capillary lengths; `..._change` is the derivative along the path that
-    was asked for.
+    """The surface outside a contact line, in capillary lengths; `..._change` is the derivative along the requested
+    path.
     """
 
     height: float

@@ -57,7 +57,7 @@ class Kernel:
         """The gradient of W at x_i for dx = x_i - x_j, shaped (..., dim); exactly zero where the particles coincide."""
         offset, length = np.asarray(dx, dtype=np.float64), _smoothing_length(h)
         if offset.ndim == 0 or offset.shape[-1] != self.dim:
-            raise BadInput(f"dx has the shape {offset.shape}; wanted (..., {self.dim}) for a kernel in {self.dim}D")
+            raise BadInput(f"dx has the shape {offset.shape}; expected (..., {self.dim}) for a kernel in {self.dim}D")
         q = np.sqrt(np.sum(offset * offset, axis=-1)) / length
         over_distance: Array = np.asarray(self.normalization / length ** (self.dim + 2) * self.shape_slope(q))
         found: Array = over_distance[..., np.newaxis] * offset
@@ -122,14 +122,14 @@ def kernel(name: str, dim: int = 2) -> Kernel:
 def _smoothing_length(h: Lengths) -> Array:
     length: Array = np.asarray(h, dtype=np.float64)
     if not bool(np.all((length > 0.0) & np.isfinite(length))):
-        raise BadInput(f"the smoothing length h is {h!r}; wanted positive numbers, in meters")
+        raise BadInput(f"the smoothing length h is {h!r}; expected positive numbers, in meters")
     return length
 
 
 def _distance(r: Lengths) -> Array:
     distance: Array = np.asarray(r, dtype=np.float64)
     if not bool(np.all((distance >= 0.0) & np.isfinite(distance))):
-        raise BadInput(f"the distance r is {r!r}; wanted zero or more, in meters")
+        raise BadInput(f"the distance r is {r!r}; expected zero or more, in meters")
     return distance
 
 

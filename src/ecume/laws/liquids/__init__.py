@@ -89,7 +89,7 @@ def _seawater(salinity: float | None) -> Correlations:
     if not (SALINITIES[0] <= s <= SALINITIES[1] and math.isfinite(s)):
         grams = SALINITIES[0] <= 1e-3 * s <= SALINITIES[1]
         hint = f"; did you mean {1e-3 * s:g}, {s:g} grams a kilogram?" if grams else ""
-        raise BadInput(f"the salinity is {s!r}; wanted {SALINITIES[0]:g} to {SALINITIES[1]:g} kg of salt a kg{hint}")
+        raise BadInput(f"the salinity is {s!r}; expected {SALINITIES[0]:g} to {SALINITIES[1]:g} kg of salt a kg{hint}")
     return Correlations(
         275.15,
         303.15,

@@ -128,7 +128,9 @@ class Undulated:
     def __post_init__(self) -> None:
         for mode in self.modes:
             if mode[0] < 2 or not all(map(math.isfinite, mode)):
-                raise BadInput(f"a mode of an undulated rim is {mode!r}; wanted (m, height, angle) with m of 2 or more")
+                raise BadInput(
+                    f"a mode of an undulated rim is {mode!r}; expected (m, height, angle) with m of 2 or more"
+                )
 
 
 def undulated_closure(body: Undulated, liquid: Liquid, order: int) -> Closure:
@@ -144,7 +146,7 @@ def undulated_closure(body: Undulated, liquid: Liquid, order: int) -> Closure:
     source = flat.source.copy()
     for mode, height, angle in body.modes:
         if mode > order:
-            raise BadInput(f"the rim has a mode {mode}, beyond the order {order}; wanted a higher order")
+            raise BadInput(f"the rim has a mode {mode}, beyond the order {order}; expected a higher order")
         source[mode] += 0.5 * height / liquid.capillary_length * cmath.exp(-1j * mode * angle)
     for mode in range(2, order + 1):
         energy -= 2.0 * math.pi * flat.radius * float(outgoing[mode]) * abs(source[mode]) ** 2

@@ -28,7 +28,7 @@ class Echoes(NamedTuple):
     brim: float
     """the round wall's radius"""
     answer: Array
-    """(P + 1,) of the round wall, over p!^2 (2/brim)^(2p) exp(-2 brim); empty where there is none"""
+    """(P + 1,) of the round wall, over p!^2 (2/brim)^(2p) exp(-2 brim); empty without one"""
     near: Array
     """(P + 1, order + 2) p!/(|p - m|! m!) (brim/2)^(|p - m| - p) (s/2)^m"""
     far: Array

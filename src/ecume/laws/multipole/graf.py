@@ -28,7 +28,7 @@ _jit.admit(special, ladders)
 Waves = NDArray[np.complex128]
 """(N, order + 1) amplitudes."""
 NEGLIGIBLE = math.log(1e-17)
-"""Pairs of orders whose product is below this share are left out, the same for both of a pair of bodies."""
+"""Pairs of orders whose product is below this fraction are ignored, the same for both of a pair of bodies."""
 
 
 class Rims(NamedTuple):

@@ -31,7 +31,7 @@ class Solution:
     """What the surface does to each body, and each body to the surface."""
 
     forces: Array
-    """(N, 2) N, in the plane"""
+    """(N, 2) N, horizontal"""
     torques: Array
     """(N,) N m, about the vertical"""
     heights: Array
@@ -45,7 +45,7 @@ class Solution:
     amplitudes: NDArray[np.complex128] = field(repr=False)
     """(N, order + 1) A_m K_m(a) at each contact line, in capillary lengths; a start for the next solution"""
     setting: tuple[Any, Any, Array, Liquid] = field(repr=False)
-    """what `height` asks for"""
+    """the arguments of `height`"""
 
 
 def solve(
@@ -71,7 +71,7 @@ def solve(
 
     places, length = _places(positions, bodies), liquid.capillary_length
     if not (isinstance(order, int) and 1 <= order <= MOST_ORDER):
-        raise BadInput(f"the order is {order!r}; wanted a whole number from 1 to {MOST_ORDER}")
+        raise BadInput(f"the order is {order!r}; expected a whole number from 1 to {MOST_ORDER}")
     known: dict[Any, Closure] = {}
     closures = [known.setdefault(body, closure_of(body, liquid, order)) for body in bodies]
     rims, at = graf.make_rims(closures, REACH), places / length
@@ -186,10 +186,10 @@ def _places(positions: ArrayLike, bodies: Sequence[Any]) -> Array:
     places = np.asarray(positions, dtype=np.float64)
     if places.shape != (len(bodies), 2) or len(bodies) == 0:
         raise BadInput(
-            f"positions have the shape {places.shape}; wanted one place (x, y) for each of {len(bodies)} bodies"
+            f"positions have the shape {places.shape}; expected one place (x, y) for each of {len(bodies)} bodies"
         )
     if not np.isfinite(places).all():
-        raise BadInput("positions hold what is no number; wanted meters")
+        raise BadInput("positions contain NaN or infinity; expected finite numbers, in meters")
     return places
 
 

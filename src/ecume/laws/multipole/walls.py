@@ -30,7 +30,7 @@ class Basin:
     """Four plane walls around the origin, with the contact angle of the liquid on them, or with a pinned brim.
 
     pinned: the surface is held at its undisturbed height on the walls (images of the other sign) and has no meniscus;
-    the contact angle is then not asked for.
+    the contact angle is then not used.
     """
 
     width: Length

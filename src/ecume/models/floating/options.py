@@ -1,4 +1,4 @@
-"""What can be combined: every option says what it can do and what it needs of the others."""
+"""Compatibility of options: every option states its capabilities and its needs."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ from ecume.errors import Fault, SceneError
 
 @dataclass(frozen=True, kw_only=True)
 class Option:
-    """What all records of the model's tables have."""
+    """The common fields of all rows of tables."""
 
     slot: str
-    """what it is a choice of: integrator, interaction, resistance, contacts, ..."""
+    """the kind of choice: integrator, interaction, resistance, contacts, ..."""
     path: str
     """the key of the scene that chooses it"""
     name: str
@@ -23,19 +23,19 @@ class Option:
     gives: frozenset[str] = frozenset()
     """capabilities: keys of `CAPABILITIES`"""
     needs: Mapping[str, str] = field(default_factory=dict)
-    """capabilities that it needs of the options in other slots, each with the physical reason"""
+    """capabilities that it requires of the options in other slots, each with the physical reason"""
 
 
 class Built(NamedTuple):
-    """A part of a scene, and what it asks of the whole."""
+    """A part of a scene, and its requirements on time step and lists."""
 
     part: Any
     quickest: float = math.inf
     """s: its shortest time scale, which limits the time step"""
     stiffer: float = 1.0
-    """how much stiffer than superposition it makes floats in contact, at most"""
+    """stiffness of contacts over that of superposition, at most"""
     reach: float = 0.0
-    """m: how far neighbor lists must look for it, without the skin"""
+    """m: the range of neighbor lists that it requires, without the skin"""
 
 
 CAPABILITIES: dict[str, tuple[str, str]] = {
@@ -70,7 +70,7 @@ CAPABILITIES: dict[str, tuple[str, str]] = {
 
 
 def faults_of(chosen: Iterable[Option], tables: Mapping[str, Iterable[Option]]) -> list[Fault]:
-    """Every need that an option of the other slot does not meet; `tables` are the choices of a slot."""
+    """Every need that an option of the other slot does not meet; `tables` has the choices of each slot."""
     options = list(chosen)
     return [
         Fault(option.path, f"{option.name} needs {_lacking(capability, other, tables)}: {why}")
@@ -82,16 +82,21 @@ def faults_of(chosen: Iterable[Option], tables: Mapping[str, Iterable[Option]]) 
 
 
 def _lacking(capability: str, other: Option, tables: Mapping[str, Iterable[Option]]) -> str:
-    slot, wanted = CAPABILITIES[capability]
+    slot, required = CAPABILITIES[capability]
     fit = ", ".join(option.name for option in tables.get(slot, ()) if capability in option.gives)
     return (
-        f"{wanted}: got {other.path} = {other.name}; expected one of {fit}"
+        f"{required}: got {other.path} = {other.name}; expected one of {fit}"
         if fit
-        else f"{wanted}: got {other.name} ({other.path})"
+        else f"{required}: got {other.name} ({other.path})"
     )
 
 
+def scene_error(path: str, message: str) -> SceneError:
+    """An error with one fault of a scene."""
+    return SceneError([Fault(path, message)])
+
+
 def require_compatible(chosen: Iterable[Option], tables: Mapping[str, Iterable[Option]]) -> None:
-    """Raise SceneError where options cannot be combined."""
+    """Raise SceneError if options cannot be combined."""
     if faults := faults_of(chosen, tables):
         raise SceneError(faults)

@@ -1,4 +1,4 @@
-"""What never changes while floats drift: their radii, masses and charges, and every constant of the laws."""
+"""Parameters of the floating model: radii, masses and charges of floats, and the constants of all laws."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ __all__ = ["PairParameters"]
 
 
 class Floats(NamedTuple):
-    """Float by float, all (N,)."""
+    """Properties of the floats, all (N,)."""
 
     radius: Array
     mass: Array
     charge: Array
-    """m: the far field's amplitude"""
+    """m: the amplitude of the far field"""
     relaxation_time: Array
     """s: mass over friction; infinite without drag"""
     density: Array
@@ -37,9 +37,9 @@ class Scheme(NamedTuple):
     half_kicks: bool
     """half a kick before the drift and half a kick after it, as in velocity Verlet; otherwise one whole kick"""
     inertia: bool
-    """false where drag rules and velocities follow from forces at once"""
+    """false if velocities follow from forces and drag alone"""
     drifts_first: bool
-    """the drift goes by the velocity before the kick, as in the explicit Euler scheme"""
+    """the drift uses the velocity before the kick, as in the explicit Euler scheme"""
     contacts_at_end: bool
     """contacts are solved a second time, on the velocity at the end of the step"""
     forces_at_end: bool
@@ -47,9 +47,7 @@ class Scheme(NamedTuple):
 
 
 class Kick(NamedTuple):
-    """What one kick of the scheme does to a float, with drag solved exactly under a force that stays: v = decay v +
-    gain F.
-    """
+    """One kick of the scheme, with drag solved exactly for a constant force: v = decay v + gain F."""
 
     decay: Array
     gain: Array
@@ -61,26 +59,26 @@ DRAG_LAWS = ("stokes", "schiller-naumann")
 
 
 class Sway(NamedTuple):
-    """How the dish is moved; floats are seen from it."""
+    """Motion of the dish, which is the frame of reference of the floats."""
 
     moves: bool
     velocity: Array
-    """(2,) m/s, that stays"""
+    """(2,) m/s, constant"""
     amplitude: Array
-    """(2,) m, of the swing"""
+    """(2,) m, of the oscillation"""
     turning: float
-    """rad/s, of the swing"""
+    """rad/s, of the oscillation"""
     slip: float
-    """the part of its motion that the liquid does not go along with"""
+    """the fraction of its motion that the liquid does not follow"""
 
 
 class Drift(NamedTuple):
-    """What carries floats along beside forces: the flowing surface, and chance."""
+    """Flow of the surface, thermal noise and motion of the dish."""
 
     flow: Array
     """(6,) u_x, u_y at the origin (m/s), then du_x/dx, du_x/dy, du_y/dx, du_y/dy (1/s)"""
     nodes: Array
-    """(2, X, Y) m/s: a flow at nodes, beside that; (2, 0, 0) where there is none"""
+    """(2, X, Y) m/s: a flow at nodes, in addition; (2, 0, 0) without one"""
     frame: Array
     """(4,) of the nodes: the least x and y (m), then nodes for each meter along x and y"""
     flows: bool
@@ -88,9 +86,9 @@ class Drift(NamedTuple):
     """J: kT"""
     seed: int
     thickness: float
-    """s/m^2: the liquid's density over its viscosity where drag grows with the speed; zero where it is Stokes's"""
+    """s/m^2: density over viscosity of the liquid if the drag depends on the speed; zero for Stokes drag"""
     jump: float
-    """m: farther than this chance, but for one in a billion, and the dish carry nobody in a step"""
+    """m: the longest displacement of a float in one step by noise (all but one in a billion) and by the dish"""
     sway: Sway
 
 
@@ -109,20 +107,20 @@ class Parameters(NamedTuple):
     cutoff: float
     skin: float
     reach: float
-    """how far neighbor lists look: the cutoff or the widest touching pair, and the skin"""
+    """range of the neighbor lists: the cutoff or the widest touching pair, plus the skin"""
     walls: Walls
     wall_law: int
     """see `walls.menisci`"""
     wall_strength: Array
     """(walls, N) J"""
     wall_table: Array
-    """see `walls.menisci.wall_table`; empty where formulas do"""
+    """see `walls.menisci.wall_table`; empty if there are formulas"""
     image_strength: float
-    """N: 2 pi gamma, where walls mirror menisci"""
+    """N: 2 pi gamma, if walls mirror menisci"""
     restitution: float
     wall_restitution: float
     slop: float
-    """overlaps up to this are left alone"""
+    """m: overlaps up to this value are tolerated"""
     drift: Drift
     quickest: float = math.inf
     """s: the shortest time scale of the parts, which limits the time step beside the pair law"""
@@ -140,24 +138,29 @@ class Parts(NamedTuple):
     """
 
     integrator: Any
-    """of `schemes.INTEGRATORS`"""
+    """of `integrators.INTEGRATORS`"""
     interactions: tuple[Any, ...]
     """of `interactions.INTERACTIONS`; their forces are added up in this order"""
     resistances: tuple[Any, ...]
     """of `interactions.RESISTANCES`: they slow velocities after a kick"""
     contacts: Any
-    """of `contacts.CONTACTS`"""
+    """of `contact_models.CONTACTS`"""
     lists: Any
-    """how neighbor lists are made: a key of `stepping.LISTS`"""
+    """how neighbor lists are made: a key of `integration.LISTS`"""
 
 
 class Scratch(NamedTuple):
-    """The workspace of each part."""
+    """The workspaces of the parts."""
 
     integrator: Any
     interactions: tuple[Any, ...]
     resistances: tuple[Any, ...]
     contacts: Any
+
+
+def part_of(parameters: Parameters, constants: type) -> Any:
+    """The interaction of this type, or None."""
+    return next((part for part in parameters.parts.interactions if isinstance(part, constants)), None)
 
 
 STRENGTH, CAPILLARY_LENGTH, CUTOFF, SURFACE_TENSION, INVERSE_SQUARE, OWN = range(6)

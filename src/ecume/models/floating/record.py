@@ -1,28 +1,47 @@
-"""The floating model, as the driver sees it."""
+"""The record of the floating model: the functions that a run calls."""
 
 from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 
+from ecume.laws import brownian, capillarity, drag, ellipsoids, flotation, images, meniscus, pair_laws
 from ecume.models.diagnosis import DEEP, first_broken, when
-from ecume.models.floating.extending import advance_extended
-from ecume.models.floating.invariants import invariants
-from ecume.models.floating.observing import observe
 from ecume.models.floating.parameters import Parameters
-from ecume.models.floating.room import ROOMIER, checked_parameters
-from ecume.models.floating.sources import laws_of
-from ecume.models.floating.starting import start
+from ecume.models.floating.report.check_report import summary
+from ecume.models.floating.report.frames import observe
+from ecume.models.floating.report.invariants import invariants
+from ecume.models.floating.setup.initial_state import start
+from ecume.models.floating.setup.scene_parameters import ROOMIER, checked_parameters, chosen_by
 from ecume.models.floating.state import DEEPEST, State, Workspace, make_workspace
-from ecume.models.floating.stepping import advance, fill_lists, make_scratch
-from ecume.models.floating.telling import summary
-from ecume.models.model import Model
+from ecume.models.floating.time_integration.integration import advance, fill_lists, make_scratch
+from ecume.models.floating.user_laws import advance_extended
+from ecume.models.model import Model, Source
+
+
+def laws_of(scene: Any) -> list[Source]:
+    """The laws of equilibrium, attraction, dish, drag and collisions in a scene, which cite the papers."""
+    charge = flotation.CHARGES.get(str(scene.interaction.charge))
+    laws: list[Source] = [charge] if charge else []
+    row = pair_laws.PAIR_LAWS.get(str(scene.interaction.law))
+    laws += row.papers if row is not None else ()
+    chosen = chosen_by(scene)
+    laws += [law for row in chosen.interactions for law in row.laws]
+    if scene.dish is not None:
+        laws += capillarity.WALLS.get(str(scene.dish.law), ())
+        laws += [meniscus.dish_height, *([images.plane_image_force] if scene.dish.image != "none" else [])]
+    laws += [drag.immersion_factor, drag.stokes_friction] if scene.motion.drag else []
+    if scene.shaped:
+        laws += [ellipsoids.ellipsoid_friction, ellipsoids.ellipsoid_turning_friction] if scene.motion.drag else []
+    laws += [brownian.diffusivity] if scene.motion.temperature else []
+    return [*laws, *chosen.contacts.laws]
 
 
 def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
-    """Scratch with neighbor lists that hold at the state's reference positions."""
+    """Allocate the workspace, with neighbor lists at the reference positions of the state."""
     while True:
         made = make_workspace(parameters, state, room)
         made = made._replace(scratch=make_scratch(parameters, state, made))
@@ -32,7 +51,7 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
 
 
 def diagnosis(parameters: Parameters, state: State) -> str:
-    """Who left the range where it means anything, when, and what to do."""
+    """Which float diverged, when, and what to do."""
     return (
         f"{when(parameters, state)} {_who_and_what(parameters, state)}: too far for one time step of "
         f"{parameters.time_step:.3g} s. Set motion.time_step = {0.25 * parameters.time_step:.2g}, "
@@ -41,14 +60,14 @@ def diagnosis(parameters: Parameters, state: State) -> str:
 
 
 def _who_and_what(parameters: Parameters, state: State) -> str:
-    """Whose number is none, who were put apart, or who is the fastest."""
+    """The float with a position or velocity that is not finite, the separated pair, or the fastest float."""
     broken = first_broken({"position": state.position, "velocity": state.velocity})
     if broken is not None:
-        return f"float {broken.particle} has no finite {broken.term} any more"
+        return f"float {broken.particle} has a {broken.term} that is not finite"
     if state.tally[DEEPEST] > DEEP * parameters.floats.radius.min():
-        # Contacts have moved them out of each other: farther than anybody goes by itself.
+        # Contacts have separated them by more than any float moves in a step.
         one, other = np.argsort(-np.linalg.norm(state.position - state.reference, axis=1))[:2]
-        return f"floats {one} and {other} were put apart, from an overlap of {state.tally[DEEPEST]:.3g} m"
+        return f"floats {one} and {other} were separated from an overlap of {state.tally[DEEPEST]:.3g} m"
     with np.errstate(over="ignore"):
         speed = np.hypot(state.velocity[:, 0], state.velocity[:, 1])
     fastest = int(np.argmax(speed))
@@ -57,7 +76,7 @@ def _who_and_what(parameters: Parameters, state: State) -> str:
 
 
 def extended(extra_laws: Sequence[Callable[..., float]]) -> Model:
-    """The floating model with a user's own pair laws."""
+    """The floating model with pair laws of the user."""
     return dataclasses.replace(FLOATING, advance=advance_extended(extra_laws))
 
 

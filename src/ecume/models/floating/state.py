@@ -1,4 +1,4 @@
-"""What the physics moves, and the scratch beside it."""
+"""The state, which the physics changes, the workspace, and operations on rows of vectors."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ecume._jit import compiled
 from ecume.engine import neighbors
 from ecume.engine.cells import Integers
 from ecume.engine.contact import contacts
@@ -13,11 +14,11 @@ from ecume.models.floating.parameters import Parameters
 from ecume.units import Array
 
 COLLISIONS, SWEEPS, UNCONVERGED, DEEPEST, WORK = range(5)
-"""Places in `State.tally`."""
+"""Indices of `State.tally`."""
 
 
 class State(NamedTuple):
-    """Everything that can change a later bit."""
+    """All data that affect later bits."""
 
     position: Array
     """(N, 2) m"""
@@ -26,52 +27,52 @@ class State(NamedTuple):
     step: Integers
     """(1,)"""
     reference: Array
-    """(N, 2) where everyone was when the neighbor lists were made: their order decides the order of sums"""
+    """(N, 2) the positions at which the neighbor lists were made: they determine the order of sums"""
     touches: Integers
-    """(1,) how many contacts are remembered"""
+    """(1,) number of stored contacts"""
     touching: Integers
-    """(4 N + 16, 2) who touches whom; a wall number k stands as N + k"""
+    """(4 N + 16, 2) the stored contacts (i, j); wall number k is N + k"""
     push: Array
-    """(4 N + 16,) impulses of these contacts: the next step starts from them"""
+    """(4 N + 16,) impulses of these contacts, from which the next solve starts"""
     rub: Array
-    """(4 N + 16,) those along the surfaces; (0,) where they are smooth"""
+    """(4 N + 16,) tangential impulses; (0,) without friction"""
     amplitudes: Array
-    """(N, 2 (order + 1)) real and imaginary parts of the floats' multipoles: the next solution starts from them; (N, 0)
-    where superposition rules
+    """(N, 2 (order + 1)) real and imaginary parts of the multipoles, from which the next solution starts; (N, 0)
+    without multipoles
     """
     turning: Array
-    """(N, 2) angle (rad) and spin (rad/s) of floats that turn; (N, 0) where none does"""
+    """(N, 2) angle (rad) and spin (rad/s) of floats that turn; (N, 0) if no float turns"""
     tally: Array
     """collisions, contact sweeps, steps whose contacts did not converge, deepest overlap so far (m), and the work
     done from outside (J)"""
 
 
 class Workspace(NamedTuple):
-    """Scratch; a new one gives the same results."""
+    """Scratch memory; a new one gives the same results."""
 
     lists: neighbors.NeighborLists
     candidates: contacts.Candidates
     contacts: contacts.Contacts
     force: Array
-    """(N, 2) N, at the present positions"""
-    passage: Array
-    """(N + walls, 2) m/s: the velocity with which everyone goes through this step; walls stand still"""
+    """(N, 2) N, at the current positions"""
+    midstep_velocity: Array
+    """(N + walls, 2) m/s: displacement over time step; zero for walls"""
     before: Array
-    """(N + walls, 2) m/s: what the passage was before contacts"""
+    """(N + walls, 2) m/s: the midstep velocity before contacts"""
     restitution: Array
-    """(N,) of each float in a collision"""
+    """(N,) the restitution of each float in a collision"""
     stages: Array
     """(5, N, 2) of the Runge-Kutta scheme"""
-    ahead: Array
-    """(1,) m: how far anyone may go in this step"""
+    travel: Array
+    """(1,) m: the longest possible displacement in this step"""
     ready: Integers
-    """(1,) whether `force` holds at the present positions"""
+    """(1,) whether `force` is valid at the current positions"""
     scratch: Any = ()
     """the `Scratch` of the parts; empty in the workspace that compiled code gets"""
 
 
 def make_state(position: Array, velocity: Array) -> State:
-    """At time 0; parts may replace the empty arrays by their own."""
+    """Return a state at time 0; parts may replace the empty arrays."""
     count = len(position)
     return State(
         position=np.array(position, dtype=np.float64),
@@ -89,11 +90,11 @@ def make_state(position: Array, velocity: Array) -> State:
 
 
 FIRST_GUESS = 64
-"""Neighbors of a float that a first workspace has room for."""
+"""Number of neighbors per float for which a first workspace has room."""
 
 
 def make_workspace(parameters: Parameters, state: State, room: float) -> Workspace:
-    """Room for a crowd about as dense as the present one; the march asks for more when that is too little."""
+    """Allocate a workspace for about the current density; the run allocates more if this is too little."""
     count = len(state.position)
     walls = len(parameters.kick.mobility) - count
     pairs = int(room * (24 * count + 64))
@@ -102,10 +103,40 @@ def make_workspace(parameters: Parameters, state: State, room: float) -> Workspa
         candidates=contacts.make_candidates(count, pairs),
         contacts=contacts.make_contacts(pairs + count * walls),
         force=np.zeros((count, 2)),
-        passage=np.zeros((count + walls, 2)),
+        midstep_velocity=np.zeros((count + walls, 2)),
         before=np.zeros((count + walls, 2)),
         restitution=np.zeros(count),
         stages=np.zeros((5, count, 2)),
-        ahead=np.zeros(1),
+        travel=np.zeros(1),
         ready=np.zeros(1, np.int64),
     )
+
+
+@compiled
+def advance_rows(position: Array, velocity: Array, time: float) -> None:
+    """Add `time` times the velocities to the positions. Midstep velocities have additional rows for walls."""
+    for i in range(min(position.shape[0], velocity.shape[0])):
+        position[i, 0] += time * velocity[i, 0]
+        position[i, 1] += time * velocity[i, 1]
+
+
+@compiled
+def copy_rows(target: Array, source: Array) -> None:
+    """Copy the first rows of `source` to `target`."""
+    for i in range(min(target.shape[0], source.shape[0])):
+        target[i, 0], target[i, 1] = source[i, 0], source[i, 1]
+
+
+@compiled
+def clear(rows: Array) -> None:
+    """Set all rows to zero."""
+    for i in range(rows.shape[0]):
+        rows[i, 0], rows[i, 1] = 0.0, 0.0
+
+
+@compiled
+def add_rows(to: Array, others: Array) -> None:
+    """Add the first rows of `others` to the rows of `to`."""
+    for i in range(len(to)):
+        to[i, 0] += others[i, 0]
+        to[i, 1] += others[i, 1]

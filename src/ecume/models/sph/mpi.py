@@ -2,7 +2,7 @@
 
 Each rank has the whole state. Particles are in cell order, so that a part is a region of the tank; the rates of all
 parts are gathered, so that all ranks continue with the same numbers: the bits are the same for any number of ranks, and
-without MPI. See `ecume.models.floating.spread`.
+without MPI. See `ecume.models.floating.mpi`.
 """
 
 from __future__ import annotations

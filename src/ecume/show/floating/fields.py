@@ -21,7 +21,7 @@ from ecume.errors import BadInput
 from ecume.models.floating.walls.shapes import field_of
 from ecume.models.liquids import liquid_of
 from ecume.show.floating.shapes import charges_in, shapes_of
-from ecume.show.floating.surface import INSIDE, multipoles_of, near, solved_heights
+from ecume.show.floating.surface import INSIDE, multipoles_in, near, solved_heights
 from ecume.show.picture import View
 from ecume.trajectories.durable_files import replacing, storing
 from ecume.trajectories.frame import Frame
@@ -73,7 +73,7 @@ def _sides(view: View) -> tuple[tuple[float, float], tuple[float, float]]:
 
 def _menisci(scene: Any, frame: Frame, x: Array, y: Array) -> Array:
     """What the floats add (m), shape (y, x)."""
-    multipoles = multipoles_of(scene)
+    multipoles = multipoles_in(scene)
     if multipoles is not None:
         return solved_heights(multipoles, frame, x, y)
     length, arrays, shapes = liquid_of(scene).capillary_length, frame.arrays, shapes_of(scene)

@@ -14,9 +14,9 @@ from ecume.errors import BadInput
 from ecume.laws import capillarity
 from ecume.laws.multipole.graf import forces
 from ecume.laws.pair_laws import PAIR_LAWS
-from ecume.models.floating import corrected, many
-from ecume.models.floating.interacting import bodies_of
-from ecume.models.floating.kinds import Afloat, distinct_kinds
+from ecume.models.floating.forces import multipoles
+from ecume.models.floating.forces.multipoles import bodies_and_charges
+from ecume.models.floating.setup.kinds import FloatKind, distinct_kinds
 from ecume.models.liquids import liquid_of
 from ecume.scenes.load import load_scene
 from ecume.show.style import INK, PALETTE, figure, plain, save, scale_for, style
@@ -91,27 +91,27 @@ def _names(scene: Any, number: Any, count: int) -> list[str]:
     return [species[int(np.flatnonzero(number == kind)[0])] for kind in range(count)]
 
 
-def _forces_of(scene: Any, pair: tuple[Afloat, Afloat], label: str) -> Forces:
+def _forces_of(scene: Any, pair: tuple[FloatKind, FloatKind], label: str) -> Forces:
     liquid = liquid_of(scene)
     length, touching = liquid.capillary_length, pair[0].radius + pair[1].radius
     distance = touching + FURTHEST * length * np.linspace(0.0, 1.0, PLACES) ** 2
     strength = capillarity.pair_strength(liquid.surface_tension, pair[0].charge, pair[1].charge)
     summed = np.array([capillarity.pair_force(float(each), strength, length) for each in distance])
     reach = float(distance[-1]) + touching
-    bodies, numbers = bodies_of(pair), np.array([0, 1])
-    tables = corrected.make_corrected(bodies, numbers, liquid, reach)
-    beyond = np.array([corrected.correction(tables, 0, 1, float(each))[1] for each in distance])
-    solved = _by_multipoles(many.make_many(bodies, liquid, ORDER, reach), distance)
+    bodies, numbers = bodies_and_charges(pair), np.array([0, 1])
+    tables = multipoles.make_pair_tables(bodies, numbers, liquid, reach)
+    beyond = np.array([multipoles.correction(tables, 0, 1, float(each))[1] for each in distance])
+    solved = _by_multipoles(multipoles.make_multipoles(bodies, liquid, ORDER, reach), distance)
     by_method = {"superposition": summed, "pair-corrected": summed + beyond, "multipole": solved}
     return Forces(label, distance, by_method)
 
 
-def _by_multipoles(both: many.Many, distance: Array) -> Array:
+def _by_multipoles(both: multipoles.Multipoles, distance: Array) -> Array:
     """The force on the second of two, away from the first (N)."""
     orders, force, found = both.rims.response.shape[1], np.zeros((2, 2)), np.zeros_like(distance)
-    crowd = many.crowd_around(np.zeros((2, 2 * orders)), np.zeros((2, 0)))
+    crowd = multipoles.multipole_scratch(np.zeros((2, 2 * orders)), np.zeros((2, 0)))
     for k in range(len(distance)):
-        many.resolve(both, np.array([[0.0, 0.0], [distance[k], 0.0]]), crowd)
+        multipoles.resolve(both, np.array([[0.0, 0.0], [distance[k], 0.0]]), crowd)
         forces(both.rims, crowd.amplitudes, crowd.waves, force)
         found[k] = both.tension * both.length * force[1, 0]
     return found

@@ -34,7 +34,7 @@ def shapes_of(scene: Any) -> Shapes | None:
     """The shapes of a scene's floats; none where all are round."""
     if not scene.shaped:
         return None
-    from ecume.models.floating.kinds import distinct_kinds
+    from ecume.models.floating.setup.kinds import distinct_kinds
     from ecume.models.floating.shaped.figures import charges_of, silhouette
 
     kinds, number = distinct_kinds(scene)

@@ -47,7 +47,7 @@ class Sheet(NamedTuple):
 
 def sheet(scene: Any, view: View, *, cells: int, closest: float) -> Sheet:
     """A grid of about `cells` by `cells` squares; `closest` is the smallest distance from a float's center (m)."""
-    liquid, multipoles, shapes = liquid_of(scene), multipoles_of(scene), shapes_of(scene)
+    liquid, multipoles, shapes = liquid_of(scene), multipoles_in(scene), shapes_of(scene)
     closest *= 1.0 if shapes is None else INSIDE
     cells = cells if multipoles is None else min(cells, SOLVED_CELLS)
     cell = max(view.width, view.height) / cells
@@ -59,7 +59,7 @@ def sheet(scene: Any, view: View, *, cells: int, closest: float) -> Sheet:
     return Sheet(x, y, still, closest, reach, table, multipoles, shapes)
 
 
-def multipoles_of(scene: Any) -> Any:
+def multipoles_in(scene: Any) -> Any:
     """The model's parameters, if its floats go by multipoles."""
     if scene.interaction.method != "multipole":
         return None
@@ -110,20 +110,20 @@ def _solved_surface(frame: Frame, on: Sheet) -> Heights:
 
 def solved_heights(multipoles: Any, frame: Frame, x: Array, y: Array) -> Array:
     """What the solver's floats add to the walls' own meniscus (m), shape (y, x)."""
-    from ecume.models.floating.heights import heights_at, multipoles_of, solved
+    from ecume.models.floating.forces.multipoles import heights_at, multipoles_in, solved
 
     across, along = (grid.ravel() for grid in np.meshgrid(x, y))
     inside = np.minimum(1.0, multipoles.walls.disc_radius / np.maximum(np.hypot(across, along), 1e-300))
     places = np.stack([inside * across, inside * along], axis=1)
-    return heights_at(multipoles_of(multipoles), solved(multipoles, frame), places).reshape(len(y), len(x))
+    return heights_at(multipoles_in(multipoles), solved(multipoles, frame), places).reshape(len(y), len(x))
 
 
 def typical_meniscus(frame: Frame, on: Sheet) -> float:
     """How far a typical float bends the surface at its own edge (m)."""
     if on.multipoles is not None:
-        from ecume.models.floating.heights import bends, multipoles_of, solved
+        from ecume.models.floating.forces.multipoles import bends, multipoles_in, solved
 
-        return float(np.median(bends(multipoles_of(on.multipoles), solved(on.multipoles, frame))))
+        return float(np.median(bends(multipoles_in(on.multipoles), solved(on.multipoles, frame))))
     alone = float(np.median(np.abs(frame.arrays["charge"] * unit_meniscus(on, frame.arrays["radius"]))))
     return alone if on.shapes is None else max(alone, on.shapes.rise)
 

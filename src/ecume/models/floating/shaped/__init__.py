@@ -1,1 +1,6 @@
-"""Floats that are longer than wide, or have corners: charges inside their contact lines, contacts that turn."""
+"""Floats that are not round: ellipsoids, needles, squares and stars.
+
+Start with `figures`, which computes the constants of each shape. `bodies` has these constants, and the forces on the
+charges inside the contact lines; `rigid_motion` integrates position and angle, and `contacts` solves collisions
+between outlines.
+"""

@@ -1,11 +1,11 @@
-"""The menisci at the walls of a dish: how high the liquid stands there, and the forces on floats.
+"""The menisci at the walls of a dish: height of the liquid, and forces on floats.
 
 Two kinds are known, each one record: inside a round wall (`ROUND`) and between two pairs of facing walls (`FACING`).
 Each law has a number, which compiled code reads in `wall_laws`.
 
-Exact menisci and mirror images have no formula. A table holds heights and mirror energies of a unit charge with their
-slopes, at distances evenly spaced in their logarithm; between them a cubic through both. Forces are the slopes of that
-cubic, so that energy is kept.
+Exact menisci and mirror images have no formula. A table has heights and image energies of a unit charge with their
+slopes, at distances evenly spaced in their logarithm, and a cubic Hermite polynomial between them. Forces are the
+slopes of the polynomial, so that energy is conserved.
 """
 
 from __future__ import annotations
@@ -16,11 +16,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from ecume.errors import BadInput, Fault, SceneError
+from ecume.errors import BadInput
 from ecume.laws import capillarity, flotation, images, meniscus
 from ecume.laws.capillarity import (
     plane_wall_energy,
 )
+from ecume.models.floating.options import scene_error
 from ecume.models.floating.parameters import Floats
 from ecume.models.floating.walls.wall_laws import DISH, HEIGHT, IMAGE, LEGACY_DISH, NO_WALL_LAW, PLANE, TABLED
 from ecume.models.liquids import liquid_of
@@ -31,9 +32,9 @@ if TYPE_CHECKING:
 
 NODES = 600
 FAR = 30.0
-"""In L: plane walls are not felt from farther away."""
+"""In capillary lengths: cutoff of plane walls."""
 HUGGING = 0.01
-"""Share of a dish's radius from its wall, nearer than which the image's force is that of a plane wall: 1 % of it."""
+"""Distance from the wall over the radius of the dish below which the image force is that of a plane wall."""
 
 
 class Meniscus(NamedTuple):
@@ -54,7 +55,7 @@ class Meniscus(NamedTuple):
     field: Callable[[DishSpec, flotation.Liquid, Array, Array], Array]
     """field(dish, liquid, x, y): the height on a grid (m), shape (y, x), for pictures"""
     multipoles: Callable[[Any, DishSpec, flotation.Liquid], Any]
-    """multipoles(many, dish, liquid): floats that are solved all at once, between these walls"""
+    """multipoles(multipoles, dish, liquid): the multipoles of all floats between these walls"""
 
 
 # --- the two kinds ----------------------------------------------------------------------------------------------------
@@ -82,12 +83,12 @@ def _round_heights(dish: DishSpec, liquid: flotation.Liquid, distance: Array) ->
 
 
 def _round_images(dish: DishSpec, liquid: flotation.Liquid, distance: Array) -> Array:
-    """-(1/2) sum_m c_m I_m^2 in a dish, with its sign."""
+    """The image energy -(1/2) sum_m c_m I_m^2 in a dish."""
     radius, length = _radius(dish), liquid.capillary_length
     plane, away = _plane_images(dish, liquid, distance), distance >= HUGGING * radius
     sums = images.dish_sums((radius - distance[away]) / length, radius / length, images.WALLS[dish.image])
     energy = -0.5 * sums.height
-    # Nearer, the plane wall's energy and what was last seen beside it.
+    # Nearer to the wall, the energy of a plane wall plus a constant.
     beside = energy[0] - plane[away][0]
     return np.concatenate([plane[~away] + beside, energy])
 
@@ -99,9 +100,9 @@ def _round_field(dish: DishSpec, liquid: flotation.Liquid, x: Array, y: Array) -
 
 
 def _round_multipoles(many_floats: Any, dish: DishSpec, liquid: flotation.Liquid) -> Any:
-    from ecume.models.floating import many  # its loops are compiled on import
+    from ecume.models.floating.forces import multipoles  # its loops are compiled on import
 
-    return many.with_dish(many_floats, _radius(dish), dish.contact_angle, mirrored=True)
+    return multipoles.with_dish(many_floats, _radius(dish), dish.contact_angle, mirrored=True)
 
 
 ROUND = Meniscus(
@@ -160,9 +161,9 @@ def _between(nodes: Array, side: float, contact_angle: float, liquid: flotation.
 
 
 def _facing_multipoles(many_floats: Any, dish: DishSpec, liquid: flotation.Liquid) -> Any:
-    from ecume.models.floating import many  # its loops are compiled on import
+    from ecume.models.floating.forces import multipoles  # its loops are compiled on import
 
-    return many.with_basin(many_floats, _sides(dish), dish.contact_angle, liquid, mirrored=True)
+    return multipoles.with_basin(many_floats, _sides(dish), dish.contact_angle, liquid, mirrored=True)
 
 
 FACING = Meniscus(
@@ -185,17 +186,17 @@ def law_of(dish: DishSpec, found: Meniscus) -> int:
     law = str(dish.law)
     if law not in found.laws:
         known = ", ".join(repr(name) for name in found.laws)
-        raise _fault("dish.law", f"got {law!r}, which is for round dishes; expected one of {known}")
+        raise scene_error("dish.law", f"got {law!r}, which is for round dishes; expected one of {known}")
     code = found.laws[law]
     if dish.image == "none":
         return code
     if code == LEGACY_DISH:
-        raise _fault("dish.image", f"{dish.law!r} knows no images; leave them out, or take another law")
+        raise scene_error("dish.image", f"{dish.law!r} has no images; expected image = 'none', or another law")
     return TABLED
 
 
 def strengths(scene: FloatingScene, floats: Floats, found: Meniscus, count: int) -> Array:
-    """(walls, N) in J: how strongly the meniscus of each of so many walls acts on each float."""
+    """(walls, N) in J: the strength of the meniscus of each of these walls for each float."""
     dish, liquid = scene.dish, liquid_of(scene)
     assert dish is not None  # noqa: S101  # only asked with a dish
     tension, law = liquid.surface_tension, law_of(dish, found)
@@ -214,9 +215,9 @@ def strengths(scene: FloatingScene, floats: Floats, found: Meniscus, count: int)
         try:
             amplitudes = amplitudes_of(dish, liquid, "linear" if dish.law == "linear" else "amplitude")
         except BadInput as error:
-            raise _fault("dish.law", str(error)) from None
+            raise scene_error("dish.law", str(error)) from None
     if len(amplitudes) != count:  # compiled loops would read beyond the end
-        raise _fault("dish", f"the shape has {count} walls; got menisci of {len(amplitudes)}")
+        raise scene_error("dish", f"the shape has {count} walls; got menisci of {len(amplitudes)}")
     return np.array(
         [[capillarity.wall_strength(tension, charge, wall) for charge in floats.charge] for wall in amplitudes]
     )
@@ -251,7 +252,3 @@ def _slopes(logarithms: Array, values: Array) -> Array:
 
     slopes: Array = CubicSpline(logarithms, values)(logarithms, 1)
     return slopes
-
-
-def _fault(path: str, message: str) -> SceneError:
-    return SceneError([Fault(path, message)])

@@ -14,8 +14,8 @@ import numpy as np
 
 from ecume.engine import walls as surfaces
 from ecume.engine.walls import Surfaces, Walls, enclosed_by, enclosures, no_walls, wall_count
-from ecume.errors import Fault, SceneError
 from ecume.laws import flotation
+from ecume.models.floating.options import scene_error
 from ecume.models.floating.parameters import Floats
 from ecume.models.floating.walls import menisci, wall_laws
 from ecume.models.floating.walls.menisci import FACING, ROUND, Meniscus
@@ -35,11 +35,11 @@ class Shape(NamedTuple):
     key: str
     """the key of `[dish]` that gives its size, `radius` or `size`"""
     surfaces: Callable[[Any], Surfaces]
-    """surfaces(the value of that key): a convex shape in the plane, around the origin"""
+    """surfaces(the value of that key): a convex 2D shape around the origin"""
     meniscus: Meniscus | None
-    """how the liquid stands at the walls; None if that is not known"""
+    """the menisci at the walls; None if they are not known"""
     no_meniscus: str = ""
-    """why it is not known"""
+    """the reason if they are not known"""
     wavenumber: Callable[[Walls], float] = lambda walls: FIRST_MODE * math.sqrt(math.pi / enclosures.area(walls))
     """of the first sloshing mode (1/m). Default: that of a circle of the same area, the largest for that area"""
 
@@ -62,18 +62,18 @@ SHAPES = {
 
 
 def name_of(dish: DishSpec) -> str:
-    """The name of a dish's shape. Raises SceneError if there is none of that name, or it takes another key."""
+    """The name of the shape of a dish. Raises SceneError for an unknown name, or a wrong key for the size."""
     given = next(row.key for row in SHAPES.values() if getattr(dish, row.key) is not None)
     name = dish.shape or next(name for name, row in SHAPES.items() if row.key == given)
     if name not in SHAPES:
-        raise _fault("dish.shape", f"got {name!r}; expected one of {', '.join(map(repr, SHAPES))}")
+        raise scene_error("dish.shape", f"got {name!r}; expected one of {', '.join(map(repr, SHAPES))}")
     if SHAPES[name].key != given:
-        raise _fault(f"dish.{given}", f"a dish of the shape {name!r} takes {SHAPES[name].key!r}; got {given!r}")
+        raise scene_error(f"dish.{given}", f"a dish of the shape {name!r} takes {SHAPES[name].key!r}; got {given!r}")
     return name
 
 
 def walls_of(dish: DishSpec | None) -> Walls:
-    """The walls, which centers keep a radius away from; none without a dish."""
+    """The walls, at least a radius away from all centers; no walls without a dish."""
     if dish is None:
         return no_walls()
     row = SHAPES[name_of(dish)]
@@ -96,7 +96,7 @@ def meniscus_of(dish: DishSpec) -> Meniscus:
     row = SHAPES[name]
     if row.meniscus is None:
         path, got = ("dish.law", dish.law) if dish.law != "none" else ("dish.image", dish.image)
-        raise _fault(path, f"got {got!r} for the shape {name!r}; expected 'none': {row.no_meniscus}")
+        raise scene_error(path, f"got {got!r} for the shape {name!r}; expected 'none': {row.no_meniscus}")
     return row.meniscus
 
 
@@ -111,7 +111,7 @@ def wall_law_of(scene: FloatingScene) -> int:
 
 
 def wall_strengths(scene: FloatingScene, floats: Floats) -> Array:
-    """(walls, N) in J: how strongly each wall's meniscus acts on each float."""
+    """(walls, N) in J: the strength of the meniscus of each wall for each float."""
     dish, count = scene.dish, wall_count(walls_of(scene.dish))
     if dish is None or not _has_meniscus(dish):
         return np.zeros((count, len(floats.radius)))
@@ -119,7 +119,7 @@ def wall_strengths(scene: FloatingScene, floats: Floats) -> Array:
 
 
 def wall_table_of(scene: FloatingScene, smallest: float) -> Array:
-    """The walls' table, or an empty one."""
+    """The table of the walls, or an empty one."""
     dish = scene.dish
     if dish is None or not _has_meniscus(dish):
         return menisci.no_table()
@@ -127,11 +127,7 @@ def wall_table_of(scene: FloatingScene, smallest: float) -> Array:
 
 
 def field_of(dish: DishSpec | None, liquid: flotation.Liquid, x: Array, y: Array) -> Array:
-    """The height of the walls' menisci alone (m), shape (y, x), for pictures."""
+    """The height of the menisci of the walls alone (m), shape (y, x), for pictures."""
     if dish is None or dish.law == "none":
         return np.zeros((len(y), len(x)))
     return meniscus_of(dish).field(dish, liquid, x, y)
-
-
-def _fault(path: str, message: str) -> SceneError:
-    return SceneError([Fault(path, message)])

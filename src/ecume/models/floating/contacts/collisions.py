@@ -1,0 +1,385 @@
+"""Contacts as impulses: collisions with restitution, and the constraints that floats do not overlap.
+
+Collisions act on the velocities before the kick, reduced by drag: the impulses that stop all approaching pairs, times
+1 + e. All other solves are plastic, on velocities after the kick. In both cases the kinetic energy can only decrease,
+for any number of simultaneous contacts: a plastic solve is a projection on a convex set that contains the state of
+rest, and a collision returns part of what the projection removes. Restitution of single contacts next to lasting
+contacts has no such bound (Kane's paradox): floats between two neighbors would rattle forever.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from ecume._jit import compiled, compiled_inside, composed, selected
+from ecume.engine.contact import contacts as touching
+from ecume.engine.contact import projected_gauss_seidel, warm_start
+from ecume.engine.contact.contacts import Bodies, Contacts
+from ecume.engine.contact.projected_gauss_seidel import Goal
+from ecume.engine.contact.torque_contacts import TorqueContacts
+from ecume.models.floating.contacts.friction import (
+    Friction,
+    continue_with_friction,
+    load_friction_spins,
+    memory_of,
+    push_with_friction,
+    recall_friction,
+    remember_friction,
+    stop_with_friction,
+    store_friction_spins,
+)
+from ecume.models.floating.parameters import Parameters
+from ecume.models.floating.state import COLLISIONS, DEEPEST, SWEEPS, UNCONVERGED, State, Workspace, add_rows, copy_rows
+from ecume.units import Array
+
+STEADY = 2.0
+"""At the end of a step, an approach faster than this many kicks is a collision of the next step."""
+
+TOLERABLE = 1e-3
+"""Tolerance of a contact in one step, over the tolerated overlap; a slower approach does not bounce."""
+
+
+class Impulses(NamedTuple):
+    """Contacts that are solved as impulses, without friction."""
+
+    overlapping: bool
+    """whether floats collide only if they already overlap, as in the original program"""
+
+
+class Solver(NamedTuple):
+    """How impulses are computed: the functions that differ between contacts with and without friction."""
+
+    stop: Callable[..., int]
+    """stop(part, own, bodies, contacts, velocity, goal): impulses that stop all approaches; number of sweeps"""
+    push: Callable[..., None]
+    """push(part, own, bodies, contacts, velocity): apply the impulses times the factors in `contacts.scratch`"""
+    solve: Callable[..., int]
+    """solve(part, own, bodies, contacts, velocity, goal): impulses, from the stored ones; number of sweeps"""
+    recall: Callable[..., None]
+    """recall(part, own, state, workspace): tangential impulses of the previous step"""
+    remember: Callable[..., None]
+    """remember(part, own, state, workspace): store the tangential impulses for the next step"""
+    load_spins: Callable[..., None]
+    """load_spins(part, own, parameters, state, last): spins after their kick; `last` at the end of a step"""
+    store_spins: Callable[..., None]
+    """store_spins(part, own, parameters, state, last): store spins, and advance angles, in the state"""
+
+
+def _solver(kind: type) -> Solver:
+    return SOLVERS[kind]
+
+
+stop = selected(lambda kind: _solver(kind).stop)
+
+push = selected(lambda kind: _solver(kind).push)
+
+solve = selected(lambda kind: _solver(kind).solve)
+
+recall = selected(lambda kind: _solver(kind).recall)
+
+remember = selected(lambda kind: _solver(kind).remember)
+
+load_spins = selected(lambda kind: _solver(kind).load_spins)
+
+store_spins = selected(lambda kind: _solver(kind).store_spins)
+
+
+@compiled_inside
+def contact_bodies(parameters: Parameters) -> Bodies:
+    """Return the data of floats and walls for the contact solver."""
+    return Bodies(parameters.floats.radius, parameters.walls, parameters.kick.mobility)
+
+
+@compiled_inside
+def restitutions_of(parameters: Parameters) -> tuple[int, float, float]:
+    """The number of floats, and the restitution among them and at walls, for `restitution_of`."""
+    return len(parameters.floats.radius), parameters.restitution, parameters.wall_restitution
+
+
+@compiled_inside
+def restitution_of(restitutions: tuple[int, float, float], partner: int) -> float:
+    """The restitution of a contact with this partner: a float, or a wall if its number is beyond the last float."""
+    count, among_floats, at_walls = restitutions
+    return among_floats if partner < count else at_walls
+
+
+@compiled
+def require_stops(overlapping: bool, parameters: Parameters, contacts: Contacts, before: Array) -> float:
+    """Require that pairs which collide in this step stop; return the fastest of these approaches.
+
+    Without restitution a pair moves until it touches, and is stopped in the next step.
+    """
+    speed, bound, gap, second = contacts.scratch, contacts.bound, contacts.gap, contacts.second
+    touching.normal_velocities(contacts, before, speed)
+    slowest, restitutions = TOLERABLE * parameters.slop / parameters.time_step, restitutions_of(parameters)
+    fastest = 0.0
+    for row in range(contacts.total[0]):
+        comes = speed[row] < -slowest and gap[row] + parameters.time_step * speed[row] < 0.0
+        among_floats = second[row] < len(parameters.floats.radius)
+        if overlapping and among_floats:
+            # As in the original, which acts on what overlaps already.
+            comes = speed[row] < 0.0 and gap[row] <= 0.0
+        elif restitution_of(restitutions, second[row]) == 0.0:
+            comes = comes and gap[row] < parameters.slop
+        bound[row] = 0.0 if comes else -np.inf
+        if comes:
+            fastest = max(fastest, -speed[row])
+    return fastest
+
+
+@compiled
+def share_restitution(parameters: Parameters, contacts: Contacts | TorqueContacts, of_float: Array) -> None:
+    """Compute the restitution of each float: the least among all that collide together, which cannot create energy."""
+    first, second, impulse, count = contacts.first, contacts.second, contacts.impulse, len(parameters.floats.radius)
+    for i in range(count):
+        of_float[i] = np.inf
+    restitutions, changed = restitutions_of(parameters), True
+    while changed:
+        changed = False
+        for row in range(contacts.total[0]):
+            if impulse[row] > 0.0:
+                i, j = first[row], second[row]
+                least = min(of_float[i], restitution_of(restitutions, j))
+                if j < count:
+                    least = min(least, of_float[j])
+                    changed = changed or of_float[j] > least
+                    of_float[j] = least
+                changed = changed or of_float[i] > least
+                of_float[i] = least
+
+
+@composed
+def bounce(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """Apply collisions to the midstep velocities: (1 + e) times the impulses that stop all approaches."""
+    contacts, before, of_float = workspace.contacts, workspace.before, workspace.restitution
+    fastest = require_stops(part.overlapping, parameters, contacts, before)
+    if fastest <= 0.0:
+        return
+    clear_impulses(contacts)
+    goal = Goal(projected_gauss_seidel.CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
+    state.tally[SWEEPS] += stop(part, own, contact_bodies(parameters), contacts, before, goal)
+    share_restitution(parameters, contacts, of_float)
+    state.tally[COLLISIONS] += count_bounces(contacts, of_float)
+    push(part, own, contact_bodies(parameters), contacts, workspace.midstep_velocity)
+
+
+@compiled
+def clear_impulses(contacts: Contacts) -> None:
+    """Set all impulses to zero."""
+    for row in range(contacts.total[0]):
+        contacts.impulse[row] = 0.0
+
+
+@compiled
+def count_bounces(contacts: Contacts, of_float: Array) -> float:
+    """Return the number of collisions; store the factor of each impulse in `scratch`."""
+    count = 0.0
+    for row in range(contacts.total[0]):
+        bounces = contacts.impulse[row] > 0.0
+        count += 1.0 if bounces else 0.0
+        contacts.scratch[row] = 1.0 + of_float[contacts.first[row]] if bounces else 0.0
+    return count
+
+
+@compiled
+def solve_smooth(part: Any, own: Any, bodies: Bodies, contacts: Contacts, velocity: Array, goal: Goal) -> int:
+    """Solve contacts without friction; return the number of sweeps."""
+    touching.set_effective_masses(contacts, bodies.mobility)
+    return projected_gauss_seidel.solve(contacts, velocity, bodies.mobility, goal)
+
+
+@compiled
+def push_smooth(part: Any, own: Any, bodies: Bodies, contacts: Contacts, midstep_velocity: Array) -> None:
+    """Apply the impulses of collisions to the midstep velocities."""
+    for row in range(contacts.total[0]):
+        contacts.impulse[row] *= contacts.scratch[row]
+    touching.apply_impulses(contacts, contacts.impulse, midstep_velocity, bodies.mobility)
+
+
+@composed
+def no_memory(part: Any, own: Any, state: State, workspace: Workspace) -> None:
+    """Do nothing: smooth surfaces have no tangential impulses."""
+
+
+@composed
+def no_spins(part: Any, own: Any, parameters: Parameters, state: State, last: bool) -> None:
+    """Do nothing: smooth surfaces exert no torques."""
+
+
+SMOOTH = Solver(solve_smooth, push_smooth, solve_smooth, no_memory, no_memory, no_spins, no_spins)
+
+SOLVERS: dict[type, Solver] = {
+    Impulses: SMOOTH,
+    Friction: Solver(
+        stop_with_friction,
+        push_with_friction,
+        continue_with_friction,
+        recall_friction,
+        remember_friction,
+        load_friction_spins,
+        store_friction_spins,
+    ),
+}
+"""By the type of the part."""
+
+
+@compiled
+def goal_of(parameters: Parameters, contacts: Contacts, velocity: Array) -> Goal:
+    """Return the tolerance of impulses for these velocities; zero if no pair approaches too far."""
+    touching.normal_velocities(contacts, velocity, contacts.scratch)
+    fastest = 0.0
+    for row in range(contacts.total[0]):
+        fastest = max(fastest, contacts.bound[row] - contacts.scratch[row])
+    return Goal(projected_gauss_seidel.CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
+
+
+@composed
+def solve_contacts(
+    part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace, velocity: Array
+) -> None:
+    """Solve for impulses on `velocity`, starting from those of the previous solve, and store them."""
+    contacts, memory = workspace.contacts, memory_of(state)
+    recall(part, own, state, workspace)
+    warm_start.recall(touching.contact_keys(contacts), memory)
+    goal = goal_of(parameters, contacts, velocity)
+    sweeps = 0
+    if goal.target > 0.0:
+        sweeps = solve(part, own, contact_bodies(parameters), contacts, velocity, goal)
+    else:
+        clear_impulses(contacts)
+    state.tally[SWEEPS] += sweeps
+    state.tally[UNCONVERGED] += 1.0 if sweeps > projected_gauss_seidel.MOST_SWEEPS else 0.0
+    warm_start.remember(touching.contact_keys(contacts), memory)
+    remember(part, own, state, workspace)
+
+
+@compiled
+def collide(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """Solve contacts before the drift: see `collide_by_passes`."""
+    collide_by_passes(part, own, parameters, state, workspace)
+
+
+@composed
+def collide_by_passes(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """Solve collisions, then a plastic solve for the midstep velocities, so that no float overlaps another after the
+    step.
+
+    The velocities change with the midstep velocities. `before`, the velocities before the kick, is overwritten.
+    """
+    contacts = workspace.contacts
+    load_spins(part, own, parameters, state, False)
+    # Twice the travel for a head-on pair, and twice again for floats that others push.
+    reach = 4.0 * workspace.travel[0] + parameters.slop
+    touching.gather(contacts, workspace.candidates, state.position, contact_bodies(parameters), reach)
+    split_velocities(parameters, state, workspace)
+    bounce(part, own, parameters, state, workspace)
+    require_gaps(part.overlapping, parameters, contacts)
+    solve_contacts(part, own, parameters, state, workspace, workspace.midstep_velocity)
+    add_rows(state.velocity, workspace.midstep_velocity)
+    store_spins(part, own, parameters, state, False)
+
+
+@compiled
+def split_velocities(parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """Separate the part of the velocities that contacts change from the rest."""
+    midstep_velocity, before, decay, velocity = (
+        workspace.midstep_velocity,
+        workspace.before,
+        parameters.kick.decay,
+        state.velocity,
+    )
+    for i in range(len(velocity)):
+        # Only the velocity that remains after drag can rebound: in syrup nothing does.
+        before[i, 0] *= decay[i]
+        before[i, 1] *= decay[i]
+        # The difference between the velocity and the midstep velocity is kept; changes of the latter are added to it.
+        velocity[i, 0] -= midstep_velocity[i, 0]
+        velocity[i, 1] -= midstep_velocity[i, 1]
+
+
+@compiled
+def require_gaps(overlapping: bool, parameters: Parameters, contacts: Contacts) -> None:
+    """Require that no pair closes more than its gap in this step."""
+    for row in range(contacts.total[0]):
+        free = overlapping and contacts.second[row] < len(parameters.floats.radius)
+        contacts.bound[row] = -np.inf if free else -max(contacts.gap[row], 0.0) / parameters.time_step
+
+
+@compiled
+def separate(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """Remove overlaps after the drift: see `separate_by_passes`."""
+    separate_by_passes(part, own, parameters, state, workspace)
+
+
+@composed
+def separate_by_passes(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """List the contacts at the new positions, and remove deep overlaps without changing velocities."""
+    if part.overlapping:
+        return
+    contacts, bodies = workspace.contacts, contact_bodies(parameters)
+    reach = 2.0 * workspace.travel[0] + parameters.slop
+    touching.gather(contacts, workspace.candidates, state.position, bodies, reach)
+    deepest = deepest_overlap(contacts)
+    state.tally[DEEPEST] = max(state.tally[DEEPEST], deepest)
+    if deepest > parameters.slop:
+        touching.set_effective_masses(contacts, bodies.mobility)
+        touching.separate(contacts, state.position, bodies, parameters.slop)
+        touching.gather(contacts, workspace.candidates, state.position, bodies, reach)
+
+
+@compiled
+def deepest_overlap(contacts: Contacts) -> float:
+    """The largest overlap of any contact (m)."""
+    deepest = 0.0
+    for row in range(contacts.total[0]):
+        deepest = max(deepest, -contacts.gap[row])
+    return deepest
+
+
+@compiled
+def require_rest(parameters: Parameters, contacts: Contacts, velocity: Array, before: Array) -> None:
+    """Require that pairs which approach by the kick alone close no gap at once; `before` are the speeds without the
+    kick.
+
+    A faster approach is not constrained: it is a collision of the next step.
+    """
+    speed, bound, gap = contacts.scratch, contacts.bound, contacts.gap
+    touching.normal_velocities(contacts, velocity, speed)
+    for row in range(contacts.total[0]):
+        lasting = before[row] >= -STEADY * abs(speed[row] - before[row])
+        bound[row] = -max(gap[row], 0.0) / parameters.time_step if lasting else -np.inf
+
+
+@compiled
+def constrain_velocities(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """Solve contacts at the end of the step: see `constrain_velocities_by_passes`."""
+    constrain_velocities_by_passes(part, own, parameters, state, workspace)
+
+
+@composed
+def constrain_velocities_by_passes(
+    part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace
+) -> None:
+    """Solve contacts for the velocity at the end of the step, so that compressed floats are at rest."""
+    if part.overlapping:
+        return
+    load_spins(part, own, parameters, state, True)
+    contacts, midstep_velocity, before = workspace.contacts, workspace.midstep_velocity, workspace.before
+    decay_velocities(before, midstep_velocity, parameters.kick.decay)
+    copy_rows(midstep_velocity, state.velocity)
+    touching.normal_velocities(contacts, before, contacts.change)
+    require_rest(parameters, contacts, midstep_velocity, contacts.change)
+    solve_contacts(part, own, parameters, state, workspace, midstep_velocity)
+    copy_rows(state.velocity, midstep_velocity)
+    store_spins(part, own, parameters, state, True)
+
+
+@compiled
+def decay_velocities(to: Array, velocity: Array, decay: Array) -> None:
+    """Reduce velocities by the drag of one kick."""
+    for i in range(len(decay)):
+        to[i, 0] = decay[i] * velocity[i, 0]
+        to[i, 1] = decay[i] * velocity[i, 1]

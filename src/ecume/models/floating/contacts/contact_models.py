@@ -1,0 +1,195 @@
+"""The table of contact models, from which a scene chooses one row (`contacts.law`)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from ecume._jit import composed, selected
+from ecume.laws import contact
+from ecume.models.floating.contacts.collisions import Impulses, collide, constrain_velocities, separate
+from ecume.models.floating.contacts.friction import Friction, friction_at_step, friction_of, make_friction_scratch
+from ecume.models.floating.contacts.springs import Springs, push_at_end, push_before_drift, spring_energies, springs_of
+from ecume.models.floating.options import Built, Option
+from ecume.models.floating.parameters import Parameters
+from ecume.models.floating.shaped.bodies import Outlined, Shaped
+from ecume.models.floating.shaped.contacts import (
+    collide_outlines,
+    constrain_outline_velocities,
+    find_outline_contacts,
+    separate_outlines,
+)
+from ecume.models.floating.shaped.figures import overlaps
+from ecume.models.floating.state import State, Workspace
+from ecume.models.model import DONE
+from ecume.units import Array
+
+if TYPE_CHECKING:
+    from ecume.scenes.floating import FloatingScene
+
+
+class NoContacts(NamedTuple):
+    """Floats pass through one another."""
+
+
+@composed
+def no_contacts(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """Do nothing."""
+
+
+@composed
+def all_listed(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> int:
+    """Return DONE: candidates are listed with the neighbors."""
+    return DONE
+
+
+def no_energy(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> tuple[float, float]:
+    """Return zero: impulses store no energy."""
+    return 0.0, 0.0
+
+
+def no_scratch(part: Any, parameters: Parameters, state: State, workspace: Workspace, interactions: Any) -> Any:
+    """Return an empty workspace for contacts without friction."""
+    return ()
+
+
+def friction_scratch(
+    part: Friction, parameters: Parameters, state: State, workspace: Workspace, interactions: Any
+) -> Any:
+    """Return the workspace for tangential impulses and spins."""
+    return make_friction_scratch(part, parameters, state, workspace)
+
+
+def shared_scratch(part: Any, parameters: Parameters, state: State, workspace: Workspace, interactions: Any) -> Any:
+    """Return the workspace of the floats with a shape."""
+    return interactions[0]
+
+
+def unchanged_state(state: State) -> State:
+    """Return the state as it is."""
+    return state
+
+
+def with_friction_impulses(state: State) -> State:
+    """Return the state with an array of tangential impulses."""
+    return state._replace(rub=np.zeros(len(state.push)))
+
+
+@dataclass(frozen=True, kw_only=True)
+class ContactModel(Option):
+    """A row of the table, and everything that depends on it."""
+
+    slot: str = "contacts"
+    constants: type
+    """the type of the part, a NamedTuple"""
+    make: Callable[[Parameters, FloatingScene, tuple[Any, ...]], Built]
+    """make(parameters without parts, scene, interactions). Raises SceneError"""
+    at_step: Callable[[Any, Parameters, Array | None], Any] = lambda part, parameters, turned: part
+    """at_step(part, parameters, turned): the part for the chosen time step; `turned` is the inertia of floats that
+    interactions turn, or None
+    """
+    before_drift: Callable[..., None] = no_contacts
+    """before_drift(part, scratch, parameters, state, workspace): change `workspace.midstep_velocity`"""
+    after_drift: Callable[..., None] = no_contacts
+    """after_drift(part, scratch, parameters, state, workspace): change positions"""
+    at_end: Callable[..., None] = no_contacts
+    """at_end(part, scratch, parameters, state, workspace): change velocities at the end of the step"""
+    find: Callable[..., int] = all_listed
+    """find(part, scratch, parameters, state, workspace): list possible contacts of this step; `DONE` or `CROWDED`"""
+    scratch: Callable[..., Any] = no_scratch
+    state: Callable[[State], State] = unchanged_state
+    inertia: Callable[[Any], Array | None] = lambda part: None
+    """inertia(part): of floats that contacts turn (kg m^2), (N,)"""
+    energy: Callable[..., tuple[float, float]] = no_energy
+    """energy(part, scratch, parameters, state, workspace): among floats and at walls (J)"""
+    gaps: Callable[..., list[tuple[int, int, float]]] | None = None
+    """gaps(part, parameters, positions, angles, reach): for floats that are no discs"""
+    laws: tuple[Callable[..., Any], ...] = (contact.impulse,)
+    """functions whose docstrings name the references that `ecume cite` lists"""
+
+
+def _outline_gaps(
+    part: Any, parameters: Parameters, position: Array, angle: Array, reach: float
+) -> list[tuple[int, int, float]]:
+    return overlaps(part.outlines, part.places, parameters, (position, angle), reach)
+
+
+def _outlined(parameters: Parameters, scene: FloatingScene, interactions: tuple[Any, ...]) -> Built:
+    shapes: Shaped = interactions[0]
+    return Built(Outlined(shapes.outlines, shapes.places, scene.contacts.law != "none"))
+
+
+def _simple(part: Any) -> Callable[..., Built]:
+    return lambda parameters, scene, interactions: Built(part)
+
+
+ENDS = "contacts act on the velocity at the ends of a step"
+CONTACTS = {
+    "none": ContactModel(
+        path="contacts.law", name="'none'", constants=NoContacts, make=_simple(NoContacts()),
+        gives=frozenset({"shared contacts", "lubricated"}), laws=(),
+    ),
+    "impulse": ContactModel(
+        path="contacts.law", name="'impulse'", constants=Impulses, make=_simple(Impulses(False)),
+        before_drift=collide, after_drift=separate, at_end=constrain_velocities,
+        gives=frozenset({"shared contacts", "lubricated"}),
+    ),
+    "legacy": ContactModel(
+        path="contacts.legacy_coefficient", name="the original collisions", constants=Impulses,
+        make=_simple(Impulses(True)), before_drift=collide, after_drift=separate, at_end=constrain_velocities,
+        gives=frozenset({"shared contacts", "lubricated"}),
+        needs={"round": "the original program knows spheres only"},
+    ),
+    "friction": ContactModel(
+        path="contacts.friction", name="friction", constants=Friction, make=friction_of, at_step=friction_at_step,
+        before_drift=collide, after_drift=separate, at_end=constrain_velocities, scratch=friction_scratch,
+        state=with_friction_impulses,
+        inertia=lambda part: np.asarray(part.inertia), gives=frozenset({"lubricated"}),
+        needs={
+            "reciprocal": "spins take what the law's momentum lacks",
+            "kicks spins": "angles and spins go with the kicks of the velocities",
+            "round": "the solver for outlines knows smooth surfaces only",
+        },
+    ),
+    "spring-dashpot": ContactModel(
+        path="contacts.law", name="'spring-dashpot'", constants=Springs, make=springs_of,
+        before_drift=push_before_drift, at_end=push_at_end, energy=spring_energies,
+        laws=(contact.spring_push, contact.dashpot_restitution),
+        needs={
+            "reciprocal": "its energy is compared with that of the pair law",
+            "springs": "others gain energy from springs, or see their forces within a step",
+            "round": "a spring between outlines would need the depth of their overlap",
+        },
+    ),
+    "outlines": ContactModel(
+        path="floats", name="a float with a shape", constants=Outlined, make=_outlined,
+        before_drift=collide_outlines, after_drift=separate_outlines, at_end=constrain_outline_velocities,
+        find=find_outline_contacts, scratch=shared_scratch, gaps=_outline_gaps,
+    ),
+}  # fmt: skip
+"""By the name of the choice."""
+
+BY_CONSTANTS: dict[type, ContactModel] = {row.constants: row for row in reversed(CONTACTS.values())}
+
+
+def contacts_of(parameters: Parameters) -> ContactModel:
+    """The row of the parameters' contacts."""
+    return BY_CONSTANTS[type(parameters.parts.contacts)]
+
+
+def gaps_between(parameters: Parameters, position: Array, angle: Array, reach: float) -> list[tuple[int, int, float]]:
+    """Pairs (i, j, gap) of floats with outlines that are nearer than `reach`; a wall number k stands as N + k."""
+    gaps = contacts_of(parameters).gaps
+    return [] if gaps is None else gaps(parameters.parts.contacts, parameters, position, angle, reach)
+
+
+contacts_before_drift = selected(lambda kind: BY_CONSTANTS[kind].before_drift)
+
+contacts_after_drift = selected(lambda kind: BY_CONSTANTS[kind].after_drift)
+
+contacts_at_end = selected(lambda kind: BY_CONSTANTS[kind].at_end)
+
+find_contacts = selected(lambda kind: BY_CONSTANTS[kind].find)

@@ -1,0 +1,95 @@
+"""Flow of the surface, thermal noise and motion of the dish: their constants, and the drag of the flow."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ecume._jit import compiled, compiled_inside
+from ecume.laws import brownian
+from ecume.models.floating.parameters import DRAG_LAWS, Drift, Parameters, Sway
+from ecume.units import Array
+
+if TYPE_CHECKING:
+    from ecume.scenes.floating import FloatingScene, NodesSpec
+
+
+def drift_of(scene: FloatingScene) -> Drift:
+    """The flow and the noise of a scene; both need drag."""
+    flow, motion = scene.liquid.flow, scene.motion
+    fast = motion.drag_law == DRAG_LAWS[1]
+    rates = np.zeros(6)
+    if flow is not None:
+        turning, apart = flow.rotation, flow.stretching
+        rates = np.array([*flow.velocity, apart, flow.shear - turning, turning, -apart])
+    nodes, frame = _nodes_of(flow.nodes) if flow is not None and flow.nodes is not None else NO_NODES
+    slowing = scene.liquid.density / scene.liquid.viscosity if fast else 0.0
+    thermal = brownian.thermal_energy(motion.temperature)
+    flows = bool(np.any(rates)) or bool(np.any(nodes))
+    return Drift(rates, nodes, frame, flows, thermal, scene.seed, slowing, 0.0, sway_of(scene))
+
+
+def sway_of(scene: FloatingScene) -> Sway:
+    """The motion of the dish."""
+    moved = scene.dish.motion if scene.dish is not None else None
+    if moved is None:
+        return Sway(False, np.zeros(2), np.zeros(2), 0.0, 0.0)
+    heading = np.array([math.cos(moved.direction), math.sin(moved.direction)])
+    turning = 2.0 * math.pi * moved.frequency
+    return Sway(True, np.array(moved.velocity), moved.amplitude * heading, turning, 1.0 - moved.carried)
+
+
+NO_NODES = np.zeros((2, 0, 0)), np.zeros(4)
+
+
+def _nodes_of(nodes: NodesSpec) -> tuple[Array, Array]:
+    """The velocities at the nodes of a table, and the frame of the nodes."""
+    table, low, high = np.array([nodes.vx, nodes.vy]), np.array(nodes.low), np.array(nodes.high)
+    return table, np.concatenate([low, (np.array(table.shape[1:]) - 1.0) / (high - low)])
+
+
+@compiled_inside
+def straight_current(flow: Array, x: float, y: float) -> tuple[float, float]:
+    """The velocity of a flow that is uniform, or linear in the position (m/s)."""
+    return flow[0] + flow[2] * x + flow[3] * y, flow[1] + flow[4] * x + flow[5] * y
+
+
+@compiled
+def current_at(drift: Drift, x: float, y: float) -> tuple[float, float]:
+    """The velocity of the surface (m/s)."""
+    along, across = straight_current(drift.flow, x, y)
+    if drift.nodes.shape[1] > 0:
+        more_along, more_across = between_nodes(drift, x, y)
+        along, across = along + more_along, across + more_across
+    return along, across
+
+
+@compiled
+def between_nodes(drift: Drift, x: float, y: float) -> tuple[float, float]:
+    """The velocity from a table (m/s): bilinear between its nodes, constant beyond its edge."""
+    nodes, frame = drift.nodes, drift.frame
+    last_x, last_y = nodes.shape[1] - 1.0, nodes.shape[2] - 1.0
+    u = min(max((x - frame[0]) * frame[2], 0.0), last_x)
+    v = min(max((y - frame[1]) * frame[3], 0.0), last_y)
+    i, j = int(min(u, last_x - 1.0)), int(min(v, last_y - 1.0))
+    u, v = u - i, v - j
+    low, high = (1.0 - u) * (1.0 - v), u * (1.0 - v)
+    left, right = (1.0 - u) * v, u * v
+    along = low * nodes[0, i, j] + high * nodes[0, i + 1, j] + left * nodes[0, i, j + 1]
+    across = low * nodes[1, i, j] + high * nodes[1, i + 1, j] + left * nodes[1, i, j + 1]
+    return along + right * nodes[0, i + 1, j + 1], across + right * nodes[1, i + 1, j + 1]
+
+
+@compiled
+def add_flow(parameters: Parameters, position: Array, force: Array) -> None:
+    """Add the drag of the flowing surface: zeta u, where u is its velocity at the center of the float."""
+    mass, relaxation = parameters.floats.mass, parameters.floats.relaxation_time
+    for i in range(position.shape[0]):
+        friction, (along, across) = (
+            mass[i] / relaxation[i],
+            current_at(parameters.drift, position[i, 0], position[i, 1]),
+        )
+        force[i, 0] += friction * along
+        force[i, 1] += friction * across

@@ -1,0 +1,241 @@
+"""The table of interactions: forces between floats, and between floats and walls. A scene combines one or more.
+
+A part is a NamedTuple of constants, and its type is the key of its row. `evaluate` adds up the forces of all parts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ecume._jit import composed, each_by_type
+from ecume.engine.neighbors import NeighborLists, sort_positions
+from ecume.laws import dipoles, ellipsoids, ewald, lines, multipole, quadrupoles
+from ecume.models.floating.forces.dipoles import (
+    DipoleMoments,
+    dipole_energies,
+    dipole_forces,
+    dipoles_of,
+    make_sorted_moments,
+    sort_moments,
+)
+from ecume.models.floating.forces.ewald_grid import (
+    Split,
+    make_reference,
+    place_grid,
+    smooth_forces,
+    split_energy,
+    split_lines,
+)
+from ecume.models.floating.forces.films import Films, apply_films, films_of
+from ecume.models.floating.forces.flow_and_noise import add_flow
+from ecume.models.floating.forces.multipoles import (
+    Multipoles,
+    PairTables,
+    correction_energy,
+    correction_forces,
+    corrections_of,
+    kick_multipole_spins,
+    make_multipole_scratch,
+    multipole_energy,
+    multipole_forces,
+    multipoles_of,
+)
+from ecume.models.floating.forces.pair_forces import (
+    Superposed,
+    make_sorted,
+    sort_floats,
+    superposed_energy,
+    superposed_forces,
+    superposed_of,
+)
+from ecume.models.floating.options import Built, Option
+from ecume.models.floating.parameters import Parameters, Parts, Scratch
+from ecume.models.floating.shaped.bodies import Shaped, make_shaped_scratch, shaped_energies, shaped_forces
+from ecume.models.floating.shaped.figures import shapes_of
+from ecume.models.floating.state import State, Workspace, clear
+from ecume.units import Array
+
+if TYPE_CHECKING:
+    from ecume.scenes.floating import FloatingScene
+
+
+def no_scratch(part: Any, parameters: Parameters, state: State, workspace: Workspace) -> Any:
+    """Return an empty workspace."""
+    return ()
+
+
+@composed
+def unsorted(part: Any, own: Any, parameters: Parameters, lists: NeighborLists) -> None:
+    """Do nothing: the part stores nothing in the order of the lists."""
+
+
+@composed
+def no_turning(part: Any, own: Any, parameters: Parameters, state: State, first: bool) -> None:
+    """Do nothing: the forces act through the centers."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Interaction(Option):
+    """A row of the table, and everything that depends on it."""
+
+    slot: str = "interaction"
+    constants: type
+    """the type of the part, a NamedTuple"""
+    make: Callable[[Parameters, FloatingScene], Built]
+    """make(parameters without parts, scene). Raises SceneError"""
+    add_forces: Callable[..., None]
+    """add_forces(part, scratch, parameters, position, lists, force): add to the forces (N, 2)"""
+    energy: Callable[..., tuple[float, float]]
+    """energy(part, scratch, parameters, state, workspace): among floats and at walls (J); forces are minus its
+    gradient
+    """
+    compiled: bool = True
+    """whether compiled code can call `add_forces`; if not, Python runs the time steps"""
+    scratch: Callable[[Any, Parameters, State, Workspace], Any] = no_scratch
+    sort: Callable[..., None] = unsorted
+    """sort(part, scratch, parameters, lists): called after new lists"""
+    kick_spins: Callable[..., None] = no_turning
+    """kick_spins(part, scratch, parameters, state, first): half a kick of the spins, before and after a step"""
+    state: Callable[[Any, State], State] = lambda part, state: state
+    """state(part, state): the state with what the part needs"""
+    inertia: Callable[[Any], Array | None] = lambda part: None
+    """inertia(part): of floats that the part turns (kg m^2), (N,)"""
+    arrays: Callable[[Any], Mapping[str, tuple[Array, str]]] = lambda part: {}
+    """arrays(part): quantities for frames, with units"""
+    lines: Callable[[Any, Parameters], list[tuple[str, str, str]]] = lambda part, parameters: []
+    """lines(part, parameters): further lines of `ecume check`"""
+    pairs_worth: Callable[[Any], float] = lambda part: 0.0
+    """pairs_worth(part): work of a time step in addition to lists, in pairs"""
+    points: Callable[[Any], float] = lambda part: 0.0
+    """points(part): number of grid points, for the estimate of memory"""
+    laws: tuple[Callable[..., Any], ...] = ()
+    """functions whose docstrings name the references that `ecume cite` lists"""
+
+
+def _with_amplitudes(part: Multipoles, state: State) -> State:
+    """Return the state with an array for the multipoles."""
+    return state._replace(amplitudes=np.zeros((len(state.position), 2 * part.rims.response.shape[1])))
+
+
+def _turned(part: Multipoles) -> Array | None:
+    return np.asarray(part.inertia) if len(part.inertia) else None
+
+
+ROUND = frozenset({"round"})
+INTERACTIONS = {
+    "superposition": Interaction(
+        path="interaction.method", name="'superposition'", constants=Superposed, make=superposed_of,
+        add_forces=superposed_forces, energy=superposed_energy, scratch=make_sorted, sort=sort_floats,
+        gives=ROUND | {"pair sum", "shared", "grid", "superposed"},
+    ),
+    "shapes": Interaction(
+        path="floats", name="a float with a shape", constants=Shaped, make=shapes_of, add_forces=shaped_forces,
+        energy=shaped_energies, scratch=make_shaped_scratch, inertia=lambda part: np.asarray(part.inertia),
+        laws=(ellipsoids.ellipsoid_undulation, lines.spread_charges, quadrupoles.quadrupole_energy),
+        needs={
+            "turns bodies": "its drag differs along and across, and kicks must turn it",
+            "superposed": "its charges are superposed",
+            "charges": "its contact line is a set of charges",
+            "point charges": "the wall acts on each of its charges by a formula",
+        },
+    ),
+    "multipole": Interaction(
+        path="interaction.method", name="'multipole'", constants=Multipoles, make=multipoles_of,
+        add_forces=multipole_forces, energy=multipole_energy, scratch=make_multipole_scratch,
+        kick_spins=kick_multipole_spins, state=_with_amplitudes, inertia=_turned,
+        gives=ROUND | {"undulations"}, laws=(multipole.solve,),
+        needs={
+            "menisci": "multipoles are the shape of the liquid's surface",
+            "multipoles": "the surface between floats and wall is solved as a whole",
+        },
+    ),
+    "pair-corrected": Interaction(
+        path="interaction.method", name="'pair-corrected'", constants=PairTables, make=corrections_of,
+        add_forces=correction_forces, energy=correction_energy, gives=ROUND | {"pair sum"}, laws=(multipole.solve,),
+        needs={"menisci": "tables hold what two menisci do beyond their sum"},
+    ),
+    "dipoles": Interaction(
+        path="floats", name="a magnetic moment", constants=DipoleMoments, make=dipoles_of, add_forces=dipole_forces,
+        energy=dipole_energies, scratch=make_sorted_moments, sort=sort_moments,
+        arrays=lambda part: {"magnetic_moment": (part.moment.copy(), "A*m^2")},
+        gives=ROUND | {"pair sum", "undulations", "grid"}, laws=(dipoles.dipole_force,),
+        needs={
+            "reciprocal": "the energy of the dipoles is kept together with that of the law",
+            "round": "a dipole is taken to be at the center, which elongated floats come nearer to than they touch",
+        },
+    ),
+    "grid": Interaction(
+        path="interaction.sum", name="'grid'", constants=Split, make=lambda parameters, scene: Built(()),
+        add_forces=smooth_forces, energy=split_energy, compiled=False, scratch=make_reference, sort=place_grid,
+        lines=split_lines,
+        pairs_worth=lambda part: part.work[1], points=lambda part: part.points, gives=ROUND | {"shared", "superposed"},
+        laws=(ewald.short_energy, ewald.smooth_wave, ewald.grid_error),
+        needs={
+            "menisci": "its waves are those of the liquid's surface",
+            "grid": "pairs are listed only as far as the short-range part reaches",
+        },
+    ),
+}  # fmt: skip
+"""By the name of the choice."""
+
+BY_CONSTANTS: dict[type, Interaction] = {row.constants: row for row in INTERACTIONS.values()}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Resistance(Option):
+    """A row of the table of resistances, which slow floats in addition to drag."""
+
+    slot: str = "resistance"
+    constants: type
+    """the type of the part, a NamedTuple"""
+    make: Callable[[Parameters, FloatingScene], Built]
+    """make(parameters without parts, scene). Raises SceneError"""
+    slow: Callable[..., None]
+    """slow(part, scratch, parameters, state, workspace): change velocities and midstep velocities after a kick"""
+
+
+RESISTANCES = {
+    "films": Resistance(
+        path="motion.films", name="a film", constants=Films, make=films_of, slow=apply_films,
+        needs={
+            "reciprocal": "films keep momentum, and so must the law",
+            "kicks before the drift": "films slow the velocity of a whole kick, which then drifts",
+            "drag": "the friction of a film is a multiple of the drag of its floats",
+            "stokes": "the friction of a film is a multiple of Stokes's drag",
+            "round": "the film between two floats is known for spheres",
+            "lubricated": "a spring would push floats apart without resistance by the film between them",
+        },
+    ),
+}  # fmt: skip
+"""By the name of the choice."""
+
+RESISTANCES_BY_CONSTANTS: dict[type, Resistance] = {row.constants: row for row in RESISTANCES.values()}
+
+add_forces = each_by_type(lambda kind: BY_CONSTANTS[kind].add_forces)
+
+sort_parts = each_by_type(lambda kind: BY_CONSTANTS[kind].sort)
+
+kick_spins = each_by_type(lambda kind: BY_CONSTANTS[kind].kick_spins)
+
+apply_resistances = each_by_type(lambda kind: RESISTANCES_BY_CONSTANTS[kind].slow)
+
+
+@composed
+def evaluate(
+    parts: Parts, scratch: Scratch, parameters: Parameters, position: Array, lists: NeighborLists, force: Array
+) -> None:
+    """The forces on all floats at these positions; the neighbor lists must hold there."""
+    clear(force)
+    sort_positions(lists, position)
+    add_forces(parts.interactions, scratch.interactions, parameters, position, lists, force)
+    if parameters.drift.flows:
+        add_flow(parameters, position, force)
+
+
+def interactions_of(parameters: Parameters) -> list[tuple[Any, Interaction]]:
+    """The parts of the parameters, each with its row."""
+    return [(part, BY_CONSTANTS[type(part)]) for part in parameters.parts.interactions]

@@ -1,0 +1,269 @@
+"""The lines of `ecume check` for a floating scene: numbers that follow from it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from ecume.laws import capillarity, flotation
+from ecume.laws.flotation.rims import greatest_rim_load
+from ecume.models.floating.forces.ewald_grid import Split
+from ecume.models.floating.forces.interactions import interactions_of
+from ecume.models.floating.forces.pair_forces import law_of, row_of, two_floats
+from ecume.models.floating.parameters import Parameters, part_of
+from ecume.models.floating.setup.initial_state import start
+from ecume.models.floating.setup.kinds import FloatKind, float_kinds
+from ecume.models.floating.setup.scene_parameters import checked_parameters, memory_estimate
+from ecume.models.floating.time_integration.step_size import COARSE_OVER_GOOD, UNSTABLE_OVER_GOOD, good_step
+from ecume.models.liquids import liquid_of
+from ecume.scenes.floating import FloatingScene
+
+STEEP = 0.3
+"""Slopes (rad) above which superposition of menisci is inaccurate."""
+
+ODD = 0.05
+"""Tolerated fraction of the force of a pair beyond the superposition of two menisci."""
+
+PER_STEP, PER_FLOAT = 5e-6, 1.2e-6
+"""Seconds per time step, and per float, for separated floats: measured on one core of a small cloud machine."""
+
+PER_PAIR = 6e-9
+"""Seconds per pair of work if there is a grid."""
+
+PER_CONTACT, MOST_CONTACTS = 7e-8, 300
+"""Additional seconds per pair of floats in rafts, whose contacts are solved together, and the largest raft size in this
+estimate. Measured with 60, 150, 300 and 1,000 floats that cover a third of their dish; rafts at rest cost less again.
+"""
+
+Row = tuple[str, str, str]
+
+
+def summary(scene: FloatingScene) -> list[Row]:
+    """Derived numbers: name, value with unit, remark. Raises SceneError if the run could not start."""
+    parameters = checked_parameters(scene)
+    start(scene, parameters)
+    length = liquid_of(scene).capillary_length
+    count = len(parameters.floats.radius)
+    return [
+        ("capillary length", f"{length * 1e3:.4g} mm", "range of a meniscus"),
+        *_summary_of_species(scene),
+        *_summary_of_pairs(parameters),
+        *_summary_of_chance(parameters),
+        *_summary_of_sums(parameters, length),
+        ("floats", str(count), f"{len(scene.kinds)} species"),
+        *_summary_of_steps(parameters, scene),
+        ("memory", f"{memory_estimate(parameters) / 1e6:.3g} MB", "when packed to rafts"),
+    ]
+
+
+def _summary_of_sums(parameters: Parameters, length: float) -> list[Row]:
+    """The cutoff of the pair law, and the method of summation."""
+    split = part_of(parameters, Split)
+    far = split.far if split is not None else parameters.cutoff
+    left = capillarity.neglected_fraction(far / length)
+    cut = f"{far / length:.3g} capillary lengths; {left:.1e} of the attraction of a raft is ignored"
+    lines = [line for part, row in interactions_of(parameters) for line in row.lines(part, parameters)]
+    return [("cutoff", f"{far * 1e3:.4g} mm", cut), *lines]
+
+
+def _summary_of_pairs(parameters: Parameters) -> list[Row]:
+    """The lines of the pair law."""
+    lines = row_of(parameters).check_lines
+    return [] if lines is None else lines(law_of(parameters))
+
+
+def _summary_of_chance(parameters: Parameters) -> list[Row]:
+    """The binding energies of touching pairs, over kT."""
+    thermal, floats = parameters.drift.thermal, parameters.floats
+    row, law = row_of(parameters), law_of(parameters)
+    if thermal == 0.0 or row.energy is None or not row.has_force:
+        return []
+    kinds = np.unique(np.stack([floats.radius, np.abs(floats.charge)]), axis=1).T.tolist()
+    bonds = [
+        -row.energy(2.0 * radius, two_floats(parameters, (radius, radius), (charge, charge)), law) / thermal
+        for radius, charge in kinds
+    ]
+    weak = "below kT: noise separates them, and no rafts form" if min(bonds) < 1.0 else "of two touching floats"
+    return [(row.bond, f"{_numbers(bonds, 3)} kT", weak)]
+
+
+def _summary_of_steps(parameters: Parameters, scene: FloatingScene) -> list[Row]:
+    frames, good = round(scene.duration / scene.frame_every), good_step(parameters, scene)
+    steps = frames * parameters.steps_per_frame
+    summing = PER_PAIR * sum(row.pairs_worth(part) for part, row in interactions_of(parameters))
+    drifting, gathering = ((cost + summing) * steps for cost in seconds_per_step(len(parameters.floats.radius)))
+    return [
+        ("time step", f"{parameters.time_step * 1e3:.4g} ms", _step_remark(parameters.time_step, good)),
+        ("steps", str(steps), f"{frames} frames of {parameters.steps_per_frame} steps"),
+        (
+            "time to run it",
+            _span((_duration(drifting), _duration(gathering))),
+            "roughly, from separated floats to rafts that grow all the time; without compilation",
+        ),
+    ]
+
+
+def _step_remark(time_step: float, good: float) -> str:
+    """The judgment of a time step; `good` is the longest good one."""
+    coarse, refused = 1e3 * COARSE_OVER_GOOD * good, 1e3 * UNSTABLE_OVER_GOOD * good
+    if time_step > COARSE_OVER_GOOD * good:
+        return f"coarse; {1e3 * good:.3g} ms is good, refused above {refused:.3g} ms"
+    return f"good; coarse above {coarse:.3g} ms, refused above {refused:.3g} ms"
+
+
+def _summary_of_species(scene: FloatingScene) -> list[Row]:
+    """The lines of each species; the floats of a table may differ from row to row."""
+    members: dict[str, dict[FloatKind, int]] = {name: {} for name, _ in scene.kinds}
+    owners = [(species.name, species.count) for species in scene.floats]
+    owners += [(row.species_name, 1) for row in scene.rows]
+    for (name, count), kind in zip(owners, float_kinds(scene), strict=True):
+        members[name][kind] = members[name].get(kind, 0) + count
+    return [row for name, found in members.items() for row in _summary_of(name, found, scene)]
+
+
+def _summary_of(name: str, members: dict[FloatKind, int], scene: FloatingScene) -> list[Row]:
+    """The lines of one species: one number if all floats are equal, otherwise the range."""
+    liquid = liquid_of(scene)
+    if any(is_shape(kind) for kind in members):
+        return [row for kind in members for row in _summary_of_shape(name, kind)]
+    if any(isinstance(kind.body, flotation.Disc) for kind in members):
+        return [row for kind in members for row in _summary_of_disc(name, kind, scene)]
+    spheres = [kind.body for kind in members if isinstance(kind.body, flotation.Sphere)]
+    weights = [flotation.dimensionless_weight(sphere, liquid) for sphere in spheres]
+    slopes = [kind.equilibrium.slope_angle for kind in members]
+    rows = [
+        ("Bond number", _numbers(flotation.bond_number(each, liquid) for each in spheres), "(R / capillary length)^2"),
+        (
+            "density ratio",
+            _numbers(flotation.density_ratio(each, liquid) for each in spheres),
+            f"sinks above {_sinking_ratio(spheres[0], liquid):.4g}" if len(members) == 1 else "",
+        ),
+        ("dimensionless weight", _numbers(weights), _by_sign(weights, "press the surface down", "lift the surface")),
+        ("slope at the contact line", f"{_numbers(map(math.degrees, slopes), 3)} deg", _slope_remark(slopes)),
+        _filling(members),
+        _heights(members),
+        _closeness(spheres),
+        _charges(members),
+    ]
+    if len(members) > 1:
+        radii = _numbers(1e3 * sphere.radius for sphere in spheres)
+        rows.insert(0, ("radius", f"{radii} mm", f"{sum(members.values())} floats of {len(members)} kinds"))
+    return [(f"{name}: {what}", value, remark) for what, value, remark in rows]
+
+
+def _filling(members: dict[FloatKind, int]) -> Row:
+    angles = _numbers((math.degrees(kind.equilibrium.filling_angle) for kind in members), 4)
+    return ("filling angle", f"{angles} deg", "from the bottom to the contact line")
+
+
+def _heights(members: dict[FloatKind, int]) -> Row:
+    lines = _numbers((1e3 * kind.equilibrium.contact_height for kind in members), 3)
+    centers = _numbers((1e3 * kind.equilibrium.center_height for kind in members), 3)
+    return ("height of the contact line", f"{lines} mm", f"over the flat surface; of the center: {centers} mm")
+
+
+def _charges(members: Iterable[FloatKind]) -> Row:
+    charges = [kind.charge for kind in members]
+    remark = _by_sign(charges, "heavy: attract the heavy", "light: attract the light") if any(charges) else "none"
+    return ("capillary charge", f"{_numbers(1e6 * charge for charge in charges)} um", remark)
+
+
+def _closeness(spheres: Sequence[flotation.Sphere]) -> Row:
+    """The error of superposition for two equal touching floats."""
+    excess = [flotation.superposition_excess(sphere.contact_angle, 0.0) for sphere in spheres]
+    worst = max(spheres, key=lambda sphere: flotation.superposition_reach(sphere.contact_angle, ODD) * sphere.radius)
+    reach = 2e3 * worst.radius * flotation.superposition_reach(worst.contact_angle, ODD)
+    near = f"at contact; closer than {reach:.2g} mm the attraction exceeds superposition by over {100.0 * ODD:.0f} %"
+    share = _numbers((100.0 * each for each in excess), 2)
+    return (
+        "beyond superposition",
+        f"over {share} %",
+        near if reach > 0.0 else "at contact, above superposition",
+    )
+
+
+def _summary_of_disc(name: str, kind: FloatKind, scene: FloatingScene) -> list[Row]:
+    """A disc: size, load, lean, slope, heights and charge."""
+    disc, slope, liquid = kind.body, kind.equilibrium.slope_angle, liquid_of(scene)
+    assert isinstance(disc, flotation.Disc)  # noqa: S101  # a species is of one kind
+    rows = [
+        ("radius", f"{disc.radius / liquid.capillary_length:.4g}", "over the capillary length"),
+        ("load", f"{1e6 * disc.load:.4g} uN", f"sinks above {1e6 * greatest_rim_load(disc.radius, liquid):.4g} uN"),
+        ("stability", f"{disc.stability:.3g}", "leans with its neighbors" if disc.tilting else "does not lean"),
+        ("slope at the contact line", f"{math.degrees(slope):.3g} deg", _slope_remark([slope])),
+        _heights({kind: 1}),
+        _charges([kind]),
+    ]
+    if scene.interaction.method == "superposition":
+        rows.append(("beyond superposition", "up to tenfold", "pinned rims in rafts; use method = 'multipole'"))
+    return [(f"{name}: {what}", value, remark) for what, value, remark in rows]
+
+
+def is_shape(kind: FloatKind) -> bool:
+    """Whether a kind is neither a sphere nor a disc."""
+    lying = isinstance(kind.body, flotation.Ellipsoid | flotation.HorizontalCylinder)
+    return lying or (kind.figure is not None and len(kind.figure.skeleton.corners) > 0)
+
+
+def _summary_of_shape(name: str, kind: FloatKind) -> list[Row]:
+    """An ellipsoid, a needle, a square or a star: slope, rise, charge, friction."""
+    line, (along, across, _) = kind.figure.line, kind.figure.friction
+    slope = kind.equilibrium.slope_angle
+    rise = "rises" if line.rise > 0.0 else "dips" if line.rise < 0.0 else "level"
+    rows = [
+        ("slope at the contact line", f"{math.degrees(slope):.3g} deg", _slope_remark([slope])),
+        _filling({kind: 1}),
+        _heights({kind: 1}),
+        ("rise of the contact line", f"{1e6 * line.rise:.4g} um", f"{rise} {line.mode} times around"),
+        _charges([kind]),
+        ("friction across over along", f"{across / along:.3g}", "ratio of the friction across and along the float"),
+    ]
+    return [(f"{name}: {what}", value, remark) for what, value, remark in rows]
+
+
+def _sinking_ratio(sphere: flotation.Sphere, liquid: flotation.Liquid) -> float:
+    bond = flotation.bond_number(sphere, liquid)
+    return flotation.sinking_density_ratio(bond_number=bond, contact_angle=sphere.contact_angle)
+
+
+def _by_sign(values: Sequence[float], positive: str, negative: str) -> str:
+    """The remark for positive values, negative values, or both."""
+    above = sum(value > 0 for value in values)
+    if above in (0, len(values)):
+        return positive if above else negative
+    return f"some {positive}, some {negative}"
+
+
+def _slope_remark(slopes: Sequence[float]) -> str:
+    steepest = max(abs(slope) for slope in slopes)
+    return "steep: two of them close together attract more than superposition" if steepest > STEEP else "gentle"
+
+
+def _numbers(values: Iterable[float], digits: int = 4) -> str:
+    """The least and the greatest of some values, or the common value."""
+    ordered = sorted(value + 0.0 for value in values)  # no minus before a zero
+    return _span((f"{ordered[0]:.{digits}g}", f"{ordered[-1]:.{digits}g}"))
+
+
+def _span(ends: tuple[str, str]) -> str:
+    """A range, or one value if both ends are equal.
+
+    >>> _span(("3.1", "4.2")), _span(("4", "4"))
+    ('3.1 to 4.2', '4')
+    """
+    return ends[0] if ends[0] == ends[1] else f"{ends[0]} to {ends[1]}"
+
+
+def seconds_per_step(count: int) -> tuple[float, float]:
+    """Estimated seconds per time step on one core: for separated floats, and for floats that form rafts."""
+    drifting = PER_STEP + PER_FLOAT * count
+    return drifting, drifting + PER_CONTACT * count * min(count, MOST_CONTACTS)
+
+
+def _duration(seconds: float) -> str:
+    for unit, size, below in (("s", 1.0, 100.0), ("min", 60.0, 100.0), ("h", 3600.0, 48.0)):
+        if seconds < size * below:
+            return f"{seconds / size:.2g} {unit}"
+    return f"{seconds / 86400.0:.2g} days"

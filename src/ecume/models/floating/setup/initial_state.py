@@ -1,0 +1,183 @@
+"""The first state: floats at given positions, on lattices and rings, or at random, without overlap."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from ecume.engine.cells import Integers
+from ecume.engine.contact import contacts
+from ecume.engine.neighbors import build, make_lists
+from ecume.engine.placement import Region, place_at_random, place_on_lattice, place_on_ring
+from ecume.engine.walls import Walls, enclosures
+from ecume.errors import BadInput, Fault, SceneError
+from ecume.models.floating.contacts.contact_models import contacts_of, gaps_between
+from ecume.models.floating.forces.interactions import interactions_of
+from ecume.models.floating.parameters import Floats, Parameters
+from ecume.models.floating.state import State, make_state
+from ecume.models.floating.time_integration.integration import inertia_of, list_candidates
+from ecume.units import Array
+
+if TYPE_CHECKING:
+    from ecume.scenes.floating import FloatingScene, FloatSpec
+
+
+OPEN_COVERAGE = 0.15
+"""Without a dish, floats are placed at random in a square, of which they cover this fraction."""
+
+TOUCHING = 1e-3
+"""Overlaps up to this fraction of a radius are accepted: a scene may start from a raft of another run, whose floats
+overlap slightly.
+"""
+
+MOST_FAULTS = 20
+TURNS = 7
+"""Separates the random numbers of angles from those of positions."""
+
+
+class Places(NamedTuple):
+    """The initial position and velocity of each float of the scene; NaN if they are random."""
+
+    position: Array
+    velocity: Array
+
+
+def start(scene: FloatingScene, parameters: Parameters) -> State:
+    """Return the state at time 0. Raises SceneError if floats overlap, are outside, or do not fit."""
+    places = given_places(scene)
+    free = np.isnan(places.position[:, 0])
+    if contacts_of(parameters).gaps is not None:
+        _check_shapes(scene, parameters, places.position, np.flatnonzero(~free))
+    else:
+        _check(scene, parameters, places.position, np.flatnonzero(~free).astype(np.int64))
+    if np.any(free):
+        radius = parameters.floats.radius
+        taken = places.position[~free], radius[~free]
+        try:
+            places.position[free] = place_at_random(radius[free], region_of(parameters), taken, scene.seed)
+        except BadInput as error:
+            raise SceneError([Fault("floats", str(error))]) from None
+    state = make_state(places.position, places.velocity)
+    for part, row in interactions_of(parameters):
+        state = row.state(part, state)
+    return with_angles(contacts_of(parameters).state(state), scene, parameters)
+
+
+def with_angles(state: State, scene: FloatingScene, parameters: Parameters) -> State:
+    """Return the state with angles for floats that turn, given or random."""
+    if inertia_of(parameters) is None:
+        return state
+    angle, spin = initial_angles(scene), np.zeros(len(state.position))
+    spin[len(spin) - len(scene.rows) :] = [row.spin for row in scene.rows]
+    return state._replace(turning=np.stack([angle, spin], axis=1))
+
+
+def initial_angles(scene: FloatingScene) -> Array:
+    """The angles of all floats, given or random."""
+    count = sum(one.count for one in scene.floats)
+    chance = np.random.default_rng([scene.seed, TURNS]).uniform(0.0, 2.0 * math.pi, count + len(scene.rows))
+    turned = [species.shape or species.disc for species in scene.floats]
+    given = [math.nan if one is None or one.angle is None else one.angle for one in turned]
+    listed = np.repeat(given, [one.count for one in scene.floats])
+    listed = np.concatenate([listed, [row.angle for row in scene.rows]])
+    return np.where(np.isnan(listed), chance, listed)
+
+
+def given_places(scene: FloatingScene) -> Places:
+    """The positions and velocities in the scene: first the tables of floats, then the rows."""
+    positions = [_places_of(species) for species in scene.floats]
+    velocities = [_velocities_of(species) for species in scene.floats]
+    if scene.rows:
+        positions.append(np.array([(row.x, row.y) for row in scene.rows]))
+        velocities.append(np.array([(row.vx, row.vy) for row in scene.rows]))
+    return Places(np.concatenate(positions), np.concatenate(velocities))
+
+
+def _velocities_of(species: FloatSpec) -> Array:
+    return np.array(species.velocities) if species.velocities else np.tile(species.velocity, (species.count, 1))
+
+
+def _places_of(species: FloatSpec) -> Array:
+    if species.positions:
+        return np.array(species.positions)
+    if species.placement == "lattice" and species.spacing is not None:
+        return place_on_lattice(species.count, species.spacing, species.center)
+    if species.placement == "ring" and species.ring_radius is not None:
+        return place_on_ring(species.count, species.ring_radius, species.center)
+    return np.full((species.count, 2), np.nan)
+
+
+def region_of(parameters: Parameters) -> Region:
+    """The region in which floats can be placed at random."""
+    low, high = enclosures.bounds(parameters.walls)
+    side = 0.5 * math.sqrt(math.pi * float(np.sum(parameters.floats.radius**2)) / OPEN_COVERAGE)
+    if math.inf in high:
+        low, high = (-side, -side), (side, side)
+    return Region(low, high, parameters.walls)
+
+
+def _check(scene: FloatingScene, parameters: Parameters, position: Array, which: Integers) -> None:
+    """Raise SceneError for floats with given positions that overlap or are outside the dish."""
+    names = float_names(scene)
+    faults = [*_outside(parameters, position, which, names), *_overlapping(parameters.floats, position, which, names)]
+    if faults:
+        more = [Fault("", f"and {len(faults) - MOST_FAULTS} more of these")] if len(faults) > MOST_FAULTS else []
+        raise SceneError(faults[:MOST_FAULTS] + more)
+
+
+def _check_shapes(scene: FloatingScene, parameters: Parameters, position: Array, which: Any) -> None:
+    """The same for shapes with their initial angles."""
+    names, radius, faults = float_names(scene), parameters.floats.radius, []
+    # Floats at random positions are placed far away.
+    far = 4.0 * (np.abs(np.nan_to_num(position)).max() + radius.sum()) * (1.0 + np.arange(len(position)))
+    there = np.where(np.isnan(position), far[:, None], position)
+    for i, j, gap in gaps_between(parameters, there, initial_angles(scene), 0.0):
+        if i in which and (j in which or j >= len(radius)) and -gap > TOUCHING * radius[i]:
+            other = f"{names[j]}" if j < len(radius) else "the dish's wall"
+            faults.append(Fault(names[i], f"overlaps {other} by {-gap:.3g} m"))
+    if faults:
+        raise SceneError(faults[:MOST_FAULTS])
+
+
+def float_names(scene: FloatingScene) -> list[str]:
+    """The path of each float in the scene."""
+    names = [f"floats[{k}].positions[{n}]" for k, species in enumerate(scene.floats) for n in range(species.count)]
+    return names + [f"rows[{k}]" for k in range(len(scene.rows))]
+
+
+def _outside(parameters: Parameters, position: Array, which: Integers, names: list[str]) -> list[Fault]:
+    faults = []
+    for i in which:
+        sunk_in = _into_walls(parameters.walls, position[i], parameters.floats.radius[i])
+        if sunk_in > TOUCHING * parameters.floats.radius[i]:
+            x, y = position[i]
+            faults.append(
+                Fault(
+                    names[i], f"({x:g} m, {y:g} m) is not inside the dish: {sunk_in:.3g} m of the float are in the wall"
+                )
+            )
+    return faults
+
+
+def _into_walls(walls: Walls, place: Array, radius: float) -> float:
+    return radius - min(enclosures.clearances(walls, place), default=math.inf)
+
+
+def _overlapping(floats: Floats, position: Array, which: Integers, names: list[str]) -> list[Fault]:
+    if len(which) < 2:
+        return []
+    places, radius = np.ascontiguousarray(position[which]), floats.radius[which]
+    capacity = 64 * len(which)
+    lists, candidates = make_lists(len(which), 2, capacity), contacts.make_candidates(len(which), capacity)
+    reach = 2.0 * float(radius.max())
+    if not (build(lists, places, reach) and list_candidates(candidates, lists, radius, 0.0)):
+        return [Fault("floats", f"more than {capacity} pairs of floats overlap")]
+    faults = []
+    for i in range(len(which)):
+        for j in candidates.partner[candidates.first[i] : candidates.first[i + 1]]:
+            overlap = radius[i] + radius[j] - math.dist(places[i], places[j])
+            if overlap > TOUCHING * min(radius[i], radius[j]):
+                faults.append(Fault(names[which[i]], f"overlaps {names[which[j]]} by {overlap:.3g} m"))
+    return faults

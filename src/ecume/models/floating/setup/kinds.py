@@ -1,0 +1,184 @@
+"""The kinds of floats of a scene: equilibria, capillary charges, masses and drag."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from ecume.engine.cells import Integers
+from ecume.errors import BadInput, Fault, SceneError
+from ecume.laws import drag, flotation
+from ecume.models.floating.parameters import Floats
+from ecume.models.liquids import liquid_of
+from ecume.units import Array
+
+if TYPE_CHECKING:
+    from ecume.scenes.floating import DiscSpec, FloatingScene, FloatRow, FloatSpec, ShapeSpec
+
+
+class FloatKind(NamedTuple):
+    """One kind of float: its material, and its equilibrium by the laws."""
+
+    body: flotation.Body
+    density: float
+    contact_angle: float
+    """NaN for a disc, whose edge pins the contact line at any angle"""
+    equilibrium: flotation.Equilibrium
+    charge: float
+    mass: float
+    friction: float
+    rim: tuple[int, float] = (2, 0.0)
+    """mode of an undulated rim, and its amplitude (m)"""
+    figure: Any = None
+    """a `shaped.figures.Figure` in scenes where a float has a shape"""
+    radius: float = 0.0
+    """of the circumscribed circle"""
+
+
+def contact_angle_of(given: FloatSpec | FloatRow, liquid: flotation.Liquid) -> float:
+    """The contact angle: given, by Young's law, or by the closure of the original project."""
+    if given.surface_energies is not None:
+        energies = given.surface_energies
+        return flotation.young_contact_angle(
+            solid_gas=energies.solid_gas, solid_liquid=energies.solid_liquid, liquid_gas=liquid.surface_tension
+        )
+    if isinstance(given.contact_angle, str):
+        bare = flotation.Sphere(given.radius, given.density, 0.5 * math.pi)
+        return flotation.closure_contact_angle(
+            bond_number=flotation.bond_number(bare, liquid), density_ratio=flotation.density_ratio(bare, liquid)
+        )
+    assert given.contact_angle is not None  # noqa: S101  # the schema asks for exactly one of the two
+    return given.contact_angle
+
+
+def float_kind(given: FloatSpec | FloatRow, scene: FloatingScene) -> FloatKind:
+    """Return one kind of float. Raises BadInput if it sinks."""
+    liquid = liquid_of(scene)
+    if given.disc is not None:
+        return disc_kind(given, given.disc, scene)
+    if given.shape is not None:
+        return shape_kind(given, given.shape, scene)
+    sphere = flotation.Sphere(given.radius, given.density, contact_angle_of(given, liquid))
+    balance = flotation.equilibrium(sphere, liquid)
+    assert scene.interaction.charge is not None  # noqa: S101  # the scene has filled it in
+    charge = flotation.capillary_charge(sphere, liquid, scene.interaction.charge)
+    factor = float(drag.factor_at_filling(balance.filling_angle))
+    mass = given.density * 4.0 / 3.0 * math.pi * given.radius**3
+    if scene.motion.added_mass:
+        mass += drag.added_mass(given.radius, balance.filling_angle, liquid.density)
+    friction = drag.stokes_friction(given.radius, liquid.viscosity, factor)
+    found = FloatKind(sphere, given.density, sphere.contact_angle, balance, charge, mass, friction, radius=given.radius)
+    return found._replace(figure=_round_figure(found, scene))
+
+
+def disc_kind(given: FloatSpec | FloatRow, disc: DiscSpec, scene: FloatingScene) -> FloatKind:
+    """Return a disc whose contact line is pinned to one of its edges. Raises BadInput if it sinks."""
+    liquid = liquid_of(scene)
+    solid = flotation.VerticalCylinder(given.radius, disc.thickness, given.density, 0.5 * math.pi)
+    body = dataclasses.replace(flotation.disc_of_cylinder(solid, liquid, disc.rim), tilting=disc.tilting)
+    balance = flotation.equilibrium(body, liquid)
+    charge = flotation.capillary_charge(body, liquid, str(scene.interaction.charge))
+    mass = given.density * math.pi * given.radius**2 * disc.thickness
+    friction = drag.disc_friction(given.radius, liquid.viscosity)
+    rim = disc.mode, disc.undulation
+    found = FloatKind(body, given.density, math.nan, balance, charge, mass, friction, rim, radius=given.radius)
+    return found._replace(figure=_round_figure(found, scene))
+
+
+def shape_kind(given: FloatSpec | FloatRow, shape: ShapeSpec, scene: FloatingScene) -> FloatKind:
+    """Return a float with a shape. Raises BadInput if it sinks."""
+    from ecume.models.floating.shaped.figures import Given, floating_shape
+
+    liquid = liquid_of(scene)
+    angle = math.nan if shape.pinned else contact_angle_of(given, liquid)
+    asked = Given(shape, given.radius, given.density, angle, str(scene.interaction.charge))
+    found = floating_shape(asked, liquid)
+    figure = found.figure
+    return FloatKind(
+        body=found.body,
+        density=given.density,
+        contact_angle=angle,
+        equilibrium=found.equilibrium,
+        charge=figure.line.charge,
+        mass=found.mass,
+        friction=min(figure.friction[:2]),
+        figure=figure,
+        radius=given.radius,
+    )
+
+
+def _round_figure(kind: FloatKind, scene: FloatingScene) -> Any:
+    """The figure of a sphere or a disc in a scene with shapes; otherwise None."""
+    if not scene.shaped or not isinstance(kind.body, flotation.Sphere | flotation.Disc):
+        return None
+    from ecume.models.floating.shaped.figures import round_figure
+
+    return round_figure(kind.body, kind.charge, kind.mass, kind.friction)
+
+
+def float_kinds(scene: FloatingScene) -> list[FloatKind]:
+    """The kind of each table and row of the scene. Raises SceneError with all faults."""
+    faults: list[Fault] = []
+    found: list[FloatKind] = []
+    known: dict[Any, FloatKind | BadInput] = {}
+    for where, given in _given(scene):
+        key = (given.radius, given.density, given.contact_angle, given.surface_energies, given.disc, given.shape)
+        if key not in known:
+            try:
+                known[key] = float_kind(given, scene)
+            except BadInput as error:
+                known[key] = error
+        kind = known[key]
+        if isinstance(kind, BadInput):
+            faults.append(Fault(where, str(kind)))
+        else:
+            found.append(kind)
+    if faults:
+        raise SceneError(faults)
+    return found
+
+
+def _given(scene: FloatingScene) -> list[tuple[str, FloatSpec | FloatRow]]:
+    tables = [(f"floats[{k}]", given) for k, given in enumerate(scene.floats)]
+    return [*tables, *((f"rows[{k}]", row) for k, row in enumerate(scene.rows))]
+
+
+def floats_of(scene: FloatingScene) -> Floats:
+    """The properties of all floats: first the tables, then the rows."""
+    kinds = float_kinds(scene)
+    counts = [given.count for _, given in _given(scene)]
+    names = [kind.name for kind in scene.kinds]
+    species = [names.index(given.species_name) for _, given in _given(scene)]
+
+    def each(of: Callable[[FloatKind], float]) -> Array:
+        return np.repeat(np.array([of(kind) for kind in kinds]), counts)
+
+    return Floats(
+        radius=each(lambda kind: kind.radius),
+        mass=each(lambda kind: kind.mass),
+        charge=each(lambda kind: kind.charge),
+        relaxation_time=each(lambda kind: drag.relaxation_time(kind.mass, kind.friction))
+        if scene.motion.drag
+        else np.full(sum(counts), np.inf),
+        density=each(lambda kind: kind.density),
+        contact_angle=each(lambda kind: kind.contact_angle),
+        species=np.repeat(np.array(species, dtype=np.int64), counts),
+    )
+
+
+def moments_of(scene: FloatingScene) -> Array:
+    """The magnetic moments of all floats (A m^2)."""
+    counts = [given.count for _, given in _given(scene)]
+    return np.repeat(np.array([given.magnetic_moment for _, given in _given(scene)]), counts)
+
+
+def distinct_kinds(scene: FloatingScene) -> tuple[list[FloatKind], Integers]:
+    """The distinct kinds of floats, and the number of the kind of each float."""
+    found = float_kinds(scene)
+    counts = [given.count for _, given in _given(scene)]
+    kinds = list(dict.fromkeys(found))
+    return kinds, np.repeat(np.array([kinds.index(kind) for kind in found], dtype=np.int64), counts)

@@ -1,0 +1,379 @@
+"""From a scene to parameters: the names of laws, the rows of the tables that it chooses, their compatibility, and
+memory.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+import psutil
+
+from ecume.engine.walls import wall_count
+from ecume.errors import BadInput, Fault, SceneError
+from ecume.laws import capillarity, flotation, images
+from ecume.laws.contact import legacy_restitution
+from ecume.laws.pair_laws import PAIR_LAWS, Setting
+from ecume.models.floating.contacts.contact_models import CONTACTS, ContactModel, contacts_of
+from ecume.models.floating.forces.ewald_grid import DEEPEST_TOUCH, cut_off, split_of
+from ecume.models.floating.forces.flow_and_noise import drift_of
+from ecume.models.floating.forces.interactions import (
+    BY_CONSTANTS,
+    INTERACTIONS,
+    RESISTANCES,
+    RESISTANCES_BY_CONSTANTS,
+    Interaction,
+    Resistance,
+    interactions_of,
+)
+from ecume.models.floating.forces.pair_forces import NAMES, Superposed, law_in_precision, pair_option, row_of
+from ecume.models.floating.options import Built, Option, faults_of, require_compatible, scene_error
+from ecume.models.floating.parameters import DRAG_LAWS, Parameters, Parts, pack_pair
+from ecume.models.floating.setup.kinds import floats_of, moments_of
+from ecume.models.floating.shaped.bodies import RigidKicks
+from ecume.models.floating.time_integration.integration import EveryRow
+from ecume.models.floating.time_integration.integrators import INTEGRATORS, SCHEMES, Integrator
+from ecume.models.floating.time_integration.step_size import good_step, kick_of, step_of
+from ecume.models.floating.walls.shapes import wall_law_of, wall_strengths, wall_table_of, walls_of
+from ecume.models.floating.walls.wall_laws import is_far_field
+from ecume.models.limits import within_steps
+from ecume.models.liquids import liquid_of
+from ecume.scenes.floating import FloatingScene
+from ecume.units import Array
+
+SLOP = 1e-4
+"""Tolerated overlap, over the smallest radius."""
+
+
+def parameters_of(scene: FloatingScene) -> Parameters:
+    """Return the parameters of a scene. Raises SceneError."""
+    _check_names(scene)
+    chosen = chosen_by(scene)
+    require_compatible(options_of(scene, chosen), TABLES)
+    parameters, requested = _parameters_with(scene, chosen, 1.0), scene.motion.time_step
+    longer = 1.0 if requested is None else requested / good_step(parameters, scene)
+    # Floats that move farther in a step require lists with a longer range.
+    return parameters if longer <= 1.0 else _parameters_with(scene, chosen, longer)
+
+
+def _parameters_with(scene: FloatingScene, chosen: Chosen, longer: float) -> Parameters:
+    """Return parameters with neighbor lists for time steps that are longer by this factor than the default."""
+    plain = _without_parts(scene, chosen, longer)
+    eligible = chosen.grid_allowed and row_of(plain).menisci
+    split = split_of(plain, scene, eligible=eligible) if chosen.sums_menisci else None
+    if split is not None:
+        plain = cut_off(plain, split[1])
+    built = [row.make(plain, scene) for row in chosen.interactions if row is not INTERACTIONS["grid"]]
+    if split is not None:
+        short = Superposed(law_in_precision(plain, split[0].short))
+        built = [Built(short), Built(split[0]), *built[1:]]
+    parts = tuple(each.part for each in built)
+    slowing = [row.make(plain, scene) for row in chosen.resistances]
+    touching = chosen.contacts.make(plain, scene, parts)
+    every = [*built, *slowing, touching]
+    limited = plain._replace(
+        quickest=min(plain.quickest, *(each.quickest for each in every)),
+        stiffer=max(each.stiffer for each in every),
+        reach=max(plain.reach, *(each.reach + plain.skin for each in every)),
+    )
+    timed = limited._replace(**step_of(limited, scene)._asdict())
+    turned = next((found for row, each in zip(chosen.interactions, built, strict=False)
+                   if (found := inertia_by(each.part)) is not None), None)  # fmt: skip
+    contacts = chosen.contacts.at_step(touching.part, timed, turned)
+    integrator = chosen.integrator.constants()
+    if scene.shaped:
+        integrator = RigidKicks(parts[0].inertia, parts[0].friction)
+    return timed._replace(parts=Parts(integrator, parts, tuple(each.part for each in slowing), contacts, EveryRow()))
+
+
+def inertia_by(part: Any) -> Array | None:
+    """The inertia of floats that an interaction turns, or None."""
+    return BY_CONSTANTS[type(part)].inertia(part)
+
+
+def _without_parts(scene: FloatingScene, chosen: Chosen, longer: float) -> Parameters:
+    """Return parameters without parts."""
+    drift = drift_of(scene)
+    floats, liquid = floats_of(scene), liquid_of(scene)
+    length, row = liquid.capillary_length, PAIR_LAWS[str(scene.interaction.law)]
+    cutoff = capillarity.truncation_radius(scene.interaction.accuracy) * length
+    smallest, largest = float(floats.radius.min()), float(floats.radius.max())
+    setting = Setting(length, liquid.surface_tension, 2.0 * DEEPEST_TOUCH * smallest, cutoff + largest)
+    try:
+        law = row.make_constants(setting)
+    except BadInput as error:
+        raise scene_error("floats", str(error)) from None
+    strength = law.strength if row.menisci else 0.0
+    mirrored = scene.dish is not None and scene.dish.image != "none"
+    walls, scheme = walls_of(scene.dish), chosen.integrator.scheme
+    skin = longer * max(0.2 * largest, min(0.4 * length, largest))
+    swings = drift.sway.turning if np.any(drift.sway.amplitude) else 0.0
+    return Parameters(
+        time_step=0.0,
+        steps_per_frame=1,
+        scheme=scheme,
+        floats=floats,
+        kick=kick_of(scheme, 1.0, floats, wall_count(walls)),
+        pair_law=NAMES.index(str(scene.interaction.law)),
+        pair=pack_pair(strength, length, cutoff, liquid.surface_tension, law),
+        cutoff=cutoff,
+        skin=skin,
+        reach=max(cutoff, 2.0 * largest) + skin,
+        walls=walls,
+        wall_law=wall_law_of(scene),
+        wall_strength=wall_strengths(scene, floats),
+        wall_table=wall_table_of(scene, smallest),
+        image_strength=capillarity.pair_strength(liquid.surface_tension, 1.0, 1.0) if mirrored else 0.0,
+        restitution=_restitution(scene),
+        wall_restitution=scene.dish.restitution if scene.dish is not None else 0.0,
+        slop=SLOP * smallest,
+        drift=drift,
+        quickest=1.0 / swings if swings > 0.0 else math.inf,
+        single=scene.interaction.precision == "single",
+    )
+
+
+def _restitution(scene: FloatingScene) -> float:
+    coefficient = scene.contacts.legacy_coefficient
+    return scene.contacts.restitution if coefficient is None else legacy_restitution(coefficient)
+
+
+def _check_names(scene: FloatingScene) -> None:
+    """Raise SceneError for names of laws that are not in the tables."""
+    choices = [
+        ("motion.integrator", scene.motion.integrator, SCHEMES),
+        ("motion.drag_law", scene.motion.drag_law, DRAG_LAWS),
+        ("contacts.law", scene.contacts.law, ("impulse", "spring-dashpot", "none")),
+        ("interaction.law", str(scene.interaction.law), NAMES),
+        ("interaction.charge", str(scene.interaction.charge), tuple(flotation.CHARGES)),
+        ("interaction.method", scene.interaction.method, ("superposition", "pair-corrected", "multipole")),
+        ("interaction.sum", scene.interaction.sum, ("auto", "cells", "grid")),
+        ("interaction.precision", scene.interaction.precision, ("double", "single")),
+    ]
+    if scene.dish is not None:
+        choices.append(("dish.law", str(scene.dish.law), (*capillarity.WALLS, "profile")))
+        choices.append(("dish.image", scene.dish.image, ("none", *images.WALLS)))
+    faults = [
+        Fault(path, f"no such law as {name!r}; {_suggestion(name, known)}")
+        for path, name, known in choices
+        if name not in known
+    ]
+    if faults:
+        raise SceneError(faults)
+
+
+def _suggestion(name: str, known: tuple[str, ...]) -> str:
+    import difflib
+
+    close = difflib.get_close_matches(name, known, 1)
+    return f"did you mean {close[0]!r}?" if close else "there are " + ", ".join(repr(each) for each in known)
+
+
+TABLES: Mapping[str, Iterable[Option]] = {
+    "pair law": [pair_option(name) for name in NAMES],
+    "integrator": list(INTEGRATORS.values()),
+}
+"""Choices by name, for error messages."""
+
+
+class Chosen(NamedTuple):
+    """The rows that a scene chooses."""
+
+    integrator: Integrator
+    interactions: tuple[Interaction, ...]
+    """the first is the base, the others add forces to it"""
+    resistances: tuple[Resistance, ...]
+    contacts: ContactModel
+    """the contacts in the scene; floats with a shape have other contacts"""
+    requested_contacts: ContactModel
+    grid_allowed: bool
+    """whether a grid can be chosen automatically"""
+
+    @property
+    def sums_menisci(self) -> bool:
+        """Whether the base is the sum of a pair law."""
+        return self.interactions[0] is INTERACTIONS["superposition"]
+
+
+def chosen_by(scene: FloatingScene) -> Chosen:
+    """The rows that a scene chooses."""
+    integrator, method = INTEGRATORS[scene.motion.integrator], scene.interaction.method
+    names = ["shapes"] if scene.shaped else []
+    names += ["superposition"] if method == "pair-corrected" and not scene.shaped else []
+    names += [] if method == "superposition" and scene.shaped else [method]
+    names += ["grid"] if scene.interaction.sum == "grid" else []
+    names += ["dipoles"] if np.any(moments_of(scene)) else []
+    films = [RESISTANCES["films"]] if scene.motion.films is not None else []
+    requested = CONTACTS[_contacts_of(scene)]
+    plain = names == ["superposition"] and not films and requested is not CONTACTS["friction"]
+    return Chosen(
+        integrator=integrator,
+        interactions=tuple(INTERACTIONS[name] for name in names),
+        resistances=tuple(films),
+        contacts=CONTACTS["outlines"] if scene.shaped else requested,
+        requested_contacts=requested,
+        # With forces within a step, four sums per step are still less work in compiled code.
+        grid_allowed=plain and "kicks at the ends" in integrator.gives,
+    )
+
+
+def _contacts_of(scene: FloatingScene) -> str:
+    """The contacts of a scene. Raises SceneError for keys that exclude each other."""
+    law, legacy = scene.contacts.law, scene.contacts.legacy_coefficient is not None
+    if law != "spring-dashpot" and scene.contacts.stiffness is not None:
+        raise scene_error("contacts.stiffness", "means something only with contacts.law = 'spring-dashpot'")
+    if scene.rubs and (law != "impulse" or legacy):
+        key = "contacts.friction" if scene.contacts.friction > 0.0 else "dish.friction"
+        raise scene_error(
+            key, "friction needs contacts that are solved as impulses, to which it adds those along the surfaces: "
+            "contacts.law = 'impulse', without a legacy coefficient"
+        )  # fmt: skip
+    if law == "impulse":
+        return "friction" if scene.rubs else "legacy" if legacy else "impulse"
+    return law
+
+
+def options_of(scene: FloatingScene, chosen: Chosen) -> list[Option]:
+    """All options of a scene that have capabilities or needs."""
+    motion, law = scene.motion, str(scene.interaction.law)
+    rows = [chosen.integrator, *chosen.interactions, *chosen.resistances, chosen.requested_contacts]
+    surroundings = [pair_option(law), _drag_of(scene), _wall_of(scene)]
+    active = [
+        (motion.temperature > 0.0, NOISE),
+        (motion.drag_law == DRAG_LAWS[1], FAST_DRAG),
+        (scene.liquid.flow is not None, FLOW),
+        (scene.dish is not None and scene.dish.motion is not None, SWAY),
+        (bool(motion.added_mass), ADDED_MASS),
+        (any(one.disc is not None and one.disc.undulation > 0.0 for one in scene.given), UNDULATION),
+        (_turned_by_menisci(scene), TURNING),
+    ]
+    return [*rows, *surroundings, *(option for there, option in active if there)]
+
+
+NOISE = Option(
+    slot="noise", path="motion.temperature", name="Brownian motion",
+    needs={
+        "no inertia": "only there is the noise of a step a displacement of known variance",
+        "drag": "noise and drag belong together",
+        "round": "the noise of an elongated body differs along and across it",
+        "independent": "floats that share films are moved by noise that is correlated",
+    },
+)  # fmt: skip
+
+FAST_DRAG = Option(
+    slot="drag law", path="motion.drag_law", name="'schiller-naumann'",
+    needs={
+        "drag": "it moves floats by drag",
+        "fast drag": "the drag of a kick follows from the speed at its beginning",
+        "round": "the formula is that of spheres",
+    },
+)  # fmt: skip
+
+FLOW = Option(
+    slot="flow", path="liquid.flow", name="a flowing surface",
+    needs={"drag": "it moves floats by drag", "round": "a current would turn an elongated body"},
+)  # fmt: skip
+
+SWAY = Option(
+    slot="dish", path="dish.motion", name="a dish in motion",
+    needs={
+        "sways": "its acceleration is given by the kicks",
+        "stokes": "its velocity acts by Stokes's drag",
+        "round": "liquid that moves past an elongated body would turn it",
+        "independent": "the liquid between two floats moves with the dish, too",
+    },
+)  # fmt: skip
+
+ADDED_MASS = Option(
+    slot="mass", path="motion.added_mass", name="added mass", needs={"round": "it is known of spheres only"}
+)
+
+UNDULATION = Option(
+    slot="floats", path="interaction.method", name="a disc with an undulation",
+    needs={"undulations": "superposed charges have no direction"},
+)  # fmt: skip
+
+TURNING = Option(
+    slot="floats", path="motion.integrator", name="a float that its meniscus turns",
+    needs={
+        "kicks spins": "its spin goes with the kicks of the velocities",
+        "keeps inertia": "the law for its spin has a moment of inertia",
+    },
+)  # fmt: skip
+
+
+def _turned_by_menisci(scene: FloatingScene) -> bool:
+    undulated = any(one.disc is not None and one.disc.undulation > 0.0 for one in scene.given)
+    return scene.interaction.method == "multipole" and undulated
+
+
+def _drag_of(scene: FloatingScene) -> Option:
+    """The drag of a scene, with its capabilities."""
+    there = scene.motion.drag and scene.liquid.viscosity > 0.0
+    gives = {"drag"} if there else set()
+    gives |= {"stokes"} if scene.motion.drag_law == DRAG_LAWS[0] else set()
+    return Option(
+        slot="drag", path="motion.drag_law", name=repr(scene.motion.drag_law) if there else "no drag",
+        gives=frozenset(gives),
+        needs={},
+    )  # fmt: skip
+
+
+def _wall_of(scene: FloatingScene) -> Option:
+    """The menisci at the walls, with their capabilities."""
+    law = scene.dish.law if scene.dish is not None else None
+    simple = is_far_field(wall_law_of(scene))
+    gives = {"point charges"} if simple else set()
+    gives |= {"multipoles"} if simple and law != "linear" else set()
+    return Option(slot="wall", path="dish.law", name=repr(law), gives=frozenset(gives))
+
+
+ROOMIER = 1.6
+"""Factor by which rows of neighbor lists grow when they are too short."""
+
+BYTES_PER_FLOAT = 1200
+BYTES_PER_NEIGHBOR = 4
+BYTES_PER_POINT = 60
+"""Bytes per grid point: charges, their transform, waves, and two fields."""
+
+
+def checked_parameters(scene: FloatingScene) -> Parameters:
+    """Return the parameters of a scene that fits into memory."""
+    count = len(scene.rows) + sum(species.count for species in scene.floats)
+    # Tested before any allocation: a hundred million floats are typed as quickly as a hundred.
+    _require_memory(count, BYTES_PER_FLOAT * count)
+    parameters = parameters_of(scene)
+    _require_memory(count, memory_estimate(parameters))
+    return within_steps(scene, parameters)
+
+
+def memory_estimate(parameters: Parameters) -> float:
+    """Bytes of a run when the floats form rafts."""
+    count = len(parameters.floats.radius)
+    packed = 0.92 * (parameters.reach / float(parameters.floats.radius.min())) ** 2
+    grid = BYTES_PER_POINT * sum(row.points(part) for part, row in interactions_of(parameters))
+    return grid + count * (BYTES_PER_FLOAT + BYTES_PER_NEIGHBOR * ROOMIER * min(packed, count))
+
+
+def _require_memory(count: int, wanted: float) -> None:
+    there = psutil.virtual_memory().total
+    if wanted > there:
+        raise SceneError(
+            [
+                Fault(
+                    "floats",
+                    f"{count} floats need about {wanted / 1e9:.3g} GB, this machine has {there / 1e9:.3g} GB; "
+                    "use fewer floats, or a larger interaction.accuracy, which shortens the cutoff",
+                )
+            ]
+        )
+
+
+def faults_with(option: Option, parameters: Parameters) -> list[Fault]:
+    """The needs of an option outside the scene (MPI, user laws) that the parts of the parameters do not meet."""
+    rows: list[Option] = [row for _, row in interactions_of(parameters)]
+    rows += [RESISTANCES_BY_CONSTANTS[type(part)] for part in parameters.parts.resistances]
+    rows += [contacts_of(parameters), pair_option(NAMES[parameters.pair_law])]
+    return faults_of([option, *rows], TABLES)

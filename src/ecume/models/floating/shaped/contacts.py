@@ -1,0 +1,145 @@
+"""Contacts of shapes in one step: as those of discs (`ecume.models.floating.contacts.collisions`), with spins."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ecume._jit import compiled
+from ecume.engine.contact import projected_gauss_seidel, warm_start
+from ecume.engine.contact import torque_contacts as touching
+from ecume.engine.contact.projected_gauss_seidel import Goal
+from ecume.engine.contact.torque_contacts import TorqueContacts
+from ecume.engine.contact.warm_start import Memory
+from ecume.engine.outlines import Stance
+from ecume.models.floating.contacts.collisions import (
+    STEADY,
+    TOLERABLE,
+    restitution_of,
+    restitutions_of,
+    share_restitution,
+)
+from ecume.models.floating.parameters import Parameters
+from ecume.models.floating.shaped.bodies import Outlined, ShapedScratch, solver_bodies, store_angles
+from ecume.models.floating.state import COLLISIONS, DEEPEST, SWEEPS, UNCONVERGED, State, Workspace
+from ecume.models.model import CROWDED, DONE
+from ecume.units import Array
+
+
+@compiled
+def require_stops(parameters: Parameters, levers: TorqueContacts, before: Array) -> float:
+    """Require that pairs which collide in this step stop; return the fastest of these approaches."""
+    touching.normal_velocities(levers, before, levers.scratch)
+    slowest, fastest = TOLERABLE * parameters.slop / parameters.time_step, 0.0
+    restitutions = restitutions_of(parameters)
+    for row in range(levers.total[0]):
+        speed, gap = levers.scratch[row], levers.gap[row]
+        comes = speed < -slowest and gap + parameters.time_step * speed < 0.0
+        if restitution_of(restitutions, levers.second[row]) == 0.0:
+            comes = comes and gap < parameters.slop
+        levers.bound[row] = 0.0 if comes else -np.inf
+        if comes:
+            fastest = max(fastest, -speed)
+    return fastest
+
+
+@compiled
+def bounce(own: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """Apply collisions to the midstep velocities: (1 + e) times the impulses that stop all approaches."""
+    of_float = workspace.restitution
+    levers = own.levers
+    fastest = require_stops(parameters, levers, own.before)
+    if fastest <= 0.0:
+        return
+    levers.impulse[:] = 0.0
+    goal = Goal(projected_gauss_seidel.CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
+    state.tally[SWEEPS] += touching.solve(levers, own.before, goal)
+    share_restitution(parameters, levers, of_float)
+    for row in range(levers.total[0]):
+        if levers.impulse[row] > 0.0:
+            state.tally[COLLISIONS] += 1.0
+            levers.impulse[row] *= 1.0 + of_float[levers.first[row]]
+    touching.apply_impulses(levers, levers.impulse, own.midstep_velocity)
+
+
+@compiled
+def solve_contacts(parameters: Parameters, state: State, levers: TorqueContacts, velocity: Array) -> None:
+    """Solve for impulses on `velocity`, starting from those of the previous solve, and store them."""
+    memory = Memory(state.touches, state.touching, state.push)
+    warm_start.recall(touching.contact_keys(levers), memory)
+    touching.normal_velocities(levers, velocity, levers.scratch)
+    fastest = 0.0
+    for row in range(levers.total[0]):
+        fastest = max(fastest, levers.bound[row] - levers.scratch[row])
+    goal = Goal(projected_gauss_seidel.CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
+    if fastest > 0.0:
+        sweeps = touching.solve(levers, velocity, goal)
+        state.tally[SWEEPS] += sweeps
+        state.tally[UNCONVERGED] += 1.0 if sweeps > projected_gauss_seidel.MOST_SWEEPS else 0.0
+    else:
+        levers.impulse[:] = 0.0
+    warm_start.remember(touching.contact_keys(levers), memory)
+
+
+@compiled
+def collide_outlines(
+    part: Outlined, own: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
+) -> None:
+    """Solve collisions, then a plastic solve for the midstep velocities, so that no float overlaps another."""
+    if not part.solved:
+        return
+    bounce(own, parameters, state, workspace)
+    for row in range(own.levers.total[0]):
+        own.levers.bound[row] = -max(own.levers.gap[row], 0.0) / parameters.time_step
+    solve_contacts(parameters, state, own.levers, own.midstep_velocity)
+
+
+@compiled
+def separate_outlines(
+    part: Outlined, own: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
+) -> None:
+    """List the contacts at the new positions, and remove deep overlaps without changing velocities."""
+    if not part.solved:
+        return
+    reach = 2.0 * workspace.travel[0] + parameters.slop
+    stance = Stance(state.position, own.angle, own.corner)
+    bodies, levers = solver_bodies(part, parameters, own), own.levers
+    touching.gather(levers, workspace.candidates, stance, bodies, reach)
+    deepest = touching.deepest_overlap(levers)
+    state.tally[DEEPEST] = max(state.tally[DEEPEST], deepest)
+    if deepest > parameters.slop:
+        touching.separate(levers, workspace.candidates, stance, bodies, parameters.slop)
+        touching.gather(levers, workspace.candidates, stance, bodies, reach)
+    store_angles(own, state)
+
+
+@compiled
+def constrain_outline_velocities(
+    part: Outlined, own: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
+) -> None:
+    """Solve contacts for the velocity at the end of the step; `before` is the velocity without the kick.
+
+    A faster approach than by the kick alone is a collision of the next step.
+    """
+    if not part.solved:
+        return
+    levers = own.levers
+    touching.normal_velocities(levers, own.before, levers.change)
+    touching.normal_velocities(levers, own.midstep_velocity, levers.scratch)
+    for row in range(levers.total[0]):
+        lasting = levers.change[row] >= -STEADY * abs(levers.scratch[row] - levers.change[row])
+        levers.bound[row] = -max(levers.gap[row], 0.0) / parameters.time_step if lasting else -np.inf
+    solve_contacts(parameters, state, levers, own.midstep_velocity)
+
+
+@compiled
+def find_outline_contacts(
+    part: Outlined, own: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace
+) -> int:
+    """List the contacts that are possible in this step; `CROWDED` if there is no room."""
+    if not part.solved:
+        return DONE
+    stance = Stance(state.position, own.angle, own.corner)
+    # Twice the travel for a head-on pair, and twice again for floats that others push.
+    reach = 4.0 * workspace.travel[0] + parameters.slop
+    room = touching.gather(own.levers, workspace.candidates, stance, solver_bodies(part, parameters, own), reach)
+    return DONE if room else CROWDED

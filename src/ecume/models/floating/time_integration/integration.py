@@ -1,0 +1,283 @@
+"""One time step, and many of them.
+
+Kick, contacts, drift, forces, kick, contacts: velocity Verlet with unilateral constraints, as RATTLE is velocity
+Verlet with bilateral ones. The first contact solve acts on the midstep velocity, so that no float overlaps another
+after the step; the second acts on the velocity at its end, so that touching floats are at rest if no force moves
+them. Other schemes define their own midstep velocity and kick.
+
+The chosen parts of a scene are in `Parts`: an integrator, interactions, resistances and contacts. The types of these
+parts select the functions of their rows when the step is compiled.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from ecume._jit import compiled, compiled_inside, composed, plainly, selected
+from ecume.engine.cells import Integers
+from ecume.engine.contact.contacts import Candidates
+from ecume.engine.neighbors import NeighborLists, build, farthest_move
+from ecume.models.floating.contacts.contact_models import (
+    contacts_after_drift,
+    contacts_at_end,
+    contacts_before_drift,
+    contacts_of,
+    find_contacts,
+)
+from ecume.models.floating.forces.interactions import (
+    BY_CONSTANTS,
+    apply_resistances,
+    evaluate,
+    interactions_of,
+    kick_spins,
+    sort_parts,
+)
+from ecume.models.floating.parameters import Kick, Parameters, Parts, Scratch
+from ecume.models.floating.shaped.bodies import RigidKicks
+from ecume.models.floating.state import State, Workspace, copy_rows
+from ecume.models.floating.time_integration.energy_budget import add_heat, add_work, is_driven
+from ecume.models.floating.time_integration.integrators import begin, bound_travel, finish, move, predict, store
+from ecume.models.model import CROWDED, DIVERGED, DONE
+from ecume.units import Array
+
+
+@compiled
+def find_pairs(
+    lists: NeighborLists, slots: tuple[int, int], radius: Array, skin: float, room: int
+) -> tuple[Integers, Integers]:
+    """Pairs of some slots and later slots that may touch while the lists are valid: the lower number of each pair, and
+    the higher. One more pair than there is room for if there are too many.
+    """
+    order, rows, widest, found = lists.cells.order, lists.rows, radius.max(), 0
+    x, y = rows.sorted_position[0], rows.sorted_position[1]
+    first, later, neighbor = rows.first, rows.later, rows.neighbor
+    lower, higher = np.empty(room + 1, np.int64), np.empty(room + 1, np.int64)
+    for slot in range(slots[0], slots[1]):
+        i, own_x, own_y = order[slot], x[slot], y[slot]
+        farthest = (radius[i] + widest + skin) ** 2
+        for place in range(later[slot], first[slot + 1]):
+            other = np.uint64(neighbor[place])
+            along, across = x[other] - own_x, y[other] - own_y
+            square = along * along + across * across
+            if square <= farthest:
+                j = order[other]
+                within = radius[i] + radius[j] + skin
+                if square < within * within:
+                    lower[found], higher[found] = min(i, j), max(i, j)
+                    found += 1
+                    if found > room:
+                        return lower, higher
+    return lower[:found], higher[:found]
+
+
+@compiled
+def list_candidates(candidates: Candidates, lists: NeighborLists, radius: Array, skin: float) -> bool:
+    """List pairs that may touch while the lists are valid, ordered by i, then j. False when there is no room."""
+    room = len(candidates.partner)
+    lower, higher = find_pairs(lists, (0, len(radius)), radius, skin, room)
+    if len(lower) > room:
+        return False
+    sort_pairs(candidates, lower, higher)
+    return True
+
+
+@compiled
+def sort_pairs(candidates: Candidates, lower: Integers, higher: Integers) -> None:
+    """Store pairs ordered by the lower number, then by the higher."""
+    starts, partner, count = candidates.first, candidates.partner, len(candidates.first) - 1
+    for i in range(count + 1):
+        starts[i] = 0
+    for i in lower:
+        starts[i + 1] += 1
+    for i in range(count):
+        starts[i + 1] += starts[i]
+    # From the end, so that each start moves down by the number of stored pairs.
+    ends = starts[1:].copy()
+    for number in range(len(lower)):
+        i, j = lower[number], higher[number]
+        ends[i] -= 1
+        partner[ends[i]] = j
+    for i in range(count):
+        _ascend(partner, starts[i], starts[i + 1])
+
+
+@compiled_inside
+def _ascend(values: Integers, begin: int, end: int) -> None:
+    """Sort a few values by insertion."""
+    for place in range(begin + 1, end):
+        value, spot = values[place], place
+        while spot > begin and values[spot - 1] > value:
+            values[spot] = values[spot - 1]
+            spot -= 1
+        values[spot] = value
+
+
+class EveryRow(NamedTuple):
+    """Neighbor lists of all floats, made by this process."""
+
+
+@composed
+def renew_lists(
+    part: EveryRow, parts: Parts, scratch: Scratch, parameters: Parameters, reference: Array, workspace: Workspace
+) -> bool:
+    """Make neighbor lists and candidates at the reference positions. False when there is no room."""
+    if not build_all(parameters, reference, workspace.lists, workspace.candidates):
+        return False
+    sort_parts(parts.interactions, scratch.interactions, parameters, workspace.lists)
+    return True
+
+
+@compiled
+def build_all(parameters: Parameters, reference: Array, lists: NeighborLists, candidates: Candidates) -> bool:
+    """Make neighbor lists and candidates. False when there is no room."""
+    if not build(lists, reference, parameters.reach):
+        return False
+    if not list_candidates(candidates, lists, parameters.floats.radius, parameters.skin):
+        lists.valid[0] = 0
+        return False
+    return True
+
+
+LISTS: dict[type, Callable[..., bool]] = {EveryRow: renew_lists}
+"""How lists are made, by the type of the part."""
+
+renew = selected(lambda kind: LISTS[kind])
+
+
+@compiled
+def highest_speed(kick: Kick, velocity: Array, force: Array) -> float:
+    """The highest possible midstep speed of any float, without contacts; NaN if any speed is NaN."""
+    fastest = 0.0
+    for i in range(velocity.shape[0]):
+        # A velocity that drag stops at once moves no float.
+        speed = math.sqrt(velocity[i, 0] ** 2 + velocity[i, 1] ** 2) if kick.decay[i] > 0.0 else 0.0
+        speed += kick.gain[i] * math.sqrt(force[i, 0] ** 2 + force[i, 1] ** 2)
+        # Written so that a NaN is kept.
+        if fastest == fastest and not speed <= fastest:
+            fastest = speed
+    return fastest
+
+
+@composed
+def keep_lists(parts: Parts, scratch: Scratch, parameters: Parameters, state: State, workspace: Workspace) -> int:
+    """Make new lists before the old ones become invalid; only the reference positions of the state change."""
+    status = list_status(parameters, state, workspace)
+    if status != CROWDED:
+        return status
+    copy_rows(workspace.stages[0], state.reference)
+    copy_rows(state.reference, state.position)
+    if not renew(parts.lists, parts, scratch, parameters, state.reference, workspace):
+        copy_rows(state.reference, workspace.stages[0])
+        return CROWDED
+    return DONE
+
+
+@compiled_inside
+def list_status(parameters: Parameters, state: State, workspace: Workspace) -> int:
+    """Return `DONE` if lists are valid for another step, `CROWDED` if not, `DIVERGED` if no list can be."""
+    ahead = parameters.time_step * highest_speed(parameters.kick, state.velocity, workspace.force)
+    ahead += parameters.drift.jump
+    moved = farthest_move(state.position, state.reference)
+    workspace.travel[0] = ahead
+    if not ahead <= 0.25 * parameters.skin:
+        return DIVERGED
+    return CROWDED if moved + ahead > 0.25 * parameters.skin else DONE
+
+
+@composed
+def step(parts: Parts, scratch: Scratch, parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """Advance by one time step."""
+    kick_spins(parts.interactions, scratch.interactions, parameters, state, True)
+    copy_rows(workspace.before, state.velocity)
+    predict(parts.integrator, parts, scratch, parameters, state, workspace)
+    apply_resistances(parts.resistances, scratch.resistances, parameters, state, workspace)
+    contacts_before_drift(parts.contacts, scratch.contacts, parameters, state, workspace)
+    driven = is_driven(parameters)
+    if driven:
+        add_work(parameters, state, workspace.midstep_velocity)
+        add_heat(parameters, state, workspace)
+    move(parts.integrator, scratch.integrator, parameters, state, workspace)
+    contacts_after_drift(parts.contacts, scratch.contacts, parameters, state, workspace)
+    if parameters.scheme.forces_at_end:
+        evaluate(parts, scratch, parameters, state.position, workspace.lists, workspace.force)
+    if driven:
+        add_heat(parameters, state, workspace)
+    finish(parts.integrator, scratch.integrator, parameters, state, workspace)
+    if parameters.scheme.contacts_at_end:
+        contacts_at_end(parts.contacts, scratch.contacts, parameters, state, workspace)
+    store(parts.integrator, scratch.integrator, state)
+    kick_spins(parts.interactions, scratch.interactions, parameters, state, False)
+    state.step[0] += 1
+
+
+@compiled
+def integrate(
+    parts: Parts, scratch: Scratch, parameters: Parameters, state: State, workspace: Workspace, steps: int
+) -> int:
+    """Advance by that many steps: see `ecume.models.model.Model.advance`. `parameters` and `workspace` have no parts,
+    so that code which does not depend on them is compiled once.
+    """
+    begin(parts.integrator, scratch.integrator, parameters, state)
+    if workspace.ready[0] == 0 and parameters.scheme.forces_at_end:
+        evaluate(parts, scratch, parameters, state.position, workspace.lists, workspace.force)
+    workspace.ready[0] = 1
+    for _ in range(steps):
+        status = keep_lists(parts, scratch, parameters, state, workspace)
+        if status == DONE:
+            status = bound_travel(parts.integrator, scratch.integrator, parameters, state, workspace)
+        if status == DONE:
+            status = find_contacts(parts.contacts, scratch.contacts, parameters, state, workspace)
+        if status != DONE:
+            return status
+        step(parts, scratch, parameters, state, workspace)
+        if not farthest_move(state.position, state.reference) <= 0.5 * parameters.skin:
+            return DIVERGED
+    return DONE
+
+
+def advance(parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
+    """See `ecume.models.model.Model.advance`. Compiled code runs all steps if it can call every part; otherwise
+    Python runs the same text, step by step, around compiled parts.
+    """
+    return advance_with(parameters.parts, parameters, state, workspace, steps)
+
+
+def advance_with(parts: Parts, parameters: Parameters, state: State, workspace: Workspace, steps: int) -> int:
+    """Advance with these parts instead of those of the parameters."""
+    run = integrate if all(BY_CONSTANTS[type(part)].compiled for part in parts.interactions) else plainly(integrate)
+    bare, scratch = parameters._replace(parts=()), workspace.scratch
+    return run(parts, scratch, bare, state, workspace._replace(scratch=()), steps)
+
+
+def forces_at(parameters: Parameters, position: Array, workspace: Workspace) -> Array:
+    """The forces on all floats (N, 2) at these positions, where the lists must be valid; kept in the workspace."""
+    bare = parameters._replace(parts=())
+    evaluate(parameters.parts, workspace.scratch, bare, position, workspace.lists, workspace.force)
+    return workspace.force
+
+
+def make_scratch(parameters: Parameters, state: State, workspace: Workspace) -> Scratch:
+    """Allocate the workspaces of all parts."""
+    parts = parameters.parts
+    own = tuple(row.scratch(part, parameters, state, workspace) for part, row in interactions_of(parameters))
+    touching = contacts_of(parameters).scratch(parts.contacts, parameters, state, workspace, own)
+    return Scratch(
+        own[0] if isinstance(parts.integrator, RigidKicks) else (), own, ((),) * len(parts.resistances), touching
+    )
+
+
+def fill_lists(parameters: Parameters, state: State, workspace: Workspace) -> bool:
+    """Make the lists of a new workspace at the reference positions. False when there is no room."""
+    bare, parts, scratch = parameters._replace(parts=()), parameters.parts, workspace.scratch
+    return bool(renew_lists(EveryRow(), parts, scratch, bare, state.reference, workspace._replace(scratch=())))
+
+
+def inertia_of(parameters: Parameters) -> Array | None:
+    """The moments of inertia of floats that turn (kg m^2), (N,); None if no float turns."""
+    by_contacts = contacts_of(parameters).inertia(parameters.parts.contacts)
+    found = [by_contacts, *(row.inertia(part) for part, row in interactions_of(parameters))]
+    return next((each for each in found if each is not None), None)

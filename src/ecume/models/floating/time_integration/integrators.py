@@ -1,0 +1,305 @@
+"""The table of integrators: kick, drag and drift of a time step without contacts."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from ecume._jit import admit, compiled, compiled_inside, composed, selected
+from ecume.engine.philox import counter_of, normals
+from ecume.laws import brownian, dish_motion, drag
+from ecume.laws.brownian import diffusivity
+from ecume.laws.dish_motion import left_behind, sway_acceleration, sway_velocity
+from ecume.laws.drag import schiller_naumann_factor
+from ecume.models.floating.forces.flow_and_noise import current_at
+from ecume.models.floating.forces.interactions import evaluate
+from ecume.models.floating.options import Option
+from ecume.models.floating.parameters import Kick, Parameters, Parts, Scheme, Scratch
+from ecume.models.floating.shaped.bodies import RigidKicks
+from ecume.models.floating.shaped.rigid_motion import (
+    begin_rigid,
+    bound_rigid_travel,
+    finish_rigid,
+    move_rigid,
+    predict_rigid,
+    store_rigid,
+)
+from ecume.models.floating.state import State, Workspace, advance_rows, clear, copy_rows
+from ecume.models.model import DONE
+from ecume.units import Array
+
+admit(brownian, drag, dish_motion)
+
+
+@compiled
+def apply_kick(kick: Kick, velocity: Array, force: Array) -> None:
+    """Change velocities by drag and a force that is constant during the kick, solved exactly."""
+    decay, gain = kick.decay, kick.gain
+    for i in range(force.shape[0]):
+        velocity[i, 0] = decay[i] * velocity[i, 0] + gain[i] * force[i, 0]
+        velocity[i, 1] = decay[i] * velocity[i, 1] + gain[i] * force[i, 1]
+
+
+@compiled_inside
+def kick_floats(parameters: Parameters, state: State, force: Array, ahead: float) -> None:
+    """Apply a kick with the drag law of the scene and a moving dish, `ahead` steps from now."""
+    if parameters.drift.thickness > 0.0:
+        apply_nonlinear_kick(parameters, state, force)
+    else:
+        apply_kick(parameters.kick, state.velocity, force)
+    if parameters.drift.sway.moves:
+        add_dish_motion(parameters, state, (state.step[0] + ahead) * parameters.time_step)
+
+
+@compiled
+def add_dish_motion(parameters: Parameters, state: State, time: float) -> None:
+    """Change velocities by the motion of the dish, in its frame; without inertia only its velocity acts."""
+    sway, floats, gain, velocity = parameters.drift.sway, parameters.floats, parameters.kick.gain, state.velocity
+    for axis in range(2):
+        speed = sway.velocity[axis] + sway_velocity(sway.amplitude[axis], sway.turning, time)
+        change = sway_acceleration(sway.amplitude[axis], sway.turning, time)
+        change = change if parameters.scheme.inertia else 0.0
+        for i in range(velocity.shape[0]):
+            friction = floats.mass[i] / floats.relaxation_time[i]
+            velocity[i, axis] += gain[i] * left_behind(floats.mass[i], friction, change, speed, sway.slip)
+
+
+@compiled
+def apply_nonlinear_kick(parameters: Parameters, state: State, force: Array) -> None:
+    """Apply a kick with a drag coefficient that depends on the speed at the beginning of the kick."""
+    floats, velocity = parameters.floats, state.velocity
+    time = 0.5 * parameters.time_step if parameters.scheme.half_kicks else parameters.time_step
+    for i in range(force.shape[0]):
+        friction = floats.mass[i] / floats.relaxation_time[i]
+        along, across = current_at(parameters.drift, state.position[i, 0], state.position[i, 1])
+        speed = math.sqrt((velocity[i, 0] - along) ** 2 + (velocity[i, 1] - across) ** 2)
+        faster = schiller_naumann_factor(2.0 * floats.radius[i] * speed * parameters.drift.thickness)
+        decay = math.exp(-time * faster / floats.relaxation_time[i])
+        # The terminal velocity of force and flow; the force contains Stokes's part of the flow.
+        last_x = along + (force[i, 0] - friction * along) / (friction * faster)
+        last_y = across + (force[i, 1] - friction * across) / (friction * faster)
+        velocity[i, 0] = last_x + decay * (velocity[i, 0] - last_x)
+        velocity[i, 1] = last_y + decay * (velocity[i, 1] - last_y)
+
+
+@compiled
+def accelerate(parameters: Parameters, velocity: Array, force: Array, acceleration: Array) -> None:
+    """Compute accelerations F/m - v/tau."""
+    mass, relaxation = parameters.floats.mass, parameters.floats.relaxation_time
+    for i in range(force.shape[0]):
+        acceleration[i, 0] = force[i, 0] / mass[i] - velocity[i, 0] / relaxation[i]
+        acceleration[i, 1] = force[i, 1] / mass[i] - velocity[i, 1] / relaxation[i]
+
+
+@compiled
+def add_noise(parameters: Parameters, velocity: Array, step: int) -> None:
+    """Add Brownian motion to the velocities: a normal displacement of variance 2 kT/zeta dt along each axis."""
+    gain, time = parameters.kick.gain, parameters.time_step
+    for i in range(velocity.shape[0]):
+        far = math.sqrt(2.0 * diffusivity(parameters.drift.thermal, 1.0 / gain[i]) / time)
+        along, across = normals(counter_of(i, step, 0), parameters.drift.seed)
+        velocity[i, 0] += far * along
+        velocity[i, 1] += far * across
+
+
+class Kicks(NamedTuple):
+    """Schemes of kicks and drift, in the order of `Parameters.scheme`."""
+
+
+class RungeKutta(NamedTuple):
+    """The classical scheme of fourth order."""
+
+
+class Stoermer(NamedTuple):
+    """Stoermer's scheme: drift, kick, drift."""
+
+
+@composed
+def predict_kicked(
+    part: Kicks, parts: Parts, scratch: Scratch, parameters: Parameters, state: State, workspace: Workspace
+) -> None:
+    """Compute velocities after their kick, and the midstep velocities."""
+    kick_before_drift(parameters, state, workspace)
+
+
+@compiled_inside
+def kick_before_drift(parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """Compute velocities after their kick, and the midstep velocities."""
+    if parameters.scheme.drifts_first:
+        copy_rows(workspace.midstep_velocity, state.velocity)
+        kick_floats(parameters, state, workspace.force, 0.5)
+    else:
+        kick_floats(parameters, state, workspace.force, 0.0 if parameters.scheme.half_kicks else 0.5)
+        if parameters.drift.thermal > 0.0:
+            add_noise(parameters, state.velocity, int(state.step[0]))
+        copy_rows(workspace.midstep_velocity, state.velocity)
+
+
+@composed
+def predict_runge_kutta(
+    part: RungeKutta, parts: Parts, scratch: Scratch, parameters: Parameters, state: State, workspace: Workspace
+) -> None:
+    """The classical scheme of fourth order, including drag: positions and velocities change by weighted means of four
+    stages.
+    """
+    time, midstep_velocity, stages = parameters.time_step, workspace.midstep_velocity, workspace.stages
+    position, velocity, rate, slope, push = stages[0], stages[1], stages[2], stages[3], stages[4]
+    clear(midstep_velocity)
+    clear(rate)
+    copy_rows(push, workspace.force)
+    copy_rows(velocity, state.velocity)
+    for stage in range(4):
+        if stage > 0:
+            ahead = time if stage == 3 else 0.5 * time
+            copy_rows(position, state.position)
+            advance_rows(position, velocity, ahead)
+            copy_rows(velocity, state.velocity)
+            advance_rows(velocity, slope, ahead)
+            evaluate(parts, scratch, parameters, position, workspace.lists, push)
+        accelerate(parameters, velocity, push, slope)
+        weight = 1.0 / 6.0 if stage in (0, 3) else 1.0 / 3.0
+        advance_rows(midstep_velocity, velocity, weight)
+        advance_rows(rate, slope, weight)
+    advance_rows(state.velocity, rate, time)
+
+
+@composed
+def predict_stoermer(
+    part: Stoermer, parts: Parts, scratch: Scratch, parameters: Parameters, state: State, workspace: Workspace
+) -> None:
+    """Drift, kick, drift: the midpoints obey x(t+dt) = 2 x(t) - x(t-dt) + dt^2 a. There is no force between steps."""
+    midstep_velocity, middle = workspace.midstep_velocity, workspace.stages[0]
+    copy_rows(midstep_velocity, state.velocity)
+    copy_rows(middle, state.position)
+    advance_rows(middle, state.velocity, 0.5 * parameters.time_step)
+    evaluate(parts, scratch, parameters, middle, workspace.lists, workspace.force)
+    apply_kick(parameters.kick, state.velocity, workspace.force)
+    average_rows(midstep_velocity, state.velocity)
+
+
+@compiled
+def average_rows(rows: Array, others: Array) -> None:
+    """Replace each row by the mean of it and the row of `others`."""
+    for i in range(len(others)):
+        rows[i, 0] = 0.5 * (rows[i, 0] + others[i, 0])
+        rows[i, 1] = 0.5 * (rows[i, 1] + others[i, 1])
+
+
+@compiled
+def finish_kicked(part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """Apply the second half kick, if the scheme has one."""
+    if parameters.scheme.half_kicks:
+        kick_floats(parameters, state, workspace.force, 1.0)
+
+
+@composed
+def finish_runge_kutta(part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """Do nothing: the velocities are complete."""
+
+
+@compiled
+def finish_stoermer(part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """Clear the force at the midpoint, so that it does not affect the travel bound of the next step."""
+    clear(workspace.force)
+
+
+@compiled
+def drift_straight(part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
+    """Advance positions with the midstep velocities."""
+    advance_rows(state.position, workspace.midstep_velocity, parameters.time_step)
+
+
+@composed
+def no_preparation(part: Any, scratch: Any, parameters: Parameters, state: State) -> None:
+    """Do nothing: discs and spheres need no preparation."""
+
+
+@composed
+def no_more_travel(part: Any, scratch: Any, parameters: Parameters, state: State, workspace: Workspace) -> int:
+    """Return `DONE`: discs and spheres travel as far as their centers."""
+    return DONE
+
+
+@composed
+def no_storage(part: Any, scratch: Any, state: State) -> None:
+    """Do nothing: the velocities are in the state."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Integrator(Option):
+    """A row of the table of integrators, and everything that depends on it."""
+
+    scheme: Scheme
+    constants: type
+    """the type of the part, a NamedTuple"""
+    predict: Callable[..., None]
+    """predict(part, parts, scratch, parameters, state, workspace): velocities and midstep velocities"""
+    finish: Callable[..., None] = finish_kicked
+    """finish(part, scratch, parameters, state, workspace): the rest of the kick, with the forces at the end"""
+    move: Callable[..., None] = drift_straight
+    """move(part, scratch, parameters, state, workspace): the drift"""
+    begin: Callable[..., None] = no_preparation
+    """begin(part, scratch, parameters, state): complete a new workspace"""
+    bound_travel: Callable[..., int] = no_more_travel
+    """bound_travel(part, scratch, parameters, state, workspace): add to `workspace.travel`; DONE or DIVERGED"""
+    store: Callable[..., None] = no_storage
+    """store(part, scratch, state): write velocities into the state at the end of a step"""
+
+
+KICK_CAPABILITIES = frozenset({"kicks at the ends", "fast drag", "sways", "kicks spins", "keeps inertia"})
+
+
+def _row(name: str, scheme: Scheme, gives: frozenset[str], **rest: Any) -> Integrator:
+    given: dict[str, Any] = {"constants": Kicks, "predict": predict_kicked} | rest
+    return Integrator(slot="integrator", path="motion.integrator", name=repr(name), gives=gives, scheme=scheme, **given)
+
+
+INTEGRATORS = {
+    "velocity-verlet": _row(
+        "velocity-verlet", Scheme(True, True, False, True, True), KICK_CAPABILITIES | {"springs", "turns bodies"}
+    ),
+    "explicit-euler": _row("explicit-euler", Scheme(False, True, True, True, True), KICK_CAPABILITIES),
+    "stormer-verlet": _row(
+        "stormer-verlet", Scheme(False, True, False, True, False), frozenset({"keeps inertia"}),
+        constants=Stoermer, predict=predict_stoermer, finish=finish_stoermer,
+    ),
+    "semi-implicit-euler": _row(
+        "semi-implicit-euler", Scheme(False, True, False, False, True),
+        KICK_CAPABILITIES | {"springs", "turns bodies", "kicks before the drift"},
+    ),
+    "rk4": _row(
+        "rk4", Scheme(False, True, False, True, True), frozenset({"keeps inertia"}),
+        constants=RungeKutta, predict=predict_runge_kutta, finish=finish_runge_kutta,
+    ),
+    "overdamped": _row(
+        "overdamped", Scheme(False, False, False, False, True),
+        frozenset({"kicks at the ends", "sways", "kicks spins", "springs", "turns bodies", "kicks before the drift",
+                   "no inertia"}),
+        needs={"drag": "without inertia, drag alone says how fast a force moves a float"},
+    ),
+}  # fmt: skip
+"""The choices of `motion.integrator`."""
+
+SCHEMES = tuple(INTEGRATORS)
+RIGID = Integrator(
+    slot="rigid integrator", path="floats", name="a float with a shape", scheme=Scheme(True, True, False, True, True),
+    constants=RigidKicks, predict=predict_rigid, finish=finish_rigid, move=move_rigid, begin=begin_rigid,
+    bound_travel=bound_rigid_travel, store=store_rigid,
+)  # fmt: skip
+"""Replaces the functions of an integrator for floats with a shape."""
+
+BY_CONSTANTS: dict[type, Integrator] = {row.constants: row for row in (*INTEGRATORS.values(), RIGID)}
+
+predict = selected(lambda kind: BY_CONSTANTS[kind].predict)
+
+finish = selected(lambda kind: BY_CONSTANTS[kind].finish)
+
+move = selected(lambda kind: BY_CONSTANTS[kind].move)
+
+begin = selected(lambda kind: BY_CONSTANTS[kind].begin)
+
+bound_travel = selected(lambda kind: BY_CONSTANTS[kind].bound_travel)
+
+store = selected(lambda kind: BY_CONSTANTS[kind].store)

@@ -1,0 +1,220 @@
+"""The time step: the longest good one by the stiffness of forces and the speed of floats, and the scene's own."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from ecume.engine.walls import enclosures
+from ecume.models.floating.forces.flow_and_noise import drift_of
+from ecume.models.floating.forces.pair_forces import law_of, row_of, two_floats
+from ecume.models.floating.options import scene_error
+from ecume.models.floating.parameters import CAPILLARY_LENGTH, Drift, Floats, Kick, Parameters, Scheme
+from ecume.models.floating.walls.shapes import walls_of
+from ecume.models.floating.walls.wall_laws import wall_stiffness
+from ecume.units import Array
+
+if TYPE_CHECKING:
+    from ecume.scenes.floating import FloatingScene
+
+GOOD = 0.05
+"""Time step over the shortest time scale, with an error per step below a thousandth."""
+
+COARSE_OVER_GOOD = 4.0
+UNSTABLE_OVER_GOOD = 20.0
+"""Above this factor the scheme is unstable."""
+
+RAFT_NEIGHBORS = 6.0
+PACKED = 0.9069
+"""Area fraction of touching discs on a triangular lattice."""
+
+FINE = 1e-6
+"""Step of finite differences, over the distance."""
+
+PLACES = 400
+"""Number of distances for the integral of a force over a half-plane."""
+
+SKIN_PER_STEP = 0.1
+"""Largest displacement in one step, over the skin."""
+
+
+def pair_stiffness(parameters: Parameters, radius: tuple[float, float], charge: tuple[float, float]) -> float:
+    """The stiffness |dF/dl| of the pair law for two floats in contact (N/m)."""
+    row, law, distance = row_of(parameters), law_of(parameters), radius[0] + radius[1]
+    own = two_floats(parameters, radius, charge)
+    if row.stiffness is not None:
+        return parameters.stiffer * float(row.stiffness(distance, own, law))
+    near, far = (float(row.force((1.0 + change) * distance, own, law)) for change in (-FINE, FINE))
+    return parameters.stiffer * abs(far - near) / (2.0 * FINE * distance)
+
+
+def stiffness_over_mass(parameters: Parameters) -> tuple[Array, Array]:
+    """The stiffness (N/m) and mass (kg) of each kind of float at its least favorable position."""
+    floats = parameters.floats
+    kinds = np.unique(np.stack([floats.radius, np.abs(floats.charge), floats.mass], axis=1), axis=0)
+    # The strongest charge with the smallest or largest radius bounds all partners: a table of a thousand floats
+    # requires two thousand evaluations.
+    strongest, extremes = float(np.max(kinds[:, 1])), {float(np.min(kinds[:, 0])), float(np.max(kinds[:, 0]))}
+    wall = wall_stiffness(parameters)
+    stiffness = [
+        2.0 * RAFT_NEIGHBORS * max(pair_stiffness(parameters, (radius, other), (felt, strongest)) for other in extremes)
+        + wall
+        for radius, felt in kinds[:, :2].tolist()
+    ]
+    return np.array(stiffness), kinds[:, 2]
+
+
+def longest_good_step(parameters: Parameters, speed: float) -> float:
+    """The longest good step (s).
+
+    A float on a spring k oscillates with the time scale sqrt(m/k), or relaxes with zeta/k if drag dominates. Drag is
+    solved exactly, so that the longer of the two limits the step: syrup requires no shorter step than water.
+    """
+    stiffness, mass = stiffness_over_mass(parameters)
+    friction = _least_friction(parameters.floats)
+    slow = not parameters.scheme.inertia
+    scales = [
+        max(0.0 if slow else math.sqrt(m / k), friction / k) if k > 0.0 else math.inf
+        for k, m in zip(stiffness, mass, strict=True)
+    ]
+    step = min(GOOD * min(*scales, parameters.quickest), diffusion_step(parameters))
+    if slow:
+        speed += attraction_speed(parameters)
+    return min(step, SKIN_PER_STEP * parameters.skin / speed) if speed > 0.0 else step
+
+
+def attraction_speed(parameters: Parameters) -> float:
+    """The highest speed (m/s) of a float without inertia by the attraction of walls and of a raft of all others."""
+    floats, length = parameters.floats, float(parameters.pair[CAPILLARY_LENGTH])
+    mobility, charge = floats.relaxation_time / floats.mass, np.abs(floats.charge)
+    area = math.pi * float(np.sum(floats.radius**2)) / PACKED
+    walls = np.abs(parameters.wall_strength).sum(axis=0) / length
+    return float(np.max(mobility * (parameters.stiffer * raft_pull(parameters, charge, area) + walls)))
+
+
+def raft_pull(parameters: Parameters, charge: Array, area: float) -> Array:
+    """The force of the pair law on each float at the edge of a raft of all floats that covers this area (N)."""
+    row, law, floats = row_of(parameters), law_of(parameters), parameters.floats
+    if row.raft_pull is not None:
+        return np.asarray(row.raft_pull(charge, area, float(parameters.pair[CAPILLARY_LENGTH]), law))
+    # A half-plane of floats with the largest charge: F = 2 n int |F(l)| l dl, with n floats per m^2.
+    near, strongest = 2.0 * float(floats.radius.min()), float(charge.max())
+    own = two_floats(parameters, (0.5 * near, 0.5 * near), (strongest, strongest))
+    distance = np.geomspace(near, max(parameters.cutoff, 2.0 * near), PLACES)
+    force = np.array([abs(float(row.force(each, own, law))) for each in distance.tolist()])
+    whole = 2.0 * len(charge) / area * float(np.trapezoid(force * distance, distance))
+    return np.full(len(charge), whole)
+
+
+def diffusion_step(parameters: Parameters) -> float:
+    """The time (s) in which noise moves a float by GOOD of its radius (r.m.s. along one axis)."""
+    thermal, floats = parameters.drift.thermal, parameters.floats
+    if thermal == 0.0:
+        return math.inf
+    friction = floats.mass / floats.relaxation_time
+    return float(np.min((GOOD * floats.radius) ** 2 * friction)) / (2.0 * thermal)
+
+
+def _least_friction(floats: Floats) -> float:
+    """The smallest friction of any float (N s/m); zero without drag."""
+    return float(np.min(floats.mass / floats.relaxation_time))
+
+
+NOISE_DEVIATIONS = 6.5
+"""Displacement by noise that neighbor lists allow for, in standard deviations."""
+
+
+class StepWarning(UserWarning):
+    """The time step is too long for an accurate result."""
+
+
+def kick_of(scheme: Scheme, time_step: float, floats: Floats, walls: int) -> Kick:
+    """Return one kick of the scheme: half a step for velocity Verlet, a whole step for the others."""
+    time = 0.5 * time_step if scheme.half_kicks else time_step
+    if not scheme.inertia:
+        gain = floats.relaxation_time / floats.mass
+        return Kick(np.zeros_like(gain), gain, np.concatenate([gain / time, np.zeros(walls)]))
+    ratio = time / floats.relaxation_time
+    decay = np.exp(-ratio)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        held = np.where(ratio > 0.0, -np.expm1(-ratio) / ratio, 1.0)
+    gain = time / floats.mass * held
+    mobility = np.concatenate([gain / time, np.zeros(walls)])
+    return Kick(decay, gain, mobility)
+
+
+def good_step(parameters: Parameters, scene: FloatingScene) -> float:
+    """The longest good time step of a scene (s)."""
+    return longest_good_step(parameters, _speeds(scene))
+
+
+class Step(NamedTuple):
+    """A time step and the constants that depend on it."""
+
+    time_step: float
+    steps_per_frame: int
+    kick: Kick
+    drift: Drift
+
+
+def step_of(parameters: Parameters, scene: FloatingScene) -> Step:
+    """The time step: that of the scene, or the longest good one that divides the time between frames."""
+    good, frame = good_step(parameters, scene), scene.frame_every
+    given = scene.motion.time_step
+    if given is not None:
+        _judge(given, good)
+    steps = max(1, math.ceil(frame / (given if given is not None else good) * (1.0 - 1e-9)))
+    if given is not None and abs(steps * given - frame) > 1e-9 * frame:
+        raise scene_error(
+            "motion.time_step", f"{given:g} s does not divide frame_every = {frame:g} s; {frame / steps:.9g} s would do"
+        )
+    time_step = frame / steps
+    kick = kick_of(
+        parameters.scheme, time_step, parameters.floats, len(parameters.kick.mobility) - len(parameters.floats.mass)
+    )
+    stiffest = float(parameters.floats.relaxation_time.min())
+    if scene.motion.integrator == "rk4" and time_step > 2.0 * stiffest:
+        raise scene_error(
+            "motion.integrator", f"'rk4' needs a time step below {2.0 * stiffest:.3g} s in so viscous a liquid; "
+            f"it is {time_step:.3g} s. Set motion.time_step, or use 'velocity-verlet'"
+        )  # fmt: skip
+    jump = NOISE_DEVIATIONS * math.sqrt(2.0 * parameters.drift.thermal * float(kick.gain.max()) * time_step)
+    jump = (jump if parameters.drift.thermal > 0.0 else 0.0) + time_step * _swaying(parameters, kick)
+    drift = parameters.drift._replace(jump=jump)
+    return Step(time_step, steps, kick, drift)
+
+
+def _swaying(parameters: Parameters, kick: Kick) -> float:
+    """The largest change of a velocity by a moving dish in one kick (m/s)."""
+    sway, floats = parameters.drift.sway, parameters.floats
+    far = float(np.hypot(*sway.amplitude))
+    speed, change = float(np.hypot(*sway.velocity)) + far * sway.turning, far * sway.turning**2
+    change = change if parameters.scheme.inertia else 0.0
+    return sway.slip * float(np.max(kick.gain * floats.mass * (change + speed / floats.relaxation_time)))
+
+
+def _judge(given: float, good: float) -> None:
+    """Raise SceneError or warn if a step is too long, with a sufficient value."""
+    if given > UNSTABLE_OVER_GOOD * good:
+        raise scene_error(
+            "motion.time_step", f"{given:.3g} s is unstable here; expected at most {UNSTABLE_OVER_GOOD * good:.3g} s, "
+            f"{good:.3g} s is good"
+        )  # fmt: skip
+    if given > COARSE_OVER_GOOD * good:
+        warnings.warn(f"motion.time_step: {given:.3g} s is coarse; {good:.3g} s is good", StepWarning, stacklevel=2)
+
+
+def _speeds(scene: FloatingScene) -> float:
+    """The largest initial speed, or the largest speed of the flow in the dish (m/s)."""
+    reach = max((math.hypot(*place) for species in scene.floats for place in species.positions), default=0.0)
+    if scene.dish is not None:
+        reach = enclosures.farthest(walls_of(scene.dish))
+    drift = drift_of(scene)
+    flow, nodes = drift.flow, np.hypot(drift.nodes[0], drift.nodes[1])
+    flowing = math.hypot(flow[0], flow[1]) + reach * float(np.abs(flow[2:]).sum()) + float(nodes.max(initial=0.0))
+    speeds = [math.hypot(*each) for species in scene.floats for each in (species.velocities or [species.velocity])]
+    flowing += drift.sway.slip * (float(np.hypot(*drift.sway.velocity + drift.sway.turning * drift.sway.amplitude)))
+    return max([flowing, *speeds, *(math.hypot(row.vx, row.vy) for row in scene.rows)])

@@ -1,0 +1,79 @@
+"""What `ecume check` tells of a scene is true of all its floats."""
+
+import pytest
+
+from ecume.models.floating.report.check_report import seconds_per_step, summary
+from ecume.scenes.schema import from_plain
+
+SCENE = {"model": "floating", "duration": "1 s", "frame_every": "0.1 s"}
+STUFF = {"contact_angle": 1.2}
+
+
+def told(scene):
+    return {name: (value, remark) for name, value, remark in summary(from_plain({**SCENE, **scene}))}
+
+
+def row(x, radius, density, name="float-1"):
+    return {"x": x, "y": 0.0, "radius": radius, "density": density, "species_name": name, **STUFF}
+
+
+def test_a_table_of_unlike_floats_is_told_from_the_least_to_the_greatest():
+    rows = told({"rows": [row(0.0, 2e-3, 500.0), row(0.01, 1e-3, 500.0), row(0.02, 1e-3, 500.0)]})
+    assert rows["float-1: radius"] == ("1 to 2 mm", "3 floats of 2 kinds")
+    small, large = (
+        told({"rows": [row(0.0, radius, 500.0)]})["float-1: capillary charge"][0].removesuffix(" um")
+        for radius in (1e-3, 2e-3)
+    )
+    assert rows["float-1: capillary charge"] == (f"{large} to {small} um", "light: attract the light")
+    assert rows["float-1: density ratio"] == ("0.5", "")
+
+
+def test_a_table_of_equal_floats_is_told_in_one_number_and_knows_when_they_sink():
+    rows = told({"rows": [row(0.0, 2e-3, 500.0), row(0.01, 2e-3, 500.0)]})
+    assert "float-1: radius" not in rows
+    assert rows["float-1: density ratio"][0] == "0.5"
+    assert rows["float-1: density ratio"][1].startswith("sinks above 1.")
+
+
+def test_heavy_and_light_floats_of_one_name_are_both_told():
+    rows = told({"rows": [row(0.0, 1e-3, 200.0), row(0.01, 1e-3, 2000.0)]})
+    assert rows["float-1: dimensionless weight"][1] == "some press the surface down, some lift the surface"
+
+
+def test_each_species_is_told_by_its_own_name():
+    rows = told({"rows": [row(0.0, 1e-3, 200.0, "cork"), row(0.01, 1e-3, 2000.0, "bead")]})
+    assert (rows["cork: density ratio"][0], rows["bead: density ratio"][0]) == ("0.2", "2")
+    assert rows["floats"] == ("2", "2 species")
+
+
+@pytest.mark.parametrize("count", [1, 60, 300, 10_000])
+def test_gathering_costs_more_than_drifting_and_both_grow_with_the_floats(count):
+    drifting, gathering = seconds_per_step(count)
+    assert drifting < gathering
+    assert all(less < more for less, more in zip((drifting, gathering), seconds_per_step(2 * count), strict=True))
+
+
+def test_equilibrium_and_closeness_are_told_for_each_species():
+    rows = told({"rows": [row(0.0, 1e-3, 1300.0)]})
+    assert rows["float-1: filling angle"][0].endswith(" deg")
+    assert rows["float-1: height of the contact line"][0].startswith("-0.0")
+    share, remark = rows["float-1: beyond superposition"]
+    assert float(share.removeprefix("over ").removesuffix(" %")) > 0.0
+    assert "exceeds superposition" in remark
+
+
+def test_discs_say_what_they_carry_and_that_superposition_errs():
+    disc = {"radius": 1e-3, "density": 300.0, "disc": {"thickness": 1e-3}, "positions": [[0.0, 0.0]]}
+    alone = told({"floats": [disc]})
+    assert float(alone["float-1: load"][1].removeprefix("sinks above ").removesuffix(" uN")) > 2e6 * 3.14 * 0.072 * 1e-3
+    assert float(alone["float-1: height of the contact line"][0].removesuffix(" mm")) < 0.0
+    assert "multipole" in alone["float-1: beyond superposition"][1]
+    together = told({"floats": [disc], "interaction": {"method": "multipole"}})
+    assert "float-1: beyond superposition" not in together
+
+
+def test_shapes_say_where_their_contact_line_is():
+    needle = {"kind": "needle", "width": 0.6e-3, "angle": 0.0}
+    rows = told({"floats": [{"radius": 3e-3, "density": 7800.0, **STUFF, "shape": needle, "positions": [[0.0, 0.0]]}]})
+    assert 90.0 < float(rows["float-1: filling angle"][0].removesuffix(" deg")) < 180.0
+    assert float(rows["float-1: height of the contact line"][0].removesuffix(" mm")) < 0.0
