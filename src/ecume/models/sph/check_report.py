@@ -12,6 +12,7 @@ from ecume.models.check_report import LONG, Row, told_duration
 from ecume.models.sph import time_step
 from ecume.models.sph.color import NODES
 from ecume.models.sph.defaults import sides_of, smoothing_of, tension_of
+from ecume.models.sph.initial_particles import cells_of
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.solids import part_of, solids_of
 from ecume.models.sph.substances import told
@@ -31,6 +32,8 @@ PAIRING = {2: 25, 3: 65}
 """
 COARSE, FINE = 8, 20
 """Particles across the smallest extent: a first look, and what pressures can be read from."""
+UNEVEN, SPREAD = 0.05, 0.02
+"""Of fitted cells: how much longer one edge may be than another, and how far a mass may be from that of its cell."""
 FAST = 0.11
 """The Mach number above which a liquid is compressed by more than a percent or so."""
 
@@ -51,11 +54,32 @@ def _resolution(scene: SphScene, parameters: Parameters, count: int) -> list[Row
     across, neighbors = particles_across(scene), lattice_neighbors(parameters.dimension, parameters.support / spacing)
     return [
         ("particles", str(count), walls_remark(scene, walls)),
+        fitted_row(scene),
         ("resolution", f"{across:.0f} particles", f"across the liquid's smallest extent; {resolution_remark(across)}"),
         ("smoothing length", f"{smoothing:.4g} m", f"{smoothing / spacing:.3g} spacings"),
         ("neighbors", str(neighbors), neighbor_remark(neighbors, parameters.dimension, scene.method.kernel)),
         *thin_solids(scene, parameters),
     ]
+
+
+def fitted_row(scene: SphScene) -> Row:
+    """How far the lattice is from square cells as wide as the spacing, once it fits between walls and solids."""
+    drawn = [cells for (cells, _), region in zip(cells_of(scene), scene.fluid, strict=True) if region.particles is None]
+    widths = np.concatenate([cells.widths for cells in drawn] or [np.full((1, 1), scene.spacing)])
+    volumes = np.concatenate([cells.volumes for cells in drawn] or [np.full(1, scene.spacing)])
+    narrow, wide = float(widths.min()), float(widths.max())
+    value = f"{narrow:.4g} m" if math.isclose(narrow, wide, rel_tol=1e-3) else f"{narrow:.4g} to {wide:.4g} m"
+    uneven = float((widths.max(axis=1) / widths.min(axis=1)).max()) - 1.0
+    spread = float(np.abs(volumes / np.prod(widths, axis=1) - 1.0).max())
+    if uneven > UNEVEN:
+        remark = (
+            f"cells up to {100.0 * uneven:.2g} % longer along one axis: choose a spacing that divides all lengths"
+        )
+    elif spread > SPREAD:
+        remark = f"particles are {100.0 * spread:.2g} % off the mass of their cells: choose a finer spacing"
+    else:
+        remark = "fitted between walls and solids; the volume is the one drawn"
+    return ("spacing", value, remark)
 
 
 def walls_remark(scene: SphScene, dummies: int) -> str:

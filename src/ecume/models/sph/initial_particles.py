@@ -25,34 +25,41 @@ def liquid_of(scene: SphScene, material: Material) -> Liquid:
     pull = np.zeros(len(scene.tank.low)) if modified(scene) else held_pull(scene)
     generator = np.random.default_rng(scene.seed)
     pieces: list[tuple[Array, Array, Array, Array]] = []
-    earlier: list[Part] = []
     told: list[Said] = []
+    for region, (cells, kept) in zip(scene.fluid, cells_of(scene), strict=True):
+        points, shape = cells.centers, part_of(region, scene.spacing)
+        head = np.zeros(len(points))
+        if pull.any() and scene.method.start == "hydrostatic":
+            head = np.linalg.norm(pull) * shape.way_out(points, -pull / np.linalg.norm(pull))
+        if region.particles is None:
+            points = points + scene.method.jitter * scene.spacing * generator.uniform(-1.0, 1.0, points.shape)
+        head += pressure_in(region, scene, points, material.density) / material.density
+        pieces.append((points, velocity_in(region, scene, points), head, cells.volumes))
+        told.append(said_of(region, kept))
+    return with_said(_particles(scene, material, pieces), told)
+
+
+def cells_of(scene: SphScene) -> list[tuple[Cells, Flags]]:
+    """The cells that each region's particles stand for, and which particles of a table were kept (all, without one)."""
+    found: list[tuple[Cells, Flags]] = []
+    earlier: list[Part] = []
     solids = solids_of(scene)
     for index, region in enumerate(scene.fluid):
         shape = part_of(region, scene.spacing)
-        given = region.particles
-        if given is None:
+        if region.particles is None:
             cells = free_cells(shape, scene.spacing, earlier, solids)
             kept = np.ones(len(cells.centers), bool)
         else:
             cells = shape.cells(scene.spacing)
             kept = _kept(cells.centers, earlier, solids)
             cells = cells.those(kept)
-        points = cells.centers
-        outside = ~room_of(scene, single=given is not None).inside(points)
+        outside = ~room_of(scene, single=region.particles is not None).inside(cells.centers)
         if outside.any():
-            where = tuple(float(f"{x:.4g}") for x in points[outside][0])
+            where = tuple(float(f"{x:.4g}") for x in cells.centers[outside][0])
             raise SceneError([Fault(f"fluid[{index}]", f"reaches out of the tank, at {where}")])
         earlier.append(shape)
-        head = np.zeros(len(points))
-        if pull.any() and scene.method.start == "hydrostatic":
-            head = np.linalg.norm(pull) * shape.way_out(points, -pull / np.linalg.norm(pull))
-        if given is None:
-            points = points + scene.method.jitter * scene.spacing * generator.uniform(-1.0, 1.0, points.shape)
-        head += pressure_in(region, scene, points, material.density) / material.density
-        pieces.append((points, velocity_in(region, scene, points), head, cells.volumes))
-        told.append(said_of(region, kept))
-    return with_said(_particles(scene, material, pieces), told)
+        found.append((cells, kept))
+    return found
 
 
 def room_of(scene: SphScene, *, single: bool) -> Box:
