@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import subprocess
 import sys
 from pathlib import Path
@@ -11,7 +10,7 @@ import numpy as np
 import pytest
 
 from .moving import begin, faults, resume
-from .settings import PROCESSORS
+from .settings import PROCESSORS, environment_of
 
 pytestmark = pytest.mark.compiled
 SCENES = ("bowl", "cereal-discs", "channel", "sheared-packing", "bouncing-tracers")
@@ -58,7 +57,7 @@ print(hashlib.sha256(b"".join(np.asarray(one, float).tobytes() for one in found)
 
 def test_portable_functions_give_the_same_bits_on_any_processor() -> None:
     def bits(processor: str) -> str:
-        environment = {**os.environ, **PROCESSORS[processor]}
+        environment = environment_of(processor)
         words = [sys.executable, "-c", PORTABLE]
         return subprocess.run(words, env=environment, capture_output=True, text=True, check=True).stdout
 
@@ -77,7 +76,7 @@ print(hashlib.sha256(np.linalg.solve(matrix, matrix @ matrix).tobytes()).hexdige
     native, old = (
         subprocess.run(
             [sys.executable, "-c", script],
-            env={**os.environ, **PROCESSORS[processor]},
+            env=environment_of(processor),
             capture_output=True,
             text=True,
             check=True,
