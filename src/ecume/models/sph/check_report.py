@@ -7,13 +7,15 @@ import math
 
 import numpy as np
 
+from ecume.laws.enthalpy import density_at_enthalpy
 from ecume.laws.kernels import KERNELS
 from ecume.models.check_report import LONG, Row, told_duration
 from ecume.models.sph import time_step
+from ecume.models.sph.building import weight_enthalpy
 from ecume.models.sph.color import NODES
 from ecume.models.sph.defaults import sides_of, smoothing_of, tension_of
 from ecume.models.sph.initial_particles import cells_of
-from ecume.models.sph.parameters import Parameters
+from ecume.models.sph.parameters import Material, Parameters
 from ecume.models.sph.solids import part_of, solids_of
 from ecume.models.sph.substances import told
 from ecume.models.sph.tension import TENSIONS
@@ -34,8 +36,8 @@ COARSE, FINE = 8, 20
 """Particles across the smallest extent: a first look, and what pressures can be read from."""
 UNEVEN, SPREAD = 0.05, 0.02
 """Of fitted cells: how much longer one edge may be than another, and how far a mass may be from that of its cell."""
-FAST = 0.11
-"""The Mach number above which a liquid is compressed by more than a percent or so."""
+FAST, ASKED = 0.11, 0.1
+"""The Mach number above which a liquid is compressed by more than a percent or so, and the one to choose."""
 
 
 def advice(scene: SphScene, parameters: Parameters, count: int, bytes_each: float) -> list[Row]:
@@ -72,9 +74,7 @@ def fitted_row(scene: SphScene) -> Row:
     uneven = float((widths.max(axis=1) / widths.min(axis=1)).max()) - 1.0
     spread = float(np.abs(volumes / np.prod(widths, axis=1) - 1.0).max())
     if uneven > UNEVEN:
-        remark = (
-            f"cells up to {100.0 * uneven:.2g} % longer along one axis: choose a spacing that divides all lengths"
-        )
+        remark = f"cells up to {100.0 * uneven:.2g} % longer along one axis: choose a spacing that divides all lengths"
     elif spread > SPREAD:
         remark = f"particles are {100.0 * spread:.2g} % off the mass of their cells: choose a finer spacing"
     else:
@@ -104,7 +104,6 @@ def thin_solids(scene: SphScene, parameters: Parameters) -> list[Row]:
 def _liquid(scene: SphScene, parameters: Parameters) -> list[Row]:
     material = parameters.material
     mach = material.fastest / material.sound_speed
-    remark = "to be expected" if mach <= FAST else "large: raise liquid.sound_speed"
     return [
         *told(scene.liquid),
         (
@@ -114,8 +113,21 @@ def _liquid(scene: SphScene, parameters: Parameters) -> list[Row]:
         ),
         ("sound speed", f"{material.sound_speed:.4g} m/s", "of the numerical liquid"),
         ("Mach number", f"{mach:.2g}", "to be expected"),
-        ("compression", f"{100.0 * mach**2:.2g} %", remark),
+        compression_row(weight_enthalpy(scene), material),
     ]
+
+
+def compression_row(weight: float, material: Material) -> Row:
+    """How much the liquid is compressed, by its weight g H (J/kg) at rest and by the pressure of its motion."""
+    laws = material.density, material.sound_speed, material.exponent
+    at_rest = density_at_enthalpy(weight, *laws) / material.density - 1.0
+    moving = (material.fastest / material.sound_speed) ** 2
+    needed = max(math.sqrt(weight), material.fastest) / FAST
+    if needed > material.sound_speed:
+        remark = f"large: set liquid.sound_speed to {needed * FAST / ASKED:.3g} m/s or more"
+    else:
+        remark = f"{100.0 * at_rest:.2g} % by its weight at rest, {100.0 * moving:.2g} % by its motion"
+    return ("compression", f"{100.0 * (at_rest + moving):.2g} %", remark)
 
 
 def _tension(scene: SphScene, parameters: Parameters) -> list[Row]:
