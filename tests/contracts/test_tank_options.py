@@ -159,7 +159,7 @@ MASSES = ("density", "viscosity", "surface_tension")
 
 
 def heavier(value):
-    """The same scene of liquids, solids and tracers so many times heavier, more viscous and with as much more tension."""
+    """The same scene with liquids, solids and tracers so many times heavier, viscosity and tension included."""
     if isinstance(value, dict):
         return {
             key: HEAVIER * part if key in MASSES and isinstance(part, float) else heavier(part)
@@ -187,7 +187,7 @@ def test_a_motion_does_not_depend_on_the_unit_of_mass(names):
         size = np.abs(one.arrays[name]).max()
         np.testing.assert_allclose(other.arrays[name], one.arrays[name], rtol=0, atol=(1e-3 if single else 1e-9) * size)
     change = np.abs(one.arrays["density"] - 1.0).max()
-    found = other.arrays["density"] / HEAVIER
+    scaled = other.arrays["density"] / HEAVIER
     np.testing.assert_allclose(
         found, one.arrays["density"], rtol=0, atol=(1e-3 if single else 1e-9) * max(change, 1e-6)
     )
