@@ -21,7 +21,7 @@ from ecume.models.sph.report.invariants import invariants
 from ecume.models.sph.setup.choices import TURBULENCES
 from ecume.run import RunDirectory
 from ecume.run.invariant_monitor import Watch
-from ecume.scenes.schema import from_plain
+from ecume.scenes.schema import from_plain, to_plain
 
 PAGE = Path(__file__).parents[2] / "docs" / "physics" / "sph-options.md"
 PLAIN = os.environ.get("NUMBA_DISABLE_JIT") == "1"
@@ -151,6 +151,44 @@ def test_a_pair_of_options_keeps_mass_and_energy_or_is_refused(pair, tmp_path):
     assert frame.arrays["velocity"].any()
     for verdict in watch.verdicts():
         assert verdict.held, verdict
+
+
+HEAVIER = 1000.0
+MASSES = ("density", "viscosity", "surface_tension")
+"""Keys that carry a unit of mass, once."""
+
+
+def heavier(value):
+    """The same scene with liquids, solids and tracers so many times heavier, viscosity and tension included."""
+    if isinstance(value, dict):
+        return {
+            key: HEAVIER * part if key in MASSES and isinstance(part, float) else heavier(part)
+            for key, part in value.items()
+        }
+    return [heavier(part) for part in value] if isinstance(value, list | tuple) else value
+
+
+SCALED = [*((name,) for name in OPTIONS), *(pair for pair in PAIRS if "pressure_force = monaghan" in pair)]
+
+
+@pytest.mark.parametrize(
+    "names",
+    [pytest.param(each, id=" + ".join(each), marks=[pytest.mark.compiled] if long(each) else []) for each in SCALED],
+)
+def test_a_motion_does_not_depend_on_the_unit_of_mass(names):
+    """In units of a gram the same scene has a thousand times the numbers, and moves in the same way."""
+    if reason_of(names) is not None:
+        return
+    scene = scene_with(names)
+    one = list(frames_of(scene))[-1]
+    other = list(frames_of(from_plain(heavier(to_plain(scene)))))[-1]
+    single = scene.method.precision == "single"
+    for name in ("position", "velocity"):
+        size = np.abs(one.arrays[name]).max()
+        np.testing.assert_allclose(other.arrays[name], one.arrays[name], rtol=0, atol=(1e-3 if single else 1e-9) * size)
+    change = np.abs(one.arrays["density"] - 1.0).max()
+    scaled, atol = other.arrays["density"] / HEAVIER, (1e-3 if single else 1e-9) * max(change, 1e-6)
+    np.testing.assert_allclose(scaled, one.arrays["density"], rtol=0, atol=atol)
 
 
 def test_every_row_of_the_tables_is_among_the_options():

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from ecume.engine.shapes import Ball, Box, Polygon, apart, lattice_in
+from ecume.engine.shapes import Ball, Box, Polygon, apart, covered_volume, fitted_cells
 
 BOX = Box(np.array([-1.0, 0.5]), np.array([2.0, 1.5]))
 DISC = Ball(np.array([0.3, -0.2]), 1.2)
@@ -42,9 +42,11 @@ def test_a_ray_leaves_where_the_way_out_ends(shape):
 @pytest.mark.parametrize("shape", [BOX, DISC, KITE, CUBE, SPHERE], ids=["box", "disc", "kite", "cuboid", "ball"])
 def test_a_fine_lattice_has_the_shapes_volume_and_middle(shape):
     spacing = 0.02 if len(shape.middle()) == 2 else 0.05
-    points = lattice_in(shape, spacing)
-    assert len(points) * spacing ** points.shape[1] == pytest.approx(shape.volume(), rel=0.02)
-    np.testing.assert_allclose(points.mean(axis=0), shape.middle(), atol=0.02)
+    cells = shape.cells(spacing)
+    assert shape.inside(cells.centers).all()
+    assert cells.volumes.sum() == pytest.approx(shape.volume(), rel=1e-12)
+    np.testing.assert_allclose(cells.volumes, spacing ** len(shape.middle()), rtol=0.06)
+    np.testing.assert_allclose(cells.centers.mean(axis=0), shape.middle(), atol=0.02)
 
 
 @pytest.mark.parametrize("shape", [BOX, DISC, KITE, CUBE, SPHERE], ids=["box", "disc", "kite", "cuboid", "ball"])
@@ -57,7 +59,7 @@ def test_a_thin_shell_holds_the_surface_times_its_thickness(shape):
 
 @pytest.mark.parametrize("shape", SHAPES.values(), ids=SHAPES)
 def test_a_fine_lattice_turns_as_heavily_as_the_shape(shape):
-    points = lattice_in(shape, 0.02) - shape.middle()
+    points = shape.cells(0.02).centers - shape.middle()
     assert (points**2).sum(axis=1).mean() == pytest.approx(shape.inertia()[2], rel=0.02)
 
 
@@ -69,9 +71,45 @@ def test_a_carried_shape_is_the_same_elsewhere():
 
 
 def test_a_lattice_starts_half_a_spacing_from_the_corner_and_rounding_costs_no_row():
-    points = lattice_in(Box(np.zeros(2), np.array([0.3, 0.1 * 3])), 0.1)
-    assert len(points) == 9
-    np.testing.assert_allclose(points.min(axis=0), 0.05)
+    cells = Box(np.zeros(2), np.array([0.3, 0.1 * 3])).cells(0.1)
+    assert len(cells.centers) == 9
+    np.testing.assert_allclose(cells.centers.min(axis=0), 0.05)
+    assert set(cells.widths.ravel()) == {0.1}  # rounding in the corners does not change it
+
+
+def test_cells_end_at_faces_but_are_never_narrower_than_half_a_spacing():
+    faces = np.array([[0.37, 0.01], [0.61, 0.52]])
+    cells = fitted_cells(np.zeros(2), np.ones(2), 0.1, faces)
+    edges = cells.centers + 0.5 * cells.widths
+    for axis, ends in ((0, (0.37, 0.61, 1.0)), (1, (0.52, 1.0))):
+        assert all(np.isclose(edges[:, axis], end, rtol=0, atol=1e-12).any() for end in ends)
+        assert 0.05 <= cells.widths[:, axis].min() <= cells.widths[:, axis].max() <= 0.15
+    assert not np.isclose(edges[:, 1], 0.01).any()
+    assert cells.volumes.sum() == pytest.approx(1.0, rel=1e-13)
+
+
+def test_what_others_cover_is_counted_once_and_exactly_for_boxes():
+    rng = np.random.default_rng(3)
+    unit = Box(np.zeros(2), np.ones(2))
+    for _ in range(20):
+        lows = rng.uniform(-0.2, 0.8, (3, 2))
+        boxes = [Box(low, low + rng.uniform(0.1, 0.6, 2)) for low in lows]
+        ends = np.unique(np.clip(np.concatenate([box.faces() for box in boxes] + [unit.faces()]), 0.0, 1.0), axis=None)
+        middles = 0.5 * (ends[1:] + ends[:-1])
+        points = np.array([(x, y) for x in middles for y in middles])
+        areas = np.outer(np.diff(ends), np.diff(ends)).ravel()
+        assert covered_volume(unit, boxes) == pytest.approx(areas[~apart(points, boxes)].sum(), rel=1e-12)
+
+
+def test_what_a_polygon_or_a_disc_covers_follows_from_formulas():
+    unit = Box(np.zeros(2), np.ones(2))
+    wedge = Polygon(np.array([[0.5, -0.5], [1.5, 0.5], [0.5, 0.5]]))
+    assert covered_volume(unit, [wedge]) == pytest.approx(0.5 * 0.5 - 0.0, rel=1e-12)
+    assert covered_volume(unit, [Ball(np.array([0.5, 0.5]), 0.3)]) == pytest.approx(np.pi * 0.09, rel=1e-12)
+    half = covered_volume(unit, [Ball(np.array([0.5, 0.0]), 0.3)])
+    assert half == pytest.approx(0.5 * np.pi * 0.09, rel=1e-3)
+    both = covered_volume(unit, [Ball(np.array([0.5, 0.5]), 0.3), Ball(np.array([0.5, 0.5]), 0.2)])
+    assert both == pytest.approx(np.pi * 0.09, rel=1e-12)
 
 
 def test_points_apart_are_in_none_of_the_shapes():

@@ -41,8 +41,14 @@ def same_code(one: str, other: str) -> bool:
     return PROCESSORS[one].get("NUMBA_CPU_NAME") == PROCESSORS[other].get("NUMBA_CPU_NAME")
 
 
+def environment_of(processor: str) -> dict[str, str]:
+    """The settings of one processor and of no other: "native" is always the machine itself."""
+    others = {name for settings in PROCESSORS.values() for name in settings}
+    return {**{name: value for name, value in os.environ.items() if name not in others}, **PROCESSORS[processor]}
+
+
 def on(processor: str, words: Sequence[str], **options: object) -> subprocess.CompletedProcess[str]:
     """Run Python with these words on a processor."""
     path = os.pathsep.join([str(ROOT), str(ROOT / "src"), os.environ.get("PYTHONPATH", "")])
-    environment = {**os.environ, "PYTHONPATH": path, **PROCESSORS[processor]}
+    environment = {**environment_of(processor), "PYTHONPATH": path}
     return subprocess.run([sys.executable, *words], env=environment, cwd=ROOT, text=True, check=False, **options)  # type: ignore[call-overload,no-any-return]

@@ -8,7 +8,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from ecume._portable import product
-from ecume.engine.shapes import Flags
+from ecume.engine.shapes import Cells, Flags, fitted_cells, scaled_to
+from ecume.engine.shapes.parts import whole_within
 from ecume.units import Array
 
 OBLIQUE = np.array([0.53779, 0.61803, 0.57309])
@@ -40,9 +41,23 @@ class Mesh(NamedTuple):
             way[part] = self._distances(points[part], direction).min(axis=1)
         return np.where(np.isfinite(way), way, 0.0)
 
-    def anchor(self) -> Array:
-        """The lowest corner of the box around it."""
-        return self.bounds()[0]
+    def cells(self, spacing: float, faces: Array | None = None) -> Cells:
+        """Those inside of a lattice that fits the box around it."""
+        around = fitted_cells(*self.bounds(), spacing)
+        return scaled_to(around.those(self.inside(around.centers)), self.volume())
+
+    def faces(self) -> Array:
+        """None along the axes."""
+        return np.zeros((0, 3))
+
+    def volume(self) -> float:
+        """Of the tetrahedra between the first corner and each triangle (divergence theorem)."""
+        corners = self.triangles - self.triangles[0, 0]
+        return abs(float((corners[:, 0] * np.cross(corners[:, 1], corners[:, 2])).sum())) / 6.0
+
+    def volume_within(self, low: Array, high: Array) -> float | None:
+        """All of it, or no formula."""
+        return whole_within(self, low, high)
 
     def _parts(self, count: int) -> list[slice]:
         """So many points that the table of distances stays small."""
@@ -96,6 +111,19 @@ class Cloud(NamedTuple):
         found: Array = np.maximum(way, 0.0)
         return found
 
-    def anchor(self) -> Array:
-        """The lowest corner of the box around it."""
-        return self.bounds()[0]
+    def cells(self, spacing: float, faces: Array | None = None) -> Cells:
+        """One cell for each point, whatever the spacing."""
+        widths = np.full(self.points.shape, self.spacing)
+        return Cells(self.points, np.prod(widths, axis=1), widths)
+
+    def faces(self) -> Array:
+        """None along the axes."""
+        return np.zeros((0, self.points.shape[1]))
+
+    def volume(self) -> float:
+        """A cell for each point."""
+        return float(len(self.points) * self.spacing ** self.points.shape[1])
+
+    def volume_within(self, low: Array, high: Array) -> float | None:
+        """All of it, or no formula."""
+        return whole_within(self, low, high)

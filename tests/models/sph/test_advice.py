@@ -82,7 +82,24 @@ def test_the_cost_and_the_resolution_are_told():
     assert said(scene_with({"density": 1.0, "sound_speed": 10.0, "viscosity": 5.0}))["time step"][1].startswith(
         "set by v"
     )
-    assert "raise liquid.sound_speed" in said(scene_with({"density": 1.0, "sound_speed": 3.0}))["compression"][1]
+
+
+@pytest.mark.parametrize(("sound", "fastest"), [(3.0, 1.0), (9.0, 0.1), (30.0, 4.0)])
+def test_a_slow_sound_is_reported_with_the_speed_to_set(sound, fastest):
+    """Ten times the maximum speed and ten times sqrt(g H), here 1 m/s, whatever is faster."""
+    remark = said(scene_with({"density": 1.0, "sound_speed": sound, "fastest": fastest}))["compression"][1]
+    assert remark == f"large: set liquid.sound_speed to {10.0 * max(1.0, fastest):.3g} m/s or more"
+
+
+def test_the_compression_counts_the_weight_of_the_liquid():
+    """A tank at rest is as dense at its floor as check says."""
+    scene = scene_with({"density": 1.0, "sound_speed": 12.0, "fastest": 0.3})
+    state = SPH.start(scene, SPH.parameters(scene))
+    value, remark = said(scene)["compression"]
+    at_rest, moving = (float(part.split()[0]) for part in remark.split(", "))
+    assert at_rest == pytest.approx(100.0 * (state.density.max() - 1.0), rel=0.1)
+    assert moving == pytest.approx(100.0 * (0.3 / 12.0) ** 2, rel=0.05)
+    assert float(value.split()[0]) == pytest.approx(at_rest + moving, rel=0.05)
 
 
 def test_a_lattice_in_space_has_its_neighbors_counted():

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ecume.engine.shapes.lattices import round_up
-from ecume.engine.shapes.parts import Flags
+from ecume.engine.shapes.lattices import fitted_cells, round_up
+from ecume.engine.shapes.parts import Cells, Flags, whole_within
 from ecume.units import Array
 
 
@@ -33,9 +33,23 @@ class Ball(NamedTuple):
         way: Array = -along + np.sqrt(np.maximum(along**2 + self.radius**2 - (away**2).sum(axis=1), 0.0))
         return way
 
-    def anchor(self) -> Array:
-        """Its center: the lattice is as symmetric as the ball."""
-        return self.center
+    def cells(self, spacing: float, faces: Array | None = None) -> Cells:
+        """A square lattice with a corner at the center, as symmetric as the ball. It is stretched a little about the
+        center, so that its cells have the volume of the ball.
+        """
+        half = spacing * round_up(self.radius, spacing) * np.ones(len(self.center))
+        away = fitted_cells(-half, half, spacing).centers
+        away = away[(away**2).sum(axis=1) < self.radius**2]
+        if len(away) == 0:  # smaller than a cell
+            away = np.zeros((1, len(self.center)))
+        volume = self.volume() / len(away)
+        width = volume ** (1.0 / len(self.center))
+        widths = np.full(away.shape, width)
+        return Cells(self.center + width / spacing * away, np.full(len(away), volume), widths)
+
+    def faces(self) -> Array:
+        """None along the axes."""
+        return np.zeros((0, len(self.center)))
 
     def nearest(self, points: Array) -> tuple[Array, Array]:
         """Along the radius; at the very center every way leads out, and the first axis is taken."""
@@ -66,6 +80,10 @@ class Ball(NamedTuple):
     def volume(self) -> float:
         """That of a disc, or of a sphere."""
         return np.pi * self.radius**2 * (1.0 if len(self.center) == 2 else 4.0 / 3.0 * self.radius)
+
+    def volume_within(self, low: Array, high: Array) -> float | None:
+        """All of it, or no formula."""
+        return whole_within(self, low, high)
 
     def surface(self) -> float:
         """Its volume's derivative by the radius."""

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ecume.engine.shapes.lattices import round_up
-from ecume.engine.shapes.parts import Flags
+from ecume.engine.shapes.lattices import fitted_cells, round_up
+from ecume.engine.shapes.parts import Cells, Flags
 from ecume.units import Array
 
 
@@ -33,9 +33,13 @@ class Box(NamedTuple):
         way: Array = ways.min(axis=1)
         return way
 
-    def anchor(self) -> Array:
-        """Its lowest corner."""
-        return self.low
+    def cells(self, spacing: float, faces: Array | None = None) -> Cells:
+        """As many along each edge as fit best."""
+        return fitted_cells(self.low, self.high, spacing, faces)
+
+    def faces(self) -> Array:
+        """Its corners."""
+        return np.array([self.low, self.high])
 
     def nearest(self, points: Array) -> tuple[Array, Array]:
         """To the faces outside of which it is, or else to the nearest one."""
@@ -63,6 +67,11 @@ class Box(NamedTuple):
     def volume(self) -> float:
         """The product of its edges."""
         return float(np.prod(self.high - self.low))
+
+    def volume_within(self, low: Array, high: Array) -> float | None:
+        """Between the higher of the low ends and the lower of the high ends."""
+        edges = np.minimum(self.high, high) - np.maximum(self.low, low)
+        return float(np.prod(np.maximum(edges, 0.0)))
 
     def surface(self) -> float:
         """The volume over each edge, twice."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Protocol
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,21 @@ from numpy.typing import NDArray
 from ecume.units import Array
 
 Flags = NDArray[np.bool_]
+
+
+class Cells(NamedTuple):
+    """A shape cut into small cells."""
+
+    centers: Array
+    """(N, d)"""
+    volumes: Array
+    """(N,); areas in 2D"""
+    widths: Array
+    """(N, d) along each axis"""
+
+    def those(self, which: Flags) -> Cells:
+        """Some of them."""
+        return Cells(self.centers[which], self.volumes[which], self.widths[which])
 
 
 class Part(Protocol):
@@ -25,8 +40,19 @@ class Part(Protocol):
     def way_out(self, points: Array, direction: Array) -> Array:
         """(N,) how far it is from each point inside to the boundary along a unit vector."""
 
-    def anchor(self) -> Array:
-        """A corner of the lattice that fits it best, (d,)."""
+    def cells(self, spacing: float, faces: Array | None = None) -> Cells:
+        """A lattice that fits into it, with cells about as wide as the spacing; their volumes add up to its own.
+        `faces`, (k, d), are coordinates along each axis where cells had best end.
+        """
+
+    def faces(self) -> Array:
+        """(k, d) coordinates of its faces along each axis, if it is bounded by such faces alone; else none, (0, d)."""
+
+    def volume(self) -> float:
+        """Its volume; in 2D its area."""
+
+    def volume_within(self, low: Array, high: Array) -> float | None:
+        """The part of its volume that is inside a box; None where no formula gives it."""
 
 
 class Shape(Part, Protocol):
@@ -41,9 +67,6 @@ class Shape(Part, Protocol):
     def middle(self) -> Array:
         """(d,) the center of mass."""
 
-    def volume(self) -> float:
-        """The volume; in 2D the area."""
-
     def surface(self) -> float:
         """The area of its boundary; in 2D the length."""
 
@@ -55,6 +78,12 @@ class Shape(Part, Protocol):
 
     def carried(self, way: Array) -> Shape:
         """The same shape, moved by (d,)."""
+
+
+def whole_within(part: Part, low: Array, high: Array) -> float | None:
+    """Its volume if all of it is inside a box."""
+    first, last = part.bounds()
+    return part.volume() if (first >= low).all() and (last <= high).all() else None
 
 
 def apart(points: Array, shapes: Sequence[Part]) -> Flags:

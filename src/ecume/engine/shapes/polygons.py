@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ecume.engine.shapes.lattices import round_up
-from ecume.engine.shapes.parts import Flags
+from ecume.engine.shapes.lattices import fitted_cells, round_up, scaled_to
+from ecume.engine.shapes.parts import Cells, Flags
 from ecume.units import Array
 
 
@@ -30,9 +30,23 @@ class Polygon(NamedTuple):
         way: Array = self._distances(points, direction).min(axis=1)
         return way
 
-    def anchor(self) -> Array:
-        """The lowest corner of the box around it."""
-        return self.bounds()[0]
+    def cells(self, spacing: float, faces: Array | None = None) -> Cells:
+        """Those inside of a lattice that fits the box around it."""
+        around = fitted_cells(*self.bounds(), spacing)
+        return scaled_to(around.those(self.inside(around.centers)), self.volume())
+
+    def faces(self) -> Array:
+        """None along the axes."""
+        return np.zeros((0, 2))
+
+    def volume_within(self, low: Array, high: Array) -> float | None:
+        """Cut off at each face; where several pieces are left, lines of no width join them."""
+        rest = self.vertices
+        for axis, sign, face in ((0, 1.0, low), (0, -1.0, high), (1, 1.0, low), (1, -1.0, high)):
+            rest = _cut(rest, sign * (rest[:, axis] - face[axis]))
+            if len(rest) < 3:
+                return 0.0
+        return Polygon(rest).volume()
 
     def nearest(self, points: Array) -> tuple[Array, Array]:
         """To the nearest edge or corner."""
@@ -140,7 +154,7 @@ class Polygon(NamedTuple):
 
 
 def _cut(vertices: Array, above: Array) -> Array:
-    """What of a convex polygon is above a line, from each corner's height over it."""
+    """What of a polygon is above a line, from each corner's height over it."""
     kept = []
     for k in range(len(vertices)):
         ahead = (k + 1) % len(vertices)

@@ -15,6 +15,7 @@ import numpy as np
 
 from ecume._jit import admit, compiled
 from ecume.engine.cells import Integers
+from ecume.engine.shapes import fitted_axis
 from ecume.laws import enthalpy as enthalpies
 from ecume.laws.flows import channel_speed
 from ecume.models.sph.fields import Tait
@@ -53,26 +54,27 @@ def with_buffers(parameters: Parameters, state: State) -> State:
     there.
     """
     for gate in parameters.gates:
-        points = _rows(gate, parameters.spacing)
+        points, volume = _rows(gate, parameters.spacing)
         velocity = np.zeros_like(points)
         velocity[:, gate.axis] = gate.inward * speed_at(gate, points)
         if not gate.enters:
             points, velocity = _continued(gate, parameters.spacing, state)
-        mass = np.full(len(points), parameters.material.density * parameters.spacing ** points.shape[1])
+        mass = np.full(len(points), parameters.material.density * volume)
         density = np.full(len(points), parameters.material.density)
         born = {"position": points.T, "velocity": velocity.T, "mass": mass, "density": density}
         state = _with(state, born, gate.zone)
     return state
 
 
-def _rows(gate: Gate, spacing: float) -> Array:
-    """The lattice of a buffer, (N, d)."""
-    axes = []
+def _rows(gate: Gate, spacing: float) -> tuple[Array, float]:
+    """The lattice of a buffer, row behind row, and the volume of its cells, which fit across the gate."""
+    axes, volume = [], 1.0
     for axis in range(len(gate.low)):
-        count = round(float(gate.high[axis] - gate.low[axis]) / spacing)
-        axes.append(gate.low[axis] + spacing * (np.arange(count) + 0.5))
-    axes[gate.axis] = gate.place - gate.inward * spacing * (np.arange(gate.layers) + 0.5)
-    return np.stack([grid.ravel() for grid in np.meshgrid(*axes, indexing="ij")], axis=1)
+        places, widths = fitted_axis(gate.low[axis], gate.high[axis], spacing)
+        axes.append(places)
+        volume *= spacing if axis == gate.axis else float(widths[0])
+    axes[gate.axis] = gate.place - gate.inward * spacing * np.arange(0.5, gate.layers)
+    return np.stack([grid.ravel() for grid in np.meshgrid(*axes, indexing="ij")], axis=1), volume
 
 
 def _continued(gate: Gate, spacing: float, state: State) -> tuple[Array, Array]:

@@ -118,7 +118,7 @@ def add_gradient_diffusion(fields: Floats, lists: Lists, constants: Constants, f
                 fields[FIELD.position + 1, j] - y,
                 fields[FIELD.position + 2, j] - z,
             )
-            weight = fields[FIELD.volume, j] * fields[FIELD.liquid, j]
+            weight = fields[FIELD.weight, j] * fields[FIELD.liquid, j]
             square = dx * dx + dy * dy
             own, other = (
                 gx * dx + gy * dy,

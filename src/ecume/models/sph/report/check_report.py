@@ -7,12 +7,14 @@ import math
 
 import numpy as np
 
+from ecume.laws.enthalpy import density_at_enthalpy
 from ecume.laws.kernels import KERNELS
 from ecume.models.check_report import LONG, Row, told_duration
-from ecume.models.sph.parameters import Parameters
+from ecume.models.sph.parameters import Material, Parameters
 from ecume.models.sph.rates.surface_tension import NODES, TENSIONS
-from ecume.models.sph.setup.building import limiter, limits_of
+from ecume.models.sph.setup.building import limiter, limits_of, weight_enthalpy
 from ecume.models.sph.setup.choices import sides_of, smoothing_of, tension_of, told
+from ecume.models.sph.setup.initial_particles import cells_of
 from ecume.models.sph.setup.shapes import part_of, solids_of
 from ecume.scenes.sph import SphScene
 
@@ -29,8 +31,10 @@ PAIRING = {2: 25, 3: 65}
 """
 COARSE, FINE = 8, 20
 """Particles across the smallest extent: a first look, and what pressures can be read from."""
-FAST = 0.11
-"""The Mach number above which a liquid is compressed by more than a percent or so."""
+UNEVEN, SPREAD = 0.05, 0.02
+"""Of fitted cells: how much longer one edge may be than another, and how far a mass may be from that of its cell."""
+FAST, ASKED = 0.11, 0.1
+"""The Mach number above which a liquid is compressed by more than a percent or so, and the one to choose."""
 
 
 def advice(scene: SphScene, parameters: Parameters, count: int, bytes_each: float) -> list[Row]:
@@ -49,11 +53,30 @@ def _resolution(scene: SphScene, parameters: Parameters, count: int) -> list[Row
     across, neighbors = particles_across(scene), lattice_neighbors(parameters.dimension, parameters.support / spacing)
     return [
         ("particles", str(count), walls_remark(scene, walls)),
+        fitted_row(scene),
         ("resolution", f"{across:.0f} particles", f"across the liquid's smallest extent; {resolution_remark(across)}"),
         ("smoothing length", f"{smoothing:.4g} m", f"{smoothing / spacing:.3g} spacings"),
         ("neighbors", str(neighbors), neighbor_remark(neighbors, parameters.dimension, scene.method.kernel)),
         *thin_solids(scene, parameters),
     ]
+
+
+def fitted_row(scene: SphScene) -> Row:
+    """How far the lattice is from square cells as wide as the spacing, once it fits between walls and solids."""
+    drawn = [cells for (cells, _), region in zip(cells_of(scene), scene.fluid, strict=True) if region.particles is None]
+    widths = np.concatenate([cells.widths for cells in drawn] or [np.full((1, 1), scene.spacing)])
+    volumes = np.concatenate([cells.volumes for cells in drawn] or [np.full(1, scene.spacing)])
+    narrow, wide = float(widths.min()), float(widths.max())
+    value = f"{narrow:.4g} m" if math.isclose(narrow, wide, rel_tol=1e-3) else f"{narrow:.4g} to {wide:.4g} m"
+    uneven = float((widths.max(axis=1) / widths.min(axis=1)).max()) - 1.0
+    spread = float(np.abs(volumes / np.prod(widths, axis=1) - 1.0).max())
+    if uneven > UNEVEN:
+        remark = f"cells up to {100.0 * uneven:.2g} % longer along one axis: choose a spacing that divides all lengths"
+    elif spread > SPREAD:
+        remark = f"particles are {100.0 * spread:.2g} % off the mass of their cells: choose a finer spacing"
+    else:
+        remark = "fitted between walls and solids; the volume is the one drawn"
+    return ("spacing", value, remark)
 
 
 def walls_remark(scene: SphScene, dummies: int) -> str:
@@ -78,7 +101,6 @@ def thin_solids(scene: SphScene, parameters: Parameters) -> list[Row]:
 def _liquid(scene: SphScene, parameters: Parameters) -> list[Row]:
     material = parameters.material
     mach = material.fastest / material.sound_speed
-    remark = "to be expected" if mach <= FAST else "large: raise liquid.sound_speed"
     return [
         *told(scene.liquid),
         (
@@ -88,8 +110,21 @@ def _liquid(scene: SphScene, parameters: Parameters) -> list[Row]:
         ),
         ("sound speed", f"{material.sound_speed:.4g} m/s", "of the numerical liquid"),
         ("Mach number", f"{mach:.2g}", "to be expected"),
-        ("compression", f"{100.0 * mach**2:.2g} %", remark),
+        compression_row(weight_enthalpy(scene), material),
     ]
+
+
+def compression_row(weight: float, material: Material) -> Row:
+    """How much the liquid is compressed, by its weight g H (J/kg) at rest and by the pressure of its motion."""
+    laws = material.density, material.sound_speed, material.exponent
+    at_rest = density_at_enthalpy(weight, *laws) / material.density - 1.0
+    moving = (material.fastest / material.sound_speed) ** 2
+    needed = max(math.sqrt(weight), material.fastest) / FAST
+    if needed > material.sound_speed:
+        remark = f"large: set liquid.sound_speed to {needed * FAST / ASKED:.3g} m/s or more"
+    else:
+        remark = f"{100.0 * at_rest:.2g} % by its weight at rest, {100.0 * moving:.2g} % by its motion"
+    return ("compression", f"{100.0 * (at_rest + moving):.2g} %", remark)
 
 
 def _tension(scene: SphScene, parameters: Parameters) -> list[Row]:

@@ -83,11 +83,9 @@ def material_of(scene: SphScene) -> Material:
 
 def fastest_of(scene: SphScene) -> float:
     """The fastest speed to be expected: of what moves at the start, and of a free fall through the liquid's depth."""
-    pull = gravity_of(scene)
     bounds = [part_of(region, scene.spacing).bounds() for region in scene.fluid]
     low, high = np.min([b[0] for b in bounds], axis=0), np.max([b[1] for b in bounds], axis=0)
-    depth = float(np.abs(pull) @ (high - low))
-    speeds = [math.sqrt(2.0 * depth)]
+    speeds = [math.sqrt(2.0 * weight_enthalpy(scene))]
     for region in scene.fluid:
         points = np.stack(part_of(region, scene.spacing).bounds())
         speeds.append(float(np.linalg.norm(velocity_in(region, scene, points), axis=1).max()))
@@ -106,6 +104,13 @@ def fastest_of(scene: SphScene) -> float:
             [Fault("liquid.fastest", "nothing moves and nothing pulls: say which speed is to be expected")]
         )
     return fastest
+
+
+def weight_enthalpy(scene: SphScene) -> float:
+    """What the weight of the liquid above brings the lowest liquid, g H (J/kg)."""
+    bounds = [part_of(region, scene.spacing).bounds() for region in scene.fluid]
+    extent = np.max([high for _, high in bounds], axis=0) - np.min([low for low, _ in bounds], axis=0)
+    return float(np.abs(gravity_of(scene)) @ extent)
 
 
 def capillary_speed(scene: SphScene, bounds: list[tuple[Array, Array]]) -> float:

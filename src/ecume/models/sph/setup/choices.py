@@ -96,6 +96,9 @@ def constants_of(scene: SphScene, material: Material, pull: Array) -> Constants:
         delta = diffusion.strength(scene.method.diffusion, smoothing, material.sound_speed)
     if term.field == "enthalpy":
         delta *= spring
+    by_mass = pressure_force_of(scene).by_mass
+    if by_mass:  # neighbors then count by their mass, and diffusion is a sum over volumes
+        delta /= material.density
     rise = np.zeros(3)
     if term.balances_weight:
         rise[:dimension] = term.rise(material.density, material.sound_speed) * pull
@@ -114,7 +117,7 @@ def constants_of(scene: SphScene, material: Material, pull: Array) -> Constants:
         "sound_speed": material.sound_speed,
         "alpha": alpha,
         # By volume the viscosity's term is not per density squared.
-        "damping_divisor": material.density if pressure_force_of(scene).by_mass else 1.0 / material.density,
+        "damping_divisor": material.density if by_mass else 1.0 / material.density,
         "delta": delta,
         "rise_x": rise[0],
         "rise_y": rise[1],

@@ -6,12 +6,13 @@ Positions, velocities and masses that a table or another run gives for single pa
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from ecume.engine.meshes import Cloud
-from ecume.engine.shapes import Box, Flags, Part, Shape, apart, lattice_in
+from ecume.engine.shapes import Box, Cells, Flags, Part, Shape, apart, bounds_meet, covered_volume, scaled_to
 from ecume.errors import Fault, SceneError
 from ecume.laws.enthalpy import density_at_enthalpy
 from ecume.laws.flows import ball_pressure, channel_speed, patch_pressure, taylor_green_pressure, taylor_green_velocity
@@ -146,30 +147,42 @@ def liquid_of(scene: SphScene, material: Material) -> Liquid:
     """The particles at the start, with the pressure of their depth."""
     pull = np.zeros(len(scene.tank.low)) if modified(scene) else held_pull(scene)
     generator = np.random.default_rng(scene.seed)
-    pieces: list[tuple[Array, Array, Array]] = []
-    earlier: list[Part] = []
+    pieces: list[tuple[Array, Array, Array, Array]] = []
     told: list[Said] = []
-    solids = solids_of(scene)
-    for index, region in enumerate(scene.fluid):
-        shape = part_of(region, scene.spacing)
-        given = region.particles
-        points = lattice_in(shape, scene.spacing) if given is None else np.array(given.positions)
-        kept = _kept(scene, points, earlier, solids, single=given is not None)
-        points = points[kept]
-        outside = ~room_of(scene, single=given is not None).inside(points)
-        if outside.any():
-            where = tuple(float(f"{x:.4g}") for x in points[outside][0])
-            raise SceneError([Fault(f"fluid[{index}]", f"reaches out of the tank, at {where}")])
-        earlier.append(shape)
+    for region, (cells, kept) in zip(scene.fluid, cells_of(scene), strict=True):
+        points, shape = cells.centers, part_of(region, scene.spacing)
         head = np.zeros(len(points))
         if pull.any() and scene.method.start == "hydrostatic":
             head = np.linalg.norm(pull) * shape.way_out(points, -pull / np.linalg.norm(pull))
-        if given is None:
+        if region.particles is None:
             points = points + scene.method.jitter * scene.spacing * generator.uniform(-1.0, 1.0, points.shape)
         head += pressure_in(region, scene, points, material.density) / material.density
-        pieces.append((points, velocity_in(region, scene, points), head))
+        pieces.append((points, velocity_in(region, scene, points), head, cells.volumes))
         told.append(said_of(region, kept))
     return with_said(_particles(scene, material, pieces), told)
+
+
+def cells_of(scene: SphScene) -> list[tuple[Cells, Flags]]:
+    """The cells that each region's particles stand for, and which particles of a table were kept (all, without one)."""
+    found: list[tuple[Cells, Flags]] = []
+    earlier: list[Part] = []
+    solids = solids_of(scene)
+    for index, region in enumerate(scene.fluid):
+        shape = part_of(region, scene.spacing)
+        if region.particles is None:
+            cells = free_cells(shape, scene.spacing, earlier, solids)
+            kept = np.ones(len(cells.centers), bool)
+        else:
+            cells = shape.cells(scene.spacing)
+            kept = _kept(cells.centers, earlier, solids)
+            cells = cells.those(kept)
+        outside = ~room_of(scene, single=region.particles is not None).inside(cells.centers)
+        if outside.any():
+            where = tuple(float(f"{x:.4g}") for x in cells.centers[outside][0])
+            raise SceneError([Fault(f"fluid[{index}]", f"reaches out of the tank, at {where}")])
+        earlier.append(shape)
+        found.append((cells, kept))
+    return found
 
 
 def room_of(scene: SphScene, *, single: bool) -> Box:
@@ -179,21 +192,34 @@ def room_of(scene: SphScene, *, single: bool) -> Box:
     return Box(low, high)
 
 
-def _kept(scene: SphScene, points: Array, earlier: list[Part], solids: list[Shape], *, single: bool) -> Flags:
-    """Who is neither where other liquid is nor too close to a solid. `single` particles keep the distances of the flow
+def free_cells(shape: Part, spacing: float, earlier: Sequence[Part], solids: Sequence[Shape]) -> Cells:
+    """The cells of a region that neither earlier regions nor solids cover. Their volumes add up to that of the places
+    they stand for: what a solid cuts off cells, or leaves of cells too close to it, is spread over all.
+    """
+    others = [other for other in (*earlier, *solids) if bounds_meet(shape, other)]
+    faces = [other.faces() for other in others]
+    cells = shape.cells(spacing, np.concatenate(faces) if faces else None)
+    if not others:
+        return cells
+    free = shape.volume() - covered_volume(shape, others)
+    return scaled_to(cells.those(apart(cells.centers, earlier) & free_of(cells.centers, solids, spacing)), free)
+
+
+def _kept(points: Array, earlier: Sequence[Part], solids: Sequence[Shape]) -> Flags:
+    """Which single particles are neither where other liquid is nor inside a solid. They keep the distances of the flow
     they were taken from, to those of other tables and to solids, however small.
     """
-    others = [part for part in earlier if not (single and isinstance(part, Cloud))]
-    return apart(points, others) & free_of(points, solids, 0.0 if single else scene.spacing)
+    others = [part for part in earlier if not isinstance(part, Cloud)]
+    return apart(points, others) & free_of(points, solids, 0.0)
 
 
-def _particles(scene: SphScene, material: Material, pieces: list[tuple[Array, Array, Array]]) -> Liquid:
-    """Densities and masses of points where the enthalpy (J/kg) is known."""
-    points, velocity, head = (np.concatenate(parts) for parts in zip(*pieces, strict=True))
+def _particles(scene: SphScene, material: Material, pieces: list[tuple[Array, Array, Array, Array]]) -> Liquid:
+    """Densities and masses of points where the enthalpy (J/kg) and the volume are known."""
+    points, velocity, head, volume = (np.concatenate(parts) for parts in zip(*pieces, strict=True))
     if len(points) == 0:
         raise SceneError([Fault("spacing", f"got {scene.spacing:g} m: no particle fits into the liquid")])
     laws = material.density, material.sound_speed, material.exponent
     density = np.array([density_at_enthalpy(each, *laws) for each in head])
-    mass = density * scene.spacing ** points.shape[1]
+    mass = density * volume
     region = np.repeat(np.arange(len(pieces)), [len(piece[0]) for piece in pieces])
     return Liquid(np.ascontiguousarray(points.T), np.ascontiguousarray(velocity.T), density, mass, region)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ecume.engine.meshes import Cloud, Mesh
-from ecume.engine.shapes import Ball, Box, Flags, Part, Polygon, Shape, apart, lattice_in, round_up
+from ecume.engine.shapes import Ball, Box, Flags, Part, Polygon, Shape, apart, round_up
 from ecume.scenes.sph import RegionSpec, ShapeSpec, SphScene
 from ecume.units import Array
 
@@ -34,7 +36,7 @@ def solids_of(scene: SphScene) -> list[Shape]:
     return [shape_of(spec) for spec in (*scene.obstacles, *scene.bodies)]
 
 
-def free_of(points: Array, solids: list[Shape], spacing: float) -> Flags:
+def free_of(points: Array, solids: Sequence[Shape], spacing: float) -> Flags:
     """Which points are outside of all solids, and not too close to one."""
     free = np.ones(len(points), bool)
     for solid in solids:
@@ -46,15 +48,12 @@ def grains(shape: Shape, spacing: float, support: float) -> tuple[Array, Array]:
     """Dummies of a solid, (n, d), and their volumes, which fill the whole shape; the core deeper than the support is
     omitted.
     """
-    if isinstance(shape, Box):
-        points, volume = _cells_of(shape, spacing)
-    elif isinstance(shape, Ball) and len(shape.center) == 2:
+    if isinstance(shape, Ball) and len(shape.center) == 2:
         points, volume = _rings_of(shape, spacing)
     elif isinstance(shape, Polygon) and shape.convex():
         points, volume = _rows_of(shape, spacing, support)
     else:
-        points = lattice_in(shape, spacing)
-        volume = np.full(len(points), shape.volume() / max(1, len(points)))
+        points, volume, _ = shape.cells(spacing)
     near = shape.nearest(points)[0] > -support
     return points[near], volume[near]
 
@@ -70,15 +69,6 @@ def obstacle_grains(scene: SphScene, support: float) -> list[tuple[Array, Array]
         found.append((points[stays], volume[stays]))
         earlier.append(shape)
     return found
-
-
-def _cells_of(shape: Box, spacing: float) -> tuple[Array, Array]:
-    """A lattice that fits: as many cells an edge as are nearest to the spacing."""
-    size = shape.high - shape.low
-    counts = [max(1, round(length / spacing)) for length in size]
-    axes = [a + (np.arange(n) + 0.5) * w / n for a, w, n in zip(shape.low, size, counts, strict=True)]
-    points = np.stack([axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")], axis=1)
-    return points, np.full(len(points), shape.volume() / len(points))
 
 
 def _rows_of(shape: Polygon, spacing: float, support: float) -> tuple[Array, Array]:

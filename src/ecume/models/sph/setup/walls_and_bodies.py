@@ -10,7 +10,7 @@ import numpy as np
 from ecume._portable import length
 from ecume.engine.boundary_images import Sides
 from ecume.engine.cells import Integers
-from ecume.engine.shapes import Ball, Polygon, Shape
+from ecume.engine.shapes import Ball, Polygon, Shape, fitted_axis
 from ecume.engine.walls import Surfaces, box, disc, outside, planes, polygon, sheet, together
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.models.sph.parameters import Bodies, Boundary, Drive, Dummies, Gate, Guard, Material
@@ -126,14 +126,15 @@ def _layers(scene: SphScene, material: Material, support: float) -> Dummies:
     dimension, spacing = len(low), scene.spacing
     if scene.tank.walls != "dummy":
         return dummies_at(np.zeros((0, dimension)), np.zeros(0), 0.0, 0)
-    layers = math.ceil(support / spacing - 1e-9)
-    axes = []
+    axes, volume = [], 1.0
     for axis in range(dimension):
-        count = round((high - low)[axis] / spacing)
-        # Walls go on beside the buffers of in- and outflows.
+        cells, widths = fitted_axis(low[axis], high[axis], spacing)
+        layers = math.ceil(support / widths[0] - 1e-9)
+        # Walls continue beside the buffers of in- and outflows.
         first = -layers if _side(scene, 2 * axis).kind in LAYERED else 0
-        last = count + layers if _side(scene, 2 * axis + 1).kind in LAYERED else count
-        axes.append(low[axis] + spacing * (np.arange(first, last) + 0.5))
+        last = len(cells) + layers if _side(scene, 2 * axis + 1).kind in LAYERED else len(cells)
+        axes.append(low[axis] + widths[0] * (np.arange(first, last) + 0.5))
+        volume *= widths[0]
     points = np.stack([grid.ravel() for grid in np.meshgrid(*axes, indexing="ij")], axis=1)
     walled = np.array([_side(scene, number).kind == "wall" for number in range(2 * dimension)])
     outside = (((points < low) & walled[0::2]) | ((points > high) & walled[1::2])).any(axis=1)
@@ -149,8 +150,8 @@ def _layers(scene: SphScene, material: Material, support: float) -> Dummies:
             viscosity[behind] = material.viscosity
         if side.velocity is not None:
             velocity[behind] = side.velocity
-    volume = np.full(len(points), spacing**dimension)
-    return Dummies(np.ascontiguousarray(points.T), np.ascontiguousarray(velocity.T), viscosity, volume, owner)
+    volumes = np.full(len(points), volume)
+    return Dummies(np.ascontiguousarray(points.T), np.ascontiguousarray(velocity.T), viscosity, volumes, owner)
 
 
 OFF = 1e-3
