@@ -120,4 +120,5 @@ def save(drawn: Figure, out: Path) -> Path:
 
 def legend_outside(axes: Axes, title: str | None = None) -> None:
     """A legend right of the axes, where it hides no curve."""
-    axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0, title=title, alignment="left")
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0, title=title, alignment="left")

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from ecume.analysis.series import number, series, times
 from ecume.errors import BadInput
 from ecume.show.camera import STANDING, Eye, Wires, wires_of
-from ecume.show.curves import Frames, energies, over_time, thinned
+from ecume.show.curves import Frames, energies, evolution, over_time, titled
 from ecume.show.picture import USUAL, Size, species
 from ecume.show.scenery import Round, Setting, Shape
 from ecume.show.style import PALETTE, figure, legend_outside, plain, scale_for, style
@@ -90,13 +90,13 @@ def _mean_height(frame: Frame, index: int) -> float:
 
 def heights(frames: Frames, scene: TracersScene) -> Figure:
     """The mean height of each species: how fast it settles."""
-    shown = thinned(frames)
+    shown = evolution(frames)
     kinds = species(scene)
     curves = [[_mean_height(frame, index) for frame in shown] for index in range(len(kinds))]
     scale = scale_for(float(np.abs(curves).max()), "m")
     with style():
         drawn = figure()
-        axes = over_time(drawn, scene)
+        axes = over_time(drawn, scene, "Mean height of each species")
         for kind, curve in zip(kinds, curves, strict=True):
             axes.plot(times(shown), scale.factor * np.array(curve), color=kind.color, label=plain(kind.name))
         axes.set_ylabel(f"mean height ({scale.unit})")
@@ -116,7 +116,7 @@ def profile(frames: Frames, scene: TracersScene) -> Figure:
     edges = np.linspace(values.min(), max(values.max(), values.min() + 1e-12), SLICES + 1)
     with style():
         drawn = figure()
-        axes = drawn.add_subplot(xlabel="particles in a slice", title=plain(scene.title))
+        axes = drawn.add_subplot(xlabel="particles in a slice", title=titled("Number of particles over height", scene))
         for frame, place, color in zip(instants, places, PALETTE, strict=False):
             counts, _ = np.histogram(place, edges)
             axes.stairs(counts, scale.factor * edges, orientation="horizontal", color=color, label=f"{frame.time:g} s")
@@ -127,13 +127,13 @@ def profile(frames: Frames, scene: TracersScene) -> Figure:
 
 def wall_hits(frames: Frames, scene: TracersScene) -> Figure:
     """The number of hits of each wall so far."""
-    shown = thinned(frames)
+    shown = evolution(frames)
     names = [name for name in shown[0].numbers if name.startswith("hits_on_wall_")]
     if not names:
         raise BadInput("the scene has no walls; there is nothing that could be hit")
     with style():
         drawn = figure()
-        axes = over_time(drawn, scene)
+        axes = over_time(drawn, scene, "Collisions with walls")
         for index, (name, counts) in enumerate(zip(names, series(shown, *map(number, names)), strict=True)):
             color = PALETTE[index % len(PALETTE)]
             label = name.removeprefix("hits_on_").replace("_", " ")
