@@ -66,6 +66,9 @@ Color = Annotated[
         "--color", metavar="WHAT", help="Color a liquid by pressure, speed, density or region.", show_default=False
     ),
 ]
+Particles = Annotated[
+    bool, typer.Option("--particles", help="Draw the particles of a liquid instead of its continuous region.")
+]
 Zoom = Annotated[float, typer.Option("--zoom", metavar="Z", help="Show all so many times larger.")]
 Follow = Annotated[
     int | None,

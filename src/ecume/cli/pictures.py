@@ -22,6 +22,7 @@ from ecume.cli.picture_options import (
     Fps,
     Integrators,
     Out,
+    Particles,
     PictureSize,
     What,
     Workers,
@@ -78,6 +79,7 @@ def movie(
     start: Begin = None,
     end: End = None,
     color: Color = None,
+    particles: Particles = False,
     zoom: Zoom = 1.0,
     follow: Follow = None,
     azimuth: Azimuth = None,
@@ -101,7 +103,8 @@ def movie(
     existing(directory)
     asked: dict[str, Any] = {"start": start, "end": end, "size": size, "color": color, "eye": eye(azimuth, elevation)}
     asked["aim"] = Aim(zoom, follow)
-    options = MovieOptions(fps=fps, every=every, **{name: value for name, value in asked.items() if value is not None})
+    given = {name: value for name, value in asked.items() if value is not None}
+    options = MovieOptions(fps=fps, every=every, particles=particles, **given)
     with counted("pictures", quiet=quiet) as reporter:
         made = make(directory, out, options, progress=reporter, workers=workers)
     wrote(made, quiet=quiet)

@@ -65,5 +65,4 @@ def _peaks(values: Array, edge: float) -> list[int]:
 def _mark(axes: Axes, at: tuple[float, float], text: str, *, up: bool) -> None:
     """A triangle that points out of the axes, and a value beside it."""
     axes.plot(*at, marker="^" if up else "v", color=INK, markersize=5, clip_on=False, zorder=5)
-    look = {"textcoords": "offset points", "va": "center", "fontsize": 8, "color": INK}
-    axes.annotate(text, at, (6, 0), **look)
+    axes.annotate(text, at, (6, 0), textcoords="offset points", va="center", fontsize=8, color=INK)

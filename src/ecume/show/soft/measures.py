@@ -126,7 +126,7 @@ def swaps(frames: Frames, scene: SoftScene) -> Figure:
         if marks is not None:
             drawn.colorbar(marks, ax=where, label="time (s)", shrink=0.8)
         instants, count = cumulative(found.times, times(frames))
-        steps(when, instants, count, "T1 events", PALETTE[1])
+        steps(when, instants, count.tolist(), "T1 events", PALETTE[1])
         when.set(
             xlabel="time (s)", ylabel="T1 events", title="Cumulative number of T1 events", xlim=span(times(frames))
         )
@@ -195,9 +195,9 @@ def nonaffine(frames: Frames, scene: SoftScene) -> Figure:
     with style():
         drawn = figure(6.2, 4.8)
         axes = drawn.add_subplot()
-        shown = _outlines(axes, after).factor * place[:, :2].T
-        dots = axes.scatter(*shown, c=rest, cmap="magma_r", s=30, zorder=2)
-        arrows = axes.quiver(*shown, *moved[:, :2].T, color=INK, width=0.004, zorder=3)
+        x, y = _outlines(axes, after).factor * place[:, :2].T
+        dots = axes.scatter(x, y, c=rest, cmap="magma_r", s=30, zorder=2)
+        arrows = axes.quiver(x, y, *moved[:, :2].T, color=INK, width=0.004, zorder=3)
         longest = float(np.linalg.norm(moved, axis=1).max())
         scale = scale_for(longest, "m")
         if longest > 0.0:

@@ -137,7 +137,7 @@ class Packing(Picture):
 
     def __init__(self, scene: Any, sample: Sequence[Frame], size: Size = USUAL) -> None:
         self.view = view_of(sample)
-        self.figure = blank(size)
+        self.figure = blank(size, self.view, SIDE)
         links = [links_of(frame) for frame in sample]
         self.largest = max((float(np.abs(one.tension).max(initial=0.0)) for one in links), default=0.0)
         self.norm = _gap_scale(links)

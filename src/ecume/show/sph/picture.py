@@ -7,24 +7,28 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.colors import to_rgba_array
 
 from ecume.errors import BadInput
 from ecume.scenes.faults import suggestion
 from ecume.scenes.sph import SIDES
 from ecume.show.camera import Eye, Wires, wires_of
 from ecume.show.picture import USUAL, Size, Species
-from ecume.show.scenery import BODY, Round, Setting, Shape
+from ecume.show.scenery import BODY, Round, Setting, Shape, colored
+from ecume.show.sph.liquid import Water
 from ecume.show.sph.solids import ball_outline, mover_colors, movers_of
 from ecume.show.style import INK, PALETTE, RIM
-from ecume.show.tank import Coloring, Tank
+from ecume.show.tank import Coloring, Tank, seen
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
 if TYPE_CHECKING:
     from ecume.scenes.sph import SphScene
 
-FULL = 0.62
-"""The radius with which particles are drawn, in spacings: neighbors on a lattice just overlap."""
+FULL = 0.5
+"""The radius with which particles are drawn, in spacings: neighbors on a lattice touch."""
 AIR = "white"
 BRIGHT = (PALETTE[0], PALETTE[3], INK)
 """Of what is carried."""
@@ -51,16 +55,54 @@ COLORINGS: Mapping[str, Coloring | None] = {
 
 
 def liquid_picture(
-    scene: SphScene, sample: Sequence[Frame], size: Size = USUAL, color: str | None = None, eye: Eye | None = None
+    scene: SphScene,
+    sample: Sequence[Frame],
+    size: Size = USUAL,
+    color: str | None = None,
+    eye: Eye | None = None,
+    particles: bool = False,
 ) -> Tank:
-    """The tank, its liquid colored by pressure where there is gravity, by speed elsewhere, or as `color` says."""
+    """The tank, its liquid colored by pressure where there is gravity, by speed elsewhere, or as `color` says.
+
+    In 2D the liquid is a continuous region; with `particles` each particle is a disc as large as the spacing.
+    """
     name = color or usual_color(scene)
     if name not in COLORINGS:
         raise BadInput(f"no color is called {name!r}; {suggestion(name, COLORINGS)}")
     if len(scene.tank.low) == 2 and eye is not None:
-        raise BadInput("this liquid is in the plane, and seen from before it; leave azimuth and elevation out")
-    setting = setting_of(scene) if len(scene.tank.low) == 2 else setting_in_space(scene, eye or Eye())
-    return Tank(setting, sample, size, COLORINGS[name])
+        raise BadInput("azimuth and elevation are for liquids in 3D; this one is in 2D")
+    if len(scene.tank.low) == 3:
+        return Tank(setting_in_space(scene, eye or Eye()), sample, size, COLORINGS[name])
+    if particles:
+        return Tank(setting_of(scene), sample, size, COLORINGS[name])
+    return LiquidTank(scene, sample, size, COLORINGS[name])
+
+
+class LiquidTank(Tank):
+    """A tank in 2D whose liquid is a continuous region, with the passive tracers in it as discs."""
+
+    def __init__(self, scene: SphScene, sample: Sequence[Frame], size: Size, coloring: Coloring | None) -> None:
+        self.scene = scene
+        super().__init__(setting_of(scene)._replace(before=True), sample, size, coloring)
+
+    def _contents(self, axes: Axes, frame: Frame) -> list[Artist]:
+        self.water = Water(axes, self.scene)
+        self.particles = self._particles(axes, frame)
+        return [*self.water.artists, self.particles]
+
+    def _fill(self, frame: Frame) -> None:
+        liquid = colored(self.setting, frame)
+        if self.coloring is None or self.mapping is None:
+            own = np.array(to_rgba_array([kind.color for kind in self.setting.kinds]))
+            self.water.put(liquid, own[liquid.arrays["species"]], lambda means: means)
+        else:
+            shades: Any = self.mapping.to_rgba
+            values = np.asarray(self.coloring.values(liquid), float)[:, None]
+            self.water.put(liquid, values, lambda means: shades(means[..., 0]))
+        apart = len(liquid.arrays["position"]) < len(frame.arrays["position"])
+        kept = frame.arrays["species"] >= self.setting.apart if apart else np.zeros(0, bool)
+        places = seen(frame.arrays["position"][kept]) if apart else np.zeros((0, 2))
+        self.particles.put(places, None, self._colors(frame)[kept] if apart else np.zeros((0, 4)))
 
 
 def usual_color(scene: SphScene) -> str:
