@@ -1,5 +1,6 @@
 """Axes that show what matters: limits without outliers, logarithms only where they help, counts from start to end."""
 
+import matplotlib as mpl
 import numpy as np
 import pytest
 
@@ -7,7 +8,7 @@ from ecume.errors import BadInput
 from ecume.show.curves import evolution, scaling
 from ecume.show.soft.measures import cumulative
 from ecume.show.spikes import cut_spikes, limits_without_spikes
-from ecume.show.style import figure
+from ecume.show.style import DARK_CANVAS, LEAST_CONTRAST, contrast, figure, seen_part
 from ecume.trajectories.frame import Frame
 
 
@@ -56,3 +57,18 @@ def test_a_run_of_one_frame_has_no_evolution():
     with pytest.raises(BadInput, match=r"single frame, at 0.25 s"):
         evolution([frame])
     assert evolution([frame, frame]) == [frame, frame]
+
+
+def test_contrasts_are_those_of_the_standard():
+    assert contrast("#000000", "#ffffff") == pytest.approx(21.0)
+    assert contrast("#777777", "#ffffff") == pytest.approx(4.48, abs=0.01)
+
+
+@pytest.mark.parametrize("name", ["viridis", "cividis", "RdBu_r"])
+def test_no_color_of_a_map_vanishes_on_a_dark_page(name):
+    colors = mpl.colormaps[name]
+    low, high = seen_part(colors, DARK_CANVAS)
+    assert 0.0 < low < 0.35
+    assert high > 0.85
+    assert min(contrast(colors(part)[:3], DARK_CANVAS) for part in np.linspace(low, high, 64)) >= 0.98 * LEAST_CONTRAST
+    assert contrast(colors(0.0)[:3], DARK_CANVAS) < 1.5
