@@ -55,6 +55,15 @@ STYLE: dict[str, Any] = {
     "savefig.dpi": 200,
 }
 
+LIQUID_COLORS = {
+    "water": "#4f9fd8",
+    "seawater": "#3f8fb5",
+    "milk": "#fbf8f0",
+    "ethanol": "#b9d9ee",
+    "glycerol": "#d8e6e4",
+    "mercury": "#b3b8be",
+}
+"""By the name of the substance."""
 DARK_CANVAS = "#12181f"
 """Of the pages in dark mode."""
 LEAST_CONTRAST = 2.0

@@ -18,6 +18,7 @@ from matplotlib.colors import Normalize, to_rgba_array
 
 from ecume.show.picture import (
     DPI,
+    SIDE,
     USUAL,
     Layers,
     Picture,
@@ -67,9 +68,11 @@ class Tank(Picture):
     ) -> None:
         self.setting, self.coloring = setting, coloring
         self.view = view_of(setting, sample)
-        self.figure = blank(size, self.view)
+        # Without a bar of colors or a legend there is nothing beside the tank.
+        side = SIDE if coloring is not None or len(setting.kinds) > 1 else 0.0
+        self.figure = blank(size, self.view, side)
         with style():
-            axes = axes_for(self.figure, self.view)
+            axes = axes_for(self.figure, self.view, side)
             draw_setting(axes, setting)
             bodies = draw_bodies(axes, setting)
             self.mapping = (

@@ -1,7 +1,6 @@
 """Figures of a liquid show what the frames hold, with units."""
 
 import re
-import sys
 
 import numpy as np
 import pytest
@@ -15,7 +14,7 @@ from .conftest import frame_of, scene_of
 WITH_UNIT = re.compile(r".* \((s|[kmµ]?(m|m/s|J|Pa))\)$")
 
 
-@pytest.mark.parametrize("what", [name for name in SPH_FIGURES if name not in ("gauges", "render")])
+@pytest.mark.parametrize("what", [name for name in SPH_FIGURES if name != "gauges"])
 def test_every_figure_can_be_drawn_with_units_and_refuses_one_frame_where_it_needs_two(what, scene, frames):
     if what in ("energies", "kinetic-energy", "front", "center"):
         with pytest.raises(BadInput, match="the run has a single frame"):
@@ -84,11 +83,3 @@ def test_gauges_are_drawn_by_kind_over_time(frames):
 def test_a_scene_without_gauges_has_no_figure_of_them(scene, frames):
     with pytest.raises(BadInput, match="no gauges"):
         figures.gauges(frames, scene)
-
-
-def test_a_liquid_in_the_plane_is_not_rendered_and_without_pyvista_the_way_out_is_told(scene, frames, monkeypatch):
-    with pytest.raises(BadInput, match="in the plane"):
-        SPH_FIGURES["render"](frames, scene)
-    monkeypatch.setitem(sys.modules, "pyvista", None)
-    with pytest.raises(BadInput, match=r"pip install 'pyvista"):
-        SPH_FIGURES["render"]([frame_of(dimension=3)], scene_of(dimension=3))

@@ -18,7 +18,6 @@ from ecume.laws.column import column_height, column_pressure
 from ecume.scenes.sph import SIDES
 from ecume.show.curves import Frames, energies, evolution, kinetic_energy, over_time, titled
 from ecume.show.sph.picture import liquid_picture, rectangle
-from ecume.show.sph.rendering import render
 from ecume.show.spikes import cut_spikes, limits_without_spikes
 from ecume.show.style import INK, PALETTE, RIM, Scale, figure, legend_outside, plain, scale_for, style
 from ecume.trajectories.frame import Frame
@@ -240,5 +239,4 @@ SPH_FIGURES: Mapping[str, Any] = {
     "velocity": velocity,
     "surface": surface,
     "gauges": gauges,
-    "render": render,
 }

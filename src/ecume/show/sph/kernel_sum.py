@@ -31,6 +31,8 @@ BURIED = 0.95
 """The solid part of a place beyond which it counts as solid."""
 
 Counts = NDArray[np.int64]
+Inside = Callable[[Array], NDArray[np.bool_]]
+"""Which of points (N, d) are inside a solid."""
 
 
 class Grid(NamedTuple):
@@ -86,7 +88,7 @@ class Region(NamedTuple):
     """(*shape, k) Shepard's means of the quantities; 0 far from all particles"""
 
 
-def region_of(liquid: Liquid, grid: Grid, spacing: float, solid: Callable[[Array], Array] | None = None) -> Region:
+def region_of(liquid: Liquid, grid: Grid, spacing: float, solid: Inside | None = None) -> Region:
     """The liquid's region and the means of its quantities; `solid` says which points are inside solids."""
     inside = np.all((liquid.position >= grid.low) & (liquid.position <= grid.high), axis=1)
     liquid = Liquid(*(part[inside] for part in liquid))
@@ -134,7 +136,7 @@ def smoothed(field: Array, widths: Array, grid: Grid, *, linear: bool) -> Array:
     return field
 
 
-def beside_solids(filled: Array, grid: Grid, widths: Array, solid: Callable[[Array], Array]) -> Array:
+def beside_solids(filled: Array, grid: Grid, widths: Array, solid: Inside) -> Array:
     """The sum over the part of the kernel that is not inside a solid."""
     covered = solid(grid.points()).reshape(grid.shape).astype(float)
     if not covered.any():

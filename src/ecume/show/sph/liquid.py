@@ -13,9 +13,10 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.path import Path
 
+from ecume.engine.shapes import Flags
 from ecume.scenes.sph import SIDES
 from ecume.show.scenery import Round, Shape
-from ecume.show.sph.kernel_sum import SMOOTHING, SUPPORT, Grid, Liquid, Region, grid_in, region_of
+from ecume.show.sph.kernel_sum import SMOOTHING, SUPPORT, Grid, Inside, Liquid, Region, grid_in, region_of
 from ecume.show.style import RIM
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
@@ -101,7 +102,7 @@ def room_of(
     return low, np.maximum(high, low + scene.spacing)
 
 
-def solids_in(scene: SphScene, frame: Frame) -> Callable[[Array], Array] | None:
+def solids_in(scene: SphScene, frame: Frame) -> Inside | None:
     """Which points are inside obstacles and bodies of this frame; None without any."""
     from ecume.show.sph.picture import outline
     from ecume.show.sph.solids import body_lines
@@ -112,7 +113,7 @@ def solids_in(scene: SphScene, frame: Frame) -> Callable[[Array], Array] | None:
     return (lambda points: inside_any(shapes, points)) if shapes else None
 
 
-def inside_any(shapes: Sequence[Shape], points: Array) -> Array:
+def inside_any(shapes: Sequence[Shape], points: Array) -> Flags:
     """(N,) which points (N, 2) are inside one of the shapes."""
     found = np.zeros(len(points), bool)
     for shape in shapes:
