@@ -87,11 +87,13 @@ What = Annotated[
     typer.Option(
         "--what",
         metavar="NAME",
-        help="Which figure; may stand many times.",
+        help="Name of a figure, see --list; can be repeated. Default: all.",
         autocompletion=_figures,
         show_default=False,
     ),
 ]
+Listed = Annotated[bool, typer.Option("--list", help="List the figures of this run and draw none.")]
+Verbose = Annotated[bool, typer.Option("--verbose", help="Report figures that are omitted, and why.")]
 Integrators = Annotated[
     bool, typer.Option("--integrators", help="Compare the integrators instead, into integrators.png; needs no run.")
 ]
