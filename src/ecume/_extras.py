@@ -8,7 +8,7 @@ OF_AN_EXTRA = re.compile(r"^(?P<package>[^;]+);.*\bextra == ['\"](?P<extra>[a-z]
 
 
 def install(extra: str) -> str:
-    """The command that installs what an extra needs: `pip install 'pyvista>=0.44'`."""
+    """The command that installs what an extra needs: `pip install 'pandas>=2.2'`."""
     from importlib.metadata import PackageNotFoundError, requires  # not needed by `ecume --help`
 
     try:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -13,6 +15,8 @@ from ecume.cli import app
 from ecume.cli.pictures import ENDINGS, Format
 from ecume.cli.progress import counted
 from ecume.errors import BadInput
+from ecume.show.curves import ONE_FRAME
+from ecume.show.floating.figures import FLOATING_FIGURES
 
 cli = CliRunner()
 
@@ -151,7 +155,33 @@ def test_plot_draws_every_figure_that_can_be_drawn(drawn: list[str]) -> None:
     done = cli.invoke(app, ["plot", "bowl"])
     assert done.exit_code == 0
     assert drawn == ["paths", "energies"]
-    assert done.stderr == "ecume: force-law left out: there is no force to draw\n"
+    assert done.stderr == ""
+    explained = cli.invoke(app, ["plot", "bowl", "--verbose"])
+    assert explained.stderr == "ecume: force-law omitted: there is no force to draw\n"
+
+
+def test_plot_lists_the_figures_of_a_run_with_what_they_show(monkeypatch: pytest.MonkeyPatch) -> None:
+    import ecume.show.figures
+
+    run = contextlib.nullcontext(SimpleNamespace(scene=SimpleNamespace(model="floating")))
+    monkeypatch.setattr(ecume.show.figures, "open_trajectory", lambda directory: run)
+    done = cli.invoke(app, ["plot", "bowl", "--list"])
+    assert (done.exit_code, done.stderr) == (0, "")
+    lines = dict(line.split(maxsplit=1) for line in done.stdout.splitlines())
+    assert lines["force-law"].startswith("The force between two floats over their distance")
+    assert set(lines) == set(FLOATING_FIGURES)
+    assert not list(Path("bowl").glob("**/*.png"))
+
+
+def test_plot_of_a_run_with_one_frame_reports_it_once(drawn: list[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    import ecume.show.figures
+
+    def plot(directory: Path, what: str, out: Path | None) -> Path:
+        raise BadInput(f"{ONE_FRAME} at 0 s; a figure over time needs two frames or more")
+
+    monkeypatch.setattr(ecume.show.figures, "plot", plot)
+    done = cli.invoke(app, ["plot", "bowl"])
+    assert done.stderr == "ecume: the run has a single frame, figures over time are omitted\n"
 
 
 def test_plot_draws_what_it_is_told_or_says_why_not(drawn: list[str]) -> None:

@@ -25,11 +25,14 @@ PURE_NUMBERS = {
     "floats in a cluster",
     "floats in a raft",
     r"hexatic order $|\psi_6|$",
-    "g(r), over chance",
+    "pair distribution g(r)",
     "elongation (10 and more)",
 }
 MULTIPLES = re.compile(r".*, in (mean radii|capillary lengths)$")
-NOTHING_TO_DRAW = {"displacement": "three frames", "approach": "no two floats touch", "shapes": "no two floats touch"}
+OVER_TIME = ("energies", "kinetic-energy", "clusters", "order", "approach")
+NOTHING_TO_DRAW = {"displacement": "three frames", "shapes": "no two floats touch"} | dict.fromkeys(
+    OVER_TIME, "single frame, at 0 s"
+)
 
 
 def curve(axes, label):

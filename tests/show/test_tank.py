@@ -5,7 +5,7 @@ from ecume.scenes.tracers import ObstacleSpec, OpeningSpec, ParticleSpec, TankSp
 from ecume.show.picture import Size
 from ecume.show.scenery import Round, Setting
 from ecume.show.tank import Coloring, Tank
-from ecume.show.tracers import TRACER_FIGURES, setting_of, tracers_picture
+from ecume.show.tracers import TRACER_FIGURES, setting_of, tracers_picture, wall_names
 from ecume.trajectories.frame import Frame
 
 BLUE, RED = (0, 0, 255), (255, 0, 0)
@@ -67,6 +67,11 @@ def test_the_setting_has_every_obstacle_and_opening():
     setting = setting_of(SCENE)
     assert [type(body) for body in setting.bodies] == [np.ndarray, Round]
     assert setting.gaps[0].tolist() == [[0.4, 0.0], [0.6, 0.0]]
+
+
+def test_walls_have_names_in_the_order_of_their_numbers():
+    sides = ["left", "floor", "right", "ceiling"]
+    assert wall_names(SCENE) == [*sides, *(f"obstacle 1, {side}" for side in sides), "obstacle 2"]
 
 
 @pytest.mark.parametrize("name", TRACER_FIGURES)

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from ecume.errors import BadInput
-from ecume.sweep.figures import edges, sweep_figure
+from ecume.show.style import figure
+from ecume.sweep.figures import Column, edges, scatter, sweep_figure
 
 
 class Made:
@@ -35,8 +36,7 @@ def test_curves_are_means_with_their_errors():
     np.testing.assert_allclose([np.ptp(one[:, 1]) for one in bars.get_segments()], 2.0)
     assert axes.get_xscale() == "log"
     assert axes.get_xlabel() == "gap (m)"
-    assert axes.get_legend().get_title().get_text() == "force"
-    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["1", "2"]
+    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["force 1", "force 2"]
 
 
 def test_a_map_has_a_field_for_each_pair():
@@ -52,6 +52,17 @@ def test_fields_lie_around_their_values_on_a_logarithmic_axis():
 def test_a_scatter_has_a_dot_for_each_run():
     (axes, *_) = sweep_figure(Made(), "scatter").axes
     assert len(axes.collections[0].get_offsets()) == 12
+
+
+def test_a_scatter_of_three_axes_tells_them_apart_by_color_and_marker():
+    on = figure().add_subplot()
+    columns = [Column(f"floats[0].{name}", np.array(values), unit="m") for name, values in THREE.items()]
+    scatter(on, columns, Column("duration", np.arange(4.0), unit="s"))
+    assert [text.get_text() for text in on.get_legend().get_texts()] == ["radius 1 mm", "radius 2 mm"]
+    assert sum(len(dots.get_offsets()) for dots in on.collections) == 4
+
+
+THREE = {"gap": [1.0, 2.0, 3.0, 4.0], "reach": [0.1, 0.2, 0.1, 0.2], "radius": [1e-3, 1e-3, 2e-3, 2e-3]}
 
 
 class Wide(Made):
@@ -72,7 +83,7 @@ class Wide(Made):
 def test_no_axis_is_averaged_over_by_curves():
     (axes, *_) = sweep_figure(Wide(), "curves").axes
     told = {text.get_text() for text in axes.get_legend().get_texts()}
-    assert told == {"1, stokes", "1, none", "2, stokes", "2, none"}
+    assert told == {f"force {force}, law {law}" for force in (1, 2) for law in ("stokes", "none")}
     assert axes.get_xlabel() == "gap (m)"
     ends = sorted(float(one.lines[0].get_ydata()[-1]) for one in axes.containers)
     assert ends == [3.0, 6.0, 30.0, 60.0]

@@ -1,6 +1,7 @@
 // The picture of a tank from the side: walls, what stands in it, and the liquid's particles, leaning as the tank leans.
 
 import type { Poured } from "./asking";
+import { regionOf, SLOPE, type Tank } from "./liquid";
 import { bytes } from "./toy";
 
 export interface Basin {
@@ -11,14 +12,15 @@ export interface Basin {
   walls: [boolean, boolean, boolean, boolean]; // left, right, bottom, top
   movable: boolean;
   pushed: number; // how far the left wall can go (m)
-  radius: number;
+  spacing: number; // of the particles (m)
   speeds: number[];
   steepest: number;
-  colorings: [string, string, string][]; // name, unit, map
+  colorings: [string, string, string, string][]; // name, unit, map, map for a dark page
 }
 
-const SHADES = 64;
 const FINEST = 65535;
+const ALONE = 0.4; // the radius of a single particle, in spacings
+const MOST_PIXELS = 6; // of a cell of the grid, along a side
 const ROOM = 0.06; // around the tank, over its width
 
 /** Words of two bytes, the lower one first. */
@@ -26,10 +28,15 @@ function words(coded: string): Uint16Array {
   return new Uint16Array(bytes(coded).buffer as ArrayBuffer);
 }
 
+/** A color as the page's style has it, from 0 to 255. */
+function channels(color: string): [number, number, number] {
+  const value = Number.parseInt(color.slice(1), 16);
+  return [(value >> 16) & 255, (value >> 8) & 255, value & 255];
+}
+
 export class Picture {
   private readonly on: CanvasRenderingContext2D;
-  private readonly dots = document.createElement("canvas");
-  private dotted = "";
+  private readonly region = document.createElement("canvas");
   private scale = 1; // pixels a meter
 
   constructor(
@@ -81,7 +88,7 @@ export class Picture {
     this.walls(seen, fine);
   }
 
-  /** A ground on which the darkest liquid is seen, and the brightest. */
+  /** The ground of the tank. */
   private inside({ wall }: Poured): void {
     const { on, basin } = this;
     const [[left, bottom], [right, top]] = [basin.low, basin.high];
@@ -90,37 +97,62 @@ export class Picture {
     on.fill();
   }
 
+  /** The region that the particles fill, colored, with a line along its surface; single ones are discs below it. */
   private liquid(seen: Poured): void {
-    const { on, scale } = this;
-    const [left, bottom, right, top] = this.basin.view;
-    const size = this.paint(seen.coloring);
+    const { basin, on, scale } = this;
+    const [left, bottom, right, top] = basin.view;
     const [places, colors] = [words(seen.places), bytes(seen.colors)];
+    const [place, shade] = [new Float32Array(3 * colors.length), Float32Array.from(colors, (value) => value / 255)];
+    const map = this.map(seen.coloring);
     for (let one = 0; one < colors.length; one++) {
-      const x = left + ((right - left) * places[2 * one]) / FINEST;
-      const y = bottom + ((top - bottom) * places[2 * one + 1]) / FINEST;
-      const shade = Math.min(SHADES - 1, (colors[one] * SHADES) >> 8);
-      on.drawImage(this.dots, shade * size, 0, size, size, scale * x - size / 2, -scale * y - size / 2, size, size);
-    }
-  }
-
-  /** A row of dots, one of each shade, for this scale; how wide each is. */
-  private paint(coloring: string): number {
-    const radius = this.scale * this.basin.radius;
-    const size = Math.ceil(2 * radius) + 2;
-    const wanted = `${coloring} ${radius}`;
-    if (wanted === this.dotted) return size;
-    this.dotted = wanted;
-    const map = bytes(this.basin.colorings.find(([name]) => name === coloring)![2]);
-    [this.dots.width, this.dots.height] = [SHADES * size, size];
-    const on = this.dots.getContext("2d")!;
-    for (let shade = 0; shade < SHADES; shade++) {
-      const color = 3 * Math.round((255 * shade) / (SHADES - 1));
+      const x = (place[3 * one] = left + ((right - left) * places[2 * one]) / FINEST);
+      const y = (place[3 * one + 1] = bottom + ((top - bottom) * places[2 * one + 1]) / FINEST);
+      const color = 3 * colors[one];
       on.fillStyle = `rgb(${map[color]}, ${map[color + 1]}, ${map[color + 2]})`;
       on.beginPath();
-      on.arc((shade + 0.5) * size, size / 2, radius, 0, 2 * Math.PI);
+      on.arc(scale * x, -scale * y, ALONE * scale * basin.spacing, 0, 2 * Math.PI);
       on.fill();
     }
-    return size;
+    const high: [number, number] = [basin.high[0], basin.walls[3] ? basin.high[1] : top];
+    const tank: Tank = { spacing: basin.spacing, low: [basin.low[0] + seen.wall, basin.low[1]], high, periodic: [false, false] };
+    this.paint(tank, place, shade, map);
+    on.drawImage(this.region, scale * tank.low[0], -scale * high[1], scale * (high[0] - tank.low[0]), scale * (high[1] - tank.low[1]));
+  }
+
+  /** The colors of a quantity, for a light or a dark page. */
+  private map(coloring: string): Uint8Array {
+    const [, , light, dark] = this.basin.colorings.find(([name]) => name === coloring)!;
+    return bytes(window.matchMedia("(prefers-color-scheme: dark)").matches ? dark : light);
+  }
+
+  /** The liquid as pixels, from the sum of kernels and the mean shades of its particles. */
+  private paint(tank: Tank, place: Float32Array, shade: Float32Array, map: Uint8Array): void {
+    const { columns, rows, cells } = regionOf(tank, place, shade, () => true);
+    const pixels = Math.min(MOST_PIXELS, Math.max(1, Math.ceil((this.scale * (tank.high[0] - tank.low[0])) / columns)));
+    const [width, height] = [columns * pixels, rows * pixels];
+    [this.region.width, this.region.height] = [width, height];
+    const line = channels(getComputedStyle(document.documentElement).getPropertyValue("--rim").trim());
+    const image = new ImageData(width, height);
+    const steep = (SLOPE * (tank.high[0] - tank.low[0])) / (tank.spacing * width); // of the sum at an edge, per pixel
+    for (let row = 0; row < height; row++) {
+      const y = Math.min(Math.max((height - row - 0.5) / pixels - 0.5, 0), rows - 1.001);
+      const up = y - Math.floor(y);
+      for (let column = 0; column < width; column++) {
+        const x = Math.min(Math.max((column + 0.5) / pixels - 0.5, 0), columns - 1.001);
+        const [at, part] = [2 * (Math.floor(y) * columns + Math.floor(x)), x - Math.floor(x)];
+        const between = (k: number): number =>
+          (1 - up) * ((1 - part) * cells[at + k] + part * cells[at + 2 + k]) +
+          up * ((1 - part) * cells[at + 2 * columns + k] + part * cells[at + 2 * columns + 2 + k]);
+        const inside = (between(0) - 0.5) / steep;
+        if (inside < -0.7) continue;
+        const color = 3 * Math.round(255 * Math.min(Math.max(between(1), 0), 1));
+        const edge = 0.8 * Math.min(Math.max(1.5 - Math.abs(inside), 0), 1);
+        const to = 4 * (row * width + column);
+        for (let k = 0; k < 3; k++) image.data[to + k] = (1 - edge) * map[color + k] + edge * line[k];
+        image.data[to + 3] = 255 * Math.min(inside + 0.7, 1);
+      }
+    }
+    this.region.getContext("2d")!.putImageData(image, 0, 0);
   }
 
   private path(points: [number, number][]): void {

@@ -20,7 +20,7 @@ class Page {
   private readonly stage: Stage;
   private readonly camera: Camera;
   private readonly curves: Curves;
-  private readonly choice: Choice = { coloring: SPECIES, range: [0, 1], chosen: -1, links: true };
+  private readonly choice: Choice = { coloring: SPECIES, range: [0, 1], chosen: -1, links: true, particles: false };
   private follow = false;
   private dirty = true;
   private slow = 0; // pictures in a row that came late
@@ -118,17 +118,23 @@ class Page {
   }
 
   private bars(): void {
+    element("links-label").hidden = !this.run.header.linked;
+    element("particles-label").hidden = !this.run.header.liquid;
+    this.legends();
+    const select = element("coloring") as HTMLSelectElement;
+    select.append(new Option(SPECIES, SPECIES));
+    for (const { name } of this.run.header.colorings) select.append(new Option(name.replaceAll("_", " "), name));
+    select.addEventListener("change", () => this.color(select.value));
+  }
+
+  /** The bars of colors that do not change with the chosen quantity. */
+  private legends(): void {
     const { sheet, linked } = this.run.header;
-    element("links-label").hidden = !linked;
     if (sheet) colorBar(element("sheet-bar"), { ...sheet, rgb: colorsOf(this.run.header, sheet.map) });
     if (linked) {
       const colors = colorsOf(this.run.header, "viridis");
       colorBar(element("film-bar"), scale(colors, "gap of the film", "m", this.stage.gaps, true));
     }
-    const select = element("coloring") as HTMLSelectElement;
-    select.append(new Option(SPECIES, SPECIES));
-    for (const { name } of this.run.header.colorings) select.append(new Option(name.replaceAll("_", " "), name));
-    select.addEventListener("change", () => this.color(select.value));
   }
 
   private controls(): void {
@@ -145,6 +151,10 @@ class Page {
       this.choice.links = (event.target as HTMLInputElement).checked;
       this.dirty = true;
     });
+    element("particles").addEventListener("change", (event) => {
+      this.choice.particles = (event.target as HTMLInputElement).checked;
+      this.dirty = true;
+    });
     element("light").addEventListener("click", () => this.otherLight());
   }
 
@@ -157,7 +167,8 @@ class Page {
     const { dataset } = document.documentElement;
     dataset.light = dataset.light === "dark" ? "light" : "dark";
     this.curves.renew();
-    this.dirty = true;
+    this.legends();
+    this.color(this.choice.coloring);
   }
 
   /** A place of the page as one of the canvas, from -1 to 1. */

@@ -31,7 +31,7 @@ class Play extends Toy<Now> {
   protected tell(seen: Now): void {
     this.list(seen);
     const { time, x, clusters, liquid, dish, kinds } = seen;
-    element("clock").textContent = `${time.toFixed(1)} s · ${x.length} floats, ${clusters} groups${this.slow(seen)}`;
+    element("clock").textContent = `${time.toFixed(1)} s · ${x.length} floats, ${clusters} clusters${this.slow(seen)}`;
     const told: [string, number][] = Object.entries(liquid).map(([key, value]) => [`liquid.${key}`, value]);
     told.push(["dish.contact_angle", dish.contact_angle]);
     for (const kind of kinds) if (kind.contact_angle !== null) told.push([`${kind.name}.contact_angle`, kind.contact_angle]);

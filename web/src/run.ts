@@ -1,5 +1,7 @@
 // A run as the page holds it: chunks of frames, each with its own quantization, one after the other.
 
+import type { Tank } from "./liquid";
+
 export interface Coloring {
   name: string;
   unit: string;
@@ -53,6 +55,7 @@ export interface RunHeader {
   high: number[];
   radius: number; // of particles without one of their own (m)
   species: { name: string; color: string }[];
+  liquid: Tank | null; // of a liquid in 2D, which is drawn as a continuous region
   apart: number | null; // the species from which on particles keep their own colors
   colorings: Coloring[];
   usual: string; // the coloring to begin with
@@ -64,6 +67,7 @@ export interface RunHeader {
   linked: boolean;
   widest: number; // the gap up to which films are drawn (m)
   maps: Record<string, string>; // 256 colors each, base64 of RGB
+  dark: Record<string, string>; // those that are taken on a dark page, where they differ
   facts: [string, string][];
   papers: { key: string; text: string }[];
   scene: string;

@@ -45,11 +45,24 @@ export function colorBar(parent: HTMLElement, { rgb, label, ticks, shown }: Bar)
 export function scale(rgb: Uint8Array, label: string, unit: string, ends: [number, number], log = false): Bar {
   const [low, high] = ends;
   const { factor, name } = prefixed(Math.max(Math.abs(low), Math.abs(high)), unit);
-  const ticks = [0, 0.5, 1].map((part): [number, string] => {
-    const value = log ? low * (high / low) ** part : low + part * (high - low);
-    return [part, String(Number((value / factor).toPrecision(3)))];
-  });
+  const text = (value: number): string => String(Number((value / factor).toPrecision(3)));
+  const ticks = log
+    ? [0, 0.5, 1].map((part): [number, string] => [part, text(low * (high / low) ** part)])
+    : rounded(low, high).map((value): [number, string] => [(value - low) / (high - low), text(value)]);
   return { rgb, label: name ? `${label} (${name})` : label, ticks, shown: [0, 1] };
+}
+
+const FEWEST = 3; // ticks, at least
+const STEPS = [5, 2.5, 2, 1, 0.5, 0.25, 0.2, 0.1];
+
+/** Round values from one end to the other: multiples of 1, 2, 2.5 or 5 times a power of ten. */
+export function rounded(low: number, high: number): number[] {
+  const power = 10 ** Math.floor(Math.log10(high - low));
+  for (const step of STEPS.map((one) => one * power)) {
+    const [first, last] = [Math.ceil(low / step - 1e-9), Math.floor(high / step + 1e-9)];
+    if (last - first + 1 >= FEWEST) return Array.from({ length: last - first + 1 }, (_, k) => (first + k) * step);
+  }
+  return [low, high];
 }
 
 /** A bar of a round length, about a fifth of the canvas. */

@@ -29,9 +29,10 @@ export async function embedded(): Promise<Run> {
   return run;
 }
 
-/** The colors of a map, 256 times RGB. */
+/** The colors of a map, 256 times RGB, for the page as it is now, dark or light. */
 export function colorsOf(run: RunHeader, name: string): Uint8Array {
-  return unbase64(run.maps[name]);
+  const dark = document.documentElement.dataset.light === "dark" ? run.dark[name] : undefined;
+  return unbase64(dark ?? run.maps[name]);
 }
 
 export interface News {

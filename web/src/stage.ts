@@ -4,9 +4,11 @@ import { type Camera, type Eye, onCanvas } from "./camera";
 import type { GL } from "./gl";
 import { Heights } from "./heights";
 import { Lines, Segments } from "./lines";
+import { regionOf } from "./liquid";
 import { Particles } from "./particles";
 import type { Coloring, Instant, Link, Run } from "./run";
 import { colorsOf } from "./source";
+import { Surface } from "./surface";
 
 const FAR = 0.25; // a particle that goes farther in a frame, in parts of the picture, went through a periodic side
 const WIDEST = 9; // pixels, of the largest force
@@ -14,6 +16,7 @@ const PULL = [0.7, 0.09, 0.17, 1];
 const PUSH = [0.13, 0.4, 0.67, 1];
 const MOST_RIMS = 5000; // particles
 const SHADES = 256; // of a scale
+const BELOW = 0.8; // of the radius, of particles below the region that they fill: those that are alone are seen
 const COARSEST = 0.5; // pixels over the page's
 
 export const SPECIES = "species";
@@ -23,6 +26,7 @@ export interface Choice {
   range: [number, number];
   chosen: number;
   links: boolean;
+  particles: boolean; // one by one, of a liquid that is otherwise a region
 }
 
 function channels(color: string): [number, number, number] {
@@ -68,9 +72,12 @@ export class Stage {
   private readonly lines: Lines;
   private readonly heights: Heights | null;
   private readonly span: number;
-  private readonly filmColors: Uint8Array;
+  private readonly surface: Surface | null;
+  private readonly above: Particles; // those that are not of the liquid, and the chosen one
   private radii = new Float32Array(0);
   private filled = "";
+  private carriedCount = 0;
+  private moved = 1; // the part of the way from one frame to the next
   private coarse = 1; // of pixels: less where the machine draws slowly
   shown: Instant | null = null;
 
@@ -87,7 +94,8 @@ export class Stage {
     const { sheet, low, high } = run.header;
     this.heights = sheet ? new Heights(gl, sheet) : null;
     if (this.heights && sheet) this.heights.colors.fill(colorsOf(run.header, sheet.map), false);
-    this.filmColors = run.header.linked ? colorsOf(run.header, "viridis") : new Uint8Array(768);
+    this.surface = run.header.liquid ? new Surface(gl) : null;
+    this.above = new Particles(gl);
     this.span = Math.hypot(...high.map((value, k) => value - low[k]));
   }
 
@@ -130,7 +138,9 @@ export class Stage {
   draw(frame: number, part: number, choice: Choice): void {
     const next = part > 0 ? Math.min(frame + 1, this.run.frames - 1) : frame;
     const instant = this.run.instant(next);
-    this.fill(`${frame} ${next} ${choice.coloring}`, this.run.instant(frame), instant, choice);
+    this.moved = next > frame ? part : 1;
+    const between = this.surface && !choice.particles ? `${this.moved.toFixed(3)} ${choice.chosen}` : "";
+    this.fill(`${frame} ${next} ${choice.coloring} ${choice.particles} ${between}`, this.run.instant(frame), instant, choice);
     this.shown = this.run.instant(frame);
     const { gl } = this;
     gl.viewport(0, 0, this.canvas.width, this.canvas.height);
@@ -146,13 +156,14 @@ export class Stage {
   private paint(part: number, choice: Choice): void {
     const { eye, gl, canvas } = this;
     this.heights?.draw(eye);
-    this.particles.draw(eye, {
-      part,
-      ink: styled("--ink"),
-      flat: this.flat,
-      rims: (this.shown?.count ?? 0) <= MOST_RIMS,
-      chosen: choice.chosen,
-    });
+    const whole = this.surface !== null && !choice.particles;
+    const rims = !whole && (this.shown?.count ?? 0) <= MOST_RIMS;
+    const look = { part, ink: styled("--ink"), flat: this.flat, rims, chosen: choice.chosen };
+    this.particles.draw(eye, look);
+    if (whole) {
+      this.surface!.draw(eye, this.particles.colors, styled("--rim"));
+      this.above.draw(eye, { ...look, rims: true, chosen: this.carriedCount });
+    }
     this.lines.fill(this.segments(choice));
     if (this.flat) gl.disable(gl.DEPTH_TEST);
     this.lines.draw(eye, canvas.width, canvas.height);
@@ -170,9 +181,34 @@ export class Stage {
       if (dx * dx + dy * dy + dz * dz > far) [before[x], before[x + 1], before[x + 2]] = [place[x], place[x + 1], place[x + 2]];
     }
     const radius = to.arrays["radius"] ?? this.same(to.count);
-    this.particles.fill(place, before, radius, this.shades(to, choice));
+    const shades = this.shades(to, choice);
+    const whole = this.surface !== null && !choice.particles;
+    this.particles.fill(place, before, whole ? radius.map((one) => BELOW * one) : radius, shades);
     this.particles.colors.fill(this.palette(choice.coloring), true);
+    if (whole) this.fillSurface(place, before, radius, shades, to, choice);
     if (to.sheet) this.heights?.fill(to.sheet);
+  }
+
+  /** The region of the liquid between two frames, and what is drawn above it. */
+  private fillSurface(
+    place: Float32Array,
+    before: Float32Array,
+    radius: Float32Array,
+    shades: Float32Array,
+    to: Instant,
+    { chosen, coloring }: Choice,
+  ): void {
+    const [kinds, apart] = [to.arrays[SPECIES], this.run.header.apart ?? Infinity];
+    const carried = (one: number): boolean => (kinds?.[one] ?? 0) >= apart;
+    const middle = place.map((value, k) => before[k] + this.moved * (value - before[k]));
+    this.surface!.fill(regionOf(this.run.header.liquid!, middle, shades, (one) => !carried(one)));
+    const above = Array.from(shades.keys()).filter((one) => carried(one) && one !== chosen);
+    this.carriedCount = above.length;
+    if (chosen >= 0 && chosen < shades.length) above.push(chosen);
+    const three = (values: Float32Array): Float32Array => Float32Array.from(above.flatMap((one) => [...values.subarray(3 * one, 3 * one + 3)]));
+    const some = (values: Float32Array): Float32Array => Float32Array.from(above, (one) => values[one]);
+    this.above.fill(three(place), three(before), some(radius), some(shades));
+    this.above.colors.fill(this.palette(coloring), true);
   }
 
   /** The radius of all, where they have none of their own. */
@@ -249,6 +285,7 @@ export class Stage {
   /** Films across the lines of centers, colored by their gap. */
   private films(segments: Segments, links: Link, ratio: number): void {
     const [low, high] = this.gaps;
+    const films = colorsOf(this.run.header, "viridis");
     for (let c = 0; c < links.gap.length; c++) {
       const gap = links.gap[c];
       if (gap > high * 1.0001) continue;
@@ -256,7 +293,7 @@ export class Stage {
       const [dx, dy] = [links.along[2 * c], links.along[2 * c + 1]];
       const part = high > low ? Math.log(gap / low) / Math.log(high / low) : 0.5;
       const place = 3 * Math.round(255 * Math.min(Math.max(part, 0), 1));
-      const color = [0, 1, 2].map((k) => this.filmColors[place + k] / 255);
+      const color = [0, 1, 2].map((k) => films[place + k] / 255);
       const [mx, my] = [x + 0.5 * dx, y + 0.5 * dy];
       const [sx, sy] = [-0.13 * dy, 0.13 * dx];
       segments.add([mx - sx, my - sy], [mx + sx, my + sy], [...color, 1], 4 * ratio);

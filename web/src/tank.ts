@@ -41,7 +41,8 @@ class Pool extends Toy<Poured> {
 
   /** Which colors are on, and how far they reach. */
   private scale({ coloring, most }: Poured): void {
-    const [, unit, coded] = basin.colorings.find(([name]) => name === coloring)!;
+    const [, unit, light, dark] = basin.colorings.find(([name]) => name === coloring)!;
+    const coded = window.matchMedia("(prefers-color-scheme: dark)").matches ? dark : light;
     const told = `${Number(most.toPrecision(2))} ${unit}`;
     if (element("most").textContent === told) return;
     element("most").textContent = told;

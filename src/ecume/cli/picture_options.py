@@ -66,6 +66,9 @@ Color = Annotated[
         "--color", metavar="WHAT", help="Color a liquid by pressure, speed, density or region.", show_default=False
     ),
 ]
+Particles = Annotated[
+    bool, typer.Option("--particles", help="Draw the particles of a liquid instead of its continuous region.")
+]
 Zoom = Annotated[float, typer.Option("--zoom", metavar="Z", help="Show all so many times larger.")]
 Follow = Annotated[
     int | None,
@@ -84,11 +87,13 @@ What = Annotated[
     typer.Option(
         "--what",
         metavar="NAME",
-        help="Which figure; may stand many times.",
+        help="Name of a figure, see --list; can be repeated. Default: all.",
         autocompletion=_figures,
         show_default=False,
     ),
 ]
+Listed = Annotated[bool, typer.Option("--list", help="List the figures of this run and draw none.")]
+Verbose = Annotated[bool, typer.Option("--verbose", help="Report figures that are omitted, and why.")]
 Integrators = Annotated[
     bool, typer.Option("--integrators", help="Compare the integrators instead, into integrators.png; needs no run.")
 ]

@@ -21,8 +21,11 @@ from ecume.cli.picture_options import (
     ForceLaw,
     Fps,
     Integrators,
+    Listed,
     Out,
+    Particles,
     PictureSize,
+    Verbose,
     What,
     Workers,
     Zoom,
@@ -78,6 +81,7 @@ def movie(
     start: Begin = None,
     end: End = None,
     color: Color = None,
+    particles: Particles = False,
     zoom: Zoom = 1.0,
     follow: Follow = None,
     azimuth: Azimuth = None,
@@ -101,7 +105,8 @@ def movie(
     existing(directory)
     asked: dict[str, Any] = {"start": start, "end": end, "size": size, "color": color, "eye": eye(azimuth, elevation)}
     asked["aim"] = Aim(zoom, follow)
-    options = MovieOptions(fps=fps, every=every, **{name: value for name, value in asked.items() if value is not None})
+    given = {name: value for name, value in asked.items() if value is not None}
+    options = MovieOptions(fps=fps, every=every, particles=particles, **given)
     with counted("pictures", quiet=quiet) as reporter:
         made = make(directory, out, options, progress=reporter, workers=workers)
     wrote(made, quiet=quiet)
@@ -115,6 +120,8 @@ def plot(
     out: Out = None,
     integrators: Integrators = False,
     force_law: ForceLaw = None,
+    listed: Listed = False,
+    verbose: Verbose = False,
     quiet: Quiet = False,
 ) -> None:
     """Draw figures of a run, all of them by default.
@@ -123,18 +130,21 @@ def plot(
 
     Of a sweep: `curves`, `map` or `scatter`, as in `map:duration` for a measure that is not the table's first.
 
-    Examples: `ecume plot runs/bowl` · `ecume plot runs/bowl --what paths -o paths.pdf` · `ecume plot --integrators`
-    · `ecume plot sweeps/durations --what curves:duration` · `ecume plot --force-law bowl.toml`
+    Examples: `ecume plot runs/bowl` · `ecume plot runs/bowl --list` · `ecume plot runs/bowl --what paths -o paths.pdf`
+    · `ecume plot sweeps/durations --what curves:duration` · `ecume plot --integrators`
+    · `ecume plot --force-law bowl.toml`
     """
     if force_law is not None or integrators:
         _require_alone(force_law, integrators=integrators, of_a_run=directory != HERE or bool(what))
         wrote(_without_a_run(force_law, out), quiet=quiet)
+    elif listed:
+        _list(directory)
     elif (directory / "points.json").is_file():
         _draw_sweep(directory, what or [], out, quiet=quiet)
     elif what:
         _draw(directory, what, out, quiet=quiet)
     else:
-        _draw_all(directory, out, quiet=quiet)
+        _draw_all(directory, out, quiet=quiet, verbose=verbose)
 
 
 def _require_alone(force_law: Path | None, *, integrators: bool, of_a_run: bool) -> None:
@@ -184,20 +194,44 @@ def _require_one(names: list[str], out: Path | None) -> None:
         raise BadInput(f"{len(names)} figures do not fit into {out}; give --what once, or leave -o out")
 
 
-def _draw_all(directory: Path, out: Path | None, *, quiet: bool) -> None:
+def _draw_all(directory: Path, out: Path | None, *, quiet: bool, verbose: bool) -> None:
     """Every figure that this run has something for."""
     from ecume.run.directory import existing
+    from ecume.show.curves import ONE_FRAME
     from ecume.show.figures import figures_of_run
 
     existing(directory)
     names = figures_of_run(directory)
     if out is not None:
         raise BadInput(f"say with --what which figure goes into {out}: {', '.join(names)}")
+    omitted = {}
     for name in names:
         try:
             _draw(directory, [name], None, quiet=quiet)
         except BadInput as error:
-            say(f"{name} left out: {error}")
+            omitted[name] = str(error)
+    if verbose:
+        for name, why in omitted.items():
+            say(f"{name} omitted: {why}")
+    elif any(why.startswith(ONE_FRAME) for why in omitted.values()):
+        say(f"{ONE_FRAME} figures over time are omitted")
+
+
+def _list(directory: Path) -> None:
+    """Print the figures of a run or of a sweep."""
+    if (directory / "points.json").is_file():
+        from ecume.sweep.figures import kinds_of
+
+        typer.echo("\n".join(kinds_of(directory)))
+        return
+    from ecume.run.directory import existing
+    from ecume.show.figures import described
+
+    existing(directory)
+    figures = described(directory)
+    width = max(map(len, figures))
+    for name, shows in figures.items():
+        typer.echo(f"{name:{width}}  {shows}")
 
 
 def export(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -13,6 +13,7 @@ from matplotlib.ticker import MaxNLocator
 
 from ecume.analysis.clusters import touching_clusters
 from ecume.analysis.series import number, series, times
+from ecume.errors import BadInput
 from ecume.models.invariants import INJECTED
 from ecume.show.style import INK, PALETTE, figure, legend_outside, plain, scale_for, style
 from ecume.trajectories.frame import Frame
@@ -31,7 +32,7 @@ Frames = Sequence[Frame]
 
 def energies(frames: Frames, scene: Scene) -> Figure:
     """Kinetic and potential energies, their sum, the work that came from outside, and what the run has lost."""
-    shown = thinned(frames)
+    shown = evolution(frames)
     names = [name for name, unit in shown[0].units.items() if unit == "J" and name != "total_energy"]
     *parts, total = series(shown, *map(number, [*names, "total_energy"]))
     labels = [name.removesuffix("_energy").replace(INJECTED, "injected") for name in names]
@@ -41,7 +42,7 @@ def energies(frames: Frames, scene: Scene) -> Figure:
     scale = scale_for(max(float(np.abs(values).max()) for _, values in curves), "J")
     with style():
         drawn = figure()
-        axes = over_time(drawn, scene)
+        axes = over_time(drawn, scene, "Energies")
         for (label, values), color in zip(curves, itertools.cycle(PALETTE), strict=False):
             dashes = "--" if label == "dissipated" else "-"
             axes.plot(
@@ -53,24 +54,25 @@ def energies(frames: Frames, scene: Scene) -> Figure:
 
 
 def kinetic_energy(frames: Frames, scene: Scene) -> Figure:
-    """The kinetic energy on a logarithmic scale: how a bowl comes to rest."""
-    shown = thinned(frames)
+    """The kinetic energy; on a logarithmic scale where it changes by more than a decade."""
+    shown = evolution(frames)
     (kinetic,) = series(shown, number("kinetic_energy"))
     scale = scale_for(float(kinetic.max()), "J")
     with style():
         drawn = figure()
-        axes = over_time(drawn, scene)
+        axes = over_time(drawn, scene, "Kinetic energy")
         # A bowl at rest goes on losing decades that nobody could see.
         seen = np.where(kinetic > LEAST * kinetic.max(), kinetic, np.nan)
         axes.plot(times(shown), scale.factor * seen, color=PALETTE[1])
-        axes.set(yscale="log", xlim=span(times(shown)))
+        axes.set_xlim(span(times(shown)))
+        axes.set_yscale(scaling(seen))
         axes.set_ylabel(f"kinetic energy ({scale.unit})")
     return drawn
 
 
 def clusters(frames: Frames, scene: Scene) -> Figure:
     """The number of clusters and their sizes: single floats count as clusters of one."""
-    shown = thinned(frames)
+    shown = evolution(frames)
     found = [touching_clusters(frame) for frame in shown]
     with style():
         drawn = figure(6.4, 4.8)
@@ -78,7 +80,7 @@ def clusters(frames: Frames, scene: Scene) -> Figure:
         steps(above, times(shown), [len(each.sizes) for each in found], "all", PALETTE[1])
         steps(below, times(shown), [each.largest for each in found], "largest", PALETTE[0])
         steps(below, times(shown), [each.mean_size for each in found], "mean", PALETTE[2])
-        above.set(ylabel="number of clusters", title=plain(scene.title))
+        above.set(ylabel="number of clusters", title=titled("Clusters", scene))
         below.set(ylabel="floats in a cluster", xlabel="time (s)", xlim=span(times(shown)))
         legend_outside(below)
     return drawn
@@ -97,13 +99,39 @@ def thinned(frames: Frames) -> list[Frame]:
     return [frames[int(index)] for index in chosen]
 
 
+def evolution(frames: Frames) -> list[Frame]:
+    """The same of a run with at least two frames. Raises BadInput for one with a single frame."""
+    if len(frames) < 2:
+        raise BadInput(f"{ONE_FRAME} at {frames[0].time:g} s; a figure over time needs two frames or more")
+    return thinned(frames)
+
+
+ONE_FRAME = "the run has a single frame,"
+
+
+def scaling(values: Any) -> str:
+    """The scale of an axis: logarithmic if the positive values span a decade or more, otherwise linear.
+
+    >>> scaling([1.3, 2.0]), scaling([1.0, 20.0])
+    ('linear', 'log')
+    """
+    array = np.asarray(values, dtype=float)
+    positive = array[np.isfinite(array) & (array > 0.0)]
+    return "log" if len(positive) and positive.max() >= 10.0 * positive.min() else "linear"
+
+
 def span(instants: Array) -> tuple[float, float] | None:
     """The interval from the first value to the last, if there are two."""
     return (float(instants[0]), float(instants[-1])) if instants[-1] > instants[0] else None
 
 
-def over_time(drawn: Figure, scene: Scene) -> Axes:
-    """Axes over time, with the title of the scene."""
-    axes = drawn.add_subplot(xlabel="time (s)", title=plain(scene.title))
+def titled(what: str, scene: Scene) -> str:
+    """The title of a figure: what it shows, and of which scene."""
+    return f"{what}: {plain(scene.title).strip()}" if scene.title else what
+
+
+def over_time(drawn: Figure, scene: Scene, what: str) -> Axes:
+    """Axes over time, with a title."""
+    axes = drawn.add_subplot(xlabel="time (s)", title=titled(what, scene))
     axes.margins(x=0)
     return axes

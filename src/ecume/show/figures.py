@@ -54,6 +54,13 @@ def figures_of(scene: Scene) -> Mapping[str, Callable[[Frames, Any], Figure]]:
     return FIGURES.get(scene.model, COMMON_FIGURES)
 
 
+def described(directory: str | os.PathLike[str]) -> dict[str, str]:
+    """The figures there are of this run, with what each shows."""
+    with open_trajectory(directory) as trajectory:
+        known = figures_of(trajectory.scene)
+    return {name: " ".join((draw.__doc__ or "").strip().split("\n\n")[0].split()) for name, draw in known.items()}
+
+
 def figures_of_run(directory: str | os.PathLike[str]) -> list[str]:
     """The names of the figures there are of this run."""
     with open_trajectory(directory) as trajectory:

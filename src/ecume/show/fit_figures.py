@@ -23,7 +23,8 @@ def fit_figure(found: Fit) -> Figure:
         left, right = drawn.subplots(1, 2, width_ratios=[1.0, 1.3])
         _paths(left, found)
         _residuals(right, found)
-        left.set_title(plain(getattr(found.scene, "title", "")))
+        title = getattr(found.scene, "title", "")
+        left.set_title("Measured and simulated tracks" + (f": {plain(title).strip()}" if title else ""))
     return drawn
 
 
@@ -52,5 +53,5 @@ def _residuals(axes: Axes, found: Fit) -> None:
             label = f"{'xy'[component]} of all objects" if number == 0 else None
             axes.plot(found.tracks.times, values, mark, color=color, ms=2.5, mew=0.7, label=label)
     axes.margins(x=0)
-    axes.set(xlabel="time (s)", ylabel=f"measured less simulated ({scale.unit})", title="What is left")
+    axes.set(xlabel="time (s)", ylabel=f"measured minus simulated ({scale.unit})", title="Residuals")
     axes.legend(loc="upper center", ncols=3, bbox_to_anchor=(0.5, -0.16))

@@ -39,15 +39,16 @@ FILMS: dict[str, Callable[..., Picture]] = {
 }
 """By model: what makes a picture of (scene, some frames of the run, size), and of what else may be asked of it.
 Models that have no row show their particles."""
-ASKED = {"color": ("sph",), "eye": ("sph", "soft", "tracers")}
+ASKED = {"color": ("sph",), "particles": ("sph",), "eye": ("sph", "soft", "tracers")}
 """Of which models pictures can be colored in several ways, by name, and seen from anywhere."""
 REFUSED = {
     "color": "take no color; leave color {} out",
+    "particles": "show particles anyway; particles is for tanks of liquid",
     "eye": "are seen from above alone; leave azimuth and elevation out",
 }
 
 FPS = 30
-SMALL = Size(640, 480)
+SMALL = Size(640, 480, trim=True)
 """Of a GIF, which stores nearly every pixel."""
 SAMPLES = 25
 """How many frames of a run decide what there is to be seen, and the range of the colors."""
@@ -76,6 +77,8 @@ class MovieOptions:
     """What is looked at, and how closely."""
     eye: Eye | None = None
     """From where what is in space is seen; by default as is usual for the model."""
+    particles: bool = False
+    """Draw the particles of a liquid one by one, instead of the region that they fill."""
 
     def __post_init__(self) -> None:
         if not 1 <= self.fps <= 240:
@@ -152,7 +155,7 @@ def film(
 
 def picture_of(scene: Scene, shown: Sequence[Frame], options: MovieOptions, target: Path) -> Picture:
     """The open picture in which these frames are shown."""
-    asked: dict[str, Any] = {"color": options.color, "eye": options.eye}
+    asked: dict[str, Any] = {"color": options.color, "eye": options.eye, "particles": options.particles or None}
     given = {name: value for name, value in asked.items() if value is not None}
     for name in given:
         if scene.model not in ASKED[name]:

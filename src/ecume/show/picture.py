@@ -5,6 +5,7 @@ What never changes is drawn once; a movie then draws only the rest of each frame
 
 from __future__ import annotations
 
+import math
 import textwrap
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -17,6 +18,7 @@ from matplotlib.collections import EllipseCollection
 from matplotlib.colors import to_rgba_array
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.transforms import ScaledTranslation
 from numpy.typing import NDArray
 
 from ecume.scenes.common import colors_of
@@ -30,7 +32,11 @@ if TYPE_CHECKING:
 
 DPI = 100
 LONGEST_TITLE = 50
-"""In characters; more would run into the time."""
+"""In characters."""
+FEWEST_LETTERS = 5
+"""A title is omitted where there is room for no more."""
+LETTER, CLOCK = 9.0, 90.0
+"""The width of a letter of the title and of the time beside it, in pixels of a picture of the usual size."""
 
 Pixels = NDArray[np.uint8]
 
@@ -65,9 +71,11 @@ class Size(NamedTuple):
 
     width: int
     height: int
+    trim: bool = False
+    """whether it may be made smaller along one direction, so that what is shown fills it"""
 
 
-USUAL = Size(960, 720)
+USUAL = Size(960, 720, trim=True)
 
 
 class View(NamedTuple):
@@ -134,20 +142,35 @@ class Layers:
         return self._canvas.copy_from_bbox(self._figure.bbox)
 
 
-def blank(size: Size) -> Figure:
-    """An empty figure of that size. All grows with it, so that a large movie is a small one with more pixels."""
-    dpi = DPI * min(size.width / USUAL.width, size.height / USUAL.height)
-    return Figure(figsize=(size.width / dpi, size.height / dpi), dpi=dpi, facecolor="white")
-
-
 HEADER, SIDE, BORDER = 46.0, 150.0, 22.0
 """Room above what is shown, right of it and around all, in pixels of a picture of the usual size."""
+NARROWEST, LOWEST = 380.0, 250.0
+"""The least width and height of a picture of the usual size that is trimmed, in pixels."""
+
+
+def blank(size: Size, view: View, side: float = SIDE) -> Figure:
+    """An empty figure of that size. All grows with it, so that a large movie is a small one with more pixels."""
+    part = min(size.width / USUAL.width, size.height / USUAL.height)
+    width, height = size.width / part, size.height / part
+    if size.trim:
+        per_meter = _per_meter(width, height, view, side)
+        width = min(width, max(view.width * per_meter + side + 2 * BORDER, NARROWEST))
+        height = min(height, max(view.height * per_meter + HEADER + 2 * BORDER, LOWEST))
+    # Video formats need even numbers of pixels.
+    pixels = [2 * math.ceil(0.5 * part * length - 1e-9) for length in (width, height)] if size.trim else size[:2]
+    dpi = DPI * part
+    return Figure(figsize=(pixels[0] / dpi, pixels[1] / dpi), dpi=dpi, facecolor="white")
+
+
+def _per_meter(width: float, height: float, view: View, side: float) -> float:
+    """Pixels per meter with which the view fits into a picture."""
+    return min((width - side - 2 * BORDER) / view.width, (height - HEADER - 2 * BORDER) / view.height)
 
 
 def axes_for(figure: Figure, view: View, side: float = SIDE) -> Axes:
     """Axes that show the view, both directions to one scale, without ticks: a scale bar says the lengths."""
     width, height = DPI * figure.get_size_inches()
-    per_meter = min((width - side - 2 * BORDER) / view.width, (height - HEADER - 2 * BORDER) / view.height)
+    per_meter = _per_meter(width, height, view, side)
     across, along = view.width * per_meter, view.height * per_meter
     left, bottom = (width - across - side) / 2, (height - HEADER - along) / 2
     axes = figure.add_axes((left / width, bottom / height, across / width, along / height))
@@ -177,16 +200,22 @@ def clock(axes: Axes) -> Any:
     return axes.text(0.0, 1.015, "", transform=axes.transAxes, fontsize=14, va="bottom", color=INK)
 
 
+BAR = (6.0, 11.0)
+"""How far the scale bar and its text are above the lower end of the axes, in points."""
+
+
 def scale_bar(axes: Axes, view: View) -> list[Artist]:
     """A bar of a round length in the lower left corner, on a pale ground, for axes that show as much as the view."""
     length = _round_length(view.width / 5)
     part, scale = length / view.width, scale_for(length, "m")
+    figure: Any = axes.figure
+    above = [axes.transAxes + ScaledTranslation(0.0, points / 72.0, figure.dpi_scale_trans) for points in BAR]
     (bar,) = axes.plot(
-        [0.015, 0.015 + part], [0.02] * 2, color=INK, linewidth=2.5, solid_capstyle="butt", transform=axes.transAxes
+        [0.015, 0.015 + part], [0.0] * 2, color=INK, linewidth=2.5, solid_capstyle="butt", transform=above[0]
     )
     text = axes.text(
-        0.015 + part / 2, 0.032, f"{length * scale.factor:g} {scale.unit}", ha="center", va="bottom", fontsize=10,
-        transform=axes.transAxes, bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 1.5},
+        0.015 + part / 2, 0.0, f"{length * scale.factor:g} {scale.unit}", ha="center", va="bottom", fontsize=10,
+        transform=above[1], bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.7, "pad": 1.5},
     )  # fmt: skip
     for artist in (bar, text):
         artist.set_zorder(9)
@@ -201,7 +230,13 @@ def _round_length(most: float) -> float:
 
 def labels(axes: Axes, title: str, kinds: Sequence[Species]) -> None:
     """The title, and the species where there are several."""
-    short = plain(textwrap.shorten(title, LONGEST_TITLE, placeholder=" …"))
+    figure: Any = axes.figure
+    room = axes.get_position().width * DPI * float(figure.get_size_inches()[0]) - CLOCK
+    short = (
+        plain(textwrap.shorten(title, min(LONGEST_TITLE, int(room / LETTER)), placeholder=" …"))
+        if room > LETTER * 6
+        else ""
+    )
     axes.text(1.0, 1.015, short, transform=axes.transAxes, ha="right", va="bottom", fontsize=11, color=MUTED)
     if len(kinds) > 1:
         place: dict[str, Any] = {"loc": "upper left", "bbox_to_anchor": (1.03, 1.0), "borderaxespad": 0.0}

@@ -65,6 +65,8 @@ class Setting(NamedTuple):
     wire_colors: Sequence[str] = ()
     mover_colors: Sequence[str] = ()
     """of each body, edge, mover; by default one for all"""
+    before: bool = False
+    """whether bodies are drawn before the contents, and not behind them"""
 
 
 def stand_apart(setting: Setting) -> bool:
@@ -94,12 +96,19 @@ def draw_setting(axes: Axes, setting: Setting) -> None:
         axes.add_patch(_patch(setting.outline, facecolor=setting.inside, edgecolor="none", zorder=0))
         if setting.walls is None:
             axes.add_patch(_patch(setting.outline, facecolor="none", edgecolor=RIM, linewidth=2.0, zorder=2))
-    for body, color in zip(setting.bodies, each_color(setting.body_colors, BODY), strict=False):
-        axes.add_patch(_patch(body, facecolor=color, edgecolor=RIM, linewidth=1.5, zorder=2))
     for ends in setting.behind:
         axes.add_line(Line2D(*ends.T, color=RIM, linewidth=0.9, zorder=2))
     for ends in setting.gaps:
         axes.add_line(Line2D(*ends.T, color="white", linewidth=3.0, solid_capstyle="butt", zorder=2.5))
+
+
+def draw_bodies(axes: Axes, setting: Setting) -> list[Circle | Polygon]:
+    """Solids that do not move."""
+    colors = zip(setting.bodies, each_color(setting.body_colors, BODY), strict=False)
+    patches = [_patch(body, facecolor=color, edgecolor=RIM, linewidth=1.5, zorder=2) for body, color in colors]
+    for patch in patches:
+        axes.add_patch(patch)
+    return patches
 
 
 def draw_movers(axes: Axes, setting: Setting, frame: Frame) -> list[Polygon]:

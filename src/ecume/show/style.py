@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, cast
 import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.colors import LinearSegmentedColormap
+from matplotlib.colors import Colormap, LinearSegmentedColormap, to_rgb
 from matplotlib.figure import Figure
 
 from ecume.errors import BadInput, StorageError
@@ -54,6 +54,44 @@ STYLE: dict[str, Any] = {
     "svg.hashsalt": "ecume",
     "savefig.dpi": 200,
 }
+
+LIQUID_COLORS = {
+    "water": "#4f9fd8",
+    "seawater": "#3f8fb5",
+    "milk": "#fbf8f0",
+    "ethanol": "#b9d9ee",
+    "glycerol": "#d8e6e4",
+    "mercury": "#b3b8be",
+}
+"""By the name of the substance."""
+DARK_CANVAS = "#12181f"
+"""Of the pages in dark mode."""
+LEAST_CONTRAST = 2.0
+"""Of a color with the dark canvas: the ratio of luminances (each plus 0.05) as WCAG defines it."""
+
+
+def luminance(color: Any) -> float:
+    """The relative luminance of a color, from 0 to 1 (WCAG 2.2, sRGB)."""
+    linear = [part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in to_rgb(color)]
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+
+
+def contrast(one: Any, other: Any) -> float:
+    """The contrast of two colors, from 1 to 21 (WCAG 2.2).
+
+    >>> round(contrast("black", "white"), 9)
+    21.0
+    """
+    low, high = sorted((luminance(one), luminance(other)))
+    return (high + 0.05) / (low + 0.05)
+
+
+def seen_part(colors: Colormap, ground: str) -> tuple[float, float]:
+    """The part of a colormap between whose ends every color differs from the ground by `LEAST_CONTRAST`."""
+    steps = [place / 255 for place in range(256)]
+    enough = [place for place in steps if contrast(colors(place)[:3], ground) >= LEAST_CONTRAST]
+    return (enough[0], enough[-1]) if enough else (0.0, 1.0)
+
 
 PREFIXES = ((-15, "f"), (-12, "p"), (-9, "n"), (-6, "µ"), (-3, "m"), (0, ""), (3, "k"), (6, "M"))
 
@@ -120,4 +158,5 @@ def save(drawn: Figure, out: Path) -> Path:
 
 def legend_outside(axes: Axes, title: str | None = None) -> None:
     """A legend right of the axes, where it hides no curve."""
-    axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0, title=title, alignment="left")
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(loc="upper left", bbox_to_anchor=(1.01, 1.0), borderaxespad=0.0, title=title, alignment="left")

@@ -18,6 +18,7 @@ from matplotlib.colors import Normalize, to_rgba_array
 
 from ecume.show.picture import (
     DPI,
+    SIDE,
     USUAL,
     Layers,
     Picture,
@@ -31,14 +32,16 @@ from ecume.show.picture import (
     scale_bar,
     species,
 )
-from ecume.show.scenery import Setting, colored, draw_movers, draw_setting, draw_wires, extent, stand_apart
+from ecume.show.scenery import Setting, colored, draw_bodies, draw_movers, draw_setting, draw_wires, extent, stand_apart
 from ecume.show.splat import MANY, Splat, splat_in
 from ecume.show.style import INK, MUTED, PALETTE, scale_for, style
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
-MARGIN = 0.04
-"""Room around the tank, in parts of its larger side."""
+MARGIN, BELOW = 0.02, 0.065
+"""Room around the tank and below it, in parts of its larger side: the scale bar is below it."""
+LEAST_BAR = 150.0
+"""The least height of the bar of colors, in pixels of a picture of the usual size."""
 LEAST_PIXELS = 2.0
 """What would be smaller is drawn so large: it would not be seen."""
 RARE = 0.005
@@ -65,22 +68,37 @@ class Tank(Picture):
     ) -> None:
         self.setting, self.coloring = setting, coloring
         self.view = view_of(setting, sample)
-        self.figure = blank(size)
+        # Without a bar of colors or a legend there is nothing beside the tank.
+        side = SIDE if coloring is not None or len(setting.kinds) > 1 else 0.0
+        self.figure = blank(size, self.view, side)
         with style():
-            axes = axes_for(self.figure, self.view)
+            axes = axes_for(self.figure, self.view, side)
             draw_setting(axes, setting)
+            bodies = draw_bodies(axes, setting)
             self.mapping = (
                 color_bar(axes, coloring, [colored(setting, frame) for frame in sample]) if coloring else None
             )
-            self.particles = self._particles(axes, sample[0])
+            contents = self._contents(axes, sample[0])
             self.time = clock(axes)
             labels(axes, setting.title, setting.kinds if coloring is None else ())
             wires = draw_wires(axes, setting)
             self.movers = draw_movers(axes, setting, sample[0])
             self.bars = scale_bar(axes, self.view)
-            moving: list[Artist] = [self.particles, *self.movers, *wires, *self.bars, self.time]
+            moving: list[Artist] = [
+                *contents,
+                *(bodies if setting.before else []),
+                *self.movers,
+                *wires,
+                *self.bars,
+                self.time,
+            ]
         self.layers = Layers(self.figure, moving)
         self.show(sample[0])
+
+    def _contents(self, axes: Axes, frame: Frame) -> list[Artist]:
+        """What the tank holds, from the lowest up."""
+        self.particles = self._particles(axes, frame)
+        return [self.particles]
 
     def _particles(self, axes: Axes, frame: Frame) -> Circles | Splat:
         if self.setting.radius is None and self.setting.camera is not None:
@@ -101,12 +119,16 @@ class Tank(Picture):
 
     def show(self, frame: Frame) -> None:
         """Put a frame into the picture."""
-        position, camera = frame.arrays["position"], self.setting.camera
-        depth = None if camera is None else position @ camera[2]
-        self.particles.put(seen(position, camera), depth, self._colors(frame))
+        self._fill(frame)
         for patch, outline in zip(self.movers, self.setting.movers(frame) if self.setting.movers else (), strict=True):
             patch.set_xy(outline)
         self.time.set_text(time_text(frame.time))
+
+    def _fill(self, frame: Frame) -> None:
+        """Put the contents of a frame into the tank."""
+        position, camera = frame.arrays["position"], self.setting.camera
+        depth = None if camera is None else position @ camera[2]
+        self.particles.put(seen(position, camera), depth, self._colors(frame))
 
     def place(self, frame: Frame, one: int) -> Array:
         """Where a particle is seen (m)."""
@@ -166,8 +188,8 @@ def view_of(setting: Setting, frames: Sequence[Frame]) -> View:
         low = np.min([place.min(axis=0) for place in places], axis=0) - 2.0 * reach
         high = np.max([place.max(axis=0) for place in places], axis=0) + 2.0 * reach
     room = MARGIN * float((high - low).max())
-    # Below there is more, for the scale bar.
-    return View(float(low[0]) - room, float(high[0]) + room, float(low[1]) - 2.0 * room, float(high[1]) + room)
+    below = BELOW * float((high - low).max())
+    return View(float(low[0]) - room, float(high[0]) + room, float(low[1]) - below, float(high[1]) + room)
 
 
 def color_bar(axes: Axes, coloring: Coloring, sample: Sequence[Frame]) -> ScalarMappable:
@@ -180,7 +202,8 @@ def color_bar(axes: Axes, coloring: Coloring, sample: Sequence[Frame]) -> Scalar
     room = axes.get_position()
     figure: Any = axes.figure
     width = DPI * float(figure.get_size_inches()[0])
-    pane = figure.add_axes((room.x1 + 30.0 / width, room.y0 + 0.1 * room.height, 17.0 / width, 0.8 * room.height))
+    tall = max(0.8 * room.height, LEAST_BAR / (DPI * float(figure.get_size_inches()[1])))
+    pane = figure.add_axes((room.x1 + 30.0 / width, room.y0 + 0.5 * (room.height - tall), 17.0 / width, tall))
     least, most = mapping.get_clim()
     shown = ScalarMappable(Normalize(scale.factor * least, scale.factor * most), coloring.colors)
     bar = figure.colorbar(shown, cax=pane)

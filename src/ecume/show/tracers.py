@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -9,9 +10,11 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ecume.analysis.series import number, series, times
+from ecume.engine.walls import Surfaces
 from ecume.errors import BadInput
+from ecume.models.tracers.tank import body_of, inside_of
 from ecume.show.camera import STANDING, Eye, Wires, wires_of
-from ecume.show.curves import Frames, energies, over_time, thinned
+from ecume.show.curves import Frames, energies, evolution, over_time, titled
 from ecume.show.picture import USUAL, Size, species
 from ecume.show.scenery import Round, Setting, Shape
 from ecume.show.style import PALETTE, figure, legend_outside, plain, scale_for, style
@@ -90,13 +93,13 @@ def _mean_height(frame: Frame, index: int) -> float:
 
 def heights(frames: Frames, scene: TracersScene) -> Figure:
     """The mean height of each species: how fast it settles."""
-    shown = thinned(frames)
+    shown = evolution(frames)
     kinds = species(scene)
     curves = [[_mean_height(frame, index) for frame in shown] for index in range(len(kinds))]
     scale = scale_for(float(np.abs(curves).max()), "m")
     with style():
         drawn = figure()
-        axes = over_time(drawn, scene)
+        axes = over_time(drawn, scene, "Mean height of each species")
         for kind, curve in zip(kinds, curves, strict=True):
             axes.plot(times(shown), scale.factor * np.array(curve), color=kind.color, label=plain(kind.name))
         axes.set_ylabel(f"mean height ({scale.unit})")
@@ -116,7 +119,7 @@ def profile(frames: Frames, scene: TracersScene) -> Figure:
     edges = np.linspace(values.min(), max(values.max(), values.min() + 1e-12), SLICES + 1)
     with style():
         drawn = figure()
-        axes = drawn.add_subplot(xlabel="particles in a slice", title=plain(scene.title))
+        axes = drawn.add_subplot(xlabel="particles in a slice", title=titled("Number of particles over height", scene))
         for frame, place, color in zip(instants, places, PALETTE, strict=False):
             counts, _ = np.histogram(place, edges)
             axes.stairs(counts, scale.factor * edges, orientation="horizontal", color=color, label=f"{frame.time:g} s")
@@ -125,20 +128,50 @@ def profile(frames: Frames, scene: TracersScene) -> Figure:
     return drawn
 
 
+SIDES = {2: ("left", "floor", "right", "ceiling"), 3: ("left", "front", "floor", "right", "back", "ceiling")}
+"""Of a box, by its dimensions: the lower sides of all axes, then the upper ones."""
+
+
+def wall_names(scene: TracersScene) -> list[str]:
+    """The names of the walls of a tank and of the faces of its obstacles, in the order of their numbers."""
+    tank = (
+        []
+        if scene.tank is None
+        else _faces(inside_of(scene.tank), scene.dimensions if scene.tank.size is not None else 0, "wall")
+    )
+    bodies = [
+        _faces(body_of(body), scene.dimensions if body.low is not None else 0, f"obstacle {number}")
+        for number, body in enumerate(scene.obstacles, 1)
+    ]
+    return [*tank, *itertools.chain.from_iterable(bodies)]
+
+
+def _faces(surfaces: Surfaces, dimension: int, name: str) -> list[str]:
+    """The names of the faces of a box of this dimension, or with 0 of another shape."""
+    count = len(surfaces.kind)
+    if dimension:
+        return [side if name == "wall" else f"{name}, {side}" for side in SIDES[dimension]]
+    return (
+        [name]
+        if count == 1
+        else [f"{name} {k}" if name == "wall" else f"{name}, face {k}" for k in range(1, count + 1)]
+    )
+
+
 def wall_hits(frames: Frames, scene: TracersScene) -> Figure:
     """The number of hits of each wall so far."""
-    shown = thinned(frames)
+    shown = evolution(frames)
     names = [name for name in shown[0].numbers if name.startswith("hits_on_wall_")]
     if not names:
         raise BadInput("the scene has no walls; there is nothing that could be hit")
+    walls = wall_names(scene)
     with style():
         drawn = figure()
-        axes = over_time(drawn, scene)
-        for index, (name, counts) in enumerate(zip(names, series(shown, *map(number, names)), strict=True)):
-            color = PALETTE[index % len(PALETTE)]
-            label = name.removeprefix("hits_on_").replace("_", " ")
+        axes = over_time(drawn, scene, "Collisions with walls")
+        curves = zip(walls, series(shown, *map(number, names)), itertools.cycle(PALETTE), strict=False)
+        for label, counts, color in curves:
             axes.plot(times(shown), counts, color=color, drawstyle="steps-post", label=label)
-        axes.set_ylabel("hits")
+        axes.set_ylabel("number of collisions")
         # From one hit to thousands of small bounces: linear up to ten, then logarithmic.
         axes.set_yscale("symlog", linthresh=10.0)
         axes.set_ylim(bottom=0.0)

@@ -11,12 +11,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import LogNorm
+from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 
 from ecume.errors import BadInput
 from ecume.scenes.faults import suggestion
-from ecume.show.style import PALETTE, figure, legend_outside, plain, save, style
+from ecume.show.style import PALETTE, Scale, figure, legend_outside, plain, save, scale_for, style
 from ecume.sweep.results import Row, Sweep, open_sweep
 from ecume.units import Array
 
@@ -41,8 +41,11 @@ class Column(NamedTuple):
         return f"{plain(self.name)} ({self.unit})" if self.unit else plain(self.name)
 
     def at(self, value: float) -> str:
-        """One of its values, in a legend."""
-        return plain(self.words[int(value)]) if self.words else f"{value:g}"
+        """One of its values with its unit, in a legend."""
+        if self.words:
+            return plain(self.words[int(value)])
+        scale = scale_for(value, self.unit) if self.unit else Scale(1.0, "")
+        return f"{scale.factor * value:.4g} {scale.unit}".strip()
 
 
 def plot_sweep(directory: Path, kind: str, measure: str | None = None, out: Path | None = None) -> Path:
@@ -115,6 +118,7 @@ def curves(on: Axes, axes: Sequence[Column], measure: Column) -> None:
     of what repeats.
     """
     x, *others = sorted(axes, key=lambda column: (bool(column.words), -len(np.unique(column.values))))
+    names = short_names(others)
     groups = sorted(set(zip(*(column.values for column in others), strict=True))) if others else [()]
     if len(groups) > MOST_CURVES:
         raise BadInput(f"{len(groups)} curves cannot be told apart; --what map or scatter draws them")
@@ -124,12 +128,22 @@ def curves(on: Axes, axes: Sequence[Column], measure: Column) -> None:
         )
         at = np.unique(x.values[mine])
         means, errors = zip(*(_mean(measure.values[mine & (x.values == value)]) for value in at), strict=True)
-        label = ", ".join(column.at(value) for column, value in zip(others, group, strict=True)) or None
+        label = ", ".join(f"{name} {c.at(v)}" for name, c, v in zip(names, others, group, strict=True)) or None
         bars = errors if np.any(errors) else None
         on.errorbar(at, means, yerr=bars, fmt="o", ls=dash, ms=4, color=color, label=label)
     _scaled(on, x, measure)
     if others:
-        legend_outside(on, ", ".join(column.label for column in others))
+        legend_outside(on)
+
+
+def short_names(columns: Sequence[Column]) -> list[str]:
+    """The last parts of the keys of columns, or the whole keys where two have the same last part.
+
+    >>> short_names([Column("liquid.viscosity", np.ones(1)), Column("floats[0].radius", np.ones(1))])
+    ['viscosity', 'radius']
+    """
+    last = [column.name.rsplit(".", 1)[-1] for column in columns]
+    return [plain(one if last.count(one) == 1 else column.name) for one, column in zip(last, columns, strict=True)]
 
 
 def _mean(values: Array) -> tuple[float, float]:
@@ -141,7 +155,7 @@ def _mean(values: Array) -> tuple[float, float]:
 def colored_map(on: Axes, axes: Sequence[Column], measure: Column) -> None:
     """The measure over two axes, mean over the others; points that were drawn as dots."""
     if len(axes) < 2:
-        raise BadInput("a map wants two axes; --what curves draws one")
+        raise BadInput("a map needs two axes; --what curves draws one")
     x, y, *others = axes
     norm = LogNorm() if wide(measure.values) else None
     columns, lines = np.unique(x.values), np.unique(y.values)
@@ -193,18 +207,27 @@ def edges_between(values: Array) -> Array:
 
 
 def scatter(on: Axes, axes: Sequence[Column], measure: Column) -> None:
-    """A dot a point; of two axes the second is its color."""
+    """A dot per point; the second axis of numbers is its color, the one after it its marker."""
     x, *others = axes
     color = next((column for column in others if not column.words), None)
-    values = color.values if color is not None else None
-    dots = on.scatter(
-        x.values, measure.values, c=values, s=18, norm=LogNorm() if values is not None and wide(values) else None
+    values = np.zeros(len(x.values)) if color is None else color.values
+    look: dict[str, Any] = {"s": 22, "norm": LogNorm() if wide(values) else Normalize(values.min(), values.max())}
+    mark = next(
+        (column for column in others if column is not color and len(np.unique(column.values)) <= len(MARKERS)), None
     )
+    kinds = np.zeros(len(x.values)) if mark is None else mark.values
+    for kind, marker in zip(np.unique(kinds), MARKERS, strict=False):
+        mine = kinds == kind
+        name = None if mark is None else f"{short_names([mark])[0]} {mark.at(float(kind))}"
+        dots = on.scatter(x.values[mine], measure.values[mine], c=values[mine], marker=marker, label=name, **look)
+    if mark is not None:
+        on.legend()
     _scaled(on, x, measure)
     if color is not None:
         _colorbar(on, dots, color.label)
 
 
+MARKERS = "os^Dv<>*"
 DRAWN = {"curves": curves, "map": colored_map, "scatter": scatter}
 
 

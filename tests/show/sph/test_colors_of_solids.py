@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from ecume.show.sph.picture import liquid_picture
-from ecume.show.sph.rendering import solids_of
+from ecume.show.sph.water import solids_of
 from ecume.show.view.page import looks
 from ecume.show.view.tanks import sph_stage
 

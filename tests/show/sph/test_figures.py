@@ -1,7 +1,6 @@
 """Figures of a liquid show what the frames hold, with units."""
 
 import re
-import sys
 
 import numpy as np
 import pytest
@@ -15,9 +14,12 @@ from .conftest import frame_of, scene_of
 WITH_UNIT = re.compile(r".* \((s|[kmµ]?(m|m/s|J|Pa))\)$")
 
 
-@pytest.mark.parametrize("what", [name for name in SPH_FIGURES if name not in ("gauges", "render")])
-def test_every_figure_can_be_drawn_with_units_and_of_one_frame(what, scene, frames):
-    for shown in (frames, frames[:1]):
+@pytest.mark.parametrize("what", [name for name in SPH_FIGURES if name != "gauges"])
+def test_every_figure_can_be_drawn_with_units_and_refuses_one_frame_where_it_needs_two(what, scene, frames):
+    if what in ("energies", "kinetic-energy", "front", "center"):
+        with pytest.raises(BadInput, match="the run has a single frame"):
+            SPH_FIGURES[what](frames[:1], scene)
+    for shown in (frames, frames[:1] * 2):
         drawn = SPH_FIGURES[what](shown, scene)
         labels = [label for axes in drawn.axes for label in (axes.get_xlabel(), axes.get_ylabel()) if label]
         assert labels
@@ -46,8 +48,19 @@ def test_velocities_are_read_along_the_middle(scene, frames):
 
 
 def test_a_surface_in_space_is_refused(frames):
-    with pytest.raises(BadInput, match="in the plane"):
+    with pytest.raises(BadInput, match="in 2D"):
         figures.surface([frame_of(dimension=3)], scene_of(dimension=3))
+
+
+def test_a_liquid_that_fills_its_tank_has_no_free_surface_and_one_that_flows_through_no_front(frames):
+    full = frame_of()
+    closed = scene_of(tank={"low": [0.0, 0.0], "high": [2.0, 0.5]})
+    with pytest.raises(BadInput, match="no free surface"):
+        figures.surface([full], closed)
+    through = {"left": {"kind": "inflow", "speed": 1.0}, "right": {"kind": "outflow"}}
+    flowing = scene_of(tank={"low": [0.0, 0.0], "high": [2.0, 0.5], **through})
+    with pytest.raises(BadInput, match="flows through"):
+        figures.front(frames, flowing)
 
 
 def test_gauges_are_drawn_by_kind_over_time(frames):
@@ -70,11 +83,3 @@ def test_gauges_are_drawn_by_kind_over_time(frames):
 def test_a_scene_without_gauges_has_no_figure_of_them(scene, frames):
     with pytest.raises(BadInput, match="no gauges"):
         figures.gauges(frames, scene)
-
-
-def test_a_liquid_in_the_plane_is_not_rendered_and_without_pyvista_the_way_out_is_told(scene, frames, monkeypatch):
-    with pytest.raises(BadInput, match="in the plane"):
-        SPH_FIGURES["render"](frames, scene)
-    monkeypatch.setitem(sys.modules, "pyvista", None)
-    with pytest.raises(BadInput, match=r"pip install 'pyvista"):
-        SPH_FIGURES["render"]([frame_of(dimension=3)], scene_of(dimension=3))

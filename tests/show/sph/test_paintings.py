@@ -68,7 +68,7 @@ def test_what_is_nearer_hides_what_is_farther():
     assert seen(np.array([[1.0, 2.0, 3.0]]), camera) == pytest.approx(np.array([[1.0, 2.0]]))
     cube = scene_of(dimension=3)
     frame = frame_of(dimension=3)
-    picture = liquid_picture(cube, [frame], color="region")
+    picture = liquid_picture(cube, [frame], color="region", particles=True)
     near = frame.arrays["position"] @ picture.setting.camera[2] > 0.9
     two = frame._replace(arrays={**frame.arrays, "species": near.astype(np.int64)})
     picture.setting = picture.setting._replace(kinds=[Species("far", "#ff0000"), Species("near", "#00ff00")])

@@ -17,6 +17,7 @@ from ecume.scenes.load import load_scene
 from ecume.scenes.templates import folder
 from ecume.show.play.pages import game_of
 from ecume.show.serving import served
+from ecume.show.style import DARK_CANVAS, contrast
 from ecume.show.view import save_page
 from ecume.show.view.chunks import pack
 from ecume.show.view.live import Source, serving
@@ -119,6 +120,37 @@ def test_a_particle_tells_its_numbers(tab, tmp_path):
     assert not tab.is_visible("#inspector")
 
 
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_a_liquid_is_one_region_without_gaps_inside_its_walls_and_seen_on_a_dark_page(tab, tmp_path, scheme):
+    scene, frame = scene_of(), frame_of()
+    stage = STAGES["sph"](scene, [frame])
+    header = {"title": "", "model": "sph", "facts": [], "papers": [], "scene": "", "live": False}
+    (tmp_path / "page.html").write_text(page({**header, **looks(frame, frame, stage)}, [pack([frame], stage)]))
+    tab.emulate_media(color_scheme=scheme)
+    tab.goto((tmp_path / "page.html").as_uri())
+    tab.wait_for_selector("body[data-drawn]", timeout=30_000)
+    tab.wait_for_timeout(200)
+    tab.evaluate(
+        "document.querySelectorAll('#clock, #scale, #kinds').forEach((one) => (one.style.visibility = 'hidden'))"
+    )
+    tab.locator("#canvas").screenshot(path=tmp_path / "canvas.png")
+    with Image.open(tmp_path / "canvas.png") as picture:
+        colors = np.asarray(picture.convert("RGB")).astype(int)
+    ground = np.array(ImageColor.getrgb(DARK_CANVAS if scheme == "dark" else "#ffffff"))
+    rows, columns = np.nonzero((np.abs(colors - ground) > 8).any(axis=-1))
+    wide, floor = np.ptp(columns), rows.max()
+    wet = colors[floor - wide // 4 + 6 : floor - 6, columns.min() + 6 : columns.max() - 6]
+    seen = [contrast(color / 255.0, ground / 255.0) for color in np.unique(wet.reshape(-1, 3), axis=0)]
+    assert min(seen) > (1.9 if scheme == "dark" else 1.1)
+    tab.check("#particles")
+    tab.wait_for_timeout(200)
+    tab.locator("#canvas").screenshot(path=tmp_path / "canvas.png")
+    with Image.open(tmp_path / "canvas.png") as picture:
+        discs = np.asarray(picture.convert("RGB")).astype(int)[floor - wide // 4 + 6 : floor - 6]
+    assert (np.abs(discs - ground).max(axis=-1) < 8).sum() > 1000
+    assert tab.complaints == []
+
+
 def test_what_is_carried_keeps_its_color_and_says_what_it_is(tab, tmp_path):
     scene = scene_of(carried=[{"positions": [[1.0, 0.25]], "color": "#ff0000"}])
     frame = carrying(frame_of())
@@ -127,6 +159,11 @@ def test_what_is_carried_keeps_its_color_and_says_what_it_is(tab, tmp_path):
     (tmp_path / "page.html").write_text(page({**header, **looks(frame, frame, stage)}, [pack([frame], stage)]))
     tab.goto((tmp_path / "page.html").as_uri())
     tab.wait_for_selector("body[data-drawn]", timeout=30_000)
+    tab.locator("#canvas").screenshot(path=tmp_path / "canvas.png")
+    with Image.open(tmp_path / "canvas.png") as picture:
+        region = np.asarray(picture.convert("RGB")).astype(int)
+    assert (region[len(region) // 2 :] == (255, 0, 0)).all(axis=-1).sum() > 50, "above the region of the liquid"
+    tab.check("#particles")
     for coloring, others in (("pressure", "#fde725"), ("species", hexadecimal(stage.kinds[0].color))):
         tab.select_option("#coloring", coloring)
         tab.wait_for_timeout(200)
@@ -292,7 +329,7 @@ def test_a_tank_is_played_with(tab):
         with tab.expect_download() as saved:
             tab.get_by_role("button", name="save as scene").click()
         assert sum(len(part.particles.masses) for part in load_scene(saved.value.path()).fluid) == tank.count
-        tab.get_by_role("button", name="begin anew").click()
+        tab.get_by_role("button", name="restart").click()
         tab.wait_for_selector("#open", state="visible")
         assert not tab.complaints
         assert all(request.startswith((address.split("/?")[0], "blob:")) for request in tab.requests)

@@ -44,6 +44,8 @@ LINE = 0.8
 """Length of the line that shows how a float is turned, over its diameter."""
 MARGIN = 1.04
 """The shown part of the surface, in dish diameters."""
+BELOW = 0.07
+"""Room for the scale bar below a dish that is not round, in parts of its width."""
 
 
 def view_of(scene: Any, frames: Sequence[Frame]) -> View:
@@ -51,7 +53,9 @@ def view_of(scene: Any, frames: Sequence[Frame]) -> View:
     if scene.dish is not None:
         (left, bottom), (right, top) = enclosures.bounds(walls_of(scene.dish))
         middle = 0.5 * (left + right), 0.5 * (bottom + top)
-        return view_around(*middle, MARGIN * (right - left), MARGIN * (top - bottom))
+        whole = view_around(*middle, MARGIN * (right - left), MARGIN * (top - bottom))
+        # Below a wall without round corners there is no room for the scale bar.
+        return whole if scene.dish.size is None else whole._replace(bottom=whole.bottom - BELOW * whole.width)
     low = np.min([(f.arrays["position"] - f.arrays["radius"][:, None]).min(axis=0) for f in frames], axis=0)
     high = np.max([(f.arrays["position"] + f.arrays["radius"][:, None]).max(axis=0) for f in frames], axis=0)
     radius = max(float(f.arrays["radius"].max()) for f in frames)
@@ -68,7 +72,7 @@ class Bowl(Picture):
 
     def __init__(self, scene: Any, sample: Sequence[Frame], size: Size = USUAL, *, cells: int = 200) -> None:
         self.view = view_of(scene, sample)
-        self.figure = blank(size)
+        self.figure = blank(size, self.view)
         self.shapes = shapes_of(scene)
         closest = min(float(frame.arrays["radius"].min()) for frame in sample)
         self.sheet = sheet(scene, self.view, cells=cells, closest=closest)
@@ -92,7 +96,7 @@ class Bowl(Picture):
             moving += [*self.bars, self.time]
             lowest, highest = float(np.min(heights)), float(np.max(heights))
             shown = min(lowest, 0.0) * self.scale.factor, max(highest, 0.0) * self.scale.factor
-            _height_bar(axes, self.colors, shown, self.scale)
+            _height_bar(axes, self.colors, shown, self.scale, tall=0.92 if len(kinds) < 2 else 0.6)
             labels(axes, scene.title, kinds)
         self.layers = Layers(self.figure, moving)
         self.show(sample[0])
@@ -148,11 +152,11 @@ def dish_outline(dish: Any, scale: float = 1.0) -> Patch:
     return Polygon(scale * outline_of(dish), closed=True, **look)
 
 
-def _height_bar(axes: Axes, colors: ScalarMappable, shown: tuple[float, float], scale: Scale) -> None:
-    """What the colors mean, as far as they occur."""
+def _height_bar(axes: Axes, colors: ScalarMappable, shown: tuple[float, float], scale: Scale, tall: float) -> None:
+    """What the colors mean, as far as they occur; `tall` is in parts of the picture's height."""
     box, figure = axes.get_position(), cast(Figure, axes.get_figure(root=True))
     width = DPI * figure.get_size_inches()[0]
-    place = figure.add_axes((box.x1 + 40 / width, box.y0 + 0.04 * box.height, 18 / width, 0.6 * box.height))
+    place = figure.add_axes((box.x1 + 40 / width, box.y0 + 0.04 * box.height, 18 / width, tall * box.height))
     bar = figure.colorbar(colors, cax=place)
     if shown[0] < shown[1]:  # a surface that nothing bends by its weight has one color
         place.set_ylim(*shown)

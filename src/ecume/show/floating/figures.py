@@ -15,7 +15,7 @@ from ecume.analysis.series import tracks
 from ecume.errors import BadInput
 from ecume.laws.pair_laws import PAIR_LAWS, PairLaw, PairParameters, Setting
 from ecume.models.liquids import liquid_of
-from ecume.show.curves import Frames, clusters, energies, kinetic_energy, thinned
+from ecume.show.curves import Frames, clusters, energies, kinetic_energy, thinned, titled
 from ecume.show.floating.bowl import Bowl, dish_outline, view_of
 from ecume.show.floating.measures import MEASURES
 from ecume.show.picture import species, species_dots
@@ -38,7 +38,7 @@ def paths(frames: Frames, scene: Any) -> Figure:
         drawn = figure(5.4, 5.4 * min(max(view.height / view.width, 0.4), 1.6))
         axes = drawn.add_subplot(aspect="equal")
         axes.set(xlim=np.multiply(view[:2], scale.factor), ylim=np.multiply(view[2:], scale.factor))
-        axes.set(xlabel=f"x ({scale.unit})", ylabel=f"y ({scale.unit})", title=plain(scene.title))
+        axes.set(xlabel=f"x ({scale.unit})", ylabel=f"y ({scale.unit})", title=titled("Paths", scene))
         axes.grid(visible=False)
         _discs(axes, where[:, -1], scale.factor * shown[-1].arrays["radius"], colors)
         axes.add_collection(LineCollection(list(where), colors=MUTED, linewidths=0.9, alpha=0.8))
@@ -68,7 +68,7 @@ def force_law(frames: Frames, scene: Any) -> Figure:
     reach = max(FURTHEST * length, 1.5 * max(pair.touching for pair in pairs))
     with style():
         drawn = figure(6.4, 4.2)
-        axes = drawn.add_subplot(xlabel="distance of the centers (mm)", title=plain(scene.title))
+        axes = drawn.add_subplot(xlabel="distance of the centers (mm)", title=titled("Force between two floats", scene))
         largest = max(abs(pair.force(pair.touching)) for pair in pairs)
         scale = scale_for(largest, "N")
         for pair, color in zip(pairs, itertools.cycle(PALETTE[1:]), strict=False):

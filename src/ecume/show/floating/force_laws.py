@@ -19,6 +19,7 @@ from ecume.models.floating.forces.multipoles import bodies_and_charges
 from ecume.models.floating.setup.kinds import FloatKind, distinct_kinds
 from ecume.models.liquids import liquid_of
 from ecume.scenes.load import load_scene
+from ecume.show.curves import titled
 from ecume.show.style import INK, PALETTE, figure, plain, save, scale_for, style
 from ecume.units import Array
 
@@ -55,7 +56,7 @@ def drawn_forces(scene: Any) -> Figure:
     scale = scale_for(max(float(np.abs(force).max()) for pair in found for force in pair.by_method.values()), "N")
     with style():
         drawn = figure(6.4, 4.6)
-        axes = drawn.add_subplot(xlabel="gap, in capillary lengths", title=plain(scene.title))
+        axes = drawn.add_subplot(xlabel="gap, in capillary lengths", title=titled("Force between two floats", scene))
         for pair, color in zip(found, itertools.cycle(PALETTE[1:]), strict=False):
             gap = (pair.distance - pair.distance[0]) / length
             for method, force in pair.by_method.items():

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, NullFormatter
+from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
 
 from ecume.analysis.clusters import touching_clusters, touching_pairs
 from ecume.analysis.series import times, tracks
@@ -24,8 +24,8 @@ from ecume.engine.walls.enclosures import shrunk
 from ecume.errors import BadInput
 from ecume.models.floating.walls.shapes import walls_of
 from ecume.models.liquids import liquid_of
-from ecume.show.curves import Frames, over_time, thinned
-from ecume.show.style import INK, MUTED, PALETTE, figure, legend_outside, plain, scale_for, style
+from ecume.show.curves import Frames, evolution, over_time, scaling, thinned, titled
+from ecume.show.style import INK, MUTED, PALETTE, figure, legend_outside, scale_for, style
 from ecume.trajectories.frame import Frame
 
 MOST_PAIRS = 12
@@ -36,13 +36,23 @@ SHELLS = 12.0
 
 def order(frames: Frames, scene: Any) -> Figure:
     """The hexatic order over time: how good the lattices are, and how far one of them reaches."""
-    shown = thinned(frames)
+    shown = evolution(frames)
     psi = [hexatic_order(frame) for frame in shown]
     with style():
         drawn = figure()
-        axes = over_time(drawn, scene)
-        axes.plot(times(shown), [np.abs(each).mean() for each in psi], color=PALETTE[1], label="mean of the sizes")
-        axes.plot(times(shown), [abs(each.mean()) for each in psi], color=PALETTE[0], label="size of the mean")
+        axes = over_time(drawn, scene, "Hexatic order")
+        axes.plot(
+            times(shown),
+            [np.abs(each).mean() for each in psi],
+            color=PALETTE[1],
+            label="local, $\\langle|\\psi_6|\\rangle$",
+        )
+        axes.plot(
+            times(shown),
+            [abs(each.mean()) for each in psi],
+            color=PALETTE[0],
+            label="global, $|\\langle\\psi_6\\rangle|$",
+        )
         axes.set(ylim=(0.0, 1.0), ylabel=r"hexatic order $|\psi_6|$")
         legend_outside(axes)
     return drawn
@@ -58,12 +68,14 @@ def distribution(frames: Frames, scene: Any) -> Figure:
     edges = np.array([0.0, *bins[bins < region.widest]])
     with style():
         drawn = figure()
-        axes = drawn.add_subplot(xlabel="distance of the centers, in mean radii", title=plain(scene.title))
+        axes = drawn.add_subplot(
+            xlabel="distance of the centers, in mean radii", title=titled("Pair distribution", scene)
+        )
         for frame, color, label in zip(kept, (MUTED, PALETTE[1]), ("first", "last"), strict=True):
             found = pair_distribution([frame], edges, region)
             axes.stairs(found, edges / radius, color=color, label=f"{label}, {frame.time:.3g} s")
         axes.axhline(1.0, color=INK, linewidth=0.6)
-        axes.set(xlim=(0.0, edges[-1] / radius), ylabel="g(r), over chance")
+        axes.set(xlim=(0.0, edges[-1] / radius), ylabel="pair distribution g(r)")
         axes.set_ylim(bottom=0.0)
         axes.legend()
     return drawn
@@ -79,31 +91,32 @@ def region_of(frame: Frame, scene: Any) -> Region:
 
 
 def displacement(frames: Frames, scene: Any) -> Figure:
-    """The mean square displacement over time, beside straight ways and chance steps."""
+    """The mean square displacement over time, beside ballistic and diffusive motion."""
     shown = thinned(frames)
     if len(shown) < 3:
-        raise BadInput("displacements want three frames or more")
+        raise BadInput("displacements need three frames or more")
     every = (shown[-1].time - shown[0].time) / (len(shown) - 1)
     lags = np.unique(np.geomspace(1, len(shown) - 1, 40).round().astype(int))
     found = mean_square_displacement(tracks(shown), [int(lag) for lag in lags])
     if not np.all(found > 0.0):
-        raise BadInput("nobody moves: there is no displacement to draw")
+        raise BadInput("no float moves: there is no displacement to draw")
     scale = scale_for(float(np.sqrt(found.max())), "m")
     with style():
         drawn = figure()
-        axes = drawn.add_subplot(xlabel="lag (s)", title=plain(scene.title), xscale="log", yscale="log")
+        axes = drawn.add_subplot(xlabel="lag (s)", title=titled("Mean square displacement", scene))
         time, far = every * lags, scale.factor**2 * found
         axes.plot(time, far, "o-", color=PALETTE[1], markersize=3)
-        for power, name in ((1, "~ t: chance"), (2, "~ t²: straight on")):
+        for power, name in ((1, "~ t: diffusive"), (2, "~ t²: ballistic")):
             axes.plot(time, far[0] * (time / time[0]) ** power, "--", color=MUTED, linewidth=0.9)
             axes.annotate(name, (time[-1], far[0] * (time[-1] / time[0]) ** power), fontsize=8, ha="right", va="bottom")
+        axes.set(xscale=scaling(time), yscale=scaling(far))
         axes.set_ylabel(f"mean square displacement ({scale.unit}²)")
     return drawn
 
 
 def approaches(frames: Frames, scene: Any) -> Figure:
     """The gaps of pairs that touch in the end, over time, down to where they meet."""
-    shown = thinned(frames)
+    shown = evolution(frames)
     last = shown[-1].arrays
     pairs = touching_pairs(last["position"], last["radius"])[:MOST_PAIRS]
     if not len(pairs):
@@ -111,11 +124,14 @@ def approaches(frames: Frames, scene: Any) -> Figure:
     length, paths = liquid_of(scene).capillary_length, tracks(shown)
     with style():
         drawn = figure()
-        axes = over_time(drawn, scene)
+        axes = over_time(drawn, scene, "Gaps of floats that touch in the end")
+        gaps = []
         for (i, j), color in zip(pairs, itertools.cycle(PALETTE), strict=False):
             gap = approach(paths, last["radius"], (int(i), int(j))) / length
-            axes.plot(times(shown), np.where(gap > 1e-4, gap, np.nan), color=color, linewidth=1.0)
-        axes.set(yscale="log", ylabel="gap, in capillary lengths")
+            gaps.append(np.where(gap > 1e-4, gap, np.nan))
+            axes.plot(times(shown), gaps[-1], color=color, linewidth=1.0, label=f"floats {i} and {j}")
+        axes.set(yscale=scaling(gaps), ylabel="gap, in capillary lengths")
+        legend_outside(axes)
     return drawn
 
 
@@ -132,16 +148,20 @@ def shapes(frames: Frames, scene: Any) -> Figure:
     round_ones = np.geomspace(2.0, sizes.max(), 50)
     with style():
         drawn = figure()
-        axes = drawn.add_subplot(xlabel="floats in a raft", title=plain(scene.title), xscale="log", yscale="log")
+        axes = drawn.add_subplot(xlabel="floats in a raft", title=titled("Shapes of rafts", scene))
         long = np.minimum(found.elongation[several], 10.0)
         dots = axes.scatter(sizes, gyration, c=long, s=14, cmap="viridis", vmin=1.0, vmax=10.0)
         packed = np.sqrt(np.sqrt(3.0) / np.pi * round_ones)
         axes.plot(round_ones, packed, color=INK, label="round, close-packed")
         axes.plot(round_ones, np.sqrt((round_ones**2 - 1.0) / 3.0), "--", color=MUTED, label="a straight row")
         axes.set_ylabel("radius of gyration, in mean radii")
-        axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-        axes.xaxis.set_major_formatter("{x:g}")
-        axes.xaxis.set_minor_formatter(NullFormatter())
+        axes.set(xscale=scaling([2.0, *sizes]), yscale=scaling(gyration))
+        if axes.get_xscale() == "log":
+            axes.xaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+            axes.xaxis.set_major_formatter("{x:g}")
+            axes.xaxis.set_minor_formatter(NullFormatter())
+        else:
+            axes.xaxis.set_major_locator(MaxNLocator(integer=True))
         drawn.colorbar(dots, ax=axes, label="elongation (10 and more)")
         axes.legend()
     return drawn

@@ -20,7 +20,7 @@ from ecume.show.play.game_server import Asked, Deed, Game, Toy, number
 from ecume.show.play.tank import PUSHED, STEEPEST, Tank
 from ecume.show.play.tank_scene import movable
 from ecume.show.scenery import Round
-from ecume.show.sph.picture import FULL, outline
+from ecume.show.sph.picture import outline
 from ecume.show.view.page import PLAY, TANK, color_map
 from ecume.units import Array
 
@@ -147,9 +147,12 @@ class TankPage:
             "walls": [getattr(scene.tank, side).kind == "wall" for side in ("left", "right", "bottom", "top")],
             "movable": movable(scene),
             "pushed": PUSHED * self.moving.width,
-            "radius": FULL * scene.spacing,
+            "spacing": scene.spacing,
             "steepest": STEEPEST,
-            "colorings": [[name, unit, color_map(colors)] for name, (unit, colors) in COLORINGS.items()],
+            "colorings": [
+                [name, unit, color_map(colors), color_map(colors, dark=True)]
+                for name, (unit, colors) in COLORINGS.items()
+            ],
         }
 
     def now(self) -> dict[str, Any]:

@@ -54,7 +54,7 @@ STEEPEST = math.radians(20.0)
 SOON = 0.2
 """s after which liquid that was calmed and breaks again is not worth keeping."""
 CALMED = "The liquid went too fast for its time step: it was brought to rest where it stood."
-ANEW = "The liquid could not be brought to rest: all begins anew."
+ANEW = "The liquid could not be brought to rest: the tank was restarted."
 PER_PARTICLE = ("position", "velocity", "density", "mass", "region")
 
 
@@ -198,7 +198,7 @@ class Tank:
             self.integration.go(end - self._step)
 
     def _calm(self, kept: Liquid) -> None:
-        """Bring liquid to rest where it last was whole; begin anew where that did not help just now."""
+        """Bring liquid to rest where it last was whole; restart where that did not help just now."""
         if self.time - self.calmed < SOON:
             self.anew()
             self.news.append(ANEW)

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ecume.analysis.series import number, series, times
-from ecume.show.curves import Frames, over_time, span, thinned
+from ecume.show.curves import Frames, evolution, over_time, scaling, span
 from ecume.show.soft.measures import MEASURE_FIGURES, require_box
 from ecume.show.soft.packing import Packing
 from ecume.show.style import INK, PALETTE, figure, legend_outside, scale_for, style
@@ -30,31 +30,34 @@ Key = tuple[int, int]
 
 def gaps(frames: Frames, scene: SoftScene) -> Figure:
     """The gap of every contact over time, or their spread where there are many."""
-    return _of_contacts(frames, scene, "gap", "m", "log")
+    return _of_contacts(frames, scene, "gap", "m", "Gaps of contacts")
 
 
 def forces(frames: Frames, scene: SoftScene) -> Figure:
     """The normal force of every contact over time, or their spread; tension is positive."""
-    return _of_contacts(frames, scene, "tension", "N", "linear")
+    return _of_contacts(frames, scene, "tension", "N", "Normal forces of contacts")
 
 
-def _of_contacts(frames: Frames, scene: SoftScene, name: str, unit: str, yscale: str) -> Figure:
-    shown = thinned(frames)
+def _of_contacts(frames: Frames, scene: SoftScene, name: str, unit: str, title: str) -> Figure:
+    shown = evolution(frames)
     values = [_contacts(frame, name) for frame in shown]
     keys = sorted({key for instant in values for key in instant})
     largest = max((abs(value) for instant in values for value in instant.values()), default=0.0)
     scale = scale_for(largest, unit)
     with style():
         drawn = figure(6.8, 4.0)
-        axes = over_time(drawn, scene)
+        axes = over_time(drawn, scene, title)
         if len(keys) <= MOST_CURVES:
             for key, color in zip(keys, itertools.cycle(PALETTE), strict=False):
                 curve = [scale.factor * instant.get(key, np.nan) for instant in values]
-                axes.plot(times(shown), curve, color=color, label=f"{key[0]} – {key[1]}")
+                axes.plot(times(shown), curve, color=color, label=f"spheres {key[0]} and {key[1]}")
             legend_outside(axes)
         else:
             _spread(axes, times(shown), [scale.factor * np.array(list(instant.values())) for instant in values])
-        axes.set(yscale=yscale, ylabel=f"{name} ({scale.unit})", xlim=span(times(shown)))
+        label = "normal force, tension positive" if name == "tension" else name
+        axes.set(ylabel=f"{label} ({scale.unit})", xlim=span(times(shown)))
+        if name == "gap":
+            axes.set_yscale(scaling([value for instant in values for value in instant.values()]))
     return drawn
 
 
@@ -76,12 +79,12 @@ def _spread(axes: Axes, instants: Array, values: list[Array]) -> None:
 
 def elastic_energy(frames: Frames, scene: SoftScene) -> Figure:
     """The elastic energy of the deflections of all surfaces."""
-    shown = thinned(frames)
+    shown = evolution(frames)
     (energy,) = series(shown, number("elastic_energy"))
     scale = scale_for(float(energy.max()), "J")
     with style():
         drawn = figure()
-        axes = over_time(drawn, scene)
+        axes = over_time(drawn, scene, "Elastic energy")
         axes.plot(times(shown), scale.factor * energy, color=PALETTE[1])
         axes.set(ylabel=f"elastic energy ({scale.unit})", xlim=span(times(shown)))
     return drawn
@@ -90,12 +93,12 @@ def elastic_energy(frames: Frames, scene: SoftScene) -> Figure:
 def stress(frames: Frames, scene: SoftScene) -> Figure:
     """Shear stress and normal stress of a periodic box over time."""
     require_box(scene, "stress")
-    shown = thinned(frames)
+    shown = evolution(frames)
     shear, normal, pressure = series(shown, *map(number, ("shear_stress", "normal_stress", "pressure")))
     scale = scale_for(float(np.abs([shear, normal, pressure]).max()), shown[0].units["shear_stress"])
     with style():
         drawn = figure()
-        axes = over_time(drawn, scene)
+        axes = over_time(drawn, scene, "Stresses")
         for label, values, color in zip(
             ("shear", "normal", "pressure"), (shear, normal, pressure), PALETTE, strict=False
         ):

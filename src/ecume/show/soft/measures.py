@@ -18,9 +18,9 @@ from ecume.analysis.rheology import FlowPoint, Moduli, flow_point, moduli
 from ecume.analysis.series import number, series, times
 from ecume.errors import BadInput
 from ecume.scenes.soft import SoftScene
-from ecume.show.curves import Frames, span, thinned
+from ecume.show.curves import Frames, evolution, scaling, span, steps, titled
 from ecume.show.soft.packing import flat_box
-from ecume.show.style import INK, MUTED, PALETTE, figure, legend_outside, plain, scale_for, style
+from ecume.show.style import INK, MUTED, PALETTE, Scale, figure, legend_outside, scale_for, style
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
@@ -42,38 +42,48 @@ def gap_histogram(frames: Frames, scene: SoftScene) -> Figure:
     ends = float(values.min()), float(values.max())
     with style():
         drawn = figure()
-        axes = drawn.add_subplot(xlabel="gap (m)", ylabel="probability of ln(gap)", title=plain(scene.title))
+        scale = scale_for(ends[1], "m")
+        axes = drawn.add_subplot(ylabel="probability density of ln(gap)", title=titled("Distribution of gaps", scene))
+        axes.set_xlabel(f"gap ({scale.unit})")
         for frame, gap, color in zip(chosen, gaps, PALETTE, strict=False):
             if len(gap):
                 found = gap_distribution(gap, bins=24, span=ends)
-                axes.stairs(found.density, found.edges, color=color, linewidth=1.4, label=f"{frame.time:.3g} s")
-        axes.set_xscale("log")
+                axes.stairs(
+                    found.density, scale.factor * found.edges, color=color, linewidth=1.4, label=f"{frame.time:.3g} s"
+                )
+        axes.set_xscale(scaling(ends))
         legend_outside(axes)
     return drawn
 
 
 def coordination(frames: Frames, scene: SoftScene) -> Figure:
     """The number of close neighbors of a sphere, their mean gap and the narrowest, over time."""
-    shown = thinned(frames)
+    shown = evolution(frames)
     neighbors, mean, least = series(shown, *map(number, ("coordination", "mean_gap", "smallest_gap")))
     scale = scale_for(float(np.nanmax(np.append(mean, least))), "m")
     with style():
         drawn = figure(6.4, 4.8)
         above, below = drawn.subplots(2, 1, sharex=True)
         above.plot(times(shown), neighbors, color=PALETTE[1])
-        above.set(ylabel="close neighbors", title=plain(scene.title))
-        below.plot(times(shown), scale.factor * mean, color=PALETTE[2], label="mean of close ones")
+        above.set(ylabel="close neighbors", title=titled("Close neighbors and their gaps", scene))
+        below.plot(times(shown), scale.factor * mean, color=PALETTE[2], label="mean of close neighbors")
         below.plot(times(shown), scale.factor * least, color=PALETTE[0], label="narrowest")
-        below.set(yscale="log", ylabel=f"gap ({scale.unit})", xlabel="time (s)", xlim=span(times(shown)))
+        below.set(
+            yscale=scaling([*mean, *least]), ylabel=f"gap ({scale.unit})", xlabel="time (s)", xlim=span(times(shown))
+        )
         legend_outside(below)
     return drawn
+
+
+PARTS = {"squeeze": "squeezed films", "sliding": "sliding films", "remote": "long-range forces"}
+"""The parts of the stress, by the middle of the names of their numbers."""
 
 
 def viscosity(frames: Frames, scene: SoftScene) -> Figure:
     """Shear stress in its parts, and viscosity, over time."""
     require_box(scene, "stress")
-    shown = thinned(frames)
-    parts = [name for name in ("squeeze", "sliding", "remote") if f"stress_{name}_xy" in shown[0].numbers]
+    shown = evolution(frames)
+    parts = [name for name in PARTS if f"stress_{name}_xy" in shown[0].numbers]
     total, *shares, thick = series(
         shown, *map(number, ("shear_stress", *(f"stress_{name}_xy" for name in parts), "viscosity"))
     )
@@ -81,15 +91,17 @@ def viscosity(frames: Frames, scene: SoftScene) -> Figure:
     with style():
         drawn = figure(6.4, 4.8)
         above, below = drawn.subplots(2, 1, sharex=True)
-        above.plot(times(shown), scale.factor * total, color=INK, label="all")
+        above.plot(times(shown), scale.factor * total, color=INK, label="total")
         for name, share, color in zip(parts, shares, PALETTE, strict=False):
-            above.plot(times(shown), scale.factor * share, color=color, linewidth=1.2, label=f"films, {name}")
-        above.set(ylabel=f"shear stress ({scale.unit})", title=plain(scene.title))
+            above.plot(times(shown), scale.factor * share, color=color, linewidth=1.2, label=PARTS[name])
+        above.set(ylabel=f"shear stress ({scale.unit})", title=titled("Shear stress and viscosity", scene))
         legend_outside(above)
         # Rates pass through zero where shear turns round: what is beyond all others there is not the liquid's.
-        below.plot(times(shown), thick, color=PALETTE[1])
-        below.set(ylabel=f"viscosity ({shown[0].units['viscosity']})", xlabel="time (s)", xlim=span(times(shown)))
-        _within_most(below, thick)
+        finite = np.abs(thick[np.isfinite(thick)])
+        thickness = scale_for(float(np.median(finite)) if len(finite) else 0.0, shown[0].units["viscosity"])
+        below.plot(times(shown), thickness.factor * thick, color=PALETTE[1])
+        below.set(ylabel=f"viscosity ({thickness.unit})", xlabel="time (s)", xlim=span(times(shown)))
+        _within_most(below, thickness.factor * thick)
     return drawn
 
 
@@ -103,53 +115,73 @@ def _within_most(axes: Axes, values: Array) -> None:
 
 
 def swaps(frames: Frames, scene: SoftScene) -> Figure:
-    """T1 events: where they happened, in the last frame, and how many over time."""
+    """T1 events: their positions, and their cumulative number over time."""
+    evolution(frames)
     found = neighbor_swaps(frames)
     with style():
         drawn = figure(8.6, 4.2)
         where, when = drawn.subplots(1, 2, width_ratios=(1.0, 1.0))
         marks = _swap_map(where, frames[-1], found)
+        where.set_title(titled("Positions of T1 events", scene))
         if marks is not None:
             drawn.colorbar(marks, ax=where, label="time (s)", shrink=0.8)
-        count = np.arange(1, len(found.events) + 1)
-        order = np.argsort(found.times)
-        when.step(found.times[order], count, where="post", color=PALETTE[1])
-        when.set(xlabel="time (s)", ylabel="T1 events so far", title=plain(scene.title), xlim=span(times(frames)))
-        when.set_ylim(bottom=0)
+        instants, count = cumulative(found.times, times(frames))
+        steps(when, instants, count.tolist(), "T1 events", PALETTE[1])
+        when.set(
+            xlabel="time (s)", ylabel="T1 events", title="Cumulative number of T1 events", xlim=span(times(frames))
+        )
+        when.set_ylim(0.0, 1.08 * max(count[-1], 1))
         if found.unpaired:
             message = f"other changes of neighbors: {found.unpaired}"
             when.text(0.02, 0.97, message, transform=when.transAxes, va="top", color=MUTED, fontsize=8)
     return drawn
 
 
+def cumulative(events: Array, instants: Array) -> tuple[Array, Array]:
+    """The corners of a step line that counts events from (start, 0) to the end of a run.
+
+    >>> [values.tolist() for values in cumulative(np.array([3.0, 2.0]), np.array([0.0, 5.0]))]
+    [[0.0, 2.0, 3.0, 5.0], [0, 1, 2, 2]]
+    """
+    count = np.arange(len(events) + 1)
+    return np.concatenate([instants[:1], np.sort(events), instants[-1:]]), np.append(count, count[-1])
+
+
 def _swap_map(axes: Axes, frame: Frame, found: Swaps) -> Any:
-    """The spheres' outlines, and a dot for each event."""
-    _outlines(axes, frame)
-    axes.set_title("where (outlines: at the end)")
+    """The outlines of the spheres in the last frame, and a dot for each event."""
+    factor = _outlines(axes, frame).factor
     if not found.events:
+        axes.text(0.5, 0.5, "no T1 event", transform=axes.transAxes, ha="center", color=MUTED)
         return None
     look: dict[str, Any] = {"cmap": "viridis", "s": 26, "zorder": 3, "edgecolors": "white", "linewidths": 0.5}
-    return axes.scatter(found.places[:, 0], found.places[:, 1], c=found.times, **look)
+    return axes.scatter(factor * found.places[:, 0], factor * found.places[:, 1], c=found.times, **look)
 
 
-def _outlines(axes: Axes, frame: Frame) -> None:
-    """The spheres in the plane, unfilled, with copies across periodic borders."""
+def _outlines(axes: Axes, frame: Frame) -> Scale:
+    """The unfilled outlines of spheres in 2D, with copies across periodic borders; the scale of both axes."""
     position, radius, box = frame.arrays["position"][:, :2], frame.arrays["radius"], flat_box(frame)
     margin = float(radius.max())
     around = copies(position, box, margin)
-    diameter = 2.0 * radius[around.owner]
+    sides = np.zeros(2) if box is None else box.sides
+    # Half a line of the outermost circles lies outside of the spheres.
+    room = 1.04 * margin
+    low, high = np.where(sides > 0.0, [np.zeros(2), sides], [position.min(axis=0) - room, position.max(axis=0) + room])
+    scale = scale_for(float(np.abs([low, high]).max()), "m")
+    diameter = scale.factor * 2.0 * radius[around.owner]
     look: dict[str, Any] = {"facecolors": "none", "edgecolors": MUTED, "linewidths": 0.5, "units": "xy"}
+    places = scale.factor * around.position
     rings = EllipseCollection(
-        diameter, diameter, np.zeros_like(diameter), offsets=around.position, offset_transform=axes.transData, **look
+        diameter, diameter, np.zeros_like(diameter), offsets=places, offset_transform=axes.transData, **look
     )
     axes.add_collection(rings, autolim=False)
-    sides = np.zeros(2) if box is None else box.sides
-    low, high = np.where(
-        sides > 0.0, [np.zeros(2), sides], [position.min(axis=0) - margin, position.max(axis=0) + margin]
-    )
-    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal", xlabel="x (m)", ylabel="y (m)")
+    low, high = scale.factor * low, scale.factor * high
+    axes.set(
+        xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal", xlabel=f"x ({scale.unit})",
+        ylabel=f"y ({scale.unit})",
+    )  # fmt: skip
     axes.locator_params(nbins=5)
     axes.grid(visible=False)
+    return scale
 
 
 def nonaffine(frames: Frames, scene: SoftScene) -> Figure:
@@ -163,18 +195,18 @@ def nonaffine(frames: Frames, scene: SoftScene) -> Figure:
     with style():
         drawn = figure(6.2, 4.8)
         axes = drawn.add_subplot()
-        _outlines(axes, after)
-        dots = axes.scatter(place[:, 0], place[:, 1], c=rest, cmap="magma_r", s=30, zorder=2)
-        arrows = axes.quiver(*place[:, :2].T, *moved[:, :2].T, color=INK, width=0.004, zorder=3)
+        x, y = _outlines(axes, after).factor * place[:, :2].T
+        dots = axes.scatter(x, y, c=rest, cmap="magma_r", s=30, zorder=2)
+        arrows = axes.quiver(x, y, *moved[:, :2].T, color=INK, width=0.004, zorder=3)
         longest = float(np.linalg.norm(moved, axis=1).max())
         scale = scale_for(longest, "m")
         if longest > 0.0:
             message = f"{longest * scale.factor:.3g} {scale.unit}"
             axes.quiverkey(arrows, 0.85, 1.04, longest, message, labelpos="E", fontproperties={"size": 8})
         drawn.colorbar(dots, ax=axes, label="root of D²min (mean radii)", shrink=0.8)
-        message = f"from {before.time:.3g} s to {after.time:.3g} s"
+        message = f"from {before.time:.4g} s to {after.time:.4g} s"
         axes.text(0.0, 1.01, message, transform=axes.transAxes, fontsize=8, color=MUTED)
-        axes.set_title(plain(scene.title), pad=16)
+        axes.set_title(titled("Non-affine motion", scene), pad=16)
     return drawn
 
 
@@ -220,8 +252,8 @@ def flow_curve(frames: Frames, scene: SoftScene) -> Figure:
                 number_, [one.value for one in values], [one.error for one in values], spread, "o", color=PALETTE[1]
             )
             axes.set_ylabel(label)
-        above.set_title(plain(scene.title))
-        below.set(xlabel="viscous number J = η |rate| / P", xscale="log")
+        above.set_title(titled("Flow curve", scene))
+        below.set(xlabel="viscous number J = η |rate| / P", xscale=scaling(number_))
     return drawn
 
 
@@ -252,16 +284,20 @@ def storage_and_loss(frames: Frames, scene: SoftScene) -> Figure:
     with style():
         drawn = figure(8.4, 3.8)
         loops, spectrum = drawn.subplots(1, 2)
-        loops.plot(strain, stress, color=PALETTE[1], linewidth=0.9)
-        loops.set(xlabel="strain", ylabel=f"shear stress ({unit})", title=plain(scene.title))
+        scale = scale_for(float(np.abs(stress).max()), unit)
+        loops.plot(strain, scale.factor * stress, color=PALETTE[1], linewidth=0.9)
+        loops.set(xlabel="strain", ylabel=f"shear stress ({scale.unit})", title=titled("Stress over strain", scene))
         frequency = [one for one, _ in found]
+        levels = scale_for(max(abs(answer.storage.value) for _, answer in found), unit)
         for name, label, mark, color in (("storage", "G′", "o", PALETTE[0]), ("loss", "G″", "s", PALETTE[2])):
             values = [getattr(answer, name) for _, answer in found]
             spectrum.errorbar(
-                frequency, [one.value for one in values], [one.error for one in values],
+                frequency, [levels.factor * one.value for one in values], [levels.factor * one.error for one in values],
                 fmt=mark + "-", color=color, label=label, markersize=4,
             )  # fmt: skip
-        spectrum.set(xlabel="frequency (1/s)", ylabel=f"modulus ({unit})", xscale="log", yscale="log")
+        heights = [abs(getattr(one, name).value) for _, one in found for name in ("storage", "loss")]
+        spectrum.set(xlabel="frequency (1/s)", ylabel=f"modulus ({levels.unit})", title="Storage and loss moduli")
+        spectrum.set(xscale=scaling(frequency), yscale=scaling(heights))
         spectrum.legend()
     return drawn
 

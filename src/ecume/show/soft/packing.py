@@ -15,6 +15,7 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.colors import LogNorm, to_rgba
 from matplotlib.lines import Line2D
 from matplotlib.patches import Polygon
+from matplotlib.ticker import FuncFormatter
 from numpy.typing import NDArray
 
 from ecume.analysis.boxes import Box, box_of, copies, nearest
@@ -137,7 +138,7 @@ class Packing(Picture):
 
     def __init__(self, scene: Any, sample: Sequence[Frame], size: Size = USUAL) -> None:
         self.view = view_of(sample)
-        self.figure = blank(size)
+        self.figure = blank(size, self.view, SIDE)
         links = [links_of(frame) for frame in sample]
         self.largest = max((float(np.abs(one.tension).max(initial=0.0)) for one in links), default=0.0)
         self.norm = _gap_scale(links)
@@ -241,7 +242,9 @@ def _gap_bar(axes: Axes, films: LineCollection) -> None:
     bar = figure.colorbar(films, cax=place)
     place.tick_params(labelsize=9)
     place.grid(visible=False)
-    bar.set_label("gap (m)", fontsize=10)
+    scale = scale_for(float(np.max(films.norm.vmax or 1.0)), "m")
+    place.yaxis.set_major_formatter(FuncFormatter(lambda gap, _: f"{scale.factor * gap:g}"))
+    bar.set_label(f"gap ({scale.unit})", fontsize=10)
 
 
 def _force_legend(axes: Axes, largest: float) -> None:

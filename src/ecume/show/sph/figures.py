@@ -15,9 +15,10 @@ from ecume.analysis.profiles import Profile, velocity_profile
 from ecume.analysis.series import number, series, times
 from ecume.errors import BadInput
 from ecume.laws.column import column_height, column_pressure
-from ecume.show.curves import Frames, energies, kinetic_energy, over_time, thinned
+from ecume.scenes.sph import SIDES
+from ecume.show.curves import Frames, energies, evolution, kinetic_energy, over_time, titled
 from ecume.show.sph.picture import liquid_picture, rectangle
-from ecume.show.sph.rendering import render
+from ecume.show.spikes import cut_spikes, limits_without_spikes
 from ecume.show.style import INK, PALETTE, RIM, Scale, figure, legend_outside, plain, scale_for, style
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
@@ -40,7 +41,7 @@ def pressure(frames: Frames, scene: SphScene) -> Figure:
     lengths, pressures = scale_for(float(np.abs(height).max()), "m"), scale_for(float(exact.max()), "Pa")
     with style():
         drawn = figure()
-        axes = drawn.add_subplot(title=plain(f"{scene.title} at {last.time:g} s"))
+        axes = drawn.add_subplot(title=titled(f"Pressure at {last.time:.4g} s", scene))
         dots: dict[str, Any] = {"color": PALETTE[5], "markersize": 2.0, "markeredgewidth": 0.0, "label": "particles"}
         axes.plot(pressures.factor * last.arrays["pressure"], lengths.factor * height, "o", **dots)
         bottom = _bottom(scene)
@@ -75,24 +76,39 @@ def _column(frame: Frame, scene: SphScene, weight: float) -> tuple[Array, Array]
     return depth, np.array([column_pressure(down, *laws) for down in depth])
 
 
+FRONTS = (("right", "front", "front, largest x"), ("top", "top", "top, largest y"))
+
+
+def _flowing(scene: SphScene) -> list[str]:
+    """The sides through which liquid enters or leaves."""
+    return [side for side in SIDES[: 2 * len(scene.tank.low)] if getattr(scene.tank, side).kind in FLOWS]
+
+
+FLOWS = ("inflow", "outflow")
+
+
 def front(frames: Frames, scene: SphScene) -> Figure:
     """The largest x and y that a particle has."""
-    return _lengths_over_time(frames, scene, {"front": "front, largest x", "top": "top, largest y"}, "position")
+    closed = {side for side in ("right", "top") if getattr(scene.tank, side).kind not in ("wall", "open")}
+    names = {name: label for side, name, label in FRONTS if side not in closed}
+    if not names or "left" in _flowing(scene):
+        raise BadInput("the liquid flows through the tank; it has no front")
+    return _lengths_over_time(frames, scene, names, "position", "Front and top of the liquid")
 
 
 def center(frames: Frames, scene: SphScene) -> Figure:
     """The center of mass."""
     names = {f"center_{axis}": axis for axis in AXES[: len(scene.tank.low)]}
-    return _lengths_over_time(frames, scene, names, "center of mass")
+    return _lengths_over_time(frames, scene, names, "center of mass", "Center of mass")
 
 
-def _lengths_over_time(frames: Frames, scene: SphScene, names: Mapping[str, str], label: str) -> Figure:
-    shown = thinned(frames)
+def _lengths_over_time(frames: Frames, scene: SphScene, names: Mapping[str, str], label: str, title: str) -> Figure:
+    shown = evolution(frames)
     curves = series(shown, *map(number, names))
     scale = scale_for(float(np.abs(curves).max()), "m")
     with style():
         drawn = figure()
-        axes = over_time(drawn, scene)
+        axes = over_time(drawn, scene, title)
         for values, name, color in zip(curves, names.values(), PALETTE, strict=False):
             axes.plot(times(shown), scale.factor * values, color=color, label=name)
         axes.set_ylabel(f"{label} ({scale.unit})")
@@ -110,17 +126,23 @@ def velocity(frames: Frames, scene: SphScene) -> Figure:
     chosen = _instants(frames, 3)
     level = [_along(frame, scene, axis=0) for frame in chosen]
     upright = [_along(frame, scene, axis=1) for frame in chosen]
-    fast = [np.nanmax(np.abs(profile.values), initial=0.0) for profile in (*level, *upright)]
-    speeds, lengths = scale_for(float(max(fast)), "m/s"), scale_for(float(np.abs(scene.tank.high).max()), "m")
+    lengths = scale_for(float(np.abs(scene.tank.high).max()), "m")
+    fast_u = max(np.nanmax(np.abs(profile.values[:, 0]), initial=0.0) for profile in upright)
+    fast_v = max(np.nanmax(np.abs(profile.values[:, 1]), initial=0.0) for profile in level)
+    u_scale, v_scale = scale_for(float(fast_u), "m/s"), scale_for(float(fast_v), "m/s")
     with style():
         drawn = figure(7.6, 3.8)
         left, right = drawn.subplots(1, 2)
         for frame, up, flat, color in zip(chosen, upright, level, PALETTE, strict=False):
-            label = f"{frame.time:g} s"
-            left.plot(speeds.factor * up.values[:, 0], lengths.factor * up.points[:, 1], color=color, label=label)
-            right.plot(lengths.factor * flat.points[:, 0], speeds.factor * flat.values[:, 1], color=color, label=label)
-        left.set(xlabel=f"u ({speeds.unit})", ylabel=f"y ({lengths.unit})", title=plain(scene.title))
-        right.set(xlabel=f"x ({lengths.unit})", ylabel=f"v ({speeds.unit})")
+            label = f"{frame.time:.4g} s"
+            left.plot(u_scale.factor * up.values[:, 0], lengths.factor * up.points[:, 1], color=color, label=label)
+            right.plot(lengths.factor * flat.points[:, 0], v_scale.factor * flat.values[:, 1], color=color, label=label)
+        middle, level_at = 0.5 * (scene.tank.low[0] + scene.tank.high[0]), level[-1].points[0, 1]
+        left.set(xlabel=f"u ({u_scale.unit})", ylabel=f"y ({lengths.unit})")
+        left.set_title(f"u along the line x = {lengths.factor * middle:.3g} {lengths.unit}")
+        right.set(xlabel=f"x ({lengths.unit})", ylabel=f"v ({v_scale.unit})")
+        right.set_title(f"v along the line y = {lengths.factor * level_at:.3g} {lengths.unit}")
+        drawn.suptitle(titled("Velocity", scene), x=0.01, ha="left", fontsize=10)
         legend_outside(right)
     return drawn
 
@@ -139,15 +161,18 @@ def _along(frame: Frame, scene: SphScene, axis: int) -> Profile:
 def surface(frames: Frames, scene: SphScene) -> Figure:
     """The outline of the liquid at several instants."""
     if len(scene.tank.low) != 2:
-        raise BadInput("outlines are drawn of liquids in the plane; this one is in space")
+        raise BadInput("outlines are drawn of liquids in 2D; this one is in 3D")
     walls, chosen = walls_of(scene.tank), _instants(frames, INSTANTS)
+    outlines = [free_surface(frame, scene.spacing, walls) for frame in chosen]
+    if not any(outlines):
+        raise BadInput("the liquid fills the tank: it has no free surface")
     corners = rectangle(scene.tank.low, scene.tank.high)
     scale = scale_for(float(np.abs(corners).max()), "m")
     with style():
         drawn = figure()
-        axes = drawn.add_subplot(title=plain(scene.title), aspect="equal")
-        for frame, color in zip(chosen, PALETTE, strict=False):
-            _lines(axes, free_surface(frame, scene.spacing, walls), scale, color, f"{frame.time:g} s")
+        axes = drawn.add_subplot(title=titled("Free surface", scene), aspect="equal")
+        for frame, lines, color in zip(chosen, outlines, PALETTE, strict=False):
+            _lines(axes, lines, scale, color, f"{frame.time:.4g} s")
         closed = scale.factor * corners[[0, 1, 2, 3, 0]]
         if np.isfinite([*walls.low, *walls.high]).any():
             axes.plot(*closed.T, color=RIM, linewidth=0.8, linestyle=":")
@@ -164,7 +189,7 @@ def _lines(axes: Axes, lines: Sequence[Array], scale: Scale, color: str, label: 
 
 def gauges(frames: Frames, scene: SphScene) -> Figure:
     """The readings of the scene's gauges over time: pressures, levels and velocities, one panel each."""
-    shown = thinned(frames)
+    shown = evolution(frames)
     panels = {kind: [name for name in shown[0].numbers if name in _readings(scene, kind)] for kind in GAUGE_UNITS}
     panels = {kind: names for kind, names in panels.items() if names}
     if not panels:
@@ -175,13 +200,15 @@ def gauges(frames: Frames, scene: SphScene) -> Figure:
             drawn.subplots(len(panels), 1, squeeze=False)[:, 0], panels.items(), strict=True
         ):
             curves = series(shown, *map(number, names))
-            scale = scale_for(float(np.abs(curves).max()), GAUGE_UNITS[kind])
+            low, high = limits_without_spikes(curves)
+            scale = scale_for(max(abs(low), abs(high)), GAUGE_UNITS[kind])
             for values, name, color in zip(curves, names, itertools.cycle(PALETTE), strict=False):
                 axes.plot(times(shown), scale.factor * values, color=color, label=plain(name.replace("_" + kind, "")))
             axes.margins(x=0)
+            cut_spikes(axes, times(shown), scale.factor * np.array(curves), scale.unit)
             axes.set_ylabel(f"{kind} ({scale.unit})")
             legend_outside(axes)
-        drawn.axes[0].set_title(plain(scene.title))
+        drawn.axes[0].set_title(titled("Gauges", scene))
         drawn.axes[-1].set_xlabel("time (s)")
     return drawn
 
@@ -212,5 +239,4 @@ SPH_FIGURES: Mapping[str, Any] = {
     "velocity": velocity,
     "surface": surface,
     "gauges": gauges,
-    "render": render,
 }

@@ -7,24 +7,30 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.colors import to_rgba_array
 
+from ecume.engine.shapes import Flags
 from ecume.errors import BadInput
 from ecume.scenes.faults import suggestion
 from ecume.scenes.sph import SIDES
 from ecume.show.camera import Eye, Wires, wires_of
 from ecume.show.picture import USUAL, Size, Species
-from ecume.show.scenery import BODY, Round, Setting, Shape
+from ecume.show.scenery import BODY, Round, Setting, Shape, colored, stand_apart
+from ecume.show.sph.liquid import Water
 from ecume.show.sph.solids import ball_outline, mover_colors, movers_of
+from ecume.show.sph.water import WaterImage
 from ecume.show.style import INK, PALETTE, RIM
-from ecume.show.tank import Coloring, Tank
+from ecume.show.tank import Coloring, Tank, seen
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
 if TYPE_CHECKING:
     from ecume.scenes.sph import SphScene
 
-FULL = 0.62
-"""The radius with which particles are drawn, in spacings: neighbors on a lattice just overlap."""
+FULL = 0.5
+"""The radius with which particles are drawn, in spacings: neighbors on a lattice touch."""
 AIR = "white"
 BRIGHT = (PALETTE[0], PALETTE[3], INK)
 """Of what is carried."""
@@ -51,16 +57,110 @@ COLORINGS: Mapping[str, Coloring | None] = {
 
 
 def liquid_picture(
-    scene: SphScene, sample: Sequence[Frame], size: Size = USUAL, color: str | None = None, eye: Eye | None = None
+    scene: SphScene,
+    sample: Sequence[Frame],
+    size: Size = USUAL,
+    color: str | None = None,
+    eye: Eye | None = None,
+    particles: bool = False,
 ) -> Tank:
-    """The tank, its liquid colored by pressure where there is gravity, by speed elsewhere, or as `color` says."""
+    """The tank, its liquid colored by pressure where there is gravity, by speed elsewhere, or as `color` says.
+
+    In 2D the liquid is a continuous region, in 3D translucent water unless there is a `color`; with `particles` each
+    particle is a disc or a ball as large as the spacing.
+    """
     name = color or usual_color(scene)
     if name not in COLORINGS:
         raise BadInput(f"no color is called {name!r}; {suggestion(name, COLORINGS)}")
     if len(scene.tank.low) == 2 and eye is not None:
-        raise BadInput("this liquid is in the plane, and seen from before it; leave azimuth and elevation out")
-    setting = setting_of(scene) if len(scene.tank.low) == 2 else setting_in_space(scene, eye or Eye())
-    return Tank(setting, sample, size, COLORINGS[name])
+        raise BadInput("azimuth and elevation are for liquids in 3D; this one is in 2D")
+    if len(scene.tank.low) == 3:
+        setting = setting_in_space(scene, eye or Eye())
+        if particles:
+            return Tank(setting, sample, size, COLORINGS[name])
+        return WaterTank(scene, setting, sample, size, None if color is None else COLORINGS[name], color == "region")
+    if particles:
+        return Tank(setting_of(scene), sample, size, COLORINGS[name])
+    return LiquidTank(scene, sample, size, COLORINGS[name])
+
+
+class WaterTank(Tank):
+    """A tank in 3D with a continuous, translucent liquid, or one whose surface is colored by a quantity."""
+
+    def __init__(
+        self,
+        scene: SphScene,
+        setting: Setting,
+        sample: Sequence[Frame],
+        size: Size,
+        coloring: Coloring | None,
+        regions: bool,
+    ) -> None:
+        self.scene, self.by_region = scene, regions
+        super().__init__(setting, sample, size, coloring)
+
+    def _contents(self, axes: Axes, frame: Frame) -> list[Artist]:
+        camera = self.setting.camera
+        self.water = WaterImage(axes, self.scene, np.eye(3) if camera is None else camera, self.view)
+        self.particles = self._particles(axes, frame)
+        return [self.water.image, self.particles]
+
+    def _fill(self, frame: Frame) -> None:
+        liquid = colored(self.setting, frame)
+        if self.by_region:
+            own = np.array(to_rgba_array([kind.color for kind in self.setting.kinds]))
+            self.water.put(liquid, own[liquid.arrays["species"]], lambda means: means)
+        elif self.coloring is None or self.mapping is None:
+            self.water.put(liquid, np.zeros((len(liquid.arrays["position"]), 0)), None)
+        else:
+            shades: Any = self.mapping.to_rgba
+            values = np.asarray(self.coloring.values(liquid), float)[:, None]
+            self.water.put(liquid, values, lambda means: shades(means[..., 0]))
+        kept = carried_in(self.setting, frame)
+        position, camera = frame.arrays["position"][kept], self.setting.camera
+        depth = None if camera is None else position @ camera[2]
+        self.particles.put(seen(position, camera), depth, shades_of(self.setting, frame, kept))
+
+
+def shades_of(setting: Setting, frame: Frame, kept: Flags) -> Array:
+    """(M, 4) the colors of passive tracers."""
+    if not kept.any():
+        return np.zeros((0, 4))
+    own = np.array(to_rgba_array([kind.color for kind in setting.kinds]))
+    shades: Array = own[frame.arrays["species"][kept]]
+    return shades
+
+
+def carried_in(setting: Setting, frame: Frame) -> Flags:
+    """(N,) which particles are passive tracers."""
+    if not stand_apart(setting):
+        return np.zeros(len(frame.arrays["position"]), bool)
+    return np.asarray(frame.arrays["species"] >= setting.apart)
+
+
+class LiquidTank(Tank):
+    """A tank in 2D whose liquid is a continuous region, with the passive tracers in it as discs."""
+
+    def __init__(self, scene: SphScene, sample: Sequence[Frame], size: Size, coloring: Coloring | None) -> None:
+        self.scene = scene
+        super().__init__(setting_of(scene)._replace(before=True), sample, size, coloring)
+
+    def _contents(self, axes: Axes, frame: Frame) -> list[Artist]:
+        self.water = Water(axes, self.scene)
+        self.particles = self._particles(axes, frame)
+        return [*self.water.artists, self.particles]
+
+    def _fill(self, frame: Frame) -> None:
+        liquid = colored(self.setting, frame)
+        if self.coloring is None or self.mapping is None:
+            own = np.array(to_rgba_array([kind.color for kind in self.setting.kinds]))
+            self.water.put(liquid, own[liquid.arrays["species"]], lambda means: means)
+        else:
+            shades: Any = self.mapping.to_rgba
+            values = np.asarray(self.coloring.values(liquid), float)[:, None]
+            self.water.put(liquid, values, lambda means: shades(means[..., 0]))
+        kept = carried_in(self.setting, frame)
+        self.particles.put(seen(frame.arrays["position"][kept]), None, shades_of(self.setting, frame, kept))
 
 
 def usual_color(scene: SphScene) -> str:

@@ -19,7 +19,7 @@ import numpy as np
 
 from ecume.citing import in_words, papers_of
 from ecume.errors import BadInput
-from ecume.show.style import HEIGHT_COLORS
+from ecume.show.style import DARK_CANVAS, HEIGHT_COLORS, seen_part
 from ecume.show.view.chunks import Chunk, pack, quantities
 from ecume.show.view.scenery import STAGES
 from ecume.show.view.stage import Line, Stage
@@ -96,6 +96,8 @@ IN_TEXT = 4 / 3
 """Bytes of base64 a byte."""
 SAMPLES = 5
 """Frames that decide what is to be seen, and the range of the surface's colors."""
+MODELS = {"sph": "tank of liquid", "floating": "floating bodies", "soft": "soft spheres", "tracers": "tracers"}
+"""What a page without a title is called."""
 SLOW = ("speed", "density")
 """Colored from dark blue to yellow; what lies on both sides of zero is blue and red, all else goes over green."""
 FACTS = ("ecume", "model", "seed", "processor", "platform")
@@ -172,7 +174,7 @@ def run_header(trajectory: Trajectory, stage: Stage, *, live: bool = False) -> d
     """The data of the run as a whole."""
     scene = trajectory.scene
     return {
-        "title": scene.title or f"{scene.model} run",
+        "title": scene.title or f"Untitled run ({MODELS.get(scene.model, scene.model)})",
         "model": scene.model,
         **looks(trajectory[0], trajectory[-1], stage),
         "facts": _facts(trajectory),
@@ -186,6 +188,7 @@ def looks(first: Frame, last: Frame, stage: Stage) -> dict[str, Any]:
     """The visible quantities between two frames, and how they are drawn."""
     names = [name for name in _with_numbers(first, last) if name != "species"]
     colorings = [_coloring(name, first) for name in names]
+    maps = sorted({*(one["map"] for one in colorings), "height", "viridis"})
     return {
         "dimension": int(first.arrays["position"].shape[1]),
         "low": [float(value) for value in stage.low],
@@ -200,9 +203,11 @@ def looks(first: Frame, last: Frame, stage: Stage) -> dict[str, Any]:
         "outlines": [_outline(line) for line in stage.lines],
         "painted": [None if color is None else hexadecimal(color) for color in stage.mover_colors],
         "sheet": None if stage.surface is None else stage.surface._asdict(),
+        "liquid": None if stage.liquid is None else stage.liquid._asdict(),
         "linked": stage.links is not None,
         "widest": stage.widest,
-        "maps": {name: color_map(name) for name in sorted({*(one["map"] for one in colorings), "height", "viridis"})},
+        "maps": {name: color_map(name) for name in maps},
+        "dark": {name: color_map(name, dark=True) for name in maps if name != "height"},
     }
 
 
@@ -232,10 +237,11 @@ def hexadecimal(color: str) -> str:
     return str(mpl.colors.to_hex(color))
 
 
-def color_map(name: str) -> str:
-    """256 colors as base64."""
+def color_map(name: str, *, dark: bool = False) -> str:
+    """256 colors as base64; on a dark page without those of its ends that would not be seen."""
     colors = HEIGHT_COLORS if name == "height" else mpl.colormaps[name]
-    rgb = colors(np.linspace(0.0, 1.0, 256), bytes=True)[:, :3]
+    low, high = seen_part(colors, DARK_CANVAS) if dark else (0.0, 1.0)
+    rgb = colors(np.linspace(low, high, 256), bytes=True)[:, :3]
     return base64.b64encode(np.ascontiguousarray(rgb).tobytes()).decode()
 
 

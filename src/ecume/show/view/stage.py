@@ -62,6 +62,17 @@ class Surface(NamedTuple):
     ticks: list[tuple[float, str]]
 
 
+class Filled(NamedTuple):
+    """A tank in 2D whose liquid is drawn as a continuous region."""
+
+    spacing: float
+    """m"""
+    low: list[float]
+    """the corners of the tank (m); at open sides, of what is seen"""
+    high: list[float]
+    periodic: list[bool]
+
+
 class Stage(NamedTuple):
     """The scenery around the particles of a run."""
 
@@ -87,6 +98,7 @@ class Stage(NamedTuple):
     heights: Callable[[Frame], Array] | None = None
     """(rows, columns) of the surface, as parts of its scale from 0 to 1"""
     surface: Surface | None = None
+    liquid: Filled | None = None
     curves: Sequence[str] = ()
     """numbers whose curves are shown at first"""
     apart: int | None = None

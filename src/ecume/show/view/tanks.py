@@ -15,7 +15,7 @@ from ecume.show.scenery import Round
 from ecume.show.sph.picture import EDGES, FULL, rectangle, regions, usual_color
 from ecume.show.sph.solids import edges, rotation, shape_of, side_line, turned
 from ecume.show.tracers import outline_of
-from ecume.show.view.stage import ROUND, Line, Stage, circle
+from ecume.show.view.stage import ROUND, Filled, Line, Stage, circle
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
@@ -38,8 +38,21 @@ def sph_stage(scene: Any, sample: Sequence[Frame]) -> Stage:
     return Stage(
         low - margin, high + margin, regions(scene), usual_color(scene), FULL * scene.spacing, _joined(lines),
         movers if scene.bodies or (driven and flat) else None, _mover_colors(scene, low),
+        liquid=_filled(scene, low - margin, high + margin) if flat else None,
         curves=("kinetic_energy", "largest_pressure"), apart=len(scene.fluid) if scene.carried else None,
     )  # fmt: skip
+
+
+def _filled(scene: Any, low: Array, high: Array) -> Filled:
+    """The tank; beyond open sides what is seen, and where sides move the room that they leave at most."""
+    corners = np.array([scene.tank.low, scene.tank.high], dtype=float)
+    for number, side in enumerate(SIDES[:4]):
+        axis, end = number // 2, number % 2
+        spec = getattr(scene.tank, side)
+        if spec.kind == "open" or spec.motion is not None:
+            corners[end, axis] = (high if end else low)[axis]
+    periodic = [scene.tank.left.kind == "periodic", scene.tank.bottom.kind == "periodic"]
+    return Filled(scene.spacing, corners[0].tolist(), corners[1].tolist(), periodic)
 
 
 def _mover_colors(scene: Any, low: Array) -> list[str | None]:
