@@ -24,8 +24,24 @@ class Moment(NamedTuple):
     state: Any
     frame: Frame | None
     step: int
+    """The position on the model's clock: time steps, or fractions of a frame where time steps adapt."""
     steps: int
-    parameters: Any = None
+    """The position at the end."""
+    parameters: Any
+    taken: int
+    """Time steps since time 0."""
+    planned: int | None
+    """Time steps of the whole run; None while that is unknown."""
+
+    @property
+    def ended(self) -> bool:
+        """Whether this is the end of the scene."""
+        return self.step >= self.steps
+
+    @property
+    def done(self) -> float:
+        """The fraction of the simulated time that is behind us."""
+        return self.step / self.steps if self.steps else 1.0
 
 
 def simulate(scene: Scene, *, extra_laws: Sequence[Callable[..., float]] = ()) -> Iterator[Frame]:
@@ -70,7 +86,9 @@ def moments(
         state = integration.state
         step = int(state.step[0])
         due = step % per_frame == 0
-        yield Moment(state, integration.observe() if due else None, step, total, parameters)
+        taken = model.steps_taken(state)
+        planned = None if model.adaptive and step < total else taken if model.adaptive else total
+        yield Moment(state, integration.observe() if due else None, step, total, parameters, taken, planned)
         if step >= total:
             return
         integration.go(min(per_frame - step % per_frame, total - step))
