@@ -39,7 +39,7 @@ from ecume.models.sph.passive_particles import carried_of
 from ecume.models.sph.solids import part_of
 from ecume.models.sph.starting import velocity_in
 from ecume.models.sph.stepping import INTEGRATORS
-from ecume.models.sph.substances import filled
+from ecume.models.sph.substances import WATER, filled
 from ecume.models.sph.tension import TENSIONS
 from ecume.models.sph.time_step import steps_of
 from ecume.scenes.sph import SphScene
@@ -98,11 +98,12 @@ def capillary_speed(scene: SphScene, bounds: list[tuple[Array, Array]]) -> float
     if tension_of(scene) == "none":
         return 0.0
     narrowest = min(float((high - low).min()) for low, high in bounds)
-    density = 1000.0 if scene.liquid.density is None else scene.liquid.density
-    pressure = laplace_pressure(filled(scene.liquid).surface_tension or 0.0, 0.5 * narrowest, len(scene.tank.low))
+    liquid = filled(scene.liquid)
+    tension = liquid.surface_tension or 0.0
+    pressure = laplace_pressure(tension, 0.5 * narrowest, len(scene.tank.low))
     support = kernel_of(scene).support * smoothing_of(scene)
-    pressure += TENSIONS[tension_of(scene)].inner_pressure * (filled(scene.liquid).surface_tension or 0.0) / support
-    return math.sqrt(2.0 * pressure / density)
+    pressure += TENSIONS[tension_of(scene)].inner_pressure * tension / support
+    return math.sqrt(2.0 * pressure / (liquid.density or WATER))
 
 
 def parameters_of(scene: SphScene) -> Parameters:

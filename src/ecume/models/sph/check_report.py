@@ -11,9 +11,10 @@ from ecume.laws.kernels import KERNELS
 from ecume.models.check_report import LONG, Row, told_duration
 from ecume.models.sph import time_step
 from ecume.models.sph.color import NODES
-from ecume.models.sph.defaults import sides_of, smoothing_of, tension_of
+from ecume.models.sph.defaults import sides_of, smallest_extent, smoothing_of, tension_of
 from ecume.models.sph.parameters import Parameters
-from ecume.models.sph.solids import part_of, solids_of
+from ecume.models.sph.regimes import regime_rows
+from ecume.models.sph.solids import solids_of
 from ecume.models.sph.substances import told
 from ecume.models.sph.tension import TENSIONS
 from ecume.scenes.sph import SphScene
@@ -41,6 +42,7 @@ def advice(scene: SphScene, parameters: Parameters, count: int, bytes_each: floa
         *_resolution(scene, parameters, count),
         *_liquid(scene, parameters),
         *_tension(scene, parameters),
+        *regime_rows(scene, parameters),
         *_cost(scene, parameters, count, bytes_each),
     ]
 
@@ -129,8 +131,7 @@ def seconds_a_step(scene: SphScene, parameters: Parameters, count: int) -> float
 
 def particles_across(scene: SphScene) -> float:
     """The smallest extent of any region, in spacings."""
-    bounds = [part_of(region, scene.spacing).bounds() for region in scene.fluid]
-    return float(min((high - low).min() for low, high in bounds)) / scene.spacing
+    return smallest_extent(scene) / scene.spacing
 
 
 def resolution_remark(across: float) -> str:

@@ -42,7 +42,7 @@ def body_limit(scene: SphScene, spec: BodySpec, material: Material) -> float:
     shape, kernel, h = shape_of(spec), kernel_of(scene), smoothing_of(scene)
     areal_mass = mass_of(spec, shape) / shape.surface()
     pressed = body_sound_limit(areal_mass, material.density, material.sound_speed, kernel.overlap / h)
-    viscosity = material.viscosity * holds(spec, material)
+    viscosity = material.viscosity * holds(spec, scene)
     if friction_of(scene).radial:
         viscosity *= radial_excess(kernel.dim)
     return min(pressed, body_drag_limit(areal_mass, viscosity, float(kernel.over_plane(0.0)) / h))
