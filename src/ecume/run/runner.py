@@ -316,7 +316,7 @@ class _Session:
     def _judge(self, frame: Frame, step: int) -> None:
         """Check the invariants, and warn of those that are broken for the first time, or stop the run."""
         try:
-            for verdict in self._watch.take(frame.time, frame.numbers, step):
+            for verdict in self._watch.take(frame.time, frame.numbers, step, frame.units):
                 note(self._home, "broken", what=sentence(verdict))
         except Diverged:
             self._watch.keep()

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from ecume.analysis.clusters import touching_clusters
+from ecume.analysis.profiles import ENERGIES
 from ecume.analysis.series import number, series, times
 from ecume.models.invariants import INJECTED
 from ecume.show.style import INK, PALETTE, figure, legend_outside, plain, scale_for, style
@@ -32,13 +33,13 @@ Frames = Sequence[Frame]
 def energies(frames: Frames, scene: Scene) -> Figure:
     """Kinetic and potential energies, their sum, the work that came from outside, and what the run has lost."""
     shown = thinned(frames)
-    names = [name for name, unit in shown[0].units.items() if unit == "J" and name != "total_energy"]
+    names = [name for name, unit in shown[0].units.items() if unit in ENERGIES and name != "total_energy"]
     *parts, total = series(shown, *map(number, [*names, "total_energy"]))
     labels = [name.removesuffix("_energy").replace(INJECTED, "injected") for name in names]
     work = dict(zip(names, parts, strict=True)).get(INJECTED, np.zeros(len(total)))
     lost = total[0] - total + work - work[0]
     curves = [*zip(labels, parts, strict=True), ("total", total), ("dissipated", lost)]
-    scale = scale_for(max(float(np.abs(values).max()) for _, values in curves), "J")
+    scale = scale_for(max(float(np.abs(values).max()) for _, values in curves), energy_unit(shown[0]))
     with style():
         drawn = figure()
         axes = over_time(drawn, scene)
@@ -52,11 +53,16 @@ def energies(frames: Frames, scene: Scene) -> Figure:
     return drawn
 
 
+def energy_unit(frame: Frame) -> str:
+    """J; of a 2D tank J/m."""
+    return frame.units.get("total_energy", "J")
+
+
 def kinetic_energy(frames: Frames, scene: Scene) -> Figure:
     """The kinetic energy on a logarithmic scale: how a bowl comes to rest."""
     shown = thinned(frames)
     (kinetic,) = series(shown, number("kinetic_energy"))
-    scale = scale_for(float(kinetic.max()), "J")
+    scale = scale_for(float(kinetic.max()), energy_unit(shown[0]))
     with style():
         drawn = figure()
         axes = over_time(drawn, scene)
