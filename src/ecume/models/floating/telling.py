@@ -18,6 +18,7 @@ from ecume.models.floating.room import checked_parameters, memory_estimate
 from ecume.models.floating.starting import start
 from ecume.models.floating.summing import Split
 from ecume.models.floating.time_steps import good_step
+from ecume.models.last_frame import last_step
 from ecume.models.liquids import liquid_of
 from ecume.scenes.floating import FloatingScene
 
@@ -87,8 +88,8 @@ def _summary_of_chance(parameters: Parameters) -> list[Row]:
 
 
 def _summary_of_steps(parameters: Parameters, scene: FloatingScene) -> list[Row]:
-    frames, good = round(scene.duration / scene.frame_every), good_step(parameters, scene)
-    steps = frames * parameters.steps_per_frame
+    frames, good = scene.frames, good_step(parameters, scene)
+    steps = last_step(scene, parameters.steps_per_frame)
     summing = PER_PAIR * sum(row.pairs_worth(part) for part, row in interactions_of(parameters))
     drifting, gathering = ((cost + summing) * steps for cost in seconds_per_step(len(parameters.floats.radius)))
     return [

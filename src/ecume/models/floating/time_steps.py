@@ -14,6 +14,7 @@ from ecume.models.floating.drifting import drift_of
 from ecume.models.floating.pace import LARGEST_OVER_CHOSEN, LOOSEST_OVER_CHOSEN, chosen_step
 from ecume.models.floating.parameters import Drift, Floats, Kick, Parameters, Scheme
 from ecume.models.floating.walls.shapes import walls_of
+from ecume.models.last_frame import ending_on_a_step
 from ecume.scenes.floating import FloatingScene
 
 FARTHEST_CHANCE = 6.5
@@ -66,6 +67,8 @@ def step_of(parameters: Parameters, scene: FloatingScene) -> Step:
         raise _fault(
             "motion.time_step", f"{asked:g} s does not divide frame_every = {frame:g} s; {frame / steps:.9g} s would do"
         )
+    if asked is None:
+        steps = ending_on_a_step(scene, steps)
     time_step = frame / steps
     kick = kick_of(
         parameters.scheme, time_step, parameters.floats, len(parameters.kick.mobility) - len(parameters.floats.mass)

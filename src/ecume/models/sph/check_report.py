@@ -9,6 +9,7 @@ import numpy as np
 
 from ecume.laws.kernels import KERNELS
 from ecume.models.check_report import LONG, Row, told_duration
+from ecume.models.last_frame import last_step
 from ecume.models.sph import time_step
 from ecume.models.sph.color import NODES
 from ecume.models.sph.defaults import sides_of, smallest_extent, smoothing_of, tension_of
@@ -104,8 +105,8 @@ def _tension(scene: SphScene, parameters: Parameters) -> list[Row]:
 
 
 def _cost(scene: SphScene, parameters: Parameters, count: int, bytes_each: float) -> list[Row]:
-    frames = round(scene.duration / scene.frame_every)
-    steps = frames * parameters.steps_per_frame
+    frames = scene.frames
+    steps = last_step(scene, parameters.steps_per_frame)
     seconds = steps * seconds_a_step(scene, parameters, count)
     saves = 2 ** (parameters.dimension + 1)
     long = f"; a spacing twice as wide takes 1/{saves}" if seconds > LONG else ""

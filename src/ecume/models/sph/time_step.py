@@ -13,6 +13,7 @@ from ecume.laws.time_step_limits import (
     tension_limit,
     viscous_limit,
 )
+from ecume.models.last_frame import ending_on_a_step
 from ecume.models.sph.bodies import mass_of
 from ecume.models.sph.boundaries import holds
 from ecume.models.sph.defaults import friction_of, kernel_of, smoothing_of, tension_of
@@ -57,7 +58,7 @@ def steps_of(scene: SphScene, material: Material) -> tuple[float, int]:
     if wanted > min(LENIENT * longest, limits[BODIES]):
         message = f"came {wanted:g} s; {limiter(limits)} asks for {longest:.3g} s or less"
         raise SceneError([Fault("method.time_step", message)])
-    per_frame = max(1, math.ceil(scene.frame_every / wanted * (1.0 - 1e-9)))
+    per_frame = ending_on_a_step(scene, max(1, math.ceil(scene.frame_every / wanted * (1.0 - 1e-9))))
     return scene.frame_every / per_frame, per_frame
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from ecume.laws import brownian, drag
 from ecume.models.diagnosis import first_broken, when
 from ecume.models.invariants import INJECTED, Invariant, Numbers, Seen, energy_never_rises
+from ecume.models.last_frame import last_step
 from ecume.models.limits import require_memory, within_steps
 from ecume.models.liquids import correlations_of
 from ecume.models.model import Model, Source
@@ -103,8 +104,8 @@ def summary(scene: TracersScene) -> list[tuple[str, str, str]]:
     """Derived numbers: name, value with unit, remark. Raises SceneError for whatever would keep a run from starting."""
     parameters = checked_parameters(scene)
     start(scene, parameters)
-    fluid, frames = parameters.fluid, round(scene.duration / scene.frame_every)
-    steps, count = frames * parameters.steps_per_frame, len(parameters.bodies.radius)
+    fluid, frames = parameters.fluid, scene.frames
+    steps, count = last_step(scene, parameters.steps_per_frame), len(parameters.bodies.radius)
     return [
         ("liquid", f"{fluid.density:.4g} kg/m^3, {1e3 * fluid.viscosity:.4g} mPa s", scene.liquid.name),
         *(row for index in range(len(scene.particles)) for row in summary_of(scene, parameters, index)),

@@ -179,7 +179,7 @@ def steps_of(scene: SoftScene, parameters: Parameters) -> float:
     finer = (1e-3 / parameters.tolerance) ** scheme.refinement
     straining = scheme.straining * min(len(parameters.radius) / SATURATED, 1.0) ** (1.0 / 3.0)
     steps = finer * (scheme.relaxing * turns + straining * strain_of(parameters, end))
-    return float(max(steps, scene.duration / scene.frame_every))
+    return float(max(steps, scene.frames))
 
 
 def strain_of(parameters: Parameters, end: float) -> float:
