@@ -18,6 +18,7 @@ from ecume.models.floating.room import checked_parameters, memory_estimate
 from ecume.models.floating.starting import start
 from ecume.models.floating.summing import Split
 from ecume.models.floating.time_steps import good_step
+from ecume.models.frame_cost import Content, frame_cost
 from ecume.models.last_frame import last_step
 from ecume.models.liquids import liquid_of
 from ecume.scenes.floating import FloatingScene
@@ -34,6 +35,9 @@ PER_MEETING, MOST_MET = 7e-8, 300
 """Seconds more for each pair of floats while they gather to rafts, whose contacts are solved together; up to rafts of
 so many. Measured with 60, 150, 300 and 1,000 floats that cover a third of their dish; rafts at rest cost less again.
 """
+
+WIDTHS, NUMBERS = (2, 2, 1, 1, 1, 1, 1, 1), 16
+"""Components of the arrays in a frame, and how many numbers it has."""
 
 Row = tuple[str, str, str]
 
@@ -88,17 +92,21 @@ def _summary_of_chance(parameters: Parameters) -> list[Row]:
 
 
 def _summary_of_steps(parameters: Parameters, scene: FloatingScene) -> list[Row]:
-    frames, good = scene.frames, good_step(parameters, scene)
+    good, cost = (
+        good_step(parameters, scene),
+        frame_cost(scene, Content(len(parameters.floats.radius), WIDTHS, NUMBERS)),
+    )
     steps = last_step(scene, parameters.steps_per_frame)
     summing = PER_PAIR * sum(row.pairs_worth(part) for part, row in interactions_of(parameters))
     drifting, gathering = ((cost + summing) * steps for cost in seconds_per_step(len(parameters.floats.radius)))
     return [
         ("time step", f"{parameters.time_step * 1e3:.4g} ms", _step_remark(parameters.time_step, good)),
-        ("steps", str(steps), f"{frames} frames of {parameters.steps_per_frame} steps"),
+        ("steps", str(steps), f"{parameters.steps_per_frame} per frame"),
+        *cost.rows(),
         (
             "time to run it",
-            _span((_duration(drifting), _duration(gathering))),
-            "roughly: from all adrift to rafts that gather all the time; compilation is not counted",
+            _span((_duration(drifting + cost.seconds), _duration(gathering + cost.seconds))),
+            f"roughly, from all adrift to rafts that gather all the time, after compilation{cost.remark(gathering)}",
         ),
     ]
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from ecume.laws.kernels import KERNELS
 from ecume.models.check_report import LONG, Row, told_duration
+from ecume.models.frame_cost import Content, frame_cost
 from ecume.models.last_frame import last_step
 from ecume.models.sph import time_step
 from ecume.models.sph.color import NODES
@@ -26,6 +27,8 @@ NODES_PER_SECOND = 1e8
 """Of the color and its forces."""
 OVERHEAD = 3e-4
 """Seconds of a step that do not depend on how many particles there are."""
+NUMBERS = 38
+"""Numbers in a frame of a tank, about."""
 FEW_NEIGHBORS, MANY_NEIGHBORS = {2: 12, 3: 30}, {2: 80, 3: 250}
 PAIRING = {2: 25, 3: 65}
 """Neighbors above which particles of a kernel whose Fourier transform turns negative come to lie in pairs
@@ -105,9 +108,10 @@ def _tension(scene: SphScene, parameters: Parameters) -> list[Row]:
 
 
 def _cost(scene: SphScene, parameters: Parameters, count: int, bytes_each: float) -> list[Row]:
-    frames = scene.frames
     steps = last_step(scene, parameters.steps_per_frame)
-    seconds = steps * seconds_a_step(scene, parameters, count)
+    stepping = steps * seconds_a_step(scene, parameters, count)
+    cost = frame_cost(scene, Content(count, (parameters.dimension, parameters.dimension, 1, 1, 1, 1), NUMBERS))
+    seconds = stepping + cost.seconds
     saves = 2 ** (parameters.dimension + 1)
     long = f"; a spacing twice as wide takes 1/{saves}" if seconds > LONG else ""
     return [
@@ -116,9 +120,10 @@ def _cost(scene: SphScene, parameters: Parameters, count: int, bytes_each: float
             f"{parameters.time_step:.3g} s",
             f"{limiter(scene, parameters)}; divided where the flow asks for it",
         ),
-        ("steps", str(steps), f"{frames} frames of {parameters.steps_per_frame} steps"),
+        ("steps", str(steps), f"{parameters.steps_per_frame} per frame"),
+        *cost.rows(),
         ("memory", f"{1e-6 * count * bytes_each:.3g} MB", f"{bytes_each:.0f} bytes a particle"),
-        ("time on this machine", told_duration(seconds), "roughly, after compilation" + long),
+        ("time on this machine", told_duration(seconds), f"roughly, after compilation{long}{cost.remark(stepping)}"),
     ]
 
 
