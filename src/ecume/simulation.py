@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ecume.errors import BadInput, Diverged
 from ecume.models import MODELS
+from ecume.models.last_frame import last_step
 from ecume.models.model import CROWDED, DIVERGED, EXCHANGE, Model
 from ecume.trajectories.frame import Frame
 
 if TYPE_CHECKING:
+    from ecume.scenes.common import Common
     from ecume.scenes.schema import Scene
 
 ROOMIER = 1.6
@@ -24,8 +27,24 @@ class Moment(NamedTuple):
     state: Any
     frame: Frame | None
     step: int
+    """The position on the model's clock: time steps, or fractions of a frame where time steps adapt."""
     steps: int
-    parameters: Any = None
+    """The position at the end."""
+    parameters: Any
+    taken: int
+    """Time steps since time 0."""
+    planned: int | None
+    """Time steps of the whole run; None while that is unknown."""
+
+    @property
+    def ended(self) -> bool:
+        """Whether this is the end of the scene."""
+        return self.step >= self.steps
+
+    @property
+    def done(self) -> float:
+        """The fraction of the simulated time that is behind us."""
+        return self.step / self.steps if self.steps else 1.0
 
 
 def simulate(scene: Scene, *, extra_laws: Sequence[Callable[..., float]] = ()) -> Iterator[Frame]:
@@ -65,15 +84,25 @@ def moments(
         model = model.extended(extra_laws)
     integration = Integration(model, parameters, state, patience)
     per_frame = parameters.steps_per_frame
-    total = round(scene.duration / (per_frame * parameters.time_step)) * per_frame
+    # Adaptive steps before the end need a place of their own on the clock.
+    total = last_step(scene, per_frame, least=2 if model.adaptive else 1)
     while True:
         state = integration.state
         step = int(state.step[0])
-        due = step % per_frame == 0
-        yield Moment(state, integration.observe() if due else None, step, total, parameters)
+        due = step % per_frame == 0 or step >= total
+        taken = model.steps_taken(state)
+        planned = None if model.adaptive and step < total else taken if model.adaptive else total
+        frame = _on_time(scene, integration.observe(), step / per_frame) if due else None
+        yield Moment(state, frame, step, total, parameters, taken, planned)
         if step >= total:
             return
         integration.go(min(per_frame - step % per_frame, total - step))
+
+
+def _on_time(scene: Common, frame: Frame, number: float) -> Frame:
+    """The frame with the decimal time at which it is due, where its own differs from it by rounding only."""
+    due = scene.frame_time(math.ceil(number)) if number <= scene.frames else frame.time
+    return frame._replace(time=due) if math.isclose(frame.time, due, rel_tol=1e-9) else frame
 
 
 class Integration:

@@ -24,7 +24,11 @@ cli = CliRunner()
         (RunExists("runs/x: holds a run already"), 2, "ecume: runs/x: holds a run already\n"),
         (Diverged("float 3 left at 1.2 s"), 3, "ecume: float 3 left at 1.2 s\n"),
         (StorageError("disk full"), 4, "ecume: disk full\n"),
-        (Stopped("stopped; go on: ecume resume runs/x"), 75, "ecume: stopped; go on: ecume resume runs/x\n"),
+        (
+            Stopped("stopped; to continue: ecume resume runs/x"),
+            75,
+            "ecume: stopped; to continue: ecume resume runs/x\n",
+        ),
         (EcumeError("odd"), 1, "ecume: odd\n"),
         (
             OSError(errno.ENOSPC, "No space left on device", "traj/0000.gsd"),

@@ -14,11 +14,13 @@ import pytest
 from typer.testing import CliRunner
 
 import ecume.run
-from ecume.cli import app
-from ecume.cli.progress import Lines, ahead, lasting, line, place, shown
-from ecume.cli.runs import use_at_most
+from ecume._compiler_events import watch
+from ecume.cli import app, clock
+from ecume.cli.progress import Lines, ahead, lasting, line, place, shown, waiting
+from ecume.cli.runs import summary, use_at_most
 from ecume.run import Progress, RunOptions, RunResult
 from ecume.scenes.templates import copy_template
+from ecume.simulation import Moment
 
 cli = CliRunner()
 HALF = Progress(step=50, steps=100, time=1.0, duration=2.0, frames=3, speed=4.0, steps_per_second=200.0, remaining=0.25)
@@ -127,7 +129,7 @@ def test_wall_times_are_told_for_people() -> None:
         "2 h",
         "4.63 days",
     ]
-    assert (ahead(None), ahead(240.0)) == ("compiling", "4 min left")
+    assert (ahead(None), ahead(240.0)) == ("", "4 min left")
     assert place(HALF._replace(speed=0.0)) == "1 s of 2 s"
 
 
@@ -164,7 +166,7 @@ def test_a_bead_run_is_told_exported_and_not_replaced() -> None:
     assert again.exit_code == 2
     assert "beads: holds a run already" in again.stderr
     assert cli.invoke(app, [*words, "--force"]).exit_code == 0
-    assert cli.invoke(app, ["resume", "beads"]).stdout.endswith("it was done before\n")
+    assert cli.invoke(app, ["resume", "beads"]).stdout.endswith("it was complete already\n")
     assert cli.invoke(app, ["repair", "beads"]).stdout == "4 frames are good\n"
     wrote = cli.invoke(app, ["export", "beads", "--to", "csv"])
     assert wrote.exit_code == 0
@@ -186,10 +188,46 @@ def test_compilation_does_not_count_for_the_time_that_is_left(monkeypatch: pytes
     clock = iter([0.0, 60.0, 60.5, 61.0])
     monkeypatch.setattr("ecume.run.progress.time.monotonic", lambda: next(clock))
     pace = Pace(duration=10.0)
-    told = [pace.progress(step, 1001, 1) for step in (0, 1, 2, 101)]
+    told = [pace.progress(moment_at(step, 1001), 1) for step in (0, 1, 2, 101)]
     # A first half second of small steps would say a quarter of an hour.
     assert [progress.remaining for progress in told] == [None, None, None, 9.0]
-    assert line(told[2]).endswith(", compiling")
+    assert [progress.begun for progress in told] == [False, False, True, True]
+    assert line(told[2]) == "0.01998 s of 10 s, 0.02 x real time"
+    assert pace.integrating == 1.0
+
+
+def moment_at(step: int, steps: int) -> Moment:
+    """A pause of a model of equal time steps."""
+    return Moment(state=None, frame=None, step=step, steps=steps, parameters=None, taken=step, planned=steps)
+
+
+def test_before_the_first_step_a_bar_says_what_is_done(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert waiting() == "setting up"
+    monkeypatch.setattr(watch, "depth", 1)
+    assert waiting() == "compiling"
+
+
+def test_the_last_line_names_setup_where_it_takes_much_of_the_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("ecume.cli.runs.elapsed", lambda: 4.5)
+    monkeypatch.setattr(watch, "count", 0)
+    done = RunResult(Path("here"), 11, 600, 6.0, 4.0, 0.9)
+    assert summary(done) == "here: 11 frames, 6 s in 600 steps, 4.5 s (3.6 s for setup)"
+    assert summary(done._replace(integrating=4.0)) == "here: 11 frames, 6 s in 600 steps, 4.5 s"
+    monkeypatch.setattr(watch, "count", 3)
+    assert summary(done).endswith("4.5 s (3.6 s for setup and compilation)")
+
+
+def test_a_command_is_timed_from_its_start(monkeypatch: pytest.MonkeyPatch) -> None:
+    now = iter([100.0, 103.5])
+    monkeypatch.setattr("ecume.cli.clock.time.monotonic", lambda: next(now))
+    monkeypatch.setattr("ecume.cli.clock._began", [50.0])
+    clock.start()
+    assert clock.elapsed() == 3.5
+
+
+def test_a_total_that_is_unknown_is_not_reported(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert HALF.place == "at step 50 of 100"
+    assert HALF._replace(steps=None).place == "at t = 1 s (step 50)"
 
 
 @pytest.mark.compiled
@@ -204,7 +242,7 @@ def test_ctrl_c_stops_with_a_checkpoint_and_says_how_to_go_on(tmp_path: Path) ->
     _, told = process.communicate(timeout=200)
     assert process.returncode == 75
     assert told.startswith("ecume: stopped by SIGINT at step")
-    assert told.endswith("go on: ecume resume long\n")
+    assert told.endswith("to continue: ecume resume long\n")
     assert list(tmp_path.glob("long/ckpt/*.npz"))
 
 

@@ -87,7 +87,9 @@ def test_a_signal_leaves_a_checkpoint_and_says_how_to_go_on(
         if progress.step == 130:
             os.kill(os.getpid(), number)
 
-    with pytest.raises(Stopped, match=rf"stopped by {name} at step 1[34]0 of 300; go on: ecume resume {tmp_path}/run"):
+    with pytest.raises(
+        Stopped, match=rf"stopped by {name} at step 1[34]0 of 300; to continue: ecume resume {tmp_path}/run"
+    ):
         run(scene(duration=0.3), tmp_path / "run", options=RunOptions(progress=ask))
     assert signal.getsignal(number) is before
     seen = info(tmp_path / "run")

@@ -38,13 +38,17 @@ def velocity_profile(frame: Frame, ends: tuple[Sequence[float], Sequence[float]]
     return profile_along(frame, "velocity", ends, count, reach)
 
 
+ENERGIES = ("J", "J/m")
+"""Units of energies: of a 2D tank they are per meter of depth."""
+
+
 def energy_budget(frames: Iterable[Frame]) -> Mapping[str, Array]:
     """Each kind of energy over time (J; J/m in the plane), and what was lost since the first frame.
 
-    Keys: `time` (s), every number of the frames in joule, `lost`, and `dissipated`: that, and what work was injected.
+    Keys: `time` (s), every energy of the frames, `lost`, and `dissipated`: that, and what work was injected.
     """
     kept = list(frames)
-    names = [name for name, unit in kept[0].units.items() if unit == "J"]
+    names = [name for name, unit in kept[0].units.items() if unit in ENERGIES]
     curves = dict(zip(names, series(kept, *map(number, names)), strict=True))
     lost, work = curves["total_energy"][0] - curves["total_energy"], curves.get(INJECTED, np.zeros(len(kept)))
     return {"time": times(kept), **curves, "lost": lost, "dissipated": lost + work - work[0]}

@@ -13,7 +13,7 @@ from typing import Annotated
 
 import typer
 
-from ecume.cli import benchmarks, browser, fits, pictures, run_lists, runs, scenes, sweeps, validation
+from ecume.cli import benchmarks, browser, clock, fits, pictures, run_lists, runs, scenes, sweeps, validation
 from ecume.cli.exit_codes import Ending, warned
 
 app = typer.Typer(
@@ -68,6 +68,7 @@ def _options(
     ] = False,
 ) -> None:
     """Particles on, in and between liquids: from a scene file to a movie."""
+    clock.start()
 
 
 def main() -> None:

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from ecume._compiler_events import watch
+
 if TYPE_CHECKING:
     from ecume.run.progress import Progress
 
@@ -34,14 +36,24 @@ def shown(*, quiet: bool) -> Iterator[Reporter | None]:
 @contextmanager
 def _bar() -> Iterator[Reporter]:
     from rich.console import Console
-    from rich.progress import BarColumn, TextColumn
+    from rich.progress import BarColumn, ProgressColumn, Task
     from rich.progress import Progress as Bars
+    from rich.text import Text
+
+    class Doing(ProgressColumn):
+        """The task's description; what is done before the first step, as long as that lasts."""
+
+        def render(self, task: Task) -> Text:
+            return Text(task.description or waiting())
 
     # The time that is left is the run's own: Rich would count the wait for the compiler as slow integration.
-    with Bars(BarColumn(), TextColumn("{task.description}"), console=Console(stderr=True), transient=True) as bars:
-        bar = bars.add_task("compiling", total=None)
+    with Bars(BarColumn(), Doing(), console=Console(stderr=True), transient=True) as bars:
+        bar = bars.add_task("", total=None)
         yield lambda progress: bars.update(
-            bar, total=progress.steps, completed=progress.step, description=line(progress)
+            bar,
+            total=progress.duration,
+            completed=progress.time,
+            description=line(progress) if progress.begun else "",
         )
 
 
@@ -116,8 +128,13 @@ class Lines:
 
 
 def line(progress: Progress) -> str:
-    """The whole progress line: `12.35 s of 20 s, 3.1 x real time, 2.5 s left`."""
-    return f"{place(progress)}, {ahead(progress.remaining)}"
+    """The whole progress line: `12.35 s of 20 s, 3.1 x real time, 2.5 s left`, without what is not known yet."""
+    return ", ".join(part for part in (place(progress), ahead(progress.remaining)) if part)
+
+
+def waiting() -> str:
+    """What a run does before its first step."""
+    return "compiling" if watch.compiling else "setting up"
 
 
 def place(progress: Progress) -> str:
@@ -127,8 +144,8 @@ def place(progress: Progress) -> str:
 
 
 def ahead(remaining: float | None) -> str:
-    """The time left, `4 min left`; `compiling` while it is not known yet."""
-    return "compiling" if remaining is None else f"{lasting(remaining)} left"
+    """The time left, `4 min left`; nothing while it is unknown."""
+    return "" if remaining is None else f"{lasting(remaining)} left"
 
 
 def lasting(seconds: float) -> str:

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from ecume._compiler_events import watch
+from ecume.cli.clock import elapsed
 from ecume.cli.exit_codes import say
 from ecume.cli.mpi_launcher import Engine, Ranks, integrating
 from ecume.cli.output import Json, print_json
@@ -216,7 +218,19 @@ def use_at_most(threads: int | None) -> None:
 def summary(done: RunResult) -> str:
     """A line about a completed run."""
     reached = f"{done.directory}: {done.frames} frames, {done.time:.6g} s in {done.steps} steps"
-    return f"{reached}, {lasting(done.seconds)}" if done.seconds else f"{reached}; it was done before"
+    return f"{reached}, {_spent(done)}" if done.seconds else f"{reached}; it was complete already"
+
+
+LARGE = 0.2
+"""Of the wall time: setup and compilation that take more of it are named."""
+
+
+def _spent(done: RunResult) -> str:
+    """The wall time of the command: `4.5 s (3.6 s for setup and compilation)`."""
+    total = max(elapsed(), done.seconds)
+    apart = 0.0 if done.integrating is None else total - done.integrating
+    what = "setup and compilation" if watch.count else "setup"
+    return f"{lasting(total)} ({lasting(apart)} for {what})" if apart > LARGE * total else lasting(total)
 
 
 def described(run: Info) -> list[tuple[str, str]]:
@@ -227,7 +241,7 @@ def described(run: Info) -> list[tuple[str, str]]:
         ("own laws", ", ".join(law["name"] for law in run.manifest.get("extra_laws", []))),
         ("state", f"{run.state}, {ahead(run.remaining)}" if run.remaining is not None else run.state),
         ("simulated", f"{run.time:.6g} s of {run.duration:.6g} s"),
-        ("steps", f"{run.step} of {run.steps}"),
+        ("steps", str(run.step) if run.steps is None else f"{run.step} of {run.steps}"),
         ("frames", str(run.frames)),
         ("checkpoint", "none" if run.checkpoint is None else f"at step {run.checkpoint}"),
         ("worked on", _worked(run.manifest.get("sessions", []))),

@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from ecume.cli.output import Json, print_json, print_table
+
+if TYPE_CHECKING:
+    from ecume.scenes.schema import Scene
 
 CHECK_COLUMNS = ("quantity", "value", "remark")
 
@@ -77,10 +80,10 @@ def check(scene: SceneFile, overrides: Overrides = None, laws: Laws = None, json
 
     Examples: `ecume check bowl.toml` · `ecume check bowl.toml --set "dish.radius=4 cm" --set floats[0].count=60`
     """
-    from ecume.scenes.load import load_scene
+    from ecume.scenes.salvage import load_and_examine
 
     changes = overrides or []
-    asked = load_scene(scene, changes)
+    asked = load_and_examine(scene, changes, examine)
     from ecume.models import MODELS
     from ecume.run.user_laws import laws_from, named
 
@@ -94,6 +97,13 @@ def check(scene: SceneFile, overrides: Overrides = None, laws: Laws = None, json
         print_json([dict(zip(CHECK_COLUMNS, row, strict=True)) for row in rows])
         return
     print_table(CHECK_COLUMNS, rows)
+
+
+def examine(scene: Scene) -> None:
+    """Raise SceneError for what the model finds wrong."""
+    from ecume.models import MODELS
+
+    MODELS[scene.model].summary(scene)
 
 
 @contextmanager

@@ -37,6 +37,11 @@ def _same(parameters: Any, state: Any) -> Any:
     return state
 
 
+def clock_of(state: Any) -> int:
+    """The steps taken by a model of equal time steps."""
+    return int(state.step[0])
+
+
 @dataclass(frozen=True)
 class Model:
     """A physical system. Scenes go in, frames come out.
@@ -68,6 +73,10 @@ class Model:
     """observe(parameters, state, workspace): the frame of this instant."""
     diagnosis: Callable[[Any, Any], str]
     """diagnosis(parameters, state): which particle, when, why, and what to do; for a state that came back DIVERGED."""
+    steps_taken: Callable[[Any], int] = field(kw_only=True, default=clock_of)
+    """steps_taken(state): the time steps since time 0. Where steps adapt, `step` only counts fractions of frames."""
+    adaptive: bool = field(kw_only=True, default=False)
+    """Whether time steps adapt, so that their total number is unknown before the end."""
     extended: Callable[[Any], Model] = field(kw_only=True, default=_no_extra_laws)
     """extended(extra_laws): the same model with the user's own pair laws compiled into it. Raises BadInput if
     a model takes none.

@@ -19,18 +19,18 @@ FIELD = "state."
 
 
 class Checkpoint(NamedTuple):
-    """A state, and how many frames there were before it."""
+    """A state, how many frames there were before it, and how many time steps."""
 
     state: Any
     frames: int
+    step: int = 0
 
 
 def save(home: RunDirectory, checkpoint: Checkpoint) -> Path:
     """Write a checkpoint, and remove those that are too old."""
     arrays: dict[str, NDArray[Any]] = {"frames": np.array([checkpoint.frames])}
     arrays |= {FIELD + name: np.asarray(array) for name, array in checkpoint.state._asdict().items()}
-    step = int(checkpoint.state.step[0])
-    path = home.checkpoints / f"{step:012d}.npz"
+    path = home.checkpoints / f"{checkpoint.step:012d}.npz"
     with storing(path):
         home.checkpoints.mkdir(exist_ok=True)
     with replacing(path) as file:
@@ -67,7 +67,7 @@ def newest(home: RunDirectory, kind: type, frames: int, note: Callable[[Path, st
 def _examined(path: Path, kind: type) -> tuple[Checkpoint | None, str]:
     """The checkpoint of a file, or what is wrong with it."""
     try:
-        return _loaded(path, kind), ""
+        return _loaded(path, kind)._replace(step=int(path.stem)), ""
     except Exception as error:  # a damaged archive raises nearly anything; whatever it is, the file is not used
         return None, f"{type(error).__name__}: {error}"
 

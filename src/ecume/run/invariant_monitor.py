@@ -40,12 +40,16 @@ class Watch:
         self._home, self._invariants, self._policy = home, list(invariants), policy
         self._seen: Seen | None = None
         self._time = 0.0
+        self._unit = "J"
         self._worst = {one.name: (-math.inf, 0.0) for one in invariants}
         for line in _lines(home):
             self._take(line["time"], line)
 
-    def take(self, time: float, numbers: Mapping[str, float], step: int) -> list[Verdict]:
+    def take(
+        self, time: float, numbers: Mapping[str, float], step: int, units: Mapping[str, str] | None = None
+    ) -> list[Verdict]:
         """Judge a frame; what it is the first to break. Raises Diverged where that is to stop the run."""
+        self._unit = (units or {}).get("total_energy", self._unit)
         before = {one.name for one in self.verdicts() if not one.held}
         self._take(time, {**numbers, "step": float(step)})
         broken = [one for one in self.verdicts() if not one.held and one.name not in before]
@@ -76,13 +80,14 @@ class Watch:
             {**one._asdict(), "worst": _number(one.worst), "held": one.held} for one in self.verdicts()
         ]
         if self._seen is not None and "total_energy" in self._seen.now:
+            report["energy_unit"] = self._unit
             report["energy"] = budget(self._seen.first, self._seen.now, closed=ENERGY in self._worst)
         write_json(self._home.watch, report)
 
 
 def budget(first: Numbers, now: Numbers, *, closed: bool) -> dict[str, float | None]:
-    """Where the energy went (J): what was injected, or there before, and is not there any more was dissipated, unless
-    that is booked, too.
+    """Where the energy went (J; in 2D tanks J/m). What was injected, or there before, and is not there any more was
+    dissipated, unless that is booked, too.
 
     Where something drives a system and is not booked, injected less dissipated is known, and neither alone.
     """
@@ -104,7 +109,7 @@ def summary_line(home: RunDirectory) -> str:
     if not home.watch.exists():
         return ""
     kept = json_of(home.watch)
-    rows, work = kept.get("invariants", []), _work(kept.get("energy", {}))
+    rows, work = kept.get("invariants", []), _work(kept.get("energy", {}), kept.get("energy_unit", "J"))
     broken = [f"{row['name']} ({_shown(row['worst'])}, limit {row['limit']:g})" for row in rows if not row["held"]]
     if broken:
         return f"{BROKEN}: {', '.join(broken)}{work}"
@@ -112,9 +117,9 @@ def summary_line(home: RunDirectory) -> str:
     return f"held: {held}{work}" if rows else ""
 
 
-def _work(energy: Mapping[str, float | None]) -> str:
+def _work(energy: Mapping[str, float | None], unit: str) -> str:
     """`; injected 3e-06 J, dissipated 2e-06 J`, of what is known."""
-    known = [f"{name} {energy[name]:.3g} J" for name in WORKS if energy.get(name) is not None]
+    known = [f"{name} {energy[name]:.3g} {unit}" for name in WORKS if energy.get(name) is not None]
     return f"; {', '.join(known)}" if known else ""
 
 

@@ -4,23 +4,27 @@ from __future__ import annotations
 
 import json
 import time
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ecume.run.directory import RunDirectory, as_json
 from ecume.run.manifest import now
 from ecume.trajectories.durable_files import storing
 
+if TYPE_CHECKING:
+    from ecume.simulation import Moment
+
 SETTLED = 1.0
-"""Seconds of marching after which its speed tells how long the rest takes."""
+"""Seconds of integration after which its speed gives the time left."""
 STATUS_EVERY = 1.0
 """Seconds of wall time between two replacements of `status.json`, at least."""
 
 
 class Progress(NamedTuple):
-    """The progress of a run in steps, simulated time (s) and frames; `speed` is simulated time per wall time."""
+    """The progress of a run in time steps, simulated time (s) and frames; `speed` is simulated time per wall time."""
 
     step: int
-    steps: int
+    steps: int | None
+    """None while the total is unknown: time steps that adapt are counted as they are taken."""
     time: float
     duration: float
     frames: int
@@ -29,28 +33,47 @@ class Progress(NamedTuple):
     remaining: float | None
     """Seconds of wall time; None while nothing is known."""
 
+    @property
+    def begun(self) -> bool:
+        """Whether any step was taken in this session."""
+        return self.speed > 0.0
+
+    @property
+    def place(self) -> str:
+        """`at step 25 of 100`, or `at t = 0.5 s (step 25)` where the total is unknown."""
+        return f"at step {self.step} of {self.steps}" if self.steps else f"at t = {self.time:.6g} s (step {self.step})"
+
 
 class Pace:
     """The speed of the integration since the first steps of this process, without the time spent compiling."""
 
     def __init__(self, duration: float) -> None:
         self._duration = duration
-        self._start = (0, 0.0)
+        self._start = (0.0, 0, 0.0)
         self._heard = 0
+        self.integrating = 0.0
+        """Seconds of wall time in time steps, without the first, for which code is read or compiled."""
 
-    def progress(self, step: int, steps: int, frames: int) -> Progress:
-        """The progress at this step."""
+    def progress(self, moment: Moment, frames: int) -> Progress:
+        """The progress at this moment."""
         clock = time.monotonic()
         self._heard += 1
         if self._heard <= 2:
-            self._start = (step, clock)
-        first, began = self._start
-        rate = (step - first) / (clock - began) if step > first and clock > began else 0.0
-        done = step / steps if steps else 1.0
-        known = rate and clock - began >= SETTLED
-        remaining = 0.0 if step >= steps else (steps - step) / rate if known else None
-        speed = rate * self._duration / steps if steps else 0.0
-        return Progress(step, steps, done * self._duration, self._duration, frames, speed, rate, remaining)
+            self._start = (moment.done, moment.taken, clock)
+        done, step, began = self._start
+        self.integrating = spent = clock - began
+        rate = (moment.done - done) / spent if moment.done > done and spent > 0.0 else 0.0
+        known = rate and spent >= SETTLED
+        return Progress(
+            step=moment.taken,
+            steps=moment.planned,
+            time=moment.done * self._duration,
+            duration=self._duration,
+            frames=frames,
+            speed=rate * self._duration,
+            steps_per_second=(moment.taken - step) / spent if rate else 0.0,
+            remaining=0.0 if moment.ended else (1.0 - moment.done) / rate if known else None,
+        )
 
 
 class StatusFile:

@@ -28,7 +28,9 @@ class Info(NamedTuple):
     why: str
     """What went wrong, and what cures it; or nothing."""
     step: int
-    steps: int
+    """Time steps taken."""
+    steps: int | None
+    """Time steps of the whole run; None while that is unknown."""
     time: float
     """Simulated so far, s."""
     duration: float
@@ -62,7 +64,7 @@ def info(directory: str | os.PathLike[str]) -> Info:
         state=state,
         why="; ".join(part for part in (no_status, no_watch, no_frames, reason) if part),
         step=int(status.get("step", 0)),
-        steps=int(status.get("steps", 0)),
+        steps=status.get("steps"),
         time=float(status.get("time", 0.0)),
         duration=float(status.get("duration", 0.0)),
         frames=frames,
@@ -100,7 +102,7 @@ def _state(home: RunDirectory, status: dict[str, Any]) -> tuple[str, str]:
     state = str(status.get("state", "running"))
     if state == "running":
         state = "running" if is_held(home) else "killed"
-    return state, "" if state == "running" else f"go on: ecume resume {home.path}"
+    return state, "" if state == "running" else f"to continue: ecume resume {home.path}"
 
 
 def _status(home: RunDirectory) -> dict[str, Any]:

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from ecume._compiler_events import watch
 from ecume._hooks import html_of
 from ecume.errors import BadInput, Diverged, Stopped, StorageError
 from ecume.run import checkpoints, constants, manifest
@@ -46,10 +47,13 @@ class RunResult(NamedTuple):
     directory: Path
     frames: int
     steps: int
+    """Time steps taken."""
     time: float
     """Simulated, s."""
     seconds: float
     """Of wall time, in this session; 0 for a run that was done before."""
+    integrating: float | None = None
+    """Of these, spent in time steps; the rest is setup, compilation and the first step."""
 
     def _repr_html_(self) -> str | None:
         """The notebook view: the player of `ecume view`, in at most 4 MB."""
@@ -129,7 +133,7 @@ def resume(
     with stop_requests(PATIENT) as request, held(home):
         if home.done.exists():
             done = json_of(home.done)
-            return RunResult(home.path, done["frames"], done["steps"], done["time"], 0.0)
+            return RunResult(home.path, done["frames"], done["step"], done["time"], 0.0)
         require_same(home, extra_laws)
         sweep(home)
         scene = from_plain(plain_scene(home))
@@ -148,6 +152,7 @@ def _moments(
     from ecume._jit import use_threads  # only who simulates waits for Numba: `ecume info` does not
     from ecume.simulation import moments
 
+    watch.attach()
     use_threads(options.threads)
     return moments(scene, state=state, extra_laws=extra_laws, engine=options.engine, constants=constants)
 
@@ -213,7 +218,7 @@ def _drive(session: _Session, moments: Iterable[Moment], request: StopRequest) -
             session.fail(error)
         raise
     at = session.at
-    return RunResult(session.directory, at.frames, at.steps, at.time, session.seconds)
+    return RunResult(session.directory, at.frames, at.step, at.time, session.seconds, session.integrating)
 
 
 class _Session:
@@ -226,7 +231,7 @@ class _Session:
         self._pace, self._status = Pace(scene.duration), StatusFile(home)
         self._began = self._saved = time.monotonic()
         self._opened = False
-        self.at = Progress(0, 0, 0.0, scene.duration, frames, 0.0, 0.0, None)
+        self.at = Progress(0, None, 0.0, scene.duration, frames, 0.0, 0.0, None)
 
     @property
     def directory(self) -> Path:
@@ -237,6 +242,11 @@ class _Session:
     def seconds(self) -> float:
         """The wall time that this process has worked on it."""
         return time.monotonic() - self._began
+
+    @property
+    def integrating(self) -> float:
+        """The wall time of time steps."""
+        return self._pace.integrating
 
     def follow(self, moments: Iterable[Moment], request: StopRequest) -> None:
         """Integrate to the end, or until a stop is requested."""
@@ -249,12 +259,10 @@ class _Session:
                     self._save(moment, 0)
             before = self._recording.frames
             self._take(moment)
-            ended = moment.step >= moment.steps
-            if ended or request or time.monotonic() - self._saved >= self._options.checkpoint_every:
+            if moment.ended or request or time.monotonic() - self._saved >= self._options.checkpoint_every:
                 self._save(moment, before)
-            if request and not ended:
-                where = f"at step {moment.step} of {moment.steps}"
-                raise Stopped(f"stopped by {request.name} {where}; go on: ecume resume {self._home.path}")
+            if request and not moment.ended:
+                raise Stopped(f"stopped by {request.name} {self.at.place}; to continue: ecume resume {self._home.path}")
 
     def succeed(self) -> None:
         """The run is done."""
@@ -284,15 +292,15 @@ class _Session:
         invariants = MODELS[self._scene.model].invariants(self._scene, moment.parameters)
         self._watch = Watch(self._home, invariants, policy)
         self._opened = True
-        manifest.open_session(self._home, use_threads(self._options.threads), moment.step, self._recording.on_disk)
+        manifest.open_session(self._home, use_threads(self._options.threads), moment.taken, self._recording.on_disk)
         differences = manifest.changed(json_of(self._home.manifest))
-        note(self._home, "begun" if moment.step == 0 else "resumed", step=moment.step, changed=differences)
+        note(self._home, "begun" if moment.step == 0 else "resumed", step=moment.taken, changed=differences)
 
     def _take(self, moment: Moment) -> None:
         if moment.frame is not None:
-            self._recording.take(moment.frame, moment.step)
-            self._judge(moment.frame, moment.step)
-        self.at = self._pace.progress(moment.step, moment.steps, self._recording.frames)
+            self._recording.take(moment.frame, moment.taken)
+            self._judge(moment.frame, moment.taken)
+        self.at = self._pace.progress(moment, self._recording.frames)
         self._status.write("running", self.at)
         if self._options.progress is not None:
             self._options.progress(self.at)
@@ -301,14 +309,14 @@ class _Session:
         """A checkpoint of this moment, before which there were so many frames."""
         self._recording.settle()
         self._watch.keep()
-        path = checkpoints.save(self._home, Checkpoint(moment.state, before))
-        self._saved, self._status.last_checkpoint = time.monotonic(), moment.step
+        path = checkpoints.save(self._home, Checkpoint(moment.state, before, moment.taken))
+        self._saved, self._status.last_checkpoint = time.monotonic(), moment.taken
         note(self._home, "checkpoint", name=path.name)
 
     def _judge(self, frame: Frame, step: int) -> None:
         """Check the invariants, and warn of those that are broken for the first time, or stop the run."""
         try:
-            for verdict in self._watch.take(frame.time, frame.numbers, step):
+            for verdict in self._watch.take(frame.time, frame.numbers, step, frame.units):
                 note(self._home, "broken", what=sentence(verdict))
         except Diverged:
             self._watch.keep()

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Iterable
+from decimal import Decimal
+from fractions import Fraction
 from typing import Literal, NamedTuple, Self
 
 from pydantic import model_validator
@@ -41,11 +44,39 @@ class Common:
     duration: Duration
     """The simulated time (s)."""
     frame_every: Duration
-    """The simulated time between two frames (s); the duration is a whole number of these."""
+    """The simulated time between two frames (s). A duration that is no multiple of it adds a last frame at its end."""
     seed: Seed = 0
     """What all randomness starts from: equal scenes give equal runs."""
     on_violation: Literal["warn", "stop"] = "warn"
     """What becomes of a run that loses what its model must not lose; `--on-violation` overrides it."""
+
+    @property
+    def whole_frames(self) -> int:
+        """How many times `frame_every` fits into the duration."""
+        frames = self.duration / self.frame_every
+        return round(frames) if abs(frames - round(frames)) <= 1e-9 * frames else math.floor(frames)
+
+    @property
+    def rest(self) -> Fraction:
+        """The time after the last whole frame, over `frame_every`: from 0 to below 1, exact in decimals."""
+        if abs(self.duration / self.frame_every - self.whole_frames) <= 1e-9 * self.whole_frames:
+            return Fraction(0)
+        return Fraction(repr(self.duration)) / Fraction(repr(self.frame_every)) - self.whole_frames
+
+    @property
+    def frames(self) -> int:
+        """The number of frames after the first, which is at time 0."""
+        return self.whole_frames + (self.rest > 0)
+
+    def frame_time(self, number: int) -> float:
+        """When a frame is due (s): `number` times `frame_every`, rounded once; the last one at the end.
+
+        >>> Common(model="floating", duration=0.5, frame_every=0.14).frame_time(3)
+        0.42
+        """
+        if number == self.frames:
+            return self.duration
+        return float(Decimal(repr(self.frame_every)) * number)
 
     @property
     def kinds(self) -> tuple[Kind, ...]:
@@ -53,12 +84,11 @@ class Common:
         return ()
 
     @model_validator(mode="after")
-    def _whole_frames(self) -> Self:
+    def _not_too_many_frames(self) -> Self:
         frames = self.duration / self.frame_every
         if frames > MOST_FRAMES * (1 + 1e-9):
             raise Inconsistent([(("frame_every",), f"gives {frames:.3g} frames, more than {MOST_FRAMES:.0e}")])
-        if abs(frames - round(frames)) > 1e-9 * frames:
-            fits = max(1, round(frames)) * self.frame_every
-            came = f"got {self.duration:g} s, no whole number of frames {self.frame_every:g} s apart"
-            raise Inconsistent([(("duration",), f"{came}; {fits:.9g} s would be")])
+        if frames < 1 - 1e-9:
+            told = f"got {self.frame_every:.9g} s, longer than the duration, {self.duration:.9g} s"
+            raise Inconsistent([(("frame_every",), told)])
         return self

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from ecume.analysis.clusters import touching_clusters
+from ecume.analysis.profiles import ENERGIES
 from ecume.analysis.series import number, series, times
 from ecume.errors import BadInput
 from ecume.models.invariants import INJECTED
@@ -33,13 +34,13 @@ Frames = Sequence[Frame]
 def energies(frames: Frames, scene: Scene) -> Figure:
     """Kinetic and potential energies, their sum, the work that came from outside, and what the run has lost."""
     shown = evolution(frames)
-    names = [name for name, unit in shown[0].units.items() if unit == "J" and name != "total_energy"]
+    names = [name for name, unit in shown[0].units.items() if unit in ENERGIES and name != "total_energy"]
     *parts, total = series(shown, *map(number, [*names, "total_energy"]))
     labels = [name.removesuffix("_energy").replace(INJECTED, "injected") for name in names]
     work = dict(zip(names, parts, strict=True)).get(INJECTED, np.zeros(len(total)))
     lost = total[0] - total + work - work[0]
     curves = [*zip(labels, parts, strict=True), ("total", total), ("dissipated", lost)]
-    scale = scale_for(max(float(np.abs(values).max()) for _, values in curves), "J")
+    scale = scale_for(max(float(np.abs(values).max()) for _, values in curves), energy_unit(shown[0]))
     with style():
         drawn = figure()
         axes = over_time(drawn, scene, "Energies")
@@ -53,11 +54,16 @@ def energies(frames: Frames, scene: Scene) -> Figure:
     return drawn
 
 
+def energy_unit(frame: Frame) -> str:
+    """J; of a 2D tank J/m."""
+    return frame.units.get("total_energy", "J")
+
+
 def kinetic_energy(frames: Frames, scene: Scene) -> Figure:
     """The kinetic energy; on a logarithmic scale where it changes by more than a decade."""
     shown = evolution(frames)
     (kinetic,) = series(shown, number("kinetic_energy"))
-    scale = scale_for(float(kinetic.max()), "J")
+    scale = scale_for(float(kinetic.max()), energy_unit(shown[0]))
     with style():
         drawn = figure()
         axes = over_time(drawn, scene, "Kinetic energy")

@@ -7,6 +7,7 @@ from ecume.laws.liquids import liquid
 from ecume.models.sph.record import SPH
 from ecume.models.sph.report.check_report import lattice_neighbors, neighbor_remark, seconds_a_step
 from ecume.models.sph.setup.building import material_of
+from ecume.models.sph.setup.choices import artificial_viscosity_of, tension_of
 from ecume.scenes.schema import from_plain, to_plain
 
 from .scenes import free_blob, tank
@@ -118,3 +119,44 @@ def test_a_surface_that_is_drawn_together_costs_most(dimension):
     taut = from_plain({**plain, "liquid": {**plain["liquid"], "surface_tension": 0.07}})
     costs = [seconds_a_step(scene, SPH.parameters(scene), 10_000) for scene in (from_plain(plain), taut)]
     assert 3.0 < costs[1] / costs[0] < 15.0
+
+
+def holding(scene):
+    """Whether each mirror of the tank is a no-slip wall."""
+    return SPH.parameters(scene).boundary.table[:, 3 * 2 + 1].tolist()
+
+
+@pytest.mark.parametrize("name", ["water", "glycerol", "mercury", "ethanol", "seawater"])
+def test_a_name_sets_properties_and_switches_nothing_on(name):
+    plain, named = scene_with({}), scene_with({"name": name, "temperature": "25 degC"})
+    assert material_of(named).surface_tension > 0.0
+    assert material_of(named).viscosity > 0.0
+    assert tension_of(named) == tension_of(plain) == "none"
+    assert artificial_viscosity_of(named) == artificial_viscosity_of(plain) == 0.02
+    assert sum(holding(named)) == sum(holding(plain)) == 0
+
+
+def test_what_a_scene_asks_for_is_switched_on():
+    asked = scene_with(WARM, surface_tension_model="csf", artificial_viscosity=0.0)
+    assert (tension_of(asked), artificial_viscosity_of(asked)) == ("csf", 0.0)
+    given = scene_with({"surface_tension": 0.07, "viscosity": 1e-3})
+    assert (tension_of(given), artificial_viscosity_of(given)) == ("csf", 0.0)
+    assert sum(holding(given)) == len(holding(given)) > sum(holding(scene_with(WARM)))
+
+
+def test_dimensionless_numbers_tell_what_matters_and_is_off():
+    assert "is faster" in regime("Bond number", 10.0, "csf")[1]
+    assert "no visible effect" not in regime("Bond number", 10.0, "none")[1]
+    assert regime("Bond number", 1e-3, "none")[1].endswith('method.surface_tension_model = "csf" includes it')
+    assert regime("Bond number", 1e-3, "csf")[1] == "surface tension acts"
+
+
+def regime(name, size, model):
+    """The row of a square of warm water."""
+    plain = to_plain(tank())
+    plain["spacing"] *= size
+    for piece in (plain["tank"], *plain["fluid"]):
+        for corner in ("low", "high"):
+            piece[corner] = [size * value for value in piece[corner]]
+    method = {**plain["method"], "surface_tension_model": model}
+    return said(from_plain({**plain, "liquid": WARM, "method": method}))[name]

@@ -89,6 +89,10 @@ class Parameters(NamedTuple):
     time_step: float
     """s: a tick; time steps are limited by accuracy and end at the ticks of frames"""
     steps_per_frame: int
+    end: float
+    """s: when the run ends, where that is between two frames; infinite otherwise"""
+    last_tick: int
+    """The tick of that end"""
     dimensions: int
     radius: Array
     modulus: Array

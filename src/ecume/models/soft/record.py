@@ -131,8 +131,15 @@ def laws_of(scene: Any) -> list[Source]:
     return [*laws, row.energy, row.force, row.slope, dirk_schemes.SCHEMES[scene.stepping.scheme].paper]
 
 
+def steps_taken(state: State) -> int:
+    """The steps that were accepted."""
+    return int(state.tally[ACCEPTED])
+
+
 SOFT = Model(
     name="soft",
+    adaptive=True,
+    steps_taken=steps_taken,
     state=State,
     parameters=checked_parameters,
     start=start,

@@ -14,6 +14,7 @@ from ecume.engine.walls import Sheet, Surfaces, sheet
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.laws import brownian, drag
 from ecume.laws.liquids import liquid
+from ecume.models.last_frame import ending_on_a_step
 from ecume.models.tables import code_of
 from ecume.models.tracers.openings import Arrivals, Stream, arrivals_of, newcomers_of
 from ecume.models.tracers.tank import surfaces_of
@@ -232,7 +233,7 @@ def time_step_of(scene: TracersScene, surfaces: Surfaces, fluid: Fluid, bodies: 
             raise SceneError([Fault("motion.time_step", f"{came}; {fits:.9g} s would fit")])
         return scene.frame_every / round(steps)
     longest = min(scene.frame_every, 0.1 / abs(fluid.shear_rate) if fluid.shear_rate else math.inf)
-    frames = round(scene.duration / scene.frame_every)
+    frames = scene.frames
     shortest = 0.0 if scene.motion.regime == "inertial" else scene.frame_every / max(1, MOST_STEPS // frames)
     for mass, friction, speed, push, radius in kinds_of(bodies):
         if friction > 0.0:
@@ -241,7 +242,8 @@ def time_step_of(scene: TracersScene, surfaces: Surfaces, fluid: Fluid, bodies: 
             late = scene.motion.regime == "overdamped" or inertial < shortest
             body = (friction, speed, mass * push, radius)
             longest = min(longest, overdamped_step(body, surfaces, fluid) if late else inertial)
-    return scene.frame_every / math.ceil(scene.frame_every / max(longest, shortest) * (1 - 1e-12))
+    steps = math.ceil(scene.frame_every / max(longest, shortest) * (1 - 1e-12))
+    return scene.frame_every / ending_on_a_step(scene, steps)
 
 
 def kinds_of(bodies: Bodies) -> set[tuple[float, ...]]:

@@ -7,8 +7,11 @@ from typing import Any
 import numpy as np
 
 from ecume.laws import brownian, drag
+from ecume.models.check_report import told_duration
 from ecume.models.diagnosis import first_broken, when
+from ecume.models.frame_cost import Content, frame_cost
 from ecume.models.invariants import INJECTED, Invariant, Numbers, Seen, energy_never_rises
+from ecume.models.last_frame import last_step
 from ecume.models.limits import require_memory, within_steps
 from ecume.models.liquids import correlations_of
 from ecume.models.model import Model, Source
@@ -34,6 +37,8 @@ ARRAY_UNITS = {
 SECONDS_PER_STEP = 2e-5
 SECONDS_PER_PARTICLE = 5e-7
 BYTES_PER_PARTICLE = 400
+NUMBERS = 20
+"""In a frame, about."""
 
 
 def checked_parameters(scene: TracersScene) -> Parameters:
@@ -103,17 +108,20 @@ def summary(scene: TracersScene) -> list[tuple[str, str, str]]:
     """Derived numbers: name, value with unit, remark. Raises SceneError for whatever would keep a run from starting."""
     parameters = checked_parameters(scene)
     start(scene, parameters)
-    fluid, frames = parameters.fluid, round(scene.duration / scene.frame_every)
-    steps, count = frames * parameters.steps_per_frame, len(parameters.bodies.radius)
+    fluid = parameters.fluid
+    steps, count = last_step(scene, parameters.steps_per_frame), len(parameters.bodies.radius)
+    stepping = steps * (SECONDS_PER_STEP + SECONDS_PER_PARTICLE * count)
+    cost = frame_cost(scene, Content(count, (scene.dimensions, scene.dimensions, 1, 1, 1, 1, 1), NUMBERS))
     return [
         ("liquid", f"{fluid.density:.4g} kg/m^3, {1e3 * fluid.viscosity:.4g} mPa s", scene.liquid.name),
         *(row for index in range(len(scene.particles)) for row in summary_of(scene, parameters, index)),
         ("walls", str(len(parameters.bouncing.kind)), f"{len(scene.openings)} openings"),
         *(row for index in range(len(scene.openings)) for row in coming(scene, parameters, index)),
         ("time step", f"{1e3 * parameters.time_step:.4g} ms", "exact between walls for linear drag"),
-        ("steps", str(steps), f"{frames} frames of {parameters.steps_per_frame} steps"),
+        ("steps", str(steps), f"{parameters.steps_per_frame} per frame"),
+        *cost.rows(),
         ("memory", f"{count * BYTES_PER_PARTICLE / 1e6:.3g} MB", f"{count} particles"),
-        ("time on this machine", f"{steps * (SECONDS_PER_STEP + SECONDS_PER_PARTICLE * count):.2g} s", "roughly"),
+        ("time on this machine", told_duration(stepping + cost.seconds), f"roughly{cost.remark(stepping)}"),
     ]
 
 

@@ -131,7 +131,9 @@ class FlowSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class LiquidSpec:
-    """The liquid, and the gas above it. The defaults are water and air at 20 degrees Celsius."""
+    """The liquid, and the gas above it. The defaults are rounded values of clean water at 20 degrees Celsius. The gas
+    has no density by default (air: 1.2 kg/m^3).
+    """
 
     density: PositiveDensity = 1000.0
     """kg/m^3"""

@@ -40,7 +40,10 @@ Exponent = Annotated[Number, Field(ge=1.0, le=20.0)]
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class FluidSpec:
-    """The liquid as a material. What is left out comes from `name` and `temperature`, or else is that of water."""
+    """The liquid as a material. By default `name` and `temperature` set its properties; without a name it is inviscid
+    and has 1000 kg/m^3. A name sets properties only: surface tension, no-slip walls and the artificial viscosity have
+    keys of their own.
+    """
 
     name: Name = ""
     """A liquid of the table in `ecume.laws.liquids`, such as `water`; it fills whatever is left out below."""
@@ -51,9 +54,13 @@ class FluidSpec:
     density: PositiveDensity | None = None
     """kg/m^3, where the gauge pressure is zero"""
     viscosity: LiquidViscosity | None = None
-    """Pa s; zero by default without a name"""
+    """Pa s; by default that of the named liquid, or zero. A viscosity that is given here makes walls no-slip and the
+    artificial viscosity zero by default.
+    """
     surface_tension: Tension | None = None
-    """N/m; zero by default"""
+    """N/m; by default that of the named liquid, or zero. A surface tension that is given here acts; that of a named
+    liquid acts with `method.surface_tension_model = "csf"`.
+    """
     sound_speed: PositiveSpeed | None = None
     """m/s of the *numerical* liquid; by default ten times the fastest speed to be expected"""
     fastest: PositiveSpeed | None = None
@@ -120,7 +127,7 @@ class MethodSpec:
     diffusion: Annotated[Number, Field(ge=0.0, le=1.0)] = 0.1
     """delta of the density diffusion"""
     artificial_viscosity: Annotated[Number, Field(ge=0.0, le=10.0)] | None = None
-    """alpha; by default 0.02, or zero where the liquid has a viscosity of its own"""
+    """alpha; by default 0.02, or zero where `liquid.viscosity` is given"""
     friction: LawName = "automatic"
     """of a viscous liquid: `monaghan` along the lines between particles (right at a free surface, the default where
     there is one), or `morris` (the default in tanks that are full)

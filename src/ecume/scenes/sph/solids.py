@@ -55,7 +55,7 @@ class ObstacleSpec(ShapeSpec):
     """Something solid that stands in the tank. A polygon must be convex: put others together of several."""
 
     slip: Slip | None = None
-    """by default no-slip where the liquid has a viscosity, free otherwise"""
+    """by default no-slip where `liquid.viscosity` is given, free otherwise"""
     restitution: Proportion | None = None
     """of what the guard turns back at it; by default that of the tank"""
     color: Color | None = None
@@ -75,7 +75,7 @@ class BodySpec(ShapeSpec):
     spin: Turning | tuple[Turning, Turning, Turning] = 0.0
     """1/s at the start: one number about z, or three in three dimensions"""
     slip: Slip | None = None
-    """by default no-slip where the liquid has a viscosity, free otherwise"""
+    """by default no-slip where `liquid.viscosity` is given, free otherwise"""
     restitution: Proportion = 0.3
     """of collisions; two bodies take the smaller one"""
     friction: Annotated[Number, Field(ge=0.0, le=10.0)] = 0.3

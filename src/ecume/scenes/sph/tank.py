@@ -146,7 +146,7 @@ class SideSpec:
     `inflow` and `outflow`: liquid comes and goes
     """
     slip: Slip | None = None
-    """of a wall; by default no-slip where the liquid has a viscosity, free otherwise"""
+    """of a wall; by default no-slip where `liquid.viscosity` is given, free otherwise"""
     velocity: Motion | None = None
     """of a wall along itself: a lid that drives the liquid (m/s)"""
     motion: MotionSpec | None = None

@@ -17,6 +17,8 @@ from ecume.models.floating.setup.initial_state import start
 from ecume.models.floating.setup.kinds import FloatKind, float_kinds
 from ecume.models.floating.setup.scene_parameters import checked_parameters, memory_estimate
 from ecume.models.floating.time_integration.step_size import COARSE_OVER_GOOD, UNSTABLE_OVER_GOOD, good_step
+from ecume.models.frame_cost import Content, frame_cost
+from ecume.models.last_frame import last_step
 from ecume.models.liquids import liquid_of
 from ecume.scenes.floating import FloatingScene
 
@@ -36,6 +38,9 @@ PER_CONTACT, MOST_CONTACTS = 7e-8, 300
 """Additional seconds per pair of floats in rafts, whose contacts are solved together, and the largest raft size in this
 estimate. Measured with 60, 150, 300 and 1,000 floats that cover a third of their dish; rafts at rest cost less again.
 """
+
+WIDTHS, NUMBERS = (2, 2, 1, 1, 1, 1, 1, 1), 16
+"""Components of the arrays in a frame, and how many numbers it has."""
 
 Row = tuple[str, str, str]
 
@@ -90,17 +95,21 @@ def _summary_of_chance(parameters: Parameters) -> list[Row]:
 
 
 def _summary_of_steps(parameters: Parameters, scene: FloatingScene) -> list[Row]:
-    frames, good = round(scene.duration / scene.frame_every), good_step(parameters, scene)
-    steps = frames * parameters.steps_per_frame
+    good, cost = (
+        good_step(parameters, scene),
+        frame_cost(scene, Content(len(parameters.floats.radius), WIDTHS, NUMBERS)),
+    )
+    steps = last_step(scene, parameters.steps_per_frame)
     summing = PER_PAIR * sum(row.pairs_worth(part) for part, row in interactions_of(parameters))
     drifting, gathering = ((cost + summing) * steps for cost in seconds_per_step(len(parameters.floats.radius)))
     return [
         ("time step", f"{parameters.time_step * 1e3:.4g} ms", _step_remark(parameters.time_step, good)),
-        ("steps", str(steps), f"{frames} frames of {parameters.steps_per_frame} steps"),
+        ("steps", str(steps), f"{parameters.steps_per_frame} per frame"),
+        *cost.rows(),
         (
             "time to run it",
-            _span((_duration(drifting), _duration(gathering))),
-            "roughly, from separated floats to rafts that grow all the time; without compilation",
+            _span((_duration(drifting + cost.seconds), _duration(gathering + cost.seconds))),
+            f"roughly, from separated floats to growing rafts; without compilation{cost.remark(gathering)}",
         ),
     ]
 

@@ -18,7 +18,8 @@ from ecume.models.floating.walls.wall_laws import wall_stiffness
 from ecume.units import Array
 
 if TYPE_CHECKING:
-    from ecume.scenes.floating import FloatingScene
+    from ecume.models.last_frame import ending_on_a_step
+from ecume.scenes.floating import FloatingScene
 
 GOOD = 0.05
 """Time step over the shortest time scale, with an error per step below a thousandth."""
@@ -171,6 +172,8 @@ def step_of(parameters: Parameters, scene: FloatingScene) -> Step:
         raise scene_error(
             "motion.time_step", f"{given:g} s does not divide frame_every = {frame:g} s; {frame / steps:.9g} s would do"
         )
+    if given is None:
+        steps = ending_on_a_step(scene, steps)
     time_step = frame / steps
     kick = kick_of(
         parameters.scheme, time_step, parameters.floats, len(parameters.kick.mobility) - len(parameters.floats.mass)

@@ -186,17 +186,19 @@ def _take(parameters: Parameters, state: State, scratch: Workspace, end: float) 
 
 
 def _due(parameters: Parameters, frame: int) -> float:
-    """When a frame is due (s)."""
-    return frame * parameters.steps_per_frame * parameters.time_step
+    """When a frame is due (s); the last one at the end."""
+    return min(frame * parameters.steps_per_frame * parameters.time_step, parameters.end)
 
 
 def _tick(parameters: Parameters, before: int, time: float) -> int:
     """The tick of a time; between two frames, never a frame's own."""
     frame = before // parameters.steps_per_frame
+    first, last = frame * parameters.steps_per_frame, (frame + 1) * parameters.steps_per_frame
+    if parameters.end < math.inf:
+        last = min(last, parameters.last_tick)
     if time == _due(parameters, frame + 1):
-        return (frame + 1) * parameters.steps_per_frame
-    ticks = int(time / parameters.time_step)
-    return min(max(ticks, before, frame * parameters.steps_per_frame + 1), (frame + 1) * parameters.steps_per_frame - 1)
+        return last
+    return min(max(int(time / parameters.time_step), before, first + 1), last - 1)
 
 
 def _longest(parameters: Parameters, now: float) -> float:

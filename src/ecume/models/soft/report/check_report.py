@@ -11,10 +11,12 @@ import numpy as np
 from ecume.laws.soft_pair import SoftPair, optimal_force
 from ecume.laws.surfaces import Expected
 from ecume.models.check_report import LONG, Row, told_duration
+from ecume.models.frame_cost import Content, frame_cost
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
 from ecume.models.soft.integration.linear_solvers import FEW
 from ecume.models.soft.loading.protocol import LOAD, NORMAL, SHEAR, WALL_SHEAR, drive_at
 from ecume.models.soft.parameters import Parameters
+from ecume.models.soft.report.observation import SLOTS
 from ecume.models.soft.setup.building import prefactors_of
 from ecume.models.soft.state import State
 from ecume.scenes.soft import SoftScene, sides_of
@@ -148,19 +150,31 @@ def doubts(scene: SoftScene, parameters: Parameters, typical: Expected) -> list[
 def _cost(scene: SoftScene, parameters: Parameters, state: State) -> list[Row]:
     contacts = int(state.contacts[0] + state.touching.sum())
     steps, seconds = steps_of(scene, parameters), seconds_of(parameters, contacts)
+    dimensions, slots = parameters.dimensions, SLOTS[parameters.dimensions]
+    slots = min(slots, max(len(parameters.radius) - 1, 1))
+    content = Content(len(parameters.radius), (dimensions, dimensions, 1, 1, slots, slots, slots, slots), NUMBERS)
+    cost = frame_cost(scene, content)
     sheared = "stresses decide how far it is sheared; " if (parameters.protocol.rules != 0).any() else ""
-    long = "; more tolerance or fewer frames take less" if steps * seconds > LONG else ""
+    total = steps * seconds + cost.seconds
+    long = "; more tolerance takes less" if steps * seconds > LONG else ""
     return [
         ("accuracy", f"{parameters.tolerance:.1g}", "of each gap, relative, in a step"),
-        ("steps", f"{steps:.2g}", f"{sheared}within a factor of three where little rearranges"),
+        ("steps", f"about {float(f'{steps:.2g}'):.0f}", f"{sheared}within a factor of three where little rearranges"),
         ("memory", f"{1e-6 * bytes_of(contacts):.3g} MB", f"{BYTES:.0f} bytes a film, and the compiler"),
-        ("time on this machine", told_duration(steps * seconds), f"{seconds:.1g} s a step, after compilation{long}"),
+        *cost.rows(),
+        (
+            "time on this machine",
+            told_duration(total),
+            f"{told_duration(seconds)} per step, after compilation{long}{cost.remark(steps * seconds)}",
+        ),
     ]
 
 
 # --- What steps of soft spheres cost, and how many there will be: numbers that were measured, all in this place
 
 
+NUMBERS = 30
+"""In a frame, about."""
 SATURATED = 1000
 """Spheres whose number of steps in a unit of strain does not grow further; of fewer it is as the third root of their
 number: 330 were taken by 36 spheres, 600 by 100.
@@ -179,7 +193,7 @@ def steps_of(scene: SoftScene, parameters: Parameters) -> float:
     finer = (1e-3 / parameters.tolerance) ** scheme.refinement
     straining = scheme.straining * min(len(parameters.radius) / SATURATED, 1.0) ** (1.0 / 3.0)
     steps = finer * (scheme.relaxing * turns + straining * strain_of(parameters, end))
-    return float(max(steps, scene.duration / scene.frame_every))
+    return float(max(steps, scene.frames))
 
 
 def strain_of(parameters: Parameters, end: float) -> float:

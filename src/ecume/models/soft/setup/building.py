@@ -17,6 +17,7 @@ from ecume.laws.friction import FRICTIONS
 from ecume.laws.interfaces import INTERFACES
 from ecume.laws.long_range import REMOTE
 from ecume.laws.surfaces import SURFACES
+from ecume.models.last_frame import last_step
 from ecume.models.soft.contacts.contact_list import open_all
 from ecume.models.soft.integration.dirk import accept
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
@@ -67,6 +68,8 @@ def parameters_of(scene: SoftScene) -> Parameters:
     parameters = Parameters(
         time_step=scene.frame_every / TICKS,
         steps_per_frame=TICKS,
+        end=scene.duration if scene.rest else math.inf,
+        last_tick=last_step(scene, TICKS, least=2),
         dimensions=dimensions,
         radius=radius,
         modulus=np.repeat([_modulus(scene, species) for species in scene.spheres], counts),

@@ -10,12 +10,15 @@ import numpy as np
 from ecume.laws.enthalpy import density_at_enthalpy
 from ecume.laws.kernels import KERNELS
 from ecume.models.check_report import LONG, Row, told_duration
+from ecume.models.frame_cost import Content, frame_cost
+from ecume.models.last_frame import last_step
 from ecume.models.sph.parameters import Material, Parameters
 from ecume.models.sph.rates.surface_tension import NODES, TENSIONS
+from ecume.models.sph.report.regimes import regime_rows
 from ecume.models.sph.setup.building import limiter, limits_of, weight_enthalpy
-from ecume.models.sph.setup.choices import sides_of, smoothing_of, tension_of, told
+from ecume.models.sph.setup.choices import sides_of, smallest_extent, smoothing_of, tension_of, told
 from ecume.models.sph.setup.initial_particles import cells_of
-from ecume.models.sph.setup.shapes import part_of, solids_of
+from ecume.models.sph.setup.shapes import solids_of
 from ecume.scenes.sph import SphScene
 
 PAIRS_PER_SECOND = 1.5e8
@@ -24,6 +27,8 @@ NODES_PER_SECOND = 1e8
 """Of the color and its forces."""
 OVERHEAD = 3e-4
 """Seconds of a step that do not depend on how many particles there are."""
+NUMBERS = 38
+"""Numbers in a frame of a tank, about."""
 FEW_NEIGHBORS, MANY_NEIGHBORS = {2: 12, 3: 30}, {2: 80, 3: 250}
 PAIRING = {2: 25, 3: 65}
 """Neighbors above which particles of a kernel whose Fourier transform turns negative come to lie in pairs
@@ -43,6 +48,7 @@ def advice(scene: SphScene, parameters: Parameters, count: int, bytes_each: floa
         *_resolution(scene, parameters, count),
         *_liquid(scene, parameters),
         *_tension(scene, parameters),
+        *regime_rows(scene, parameters),
         *_cost(scene, parameters, count, bytes_each),
     ]
 
@@ -135,9 +141,10 @@ def _tension(scene: SphScene, parameters: Parameters) -> list[Row]:
 
 
 def _cost(scene: SphScene, parameters: Parameters, count: int, bytes_each: float) -> list[Row]:
-    frames = round(scene.duration / scene.frame_every)
-    steps = frames * parameters.steps_per_frame
-    seconds = steps * seconds_a_step(scene, parameters, count)
+    steps = last_step(scene, parameters.steps_per_frame)
+    stepping = steps * seconds_a_step(scene, parameters, count)
+    cost = frame_cost(scene, Content(count, (parameters.dimension, parameters.dimension, 1, 1, 1, 1), NUMBERS))
+    seconds = stepping + cost.seconds
     saves = 2 ** (parameters.dimension + 1)
     long = f"; a spacing twice as wide takes 1/{saves}" if seconds > LONG else ""
     return [
@@ -146,9 +153,10 @@ def _cost(scene: SphScene, parameters: Parameters, count: int, bytes_each: float
             f"{parameters.time_step:.3g} s",
             f"{time_step_remark(scene, parameters)}; divided if the flow requires it",
         ),
-        ("steps", str(steps), f"{frames} frames of {parameters.steps_per_frame} steps"),
+        ("steps", str(steps), f"{parameters.steps_per_frame} per frame"),
+        *cost.rows(),
         ("memory", f"{1e-6 * count * bytes_each:.3g} MB", f"{bytes_each:.0f} bytes a particle"),
-        ("time on this machine", told_duration(seconds), "roughly, after compilation" + long),
+        ("time on this machine", told_duration(seconds), f"roughly, after compilation{long}{cost.remark(stepping)}"),
     ]
 
 
@@ -162,8 +170,7 @@ def seconds_a_step(scene: SphScene, parameters: Parameters, count: int) -> float
 
 def particles_across(scene: SphScene) -> float:
     """The smallest extent of any region, in spacings."""
-    bounds = [part_of(region, scene.spacing).bounds() for region in scene.fluid]
-    return float(min((high - low).min() for low, high in bounds)) / scene.spacing
+    return smallest_extent(scene) / scene.spacing
 
 
 def resolution_remark(across: float) -> str:

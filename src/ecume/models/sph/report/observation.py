@@ -65,10 +65,17 @@ BODY_UNITS = {
     "angle": "rad",
     "position": "m",
 }
+PER_DEPTH = {"J": "J/m", "N": "N/m", "N*m": "N*m/m", "kg": "kg/m", "kg*m/s": "kg/s", "m^3": "m^2"}
+"""What 2D tanks report in the place of each unit: quantities are per meter of depth."""
+
+
+def in_dimension(units: Mapping[str, str], dimension: int) -> dict[str, str]:
+    """The units of a tank's quantities in 2D or 3D."""
+    return {name: PER_DEPTH.get(unit, unit) if dimension == 2 else unit for name, unit in units.items()}
 
 
 def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame:
-    """The frame of this instant. In two dimensions energies, momenta and volumes are per meter of depth."""
+    """The frame of this instant. In 2D energies, masses, momenta, forces and volumes are per meter of depth."""
     still = parameters.gravity
     parameters = instant(parameters, state)
     leaning = everyone_leaning(parameters, state)
@@ -101,7 +108,8 @@ def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame
     if booked(parameters):
         listed[INJECTED] = float(state.books[WORK])
     units |= {name: "J" for name in (INJECTED, "bodies_energy") if name in listed}
-    return Frame(time, arrays, {**listed, **solid, **read}, {**ARRAY_UNITS, **NUMBER_UNITS, **units, **read_units})
+    units = in_dimension({**ARRAY_UNITS, **NUMBER_UNITS, **units, **read_units}, parameters.dimension)
+    return Frame(time, arrays, {**listed, **solid, **read}, units)
 
 
 def carried_arrays(parameters: Parameters, state: State, workspace: Workspace) -> dict[str, Array]:

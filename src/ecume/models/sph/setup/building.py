@@ -19,6 +19,7 @@ from ecume.laws.time_step_limits import (
     tension_limit,
     viscous_limit,
 )
+from ecume.models.last_frame import ending_on_a_step
 from ecume.models.sph.fields import Tait
 from ecume.models.sph.integration.time_stepping import INTEGRATORS
 from ecume.models.sph.parameters import Carried, CarriedGroup, Material, Parameters
@@ -27,6 +28,7 @@ from ecume.models.sph.rates.surface_tension import TENSIONS
 from ecume.models.sph.report.gauges import gauges_of
 from ecume.models.sph.setup.choices import (
     PRECISIONS,
+    WATER,
     acting_friction,
     chosen,
     color_reach_of,
@@ -120,11 +122,12 @@ def capillary_speed(scene: SphScene, bounds: list[tuple[Array, Array]]) -> float
     if tension_of(scene) == "none":
         return 0.0
     narrowest = min(float((high - low).min()) for low, high in bounds)
-    density = 1000.0 if scene.liquid.density is None else scene.liquid.density
-    pressure = laplace_pressure(filled(scene.liquid).surface_tension or 0.0, 0.5 * narrowest, len(scene.tank.low))
+    liquid = filled(scene.liquid)
+    tension = liquid.surface_tension or 0.0
+    pressure = laplace_pressure(tension, 0.5 * narrowest, len(scene.tank.low))
     support = kernel_of(scene).support * smoothing_of(scene)
-    pressure += TENSIONS[tension_of(scene)].inner_pressure * (filled(scene.liquid).surface_tension or 0.0) / support
-    return math.sqrt(2.0 * pressure / density)
+    pressure += TENSIONS[tension_of(scene)].inner_pressure * tension / support
+    return math.sqrt(2.0 * pressure / (liquid.density or WATER))
 
 
 def parameters_of(scene: SphScene) -> Parameters:
@@ -221,7 +224,7 @@ def body_limit(scene: SphScene, spec: BodySpec, material: Material) -> float:
     shape, kernel, h = shape_of(spec), kernel_of(scene), smoothing_of(scene)
     areal_mass = mass_of(spec, shape) / shape.surface()
     pressed = body_sound_limit(areal_mass, material.density, material.sound_speed, kernel.overlap / h)
-    viscosity = material.viscosity * holds(spec, material)
+    viscosity = material.viscosity * holds(spec, scene)
     if friction_of(scene).radial:
         viscosity *= radial_excess(kernel.dim)
     return min(pressed, body_drag_limit(areal_mass, viscosity, float(kernel.over_plane(0.0)) / h))
@@ -236,7 +239,7 @@ def steps_of(scene: SphScene, material: Material) -> tuple[float, int]:
     if step > min(LENIENT * longest, limits[BODIES]):
         message = f"got {step:g} s; {limiter(limits)} requires {longest:.3g} s or less"
         raise SceneError([Fault("method.time_step", message)])
-    per_frame = max(1, math.ceil(scene.frame_every / step * (1.0 - 1e-9)))
+    per_frame = ending_on_a_step(scene, max(1, math.ceil(scene.frame_every / step * (1.0 - 1e-9))))
     return scene.frame_every / per_frame, per_frame
 
 

@@ -34,7 +34,7 @@ TURBULENCES = {"none": False, "smagorinsky": True}
 """Whether eddies add a viscosity: see `gradients.stir`."""
 PRECISIONS: dict[str, Precision] = {"double": np.float64, "single": np.float32}
 USUAL_ALPHA = 0.02
-"""Coefficient of the artificial viscosity for a liquid without viscosity."""
+"""Coefficient of the artificial viscosity where the scene gives the liquid no viscosity."""
 
 
 def chosen(name: str, names: Any, path: str) -> str:
@@ -87,8 +87,6 @@ def smoothing_of(scene: SphScene) -> float:
 def constants_of(scene: SphScene, material: Material, pull: Array) -> Constants:
     """The constants that sums read; `pull` is the gravity that pressure balances at rest."""
     shape, smoothing, dimension = kernel_of(scene), smoothing_of(scene), len(pull)
-    given = scene.method.artificial_viscosity
-    alpha = USUAL_ALPHA * (material.viscosity == 0.0) if given is None else given
     spring = material.density / material.sound_speed**2
     term = DIFFUSIONS[diffusion_of(scene, pull)]
     delta = 0.0
@@ -115,7 +113,7 @@ def constants_of(scene: SphScene, material: Material, pull: Array) -> Constants:
         "slope_factor": shape.normalization / smoothing ** (dimension + 2),
         "softening": 0.01 * smoothing**2,
         "sound_speed": material.sound_speed,
-        "alpha": alpha,
+        "alpha": artificial_viscosity_of(scene),
         # By volume the viscosity's term is not per density squared.
         "damping_divisor": material.density if by_mass else 1.0 / material.density,
         "delta": delta,
@@ -125,6 +123,12 @@ def constants_of(scene: SphScene, material: Material, pull: Array) -> Constants:
         "reference_value": cast(float, shape.shape(scene.spacing / smoothing)) if tensile else 0.0,
     }
     return constants_from(PRECISIONS[scene.method.precision], values)
+
+
+def artificial_viscosity_of(scene: SphScene) -> float:
+    """Its alpha."""
+    given = scene.method.artificial_viscosity
+    return USUAL_ALPHA * (not scene.liquid.viscosity) if given is None else given
 
 
 def diffusion_of(scene: SphScene, pull: Array) -> str:
@@ -161,6 +165,12 @@ def free_surface(scene: SphScene) -> bool:
     return any(side.kind == "open" for side in sides_of(scene)) or bool((room > 0.5 * scene.spacing).any())
 
 
+def smallest_extent(scene: SphScene) -> float:
+    """The smallest extent of any region of liquid (m)."""
+    bounds = [part_of(region, scene.spacing).bounds() for region in scene.fluid]
+    return float(min((high - low).min() for low, high in bounds))
+
+
 def shifting_of(scene: SphScene) -> str:
     """The shifting by its name. Where there is no surface flows pile particles up along their stagnation lines."""
     name = scene.method.shifting
@@ -170,10 +180,11 @@ def shifting_of(scene: SphScene) -> str:
 
 
 def tension_of(scene: SphScene) -> str:
-    """The model of surface tension by its name."""
-    name, there = scene.method.surface_tension_model, (filled(scene.liquid).surface_tension or 0.0) > 0.0
-    wanted = "csf" if name == "automatic" else chosen(name, TENSIONS, "method.surface_tension_model")
-    return wanted if there else "none"
+    """The model of surface tension by its name. A liquid's name alone sets its value, and switches nothing on."""
+    name = scene.method.surface_tension_model
+    if name == "automatic":
+        return "csf" if scene.liquid.surface_tension else "none"
+    return chosen(name, TENSIONS, "method.surface_tension_model") if filled(scene.liquid).surface_tension else "none"
 
 
 def color_reach_of(scene: SphScene) -> float:

@@ -28,7 +28,7 @@ LEAST_PERIOD = 1.2
 def boundary_of(scene: SphScene, material: Material, support: float) -> Boundary:
     """The tank, what stands in it, and the bodies' particles about their middles."""
     require_long_periods(scene, max(support, color_reach_of(scene)))
-    sides, table, image_owner = _imaging_sides(scene, material)
+    sides, table, image_owner = _imaging_sides(scene)
     solids = solids_of(scene)
     middle = 0.5 * (np.array(scene.tank.low) + np.array(scene.tank.high))
     walls = 2 * len(middle)
@@ -66,12 +66,12 @@ def dummies_at(points: Array, volume: Array, viscosity: float, owner: int) -> Du
 def _of_solids(scene: SphScene, material: Material, support: float) -> list[Dummies]:
     pieces, first = [], 2 * len(scene.tank.low)
     for index, (points, volume) in enumerate(obstacle_grains(scene, support)):
-        viscosity = material.viscosity * holds(scene.obstacles[index], material)
+        viscosity = material.viscosity * holds(scene.obstacles[index], scene)
         pieces.append(dummies_at(points, volume, viscosity, first + index))
     for index, spec in enumerate(scene.bodies):
         shape = shape_of(spec)
         points, volume = grains(shape, scene.spacing, support)
-        viscosity = material.viscosity * holds(spec, material)
+        viscosity = material.viscosity * holds(spec, scene)
         owner = first + len(scene.obstacles) + index
         pieces.append(dummies_at(points - shape.middle(), volume, viscosity, owner))
     return pieces
@@ -81,12 +81,12 @@ def _side(scene: SphScene, number: int) -> Any:
     return getattr(scene.tank, SIDES[number])
 
 
-def holds(side: Any, material: Material) -> bool:
-    """Whether a wall holds the liquid that touches it."""
-    return bool(side.slip == "no-slip" or (side.slip is None and material.viscosity > 0.0))
+def holds(side: Any, scene: SphScene) -> bool:
+    """Whether the no-slip condition holds at a wall: by default where the scene gives a viscosity."""
+    return bool(side.slip == "no-slip" or (side.slip is None and scene.liquid.viscosity))
 
 
-def _imaging_sides(scene: SphScene, material: Material) -> tuple[Sides, Array, Integers]:
+def _imaging_sides(scene: SphScene) -> tuple[Sides, Array, Integers]:
     """Mirrors, and periodic sides, and the number of each mirror's side in the tank (-1: periodic). Mirrors first: a
     periodic side then repeats the mirrored ones.
     """
@@ -96,7 +96,7 @@ def _imaging_sides(scene: SphScene, material: Material) -> tuple[Sides, Array, I
     for number in range(2 * dimension):
         side, axis = _side(scene, number), number // 2
         if side.kind == "periodic" or (side.kind == "wall" and mirrors):
-            rows.append(_row(scene, number, axis, holds(side, material)))
+            rows.append(_row(scene, number, axis, holds(side, scene)))
             numbers.append(number if side.kind == "wall" else -1)
     order = sorted(range(len(rows)), key=lambda k: -rows[k][3 * dimension])
     table = np.array([rows[k] for k in order]).reshape(-1, 4 * dimension + 2)
@@ -146,7 +146,7 @@ def _layers(scene: SphScene, material: Material, support: float) -> Dummies:
         behind = points[:, axis] < low[axis] if number % 2 == 0 else points[:, axis] > high[axis]
         if side.kind == "wall":
             owner[behind] = number
-        if side.kind == "wall" and holds(side, material):
+        if side.kind == "wall" and holds(side, scene):
             viscosity[behind] = material.viscosity
         if side.velocity is not None:
             velocity[behind] = side.velocity

@@ -1,0 +1,86 @@
+"""Faults of a whole scene beside syntax errors and misspelt keys."""
+
+from pathlib import Path
+
+import pytest
+
+from ecume.errors import Fault, SceneError
+from ecume.scenes.salvage import load_and_examine
+
+GOOD = """model = "floating"
+duration = "1 s"
+frame_every = "0.1 s"
+[dish]
+radius = "4 cm"
+[[floats]]
+radius = "1.5 mm"
+density = 300
+contact_angle = "70 deg"
+count = 2
+"""
+HUGE = 'radius = "1.5 mm"', "radius = 1"
+TYPOS = [
+    ('frame_every = "0.1 s"', 'frame_evry = "0.1 s"', "did you mean frame_every"),
+    ("count = 2", "cuont = 2", "did you mean count"),
+    ("count = 2", 'count = 2\nseveral = "yes"', "no such key"),
+    ("count = 2", "count = 2\nvolume = nonsense", "is not TOML"),
+    ("[dish]", "[dish]\ndepth ==", "is not TOML"),
+    ("count = 2", 'count = 2\ncolor = "nocolor"', "nocolor"),
+]
+
+
+def physics(scene):
+    """Refuse floats of a meter, as a model does."""
+    faults = [
+        Fault(f"floats[{index}].radius", "is it in meters?")
+        for index, one in enumerate(scene.floats)
+        if one.radius > 0.5
+    ]
+    if faults:
+        raise SceneError(faults)
+
+
+def faults_of(text, folder: Path):
+    """All that is reported of a file with this text."""
+    file = folder / "scene.toml"
+    file.write_text(text)
+    with pytest.raises(SceneError) as error:
+        load_and_examine(file, [], physics)
+    return error.value.faults
+
+
+@pytest.mark.parametrize(("old", "new", "says"), TYPOS)
+def test_a_fault_of_the_text_does_not_hide_one_of_the_physics(old, new, says, tmp_path):
+    faults = faults_of(GOOD.replace(*HUGE).replace(old, new, 1), tmp_path)
+    told = [str(fault) for fault in faults]
+    assert len(told) == 2
+    assert any(says in one for one in told)
+    (physical,) = (fault for fault in faults if "in meters" in fault.message)
+    assert (physical.path, physical.line) == ("floats[0].radius", 8 if "depth" in new else 7)
+
+
+def test_several_faults_of_each_kind_are_reported_in_the_order_of_the_file(tmp_path):
+    text = (
+        GOOD.replace(*HUGE).replace("count = 2", "cuont = 2\nvolume = nonsense").replace("[dish]", "[dish]\ndepth ==")
+    )
+    faults = faults_of(text, tmp_path)
+    assert [fault.line for fault in faults] == [5, 8, 11, 12]
+
+
+@pytest.mark.parametrize(("old", "new", "says"), TYPOS)
+def test_what_is_right_but_for_its_text_has_that_fault_only(old, new, says, tmp_path):
+    (fault,) = faults_of(GOOD.replace(old, new, 1), tmp_path)
+    assert says in str(fault)
+
+
+def test_a_scene_that_lacks_something_has_no_valid_part(tmp_path):
+    faults = faults_of(GOOD.replace("density = 300\n", "").replace(*HUGE), tmp_path)
+    assert [fault.path for fault in faults] == ["floats[0].density"]
+
+
+def test_a_good_scene_is_loaded(tmp_path):
+    file = tmp_path / "scene.toml"
+    file.write_text(GOOD)
+    assert load_and_examine(file, [], physics).floats[0].count == 2
+    with pytest.raises(SceneError, match="cannot be read"):
+        load_and_examine(tmp_path / "nothing.toml", [], physics)
