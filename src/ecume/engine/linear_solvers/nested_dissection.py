@@ -26,7 +26,7 @@ def elimination_order(pattern: Pattern) -> Integers:
 
 
 def _cut(pattern: Pattern) -> tuple[Integers, Integers, int]:
-    """For each row the level of its separator or last part, and which one of the level it is; and the last level."""
+    """For each row the level of its separator or last part, and its number within the level; and the last level."""
     count = len(pattern.order)
     depth = max(int(np.ceil(np.log2(max(count / LEAF, 1.0)))), 0)
     level, part = np.full(count, depth), np.zeros(count, np.int64)
@@ -46,7 +46,7 @@ def _cut(pattern: Pattern) -> tuple[Integers, Integers, int]:
 
 
 def _halves(part: Integers, remaining: NDArray[np.bool_]) -> Integers:
-    """Which half of its part each row is in: 0 or 1."""
+    """The half of its part that each row belongs to: 0 or 1."""
     rows = np.flatnonzero(remaining)
     rows = rows[np.argsort(part[rows], kind="stable")]
     sizes = np.bincount(part[rows])

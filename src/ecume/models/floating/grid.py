@@ -1,6 +1,6 @@
 """Pair forces of crowds whose menisci reach over thousands: neighbors in lists, all the others on a grid.
 
-K0 is split in two (`laws.split`). The short part is summed over neighbor lists as ever. Charges are spread over a grid
+K0 is split in two (`laws.ewald`). The short part is summed over neighbor lists as ever. Charges are spread over a grid
 by splines, transformed, multiplied by the smooth part's waves, and the field is read back with the same splines: so
 what two floats do to each other cancels to rounding, and nobody pushes itself. The grid lies around where everyone was
 when the lists were made, which is a part of the state. The march is Python around compiled parts, since transforms are

@@ -83,7 +83,7 @@ class State(NamedTuple):
     """(3,) what chooses the solver: iterations that a linear system last took, steps since without any, and attempts
     that failed since the last step that gradients solved"""
     books: Array = NO_BOOKS
-    """(4,) J: work from outside, and where it went: see `booking`"""
+    """(4,) J: work from outside, and its distribution: see `report.energy_budget`"""
 
 
 class Workspace(NamedTuple):

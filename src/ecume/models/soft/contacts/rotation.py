@@ -172,7 +172,7 @@ def place_quads(quads: Array, stiffness: Array, by_spin: Array, torque_by: Array
 @compiled
 def hold_spins(matrix: Matrix, spins: Spins, free: bool) -> None:
     """Make the matrix of spins regular where spheres are `free` to turn all together: the first one resists, which
-    `turning.unturn` makes good.
+    `unturn` makes good.
     """
     own, blocks = matrix.pattern.diagonal, matrix.blocks
     begin = blocks.shape[1] - spins.turn.shape[1]

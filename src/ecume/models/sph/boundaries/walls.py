@@ -33,7 +33,7 @@ from ecume.units import Array
 
 @spread
 def flag_outside(position: Array, kind: Integers, number: Array, radius: float, out: Flags) -> None:
-    """Who is behind a surface, or closer to it than the radius."""
+    """Flag particles behind a surface, or closer to it than the radius."""
     for i in prange(position.shape[1]):
         z = position[2, i] if position.shape[0] == 3 else 0.0
         gap, _ = worst_gap(kind, number, (position[0, i], position[1, i], z), 0.0)
@@ -67,7 +67,7 @@ def turn_back(guard: Guard, position: Array, velocity: Array, transport: Array, 
 
 
 def _as_before(packed: Sheet, time: float) -> Sheet:
-    """Where moving planes were at the start of the drift; the engine moves them on."""
+    """The surfaces with moving planes at the start of the drift; the engine moves them."""
     number = packed.number.copy()
     flat = packed.kind[:, 0] == PLANE
     way = time * (number[:, :3] * number[:, SPEED : SPEED + 3]).sum(axis=1)

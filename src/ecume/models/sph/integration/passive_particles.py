@@ -77,7 +77,7 @@ def surroundings(parameters: Parameters, workspace: Workspace, position: Array) 
 
 
 def wrap(sides: Sides, position: Array) -> None:
-    """Who left through a periodic side comes in through the opposite one."""
+    """Move particles beyond a periodic side to the opposite one."""
     for side in np.flatnonzero(sides.mirrors == 0):
         out = product(sides.normal[side], position - sides.point[side][:, None]) < 0.0
         position[:, out] += sides.shift[side][:, None]

@@ -82,7 +82,7 @@ def advance(parameters: Parameters, state: State, workspace: Workspace, steps: i
 
 
 def divisions_needed(parameters: Parameters, state: State) -> int:
-    """How many parts keep a step within what sound and forces allow; very many where something is not a number."""
+    """The number of substeps that sound and forces require; very many if a value is not finite."""
     h = float(number(parameters.constants, "smoothing_length"))
     speed, force = largest(state.velocity), largest(state.acceleration)
     if not (math.isfinite(speed) and math.isfinite(force)):
@@ -108,8 +108,8 @@ def symplectic_step(parameters: Parameters, state: State, workspace: Workspace, 
 
 
 def verlet_step(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
-    """One evaluation a step, at the new positions and at velocities and densities that go on as they did before; then
-    the mean of both rates. Pressure at densities half a step behind would feed sound waves.
+    """Velocity Verlet with one evaluation per step, at the new positions and at predicted velocities and densities;
+    then a correction by the mean of both rates. Pressure at densities half a step behind would amplify sound waves.
     """
     if not state.ready[0]:
         renew(parameters, state, workspace)
@@ -127,7 +127,7 @@ def verlet_step(parameters: Parameters, state: State, workspace: Workspace, time
 
 
 def kick_all(state: State, time: float) -> None:
-    """Of the liquid and of the bodies."""
+    """Update the velocities of the liquid and of the bodies."""
     kick(state.velocity, state.acceleration, time)
     state.motion[...] += time * state.push
 
@@ -147,7 +147,7 @@ def move(parameters: Parameters, state: State, workspace: Workspace, time: float
 
 
 def turn_all_back(now: Parameters, state: State, time: float) -> None:
-    """Bodies at whatever they run into, liquid at walls, obstacles and bodies."""
+    """Resolve collisions of bodies, and reflect the liquid at walls, obstacles and bodies."""
     guard, bodies = now.boundary.guard, now.bodies
     if bodies.shapes:
         calm = CALM * now.material.fastest
@@ -163,7 +163,7 @@ def turn_all_back(now: Parameters, state: State, time: float) -> None:
 
 
 def way_of_solids(parameters: Parameters, state: State) -> float:
-    """How far bodies and sides went since the lists were made."""
+    """The displacement of bodies and sides since the lists were made."""
     return farthest_way(parameters.bodies, state.pose, state.pose_reference) + way_of_sides(parameters, state)
 
 
@@ -183,7 +183,7 @@ def renew(parameters: Parameters, state: State, workspace: Workspace) -> None:
 
 
 def wrap(parameters: Parameters, state: State) -> None:
-    """Who left through a periodic side comes in through the opposite one."""
+    """Move particles beyond a periodic side to the opposite one."""
     sides = parameters.boundary.sides
     for side in np.flatnonzero(sides.mirrors == 0):
         out = product(sides.normal[side], state.position - sides.point[side][:, None]) < 0.0

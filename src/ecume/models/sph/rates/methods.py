@@ -55,7 +55,7 @@ class DensityDiffusion(NamedTuple):
         return fields.enthalpy if self.field == "enthalpy" else fields.density
 
     def rise(self, density: float, sound_speed: float) -> float:
-        """What gravity is multiplied with for the field's change along it at rest: rho/c^2 for the density."""
+        """The gradient of the field at rest over gravity: rho/c^2 for the density."""
         spring = 1.0 if self.field == "enthalpy" else density / sound_speed**2
         return spring if self.balances_weight else 0.0
 

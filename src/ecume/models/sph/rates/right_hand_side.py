@@ -39,7 +39,7 @@ def take_forces(parameters: Parameters, state: State, workspace: Workspace, time
 
 
 def take_both(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
-    """Both of them; in a single sum where there is neither diffusion nor a wall's dummy."""
+    """The rates of density and velocity; one sum if there is neither diffusion nor a dummy."""
     parameters = instant(parameters, state)
     fill(parameters, state, workspace)
     lists, rates = workspace.lists, workspace.rates
@@ -66,7 +66,7 @@ def _sum_stretch(parameters: Parameters, workspace: Workspace) -> None:
 
 
 def _summed(parameters: Parameters, workspace: Workspace) -> tuple[Floats, Lists, Constants]:
-    """What every sum over neighbors reads."""
+    """The arguments of every sum over neighbors."""
     return workspace.fields.table, workspace.lists, parameters.constants
 
 
@@ -93,7 +93,7 @@ def _store_thickening(parameters: Parameters, state: State, workspace: Workspace
 
 
 def _store_acceleration(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
-    """Pressure is per weight, friction per mass; and gravity."""
+    """Store the acceleration: pressure, gravity, friction, repulsion, bodies and surface tension."""
     per_volume, rates = parameters.pressure_force.per_volume, workspace.rates
     store_acceleration(state.acceleration, rates.table, state.density, parameters.gravity, per_volume)
     if parameters.pull_rate > 0.0:
@@ -116,7 +116,7 @@ def _store_acceleration(parameters: Parameters, state: State, workspace: Workspa
 
 
 def _push_bodies(parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """What the liquid does to each body's particles, summed in their order."""
+    """Set the accelerations of bodies from the forces on their particles, summed in order."""
     bodies, dummies, d = parameters.bodies, parameters.boundary.dummies, parameters.dimension
     if not bodies.shapes:
         return
@@ -135,14 +135,14 @@ def _push_bodies(parameters: Parameters, state: State, workspace: Workspace) -> 
 
 
 def table_of(parameters: Parameters) -> Array:
-    """The sides' table, with points from where sums count."""
+    """The table of sides, with points relative to the origin of the sums."""
     table = parameters.boundary.table.copy()
     table[:, : parameters.dimension] -= parameters.origin
     return table
 
 
 def fill(parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """The liquid's columns, its images', the walls', and the images of those."""
+    """Fill the fields of the liquid, of its images, of the dummies, and of the images of those."""
     fields, lists = workspace.fields, workspace.lists
     constants, table = parameters.constants, fields.table
     require_kernel(parameters.constants)

@@ -31,7 +31,7 @@ BEFORE, DOWN = INDEX(STRIDE - 1), INDEX(2**64 - STRIDE)
 
 @compiled_inside
 def whole(count: int) -> np.uint64:
-    """How long a row is up to a whole vector: the rest is the particle itself, and adds nothing."""
+    """The length of a row rounded up to a whole vector: padding is the particle itself, and adds nothing."""
     return (INDEX(count) + BEFORE) & DOWN
 
 
@@ -87,7 +87,7 @@ def stretched(pull: float, radial: float) -> float:
 
 @summed_inside
 def pushed(pull: float, own: float, push: float, damp: float) -> float:
-    """A pair's force over x_ij: w_j F (P_i + P_j + damping); see `PUSH` and `WEIGHT`."""
+    """A pair's force over x_ij: w_j F (P_i + P_j + damping); see `Fields.force_term` and `Fields.weight`."""
     return pull * (own + push + damp)
 
 
@@ -153,7 +153,7 @@ def sum_momentum(
     fields: Floats, lists: Lists, constants: Constants, kernel: KernelType,
     rates: Floats,
 ) -> None:  # fmt: skip
-    """Pressure and damping: see `_momentum`."""
+    """Pressure and artificial viscosity: see `_momentum`."""
     if constants[0].dimension == 3:
         _momentum(True, False, fields, lists, constants, kernel, rates)
     else:

@@ -34,7 +34,7 @@ FAST = 0.11
 
 
 def advice(scene: SphScene, parameters: Parameters, count: int, bytes_each: float) -> list[Row]:
-    """Everything there is to say of a scene with so many particles."""
+    """All rows of the report on a scene with `count` particles."""
     return [
         *_resolution(scene, parameters, count),
         *_liquid(scene, parameters),
@@ -57,7 +57,7 @@ def _resolution(scene: SphScene, parameters: Parameters, count: int) -> list[Row
 
 
 def walls_remark(scene: SphScene, dummies: int) -> str:
-    """What holds the liquid."""
+    """The kind of walls."""
     if dummies:
         return f"{dummies} more in walls and solids"
     if all(side.kind != "wall" for side in sides_of(scene)):
@@ -132,7 +132,7 @@ def particles_across(scene: SphScene) -> float:
 
 
 def resolution_remark(across: float) -> str:
-    """Whether that is enough."""
+    """A remark on this number of particles."""
     if across < COARSE:
         return f"coarse: a first look; {COARSE} or more show the flow"
     return "fine" if across >= FINE else f"good for the flow; {FINE} or more for pressures"
@@ -150,7 +150,7 @@ def lattice_neighbors(dimension: int, reach: float) -> int:
 
 
 def neighbor_remark(neighbors: int, dimension: int, kernel: str) -> str:
-    """Whether that is a good number for this kernel."""
+    """A remark on this number of neighbors."""
     if neighbors < FEW_NEIGHBORS[dimension]:
         return "few, sums are rough: raise method.smoothing"
     if neighbors > MANY_NEIGHBORS[dimension]:
@@ -161,7 +161,7 @@ def neighbor_remark(neighbors: int, dimension: int, kernel: str) -> str:
 
 
 def time_step_remark(scene: SphScene, parameters: Parameters) -> str:
-    """What sets the time step."""
+    """The limit that determines the time step."""
     if scene.method.time_step is not None:
         return "as given"
     return f"set by {limiter(limits_of(scene, parameters.material))}"

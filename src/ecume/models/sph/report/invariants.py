@@ -66,12 +66,12 @@ def _faint(parameters: Parameters) -> Callable[[Seen], float]:
 
 
 def _kinds(scene: SphScene) -> list[str]:
-    """What each side of the tank is."""
+    """The kind of each side of the tank."""
     return [getattr(scene.tank, side).kind for side in SIDES[: 2 * len(scene.tank.low)]]
 
 
 def _alone(scene: SphScene) -> bool:
-    """Whether nothing but liquid acts on the liquid."""
+    """Whether no external force acts on the liquid."""
     around = all(kind == "periodic" for kind in _kinds(scene))
     pulled = bool(np.any(scene.gravity)) or scene.central_pull is not None
     return around and not (pulled or scene.bodies or scene.obstacles)

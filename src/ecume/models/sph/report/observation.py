@@ -105,8 +105,8 @@ def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame
 
 
 def carried_arrays(parameters: Parameters, state: State, workspace: Workspace) -> dict[str, Array]:
-    """What is carried, after the liquid and with the next species' numbers. It weighs nothing: it moves nothing. Its
-    pressure is the liquid's around it, zero outside.
+    """Arrays with the passive particles after the liquid, as further species. They have no mass; their pressure is that
+    of the liquid around, zero outside.
     """
     carried, material, count = parameters.carried, parameters.material, state.carried_position.shape[1]
     group = np.repeat(np.arange(len(carried.groups)), np.diff(carried.start))
@@ -183,7 +183,7 @@ def motion(state: State) -> Mapping[str, float]:
 
 
 def extremes(parameters: Parameters, state: State) -> Mapping[str, float]:
-    """How far, how high, how fast, how dense; and what the step had to do."""
+    """Extent, largest speed, pressure and density change, and counts of substeps and exchanged particles."""
     change = np.abs(state.density / parameters.material.density - 1.0)
     return {
         "front": state.position[0].max(),

@@ -25,7 +25,7 @@ from ecume.units import Array
 
 
 class Said(NamedTuple):
-    """Of a region's particles; not a number where nothing was said."""
+    """Given velocities, densities and masses of the particles of a region; NaN if not given."""
 
     velocity: Array
     """(n, d), zero where nothing was said: it is added to the region's own"""
@@ -34,7 +34,7 @@ class Said(NamedTuple):
 
 
 def said_of(region: RegionSpec, kept: Flags) -> Said:
-    """Of those that were kept."""
+    """The given values of the particles that were kept."""
     given, count = region.particles, int(kept.sum())
     unsaid = np.full(count, np.nan)
     if given is None:
@@ -50,7 +50,7 @@ def said_of(region: RegionSpec, kept: Flags) -> Said:
 
 
 def with_said(liquid: Liquid, told: list[Said]) -> Liquid:
-    """The liquid with what was said of its regions, one after the other."""
+    """The liquid with the given values of its regions, in order."""
     dimension = len(liquid.position)
     velocity = np.concatenate([np.broadcast_to(each.velocity, (len(each.density), dimension)) for each in told])
     density, mass = np.concatenate([each.density for each in told]), np.concatenate([each.mass for each in told])
@@ -110,14 +110,14 @@ def pressure_in(region: RegionSpec, scene: SphScene, points: Array, density: flo
 
 
 def vortex_phases(scene: SphScene, points: Array) -> tuple[Array, Array]:
-    """Of a vortex pair a tank length."""
+    """Phases (rad) of a vortex pair with the period of the tank."""
     size = np.array(scene.tank.high) - np.array(scene.tank.low)
     phase = 2.0 * math.pi * (points - np.array(scene.tank.low)) / size
     return phase[:, 0], phase[:, 1]
 
 
 def _cross_speed(region: RegionSpec, scene: SphScene) -> float:
-    """Along y: other than along x where the tank is no square, for nothing must diverge."""
+    """The speed along y, from zero divergence in a tank that is not a square."""
     size = np.array(scene.tank.high) - np.array(scene.tank.low)
     return float(region.flow_speed * size[1] / size[0])
 
@@ -127,7 +127,7 @@ def _free(scene: SphScene) -> bool:
 
 
 def _deforming(region: RegionSpec, scene: SphScene, points: Array, density: float) -> Array:
-    """A ball or a square without walls: its surface is at zero, whatever it does."""
+    """The pressure of a free ball or square, zero at its surface."""
     dimension = points.shape[1]
     gradient = np.array(region.velocity_gradient or np.zeros((dimension, dimension)))
     rate = scene.central_pull.rate if scene.central_pull else 0.0
@@ -173,15 +173,17 @@ def liquid_of(scene: SphScene, material: Material) -> Liquid:
 
 
 def room_of(scene: SphScene, *, single: bool) -> Box:
-    """Where liquid may start: in the tank, and `single` particles, those of a run under way, beyond its open sides."""
+    """The box in which liquid may start: the tank, and for `single` particles of another run also beyond its open
+    sides.
+    """
     tank = np.array([scene.tank.low, scene.tank.high])
     low, high = np.where(np.isfinite(bounds_of(scene)), bounds_of(scene), tank) if single else tank
     return Box(low, high)
 
 
 def _kept(scene: SphScene, points: Array, earlier: list[Part], solids: list[Shape], *, single: bool) -> Flags:
-    """Who is neither where other liquid is nor too close to a solid. `single` particles keep the distances of the flow
-    they were taken from, to those of other tables and to solids, however small.
+    """Flags of particles outside other liquid and not too close to a solid. `single` particles keep their distances to
+    those of other tables and to solids, however small.
     """
     others = [part for part in earlier if not (single and isinstance(part, Cloud))]
     return apart(points, others) & free_of(points, solids, 0.0 if single else scene.spacing)

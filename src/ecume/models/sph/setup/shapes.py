@@ -23,7 +23,7 @@ def shape_of(spec: ShapeSpec) -> Shape:
 
 
 def part_of(region: RegionSpec, spacing: float) -> Part:
-    """Where the liquid of a region is."""
+    """The region of the liquid as a part of space."""
     if region.particles is not None:
         return Cloud(np.array(region.particles.positions), spacing)
     return Mesh(np.array(region.triangles)) if region.triangles else shape_of(region)
@@ -35,7 +35,7 @@ def solids_of(scene: SphScene) -> list[Shape]:
 
 
 def free_of(points: Array, solids: list[Shape], spacing: float) -> Flags:
-    """Which points are outside of all solids, and not too close to one."""
+    """Flags of points outside of all solids, and not too close to one."""
     free = np.ones(len(points), bool)
     for solid in solids:
         free &= solid.nearest(points)[0] > CLEARANCE * spacing
@@ -60,7 +60,7 @@ def grains(shape: Shape, spacing: float, support: float) -> tuple[Array, Array]:
 
 
 def obstacle_grains(scene: SphScene, support: float) -> list[tuple[Array, Array]]:
-    """Of each obstacle, without what is in an earlier one or out of the tank."""
+    """Dummies of each obstacle, without those in an earlier one or outside of the tank."""
     low, high = np.array(scene.tank.low), np.array(scene.tank.high)
     found, earlier = [], list[Shape]()
     for spec in scene.obstacles:
@@ -82,7 +82,7 @@ def _cells_of(shape: Box, spacing: float) -> tuple[Array, Array]:
 
 
 def _rows_of(shape: Polygon, spacing: float, support: float) -> tuple[Array, Array]:
-    """Rows along the edges, one spacing apart: liquid finds no holes in them, as in a lattice that lies askew."""
+    """Rows along the edges, one spacing apart, which have no holes, unlike an oblique lattice."""
     points, volume, outer = [np.zeros((0, 2))], [np.zeros(0)], shape
     for row in range(round_up(support, spacing) + 1):
         inner, middle = shape.inset((row + 1) * spacing), shape.inset((row + 0.5) * spacing)

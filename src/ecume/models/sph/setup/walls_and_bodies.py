@@ -313,7 +313,7 @@ def _require_possible(scene: SphScene) -> None:
 
 
 def _overlaps(scene: SphScene) -> list[Fault]:
-    """Bodies that start inside an obstacle or an earlier body, by more than what touching may round to."""
+    """Faults of bodies that start inside an obstacle or an earlier body, beyond rounding."""
     faults, slack = [], TOUCHING * scene.spacing
     solids = [(f"obstacles[{n}]", shape_of(spec)) for n, spec in enumerate(scene.obstacles)]
     for index, spec in enumerate(scene.bodies):
@@ -327,7 +327,7 @@ def _overlaps(scene: SphScene) -> list[Fault]:
 
 
 def _overlap(one: Shape, other: Shape, fine: float) -> float:
-    """How deep a point of either's rim is inside the other (m); negative where none is."""
+    """The depth of the deepest rim point of one shape inside the other (m); negative without overlap."""
     pairs = (one, other), (other, one)
     return max(-float(inside.nearest(outer.rim(fine))[0].min()) for outer, inside in pairs)
 
@@ -347,7 +347,7 @@ def _wide(points: Array) -> Array:
 
 
 def drives_of(scene: SphScene) -> tuple[tuple[int, Drive], ...]:
-    """The sides that move, by their numbers."""
+    """The moving sides, by number."""
     found = []
     for number, name in enumerate(SIDES[: 2 * len(scene.tank.low)]):
         motion = getattr(scene.tank, name).motion
@@ -357,7 +357,7 @@ def drives_of(scene: SphScene) -> tuple[tuple[int, Drive], ...]:
 
 
 def shake_of(scene: SphScene) -> Drive | None:
-    """What a shaken tank adds to gravity."""
+    """The acceleration that a shaken tank adds to gravity."""
     shake = scene.shake
     return None if shake is None else _drive(shake, shake.amplitude, shake.accelerations, 0.0)
 
@@ -372,7 +372,7 @@ def _drive(spec: MotionSpec | ShakeSpec, amplitude: object, values: object, orig
 
 
 def fastest_drive(scene: SphScene) -> float:
-    """The fastest that a side moves, or that a shake alone moves the liquid in a second at its height."""
+    """The largest speed of a moving side."""
     speeds = [0.0]
     for _, drive in drives_of(scene):
         speeds.append(float(np.abs(drive.amplitude).max()) * drive.turning)
