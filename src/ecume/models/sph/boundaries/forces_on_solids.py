@@ -34,7 +34,7 @@ class PairForces(NamedTuple):
 
 @compiled_inside
 def _transported(fields: Floats, i: int, j: int, apart: Vector, pull: float) -> Vector:
-    """Pressure weighed by densities, and the momentum that a transport velocity carries (see `push_transported`)."""
+    """Density-weighted pressure, and the momentum by the transport velocity (see `sum_transported_pressure`)."""
     both = (
         0.5
         * pull

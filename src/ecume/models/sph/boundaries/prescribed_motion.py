@@ -81,7 +81,7 @@ def _shaken(parameters: Parameters, more: Array) -> Parameters:
     return parameters._replace(gravity=parameters.gravity + more, constants=constants)
 
 
-def way_of_sides(parameters: Parameters, state: State) -> float:
+def displacement_of_sides(parameters: Parameters, state: State) -> float:
     """The displacement of sides since the lists were made; their images move twice as far."""
     now, then = (float(time) for time in state.clock)
     ways = (drive_at(drive, now)[0] - drive_at(drive, then)[0] for _, drive in parameters.drives)

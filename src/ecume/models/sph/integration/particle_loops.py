@@ -37,7 +37,7 @@ def thicken(density: Array, thickening: Array, time: float) -> None:
 
 
 @spread
-def run_ahead(
+def predict(
     velocity: Array, acceleration: Array, density: Array, thickening: Array, before: Array, time: float
 ) -> None:
     """Predict velocities (already half a step ahead) and densities with the present rates, which `before` keeps."""
@@ -51,7 +51,7 @@ def run_ahead(
 
 
 @spread
-def take_mean(
+def correct(
     velocity: Array, acceleration: Array, density: Array, thickening: Array, before: Array, time: float
 ) -> None:
     """Correct the predicted values to those of the mean of the rates before and now."""

@@ -137,7 +137,7 @@ LEAST = 1e-30
 """Pa s, a lower bound: the harmonic mean of two zeros is not a number."""
 
 
-def stir(parameters: Parameters, workspace: Workspace) -> None:
+def set_eddy_viscosity(parameters: Parameters, workspace: Workspace) -> None:
     """Set the viscosity of the liquid and its images, with the eddy viscosity."""
     fields, lists, images = workspace.fields, workspace.lists, workspace.images
     viscosity = max(parameters.material.viscosity, LEAST)

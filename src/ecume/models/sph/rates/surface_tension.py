@@ -271,7 +271,7 @@ continuity is zero up to a flat surface. Computed for Wendland's C2 and uniform 
 """
 
 
-def pull(parameters: Parameters, state: State, workspace: Workspace) -> None:
+def add_surface_tension(parameters: Parameters, state: State, workspace: Workspace) -> None:
     """Add the acceleration by surface tension to the state's."""
     TENSIONS[parameters.tension].pull(parameters, state, workspace)
 
@@ -281,7 +281,7 @@ def surface_energy(parameters: Parameters, workspace: Workspace) -> float:
     return TENSIONS[parameters.tension].energy(parameters, workspace)
 
 
-def no_pull(parameters: Parameters, state: State, workspace: Workspace) -> None:
+def add_nothing(parameters: Parameters, state: State, workspace: Workspace) -> None:
     """Add nothing."""
 
 
@@ -290,12 +290,12 @@ def no_energy(parameters: Parameters, workspace: Workspace) -> float:
     return 0.0
 
 
-def pull_by_contours(parameters: Parameters, state: State, workspace: Workspace) -> None:
+def add_contour_force(parameters: Parameters, state: State, workspace: Workspace) -> None:
     """Add the acceleration by the continuum surface force."""
     state.acceleration[...] += contour_forces(parameters, workspace, state.mass) / state.mass
 
 
-def pull_by_pairs(parameters: Parameters, state: State, workspace: Workspace) -> None:
+def add_cohesion(parameters: Parameters, state: State, workspace: Workspace) -> None:
     """Add the acceleration by cohesion."""
     strength = cohesion_strength(parameters)
     pull_by_cohesion(*_crowd(parameters, workspace), parameters.support, strength, state.acceleration)
@@ -404,9 +404,9 @@ class Tension(NamedTuple):
 
 
 TENSIONS: Mapping[str, Tension] = {
-    "none": Tension(no_pull, no_energy, {2: 0.0, 3: 0.0}, inner_pressure=0.0, accuracy={}, laws=()),
+    "none": Tension(add_nothing, no_energy, {2: 0.0, 3: 0.0}, inner_pressure=0.0, accuracy={}, laws=()),
     "cohesion": Tension(
-        pull_by_pairs, energy_of_pairs, {2: 0.0, 3: 0.0}, inner_pressure=6.0,
+        add_cohesion, energy_of_pairs, {2: 0.0, 3: 0.0}, inner_pressure=6.0,
         accuracy={
             2: "swings below a tenth are too fast, wide ones right within 5 %",
             3: "draws round, but does not swing: particles that keep their neighbors hold each other",
@@ -415,7 +415,7 @@ TENSIONS: Mapping[str, Tension] = {
     ),
     # A narrower color kernel sees single particles, a wider one flattens what is curved.
     "csf": Tension(
-        pull_by_contours, contour_energy, {2: 4.8, 3: 4.0}, inner_pressure=0.0,
+        add_contour_force, contour_energy, {2: 4.8, 3: 4.0}, inner_pressure=0.0,
         accuracy={
             2: "periods and pressures within some percent at ten particles a radius",
             3: "periods within 9 % at five particles a radius, 5 % at six; pressures within 14 %",

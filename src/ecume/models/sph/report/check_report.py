@@ -12,7 +12,7 @@ from ecume.models.check_report import LONG, Row, told_duration
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.rates.surface_tension import NODES, TENSIONS
 from ecume.models.sph.setup.building import limiter, limits_of
-from ecume.models.sph.setup.choices import sides_of, smoothing_of, tension_of, told
+from ecume.models.sph.setup.choices import material_rows, sides_of, smoothing_of, tension_of
 from ecume.models.sph.setup.shapes import part_of, solids_of
 from ecume.scenes.sph import SphScene
 
@@ -80,7 +80,7 @@ def _liquid(scene: SphScene, parameters: Parameters) -> list[Row]:
     mach = material.fastest / material.sound_speed
     remark = "to be expected" if mach <= FAST else "large: raise liquid.sound_speed"
     return [
-        *told(scene.liquid),
+        *material_rows(scene.liquid),
         (
             "fastest speed",
             f"{material.fastest:.4g} m/s",

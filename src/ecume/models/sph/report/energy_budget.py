@@ -29,7 +29,7 @@ from ecume.laws.enthalpy import tait_energy
 from ecume.models.sph.boundaries.forces_on_solids import force_of_mirror, forces_on, roots_of
 from ecume.models.sph.boundaries.prescribed_motion import drive_at, instant
 from ecume.models.sph.boundaries.rigid_bodies import energy_of_bodies
-from ecume.models.sph.boundaries.walls import leaning_on
+from ecume.models.sph.boundaries.walls import repelled_by_wall
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.state import PER_PARTICLE, RATE, WORK, State, Workspace
 from ecume.units import Array
@@ -75,25 +75,25 @@ def potential_of(parameters: Parameters, mass: Array, position: Array) -> float:
 
 def energy_of(parameters: Parameters, state: State, who: Any) -> float:
     """Kinetic, potential and elastic energy of some particles (J)."""
-    some = those(state, who)
+    some = subset(state, who)
     alone = energies(parameters, some, 0.0, 0.0)
     return alone["total_energy"] - alone["bodies_energy"]
 
 
 def liquid_alone(parameters: Parameters, state: State) -> State:
     """The state without the buffers behind inflows and outflows."""
-    return those(state, state.zone == 0) if parameters.gates else state
+    return subset(state, state.zone == 0) if parameters.gates else state
 
 
-def those(state: State, who: Any) -> State:
+def subset(state: State, who: Any) -> State:
     """The state of some of the particles."""
     return state._replace(**{name: getattr(state, name)[..., who] for name in PER_PARTICLE})
 
 
-def booked(parameters: Parameters) -> bool:
+def has_external_work(parameters: Parameters) -> bool:
     """Whether any process may add or remove energy."""
     around = product(parameters.boundary.sides.shift, parameters.gravity)
-    return bool(parameters.shake is not None or forces_work(parameters) or around.any() or leaks(parameters))
+    return bool(parameters.shake is not None or forces_work(parameters) or around.any() or may_lose_liquid(parameters))
 
 
 def forces_work(parameters: Parameters) -> bool:
@@ -102,18 +102,20 @@ def forces_work(parameters: Parameters) -> bool:
     return bool(parameters.drives or parameters.gates or sliding)
 
 
-def leaks(parameters: Parameters) -> bool:
+def may_lose_liquid(parameters: Parameters) -> bool:
     """Whether liquid may be lost through a side, other than one to which it would have to rise."""
     outwards = np.array([-parameters.gravity, parameters.gravity])
     return bool((np.isfinite(parameters.bounds) & (outwards >= 0.0)).any())
 
 
-def untold(parameters: Parameters) -> bool:
+def has_unbudgeted_work(parameters: Parameters) -> bool:
     """Whether surface tension does work outside the energy budget: it acts on moving parts, but not in the loads."""
     return parameters.tension != "none" and bool(parameters.drives or parameters.gates or parameters.bodies.shapes)
 
 
-def book(parameters: Parameters, state: State, workspace: Workspace, began: tuple[float, bool], time: float) -> None:
+def add_work(
+    parameters: Parameters, state: State, workspace: Workspace, began: tuple[float, bool], time: float
+) -> None:
     """Add the work of a completed step; `began` is the power (W) before it, and whether the forces were known then."""
     if parameters.shake is None and not forces_work(parameters):
         return
@@ -141,8 +143,8 @@ def power_of_forces(now: Parameters, state: State, workspace: Workspace) -> floa
     power = 0.0
     for row in moving_sides(now):
         power += power_of_side(now, state, workspace, int(row))
-    if len(lids(now)):
-        power += power_of_lids(now, workspace)
+    if len(moving_dummies(now)):
+        power += power_of_moving_dummies(now, workspace)
     return power + power_of_buffers(now, state, workspace) if now.gates else power
 
 
@@ -159,22 +161,22 @@ def power_of_side(now: Parameters, state: State, workspace: Workspace, row: int)
     normal, place = boundary.sides.normal[row], boundary.sides.point[row]
     near = np.flatnonzero(product(normal, state.position - place[:, None]) < now.support)
     few = state._replace(position=np.ascontiguousarray(state.position[:, near]), mass=state.mass[near])
-    leaning = leaning_on(now, few, side)
+    leaning = repelled_by_wall(now, few, side)
     force = np.sum(leaning.push * few.mass[leaning.who], axis=1)
     for axis in np.flatnonzero(velocity):
         force[axis] += force_of_mirror(now, workspace, near, (side, int(axis)))
     return dot(force, velocity)
 
 
-def lids(parameters: Parameters) -> Integers:
+def moving_dummies(parameters: Parameters) -> Integers:
     """Dummies in sides that move along themselves."""
     dummies = parameters.boundary.dummies
     return np.flatnonzero(dummies.velocity.any(axis=0) & (dummies.owner < 2 * parameters.dimension))
 
 
-def power_of_lids(now: Parameters, workspace: Workspace) -> float:
+def power_of_moving_dummies(now: Parameters, workspace: Workspace) -> float:
     """Power of moving layers of dummies (W); only periodic sides have images next to them."""
-    mine, first = lids(now), workspace.rates.shape[1]
+    mine, first = moving_dummies(now), workspace.rates.shape[1]
     group = np.zeros(workspace.fields.shape[1], np.int64)
     force = forces_on(now, workspace, first + mine, group)[0]
     return -float(np.sum(force[: now.dimension] * now.boundary.dummies.velocity[:, mine]))
@@ -202,20 +204,20 @@ def before_gates(now: Parameters, state: State) -> Integers:
     return np.flatnonzero(near & (state.zone == 0))
 
 
-def lifted(parameters: Parameters, state: State, out: NDArray[np.bool_], shift: Array) -> float:
+def periodic_work(parameters: Parameters, state: State, out: NDArray[np.bool_], shift: Array) -> float:
     """The work of moving liquid from one periodic side to the other (J)."""
     who = out & (state.zone == 0)
     mass, position = state.mass[who], state.position[:, who]
     return potential_of(parameters, mass, position + shift[:, None]) - potential_of(parameters, mass, position)
 
 
-def brought(parameters: Parameters, state: State, entering: Array, leaving: Array) -> float:
+def exchanged_energy(parameters: Parameters, state: State, entering: Array, leaving: Array) -> float:
     """The energy of particles that enter, less that of particles that leave (J); NaN if a position is not finite."""
     with np.errstate(over="ignore", invalid="ignore"):
         return energy_of(parameters, state, entering) - energy_of(parameters, state, leaving)
 
 
-def of_guard(now: Parameters, state: State, before: Array) -> float:
+def reflection_work(now: Parameters, state: State, before: Array) -> float:
     """The work of moving sides on reflected particles (J), from their velocities before."""
     work, guard, d = 0.0, now.boundary.guard, now.dimension
     for side, _ in now.drives:

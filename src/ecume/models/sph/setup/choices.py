@@ -31,7 +31,7 @@ from ecume.scenes.sph import FluidSpec, SphScene
 from ecume.units import Array
 
 TURBULENCES = {"none": False, "smagorinsky": True}
-"""Whether eddies add a viscosity: see `gradients.stir`."""
+"""Whether eddies add a viscosity: see `gradients.set_eddy_viscosity`."""
 PRECISIONS: dict[str, Precision] = {"double": np.float64, "single": np.float32}
 USUAL_ALPHA = 0.02
 """Coefficient of the artificial viscosity for a liquid without viscosity."""
@@ -232,7 +232,7 @@ def filled(given: FluidSpec) -> FluidSpec:
     )
 
 
-def told(given: FluidSpec) -> list[tuple[str, str, str]]:
+def material_rows(given: FluidSpec) -> list[tuple[str, str, str]]:
     """The rows of `check` on the material, with the origin of each number."""
     named, full = substance_of(given), filled(given)
     units = {"density": "kg/m^3", "viscosity": "Pa s", "surface_tension": "N/m"}

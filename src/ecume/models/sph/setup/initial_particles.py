@@ -24,7 +24,7 @@ from ecume.scenes.sph import SIDES, RegionSpec, SphScene
 from ecume.units import Array
 
 
-class Said(NamedTuple):
+class GivenValues(NamedTuple):
     """Given velocities, densities and masses of the particles of a region; NaN if not given."""
 
     velocity: Array
@@ -33,23 +33,23 @@ class Said(NamedTuple):
     mass: Array
 
 
-def said_of(region: RegionSpec, kept: Flags) -> Said:
+def given_values(region: RegionSpec, kept: Flags) -> GivenValues:
     """The given values of the particles that were kept."""
     given, count = region.particles, int(kept.sum())
     unsaid = np.full(count, np.nan)
     if given is None:
-        return Said(np.zeros((count, 1)), unsaid, unsaid)
+        return GivenValues(np.zeros((count, 1)), unsaid, unsaid)
     velocity, density, mass = (
         np.array(each)[kept] if each else None for each in (given.velocities, given.densities, given.masses)
     )
-    return Said(
+    return GivenValues(
         np.zeros((count, 1)) if velocity is None else velocity,
         unsaid if density is None else density,
         unsaid if mass is None else mass,
     )
 
 
-def with_said(liquid: Liquid, told: list[Said]) -> Liquid:
+def with_given_values(liquid: Liquid, told: list[GivenValues]) -> Liquid:
     """The liquid with the given values of its regions, in order."""
     dimension = len(liquid.position)
     velocity = np.concatenate([np.broadcast_to(each.velocity, (len(each.density), dimension)) for each in told])
@@ -148,7 +148,7 @@ def liquid_of(scene: SphScene, material: Material) -> Liquid:
     generator = np.random.default_rng(scene.seed)
     pieces: list[tuple[Array, Array, Array]] = []
     earlier: list[Part] = []
-    told: list[Said] = []
+    told: list[GivenValues] = []
     solids = solids_of(scene)
     for index, region in enumerate(scene.fluid):
         shape = part_of(region, scene.spacing)
@@ -168,8 +168,8 @@ def liquid_of(scene: SphScene, material: Material) -> Liquid:
             points = points + scene.method.jitter * scene.spacing * generator.uniform(-1.0, 1.0, points.shape)
         head += pressure_in(region, scene, points, material.density) / material.density
         pieces.append((points, velocity_in(region, scene, points), head))
-        told.append(said_of(region, kept))
-    return with_said(_particles(scene, material, pieces), told)
+        told.append(given_values(region, kept))
+    return with_given_values(_particles(scene, material, pieces), told)
 
 
 def room_of(scene: SphScene, *, single: bool) -> Box:

@@ -42,7 +42,7 @@ def free_of(points: Array, solids: list[Shape], spacing: float) -> Flags:
     return free
 
 
-def grains(shape: Shape, spacing: float, support: float) -> tuple[Array, Array]:
+def dummies_of(shape: Shape, spacing: float, support: float) -> tuple[Array, Array]:
     """Dummies of a solid, (n, d), and their volumes, which fill the whole shape; the core deeper than the support is
     omitted.
     """
@@ -59,13 +59,13 @@ def grains(shape: Shape, spacing: float, support: float) -> tuple[Array, Array]:
     return points[near], volume[near]
 
 
-def obstacle_grains(scene: SphScene, support: float) -> list[tuple[Array, Array]]:
+def obstacle_dummies(scene: SphScene, support: float) -> list[tuple[Array, Array]]:
     """Dummies of each obstacle, without those in an earlier one or outside of the tank."""
     low, high = np.array(scene.tank.low), np.array(scene.tank.high)
     found, earlier = [], list[Shape]()
     for spec in scene.obstacles:
         shape = shape_of(spec)
-        points, volume = grains(shape, scene.spacing, support)
+        points, volume = dummies_of(shape, scene.spacing, support)
         stays = apart(points, earlier) & ((points > low) & (points < high)).all(axis=1)
         found.append((points[stays], volume[stays]))
         earlier.append(shape)

@@ -16,7 +16,7 @@ from ecume.errors import BadInput, Fault, SceneError
 from ecume.models.sph.parameters import Bodies, Boundary, Drive, Dummies, Gate, Guard, Material
 from ecume.models.sph.rates.methods import PRESSURE_FORCES
 from ecume.models.sph.setup.choices import color_reach_of
-from ecume.models.sph.setup.shapes import grains, obstacle_grains, shape_of, solids_of
+from ecume.models.sph.setup.shapes import dummies_of, obstacle_dummies, shape_of, solids_of
 from ecume.scenes.sph import SIDES, BodySpec, MotionSpec, ShakeSpec, SphScene
 from ecume.units import Array
 
@@ -65,12 +65,12 @@ def dummies_at(points: Array, volume: Array, viscosity: float, owner: int) -> Du
 
 def _of_solids(scene: SphScene, material: Material, support: float) -> list[Dummies]:
     pieces, first = [], 2 * len(scene.tank.low)
-    for index, (points, volume) in enumerate(obstacle_grains(scene, support)):
+    for index, (points, volume) in enumerate(obstacle_dummies(scene, support)):
         viscosity = material.viscosity * holds(scene.obstacles[index], material)
         pieces.append(dummies_at(points, volume, viscosity, first + index))
     for index, spec in enumerate(scene.bodies):
         shape = shape_of(spec)
-        points, volume = grains(shape, scene.spacing, support)
+        points, volume = dummies_of(shape, scene.spacing, support)
         viscosity = material.viscosity * holds(spec, material)
         owner = first + len(scene.obstacles) + index
         pieces.append(dummies_at(points - shape.middle(), volume, viscosity, owner))
