@@ -10,7 +10,7 @@ from ecume.units import Array
 
 @compiled
 def copy_line(to: Array, source: Array) -> None:
-    """As many numbers as there is room for."""
+    """Copy as many numbers as fit."""
     for i in range(to.shape[0]):
         to[i] = source[i]
 

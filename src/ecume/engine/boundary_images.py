@@ -31,7 +31,7 @@ class Sides(NamedTuple):
 
 
 class Images(NamedTuple):
-    """Which particle each image is of (it may be an earlier image), and where each side's images begin."""
+    """The source of each image (it may be an earlier image), and the first image of each side."""
 
     source: Integers
     """(images,)"""
@@ -66,13 +66,13 @@ def positions_of_images(position: Array, images: Images, sides: Sides) -> Array:
 
 
 def distance_before(position: Array, sides: Sides, side: int) -> Array:
-    """How far each stands before a side."""
+    """The distance of each particle from a side, positive inside."""
     distance: Array = product(sides.normal[side], position) - dot(sides.normal[side], sides.point[side])
     return distance
 
 
 def behind(position: Array, sides: Sides, side: int) -> Array:
-    """Where the images of particles at `position` stand."""
+    """The positions of the images of particles at `position`."""
     if not sides.mirrors[side]:
         shifted: Array = position + sides.shift[side][:, None]
         return shifted

@@ -15,7 +15,7 @@ Integers = np.ndarray[tuple[int, ...], np.dtype[np.int64]]
 
 
 class Cells(NamedTuple):
-    """Which cell each particle is in, and the particles cell by cell."""
+    """The cell of each particle, and the particles sorted by cell."""
 
     low: Array
     """(d,) the lowest coordinate of all particles"""

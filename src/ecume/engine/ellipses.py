@@ -19,7 +19,7 @@ Near = tuple[float, float, float, float, float, float, float]
 
 @compiled_inside
 def breadth(ellipse: Ellipse, direction: float) -> tuple[float, float, float]:
-    """How far an ellipse reaches in a direction, h = sqrt(a^2 cos^2 + b^2 sin^2), and its first two slopes."""
+    """The support function of an ellipse, h = sqrt(a^2 cos^2 + b^2 sin^2), and its first two derivatives."""
     a, b, turn = ellipse
     c, s = math.cos(direction - turn), math.sin(direction - turn)
     h = math.sqrt(a * a * c * c + b * b * s * s)

@@ -16,7 +16,7 @@ from ecume.units import Array
 
 
 class Spread(NamedTuple):
-    """Where particles are on a grid."""
+    """Positions of particles on a grid."""
 
     corner: Integers
     """(N, 2) the lowest point that each reaches"""
@@ -105,7 +105,7 @@ def _fill(corner: Integers, weight: Array, start: Integers, order: Integers, cha
 
 
 def fields(spread: Spread, grids: Array) -> Array:
-    """What grids, (fields, rows, columns), are at the particles: (N, fields)."""
+    """The values of grids, (fields, rows, columns), at the particles: (N, fields)."""
     found = np.empty((len(spread.order), len(grids)))
     _read(spread.corner, spread.weight, spread.order, grids, found)
     return found

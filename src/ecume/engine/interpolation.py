@@ -41,7 +41,7 @@ class Near(NamedTuple):
 
 
 def near(points: Array, position: Array, reach: float) -> Near:
-    """Who is near which point; both are (n, d)."""
+    """Pairs of points and particles within reach; both are (n, d)."""
     found = cKDTree(points).sparse_distance_matrix(cKDTree(position), reach, output_type="ndarray")
     order = np.lexsort((found["j"], found["i"]))
     point, particle = found["i"][order].astype(np.int64), found["j"][order].astype(np.int64)
@@ -49,7 +49,7 @@ def near(points: Array, position: Array, reach: float) -> Near:
 
 
 def added(pairs: Near, values: Array) -> Array:
-    """What the pairs of each point add up to: values (pairs, ...) give (points, ...)."""
+    """Sums over the pairs of each point: values (pairs, ...) give (points, ...)."""
     rest = values.shape[1:]
     columns = values.reshape(len(pairs.point), math.prod(rest)).T
     sums = np.empty((math.prod(rest), pairs.points))
@@ -64,9 +64,9 @@ def means(pairs: Near, weight: Array, values: Array) -> Array:
 
 
 def planes(pairs: Near, weight: Array, values: Array) -> Array:
-    """At each point the value of the plane that fits its neighbors best: exact for what grows linearly.
+    """At each point the value of the linear fit to its neighbors: exact for linear fields.
 
-    Where they do not spread far enough to say which way it grows, their mean.
+    The mean is used if the neighbors do not determine a gradient.
     """
     mean = means(pairs, weight, values)
     middle = _mean_of_pairs(pairs, weight, pairs.away)

@@ -24,7 +24,7 @@ class Mesh(NamedTuple):
     triangles: Array
 
     def bounds(self) -> tuple[Array, Array]:
-        """Of the box around it."""
+        """The bounding box."""
         return self.triangles.min(axis=(0, 1)), self.triangles.max(axis=(0, 1))
 
     def inside(self, points: Array) -> Flags:
@@ -88,7 +88,7 @@ class Cloud(NamedTuple):
     spacing: float
 
     def bounds(self) -> tuple[Array, Array]:
-        """Of the box around it."""
+        """The bounding box."""
         half = 0.5 * self.spacing
         return self.points.min(axis=0) - half, self.points.max(axis=0) + half
 

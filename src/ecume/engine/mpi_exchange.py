@@ -11,7 +11,7 @@ from ecume.engine.cells import Integers
 
 
 class Share(NamedTuple):
-    """Which of the ranks this is, and how it speaks with the others."""
+    """The rank of this process, and its communicator."""
 
     rank: int
     ranks: int
@@ -19,5 +19,5 @@ class Share(NamedTuple):
     """gather(row, bounds): fill in the others' parts of a row; part k reaches from bounds[k] up to bounds[k + 1]"""
 
     def parts(self, count: int) -> Integers:
-        """Where each rank's part of so many begins, and the end."""
+        """The offsets of the ranks' parts of so many items, and the end."""
         return np.arange(self.ranks + 1) * count // self.ranks

@@ -244,7 +244,7 @@ def cell_at(along: float, cells: int) -> int:
 
 @compiled_inside
 def _gap_to(x: float, low: float, edge: float, cell: int, own: int) -> float:
-    """How far a neighboring cell is."""
+    """The distance to a neighboring cell."""
     if cell == own:
         return 0.0
     return max(max(low + cell * edge - x, x - (low + (cell + 1) * edge)), 0.0)

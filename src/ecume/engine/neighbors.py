@@ -103,7 +103,7 @@ def _run_beside(cells: Cells, cell: int, number: int) -> tuple[int, int]:
 
 @compiled
 def _longest_run(cells: Cells, count: int) -> int:
-    """At least the most slots in three cells that follow one another."""
+    """An upper bound of the number of slots in three consecutive cells."""
     longest, every = 0, 1
     for axis in range(len(cells.shape)):
         every *= cells.shape[axis]
@@ -114,7 +114,7 @@ def _longest_run(cells: Cells, count: int) -> int:
 
 @compiled
 def _count(cells: Cells, x: Array, slots: Span, reach: float, first: Integers, later: Integers) -> None:
-    """How many neighbors each of some slots has, into `first[slot + 1]`; how many are earlier ones, into `later`."""
+    """Count the neighbors of some slots, into `first[slot + 1]`, and the earlier ones, into `later`."""
     square, distance = reach * reach, np.empty(slots[2], np.float64)
     for slot in range(slots[0], slots[1]):
         cell, found, earlier = cells.cell[cells.order[slot]], 0, 0
@@ -132,7 +132,7 @@ def _count(cells: Cells, x: Array, slots: Span, reach: float, first: Integers, l
 
 @compiled_inside
 def _nearer(distance: Array, square: float) -> int:
-    """How many are."""
+    """The number of slots within reach."""
     found = 0
     for n in range(np.uint64(len(distance))):
         found += 1 if distance[n] < square else 0
@@ -224,8 +224,8 @@ def count_neighbors(lists: NeighborLists, position: Array, reach: float, slots: 
 
 @compiled
 def make_room(lists: NeighborLists) -> bool:
-    """From counts to where rows begin, and who sums which. False when there is no room for all: the lists are then
-    empty.
+    """Turn counts into offsets of rows, and divide the rows among threads. False if the capacity is too small: the
+    lists are then empty.
     """
     first, later = lists.rows.first, lists.rows.later
     first[0] = 0
@@ -278,7 +278,7 @@ def write_neighbors(lists: NeighborLists, reach: float, stretches: tuple[int, in
 
 @compiled
 def place_windows(place: Integers) -> None:
-    """From how wide windows are to where they lie."""
+    """Turn widths of windows into offsets."""
     place[0] = 0
     for k in range(STRETCHES):
         place[k + 1] += place[k]

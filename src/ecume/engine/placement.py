@@ -73,7 +73,7 @@ def place_at_random(radius: Array, region: Region, taken: tuple[Array, Array], s
 
 
 def _jammed(radii: Array, start: int, placed: int, region: Region) -> str:
-    """What went wrong, and what would fit: as many as were placed, or all of them smaller, or on a lattice."""
+    """The error message, with what would fit: the placed number, smaller particles, or a lattice."""
     area = (region.high[0] - region.low[0]) * (region.high[1] - region.low[1])
     area = min(area, enclosures.area(region.walls))
     squares = np.cumsum(radii**2)
@@ -92,7 +92,7 @@ def _jammed(radii: Array, start: int, placed: int, region: Region) -> str:
 
 
 def _advice_on_equal_discs(count: int, radius: float, placed: int, region: Region) -> list[str]:
-    """How many fit, at random and on a lattice."""
+    """The numbers of discs that fit, at random and on a lattice."""
     advice = [f"at most {math.ceil(SURE**2 * placed)} floats"] if placed else []
     spacing = _rounded_up(2.0 * radius * (1.0 + CLEARANCE))
     room = lattice_room(count, spacing, radius, region)
@@ -104,13 +104,15 @@ def _advice_on_equal_discs(count: int, radius: float, placed: int, region: Regio
 
 
 def _rounded_up(length: float) -> float:
-    """To four digits."""
+    """Round up to four digits."""
     digit = 10.0 ** (math.floor(math.log10(length)) - 3)
     return float(f"{math.ceil(length / digit) * digit:.4g}")
 
 
 def lattice_room(count: int, spacing: float, radius: float, region: Region) -> int:
-    """How many discs, up to `count`, fit on a lattice around the middle of a region without touching its walls."""
+    """The number of discs, up to `count`, that fit on a lattice around the center of a region without touching its
+    walls.
+    """
     middle = (0.5 * (region.low[0] + region.high[0]), 0.5 * (region.low[1] + region.high[1]))
     for number, (x, y) in enumerate(place_on_lattice(count, spacing, middle)):
         if any(distance < radius for distance in enclosures.clearances(region.walls, (x, y))):

@@ -7,7 +7,7 @@ import pytest
 
 import ecume
 from ecume.errors import SceneError
-from ecume.models.sph.integration.passive_particles import surroundings, take_along
+from ecume.models.sph.integration.passive_particles import move_passive_particles, surroundings
 from ecume.models.sph.rates.right_hand_side import fill, take_forces
 from ecume.models.sph.record import SPH
 from ecume.models.sph.setup.choices import kernel_of, smoothing_of
@@ -45,7 +45,7 @@ def test_a_tracer_in_a_rigid_rotation_keeps_its_radius():
     fill(parameters, state, workspace)
     before = np.linalg.norm(state.carried_position, axis=0)
     for _ in range(1000):
-        take_along(parameters, state, workspace, np.pi / 1000)
+        move_passive_particles(parameters, state, workspace, np.pi / 1000)
     np.testing.assert_allclose(np.linalg.norm(state.carried_position, axis=0), before, rtol=0.02)
     np.testing.assert_allclose(state.carried_position[:, 0], [0.25, 0.0], atol=0.05)
 
@@ -57,7 +57,7 @@ def test_a_grain_settles_at_its_terminal_speed():
     workspace = SPH.workspace(parameters, state, 1.0)
     fill(parameters, state, workspace)
     for _ in range(400):
-        take_along(parameters, state, workspace, 2.5e-4)
+        move_passive_particles(parameters, state, workspace, 2.5e-4)
     # Schiller and Naumann's drag on quartz of 200 um in water, worked out independently of the code.
     assert -state.carried_velocity[1, 0] == pytest.approx(2.291683e-2, rel=1e-4)
 
@@ -157,7 +157,7 @@ def test_eddies_alone_scatter_tracers_and_not_the_viscosity_of_the_liquid(viscos
         take_forces(parameters, state, workspace, time)
         before = state.carried_position.copy()
         around = surroundings(parameters, workspace, before)
-        take_along(parameters, state, workspace, time)
+        move_passive_particles(parameters, state, workspace, time)
         return state.carried_position - before - time * around.velocity[:2], around.eddy_viscosity
 
     # Smagorinsky's viscosity, (0.12 spacing)^2 |S|, over the Schmidt number.

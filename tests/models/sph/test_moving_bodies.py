@@ -9,7 +9,7 @@ import ecume
 from ecume.errors import SceneError
 from ecume.laws.kernels import kernel
 from ecume.models.sph.boundaries.prescribed_motion import instant
-from ecume.models.sph.boundaries.rigid_bodies import delay, keep_out, pulls_of
+from ecume.models.sph.boundaries.rigid_bodies import apparent_gravity, delay, expel_liquid
 from ecume.models.sph.rates.right_hand_side import fill
 from ecume.models.sph.record import SPH
 from ecume.scenes.schema import from_plain, to_plain
@@ -53,7 +53,7 @@ def test_a_dummy_of_a_turning_body_feels_what_turns_it():
     state = SPH.start(blob(), parameters)
     state.motion[5, 0], state.felt[5, 0] = 3.0, 7.0
     dummies = instant(parameters, state).boundary.dummies
-    pulls = pulls_of(parameters.bodies, dummies, (state.pose, state.motion, state.felt), parameters.gravity)
+    pulls = apparent_gravity(parameters.bodies, dummies, (state.pose, state.motion, state.felt), parameters.gravity)
     x, y = dummies.position - state.pose[:2, :1]
     np.testing.assert_allclose(GRAVITY[:, None] - pulls, [-7.0 * y - 9.0 * x, 7.0 * x - 9.0 * y], atol=1e-12)
 
@@ -142,7 +142,7 @@ def test_liquid_that_gets_into_a_body_and_the_body_part_without_gaining_energy(m
     position, velocity, weight = np.array([[0.1], [0.19]]), np.array([[0.3], [-2.0]]), np.array([mass])
     before = mass * velocity[:, 0]
 
-    assert keep_out(bodies, pose, motion, (position, velocity, weight)) == 1
+    assert expel_liquid(bodies, pose, motion, (position, velocity, weight)) == 1
     np.testing.assert_allclose(mass * velocity[:, 0] + motion[:2, 0], before, atol=1e-12 * mass)
     spin = motion[5, 0]
     surface = motion[1, 0] + spin * position[0, 0]

@@ -6,7 +6,7 @@ import pytest
 import ecume
 from ecume._jit import use_threads
 from ecume.models.model import DIVERGED
-from ecume.models.sph.boundaries.walls import turn_back
+from ecume.models.sph.boundaries.walls import reflect_particles
 from ecume.models.sph.integration import time_stepping
 from ecume.models.sph.record import SPH
 from ecume.models.sph.state import skin_for
@@ -129,7 +129,7 @@ def test_lists_look_further_where_the_liquid_is_fast():
 def test_the_guard_turns_velocities_back_with_the_positions(count):
     parameters = SPH.parameters(tank(jitter=0.0))
     position, velocity = np.tile([[0.5], [-0.01]], count), np.tile([[0.2], [-1.0]], count)
-    hits = turn_back(parameters.boundary.guard, position, velocity, np.zeros_like(velocity), 0.02)
+    hits = reflect_particles(parameters.boundary.guard, position, velocity, np.zeros_like(velocity), 0.02)
     np.testing.assert_allclose(velocity, np.tile([[0.2], [0.5]], count))
     np.testing.assert_allclose(position[1], 0.005, atol=1e-3)
     assert hits.sum() == count

@@ -8,10 +8,10 @@ from ecume._jit import use_threads
 from ecume.engine.shapes import Ball, Box, Polygon
 from ecume.errors import SceneError
 from ecume.models.sph.boundaries.forces_on_solids import loads
-from ecume.models.sph.boundaries.rigid_bodies import carry, collide, pushed, rotations
+from ecume.models.sph.boundaries.rigid_bodies import accelerations_of, collide, move_bodies, rotations
 from ecume.models.sph.rates.right_hand_side import take_forces
 from ecume.models.sph.record import SPH
-from ecume.models.sph.setup.shapes import grains
+from ecume.models.sph.setup.shapes import dummies_of
 from ecume.scenes.schema import from_plain, to_plain
 from tests.models.sph.scenes import free_blob, tank
 from tests.models.sph.test_runs import copy_of, marched
@@ -65,7 +65,7 @@ ASKEW = [[[0.0, 0.0], [0.9, 0.1], [0.5, 0.6]], [[0.0, 0.0], [0.3, 1.0], [1.1, 0.
 @pytest.mark.parametrize("turn", [1, -1])
 def test_a_polygon_has_no_holes_that_liquid_could_find(vertices, turn):
     shape = Polygon(np.array(vertices)[::turn])
-    points, volume = grains(shape, 0.05, 10.0)
+    points, volume = dummies_of(shape, 0.05, 10.0)
     assert volume.sum() == pytest.approx(shape.volume(), rel=1e-12)
     assert shape.nearest(points)[0].max() == pytest.approx(-0.025, abs=1e-12)
     rim = shape.rim(0.01)
@@ -262,11 +262,11 @@ def test_a_body_that_nothing_touches_keeps_its_angular_momentum_and_energy():
 
     before = momentum()
     for _ in range(2000):
-        push = pushed(bodies, pose, motion, (none, none), np.zeros(3))
+        push = accelerations_of(bodies, pose, motion, (none, none), np.zeros(3))
         middle = motion + 0.0025 * push
-        carry(pose, middle, 0.0025)
-        motion += 0.005 * pushed(bodies, pose, middle, (none, none), np.zeros(3))
-        carry(pose, motion, 0.0025)
+        move_bodies(pose, middle, 0.0025)
+        motion += 0.005 * accelerations_of(bodies, pose, middle, (none, none), np.zeros(3))
+        move_bodies(pose, motion, 0.0025)
     # About its middle axis it tumbles: the spin turns over, the momentum stays.
     np.testing.assert_allclose(momentum(), before, atol=0.02 * np.linalg.norm(before))
 
@@ -280,7 +280,7 @@ def test_a_body_comes_to_rest_on_the_floor_without_sinking_into_it():
     bodies, pose, motion = parameters.bodies, parameters.bodies.pose.copy(), parameters.bodies.motion.copy()
     for _ in range(2000):
         motion[1] -= 0.005
-        carry(pose, motion, 0.005)
+        move_bodies(pose, motion, 0.005)
         collide(bodies, parameters.boundary.guard.sheet, (pose, motion), 0.05)
     assert pose[1, 0] == pytest.approx(-0.85, abs=1e-3)
     assert np.abs(motion).max() < 0.02

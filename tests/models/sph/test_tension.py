@@ -10,7 +10,7 @@ from ecume._jit import FEW, use_threads
 from ecume.laws.kernels import kernel
 from ecume.laws.tension import cohesion_energy, cohesion_kernel
 from ecume.models.sph.rates.right_hand_side import fill
-from ecume.models.sph.rates.surface_tension import COUNTED, STRENGTHS, pull, surface_energy
+from ecume.models.sph.rates.surface_tension import COUNTED, STRENGTHS, add_surface_tension, surface_energy
 from ecume.models.sph.record import SPH
 from ecume.scenes.schema import from_plain, to_plain
 from ecume.simulation import simulate
@@ -55,7 +55,7 @@ def begun(scene):
 def pulled(scene):
     """Positions, masses and the acceleration by surface tension alone."""
     parameters, state, workspace = begun(scene)
-    pull(parameters, state, workspace)
+    add_surface_tension(parameters, state, workspace)
     return state.position, state.mass, state.acceleration
 
 
@@ -145,7 +145,7 @@ IN_SPACE = {"low": [-0.2, -0.2, -0.2], "high": [0.2, 0.2, 0.2]}
 def test_forces_are_the_slopes_of_the_energy(model, fluid, bottom, low):
     small = 1e-6
     parameters, state, workspace = begun(drop(model, fluid, bottom, low, jitter=0.2))
-    pull(parameters, state, workspace)
+    add_surface_tension(parameters, state, workspace)
     slopes, forces = [], []
     for chosen, axis in ((0, 0), (7, 1), (11, 1), (5, parameters.dimension - 1)):
         here, found = state.position[axis, chosen], []

@@ -8,9 +8,9 @@ import pytest
 import ecume
 from ecume.models.sph.boundaries.prescribed_motion import instant
 from ecume.models.sph.boundaries.rigid_bodies import collide
-from ecume.models.sph.boundaries.walls import turn_back
+from ecume.models.sph.boundaries.walls import reflect_particles
 from ecume.models.sph.record import SPH
-from ecume.models.sph.report.energy_budget import brought, energy_of_bodies, of_guard, power_of_shake
+from ecume.models.sph.report.energy_budget import energy_of_bodies, exchanged_energy, power_of_shake, reflection_work
 from ecume.models.sph.report.invariants import invariants
 from ecume.models.sph.state import WORK
 from ecume.run import RunDirectory
@@ -130,7 +130,7 @@ def test_who_comes_in_brings_its_energy_and_who_is_lost_takes_it_along():
     state.position[1, 5] = -9.0
     each = state.mass[5] * (0.5 * 9.0 - 9.0)
     alone = np.arange(64) == 5
-    assert brought(parameters, state, ~alone & alone, alone) == pytest.approx(-each, rel=0.01)
+    assert exchanged_energy(parameters, state, ~alone & alone, alone) == pytest.approx(-each, rel=0.01)
     after = SPH.exchange(parameters, state)
     assert after.position.shape[1] == 63
     assert after.books[WORK] == pytest.approx(-each, rel=0.01)
@@ -147,10 +147,10 @@ def test_the_guard_of_a_moving_wall_does_work_as_a_bat_does():
     who = np.argsort(state.position[0])[:3]
     state.position[0, who], state.velocity[0, who] = 0.099, -1.0
     before = state.velocity.copy()
-    turn_back(now.boundary.guard, state.position, state.velocity, np.zeros_like(before), 0.01)
+    reflect_particles(now.boundary.guard, state.position, state.velocity, np.zeros_like(before), 0.01)
     np.testing.assert_allclose(state.velocity[0, who], 1.0 + 2.0 * 0.2)
     gained = 0.5 * float(state.mass @ (state.velocity**2 - before**2).sum(axis=0))
-    assert of_guard(now, state, before) == pytest.approx(gained, rel=1e-12)
+    assert reflection_work(now, state, before) == pytest.approx(gained, rel=1e-12)
 
 
 def test_a_wall_that_strikes_a_body_brings_what_the_body_gains():

@@ -72,8 +72,8 @@ def _numbered(pair: tuple[Integers, Integers, Array]) -> tuple[Integers, Integer
 
 @compiled
 def _columns(pair: tuple[Integers, Integers, Array], number: Integers, mobility: Array) -> tuple[Array, float]:
-    """What a unit impulse of each contact changes, in the norm of kinetic energy; over the largest of these lengths,
-    which is returned, too. The last row is left empty.
+    """The responses to unit impulses, in the norm of kinetic energy, over the largest of their lengths, which is
+    returned too. The last row remains empty.
     """
     normal = pair[2]
     matrix, longest = np.zeros((2 * len(mobility) + 1, len(normal))), 0.0
@@ -111,7 +111,7 @@ def _without_impulses(
 
 @compiled
 def _needs(pair: tuple[Integers, Integers, Array], bound: Array, velocity: Array) -> Array:
-    """By how much each contact's speed lies below its bound (m/s)."""
+    """The shortfall of each contact's normal velocity below its bound (m/s)."""
     first, second, normal = pair
     need = np.empty(len(first))
     for k in range(len(first)):
@@ -166,7 +166,7 @@ def _applied(matrix: Array, solution: Array) -> Array:
 
 @compiled
 def _settle(matrix: Array, right: Array, solution: Array, passive: Choice) -> bool:
-    """Go to the least squares of the passive components, as far as none becomes negative; these leave, one by one."""
+    """Solve least squares for the passive components; those that would become negative leave the set, one by one."""
     for _ in range(2 * len(solution) + 2):
         target = _least_squares(matrix, right, passive)
         share = 1.0

@@ -32,7 +32,7 @@ SEARCHING, HALFWAY, DOWN, TAKE, ALL_UP = range(5)
 
 
 class Goal(NamedTuple):
-    """How closely to solve, and in how many iterations at most."""
+    """The accuracy, and the largest number of iterations."""
 
     accuracy: float
     most: int
@@ -66,7 +66,7 @@ class Rows(NamedTuple):
 
 
 class Pace(NamedTuple):
-    """What a pass goes by: the vector that it makes, one that it is multiplied by, and the lengths of an iteration."""
+    """Arguments of a pass: the vector that it makes, one by which it is multiplied, and scalars."""
 
     image: int
     other: int
@@ -77,7 +77,7 @@ class Pace(NamedTuple):
 
 @compiled_inside
 def sweep_up(rows: Rows, y: Array, w: Array, ahead: Array, chunk: tuple[int, int, int]) -> None:
-    """From a chunk's last row up: w = (D + U)^-1 D y, and U w."""
+    """Backward substitution in a chunk of rows: w = (D + U)^-1 D y, and U w."""
     column, inside, blocks, inverse = rows.column, rows.inside, rows.blocks, rows.inverse
     begin, end, width = chunk
     for row in range(end - 1, begin - 1, -1):
@@ -96,7 +96,7 @@ def sweep_up(rows: Rows, y: Array, w: Array, ahead: Array, chunk: tuple[int, int
 
 @compiled_inside
 def sweep_down(rows: Rows, image: Array, w: Array, ahead: Array, chunk: tuple[int, int, int]) -> None:
-    """From a chunk's first row down: w + (D + L)^-1 (U w + R w); what is added to w takes the place of U w."""
+    """Forward substitution in a chunk of rows: w + (D + L)^-1 (U w + R w); the increment of w replaces U w."""
     start, column, inside, blocks, inverse = rows.start, rows.column, rows.inside, rows.blocks, rows.inverse
     begin, end, width = chunk
     left = np.empty(width)
@@ -273,13 +273,13 @@ def descend_all(
 
 @compiled
 def descend_alone(matrix: Matrix, sides: tuple[Array, Array], scratch: Gradients, goal: Goal) -> int:
-    """Without threads."""
+    """Solve in one thread."""
     return descend_all(pass_alone, matrix, sides, scratch, goal)
 
 
 @compiled
 def descend_together(matrix: Matrix, sides: tuple[Array, Array], scratch: Gradients, goal: Goal) -> int:
-    """With threads."""
+    """Solve in several threads."""
     return descend_all(pass_together, matrix, sides, scratch, goal)
 
 

@@ -24,7 +24,7 @@ BITS = 16
 
 
 class Pattern(NamedTuple):
-    """Where the blocks stand: those of a row r are blocks[start[r]:start[r + 1]], by rising columns."""
+    """The sparsity pattern: the blocks of row r are blocks[start[r]:start[r + 1]], by ascending columns."""
 
     start: Integers
     """(N + 1,)"""
@@ -160,7 +160,7 @@ def begin_row(pattern: Pattern, blocks: Array, diagonal: Array, i: int) -> None:
 
 @compiled
 def center(vectors: Array, loose: int) -> None:
-    """Take the mean out of the first components, so many of them."""
+    """Subtract the mean of the first components."""
     count = vectors.shape[0]
     for k in range(loose):
         mean = 0.0

@@ -49,7 +49,7 @@ def library() -> Any:
 
 
 def analyze(pattern: Pattern, width: int) -> Analysis:
-    """Let CHOLMOD look at a pattern."""
+    """Symbolic factorization of a pattern by CHOLMOD."""
     cvxopt, count = library(), len(pattern.order)
     here, there = np.repeat(np.arange(count), np.diff(pattern.start)), pattern.column
     block = np.flatnonzero(there <= here)

@@ -85,7 +85,7 @@ def triangulate(full: Array) -> bool:
 
 @compiled
 def substitute(full: Array, size: int, column: int) -> None:
-    """Put the solution of a triangular system of so many rows into one of its last columns, from its last row up."""
+    """Backward substitution of a triangular system, into one of its last columns."""
     for k in range(size - 1, -1, -1):
         value = full[k, column]
         for m in range(k + 1, size):
@@ -114,7 +114,7 @@ def invert_diagonal(matrix: Matrix, inverse: Array) -> bool:
 
 @compiled
 def invert_two(b: Array, inverse: Array) -> bool:
-    """By Cramer's rule."""
+    """Invert a 2 x 2 matrix by Cramer's rule."""
     determinant = b[0, 0] * b[1, 1] - b[0, 1] * b[1, 0]
     if not determinant > 0.0:
         return False
@@ -125,7 +125,7 @@ def invert_two(b: Array, inverse: Array) -> bool:
 
 @compiled
 def invert_three(b: Array, inverse: Array) -> bool:
-    """By Cramer's rule."""
+    """Invert a 3 x 3 matrix by Cramer's rule."""
     determinant = 0.0
     for k in range(3):
         p, q = (k + 1) % 3, (k + 2) % 3
@@ -141,7 +141,7 @@ def invert_three(b: Array, inverse: Array) -> bool:
 
 @compiled
 def invert(b: Array, inverse: Array, room: Array) -> bool:
-    """By Gauss's and Jordan's elimination with pivots, in `room` (b, 2b)."""
+    """Invert a matrix by Gauss-Jordan elimination with pivots, in `room` (b, 2b)."""
     width = b.shape[0]
     for k in range(width):
         for m in range(width):

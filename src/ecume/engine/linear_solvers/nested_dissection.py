@@ -1,6 +1,6 @@
 """The order in which a direct solver eliminates a block system: nested dissection [george1973].
 
-Rows that are close to each other in a pattern are close to each other in position (`blocks.near_order`). So each part
+Rows that are close to each other in a pattern are close to each other in position (`block_matrix.near_order`). So each part
 of them is cut into two halves at its middle; of the rows on the two sides of the cut, the fewer become the separator,
 without which the halves are not connected. Parts are eliminated before the separators that bound them. Fill-in then
 grows like N log N in 2D.
@@ -26,7 +26,7 @@ def elimination_order(pattern: Pattern) -> Integers:
 
 
 def _cut(pattern: Pattern) -> tuple[Integers, Integers, int]:
-    """For each row the level of its separator or last part, and which one of the level it is; and the last level."""
+    """For each row the level of its separator or last part, and its number within the level; and the last level."""
     count = len(pattern.order)
     depth = max(int(np.ceil(np.log2(max(count / LEAF, 1.0)))), 0)
     level, part = np.full(count, depth), np.zeros(count, np.int64)
@@ -46,7 +46,7 @@ def _cut(pattern: Pattern) -> tuple[Integers, Integers, int]:
 
 
 def _halves(part: Integers, remaining: NDArray[np.bool_]) -> Integers:
-    """Which half of its part each row is in: 0 or 1."""
+    """The half of its part that each row belongs to: 0 or 1."""
     rows = np.flatnonzero(remaining)
     rows = rows[np.argsort(part[rows], kind="stable")]
     sizes = np.bincount(part[rows])

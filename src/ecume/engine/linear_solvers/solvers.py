@@ -35,7 +35,7 @@ MOST_WORK = 2e12
 
 @dataclass
 class Kept:
-    """What the solvers keep for all systems of a pattern; a new one gives the same solutions."""
+    """Data that solvers keep for all systems of a pattern; without them the solutions are the same."""
 
     pattern: Pattern
     width: int
@@ -57,12 +57,12 @@ Solve = Callable[[Kept, Matrix, Array, Array, int], bool]
 
 
 def densely(kept: Kept, matrix: Matrix, right: Array, solution: Array, loose: int) -> bool:
-    """By elimination, all at once."""
+    """Solve by dense elimination."""
     return bool(eliminate(matrix, right, solution, loose))
 
 
 def iteratively(kept: Kept, matrix: Matrix, right: Array, solution: Array, loose: int) -> bool:
-    """By biconjugate gradients."""
+    """Solve by stabilized biconjugate gradients."""
     if kept.gradients is None:
         kept.gradients = make_gradients(len(kept.pattern.order), kept.width)
     taken = descend(matrix, right, solution, kept.gradients, Goal(kept.accuracy, MOST_ITERATIONS))
@@ -74,14 +74,14 @@ def iteratively(kept: Kept, matrix: Matrix, right: Array, solution: Array, loose
 
 
 def directly(kept: Kept, matrix: Matrix, right: Array, solution: Array, loose: int) -> bool:
-    """By SuperLU."""
+    """Solve by SuperLU."""
     if kept.elimination is None:
         kept.elimination = sparse_lu.analyze(kept.pattern, kept.width)
     return sparse_lu.solve(matrix, kept.elimination, right, solution, loose)
 
 
 def by_cholmod(kept: Kept, matrix: Matrix, right: Array, solution: Array, loose: int) -> bool:
-    """By CHOLMOD's factorization of the symmetric part, with gradients for the rest."""
+    """Solve by CHOLMOD's factorization of the symmetric part, and GMRES for the rest."""
     if kept.analysis is None:
         kept.analysis = cholmod.analyze(kept.pattern, kept.width)
     return cholmod.solve(matrix, kept.analysis, right, solution, loose)

@@ -40,7 +40,7 @@ dissections of packings of 300 to 10,000 discs (within 20 %) and of 1,000 sphere
 
 
 class Analysis(NamedTuple):
-    """What all matrices of a pattern share."""
+    """The symbolic factorization, shared by all matrices of a pattern."""
 
     order: Integers
     """the unknowns, counted by the rows of blocks, in the order of their elimination"""

@@ -18,7 +18,7 @@ class Ball(NamedTuple):
     radius: float
 
     def bounds(self) -> tuple[Array, Array]:
-        """Of the box around it."""
+        """The bounding box."""
         return self.center - self.radius, self.center + self.radius
 
     def inside(self, points: Array) -> Flags:

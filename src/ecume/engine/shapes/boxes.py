@@ -26,7 +26,7 @@ class Box(NamedTuple):
         return np.asarray(((points > self.low) & (points < self.high)).all(axis=1))
 
     def way_out(self, points: Array, direction: Array) -> Array:
-        """To the first face."""
+        """The distance to the first face."""
         ahead = np.where(direction > 0.0, self.high - points, points - self.low)
         with np.errstate(divide="ignore"):
             ways = np.where(direction == 0.0, np.inf, ahead / np.abs(direction))
@@ -42,7 +42,7 @@ class Box(NamedTuple):
         return np.array([self.low, self.high])
 
     def nearest(self, points: Array) -> tuple[Array, Array]:
-        """To the faces outside of which it is, or else to the nearest one."""
+        """Distance and normal of the nearest face, from outside of all faces that the point is beyond."""
         from_middle = points - self.middle()
         beyond = np.abs(from_middle) - 0.5 * (self.high - self.low)
         inside = np.eye(points.shape[1])[np.argmax(beyond, axis=1)]

@@ -29,7 +29,7 @@ class Cells(NamedTuple):
 
 
 class Part(Protocol):
-    """What a part of space can tell that is filled with liquid."""
+    """A part of space that liquid fills."""
 
     def bounds(self) -> tuple[Array, Array]:
         """Its lowest and highest corner, each (d,)."""
@@ -56,7 +56,7 @@ class Part(Protocol):
 
 
 class Shape(Part, Protocol):
-    """What it must tell besides, where it is solid."""
+    """A part of space that may be solid."""
 
     def nearest(self, points: Array) -> tuple[Array, Array]:
         """(N,) how far outside each point is (negative: inside), and (N, d) the slope of that: the way out."""
@@ -87,7 +87,7 @@ def whole_within(part: Part, low: Array, high: Array) -> float | None:
 
 
 def apart(points: Array, shapes: Sequence[Part]) -> Flags:
-    """Which points are inside none of the shapes."""
+    """Flags of points outside of all shapes."""
     free = np.ones(len(points), bool)
     for shape in shapes:
         free &= ~shape.inside(points)

@@ -17,7 +17,7 @@ class Polygon(NamedTuple):
     vertices: Array
 
     def bounds(self) -> tuple[Array, Array]:
-        """Of the box around it."""
+        """The bounding box."""
         return self.vertices.min(axis=0), self.vertices.max(axis=0)
 
     def inside(self, points: Array) -> Flags:
@@ -26,7 +26,7 @@ class Polygon(NamedTuple):
         return odd
 
     def way_out(self, points: Array, direction: Array) -> Array:
-        """To the nearest edge ahead."""
+        """The distance to the nearest edge ahead."""
         way: Array = self._distances(points, direction).min(axis=1)
         return way
 
@@ -49,7 +49,7 @@ class Polygon(NamedTuple):
         return Polygon(rest).volume()
 
     def nearest(self, points: Array) -> tuple[Array, Array]:
-        """To the nearest edge or corner."""
+        """Distance and normal of the nearest edge or corner."""
         first, edge = self.vertices, np.roll(self.vertices, -1, axis=0) - self.vertices
         away = points[:, None, :] - first[None]
         share = np.clip((away * edge).sum(axis=2) / (edge**2).sum(axis=1), 0.0, 1.0)
@@ -74,13 +74,13 @@ class Polygon(NamedTuple):
         return np.concatenate(pieces)
 
     def middle(self) -> Array:
-        """Of the triangles between the first corner and each edge."""
+        """The centroid, from the triangles between the first corner and each edge."""
         origin, (one, other, twice) = self.vertices[0], self._fan()
         center: Array = origin + (twice[:, None] * (one + other)).sum(axis=0) / (3.0 * twice.sum())
         return center
 
     def volume(self) -> float:
-        """By the shoelace formula."""
+        """The area, by the shoelace formula."""
         return 0.5 * abs(self._turn())
 
     def surface(self) -> float:
@@ -88,7 +88,7 @@ class Polygon(NamedTuple):
         return float(np.linalg.norm(np.roll(self.vertices, -1, axis=0) - self.vertices, axis=1).sum())
 
     def inertia(self) -> Array:
-        """Of the same triangles, moved to the middle."""
+        """The moments of inertia, from the same triangles, about the centroid."""
         one, other, twice = self._fan()
         parts = (one**2).sum(axis=1) + (other**2).sum(axis=1) + (one * other).sum(axis=1)
         about_corner = float((twice * parts).sum() / (6.0 * twice.sum()))
@@ -96,7 +96,7 @@ class Polygon(NamedTuple):
         return np.array([0.0, 0.0, about_corner - float(apart @ apart)])
 
     def thickness(self) -> float:
-        """Of its hull: the narrowest strip has an edge on one of its lines."""
+        """The width of the convex hull: the narrowest strip has an edge on one of its lines."""
         edge = np.roll(self.vertices, -1, axis=0) - self.vertices
         across = np.stack([-edge[:, 1], edge[:, 0]], axis=1) / np.linalg.norm(edge, axis=1)[:, None]
         return float(np.ptp(self.vertices @ across.T, axis=0).min())
@@ -109,7 +109,7 @@ class Polygon(NamedTuple):
         return bool((turn >= -1e-12 * np.abs(turn).max()).all())
 
     def inset(self, depth: float) -> Polygon | None:
-        """Of a convex one what is deeper than that below every edge; None where nothing is."""
+        """The part of a convex polygon that is deeper than a distance below every edge; None if empty."""
         rest = self.vertices
         for first, last in zip(self.vertices, np.roll(self.vertices, -1, axis=0), strict=True):
             edge = (last - first) / np.linalg.norm(last - first)

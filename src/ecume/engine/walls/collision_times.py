@@ -54,7 +54,8 @@ def time_to_ball(gap: float, inward: float, square: float) -> float:
 def time_to_sphere(
     position: Vector, velocity: Vector, acceleration: Vector, shape: tuple[float, float, float]
 ) -> float:
-    """When a flight from one side of a sphere around the origin crosses it; shape = (radius, side, the longest time).
+    """The time at which a flight from one side of a sphere around the origin crosses it; shape = (radius, side, the
+    longest time).
 
     The side is 1 inside, -1 outside.
     """

@@ -67,7 +67,7 @@ def entrance(walls: Surfaces, hole: int) -> Entrance:
 
 
 def _border(normal: Array, size: float, low: Array, high: Array) -> Array:
-    """Where a plane cuts the edges of a box, (n, d)."""
+    """The intersections of a plane with the edges of a box, (n, d)."""
     d, found = len(normal), []
     corners = np.array(np.meshgrid(*zip(low, high, strict=True), indexing="ij")).reshape(d, -1).T
     slack = 1e-9 * (np.abs(corners).max() + abs(size))

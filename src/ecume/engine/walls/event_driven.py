@@ -89,7 +89,7 @@ def least_gap(course: Course, moment: Moment, kind: Integers, number: Array, k: 
 
 @compiled_inside
 def time_to_surface(course: Course, moment: Moment, kind: Integers, number: Array, k: int) -> float:
-    """When surface k is crossed from inside to outside, from now."""
+    """The time from now until surface k is crossed from inside to outside."""
     x, v, a = course
     time, left, radius = moment
     q = plus(v, -1.0, wall_velocity(number, k))
@@ -120,7 +120,7 @@ def on_face(course: Course, moment: Moment, kind: Integers, number: Array, k: in
 
 @compiled_inside
 def time_to_rim(course: Course, moment: Moment, kind: Integers, number: Array, k: int) -> float:
-    """When what slides on an obstacle's face k leaves it."""
+    """The time until a particle that slides on face k of an obstacle leaves it."""
     x, v, a = course
     time, _, radius = moment
     soonest = NEVER
@@ -135,9 +135,9 @@ def time_to_rim(course: Course, moment: Moment, kind: Integers, number: Array, k
 
 @compiled
 def next_event(course: Course, moment: Moment, held: Held, kind: Integers, number: Array) -> tuple[float, int]:
-    """What comes first in the rest of the step: the surface hit, or -2 - k where it slides off the face k.
+    """The next event in the rest of the step: the surface hit, or -2 - k for leaving face k.
 
-    What is hit at once with another, up to rounding, is hit right after it; the lower number goes first.
+    Simultaneous hits, up to rounding, follow one another, in the order of the surfaces.
     """
     time, left, radius = moment
     soonest, what = left, NOTHING
@@ -302,7 +302,7 @@ def kept(x: Vector, start: Vector, moment: Moment, sheet: tuple[Integers, Array]
 def passage(
     course: Course, moment: Moment, held: Held, kind: Integers, number: Array
 ) -> tuple[Vector, Vector, float, int]:
-    """To the next event: position and velocity there, how long it took, and what it is."""
+    """Advance to the next event: position and velocity there, the time it took, and the event."""
     x, v, push = course
     time, _, radius = moment
     curved = curved_one(held, kind)
@@ -330,7 +330,9 @@ def scaled_between(x: Vector, new: Vector, time: float) -> Vector:
 
 @compiled_inside
 def lifted(held: Held, course: Course, moment: Moment, kind: Integers, number: Array) -> Held:
-    """Without what the particle moves away from, or is pulled away from by the others, or no longer presses on."""
+    """`held` without the surfaces that the particle leaves, or from which the others pull it, or on which it no longer
+    presses.
+    """
     x, v, push = course
     on = supports(held, kind, number, x, moment[0])
     a = eased(push, on[0], on[1], on[2])

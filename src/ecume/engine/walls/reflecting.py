@@ -160,7 +160,7 @@ def gaps(position: Array, walls: Surfaces) -> Array:
 
 
 def clearance(position: Array, walls: Surfaces) -> tuple[Array, Integers]:
-    """How far inside of everything each point is (m; negative: outside), and the surface that says so.
+    """The distance of each point from the nearest surface (m; negative: outside), and that surface.
 
     An obstacle is as far as the farthest of its faces.
     """

@@ -67,7 +67,7 @@ def wall_velocity(number: Array, k: int) -> Vector:
 
 @compiled_inside
 def from_center(number: Array, k: int, x: Vector, time: float) -> Vector:
-    """From the center of sphere k, as it is at that time, to x."""
+    """The vector from the center of sphere k, at that time, to x."""
     return plus(plus(x, -1.0, place_of(number, k)), -time, wall_velocity(number, k))
 
 
@@ -83,7 +83,7 @@ def inward_normal(kind: Integers, number: Array, k: int, x: Vector, time: float)
 
 @compiled_inside
 def gap_to(kind: Integers, number: Array, k: int, x: Vector, time: float) -> float:
-    """How far inside surface k the point is."""
+    """The distance of the point from surface k, positive inside."""
     if kind[k, 0] == PLANE:
         normal = place_of(number, k)
         return dot(normal, x) - float(number[k, SIZE]) - time * dot(normal, wall_velocity(number, k))
@@ -117,7 +117,7 @@ def worst_gap(kind: Integers, number: Array, x: Vector, time: float) -> tuple[fl
 
 @compiled_inside
 def grain_at(number: Array, k: int, x: Vector) -> float:
-    """What counts as nothing beside surface k."""
+    """The distance below which a gap to surface k counts as zero: rounding."""
     return GRAIN * (float(number[k, SCALE]) + length(x))
 
 

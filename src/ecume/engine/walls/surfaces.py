@@ -170,7 +170,7 @@ def moving(walls: Surfaces, velocity: Sequence[float]) -> Surfaces:
 
 
 def moved(walls: Surfaces, time: float) -> Surfaces:
-    """Where moving walls are after a time (s), their openings with them."""
+    """The walls after a time (s), with their openings moved."""
     way = time * walls.velocity
     flat = walls.kind == PLANE
     carried = way[walls.hole]

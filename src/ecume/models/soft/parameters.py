@@ -15,7 +15,7 @@ from ecume.units import Array
 
 
 class Contacts(NamedTuple):
-    """What all contacts share: numbers for compiled code."""
+    """Constants that all contacts share, for compiled code."""
 
     viscosity: float
     """Pa s"""

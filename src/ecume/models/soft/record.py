@@ -35,7 +35,7 @@ def checked_parameters(scene: SoftScene) -> Parameters:
 
 
 def diagnosis(parameters: Parameters, state: State) -> str:
-    """Who left the range where it means anything, when, and what to do."""
+    """The sphere that left the range of validity, the time, and the remedy."""
     when = f"at t = {state.pace[CLOCK]:.6g} s (step {state.tally[ACCEPTED]})"
     broken = first_broken({"position": state.position, "velocity": state.velocity, "spin": state.spin})
     told = f"sphere {broken.particle} has no finite {broken.term} any more" if broken else _closest(parameters, state)
@@ -101,7 +101,9 @@ def most_missing(parameters: Parameters) -> float:
 
 
 def _missing(seen: Seen) -> float:
-    """What was put in, less what there is more, what was dissipated, and what contacts' sizes took."""
+    """The defect of the energy budget: work less the change of stored energy, dissipation, and the part of contact
+    sizes.
+    """
     if INJECTED not in seen.now:
         return 0.0
     first, now = seen.first, seen.now

@@ -83,7 +83,7 @@ class State(NamedTuple):
     """(3,) what chooses the solver: iterations that a linear system last took, steps since without any, and attempts
     that failed since the last step that gradients solved"""
     books: Array = NO_BOOKS
-    """(4,) J: work from outside, and where it went: see `booking`"""
+    """(4,) J: work from outside, and its distribution: see `report.energy_budget`"""
 
 
 class Workspace(NamedTuple):
@@ -97,7 +97,7 @@ class Workspace(NamedTuple):
 
 
 def make_state(parameters: Parameters, position: Array, room: int) -> State:
-    """At time 0, without contacts."""
+    """The state at time 0, without contacts."""
     (count, dimensions), walls = position.shape, len(parameters.walls.axis)
     return State(
         position=np.array(position, np.float64),
@@ -166,7 +166,7 @@ def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
 
 
 def store(parameters: Parameters, state: State, step: Step) -> None:
-    """What a step has come to becomes the state: places, spins, gap vectors and the box."""
+    """Copy the result of a step to the state: positions, spins, gap vectors and the box."""
     contacts, dimensions = int(state.contacts[0]), state.position.shape[1]
     state.position[:] = step.bodies.before
     state.pace[LEFT] = left_over(step)
@@ -261,7 +261,7 @@ class Bodies(NamedTuple):
 
 
 class During(NamedTuple):
-    """What a step is to do."""
+    """The specification of a step."""
 
     length: float
     """s"""

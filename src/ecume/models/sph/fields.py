@@ -54,7 +54,7 @@ class Fields(NamedTuple):
 
 
 class FieldRows(NamedTuple):
-    """Where each field begins in the table; a vector takes three rows."""
+    """The first row of each field in the table; a vector takes three rows."""
 
     position: int = 0
     velocity: int = 3
@@ -111,7 +111,7 @@ class Rates(NamedTuple):
 
 
 class RateRows(NamedTuple):
-    """Where each rate begins in the table; a vector takes three rows."""
+    """The first row of each rate in the table; a vector takes three rows."""
 
     continuity: int = 0
     diffusion: int = 1

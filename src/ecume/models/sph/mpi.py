@@ -31,7 +31,7 @@ def require_spreadable(parameters: Parameters) -> None:
 
 
 def own_part(share: Share, parameters: Parameters, state: State) -> Parameters:
-    """With the particles whose sums this rank takes."""
+    """The parameters with the range of particles whose sums this rank computes."""
     first, last = share.parts(state.position.shape[1])[share.rank : share.rank + 2]
     constants = parameters.constants.copy()
     constants[0].first, constants[0].last = first, last

@@ -55,7 +55,7 @@ class Dummies(NamedTuple):
 
 
 class Boundary(NamedTuple):
-    """What holds the liquid."""
+    """Everything that confines the liquid."""
 
     sides: Sides
     """planes with images behind them"""

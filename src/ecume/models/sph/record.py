@@ -78,7 +78,7 @@ def bytes_per_particle(scene: SphScene) -> float:
 
 
 def diagnosis(parameters: Parameters, state: State) -> str:
-    """Who broke, when, and what to do."""
+    """The particle that failed first, the time, and the remedy."""
     with np.errstate(over="ignore"):  # whoever broke may be faster than any number
         speed = np.sqrt((state.velocity**2).sum(axis=0))
     terms = {"position": state.position.T, "density": state.density, "velocity": state.velocity.T, "speed": speed}

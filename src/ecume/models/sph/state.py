@@ -123,7 +123,7 @@ class Workspace:
 
 
 def make_state(parameters: Parameters, liquid: Liquid) -> State:
-    """At time 0, in cell order."""
+    """The state at time 0, in the order of the liquid's particles."""
     none = np.zeros_like(liquid.position)
     count = liquid.position.shape[1]
     pose, motion = parameters.bodies.pose, parameters.bodies.motion
@@ -227,7 +227,7 @@ def cells_of(everyone: Array, support: float, skin: float) -> CellLists | None:
 
 
 def put_dummies(parameters: Parameters, fields: Fields, first: int) -> None:
-    """What stands fast about the walls' particles."""
+    """Fill the constant fields of dummies."""
     dummies, dimension = parameters.boundary.dummies, parameters.dimension
     here = slice(first, first + dummies.position.shape[1])
     fields.position[:dimension, here] = dummies.position - parameters.origin[:, None]
@@ -238,6 +238,6 @@ def put_dummies(parameters: Parameters, fields: Fields, first: int) -> None:
 
 
 def likely_neighbors(dimension: int, reach: float) -> int:
-    """In a full lattice, and some more; `reach` in spacings."""
+    """The number of neighbors in a full lattice, with a margin; `reach` in spacings."""
     spheres = np.pi * reach**2 * (4.0 / 3.0 * reach if dimension == 3 else 1.0)
     return int(1.15 * spheres) + 8

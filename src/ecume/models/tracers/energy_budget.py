@@ -44,7 +44,7 @@ def flow_at(parameters: Parameters, height: float, axis: int) -> float:
 
 @compiled
 def work_of_flights(parameters: Parameters, state: State, scratch: Workspace) -> float:
-    """On those with inertia, in the step that they flew (J)."""
+    """Work on tracers with inertia in their step (J)."""
     total, bodies, moved = 0.0, parameters.bodies, stirred(parameters)
     for i in range(len(scratch.fate)):
         if scratch.fate[i] <= 0:
@@ -58,7 +58,7 @@ def work_of_flights(parameters: Parameters, state: State, scratch: Workspace) ->
 
 @compiled
 def energy_before(parameters: Parameters, scratch: Workspace, i: int) -> float:
-    """Of one with inertia at the start of the step, per mass (J/kg)."""
+    """Energy of a tracer with inertia at the start of the step, per mass (J/kg)."""
     last = scratch.origin.shape[1] - 1
     energy: float = parameters.bodies.push[i] * scratch.origin[i, last]
     for axis in range(last + 1):
@@ -97,7 +97,7 @@ def heat_of_flight(parameters: Parameters, state: State, scratch: Workspace, i: 
 
 @compiled
 def work_of_drifts(parameters: Parameters, state: State, scratch: Workspace, time: float) -> float:
-    """On those without inertia, in a time: the drag, by what the liquid is faster, times its velocity (J)."""
+    """Work on tracers without inertia during a time (J): the drag times the velocity of the liquid."""
     total, bodies, last = 0.0, parameters.bodies, state.position.shape[1] - 1
     for i in range(len(scratch.fate)):
         start, weight = scratch.origin[i, last], bodies.mass[i] * bodies.push[i]

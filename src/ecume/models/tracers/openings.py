@@ -28,7 +28,7 @@ PURPOSE = 16
 
 
 class Stream(NamedTuple):
-    """What carries newcomers."""
+    """The flow that carries entering particles."""
 
     flow: Array
     """(d,) m/s"""
@@ -38,7 +38,7 @@ class Stream(NamedTuple):
 
 
 class Arrivals(NamedTuple):
-    """Who comes in during the run, one after the other."""
+    """All particles that enter during the run, in order."""
 
     step: Integers
     """(A,) at the end of which step each is there"""

@@ -87,7 +87,7 @@ def observe(parameters: Parameters, state: State, scratch: Workspace) -> Frame:
 
 
 def diagnosis(parameters: Parameters, state: State) -> str:
-    """Who is nowhere, when, and what to do."""
+    """The particle without a finite position, the time, and the remedy."""
     broken = first_broken({"position": _somewhere(state.position), "velocity": _somewhere(state.velocity)})
     worst = int(np.argmax((state.velocity**2).sum(axis=1))) if broken is None else broken.particle
     what = f"is outside, at {state.position[worst].tolist()}"
@@ -100,7 +100,7 @@ def diagnosis(parameters: Parameters, state: State) -> str:
 
 
 def _somewhere(numbers: Array) -> Array:
-    """What is too large to be anything is no number."""
+    """The positions, with NaN for values too large to be one."""
     return np.where(np.abs(numbers) < NOWHERE, numbers, np.nan)
 
 
@@ -126,7 +126,7 @@ def summary(scene: TracersScene) -> list[tuple[str, str, str]]:
 
 
 def coming(scene: TracersScene, parameters: Parameters, index: int) -> list[tuple[str, str, str]]:
-    """Who will come in through an opening."""
+    """The particles that will enter through an opening."""
     count = int((parameters.arrivals.opening == index).sum())
     hole = scene.openings[index]
     if hole.rate is None and hole.concentration is None:
@@ -136,7 +136,7 @@ def coming(scene: TracersScene, parameters: Parameters, index: int) -> list[tupl
 
 
 def summary_of(scene: TracersScene, parameters: Parameters, index: int) -> list[tuple[str, str, str]]:
-    """What follows for one species."""
+    """The rows of one species."""
     fluid, bodies, species = parameters.fluid, parameters.bodies, scene.particles[index]
     first = int(np.argmax(bodies.species == index))
     mass, friction, speed = (float(values[first]) for values in (bodies.mass, bodies.friction, bodies.settling))
@@ -172,7 +172,7 @@ def invariants(scene: TracersScene, parameters: Parameters) -> list[Invariant]:
 
 
 def _missing(seen: Seen) -> float:
-    """Of the particles at the start and those that entered since."""
+    """The number of particles missing from the balance of those at the start, entered, left and present."""
     came = _through("came", seen.now) - _through("came", seen.first)
     gone = _through("left", seen.now) - _through("left", seen.first)
     return abs(seen.first["particles_inside"] + came - gone - seen.now["particles_inside"])

@@ -70,12 +70,12 @@ def make_state(position: Array, velocity: Array, surfaces: int) -> State:
 
 
 def came(parameters: Parameters, state: State) -> int:
-    """How many have come in so far."""
+    """The number of particles that have entered."""
     return len(state.position) - (len(parameters.bodies.radius) - len(parameters.arrivals.step))
 
 
 def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
-    """Nothing here can overflow."""
+    """The workspace, which cannot overflow."""
     count, shape = len(state.position), state.position.shape
     a, b, c, d, e, f = (np.zeros(shape) for _ in range(6))
     radius = np.ascontiguousarray(parameters.bodies.radius[:count])

@@ -48,7 +48,7 @@ def body_of(body: ObstacleSpec) -> Surfaces:
 
 
 def nothing(dimensions: int) -> Surfaces:
-    """No walls at all."""
+    """A tank without walls."""
     one = walls.planes([[0.0] * dimensions], [[1.0] + [0.0] * (dimensions - 1)])
     return one._replace(kind=one.kind[:0], place=one.place[:0], size=one.size[:0], velocity=one.velocity[:0],
                         face=one.face[:0])  # fmt: skip

@@ -277,8 +277,8 @@ def land(
     fate: Integers,
     time: float,
 ) -> None:
-    """After the flights: who met nothing has the exact velocity; who met a wall keeps what it was left with, and no
-    kick.
+    """After the flights: a particle without collisions gets the exact velocity; one with collisions keeps its velocity,
+    without thermal noise.
     """
     for i in range(position.shape[0]):
         if fate[i] != 0:

@@ -74,7 +74,7 @@ class Film(NamedTuple):
 
 @compiled_inside
 def fading(gap: float, contacts: Contacts) -> tuple[float, float]:
-    """What part of its friction a film still has, and the slope of its logarithm over ln(gap)."""
+    """The fraction of its friction that a film still has, and the derivative of its logarithm by ln(gap)."""
     if gap <= contacts.fade_from:
         return 1.0, 0.0
     u = min((gap - contacts.fade_from) / (contacts.fade_to - contacts.fade_from), 1.0)

@@ -31,9 +31,9 @@ def rates(film: Film) -> tuple[float, float]:
 
 @compiled_inside
 def tangent(film: Film, dq: float, turn: float, dpull: float, dshear: float) -> tuple[float, float, float, float]:
-    """What small changes of a contact's four numbers change: both rates, and the force along n and along the surface.
+    """The Jacobian of a contact's four variables: both rates, and the force along n and along the surface.
 
-    A turn of n moves the shear into the pull and the pull into the shear.
+    A rotation of n exchanges normal and shear components.
     """
     surface, resistance = film.surface, film.resistance
     opening, sliding = rates(film)
@@ -112,7 +112,7 @@ def dot(a: Vector, b: Vector) -> float:
 
 
 class Start(NamedTuple):
-    """Where a contact's stage starts from."""
+    """The state of a contact at the start of its stage."""
 
     span: float
     """s: treated implicitly"""
@@ -125,7 +125,7 @@ class Start(NamedTuple):
 
 
 class Link(NamedTuple):
-    """What a contact answers, in its frame: along the normal (n), the shear (t), and across (s)."""
+    """The linear response of a contact in its frame: along the normal (n), the shear (t), and across (s)."""
 
     force_n: float
     force_t: float

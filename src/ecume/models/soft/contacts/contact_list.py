@@ -115,7 +115,7 @@ def meet_walls(parameters: Parameters, state: State) -> bool:
 
 
 def wall_gaps(parameters: Parameters, position: Array, wall: Array) -> Array:
-    """From each undeformed sphere to each wall, (N, W) m."""
+    """Gaps from each undeformed sphere to each wall, (N, W) m."""
     planes = parameters.walls
     places = wall[np.arange(len(planes.axis)), planes.axis]
     return np.asarray(planes.side * (places - position[:, planes.axis]) - parameters.radius[:, None])
@@ -149,7 +149,7 @@ def box_in(parameters: Parameters, state: State) -> Box:
 
 
 def wraps(position: Array, box: Box) -> Integers:
-    """In which copy of the box each place lies."""
+    """The periodic image in which each position is."""
     away = np.zeros(position.shape, np.int64)
     for axis in range(position.shape[1] - 1, -1, -1):
         if box.sides[axis] > 0.0:
@@ -197,7 +197,7 @@ def _negative(image: Integers) -> NDArray[np.bool_]:
 
 
 def _kept(parameters: Parameters, state: State) -> NDArray[np.bool_]:
-    """Which contacts have not faded."""
+    """Flags of contacts that have not faded."""
     return np.asarray(state.log_gap[: state.contacts[0]] < log(parameters.contacts.fade_to))
 
 

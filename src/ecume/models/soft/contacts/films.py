@@ -37,7 +37,7 @@ class Pairs(NamedTuple):
 
 
 class Films(NamedTuple):
-    """Where the contacts are in a stage, and where its start lies."""
+    """The contacts in a stage, with the values at its start."""
 
     log_gap: Array
     direction: Array
@@ -47,7 +47,7 @@ class Films(NamedTuple):
 
 
 class Answers(NamedTuple):
-    """What contacts answer in a stage, linearized."""
+    """The linearized responses of contacts in a stage."""
 
     force: Array
     """(C, 3) N on the first, as it is"""
@@ -103,7 +103,7 @@ def answer(contacts: Contacts, pairs: Pairs, films: Films, position: Array, span
 
 @compiled_inside
 def center_distance(position: Array, offset: Array, i: int, j: int, c: int) -> Vector:
-    """From one sphere to the other, in the copy that it meets; in a layer without a third component."""
+    """The vector from one sphere to the other, in the image that it touches; without a third component in a layer."""
     x = position[j, 0] - position[i, 0] + offset[c, 0]
     y = position[j, 1] - position[i, 1] + offset[c, 1]
     z = 0.0 if position.shape[1] == 2 else position[j, 2] - position[i, 2] + offset[c, 2]
@@ -141,7 +141,7 @@ def tell_forces(link: Link, frame: Frame, c: int, to: tuple[Array, Array, Array]
 
 @compiled_inside
 def tell_motion(link: Link, frames: tuple[Frame, Frame], c: int, to: tuple[Array, Array, Array]) -> None:
-    """How a contact moves, in the frame that spins with it, by itself and by a displacement along the axes."""
+    """The motion of a contact in the frame that rotates with it, without and with a displacement along the axes."""
     shift, response, slope = to
     _, t, s = frames[0]
     n_seen, t_seen, s_seen = frames[1]
@@ -168,7 +168,7 @@ def make_films(count: int) -> Films:
 
 @compiled
 def stored_energy(contacts: Contacts, pairs: Pairs, films: Films, position: Array) -> float:
-    """What the surfaces' deflections hold (J): exact along the normal; along the surface at its present stiffness."""
+    """The elastic energy of the deflections (J): exact along the normal; tangentially with the present stiffness."""
     total = 0.0
     for c in range(len(pairs.first)):
         i, j = pairs.first[c], pairs.second[c]

@@ -61,7 +61,7 @@ def axial(rows: Array, i: int) -> Vector:
 
 @compiled
 def turn_pairs(pairs: Pairs, spins: Spins) -> None:
-    """How far each pair has turned."""
+    """The rotation of each pair."""
     turn, to = spins.turn, pairs.turn
     for c in range(len(to)):
         a, b = axial(turn, pairs.first[c]), axial(turn, pairs.second[c])
@@ -71,8 +71,8 @@ def turn_pairs(pairs: Pairs, spins: Spins) -> None:
 
 @compiled_inside
 def rolled(x: Vector, size: float, ends: tuple[int, int], change: Array, d: int) -> Vector:
-    """What a change of places and spins, (N, d + s), adds to the distance x that a pair sees, turning as it does; the
-    sum of its radii is its size.
+    """The change of the distance x of a pair by changes of positions and spins, (N, d + s), in the frame that rotates
+    with it; the sum of its radii is its size.
     """
     i, j = ends
     u = (change[j, 0] - change[i, 0], change[j, 1] - change[i, 1], 0.0 if d == 2 else change[j, 2] - change[i, 2])
@@ -87,7 +87,7 @@ def rolled(x: Vector, size: float, ends: tuple[int, int], change: Array, d: int)
 
 @compiled
 def add_torques(pairs: Pairs, answers: Answers, position: Array, right: Array, corrected: bool) -> None:
-    """What contacts do to the spins of both their spheres, into the last columns of `right`."""
+    """Add the torques of contacts on the spins of both their spheres, in the last columns of `right`."""
     first, second, d = pairs.first, pairs.second, position.shape[1]
     for c in range(len(first)):
         i, j = first[c], second[c]
@@ -120,7 +120,7 @@ def load_torques(spins: Spins, right: Array, factor: float, during: tuple[float,
 
 @compiled
 def fill_quads(pairs: Pairs, answers: Answers, spins: Spins, position: Array) -> None:
-    """What displacements and spins of both spheres of each pair do to the forces and torques on both."""
+    """The derivatives of forces and torques on both spheres of each pair by their displacements and spins."""
     quads, d = spins.quads, position.shape[1]
     by_spin, torque_by = np.zeros((3, 3)), np.zeros((3, 3))
     for c in range(len(quads)):
@@ -172,7 +172,7 @@ def place_quads(quads: Array, stiffness: Array, by_spin: Array, torque_by: Array
 @compiled
 def hold_spins(matrix: Matrix, spins: Spins, free: bool) -> None:
     """Make the matrix of spins regular where spheres are `free` to turn all together: the first one resists, which
-    `turning.unturn` makes good.
+    `unturn` makes good.
     """
     own, blocks = matrix.pattern.diagonal, matrix.blocks
     begin = blocks.shape[1] - spins.turn.shape[1]
@@ -186,7 +186,7 @@ def hold_spins(matrix: Matrix, spins: Spins, free: bool) -> None:
 
 @compiled
 def begin_spins(spins: Spins, row: Array, time_step: float) -> None:
-    """Where a stage starts from: the slopes of the stages before."""
+    """The spins at the start of a stage, from the slopes of the stages before."""
     start, slope = spins.start, spins.slope
     for i in range(len(spins.drag)):
         for k in range(start.shape[1]):
@@ -290,7 +290,7 @@ def unturn(position: Array, spins: Spins, changes: Array, pull: tuple[Array, Arr
 
 @compiled
 def mean_spin(spins: Spins, change: Array) -> Array:
-    """Of all spheres, as an axial vector (rad)."""
+    """The mean spin of all spheres, as an axial vector (rad)."""
     mean, width = np.zeros(3), spins.turn.shape[1]
     for i in range(len(change)):
         for k in range(width):
@@ -319,7 +319,7 @@ def moment_of(position: Array, spins: Spins, change: Array, pull: tuple[Array, A
 
 @compiled
 def own_moment(spins: Spins, load: float) -> Array:
-    """Of the torques on the spheres (N m)."""
+    """The total of the torques on the spheres (N m)."""
     total, width = np.zeros(3), spins.turn.shape[1]
     for i in range(len(spins.torque)):
         for k in range(width):

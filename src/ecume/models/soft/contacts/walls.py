@@ -28,7 +28,7 @@ FAR = 1e12
 
 
 class Places(NamedTuple):
-    """Where walls are in a step."""
+    """The positions of walls in a step."""
 
     axis: Integers
     """(W,) which each stands across"""
@@ -134,14 +134,16 @@ def flattened(film: Film, far: float) -> Film:
 
 @compiled_inside
 def normal_of(places: Places, w: int) -> Vector:
-    """From the spheres to a wall."""
+    """The normal from the spheres to a wall."""
     axis, side = places.axis[w], places.side[w]
     return (side if axis == 0 else 0.0, side if axis == 1 else 0.0, side if axis == 2 else 0.0)
 
 
 @compiled_inside
 def wall_distance(walls: Walls, position: Array, turn: Array, c: int) -> Vector:
-    """From a sphere to where its wall's material is, the distance along the normal; a spin rolls the sphere along."""
+    """The vector from a sphere to the material point of its wall, at the distance along the normal; spins roll it
+    along.
+    """
     i, w, places = walls.touches.first[c], walls.touches.wall[c], walls.places
     x = places.place[w, 0] - position[i, 0]
     y = places.place[w, 1] - position[i, 1]
@@ -177,7 +179,7 @@ def answer_walls(walls: Walls, contacts: Contacts, position: Array, turn: Array,
 
 @compiled_inside
 def tell(link: Link, frame: Frame, touches: Touches, c: int) -> None:
-    """What a contact answers, along the axes."""
+    """The response of a contact, along the axes."""
     n, t, s = frame
     shift, now, response = touches.shift, touches.now, touches.response
     shift[c, 0], now[c, 0] = link.dq, link.opening
@@ -245,7 +247,7 @@ def pressed(stiffness: Array, c: int, x: Vector) -> Vector:
 
 @compiled_inside
 def displaced(k: int, dimensions: int, n: Vector) -> Vector:
-    """What a unit of a sphere's unknown does to the distance of a wall: of its place, or of its spin."""
+    """The derivative of the distance from a wall by an unknown of a sphere: its position, or its spin."""
     axis = k if k < dimensions else 2 if dimensions == 2 else k - dimensions
     one = (1.0 if axis == 0 else 0.0, 1.0 if axis == 1 else 0.0, 1.0 if axis == 2 else 0.0)
     if k >= dimensions:
@@ -276,7 +278,9 @@ def resist_at_walls(walls: Walls, blocks: Array, own: Integers, dimensions: int)
 
 @where_there(0.0)
 def wall_energy(walls: Walls, contacts: Contacts, position: Array) -> float:
-    """What the deflections at walls hold (J): exact along the normal; along the wall at its present stiffness."""
+    """The elastic energy of the deflections at walls (J): exact along the normal; tangentially with the present
+    stiffness.
+    """
     touches, total = walls.touches, 0.0
     for c in range(len(touches.first)):
         n, radius = normal_of(walls.places, touches.wall[c]), touches.radius[c]
@@ -295,7 +299,7 @@ def wall_energy(walls: Walls, contacts: Contacts, position: Array) -> float:
 
 @where_there(0.0)
 def shift_at_walls(walls: Walls, change: Array, dimensions: int) -> float:
-    """What Newton's change does to the contacts with walls; how much at most."""
+    """Apply a Newton step to the contacts with walls; returns the largest change."""
     touches, places = walls.touches, walls.places
     shift, response, largest = touches.shift, touches.response, 0.0
     for c in range(len(touches.first)):
@@ -340,7 +344,7 @@ def first_walls(walls: Walls) -> None:
 
 @where_there()
 def slopes_at_walls(walls: Walls) -> None:
-    """How fast contacts and walls go at the step's beginning."""
+    """The rates of contacts and walls at the start of the step."""
     copy_rows(walls.touches.rate[0], walls.touches.now)
 
 
@@ -434,7 +438,7 @@ def column_of_wall(walls: Walls, to: tuple[Array, Array], unknown: int, dimensio
 
 @compiled_inside
 def wanted_force(places: Places, unknown: int, load: tuple[float, float]) -> float:
-    """What pushes or pulls a wall that yields (N); what shears it goes by the shear of walls, too."""
+    """The specified force on a movable wall (N); the component along it by the shear of walls, too."""
     wall, axis = places.free[unknown]
     along = 1.0 if axis == places.axis[wall] else load[1]
     return float(load[0] * along * places.force[wall, axis])
@@ -442,7 +446,7 @@ def wanted_force(places: Places, unknown: int, load: tuple[float, float]) -> flo
 
 @compiled
 def corner_of_walls(walls: Walls, load: tuple[float, float], borders: tuple[Array, Array]) -> None:
-    """What is missing of the force on each wall that yields, and how it changes with the walls."""
+    """The residual of the force on each movable wall, and its derivatives by the walls."""
     (left, corner), touches, free = borders, walls.touches, walls.places.free
     for one in range(len(free)):
         wall, axis = free[one]

@@ -150,7 +150,7 @@ def add_spins(web: Web, c: int, displaced: tuple[Vector, Vector], to: tuple[Arra
 
 @compiled
 def fill_corner(cell: Cell, web: Web, goal: Goal, corner: Array) -> None:
-    """How the works change with the unknowns themselves, that of what they are to be included."""
+    """The derivatives of the works by the unknowns themselves, those of the target values included."""
     first, second, offset, position = web.pairs.first, web.pairs.second, web.pairs.offset, web.position
     force, correction, stiffness = web.answers.force, web.answers.correction, web.answers.stiffness
     for one in range(unknowns(cell)):
@@ -204,14 +204,14 @@ def close(borders: Borders, count: int) -> Array | None:
 
 
 def change_box(cell: Cell, goal: Goal, found: Array) -> None:
-    """Put the unknowns' change into the gradient by which everything is displaced."""
+    """Add the change of the unknowns to the displacement gradient."""
     cell.change[:] = 0.0
     for unknown, value in enumerate(found):
         cell.change[:] += value * gradient_of(cell, unknown, goal, False)
 
 
 def change_walls(walls: Walls, found: Array) -> None:
-    """Put the unknowns' change into that of the walls' places."""
+    """Add the change of the unknowns to the positions of the walls."""
     walls.places.change[:] = 0.0
     for (wall, axis), value in zip(walls.places.free, found, strict=True):
         walls.places.change[wall, axis] = value

@@ -46,7 +46,7 @@ gaps as they are, or for a step.
 
 @compiled
 def begin_stage(step: Step, scheme: Scheme, stage: int, time_step: float) -> None:
-    """Where a stage starts from: the beginning, and the slopes of the stages before."""
+    """Set the start of a stage, from the start of the step and the slopes of the stages before."""
     films, slope, bodies = step.films, step.slope, step.bodies
     log_gap, direction, rows = step.log_gap, step.direction, scheme.rows
     for c in range(len(log_gap)):
@@ -92,7 +92,7 @@ def end_stage(step: Step, goal: Goal, stage: int) -> None:
 
 @compiled
 def afloat(cell: Cell, position: Array, i: int, k: int) -> float:
-    """How fast the box's deformation carries the liquid at a sphere, at the step's beginning."""
+    """The velocity of the liquid at a sphere by the deformation of the box, at the start of the step."""
     slope = cell.slope[0]
     speed = slope[WIDTH + k] * position[i, k]
     return float(speed + slope[STRAIN] * position[i, 1] if k == 0 else speed)
@@ -129,7 +129,7 @@ def first_places(step: Step, drive: Drive) -> None:
 
 @compiled
 def first_slopes(step: Step) -> None:
-    """How fast everything goes there."""
+    """The rates at the start of the step."""
     bodies = step.bodies
     copy_rows(step.slope[0], step.answers.slope)
     slopes_at_walls(step.walls)
@@ -167,7 +167,7 @@ def error_of(step: Step, scheme: Scheme, time_step: float) -> float:
 
 @compiled_inside
 def drive_of(row: Array) -> Drive:
-    """What is imposed, from the numbers of one stage."""
+    """The imposed values, from the numbers of one stage."""
     return Drive(row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7], row[8], row[9])
 
 

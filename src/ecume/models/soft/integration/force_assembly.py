@@ -26,7 +26,9 @@ def count_pairs(pairs: Pairs, *_: object) -> int:
 
 @composed
 def imbalance(step: Step, factor: float, span: float, corrected: bool) -> tuple[float, float, float]:
-    """What is left on each sphere, into `right`; the largest, the largest force there is, and what rounding leaves."""
+    """Write the residual force on each sphere into `right`; returns its largest value, the largest force, and the
+    rounding error.
+    """
     right, position, along = step.bodies.right, step.bodies.position, flow(step.cell)
     load_torques(step.spins, right, factor, (span, -0.5 * along[0, 1]))
     given = (factor, span, 1.0 if corrected else 0.0, largest_strain(step.cell))
@@ -142,7 +144,7 @@ def resist(step: Step, span: float) -> None:
 
 @compiled
 def hold_back(bodies: Bodies, spin_drag: Array, span: float) -> None:
-    """What the liquid resists."""
+    """Add the drag of the liquid."""
     dimensions = bodies.position.shape[1]
     for i in range(len(bodies.drag)):
         for k in range(bodies.diagonal.shape[1]):

@@ -62,7 +62,7 @@ def way(parameters: Parameters, kept: Kept, rules: Rules, name: str) -> Way:
 
 
 def attempt(parameters: Parameters, scratch: Workspace, during: During, rules: Rules, effort: Integers) -> float:
-    """Try a step: the estimated error, or `stages.FAILED`."""
+    """Try a step: the estimated error, or `dirk.FAILED`."""
     step, kept, scheme = scratch.step, scratch.kept, SCHEMES[parameters.scheme].tableau
     step.cell.rules[:] = rules
     kept.iterations = kept.systems = 0

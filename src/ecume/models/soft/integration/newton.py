@@ -52,7 +52,7 @@ Solve = Callable[[Matrix, Array, Array, int], bool]
 
 @composed
 def sides(step: Step) -> int:
-    """How many right sides there are: what is left over, and what turns the first of free spheres."""
+    """The number of right-hand sides: the residual, and the rotation of the first of free spheres."""
     return 1 + (step.spins.turn.shape[1] if is_free(step) else 0)
 
 
@@ -90,13 +90,13 @@ def bordered(solve: Solve, step: Step, goal: Goal, loose: int) -> bool:
 
 @composed
 def web_of(step: Step) -> Web:
-    """What the borders of the system are made of."""
+    """The data for the borders of the system."""
     return Web(step.pairs, step.answers, step.bodies.position)
 
 
 @composed
 def unmet(step: Step, goal: Goal) -> float:
-    """What is missing of the stresses that rule the box, or of the forces on walls."""
+    """The residual of the stresses that control the box, or of the forces on walls."""
     if unknowns(step.cell) > 0:
         return missing_stress(step.cell, web_of(step), goal)
     load = (goal.drive.load, goal.drive.wall_shear)
@@ -105,7 +105,7 @@ def unmet(step: Step, goal: Goal) -> float:
 
 @composed
 def enter(step: Step, goal: Goal) -> None:
-    """Put in what is imposed, and carry the spheres along with the box."""
+    """Impose the drive, and displace the spheres with the box."""
     old = step.cell.shape.copy()
     impose(step.cell, goal)
     carry_along(step.cell, old, step.bodies.position, step.bodies.moved)
@@ -114,7 +114,7 @@ def enter(step: Step, goal: Goal) -> None:
 
 @composed
 def met(step: Step, goal: Goal) -> float:
-    """Nothing is missing where nothing answers to a stress."""
+    """The residual of the stresses if nothing responds to a stress: zero."""
     return 0.0
 
 
@@ -194,7 +194,7 @@ def move(step: Step, goal: Goal) -> float:
 
 @shared(count_pairs)
 def shift_contacts(pairs: Pairs, answers: Answers, bodies: Bodies, by: Array) -> float:
-    """What Newton's change does to the contacts; how much at most."""
+    """Apply a Newton step to the contacts; returns the largest change."""
     first, second, offset, radius_sum = pairs.first, pairs.second, pairs.offset, pairs.radius_sum
     position, change, shift, response = bodies.position, bodies.change, answers.shift, answers.response
     count, dimensions = len(first), position.shape[1]
@@ -240,7 +240,7 @@ def move_contact(log_gap: Array, direction: Array, shift: Array, part: float, c:
 
 @compiled
 def largest_change(by: Array, change: Array, dimensions: int, radius: Array) -> float:
-    """Of the box, relative, and of spins (rad), in one of Newton's steps."""
+    """The largest change of the box, relative, and of spins (rad), in a Newton step."""
     largest = 0.0
     for k in range(3):
         for m in range(3):

@@ -129,7 +129,7 @@ def leapt_to_wall(parameters: Parameters, step: Step, walls: Walls) -> bool:
 
 
 def _drives(parameters: Parameters, state: State, way: tuple[float, float]) -> Array:
-    """What is imposed at each stage of a step of some length and end; at the end as it is before it jumps there."""
+    """The imposed values at each stage of a step; at its end the values before a jump there."""
     protocol, now = parameters.protocol, float(state.pace[CLOCK])
     interval, (length, end) = interval_at(protocol, now), way
     times = [now + part * length for part in SCHEMES[parameters.scheme].tableau.times[:-1]]
@@ -137,8 +137,8 @@ def _drives(parameters: Parameters, state: State, way: tuple[float, float]) -> A
 
 
 def jump(parameters: Parameters, state: State, scratch: Workspace) -> bool:
-    """Where the protocol jumps at this time, find the new balance while all gaps stay as they are; whether there is
-    one. A jump is what would have been a quick ramp: its work is what deflections take up.
+    """If the protocol jumps at this time, find the new balance with constant gaps; whether there is one.
+    A jump is the limit of a fast ramp: its work goes into deflections.
     """
     if not jumps_now(parameters, state):
         return True
@@ -208,7 +208,7 @@ def _longest(parameters: Parameters, now: float) -> float:
 
 
 def _next(parameters: Parameters, state: State) -> tuple[float, float]:
-    """How long the next step may be, and when it ends: not past the next frame, nor past a turn of the protocol."""
+    """The largest length of the next step, and its end: not beyond the next frame or corner of the protocol."""
     now = float(state.pace[CLOCK])
     due = _due(parameters, int(state.step[0]) // parameters.steps_per_frame + 1)
     stop = min(due, next_turn(parameters.protocol, now))

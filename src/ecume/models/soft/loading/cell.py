@@ -48,7 +48,7 @@ class Cell(NamedTuple):
 
 
 class Goal(NamedTuple):
-    """What a stage is to meet."""
+    """The target values of a stage."""
 
     drive: Drive
     origin: Drive
@@ -111,7 +111,7 @@ def is_pressed(cell: Cell) -> bool:
 
 @compiled
 def unknowns(cell: Cell) -> int:
-    """How many unknowns answer to a stress: the shear, then the size."""
+    """The number of unknowns that respond to a stress: the shear, then the size."""
     return int(is_stressed(cell)) + int(is_pressed(cell))
 
 
@@ -134,7 +134,7 @@ def volume(cell: Cell, dimensions: int) -> float:
 
 @compiled
 def impose(cell: Cell, goal: Goal) -> None:
-    """Put into the shape what is imposed on it."""
+    """Set the imposed values of the shape."""
     drive, origin, span = goal.drive, goal.origin, goal.span
     shape, before, start = cell.shape, cell.before, cell.start
     grown = math.log(drive.scale / origin.scale)
@@ -168,7 +168,7 @@ def first_cell(cell: Cell, drive: Drive) -> None:
 
 @compiled
 def begin_cell(cell: Cell, scheme: Scheme, stage: int, time_step: float) -> None:
-    """Where a stage starts from: the beginning, and the slopes of the stages before."""
+    """Set the start of a stage, from the start of the step and the slopes of the stages before."""
     for k in range(6):
         cell.start[k] = cell.before[k] if k < 5 else 0.0
         for earlier in range(stage):
@@ -213,10 +213,9 @@ def largest_strain(cell: Cell) -> float:
 
 @compiled
 def gradient_of(cell: Cell, unknown: int, goal: Goal, row: bool) -> Array:
-    """What a unit of an unknown does to places: the shear if that answers to a stress, then the size.
+    """The displacement gradient of a unit of an unknown: the shear if that responds to a stress, then the size.
 
-    As a row, the stress that it is to meet: what does work in it. They differ where a strain is imposed, whose tilt
-    follows the height.
+    As a row, the conjugate stress. They differ for an imposed strain, whose tilt follows the height.
     """
     gradient = np.zeros((3, 3))
     if unknown == 0 and is_stressed(cell):
@@ -231,7 +230,7 @@ def gradient_of(cell: Cell, unknown: int, goal: Goal, row: bool) -> Array:
 
 @compiled
 def stress_goal(cell: Cell, unknown: int, drive: Drive, dimensions: int) -> float:
-    """What the work done in an unknown is to be (J), tension positive."""
+    """The target of the work done by an unknown (J), tension positive."""
     space = volume(cell, dimensions)
     if unknown == 0 and is_stressed(cell):
         return space * drive.shear_stress
@@ -277,7 +276,7 @@ def carry_along(cell: Cell, old: Array, position: Array, moved: Array) -> None:
 
 @compiled
 def place_images(pairs: Pairs, cell: Cell) -> None:
-    """Where copies of the box are now."""
+    """Set the present positions of the periodic images."""
     image, offset, sides, shape = pairs.image, pairs.offset, cell.sides, cell.shape
     tilt = shape[TILT] * sides[0] * math.exp(shape[WIDTH])
     for k in range(3):

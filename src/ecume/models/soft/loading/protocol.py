@@ -34,7 +34,7 @@ class Protocol(NamedTuple):
 
 
 class Drive(NamedTuple):
-    """What is imposed at one time; of strain, scale and height only that part of their change that is."""
+    """The imposed values at one time; of strain, scale and height only the imposed part of their change."""
 
     load: float
     """what the external forces are multiplied by"""
@@ -58,7 +58,7 @@ class Drive(NamedTuple):
 
 
 class Rules(NamedTuple):
-    """What of the box answers to a stress (1) instead of being imposed (0)."""
+    """Components of the box that respond to a stress (1) or are imposed (0)."""
 
     strain: int
     width: int
@@ -86,7 +86,7 @@ def interval_at(protocol: Protocol, time: float) -> int:
 
 
 def drive_at(protocol: Protocol, time: float, interval: int | None = None) -> Drive:
-    """What is imposed at a time; in an interval that ends there if it is named, otherwise in the one that begins."""
+    """The imposed values at a time; in the given interval, by default in the one that begins there."""
     which = interval_at(protocol, time) if interval is None else interval
     since = time - float(protocol.times[which])
     load, strain, scale, height, shear, normal, wall_shear = (
@@ -103,12 +103,12 @@ def drive_at(protocol: Protocol, time: float, interval: int | None = None) -> Dr
 
 
 def rules_at(protocol: Protocol, interval: int) -> Rules:
-    """What answers to a stress in an interval."""
+    """The components that respond to a stress in an interval."""
     return Rules(*(int(rule) for rule in protocol.rules[interval]))
 
 
 def next_turn(protocol: Protocol, time: float) -> float:
-    """When the protocol next changes its course: no step goes across."""
+    """The time of the next corner of the protocol, which no step crosses."""
     later = protocol.times[protocol.times > time * (1.0 + 1e-12)]
     return float(later[0]) if len(later) else math.inf
 
@@ -125,7 +125,7 @@ class Course(NamedTuple):
     """the row of `SIZE_CONTROLS`"""
 
     def rules(self) -> Rules:
-        """What answers to a stress."""
+        """The components that respond to a stress."""
         return Rules(self.stressed, *SIZE_CONTROLS[self.size].sides)
 
 
@@ -170,7 +170,7 @@ def begun(course: Course, stage: StageSpec) -> Course:
 
 
 def slopes_of(course: Course, following: StageSpec | None, span: float) -> tuple[float, ...]:
-    """How load, strain, scale, height and stresses go on until the next moment, if there is one."""
+    """The rates of load, strain, scale, height and stresses until the next corner, if there is one."""
     slopes = [0.0, course.shear_rate, 0.0, course.height_rate, 0.0, 0.0, 0.0]
     if following is None:
         return tuple(slopes)

@@ -41,7 +41,7 @@ def advice(scene: SoftScene, parameters: Parameters, state: State) -> list[Row]:
 
 
 def typical_pair(scene: SoftScene, parameters: Parameters, state: State) -> Expected:
-    """What to expect of two spheres."""
+    """Estimates for two spheres."""
     radius, modulus = float(np.median(parameters.radius)), float(np.median(parameters.modulus))
     pair = SoftPair(radius, modulus, scene.liquid.viscosity, prefactors_of(scene.films))
     gaps = state.log_gap[: state.contacts[0]]
@@ -100,8 +100,8 @@ def rate_of(scene: SoftScene, parameters: Parameters) -> float:
 
 
 def sheared_force(pair: SoftPair, gap: float, rate: float) -> float:
-    """What a film resists neighbors with that go apart or together with 2 R times the rate (N), in Poiseuille's regime:
-    no more than the force that moves it fastest.
+    """The resistance of a film (N) to neighbors that separate or approach with 2 R times the rate, in Poiseuille's
+    regime: at most the force of the largest speed.
     """
     if not rate > 0.0 or math.isnan(gap):
         return 0.0
@@ -186,7 +186,7 @@ BYTES, COMPILER = 3000.0, 3.5e8
 
 
 def steps_of(scene: SoftScene, parameters: Parameters) -> float:
-    """How many steps there will be, roughly: those of a relaxation at each turn of the protocol, and of all strain."""
+    """A rough estimate of the number of steps: a relaxation at each corner of the protocol, and the total strain."""
     protocol, end = parameters.protocol, scene.duration
     turns = int((protocol.times < end).sum())
     scheme = SCHEMES[parameters.scheme]
@@ -209,11 +209,11 @@ def strain_of(parameters: Parameters, end: float) -> float:
 
 
 def seconds_of(parameters: Parameters, contacts: int) -> float:
-    """Of a step with so many films."""
+    """The duration of a step with so many films."""
     few = parameters.force.size + parameters.torque.size <= FEW
     return (FEW_SPHERES if few else PASSES) + contacts * SCHEMES[parameters.scheme].seconds
 
 
 def bytes_of(contacts: float) -> float:
-    """At the most, in a run with so many films."""
+    """The largest memory of a run with so many films."""
     return COMPILER + BYTES * contacts

@@ -46,8 +46,8 @@ Web = tuple[tuple[Any, ...], tuple[Array, Array, Array], tuple[Array, Array], tu
 def surface_work(
     contacts: Contacts, body: Body, at: tuple[float, float, float], before: tuple[float, float]
 ) -> tuple[float, float, Surface]:
-    """What the size of a contact, at this gap, stretch and shear squared, takes by a change of ln(gap) (J); what it
-    took by its stiffness along the surface since the stage before (J), from that and shear squared there; the surface.
+    """The work of the size of a contact, at this gap, stretch and shear squared, by a change of ln(gap) (J); that of
+    its tangential stiffness since the previous stage (J), from that and shear squared there; the surface.
     """
     gap, stretch, square = at
     surface = surface_of(contacts, body, gap, stretch)
@@ -86,8 +86,8 @@ def book_stage(contacts: Contacts, step: Step, scheme: Scheme, during: During, s
 
 @compiled_inside
 def book_pairs(contacts: Contacts, web: Web, among: tuple[int, int], sums: Array, chunk: int) -> None:
-    """Of some pairs: a film takes F.dG/dt, in the frame that spins with its pair, and dissipates what remote forces do
-    not hold of it.
+    """The energy budget of some pairs: a film takes the power F.dG/dt, in the frame that rotates with its pair, and
+    dissipates it, less the power of remote forces.
     """
     (first, second, offset, image, turn), (radius_sum, reduced_radius, modulus) = web[0], web[1]
     (log_gap, direction), (force, slope), (position, box, sheared) = web[2], web[3], web[4]
@@ -127,7 +127,7 @@ def gather_line(sums: Array, line: Array, cell: Cell) -> None:
 
 @compiled_inside
 def beside(box: Array, image: Array, c: int) -> Vector:
-    """How fast the copy that a pair meets goes, beside its sphere (m/s)."""
+    """The velocity of the image that a pair touches, relative to its sphere (m/s)."""
     i, j, k = image[c, 0], image[c, 1], image[c, 2]
     return box[0, 0] * i + box[0, 1] * j, box[1, 1] * j, box[2, 2] * k
 
@@ -162,7 +162,7 @@ def book_walls(walls: Walls, contacts: Contacts, at: tuple[Array, Array], stage:
 
 @compiled
 def box_rates(cell: Cell, stage: int) -> Array:
-    """How fast the box's sides go (m/s), each as a column."""
+    """The rates of the sides of the box (m/s), as columns."""
     rates, slope, shape = np.zeros((3, 3)), cell.slope[stage], cell.shape
     for k in range(3):
         rates[k, k] = cell.sides[k] * math.exp(shape[WIDTH + k]) * slope[WIDTH + k]
@@ -192,7 +192,7 @@ def book_bodies(crowd: tuple[Bodies, Spins], slope: Array, stage: int, line: Arr
 
 @compiled_inside
 def book_drag(line: Array, friction: float, speed: float, along: float) -> None:
-    """Of a sphere that goes through a liquid which the box carries along: that pays with the drag times its speed."""
+    """The drag power on a sphere in a liquid that the box carries along: drag times the speed of the liquid."""
     line[DRAGGED] += friction * (speed - along) ** 2
     line[ANSWERED] -= friction * (speed - along) * along
 
@@ -219,14 +219,14 @@ def add_up(lines: Array, scheme: Scheme, length: float, drives: Array) -> None:
 
 
 def elastic_energy(contacts: Contacts, step: Step) -> float:
-    """What all deflections hold (J)."""
+    """The elastic energy of all deflections (J)."""
     position = step.bodies.position
     between = stored_energy(contacts, step.pairs, step.films, position)
     return float(between + wall_energy(step.walls, contacts, position))
 
 
 def released(contacts: Contacts, step: Step) -> float:
-    """What contacts still hold whose films have faded, and that go (J): films take it at once."""
+    """The elastic energy of contacts whose films have faded (J), which films dissipate at once."""
     if math.isinf(contacts.fade_to):
         return 0.0
     far, walls, total = math.log(contacts.fade_to), all_walls(step.walls), 0.0

@@ -141,8 +141,8 @@ def _budget(parameters: Parameters, state: State, step: Step, gap: Array, held: 
 
 
 def _stake(force: Array, normal: Array, gap: Array, radius_sum: Array) -> float:
-    """What contacts' forces do while gaps open by their own width, and directions turn by a radian (J): that is what
-    tolerances are of.
+    """The work of the forces of contacts while gaps open by their width, and directions rotate by a radian (J): the
+    scale of tolerances.
     """
     pull = np.abs((force * normal).sum(axis=1))
     along = np.sqrt(np.maximum((force**2).sum(axis=1) - pull**2, 0.0))
@@ -150,7 +150,7 @@ def _stake(force: Array, normal: Array, gap: Array, radius_sum: Array) -> float:
 
 
 def _remote_energy(parameters: Parameters, step: Step, gap: Array) -> float:
-    """What films hold by remote forces (J), less what they would at their reach."""
+    """The energy of remote forces in films (J), relative to that at their reach."""
     contacts = parameters.contacts
     touches = all_walls(step.walls).touches
     gap, radius = np.append(gap, exp(touches.log_gap)), np.append(step.pairs.reduced_radius, touches.radius)
@@ -162,9 +162,9 @@ def _remote_energy(parameters: Parameters, step: Step, gap: Array) -> float:
 
 
 def _wall_numbers(parameters: Parameters, state: State, step: Step) -> dict[str, float]:
-    """Where each wall is, and what the spheres push at it with: `top_y`, `top_force_x` and so on.
+    """Positions of walls, and forces of the spheres on them: `top_y`, `top_force_x` and so on.
 
-    Along a wall its position is how far it has gone.
+    Along a wall, the position is its displacement.
     """
     planes, dimensions, force = parameters.walls, parameters.dimensions, np.zeros((len(parameters.walls.axis), 3))
     touches = all_walls(step.walls).touches
@@ -214,7 +214,7 @@ def _remote_law(parameters: Parameters, law: Callable[..., float]) -> Callable[[
 
 
 def _neighbors(parameters: Parameters, step: Step) -> dict[str, float]:
-    """How many neighbors are close, and the geometric mean of their gaps."""
+    """The number of close neighbors, and the geometric mean of their gaps."""
     radius = np.minimum(parameters.radius[step.pairs.first], parameters.radius[step.pairs.second])
     close = step.log_gap[step.log_gap < log(CLOSE * radius)]
     mean = float(exp(close.mean())) if len(close) else math.nan
@@ -238,9 +238,10 @@ def _sides(box: Box) -> dict[str, float]:
 
 
 def _stress_numbers(tensor: Array, rate: float) -> dict[str, float]:
-    """What is mostly asked of a stress; the viscosity is no number while nothing is sheared.
+    """Components and invariants of a stress; the viscosity is NaN without shear.
 
-    The shear stress is what pulls at the top along x, sum of F_x Y: not quite that of y, where spheres do not spin.
+    The shear stress is that of the force along x on the top, sum of F_x Y, which differs from that along y for spheres
+    without spin.
     """
     shear = float(tensor[0, 1])
     return {

@@ -51,7 +51,7 @@ ROOM = {2: 16, 3: 40}
 
 
 def parameters_of(scene: SoftScene) -> Parameters:
-    """What never changes in a run. Raises SceneError."""
+    """The parameters of a scene. Raises SceneError."""
     faults = _unknown_names(scene) or _missing_needs(scene, laws_chosen(scene))
     if faults:
         raise SceneError(faults)
@@ -162,7 +162,7 @@ def _planes(scene: SoftScene) -> Planes:
 
 
 def _weights(scene: SoftScene, radius: Array, counts: list[int]) -> Array:
-    """What gravity pulls at each sphere, less what the liquid lifts (N)."""
+    """Gravity less buoyancy of each sphere (N)."""
     if scene.gravity is None:
         return np.zeros((len(radius), dimensions_of(scene)))
     heavier = np.array([(species.density or 0.0) - (scene.liquid.density or 0.0) for species in scene.spheres])
@@ -171,7 +171,7 @@ def _weights(scene: SoftScene, radius: Array, counts: list[int]) -> Array:
 
 
 def _torques(scene: SoftScene, counts: list[int]) -> Array:
-    """What turns each sphere, at its equator (N); without components where spheres do not spin."""
+    """The torque on each sphere, as a force at its equator (N); without components for spheres without spin."""
     width = 0 if not scene.rotation else 1 if dimensions_of(scene) == 2 else 3
     given = np.array([species.torque or (0.0,) * width for species in scene.spheres]).reshape(len(counts), width)
     at_equator = given / np.array([species.radius for species in scene.spheres])[:, None]
@@ -225,7 +225,7 @@ def laws_chosen(scene: SoftScene) -> Laws:
 
 
 def _missing_needs(scene: SoftScene, laws: Laws) -> list[Fault]:
-    """What the chosen laws need of liquid, spheres and films, and what is missing."""
+    """The required parameters of the chosen laws that are missing."""
     spheres: list[tuple[str, object]] = [(f"spheres[{index}]", one) for index, one in enumerate(scene.spheres)]
     holders: dict[str, list[tuple[str, object]]] = {
         "surface_tension": [("liquid", scene.liquid)],

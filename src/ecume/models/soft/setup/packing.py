@@ -22,7 +22,7 @@ ROUNDS, PUSHES = 20, 400
 
 
 def places(scene: SoftScene, parameters: Parameters) -> Array:
-    """Where the spheres start: as given, or at random from the scene's seed."""
+    """The initial positions: as given, or random from the seed of the scene."""
     given = [place for species in scene.spheres for place in species.positions]
     if all(species.count is None for species in scene.spheres):
         return np.array(given, np.float64)

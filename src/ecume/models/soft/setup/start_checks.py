@@ -64,7 +64,7 @@ def require_gaps(parameters: Parameters, position: Array, box: Box) -> None:
 
 
 def require_one_piece(state: State) -> None:
-    """Without drag, what no film ties to the rest is nowhere in particular."""
+    """Raise SceneError for spheres without drag that no film connects to the rest: their position is undetermined."""
     piece = pieces(state)
     if piece.max() > 0:
         walled = state.touching.shape[1] > 0

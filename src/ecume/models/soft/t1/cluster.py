@@ -42,7 +42,7 @@ class Instant(NamedTuple):
 
 @dataclass(frozen=True)
 class T1:
-    """What became of a cluster."""
+    """The result of a T1 process."""
 
     duration: float
     """until the vertical pair carries its part; infinite where it never does"""
@@ -120,7 +120,7 @@ class Effort(NamedTuple):
 def told(
     series: Sequence[Instant], found: Sequence[float], thresholds: Sequence[float], kappa: float, effort: Effort
 ) -> T1:
-    """What became of a cluster that crossed the first of these thresholds at the times `found`."""
+    """The result for a cluster that crossed the first of these thresholds at the times `found`."""
     missing = [math.inf] * (len(thresholds) - len(found))
     durations = dict(zip(thresholds, [*found, *missing], strict=True))
     last = durations[thresholds[-1]]
@@ -129,7 +129,7 @@ def told(
 
 
 def _end(series: Sequence[Instant]) -> str:
-    """What became of a cluster whose vertical pair never carried its part."""
+    """The result for a cluster whose vertical pair never carried its force."""
     if series[-1].gap_diagonal <= APART:
         return "blocked"
     return "t1" if min(instant.gap_vertical for instant in series) < MET else "dissociated"

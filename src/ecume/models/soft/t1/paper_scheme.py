@@ -50,7 +50,7 @@ MOST_STEPS = 1e9
 
 
 class Places(NamedTuple):
-    """Where spheres and gap vectors are, or how fast they change."""
+    """Positions of spheres and gap vectors, or their rates."""
 
     position: Array
     """(N, d)"""
@@ -87,7 +87,7 @@ def look(step: Step, places: Places) -> bool:
 
 @compiled
 def velocities(contacts: Contacts, step: Step, places: Places, load_rate: float, found: Places) -> bool:
-    """How fast spheres and gap vectors move: films flow under the surfaces' forces, and the forces stay in balance."""
+    """The rates of spheres and gap vectors: films flow under the forces of the surfaces, which remain in balance."""
     if not look(step, places):
         return False
     films, answers, bodies = step.films, step.answers, step.bodies

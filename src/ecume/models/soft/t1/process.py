@@ -164,10 +164,10 @@ def _march(parameters: Parameters, state: State, scratch: Workspace, unit: Units
 
 
 def _mirror(state: State, step: Step, axes: Array) -> None:
-    """Take out what rounding has added to the cluster's two mirror symmetries.
+    """Remove the rounding errors of the two mirror symmetries of the cluster.
 
-    Forces that press along fixed directions turn a cluster over, as they would a rod between two fingers: from one
-    part in 1e16 it happens in swaps that last 1e5 units.
+    Forces with fixed directions make a compressed cluster unstable against rotation, like a rod between two fingers:
+    from one part in 1e16 this happens in processes of 1e5 units.
     """
     place, direction = product(state.position, axes.T), product(state.direction, axes.T)
     for group, vectors in ((slice(0, 2), place), (slice(2, 4), place), (DIAGONALS, direction)):

@@ -25,7 +25,7 @@ Vector = tuple[float, float, float]
 
 
 class PairForces(NamedTuple):
-    """Which forces act between two particles: see `PressureForce` and `Friction`."""
+    """The forces that act between two particles: see `PressureForce` and `Friction`."""
 
     transported: bool
     viscous: bool
@@ -34,7 +34,7 @@ class PairForces(NamedTuple):
 
 @compiled_inside
 def _transported(fields: Floats, i: int, j: int, apart: Vector, pull: float) -> Vector:
-    """Pressure weighed by densities, and the momentum that a transport velocity carries (see `push_transported`)."""
+    """Density-weighted pressure, and the momentum by the transport velocity (see `sum_transported_pressure`)."""
     both = (
         0.5
         * pull
@@ -187,9 +187,9 @@ def loads(parameters: Parameters, workspace: Workspace) -> Iterator[tuple[str, A
 
 
 def forces_of_images(parameters: Parameters, workspace: Workspace) -> tuple[dict[int, Array], Array]:
-    """What each mirror does to the liquid before it, by the mirror's side; and where that liquid is.
+    """The force of each mirror on the liquid before it, by side; and the indices of that liquid.
 
-    An image in a corner was mirrored by two sides or three, and each of them has the part along its own normal.
+    An image in a corner was mirrored by two or three sides; each of them has the component along its own normal.
     """
     images, boundary = workspace.images, parameters.boundary
     liquid, real = workspace.rates.shape[1], len(workspace.lists.counts)
@@ -212,8 +212,8 @@ def forces_of_images(parameters: Parameters, workspace: Workspace) -> tuple[dict
 
 
 def force_of_mirror(parameters: Parameters, workspace: Workspace, mine: Integers, what: tuple[int, int]) -> float:
-    """What one mirror does to some of the liquid along an axis (N), as `forces_of_images` has it; `what`: the mirror's
-    side, and the axis.
+    """The force of one mirror on some of the liquid along an axis (N), as in `forces_of_images`; `what` is the side of
+    the mirror, and the axis.
     """
     images, owner, (side, axis) = workspace.images, parameters.boundary.image_owner, what
     real = len(workspace.lists.counts)
@@ -228,7 +228,7 @@ def force_of_mirror(parameters: Parameters, workspace: Workspace, mine: Integers
 
 
 def roots_of(images: Images, real: int) -> Integers:
-    """Which real column each image is of in the end."""
+    """The real column from which each image descends."""
     roots = images.source
     while (roots >= real).any():
         roots = np.where(roots >= real, images.source[np.maximum(roots - real, 0)], roots)
@@ -241,7 +241,7 @@ def _crossed(owner: Integers, chain: int) -> set[int]:
 
 
 def chains_of(images: Images, real: int) -> Integers:
-    """Which sides each image went through, as bits."""
+    """The sides that mirrored each image, as bits."""
     chains = np.zeros(len(images.source), np.int64)
     for side in range(len(images.start) - 1):
         here = slice(images.start[side], images.start[side + 1])

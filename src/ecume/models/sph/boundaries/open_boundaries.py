@@ -20,7 +20,7 @@ from ecume.laws import enthalpy as enthalpies
 from ecume.laws.flows import channel_speed
 from ecume.models.sph.fields import Tait
 from ecume.models.sph.parameters import Gate, Parameters
-from ecume.models.sph.report.energy_budget import brought
+from ecume.models.sph.report.energy_budget import exchanged_energy
 from ecume.models.sph.state import (
     CAME,
     LEFT,
@@ -105,7 +105,7 @@ def _with(state: State, born: dict[str, Array], zone: int) -> State:
     return state._replace(**grown, reference=grown["position"].copy())
 
 
-def feed(parameters: Parameters, state: State) -> None:
+def set_buffer_pressures(parameters: Parameters, state: State) -> None:
     """Set the pressures of buffers: hydrostatic, from the liquid at an inflow, or as specified at an outflow."""
     pull, tait = parameters.gravity, parameters.tait
     for gate in parameters.gates:
@@ -145,7 +145,7 @@ def store_density(
             density[i] = enthalpies.density_at_enthalpy(enthalpy, tait.density, tait.sound_speed, tait.exponent)
 
 
-def still(state: State) -> None:
+def hold_buffers(state: State) -> None:
     """Set the rates of buffer particles to zero: they are not accelerated, compressed or shifted."""
     held = np.flatnonzero(state.zone > 0)
     state.acceleration[:, held] = 0.0
@@ -153,7 +153,7 @@ def still(state: State) -> None:
     state.transport[:, held] = 0.0
 
 
-def due(parameters: Parameters, state: State) -> bool:
+def exchange_due(parameters: Parameters, state: State) -> bool:
     """Whether a particle enters, leaves or is lost."""
     comes, out, back, gone = _crossings(parameters, state)
     return bool(len(comes) or len(out) or len(back) or gone.any())
@@ -184,7 +184,7 @@ def exchange(parameters: Parameters, state: State) -> State:
     comes, out, back, gone = _crossings(parameters, state)
     enter, leave = np.zeros_like(gone), gone & (state.zone == 0)
     enter[comes], enter[back], leave[out] = True, True, True
-    state.books[WORK] += brought(parameters, state, enter & ~gone, leave)
+    state.books[WORK] += exchanged_energy(parameters, state, enter & ~gone, leave)
     for gate in parameters.gates:
         if not gate.enters:
             away = gate.inward * (state.position[gate.axis, out] - gate.place)

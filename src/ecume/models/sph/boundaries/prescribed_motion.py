@@ -33,12 +33,12 @@ def instant(parameters: Parameters, state: State) -> Parameters:
 
 
 def at_reference(parameters: Parameters, state: State) -> Parameters:
-    """With everything where it was when the lists were made."""
+    """The parameters with everything at its position when the lists were made."""
     return at(parameters, float(state.clock[1]), state.pose_reference, state.motion)
 
 
 def at(parameters: Parameters, time: float, pose: Array, motion: Array) -> Parameters:
-    """With everything where it is at a time."""
+    """The parameters with everything at its position at a time."""
     if not parameters.moves:
         return parameters
     boundary = parameters.boundary
@@ -53,7 +53,7 @@ def at(parameters: Parameters, time: float, pose: Array, motion: Array) -> Param
 
 
 def _driven(boundary: Boundary, number: int, drive: tuple[Array, Array, Array]) -> Boundary:
-    """With one mirror, and the guard behind it, where they are."""
+    """The boundary with one mirror, and the guard behind it, at the positions of a drive."""
     value, rate, second = (float(part[0]) for part in drive)
     axis, d = number // 2, boundary.sides.normal.shape[1]
     row = boundary.image_owner == number
@@ -71,7 +71,7 @@ def _driven(boundary: Boundary, number: int, drive: tuple[Array, Array, Array]) 
 
 
 def _shaken(parameters: Parameters, more: Array) -> Parameters:
-    """With what pulls now, and what the pressure of a liquid at rest would hold of it: nothing along periodic sides."""
+    """The parameters with the present apparent gravity, and its hydrostatic gradient; none along periodic sides."""
     sides, constants = parameters.boundary.sides, parameters.constants.copy()
     held = more * (np.abs(sides.normal[sides.mirrors == 0]).sum(axis=0) == 0.0)
     material = parameters.material
@@ -81,8 +81,8 @@ def _shaken(parameters: Parameters, more: Array) -> Parameters:
     return parameters._replace(gravity=parameters.gravity + more, constants=constants)
 
 
-def way_of_sides(parameters: Parameters, state: State) -> float:
-    """How far sides moved since the lists were made: their images went twice as far."""
+def displacement_of_sides(parameters: Parameters, state: State) -> float:
+    """The displacement of sides since the lists were made; their images move twice as far."""
     now, then = (float(time) for time in state.clock)
     ways = (drive_at(drive, now)[0] - drive_at(drive, then)[0] for _, drive in parameters.drives)
     return float(sum(abs(way[0]) for way in ways))

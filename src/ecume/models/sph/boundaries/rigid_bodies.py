@@ -52,7 +52,7 @@ def placed(bodies: Bodies, dummies: Dummies, pose: Array, motion: Array) -> Dumm
     return dummies._replace(position=position, velocity=velocity)
 
 
-def pulls_of(bodies: Bodies, dummies: Dummies, state: tuple[Array, Array, Array], gravity: Array) -> Array:
+def apparent_gravity(bodies: Bodies, dummies: Dummies, state: tuple[Array, Array, Array], gravity: Array) -> Array:
     """(d, D) gravity less the acceleration of each dummy, from pose, motion and acceleration of the bodies. Walls and
     obstacles are at rest.
     """
@@ -87,7 +87,7 @@ def inverse_inertia(bodies: Bodies, turn: Array) -> Array:
     return found
 
 
-def pushed(bodies: Bodies, pose: Array, motion: Array, load: tuple[Array, Array], gravity: Array) -> Array:
+def accelerations_of(bodies: Bodies, pose: Array, motion: Array, load: tuple[Array, Array], gravity: Array) -> Array:
     """(6, B) linear and angular acceleration from forces and torques (B, 3): Newton's and Euler's equations."""
     force, torque = load
     turn, spin = rotations(pose), motion[3:].T
@@ -111,7 +111,7 @@ def energy_of_bodies(parameters: Parameters, pose: Array, motion: Array) -> floa
     return energy + dot(bodies.mass, 0.5 * parameters.pull_rate**2 * away - product(parameters.gravity, place))
 
 
-def carry(pose: Array, motion: Array, time: float) -> None:
+def move_bodies(pose: Array, motion: Array, time: float) -> None:
     """Move and rotate each body with its velocity and spin."""
     pose[:3] += time * motion[:3]
     for body in range(pose.shape[1]):
@@ -136,7 +136,7 @@ def turned(quaternion: Array, angle: Array) -> Array:
     return result
 
 
-def farthest_way(bodies: Bodies, pose: Array, reference: Array) -> float:
+def largest_displacement(bodies: Bodies, pose: Array, reference: Array) -> float:
     """An upper bound of the displacement of any point of a body since the reference."""
     most = 0.0
     for body, rim in enumerate(bodies.rims):
@@ -146,7 +146,7 @@ def farthest_way(bodies: Bodies, pose: Array, reference: Array) -> float:
     return most
 
 
-def keep_out(bodies: Bodies, pose: Array, motion: Array, liquid: tuple[Array, Array, Array]) -> int:
+def expel_liquid(bodies: Bodies, pose: Array, motion: Array, liquid: tuple[Array, Array, Array]) -> int:
     """Move liquid particles (position, velocity, mass) inside a body back to its surface; returns their number. The
     momentum of liquid and bodies is conserved.
     """
@@ -178,10 +178,10 @@ def _bounce(bodies: Bodies, body: int, state: tuple[Array, Array], particle: tup
         turning = np.cross(product(inverse_inertia_of(bodies, body, pose), np.cross(arm, normal)), arm)
         impulse = -approach / (1.0 / mass + 1.0 / bodies.mass[body] + dot(normal, turning)) * normal
         v += impulse[: len(v)] / mass
-        give(bodies, body, state, (-impulse, arm))
+        apply_impulse(bodies, body, state, (-impulse, arm))
 
 
-def give(bodies: Bodies, body: int, state: tuple[Array, Array], impulse: tuple[Array, Any]) -> None:
+def apply_impulse(bodies: Bodies, body: int, state: tuple[Array, Array], impulse: tuple[Array, Any]) -> None:
     """Apply an impulse to a body at a lever arm from its center."""
     pose, motion = state
     inverse = inverse_inertia_of(bodies, body, pose)
@@ -314,9 +314,9 @@ def _strike(bodies: Bodies, state: tuple[Array, Array], contact: Contact, calm: 
         way = contact.normal + min(bodies.friction[body] for body in pair) * slip
         along = -(1.0 + bounce) * normal_speed / dot(contact.normal, product(give_way, way))
         wanted = along * way
-    give(bodies, pair[0], state, (wanted, arms[0]))
+    apply_impulse(bodies, pair[0], state, (wanted, arms[0]))
     if len(pair) == 2:
-        give(bodies, pair[1], state, (-wanted, arms[1]))
+        apply_impulse(bodies, pair[1], state, (-wanted, arms[1]))
     return wanted
 
 

@@ -33,14 +33,14 @@ from ecume.units import Array
 
 @spread
 def flag_outside(position: Array, kind: Integers, number: Array, radius: float, out: Flags) -> None:
-    """Who is behind a surface, or closer to it than the radius."""
+    """Flag particles behind a surface, or closer to it than the radius."""
     for i in prange(position.shape[1]):
         z = position[2, i] if position.shape[0] == 3 else 0.0
         gap, _ = worst_gap(kind, number, (position[0, i], position[1, i], z), 0.0)
         out[i] = gap < radius
 
 
-def turn_back(guard: Guard, position: Array, velocity: Array, transport: Array, time: float) -> Integers:
+def reflect_particles(guard: Guard, position: Array, velocity: Array, transport: Array, time: float) -> Integers:
     """Repeat the drift of particles that are outside after it, with reflections, in place; returns (K,) hits by
     surface.
     """
@@ -67,7 +67,7 @@ def turn_back(guard: Guard, position: Array, velocity: Array, transport: Array, 
 
 
 def _as_before(packed: Sheet, time: float) -> Sheet:
-    """Where moving planes were at the start of the drift; the engine moves them on."""
+    """The surfaces with moving planes at the start of the drift; the engine moves them."""
     number = packed.number.copy()
     flat = packed.kind[:, 0] == PLANE
     way = time * (number[:, :3] * number[:, SPEED : SPEED + 3]).sum(axis=1)
@@ -99,7 +99,7 @@ FASTEST = 0.1
 """In sound speeds, the limit of a weakly compressible liquid: a particle of this speed just reaches the wall."""
 
 
-class Leaning(NamedTuple):
+class Repelled(NamedTuple):
     """Particles that a wall, obstacle or body repels."""
 
     owner: int
@@ -111,7 +111,7 @@ class Leaning(NamedTuple):
 
 
 @spread
-def push_off(position: Array, kind: Integers, number: Array, reach: float, speed: float, acceleration: Array) -> None:
+def repel(position: Array, kind: Integers, number: Array, reach: float, speed: float, acceleration: Array) -> None:
     """Add the repulsion by walls and obstacles."""
     for i in prange(position.shape[1]):
         k, z = 0, position[2, i] if position.shape[0] == 3 else 0.0
@@ -132,26 +132,26 @@ def speed_of(parameters: Parameters) -> float:
     return FASTEST * parameters.material.sound_speed
 
 
-def push_off_walls(parameters: Parameters, state: State) -> None:
+def repel_from_walls(parameters: Parameters, state: State) -> None:
     """Add the present repulsion by walls and obstacles to the acceleration of the liquid."""
     guard = parameters.boundary.guard
     if guard.reach > 0.0 and len(guard.owner):
-        push_off(state.position, *guard.sheet[:2], guard.reach, speed_of(parameters), state.acceleration)
+        repel(state.position, *guard.sheet[:2], guard.reach, speed_of(parameters), state.acceleration)
 
 
-def push_off_bodies(parameters: Parameters, state: State) -> tuple[Array, Array]:
+def repel_from_bodies(parameters: Parameters, state: State) -> tuple[Array, Array]:
     """Add the repulsion by bodies; returns the opposite force and torque on each body, (B, 3)."""
     bodies = len(parameters.bodies.shapes)
     force, torque = np.zeros((bodies, 3)), np.zeros((bodies, 3))
     first = len(parameters.boundary.names) - bodies
     for body in range(bodies):
-        leaning = at_body(parameters, state, body)
+        leaning = repelled_by_body(parameters, state, body)
         state.acceleration[:, leaning.who] += leaning.push
-        force[body], torque[body] = load_of(parameters, state, leaning._replace(owner=first + body))
+        force[body], torque[body] = repulsion_load(parameters, state, leaning._replace(owner=first + body))
     return force, torque
 
 
-def at_body(parameters: Parameters, state: State, body: int) -> Leaning:
+def repelled_by_body(parameters: Parameters, state: State, body: int) -> Repelled:
     """Particles repelled by a body."""
     bodies, reach = parameters.bodies, parameters.boundary.guard.reach
     shape, d = bodies.shapes[body], len(state.position)
@@ -163,26 +163,26 @@ def at_body(parameters: Parameters, state: State, body: int) -> Leaning:
     near = gap < reach
     push = [wall_repulsion.standoff_push(own, reach, speed_of(parameters)) for own in gap[near]]
     owner = len(parameters.boundary.names) - len(bodies.shapes) + body
-    return Leaning(owner, close[near], np.array(push) * product(turn, normal[near].T))
+    return Repelled(owner, close[near], np.array(push) * product(turn, normal[near].T))
 
 
-def everyone_leaning(parameters: Parameters, state: State) -> list[Leaning]:
+def all_repelled(parameters: Parameters, state: State) -> list[Repelled]:
     """Repelled particles by walls and obstacles, then by bodies."""
     guard, found = parameters.boundary.guard, []
     if guard.reach == 0.0:
         return []
     for owner in np.unique(guard.owner):
-        found.append(leaning_on(parameters, state, int(owner)))
-    return found + [at_body(parameters, state, body) for body in range(len(parameters.bodies.shapes))]
+        found.append(repelled_by_wall(parameters, state, int(owner)))
+    return found + [repelled_by_body(parameters, state, body) for body in range(len(parameters.bodies.shapes))]
 
 
-def leaning_on(parameters: Parameters, state: State, owner: int) -> Leaning:
+def repelled_by_wall(parameters: Parameters, state: State, owner: int) -> Repelled:
     """Particles repelled by a wall or an obstacle."""
     guard, push = parameters.boundary.guard, np.zeros_like(state.position)
     if guard.reach > 0.0:
-        push_off(state.position, *_sheet_of(guard, owner)[:2], guard.reach, speed_of(parameters), push)
+        repel(state.position, *_sheet_of(guard, owner)[:2], guard.reach, speed_of(parameters), push)
     who = np.flatnonzero(push.any(axis=0))
-    return Leaning(owner, who, push[:, who])
+    return Repelled(owner, who, push[:, who])
 
 
 def _sheet_of(guard: Guard, owner: int) -> Sheet:
@@ -193,7 +193,7 @@ def _sheet_of(guard: Guard, owner: int) -> Sheet:
     return guard.sheet._replace(kind=kind, number=guard.sheet.number[mine])
 
 
-def load_of(parameters: Parameters, state: State, leaning: Leaning) -> tuple[Array, Array]:
+def repulsion_load(parameters: Parameters, state: State, leaning: Repelled) -> tuple[Array, Array]:
     """Force and torque, (3,) each, on the wall or body by the repelled particles."""
     d, who = len(state.position), leaning.who
     force, place = np.zeros((3, len(who))), np.zeros((3, len(who)))
@@ -201,7 +201,7 @@ def load_of(parameters: Parameters, state: State, leaning: Leaning) -> tuple[Arr
     return total(force, place, parameters.boundary.centers[leaning.owner])
 
 
-def energy_of(parameters: Parameters, state: State, leaning: Leaning) -> float:
+def energy_of(parameters: Parameters, state: State, leaning: Repelled) -> float:
     """Potential energy of the repulsion of these particles (J)."""
     reach, speed = parameters.boundary.guard.reach, speed_of(parameters)
     gap = reach - np.sqrt((leaning.push**2).sum(axis=0)) * (reach / speed) ** 2

@@ -37,10 +37,10 @@ def thicken(density: Array, thickening: Array, time: float) -> None:
 
 
 @spread
-def run_ahead(
+def predict(
     velocity: Array, acceleration: Array, density: Array, thickening: Array, before: Array, time: float
 ) -> None:
-    """Velocities (half a step on already) and densities go on as they did; `before` keeps both rates."""
+    """Predict velocities (already half a step ahead) and densities with the present rates, which `before` keeps."""
     dimension, count = velocity.shape
     for i in prange(count):
         for axis in range(dimension):
@@ -51,10 +51,10 @@ def run_ahead(
 
 
 @spread
-def take_mean(
+def correct(
     velocity: Array, acceleration: Array, density: Array, thickening: Array, before: Array, time: float
 ) -> None:
-    """What ran ahead is put where the mean of the rates before and now would have brought it."""
+    """Correct the predicted values to those of the mean of the rates before and now."""
     dimension, count = velocity.shape
     for i in prange(count):
         for axis in range(dimension):
@@ -86,7 +86,7 @@ def largest_squares(vectors: Array, most: Array) -> None:
 
 
 def farthest(position: Array, reference: Array) -> float:
-    """How far the fastest went from its place in the reference; NaN or infinite where one is nowhere."""
+    """The largest displacement from the reference; NaN or infinite if a position is."""
     most = np.zeros(BLOCKS)
     farthest_squares(position, reference, most)
     return math.sqrt(most.max())

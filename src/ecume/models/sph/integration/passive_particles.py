@@ -18,7 +18,7 @@ from ecume.engine.boundary_images import Sides
 from ecume.engine.neighbor_rows import cell_at
 from ecume.engine.philox import counter_of, normals
 from ecume.laws import brownian, drag
-from ecume.models.sph.boundaries.walls import turn_back
+from ecume.models.sph.boundaries.walls import reflect_particles
 from ecume.models.sph.fields import FIELD, Constants, Floats
 from ecume.models.sph.parameters import CarriedGroup, Parameters
 from ecume.models.sph.rates.kernels import value_of
@@ -44,7 +44,7 @@ class Surroundings(NamedTuple):
     """(3, C) m/s"""
 
 
-def take_along(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
+def move_passive_particles(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
     """Move all of them through a part of a step, in the flow of its end."""
     carried, guard = parameters.carried, parameters.boundary.guard
     when = int(state.carried_clock[0])
@@ -55,7 +55,7 @@ def take_along(parameters: Parameters, state: State, workspace: Workspace, time:
         around = surroundings(parameters, workspace, position)
         liquid = parameters.material.density, parameters.material.viscosity
         move(position, velocity, around, group, parameters.gravity, liquid, chance, time)
-        turn_back(guard._replace(radius=max(guard.radius, group.radius)), position, velocity,
+        reflect_particles(guard._replace(radius=max(guard.radius, group.radius)), position, velocity,
                   (position - state.carried_position[:, here]) / time - velocity, time)  # fmt: skip
         wrap(parameters.boundary.sides, position)
         state.carried_position[:, here], state.carried_velocity[:, here] = position, velocity
@@ -77,7 +77,7 @@ def surroundings(parameters: Parameters, workspace: Workspace, position: Array) 
 
 
 def wrap(sides: Sides, position: Array) -> None:
-    """Who left through a periodic side comes in through the opposite one."""
+    """Move particles beyond a periodic side to the opposite one."""
     for side in np.flatnonzero(sides.mirrors == 0):
         out = product(sides.normal[side], position - sides.point[side][:, None]) < 0.0
         position[:, out] += sides.shift[side][:, None]

@@ -13,24 +13,24 @@ import numpy as np
 from ecume._portable import product
 from ecume.laws.time_step_limits import force_limit
 from ecume.models.model import DIVERGED, DONE, EXCHANGE
-from ecume.models.sph.boundaries.open_boundaries import due, feed
-from ecume.models.sph.boundaries.prescribed_motion import at_reference, instant, way_of_sides
-from ecume.models.sph.boundaries.rigid_bodies import carry, collide, farthest_way, keep_out
-from ecume.models.sph.boundaries.walls import turn_back
+from ecume.models.sph.boundaries.open_boundaries import exchange_due, set_buffer_pressures
+from ecume.models.sph.boundaries.prescribed_motion import at_reference, displacement_of_sides, instant
+from ecume.models.sph.boundaries.rigid_bodies import collide, expel_liquid, largest_displacement, move_bodies
+from ecume.models.sph.boundaries.walls import reflect_particles
 from ecume.models.sph.fields import number
 from ecume.models.sph.integration.particle_loops import (
+    correct,
     drift,
     farthest,
     kick,
     largest,
-    run_ahead,
-    take_mean,
+    predict,
     thicken,
 )
-from ecume.models.sph.integration.passive_particles import take_along
+from ecume.models.sph.integration.passive_particles import move_passive_particles
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.rates.right_hand_side import take_both, take_forces, take_thickening
-from ecume.models.sph.report.energy_budget import book, lifted, of_guard, power_of_shake
+from ecume.models.sph.report.energy_budget import add_work, periodic_work, power_of_shake, reflection_work
 from ecume.models.sph.state import (
     GUARD_HITS,
     MOST_SUBSTEPS,
@@ -64,17 +64,17 @@ def advance(parameters: Parameters, state: State, workspace: Workspace, steps: i
         if divisions > MOST_DIVISIONS:
             return DIVERGED
         for _ in range(divisions):
-            feed(parameters, state)
+            set_buffer_pressures(parameters, state)
             began = power_of_shake(parameters, state) + float(state.books[RATE]), bool(state.ready[0])
             step(parameters, state, workspace, parameters.time_step / divisions)
-            book(parameters, state, workspace, began, parameters.time_step / divisions)
+            add_work(parameters, state, workspace, began, parameters.time_step / divisions)
             if parameters.carried.start[-1]:
-                take_along(instant(parameters, state), state, workspace, parameters.time_step / divisions)
+                move_passive_particles(instant(parameters, state), state, workspace, parameters.time_step / divisions)
         state.step[0] += 1
         state.clock[0] = int(state.step[0]) * parameters.time_step
         state.tally[SUBSTEPS] += divisions
         state.tally[MOST_SUBSTEPS] = max(state.tally[MOST_SUBSTEPS], divisions)
-        if due(parameters, state):
+        if exchange_due(parameters, state):
             status = EXCHANGE
             break
     # What the last step broke must not become a frame.
@@ -82,7 +82,7 @@ def advance(parameters: Parameters, state: State, workspace: Workspace, steps: i
 
 
 def divisions_needed(parameters: Parameters, state: State) -> int:
-    """How many parts keep a step within what sound and forces allow; very many where something is not a number."""
+    """The number of substeps that sound and forces require; very many if a value is not finite."""
     h = float(number(parameters.constants, "smoothing_length"))
     speed, force = largest(state.velocity), largest(state.acceleration)
     if not (math.isfinite(speed) and math.isfinite(force)):
@@ -108,8 +108,8 @@ def symplectic_step(parameters: Parameters, state: State, workspace: Workspace, 
 
 
 def verlet_step(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
-    """One evaluation a step, at the new positions and at velocities and densities that go on as they did before; then
-    the mean of both rates. Pressure at densities half a step behind would feed sound waves.
+    """Velocity Verlet with one evaluation per step, at the new positions and at predicted velocities and densities;
+    then a correction by the mean of both rates. Pressure at densities half a step behind would amplify sound waves.
     """
     if not state.ready[0]:
         renew(parameters, state, workspace)
@@ -118,16 +118,16 @@ def verlet_step(parameters: Parameters, state: State, workspace: Workspace, time
     move(parameters, state, workspace, time)
     moved = state.velocity, state.acceleration, state.density, state.thickening
     bodies_before = state.push.copy()
-    run_ahead(*moved, workspace.before, time)
+    predict(*moved, workspace.before, time)
     state.motion[...] += 0.5 * time * bodies_before
     take_both(parameters, state, workspace, time)
-    take_mean(*moved, workspace.before, time)
+    correct(*moved, workspace.before, time)
     state.motion[...] += 0.5 * time * (state.push - bodies_before)
     state.ready[0] = 1
 
 
 def kick_all(state: State, time: float) -> None:
-    """Of the liquid and of the bodies."""
+    """Update the velocities of the liquid and of the bodies."""
     kick(state.velocity, state.acceleration, time)
     state.motion[...] += time * state.push
 
@@ -139,32 +139,34 @@ def move(parameters: Parameters, state: State, workspace: Workspace, time: float
         drift(state.position, state.transport, time)
     state.clock[0] += time
     if parameters.bodies.shapes:
-        carry(state.pose, state.motion, time)
+        move_bodies(state.pose, state.motion, time)
     now = instant(parameters, state)
-    turn_all_back(now, state, time)
-    if farthest(state.position, state.reference) + way_of_solids(parameters, state) > 0.5 * state.skin[0]:
+    resolve_collisions(now, state, time)
+    if farthest(state.position, state.reference) + displacement_of_solids(parameters, state) > 0.5 * state.skin[0]:
         renew(parameters, state, workspace)
 
 
-def turn_all_back(now: Parameters, state: State, time: float) -> None:
-    """Bodies at whatever they run into, liquid at walls, obstacles and bodies."""
+def resolve_collisions(now: Parameters, state: State, time: float) -> None:
+    """Resolve collisions of bodies, and reflect the liquid at walls, obstacles and bodies."""
     guard, bodies = now.boundary.guard, now.bodies
     if bodies.shapes:
         calm = CALM * now.material.fastest
         state.books[WORK] += collide(bodies, guard.sheet, (state.pose, state.motion), calm)[1]
-        inside = keep_out(bodies, state.pose, state.motion, (state.position, state.velocity, state.mass))
+        inside = expel_liquid(bodies, state.pose, state.motion, (state.position, state.velocity, state.mass))
         state.tally[GUARD_HITS] += inside
     before = state.velocity.copy() if now.drives else state.velocity
-    hits = turn_back(guard, state.position, state.velocity, state.transport, time)
+    hits = reflect_particles(guard, state.position, state.velocity, state.transport, time)
     np.add.at(state.hits, guard.owner, hits)
     state.tally[GUARD_HITS] += hits.sum()
     if now.drives and hits.any():
-        state.books[WORK] += of_guard(now, state, before)
+        state.books[WORK] += reflection_work(now, state, before)
 
 
-def way_of_solids(parameters: Parameters, state: State) -> float:
-    """How far bodies and sides went since the lists were made."""
-    return farthest_way(parameters.bodies, state.pose, state.pose_reference) + way_of_sides(parameters, state)
+def displacement_of_solids(parameters: Parameters, state: State) -> float:
+    """The displacement of bodies and sides since the lists were made."""
+    return largest_displacement(parameters.bodies, state.pose, state.pose_reference) + displacement_of_sides(
+        parameters, state
+    )
 
 
 def renew(parameters: Parameters, state: State, workspace: Workspace) -> None:
@@ -183,11 +185,11 @@ def renew(parameters: Parameters, state: State, workspace: Workspace) -> None:
 
 
 def wrap(parameters: Parameters, state: State) -> None:
-    """Who left through a periodic side comes in through the opposite one."""
+    """Move particles beyond a periodic side to the opposite one."""
     sides = parameters.boundary.sides
     for side in np.flatnonzero(sides.mirrors == 0):
         out = product(sides.normal[side], state.position - sides.point[side][:, None]) < 0.0
-        state.books[WORK] += lifted(parameters, state, out, sides.shift[side])
+        state.books[WORK] += periodic_work(parameters, state, out, sides.shift[side])
         state.position[:, out] += sides.shift[side][:, None]
 
 

@@ -112,7 +112,7 @@ def _mirror(fields: Floats, i: int, image: int, side: Array, holds: bool, pull: 
 
 @spread
 def fill_weights(fields: Floats, first: int, by_mass: bool) -> None:
-    """What each neighbor's pressure adds, and what it counts, from column `first` on: see `Fields`."""
+    """Fill the pressure term and the weight of neighbors, from column `first` on: see `Fields`."""
     for i in prange(first, fields.shape[1]):
         density = fields[FIELD.density, i]
         fields[FIELD.force_term, i] = (

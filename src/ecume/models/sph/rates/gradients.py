@@ -31,7 +31,7 @@ Symmetric = tuple[float, float, float, float, float, float]
 
 @summing
 def fill_density_gradients(fields: Floats, liquid: int, lists: Lists, constants: Constants) -> None:
-    """The density gradient of the liquid; walls and bodies have no say."""
+    """Fill the density gradient of the liquid; walls and bodies do not contribute."""
     kernel, deep, inverse, scale = (
         constants[0].kernel,
         constants[0].dimension == 3,
@@ -137,8 +137,8 @@ LEAST = 1e-30
 """Pa s, a lower bound: the harmonic mean of two zeros is not a number."""
 
 
-def stir(parameters: Parameters, workspace: Workspace) -> None:
-    """Set the viscosity of the liquid and its images."""
+def set_eddy_viscosity(parameters: Parameters, workspace: Workspace) -> None:
+    """Set the viscosity of the liquid and its images, with the eddy viscosity."""
     fields, lists, images = workspace.fields, workspace.lists, workspace.images
     viscosity = max(parameters.material.viscosity, LEAST)
     constants = parameters.constants
@@ -158,7 +158,7 @@ def fill_viscosities(
     viscosity: float,
     rates: Floats,
 ) -> None:
-    """Of the liquid's columns, by the renormalized gradient of the velocity that friction sees; walls have a say."""
+    """Fill the viscosity of the liquid, by the renormalized gradient of the friction velocity; walls contribute."""
     kernel, deep, inverse, scale = (
         constants[0].kernel,
         constants[0].dimension == 3,

@@ -10,7 +10,7 @@ from typing import Literal, NamedTuple
 
 from ecume.laws import diffusion, viscous
 from ecume.models.sph.fields import Fields, Floats
-from ecume.models.sph.rates.sums import push_transported, rub, rub_radially
+from ecume.models.sph.rates.sums import sum_friction, sum_radial_friction, sum_transported_pressure
 
 Law = Callable[..., float]
 Loop = Callable[..., None]
@@ -55,7 +55,7 @@ class DensityDiffusion(NamedTuple):
         return fields.enthalpy if self.field == "enthalpy" else fields.density
 
     def rise(self, density: float, sound_speed: float) -> float:
-        """What gravity is multiplied with for the field's change along it at rest: rho/c^2 for the density."""
+        """The gradient of the field at rest over gravity: rho/c^2 for the density."""
         spring = 1.0 if self.field == "enthalpy" else density / sound_speed**2
         return spring if self.balances_weight else 0.0
 
@@ -63,11 +63,11 @@ class DensityDiffusion(NamedTuple):
 PRESSURE_FORCES: Mapping[str, PressureForce] = {
     "sum": PressureForce(by_mass=False, per_volume=True, transported=False, loop=None),
     "monaghan": PressureForce(by_mass=True, per_volume=False, transported=False, loop=None),
-    "transport": PressureForce(by_mass=False, per_volume=False, transported=True, loop=push_transported),
+    "transport": PressureForce(by_mass=False, per_volume=False, transported=True, loop=sum_transported_pressure),
 }
 FRICTIONS: Mapping[str, Friction] = {
-    "morris": Friction(radial=False, loop=rub, law=viscous.morris_friction),
-    "monaghan": Friction(radial=True, loop=rub_radially, law=viscous.radial_friction),
+    "morris": Friction(radial=False, loop=sum_friction, law=viscous.morris_friction),
+    "monaghan": Friction(radial=True, loop=sum_radial_friction, law=viscous.radial_friction),
 }
 DIFFUSIONS: Mapping[str, DensityDiffusion] = {
     "none": DensityDiffusion(None, "density", balances_weight=False, gradients=False),

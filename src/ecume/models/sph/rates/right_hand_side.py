@@ -6,18 +6,18 @@ import numpy as np
 
 from ecume.engine.neighbor_rows import Lists
 from ecume.models.sph.boundaries.forces_on_solids import forces_on_dummies, total
-from ecume.models.sph.boundaries.open_boundaries import still
+from ecume.models.sph.boundaries.open_boundaries import hold_buffers
 from ecume.models.sph.boundaries.prescribed_motion import instant
-from ecume.models.sph.boundaries.rigid_bodies import delay, pulls_of, pushed
-from ecume.models.sph.boundaries.walls import push_off_bodies, push_off_walls
+from ecume.models.sph.boundaries.rigid_bodies import accelerations_of, apparent_gravity, delay
+from ecume.models.sph.boundaries.walls import repel_from_bodies, repel_from_walls
 from ecume.models.sph.fields import Constants, Floats, number
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.rates.fill_fields import fill_images, fill_liquid, fill_weights, read_liquid
-from ecume.models.sph.rates.gradients import add_gradient_diffusion, fill_density_gradients, stir
+from ecume.models.sph.rates.gradients import add_gradient_diffusion, fill_density_gradients, set_eddy_viscosity
 from ecume.models.sph.rates.kernels import kernel_type, require_kernel
 from ecume.models.sph.rates.shifting import shift
 from ecume.models.sph.rates.sums import store_acceleration, store_thickening, sum_both, sum_continuity, sum_momentum
-from ecume.models.sph.rates.surface_tension import pull
+from ecume.models.sph.rates.surface_tension import add_surface_tension
 from ecume.models.sph.state import State, Workspace, put_dummies
 from ecume.units import Array
 
@@ -39,7 +39,7 @@ def take_forces(parameters: Parameters, state: State, workspace: Workspace, time
 
 
 def take_both(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
-    """Both of them; in a single sum where there is neither diffusion nor a wall's dummy."""
+    """The rates of density and velocity; one sum if there is neither diffusion nor a dummy."""
     parameters = instant(parameters, state)
     fill(parameters, state, workspace)
     lists, rates = workspace.lists, workspace.rates
@@ -66,7 +66,7 @@ def _sum_stretch(parameters: Parameters, workspace: Workspace) -> None:
 
 
 def _summed(parameters: Parameters, workspace: Workspace) -> tuple[Floats, Lists, Constants]:
-    """What every sum over neighbors reads."""
+    """The arguments of every sum over neighbors."""
     return workspace.fields.table, workspace.lists, parameters.constants
 
 
@@ -89,34 +89,34 @@ def _sum_push(parameters: Parameters, workspace: Workspace) -> None:
 def _store_thickening(parameters: Parameters, state: State, workspace: Workspace) -> None:
     store_thickening(state.thickening, workspace.rates.table, state.density, parameters.pressure_force.by_mass)
     if parameters.gates:
-        still(state)
+        hold_buffers(state)
 
 
 def _store_acceleration(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
-    """Pressure is per weight, friction per mass; and gravity."""
+    """Store the acceleration: pressure, gravity, friction, repulsion, bodies and surface tension."""
     per_volume, rates = parameters.pressure_force.per_volume, workspace.rates
     store_acceleration(state.acceleration, rates.table, state.density, parameters.gravity, per_volume)
     if parameters.pull_rate > 0.0:
         state.acceleration[...] -= parameters.pull_rate**2 * (state.position - parameters.pull_center[:, None])
     if parameters.turbulence:
-        stir(parameters, workspace)
+        set_eddy_viscosity(parameters, workspace)
     if parameters.friction is not None:
         workspace.rates.acceleration[:3] = 0.0
         parameters.friction.loop(*_summed(parameters, workspace), rates.table)
         gather(workspace, *rates.acceleration)
         state.acceleration[...] += workspace.rates.acceleration[: parameters.dimension]
-    push_off_walls(parameters, state)
+    repel_from_walls(parameters, state)
     _push_bodies(parameters, state, workspace)
     if parameters.tension != "none":
-        pull(parameters, state, workspace)
+        add_surface_tension(parameters, state, workspace)
     if parameters.transports:
         shift(parameters, state, workspace, time)
     if parameters.gates:
-        still(state)
+        hold_buffers(state)
 
 
 def _push_bodies(parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """What the liquid does to each body's particles, summed in their order."""
+    """Set the accelerations of bodies from the forces on their particles, summed in order."""
     bodies, dummies, d = parameters.bodies, parameters.boundary.dummies, parameters.dimension
     if not bodies.shapes:
         return
@@ -127,22 +127,22 @@ def _push_bodies(parameters: Parameters, state: State, workspace: Workspace) -> 
         total(force[:, owner == number], place[:, owner == number], state.pose[:3, body])
         for body, number in enumerate(range(names - len(bodies.shapes), names))
     ]
-    more = push_off_bodies(parameters, state)
+    more = repel_from_bodies(parameters, state)
     load = np.array([force for force, _ in sums]) + more[0], np.array([torque for _, torque in sums]) + more[1]
-    state.push[...] = pushed(bodies, state.pose, state.motion, load, parameters.gravity)
+    state.push[...] = accelerations_of(bodies, state.pose, state.motion, load, parameters.gravity)
     state.push[:d] -= parameters.pull_rate**2 * (state.pose[:d] - parameters.pull_center[:, None])
     state.felt[...] += (state.push - state.felt) / delay(bodies, parameters.material.density)
 
 
 def table_of(parameters: Parameters) -> Array:
-    """The sides' table, with points from where sums count."""
+    """The table of sides, with points relative to the origin of the sums."""
     table = parameters.boundary.table.copy()
     table[:, : parameters.dimension] -= parameters.origin
     return table
 
 
 def fill(parameters: Parameters, state: State, workspace: Workspace) -> None:
-    """The liquid's columns, its images', the walls', and the images of those."""
+    """Fill the fields of the liquid, of its images, of the dummies, and of the images of those."""
     fields, lists = workspace.fields, workspace.lists
     constants, table = parameters.constants, fields.table
     require_kernel(parameters.constants)
@@ -163,7 +163,7 @@ def fill(parameters: Parameters, state: State, workspace: Workspace) -> None:
         fill_density_gradients(table, count, lists, constants)
     if real > count:
         clip, tait, dummies = parameters.walls_clip, parameters.tait, parameters.boundary.dummies
-        pulls = pulls_of(parameters.bodies, dummies, (state.pose, state.motion, state.felt), parameters.gravity)
+        pulls = apparent_gravity(parameters.bodies, dummies, (state.pose, state.motion, state.felt), parameters.gravity)
         pulls -= parameters.pull_rate**2 * (dummies.position - parameters.pull_center[:, None])
         read_liquid(table, count, lists, constants, pulls, clip, tait)
     if len(images.source) and (real > count or gradients):

@@ -31,7 +31,7 @@ BEFORE, DOWN = INDEX(STRIDE - 1), INDEX(2**64 - STRIDE)
 
 @compiled_inside
 def whole(count: int) -> np.uint64:
-    """How long a row is up to a whole vector: the rest is the particle itself, and adds nothing."""
+    """The length of a row rounded up to a whole vector: padding is the particle itself, and adds nothing."""
     return (INDEX(count) + BEFORE) & DOWN
 
 
@@ -63,7 +63,7 @@ def _continuity(
                 dz, dw = fields[FIELD.position + 2, j] - z, fields[FIELD.velocity + 2, j] - w
                 square, radial, rise = square + dz * dz, radial + dw * dz, rise + gz * dz
             pull = written_slope(math.sqrt(square) * inverse, kernel) * weight
-            stretching += stretched(pull, radial)
+            stretching += pair_divergence(pull, radial)
             flow += diffusion.flow(diffusion.beyond_rest(own, other, rise), pull) * liquid
         rates[RATE.continuity, i] = numbers.slope_factor * stretching
         rates[RATE.diffusion, i] = numbers.slope_factor * numbers.delta * flow
@@ -80,14 +80,14 @@ def damping(approach: float, square: float, damper: tuple[float, float, float, f
 
 
 @summed_inside
-def stretched(pull: float, radial: float) -> float:
+def pair_divergence(pull: float, radial: float) -> float:
     """A pair's part of -div v: w_j F (v_j - v_i).x_ij (Monaghan 1994)."""
     return pull * radial
 
 
 @summed_inside
-def pushed(pull: float, own: float, push: float, damp: float) -> float:
-    """A pair's force over x_ij: w_j F (P_i + P_j + damping); see `PUSH` and `WEIGHT`."""
+def pair_force(pull: float, own: float, push: float, damp: float) -> float:
+    """A pair's force over x_ij: w_j F (P_i + P_j + damping); see `Fields.force_term` and `Fields.weight`."""
     return pull * (own + push + damp)
 
 
@@ -120,10 +120,10 @@ def _momentum(
             pull = written_slope(math.sqrt(square) * inverse, kernel) * weight
             damp = damping(radial, square, damper)
             if both:
-                stretching += stretched(pull, radial)
+                stretching += pair_divergence(pull, radial)
             else:
                 damp *= fields[FIELD.liquid, j]
-            pull = pushed(pull, own, push, damp)
+            pull = pair_force(pull, own, push, damp)
             ax += pull * dx
             ay += pull * dy
             if deep:
@@ -153,7 +153,7 @@ def sum_momentum(
     fields: Floats, lists: Lists, constants: Constants, kernel: KernelType,
     rates: Floats,
 ) -> None:  # fmt: skip
-    """Pressure and damping: see `_momentum`."""
+    """Pressure and artificial viscosity: see `_momentum`."""
     if constants[0].dimension == 3:
         _momentum(True, False, fields, lists, constants, kernel, rates)
     else:
@@ -173,7 +173,7 @@ def sum_both(
 
 
 @summing
-def rub(fields: Floats, lists: Lists, constants: Constants, rates: Floats) -> None:
+def sum_friction(fields: Floats, lists: Lists, constants: Constants, rates: Floats) -> None:
     """Add the viscous force, (2/rho_i) sum_j mu_ij F V_j (u_i - u_j), mu_ij the harmonic mean (Morris et al. 1997, eq.
     22; Adami et al. 2012, eq. 8). A wall that lets the liquid slip has no viscosity.
     """
@@ -217,7 +217,7 @@ def rub(fields: Floats, lists: Lists, constants: Constants, rates: Floats) -> No
 
 
 @summing
-def rub_radially(fields: Floats, lists: Lists, constants: Constants, rates: Floats) -> None:
+def sum_radial_friction(fields: Floats, lists: Lists, constants: Constants, rates: Floats) -> None:
     """Add the viscous force along the lines between particles, (1/rho_i) sum_j Z_ij F V_j [(u_i - u_j).x_ij] x_ij/r^2,
     Z_ij = 2 (d + 2) times the harmonic mean of the viscosities (Monaghan 2005).
     """
@@ -259,7 +259,7 @@ def rub_radially(fields: Floats, lists: Lists, constants: Constants, rates: Floa
 
 
 @summing
-def push_transported(fields: Floats, lists: Lists, constants: Constants, rates: Floats) -> None:
+def sum_transported_pressure(fields: Floats, lists: Lists, constants: Constants, rates: Floats) -> None:
     """Pressure weighted by densities, and the momentum that a transport velocity W carries beside the liquid's.
 
     (1/m_i) sum_j (V_i^2 + V_j^2) [p_ij - (1/2)(A_i + A_j).x_ij ...] F x_ij with p_ij = (rho_j p_i + rho_i p_j)/(rho_i +

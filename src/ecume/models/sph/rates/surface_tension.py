@@ -46,7 +46,7 @@ ENERGY = 4
 
 
 class GridNumbers(NamedTuple):
-    """Of the nodes and of the kernel that colors them."""
+    """Constants of the nodes and of the color kernel."""
 
     reach: float
     """m, how far a particle colors"""
@@ -83,7 +83,7 @@ class Colors(NamedTuple):
 
 
 def colors_of(parameters: Parameters, workspace: Workspace) -> Colors:
-    """The nodes, with what forces and energy need of them."""
+    """The nodes, with the fields that forces and energy need."""
     fields, dimension = workspace.fields, parameters.dimension
     position = np.zeros((3, fields.shape[1]))
     position[:dimension] = fields.position[:dimension]
@@ -139,18 +139,18 @@ def contour_forces(parameters: Parameters, workspace: Workspace, mass: Array) ->
 
 
 def alone(parameters: Parameters, workspace: Workspace) -> bool:
-    """Whether nothing but liquid is there: no solids, and no mirror within reach."""
+    """Whether there is only liquid: no solids, and no mirror within reach."""
     mirrored = np.diff(workspace.images.start) * parameters.boundary.sides.mirrors
     return len(workspace.lists.counts) == workspace.rates.shape[1] and not mirrored.any()
 
 
 def node_share(parameters: Parameters) -> float:
-    """What one node counts: sigma a^d."""
+    """The energy of one node over its value: sigma a^d."""
     return parameters.material.surface_tension * (NODES * parameters.spacing) ** parameters.dimension
 
 
 def give_back(parameters: Parameters, workspace: Workspace, force: Array) -> None:
-    """What acts on images acts on those they are of: last images first, since they may be of earlier ones."""
+    """Add the force on images to their sources: last images first, since they may be images of earlier ones."""
     images, sides, real = workspace.images, parameters.boundary.sides, len(workspace.lists.counts)
     for side in reversed(range(len(sides.normal))):
         here = slice(images.start[side], images.start[side + 1])
@@ -164,13 +164,13 @@ def give_back(parameters: Parameters, workspace: Workspace, force: Array) -> Non
 
 @compiled_inside
 def first_node(place: float, low: float, numbers: GridNumbers) -> int:
-    """The first along an axis that a particle reaches."""
+    """The first node along an axis within reach of a particle."""
     return max(0, math.ceil((place - numbers.reach - low) / numbers.step))
 
 
 @compiled_inside
 def end_node(place: float, low: float, numbers: GridNumbers, most: int) -> int:
-    """One beyond the last."""
+    """One beyond the last node within reach."""
     return min(most, math.floor((place + numbers.reach - low) / numbers.step) + 1)
 
 
@@ -271,7 +271,7 @@ continuity is zero up to a flat surface. Computed for Wendland's C2 and uniform 
 """
 
 
-def pull(parameters: Parameters, state: State, workspace: Workspace) -> None:
+def add_surface_tension(parameters: Parameters, state: State, workspace: Workspace) -> None:
     """Add the acceleration by surface tension to the state's."""
     TENSIONS[parameters.tension].pull(parameters, state, workspace)
 
@@ -281,7 +281,7 @@ def surface_energy(parameters: Parameters, workspace: Workspace) -> float:
     return TENSIONS[parameters.tension].energy(parameters, workspace)
 
 
-def no_pull(parameters: Parameters, state: State, workspace: Workspace) -> None:
+def add_nothing(parameters: Parameters, state: State, workspace: Workspace) -> None:
     """Add nothing."""
 
 
@@ -290,12 +290,12 @@ def no_energy(parameters: Parameters, workspace: Workspace) -> float:
     return 0.0
 
 
-def pull_by_contours(parameters: Parameters, state: State, workspace: Workspace) -> None:
+def add_contour_force(parameters: Parameters, state: State, workspace: Workspace) -> None:
     """Add the acceleration by the continuum surface force."""
     state.acceleration[...] += contour_forces(parameters, workspace, state.mass) / state.mass
 
 
-def pull_by_pairs(parameters: Parameters, state: State, workspace: Workspace) -> None:
+def add_cohesion(parameters: Parameters, state: State, workspace: Workspace) -> None:
     """Add the acceleration by cohesion."""
     strength = cohesion_strength(parameters)
     pull_by_cohesion(*_crowd(parameters, workspace), parameters.support, strength, state.acceleration)
@@ -309,7 +309,7 @@ def energy_of_pairs(parameters: Parameters, workspace: Workspace) -> float:
 
 
 def cohesion_strength(parameters: Parameters) -> float:
-    """With which the tension is the liquid's."""
+    """The strength with which cohesion has the tension of the liquid."""
     material, law = parameters.material, STRENGTHS[parameters.dimension]
     wanted = material.surface_tension / COUNTED[parameters.dimension]
     return law(wanted, material.density, parameters.support)
@@ -359,7 +359,7 @@ def pull_by_cohesion(
 def sum_cohesion(
     fields: Floats, lists: Lists, constants: Constants, support: float, strength: float, energy: Array
 ) -> None:  # fmt: skip
-    """Half of each pair's energy goes to either particle, an image included; a wall's particle leaves all of it."""
+    """Half of the energy of each pair belongs to each particle, or to its image; all of it for a particle of a wall."""
     counts, neighbor = lists
     for particle in prange(len(energy)):
         i = INDEX(particle)
@@ -381,7 +381,7 @@ def sum_cohesion(
 
 @compiled_inside
 def add(acceleration: Array, i: np.uint64, more: tuple[float, float, float]) -> None:
-    """To one particle's."""
+    """Add to the acceleration of one particle."""
     for axis in range(acceleration.shape[0]):
         acceleration[axis, i] += more[axis]
 
@@ -404,9 +404,9 @@ class Tension(NamedTuple):
 
 
 TENSIONS: Mapping[str, Tension] = {
-    "none": Tension(no_pull, no_energy, {2: 0.0, 3: 0.0}, inner_pressure=0.0, accuracy={}, laws=()),
+    "none": Tension(add_nothing, no_energy, {2: 0.0, 3: 0.0}, inner_pressure=0.0, accuracy={}, laws=()),
     "cohesion": Tension(
-        pull_by_pairs, energy_of_pairs, {2: 0.0, 3: 0.0}, inner_pressure=6.0,
+        add_cohesion, energy_of_pairs, {2: 0.0, 3: 0.0}, inner_pressure=6.0,
         accuracy={
             2: "swings below a tenth are too fast, wide ones right within 5 %",
             3: "draws round, but does not swing: particles that keep their neighbors hold each other",
@@ -415,7 +415,7 @@ TENSIONS: Mapping[str, Tension] = {
     ),
     # A narrower color kernel sees single particles, a wider one flattens what is curved.
     "csf": Tension(
-        pull_by_contours, contour_energy, {2: 4.8, 3: 4.0}, inner_pressure=0.0,
+        add_contour_force, contour_energy, {2: 4.8, 3: 4.0}, inner_pressure=0.0,
         accuracy={
             2: "periods and pressures within some percent at ten particles a radius",
             3: "periods within 9 % at five particles a radius, 5 % at six; pressures within 14 %",

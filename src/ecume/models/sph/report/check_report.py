@@ -16,7 +16,7 @@ from ecume.models.sph.parameters import Material, Parameters
 from ecume.models.sph.rates.surface_tension import NODES, TENSIONS
 from ecume.models.sph.report.regimes import regime_rows
 from ecume.models.sph.setup.building import limiter, limits_of, weight_enthalpy
-from ecume.models.sph.setup.choices import sides_of, smallest_extent, smoothing_of, tension_of, told
+from ecume.models.sph.setup.choices import material_rows, sides_of, smallest_extent, smoothing_of, tension_of
 from ecume.models.sph.setup.initial_particles import cells_of
 from ecume.models.sph.setup.shapes import solids_of
 from ecume.scenes.sph import SphScene
@@ -43,7 +43,7 @@ FAST, ASKED = 0.11, 0.1
 
 
 def advice(scene: SphScene, parameters: Parameters, count: int, bytes_each: float) -> list[Row]:
-    """Everything there is to say of a scene with so many particles."""
+    """All rows of the report on a scene with `count` particles."""
     return [
         *_resolution(scene, parameters, count),
         *_liquid(scene, parameters),
@@ -86,7 +86,7 @@ def fitted_row(scene: SphScene) -> Row:
 
 
 def walls_remark(scene: SphScene, dummies: int) -> str:
-    """What holds the liquid."""
+    """The kind of walls."""
     if dummies:
         return f"{dummies} more in walls and solids"
     if all(side.kind != "wall" for side in sides_of(scene)):
@@ -108,7 +108,7 @@ def _liquid(scene: SphScene, parameters: Parameters) -> list[Row]:
     material = parameters.material
     mach = material.fastest / material.sound_speed
     return [
-        *told(scene.liquid),
+        *material_rows(scene.liquid),
         (
             "fastest speed",
             f"{material.fastest:.4g} m/s",
@@ -174,7 +174,7 @@ def particles_across(scene: SphScene) -> float:
 
 
 def resolution_remark(across: float) -> str:
-    """Whether that is enough."""
+    """A remark on this number of particles."""
     if across < COARSE:
         return f"coarse: a first look; {COARSE} or more show the flow"
     return "fine" if across >= FINE else f"good for the flow; {FINE} or more for pressures"
@@ -192,7 +192,7 @@ def lattice_neighbors(dimension: int, reach: float) -> int:
 
 
 def neighbor_remark(neighbors: int, dimension: int, kernel: str) -> str:
-    """Whether that is a good number for this kernel."""
+    """A remark on this number of neighbors."""
     if neighbors < FEW_NEIGHBORS[dimension]:
         return "few, sums are rough: raise method.smoothing"
     if neighbors > MANY_NEIGHBORS[dimension]:
@@ -203,7 +203,7 @@ def neighbor_remark(neighbors: int, dimension: int, kernel: str) -> str:
 
 
 def time_step_remark(scene: SphScene, parameters: Parameters) -> str:
-    """What sets the time step."""
+    """The limit that determines the time step."""
     if scene.method.time_step is not None:
         return "as given"
     return f"set by {limiter(limits_of(scene, parameters.material))}"

@@ -29,7 +29,7 @@ from ecume.laws.enthalpy import tait_energy
 from ecume.models.sph.boundaries.forces_on_solids import force_of_mirror, forces_on, roots_of
 from ecume.models.sph.boundaries.prescribed_motion import drive_at, instant
 from ecume.models.sph.boundaries.rigid_bodies import energy_of_bodies
-from ecume.models.sph.boundaries.walls import leaning_on
+from ecume.models.sph.boundaries.walls import repelled_by_wall
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.state import PER_PARTICLE, RATE, WORK, State, Workspace
 from ecume.units import Array
@@ -67,54 +67,56 @@ def elastic_energies(density: Array, reference_density: float, sound_speed: floa
 
 
 def potential_of(parameters: Parameters, mass: Array, position: Array) -> float:
-    """Of places (d, N), in gravity and in the pull to a point (J)."""
+    """Potential energy in gravity and in the central pull at positions (d, N) (J)."""
     potential = -float(np.sum(mass * product(parameters.gravity, position)))
     away = position - parameters.pull_center[:, None]
     return potential + 0.5 * parameters.pull_rate**2 * float(np.sum(mass * (away**2).sum(axis=0)))
 
 
 def energy_of(parameters: Parameters, state: State, who: Any) -> float:
-    """Of motion, in gravity and of compression, of some of the particles (J)."""
-    some = those(state, who)
+    """Kinetic, potential and elastic energy of some particles (J)."""
+    some = subset(state, who)
     alone = energies(parameters, some, 0.0, 0.0)
     return alone["total_energy"] - alone["bodies_energy"]
 
 
 def liquid_alone(parameters: Parameters, state: State) -> State:
-    """Without the buffers behind in- and outflows."""
-    return those(state, state.zone == 0) if parameters.gates else state
+    """The state without the buffers behind inflows and outflows."""
+    return subset(state, state.zone == 0) if parameters.gates else state
 
 
-def those(state: State, who: Any) -> State:
+def subset(state: State, who: Any) -> State:
     """The state of some of the particles."""
     return state._replace(**{name: getattr(state, name)[..., who] for name in PER_PARTICLE})
 
 
-def booked(parameters: Parameters) -> bool:
-    """Whether there is anything that may bring energy, or take it away."""
+def has_external_work(parameters: Parameters) -> bool:
+    """Whether any process may add or remove energy."""
     around = product(parameters.boundary.sides.shift, parameters.gravity)
-    return bool(parameters.shake is not None or forces_work(parameters) or around.any() or leaks(parameters))
+    return bool(parameters.shake is not None or forces_work(parameters) or around.any() or may_lose_liquid(parameters))
 
 
 def forces_work(parameters: Parameters) -> bool:
-    """Whether there are walls that move, or buffers."""
+    """Whether there are moving walls or buffers."""
     sliding = len(moving_sides(parameters)) or parameters.boundary.dummies.velocity.any()
     return bool(parameters.drives or parameters.gates or sliding)
 
 
-def leaks(parameters: Parameters) -> bool:
-    """Whether liquid may be lost through a side, other than one that it would have to rise to."""
+def may_lose_liquid(parameters: Parameters) -> bool:
+    """Whether liquid may be lost through a side, other than one to which it would have to rise."""
     outwards = np.array([-parameters.gravity, parameters.gravity])
     return bool((np.isfinite(parameters.bounds) & (outwards >= 0.0)).any())
 
 
-def untold(parameters: Parameters) -> bool:
+def has_unbudgeted_work(parameters: Parameters) -> bool:
     """Whether surface tension does work outside the energy budget: it acts on moving parts, but not in the loads."""
     return parameters.tension != "none" and bool(parameters.drives or parameters.gates or parameters.bodies.shapes)
 
 
-def book(parameters: Parameters, state: State, workspace: Workspace, began: tuple[float, bool], time: float) -> None:
-    """Add the work of a step that is done; `began`: the rate (W) before it, and whether forces were known then."""
+def add_work(
+    parameters: Parameters, state: State, workspace: Workspace, began: tuple[float, bool], time: float
+) -> None:
+    """Add the work of a completed step; `began` is the power (W) before it, and whether the forces were known then."""
     if parameters.shake is None and not forces_work(parameters):
         return
     with np.errstate(over="ignore", invalid="ignore"):  # the march says so where somebody is nowhere
@@ -126,7 +128,7 @@ def book(parameters: Parameters, state: State, workspace: Workspace, began: tupl
 
 
 def power_of_shake(parameters: Parameters, state: State) -> float:
-    """What a shake does to liquid and bodies (W, in the tank's frame): its pull times the momentum."""
+    """Power of a shaken tank on liquid and bodies (W, in the frame of the tank): acceleration times momentum."""
     if parameters.shake is None:
         return 0.0
     pull, liquid = drive_at(parameters.shake, float(state.clock[0]))[0], liquid_alone(parameters, state)
@@ -137,17 +139,17 @@ def power_of_shake(parameters: Parameters, state: State) -> float:
 
 
 def power_of_forces(now: Parameters, state: State, workspace: Workspace) -> float:
-    """Of moving sides and of buffers (W), out of a filled workspace."""
+    """Power of moving sides and of buffers (W), from a filled workspace."""
     power = 0.0
     for row in moving_sides(now):
         power += power_of_side(now, state, workspace, int(row))
-    if len(lids(now)):
-        power += power_of_lids(now, workspace)
+    if len(moving_dummies(now)):
+        power += power_of_moving_dummies(now, workspace)
     return power + power_of_buffers(now, state, workspace) if now.gates else power
 
 
 def moving_sides(now: Parameters) -> Integers:
-    """Which rows of the sides' table are mirrors that move now."""
+    """Rows of the table of sides that are moving mirrors."""
     boundary, d = now.boundary, now.dimension
     return np.flatnonzero((boundary.image_owner >= 0) & boundary.table[:, 2 * d : 3 * d].any(axis=1))
 
@@ -159,29 +161,29 @@ def power_of_side(now: Parameters, state: State, workspace: Workspace, row: int)
     normal, place = boundary.sides.normal[row], boundary.sides.point[row]
     near = np.flatnonzero(product(normal, state.position - place[:, None]) < now.support)
     few = state._replace(position=np.ascontiguousarray(state.position[:, near]), mass=state.mass[near])
-    leaning = leaning_on(now, few, side)
+    leaning = repelled_by_wall(now, few, side)
     force = np.sum(leaning.push * few.mass[leaning.who], axis=1)
     for axis in np.flatnonzero(velocity):
         force[axis] += force_of_mirror(now, workspace, near, (side, int(axis)))
     return dot(force, velocity)
 
 
-def lids(parameters: Parameters) -> Integers:
-    """Which dummies stand in sides that move along themselves."""
+def moving_dummies(parameters: Parameters) -> Integers:
+    """Dummies in sides that move along themselves."""
     dummies = parameters.boundary.dummies
     return np.flatnonzero(dummies.velocity.any(axis=0) & (dummies.owner < 2 * parameters.dimension))
 
 
-def power_of_lids(now: Parameters, workspace: Workspace) -> float:
-    """Of layers of dummies that move (W): beside them only periodic sides have images."""
-    mine, first = lids(now), workspace.rates.shape[1]
+def power_of_moving_dummies(now: Parameters, workspace: Workspace) -> float:
+    """Power of moving layers of dummies (W); only periodic sides have images next to them."""
+    mine, first = moving_dummies(now), workspace.rates.shape[1]
     group = np.zeros(workspace.fields.shape[1], np.int64)
     force = forces_on(now, workspace, first + mine, group)[0]
     return -float(np.sum(force[: now.dimension] * now.boundary.dummies.velocity[:, mine]))
 
 
 def power_of_buffers(now: Parameters, state: State, workspace: Workspace) -> float:
-    """Of the liquid behind in- and outflows (W): the mean of what the one gains and the other loses."""
+    """Power of the liquid behind inflows and outflows (W): the mean of the gain and the loss of a pair."""
     real, liquid = len(workspace.lists.counts), workspace.rates.shape[1]
     root = np.concatenate([np.arange(real), roots_of(workspace.images, real)])
     held = np.zeros(real, np.int64)
@@ -195,28 +197,28 @@ def power_of_buffers(now: Parameters, state: State, workspace: Workspace) -> flo
 
 
 def before_gates(now: Parameters, state: State) -> Integers:
-    """The liquid that buffers reach."""
+    """The liquid within reach of buffers."""
     near = np.zeros(len(state.zone), np.bool_)
     for gate in now.gates:
         near |= np.abs(state.position[gate.axis] - gate.place) < 2.0 * now.support
     return np.flatnonzero(near & (state.zone == 0))
 
 
-def lifted(parameters: Parameters, state: State, out: NDArray[np.bool_], shift: Array) -> float:
-    """What it takes to bring liquid from one periodic side to the other (J)."""
+def periodic_work(parameters: Parameters, state: State, out: NDArray[np.bool_], shift: Array) -> float:
+    """The work of moving liquid from one periodic side to the other (J)."""
     who = out & (state.zone == 0)
     mass, position = state.mass[who], state.position[:, who]
     return potential_of(parameters, mass, position + shift[:, None]) - potential_of(parameters, mass, position)
 
 
-def brought(parameters: Parameters, state: State, entering: Array, leaving: Array) -> float:
+def exchanged_energy(parameters: Parameters, state: State, entering: Array, leaving: Array) -> float:
     """The energy of particles that enter, less that of particles that leave (J); NaN if a position is not finite."""
     with np.errstate(over="ignore", invalid="ignore"):
         return energy_of(parameters, state, entering) - energy_of(parameters, state, leaving)
 
 
-def of_guard(now: Parameters, state: State, before: Array) -> float:
-    """What moving sides do to those whom the guard turned back (J), from their velocities before."""
+def reflection_work(now: Parameters, state: State, before: Array) -> float:
+    """The work of moving sides on reflected particles (J), from their velocities before."""
     work, guard, d = 0.0, now.boundary.guard, now.dimension
     for side, _ in now.drives:
         row = guard.sheet.number[guard.owner == side][0]

@@ -22,7 +22,7 @@ Readings = tuple[dict[str, float], dict[str, str]]
 
 
 def gauges_of(scene: SphScene, reach: float) -> tuple[Gauge, ...]:
-    """The scene's gauges, rows taken apart."""
+    """The gauges of a scene, rows of gauges as single ones."""
     found = []
     for spec in scene.gauges:
         first = np.array(spec.place)
@@ -47,7 +47,7 @@ def _ground(scene: SphScene, place: Array, reach: float) -> float:
 
 
 def readings(gauges: tuple[Gauge, ...], state: State, pressure: Array, reach: float) -> Readings:
-    """What all gauges read; in the order of the particles at the start, so that sums do not depend on their sorting."""
+    """The values of all gauges; summed in the initial order of particles, so that they do not depend on sorting."""
     numbers, units = dict[str, float](), dict[str, str]()
     if gauges:
         order = np.argsort(state.identity)
@@ -86,7 +86,7 @@ def _at_place(place: Array, position: Array, table: Array, reach: float) -> list
 
 
 def _depth(gauge: Gauge, level: Array, place: Array, volume: Array, reach: float) -> float:
-    """The liquid there is around a place of the floor, over the ground it stands on."""
+    """The volume of liquid around a place of the floor, per area of the floor."""
     close = (np.abs(level - place) < reach).all(axis=1)
     pairs = near(place[None], level[close], reach)
     shape = kernel(KERNEL, dim=len(place))

@@ -9,7 +9,7 @@ import numpy as np
 
 from ecume.models.invariants import Invariant, Seen, at_most, energy_never_rises, kept, part_of
 from ecume.models.sph.parameters import Parameters
-from ecume.models.sph.report.energy_budget import untold
+from ecume.models.sph.report.energy_budget import has_unbudgeted_work
 from ecume.scenes.sph import SphScene
 from ecume.scenes.sph.tank import SIDES
 
@@ -44,7 +44,7 @@ def _rows(scene: SphScene, parameters: Parameters) -> Iterator[Invariant]:
         return part_of(seen.now["guard_hits"] * volume, seen.first["volume"] * max(seen.now["step"], 1.0))
 
     yield Invariant("guard", "particles turned back behind a wall, a particle and step", TURNED_BACK, turned_back)
-    if not untold(parameters):
+    if not has_unbudgeted_work(parameters):
         yield energy_never_rises(RISE_IN_FILMS if scene.bodies else RISE, _faint(parameters))
     if _alone(scene):
         density = parameters.material.density
@@ -66,12 +66,12 @@ def _faint(parameters: Parameters) -> Callable[[Seen], float]:
 
 
 def _kinds(scene: SphScene) -> list[str]:
-    """What each side of the tank is."""
+    """The kind of each side of the tank."""
     return [getattr(scene.tank, side).kind for side in SIDES[: 2 * len(scene.tank.low)]]
 
 
 def _alone(scene: SphScene) -> bool:
-    """Whether nothing but liquid acts on the liquid."""
+    """Whether no external force acts on the liquid."""
     around = all(kind == "periodic" for kind in _kinds(scene))
     pulled = bool(np.any(scene.gravity)) or scene.central_pull is not None
     return around and not (pulled or scene.bodies or scene.obstacles)

@@ -11,12 +11,12 @@ from ecume.laws.states import tait_pressure
 from ecume.models.invariants import INJECTED
 from ecume.models.sph.boundaries.forces_on_solids import loads
 from ecume.models.sph.boundaries.prescribed_motion import drive_at, instant
-from ecume.models.sph.boundaries.walls import Leaning, energy_of, everyone_leaning, load_of
+from ecume.models.sph.boundaries.walls import Repelled, all_repelled, energy_of, repulsion_load
 from ecume.models.sph.integration.passive_particles import surroundings
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.rates.right_hand_side import fill
 from ecume.models.sph.rates.surface_tension import surface_energy
-from ecume.models.sph.report.energy_budget import booked, energies, liquid_alone
+from ecume.models.sph.report.energy_budget import energies, has_external_work, liquid_alone
 from ecume.models.sph.report.gauges import readings
 from ecume.models.sph.state import CAME, GUARD_HITS, LEFT, LOST, MOST_SUBSTEPS, SUBSTEPS, WORK, State, Workspace
 from ecume.trajectories.frame import Frame
@@ -78,7 +78,7 @@ def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame
     """The frame of this instant. In 2D energies, masses, momenta, forces and volumes are per meter of depth."""
     still = parameters.gravity
     parameters = instant(parameters, state)
-    leaning = everyone_leaning(parameters, state)
+    leaning = all_repelled(parameters, state)
     solid, units = of_solids(parameters, state, workspace, leaning)
     propped = sum(energy_of(parameters, state, each) for each in leaning)
     state = liquid_alone(parameters, state)
@@ -105,7 +105,7 @@ def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame
     listed = {name: float(numbers[name]) for name in NUMBER_UNITS}
     if parameters.bodies.shapes:
         listed["bodies_energy"] = energy["bodies_energy"]
-    if booked(parameters):
+    if has_external_work(parameters):
         listed[INJECTED] = float(state.books[WORK])
     units |= {name: "J" for name in (INJECTED, "bodies_energy") if name in listed}
     units = in_dimension({**ARRAY_UNITS, **NUMBER_UNITS, **units, **read_units}, parameters.dimension)
@@ -113,8 +113,8 @@ def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame
 
 
 def carried_arrays(parameters: Parameters, state: State, workspace: Workspace) -> dict[str, Array]:
-    """What is carried, after the liquid and with the next species' numbers. It weighs nothing: it moves nothing. Its
-    pressure is the liquid's around it, zero outside.
+    """Arrays with the passive particles after the liquid, as further species. They have no mass; their pressure is that
+    of the liquid around, zero outside.
     """
     carried, material, count = parameters.carried, parameters.material, state.carried_position.shape[1]
     group = np.repeat(np.arange(len(carried.groups)), np.diff(carried.start))
@@ -131,7 +131,7 @@ def carried_arrays(parameters: Parameters, state: State, workspace: Workspace) -
 
 
 def of_solids(
-    parameters: Parameters, state: State, workspace: Workspace, leaning: list[Leaning]
+    parameters: Parameters, state: State, workspace: Workspace, leaning: list[Repelled]
 ) -> tuple[dict[str, float], dict[str, str]]:
     """Forces and torques on walls, obstacles and bodies, hits of the guard, and poses of bodies, with units. In 2D
     forces are per meter of depth, and torques about z.
@@ -139,7 +139,7 @@ def of_solids(
     fill(parameters, state, workspace)
     axes, turns = "xyz"[: parameters.dimension], "z" if parameters.dimension == 2 else "xyz"
     numbers, units = dict[str, float](), dict[str, str]()
-    more = {parameters.boundary.names[each.owner]: load_of(parameters, state, each) for each in leaning}
+    more = {parameters.boundary.names[each.owner]: repulsion_load(parameters, state, each) for each in leaning}
     for name, force, torque in loads(parameters, workspace):
         if name in more:
             force, torque = force + more[name][0], torque + more[name][1]
@@ -191,7 +191,7 @@ def motion(state: State) -> Mapping[str, float]:
 
 
 def extremes(parameters: Parameters, state: State) -> Mapping[str, float]:
-    """How far, how high, how fast, how dense; and what the step had to do."""
+    """Extent, largest speed, pressure and density change, and counts of substeps and exchanged particles."""
     change = np.abs(state.density / parameters.material.density - 1.0)
     return {
         "front": state.position[0].max(),

@@ -116,8 +116,8 @@ def weight_enthalpy(scene: SphScene) -> float:
 
 
 def capillary_speed(scene: SphScene, bounds: list[tuple[Array, Array]]) -> float:
-    """Of the narrowest liquid that draws itself together: rho v^2 / 2 is what its surface presses with, and half of
-    what cohesion presses with, so that it compresses by a hundredth or two.
+    """The speed scale of the narrowest region under surface tension: rho v^2 / 2 is Laplace's pressure, and half of the
+    pressure by cohesion, so that the compression is one or two percent.
     """
     if tension_of(scene) == "none":
         return 0.0
@@ -131,7 +131,7 @@ def capillary_speed(scene: SphScene, bounds: list[tuple[Array, Array]]) -> float
 
 
 def parameters_of(scene: SphScene) -> Parameters:
-    """Everything that does not move."""
+    """The parameters of a scene."""
     material, method = material_of(scene), scene.method
     shape, smoothing = kernel_of(scene), smoothing_of(scene)
     support = shape.support * smoothing
@@ -220,7 +220,7 @@ def limits_of(scene: SphScene, material: Material) -> dict[str, float]:
 
 
 def body_limit(scene: SphScene, spec: BodySpec, material: Material) -> float:
-    """The longest step (s) in which a body does not overreact to the liquid before it."""
+    """The longest stable time step for a body (s), by the pressure and viscosity of the liquid before it."""
     shape, kernel, h = shape_of(spec), kernel_of(scene), smoothing_of(scene)
     areal_mass = mass_of(spec, shape) / shape.surface()
     pressed = body_sound_limit(areal_mass, material.density, material.sound_speed, kernel.overlap / h)
@@ -244,12 +244,12 @@ def steps_of(scene: SphScene, material: Material) -> tuple[float, int]:
 
 
 def limiter(limits: dict[str, float]) -> str:
-    """What sets the step."""
+    """The limit that determines the time step."""
     return min(limits, key=lambda name: limits[name])
 
 
 def carried_of(scene: SphScene, weight: float) -> Carried:
-    """The groups of a scene; `weight` times the kernel's value is the kernel."""
+    """The groups of passive particles of a scene; `weight` is the normalization of the kernel."""
     generator, places, groups = np.random.default_rng([scene.seed, 3]), [], list[CarriedGroup]()
     for spec in scene.carried:
         if spec.low is not None and spec.high is not None:

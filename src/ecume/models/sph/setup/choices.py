@@ -31,7 +31,7 @@ from ecume.scenes.sph import FluidSpec, SphScene
 from ecume.units import Array
 
 TURBULENCES = {"none": False, "smagorinsky": True}
-"""Whether eddies add a viscosity: see `gradients.stir`."""
+"""Whether eddies add a viscosity: see `gradients.set_eddy_viscosity`."""
 PRECISIONS: dict[str, Precision] = {"double": np.float64, "single": np.float32}
 USUAL_ALPHA = 0.02
 """Coefficient of the artificial viscosity where the scene gives the liquid no viscosity."""
@@ -59,7 +59,9 @@ def gravity_of(scene: SphScene) -> Array:
 
 
 def held_pull(scene: SphScene) -> Array:
-    """(d,) the part of gravity that pressure balances at rest: none along periodic sides, where all flows on and on."""
+    """(d,) the part of gravity that pressure balances at rest: none along periodic sides, along which liquid
+    accelerates.
+    """
     pull = gravity_of(scene)
     for number, side in enumerate(sides_of(scene)):
         if side.kind == "periodic":
@@ -188,12 +190,12 @@ def tension_of(scene: SphScene) -> str:
 
 
 def color_reach_of(scene: SphScene) -> float:
-    """How far the continuum surface force looks (m); zero without."""
+    """The reach of the color kernel (m); zero without the continuum surface force."""
     return TENSIONS[tension_of(scene)].color_reaches[len(scene.tank.low)] * scene.spacing
 
 
 def turbulent(scene: SphScene) -> bool:
-    """Whether eddies smaller than particles are reckoned with."""
+    """Whether eddies smaller than particles add a viscosity."""
     return TURBULENCES[chosen(scene.method.turbulence, TURBULENCES, "method.turbulence")]
 
 
@@ -244,8 +246,8 @@ def filled(given: FluidSpec) -> FluidSpec:
     )
 
 
-def told(given: FluidSpec) -> list[tuple[str, str, str]]:
-    """What `check` says of the material: where each number comes from."""
+def material_rows(given: FluidSpec) -> list[tuple[str, str, str]]:
+    """The rows of `check` on the material, with the origin of each number."""
     named, full = substance_of(given), filled(given)
     units = {"density": "kg/m^3", "viscosity": "Pa s", "surface_tension": "N/m"}
     origin = "usual" if named is None else f"{named.name} at {named.temperature - ICE_POINT:.4g} degrees Celsius"

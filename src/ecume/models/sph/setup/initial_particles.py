@@ -25,8 +25,8 @@ from ecume.scenes.sph import SIDES, RegionSpec, SphScene
 from ecume.units import Array
 
 
-class Said(NamedTuple):
-    """Of a region's particles; not a number where nothing was said."""
+class GivenValues(NamedTuple):
+    """Given velocities, densities and masses of the particles of a region; NaN if not given."""
 
     velocity: Array
     """(n, d), zero where nothing was said: it is added to the region's own"""
@@ -34,24 +34,24 @@ class Said(NamedTuple):
     mass: Array
 
 
-def said_of(region: RegionSpec, kept: Flags) -> Said:
-    """Of those that were kept."""
+def given_values(region: RegionSpec, kept: Flags) -> GivenValues:
+    """The given values of the particles that were kept."""
     given, count = region.particles, int(kept.sum())
     unsaid = np.full(count, np.nan)
     if given is None:
-        return Said(np.zeros((count, 1)), unsaid, unsaid)
+        return GivenValues(np.zeros((count, 1)), unsaid, unsaid)
     velocity, density, mass = (
         np.array(each)[kept] if each else None for each in (given.velocities, given.densities, given.masses)
     )
-    return Said(
+    return GivenValues(
         np.zeros((count, 1)) if velocity is None else velocity,
         unsaid if density is None else density,
         unsaid if mass is None else mass,
     )
 
 
-def with_said(liquid: Liquid, told: list[Said]) -> Liquid:
-    """The liquid with what was said of its regions, one after the other."""
+def with_given_values(liquid: Liquid, told: list[GivenValues]) -> Liquid:
+    """The liquid with the given values of its regions, in order."""
     dimension = len(liquid.position)
     velocity = np.concatenate([np.broadcast_to(each.velocity, (len(each.density), dimension)) for each in told])
     density, mass = np.concatenate([each.density for each in told]), np.concatenate([each.mass for each in told])
@@ -111,14 +111,14 @@ def pressure_in(region: RegionSpec, scene: SphScene, points: Array, density: flo
 
 
 def vortex_phases(scene: SphScene, points: Array) -> tuple[Array, Array]:
-    """Of a vortex pair a tank length."""
+    """Phases (rad) of a vortex pair with the period of the tank."""
     size = np.array(scene.tank.high) - np.array(scene.tank.low)
     phase = 2.0 * math.pi * (points - np.array(scene.tank.low)) / size
     return phase[:, 0], phase[:, 1]
 
 
 def _cross_speed(region: RegionSpec, scene: SphScene) -> float:
-    """Along y: other than along x where the tank is no square, for nothing must diverge."""
+    """The speed along y, from zero divergence in a tank that is not a square."""
     size = np.array(scene.tank.high) - np.array(scene.tank.low)
     return float(region.flow_speed * size[1] / size[0])
 
@@ -128,7 +128,7 @@ def _free(scene: SphScene) -> bool:
 
 
 def _deforming(region: RegionSpec, scene: SphScene, points: Array, density: float) -> Array:
-    """A ball or a square without walls: its surface is at zero, whatever it does."""
+    """The pressure of a free ball or square, zero at its surface."""
     dimension = points.shape[1]
     gradient = np.array(region.velocity_gradient or np.zeros((dimension, dimension)))
     rate = scene.central_pull.rate if scene.central_pull else 0.0
@@ -148,7 +148,7 @@ def liquid_of(scene: SphScene, material: Material) -> Liquid:
     pull = np.zeros(len(scene.tank.low)) if modified(scene) else held_pull(scene)
     generator = np.random.default_rng(scene.seed)
     pieces: list[tuple[Array, Array, Array, Array]] = []
-    told: list[Said] = []
+    told: list[GivenValues] = []
     for region, (cells, kept) in zip(scene.fluid, cells_of(scene), strict=True):
         points, shape = cells.centers, part_of(region, scene.spacing)
         head = np.zeros(len(points))
@@ -158,8 +158,8 @@ def liquid_of(scene: SphScene, material: Material) -> Liquid:
             points = points + scene.method.jitter * scene.spacing * generator.uniform(-1.0, 1.0, points.shape)
         head += pressure_in(region, scene, points, material.density) / material.density
         pieces.append((points, velocity_in(region, scene, points), head, cells.volumes))
-        told.append(said_of(region, kept))
-    return with_said(_particles(scene, material, pieces), told)
+        told.append(given_values(region, kept))
+    return with_given_values(_particles(scene, material, pieces), told)
 
 
 def cells_of(scene: SphScene) -> list[tuple[Cells, Flags]]:
@@ -186,7 +186,9 @@ def cells_of(scene: SphScene) -> list[tuple[Cells, Flags]]:
 
 
 def room_of(scene: SphScene, *, single: bool) -> Box:
-    """Where liquid may start: in the tank, and `single` particles, those of a run under way, beyond its open sides."""
+    """The box in which liquid may start: the tank, and for `single` particles of another run also beyond its open
+    sides.
+    """
     tank = np.array([scene.tank.low, scene.tank.high])
     low, high = np.where(np.isfinite(bounds_of(scene)), bounds_of(scene), tank) if single else tank
     return Box(low, high)

@@ -25,7 +25,7 @@ def shape_of(spec: ShapeSpec) -> Shape:
 
 
 def part_of(region: RegionSpec, spacing: float) -> Part:
-    """Where the liquid of a region is."""
+    """The region of the liquid as a part of space."""
     if region.particles is not None:
         return Cloud(np.array(region.particles.positions), spacing)
     return Mesh(np.array(region.triangles)) if region.triangles else shape_of(region)
@@ -44,7 +44,7 @@ def free_of(points: Array, solids: Sequence[Shape], spacing: float) -> Flags:
     return free
 
 
-def grains(shape: Shape, spacing: float, support: float) -> tuple[Array, Array]:
+def dummies_of(shape: Shape, spacing: float, support: float) -> tuple[Array, Array]:
     """Dummies of a solid, (n, d), and their volumes, which fill the whole shape; the core deeper than the support is
     omitted.
     """
@@ -58,13 +58,13 @@ def grains(shape: Shape, spacing: float, support: float) -> tuple[Array, Array]:
     return points[near], volume[near]
 
 
-def obstacle_grains(scene: SphScene, support: float) -> list[tuple[Array, Array]]:
-    """Of each obstacle, without what is in an earlier one or out of the tank."""
+def obstacle_dummies(scene: SphScene, support: float) -> list[tuple[Array, Array]]:
+    """Dummies of each obstacle, without those in an earlier one or outside of the tank."""
     low, high = np.array(scene.tank.low), np.array(scene.tank.high)
     found, earlier = [], list[Shape]()
     for spec in scene.obstacles:
         shape = shape_of(spec)
-        points, volume = grains(shape, scene.spacing, support)
+        points, volume = dummies_of(shape, scene.spacing, support)
         stays = apart(points, earlier) & ((points > low) & (points < high)).all(axis=1)
         found.append((points[stays], volume[stays]))
         earlier.append(shape)
@@ -72,7 +72,7 @@ def obstacle_grains(scene: SphScene, support: float) -> list[tuple[Array, Array]
 
 
 def _rows_of(shape: Polygon, spacing: float, support: float) -> tuple[Array, Array]:
-    """Rows along the edges, one spacing apart: liquid finds no holes in them, as in a lattice that lies askew."""
+    """Rows along the edges, one spacing apart, which have no holes, unlike an oblique lattice."""
     points, volume, outer = [np.zeros((0, 2))], [np.zeros(0)], shape
     for row in range(round_up(support, spacing) + 1):
         inner, middle = shape.inset((row + 1) * spacing), shape.inset((row + 0.5) * spacing)

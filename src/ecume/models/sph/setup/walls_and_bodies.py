@@ -16,7 +16,7 @@ from ecume.errors import BadInput, Fault, SceneError
 from ecume.models.sph.parameters import Bodies, Boundary, Drive, Dummies, Gate, Guard, Material
 from ecume.models.sph.rates.methods import PRESSURE_FORCES
 from ecume.models.sph.setup.choices import color_reach_of
-from ecume.models.sph.setup.shapes import grains, obstacle_grains, shape_of, solids_of
+from ecume.models.sph.setup.shapes import dummies_of, obstacle_dummies, shape_of, solids_of
 from ecume.scenes.sph import SIDES, BodySpec, MotionSpec, ShakeSpec, SphScene
 from ecume.units import Array
 
@@ -65,12 +65,12 @@ def dummies_at(points: Array, volume: Array, viscosity: float, owner: int) -> Du
 
 def _of_solids(scene: SphScene, material: Material, support: float) -> list[Dummies]:
     pieces, first = [], 2 * len(scene.tank.low)
-    for index, (points, volume) in enumerate(obstacle_grains(scene, support)):
+    for index, (points, volume) in enumerate(obstacle_dummies(scene, support)):
         viscosity = material.viscosity * holds(scene.obstacles[index], scene)
         pieces.append(dummies_at(points, volume, viscosity, first + index))
     for index, spec in enumerate(scene.bodies):
         shape = shape_of(spec)
-        points, volume = grains(shape, scene.spacing, support)
+        points, volume = dummies_of(shape, scene.spacing, support)
         viscosity = material.viscosity * holds(spec, scene)
         owner = first + len(scene.obstacles) + index
         pieces.append(dummies_at(points - shape.middle(), volume, viscosity, owner))
@@ -314,7 +314,7 @@ def _require_possible(scene: SphScene) -> None:
 
 
 def _overlaps(scene: SphScene) -> list[Fault]:
-    """Bodies that start inside an obstacle or an earlier body, by more than what touching may round to."""
+    """Faults of bodies that start inside an obstacle or an earlier body, beyond rounding."""
     faults, slack = [], TOUCHING * scene.spacing
     solids = [(f"obstacles[{n}]", shape_of(spec)) for n, spec in enumerate(scene.obstacles)]
     for index, spec in enumerate(scene.bodies):
@@ -328,7 +328,7 @@ def _overlaps(scene: SphScene) -> list[Fault]:
 
 
 def _overlap(one: Shape, other: Shape, fine: float) -> float:
-    """How deep a point of either's rim is inside the other (m); negative where none is."""
+    """The depth of the deepest rim point of one shape inside the other (m); negative without overlap."""
     pairs = (one, other), (other, one)
     return max(-float(inside.nearest(outer.rim(fine))[0].min()) for outer, inside in pairs)
 
@@ -348,7 +348,7 @@ def _wide(points: Array) -> Array:
 
 
 def drives_of(scene: SphScene) -> tuple[tuple[int, Drive], ...]:
-    """The sides that move, by their numbers."""
+    """The moving sides, by number."""
     found = []
     for number, name in enumerate(SIDES[: 2 * len(scene.tank.low)]):
         motion = getattr(scene.tank, name).motion
@@ -358,7 +358,7 @@ def drives_of(scene: SphScene) -> tuple[tuple[int, Drive], ...]:
 
 
 def shake_of(scene: SphScene) -> Drive | None:
-    """What a shaken tank adds to gravity."""
+    """The acceleration that a shaken tank adds to gravity."""
     shake = scene.shake
     return None if shake is None else _drive(shake, shake.amplitude, shake.accelerations, 0.0)
 
@@ -373,7 +373,7 @@ def _drive(spec: MotionSpec | ShakeSpec, amplitude: object, values: object, orig
 
 
 def fastest_drive(scene: SphScene) -> float:
-    """The fastest that a side moves, or that a shake alone moves the liquid in a second at its height."""
+    """The largest speed of a moving side."""
     speeds = [0.0]
     for _, drive in drives_of(scene):
         speeds.append(float(np.abs(drive.amplitude).max()) * drive.turning)
