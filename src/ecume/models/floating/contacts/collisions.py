@@ -107,13 +107,13 @@ def restitution_of(restitutions: tuple[int, float, float], partner: int) -> floa
 
 
 @compiled
-def require_stops(overlapping: bool, parameters: Parameters, contacts: Contacts, before: Array) -> float:
-    """Require that pairs which collide in this step stop; return the fastest of these approaches.
+def require_stops(overlapping: bool, parameters: Parameters, contacts: Contacts | TorqueContacts) -> float:
+    """Require that pairs which collide in this step stop, from the speeds in `contacts.scratch`; return the fastest of
+    these approaches.
 
     Without restitution a pair moves until it touches, and is stopped in the next step.
     """
     speed, bound, gap, second = contacts.scratch, contacts.bound, contacts.gap, contacts.second
-    touching.normal_velocities(contacts, before, speed)
     slowest, restitutions = TOLERABLE * parameters.slop / parameters.time_step, restitutions_of(parameters)
     fastest = 0.0
     for row in range(contacts.total[0]):
@@ -155,19 +155,26 @@ def share_restitution(parameters: Parameters, contacts: Contacts | TorqueContact
 def bounce(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """Apply collisions to the midstep velocities: (1 + e) times the impulses that stop all approaches."""
     contacts, before, of_float = workspace.contacts, workspace.before, workspace.restitution
-    fastest = require_stops(part.overlapping, parameters, contacts, before)
+    touching.normal_velocities(contacts, before, contacts.scratch)
+    fastest = require_stops(part.overlapping, parameters, contacts)
     if fastest <= 0.0:
         return
     clear_impulses(contacts)
-    goal = Goal(projected_gauss_seidel.CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
+    goal = goal_for(parameters, fastest)
     state.tally[SWEEPS] += stop(part, own, contact_bodies(parameters), contacts, before, goal)
     share_restitution(parameters, contacts, of_float)
     state.tally[COLLISIONS] += count_bounces(contacts, of_float)
     push(part, own, contact_bodies(parameters), contacts, workspace.midstep_velocity)
 
 
+@compiled_inside
+def goal_for(parameters: Parameters, fastest: float) -> Goal:
+    """Return the tolerance of impulses for an approach at this speed."""
+    return Goal(projected_gauss_seidel.CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
+
+
 @compiled
-def clear_impulses(contacts: Contacts) -> None:
+def clear_impulses(contacts: Contacts | TorqueContacts) -> None:
     """Set all impulses to zero."""
     for row in range(contacts.total[0]):
         contacts.impulse[row] = 0.0
@@ -227,13 +234,12 @@ SOLVERS: dict[type, Solver] = {
 
 
 @compiled
-def goal_of(parameters: Parameters, contacts: Contacts, velocity: Array) -> Goal:
-    """Return the tolerance of impulses for these velocities; zero if no pair approaches too far."""
-    touching.normal_velocities(contacts, velocity, contacts.scratch)
+def goal_of(parameters: Parameters, contacts: Contacts | TorqueContacts) -> Goal:
+    """Return the tolerance of impulses for the speeds in `contacts.scratch`; zero if no pair approaches too far."""
     fastest = 0.0
     for row in range(contacts.total[0]):
         fastest = max(fastest, contacts.bound[row] - contacts.scratch[row])
-    return Goal(projected_gauss_seidel.CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
+    return goal_for(parameters, fastest)
 
 
 @composed
@@ -244,7 +250,8 @@ def solve_contacts(
     contacts, memory = workspace.contacts, memory_of(state)
     recall(part, own, state, workspace)
     warm_start.recall(touching.contact_keys(contacts), memory)
-    goal = goal_of(parameters, contacts, velocity)
+    touching.normal_velocities(contacts, velocity, contacts.scratch)
+    goal = goal_of(parameters, contacts)
     sweeps = 0
     if goal.target > 0.0:
         sweeps = solve(part, own, contact_bodies(parameters), contacts, velocity, goal)
@@ -301,7 +308,7 @@ def split_velocities(parameters: Parameters, state: State, workspace: Workspace)
 
 
 @compiled
-def require_gaps(overlapping: bool, parameters: Parameters, contacts: Contacts) -> None:
+def require_gaps(overlapping: bool, parameters: Parameters, contacts: Contacts | TorqueContacts) -> None:
     """Require that no pair closes more than its gap in this step."""
     for row in range(contacts.total[0]):
         free = overlapping and contacts.second[row] < len(parameters.floats.radius)
@@ -340,14 +347,13 @@ def deepest_overlap(contacts: Contacts) -> float:
 
 
 @compiled
-def require_rest(parameters: Parameters, contacts: Contacts, velocity: Array, before: Array) -> None:
-    """Require that pairs which approach by the kick alone close no gap at once; `before` are the speeds without the
-    kick.
+def require_rest(parameters: Parameters, contacts: Contacts | TorqueContacts) -> None:
+    """Require that pairs which approach by the kick alone close no gap at once: the speeds with the kick are in
+    `contacts.scratch`, those without it in `contacts.change`.
 
     A faster approach is not constrained: it is a collision of the next step.
     """
-    speed, bound, gap = contacts.scratch, contacts.bound, contacts.gap
-    touching.normal_velocities(contacts, velocity, speed)
+    speed, before, bound, gap = contacts.scratch, contacts.change, contacts.bound, contacts.gap
     for row in range(contacts.total[0]):
         lasting = before[row] >= -STEADY * abs(speed[row] - before[row])
         bound[row] = -max(gap[row], 0.0) / parameters.time_step if lasting else -np.inf
@@ -371,7 +377,8 @@ def constrain_velocities_by_passes(
     decay_velocities(before, midstep_velocity, parameters.kick.decay)
     copy_rows(midstep_velocity, state.velocity)
     touching.normal_velocities(contacts, before, contacts.change)
-    require_rest(parameters, contacts, midstep_velocity, contacts.change)
+    touching.normal_velocities(contacts, midstep_velocity, contacts.scratch)
+    require_rest(parameters, contacts)
     solve_contacts(part, own, parameters, state, workspace, midstep_velocity)
     copy_rows(state.velocity, midstep_velocity)
     store_spins(part, own, parameters, state, True)

@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from ecume._jit import compiled
 from ecume.engine.contact import projected_gauss_seidel, warm_start
 from ecume.engine.contact import torque_contacts as touching
-from ecume.engine.contact.projected_gauss_seidel import Goal
 from ecume.engine.contact.torque_contacts import TorqueContacts
 from ecume.engine.contact.warm_start import Memory
 from ecume.engine.outlines import Stance
 from ecume.models.floating.contacts.collisions import (
-    STEADY,
-    TOLERABLE,
-    restitution_of,
-    restitutions_of,
+    clear_impulses,
+    goal_for,
+    goal_of,
+    require_gaps,
+    require_rest,
+    require_stops,
     share_restitution,
 )
 from ecume.models.floating.parameters import Parameters
@@ -26,32 +25,16 @@ from ecume.units import Array
 
 
 @compiled
-def require_stops(parameters: Parameters, levers: TorqueContacts, before: Array) -> float:
-    """Require that pairs which collide in this step stop; return the fastest of these approaches."""
-    touching.normal_velocities(levers, before, levers.scratch)
-    slowest, fastest = TOLERABLE * parameters.slop / parameters.time_step, 0.0
-    restitutions = restitutions_of(parameters)
-    for row in range(levers.total[0]):
-        speed, gap = levers.scratch[row], levers.gap[row]
-        comes = speed < -slowest and gap + parameters.time_step * speed < 0.0
-        if restitution_of(restitutions, levers.second[row]) == 0.0:
-            comes = comes and gap < parameters.slop
-        levers.bound[row] = 0.0 if comes else -np.inf
-        if comes:
-            fastest = max(fastest, -speed)
-    return fastest
-
-
-@compiled
 def bounce(own: ShapedScratch, parameters: Parameters, state: State, workspace: Workspace) -> None:
     """Apply collisions to the midstep velocities: (1 + e) times the impulses that stop all approaches."""
     of_float = workspace.restitution
     levers = own.levers
-    fastest = require_stops(parameters, levers, own.before)
+    touching.normal_velocities(levers, own.before, levers.scratch)
+    fastest = require_stops(False, parameters, levers)
     if fastest <= 0.0:
         return
-    levers.impulse[:] = 0.0
-    goal = Goal(projected_gauss_seidel.CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
+    clear_impulses(levers)
+    goal = goal_for(parameters, fastest)
     state.tally[SWEEPS] += touching.solve(levers, own.before, goal)
     share_restitution(parameters, levers, of_float)
     for row in range(levers.total[0]):
@@ -67,16 +50,13 @@ def solve_contacts(parameters: Parameters, state: State, levers: TorqueContacts,
     memory = Memory(state.touches, state.touching, state.push)
     warm_start.recall(touching.contact_keys(levers), memory)
     touching.normal_velocities(levers, velocity, levers.scratch)
-    fastest = 0.0
-    for row in range(levers.total[0]):
-        fastest = max(fastest, levers.bound[row] - levers.scratch[row])
-    goal = Goal(projected_gauss_seidel.CONVERGED * fastest, TOLERABLE * parameters.slop / parameters.time_step)
-    if fastest > 0.0:
+    goal = goal_of(parameters, levers)
+    if goal.target > 0.0:
         sweeps = touching.solve(levers, velocity, goal)
         state.tally[SWEEPS] += sweeps
         state.tally[UNCONVERGED] += 1.0 if sweeps > projected_gauss_seidel.MOST_SWEEPS else 0.0
     else:
-        levers.impulse[:] = 0.0
+        clear_impulses(levers)
     warm_start.remember(touching.contact_keys(levers), memory)
 
 
@@ -88,8 +68,7 @@ def collide_outlines(
     if not part.solved:
         return
     bounce(own, parameters, state, workspace)
-    for row in range(own.levers.total[0]):
-        own.levers.bound[row] = -max(own.levers.gap[row], 0.0) / parameters.time_step
+    require_gaps(False, parameters, own.levers)
     solve_contacts(parameters, state, own.levers, own.midstep_velocity)
 
 
@@ -125,9 +104,7 @@ def constrain_outline_velocities(
     levers = own.levers
     touching.normal_velocities(levers, own.before, levers.change)
     touching.normal_velocities(levers, own.midstep_velocity, levers.scratch)
-    for row in range(levers.total[0]):
-        lasting = levers.change[row] >= -STEADY * abs(levers.scratch[row] - levers.change[row])
-        levers.bound[row] = -max(levers.gap[row], 0.0) / parameters.time_step if lasting else -np.inf
+    require_rest(parameters, levers)
     solve_contacts(parameters, state, levers, own.midstep_velocity)
 
 
