@@ -16,10 +16,11 @@ from PIL import Image
 import ecume
 from ecume.show.encoders import ffmpeg
 from ecume.show.movies import MovieOptions, film
+from ecume.show.picture import Size
 
 ROOT = Path(__file__).parents[1]
 FOLDER = ROOT / "docs" / "clips"
-SIZE = (480, 360)
+SIZE = Size(480, 360, trim=True)
 FPS = 25
 FRAMES = 125
 """At most: five seconds."""
@@ -57,7 +58,7 @@ def draw(name: str) -> None:
             picture.save(FOLDER / f"{name}.webp", quality=70, method=6)
     size = (FOLDER / f"{name}.mp4").stat().st_size
     if size > MOST:
-        raise SystemExit(f"{name}: the film takes {size} bytes; wanted at most {MOST}: show fewer frames")
+        raise SystemExit(f"{name}: the film takes {size} bytes; expected at most {MOST}: show fewer frames")
 
 
 def run(*arguments: object) -> None:

@@ -85,7 +85,7 @@ class MovieOptions:
             raise BadInput(f"fps is {self.fps}; expected from 1 to 240 pictures a second")
         if self.every < 1:
             raise BadInput(f"every is {self.every}; expected 1 for each frame, 2 for each second one, and so on")
-        if self.size is not None and not all(64 <= side <= 8192 for side in self.size):
+        if self.size is not None and not all(64 <= side <= 8192 for side in self.size[:2]):
             raise BadInput(f"size is {self.size[0]} x {self.size[1]}; expected from 64 to 8192 pixels a side")
         if not 0.01 <= self.aim.zoom <= 1000.0:
             raise BadInput(f"zoom is {self.aim.zoom:g}; expected 2 for twice as large, and so on, from 0.01 to 1000")

@@ -9,6 +9,7 @@ from matplotlib.path import Path
 
 from ecume.show.movies import MovieOptions, picture_of
 from ecume.show.picture import Size
+from ecume.show.sph.kernel_sum import read
 from ecume.show.sph.liquid import surface_of
 from ecume.show.sph.picture import liquid_picture
 from ecume.trajectories.frame import Frame
@@ -119,9 +120,10 @@ def test_liquid_ends_at_solids_without_a_gap_and_is_not_painted_into_them():
     position = lattice((0.0, 0.0), (2.0, 0.5))
     inside = ((position > [1.0, 0.0]) & (position < [1.3, 0.3])).all(axis=1)
     frame = frame_at(position[~inside])
-    outline = surface(scene, frame, 6.0).outline()
-    near = [(0.999, 0.15), (1.301, 0.15), (1.15, 0.301)]
-    assert outline.contains_points(near).all()
+    seen = surface(scene, frame, 6.0)
+    near = np.array([(0.99, 0.15), (1.31, 0.15), (1.15, 0.31), (0.99, 0.31)])
+    assert seen.outline().contains_points(near).all()
+    assert read(seen.region.level, near, seen.grid) == pytest.approx(0.5, abs=0.2)
     picture = liquid_picture(scene, [frame], Size(640, 480))
     pixels = picture.pixels(frame)
     across, down = picture.figure.axes[0].transData.transform((1.15, 0.15))
