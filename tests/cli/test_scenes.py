@@ -24,9 +24,12 @@ def _elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_new_lists_the_templates_with_what_they_show() -> None:
     done = cli.invoke(app, ["new"])
-    scenes, sweeps = done.stdout.split("\nSweeps:\n")
-    assert [line.split()[0] for line in scenes.splitlines()] == list(templates())
-    assert [line.split()[0] for line in sweeps.splitlines()] == list(sweep_templates())
+    groups = [group.splitlines() for group in done.stdout.split("\n\n")]
+    assert [group[0] for group in groups] == ["Floats:", "Liquids in tanks:", "Soft spheres:", "Tracers:", "Sweeps:"]
+    *scenes, sweeps = ([line.split()[0] for line in group[1:]] for group in groups)
+    assert sorted(name for names in scenes for name in names) == list(templates())
+    assert all(names for names in scenes)
+    assert sweeps == list(sweep_templates())
     assert "Sixty pieces of cereal" in done.stdout
 
 

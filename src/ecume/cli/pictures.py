@@ -10,6 +10,7 @@ import typer
 
 from ecume._extras import install
 from ecume.cli.exit_codes import say
+from ecume.cli.export_targets import require_folder, to_stdout
 from ecume.cli.picture_options import (
     Azimuth,
     Begin,
@@ -217,12 +218,18 @@ def export(
 ) -> None:
     """Write the frames of a run in another format. GSD, for OVITO and HOOMD, are the files in DIR/traj as they are.
 
-    Examples: `ecume export runs/bowl --to csv` · `ecume export runs/bowl --to vtk -o bowl.vtkhdf`
+    Examples: `ecume export runs/bowl --to csv` · `ecume export runs/bowl --to vtk -o bowl.vtkhdf` ·
+    `ecume export runs/bowl --to numbers -o - | head` (text formats only)
     """
     from ecume.run.directory import existing
     from ecume.trajectories.exports import export as write
 
     existing(directory)
+    if out == Path("-"):
+        to_stdout(directory, to.value)
+        return
+    if out is not None:
+        require_folder(out)
     path = out or directory / RESULTS / f"frames{ENDINGS[to]}"
     if to in (Format.HEIGHTS, Format.HEIGHTS_VTK):
         from ecume.show.floating.fields import export_heights

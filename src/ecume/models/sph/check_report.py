@@ -8,8 +8,8 @@ import math
 import numpy as np
 
 from ecume.laws.kernels import KERNELS
-from ecume.models.check_report import LONG, Row, told_duration
-from ecume.models.frame_cost import Content, frame_cost
+from ecume.models.check_report import LONG, Row, told, told_duration
+from ecume.models.frame_cost import Content, frame_cost, told_size
 from ecume.models.last_frame import last_step
 from ecume.models.sph import time_step
 from ecume.models.sph.color import NODES
@@ -17,7 +17,7 @@ from ecume.models.sph.defaults import sides_of, smallest_extent, smoothing_of, t
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.regimes import regime_rows
 from ecume.models.sph.solids import solids_of
-from ecume.models.sph.substances import told
+from ecume.models.sph.substances import material_rows
 from ecume.models.sph.tension import TENSIONS
 from ecume.scenes.sph import SphScene
 
@@ -58,7 +58,7 @@ def _resolution(scene: SphScene, parameters: Parameters, count: int) -> list[Row
     return [
         ("particles", str(count), walls_remark(scene, walls)),
         ("resolution", f"{across:.0f} particles", f"across the liquid's smallest extent; {resolution_remark(across)}"),
-        ("smoothing length", f"{smoothing:.4g} m", f"{smoothing / spacing:.3g} spacings"),
+        ("smoothing length", told(smoothing, "m"), f"{smoothing / spacing:.3g} spacings"),
         ("neighbors", str(neighbors), neighbor_remark(neighbors, parameters.dimension, scene.method.kernel)),
         *thin_solids(scene, parameters),
     ]
@@ -88,10 +88,10 @@ def _liquid(scene: SphScene, parameters: Parameters) -> list[Row]:
     mach = material.fastest / material.sound_speed
     remark = "to be expected" if mach <= FAST else "large: raise liquid.sound_speed"
     return [
-        *told(scene.liquid),
+        *material_rows(scene.liquid),
         (
             "fastest speed",
-            f"{material.fastest:.4g} m/s",
+            told(material.fastest, "m/s"),
             "" if scene.liquid.fastest else "expected; say liquid.fastest",
         ),
         ("sound speed", f"{material.sound_speed:.4g} m/s", "of the numerical liquid"),
@@ -117,12 +117,12 @@ def _cost(scene: SphScene, parameters: Parameters, count: int, bytes_each: float
     return [
         (
             "time step",
-            f"{parameters.time_step:.3g} s",
+            told(parameters.time_step, "s", 3),
             f"{limiter(scene, parameters)}; divided where the flow asks for it",
         ),
         ("steps", str(steps), f"{parameters.steps_per_frame} per frame"),
         *cost.rows(),
-        ("memory", f"{1e-6 * count * bytes_each:.3g} MB", f"{bytes_each:.0f} bytes a particle"),
+        ("memory", told_size(count * bytes_each), f"{bytes_each:.0f} bytes a particle"),
         ("time on this machine", told_duration(seconds), f"roughly, after compilation{long}{cost.remark(stepping)}"),
     ]
 

@@ -45,7 +45,7 @@ def filled(given: FluidSpec) -> FluidSpec:
     )
 
 
-def told(given: FluidSpec) -> list[tuple[str, str, str]]:
+def material_rows(given: FluidSpec) -> list[tuple[str, str, str]]:
     """What `check` says of the material: where each number comes from."""
     named, full = substance_of(given), filled(given)
     units = {"density": "kg/m^3", "viscosity": "Pa s", "surface_tension": "N/m"}
