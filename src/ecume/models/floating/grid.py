@@ -4,7 +4,7 @@ K0 is split in two (`laws.split`). The short part is summed over neighbor lists 
 by splines, transformed, multiplied by the smooth part's waves, and the field is read back with the same splines: so
 what two floats do to each other cancels to rounding, and nobody pushes itself. The grid lies around where everyone was
 when the lists were made, which is a part of the state. The march is Python around compiled parts, since transforms are
-SciPy's; a crowd's step takes long enough.
+SciPy's, imported where it is needed only; a crowd's step takes long enough.
 """
 
 from __future__ import annotations
@@ -14,7 +14,6 @@ from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
-from scipy import fft
 
 from ecume._jit import compiled
 from ecume._portable import exp, log, power, sinc
@@ -58,6 +57,8 @@ def grid_around(split: Split, reference: Array, length: float) -> Grid:
     low = reference.min(axis=0) - split.margin
     span = reference.max(axis=0) + split.margin - low
     rungs = np.ceil(RUNGS * log(span / split.spacing) / math.log(2.0))
+    from scipy import fft
+
     extent = split.spacing * exp(math.log(2.0) * rungs / RUNGS)
     diagonal = float(np.hypot(*extent))
     soft = 2.0 * math.sqrt(splitting.FARTHEST * split.eta) * length
@@ -86,6 +87,8 @@ def waves_of(shape: tuple[int, int], spacing: float, eta: float, order: int, rea
 
     [hockney1988, eq. 8-22]: the factor for which forces err least, U^2/(sum U^2)^2 for each axis.
     """
+    from scipy import fft
+
     along = 2.0 * np.pi / spacing * fft.fftfreq(shape[0])[:, None]
     across = 2.0 * np.pi / spacing * fft.rfftfreq(shape[1])[None, :]
     squared = along**2 + across**2
@@ -109,6 +112,8 @@ def _undone(phase: Array, order: int) -> Array:
 
 def transformed(split: Split, position: Array, charge: Array, grid: Grid, length: float) -> tuple[Any, Any, Waves]:
     """Where everyone is on the grid, the transform of the smooth potential, and the waves."""
+    from scipy import fft
+
     spread = grid_splines.spread_out(position, grid.low, split.spacing, grid.shape[0], split.order)
     waves = waves_of(grid.shape, split.spacing / length, split.eta, split.order, grid.reach)
     spectrum = fft.rfft2(grid_splines.density(spread, charge, grid.shape), workers=WORKERS)
@@ -118,6 +123,8 @@ def transformed(split: Split, position: Array, charge: Array, grid: Grid, length
 
 def add_smooth_forces(parameters: Parameters, split: Split, position: Array, grid: Grid, force: Array) -> None:
     """The smooth part's forces: S A grad(sum of A T), S = 2 pi gamma; towards where the potential is higher."""
+    from scipy import fft
+
     charge, length = parameters.floats.charge, float(parameters.pair[CAPILLARY_LENGTH])
     spread, spectrum, waves = transformed(split, position, charge, grid, length)
     slopes = np.stack([
@@ -131,6 +138,8 @@ def split_energy(
     part: Split, own: Any, parameters: Parameters, state: State, workspace: Workspace
 ) -> tuple[float, float]:
     """The energy of all pairs (J), those of the short part included: zero when all are far apart."""
+    from scipy import fft
+
     split, pair, charge = part, parameters.pair, parameters.floats.charge
     length, rows = float(pair[CAPILLARY_LENGTH]), workspace.lists.rows
     grid = grid_around(split, state.reference, length)
