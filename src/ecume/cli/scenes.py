@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ecume.cli.output import Json, print_json, print_table
+from ecume.cli.plain_python import without_compiler
 
 if TYPE_CHECKING:
     from ecume.scenes.schema import Scene
@@ -87,6 +88,8 @@ def check(scene: SceneFile, overrides: Overrides = None, laws: Laws = None, json
 
     changes = overrides or []
     asked = load_and_examine(scene, changes, examine)
+    if not laws:
+        without_compiler(asked)
     from ecume.models import MODELS
     from ecume.run.user_laws import laws_from, named
 
