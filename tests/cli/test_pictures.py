@@ -44,6 +44,26 @@ def test_export_writes_among_the_results_or_where_it_is_told(monkeypatch: pytest
     assert cli.invoke(app, ["export", "bowl", "--to", "doc"]).exit_code == 2
 
 
+def test_export_writes_text_to_the_standard_output(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    def write(directory: Path, kind: str, out: Path) -> Path:
+        out.write_text(f"{directory} {kind}")
+        return out
+
+    monkeypatch.setattr(ecume.trajectories.exports, "export", write)
+    assert cli.invoke(app, ["export", "bowl", "--to", "numbers", "-o", "-"]).stdout == "bowl numbers"
+    assert not (tmp_path / "-").exists()
+    refused = cli.invoke(app, ["export", "bowl", "--to", "npz", "-o", "-"])
+    assert refused.exit_code == 2
+    assert "binary" in refused.stderr
+
+
+def test_export_makes_no_folder_that_was_perhaps_misspelt(tmp_path: Path) -> None:
+    refused = cli.invoke(app, ["export", "bowl", "--to", "csv", "-o", "nodir/a.csv"])
+    assert refused.exit_code == 2
+    assert "there is no folder nodir" in refused.stderr
+    assert not (tmp_path / "nodir").exists()
+
+
 @pytest.fixture
 def cuts(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
     """Which cuts movies were asked for, instead of movies."""

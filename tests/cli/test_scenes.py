@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import json
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
 
 from ecume.cli import app
+from ecume.cli.plain_python import is_small, without_compiler
 from ecume.errors import Fault, SceneError
 from ecume.scenes.load import load_scene
-from ecume.scenes.templates import sweep_templates, templates
+from ecume.scenes.templates import folder, sweep_templates, templates
 
 cli = CliRunner()
 DERIVED = {"floating": "capillary length", "soft": "narrowest gap", "sph": "sound speed", "tracers": "terminal speed"}
@@ -24,9 +29,12 @@ def _elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_new_lists_the_templates_with_what_they_show() -> None:
     done = cli.invoke(app, ["new"])
-    scenes, sweeps = done.stdout.split("\nSweeps:\n")
-    assert [line.split()[0] for line in scenes.splitlines()] == list(templates())
-    assert [line.split()[0] for line in sweeps.splitlines()] == list(sweep_templates())
+    groups = [group.splitlines() for group in done.stdout.split("\n\n")]
+    assert [group[0] for group in groups] == ["Floats:", "Liquids in tanks:", "Soft spheres:", "Tracers:", "Sweeps:"]
+    *scenes, sweeps = ([line.split()[0] for line in group[1:]] for group in groups)
+    assert sorted(name for names in scenes for name in names) == list(templates())
+    assert all(names for names in scenes)
+    assert sweeps == list(sweep_templates())
     assert "Sixty pieces of cereal" in done.stdout
 
 
@@ -118,3 +126,31 @@ def test_what_a_model_refuses_of_a_table_is_told_with_the_tables_line(monkeypatc
         raise SceneError([Fault("rows[1]", "overlaps rows[0]")])
     beads = "raft-from-table.csv, line"
     assert f"floats_from: {beads} 4: overlaps {beads} 3" in str(caught.value)
+
+
+def test_small_scenes_are_checked_without_the_compiler_in_a_process_of_their_own(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.delenv("NUMBA_DISABLE_JIT", raising=False)
+    monkeypatch.delitem(sys.modules, "numba", raising=False)
+    scenes = {name: load_scene(folder() / f"{name}.toml") for name in ("cereal-bowl", "dam-break", "t1", "colloids")}
+    assert [name for name, scene in scenes.items() if is_small(scene)] == ["cereal-bowl", "dam-break"]
+    without_compiler(scenes["cereal-bowl"])
+    assert "NUMBA_DISABLE_JIT" not in os.environ
+    monkeypatch.setattr("ecume.cli.plain_python.own_process", [True])
+    without_compiler(scenes["t1"])
+    assert "NUMBA_DISABLE_JIT" not in os.environ
+    without_compiler(scenes["cereal-bowl"])
+    assert os.environ["NUMBA_DISABLE_JIT"] == "1"
+
+
+def test_a_check_reports_the_same_in_plain_python(tmp_path: Path) -> None:
+    cli.invoke(app, ["new", "cereal-bowl"])
+    told = subprocess.run(
+        [sys.executable, "-m", "ecume", "check", "cereal-bowl.toml", "--json"],
+        cwd=tmp_path, capture_output=True, text=True, timeout=120,
+    )  # fmt: skip
+    here = json.loads(cli.invoke(app, ["check", "cereal-bowl.toml", "--json"]).stdout)
+    measured = ("frames", "time to run it")
+    rows = [[row for row in found if row["quantity"] not in measured] for found in (json.loads(told.stdout), here)]
+    assert rows[0] == rows[1]

@@ -80,7 +80,7 @@ def test_a_float_larger_than_the_dish_is_told_in_the_same_words():
 @pytest.mark.compiled
 def test_a_lattice_is_recommended_only_where_all_fit_on_it():
     told = advice_on(np.full(70, 0.1))
-    assert 'placement = "lattice" with spacing = 0.2001, on which all of them fit' in told
+    assert 'placement = "lattice" with spacing = "200.1 mm", on which all of them fit' in told
     lattice = place_on_lattice(70, 0.2001, (0.0, 0.0))
     assert np.hypot(*lattice.T).max() + 0.1 < 1.0
     too_many = advice_on(np.full(85, 0.1))

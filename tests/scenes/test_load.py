@@ -119,7 +119,7 @@ def test_a_message_says_what_came_what_was_wanted_and_the_way_out() -> None:
         ("= 40", "= 1_000_000_000", "floats[0].count", "expected 100000000 or less"),
         ("= 40", "= 40.5", "floats[0].count", "expected a whole number"),
         ("= 40", '= "40"', "floats[0].count", "expected a whole number"),
-        ('"70 deg"', "70", "floats[0].contact_angle", "plain numbers are radians"),
+        ('"70 deg"', "70", "floats[0].contact_angle", "plain numbers are radians: write '70 deg' for degrees"),
         ('"70 deg"', '"200 deg"', "floats[0].contact_angle", "from 0 to 180 deg"),
         ('contact_angle = "70 deg"', "", "floats[0]", "contact_angle or surface_energies; got neither"),
         ('"20 s"', '"1 ms"', "frame_every", "got 0.05 s, longer than the duration, 0.001 s"),
@@ -340,3 +340,13 @@ def test_reading_a_scene_imports_no_compiler() -> None:
     code = f"import sys, ecume; ecume.load_scene({BOWL!r}); print({heavy})"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout == "[]\n"
+
+
+def test_a_table_given_as_its_kind_alone_is_explained():
+    text = TANK.replace("MEASURES", '["level"]') + '[liquid]\nname = "water"\n'
+    text = text.replace("high = [1, 1] }", 'high = [1, 1], right = "outflow", left = "nonsense" }')
+    with pytest.raises(SceneError) as error:
+        load_scene(text)
+    told = {fault.path: fault.message for fault in error.value.faults}
+    assert told["tank.right"].endswith('expected a table of keys and values; write right = { kind = "outflow" }')
+    assert told["tank.left"].endswith("expected a table of keys and values")

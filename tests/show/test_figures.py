@@ -14,6 +14,8 @@ from ecume.laws import flotation
 from ecume.models.liquids import liquid_of
 from ecume.scenes.floating import FloatSpec, InteractionSpec
 from ecume.show import curves
+from ecume.show.figure_names import FIGURE_NAMES, require_figure
+from ecume.show.figures import FIGURES as ALL_FIGURES
 from ecume.show.figures import plot
 from ecume.show.floating import figures
 from ecume.show.floating.figures import FLOATING_FIGURES as FIGURES
@@ -238,3 +240,12 @@ def test_a_folder_that_is_a_file_is_a_storage_error(scene, frames, tmp_path):
     (tmp_path / "taken").write_text("")
     with pytest.raises(StorageError, match="cannot be written"):
         save(curves.clusters(frames, scene), tmp_path / "taken" / "a.png")
+
+
+def test_names_of_figures_are_known_without_what_draws_them():
+    assert {model: list(names) for model, names in FIGURE_NAMES.items()} == {
+        model: list(figures) for model, figures in ALL_FIGURES.items()
+    }
+    with pytest.raises(BadInput, match="no such figure as 'nonsense'"):
+        require_figure("sph", "nonsense")
+    require_figure("a model of its own", "nonsense")

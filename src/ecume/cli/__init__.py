@@ -15,6 +15,7 @@ import typer
 
 from ecume.cli import benchmarks, browser, clock, fits, pictures, run_lists, runs, scenes, sweeps, validation
 from ecume.cli.exit_codes import Ending, warned
+from ecume.cli.plain_python import own_process
 
 app = typer.Typer(
     name="ecume",
@@ -74,4 +75,5 @@ def _options(
 def main() -> None:
     """Run the command line of this process."""
     warnings.showwarning = warned
+    own_process.append(True)
     app(prog_name="ecume")

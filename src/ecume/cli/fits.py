@@ -105,7 +105,7 @@ def fit(
     keep(found, directory)
     if not quiet:
         print_table(("", "value", "95 % interval", "unit"), map(_cells, [*found.estimates, *found.derived]))
-        typer.echo(f"{found.noise * 1e6:.3g} um of noise; {directory} has the fitted scene, and a figure")
+        typer.echo(f"noise: {found.noise * 1e6:.3g} um; {directory} has the fitted scene, and a figure")
     for remark in found.remarks:
         say(remark)
 
@@ -117,7 +117,7 @@ def _words(text: str) -> list[str]:
 def _cells(one: Estimate) -> tuple[str, str, str, str]:
     """A row of the table, with as many digits as its interval shows."""
     if not one.determined or one.high == one.low:
-        return one.name, f"{one.value:.4g}", "held" if one.determined else "not determined", one.unit
+        return one.name, f"{one.value:.4g}", "fixed" if one.determined else "not determined", one.unit
     digits = min(max(4, 2 - math.floor(math.log10((one.high - one.low) / abs(one.value)))), 9)
     return one.name, f"{one.value:.{digits}g}", f"{one.low:.{digits}g} to {one.high:.{digits}g}", one.unit
 

@@ -10,6 +10,7 @@ import typer
 
 from ecume._extras import install
 from ecume.cli.exit_codes import say
+from ecume.cli.export_targets import require_folder, to_stdout
 from ecume.cli.picture_options import (
     Azimuth,
     Begin,
@@ -179,10 +180,15 @@ def _draw_sweep(directory: Path, names: list[str], out: Path | None, *, quiet: b
 
 def _draw(directory: Path, names: list[str], out: Path | None, *, quiet: bool) -> None:
     """The figures that were asked for."""
-    from ecume.run.directory import existing
+    from ecume.run.directory import existing, json_of
+    from ecume.show.figure_names import require_figure
+
+    home = existing(directory)
+    model = str(json_of(home.manifest).get("model", ""))
+    for name in names:  # refused before anything that draws is imported
+        require_figure(model, name)
     from ecume.show.figures import plot as draw
 
-    existing(directory)
     _require_one(names, out)
     for name in names:
         wrote(draw(directory, name, out), quiet=quiet)
@@ -251,12 +257,18 @@ def export(
 ) -> None:
     """Write the frames of a run in another format. GSD, for OVITO and HOOMD, are the files in DIR/traj as they are.
 
-    Examples: `ecume export runs/bowl --to csv` · `ecume export runs/bowl --to vtk -o bowl.vtkhdf`
+    Examples: `ecume export runs/bowl --to csv` · `ecume export runs/bowl --to vtk -o bowl.vtkhdf` ·
+    `ecume export runs/bowl --to numbers -o - | head` (text formats only)
     """
     from ecume.run.directory import existing
     from ecume.trajectories.exports import export as write
 
     existing(directory)
+    if out == Path("-"):
+        to_stdout(directory, to.value)
+        return
+    if out is not None:
+        require_folder(out)
     path = out or directory / RESULTS / f"frames{ENDINGS[to]}"
     if to in (Format.HEIGHTS, Format.HEIGHTS_VTK):
         from ecume.show.floating.fields import export_heights

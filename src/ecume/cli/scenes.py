@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ecume.cli.output import Json, print_json, print_table
+from ecume.cli.plain_python import without_compiler
 
 if TYPE_CHECKING:
     from ecume.scenes.schema import Scene
@@ -60,17 +61,20 @@ def new(
 
     Examples: `ecume new` · `ecume new cereal-bowl` · `ecume new two-spheres -o mine.toml`
     """
-    from ecume.scenes.templates import copy_template, sweep_templates, templates
+    from ecume.scenes.templates import by_model, copy_template, sweep_templates, templates
 
     if name is None:
         width = max(map(len, templates() | sweep_templates()))
-        for heading, listed in (("", templates()), ("\nSweeps:", sweep_templates())):
-            typer.echo(heading) if heading else None
-            for known, says in listed.items():
-                typer.echo(f"{known:<{width}}  {says}")
+        groups = {**by_model(), "Sweeps": sweep_templates()}
+        typer.echo("\n\n".join("\n".join([f"{group}:", *_listed(listed, width)]) for group, listed in groups.items()))
         return
     for path in copy_template(name, out or Path(f"{name}.toml")):
         typer.echo(f"wrote {path}")
+
+
+def _listed(names: dict[str, str], width: int) -> Iterator[str]:
+    """Templates with what they show."""
+    return (f"  {name:<{width}}  {says}" for name, says in names.items())
 
 
 def check(scene: SceneFile, overrides: Overrides = None, laws: Laws = None, json: Json = False) -> None:
@@ -84,6 +88,8 @@ def check(scene: SceneFile, overrides: Overrides = None, laws: Laws = None, json
 
     changes = overrides or []
     asked = load_and_examine(scene, changes, examine)
+    if not laws:
+        without_compiler(asked)
     from ecume.models import MODELS
     from ecume.run.user_laws import laws_from, named
 

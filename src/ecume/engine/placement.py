@@ -97,9 +97,9 @@ def _advice_on_equal_discs(count: int, radius: float, placed: int, region: Regio
     spacing = _rounded_up(2.0 * radius * (1.0 + CLEARANCE))
     room = lattice_room(count, spacing, radius, region)
     if room == count:
-        advice.append(f'placement = "lattice" with spacing = {spacing:g}, on which all of them fit')
+        advice.append(f'placement = "lattice" with spacing = "{1e3 * spacing:.6g} mm", on which all of them fit')
     elif room > placed:
-        advice.append(f'{room} floats with placement = "lattice" and spacing = {spacing:g}')
+        advice.append(f'{room} floats with placement = "lattice" and spacing = "{1e3 * spacing:.6g} mm"')
     return advice
 
 

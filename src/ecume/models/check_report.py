@@ -8,6 +8,22 @@ LONG = 86400.0
 """Seconds of a run that somebody may want to shorten."""
 
 
+PREFIXES = ((9, "G"), (6, "M"), (3, "k"), (0, ""), (-3, "m"), (-6, "µ"), (-9, "n"), (-12, "p"))
+
+
+def told(value: float, unit: str, digits: int = 4) -> str:
+    """A value with the prefix of its size.
+
+    >>> told(16.64, "m/s"), told(0.0021, "m"), told(5e-14, "s"), told(0.0, "s"), told(553.6, "s")
+    ('16.64 m/s', '2.1 mm', '0.05 ps', '0 s', '553.6 s')
+    """
+    size = abs(value) * (1.0 + 0.5 * 10.0 ** (1 - digits))
+    power, prefix = next((one for one in PREFIXES if size >= 10.0 ** one[0]), PREFIXES[-1]) if value else (0, "")
+    if unit == "s" and power > 0:
+        power, prefix = 0, ""
+    return f"{value / 10.0**power:.{digits}g} {prefix}{unit}"
+
+
 def told_duration(seconds: float) -> str:
     """A time in the unit that fits.
 

@@ -8,7 +8,7 @@ import re
 import types
 import typing
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from typing import Any, Literal
 
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
@@ -120,7 +120,17 @@ def _described(detail: ErrorDetails, kind: type, raw: object, also: Sequence[str
     if isinstance(cause, Inconsistent):
         return [(path + below, message) for below, message in cause.complaints]
     came = f"got {echo(value_at(raw, path, detail['input']))}"
-    return [(path, f"{came}; {cause if cause is not None else _wanted(detail)}")]
+    return [(path, f"{came}; {cause if cause is not None else _wanted(detail)}{_as_table(detail, kind, path)}")]
+
+
+def _as_table(detail: ErrorDetails, kind: type, path: Path) -> str:
+    """How to write a table whose kind was given as a word: `left = { kind = "outflow" }`."""
+    word = detail["input"]
+    if detail["type"] != "dataclass_type" or not isinstance(word, str):
+        return ""
+    hints = typing.get_type_hints(_kind_at(kind, path))
+    keys = [key for key, hint in hints.items() if typing.get_origin(hint) is Literal and word in typing.get_args(hint)]
+    return f"; write {path[-1]} = {{ {keys[0]} = {echo(word)} }}".replace("'", '"') if keys else ""
 
 
 def _label_in(kind: type, path: Path) -> int | None:

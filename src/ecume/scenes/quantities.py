@@ -77,7 +77,10 @@ def wetting_angle(value: object) -> float:
     """An angle between 0 and 180 degrees."""
     angle = Unit("rad").number(value)
     if not 0.0 <= angle <= math.pi:
-        raise ValueError("expected an angle from 0 to 180 deg; plain numbers are radians")
+        meant = (
+            f": write '{value:g} deg' for degrees" if isinstance(value, int | float) and 0.0 <= value <= 180.0 else ""
+        )
+        raise ValueError(f"expected an angle from 0 to 180 deg; plain numbers are radians{meant}")
     return angle
 
 

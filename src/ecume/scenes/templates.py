@@ -20,6 +20,24 @@ def sweep_templates() -> dict[str, str]:
     return _first_lines(folder() / "sweeps")
 
 
+MODELS = {"floating": "Floats", "sph": "Liquids in tanks", "soft": "Soft spheres", "tracers": "Tracers"}
+"""What templates of each model are listed under."""
+
+
+def by_model() -> dict[str, dict[str, str]]:
+    """The scenes of each model."""
+    scenes = templates()
+    models = {name: _model_of((folder() / f"{name}.toml").read_text(encoding="utf-8")) for name in scenes}
+    return {
+        heading: {name: says for name, says in scenes.items() if models[name] == model}
+        for model, heading in MODELS.items()
+    }
+
+
+def _model_of(text: str) -> str:
+    return next(line.split('"')[1] for line in text.splitlines() if line.startswith("model"))
+
+
 def copy_template(name: str, to: Path) -> list[Path]:
     """Write a template and the table it reads, if any, side by side; nothing is overwritten. The files written."""
     known = templates() | sweep_templates()

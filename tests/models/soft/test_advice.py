@@ -58,7 +58,7 @@ def test_a_pull_is_told_with_the_time_in_which_it_parts_two_spheres():
     rows = {name: value for name, value, _ in SOFT.summary(two(1e-3))}
     assert rows["reduced force"] == "0.001"
     assert rows["spheres"] == "2"
-    assert float(rows["narrowest gap"].removesuffix(" m")) == pytest.approx(0.01)
+    assert rows["narrowest gap"] == "10 mm"
     wanted = passage_time(SoftPair(1.0, 1.0, 1.0), 1e-3, 0.01, 1.0)
     assert float(rows["separation time"].removesuffix(" s")) == pytest.approx(wanted, rel=0.01)
 

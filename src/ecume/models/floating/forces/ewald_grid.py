@@ -17,7 +17,6 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from scipy import fft
 
 from ecume._jit import compiled
 from ecume._portable import exp, log, power, sinc
@@ -277,6 +276,8 @@ def grid_around(split: Split, reference: Array, length: float) -> Grid:
     """Return a grid with room for all floats, for splines beyond the edges, and for a margin that separates periodic
     images.
     """
+    from scipy import fft
+
     low = reference.min(axis=0) - split.margin
     span = reference.max(axis=0) + split.margin - low
     rungs = np.ceil(RUNGS * log(span / split.spacing) / math.log(2.0))
@@ -308,6 +309,8 @@ def waves_of(shape: tuple[int, int], spacing: float, eta: float, order: int, rea
 
     [hockney1988, eq. 8-22]: the factor with the least error of forces, U^2/(sum U^2)^2 for each axis.
     """
+    from scipy import fft
+
     along = 2.0 * np.pi / spacing * fft.fftfreq(shape[0])[:, None]
     across = 2.0 * np.pi / spacing * fft.rfftfreq(shape[1])[None, :]
     squared = along**2 + across**2
@@ -331,6 +334,8 @@ def _undone(phase: Array, order: int) -> Array:
 
 def transformed(split: Split, position: Array, charge: Array, grid: Grid, length: float) -> tuple[Any, Any, Waves]:
     """Return the spline weights of all floats, the transform of the smooth potential, and the waves."""
+    from scipy import fft
+
     spread = grid_splines.spread_out(position, grid.low, split.spacing, grid.shape[0], split.order)
     waves = waves_of(grid.shape, split.spacing / length, split.eta, split.order, grid.reach)
     spectrum = fft.rfft2(grid_splines.density(spread, charge, grid.shape), workers=WORKERS)
@@ -340,6 +345,8 @@ def transformed(split: Split, position: Array, charge: Array, grid: Grid, length
 
 def add_smooth_forces(parameters: Parameters, split: Split, position: Array, grid: Grid, force: Array) -> None:
     """Add the forces of the smooth part: S A grad(sum of A T), S = 2 pi gamma; toward higher potential."""
+    from scipy import fft
+
     charge, length = parameters.floats.charge, float(parameters.pair[CAPILLARY_LENGTH])
     spread, spectrum, waves = transformed(split, position, charge, grid, length)
     slopes = np.stack([
@@ -353,6 +360,8 @@ def split_energy(
     part: Split, own: Any, parameters: Parameters, state: State, workspace: Workspace
 ) -> tuple[float, float]:
     """The energy of all pairs (J), including the short-range part: zero at infinite distance."""
+    from scipy import fft
+
     split, pair, charge = part, parameters.pair, parameters.floats.charge
     length, rows = float(pair[CAPILLARY_LENGTH]), workspace.lists.rows
     grid = grid_around(split, state.reference, length)

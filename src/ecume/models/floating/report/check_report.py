@@ -9,6 +9,7 @@ import numpy as np
 
 from ecume.laws import capillarity, flotation
 from ecume.laws.flotation.rims import greatest_rim_load
+from ecume.models.check_report import told
 from ecume.models.floating.forces.ewald_grid import Split
 from ecume.models.floating.forces.interactions import interactions_of
 from ecume.models.floating.forces.pair_forces import law_of, row_of, two_floats
@@ -17,7 +18,7 @@ from ecume.models.floating.setup.initial_state import start
 from ecume.models.floating.setup.kinds import FloatKind, float_kinds
 from ecume.models.floating.setup.scene_parameters import checked_parameters, memory_estimate
 from ecume.models.floating.time_integration.step_size import COARSE_OVER_GOOD, UNSTABLE_OVER_GOOD, good_step
-from ecume.models.frame_cost import Content, frame_cost
+from ecume.models.frame_cost import Content, frame_cost, told_size
 from ecume.models.last_frame import last_step
 from ecume.models.liquids import liquid_of
 from ecume.scenes.floating import FloatingScene
@@ -52,14 +53,14 @@ def summary(scene: FloatingScene) -> list[Row]:
     length = liquid_of(scene).capillary_length
     count = len(parameters.floats.radius)
     return [
-        ("capillary length", f"{length * 1e3:.4g} mm", "range of a meniscus"),
+        ("capillary length", told(length, "m"), "range of a meniscus"),
         *_summary_of_species(scene),
         *_summary_of_pairs(parameters),
         *_summary_of_chance(parameters),
         *_summary_of_sums(parameters, length),
         ("floats", str(count), f"{len(scene.kinds)} species"),
         *_summary_of_steps(parameters, scene),
-        ("memory", f"{memory_estimate(parameters) / 1e6:.3g} MB", "when packed to rafts"),
+        ("memory", told_size(memory_estimate(parameters)), "when packed to rafts"),
     ]
 
 
@@ -70,7 +71,7 @@ def _summary_of_sums(parameters: Parameters, length: float) -> list[Row]:
     left = capillarity.neglected_fraction(far / length)
     cut = f"{far / length:.3g} capillary lengths; {left:.1e} of the attraction of a raft is ignored"
     lines = [line for part, row in interactions_of(parameters) for line in row.lines(part, parameters)]
-    return [("cutoff", f"{far * 1e3:.4g} mm", cut), *lines]
+    return [("cutoff", told(far, "m"), cut), *lines]
 
 
 def _summary_of_pairs(parameters: Parameters) -> list[Row]:
@@ -103,7 +104,7 @@ def _summary_of_steps(parameters: Parameters, scene: FloatingScene) -> list[Row]
     summing = PER_PAIR * sum(row.pairs_worth(part) for part, row in interactions_of(parameters))
     drifting, gathering = ((cost + summing) * steps for cost in seconds_per_step(len(parameters.floats.radius)))
     return [
-        ("time step", f"{parameters.time_step * 1e3:.4g} ms", _step_remark(parameters.time_step, good)),
+        ("time step", told(parameters.time_step, "s"), _step_remark(parameters.time_step, good)),
         ("steps", str(steps), f"{parameters.steps_per_frame} per frame"),
         *cost.rows(),
         (
@@ -116,10 +117,10 @@ def _summary_of_steps(parameters: Parameters, scene: FloatingScene) -> list[Row]
 
 def _step_remark(time_step: float, good: float) -> str:
     """The judgment of a time step; `good` is the longest good one."""
-    coarse, refused = 1e3 * COARSE_OVER_GOOD * good, 1e3 * UNSTABLE_OVER_GOOD * good
+    coarse, refused = told(COARSE_OVER_GOOD * good, "s", 3), told(UNSTABLE_OVER_GOOD * good, "s", 3)
     if time_step > COARSE_OVER_GOOD * good:
-        return f"coarse; {1e3 * good:.3g} ms is good, refused above {refused:.3g} ms"
-    return f"good; coarse above {coarse:.3g} ms, refused above {refused:.3g} ms"
+        return f"coarse; {told(good, 's', 3)} is good, refused above {refused}"
+    return f"good; coarse above {coarse}, refused above {refused}"
 
 
 def _summary_of_species(scene: FloatingScene) -> list[Row]:

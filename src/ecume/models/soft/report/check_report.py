@@ -10,8 +10,8 @@ import numpy as np
 
 from ecume.laws.soft_pair import SoftPair, optimal_force
 from ecume.laws.surfaces import Expected
-from ecume.models.check_report import LONG, Row, told_duration
-from ecume.models.frame_cost import Content, frame_cost
+from ecume.models.check_report import LONG, Row, told, told_duration
+from ecume.models.frame_cost import Content, frame_cost, told_size
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
 from ecume.models.soft.integration.linear_solvers import FEW
 from ecume.models.soft.loading.protocol import LOAD, NORMAL, SHEAR, WALL_SHEAR, drive_at
@@ -119,12 +119,12 @@ def _crowd(scene: SoftScene, parameters: Parameters, state: State) -> list[Row]:
     ]  # fmt: skip
     if (filled := fillings(parameters)) > 0.0:
         jammed = JAMMED[parameters.dimensions]
-        told = f"at most; spheres at random begin to press each other at {jammed:g}"
-        rows.append(("volume fraction", f"{filled:.4g}", told))
+        remark = f"at most; spheres at random begin to press each other at {jammed:g}"
+        rows.append(("volume fraction", f"{filled:.4g}", remark))
     narrowest = math.exp(state.log_gap[:contacts].min(initial=math.inf)) if contacts else math.inf
     return [
         *rows,
-        ("narrowest gap", f"{narrowest:.4g} m", f"at the start, {narrowest / parameters.radius.min():.2g} radii"),
+        ("narrowest gap", told(narrowest, "m"), f"at the start, {narrowest / parameters.radius.min():.2g} radii"),
     ]
 
 
@@ -160,7 +160,7 @@ def _cost(scene: SoftScene, parameters: Parameters, state: State) -> list[Row]:
     return [
         ("accuracy", f"{parameters.tolerance:.1g}", "of each gap, relative, in a step"),
         ("steps", f"about {float(f'{steps:.2g}'):.0f}", f"{sheared}within a factor of three where little rearranges"),
-        ("memory", f"{1e-6 * bytes_of(contacts):.3g} MB", f"{BYTES:.0f} bytes a film, and the compiler"),
+        ("memory", told_size(bytes_of(contacts)), f"{BYTES:.0f} bytes a film, and the compiler"),
         *cost.rows(),
         (
             "time on this machine",

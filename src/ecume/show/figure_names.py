@@ -1,0 +1,57 @@
+"""The names of the figures of each model, known without importing what draws them."""
+
+from __future__ import annotations
+
+from ecume.errors import BadInput
+from ecume.scenes.faults import suggestion
+
+FIGURE_NAMES = {
+    "floating": (
+        "energies",
+        "kinetic-energy",
+        "clusters",
+        "paths",
+        "force-law",
+        "bowl",
+        "order",
+        "pair-distribution",
+        "displacement",
+        "approach",
+        "shapes",
+    ),
+    "sph": (
+        "energies",
+        "kinetic-energy",
+        "pressure",
+        "front",
+        "center",
+        "snapshot",
+        "velocity",
+        "surface",
+        "gauges",
+        "render",
+    ),
+    "tracers": ("energies", "heights", "profile", "hits"),
+    "soft": (
+        "gaps",
+        "forces",
+        "elastic-energy",
+        "stress",
+        "gap-distribution",
+        "coordination",
+        "viscosity",
+        "swaps",
+        "nonaffine",
+        "flow-curve",
+        "moduli",
+        "packing",
+    ),
+}
+"""By model, what `ecume plot --what` takes."""
+
+
+def require_figure(model: str, name: str) -> None:
+    """Raise BadInput where a model has no figure of this name; other models than those of the table are not known."""
+    known = FIGURE_NAMES.get(model, ())
+    if known and name not in known:
+        raise BadInput(f"no such figure as {name!r}; {suggestion(name, known)}")
