@@ -31,7 +31,7 @@ class Table(NamedTuple):
     """A table of a scene's file."""
 
     path: str
-    """as its heading stands in the file: `[liquid]`, `[[floats]]`; nothing for the top"""
+    """as its heading stands in the file: `[liquid]`, `[[particles]]`; nothing for the top"""
     kind: type
 
 

@@ -61,19 +61,21 @@ FAMILIES = {
     },
     "bodies": {"body": {"bodies": [{"low": [0.3, 0.3], "high": [0.7, 0.7], "density": 1.5}]}},
     "obstacles": {"obstacle": {"obstacles": [{"low": [0.3, 0.3], "high": [0.7, 0.7]}]}},
-    "carried": {
-        "tracers": {"carried": [{"positions": [[0.1, 0.2], [0.5, 0.9]]}]},
-        "grains": {"carried": [{"positions": [[0.1, 0.2]], "radius": 0.01, "density": 2.0}]},
+    "passive_tracers": {
+        "tracers": {"passive_tracers": [{"positions": [[0.1, 0.2], [0.5, 0.9]]}]},
+        "grains": {"passive_tracers": [{"positions": [[0.1, 0.2]], "radius": 0.01, "density": 2.0}]},
     },
-    "shake": {"shake": {"shake": {"amplitude": [0.05, 0.0], "frequency": 1.0}}},
-    "central_pull": {"central pull": {"central_pull": {"rate": 1.0, "center": [0.5, 0.5]}, "gravity": [0.0, 0.0]}},
+    "shake": {"shake": {"base_excitation": {"amplitude": [0.05, 0.0], "frequency": 1.0}}},
+    "central_force": {
+        "central force": {"central_force": {"angular_frequency": 1.0, "center": [0.5, 0.5]}, "gravity": [0.0, 0.0]},
+    },
 }  # fmt: skip
 OPTIONS = {name: (family, changes) for family, options in FAMILIES.items() for name, changes in options.items()}
 """By name: a pair is one of two families."""
 PAIRS = [pair for pair in itertools.combinations(OPTIONS, 2) if OPTIONS[pair[0]][0] != OPTIONS[pair[1]][0]]
 BASE = {
     "model": "sph", "duration": 0.1, "frame_every": 0.1, "spacing": 0.125, "gravity": [0.0, -1.0],
-    "liquid": {"density": 1.0, "sound_speed": 10.0, "fastest": 1.0},
+    "liquid": {"density": 1.0, "sound_speed": 10.0, "maximum_speed": 1.0},
     "tank": {"low": [0.0, 0.0], "high": [1.0, 1.5], "top": OPEN},
     "fluid": [REGION], "method": {"jitter": 0.05},
 }  # fmt: skip

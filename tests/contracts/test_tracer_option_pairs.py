@@ -12,13 +12,13 @@ from tests.contracts.option_pairs import DOCS, clash, frames_of, matrix, merged,
 
 OPENING = {"openings": [{"wall": 0, "low": [0.0, 0.004], "high": [0.0, 0.012]}]}
 OPTIONS = {
-    "drag none": {"motion": {"drag": "none"}},
-    "drag stokes": {"motion": {"drag": "stokes"}},
-    "regime inertial": {"motion": {"regime": "inertial"}},
-    "regime overdamped": {"motion": {"regime": "overdamped"}},
-    "brownian": {"motion": {"brownian": True}},
-    "no added mass": {"motion": {"added_mass": False}},
-    "time_step": {"motion": {"time_step": 2e-5}},
+    "drag none": {"hydrodynamics": {"drag": "none"}},
+    "drag stokes": {"hydrodynamics": {"drag": "stokes"}},
+    "regime inertial": {"integration": {"integrator": "inertial"}},
+    "regime overdamped": {"integration": {"integrator": "overdamped"}},
+    "brownian": {"hydrodynamics": {"brownian": True}},
+    "no added mass": {"hydrodynamics": {"added_mass": False}},
+    "time_step": {"integration": {"time_step": 2e-5}},
     "named liquid": {"liquid": {"name": "glycerol", "temperature": 300.0}},
     "flow": {"liquid": {"flow": [0.02, 0.0]}},
     "shear_rate": {"liquid": {"shear_rate": 2.0}},
@@ -38,7 +38,7 @@ OPTIONS = {
     "moving start": {"start": [0.2, 0.1]},
 }
 PAIRS = list(itertools.combinations(OPTIONS, 2))
-TANK = {"size": [0.02, 0.016]}
+TANK = {"high": [0.02, 0.016]}
 
 
 def plain_of(one, other):
@@ -54,7 +54,7 @@ def plain_of(one, other):
         return vector(flat, 0.0)
 
     if tank is not None:
-        sized = {"size": vector(TANK["size"], 0.008)} if "size" in tank else dict(tank)
+        sized = {"high": vector(TANK["high"], 0.008)} if "high" in tank else dict(tank)
         if "radius" in sized:
             sized["dimensions"] = 2 + deep
         if "vertices" in sized and deep:

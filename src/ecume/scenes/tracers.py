@@ -5,14 +5,16 @@ from __future__ import annotations
 import dataclasses
 from typing import Annotated, Any, Self
 
-from pydantic import Field, PlainValidator, model_validator
+from pydantic import Field, model_validator
 from pydantic.dataclasses import dataclass
 
 from ecume.scenes.common import Common, Kind
 from ecume.scenes.faults import Inconsistent, Path
 from ecume.scenes.quantities import (
     MOST_PARTICLES,
+    ROOM,
     STRICT,
+    AbsoluteTemperature,
     Color,
     Coordinate,
     Count,
@@ -29,27 +31,8 @@ from ecume.scenes.quantities import (
 )
 from ecume.units import Acceleration, Unit
 
-ICE_POINT = 273.15
-
-
-def absolute_temperature(value: object) -> float:
-    """A temperature in kelvin; text may be in degrees Celsius."""
-    text = value.strip() if isinstance(value, str) else ""
-    for ending in ("degC", "°C"):
-        if text.endswith(ending):
-            kelvin = ICE_POINT + Unit("1").number(float(text.removesuffix(ending)))
-            break
-    else:
-        kelvin = Unit("K").number(value)
-    if not 0.0 <= kelvin <= 1e4:
-        raise ValueError("expected a temperature from 0 to 10,000 K; write '20 degC' or kelvin")
-    return kelvin
-
-
-Temperature = Annotated[float, PlainValidator(absolute_temperature)]
 Point = Annotated[tuple[Coordinate, ...], Field(min_length=2, max_length=3)]
 Speeds = Annotated[tuple[Velocity, ...], Field(min_length=2, max_length=3)]
-Extent = Annotated[tuple[Size, ...], Field(min_length=2, max_length=3)]
 Pull = Annotated[Acceleration, Field(ge=0.0, le=1e6)]
 ComingRate = Annotated[float, Unit("1/s"), Field(gt=0.0, le=1e12)]
 Concentration = Annotated[float, Field(gt=0.0, le=1e30)]
@@ -63,15 +46,19 @@ class FluidSpec:
 
     name: Name = ""
     """`water`, `seawater`, `ethanol`, `glycerol` or `mercury`: density and viscosity at the temperature."""
-    temperature: Temperature = 293.15
+    temperature: AbsoluteTemperature = ROOM
     """K, or text such as `20 degC`"""
     density: PositiveDensity | None = None
     """kg/m^3; that of the liquid named, or 1000"""
     viscosity: LiquidViscosity | None = None
     """Pa s; that of the liquid named, or 0.001; 0 is no drag"""
-    gravity: Pull = 9.81
-    """m/s^2, down the last axis"""
-    flow: Speeds | None = None
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class FlowSpec:
+    """How the liquid flows."""
+
+    velocity: Speeds | None = None
     """The liquid's velocity (m/s); at rest by default."""
     shear_rate: ShearRate = 0.0
     """How much faster the liquid flows along x for each meter up (1/s)."""
@@ -111,10 +98,12 @@ class ParticleSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class TankSpec:
-    """The walls: a box from the origin, or a disc or sphere around it, or a convex polygon."""
+    """The walls: a box, or a disc or sphere around the origin, or a convex polygon."""
 
-    size: Extent | None = None
-    """Width and height, or width, depth and height (m)."""
+    low: Point | None = None
+    """The lower corner of a box (m); the origin by default."""
+    high: Point | None = None
+    """The upper corner of a box (m)."""
     radius: Size | None = None
     """m"""
     dimensions: Annotated[int, Field(strict=True, ge=2, le=3)] = 2
@@ -123,13 +112,20 @@ class TankSpec:
     """The corners in order (m)."""
     restitution: Proportion = 1.0
     """C_R: what is left of the normal velocity after a hit."""
-    tangential: Proportion = 1.0
+    tangential_restitution: Proportion = 1.0
     """C_T: what is left of the tangential one."""
 
     @model_validator(mode="after")
     def _one_shape(self) -> Self:
-        if sum((self.size is not None, self.radius is not None, bool(self.vertices))) != 1:
-            raise Inconsistent([((), "expected one of size, radius and vertices")])
+        if sum((self.high is not None, self.radius is not None, bool(self.vertices))) != 1:
+            raise Inconsistent([((), "expected one of high, radius and vertices")])
+        if self.high is None and self.low is not None:
+            raise Inconsistent([(("low",), "is of a box; expected high with it")])
+        if self.high is not None:
+            low = self.low or (0.0,) * len(self.high)
+            object.__setattr__(self, "low", low)
+            if len(low) != len(self.high) or any(b <= a for a, b in zip(low, self.high, strict=True)):
+                raise Inconsistent([(("high",), "expected a corner above low in each direction")])
         return self
 
 
@@ -188,8 +184,8 @@ class OpeningSpec:
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
-class TracerMotionSpec:
-    """The forces, and the time integration."""
+class TracerHydrodynamicsSpec:
+    """The forces of the liquid on moving particles."""
 
     drag: LawName = "schiller-naumann"
     """`stokes`, `schiller-naumann` or `none`"""
@@ -197,7 +193,13 @@ class TracerMotionSpec:
     """Whether half of the displaced liquid's mass is moved along."""
     brownian: Switch = False
     """Whether the liquid's heat kicks the particles."""
-    regime: LawName = "auto"
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class TracerIntegrationSpec:
+    """The time integration."""
+
+    integrator: LawName = "auto"
     """`inertial`, `overdamped`, or `auto`: overdamped where a step is longer than half a relaxation time."""
     time_step: Duration | None = None
     """s; by default the model chooses"""
@@ -211,6 +213,10 @@ class TracersScene(Common):
     """Which model."""
     liquid: FluidSpec = FluidSpec()
     """What they are in."""
+    gravity: Pull = 9.81
+    """m/s^2, down the last axis"""
+    flow: FlowSpec = FlowSpec()
+    """How it flows."""
     particles: tuple[ParticleSpec, ...] = ()
     """The species."""
     tank: TankSpec | None = None
@@ -219,8 +225,10 @@ class TracersScene(Common):
     """Bodies in the tank."""
     openings: tuple[OpeningSpec, ...] = ()
     """Holes in its walls."""
-    motion: TracerMotionSpec = TracerMotionSpec()
-    """The forces and the time stepping."""
+    hydrodynamics: TracerHydrodynamicsSpec = TracerHydrodynamicsSpec()
+    """The forces of the liquid on moving particles."""
+    integration: TracerIntegrationSpec = TracerIntegrationSpec()
+    """The time stepping."""
 
     @property
     def kinds(self) -> tuple[Kind, ...]:
@@ -231,7 +239,7 @@ class TracersScene(Common):
     def dimensions(self) -> int:
         """2 or 3: as many as the tank has, or else the first position."""
         if self.tank is not None:
-            return len(self.tank.size or (self.tank.vertices or ((0.0,) * self.tank.dimensions,))[0])
+            return len(self.tank.high or (self.tank.vertices or ((0.0,) * self.tank.dimensions,))[0])
         placed = [species.positions[0] for species in self.particles if species.positions]
         return len(placed[0]) if placed else 2
 
@@ -278,7 +286,7 @@ def _newcomers(scene: TracersScene) -> Complaints:
 def _coordinates(scene: TracersScene) -> Complaints:
     """Every point has as many coordinates as the tank."""
     wanted = scene.dimensions
-    points: list[tuple[Path, Any]] = [(("liquid", "flow"), scene.liquid.flow)]
+    points: list[tuple[Path, Any]] = [(("flow", "velocity"), scene.flow.velocity)]
     for index, species in enumerate(scene.particles):
         points += [(("particles", index, key), getattr(species, key)) for key in ("low", "high", "velocity")]
         points += [(("particles", index, "positions", place), point) for place, point in enumerate(species.positions)]

@@ -8,7 +8,7 @@ from ecume.models.model import CROWDED
 from ecume.models.soft import SOFT
 from ecume.models.soft.contacts.films import Films, Pairs, answer, make_answers
 from ecume.models.soft.parameters import Contacts
-from ecume.scenes.soft import FilmSpec, SoftLiquid, SoftScene, SphereSpec, SteppingSpec
+from ecume.scenes.soft import FilmSpec, IntegrationSpec, SoftLiquid, SoftScene, SphereSpec
 
 PAPER = (1.5 * math.pi, math.pi, 1.0, 1.0, 1.0, 1.0)
 LOPSIDED = (4.0, 3.0, 0.8, 0.6, 1.2, 0.7)
@@ -18,7 +18,7 @@ def contacts(prefactors=PAPER, viscosity=1.0, **more):
     """Everything that contacts share, without remote force and without an end of their reach."""
     given = {
         "fade_from": math.inf, "fade_to": math.inf, "rounding": 1e-12, "remote": 0, "strength": 0.0,
-        "steric_length": 1.0, "hamaker": 0.0, "layer_strength": 0.0, "debye_length": 1.0,
+        "steric_length": 1.0, "hamaker_constant": 0.0, "double_layer_strength": 0.0, "debye_length": 1.0,
         "surface": 0, "surface_tension": 1.0, "interface": 0, "viscosity_ratio": 1.0, "friction": 0,
         "coefficient": 0.0, "roughness": 1.0,
     } | more  # fmt: skip
@@ -44,7 +44,7 @@ def pull_apart(gap, force, *, tolerance=1e-9, duration, frames=1, prefactors="pa
         liquid=SoftLiquid(viscosity=1.0),
         spheres=spheres,
         films=FilmSpec(prefactors=prefactors),
-        stepping=SteppingSpec(tolerance=tolerance),
+        stepping=IntegrationSpec(tolerance=tolerance),
     )
 
 

@@ -26,7 +26,9 @@ SPUN = {"viscosity": 1e-3, "drag": True}
 
 
 def stepped(scene, tolerance, scheme="tr-bdf2"):
-    return dataclasses.replace(scene, stepping=dataclasses.replace(scene.stepping, tolerance=tolerance, scheme=scheme))
+    return dataclasses.replace(
+        scene, stepping=dataclasses.replace(scene.integration, tolerance=tolerance, scheme=scheme)
+    )
 
 
 def ends(scene):
@@ -84,7 +86,7 @@ def sinking():
     )
     return from_plain({
         "model": "soft", "duration": 2.0, "frame_every": 2.0, "gravity": [0.0, -1e-3], "rotation": True,
-        "liquid": {"viscosity": 1e-3, "density": 1.0, "drag": True}, "spheres": [one, other],
+        "liquid": {"viscosity": 1e-3, "density": 1.0}, "hydrodynamics": {"drag": "stokes"}, "particles": [one, other],
         "walls": [{"side": "bottom", "position": 0.0}],
         "protocol": [{"time": 0.0, "load": 0.0}, {"time": 2.0, "load": 1.0}],
     })  # fmt: skip
@@ -101,7 +103,8 @@ DRIVEN = {
         **RUN, strain=0.1, films={"friction": "coulomb", "friction_coefficient": 0.5, "roughness": 0.03}
     ),
     "unlike stiffnesses": lambda: packing(**RUN, strain=0.1, films={"tangential": 0.4}),
-    "remote": lambda: packing(**RUN, strain=0.1, remote={"law": "steric", "strength": 2e-3, "length": 0.05}),
+    "long-range": lambda: packing(
+        **RUN, strain=0.1, long_range_forces={"law": "steric", "steric_strength": 2e-3, "steric_length": 0.05}),
     "bubbles": lambda: packing(
         **RUN, strain=0.1, films={"surface": "bubble"}, liquid={"viscosity": 1e-3, "surface_tension": 0.5}
     ),

@@ -17,7 +17,12 @@ def tank(deep: int = 8, away: float = 0.0, **method: Any) -> Any:
             "frame_every": 0.1,
             "spacing": 1.0 / deep,
             "gravity": [0.0, -1.0],
-            "liquid": {"density": 1.0, "sound_speed": 10.0, "fastest": 1.0, "viscosity": method.pop("viscosity", 0.0)},
+            "liquid": {
+                "density": 1.0,
+                "sound_speed": 10.0,
+                "maximum_speed": 1.0,
+                "viscosity": method.pop("viscosity", 0.0),
+            },
             "tank": {
                 "low": [away, away],
                 "high": [away + 1.0, away + 2.0],
@@ -51,6 +56,6 @@ def free_blob(dimension: int = 2, **method: Any) -> Any:
                     "velocity_gradient": [row[:dimension] for row in gradient[:dimension]],
                 }
             ],
-            "method": {"jitter": 0.2, "start": "rest", **method},
+            "method": {"jitter": 0.2, "initial_pressure": "zero", **method},
         }
     )

@@ -39,7 +39,7 @@ def parameters_of(scene: FloatingScene) -> Parameters:
     _check_names(scene)
     chosen = chosen_by(scene)
     require_compatible(options_of(scene, chosen), TABLES)
-    parameters, asked = _parameters_with(scene, chosen, 1.0), scene.motion.time_step
+    parameters, asked = _parameters_with(scene, chosen, 1.0), scene.integration.time_step
     longer = 1.0 if asked is None else asked / good_step(parameters, scene)
     # Who goes farther in a step than usual needs lists that reach as much farther.
     return parameters if longer <= 1.0 else _parameters_with(scene, chosen, longer)
@@ -91,7 +91,7 @@ def _without_parts(scene: FloatingScene, chosen: Chosen, longer: float) -> Param
     try:
         law = row.make_constants(setting)
     except BadInput as error:
-        raise _fault("floats", str(error)) from None
+        raise _fault("particles", str(error)) from None
     strength = law.strength if row.menisci else 0.0
     mirrored = scene.dish is not None and scene.dish.image != "none"
     walls, scheme = walls_of(scene.dish), chosen.integrator.scheme
@@ -130,13 +130,13 @@ def _restitution(scene: FloatingScene) -> float:
 def _check_names(scene: FloatingScene) -> None:
     """The names of laws, against the laws' tables."""
     choices = [
-        ("motion.integrator", scene.motion.integrator, SCHEMES),
-        ("motion.drag_law", scene.motion.drag_law, DRAG_LAWS),
+        ("integration.integrator", scene.integration.integrator, SCHEMES),
+        ("hydrodynamics.drag", str(scene.hydrodynamics.drag), (*DRAG_LAWS, "none")),
         ("contacts.law", scene.contacts.law, ("impulse", "spring-dashpot", "none")),
         ("interaction.law", str(scene.interaction.law), NAMES),
         ("interaction.charge", str(scene.interaction.charge), tuple(flotation.CHARGES)),
         ("interaction.method", scene.interaction.method, ("superposition", "pair-corrected", "multipole")),
-        ("interaction.sum", scene.interaction.sum, ("auto", "cells", "grid")),
+        ("interaction.summation", scene.interaction.summation, ("auto", "cells", "grid")),
         ("interaction.precision", scene.interaction.precision, ("double", "single")),
     ]
     if scene.dish is not None:

@@ -17,6 +17,7 @@ from ecume.models.floating.parameters import DRAG_LAWS
 from ecume.models.floating.schemes import INTEGRATORS, Integrator
 from ecume.models.floating.walls.shapes import wall_law_of
 from ecume.models.floating.walls.wall_laws import is_far_field
+from ecume.models.liquids import liquid_of
 from ecume.scenes.floating import FloatingScene
 
 TABLES: Mapping[str, Iterable[Option]] = {
@@ -47,13 +48,13 @@ class Chosen(NamedTuple):
 
 def chosen_by(scene: FloatingScene) -> Chosen:
     """The rows that a scene chooses."""
-    integrator, method = INTEGRATORS[scene.motion.integrator], scene.interaction.method
+    integrator, method = INTEGRATORS[scene.integration.integrator], scene.interaction.method
     names = ["shapes"] if scene.shaped else []
     names += ["superposition"] if method == "pair-corrected" and not scene.shaped else []
     names += [] if method == "superposition" and scene.shaped else [method]
-    names += ["grid"] if scene.interaction.sum == "grid" else []
+    names += ["grid"] if scene.interaction.summation == "grid" else []
     names += ["dipoles"] if np.any(moments_of(scene)) else []
-    films = [RESISTANCES["films"]] if scene.motion.films is not None else []
+    films = [RESISTANCES["films"]] if scene.hydrodynamics.lubrication is not None else []
     asked = CONTACTS[_contacts_of(scene)]
     plain = names == ["superposition"] and not films and asked is not CONTACTS["friction"]
     return Chosen(
@@ -85,15 +86,15 @@ def _contacts_of(scene: FloatingScene) -> str:
 
 def options_of(scene: FloatingScene, chosen: Chosen) -> list[Option]:
     """All options of a scene that can do something or need something."""
-    motion, law = scene.motion, str(scene.interaction.law)
+    hydrodynamics, law = scene.hydrodynamics, str(scene.interaction.law)
     rows = [chosen.integrator, *chosen.interactions, *chosen.resistances, chosen.asked_contacts]
     surroundings = [pair_option(law), _drag_of(scene), _wall_of(scene)]
     active = [
-        (motion.temperature > 0.0, NOISE),
-        (motion.drag_law == DRAG_LAWS[1], FAST_DRAG),
-        (scene.liquid.flow is not None, FLOW),
+        (hydrodynamics.brownian, NOISE),
+        (hydrodynamics.drag == DRAG_LAWS[1], FAST_DRAG),
+        (scene.flow is not None, FLOW),
         (scene.dish is not None and scene.dish.motion is not None, SWAY),
-        (bool(motion.added_mass), ADDED_MASS),
+        (bool(hydrodynamics.added_mass), ADDED_MASS),
         (any(one.disc is not None and one.disc.undulation > 0.0 for one in scene.given), UNDULATION),
         (_turned_by_menisci(scene), TURNING),
     ]
@@ -101,7 +102,7 @@ def options_of(scene: FloatingScene, chosen: Chosen) -> list[Option]:
 
 
 NOISE = Option(
-    slot="noise", path="motion.temperature", name="Brownian motion",
+    slot="noise", path="hydrodynamics.brownian", name="Brownian motion",
     needs={
         "no inertia": "only there is the noise of a step a displacement of known variance",
         "drag": "noise and drag belong together",
@@ -110,7 +111,7 @@ NOISE = Option(
     },
 )  # fmt: skip
 FAST_DRAG = Option(
-    slot="drag law", path="motion.drag_law", name="'schiller-naumann'",
+    slot="drag law", path="hydrodynamics.drag", name="'schiller-naumann'",
     needs={
         "drag": "it moves floats by drag",
         "fast drag": "the drag of a kick follows from the speed at its beginning",
@@ -118,7 +119,7 @@ FAST_DRAG = Option(
     },
 )  # fmt: skip
 FLOW = Option(
-    slot="flow", path="liquid.flow", name="a flowing surface",
+    slot="flow", path="flow", name="a flowing surface",
     needs={"drag": "it moves floats by drag", "round": "a current would turn an elongated body"},
 )  # fmt: skip
 SWAY = Option(
@@ -131,14 +132,14 @@ SWAY = Option(
     },
 )  # fmt: skip
 ADDED_MASS = Option(
-    slot="mass", path="motion.added_mass", name="added mass", needs={"round": "it is known of spheres only"}
+    slot="mass", path="hydrodynamics.added_mass", name="added mass", needs={"round": "it is known of spheres only"}
 )
 UNDULATION = Option(
-    slot="floats", path="interaction.method", name="a disc with an undulation",
+    slot="particles", path="interaction.method", name="a disc with an undulation",
     needs={"undulations": "superposed charges have no direction"},
 )  # fmt: skip
 TURNING = Option(
-    slot="floats", path="motion.integrator", name="a float that its meniscus turns",
+    slot="particles", path="integration.integrator", name="a float that its meniscus turns",
     needs={
         "kicks spins": "its spin goes with the kicks of the velocities",
         "keeps inertia": "the law for its spin has a moment of inertia",
@@ -153,11 +154,11 @@ def _turned_by_menisci(scene: FloatingScene) -> bool:
 
 def _drag_of(scene: FloatingScene) -> Option:
     """The drag of a scene, with its capabilities."""
-    there = scene.motion.drag and scene.liquid.viscosity > 0.0
+    there = scene.hydrodynamics.resists and liquid_of(scene).viscosity > 0.0
     gives = {"drag"} if there else set()
-    gives |= {"stokes"} if scene.motion.drag_law == DRAG_LAWS[0] else set()
+    gives |= {"stokes"} if scene.hydrodynamics.drag == DRAG_LAWS[0] else set()
     return Option(
-        slot="drag", path="motion.drag_law", name=repr(scene.motion.drag_law) if there else "no drag",
+        slot="drag", path="hydrodynamics.drag", name=repr(scene.hydrodynamics.drag) if there else "no drag",
         gives=frozenset(gives),
         needs={},
     )  # fmt: skip

@@ -157,7 +157,7 @@ CONTACTS = {
         },
     ),
     "outlines": ContactModel(
-        path="floats", name="a float with a shape", constants=Outlined, make=_outlined, meet=meet_outlined,
+        path="particles", name="a float with a shape", constants=Outlined, make=_outlined, meet=meet_outlined,
         settle=settle_outlined, rest=rest_outlined, find=find_outlined, scratch=shared_scratch, gaps=_outline_gaps,
     ),
 }  # fmt: skip

@@ -58,7 +58,9 @@ def _turning(parameters: Parameters, scene: FloatingScene, every: Sequence[Any])
     """
     liquid = liquid_of(scene)
     mass, radius = parameters.floats.mass, parameters.floats.radius
-    resisting = [drag.disc_turning_friction(float(a), liquid.viscosity) if scene.motion.drag else 0.0 for a in radius]
+    resisting = [
+        drag.disc_turning_friction(float(a), liquid.viscosity) if scene.hydrodynamics.resists else 0.0 for a in radius
+    ]
     moment, friction = 0.5 * mass * radius**2, np.array(resisting)
     height = max(kind.rim[0] * kind.rim[1] for kind in every)
     spring = RAFT_NEIGHBORS * 12.0 * math.pi * liquid.surface_tension * (0.5 * height) ** 2
@@ -99,10 +101,10 @@ def dipoles_of(parameters: Parameters, scene: FloatingScene) -> Built:
 
 def films_of(parameters: Parameters, scene: FloatingScene) -> Built:
     """Films between floats."""
-    asked = scene.motion.films
+    asked = scene.hydrodynamics.lubrication
     assert asked is not None  # noqa: S101  # for the type checker: the scene has chosen films
     largest, smallest = float(parameters.floats.radius.max()), float(parameters.floats.radius.min())
-    return Built(films.make_films(asked.roughness / smallest, asked.reach), reach=asked.reach * largest)
+    return Built(films.make_films(asked.roughness / smallest, asked.cutoff), reach=asked.cutoff * largest)
 
 
 def bodies_of(kinds: Sequence[Any]) -> Bodies:

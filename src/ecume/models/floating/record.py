@@ -35,7 +35,7 @@ def diagnosis(parameters: Parameters, state: State) -> str:
     """Who left the range where it means anything, when, and what to do."""
     return (
         f"{when(parameters, state)} {_who_and_what(parameters, state)}: too far for one time step of "
-        f"{parameters.time_step:.3g} s. Set motion.time_step = {0.25 * parameters.time_step:.2g}, "
+        f"{parameters.time_step:.3g} s. Set integration.time_step = {0.25 * parameters.time_step:.2g}, "
         "or look for overlapping floats"
     )
 

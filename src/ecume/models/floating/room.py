@@ -21,7 +21,7 @@ BYTES_PER_POINT = 60
 
 def checked_parameters(scene: FloatingScene) -> Parameters:
     """The parameters of a scene that fits into the machine."""
-    count = len(scene.rows) + sum(species.count for species in scene.floats)
+    count = len(scene.rows) + sum(species.count for species in scene.particles)
     # Tested before anything is laid out: a hundred million floats are typed as quickly as a hundred.
     _require_memory(count, BYTES_PER_FLOAT * count)
     parameters = parameters_of(scene)
@@ -43,7 +43,7 @@ def _require_memory(count: int, wanted: float) -> None:
         raise SceneError(
             [
                 Fault(
-                    "floats",
+                    "particles",
                     f"{count} floats need about {wanted / 1e9:.3g} GB, this machine has {there / 1e9:.3g} GB; "
                     "use fewer floats, or a larger interaction.accuracy, which shortens the cutoff",
                 )

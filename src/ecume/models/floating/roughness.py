@@ -12,6 +12,7 @@ from ecume.models.floating.kinds import Afloat, distinct_kinds
 from ecume.models.floating.options import Built
 from ecume.models.floating.parameters import Parameters
 from ecume.models.floating.rubbing import Rough
+from ecume.models.liquids import liquid_of
 from ecume.units import Array
 
 if TYPE_CHECKING:
@@ -44,7 +45,7 @@ def inertia_of(kind: Afloat) -> float:
 
 def turning_friction_of(kind: Afloat, scene: FloatingScene) -> float:
     """The torque per spin of the liquid on one of a kind (N m s)."""
-    viscosity = scene.liquid.viscosity if scene.motion.drag else 0.0
+    viscosity = liquid_of(scene).viscosity if scene.hydrodynamics.resists else 0.0
     if isinstance(kind.body, flotation.Disc):
         return drag.disc_turning_friction(kind.body.radius, viscosity)
     depth = min(max(math.pi - kind.equilibrium.filling_angle, 0.0), math.pi)

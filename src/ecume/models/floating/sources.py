@@ -29,8 +29,12 @@ def laws_of(scene: Any) -> list[Source]:
     if scene.dish is not None:
         laws += capillarity.WALLS.get(str(scene.dish.law), ())
         laws += [meniscus.dish_height, *([images.plane_image_force] if scene.dish.image != "none" else [])]
-    laws += [drag.immersion_factor, drag.stokes_friction] if scene.motion.drag else []
+    laws += [drag.immersion_factor, drag.stokes_friction] if scene.hydrodynamics.resists else []
     if scene.shaped:
-        laws += [ellipsoids.ellipsoid_friction, ellipsoids.ellipsoid_turning_friction] if scene.motion.drag else []
-    laws += [brownian.diffusivity] if scene.motion.temperature else []
+        laws += (
+            [ellipsoids.ellipsoid_friction, ellipsoids.ellipsoid_turning_friction]
+            if scene.hydrodynamics.resists
+            else []
+        )
+    laws += [brownian.diffusivity] if scene.hydrodynamics.brownian else []
     return [*laws, *chosen.contacts.laws]

@@ -56,7 +56,7 @@ def start(scene: FloatingScene, parameters: Parameters) -> State:
         try:
             places.position[free] = place_at_random(radius[free], region_of(parameters), taken, scene.seed)
         except BadInput as error:
-            raise SceneError([Fault("floats", str(error))]) from None
+            raise SceneError([Fault("particles", str(error))]) from None
     state = make_state(places.position, places.velocity)
     for part, row in interactions_of(parameters):
         state = row.state(part, state)
@@ -74,19 +74,19 @@ def first_turns(state: State, scene: FloatingScene, parameters: Parameters) -> S
 
 def first_angles(scene: FloatingScene) -> Array:
     """Of all floats: given ones, or by chance."""
-    count = sum(one.count for one in scene.floats)
+    count = sum(one.count for one in scene.particles)
     chance = np.random.default_rng([scene.seed, TURNS]).uniform(0.0, 2.0 * math.pi, count + len(scene.rows))
-    turned = [species.shape or species.disc for species in scene.floats]
+    turned = [species.shape or species.disc for species in scene.particles]
     given = [math.nan if one is None or one.angle is None else one.angle for one in turned]
-    told = np.repeat(given, [one.count for one in scene.floats])
+    told = np.repeat(given, [one.count for one in scene.particles])
     told = np.concatenate([told, [row.angle for row in scene.rows]])
     return np.where(np.isnan(told), chance, told)
 
 
 def given_places(scene: FloatingScene) -> Places:
     """What the scene itself says: the tables' floats first, then the rows."""
-    positions = [_places_of(species) for species in scene.floats]
-    velocities = [_velocities_of(species) for species in scene.floats]
+    positions = [_places_of(species) for species in scene.particles]
+    velocities = [_velocities_of(species) for species in scene.particles]
     if scene.rows:
         positions.append(np.array([(row.x, row.y) for row in scene.rows]))
         velocities.append(np.array([(row.vx, row.vy) for row in scene.rows]))
@@ -141,7 +141,9 @@ def _check_shapes(scene: FloatingScene, parameters: Parameters, position: Array,
 
 def float_names(scene: FloatingScene) -> list[str]:
     """Each float's path in the scene."""
-    names = [f"floats[{k}].positions[{n}]" for k, species in enumerate(scene.floats) for n in range(species.count)]
+    names = [
+        f"particles[{k}].positions[{n}]" for k, species in enumerate(scene.particles) for n in range(species.count)
+    ]
     return names + [f"rows[{k}]" for k in range(len(scene.rows))]
 
 
@@ -171,7 +173,7 @@ def _overlapping(floats: Floats, position: Array, which: Integers, names: list[s
     lists, candidates = make_lists(len(which), 2, capacity), contacts.make_candidates(len(which), capacity)
     reach = 2.0 * float(radius.max())
     if not (build(lists, places, reach) and list_candidates(candidates, lists, radius, 0.0)):
-        return [Fault("floats", f"more than {capacity} pairs of floats overlap")]
+        return [Fault("particles", f"more than {capacity} pairs of floats overlap")]
     faults = []
     for i in range(len(which)):
         for j in candidates.partner[candidates.first[i] : candidates.first[i + 1]]:

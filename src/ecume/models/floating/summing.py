@@ -176,7 +176,7 @@ def split_of(parameters: Parameters, scene: FloatingScene, *, eligible: bool) ->
     """A grid where it is asked for, or cheaper where nobody asked and it is `eligible`, and the cutoff (m) of what is
     left to lists; None without a grid. Raises SceneError where there can be none.
     """
-    asked, accuracy = scene.interaction.sum, scene.interaction.accuracy
+    asked, accuracy = scene.interaction.summation, scene.interaction.accuracy
     fits = FINEST <= accuracy <= LOOSEST
     if asked == "grid" and not fits:
         raise _fault(f"a grid is not finer than an accuracy of {FINEST:g}; take 'cells'")
@@ -228,4 +228,4 @@ def split_lines(split: Split, parameters: Parameters) -> list[tuple[str, str, st
 
 
 def _fault(message: str) -> SceneError:
-    return SceneError([Fault("interaction.sum", message)])
+    return SceneError([Fault("interaction.summation", message)])

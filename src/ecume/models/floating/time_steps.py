@@ -58,23 +58,24 @@ def step_of(parameters: Parameters, scene: FloatingScene) -> Step:
     frames.
     """
     good, frame = good_step(parameters, scene), scene.frame_every
-    asked = scene.motion.time_step
+    asked = scene.integration.time_step
     if asked is not None:
         _judge(asked, good)
     steps = max(1, math.ceil(frame / (asked if asked is not None else good) * (1.0 - 1e-9)))
     if asked is not None and abs(steps * asked - frame) > 1e-9 * frame:
         raise _fault(
-            "motion.time_step", f"{asked:g} s does not divide frame_every = {frame:g} s; {frame / steps:.9g} s would do"
+            "integration.time_step",
+            f"{asked:g} s does not divide frame_every = {frame:g} s; {frame / steps:.9g} s would do",
         )
     time_step = frame / steps
     kick = kick_of(
         parameters.scheme, time_step, parameters.floats, len(parameters.kick.mobility) - len(parameters.floats.mass)
     )
     stiffest = float(parameters.floats.relaxation_time.min())
-    if scene.motion.integrator == "rk4" and time_step > 2.0 * stiffest:
+    if scene.integration.integrator == "rk4" and time_step > 2.0 * stiffest:
         raise _fault(
-            "motion.integrator", f"'rk4' needs a time step below {2.0 * stiffest:.3g} s in so viscous a liquid; "
-            f"it is {time_step:.3g} s. Set motion.time_step, or use 'velocity-verlet'"
+            "integration.integrator", f"'rk4' needs a time step below {2.0 * stiffest:.3g} s in so viscous a liquid; "
+            f"it is {time_step:.3g} s. Set integration.time_step, or use 'velocity-verlet'"
         )  # fmt: skip
     jump = FARTHEST_CHANCE * math.sqrt(2.0 * parameters.drift.thermal * float(kick.gain.max()) * time_step)
     jump = (jump if parameters.drift.thermal > 0.0 else 0.0) + time_step * _swaying(parameters, kick)
@@ -95,22 +96,25 @@ def _judge(asked: float, good: float) -> None:
     """Refuse or warn of a step too large, with the number that would do."""
     if asked > LARGEST_OVER_CHOSEN * good:
         raise _fault(
-            "motion.time_step", f"{asked:.3g} s is unstable here; wanted at most {LARGEST_OVER_CHOSEN * good:.3g} s, "
+            "integration.time_step",
+            f"{asked:.3g} s is unstable here; wanted at most {LARGEST_OVER_CHOSEN * good:.3g} s, "
             f"{good:.3g} s is good"
         )  # fmt: skip
     if asked > LOOSEST_OVER_CHOSEN * good:
-        warnings.warn(f"motion.time_step: {asked:.3g} s is coarse; {good:.3g} s is good", StepWarning, stacklevel=2)
+        warnings.warn(
+            f"integration.time_step: {asked:.3g} s is coarse; {good:.3g} s is good", StepWarning, stacklevel=2
+        )
 
 
 def _speeds(scene: FloatingScene) -> float:
     """The fastest start, or the fastest that the surface flows in the dish."""
-    reach = max((math.hypot(*place) for species in scene.floats for place in species.positions), default=0.0)
+    reach = max((math.hypot(*place) for species in scene.particles for place in species.positions), default=0.0)
     if scene.dish is not None:
         reach = enclosures.farthest(walls_of(scene.dish))
     drift = drift_of(scene)
     flow, nodes = drift.flow, np.hypot(drift.nodes[0], drift.nodes[1])
     flowing = math.hypot(flow[0], flow[1]) + reach * float(np.abs(flow[2:]).sum()) + float(nodes.max(initial=0.0))
-    speeds = [math.hypot(*each) for species in scene.floats for each in (species.velocities or [species.velocity])]
+    speeds = [math.hypot(*each) for species in scene.particles for each in (species.velocities or [species.velocity])]
     flowing += drift.sway.slip * (float(np.hypot(*drift.sway.velocity + drift.sway.turning * drift.sway.amplitude)))
     return max([flowing, *speeds, *(math.hypot(row.vx, row.vy) for row in scene.rows)])
 

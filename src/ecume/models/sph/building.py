@@ -51,12 +51,12 @@ NUMERICAL_MACH = 0.1
 def material_of(scene: SphScene) -> Material:
     """The liquid, with a sound speed for the numerics."""
     given = filled(scene.liquid)
-    fastest = given.fastest or fastest_of(scene)
+    fastest = given.maximum_speed or fastest_of(scene)
     sound = given.sound_speed or fastest / NUMERICAL_MACH
     return Material(
         density=given.density or 0.0,
         sound_speed=sound,
-        exponent=given.exponent,
+        exponent=given.tait_exponent,
         viscosity=given.viscosity or 0.0,
         surface_tension=given.surface_tension or 0.0,
         atmospheric_pressure=given.atmospheric_pressure,
@@ -79,14 +79,14 @@ def fastest_of(scene: SphScene) -> float:
     speeds += [math.hypot(*body.velocity) for body in scene.bodies if body.velocity]
     speeds += [1.5 * side.speed for side in sides_of(scene) if side.speed]
     speeds.append(fastest_drive(scene))
-    if scene.central_pull is not None:
-        away = np.maximum(np.abs(low - scene.central_pull.center), np.abs(high - scene.central_pull.center))
-        speeds.append(scene.central_pull.rate * float(away.max()))
+    if scene.central_force is not None:
+        away = np.maximum(np.abs(low - scene.central_force.center), np.abs(high - scene.central_force.center))
+        speeds.append(scene.central_force.angular_frequency * float(away.max()))
     speeds.append(capillary_speed(scene, bounds))
     fastest = max(speeds)
     if fastest == 0.0:
         raise SceneError(
-            [Fault("liquid.fastest", "nothing moves and nothing pulls: say which speed is to be expected")]
+            [Fault("liquid.maximum_speed", "nothing moves and nothing pulls: say which speed is to be expected")]
         )
     return fastest
 
@@ -140,15 +140,17 @@ def parameters_of(scene: SphScene) -> Parameters:
         pull_rate=rate,
         pull_center=center,
         moves=bool(bodies.shapes or drives or shake),
-        integrator=chosen(method.integrator, INTEGRATORS, "method.integrator"),
+        integrator=chosen(scene.integration.integrator, INTEGRATORS, "integration.integrator"),
         shifting=shifting_of(scene),
         background=background_of(scene, material),
         tension=tension_of(scene),
         color_reach=color_reach_of(scene),
         carried=carried_of(scene, shape.normalization / smoothing ** len(scene.tank.low)),
         turbulence=turbulent(scene),
-        courant=method.courant,
-        walls_clip=free_surface(scene) if method.walls_clip is None else method.walls_clip,
+        courant=scene.integration.courant_number,
+        walls_clip=free_surface(scene)
+        if method.nonnegative_wall_pressure is None
+        else method.nonnegative_wall_pressure,
         precision=PRECISIONS[method.precision],
         origin=0.5 * (np.array(scene.tank.low) + np.array(scene.tank.high)) * (method.precision == "single"),
     )
@@ -156,8 +158,8 @@ def parameters_of(scene: SphScene) -> Parameters:
 
 def central_pull_of(scene: SphScene) -> tuple[float, Array]:
     """Its rate (1/s), zero where there is none, and the point it pulls to."""
-    pull = scene.central_pull
-    return (0.0, np.zeros(len(scene.tank.low))) if pull is None else (pull.rate, np.array(pull.center))
+    pull = scene.central_force
+    return (0.0, np.zeros(len(scene.tank.low))) if pull is None else (pull.angular_frequency, np.array(pull.center))
 
 
 def background_of(scene: SphScene, material: Material) -> float:

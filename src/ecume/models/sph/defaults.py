@@ -71,7 +71,7 @@ def kernel_of(scene: SphScene) -> Kernel:
 
 def smoothing_of(scene: SphScene) -> float:
     """The smoothing length (m)."""
-    given = scene.method.smoothing
+    given = scene.method.smoothing_ratio
     usual = KERNELS[chosen(scene.method.kernel, KERNELS, "method.kernel")].smoothing[len(scene.tank.low)]
     return scene.spacing * (usual if given is None else given)
 
@@ -85,7 +85,7 @@ def constants_of(scene: SphScene, material: Material, pull: Array) -> Constants:
     term = DIFFUSIONS[diffusion_of(scene, pull)]
     delta = 0.0
     if term.excess is not None:
-        delta = diffusion.strength(scene.method.diffusion, smoothing, material.sound_speed)
+        delta = diffusion.strength(scene.method.diffusion_coefficient, smoothing, material.sound_speed)
     if term.field == "enthalpy":
         delta *= spring
     rise = np.zeros(3)
@@ -120,8 +120,8 @@ def diffusion_of(scene: SphScene, pull: Array) -> str:
     """The density diffusion by its name."""
     name = scene.method.density_diffusion
     if name == "automatic":
-        uniform = pull.any() or scene.shake
-        return "hydrostatic" if uniform and scene.central_pull is None else "antuono"
+        uniform = pull.any() or scene.base_excitation
+        return "hydrostatic" if uniform and scene.central_force is None else "antuono"
     return chosen(name, DIFFUSIONS, "method.density_diffusion")
 
 
@@ -132,9 +132,9 @@ def pressure_force_of(scene: SphScene) -> PressureForce:
 
 def friction_of(scene: SphScene) -> Friction:
     """The form of the viscosity: the one that is right at a free surface, where there may be one."""
-    if scene.method.friction == "automatic":
+    if scene.method.viscosity_model == "automatic":
         return FRICTIONS["monaghan" if free_surface(scene) else "morris"]
-    return FRICTIONS[chosen(scene.method.friction, FRICTIONS, "method.friction")]
+    return FRICTIONS[chosen(scene.method.viscosity_model, FRICTIONS, "method.viscosity_model")]
 
 
 def acting_friction(scene: SphScene) -> Friction | None:
@@ -178,7 +178,7 @@ def turbulent(scene: SphScene) -> bool:
 def require_right_split(scene: SphScene) -> None:
     """Refuse a scene whose pressure would be wrong, with the reason."""
     split = scene.method.pressure_split
-    if split == "none" or scene.method.unchecked_split:
+    if split == "none" or scene.method.allow_invalid_split:
         return
     reason = hydrostatic_fault(
         added=True, gravity_acts=split == "original", in_forces=False, free_surface=free_surface(scene)

@@ -38,7 +38,7 @@ def liquid_of(scene: SphScene, material: Material) -> Liquid:
             raise SceneError([Fault(f"fluid[{index}]", f"reaches out of the tank, at {where}")])
         earlier.append(shape)
         head = np.zeros(len(points))
-        if pull.any() and scene.method.start == "hydrostatic":
+        if pull.any() and scene.method.initial_pressure == "hydrostatic":
             head = np.linalg.norm(pull) * shape.way_out(points, -pull / np.linalg.norm(pull))
         if given is None:
             points = points + scene.method.jitter * scene.spacing * generator.uniform(-1.0, 1.0, points.shape)

@@ -10,7 +10,7 @@ from ecume.engine.walls.sheets import SIZE, SPEED
 from ecume.models.sph.bodies import placed
 from ecume.models.sph.parameters import Boundary, Drive, Parameters
 from ecume.models.sph.state import State
-from ecume.scenes.sph import SIDES, MotionSpec, ShakeSpec, SphScene
+from ecume.scenes.sph import SIDES, BaseExcitationSpec, MotionSpec, SphScene
 from ecume.units import Array
 
 
@@ -26,11 +26,11 @@ def drives_of(scene: SphScene) -> tuple[tuple[int, Drive], ...]:
 
 def shake_of(scene: SphScene) -> Drive | None:
     """What a shaken tank adds to gravity."""
-    shake = scene.shake
+    shake = scene.base_excitation
     return None if shake is None else _drive(shake, shake.amplitude, shake.accelerations, 0.0)
 
 
-def _drive(spec: MotionSpec | ShakeSpec, amplitude: object, values: object, origin: float) -> Drive:
+def _drive(spec: MotionSpec | BaseExcitationSpec, amplitude: object, values: object, origin: float) -> Drive:
     if spec.frequency is None or amplitude is None:
         return Drive(np.zeros(1), 0.0, 0.0, 0.0, np.array(spec.times), np.atleast_2d(np.array(values).T))
     height = np.atleast_1d(np.array(amplitude, np.float64))

@@ -49,9 +49,9 @@ def gates_of(scene: SphScene, support: float) -> tuple[Gate, ...]:
     if transported and any(side_of(scene, k).kind in ENDS for k in range(len(SIDES))):
         message = "came 'transport', which is for closed flows; with in- and outflows use 'sum'"
         raise SceneError([Fault("method.pressure_force", message)])
-    if scene.central_pull is not None and any(side_of(scene, k).kind in ENDS for k in range(2 * len(tank.low))):
+    if scene.central_force is not None and any(side_of(scene, k).kind in ENDS for k in range(2 * len(tank.low))):
         message = "goes with no in- or outflow: the pressure of the liquid behind those follows from gravity alone"
-        raise SceneError([Fault("central_pull", message)])
+        raise SceneError([Fault("central_force", message)])
     layers = int(np.ceil(support / scene.spacing - 1e-9))
     for number in range(2 * len(tank.low)):
         side, axis = side_of(scene, number), number // 2

@@ -48,12 +48,12 @@ class Surroundings(NamedTuple):
 def carried_of(scene: SphScene, weight: float) -> Carried:
     """The groups of a scene; `weight` times the kernel's value is the kernel."""
     generator, places, groups = np.random.default_rng([scene.seed, 3]), [], list[CarriedGroup]()
-    for spec in scene.carried:
+    for spec in scene.passive_tracers:
         if spec.low is not None and spec.high is not None:
             places.append(generator.uniform(spec.low, spec.high, (spec.count or 0, len(spec.low))))
         else:
             places.append(np.array(spec.positions))
-        dispersion = 1.0 / spec.schmidt if spec.eddy_dispersion else 0.0
+        dispersion = 1.0 / spec.schmidt_number if spec.turbulent_dispersion else 0.0
         groups.append(CarriedGroup(spec.radius, spec.density or 0.0, dispersion))
     start = tuple(int(end) for end in np.cumsum([0, *map(len, places)]))
     none = np.zeros((0, len(scene.tank.low)))

@@ -48,7 +48,7 @@ def pressure_in(region: RegionSpec, scene: SphScene, points: Array, density: flo
 
     Started without it, a weakly compressible liquid rings: sound goes to and fro that only viscosity damps.
     """
-    if scene.method.start == "rest":
+    if scene.method.initial_pressure == "zero":
         return np.zeros(len(points))
     if region.flow == TAYLOR_GREEN:
         x, y = vortex_phases(scene, points)
@@ -80,7 +80,7 @@ def _deforming(region: RegionSpec, scene: SphScene, points: Array, density: floa
     """A ball or a square without walls: its surface is at zero, whatever it does."""
     dimension = points.shape[1]
     gradient = np.array(region.velocity_gradient or np.zeros((dimension, dimension)))
-    rate = scene.central_pull.rate if scene.central_pull else 0.0
+    rate = scene.central_force.angular_frequency if scene.central_force else 0.0
     stretching = float(np.trace(gradient @ gradient)) + dimension * rate**2
     if region.radius is not None:
         away = np.linalg.norm(points - np.array(region.center), axis=1)

@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import dataclasses
 
-from ecume.errors import BadInput, Fault, SceneError
-from ecume.laws.liquids import LIQUIDS, LiquidProperties, liquid
+from ecume.errors import Fault, SceneError
+from ecume.laws.liquids import LiquidProperties
 from ecume.laws.liquids.water import ICE_POINT
-from ecume.scenes.faults import suggestion
+from ecume.models.liquids import named_liquid
 from ecume.scenes.sph import FluidSpec
 
-ROOM = ICE_POINT + 20.0
-"""K, of a named liquid whose temperature is not said."""
 WATER = 1000.0
 """kg/m^3, of a liquid without a name or a density."""
 FILLED = ("density", "viscosity", "surface_tension")
@@ -23,14 +21,7 @@ def substance_of(given: FluidSpec) -> LiquidProperties | None:
         told = [key for key in ("temperature", "salinity") if getattr(given, key) is not None]
         if told:
             raise SceneError([Fault(f"liquid.{told[0]}", 'says nothing without a name; write name = "water"')])
-        return None
-    if given.name not in LIQUIDS:
-        raise SceneError([Fault("liquid.name", f"came {given.name!r}; {suggestion(given.name, LIQUIDS)}")])
-    try:
-        return liquid(given.name, ROOM if given.temperature is None else given.temperature, given.salinity)
-    except BadInput as fault:
-        key = "temperature" if "temperature" in str(fault) else "salinity"
-        raise SceneError([Fault(f"liquid.{key}", str(fault))]) from None
+    return named_liquid(given)
 
 
 def filled(given: FluidSpec) -> FluidSpec:

@@ -27,7 +27,7 @@ BODIES = "the lightest body"
 
 def limits_of(scene: SphScene, material: Material) -> dict[str, float]:
     """The longest step (s), by what limits it; infinite where nothing does."""
-    h, courant = smoothing_of(scene), scene.method.courant
+    h, courant = smoothing_of(scene), scene.integration.courant_number
     tension = material.surface_tension if tension_of(scene) != "none" else 0.0
     return {
         "sound": acoustic_limit(h, material.sound_speed, material.fastest, courant),
@@ -52,11 +52,11 @@ def steps_of(scene: SphScene, material: Material) -> tuple[float, int]:
     """The time step and how many fit between two frames."""
     limits = limits_of(scene, material)
     longest = min(limits.values())
-    wanted = scene.method.time_step or longest
+    wanted = scene.integration.time_step or longest
     # The others are laws of thumb with much to spare; a body that is too light for its step diverges.
     if wanted > min(LENIENT * longest, limits[BODIES]):
         message = f"came {wanted:g} s; {limiter(limits)} asks for {longest:.3g} s or less"
-        raise SceneError([Fault("method.time_step", message)])
+        raise SceneError([Fault("integration.time_step", message)])
     per_frame = max(1, math.ceil(scene.frame_every / wanted * (1.0 - 1e-9)))
     return scene.frame_every / per_frame, per_frame
 

@@ -11,24 +11,32 @@ from pydantic.dataclasses import dataclass
 from ecume.scenes.common import Common, Kind
 from ecume.scenes.faults import Complaints, Inconsistent
 from ecume.scenes.floating.floats import FloatRow, FloatSpec
-from ecume.scenes.floating.surroundings import ContactSpec, DishSpec, InteractionSpec, LiquidSpec, MotionSpec
-from ecume.scenes.quantities import MOST_PARTICLES, MOST_STEPS, STRICT
+from ecume.scenes.floating.surroundings import (
+    ContactSpec,
+    DishSpec,
+    FlowSpec,
+    HydrodynamicsSpec,
+    IntegrationSpec,
+    InteractionSpec,
+    LiquidSpec,
+)
+from ecume.scenes.quantities import MOST_PARTICLES, MOST_STEPS, STRICT, Gravity
 
 THEORIES: dict[str, dict[str, dict[str, Any]]] = {
     "nonlinear": {
         "interaction": {"law": "capillary", "charge": "nonlinear"},
         "dish": {"law": "meniscus"},
-        "motion": {"drag": True},
+        "hydrodynamics": {"drag": "stokes"},
     },
     "linear": {
         "interaction": {"law": "capillary", "charge": "linear"},
         "dish": {"law": "linear"},
-        "motion": {"drag": True},
+        "hydrodynamics": {"drag": "stokes"},
     },
     "legacy-2022": {
         "interaction": {"law": "one-sided-legacy", "charge": "linear"},
         "dish": {"law": "two-point-legacy"},
-        "motion": {"drag": False},
+        "hydrodynamics": {"drag": "none"},
         "contacts": {"legacy_coefficient": 0.3},
     },
 }
@@ -39,8 +47,8 @@ THEORIES: dict[str, dict[str, dict[str, Any]]] = {
 class FloatingScene(Common):
     """Spheres on a liquid surface, with or without a dish around them.
 
-    A file may also say `floats_from = "table.csv"` or `start_from = "RUN@-1"`: reading it turns either into `rows`, so
-    that a scene that was read stands alone.
+    A file may also say `particles_from = "table.csv"` or `start_from = "RUN@-1"`: reading it turns either into `rows`,
+    so that a scene that was read stands alone.
     """
 
     model: Literal["floating"] = "floating"
@@ -49,14 +57,20 @@ class FloatingScene(Common):
     """Which laws rule where none is named: the exact far field, small slopes everywhere, or the original program's."""
     liquid: LiquidSpec = LiquidSpec()
     """What they float on."""
-    floats: tuple[FloatSpec, ...] = ()
+    gravity: Gravity = 9.81
+    """m/s^2, downwards"""
+    flow: FlowSpec | None = None
+    """How the surface flows, if it does."""
+    particles: tuple[FloatSpec, ...] = ()
     """The species."""
     rows: tuple[FloatRow, ...] = ()
-    """Floats given one by one, beside those of `floats`."""
+    """Floats given one by one, beside those of `particles`."""
     dish: DishSpec | None = None
     """The wall around them, if any."""
-    motion: MotionSpec = MotionSpec()
+    integration: IntegrationSpec = IntegrationSpec()
     """The time stepping."""
+    hydrodynamics: HydrodynamicsSpec = HydrodynamicsSpec()
+    """The forces of the liquid on moving floats."""
     contacts: ContactSpec = ContactSpec()
     """The collisions."""
     interaction: InteractionSpec = InteractionSpec()
@@ -64,7 +78,7 @@ class FloatingScene(Common):
 
     @property
     def kinds(self) -> tuple[Kind, ...]:
-        """The species, those of `floats` first."""
+        """The species, those of `particles` first."""
         return tuple(Kind(*named) for named in species_of(self))
 
     @property
@@ -75,7 +89,7 @@ class FloatingScene(Common):
     @property
     def given(self) -> tuple[FloatSpec | FloatRow, ...]:
         """The entries that give floats: tables of species, then rows."""
-        return (*self.floats, *self.rows)
+        return (*self.particles, *self.rows)
 
     @property
     def shaped(self) -> bool:
@@ -86,9 +100,9 @@ class FloatingScene(Common):
     def _consistent(self) -> Self:
         named = tuple(
             dataclasses.replace(species, name=species.name or f"float-{index}")
-            for index, species in enumerate(self.floats, 1)
+            for index, species in enumerate(self.particles, 1)
         )
-        object.__setattr__(self, "floats", named)
+        object.__setattr__(self, "particles", named)
         for part, laws in THEORIES[self.theory].items():
             given = getattr(self, part)
             left_out = {key: law for key, law in laws.items() if given is not None and getattr(given, key) is None}
@@ -102,41 +116,44 @@ class FloatingScene(Common):
 
 def species_of(scene: FloatingScene) -> list[tuple[str, str | None]]:
     """The name and color of each species; its place in the list is its number in frames."""
-    found: dict[str, str | None] = {species.name: species.color for species in scene.floats}
+    found: dict[str, str | None] = {species.name: species.color for species in scene.particles}
     for row in scene.rows:
         found[row.species_name] = found.get(row.species_name) or row.color
     return list(found.items())
 
 
 def _population(scene: FloatingScene) -> Complaints:
-    total = len(scene.rows) + sum(species.count for species in scene.floats)
+    total = len(scene.rows) + sum(species.count for species in scene.particles)
     if total == 0:
         return [
-            (("floats",), "there is nothing afloat; write a [[floats]] table with radius, density and contact_angle")
+            (
+                ("particles",),
+                "there is nothing afloat; write a [[particles]] table with radius, density and contact_angle",
+            )
         ]
     if total > MOST_PARTICLES:
-        return [(("floats",), f"{total} floats are more than {MOST_PARTICLES:.0e}")]
+        return [(("particles",), f"{total} floats are more than {MOST_PARTICLES:.0e}")]
     return []
 
 
 def _steps(scene: FloatingScene) -> Complaints:
-    step = scene.motion.time_step
+    step = scene.integration.time_step
     if step is None:
         return []
     if step > scene.frame_every * (1 + 1e-9):
-        return [(("motion", "time_step"), f"got {step:g} s, longer than frame_every, {scene.frame_every:g} s")]
+        return [(("integration", "time_step"), f"got {step:g} s, longer than frame_every, {scene.frame_every:g} s")]
     steps = scene.duration / step
     return (
-        [(("motion", "time_step"), f"gives {steps:.3g} steps, more than {MOST_STEPS:.0e}")]
+        [(("integration", "time_step"), f"gives {steps:.3g} steps, more than {MOST_STEPS:.0e}")]
         if steps > MOST_STEPS
         else []
     )
 
 
 def _doubles(scene: FloatingScene) -> Complaints:
-    names = [species.name for species in scene.floats]
+    names = [species.name for species in scene.particles]
     return [
-        (("floats", index, "name"), f"got {name!r} for the second time; each species has its own name")
+        (("particles", index, "name"), f"got {name!r} for the second time; each species has its own name")
         for index, name in enumerate(names)
         if name in names[:index]
     ]

@@ -12,17 +12,18 @@ from pydantic.dataclasses import dataclass
 from ecume.scenes.faults import Complaints, Inconsistent
 from ecume.scenes.files import beside, require_there, text_of
 from ecume.scenes.quantities import (
+    ROOM,
     STRICT,
+    AbsoluteTemperature,
     Amplitude,
     Coordinate,
     Direction,
     Duration,
     Frequency,
     GasDensity,
-    Gravity,
-    Heat,
     LawName,
     LiquidViscosity,
+    Name,
     PositiveDensity,
     PositiveTension,
     Proportion,
@@ -45,11 +46,10 @@ EVEN = 1e-6
 
 def follow_current(raw: dict[str, Any], folder: Folder) -> Complaints:
     """Put what the flow's table says into `raw`; what is wrong with it comes back."""
-    liquid = raw.get("liquid")
-    flow = liquid.get("flow") if isinstance(liquid, dict) else None
+    flow = raw.get("flow")
     if not isinstance(flow, dict) or TABLE not in flow:
         return []
-    return followed(("liquid", "flow", TABLE), _nodes_from, flow, flow.pop(TABLE), folder)
+    return followed(("flow", TABLE), _nodes_from, flow, flow.pop(TABLE), folder)
 
 
 def _nodes_from(flow: dict[str, Any], name: str, folder: Folder) -> None:
@@ -119,11 +119,11 @@ class FlowSpec:
 
     velocity: tuple[Velocity, Velocity] = (0.0, 0.0)
     """At the origin (m/s)."""
-    shear: TurningRate = 0.0
+    shear_rate: TurningRate = 0.0
     """How much faster along x for each meter along y (1/s)."""
-    rotation: TurningRate = 0.0
+    rotation_rate: TurningRate = 0.0
     """About the origin, counterclockwise (1/s)."""
-    stretching: TurningRate = 0.0
+    extension_rate: TurningRate = 0.0
     """Apart along x and together along y, for each meter from the origin (1/s)."""
     nodes: NodesSpec | None = None
     """A flow of your own; a file says `velocity_from = "table.csv"` instead."""
@@ -131,24 +131,27 @@ class FlowSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class LiquidSpec:
-    """The liquid, and the gas above it. The defaults are water and air at 20 degrees Celsius."""
+    """The liquid, and the gas above it."""
 
-    density: PositiveDensity = 1000.0
-    """kg/m^3"""
-    viscosity: LiquidViscosity = 1e-3
-    """Pa s"""
-    surface_tension: PositiveTension = 0.0728
-    """N/m"""
-    gravity: Gravity = 9.81
-    """m/s^2, downwards"""
+    name: Name = ""
+    """A liquid of the table in `ecume.laws.liquids`, such as `water`; it provides the properties that are not given."""
+    temperature: AbsoluteTemperature = ROOM
+    """K, or text such as `20 degC`"""
+    density: PositiveDensity | None = None
+    """kg/m^3; by default that of the liquid named, or 1000"""
+    viscosity: LiquidViscosity | None = None
+    """Pa s; by default that of the liquid named, or 0.001"""
+    surface_tension: PositiveTension | None = None
+    """N/m; by default that of the liquid named, or 0.0728"""
     gas_density: GasDensity = 0.0
     """kg/m^3; smaller than the liquid's"""
-    flow: FlowSpec | None = None
-    """How its surface flows, if it does."""
 
     @model_validator(mode="after")
     def _gas_above_liquid(self) -> Self:
-        if self.gas_density >= self.density:
+        for key, usual in (("density", 1000.0), ("viscosity", 1e-3), ("surface_tension", 0.0728)):
+            if not self.name and getattr(self, key) is None:
+                object.__setattr__(self, key, usual)
+        if self.density is not None and self.gas_density >= self.density:
             raise Inconsistent(
                 [(("gas_density",), f"got {self.gas_density:g}; the liquid, {self.density:g} kg/m^3, is no denser")]
             )
@@ -167,7 +170,7 @@ class DishMotionSpec:
     """Into which it swings first (rad, from the x axis)."""
     frequency: Frequency = 1.0
     """Of the swing (1/s)."""
-    carried: Proportion = 0.0
+    entrainment: Proportion = 0.0
     """The part of the dish's motion that the liquid goes along with: 0 for a frame in a wide pool, 1 for a closed dish
     moved more slowly than its liquid sloshes, in which floats feel nothing of it."""
 
@@ -207,33 +210,43 @@ class DishSpec:
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
-class FilmsSpec:
+class LubricationSpec:
     """Liquid between floats that resists being squeezed out, and drawn in."""
 
     roughness: Size
     """The gap (m) below which the film gets no thinner: smooth spheres would never touch."""
-    reach: Annotated[Number, Field(gt=2.0, le=1e3)] = 4.0
+    cutoff: Annotated[Number, Field(gt=2.0, le=1e3)] = 4.0
     """How far apart centers may be, over the radius, for a film to be between them."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
-class MotionSpec:
+class IntegrationSpec:
     """The time integration."""
 
     integrator: LawName = "velocity-verlet"
     """`velocity-verlet`, `explicit-euler`, `stormer-verlet`, `semi-implicit-euler`, `rk4` or `overdamped`."""
     time_step: Duration | None = None
     """s; by default the model chooses"""
-    drag: Switch | None = None
-    """Whether the liquid's viscosity slows the floats down; by default it does, but in `legacy-2022`."""
-    drag_law: LawName = "stokes"
-    """`stokes`, for slow floats, or `schiller-naumann`, which grows with the Reynolds number."""
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class HydrodynamicsSpec:
+    """The forces of the liquid on moving floats."""
+
+    drag: LawName | None = None
+    """`stokes`, for slow floats, `schiller-naumann`, which grows with the Reynolds number, or `none`; by default
+    `stokes`, but `none` in `legacy-2022`."""
     added_mass: Switch = False
     """Whether spheres carry half the mass of the liquid that they displace."""
-    films: FilmsSpec | None = None
+    lubrication: LubricationSpec | None = None
     """The drag of floats that approach one another; by default each drags as if it were alone."""
-    temperature: Heat = 0.0
-    """Of the Brownian motion (K), which only the `overdamped` integrator has; at 0 there is none."""
+    brownian: Switch = False
+    """Brownian motion at the liquid's temperature; needs the integrator `overdamped`."""
+
+    @property
+    def resists(self) -> bool:
+        """Whether there is drag."""
+        return self.drag != "none"
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -269,7 +282,7 @@ class InteractionSpec:
     """Of the multipoles: 8 is good to 1e-3 at a gap of 2 % of a diameter."""
     accuracy: Annotated[Proportion, Field(ge=1e-12, le=1e-1)] = 1e-4
     """The part of the force at a raft's edge that may be cut off; of a grid also its r.m.s. error."""
-    sum: LawName = "auto"
+    summation: LawName = "auto"
     """How superposed forces are added up: pair by pair with `cells`, with a `grid` beside them, which crowds of small
     floats want, or as is less work, `auto`."""
     precision: LawName = "double"

@@ -135,7 +135,7 @@ def protocol_faults(stages: Sequence[StageSpec], dimensions: int, boxed: bool) -
         given = [name for name in OF_BOX if getattr(stage, name) is not None]
         if given and not boxed:
             cause = (
-                "is that of a [box] without walls; there is none. Walls have a pressure, a shear_stress and a velocity"
+                "is that of a [cell] without walls; there is none. Walls have a pressure, a shear_stress and a velocity"
             )
             found += [((index, name), cause) for name in given]
         found += [((index, *path), cause) for path, cause in _wrong_units(stage, dimensions)]

@@ -11,17 +11,20 @@ from pydantic.dataclasses import dataclass
 from ecume.scenes.common import Common, Kind
 from ecume.scenes.faults import Complaints, Inconsistent, Path
 from ecume.scenes.quantities import (
+    ROOM,
     STRICT,
+    AbsoluteTemperature,
     Color,
     Coordinate,
     Count,
+    GravityVector,
     LawName,
     Name,
     PositiveDensity,
-    Pull,
     Radius,
     Size,
     Switch,
+    downwards,
 )
 from ecume.scenes.soft.protocol import StageSpec, protocol_faults
 from ecume.scenes.soft.walls import WallSpec, wall_faults
@@ -53,14 +56,30 @@ Sides = Annotated[tuple[Size, ...], Field(min_length=2, max_length=3)]
 class SoftLiquid:
     """The liquid between the spheres."""
 
-    viscosity: ThickViscosity
-    """Pa s"""
+    name: Name = ""
+    """A liquid of the table in `ecume.laws.liquids`, such as `water`; it provides the properties that are not given."""
+    temperature: AbsoluteTemperature = ROOM
+    """K, or text such as `20 degC`"""
+    viscosity: ThickViscosity | None = None
+    """Pa s; needed without a name"""
     surface_tension: Tension | None = None
     """of bubbles or drops in it (N/m)"""
     density: PositiveDensity | None = None
     """kg/m^3; needed with gravity"""
-    drag: Switch = False
-    """Whether the liquid far away drags on each sphere, with Stokes's 6 pi eta R."""
+
+    @model_validator(mode="after")
+    def _viscous(self) -> Self:
+        if self.viscosity is None and not self.name:
+            raise Inconsistent([(("viscosity",), 'is missing; give it, or the name of a liquid such as "water"')])
+        return self
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class SoftHydrodynamicsSpec:
+    """The forces of the liquid far away on moving spheres."""
+
+    drag: Literal["none", "stokes"] = "none"
+    """`stokes`: the liquid far away drags on each sphere with 6 pi eta R; or `none`"""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -125,46 +144,46 @@ class FilmSpec:
     """c_h in a^2 = R (c_h h + c_d |delta|); overrules the set"""
     deflection_weight: Weight | None = None
     """c_d in the same; overrules the set"""
-    reach: Size | None = None
+    cutoff: Size | None = None
     """The gap up to which spheres have a film between them (m); by default half of the smallest radius in a box, and
     without a box all spheres have one, always."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
-class RemoteSpec:
+class LongRangeSpec:
     """The force between surfaces across the film."""
 
     law: LawName = "none"
     """`none`, `steric` or `dlvo`"""
-    strength: Strength = 0.0
+    steric_strength: Strength = 0.0
     """of the steric repulsion (N): that at half its length"""
-    length: Size = 1e-8
+    steric_length: Size = 1e-8
     """of the steric repulsion (m)"""
-    hamaker: Hamaker = 0.0
+    hamaker_constant: Hamaker = 0.0
     """Hamaker's constant of van der Waals's attraction (J)"""
-    layer_strength: Strength = 0.0
+    double_layer_strength: Strength = 0.0
     """of the electric double layer (J/m = N)"""
     debye_length: Size = 1e-8
     """of the electric double layer (m)"""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
-class BoxSpec:
+class CellSpec:
     """A periodic box; Lees and Edwards's shear moves its copies above and below."""
 
     size: Sides
     """Its sides (m), as many as there are dimensions; with a volume fraction their proportions."""
     volume_fraction: Filling | None = None
     """What part of it undeformed spheres take at the start, discs of a layer; by default what the sides make it."""
-    gap: Size | None = None
+    minimum_gap: Size | None = None
     """The least gap of spheres that are placed at random (m); by default a hundredth of the smallest radius."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
-class SteppingSpec:
+class IntegrationSpec:
     """The time integration: implicit, with steps as long as the tolerance allows."""
 
-    scheme: LawName = "esdirk4"
+    integrator: LawName = "esdirk4"
     """`esdirk4` of order 4 or `tr-bdf2` of order 2, both L-stable"""
     tolerance: Tolerance = 1e-6
     """the error of ln(gap), and of directions in radians, that a step may make"""
@@ -180,32 +199,36 @@ class SoftScene(Common):
     """Which model."""
     liquid: SoftLiquid
     """What is between them."""
-    spheres: Annotated[tuple[SphereSpec, ...], Field(min_length=1)]
+    particles: Annotated[tuple[SphereSpec, ...], Field(min_length=1)]
     """The species."""
     rotation: Switch = False
     """Whether spheres spin, so that torques balance, too."""
     films: FilmSpec = FilmSpec()
     """The contacts."""
-    remote: RemoteSpec = RemoteSpec()
+    long_range_forces: LongRangeSpec = LongRangeSpec()
     """What acts across the films."""
-    gravity: Pull | None = None
-    """Acceleration of gravity (m/s^2), as many components as there are dimensions; needs densities"""
-    box: BoxSpec | None = None
+    gravity: GravityVector | None = None
+    """Acceleration of gravity (m/s^2): a magnitude, downwards, or a vector; by default none; needs densities"""
+    cell: CellSpec | None = None
     """The periodic box, if any."""
     walls: tuple[WallSpec, ...] = ()
     """Planes that the spheres lie between or on."""
     protocol: tuple[StageSpec, ...] = ()
     """What is done to spheres and box over time."""
-    stepping: SteppingSpec = SteppingSpec()
+    hydrodynamics: SoftHydrodynamicsSpec = SoftHydrodynamicsSpec()
+    """The drag of the liquid far away."""
+    integration: IntegrationSpec = IntegrationSpec()
     """The time stepping."""
 
     @property
     def kinds(self) -> tuple[Kind, ...]:
         """The species, each in the place that is its number in frames."""
-        return tuple(Kind(one.name or f"sphere-{index}", one.color) for index, one in enumerate(self.spheres, 1))
+        return tuple(Kind(one.name or f"sphere-{index}", one.color) for index, one in enumerate(self.particles, 1))
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
+        if self.gravity is not None:
+            object.__setattr__(self, "gravity", downwards(self.gravity, dimensions_of(self)))
         complaints = [
             *_dimensions(self), *_protocol(self), *_walls(self), *_gravity(self), *_crowd(self),
         ]  # fmt: skip
@@ -216,30 +239,30 @@ class SoftScene(Common):
 
 def sides_of(scene: SoftScene) -> tuple[float, ...]:
     """The sides of the box at scale 1 (m), as large as its volume fraction wants it; none without a box."""
-    if scene.box is None:
+    if scene.cell is None:
         return ()
-    size, wanted = scene.box.size, scene.box.volume_fraction
+    size, wanted = scene.cell.size, scene.cell.volume_fraction
     if wanted is None:
         return size
     unit, power = (math.pi, 2) if len(size) == 2 else (4.0 / 3.0 * math.pi, 3)
-    volume = sum((one.count or len(one.positions)) * unit * one.radius**power for one in scene.spheres)
+    volume = sum((one.count or len(one.positions)) * unit * one.radius**power for one in scene.particles)
     factor = (volume / wanted / math.prod(size)) ** (1.0 / len(size))
     return tuple(factor * side for side in size)
 
 
 def dimensions_of(scene: SoftScene) -> int:
     """2 for a layer, 3 for a packing in space: as many as the box, or the first position, has."""
-    if scene.box is not None:
-        return len(scene.box.size)
-    return next((len(position) for species in scene.spheres for position in species.positions), 2)
+    if scene.cell is not None:
+        return len(scene.cell.size)
+    return next((len(position) for species in scene.particles for position in species.positions), 2)
 
 
 def _dimensions(scene: SoftScene) -> Complaints:
     """The faults of positions and forces whose numbers of components differ."""
     wanted = dimensions_of(scene)
     found: Complaints = []
-    for index, species in enumerate(scene.spheres):
-        path: Path = ("spheres", index)
+    for index, species in enumerate(scene.particles):
+        path: Path = ("particles", index)
         found += [
             ((*path, "positions", place), f"got {len(position)} coordinates; expected {wanted} as elsewhere")
             for place, position in enumerate(species.positions)
@@ -249,8 +272,8 @@ def _dimensions(scene: SoftScene) -> Complaints:
             found.append(((*path, "force"), f"got {len(species.force)} components; expected {wanted}"))
         if species.torque is not None:
             found += _torque((*path, "torque"), len(species.torque), scene)
-        if species.count is not None and scene.box is None:
-            found.append(((*path, "count"), "spheres are placed at random in a [box]; there is none"))
+        if species.count is not None and scene.cell is None:
+            found.append(((*path, "count"), "spheres are placed at random in a [cell]; there is none"))
     return found
 
 
@@ -262,11 +285,16 @@ def _torque(path: Path, came: int, scene: SoftScene) -> Complaints:
 
 
 def _walls(scene: SoftScene) -> Complaints:
-    sides = None if scene.box is None else scene.box.size
+    sides = None if scene.cell is None else scene.cell.size
     found = wall_faults(scene.walls, dimensions_of(scene), sides)
     yields = [wall.shear_stress is not None for wall in scene.walls]
-    if yields and all(yields) and not scene.liquid.drag:
-        found.append(((0, "shear_stress"), "all walls yield along x; expected one that does not, or liquid.drag"))
+    if yields and all(yields) and scene.hydrodynamics.drag == "none":
+        found.append(
+            (
+                (0, "shear_stress"),
+                "all walls yield along x; expected one that does not, or hydrodynamics.drag = 'stokes'",
+            )
+        )
     return [(("walls", *path), message) for path, message in found]
 
 
@@ -276,14 +304,14 @@ def _gravity(scene: SoftScene) -> Complaints:
     found: Complaints = []
     if len(scene.gravity) != dimensions_of(scene):
         found.append((("gravity",), f"got {len(scene.gravity)} components; expected {dimensions_of(scene)}"))
-    if scene.liquid.density is None:
+    if scene.liquid.density is None and not scene.liquid.name:
         found.append((("liquid", "density"), "is missing; gravity needs it, for what the liquid lifts"))
-    missing = [index for index, species in enumerate(scene.spheres) if species.density is None]
-    return found + [(("spheres", index, "density"), "is missing; gravity needs it") for index in missing]
+    missing = [index for index, species in enumerate(scene.particles) if species.density is None]
+    return found + [(("particles", index, "density"), "is missing; gravity needs it") for index in missing]
 
 
 def _protocol(scene: SoftScene) -> Complaints:
-    boxed = scene.box is not None and not scene.walls
+    boxed = scene.cell is not None and not scene.walls
     found = protocol_faults(scene.protocol, dimensions_of(scene), boxed)
     if all(wall.shear_stress is None for wall in scene.walls):
         given = [index for index, stage in enumerate(scene.protocol) if stage.wall_shear is not None]
@@ -292,9 +320,9 @@ def _protocol(scene: SoftScene) -> Complaints:
 
 
 def _crowd(scene: SoftScene) -> Complaints:
-    total = sum(species.count or len(species.positions) for species in scene.spheres)
+    total = sum(species.count or len(species.positions) for species in scene.particles)
     if total < 2:
-        return [(("spheres",), "a single sphere has no film; expected two or more")]
+        return [(("particles",), "a single sphere has no film; expected two or more")]
     if total > MOST_SPHERES:
-        return [(("spheres",), f"{total} spheres are more than {MOST_SPHERES:.0e}")]
+        return [(("particles",), f"{total} spheres are more than {MOST_SPHERES:.0e}")]
     return []

@@ -53,7 +53,7 @@ def wall_faults(walls: Sequence[WallSpec], dimensions: int, sides: Sequence[floa
             found.append(((index, "side"), f"stands twice: there is a {wall.side} already"))
         seen.add(wall.side)
         if wall.position is None and sides is None:
-            found.append(((index, "position"), "is missing; there is no [box] at whose end the wall could stand"))
+            found.append(((index, "position"), "is missing; there is no [cell] at whose end the wall could stand"))
         found += [((index, *path), message) for path, message in _driven(wall, dimensions, sides)]
     return found
 
@@ -75,7 +75,7 @@ def _driven(wall: WallSpec, dimensions: int, sides: Sequence[float] | None) -> C
     for name in ("pressure", "shear_stress"):
         value = getattr(wall, name)
         if value is not None and sides is None:
-            found.append(((name,), "acts on the wall's area, that of the [box]; there is none"))
+            found.append(((name,), "acts on the wall's area, that of the [cell]; there is none"))
         if isinstance(value, wrong):
             found.append(((name,), f"stresses here are in {STRESS_UNITS[dimensions]}"))
     return found

@@ -16,7 +16,7 @@ Schmidt = Annotated[Number, Field(gt=0.0, le=1e3)]
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
-class CarriedSpec:
+class PassiveTracerSpec:
     """Particles that go with the liquid: at given places, or so many at random in a box."""
 
     positions: tuple[Place, ...] = ()
@@ -31,9 +31,9 @@ class CarriedSpec:
     """m; a particle without a radius is a tracer: it goes as fast as the liquid"""
     density: PositiveDensity | None = None
     """kg/m^3, of a particle with a radius"""
-    eddy_dispersion: Switch = False
+    turbulent_dispersion: Switch = False
     """a random walk by the eddies of `method.turbulence`"""
-    schmidt: Schmidt = 0.7
+    schmidt_number: Schmidt = 0.7
     """the eddies' viscosity over their diffusivity"""
     color: Color | None = None
     """`#rrggbb`, or a plain English name"""
@@ -51,16 +51,18 @@ class CarriedSpec:
         return self
 
 
-def carried_faults(carried: tuple[CarriedSpec, ...], tank: Any, turbulence: str) -> list[tuple[Path, str]]:
+def carried_faults(tracers: tuple[PassiveTracerSpec, ...], tank: Any, turbulence: str) -> list[tuple[Path, str]]:
     """Places outside of the tank, and eddies where there are none."""
     found: list[tuple[Path, str]] = []
-    for index, spec in enumerate(carried):
+    for index, spec in enumerate(tracers):
         for place in (*spec.positions, *(corner for corner in (spec.low, spec.high) if corner is not None)):
             inside = len(place) == len(tank.low) and all(
                 a <= x <= b for a, x, b in zip(tank.low, place, tank.high, strict=True)
             )
             if not inside:
-                found.append((("carried", index), f"{tuple(place)} is not in the tank"))
-        if spec.eddy_dispersion and turbulence == "none":
-            found.append((("carried", index, "eddy_dispersion"), "there are no eddies; set method.turbulence"))
+                found.append((("passive_tracers", index), f"{tuple(place)} is not in the tank"))
+        if spec.turbulent_dispersion and turbulence == "none":
+            found.append(
+                (("passive_tracers", index, "turbulent_dispersion"), "there are no eddies; set method.turbulence")
+            )
     return found

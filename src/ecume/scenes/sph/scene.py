@@ -14,6 +14,7 @@ from ecume.scenes.quantities import (
     STRICT,
     Color,
     Duration,
+    GravityVector,
     LawName,
     LiquidViscosity,
     Motion,
@@ -21,15 +22,15 @@ from ecume.scenes.quantities import (
     Place,
     PositiveDensity,
     Proportion,
-    Pull,
     Size,
     Switch,
     Tension,
+    downwards,
 )
-from ecume.scenes.sph.passive_particles import CarriedSpec, carried_faults
+from ecume.scenes.sph.passive_particles import PassiveTracerSpec, carried_faults
 from ecume.scenes.sph.solids import BodySpec, ObstacleSpec, ShapeSpec
 from ecume.scenes.sph.sources import ParticlesSpec, particle_faults
-from ecume.scenes.sph.tank import GaugeSpec, ShakeSpec, TankSpec, gauge_faults
+from ecume.scenes.sph.tank import BaseExcitationSpec, GaugeSpec, TankSpec, gauge_faults
 from ecume.units import Number, Rate, Speed, Temperature
 
 Gradient = Annotated[Rate, Field(ge=-1e6, le=1e6)]
@@ -43,7 +44,7 @@ class FluidSpec:
     """The liquid as a material. What is left out comes from `name` and `temperature`, or else is that of water."""
 
     name: Name = ""
-    """A liquid of the table in `ecume.laws.liquids`, such as `water`; it fills whatever is left out below."""
+    """A liquid of the table in `ecume.laws.liquids`, such as `water`; it provides the properties that are not given."""
     temperature: Annotated[Temperature, Field(gt=0.0, le=1e4)] | None = None
     """of a named liquid: `"20 degC"`, or kelvin; by default 20 degrees Celsius"""
     salinity: Proportion | None = None
@@ -56,9 +57,9 @@ class FluidSpec:
     """N/m; zero by default"""
     sound_speed: PositiveSpeed | None = None
     """m/s of the *numerical* liquid; by default ten times the fastest speed to be expected"""
-    fastest: PositiveSpeed | None = None
-    """m/s, the fastest speed to be expected; by default that of a free fall through the liquid's depth"""
-    exponent: Exponent = 7.0
+    maximum_speed: PositiveSpeed | None = None
+    """m/s, the maximum speed to be expected; by default that of a free fall through the liquid's depth"""
+    tait_exponent: Exponent = 7.0
     """gamma of Tait's equation; 1 is a linear law"""
     atmospheric_pressure: Annotated[Number, Field(ge=0.0, le=1e9)] = 0.0
     """Pa, added where a pressure is called absolute"""
@@ -94,10 +95,10 @@ class RegionSpec(ShapeSpec):
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
-class CentralPullSpec:
+class CentralForceSpec:
     """A pull towards a point that grows with the distance: acceleration - rate^2 (x - center)."""
 
-    rate: Annotated[Rate, Field(gt=0.0, le=1e6)]
+    angular_frequency: Annotated[Rate, Field(gt=0.0, le=1e6)]
     """1/s, of the swing of a particle alone"""
     center: Place
     """m"""
@@ -109,19 +110,19 @@ class MethodSpec:
 
     kernel: LawName = "wendland-c2"
     """a name of `ecume.laws.kernels.KERNELS`"""
-    smoothing: PositiveNumber | None = None
+    smoothing_ratio: PositiveNumber | None = None
     """smoothing length in spacings; by default what suits the kernel"""
-    walls_clip: Switch | None = None
+    nonnegative_wall_pressure: Switch | None = None
     """whether dummies push only, never pull; by default where the liquid may leave them: not in tanks that are full"""
     density_diffusion: LawName = "automatic"
     """`hydrostatic` (exact for a Tait liquid at rest; the default under gravity), `antuono` (the default without),
     `linear`, `molteni` (for comparison: it lifts the surface) or `none`
     """
-    diffusion: Annotated[Number, Field(ge=0.0, le=1.0)] = 0.1
+    diffusion_coefficient: Annotated[Number, Field(ge=0.0, le=1.0)] = 0.1
     """delta of the density diffusion"""
     artificial_viscosity: Annotated[Number, Field(ge=0.0, le=10.0)] | None = None
     """alpha; by default 0.02, or zero where the liquid has a viscosity of its own"""
-    friction: LawName = "automatic"
+    viscosity_model: LawName = "automatic"
     """of a viscous liquid: `monaghan` along the lines between particles (right at a free surface, the default where
     there is one), or `morris` (the default in tanks that are full)
     """
@@ -132,9 +133,9 @@ class MethodSpec:
     output, right in closed and full tanks only; `original`: gravity acts and it is added all the same, which counts it
     twice. What would be wrong is refused.
     """
-    unchecked_split: Switch = False
+    allow_invalid_split: Switch = False
     """run a refused `pressure_split` nevertheless, to see what comes of it"""
-    start: Literal["hydrostatic", "rest"] = "hydrostatic"
+    initial_pressure: Literal["hydrostatic", "zero"] = "hydrostatic"
     """whether the liquid starts with the pressure of its depth and of its motion, as far as known, or with none"""
     jitter: Annotated[Number, Field(ge=0.0, le=0.5)] = 0.0
     """how far particles start from their lattice, at most, in spacings"""
@@ -151,14 +152,20 @@ class MethodSpec:
     """
     background_pressure: Annotated[Number, Field(ge=0.0)] | None = None
     """Pa, of the transport velocity; by default rho0 c0^2"""
-    integrator: LawName = "symplectic"
-    """`symplectic` (density at mid-step) or `verlet` (one sum a step)"""
-    courant: Annotated[Number, Field(gt=0.0, le=2.0)] = 0.25
-    """time step over smoothing length / (sound speed + fastest speed)"""
-    time_step: Duration | None = None
-    """s; by default the largest that the Courant number and the viscosity allow"""
     precision: Literal["double", "single"] = "double"
     """of the sums over neighbors; states are always double"""
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class IntegrationSpec:
+    """The time integration."""
+
+    integrator: LawName = "symplectic"
+    """`symplectic` (density at mid-step) or `verlet` (one sum a step)"""
+    time_step: Duration | None = None
+    """s; by default the largest that the Courant number and the viscosity allow"""
+    courant_number: Annotated[Number, Field(gt=0.0, le=2.0)] = 0.25
+    """time step over smoothing length / (sound speed + maximum speed)"""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -179,27 +186,27 @@ class SphScene(Common):
     """What stands in it."""
     bodies: tuple[BodySpec, ...] = ()
     """What moves in it."""
-    carried: tuple[CarriedSpec, ...] = ()
+    passive_tracers: tuple[PassiveTracerSpec, ...] = ()
     """What the liquid carries along."""
     gauges: tuple[GaugeSpec, ...] = ()
     """Where pressure, velocity or level are read at every frame."""
-    shake: ShakeSpec | None = None
+    base_excitation: BaseExcitationSpec | None = None
     """How it is shaken."""
-    gravity: Pull | None = None
-    """m/s^2; by default 9.81 downwards (along y)"""
-    central_pull: CentralPullSpec | None = None
+    gravity: GravityVector = (9.81,)
+    """m/s^2: a magnitude, downwards (along -y), or a vector"""
+    central_force: CentralForceSpec | None = None
     """What pulls towards a point, beside gravity; at bodies, too."""
     method: MethodSpec = MethodSpec()
     """How it is computed."""
+    integration: IntegrationSpec = IntegrationSpec()
+    """The time stepping."""
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         dimension = len(self.tank.low)
-        down = (0.0, -9.81) if dimension == 2 else (0.0, -9.81, 0.0)
-        if self.gravity is None:
-            object.__setattr__(self, "gravity", down)
+        object.__setattr__(self, "gravity", downwards(self.gravity, dimension))
         complaints = [*_dimensions(self, dimension), *gauge_faults(self.gauges, self.tank), *_steps(self)]
-        complaints += carried_faults(self.carried, self.tank, self.method.turbulence)
+        complaints += carried_faults(self.passive_tracers, self.tank, self.method.turbulence)
         if complaints:
             raise Inconsistent(complaints)
         return self
@@ -210,17 +217,19 @@ Complaints = list[tuple[Path, str]]
 
 def _dimensions(scene: SphScene, dimension: int) -> Complaints:
     found: Complaints = []
-    if scene.gravity is not None and len(scene.gravity) != dimension:
+    if len(scene.gravity) != dimension:
         found.append((("gravity",), f"got {len(scene.gravity)} numbers; the tank has {dimension} dimensions"))
-    if scene.central_pull is not None and len(scene.central_pull.center) != dimension:
-        came = f"got {len(scene.central_pull.center)} numbers"
-        found.append((("central_pull", "center"), f"{came}; the tank has {dimension} dimensions"))
+    if scene.central_force is not None and len(scene.central_force.center) != dimension:
+        came = f"got {len(scene.central_force.center)} numbers"
+        found.append((("central_force", "center"), f"{came}; the tank has {dimension} dimensions"))
     if not scene.fluid:
         found.append((("fluid",), "there is no liquid; write a [[fluid]] table with low and high"))
-    rows = (scene.shake.amplitude or (), *scene.shake.accelerations) if scene.shake else ()
+    rows = (
+        (scene.base_excitation.amplitude or (), *scene.base_excitation.accelerations) if scene.base_excitation else ()
+    )
     for row in rows:
         if row and len(row) != dimension:
-            found.append((("shake",), f"got {len(row)} numbers; the tank has {dimension} dimensions"))
+            found.append((("base_excitation",), f"got {len(row)} numbers; the tank has {dimension} dimensions"))
     pieces = (("fluid", scene.fluid), ("obstacles", scene.obstacles), ("bodies", scene.bodies))
     for table, specs in pieces:
         for index, spec in enumerate(specs):
@@ -246,9 +255,9 @@ def _of_shape(spec: ShapeSpec, dimension: int) -> Complaints:
 
 
 def _steps(scene: SphScene) -> Complaints:
-    step = scene.method.time_step
+    step = scene.integration.time_step
     if step is not None and step > scene.frame_every * (1 + 1e-9):
-        return [(("method", "time_step"), f"got {step:g} s, longer than frame_every, {scene.frame_every:g} s")]
+        return [(("integration", "time_step"), f"got {step:g} s, longer than frame_every, {scene.frame_every:g} s")]
     if step is not None and scene.duration / step > MOST_STEPS:
-        return [(("method", "time_step"), f"gives more than {MOST_STEPS:.0e} steps")]
+        return [(("integration", "time_step"), f"gives more than {MOST_STEPS:.0e} steps")]
     return []

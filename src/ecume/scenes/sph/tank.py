@@ -41,7 +41,7 @@ class MotionSpec:
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
-class ShakeSpec:
+class BaseExcitationSpec:
     """The acceleration in the frame of a shaken tank, beside gravity: minus the tank's own."""
 
     amplitude: Pull | None = None
@@ -89,13 +89,13 @@ class GaugeSpec:
     """Its readings are the numbers `name_pressure`, `name_velocity_x` ..., `name_level`; in a row
     `name_1_pressure` and so on.
     """
-    place: Place
+    position: Place
     """where it is, or a row begins (m)"""
     end: Place | None = None
     """where a row ends (m)"""
     count: Annotated[int, Field(strict=True, ge=2, le=1000)] | None = None
     """of a row, how many there are, both ends included"""
-    measures: Annotated[tuple[Measure, ...], Field(min_length=1)] = ("pressure",)
+    quantities: Annotated[tuple[Measure, ...], Field(min_length=1)] = ("pressure",)
     """any of `pressure`, `velocity` and `level`, the depth of the liquid above the floor under the gauge"""
 
     @model_validator(mode="after")
@@ -103,8 +103,8 @@ class GaugeSpec:
         complaints: Complaints = []
         if (self.end is None) != (self.count is None):
             complaints.append((("end",), "a row of gauges needs both, end and count"))
-        if self.end is not None and len(self.end) != len(self.place):
-            complaints.append((("end",), f"got {len(self.end)} numbers, and {len(self.place)} for place"))
+        if self.end is not None and len(self.end) != len(self.position):
+            complaints.append((("end",), f"got {len(self.end)} numbers, and {len(self.position)} for position"))
         if TAKEN.fullmatch(self.name):
             complaints.append((("name",), f"got {self.name!r}; frames have numbers of that name, take another"))
         if complaints:
@@ -119,7 +119,7 @@ def gauge_faults(gauges: Sequence[GaugeSpec], tank: TankSpec) -> Complaints:
     for index, gauge in enumerate(gauges):
         if names.index(gauge.name) < index:
             found.append((("gauges", index, "name"), f"got {gauge.name!r}, as in gauges[{names.index(gauge.name)}]"))
-        for key in ("place", "end"):
+        for key in ("position", "end"):
             found += [(("gauges", index, key), text) for text in _place_faults(getattr(gauge, key), tank)]
     return found
 

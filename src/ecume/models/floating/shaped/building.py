@@ -40,7 +40,7 @@ def shapes_of(parameters: Parameters, scene: FloatingScene) -> Built:
         raise SceneError(faults)
     kinds, number = distinct_kinds(scene)
     figures = [kind.figure for kind in kinds]
-    shaped = make_shaped([figures[k] for k in number], drag=bool(scene.motion.drag))
+    shaped = make_shaped([figures[k] for k in number], drag=scene.hydrodynamics.resists)
     strength = wall_strengths(scene, parameters.floats._replace(charge=shaped.charge))
     shaped = shaped._replace(wall_strength=strength)
     return Built(shaped, min(quickest(shaped, parameters, number), spinning_time(shaped, parameters, scene)))
@@ -106,7 +106,7 @@ def quickest(many: Shaped, parameters: Parameters, number: Integers) -> float:
 
 def spinning_time(many: Shaped, parameters: Parameters, scene: FloatingScene) -> float:
     """How soon a float turns by `TURN`, if a blow makes all of the fastest start's energy spin (s)."""
-    starts = [*(species.velocity for species in scene.floats), *((row.vx, row.vy) for row in scene.rows)]
+    starts = [*(species.velocity for species in scene.particles), *((row.vx, row.vy) for row in scene.rows)]
     speed = max(math.hypot(*velocity) for velocity in starts)
     spin = speed * math.sqrt(float(np.max(parameters.floats.mass / many.inertia)))
     return TURN / spin if spin > 0.0 else math.inf
