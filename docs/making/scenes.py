@@ -23,6 +23,8 @@ Plain numbers are in SI units; text carries its unit, as in `"2 mm"` or `"70 deg
 default in the table; *needed* means that there is none. `ecume check SCENE` tells all faults of a scene at once, with
 their lines, and what follows from it.
 
+The [scene vocabulary](../../vocabulary.md) compares the keys of the four models.
+
 Any key can be changed on the command line: `ecume run bowl.toml --set "liquid.viscosity=5 mPa*s"`.
 """
 

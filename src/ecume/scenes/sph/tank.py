@@ -191,8 +191,8 @@ def _velocity_fault(side: SideSpec, axis: int, dimension: int) -> str:
 class TankSpec:
     """A rectangular tank."""
 
-    low: Place
-    """its lowest corner (m)"""
+    low: Place = ()
+    """its lowest corner (m); the origin by default"""
     high: Place
     """its highest corner (m)"""
     walls: Literal["mirror", "dummy", "reflect"] = "mirror"
@@ -216,6 +216,8 @@ class TankSpec:
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
+        if not self.low:
+            object.__setattr__(self, "low", (0.0,) * len(self.high))
         complaints: list[tuple[Path, str]] = []
         if len(self.low) != len(self.high) or any(b <= a for a, b in zip(self.low, self.high, strict=False)):
             complaints.append((("high",), "expected a corner above low in each direction"))
