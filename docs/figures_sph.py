@@ -266,7 +266,8 @@ def schemes() -> Figure:
     left.legend(loc="upper left")
     looks = (("symplectic", "double", "-"), ("verlet", "double", "--"), ("symplectic", "single", ":"))
     for color, (integrator, precision, dashes) in zip(PALETTE, looks, strict=False):
-        frames = simulated({**UNQUIET, "method": {"jitter": 0.2, "integrator": integrator, "precision": precision}})[1:]
+        steps = {"integration": {"integrator": integrator}}
+        frames = simulated({**UNQUIET, "method": {"jitter": 0.2, "precision": precision}, **steps})[1:]
         speeds = [float(np.sqrt((frame.arrays["velocity"] ** 2).sum(axis=1).mean())) for frame in frames]
         label = f"{integrator}, {precision}"
         right.semilogy([frame.time for frame in frames], speeds, dashes, color=color, label=label)

@@ -75,7 +75,7 @@ def sides() -> Figure:
         changes = {"gravity": [0.0, 0.0], "fluid": [leaving], "duration": 0.8, "frame_every": 0.8}
         last = simulated(pool(1.2, 0.5, tank=one, method={"nonnegative_wall_pressure": clip}, **changes))[-1]
         by_speed(axes, last, 0.5, (1.2, 1.0))
-        axes.set_title(f"dummies, walls_clip = {str(clip).lower()}")
+        axes.set_title(f"dummies, nonnegative_wall_pressure = {str(clip).lower()}")
     return drawn
 
 
@@ -273,7 +273,11 @@ def turbulence() -> Figure:
         axes.set(xlim=(-0.02, 2.02), ylim=(-0.02, 1.02), aspect="equal")
         axes.set_axis_off()
         axes.set_title(
-            "eddy_dispersion, schmidt = 0.05" if "schmidt" in way else "eddy_dispersion" if way else "tracers"
+            "turbulent_dispersion, schmidt_number = 0.05"
+            if "schmidt_number" in way
+            else "turbulent_dispersion"
+            if way
+            else "tracers"
         )
     return drawn
 

@@ -38,7 +38,8 @@ def end_of_blob(integrator, steps):
         "liquid": {"density": 1000.0, "sound_speed": 10.0},
         "tank": {"low": [-3.0, -3.0], "high": [3.0, 3.0]},
         "fluid": [{"low": [-0.5, -0.5], "high": [0.5, 0.5], "velocity_gradient": [[0.1, -0.5], [0.6, -0.3]]}],
-        "method": {"integrator": integrator, "time_step": 0.02 / steps, "initial_pressure": "zero"},
+        "method": {"initial_pressure": "zero"},
+        "integration": {"integrator": integrator, "time_step": 0.02 / steps},
     })
     *_, last = ecume.simulate(scene)
     return last.arrays["position"]

@@ -46,7 +46,9 @@ FAMILIES = {
     "shifting": methods("shifting", SHIFTINGS),
     "surface_tension_model": methods("surface_tension_model", TENSIONS, **TENSE),
     "turbulence": methods("turbulence", TURBULENCES),
-    "integrator": methods("integrator", [name for name in INTEGRATORS if name != "symplectic"]),
+    "integrator": {
+        f"integrator = {name}": {"integration": {"integrator": name}} for name in INTEGRATORS if name != "symplectic"
+    },
     "precision": methods("precision", ["single"]),
     "dimension": {"3D": {}},
     "exponent": {"exponent = 1": {"liquid": {"exponent": 1.0}}},

@@ -48,7 +48,7 @@ def test_a_float_that_a_current_takes_along_is_given_what_it_gains_and_what_drag
     """
     errors = []
     for step in (4e-3, 2e-3):
-        scene = in_a_current(f"time_step = {step}", duration=0.2, frame_every=0.2)
+        scene = in_a_current(f"[integration]\ntime_step = {step}", duration=0.2, frame_every=0.2)
         parameters = FLOATING.parameters(scene)
         *_, last = simulate(scene)
         tau = float(parameters.floats.relaxation_time[0])
@@ -60,7 +60,7 @@ def test_a_float_that_a_current_takes_along_is_given_what_it_gains_and_what_drag
 
 def test_what_drifts_steadily_is_given_as_much_as_drag_takes():
     """Without inertia, so at once: the power is zeta u^2, and the energy stays."""
-    scene = in_a_current('integrator = "overdamped"', duration=1.0, frame_every=0.5)
+    scene = in_a_current('[integration]\nintegrator = "overdamped"', duration=1.0, frame_every=0.5)
     _, half, whole = (frame.numbers for frame in simulate(scene))
     power = friction_of(FLOATING.parameters(scene)) * SPEED**2
     assert [half[INJECTED], whole[INJECTED]] == pytest.approx([0.5 * power, power], rel=1e-12, abs=0.0)

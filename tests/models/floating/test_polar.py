@@ -96,7 +96,7 @@ def test_dipoles_add_to_multipoles():
 def test_moments_come_from_tables_too(tmp_path):
     (tmp_path / "magnets.csv").write_text("x [mm],y [mm],magnetic_moment [mA*m^2]\n0,0,0.02\n5,0,-0.02\n")
     (tmp_path / "scene.toml").write_text(
-        f'model = "floating"\nduration = 1.0\nframe_every = 0.5\nfloats_from = "magnets.csv"\n[[particles]]\n{HEAVY}'
+        f'model = "floating"\nduration = 1.0\nframe_every = 0.5\nparticles_from = "magnets.csv"\n[[particles]]\n{HEAVY}'
     )
     rows = load_scene(tmp_path / "scene.toml").rows
     assert [row.magnetic_moment for row in rows] == pytest.approx([2e-5, -2e-5])

@@ -57,7 +57,7 @@ def test_overlapping_floats_are_all_told_with_their_overlap():
 
 def test_floats_outside_the_dish_are_told():
     text = f"[[particles]]\n{HEAVY}positions = [[0.0095, 0.0]]\n[dish]\nradius = 0.01\n"
-    with pytest.raises(SceneError, match=r"floats\[0\].positions\[0\]: .* not inside the dish"):
+    with pytest.raises(SceneError, match=r"particles\[0\].positions\[0\]: .* not inside the dish"):
         started(scene_of(WATER + text))
 
 
@@ -75,7 +75,7 @@ def test_a_crowd_that_finds_no_room_is_told():
 
 def test_a_sphere_that_must_sink_is_refused_with_the_limit():
     text = "[[particles]]\nradius = 2e-3\ndensity = 7800.0\ncontact_angle = 1.57\n"
-    with pytest.raises(SceneError, match=r"floats\[0\]: .*7\.8.*"):
+    with pytest.raises(SceneError, match=r"particles\[0\]: .*7\.8.*"):
         FLOATING.parameters(scene_of(WATER + text))
 
 

@@ -38,11 +38,11 @@ def test_a_theory_brings_its_laws_and_what_is_named_overrules_it():
     assert (legacy.interaction.law, legacy.interaction.charge) == ("one-sided-legacy", "linear")
     assert (legacy.dish.law, legacy.hydrodynamics.drag, legacy.contacts.legacy_coefficient) == (
         "two-point-legacy",
-        False,
+        "none",
         0.3,
     )
     linear = in_a_dish(f'{ROUND}\nlaw = "profile"', head='theory = "linear"')
-    assert (linear.interaction.charge, linear.dish.law, linear.hydrodynamics.drag) == ("linear", "profile", True)
+    assert (linear.interaction.charge, linear.dish.law, linear.hydrodynamics.drag) == ("linear", "profile", "stokes")
     assert linear.contacts.legacy_coefficient is None
 
 

@@ -42,9 +42,9 @@ def pull_apart(gap, force, *, tolerance=1e-9, duration, frames=1, prefactors="pa
         duration=duration,
         frame_every=duration / frames,
         liquid=SoftLiquid(viscosity=1.0),
-        spheres=spheres,
+        particles=spheres,
         films=FilmSpec(prefactors=prefactors),
-        stepping=IntegrationSpec(tolerance=tolerance),
+        integration=IntegrationSpec(tolerance=tolerance),
     )
 
 

@@ -22,12 +22,12 @@ from .test_packings import packing
 from .test_walls import channel
 
 PAIR, FORCE = SoftPair(1.0, 1.0, 1.0), 1e-3
-SPUN = {"viscosity": 1e-3, "drag": True}
+SPUN = {"drag": "stokes"}
 
 
 def stepped(scene, tolerance, scheme="tr-bdf2"):
     return dataclasses.replace(
-        scene, stepping=dataclasses.replace(scene.integration, tolerance=tolerance, scheme=scheme)
+        scene, integration=dataclasses.replace(scene.integration, tolerance=tolerance, integrator=scheme)
     )
 
 
@@ -97,8 +97,8 @@ DRIVEN = {
     "a load": ramped,
     "weights and torques": sinking,
     "shear and size": lambda: packing(**RUN, protocol=[{"time": 0.0}, {"time": 2.0, "strain": 0.1, "scale": 0.99}]),
-    "drag": lambda: packing(**RUN, strain=0.1, liquid=SPUN),
-    "spins": lambda: packing(3, **RUN, filled=0.45, strain=0.1, rotation=True, liquid=SPUN),
+    "drag": lambda: packing(**RUN, strain=0.1, hydrodynamics=SPUN),
+    "spins": lambda: packing(3, **RUN, filled=0.45, strain=0.1, rotation=True, hydrodynamics=SPUN),
     "friction": lambda: packing(
         **RUN, strain=0.1, films={"friction": "coulomb", "friction_coefficient": 0.5, "roughness": 0.03}
     ),
@@ -154,7 +154,7 @@ def test_films_take_what_contacts_hold_that_fade():
 
 @pytest.mark.compiled
 def test_books_of_a_run_that_pauses_have_the_bits_of_one_that_does_not():
-    scene = stepped(packing(count=3, duration=2.0, strain=0.1, liquid=SPUN), 1e-3)
+    scene = stepped(packing(count=3, duration=2.0, strain=0.1, hydrodynamics=SPUN), 1e-3)
     books = [marched(scene, parts=parts)[1].books for parts in (1, 10**6)]
     assert books[0].tobytes() == books[1].tobytes()
     assert np.all(books[0][[INJECTED, FILMS, DRAG]] > 0.0)

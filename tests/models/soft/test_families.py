@@ -100,7 +100,7 @@ def pressed(pull, coefficient=0.5, friction="coulomb", duration=20.0):
     """Two spheres pressed together with 0.01 onto steric layers, inside their roughness, and sheared."""
     films = {"friction": friction, "friction_coefficient": coefficient, "roughness": 0.1}
     ramp = [{"time": 0.0, "load": 1.0}]
-    return pair((-0.01, pull), gap=0.02, duration=duration, films=films, remote=STERIC, protocol=ramp)
+    return pair((-0.01, pull), gap=0.02, duration=duration, films=films, long_range_forces=STERIC, protocol=ramp)
 
 
 def test_pressed_spheres_stick_below_the_cone_of_friction_and_slide_above():

@@ -34,7 +34,7 @@ def packing(dimensions=2, count=12, filled=0.7, strain=0.05, duration=10.0, **mo
 
 
 def solved_by(scene, solver):
-    return dataclasses.replace(scene, stepping=dataclasses.replace(scene.integration, solver=solver))
+    return dataclasses.replace(scene, integration=dataclasses.replace(scene.integration, solver=solver))
 
 
 def test_a_random_start_is_dense_has_its_gaps_and_follows_from_the_seed():

@@ -28,7 +28,8 @@ def cluster(dimensions=2, places=None, rotation=True, drag=False, **more):
     places = PLACES[dimensions] if places is None else places
     plain = {
         "model": "soft", "duration": 10.0, "frame_every": 10.0, "rotation": rotation,
-        "liquid": {"viscosity": 0.1, "drag": drag}, "integration": {"tolerance": 1e-8},
+        "liquid": {"viscosity": 0.1},
+        "hydrodynamics": {"drag": "stokes" if drag else "none"}, "integration": {"tolerance": 1e-8},
         "particles": [{"radius": r, "modulus": 1.0 + r, "positions": [p]} for r, p in zip(RADII, places, strict=False)],
     }  # fmt: skip
     return from_plain(plain | more)
@@ -116,7 +117,7 @@ def test_forces_and_moments_of_contacts_sum_to_zero(dimensions):
 @pytest.mark.parametrize("dimensions", [2, 3])
 @pytest.mark.parametrize("remote", [{}, STERIC], ids=["relaxing", "steric"])
 def test_a_cluster_that_turns_as_a_whole_feels_what_it_feels_at_rest(dimensions, remote):
-    (parameters, still_step), (_, step) = (at_work(cluster(dimensions, remote=remote)) for _ in range(2))
+    (parameters, still_step), (_, step) = (at_work(cluster(dimensions, long_range_forces=remote)) for _ in range(2))
     turn, angle = rotation(0.37, dimensions)
     whole, span = np.eye(dimensions), 0.4
     place = 1.001 * step.bodies.position.copy()
@@ -255,7 +256,7 @@ def test_unlike_spheres_that_nothing_holds_lie_where_their_loads_have_no_moment(
     ]
     given = {"duration": 5.0, "frame_every": 5.0, "particles": spheres}
     ends = [
-        marched(cluster(dimensions, stepping={"tolerance": 1e-6, "solver": solver}, **given))
+        marched(cluster(dimensions, integration={"tolerance": 1e-6, "solver": solver}, **given))
         for solver in ("dense", "direct")
     ]
     parameters, state = ends[0]
@@ -281,7 +282,7 @@ def test_torques_without_sense_are_refused(torque, rotation, says):
     spheres = [{"radius": 1.0, "modulus": 1.0, "positions": [[x, 0.0]], "torque": torque} for x in (0.0, 2.1)]
 
     def begin():
-        scene = cluster(spheres=spheres, rotation=rotation)
+        scene = cluster(particles=spheres, rotation=rotation)
         SOFT.start(scene, SOFT.parameters(scene))
 
     with pytest.raises(SceneError, match=says):

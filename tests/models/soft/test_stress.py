@@ -116,7 +116,7 @@ def test_newtons_method_doubles_its_digits_with_the_stresses_in(monkeypatch, rot
 
 
 def test_the_work_of_the_stresses_is_that_of_all_forces_on_surfaces_and_films():
-    scene = stressed(BOTH, duration=1.0, stepping={"tolerance": 1e-8})
+    scene = stressed(BOTH, duration=1.0, integration={"tolerance": 1e-8})
     parameters = SOFT.parameters(scene)
     state = SOFT.start(scene, parameters)
     scratch = SOFT.workspace(parameters, state, 1.0)

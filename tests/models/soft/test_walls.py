@@ -183,7 +183,7 @@ def test_a_wall_that_is_pushed_goes_as_the_one_that_is_moved_is_pushed_back():
 @pytest.mark.parametrize("rotation", [False, True])
 @pytest.mark.parametrize("top", [{}, {"pressure": 2e-3, "shear_stress": 5e-4}])
 def test_newtons_method_doubles_its_digits_at_walls(monkeypatch, top, rotation, dimensions):
-    scene = channel({"top": top}, dimensions, rotation=rotation, stepping={"solver": "dense"}, count=5)
+    scene = channel({"top": top}, dimensions, rotation=rotation, integration={"solver": "dense"}, count=5)
     parameters = SOFT.parameters(scene)
     state = SOFT.start(scene, parameters)
     scratch = SOFT.workspace(parameters, state, 1.0)

@@ -17,6 +17,7 @@ def tank(deep: int = 8, away: float = 0.0, **method: Any) -> Any:
             "frame_every": 0.1,
             "spacing": 1.0 / deep,
             "gravity": [0.0, -1.0],
+            "integration": steps_of(method),
             "liquid": {
                 "density": 1.0,
                 "sound_speed": 10.0,
@@ -35,6 +36,11 @@ def tank(deep: int = 8, away: float = 0.0, **method: Any) -> Any:
     )
 
 
+def steps_of(method: dict[str, Any]) -> dict[str, Any]:
+    """Takes the keys of `[integration]` out of those of `[method]`."""
+    return {key: method.pop(key) for key in ("integrator", "time_step", "courant_number") if key in method}
+
+
 def free_blob(dimension: int = 2, **method: Any) -> Any:
     """A jittered blob in empty space, spinning and squeezed."""
     side = [0.0] * dimension
@@ -47,6 +53,7 @@ def free_blob(dimension: int = 2, **method: Any) -> Any:
             "frame_every": 0.1,
             "spacing": 0.125,
             "gravity": side,
+            "integration": steps_of(method),
             "liquid": {"density": 1000.0, "sound_speed": 10.0, "viscosity": method.pop("viscosity", 0.0)},
             "tank": {"low": [-3.0] * dimension, "high": [3.0] * dimension, **dict.fromkeys(sides, OPEN)},
             "fluid": [

@@ -37,7 +37,7 @@ def cup(*carried, **method):
 
 def test_a_tracer_in_a_rigid_rotation_keeps_its_radius():
     place = {"positions": ((0.25, 0.0), (0.0, -0.1))}
-    scene = dataclasses.replace(free_blob(jitter=0.0), carried=(PassiveTracerSpec(**place),))
+    scene = dataclasses.replace(free_blob(jitter=0.0), passive_tracers=(PassiveTracerSpec(**place),))
     parameters = SPH.parameters(scene)
     state = SPH.start(scene, parameters)
     state.velocity[...] = np.array([[0.0, -2.0], [2.0, 0.0]]) @ state.position

@@ -81,7 +81,7 @@ def test_readings_are_those_of_the_analysis_and_do_not_depend_on_the_order_of_pa
 @pytest.mark.parametrize(
     ("gauge", "says"),
     [
-        ({"name": "P", "position": [0.5, 3.0]}, r"gauges\[0\].place: is outside the tank"),
+        ({"name": "P", "position": [0.5, 3.0]}, r"gauges\[0\].position: is outside the tank"),
         ({"name": "P", "position": [0.5, 0.5, 0.5]}, "3 numbers; the tank has 2"),
         ({"name": "largest", "position": [0.5, 0.5]}, "take another"),
         ({"name": "P", "position": [0.5, 0.5], "end": [0.6, 0.5]}, "both, end and count"),

@@ -69,7 +69,7 @@ def test_liquid_that_falls_with_a_body_does_not_press_it(density):
     assert last.numbers["body0_velocity_y"] == pytest.approx(-3.0, rel=0.01)
 
 
-def tub(density, viscosity=0.0, **method):
+def tub(density, viscosity=0.0, time_step=None, **method):
     """A disc, four spacings wide, under a liquid of density 1."""
     return from_plain(
         {
@@ -82,6 +82,7 @@ def tub(density, viscosity=0.0, **method):
             "tank": {"low": [0.0, 0.0], "high": [2.0, 2.5], "top": {"kind": "open"}},
             "fluid": [{"low": [0.0, 0.0], "high": [2.0, 2.0]}],
             "bodies": [{"center": [1.0, 1.0], "radius": 0.17, "density": density}],
+            "integration": {"time_step": time_step},
             "method": method,
         }
     )
@@ -130,7 +131,7 @@ def test_steps_follow_the_swing_of_a_light_body_against_the_liquid(density):
 
 
 def test_a_step_too_long_for_a_light_body_is_refused():
-    with pytest.raises(SceneError, match=r"method\.time_step.*lightest body asks for"):
+    with pytest.raises(SceneError, match=r"integration\.time_step.*lightest body asks for"):
         SPH.parameters(tub(0.001, time_step=0.0015))
 
 

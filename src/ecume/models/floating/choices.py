@@ -156,7 +156,7 @@ def _drag_of(scene: FloatingScene) -> Option:
     """The drag of a scene, with its capabilities."""
     there = scene.hydrodynamics.resists and liquid_of(scene).viscosity > 0.0
     gives = {"drag"} if there else set()
-    gives |= {"stokes"} if scene.hydrodynamics.drag == DRAG_LAWS[0] else set()
+    gives |= {"stokes"} if scene.hydrodynamics.drag != DRAG_LAWS[1] else set()
     return Option(
         slot="drag", path="hydrodynamics.drag", name=repr(scene.hydrodynamics.drag) if there else "no drag",
         gives=frozenset(gives),

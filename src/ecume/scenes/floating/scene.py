@@ -47,34 +47,39 @@ THEORIES: dict[str, dict[str, dict[str, Any]]] = {
 class FloatingScene(Common):
     """Spheres on a liquid surface, with or without a dish around them.
 
-    A file may also say `particles_from = "table.csv"` or `start_from = "RUN@-1"`: reading it turns either into `rows`,
-    so that a scene that was read stands alone.
+    A file may also contain `particles_from = "table.csv"` or `start_from = "RUN@-1"`; reading it converts either into
+    `rows`, so that the scene does not depend on other files.
     """
 
     model: Literal["floating"] = "floating"
-    """Which model."""
+    """The model: particles at a liquid surface. Effect: selects the equations that are solved."""
     theory: Literal["nonlinear", "linear", "legacy-2022"] = "nonlinear"
-    """Which laws rule where none is named: the exact far field, small slopes everywhere, or the original program's."""
+    """The set of default laws: the exact far field, small slopes everywhere, or those of the original program.
+    Effect: sets each law that the scene does not name."""
     liquid: LiquidSpec = LiquidSpec()
-    """What they float on."""
+    """The properties of the liquid and of the gas above it. Effect: they set the capillary length, the drag and the
+    attraction."""
     gravity: Gravity = 9.81
-    """m/s^2, downwards"""
+    """The gravitational acceleration (m/s^2), downward. Effect: a larger value shortens the capillary length, the
+    range of the attraction, and increases the capillary charges."""
     flow: FlowSpec | None = None
-    """How the surface flows, if it does."""
+    """A flow of the surface, imposed on the liquid. Effect: drags the floats along; requires drag."""
     particles: tuple[FloatSpec, ...] = ()
-    """The species."""
+    """The species of floats, one table each. Effect: each species adds floats with common properties."""
     rows: tuple[FloatRow, ...] = ()
-    """Floats given one by one, beside those of `particles`."""
+    """Individual floats, in addition to those of `particles`; tables and restarts are read into them. Effect: each
+    row adds one float."""
     dish: DishSpec | None = None
-    """The wall around them, if any."""
+    """The wall around the floats; without it the surface is infinite. Effect: its meniscus attracts or repels
+    floats, and they bounce off it."""
     integration: IntegrationSpec = IntegrationSpec()
-    """The time stepping."""
+    """The time stepping. Effect: determines the error per step and the cost."""
     hydrodynamics: HydrodynamicsSpec = HydrodynamicsSpec()
-    """The forces of the liquid on moving floats."""
+    """The forces of the liquid on moving floats. Effect: they damp the motion or make it overdamped."""
     contacts: ContactSpec = ContactSpec()
-    """The collisions."""
+    """The contacts between floats. Effect: they determine collisions and the structure of rafts."""
     interaction: InteractionSpec = InteractionSpec()
-    """The pair force."""
+    """The capillary interaction of floats. Effect: it determines attraction, accuracy and cost."""
 
     @property
     def kinds(self) -> tuple[Kind, ...]:

@@ -28,17 +28,21 @@ class WallSpec:
     """
 
     side: Side
-    """`left`, `right` (across x), `bottom`, `top` (across y), `front` or `back` (across z)"""
+    """The side of the wall: `left`, `right` (normal to x), `bottom`, `top` (normal to y), `front` or `back` (normal
+    to z). Effect: moves the wall to another side."""
     position: Coordinate | None = None
-    """Where it stands on its axis at the start (m); by default at that end of the box."""
+    """The initial position of the wall along its normal (m); by default that end of the cell. Effect: shifts the
+    wall."""
     modulus: Modulus | None = None
-    """Young's modulus of its material (Pa); by default it is rigid."""
+    """Young's modulus of the wall (Pa); by default it is rigid. Effect: softer walls are indented more."""
     velocity: Motion | None = None
-    """How it moves (m/s)."""
+    """The velocity of the wall (m/s). Effect: moves the wall: shear along it, compression across it."""
     pressure: Stress | None = None
-    """What pushes it towards the spheres, so that it moves along its axis (Pa; N/m in a layer), at load 1."""
+    """The pressure that pushes the wall toward the spheres (Pa; N/m in 2D), at load 1; the wall then moves along its
+    normal. Example: `"100 Pa"`. Effect: higher pressures compress the packing."""
     shear_stress: Stress | None = None
-    """What pulls it along x, so that it moves there (Pa; N/m in a layer), at load 1."""
+    """The shear stress that pulls the wall along x (Pa; N/m in 2D), at load 1; the wall then moves along x. Example:
+    `"100 Pa"`. Effect: above the yield stress the packing flows."""
 
 
 def wall_faults(walls: Sequence[WallSpec], dimensions: int, sides: Sequence[float] | None) -> Complaints:

@@ -20,23 +20,25 @@ class PassiveTracerSpec:
     """Particles that go with the liquid: at given places, or so many at random in a box."""
 
     positions: tuple[Place, ...] = ()
-    """of each (m)"""
+    """The initial position of each tracer (m), instead of `count`. Effect: replaces the random positions."""
     count: Count | None = None
-    """how many at random, between `low` and `high`"""
+    """The number of tracers at random positions between `low` and `high`. Example: `200`. Effect: more tracers
+    resolve the flow better."""
     low: Place | None = None
-    """lowest corner of the box that `count` fills (m)"""
+    """The lowest corner of the box of random positions (m). Effect: moves the side of the box."""
     high: Place | None = None
-    """highest corner (m)"""
+    """The highest corner of the box of random positions (m). Effect: moves the side of the box."""
     radius: Radius = 0.0
-    """m; a particle without a radius is a tracer: it goes as fast as the liquid"""
+    """The radius of each tracer (m); without a radius it follows the liquid exactly. Effect: larger tracers settle
+    faster."""
     density: PositiveDensity | None = None
-    """kg/m^3, of a particle with a radius"""
+    """The density of tracers with a radius (kg/m^3). Effect: tracers denser than the liquid settle, others rise."""
     turbulent_dispersion: Switch = False
-    """a random walk by the eddies of `method.turbulence`"""
+    """Whether the eddies of `method.turbulence` disperse the tracers by a random walk. Effect: spreads the tracers."""
     schmidt_number: Schmidt = 0.7
-    """the eddies' viscosity over their diffusivity"""
+    """The eddy viscosity, divided by the diffusivity of the tracers. Effect: smaller values disperse more strongly."""
     color: Color | None = None
-    """`#rrggbb`, or a plain English name"""
+    """The color in pictures: `#rrggbb`, or an English name. Example: `"orange"`. Effect: none on the motion."""
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:

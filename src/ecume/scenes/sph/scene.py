@@ -44,25 +44,34 @@ class FluidSpec:
     """The liquid as a material. What is left out comes from `name` and `temperature`, or else is that of water."""
 
     name: Name = ""
-    """A liquid of the table in `ecume.laws.liquids`, such as `water`; it provides the properties that are not given."""
+    """A liquid of the table in `ecume.laws.liquids`, such as `water`, at the `temperature`. Effect: provides the
+    density, viscosity and surface tension that are not given."""
     temperature: Annotated[Temperature, Field(gt=0.0, le=1e4)] | None = None
-    """of a named liquid: `"20 degC"`, or kelvin; by default 20 degrees Celsius"""
+    """The temperature of a named liquid (K); text such as `20 degC` is allowed; by default 20 degrees Celsius.
+    Effect: a warmer liquid is less viscous."""
     salinity: Proportion | None = None
-    """kg of salt a kg of seawater; by default 0.035"""
+    """The mass of salt per mass of seawater; by default 0.035. Effect: saltier water is denser."""
     density: PositiveDensity | None = None
-    """kg/m^3, where the gauge pressure is zero"""
+    """The density where the gauge pressure is zero (kg/m^3); by default that of the named liquid, or 1000. Effect:
+    pressures and forces are proportional to it."""
     viscosity: LiquidViscosity | None = None
-    """Pa s; zero by default without a name"""
+    """The dynamic viscosity (Pa s); without a name by default 0. Effect: damps the flow; walls of viscous liquids do
+    not slip by default."""
     surface_tension: Tension | None = None
-    """N/m; zero by default"""
+    """The surface tension (N/m); without a name by default 0. Effect: contracts the surface; small drops need short
+    time steps."""
     sound_speed: PositiveSpeed | None = None
-    """m/s of the *numerical* liquid; by default ten times the fastest speed to be expected"""
+    """The numerical speed of sound (m/s); by default ten times the maximum speed. Effect: larger values compress the
+    liquid less and shorten the time step."""
     maximum_speed: PositiveSpeed | None = None
-    """m/s, the maximum speed to be expected; by default that of a free fall through the liquid's depth"""
+    """The largest expected speed of the flow (m/s); by default that of a free fall through the depth of the liquid.
+    Effect: the speed of sound follows from it: too small values make the liquid compressible, too large ones cost
+    time."""
     tait_exponent: Exponent = 7.0
-    """gamma of Tait's equation; 1 is a linear law"""
+    """The exponent gamma of Tait's equation of state; 1 is linear. Effect: larger values stiffen the liquid under
+    compression."""
     atmospheric_pressure: Annotated[Number, Field(ge=0.0, le=1e9)] = 0.0
-    """Pa, added where a pressure is called absolute"""
+    """The pressure that is added to absolute pressures (Pa). Effect: none on the motion."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -73,22 +82,24 @@ class RegionSpec(ShapeSpec):
     """
 
     particles: ParticlesSpec | None = None
-    """single particles, of a table or of another run"""
+    """Individual particles from a table or another run, instead of a shape. Effect: replaces the lattice of
+    particles."""
     triangles: tuple[tuple[Place, Place, Place], ...] = ()
-    """of a closed surface, three dimensions only (m)"""
+    """The triangles of a closed surface (m), in 3D only. Example: `[[[0,0,0],[1,0,0],[0,1,0]]]`. Effect: determines
+    the shape."""
     velocity: Motion | None = None
-    """m/s of all its liquid"""
+    """The initial velocity of the region (m/s). Effect: moves the region as a whole."""
     velocity_gradient: tuple[tuple[Gradient, ...], ...] = ()
-    """d velocity_a / d x_b (1/s), a matrix, about `center` or the origin: rotation, strain, shear"""
+    """The initial velocity gradient d v_a / d x_b (1/s), a matrix about `center` or the origin. Effect: adds
+    rotation, strain or shear."""
     flow: Literal["", "taylor-green", "standing-wave", "poiseuille"] = ""
-    """A velocity field by name, of speed `flow_speed`: `taylor-green` has one vortex pair a tank length;
-    `standing-wave` is a small wave twice as long as the tank, at an instant when its surface is flat and rises at the
-    left wall; `poiseuille` flows along x between bottom and top, with that mean speed
-    """
+    """A named initial velocity field of speed `flow_speed`: `taylor-green` has one vortex pair per length of the
+    tank; `standing-wave` is a small wave twice as long as the tank, with a flat surface that rises at the left
+    wall; `poiseuille` flows along x between bottom and top. Effect: selects the initial flow."""
     flow_speed: PositiveSpeed = 1.0
-    """m/s"""
+    """The speed of the named flow (m/s); for `poiseuille` the mean one. Effect: scales the initial flow."""
     color: Color | None = None
-    """`#rrggbb`, or a plain English name"""
+    """The color in pictures: `#rrggbb`, or an English name. Effect: none on the motion."""
 
     def _further(self) -> dict[str, bool]:
         return {"particles": self.particles is not None, "triangles": bool(self.triangles)}
@@ -99,9 +110,10 @@ class CentralForceSpec:
     """A pull towards a point that grows with the distance: acceleration - rate^2 (x - center)."""
 
     angular_frequency: Annotated[Rate, Field(gt=0.0, le=1e6)]
-    """1/s, of the swing of a particle alone"""
+    """The angular frequency w of a lone particle in the force -m w^2 (x - center) (1/s). Effect: the force grows
+    with its square."""
     center: Place
-    """m"""
+    """The point toward which the force acts (m). Effect: shifts the equilibrium."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -109,51 +121,56 @@ class MethodSpec:
     """The method of solution. The defaults are those that keep a tank at rest best."""
 
     kernel: LawName = "wendland-c2"
-    """a name of `ecume.laws.kernels.KERNELS`"""
+    """The smoothing kernel, a name of `ecume.laws.kernels.KERNELS`, such as `wendland-c4`. Effect: wider kernels are
+    smoother and cost more."""
     smoothing_ratio: PositiveNumber | None = None
-    """smoothing length in spacings; by default what suits the kernel"""
+    """The smoothing length, divided by the particle spacing; by default the value that suits the kernel. Effect:
+    larger ratios have more neighbors: smoother sums, more cost."""
     nonnegative_wall_pressure: Switch | None = None
-    """whether dummies push only, never pull; by default where the liquid may leave them: not in tanks that are full"""
+    """Whether walls of dummy particles only repel; by default true where the liquid can leave them, false in full
+    tanks. Example: `true`. Effect: false lets walls hold liquid that moves away."""
     density_diffusion: LawName = "automatic"
-    """`hydrostatic` (exact for a Tait liquid at rest; the default under gravity), `antuono` (the default without),
-    `linear`, `molteni` (for comparison: it lifts the surface) or `none`
-    """
+    """The density diffusion: `hydrostatic`, exact for a liquid at rest and the default under gravity; `antuono`, the
+    default without; `linear`, `molteni` or `none`. Effect: removes pressure noise; `molteni` lifts the surface."""
     diffusion_coefficient: Annotated[Number, Field(ge=0.0, le=1.0)] = 0.1
-    """delta of the density diffusion"""
+    """The coefficient delta of the density diffusion. Effect: larger values smooth the pressure more strongly."""
     artificial_viscosity: Annotated[Number, Field(ge=0.0, le=10.0)] | None = None
-    """alpha; by default 0.02, or zero where the liquid has a viscosity of its own"""
+    """The coefficient alpha of the artificial viscosity; by default 0.02, but 0 for a viscous liquid. Effect: larger
+    values damp noise and motion."""
     viscosity_model: LawName = "automatic"
-    """of a viscous liquid: `monaghan` along the lines between particles (right at a free surface, the default where
-    there is one), or `morris` (the default in tanks that are full)
-    """
+    """The viscous force: `monaghan` along the lines of centers, right at a free surface; `morris` along velocities,
+    right in full tanks; by default the one that fits. Effect: affects the damping near surfaces and walls."""
     pressure_force: LawName = "sum"
-    """`sum` (p_i + p_j), `monaghan` (p/rho^2) or `transport` (density-weighted, with the transport velocity)"""
+    """The pressure force: `sum` (p_i + p_j), `monaghan` (p/rho^2) or `transport` (with the transport velocity).
+    Effect: `transport` keeps particles evenly spaced in full tanks."""
     pressure_split: Literal["none", "modified", "original"] = "none"
-    """`none`: Tait's pressure is the whole; `modified`: gravity is left out and the hydrostatic pressure added for
-    output, right in closed and full tanks only; `original`: gravity acts and it is added all the same, which counts it
-    twice. What would be wrong is refused.
-    """
+    """The treatment of the hydrostatic pressure: `none`, where the Tait pressure is complete; `modified`, where
+    gravity is omitted and the hydrostatic pressure added for output, in closed and full tanks only; `original`,
+    where gravity acts as well, which counts it twice. Effect: changes the pressures that are reported; wrong
+    combinations are refused."""
     allow_invalid_split: Switch = False
-    """run a refused `pressure_split` nevertheless, to see what comes of it"""
+    """Whether a refused `pressure_split` is run nevertheless. Effect: demonstrates the error of the combination."""
     initial_pressure: Literal["hydrostatic", "zero"] = "hydrostatic"
-    """whether the liquid starts with the pressure of its depth and of its motion, as far as known, or with none"""
+    """The initial pressure: `hydrostatic`, that of depth and motion, or `zero`. Effect: `zero` starts an oscillation
+    of the column."""
     jitter: Annotated[Number, Field(ge=0.0, le=0.5)] = 0.0
-    """how far particles start from their lattice, at most, in spacings"""
+    """The largest initial displacement from the lattice, in spacings. Effect: removes the order of the lattice."""
     turbulence: LawName = "none"
-    """`smagorinsky`: eddies smaller than particles add a viscosity (0.12 spacing)^2 |S| to the liquid's own; `none`"""
+    """The subparticle turbulence: `smagorinsky` adds the eddy viscosity (0.12 spacing)^2 |S|; or `none`. Effect:
+    damps shear at the scale of the particles."""
     surface_tension_model: LawName = "automatic"
-    """`csf` (continuum surface force, the slope of the surface's energy on nodes; the default where
-    `liquid.surface_tension` is given), `cohesion` (attraction between particles, which press each other: discs in a
-    plane only, roughly), or `none`
-    """
+    """The model of surface tension: `csf` (continuum surface force), `cohesion` (attraction between particles, for
+    discs in 2D only) or `none`; by default `csf` where there is surface tension. Effect: `csf` has the tension
+    that is given, `cohesion` approximately."""
     shifting: LawName = "automatic"
-    """`delta-plus` shifts particles towards even spacing, away from the surface (the default where the liquid fills a
-    tank without an open side, and nothing else spreads it); `none` (the default elsewhere)
-    """
+    """The particle shifting: `delta-plus` toward even spacing, the default in full tanks, or `none`. Effect:
+    prevents voids and clumps."""
     background_pressure: Annotated[Number, Field(ge=0.0)] | None = None
-    """Pa, of the transport velocity; by default rho0 c0^2"""
+    """The background pressure of the transport velocity (Pa); by default rho c^2. Effect: larger values even out the
+    spacing faster."""
     precision: Literal["double", "single"] = "double"
-    """of the sums over neighbors; states are always double"""
+    """The floating-point precision of sums over neighbors, `double` or `single`; states are always double. Effect:
+    `single` is faster and less accurate."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -161,11 +178,14 @@ class IntegrationSpec:
     """The time integration."""
 
     integrator: LawName = "symplectic"
-    """`symplectic` (density at mid-step) or `verlet` (one sum a step)"""
+    """The integration scheme: `symplectic` (density at mid-step) or `verlet` (one sum per step). Effect: `verlet` is
+    cheaper per step and less accurate."""
     time_step: Duration | None = None
-    """s; by default the largest that the Courant number and the viscosity allow"""
+    """The time step (s); by default the largest that the Courant number and the viscosity allow. Effect: smaller
+    steps cost more; larger ones are refused."""
     courant_number: Annotated[Number, Field(gt=0.0, le=2.0)] = 0.25
-    """time step over smoothing length / (sound speed + maximum speed)"""
+    """The time step, divided by smoothing length over sound speed plus maximum speed. Effect: smaller values are
+    more accurate and cost more."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -173,33 +193,36 @@ class SphScene(Common):
     """A liquid in a tank, in two or three dimensions (as many as the tank's corners have coordinates)."""
 
     model: Literal["sph"] = "sph"
-    """Which model."""
+    """The model: a liquid in a tank, computed by smoothed particle hydrodynamics. Effect: selects the equations that
+    are solved."""
     spacing: Size
-    """between particles at the start (m)"""
+    """The initial distance of particles (m). Effect: half of it has 4 times (2D) or 8 times (3D) as many particles
+    and 8 or 16 times the cost."""
     liquid: FluidSpec = FluidSpec()
-    """The material."""
+    """The properties of the liquid. Effect: they set inertia, viscosity, tension and speed of sound."""
     fluid: tuple[RegionSpec, ...] = ()
-    """Where there is liquid at the start."""
+    """The regions that contain liquid at the start. Effect: each region adds particles."""
     tank: TankSpec
-    """What holds it."""
+    """The container of the liquid. Effect: determines walls and open sides."""
     obstacles: tuple[ObstacleSpec, ...] = ()
-    """What stands in it."""
+    """Fixed solids in the tank. Effect: the liquid flows around them."""
     bodies: tuple[BodySpec, ...] = ()
-    """What moves in it."""
+    """Rigid bodies that float, sink and collide. Effect: they move with the liquid and act on it."""
     passive_tracers: tuple[PassiveTracerSpec, ...] = ()
-    """What the liquid carries along."""
+    """Particles that the liquid carries without reaction. Effect: none on the liquid."""
     gauges: tuple[GaugeSpec, ...] = ()
-    """Where pressure, velocity or level are read at every frame."""
+    """Points at which pressure, velocity or level are recorded. Effect: each gauge adds numbers to the frames."""
     base_excitation: BaseExcitationSpec | None = None
-    """How it is shaken."""
+    """The imposed acceleration of the tank. Effect: makes the liquid slosh."""
     gravity: GravityVector = (9.81,)
-    """m/s^2: a magnitude, downwards (along -y), or a vector"""
+    """The gravitational acceleration (m/s^2): a magnitude, along -y, or a vector. Effect: pressures grow in
+    proportion to it; a zero vector is weightless."""
     central_force: CentralForceSpec | None = None
-    """What pulls towards a point, beside gravity; at bodies, too."""
+    """A force toward a point, in addition to gravity, on liquid and bodies. Effect: holds a drop together."""
     method: MethodSpec = MethodSpec()
-    """How it is computed."""
+    """The spatial discretization. Effect: determines accuracy, noise and cost."""
     integration: IntegrationSpec = IntegrationSpec()
-    """The time stepping."""
+    """The time stepping. Effect: determines the error per step and the cost."""
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
