@@ -40,8 +40,8 @@ OPTIONS = {
     "friction coulomb": {"films": {"friction": "coulomb", "roughness": 0.08}},
     "prefactors physical": {"films": {"prefactors": "physical"}},
     "cutoff": {"films": {"cutoff": 0.4}},
-    "remote steric": {"long_range_forces": {"law": "steric", "steric_strength": 1e-3, "steric_length": 0.08}},
-    "remote dlvo": {
+    "long-range steric": {"long_range_forces": {"law": "steric", "steric_strength": 1e-3, "steric_length": 0.08}},
+    "long-range dlvo": {
         "long_range_forces": {
             "law": "dlvo",
             "hamaker_constant": 1e-6,
@@ -49,7 +49,7 @@ OPTIONS = {
             "debye_length": 0.05,
         }
     },
-    "scheme tr-bdf2": {"integration": {"integrator": "tr-bdf2"}},
+    "integrator tr-bdf2": {"integration": {"integrator": "tr-bdf2"}},
     "solver dense": {"integration": {"solver": "dense"}},
     "solver iterative": {"integration": {"solver": "iterative"}},
     "solver direct": {"integration": {"solver": "direct"}},
@@ -79,7 +79,7 @@ PAIRS = list(itertools.combinations(OPTIONS, 2))
 def plain_of(one, other):
     """The scene of two options: four spheres close together."""
     asked = copy.deepcopy(merged(OPTIONS[one], OPTIONS[other]))
-    dimensions, boxed, gravity = asked.pop("dimensions", 2), "box" in asked, asked.pop("gravity", 0.0)
+    dimensions, boxed, gravity = asked.pop("dimensions", 2), "cell" in asked, asked.pop("gravity", 0.0)
     torque = asked.pop("torque", 0.0)
     deep = dimensions - 2
     spheres = [
@@ -91,7 +91,7 @@ def plain_of(one, other):
         if torque:
             species["torque"] = [sign * torque] if dimensions == 2 else [0.0, 0.0, sign * torque]
     if boxed:
-        asked["box"] = {"size": [*BOX["box"]["size"], *[2.3] * deep]}
+        asked["cell"] = {"size": [*BOX["cell"]["size"], *[2.3] * deep]}
     for wall in asked.get("walls", []):
         if "velocity" in wall:
             wall["velocity"] = [*wall["velocity"], *[0.0] * deep]

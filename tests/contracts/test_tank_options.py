@@ -40,7 +40,7 @@ FAMILIES = {
     "kernel": methods("kernel", [name for name in KERNELS if name != "wendland-c2"]),
     "density_diffusion": {**methods("density_diffusion", DIFFUSIONS), "density_diffusion = none":
                           {"method": {"density_diffusion": "none"}}},
-    "friction": methods("friction", FRICTIONS, **DRAG),
+    "viscosity_model": methods("viscosity_model", FRICTIONS, **DRAG),
     "pressure_force": {**methods("pressure_force", ["monaghan"]), **methods("pressure_force", ["transport"], **FULL)},
     "pressure_split": methods("pressure_split", ["modified"], **FULL),
     "shifting": methods("shifting", SHIFTINGS),
@@ -51,7 +51,7 @@ FAMILIES = {
     },
     "precision": methods("precision", ["single"]),
     "dimension": {"3D": {}},
-    "exponent": {"exponent = 1": {"liquid": {"exponent": 1.0}}},
+    "tait_exponent": {"tait_exponent = 1": {"liquid": {"tait_exponent": 1.0}}},
     "walls": {"walls = dummy": {"tank": {"walls": "dummy"}}, "walls = reflect": {"tank": {"walls": "reflect"}}},
     "sides": {
         "periodic": {"tank": {"left": PERIODIC, "right": PERIODIC}},
@@ -67,7 +67,7 @@ FAMILIES = {
         "tracers": {"passive_tracers": [{"positions": [[0.1, 0.2], [0.5, 0.9]]}]},
         "grains": {"passive_tracers": [{"positions": [[0.1, 0.2]], "radius": 0.01, "density": 2.0}]},
     },
-    "shake": {"shake": {"base_excitation": {"amplitude": [0.05, 0.0], "frequency": 1.0}}},
+    "base_excitation": {"base excitation": {"base_excitation": {"amplitude": [0.05, 0.0], "frequency": 1.0}}},
     "central_force": {
         "central force": {"central_force": {"angular_frequency": 1.0, "center": [0.5, 0.5]}, "gravity": [0.0, 0.0]},
     },

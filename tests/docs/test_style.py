@@ -47,7 +47,7 @@ TEXTS_TO_DO: dict[str, int] = {
     "models/sph": 95,
     "models/tracers": 30,
     "run": 29,
-    "scenes": 55,
+    "scenes": 35,
     "show": 96,
     "sweep": 32,
     "trajectories": 11,
