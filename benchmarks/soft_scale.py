@@ -66,11 +66,12 @@ def packing(count: int, dimensions: int, solver: str = "auto") -> SoftScene:
     """As many spheres of radius 1 as of radius 1.4, sheared by one unit in 4 s."""
     volume = count / 2 * sum(math.pi * r**2 if dimensions == 2 else 4 / 3 * math.pi * r**3 for r in (1e-3, 1.4e-3))
     plain = {
-        "model": "soft", "duration": 4.0, "frame_every": 4.0, "liquid": {"viscosity": 1.0, "drag": True},
-        "spheres": [{"radius": r, "modulus": 1e4, "count": count // 2} for r in (1e-3, 1.4e-3)],
-        "box": {"size": [(volume / FILLED[dimensions]) ** (1 / dimensions)] * dimensions, "gap": 2e-5},
+        "model": "soft", "duration": 4.0, "frame_every": 4.0, "liquid": {"viscosity": 1.0},
+        "hydrodynamics": {"drag": "stokes"},
+        "particles": [{"radius": r, "modulus": 1e4, "count": count // 2} for r in (1e-3, 1.4e-3)],
+        "cell": {"size": [(volume / FILLED[dimensions]) ** (1 / dimensions)] * dimensions, "minimum_gap": 2e-5},
         "protocol": [{"time": 0.0}, {"time": 4.0, "strain": 1.0}],
-        "stepping": {"scheme": "tr-bdf2", "tolerance": 1e-3, "solver": solver},
+        "integration": {"integrator": "tr-bdf2", "tolerance": 1e-3, "solver": solver},
     }  # fmt: skip
     scene = from_plain(plain)
     assert isinstance(scene, SoftScene)

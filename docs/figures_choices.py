@@ -33,7 +33,7 @@ SHORT = {
     "duration": 10.0, "frame_every": 0.5, "spacing": 1.0 / 12, "gravity": [0.0, -1.0],
     "tank": {"low": [0.0, 0.0], "high": [1.0, 1.6], "top": OPEN},
     "fluid": [{"low": [0.0, 0.0], "high": [1.0, 1.0]}],
-    "liquid": {"density": 1.0, "sound_speed": 10.0, "fastest": 1.0},
+    "liquid": {"density": 1.0, "sound_speed": 10.0, "maximum_speed": 1.0},
 }  # fmt: skip
 """A tank at rest, twelve deep."""
 
@@ -56,7 +56,7 @@ def substances() -> Figure:
     middle.set(xlabel="density / ρ₀", ylabel="pressure / ρ₀gH", title="dotted: with an atmospheric_pressure of 1")
     middle.legend()
     for speed, color in zip((5.0, 10.0, 20.0), PALETTE, strict=False):
-        given = {"density": 1.0, "sound_speed": speed, "fastest": 1.0}
+        given = {"density": 1.0, "sound_speed": speed, "maximum_speed": 1.0}
         last = simulated({**SHORT, "duration": 4.0, "frame_every": 4.0, "liquid": given})[-1]
         height = last.arrays["position"][:, 1]
         right.plot(last.arrays["density"], height, ".", color=color, label=f"sound_speed = {speed:g} √(gH)")
@@ -76,7 +76,7 @@ def kernel_choice() -> Figure:
     left.set(xlabel="r.m.s. error of the pressure / ρgH", title="kernel, each at its usual smoothing")
     for name, color in (("wendland-c2", PALETTE[1]), ("cubic-spline", PALETTE[0])):
         widths = np.array([1.1, 1.3, 1.6, 2.0, 2.4])
-        found = [_error(quietly({"kernel": name, "smoothing": float(width)})) for width in widths]
+        found = [_error(quietly({"kernel": name, "smoothing_ratio": float(width)})) for width in widths]
         right.plot(widths, found, "o-", color=color, label=name)
     right.set(xlabel="smoothing (spacings)", ylabel="r.m.s. error / ρgH", yscale="log", title="smoothing")
     right.legend()
@@ -117,7 +117,7 @@ def _arrows(axes: Axes, title: str, frame: Frame) -> None:
 CALM = {
     "duration": 0.01, "frame_every": 0.01, "spacing": 0.05, "gravity": [0.0, 0.0],
     "tank": {"low": [0.0, 0.0], "high": [1.0, 1.0]},
-    "liquid": {"density": 1.0, "sound_speed": 10.0, "fastest": 1.0},
+    "liquid": {"density": 1.0, "sound_speed": 10.0, "maximum_speed": 1.0},
 }  # fmt: skip
 MOVED: dict[str, dict[str, Any]] = {
     "velocity, in a disc": {"center": [0.5, 0.5], "radius": 0.35, "velocity": [1.0, 0.5]},
@@ -185,7 +185,7 @@ def first_moments() -> Figure:
     """What a start without pressure, or out of order, does to the pressure on the floor."""
     drawn = figure(9.4, 3.2)
     left, right = drawn.subplots(1, 2)
-    gauge = [{"name": "floor", "place": [0.5, 0.04]}]
+    gauge = [{"name": "floor", "position": [0.5, 0.04]}]
     for axes, key, values in ((left, "start", ("hydrostatic", "rest")), (right, "jitter", (0.0, 0.1, 0.2))):
         for value, color in zip(values, PALETTE, strict=False):
             frames = simulated({**SHORT, "duration": 6.0, "frame_every": 0.05, "gauges": gauge, "method": {key: value}})
@@ -202,9 +202,14 @@ def noise() -> Figure:
     broken = {
         **SHORT, "duration": 2.6, "frame_every": 2.6, "spacing": 1.0 / 24,
         "tank": {"low": [0.0, 0.0], "high": [3.2, 1.6], "top": OPEN},
-        "liquid": {"density": 1.0, "sound_speed": 14.0, "fastest": 1.4},
+        "liquid": {"density": 1.0, "sound_speed": 14.0, "maximum_speed": 1.4},
     }  # fmt: skip
-    choices = ({"diffusion": 0.0}, {"diffusion": 0.1}, {"artificial_viscosity": 0.0}, {"artificial_viscosity": 0.2})
+    choices = (
+        {"diffusion_coefficient": 0.0},
+        {"diffusion_coefficient": 0.1},
+        {"artificial_viscosity": 0.0},
+        {"artificial_viscosity": 0.2},
+    )
     for axes, method in zip(drawn.subplots(2, 2).ravel(), choices, strict=True):
         last = simulated({**broken, "method": method})[-1]
         dots = liquid(axes, last, last.arrays["pressure"], 0.0, 0.6)
@@ -222,7 +227,7 @@ def spreading() -> Figure:
         **CALM, "duration": 0.8, "frame_every": 0.1,
         "tank": {"low": [0.0, 0.0], "high": [1.0, 1.0], **AROUND},
         "fluid": [{"low": [0.0, 0.0], "high": [1.0, 1.0], "flow": "taylor-green"}],
-        "liquid": {"density": 1.0, "sound_speed": 10.0, "fastest": 1.0, "viscosity": 0.01},
+        "liquid": {"density": 1.0, "sound_speed": 10.0, "maximum_speed": 1.0, "viscosity": 0.01},
     }  # fmt: skip
     ways = {
         'shifting = "none"': {"shifting": "none"},
@@ -293,7 +298,7 @@ def tub(density: float) -> dict[str, Any]:
         "duration": 0.4, "frame_every": 0.02, "spacing": 1.0 / 12, "gravity": [0.0, -1.0],
         "tank": {"low": [0.0, 0.0], "high": [2.0, 2.5], "top": OPEN},
         "fluid": [{"low": [0.0, 0.0], "high": [2.0, 2.0]}],
-        "liquid": {"density": 1.0, "sound_speed": 20.0, "fastest": 2.0},
+        "liquid": {"density": 1.0, "sound_speed": 20.0, "maximum_speed": 2.0},
         "bodies": [{"center": [1.0, 1.0], "radius": 0.17, "density": density}],
     }  # fmt: skip
 

@@ -21,10 +21,10 @@ from ecume.show.style import INK, MUTED, PALETTE, figure, style
 from ecume.simulation import simulate
 from ecume.units import Array
 
-BEADS = '[[floats]]\ncount = {count}\nradius = "20 um"\ndensity = 2000.0\ncontact_angle = "90 deg"\n'
+BEADS = '[[particles]]\ncount = {count}\nradius = "20 um"\ndensity = 2000.0\ncontact_angle = "90 deg"\n'
 SCENE = (
-    'model = "floating"\nduration = 1.0\nframe_every = 1.0\n{beads}[motion]\nintegrator = "overdamped"\n'
-    '[interaction]\nsum = "grid"\naccuracy = {accuracy}\n'
+    'model = "floating"\nduration = 1.0\nframe_every = 1.0\n{beads}[integration]\nintegrator = "overdamped"\n'
+    '[interaction]\nsummation = "grid"\naccuracy = {accuracy}\n'
 )
 ASKED = np.array([1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8])
 COUNT = 3000

@@ -21,7 +21,7 @@ frame_every = "20 ms"
 density = 1150.0
 viscosity = "8 mPa*s"
 surface_tension = "68 mN/m"
-[[floats]]
+[[particles]]
 radius = "1.2 mm"
 density = 1400.0
 contact_angle = "95 deg"

@@ -139,7 +139,7 @@ duration = "1.2 s"
 frame_every = "0.02 s"
 [liquid]
 viscosity = "5 mPa*s"
-[[floats]]
+[[particles]]
 radius = "1.35 mm"
 density = 300.0
 disc = {{ thickness = "0.5 mm" }}

@@ -91,7 +91,7 @@ def in_motion() -> Figure:
     rows = (
         (_run("ellipsoids"), (0, 50, 100)),
         (
-            _run("ellipsoids", "floats[1].shape.angle='-20 deg'", "duration=1.6", "title='Mirror images roll'"),
+            _run("ellipsoids", "particles[1].shape.angle='-20 deg'", "duration=1.6", "title='Mirror images roll'"),
             (0, 55, 160),
         ),
         (_run("needle"), (0, 24, 100)),

@@ -28,7 +28,8 @@ from ecume.simulation import simulate
 
 TEMPLATES = Path(__file__).parents[1] / "src" / "ecume" / "templates"
 SMALL = (
-    "duration=0.8 s", "frame_every=0.8 s", "spheres[0].count=35", "spheres[1].count=35", "box.size=[0.0207, 0.0207]",
+    "duration=0.8 s", "frame_every=0.8 s", "particles[0].count=35", "particles[1].count=35",
+    "cell.size=[0.0207, 0.0207]",
 )  # fmt: skip
 FORCES = (-2.0, -1.5, -1.0, -0.5, -0.25, 0.0, 0.25, 0.5, 1.0, 1.5, 2.0)
 LOOKS = {"t1": ("o", PALETTE[2], "swap (T1)"), "blocked": ("s", PALETTE[0], "blocked"),
@@ -151,7 +152,7 @@ def soft_schemes() -> Figure:
         for tolerance in 10.0 ** -np.arange(2.0, 10.0 if name == "esdirk4" else 8.0):
             scene = from_plain({
                 "model": "soft", "duration": time, "frame_every": time, "liquid": {"viscosity": 1.0},
-                "spheres": spheres, "stepping": {"scheme": name, "tolerance": float(tolerance)},
+                "particles": spheres, "integration": {"integrator": name, "tolerance": float(tolerance)},
             })  # fmt: skip
             numbers = list(simulate(scene))[-1].numbers
             rows.append((numbers["time_steps"], abs(math.log(numbers["smallest_gap"] / 0.1))))

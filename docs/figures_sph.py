@@ -217,10 +217,10 @@ CARRYING = {
     "model": "sph", "duration": 0.5, "frame_every": 0.25, "spacing": 0.015,
     "tank": {"low": [0.0, 0.0], "high": [1.0, 0.6], "top": {"kind": "open"}},
     "fluid": [{"low": [0.0, 0.0], "high": [0.4, 0.3]}],
-    "liquid": {"viscosity": 1e-3, "fastest": 3.0},
+    "liquid": {"viscosity": 1e-3, "maximum_speed": 3.0},
     "method": {"turbulence": "smagorinsky"},
-    "carried": [
-        {"count": 60, "low": [0.05, 0.05], "high": [0.35, 0.25], "eddy_dispersion": True},
+    "passive_tracers": [
+        {"count": 60, "low": [0.05, 0.05], "high": [0.35, 0.25], "turbulent_dispersion": True},
         {"count": 60, "low": [0.05, 0.05], "high": [0.35, 0.25], "radius": 1e-3, "density": 2500.0},
     ],
 }  # fmt: skip
@@ -249,7 +249,7 @@ UNQUIET = {
     "model": "sph", "duration": 40.0, "frame_every": 2.0, "spacing": 1.0 / 16, "gravity": [0.0, -1.0],
     "tank": {"low": [0.0, 0.0], "high": [1.0, 1.6], "top": {"kind": "open"}},
     "fluid": [{"low": [0.0, 0.0], "high": [1.0, 1.0]}],
-    "liquid": {"density": 1.0, "sound_speed": 10.0, "fastest": 1.0},
+    "liquid": {"density": 1.0, "sound_speed": 10.0, "maximum_speed": 1.0},
 }  # fmt: skip
 
 
@@ -266,7 +266,8 @@ def schemes() -> Figure:
     left.legend(loc="upper left")
     looks = (("symplectic", "double", "-"), ("verlet", "double", "--"), ("symplectic", "single", ":"))
     for color, (integrator, precision, dashes) in zip(PALETTE, looks, strict=False):
-        frames = simulated({**UNQUIET, "method": {"jitter": 0.2, "integrator": integrator, "precision": precision}})[1:]
+        steps = {"integration": {"integrator": integrator}}
+        frames = simulated({**UNQUIET, "method": {"jitter": 0.2, "precision": precision}, **steps})[1:]
         speeds = [float(np.sqrt((frame.arrays["velocity"] ** 2).sum(axis=1).mean())) for frame in frames]
         label = f"{integrator}, {precision}"
         right.semilogy([frame.time for frame in frames], speeds, dashes, color=color, label=label)

@@ -87,7 +87,7 @@ def standing_wave() -> Figure:
     runs: dict[str, tuple[int, tuple[str, ...], Any]] = {
         "16 deep": (16, (), ":"),
         "32 deep": (32, (), "-"),
-        "32 deep, friction along velocities": (32, ("method.friction=morris",), "--"),
+        "32 deep, friction along velocities": (32, ("method.viscosity_model=morris",), "--"),
     }
     for (name, (deep, changes, dashes)), color in zip(runs.items(), PALETTE, strict=False):
         times, heights = wave.heights(50.0, deep, changes)

@@ -23,7 +23,7 @@ from ecume.trajectories.frame import Frame
 
 OPEN, FREE = {"kind": "open"}, {"slip": "free"}
 SOLID = {"facecolor": "#e8e4da", "edgecolor": INK, "linewidth": 1.0}
-WATER = {"density": 1.0, "sound_speed": 10.0, "fastest": 1.4}
+WATER = {"density": 1.0, "sound_speed": 10.0, "maximum_speed": 1.4}
 
 
 def tank(width: float, height: float, **sides: Any) -> dict[str, Any]:
@@ -73,9 +73,9 @@ def sides() -> Figure:
     for axes, clip in zip(panels[4:], (True, False), strict=True):
         one = tank(1.2, 1.0, walls="dummy")
         changes = {"gravity": [0.0, 0.0], "fluid": [leaving], "duration": 0.8, "frame_every": 0.8}
-        last = simulated(pool(1.2, 0.5, tank=one, method={"walls_clip": clip}, **changes))[-1]
+        last = simulated(pool(1.2, 0.5, tank=one, method={"nonnegative_wall_pressure": clip}, **changes))[-1]
         by_speed(axes, last, 0.5, (1.2, 1.0))
-        axes.set_title(f"dummies, walls_clip = {str(clip).lower()}")
+        axes.set_title(f"dummies, nonnegative_wall_pressure = {str(clip).lower()}")
     return drawn
 
 
@@ -101,13 +101,13 @@ def to_a_point(axes: Axes) -> None:
     square = {"low": [-0.5, -0.5], "high": [0.5, 0.5]}
     around = dict.fromkeys(("left", "right", "bottom", "top"), OPEN)
     free = {"low": [-1.0, -1.0], "high": [1.0, 1.0], **around}
-    drop = {"fluid": [square], "gravity": [0.0, 0.0], "central_pull": {"rate": 1.0, "center": [0.0, 0.0]}}
+    drop = {"fluid": [square], "gravity": [0.0, 0.0], "central_force": {"angular_frequency": 1.0, "center": [0.0, 0.0]}}
     frames = simulated(pool(1.0, 0.5, tank=free, duration=6.0, frame_every=3.0, **drop))
     for frame, shift in zip(frames, (-1.4, 0.0, 1.4), strict=True):
         x, y = frame.arrays["position"].T
         axes.plot(x + shift, y, ".", color=PALETTE[0], markersize=2)
         axes.text(shift, -0.95, f"t = {frame.time:g}", ha="center")
-    axes.set(aspect="equal", xlim=(-2.2, 2.2), ylim=(-1.1, 0.8), title="central_pull on a square")
+    axes.set(aspect="equal", xlim=(-2.2, 2.2), ylim=(-1.1, 0.8), title="central_force on a square")
     axes.set_axis_off()
 
 
@@ -117,12 +117,12 @@ def shaken(axes: Axes) -> None:
         "amplitude, frequency": {"amplitude": [0.1, 0.0], "frequency": 0.19},
         "times, accelerations": {"times": [0.0, 2.0, 2.01], "accelerations": [[0.2, 0.0], [0.2, 0.0], [0.0, 0.0]]},
     }
-    gauge = {"name": "side", "place": [0.0, 0.0], "measures": ["level"]}
+    gauge = {"name": "side", "position": [0.0, 0.0], "quantities": ["level"]}
     for (label, shake), color in zip(ways.items(), PALETTE, strict=False):
-        frames = simulated(pool(2.0, 0.6, shake=shake, gauges=[gauge], duration=7.0, frame_every=0.1))
+        frames = simulated(pool(2.0, 0.6, base_excitation=shake, gauges=[gauge], duration=7.0, frame_every=0.1))
         level = [frame.numbers["side_level"] for frame in frames]
         axes.plot([frame.time for frame in frames], level, color=color, label=label)
-    axes.set(xlabel="time", ylabel="level at the left side", title="[shake]")
+    axes.set(xlabel="time", ylabel="level at the left side", title="[base_excitation]")
     axes.legend()
 
 
@@ -160,7 +160,7 @@ IN_SPACE = {
     ],
     "obstacles": [{"low": [0.35, 0.0, 0.1], "high": [0.45, 0.15, 0.2], "color": "#8e44ad"}],
     "bodies": [{"center": [0.1, 0.26, 0.15], "radius": 0.05, "density": 300.0, "color": "#c0392b"}],
-    "liquid": {"fastest": 2.5},
+    "liquid": {"maximum_speed": 2.5},
 }  # fmt: skip
 
 
@@ -191,7 +191,7 @@ def inlets() -> Figure:
     panels[2].set_title("in- and outflow up to a level, over a step")
     drawn.colorbar(dots, ax=panels[2], label="speed", shrink=0.7)
     lid = {"low": [0.0, 0.0], "high": [1.0, 1.0], "top": {"velocity": [1.0, 0.0]}}
-    viscous = {"density": 1.0, "viscosity": 0.02, "sound_speed": 10.0, "fastest": 1.0}
+    viscous = {"density": 1.0, "viscosity": 0.02, "sound_speed": 10.0, "maximum_speed": 1.0}
     full = {"low": [0.0, 0.0], "high": [1.0, 1.0]}
     turned = pool(1.0, 1.0, tank=lid, fluid=[full], liquid=viscous, gravity=[0.0, 0.0], duration=4.0)
     last = simulated({**turned, "frame_every": 4.0})[-1]
@@ -207,7 +207,7 @@ def channel(left: dict[str, Any], right: dict[str, Any]) -> dict[str, Any]:
     return {
         "duration": 3.0, "frame_every": 3.0, "spacing": 0.0625, "gravity": [0.0, 0.0], "tank": room,
         "fluid": [{"low": [0.0, 0.0], "high": [2.0, 1.0], "velocity": [1.0, 0.0]}],
-        "liquid": {"density": 1.0, "viscosity": 0.1, "sound_speed": 15.0, "fastest": 1.5},
+        "liquid": {"density": 1.0, "viscosity": 0.1, "sound_speed": 15.0, "maximum_speed": 1.5},
         "method": {"shifting": "delta-plus"},
     }  # fmt: skip
 
@@ -217,9 +217,9 @@ def gauges() -> Figure:
     drawn = figure(11.0, 3.2)
     left, middle, right = drawn.subplots(1, 3, width_ratios=[1.6, 1.0, 1.0])
     probes = [
-        {"name": "sensor", "place": [3.2, 0.05]},
-        {"name": "post", "place": [2.0, 0.0], "measures": ["level"]},
-        {"name": "line", "place": [1.2, 0.0], "end": [1.2, 0.6], "count": 7, "measures": ["velocity"]},
+        {"name": "sensor", "position": [3.2, 0.05]},
+        {"name": "post", "position": [2.0, 0.0], "quantities": ["level"]},
+        {"name": "line", "position": [1.2, 0.0], "end": [1.2, 0.6], "count": 7, "quantities": ["velocity"]},
     ]
     dam = [{"low": [0.0, 0.0], "high": [1.0, 1.0]}]
     frames = simulated(pool(3.2, 1.0, fluid=dam, gauges=probes, spacing=0.04, duration=4.0, frame_every=0.05))
@@ -249,7 +249,7 @@ def turbulence() -> Figure:
     drawn = figure(11.0, 3.4)
     left, *rest = drawn.subplots(1, 4)
     for name, color in zip(("none", "smagorinsky"), PALETTE, strict=False):
-        frames = simulated(sheared({"turbulence": name, "friction": "morris", "jitter": 0.1}))
+        frames = simulated(sheared({"turbulence": name, "viscosity_model": "morris", "jitter": 0.1}))
         y, speed = frames[-1].arrays["position"][:, 1], frames[-1].arrays["velocity"][:, 0]
         left.plot(speed, y, ".", color=color, markersize=3, label=f'"{name}"')
     left.set(xlabel="speed / U", ylabel="height / H", title=f"a jump of speed, t = {frames[-1].time:g} H/U")
@@ -257,11 +257,14 @@ def turbulence() -> Figure:
     cloud = {"count": 150, "low": [0.9, 0.48], "high": [1.1, 0.52]}
     ways = (
         {},
-        {"eddy_dispersion": True},
-        {"eddy_dispersion": True, "schmidt": 0.05},
+        {"turbulent_dispersion": True},
+        {"turbulent_dispersion": True, "schmidt_number": 0.05},
     )
     for axes, way in zip(rest, ways, strict=True):
-        scene = sheared({"turbulence": "smagorinsky", "friction": "morris", "jitter": 0.1}, carried=[{**cloud, **way}])
+        scene = sheared(
+            {"turbulence": "smagorinsky", "viscosity_model": "morris", "jitter": 0.1},
+            passive_tracers=[{**cloud, **way}],
+        )
         frames = simulated(scene)
         for frame, color in ((frames[0], MUTED), (frames[-1], PALETTE[1])):
             mine = frame.arrays["species"] == 2
@@ -270,7 +273,11 @@ def turbulence() -> Figure:
         axes.set(xlim=(-0.02, 2.02), ylim=(-0.02, 1.02), aspect="equal")
         axes.set_axis_off()
         axes.set_title(
-            "eddy_dispersion, schmidt = 0.05" if "schmidt" in way else "eddy_dispersion" if way else "tracers"
+            "turbulent_dispersion, schmidt_number = 0.05"
+            if "schmidt_number" in way
+            else "turbulent_dispersion"
+            if way
+            else "tracers"
         )
     return drawn
 
@@ -290,7 +297,8 @@ def sheared(method: dict[str, Any], **changes: Any) -> dict[str, Any]:
     return {
         "duration": 1.5, "frame_every": 1.5, "spacing": 0.05, "gravity": [0.0, 0.0],
         "tank": {"low": [0.0, 0.0], "high": [2.0, 1.0], **around}, "fluid": halves,
-        "liquid": {"density": 1.0, "viscosity": 1e-4, "sound_speed": 10.0, "fastest": 1.0}, "method": method, **changes,
+        "liquid": {"density": 1.0, "viscosity": 1e-4, "sound_speed": 10.0, "maximum_speed": 1.0},
+        "method": method, **changes,
     }  # fmt: skip
 
 

@@ -12,7 +12,7 @@ from matplotlib.patches import Polygon
 
 from ecume.engine import walls
 from ecume.laws import brownian, drag
-from ecume.scenes.tracers import ParticleSpec, TankSpec, TracerMotionSpec, TracersScene
+from ecume.scenes.tracers import ParticleSpec, TankSpec, TracerHydrodynamicsSpec, TracersScene
 from ecume.show.style import INK, MUTED, PALETTE, RIM, figure, legend_outside
 from ecume.simulation import simulate
 
@@ -89,8 +89,8 @@ def settling_profile() -> Figure:
         duration=16 * unit,
         frame_every=unit,
         particles=(ParticleSpec(radius=radius, density=1100.0, count=10_000),),
-        tank=TankSpec(size=(tall, tall + 2 * radius)),
-        motion=TracerMotionSpec(brownian=True),
+        tank=TankSpec(high=(tall, tall + 2 * radius)),
+        hydrodynamics=TracerHydrodynamicsSpec(brownian=True),
     )
     frames = list(simulate(scene))
     drawn = figure(6.0, 3.4)

@@ -15,4 +15,4 @@ def first_step(scene):
 
 for template in sorted((files("ecume") / "templates").glob("*.toml")):
     first_step(ecume.load_scene(template))
-first_step(two_floats(6e-3, motion='integrator = "rk4"'))
+first_step(two_floats(6e-3, hydrodynamics="", integration='integrator = "rk4"'))

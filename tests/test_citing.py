@@ -37,7 +37,7 @@ def test_papers_follow_the_options():
     assert "monaghan1985" in papers("tank-at-rest", "method.kernel=cubic-spline")
     assert "monaghan1985" not in papers("tank-at-rest")
     assert "wendland1995" in papers("tank-at-rest")
-    assert "schiller1933" not in papers("bouncing-particles", "motion.drag=stokes")
+    assert "schiller1933" not in papers("bouncing-particles", "hydrodynamics.drag=stokes")
     assert "dalrymple2006" in papers("dam-break", "method.turbulence=smagorinsky")
     assert "fourtakas2019" in papers("tank-at-rest")
     assert "fourtakas2019" not in papers("tank-at-rest", "method.density_diffusion=molteni")
@@ -45,7 +45,7 @@ def test_papers_follow_the_options():
     assert "brackbill1992" in papers("rounding-drop")
     assert "akinci2013" not in papers("rounding-drop")
     assert "akinci2013" in papers("rounding-drop", "method.surface_tension_model=cohesion")
-    assert "hosea1996" in papers("t1", "stepping.scheme=tr-bdf2")
+    assert "hosea1996" in papers("t1", "integration.integrator=tr-bdf2")
     assert "kennedy2003" in papers("t1")
     assert "vassileva2005" in papers("cereal-discs")
     assert "vassileva2005" not in papers("cereal-bowl")
@@ -89,9 +89,9 @@ def test_the_verb_prints_bibtex(tmp_path, monkeypatch):
         ("t1", "films.surface=jelly"),
         ("t1", "films.interface=jelly"),
         ("t1", "films.friction=jelly"),
-        ("t1", "remote.law=jelly"),
-        ("t1", "stepping.scheme=jelly"),
-        ("settling", "motion.drag=jelly"),
+        ("t1", "long_range_forces.law=jelly"),
+        ("t1", "integration.integrator=jelly"),
+        ("settling", "hydrodynamics.drag=jelly"),
         ("dam-break", "method.kernel=jelly"),
     ],
 )

@@ -26,8 +26,8 @@ gravity = [0.0, 0.0, 0.0]
 [liquid]
 density = {density}
 sound_speed = {sound}
-fastest = 1.0
-exponent = {exponent}
+maximum_speed = 1.0
+tait_exponent = {exponent}
 [[fluid]]
 low = [0.0, 0.0, 0.0]
 high = [{side}, {side}, {side}]
@@ -41,14 +41,16 @@ top.kind = "{sides}"
 front.kind = "{sides}"
 back.kind = "{sides}"
 [method]
-smoothing = {smoothing}
+smoothing_ratio = {smoothing}
 density_diffusion = "none"
 shifting = "none"
 artificial_viscosity = {alpha}
-start = "rest"
+initial_pressure = "zero"
+precision = "{precision}"
+
+[integration]
 integrator = "verlet"
 time_step = {time_step}
-precision = "{precision}"
 """
 
 

@@ -1,4 +1,6 @@
-"""The reference of scenes, from the schema: every table, every key with its unit, default, range and meaning."""
+"""The reference of scenes, from the schema: every table, every key with its unit, default, range, an example, its
+meaning and its effect.
+"""
 
 from __future__ import annotations
 
@@ -6,9 +8,12 @@ import dataclasses
 import inspect
 import math
 import re
+import tomllib
 import types
 import typing
 from collections.abc import Iterator
+from functools import cache
+from importlib.resources import files
 from typing import Any, NamedTuple
 
 import writing
@@ -17,11 +22,17 @@ from writing import cell, docstrings, toctree
 from ecume.scenes.floating.sources import SOURCES
 from ecume.scenes.schema import SCENES
 from ecume.scenes.templates import templates
+from ecume.units import example
 
+EFFECT = re.compile(r"\s*\bEffect:\s+")
+EXAMPLE = re.compile(r"\s*\bExample:\s+`([^`]*)`\.?")
+"""Separates the meaning of a key from the effect of changing it."""
 INTRODUCTION = """
-Plain numbers are in SI units; text carries its unit, as in `"2 mm"` or `"70 deg"`. What is not asked for has the
-default in the table; *needed* means that there is none. `ecume check SCENE` tells all faults of a scene at once, with
-their lines, and what follows from it.
+Plain numbers are in SI units; text carries its unit, as in `"2 mm"` or `"70 deg"`. A key that a scene omits has the
+default in the table; *needed* means that the key is required. `ecume check SCENE` reports all faults of a scene at
+once, with their lines, and prints derived quantities.
+
+The [scene vocabulary](../../vocabulary.md) compares the keys of the four models.
 
 Any key can be changed on the command line: `ecume run bowl.toml --set "liquid.viscosity=5 mPa*s"`.
 """
@@ -31,7 +42,7 @@ class Table(NamedTuple):
     """A table of a scene's file."""
 
     path: str
-    """as its heading stands in the file: `[liquid]`, `[[floats]]`; nothing for the top"""
+    """as its heading stands in the file: `[liquid]`, `[[particles]]`; nothing for the top"""
     kind: type
 
 
@@ -45,10 +56,10 @@ def pages() -> dict[str, str]:
 
 def page(model: str) -> str:
     """All tables of a model's scenes."""
-    parts = [f"# The model `{model}`\n\n{prose(SCENES[model])}\n"]
+    parts = [f"# Scene keys of the model `{model}`\n\n{prose(SCENES[model])}\n"]
     for table in tables(SCENES[model]):
-        title, says = (f"## `{table.path}`", prose(table.kind)) if table.path else ("## The scene itself", "")
-        rows = [row(field) for field in fields_of(table.kind)]
+        title, says = (f"## {concept(table)}", prose(table.kind)) if table.path else ("## Top level", "")
+        rows = [row(field, example_of(model, table, field)) for field in fields_of(table.kind)]
         parts.append(
             "\n".join(
                 [
@@ -56,8 +67,8 @@ def page(model: str) -> str:
                     "",
                     says,
                     "",
-                    "| key | unit | default | allowed | meaning |",
-                    "|---|---|---|---|---|",
+                    "| key | unit | default | range | example | meaning | effect |",
+                    "|---|---|---|---|---|---|---|",
                     *rows,
                     "",
                 ]
@@ -72,9 +83,6 @@ def page(model: str) -> str:
 
 def model_of(template: str) -> str:
     """Which model a template is a scene of."""
-    import tomllib
-    from importlib.resources import files
-
     return str(tomllib.loads((files("ecume") / "templates" / f"{template}.toml").read_text(encoding="utf-8"))["model"])
 
 
@@ -127,7 +135,103 @@ def default(field: dataclasses.Field[Any]) -> object:
     return field.default_factory() if field.default_factory is not dataclasses.MISSING else field.default
 
 
-def row(field: Field) -> str:
+def concept(table: Table) -> str:
+    """The heading of a table: its concept, and how a file writes it."""
+    words = table.path.strip("[]").replace(".", ": ").replace("_", " ")
+    return f"{words[:1].upper()}{words[1:]} (`{table.path}`)"
+
+
+def meaning_of(field: Field) -> str:
+    """What a key is."""
+    return EFFECT.split(EXAMPLE.sub("", field.says))[0].strip()
+
+
+def effect_of(field: Field) -> str:
+    """What changing a key does."""
+    text = " ".join(EFFECT.split(EXAMPLE.sub("", field.says))[1:]).strip()
+    return text[:1].upper() + text[1:]
+
+
+@cache
+def scenes_of(model: str) -> list[dict[str, Any]]:
+    """The templates of a model, as they are written."""
+    home = files("ecume") / "templates"
+    read = [tomllib.loads((home / f"{name}.toml").read_text(encoding="utf-8")) for name in sorted(templates())]
+    return [plain for plain in read if plain["model"] == model]
+
+
+def example_of(model: str, table: Table, field: Field) -> str:
+    """A value of a key: that of a template, or else one that fits its type."""
+    path = [*(table.path.strip("[]").split(".") if table.path else []), field.name]
+    found = [value for plain in scenes_of(model) for value in values_at(plain, path)]
+    known = EXAMPLE.findall(field.says) + [value for value in map(toml, found) if len(value) <= LONGEST_EXAMPLE]
+    return next(iter(known), "") or made_up(field)
+
+
+LONGEST_EXAMPLE = 44
+
+
+def values_at(plain: Any, path: list[str]) -> Iterator[Any]:
+    """The values at a path, whichever item of a list they are in."""
+    if isinstance(plain, list) and path and all(isinstance(item, dict) for item in plain):
+        for item in plain:
+            yield from values_at(item, path)
+    elif not path:
+        yield plain
+    elif isinstance(plain, dict) and path[0] in plain:
+        yield from values_at(plain[path[0]], path[1:])
+
+
+def toml(value: Any) -> str:
+    """A value as a file writes it; tables and lists of tables as their brackets."""
+    if isinstance(value, dict):
+        return f"{{ {', '.join(f'{key} = {toml(item)}' for key, item in value.items())} }}"
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, list):
+        return f"[{', '.join(map(toml, value))}]"
+    return f'"{value}"' if isinstance(value, str) else f"{value!r}"
+
+
+def made_up(field: Field) -> str:
+    """A value that fits the type of a key."""
+    words = [word for word in choices(field.hint) if word != field.default]
+    named = [word for word in re.findall(r"`([a-z0-9-]+)`", meaning_of(field)) if word != field.default]
+    unit = unit_of(field.hint)
+    if below := list(parts_of(field.hint)):
+        return f"[[{field.name}]]" if below[0][1] else f"[{field.name}]"
+    if bool in (field.hint, *typing.get_args(field.hint)) or isinstance(field.default, bool):
+        return str(not field.default).lower()
+    if words:
+        return f'"{words[0]}"'
+    if unit:
+        return listed(field.hint, f'"{example(unit)}"')
+    if named and not isinstance(field.default, (int, float)):
+        return f'"{named[0]}"'
+    if isinstance(field.default, (int, float)) and field.default:
+        return toml(field.default)
+    if str in typing.get_args(field.hint) or "str" in str(field.hint):
+        return f'"{field.name}"'
+    ends = allowed(field.hint)
+    return listed(field.hint, "1" if not ends.startswith(("0 to 1", "above 0, to 1")) else "0.5")
+
+
+def listed(hint: Any, item: str) -> str:
+    """An example of a list's item as one of the list."""
+    text = str(hint)
+    if "tuple[" not in text:
+        return item
+    return f"[[{item}, {item}]]" if text.count("tuple[") > 1 else f"[{item}, {item}]"
+
+
+def choices(hint: Any) -> list[str]:
+    """The words that a key accepts by its type."""
+    if typing.get_origin(hint) is typing.Literal:
+        return [word for word in typing.get_args(hint) if word != ""]
+    return [word for part in typing.get_args(hint) for word in choices(part)]
+
+
+def row(field: Field, sample: str) -> str:
     """A key as a row."""
     unit = unit_of(field.hint)
     usual = (
@@ -135,7 +239,10 @@ def row(field: Field) -> str:
         if unit == "rad" and isinstance(field.default, float)
         else written(field.default)
     )
-    cells = (f"`{field.name}`", unit or "–", usual, allowed(field.hint), field.says)
+    cells = (
+        f"`{field.name}`", unit or "–", usual, allowed(field.hint) or "–", f"`{sample}`",
+        meaning_of(field), effect_of(field) or "–",
+    )  # fmt: skip
     return f"| {' | '.join(map(cell, cells))} |"
 
 

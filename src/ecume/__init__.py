@@ -25,9 +25,10 @@ if TYPE_CHECKING:
         FloatingScene,
         FloatRow,
         FloatSpec,
+        HydrodynamicsSpec,
+        IntegrationSpec,
         InteractionSpec,
         LiquidSpec,
-        MotionSpec,
         SurfaceEnergies,
     )
     from ecume.scenes.load import load_scene
@@ -50,9 +51,10 @@ __all__ = [
     "FloaterSinks",
     "FloatingScene",
     "Frame",
+    "HydrodynamicsSpec",
+    "IntegrationSpec",
     "InteractionSpec",
     "LiquidSpec",
-    "MotionSpec",
     "RunExists",
     "Scene",
     "SceneError",
@@ -76,8 +78,8 @@ _HOMES = {
     "ecume.errors": "BadInput Diverged EcumeError FloaterSinks RunExists SceneError Stopped StorageError",
     "ecume.fitting": "fit",
     "ecume.run": "resume",
-    "ecume.scenes.floating": "ContactSpec DishSpec FloatRow FloatSpec FloatingScene InteractionSpec LiquidSpec"
-    " MotionSpec SurfaceEnergies",
+    "ecume.scenes.floating": "ContactSpec DishSpec FloatRow FloatSpec FloatingScene HydrodynamicsSpec"
+    " IntegrationSpec InteractionSpec LiquidSpec SurfaceEnergies",
     "ecume.scenes.load": "load_scene",
     "ecume.scenes.schema": "Scene from_plain scene_hash to_plain to_toml",
     "ecume.simulation": "simulate",

@@ -29,8 +29,8 @@ class BadInput(EcumeError, ValueError):
 
 
 class Fault(NamedTuple):
-    """One fault of a scene: its path (`floats[0].radius`), what is wrong with the way out, and where it stands in the
-    file.
+    """One fault of a scene: its path (`particles[0].radius`), what is wrong with the way out, and where it stands in
+    the file.
     """
 
     path: str

@@ -22,7 +22,7 @@ duration = "20 ms"
 frame_every = "10 ms"
 
 [tank]
-size = ["1 cm", "1 cm"]
+high = ["1 cm", "1 cm"]
 
 [[particles]]
 radius = "50 um"
@@ -70,13 +70,13 @@ def test_two_runs_of_one_scene_are_the_same_and_two_of_others_are_not() -> None:
     assert found.same
     assert found == ([], [], (3, 3), 3, [])
     assert cli.invoke(app, ["compare", "one", "again"]).exit_code == 0
-    other = made("other", "liquid.gravity=5", "frame_every=20 ms")
+    other = made("other", "gravity=5", "frame_every=20 ms")
     found = compare(one, other)
     assert not found.same
     assert (found.frames, found.common) == ((3, 2), 2)
     changed = {change.name: (change.first, change.second) for change in found.scene}
     assert changed["frame_every"] == (0.01, 0.02)
-    assert changed["liquid.gravity"][1] == 5.0
+    assert changed["gravity"][1] == 5.0
     position = next(row for row in found.quantities if row.name == "position")
     from ecume.trajectories.reader import open_trajectory
 
@@ -86,7 +86,7 @@ def test_two_runs_of_one_scene_are_the_same_and_two_of_others_are_not() -> None:
     assert (position.unit, position.from_time) == ("m", 0.02)
     done = cli.invoke(app, ["compare", "one", "other"])
     assert done.exit_code == 1
-    assert "liquid.gravity" in done.stdout
+    assert "gravity" in done.stdout
     assert "differs from" in done.stdout
     plain = json.loads(cli.invoke(app, ["compare", "one", "other", "--json"]).stdout)
     assert plain["same"] is False

@@ -177,7 +177,7 @@ def test_a_bead_run_is_told_exported_and_not_replaced() -> None:
 def test_a_scene_starts_from_the_end_of_a_run() -> None:
     assert cli.invoke(app, ["run", "beads.toml", "-o", "beads", "--set", "duration=60 ms", "-q"]).exit_code == 0
     text = Path("beads.toml").read_text()
-    Path("more.toml").write_text('start_from = "beads@-1"\n' + text[: text.index("[[floats]]")])
+    Path("more.toml").write_text('start_from = "beads@-1"\n' + text[: text.index("[[particles]]")])
     done = cli.invoke(app, ["check", "more.toml"])
     assert done.exit_code == 0, done.stderr
 

@@ -97,23 +97,23 @@ def test_what_a_model_refuses_is_told_with_its_line() -> None:
     Path("two-spheres.toml").write_text(text)
     done = cli.invoke(app, ["check", "two-spheres.toml"])
     assert done.exit_code == 2
-    assert f"line {text[: text.index('[[floats]]')].count(chr(10)) + 1}, column 1: floats[0]" in done.stderr
+    assert f"line {text[: text.index('[[particles]]')].count(chr(10)) + 1}, column 1: particles[0]" in done.stderr
 
 
 @pytest.mark.parametrize(
     ("change", "says"),
     [
-        ("positions=[[0, 0], [0.001, 0]]", "floats[0].positions[0]: overlaps floats[0].positions[1] by 0.001 m"),
-        ("positions=[[0, 0], [1, 0]]", "floats[0].positions[1]: (1 m, 0 m) is not inside the dish"),
+        ("positions=[[0, 0], [0.001, 0]]", "particles[0].positions[0]: overlaps particles[0].positions[1] by 0.001 m"),
+        ("positions=[[0, 0], [1, 0]]", "particles[0].positions[1]: (1 m, 0 m) is not inside the dish"),
         ("count=5000", "floats: only "),
     ],
 )
 def test_check_tells_what_would_keep_a_run_from_starting(change: str, says: str) -> None:
     Path("dish.toml").write_text(
         'model = "floating"\nduration = 1\nframe_every = 0.1\n[dish]\nradius = "2 cm"\n'
-        '[[floats]]\nradius = "1 mm"\ndensity = 600\ncontact_angle = "70 deg"\n'
+        '[[particles]]\nradius = "1 mm"\ndensity = 600\ncontact_angle = "70 deg"\n'
     )
-    done = cli.invoke(app, ["check", "dish.toml", "--set", f"floats[0].{change}"])
+    done = cli.invoke(app, ["check", "dish.toml", "--set", f"particles[0].{change}"])
     assert done.exit_code == 2
     assert says in done.stderr
 
@@ -125,7 +125,7 @@ def test_what_a_model_refuses_of_a_table_is_told_with_the_tables_line(monkeypatc
     with pytest.raises(SceneError) as caught, placed(Path("raft-from-table.toml"), []):
         raise SceneError([Fault("rows[1]", "overlaps rows[0]")])
     beads = "raft-from-table.csv, line"
-    assert f"floats_from: {beads} 4: overlaps {beads} 3" in str(caught.value)
+    assert f"particles_from: {beads} 4: overlaps {beads} 3" in str(caught.value)
 
 
 def test_small_scenes_are_checked_without_the_compiler_in_a_process_of_their_own(

@@ -26,31 +26,31 @@ OPTIONS: dict[str, tuple[str, dict[str, str]]] = {
     "one-sided law": ("law", {"interaction": 'law = "one-sided-legacy"\n'}),
     "pair-corrected": ("method", {"interaction": 'method = "pair-corrected"\n'}),
     "multipole": ("method", {"interaction": 'method = "multipole"\norder = 2\n'}),
-    "grid": ("sum", {"interaction": 'sum = "grid"\n'}),
+    "grid": ("sum", {"interaction": 'summation = "grid"\n'}),
     "single precision": ("precision", {"interaction": 'precision = "single"\n'}),
-    "dipoles": ("dipoles", {"floats": "magnetic_moment = 1e-10\n"}),
-    "shapes": ("shapes", {"more": '[[floats]]\nradius = 3e-5\ndensity = 2000.0\ncontact_angle = 1.5\n'
+    "dipoles": ("dipoles", {"particles": "magnetic_moment = 1e-10\n"}),
+    "shapes": ("shapes", {"more": '[[particles]]\nradius = 3e-5\ndensity = 2000.0\ncontact_angle = 1.5\n'
                'positions = [[-1.5e-4, -5e-5]]\nshape = { kind = "ellipsoid", width = 2.5e-5 }\n'}),
-    "films": ("films", {"motion": "films = { roughness = 1e-8 }\n"}),
+    "films": ("films", {"hydrodynamics": "lubrication = { roughness = 1e-8 }\n"}),
     "springs": ("contacts", {"contacts": 'law = "spring-dashpot"\nstiffness = 1.0\nrestitution = 0.5\n'}),
     "no contacts": ("contacts", {"contacts": 'law = "none"\n'}),
     "legacy contacts": ("contacts", {"contacts": "legacy_coefficient = 0.5\n"}),
     "friction": ("contacts", {"contacts": "friction = 0.3\n"}),
-    "velocity-verlet": ("integrator", {"motion": 'integrator = "velocity-verlet"\n'}),
-    "explicit-euler": ("integrator", {"motion": 'integrator = "explicit-euler"\n'}),
-    "semi-implicit-euler": ("integrator", {"motion": 'integrator = "semi-implicit-euler"\n'}),
-    "stormer-verlet": ("integrator", {"motion": 'integrator = "stormer-verlet"\n'}),
-    "rk4": ("integrator", {"motion": 'integrator = "rk4"\n'}),
-    "overdamped": ("integrator", {"motion": 'integrator = "overdamped"\n'}),
+    "velocity-verlet": ("integrator", {"integration": 'integrator = "velocity-verlet"\n'}),
+    "explicit-euler": ("integrator", {"integration": 'integrator = "explicit-euler"\n'}),
+    "semi-implicit-euler": ("integrator", {"integration": 'integrator = "semi-implicit-euler"\n'}),
+    "stormer-verlet": ("integrator", {"integration": 'integrator = "stormer-verlet"\n'}),
+    "rk4": ("integrator", {"integration": 'integrator = "rk4"\n'}),
+    "overdamped": ("integrator", {"integration": 'integrator = "overdamped"\n'}),
     "round dish": ("dish", {"dish": "radius = 1e-3\nrestitution = 0.5\n"}),
     "square dish": ("dish", {"dish": "size = [2e-3, 2e-3]\nrestitution = 0.5\n"}),
     "wall profile": ("dish", {"dish": 'radius = 1e-3\nrestitution = 0.5\nlaw = "profile"\n'}),
     "dish in motion": ("dish", {"dish": "radius = 1e-3\nrestitution = 0.5\n"
                        "motion = { amplitude = 1e-5, frequency = 2.0 }\n"}),
-    "flow": ("flow", {"liquid": "flow = { rotation = 1.0 }\n"}),
-    "noise": ("noise", {"motion": "temperature = 300.0\n"}),
-    "fast drag": ("drag", {"motion": 'drag_law = "schiller-naumann"\n'}),
-    "added mass": ("mass", {"motion": "added_mass = true\n"}),
+    "flow": ("flow", {"flow": "rotation_rate = 1.0\n"}),
+    "noise": ("noise", {"hydrodynamics": "brownian = true\n", "liquid": "temperature = 300.0\n"}),
+    "fast drag": ("drag", {"hydrodynamics": 'drag = "schiller-naumann"\n'}),
+    "added mass": ("mass", {"hydrodynamics": "added_mass = true\n"}),
 }  # fmt: skip
 """What it is a choice of, and the lines that a scene has for it, table by table."""
 SUPPORT = {"films": 'integrator = "overdamped"\n', "noise": 'integrator = "overdamped"\n'}
@@ -82,21 +82,26 @@ def shorten_tables(replace: Callable[[Any, str, Any], None]) -> None:
     replace(multipoles, "ORDER", 2)
 
 
+TABLES = ("liquid", "flow", "dish", "integration", "hydrodynamics", "contacts", "interaction")
+
+
 def scene_with(*names: str) -> Any:
     """Three unlike small floats at rest with these options."""
-    tables = dict.fromkeys(("liquid", "floats", "more", "dish", "motion", "contacts", "interaction"), "")
+    tables = dict.fromkeys(("particles", "more", *TABLES), "")
     for name in names:
         for table, lines in OPTIONS[name][1].items():
             tables[table] += lines
-    if "integrator" not in tables["motion"]:
-        tables["motion"] += next((SUPPORT[name] for name in names if name in SUPPORT), "")
+    if "integrator" not in tables["integration"]:
+        tables["integration"] += next((SUPPORT[name] for name in names if name in SUPPORT), "")
     floats = "".join(
-        f"[[floats]]\nradius = {radius}\ndensity = {density}\ncontact_angle = 1.5\npositions = [{list(place)}]\n"
-        f"{tables['floats']}"
+        f"[[particles]]\nradius = {radius}\ndensity = {density}\ncontact_angle = 1.5\npositions = [{list(place)}]\n"
+        f"{tables['particles']}"
         for place, radius, density in zip(PLACES, (3e-5, 3e-5, 2.7e-5), (2000.0, 200.0, 1500.0), strict=True)
     )
     dish = f"[dish]\n{tables['dish']}" if tables["dish"] else ""
-    rest = "".join(f"[{table}]\n{tables[table]}" for table in ("motion", "contacts", "interaction"))
+    rest = "".join(
+        f"[{table}]\n{tables[table]}" for table in ("flow", "integration", "hydrodynamics", "contacts", "interaction")
+    )
     liquid = f"[liquid]\ndensity = 1000.0\nviscosity = 1e-3\nsurface_tension = 0.0728\n{tables['liquid']}"
     return scene_of(f"{liquid}{floats}{tables['more']}{dish}{rest}", duration=1e-6, frame_every=1e-7)
 

@@ -17,7 +17,7 @@ frame_every = 0.02
 density = 1000.0
 viscosity = "1 mPa*s"
 surface_tension = "72.8 mN/m"
-[[floats]]
+[[particles]]
 radius = 1e-3
 density = 1300.0
 contact_angle = "90 deg"
@@ -74,13 +74,15 @@ scene = ecume.load_scene("""
 model = "floating"
 duration = 1.0
 frame_every = 0.1
-[[floats]]
+[[particles]]
 count = 2
 radius = 1e-4
 density = 1100.0
 contact_angle = "90 deg"
-[motion]
+[integration]
 integrator = "overdamped"
+
+[hydrodynamics]
 temperature = "300 K"
 [interaction]
 law = "yukawa"

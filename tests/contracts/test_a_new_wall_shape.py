@@ -11,7 +11,7 @@ Path("hexagon.toml").write_text("""
 model = "floating"
 duration = 0.2
 frame_every = 0.05
-[[floats]]
+[[particles]]
 count = 12
 radius = "1 mm"
 density = 600.0

@@ -106,19 +106,23 @@ def test_a_type_without_a_law_is_refused():
 
 # ---- with every option, through the model -------------------------------------------------------------------------
 
-FREE = "drag = false\n"
-SLOW = 'integrator = "overdamped"\n'
+FREE = '[hydrodynamics]\ndrag = "none"\n'
+SLOW = '[integration]\nintegrator = "overdamped"\n'
 OPTIONS = {
-    **{scheme: {"motion": f'integrator = "{scheme}"\n{FREE}'} for scheme in SCHEMES if scheme != "overdamped"},
+    **{
+        scheme: {"motion": f'[integration]\nintegrator = "{scheme}"\n{FREE}'}
+        for scheme in SCHEMES if scheme != "overdamped"
+    },
     "overdamped": {"motion": SLOW},
     "friction": {"contacts": "friction = 0.3\n"},
     "springs": {"contacts": 'law = "spring-dashpot"\nstiffness = 2.0\n'},
-    "films": {"motion": f"{SLOW}films = {{ roughness = 1e-6, reach = 2.1 }}\n"},
+    "films": {"motion": f"{SLOW}[hydrodynamics]\nlubrication = {{ roughness = 1e-6, cutoff = 2.1 }}\n"},
     "dipoles": {"floats": "magnetic_moment = 1e-6\n"},
     "single": {"interaction": 'precision = "single"\n'},
     "pair-corrected": {"interaction": 'method = "pair-corrected"\n'},
     "multipole": {"interaction": 'method = "multipole"\norder = 2\n'},
-    "shapes": {"more": "[[floats]]\nradius = 1e-3\ndensity = 1100.0\ncontact_angle = 1.0\npositions = [[0.0, -5e-3]]\n"
+    "shapes": {"more": "[[particles]]\nradius = 1e-3\ndensity = 1100.0\n"
+               "contact_angle = 1.0\npositions = [[0.0, -5e-3]]\n"
                'shape = { kind = "ellipsoid", width = 0.8e-3 }\n'},
 }  # fmt: skip
 """What a scene has beside its pair law."""
@@ -138,11 +142,11 @@ def scene_with(name, option, **changes):
     """Four unlike floats at rest, none of which touch."""
     asked = {"motion": FREE, "floats": "", "contacts": "", "interaction": "", "more": ""} | OPTIONS[option] | changes
     floats = "".join(
-        f"[[floats]]\nradius = {radius}\ndensity = {density}\ncontact_angle = 1.5\npositions = [{list(place)}]\n"
+        f"[[particles]]\nradius = {radius}\ndensity = {density}\ncontact_angle = 1.5\npositions = [{list(place)}]\n"
         f"{asked['floats']}"
         for place, (radius, density) in zip(PLACES, KINDS, strict=True)
     )
-    tables = "".join(f"[{table}]\n{asked[table]}" for table in ("motion", "contacts"))
+    tables = f"{asked['motion']}[contacts]\n{asked['contacts']}"
     law = f'[interaction]\nlaw = "{name}"\n{asked["interaction"]}'
     return scene_of(f"{WATER}{floats}{asked['more']}{tables}{law}", duration=1e-6, frame_every=1e-7)
 
@@ -255,17 +259,16 @@ def test_a_users_own_law_is_added_to_every_law_and_option(name, option):
 def test_ranks_and_grids_take_the_laws_that_can_be_shared_and_split(name):
     parameters, _, _ = begun(name, "velocity-verlet")
     assert bool(refused_by(name, lambda: require_spreadable(parameters), BadInput)) != PAIR_LAWS[name].reciprocal
-    floats = (
-        f"[[floats]]\ncount = 9\nradius = 1e-4\ndensity = 1300.0\ncontact_angle = 1.5\n[interaction]\nlaw = '{name}'\n"
-    )
-    scene = scene_of(f"{WATER}{floats}sum = 'grid'\naccuracy = 1e-3\n")
+    floats = "[[particles]]\ncount = 9\nradius = 1e-4\ndensity = 1300.0\ncontact_angle = 1.5\n"
+    floats += f"[interaction]\nlaw = '{name}'\n"
+    scene = scene_of(f"{WATER}{floats}summation = 'grid'\naccuracy = 1e-3\n")
     assert bool(refused_by(name, lambda: FLOATING.parameters(scene))) != PAIR_LAWS[name].menisci
 
 
 @pytest.mark.compiled
 @combined
 def test_energy_does_not_rise_where_there_is_drag(name, option):
-    given = OPTIONS[option].get("motion", "").replace(FREE, "").replace(", reach = 2.1", "")
+    given = OPTIONS[option].get("motion", "").replace(FREE, "").replace(", cutoff = 2.1", "")
     begun(name, option, motion=given)
     if PAIR_LAWS[name].energy is None:
         return

@@ -38,7 +38,8 @@ def end_of_blob(integrator, steps):
         "liquid": {"density": 1000.0, "sound_speed": 10.0},
         "tank": {"low": [-3.0, -3.0], "high": [3.0, 3.0]},
         "fluid": [{"low": [-0.5, -0.5], "high": [0.5, 0.5], "velocity_gradient": [[0.1, -0.5], [0.6, -0.3]]}],
-        "method": {"integrator": integrator, "time_step": 0.02 / steps, "start": "rest"},
+        "method": {"initial_pressure": "zero"},
+        "integration": {"integrator": integrator, "time_step": 0.02 / steps},
     })
     *_, last = ecume.simulate(scene)
     return last.arrays["position"]
@@ -47,7 +48,7 @@ exact = end_of_blob("symplectic", 32)
 errors = [float(np.abs(end_of_blob("semi-implicit", steps) - exact).max()) for steps in (4, 8)]
 scene = ecume.from_plain({
     "model": "floating", "duration": 0.2, "frame_every": 0.1,
-    "floats": [{"radius": 1e-3, "density": 1300.0, "contact_angle": 1.5, "positions": [[-3e-3, 0.0], [3e-3, 0.0]]}],
+    "particles": [{"radius": 1e-3, "density": 1300.0, "contact_angle": 1.5, "positions": [[-3e-3, 0.0], [3e-3, 0.0]]}],
 })
 frames = list(ecume.simulate(scene))
 axes = figures_of(scene)["fastest"](frames, scene).axes[0]

@@ -28,8 +28,8 @@ def scene_of(films=(), remote=(), x=2.03):
     """Two spheres face to face."""
     spheres = [{"radius": 1.0, "modulus": 1.0, "positions": [[place, 0.0]]} for place in (0.0, x)]
     return from_plain({
-        "model": "soft", "duration": 1.0, "frame_every": 1.0, "spheres": spheres, "films": dict(films),
-        "liquid": {"viscosity": 0.1, "surface_tension": 0.3}, "remote": dict(remote),
+        "model": "soft", "duration": 1.0, "frame_every": 1.0, "particles": spheres, "films": dict(films),
+        "liquid": {"viscosity": 0.1, "surface_tension": 0.3}, "long_range_forces": dict(remote),
     })  # fmt: skip
 
 
@@ -106,8 +106,8 @@ def test_what_acts_across_a_film_is_the_law_that_was_asked_for(name):
         "law": name,
         "strength": 0.02,
         "length": 0.04,
-        "hamaker": 1e-3,
-        "layer_strength": 1e-2,
+        "hamaker_constant": 1e-3,
+        "double_layer_strength": 1e-2,
         "debye_length": 0.05,
     }
     contacts, law = contacts_of(remote=given), REMOTE[name]

@@ -17,7 +17,7 @@ SIZES = [(1.0, 1.0), (0.98, 1.3)]
 """Radius and modulus of the two species."""
 PULLS = [(2.05e-3, 2e-5), (-2.05e-3, -2e-5)]
 """On the spheres of each species (N): nothing is left of their sum, nor of its moment."""
-BOX = {"box": {"size": [4.1, 3.93]}}
+BOX = {"cell": {"size": [4.1, 3.93]}}
 WALLS = {"walls": [{"side": "bottom"}, {"side": "top"}], **BOX}
 RUN = {"time": 0.0}
 
@@ -39,19 +39,26 @@ OPTIONS = {
     "interface drop": {"films": {"interface": "drop", "viscosity_ratio": 0.5}},
     "friction coulomb": {"films": {"friction": "coulomb", "roughness": 0.08}},
     "prefactors physical": {"films": {"prefactors": "physical"}},
-    "reach": {"films": {"reach": 0.4}},
-    "remote steric": {"remote": {"law": "steric", "strength": 1e-3, "length": 0.08}},
-    "remote dlvo": {"remote": {"law": "dlvo", "hamaker": 1e-6, "layer_strength": 1e-4, "debye_length": 0.05}},
-    "scheme tr-bdf2": {"stepping": {"scheme": "tr-bdf2"}},
-    "solver dense": {"stepping": {"solver": "dense"}},
-    "solver iterative": {"stepping": {"solver": "iterative"}},
-    "solver direct": {"stepping": {"solver": "direct"}},
+    "cutoff": {"films": {"cutoff": 0.4}},
+    "long-range steric": {"long_range_forces": {"law": "steric", "steric_strength": 1e-3, "steric_length": 0.08}},
+    "long-range dlvo": {
+        "long_range_forces": {
+            "law": "dlvo",
+            "hamaker_constant": 1e-6,
+            "double_layer_strength": 1e-4,
+            "debye_length": 0.05,
+        }
+    },
+    "integrator tr-bdf2": {"integration": {"integrator": "tr-bdf2"}},
+    "solver dense": {"integration": {"solver": "dense"}},
+    "solver iterative": {"integration": {"solver": "iterative"}},
+    "solver direct": {"integration": {"solver": "direct"}},
     "3D": {"dimensions": 3},
     "rotation": {"rotation": True},
     "torque": {"rotation": True, "torque": 1e-4},
-    "liquid.drag": {"liquid": {"drag": True}},
+    "hydrodynamics.drag": {"hydrodynamics": {"drag": "stokes"}},
     "gravity": {"gravity": -1e-4},
-    "box": BOX,
+    "cell": BOX,
     "walls": WALLS,
     "walls that move": merged(WALLS, {"walls": [{}, {"velocity": [0.05, 0.0]}]}),
     "walls that yield": merged(WALLS, {"walls": [{}, {"pressure": 2e-3, "shear_stress": 1e-3}]}),
@@ -72,7 +79,7 @@ PAIRS = list(itertools.combinations(OPTIONS, 2))
 def plain_of(one, other):
     """The scene of two options: four spheres close together."""
     asked = copy.deepcopy(merged(OPTIONS[one], OPTIONS[other]))
-    dimensions, boxed, gravity = asked.pop("dimensions", 2), "box" in asked, asked.pop("gravity", 0.0)
+    dimensions, boxed, gravity = asked.pop("dimensions", 2), "cell" in asked, asked.pop("gravity", 0.0)
     torque = asked.pop("torque", 0.0)
     deep = dimensions - 2
     spheres = [
@@ -84,13 +91,13 @@ def plain_of(one, other):
         if torque:
             species["torque"] = [sign * torque] if dimensions == 2 else [0.0, 0.0, sign * torque]
     if boxed:
-        asked["box"] = {"size": [*BOX["box"]["size"], *[2.3] * deep]}
+        asked["cell"] = {"size": [*BOX["cell"]["size"], *[2.3] * deep]}
     for wall in asked.get("walls", []):
         if "velocity" in wall:
             wall["velocity"] = [*wall["velocity"], *[0.0] * deep]
     base = {
-        "model": "soft", "duration": 0.2, "frame_every": 0.1, "spheres": spheres,
-        "liquid": {"viscosity": 0.1, "surface_tension": 0.3, "density": 1000.0}, "stepping": {"tolerance": 1e-5},
+        "model": "soft", "duration": 0.2, "frame_every": 0.1, "particles": spheres,
+        "liquid": {"viscosity": 0.1, "surface_tension": 0.3, "density": 1000.0}, "integration": {"tolerance": 1e-5},
     }  # fmt: skip
     return merged(base, asked) | ({"gravity": [0.0, gravity, *[0.0] * deep]} if gravity else {})
 

@@ -106,7 +106,7 @@ def test_the_sums_of_a_tank_are_those_of_the_formulas_of_the_row(name, dimension
 @DIMENSIONS
 def test_the_mass_density_summed_over_particles_is_that_of_the_row(name, dimension):
     spec = {"count": 20, "low": [-0.3] * dimension, "high": [0.3] * dimension}
-    scene = from_plain({**to_plain(free_blob(dimension, kernel=name)), "carried": [spec]})
+    scene = from_plain({**to_plain(free_blob(dimension, kernel=name)), "passive_tracers": [spec]})
     parameters, state, workspace = at_start(scene)
     take_forces(parameters, state, workspace, parameters.time_step)
     found = surroundings(parameters, workspace, state.carried_position).fraction

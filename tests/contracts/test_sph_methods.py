@@ -29,8 +29,8 @@ def at_start(scene):
 def test_a_body_gets_the_momentum_that_the_liquid_loses(force, friction):
     # At a free surface there must be no background pressure.
     more = {"background_pressure": 0.0} if force == "transport" else {}
-    method = {"jitter": 0.2, "pressure_force": force, "friction": friction, **more}
-    liquid = {"density": 1000.0, "sound_speed": 10.0, "fastest": 1.0, "viscosity": 20.0}
+    method = {"jitter": 0.2, "pressure_force": force, "viscosity_model": friction, **more}
+    liquid = {"density": 1000.0, "sound_speed": 10.0, "maximum_speed": 1.0, "viscosity": 20.0}
     scene = blob(gravity=[0.0, 0.0], liquid=liquid, method=method)
     parameters, state, workspace = at_start(scene)
     take_forces(parameters, state, workspace, parameters.time_step)

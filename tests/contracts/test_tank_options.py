@@ -40,16 +40,18 @@ FAMILIES = {
     "kernel": methods("kernel", [name for name in KERNELS if name != "wendland-c2"]),
     "density_diffusion": {**methods("density_diffusion", DIFFUSIONS), "density_diffusion = none":
                           {"method": {"density_diffusion": "none"}}},
-    "friction": methods("friction", FRICTIONS, **DRAG),
+    "viscosity_model": methods("viscosity_model", FRICTIONS, **DRAG),
     "pressure_force": {**methods("pressure_force", ["monaghan"]), **methods("pressure_force", ["transport"], **FULL)},
     "pressure_split": methods("pressure_split", ["modified"], **FULL),
     "shifting": methods("shifting", SHIFTINGS),
     "surface_tension_model": methods("surface_tension_model", TENSIONS, **TENSE),
     "turbulence": methods("turbulence", TURBULENCES),
-    "integrator": methods("integrator", [name for name in INTEGRATORS if name != "symplectic"]),
+    "integrator": {
+        f"integrator = {name}": {"integration": {"integrator": name}} for name in INTEGRATORS if name != "symplectic"
+    },
     "precision": methods("precision", ["single"]),
     "dimension": {"3D": {}},
-    "exponent": {"exponent = 1": {"liquid": {"exponent": 1.0}}},
+    "tait_exponent": {"tait_exponent = 1": {"liquid": {"tait_exponent": 1.0}}},
     "walls": {"walls = dummy": {"tank": {"walls": "dummy"}}, "walls = reflect": {"tank": {"walls": "reflect"}}},
     "sides": {
         "periodic": {"tank": {"left": PERIODIC, "right": PERIODIC}},
@@ -61,19 +63,21 @@ FAMILIES = {
     },
     "bodies": {"body": {"bodies": [{"low": [0.3, 0.3], "high": [0.7, 0.7], "density": 1.5}]}},
     "obstacles": {"obstacle": {"obstacles": [{"low": [0.3, 0.3], "high": [0.7, 0.7]}]}},
-    "carried": {
-        "tracers": {"carried": [{"positions": [[0.1, 0.2], [0.5, 0.9]]}]},
-        "grains": {"carried": [{"positions": [[0.1, 0.2]], "radius": 0.01, "density": 2.0}]},
+    "passive_tracers": {
+        "tracers": {"passive_tracers": [{"positions": [[0.1, 0.2], [0.5, 0.9]]}]},
+        "grains": {"passive_tracers": [{"positions": [[0.1, 0.2]], "radius": 0.01, "density": 2.0}]},
     },
-    "shake": {"shake": {"shake": {"amplitude": [0.05, 0.0], "frequency": 1.0}}},
-    "central_pull": {"central pull": {"central_pull": {"rate": 1.0, "center": [0.5, 0.5]}, "gravity": [0.0, 0.0]}},
+    "base_excitation": {"base excitation": {"base_excitation": {"amplitude": [0.05, 0.0], "frequency": 1.0}}},
+    "central_force": {
+        "central force": {"central_force": {"angular_frequency": 1.0, "center": [0.5, 0.5]}, "gravity": [0.0, 0.0]},
+    },
 }  # fmt: skip
 OPTIONS = {name: (family, changes) for family, options in FAMILIES.items() for name, changes in options.items()}
 """By name: a pair is one of two families."""
 PAIRS = [pair for pair in itertools.combinations(OPTIONS, 2) if OPTIONS[pair[0]][0] != OPTIONS[pair[1]][0]]
 BASE = {
     "model": "sph", "duration": 0.1, "frame_every": 0.1, "spacing": 0.125, "gravity": [0.0, -1.0],
-    "liquid": {"density": 1.0, "sound_speed": 10.0, "fastest": 1.0},
+    "liquid": {"density": 1.0, "sound_speed": 10.0, "maximum_speed": 1.0},
     "tank": {"low": [0.0, 0.0], "high": [1.0, 1.5], "top": OPEN},
     "fluid": [REGION], "method": {"jitter": 0.05},
 }  # fmt: skip

@@ -12,23 +12,23 @@ from tests.contracts.option_pairs import DOCS, clash, frames_of, matrix, merged,
 
 OPENING = {"openings": [{"wall": 0, "low": [0.0, 0.004], "high": [0.0, 0.012]}]}
 OPTIONS = {
-    "drag none": {"motion": {"drag": "none"}},
-    "drag stokes": {"motion": {"drag": "stokes"}},
-    "regime inertial": {"motion": {"regime": "inertial"}},
-    "regime overdamped": {"motion": {"regime": "overdamped"}},
-    "brownian": {"motion": {"brownian": True}},
-    "no added mass": {"motion": {"added_mass": False}},
-    "time_step": {"motion": {"time_step": 2e-5}},
+    "drag none": {"hydrodynamics": {"drag": "none"}},
+    "drag stokes": {"hydrodynamics": {"drag": "stokes"}},
+    "integrator inertial": {"integration": {"integrator": "inertial"}},
+    "integrator overdamped": {"integration": {"integrator": "overdamped"}},
+    "brownian": {"hydrodynamics": {"brownian": True}},
+    "no added mass": {"hydrodynamics": {"added_mass": False}},
+    "time_step": {"integration": {"time_step": 2e-5}},
     "named liquid": {"liquid": {"name": "glycerol", "temperature": 300.0}},
-    "flow": {"liquid": {"flow": [0.02, 0.0]}},
-    "shear_rate": {"liquid": {"shear_rate": 2.0}},
-    "no gravity": {"liquid": {"gravity": 0.0}},
+    "flow": {"flow": {"velocity": [0.02, 0.0]}},
+    "shear_rate": {"flow": {"shear_rate": 2.0}},
+    "no gravity": {"gravity": 0.0},
     "no viscosity": {"liquid": {"viscosity": 0.0}},
     "3D": {"dimensions": 3},
     "round tank": {"tank": {"radius": 0.01}},
     "polygon": {"tank": {"vertices": [[0.0, 0.016], [0.0, 0.0], [0.02, 0.0], [0.018, 0.016]]}},
     "no tank": {"tank": None},
-    "restitution": {"rebound": {"restitution": 0.5, "tangential": 0.8}},
+    "restitution": {"rebound": {"restitution": 0.5, "tangential_restitution": 0.8}},
     "obstacle": {"obstacles": [{"low": [0.009, 0.006], "high": [0.011, 0.008]}]},
     "opening": OPENING,
     "opening with a rate": merged(OPENING, {"openings": [{"rate": 2000.0, "velocity": [0.05, 0.0]}]}),
@@ -38,7 +38,7 @@ OPTIONS = {
     "moving start": {"start": [0.2, 0.1]},
 }
 PAIRS = list(itertools.combinations(OPTIONS, 2))
-TANK = {"size": [0.02, 0.016]}
+TANK = {"high": [0.02, 0.016]}
 
 
 def plain_of(one, other):
@@ -54,7 +54,7 @@ def plain_of(one, other):
         return vector(flat, 0.0)
 
     if tank is not None:
-        sized = {"size": vector(TANK["size"], 0.008)} if "size" in tank else dict(tank)
+        sized = {"high": vector(TANK["high"], 0.008)} if "high" in tank else dict(tank)
         if "radius" in sized:
             sized["dimensions"] = 2 + deep
         if "vertices" in sized and deep:
@@ -65,8 +65,8 @@ def plain_of(one, other):
             table[corner] = [table[corner][0], *[depth] * deep, table[corner][1]]
         if "velocity" in table:
             table["velocity"] = speed(table["velocity"])
-    if "flow" in asked.get("liquid", {}):
-        asked["liquid"]["flow"] = speed(asked["liquid"]["flow"])
+    if "velocity" in asked.get("flow", {}):
+        asked["flow"]["velocity"] = speed(asked["flow"]["velocity"])
     particles = [
         {"radius": 2e-4, "density": 2500.0, "count": 3},
         {"radius": asked.pop("dust", 2e-5), "density": 1100.0, "count": 3},

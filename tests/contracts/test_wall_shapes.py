@@ -34,11 +34,11 @@ PLACES = [(0.0, 0.0), (0.004, 0.003), (-0.009, 0.002), (0.001, -0.011), (0.0113,
 each_shape = pytest.mark.parametrize("name", SHAPES)
 
 
-def scene_in(name, floats, *, dish='law = "none"', motion="drag = false", **times):
+def scene_in(name, floats, *, dish='law = "none"', hydrodynamics='drag = "none"', **times):
     """Floats in a dish of a shape, which do not act on each other."""
     size = f'shape = "{name}"\n{SHAPES[name].key} = {SIZES[SHAPES[name].key]}\n'
-    spec = f"[[floats]]\nradius = {RADIUS}\ndensity = 600.0\ncontact_angle = 1.2\n{floats}\n"
-    rest = f'[interaction]\nlaw = "none"\n[motion]\n{motion}\n[contacts]\nrestitution = 1.0\n'
+    spec = f"[[particles]]\nradius = {RADIUS}\ndensity = 600.0\ncontact_angle = 1.2\n{floats}\n"
+    rest = f'[interaction]\nlaw = "none"\n[hydrodynamics]\n{hydrodynamics}\n[contacts]\nrestitution = 1.0\n'
     return scene_of(f"{WATER}{spec}[dish]\n{size}{dish}\n{rest}", **times)
 
 
@@ -128,7 +128,7 @@ def test_the_kinds_of_menisci_are_those_of_the_rows():
 
 @each_shape
 def test_movies_plots_and_the_page_draw_it(name):
-    scene = scene_in(name, "count = 30", duration=0.1, frame_every=0.05, motion="drag = true")
+    scene = scene_in(name, "count = 30", duration=0.1, frame_every=0.05, hydrodynamics="")
     frames = list(simulate(scene))
     picture = FILMS["floating"](scene, frames, Size(320, 240))
     assert np.ptp(picture.pixels(frames[-1])[..., :3]) > 100
@@ -149,7 +149,7 @@ def test_movies_plots_and_the_page_draw_it(name):
 
 @each_shape
 def test_one_can_play_with_it(name):
-    scene = scene_in(name, "count = 3", duration=0.1, frame_every=0.05, motion="drag = true")
+    scene = scene_in(name, "count = 3", duration=0.1, frame_every=0.05, hydrodynamics="")
     game = Game(scene)
     game.drop("bead", 0.0, 0.0)
     game.tilt = (0.1, 0.0)

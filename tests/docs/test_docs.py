@@ -23,6 +23,7 @@ from ecume.models.soft.integration.dirk_schemes import SCHEMES
 from ecume.scenes import floating
 from ecume.scenes.floating.sources import SOURCES
 from ecume.scenes.load import load_scene
+from ecume.scenes.schema import SCENES
 from ecume.units import Unit
 
 ROOT = Path(__file__).parents[2]
@@ -31,23 +32,24 @@ PHYSICS = ROOT / "docs" / "physics"
 SECTIONS = {
     "scene": floating.FloatingScene,
     "[liquid]": floating.LiquidSpec,
-    "[liquid.flow]": floating.FlowSpec,
-    "[liquid.flow.nodes]": floating.NodesSpec,
-    "[[floats]]": floating.FloatSpec,
-    "[floats.surface_energies]": floating.SurfaceEnergies,
-    "[floats.disc]": floating.DiscSpec,
-    "[floats.shape]": floating.ShapeSpec,
+    "[flow]": floating.FlowSpec,
+    "[flow.nodes]": floating.NodesSpec,
+    "[[particles]]": floating.FloatSpec,
+    "[particles.surface_energies]": floating.SurfaceEnergies,
+    "[particles.disc]": floating.DiscSpec,
+    "[particles.shape]": floating.ShapeSpec,
     "[[rows]]": floating.FloatRow,
     "[dish]": floating.DishSpec,
     "[dish.motion]": floating.DishMotionSpec,
-    "[motion]": floating.MotionSpec,
-    "[motion.films]": floating.FilmsSpec,
+    "[integration]": floating.IntegrationSpec,
+    "[hydrodynamics]": floating.HydrodynamicsSpec,
+    "[hydrodynamics.lubrication]": floating.LubricationSpec,
     "[contacts]": floating.ContactSpec,
     "[interaction]": floating.InteractionSpec,
 }
 """The tables of options, and the part of the schema that each describes."""
-EITHER_ANGLE = {"contact_angle": "rad"}
-"""An angle or a name: the schema reads it itself."""
+READ = {"contact_angle": "rad", "temperature": "K"}
+"""Units of values that the schema reads itself: an angle or a name, kelvin or degrees Celsius."""
 
 
 def physics(model):
@@ -135,21 +137,29 @@ def test_the_papers_of_a_page_are_in_the_bibliography(page):
     assert cited <= set(known)
 
 
+def part_of(kind, name):
+    """The table of a scene at its top, if it has one of that name."""
+    hint = typing.get_type_hints(kind).get(name)
+    return next((each for each in (hint, *typing.get_args(hint)) if dataclasses.is_dataclass(each)), None)
+
+
 @each_page
 def test_every_option_that_a_page_names_exists(page):
-    parts = {title.strip("[]"): kind for title, kind in SECTIONS.items() if title != "scene"}
+    parts = [{title.strip("[]"): kind for title, kind in SECTIONS.items() if title != "scene"}]
+    parts += [{name: part_of(kind, name) for name in parts[0]} for kind in SCENES.values()]
     named = re.findall(r"`(\w+)(?:\[\d+\])?\.(\w+)(?: = [^`]*)?`", prose(page))
     for part, key in named:
-        if part in parts:
-            assert key in {field.name for field in dataclasses.fields(parts[part])}, f"{part}.{key}"
+        kinds = [found[part] for found in parts if found.get(part) is not None]
+        known = {field.name for kind in kinds for field in dataclasses.fields(kind)}
+        assert not kinds or key in known, f"{part}.{key}"
 
 
 def test_the_scene_of_the_readme_is_the_template():
     (text,) = blocks(ROOT / "README.md", "toml")
     shown, template = load_scene(text), load_scene(ROOT / "src" / "ecume" / "templates" / "cereal-bowl.toml")
-    looks = {"name": shown.floats[0].name, "color": None}
-    bare = [dataclasses.replace(species, **looks) for species in template.floats]
-    assert dataclasses.replace(template, title="", floats=tuple(bare)) == shown
+    looks = {"name": shown.particles[0].name, "color": None}
+    bare = [dataclasses.replace(species, **looks) for species in template.particles]
+    assert dataclasses.replace(template, title="", particles=tuple(bare)) == shown
 
 
 @each_page
@@ -176,7 +186,7 @@ def facts(kind):
     """What a table of options has to say of each key: its name, unit and default."""
     hints = typing.get_type_hints(kind, include_extras=True)
     for field in dataclasses.fields(kind):
-        unit = unit_of(hints[field.name]) or EITHER_ANGLE.get(field.name, "")
+        unit = unit_of(hints[field.name]) or READ.get(field.name, "")
         yield field.name, "–" if unit in ("", "1") else unit, written(field.default)
 
 
@@ -189,7 +199,7 @@ def written(default):
         return str(default).lower()
     if isinstance(default, tuple):
         return str(list(default))
-    return f"`{default}`" if isinstance(default, str) else f"{default:.4g}"
+    return f"`{default}`" if isinstance(default, str) else f"{default:.5g}"
 
 
 def rows_below(title):

@@ -29,8 +29,9 @@ def test_every_key_of_every_table_is_there_and_has_a_meaning(makers, model):
     scenes = makers("scenes")
     text = scenes.page(model)
     for table in scenes.tables(SCENES[model]):
-        assert not table.path or f"## `{table.path}`\n" in text
-        rows = [scenes.row(field) for field in scenes.fields_of(table.kind)]
+        assert not table.path or f"(`{table.path}`)\n" in text
+        fields = scenes.fields_of(table.kind)
+        rows = [scenes.row(field, scenes.example_of(model, table, field)) for field in fields]
         assert [row.split("`")[1] for row in rows] == [field.name for field in dataclasses.fields(table.kind)]
         assert all(row in text and row.split(" | ")[-1].strip(" |") for row in rows), table
 
@@ -38,7 +39,7 @@ def test_every_key_of_every_table_is_there_and_has_a_meaning(makers, model):
 def test_units_defaults_and_ranges_are_the_schema_s(makers):
     text = makers("scenes").page("floating")
     rows = {line.split("`")[1]: line for line in text.splitlines() if line.startswith("| `")}
-    assert rows["surface_tension"].startswith("| `surface_tension` | N/m | 0.0728 | 1e-9 to 1000 |")
+    assert rows["surface_tension"].startswith("| `surface_tension` | N/m | – | 1e-9 to 1000 |")
     assert rows["placement"].startswith("| `placement` | – | `random` | `random`, `lattice`, `ring` |")
     assert "| s | *needed* | above 0, to 1e10 |" in rows["frame_every"]
     assert "| rad | 45 deg |" in text  # of the dish

@@ -13,14 +13,15 @@ PAGES = sorted((Path(__file__).parents[2] / "docs" / "physics").glob("soft*.md")
 TABLES = {
     "top level": soft.SoftScene,
     "[liquid]": soft.SoftLiquid,
-    "[[spheres]]": soft.SphereSpec,
+    "[[particles]]": soft.SphereSpec,
     "[films]": soft.FilmSpec,
-    "[remote]": soft.RemoteSpec,
-    "[box]": soft.BoxSpec,
+    "[long_range_forces]": soft.LongRangeSpec,
+    "[cell]": soft.CellSpec,
+    "[hydrodynamics]": soft.SoftHydrodynamicsSpec,
     "[[walls]]": soft.WallSpec,
     "[[protocol]]": soft.StageSpec,
     "[protocol.oscillation]": soft.OscillationSpec,
-    "[stepping]": soft.SteppingSpec,
+    "[integration]": soft.IntegrationSpec,
 }
 """The tables of a scene, and the part of the schema that each is."""
 

@@ -23,7 +23,7 @@ PAGE = "\n".join(page.read_text(encoding="utf-8") for page in PAGES)
 FAMILIES = {
     "kernel": KERNELS,
     "density_diffusion": DIFFUSIONS,
-    "friction": FRICTIONS,
+    "viscosity_model": FRICTIONS,
     "pressure_force": PRESSURE_FORCES,
     "shifting": SHIFTINGS,
     "surface_tension_model": TENSIONS,
@@ -42,7 +42,7 @@ def literals(spec, key):
 @pytest.mark.parametrize(
     ("key", "name"),
     [(key, name) for key, names in FAMILIES.items() for name in names]
-    + [("start", name) for name in literals(MethodSpec, "start")]
+    + [("initial_pressure", name) for name in literals(MethodSpec, "initial_pressure")]
     + [("pressure_split", name) for name in literals(MethodSpec, "pressure_split")]
     + [("flow", name) for name in literals(RegionSpec, "flow")]
     + [("walls", name) for name in literals(TankSpec, "walls")]
@@ -62,14 +62,19 @@ ROWS = [
 """Of the table of pictures: whose, keys and names, picture."""
 CALLED = {
     "SphScene": "the scene", "FluidSpec": "`[liquid]`", "RegionSpec": "`[[fluid]]`", "ParticlesSpec": "particles",
-    "TankSpec": "`[tank]`", "SideSpec": "a side", "MotionSpec": "motion", "ShakeSpec": "`[shake]`",
-    "CentralPullSpec": "`[central_pull]`", "ObstacleSpec": "`[[obstacles]]`", "BodySpec": "`[[bodies]]`",
-    "CarriedSpec": "`[[carried]]`", "GaugeSpec": "`[[gauges]]`", "MethodSpec": "`[method]`",
+    "TankSpec": "`[tank]`", "SideSpec": "a side", "MotionSpec": "motion", "BaseExcitationSpec": "`[base_excitation]`",
+    "CentralForceSpec": "`[central_force]`", "ObstacleSpec": "`[[obstacles]]`", "BodySpec": "`[[bodies]]`",
+    "PassiveTracerSpec": "`[[passive_tracers]]`", "GaugeSpec": "`[[gauges]]`", "MethodSpec": "`[method]`",
+    "IntegrationSpec": "`[integration]`",
 }  # fmt: skip
 """What the table calls each part of a scene; shapes are a part of regions, obstacles and bodies."""
 NAMED = {
-    **{("MethodSpec", key): tuple(names) for key, names in FAMILIES.items() if key != "kernel"},
-    ("MethodSpec", "start"): literals(MethodSpec, "start"),
+    **{
+        ("IntegrationSpec" if key == "integrator" else "MethodSpec", key): tuple(names)
+        for key, names in FAMILIES.items()
+        if key != "kernel"
+    },
+    ("MethodSpec", "initial_pressure"): literals(MethodSpec, "initial_pressure"),
     ("MethodSpec", "pressure_split"): literals(MethodSpec, "pressure_split"),
     ("RegionSpec", "flow"): literals(RegionSpec, "flow"),
     ("TankSpec", "walls"): literals(TankSpec, "walls"),

@@ -40,7 +40,7 @@ TEXTS_TO_DO: dict[str, int] = {
     "fitting": 21,
     "models": 14,
     "run": 29,
-    "scenes": 55,
+    "scenes": 35,
     "show": 96,
     "sweep": 32,
     "trajectories": 11,

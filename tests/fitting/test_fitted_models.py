@@ -34,12 +34,12 @@ duration = "4 s"
 frame_every = "0.2 s"
 [liquid]
 viscosity = 1e-6
-[[spheres]]
+[[particles]]
 radius = 1.0
 modulus = 1.0
 positions = [[-1.0005, 0.0]]
 force = [{left}, 0.0]
-[[spheres]]
+[[particles]]
 radius = 1.0
 modulus = 1.0
 positions = [[1.0005, 0.0]]
@@ -75,7 +75,9 @@ def test_the_viscosity_is_found_in_which_spheres_settle():
 
 @pytest.mark.compiled
 def test_of_creeping_spheres_the_settling_speed_is_known_and_not_viscosity_and_density_apart():
-    thick = settling(viscosity=1000.0, more="[motion]\nregime = 'overdamped'\ndrag = 'stokes'")
+    thick = settling(
+        viscosity=1000.0, more="[integration]\nintegrator = 'overdamped'\n[hydrodynamics]\ndrag = 'stokes'"
+    )
     found = ecume.fit(tracks_of(thick, 1e-8), thick, ["viscosity", "particles[0].density"])
     assert not any(one.determined for one in found.estimates)
     (speed,) = found.derived
@@ -91,7 +93,7 @@ def test_the_force_is_found_that_pulls_soft_spheres_apart():
     (force,) = found.estimates
     assert force.unit == "N"
     assert force.low < 1e-6 < force.high < 1.02 * force.low
-    one, other = (species.force for species in found.scene.spheres)
+    one, other = (species.force for species in found.scene.particles)
     assert -one[0] == other[0] == pytest.approx(force.value, rel=1e-12)
     assert one[1] == other[1] == 0.0
 
@@ -102,7 +104,7 @@ def test_a_vector_is_fitted_by_its_size():
     assert (force.value, force.unit) == (3e-6, "N")
     with_values(plain, [force], [1e-6])
     assert [list(species["force"]) for species in plain["spheres"]] == [[-1e-6, 0.0], [1e-6, 0.0]]
-    (component,) = free_parameters(plain, ["spheres[0].force[0]"])
+    (component,) = free_parameters(plain, ["particles[0].force[0]"])
     assert component.at(component.coordinate(component.value)) == pytest.approx(-1e-6, rel=1e-12)
 
 
@@ -123,7 +125,7 @@ def test_particles_of_each_model_start_where_they_were_seen():
     [
         (settling(), "moving", r"start with one velocity; write \[\[particles\]\] for each"),
         (pressed(), "moving", "soft spheres have no inertia"),
-        (settling(more="[motion]\nbrownian = true"), "scene", "the liquid's heat kicks the particles"),
+        (settling(more="[hydrodynamics]\nbrownian = true"), "scene", "the liquid's heat kicks the particles"),
     ],
 )
 def test_what_cannot_be_fitted_along_is_told(scene, start, why):

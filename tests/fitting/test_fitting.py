@@ -26,7 +26,7 @@ frame_every = "20 ms"
 density = 998.0
 viscosity = "{viscosity} mPa*s"
 surface_tension = "72.8 mN/m"
-[[floats]]
+[[particles]]
 radius = "1.2 mm"
 density = 1300.0
 contact_angle = "{angle} deg"
@@ -129,10 +129,10 @@ def test_a_short_name_means_the_particles_before_the_liquid():
     plain = to_plain(beads())
     free = free_parameters(plain, ["density", "viscosity", "liquid.density", "contact_angle"])
     assert [one.paths for one in free] == [
-        (("floats", 0, "density"),),
+        (("particles", 0, "density"),),
         (("liquid", "viscosity"),),
         (("liquid", "density"),),
-        (("floats", 0, "contact_angle"),),
+        (("particles", 0, "contact_angle"),),
     ]
     assert [one.unit for one in free] == ["kg/m^3", "Pa*s", "kg/m^3", "rad"]
 
@@ -143,7 +143,7 @@ def test_a_short_name_means_the_particles_before_the_liquid():
         ("viscocity", "did you mean viscosity"),
         ("title", "got ''; expected a parameter that is a number"),
         ("liquid.gas_density", "starts at 0"),
-        ("motion.drag", "got true; expected a parameter that is a number"),
+        ("hydrodynamics.drag", "got true; expected a parameter that is a number"),
         ("count", "got 2; expected a parameter that is a number, and no whole one"),
     ],
 )

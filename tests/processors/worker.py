@@ -27,7 +27,7 @@ from .settings import ROOT
 FRAMES, STOP = 8, 3
 """How long the runs are, and after which frame they keep their last checkpoint."""
 PLACES = (ROOT / "examples", ROOT / "src" / "ecume" / "templates")
-SMALLER = {"colloids": ["floats[0].count=4000", "dish.radius=4 mm"]}
+SMALLER = {"colloids": ["particles[0].count=4000", "dish.radius=4 mm"]}
 """What makes scenes small enough."""
 
 

@@ -82,7 +82,7 @@ def test_a_law_without_an_energy_has_no_line_of_it() -> None:
     from ecume.scenes.schema import from_plain
 
     beads = [{"radius": 1e-3, "density": 600, "contact_angle": 1.2, "count": 2}]
-    common = {"model": "floating", "duration": 1.0, "frame_every": 0.1, "floats": beads, "dish": {"radius": 0.03}}
+    common = {"model": "floating", "duration": 1.0, "frame_every": 0.1, "particles": beads, "dish": {"radius": 0.03}}
     for law, judged in (("one-sided-legacy", False), ("capillary", True)):
         scene, model = from_plain({**common, "interaction": {"law": law}}), MODELS["floating"]
         assert ("energy" in [one.name for one in model.invariants(scene, model.parameters(scene))]) == judged

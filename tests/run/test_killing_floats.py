@@ -30,7 +30,7 @@ frame_every = "50 ms"
 seed = 4
 [liquid]
 viscosity = "2 mPa*s"
-[[floats]]
+[[particles]]
 count = 40
 radius = "1.5 mm"
 density = 600

@@ -26,11 +26,11 @@ frame_every = "10 ms"
 seed = 3
 [liquid]
 viscosity = "1 mPa*s"
-[motion]
+[integration]
 time_step = "2 ms"
 [interaction]
 accuracy = 1e-2
-[[floats]]
+[[particles]]
 count = 8
 radius = "1 mm"
 density = 1200

@@ -14,9 +14,9 @@ SCENE = """\
 model = "floating"
 duration = 1
 frame_every = 0.1
-[liquid.flow]
+[flow]
 velocity_from = "flow.csv"
-[[floats]]
+[[particles]]
 radius = "1 mm"
 density = 900
 contact_angle = "60 deg"
@@ -31,7 +31,7 @@ def read(folder: Path, table: str, scene: str = SCENE) -> FloatingScene:
 
 def test_nodes_may_stand_in_any_order_and_unit(tmp_path: Path) -> None:
     table = "x [mm],y [mm],vx [mm/s],vy\n2,1,5,0\n0,1,3,0\n1,3,8,0.5\n0,3,6,0\n1,1,4,0\n2,3,7,0\n"
-    flow = read(tmp_path, table).liquid.flow
+    flow = read(tmp_path, table).flow
     assert flow is not None
     assert flow.nodes is not None
     assert (flow.nodes.low, flow.nodes.high) == ((0.0, 0.001), (0.002, 0.003))
@@ -55,12 +55,12 @@ def test_what_is_wrong_with_a_table_is_told_once(tmp_path: Path, table: str, sai
         read(tmp_path, table)
     (fault,) = caught.value.faults
     assert said in str(fault)
-    assert "liquid.flow.velocity_from" in str(fault)
+    assert "flow.velocity_from" in str(fault)
 
 
 def test_a_table_that_is_not_there_and_one_that_is_no_name_are_told(tmp_path: Path) -> None:
     for name in ('"flaw.csv"', "3"):
-        with pytest.raises(SceneError, match=r"liquid\.flow\.velocity_from"):
+        with pytest.raises(SceneError, match=r"flow\.velocity_from"):
             read(tmp_path, "", SCENE.replace('"flow.csv"', name))
 
 

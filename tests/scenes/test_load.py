@@ -22,7 +22,7 @@ frame_every = "50 ms"
 [liquid]
 density = 1030.0
 
-[[floats]]
+[[particles]]
 count = 40
 radius = "1.5 mm"
 density = 600.0
@@ -42,7 +42,7 @@ def faults_of(text: str | Path, overrides: tuple[str, ...] = ()) -> tuple[Fault,
 def test_a_scene_is_read_in_si_with_its_defaults() -> None:
     scene = load_scene(BOWL)
     assert (scene.duration, scene.frame_every, scene.seed) == (20.0, 0.05, 0)
-    assert (scene.floats[0].name, scene.floats[0].count, scene.floats[0].radius) == ("float-1", 40, 0.0015)
+    assert (scene.particles[0].name, scene.particles[0].count, scene.particles[0].radius) == ("float-1", 40, 0.0015)
     assert scene.dish is not None
     assert (scene.dish.radius, scene.dish.law) == (0.03, "meniscus")
     assert scene.liquid.surface_tension == 0.0728
@@ -51,7 +51,7 @@ def test_a_scene_is_read_in_si_with_its_defaults() -> None:
 def test_all_faults_are_told_at_once_with_their_places() -> None:
     broken = BOWL.replace("1030.0", "-1").replace('"1.5 mm"', '"1.5 kg"').replace("[dish]\nradius", "[dish]\nradios")
     told = [(fault.path, fault.line, fault.column) for fault in faults_of(broken)]
-    assert told == [("liquid.density", 6, 1), ("floats[0].radius", 10, 1), ("dish.radios", 15, 1)]
+    assert told == [("liquid.density", 6, 1), ("particles[0].radius", 10, 1), ("dish.radios", 15, 1)]
 
 
 @pytest.mark.parametrize(
@@ -83,7 +83,7 @@ frame_every = 1
 spacing = 0.1
 tank = { low = [0, 0], high = [1, 1] }
 fluid = [{ low = [0, 0], high = [1, 0.5] }]
-gauges = [{ name = "P", place = [0.5, 0.1], measures = MEASURES }]
+gauges = [{ name = "P", position = [0.5, 0.1], quantities = MEASURES }]
 """
 
 
@@ -98,7 +98,7 @@ def test_a_list_whose_items_are_wrong_is_not_short_of_items_besides(measures: st
 
 def test_a_message_says_what_came_what_was_wanted_and_the_way_out() -> None:
     (fault,) = faults_of(BOWL.replace("count", "cuont"))
-    assert str(fault) == "line 9, column 1: floats[0].cuont: no such key; did you mean count?"
+    assert str(fault) == "line 9, column 1: particles[0].cuont: no such key; did you mean count?"
     (fault,) = faults_of(BOWL.replace('"1.5 mm"', '"1.5 kg"'))
     assert fault.message == "got '1.5 kg'; 'kg' measures mass, expected length as in '4 mm'"
 
@@ -106,30 +106,30 @@ def test_a_message_says_what_came_what_was_wanted_and_the_way_out() -> None:
 @pytest.mark.parametrize(
     ("before", "after", "path", "says"),
     [
-        ('"1.5 mm"', "nan", "floats[0].radius", "got nan; expected a finite number"),
-        ('"1.5 mm"', "1e999", "floats[0].radius", "got inf; expected"),
-        ('"1.5 mm"', "0", "floats[0].radius", "got 0; expected 1e-08 or more"),
-        ('"1.5 mm"', '"-1 mm"', "floats[0].radius", "got '-1 mm'; expected 1e-08 or more"),
-        ('"1.5 mm"', "true", "floats[0].radius", "got true; expected a number, or text with a unit"),
-        ('"1.5 mm"', '"7"', "floats[0].radius", "text without a unit"),
-        ('"1.5 mm"', "[1]", "floats[0].radius", "got a list of 1"),
-        ('"1.5 mm"', "1979-05-27", "floats[0].radius", "expected a number"),
-        ('"1.5 mm"', "0x" + "f" * 5000, "floats[0].radius", "got a whole number of 20000 bits"),
-        ("= 40", "= 0", "floats[0].count", "expected 1 or more"),
-        ("= 40", "= 1_000_000_000", "floats[0].count", "expected 100000000 or less"),
-        ("= 40", "= 40.5", "floats[0].count", "expected a whole number"),
-        ("= 40", '= "40"', "floats[0].count", "expected a whole number"),
-        ('"70 deg"', "70", "floats[0].contact_angle", "plain numbers are radians: write '70 deg' for degrees"),
-        ('"70 deg"', '"200 deg"', "floats[0].contact_angle", "from 0 to 180 deg"),
-        ('contact_angle = "70 deg"', "", "floats[0]", "contact_angle or surface_energies; got neither"),
+        ('"1.5 mm"', "nan", "particles[0].radius", "got nan; expected a finite number"),
+        ('"1.5 mm"', "1e999", "particles[0].radius", "got inf; expected"),
+        ('"1.5 mm"', "0", "particles[0].radius", "got 0; expected 1e-08 or more"),
+        ('"1.5 mm"', '"-1 mm"', "particles[0].radius", "got '-1 mm'; expected 1e-08 or more"),
+        ('"1.5 mm"', "true", "particles[0].radius", "got true; expected a number, or text with a unit"),
+        ('"1.5 mm"', '"7"', "particles[0].radius", "text without a unit"),
+        ('"1.5 mm"', "[1]", "particles[0].radius", "got a list of 1"),
+        ('"1.5 mm"', "1979-05-27", "particles[0].radius", "expected a number"),
+        ('"1.5 mm"', "0x" + "f" * 5000, "particles[0].radius", "got a whole number of 20000 bits"),
+        ("= 40", "= 0", "particles[0].count", "expected 1 or more"),
+        ("= 40", "= 1_000_000_000", "particles[0].count", "expected 100000000 or less"),
+        ("= 40", "= 40.5", "particles[0].count", "expected a whole number"),
+        ("= 40", '= "40"', "particles[0].count", "expected a whole number"),
+        ('"70 deg"', "70", "particles[0].contact_angle", "plain numbers are radians: write '70 deg' for degrees"),
+        ('"70 deg"', '"200 deg"', "particles[0].contact_angle", "from 0 to 180 deg"),
+        ('contact_angle = "70 deg"', "", "particles[0]", "contact_angle or surface_energies; got neither"),
         ('"20 s"', '"1 ms"', "frame_every", "got 0.05 s, longer than the duration, 0.001 s"),
         ('"50 ms"', '"1 ns"', "frame_every", "more than 1e+07"),
         ("1030.0", "1e300", "liquid.density", "expected 100000 or less"),
         ("[dish]", "[dish]\nsize = [1, 1]", "dish", "got both"),
         ("[dish]", "[dish]\nlaw = 3", "dish.law", "got 3; expected text"),
         ("[dish]", "[dish]\nlaw = '\\u001b[31m'", "dish.law", "such characters cannot stand here"),
-        ("[dish]", "[motion]\ntime_step = 1\n[dish]", "motion.time_step", "longer than frame_every"),
-        ("[dish]", "[motion]\ntime_step = '1e-11 s'\n[dish]", "motion.time_step", "more than 1e+11"),
+        ("[dish]", "[integration]\ntime_step = 1\n[dish]", "integration.time_step", "longer than frame_every"),
+        ("[dish]", "[integration]\ntime_step = '1e-11 s'\n[dish]", "integration.time_step", "more than 1e+11"),
         ("[dish]", "[contacts]\nrestitution = 1.1\n[dish]", "contacts.restitution", "expected 1 or less"),
         ("[dish]", "[interaction]\naccuracy = 0\n[dish]", "interaction.accuracy", "expected 1e-12 or more"),
         (
@@ -139,14 +139,19 @@ def test_a_message_says_what_came_what_was_wanted_and_the_way_out() -> None:
             'expected one of "floating", "soft", "sph", "tracers"; did you mean floating?',
         ),
         ('model = "floating"', "", "model", "is missing"),
-        ("count = 40", 'placement = "rng"', "floats[0].placement", "did you mean ring?"),
-        ("count = 40", 'placement = "ring"', "floats[0].placement", "needs ring_radius"),
-        ("count = 40", "spacing = 1", "floats[0].spacing", 'only with placement = "lattice"'),
-        ("count = 40", "count = 3\npositions = [[0, 0]]", "floats[0].count", "got 3; there are 1 positions"),
-        ("count = 40", "positions = [[0, 0], [1]]", "floats[0].positions[1]", "got a list of 1; expected a list of 2"),
-        ("count = 40", "positions = [[0, 0, 0]]", "floats[0].positions[0]", "expected a list of 2"),
-        ("count = 40", 'color = "blu"', "floats[0].color", "expected a color"),
-        ("count = 40", "surface_energies = {solid_gas = 1, solid_liquid = 1}", "floats[0]", "got both"),
+        ("count = 40", 'placement = "rng"', "particles[0].placement", "did you mean ring?"),
+        ("count = 40", 'placement = "ring"', "particles[0].placement", "needs ring_radius"),
+        ("count = 40", "spacing = 1", "particles[0].spacing", 'only with placement = "lattice"'),
+        ("count = 40", "count = 3\npositions = [[0, 0]]", "particles[0].count", "got 3; there are 1 positions"),
+        (
+            "count = 40",
+            "positions = [[0, 0], [1]]",
+            "particles[0].positions[1]",
+            "got a list of 1; expected a list of 2",
+        ),
+        ("count = 40", "positions = [[0, 0, 0]]", "particles[0].positions[0]", "expected a list of 2"),
+        ("count = 40", 'color = "blu"', "particles[0].color", "expected a color"),
+        ("count = 40", "surface_energies = {solid_gas = 1, solid_liquid = 1}", "particles[0]", "got both"),
         ("density = 1030.0", "gas_density = 2000", "liquid.gas_density", "no denser"),
     ],
 )
@@ -163,22 +168,22 @@ def test_a_scene_with_nothing_afloat_is_refused() -> None:
 
 
 def test_two_species_cannot_have_one_name() -> None:
-    species = "[[floats]]\nname = 'a'\nradius = 1\ndensity = 1\ncontact_angle = 1\n"
+    species = "[[particles]]\nname = 'a'\nradius = 1\ndensity = 1\ncontact_angle = 1\n"
     (fault,) = faults_of('model = "floating"\nduration = 1\nframe_every = 1\n' + species * 2)
-    assert (fault.path, fault.line) == ("floats[1].name", 10)
+    assert (fault.path, fault.line) == ("particles[1].name", 10)
 
 
 def test_the_three_ways_to_a_contact_angle_can_be_said() -> None:
-    assert load_scene(BOWL.replace("70 deg", "original-closure")).floats[0].contact_angle == "original-closure"
+    assert load_scene(BOWL.replace("70 deg", "original-closure")).particles[0].contact_angle == "original-closure"
     young = BOWL.replace('contact_angle = "70 deg"', 'surface_energies = {solid_gas = "40 mN/m", solid_liquid = 0.01}')
-    energies = load_scene(young).floats[0].surface_energies
+    energies = load_scene(young).particles[0].surface_energies
     assert energies is not None
     assert (energies.solid_gas, energies.solid_liquid) == (0.04, 0.01)
 
 
 def test_left_out_a_count_is_the_number_of_positions_or_one() -> None:
-    assert load_scene(BOWL.replace("count = 40", "positions = [[0, 0], [1, 0]]")).floats[0].count == 2
-    assert load_scene(BOWL.replace("count = 40", "")).floats[0].count == 1
+    assert load_scene(BOWL.replace("count = 40", "positions = [[0, 0], [1, 0]]")).particles[0].count == 2
+    assert load_scene(BOWL.replace("count = 40", "")).particles[0].count == 1
 
 
 @pytest.mark.parametrize(
@@ -256,7 +261,7 @@ def test_a_file_above_the_limit_is_refused(tmp_path: Path) -> None:
 def test_faults_of_a_model_get_their_places_too(tmp_path: Path) -> None:
     file = tmp_path / "bowl.toml"
     file.write_text(BOWL)
-    found = SceneError([Fault("floats[0].density", "sinks"), Fault("dish.law", "no such law"), Fault("", "odd")])
+    found = SceneError([Fault("particles[0].density", "sinks"), Fault("dish.law", "no such law"), Fault("", "odd")])
     told = located(found, file)
     assert [fault.line for fault in told.faults] == [11, 14, None]
     assert told.source == str(file)

@@ -48,14 +48,15 @@ scenes = st.fixed_dictionaries(
         "model": st.just("floating"),
         "duration": st.integers(1, 1000).map(lambda frames: frames * 0.03),
         "frame_every": st.just(0.03),
-        "floats": st.lists(species, min_size=1, max_size=3),
+        "particles": st.lists(species, min_size=1, max_size=3),
     },
     optional={
         "title": st.text(st.characters(exclude_categories=["C"]), max_size=20),
         "seed": st.integers(0, 2**63 - 1),
         "rows": st.lists(rows, max_size=3),
         "dish": dishes,
-        "motion": st.fixed_dictionaries({"drag": st.booleans(), "time_step": st.floats(1e-6, 0.03)}),
+        "hydrodynamics": st.fixed_dictionaries({"drag": st.sampled_from(["stokes", "none"])}),
+        "integration": st.fixed_dictionaries({"time_step": st.floats(1e-6, 0.03)}),
     },
 )
 anything = st.recursive(
@@ -69,7 +70,7 @@ anything = st.recursive(
 
 def bowl() -> dict[str, object]:
     species = {"count": 3, "radius": 0.001, "density": 600, "contact_angle": 1.0}
-    return {"model": "floating", "duration": 1, "frame_every": 0.1, "floats": [species]}
+    return {"model": "floating", "duration": 1, "frame_every": 0.1, "particles": [species]}
 
 
 @settings(max_examples=80, deadline=None)
@@ -90,7 +91,7 @@ def keys_of(kind: type) -> list[str]:
 @given(st.sampled_from([*keys_of(FloatingScene), "other"]), st.sampled_from([*keys_of(FloatSpec), "other"]), anything)
 def test_whatever_stands_at_a_key_gives_a_scene_or_faults(key: str, inner: str, value: object) -> None:
     plain = bowl()
-    for changed in ({**plain, key: value}, {**plain, "floats": [{**plain["floats"][0], inner: value}]}):  # type: ignore[index]
+    for changed in ({**plain, key: value}, {**plain, "particles": [{**plain["particles"][0], inner: value}]}):  # type: ignore[index]
         try:
             scene = from_plain(changed)
         except SceneError:
@@ -138,7 +139,7 @@ def test_species_are_numbered_as_they_come() -> None:
 
 def test_a_key_that_was_misspelt_is_not_called_missing_as_well() -> None:
     plain = bowl()
-    plain["floats"] = [{"radios": 1, "density": 600, "contact_angle": 1.0}]
+    plain["particles"] = [{"radios": 1, "density": 600, "contact_angle": 1.0}]
     with pytest.raises(SceneError) as caught:
         from_plain(plain)
     assert [fault.message for fault in caught.value.faults] == ["no such key; did you mean radius?"]
@@ -146,7 +147,7 @@ def test_a_key_that_was_misspelt_is_not_called_missing_as_well() -> None:
 
 def test_a_flood_of_faults_is_cut_short() -> None:
     plain = bowl()
-    plain["floats"] = [{"radius": -1}] * 1000
+    plain["particles"] = [{"radius": -1}] * 1000
     with pytest.raises(SceneError) as caught:
         from_plain(plain)
     assert len(caught.value.faults) <= 501

@@ -39,7 +39,7 @@ def folder(tmp_path: Path) -> Path:
     """A folder with a run of three frames and two species."""
     body = {"radius": 0.001, "density": 600, "contact_angle": 1.0}
     species = [{**body, "name": "light", "color": "red"}, {**body, "name": "heavy"}]
-    scene = from_plain({"model": "floating", "duration": 1, "frame_every": 0.1, "floats": species})
+    scene = from_plain({"model": "floating", "duration": 1, "frame_every": 0.1, "particles": species})
     run = tmp_path / "runs" / "bowl"
     with Recorder(run / "traj") as recorder:
         for step in range(3):
@@ -70,7 +70,7 @@ def test_a_scene_starts_from_a_frame_of_another_run(folder: Path, at: str, x: fl
         ("@", "", "'' is no number of a frame"),
         ("@1.5", "", "'1.5' is no number of a frame"),
         ("2", "", "is not there; it is looked for from the scene's folder, /"),
-        ("@0", "[[floats]]\nradius = 1\ndensity = 1\ncontact_angle = 1", "brings all the floats"),
+        ("@0", "[[particles]]\nradius = 1\ndensity = 1\ncontact_angle = 1", "brings all the floats"),
     ],
 )
 def test_a_start_that_cannot_be_is_refused(folder: Path, at: str, more: str, says: str) -> None:
@@ -113,7 +113,7 @@ def test_discs_and_shapes_start_as_they_were_left(tmp_path: Path) -> None:
     disc = {"name": "flake", "radius": 2e-3, "density": 500, "disc": {"thickness": 1e-3, "angle": 0.1}}
     needle = {"name": "pin", "radius": 3e-3, "density": 900, "contact_angle": 1.2}
     needle["shape"] = {"kind": "needle", "width": 5e-4}
-    scene = from_plain({"model": "floating", "duration": 1, "frame_every": 0.1, "floats": [disc, needle]})
+    scene = from_plain({"model": "floating", "duration": 1, "frame_every": 0.1, "particles": [disc, needle]})
     run = tmp_path / "runs" / "bowl"
     arrays = {
         "position": np.array([[0.0, 0.1], [0.2, 0.3]]),

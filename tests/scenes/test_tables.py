@@ -18,10 +18,10 @@ SCENE = """\
 model = "floating"
 duration = 1
 frame_every = 0.1
-floats_from = "bowl.csv"
+particles_from = "bowl.csv"
 """
 DEFAULTS = """\
-[[floats]]
+[[particles]]
 radius = "2 mm"
 density = 600
 contact_angle = "60 deg"
@@ -52,7 +52,7 @@ def test_columns_are_read_in_the_units_of_their_heads(tmp_path: Path) -> None:
 
 def test_the_one_entry_of_floats_fills_what_the_table_leaves_out(tmp_path: Path) -> None:
     scene = read(tmp_path, "x [mm],y [mm],radius [mm]\n0,0,1\n5,0,3\n", DEFAULTS)
-    assert scene.floats == ()
+    assert scene.particles == ()
     assert [row.radius for row in scene.rows] == [0.001, 0.003]
     assert {(row.density, row.vx, row.species_name, row.color) for row in scene.rows} == {
         (600.0, 0.5, "float-1", "#d62728")
@@ -78,7 +78,7 @@ def test_semicolons_tabs_remarks_and_quotes_are_read(tmp_path: Path, table: str)
 @pytest.mark.parametrize(
     ("table", "says"),
     [
-        ("x,y\n1,2\n3\n", "floats_from: bowl.csv, line 3: 1 cells, expected 2 as in the head"),
+        ("x,y\n1,2\n3\n", "particles_from: bowl.csv, line 3: 1 cells, expected 2 as in the head"),
         ("x,y\n1,2,3\n", "line 2: 3 cells"),
         ("x,y\n1,2\n\n3,abc\n", "line 4, column y: got 'abc'; expected a number"),
         ("x,y\n1,nan\n", "line 2, column y: got 'nan'"),
@@ -102,7 +102,7 @@ def test_semicolons_tabs_remarks_and_quotes_are_read(tmp_path: Path, table: str)
 def test_a_fault_of_a_table_is_told_with_its_line_and_column(tmp_path: Path, table: str, says: str) -> None:
     faults = faults_of(tmp_path, table, DEFAULTS)
     assert any(says in fault for fault in faults), faults
-    assert all(fault.startswith("line 4, column 1: floats_from") for fault in faults), faults
+    assert all(fault.startswith("line 4, column 1: particles_from") for fault in faults), faults
 
 
 def test_many_faults_of_a_table_are_cut_short(tmp_path: Path) -> None:
@@ -114,11 +114,11 @@ def test_many_faults_of_a_table_are_cut_short(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("more", "says"),
     [
-        ("", "bowl.csv has no column radius, and no [[floats]] gives one"),
-        (DEFAULTS + "count = 3", "floats[0].count: has no meaning beside floats_from"),
-        (DEFAULTS + "colour = 3", "floats[0].colour: no such key; did you mean color?"),
-        (DEFAULTS.replace("600", "-1"), "floats[0].density: got -1; expected 0.001 or more"),
-        (DEFAULTS * 2, "floats: beside floats_from expected one [[floats]] table"),
+        ("", "bowl.csv has no column radius, and no [[particles]] gives one"),
+        (DEFAULTS + "count = 3", "particles[0].count: has no meaning beside particles_from"),
+        (DEFAULTS + "colour = 3", "particles[0].colour: no such key; did you mean color?"),
+        (DEFAULTS.replace("600", "-1"), "particles[0].density: got -1; expected 0.001 or more"),
+        (DEFAULTS * 2, "particles: beside particles_from expected one [[particles]] table"),
         ("start_from = 'run'", "only one can stand in a scene"),
         ("[[rows]]\nx = 1", "only one can stand in a scene"),
     ],
@@ -144,7 +144,7 @@ def test_what_stands_beside_a_table_must_fit(tmp_path: Path, more: str, says: st
 def test_a_table_that_cannot_be_read_is_told_by_its_key(tmp_path: Path, name: str, says: str) -> None:
     (tmp_path / "loop").symlink_to("loop")
     (tmp_path / "scene.toml").write_text(SCENE.replace("bowl.csv", name) + DEFAULTS)
-    with pytest.raises(SceneError, match=f"floats_from.*{says}"):
+    with pytest.raises(SceneError, match=f"particles_from.*{says}"):
         load_scene(tmp_path / "scene.toml")
 
 

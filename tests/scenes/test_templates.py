@@ -67,7 +67,7 @@ def test_the_first_line_of_a_template_says_what_it_shows() -> None:
 
 def test_the_cereal_bowl_holds_sixty_cereals(tmp_path: Path) -> None:
     raw = tomllib.loads(copy_template("cereal-bowl", tmp_path / "bowl.toml")[0].read_text())
-    assert raw["floats"][0]["count"] == 60
+    assert raw["particles"][0]["count"] == 60
 
 
 def test_nothing_is_overwritten(tmp_path: Path) -> None:

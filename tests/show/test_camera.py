@@ -37,7 +37,7 @@ FRAMES = [frame(0.0, [(0.5, 0.6), (0.7, 0.4)]), frame(1.0, [(0.4, 0.45), (0.7, 0
 
 def scene(size=(1.0, 1.0), **more):
     kinds = tuple(ParticleSpec(radius=0.1, density=2.0, color=color) for color in (BLUE, RED))
-    return TracersScene(duration=1.0, frame_every=0.5, particles=kinds, tank=TankSpec(size=size), **more)
+    return TracersScene(duration=1.0, frame_every=0.5, particles=kinds, tank=TankSpec(high=size), **more)
 
 
 def columns_of(pixels, blue):

@@ -24,7 +24,7 @@ pytestmark = pytest.mark.compiled
 
 def scene_of(*changes):
     text = (folder() / "cereal-bowl.toml").read_text()
-    return load_scene(text, ["floats[0].count=3", "floats[0].positions=[[0, 0], [0.02, 0], [0, 0.02]]", *changes])
+    return load_scene(text, ["particles[0].count=3", "particles[0].positions=[[0, 0], [0.02, 0], [0, 0.02]]", *changes])
 
 
 @pytest.fixture
@@ -41,7 +41,7 @@ def test_left_alone_it_goes_as_the_simulation_does(bowl):
         bowl.play(0.05)
     step = bowl.integration.parameters.time_step
     steps = int(bowl.integration.state.step[0])
-    scene = scene_of(f"motion.time_step={step}", f"duration={steps * step!r}", f"frame_every={steps * step!r}")
+    scene = scene_of(f"integration.time_step={step}", f"duration={steps * step!r}", f"frame_every={steps * step!r}")
     last = list(ecume.simulate(scene))[-1]
     assert places(bowl) == pytest.approx(last.arrays["position"], abs=1e-15)
     assert bowl.time == pytest.approx(last.time)

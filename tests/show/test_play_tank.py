@@ -59,7 +59,7 @@ def simulated(scene, tank):
     span = f"{round(tank.time / step) * step!r}"
     text = to_toml(scene)
     return list(
-        ecume.simulate(load_scene(text, [f"method.time_step={step}", f"duration={span}", f"frame_every={span}"]))
+        ecume.simulate(load_scene(text, [f"integration.time_step={step}", f"duration={span}", f"frame_every={span}"]))
     )[-1]
 
 

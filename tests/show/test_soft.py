@@ -8,7 +8,7 @@ import pytest
 
 from ecume.analysis.boxes import Box, at_home, box_of, nearest
 from ecume.errors import BadInput
-from ecume.scenes.soft import BoxSpec, OscillationSpec, SoftLiquid, SoftScene, SphereSpec, StageSpec, WallSpec
+from ecume.scenes.soft import CellSpec, OscillationSpec, SoftLiquid, SoftScene, SphereSpec, StageSpec, WallSpec
 from ecume.show.movies import film
 from ecume.show.soft.figures import SOFT_FIGURES
 from ecume.show.soft.measures import flow_points, oscillations
@@ -48,7 +48,7 @@ def boxed():
     spheres = SphereSpec(name="soft", radius=1e-3, modulus=1e4, count=6)
     scene = SoftScene(
         duration=3.0, frame_every=0.25, liquid=SoftLiquid(viscosity=1.0), spheres=(spheres,),
-        box=BoxSpec(size=(6e-3, 4e-3)),
+        box=CellSpec(size=(6e-3, 4e-3)),
         protocol=(StageSpec(time=0.0), StageSpec(time=3.0, strain=0.3)),
     )  # fmt: skip
     return scene, [_sheared(0.25 * step) for step in range(13)]

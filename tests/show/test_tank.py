@@ -33,7 +33,7 @@ SCENE = TracersScene(
     duration=1.0,
     frame_every=0.5,
     particles=BALLS,
-    tank=TankSpec(size=(1.0, 1.0)),
+    tank=TankSpec(high=(1.0, 1.0)),
     obstacles=(ObstacleSpec(low=(0.0, 0.4), high=(0.2, 0.6)), ObstacleSpec(center=(0.1, 0.9), radius=0.05)),
     openings=(OpeningSpec(wall=1, low=(0.4, 0.0), high=(0.6, 0.0)),),
 )

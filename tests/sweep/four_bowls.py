@@ -9,7 +9,7 @@ measures = ["final kinetic_energy", "max kinetic_energy"]
 [fixed]
 duration = "0.2 s"
 frame_every = "50 ms"
-"floats[0].count" = 5
+"particles[0].count" = 5
 [[axes]]
 key = "seed"
 values = [1, 2, 3, 4]

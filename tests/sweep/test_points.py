@@ -89,8 +89,8 @@ def test_whole_numbers_are_rounded_where_that_is_asked_for():
 
 
 def test_what_is_fixed_may_stand_in_tables():
-    spec = spec_of('template = "t1"\nrepeats = 2\n[fixed]\nliquid.viscosity = 1\n"floats[0].count" = 3')
-    assert spec.fixed == {"liquid.viscosity": 1, "floats[0].count": 3}
+    spec = spec_of('template = "t1"\nrepeats = 2\n[fixed]\nliquid.viscosity = 1\n"particles[0].count" = 3')
+    assert spec.fixed == {"liquid.viscosity": 1, "particles[0].count": 3}
 
 
 TWICE = 'template = "t1"\n[[axes]]\nkey = "{}"\nvalues = [1]\n{}\n[[axes]]\nkey = "{}"\nvalues = [1]\n{}\n'

@@ -37,11 +37,11 @@ def test_a_scene_that_is_wrong_at_one_point_is_refused_before_anything_is_writte
             "at liquid.viscocity = 1: liquid.viscocity: no such key; did you mean",
         ),
         (
-            'key = "floats[7].radius"\nvalues = ["1 mm"]',
-            "at floats[7].radius = '1 mm': floats is a list; expected one of it",
+            'key = "particles[7].radius"\nvalues = ["1 mm"]',
+            "at particles[7].radius = '1 mm': floats is a list; expected one of it",
         ),
         (
-            'key = "floats[0].count"\nspan = {start = 3, stop = 6}',
+            'key = "particles[0].count"\nspan = {start = 3, stop = 6}',
             "expected a whole number; whole = true in a span rounds",
         ),
         (
@@ -52,7 +52,9 @@ def test_a_scene_that_is_wrong_at_one_point_is_refused_before_anything_is_writte
     ],
 )
 def test_a_point_that_is_no_scene_is_told_as_the_sweep_asks_for_it(file, tmp_path, axis, says):
-    file.write_text(BOWLS.replace('"floats[0].count" = 5\n', "").replace('key = "seed"\nvalues = [1, 2, 3, 4]', axis))
+    file.write_text(
+        BOWLS.replace('"particles[0].count" = 5\n', "").replace('key = "seed"\nvalues = [1, 2, 3, 4]', axis)
+    )
     with pytest.raises(BadInput) as refused:
         sweep(file, tmp_path / "out", ALONE)
     assert str(refused.value).startswith(f"{file}: at ")
@@ -69,11 +71,11 @@ def test_a_number_that_runs_do_not_have_is_refused_before_they_are_run(file, tmp
 
 def test_tables_may_be_fixed(file, tmp_path):
     fixed = BOWLS.replace(
-        '"floats[0].count" = 5', 'floats = [{count = 3, radius = "2 mm", density = 300, contact_angle = 1.2}]'
+        '"particles[0].count" = 5', 'floats = [{count = 3, radius = "2 mm", density = 300, contact_angle = 1.2}]'
     )
     file.write_text(fixed)
     jobs = laid_out(load_sweep(file), tmp_path / "out").jobs
-    (floats,) = json.loads(jobs[0].asked.read_text())["scene"]["floats"]
+    (floats,) = json.loads(jobs[0].asked.read_text())["scene"]["particles"]
     assert (floats["count"], floats["radius"]) == (3, 2e-3)
 
 

@@ -89,7 +89,7 @@ def generated(model: str) -> Any:
     def trial(scale: float, folder: Path) -> Outcome:
         chance, tried, accepted, silent = random.Random(model), times(scale, 3000), 0, 0
         usual = [
-            plain for plain in map(tomllib.loads, texts()) if plain["model"] == model and "floats_from" not in plain
+            plain for plain in map(tomllib.loads, texts()) if plain["model"] == model and "particles_from" not in plain
         ]
         for _ in range(tried):
             plain = disturbed(chance.choice(usual), SCENES[model], chance)
@@ -147,7 +147,7 @@ def keys_of(text: str) -> Iterator[tuple[int, str]]:
     """The keys that begin a line, and its number; a scene without its model is another matter."""
     for number, line in enumerate(text.split("\n")):
         match = re.match(r"([a-z_]{4,}) *=", line)
-        if match and match[1] not in ("model", "floats_from"):
+        if match and match[1] not in ("model", "particles_from"):
             yield number, match[1]
 
 
@@ -167,18 +167,18 @@ def refused_for(wrong: str, key: str, text: str) -> bool:
 
 ABSURD = (
     ("floating", {"duration": 1e10, "frame_every": 1e-7}),
-    ("floating", {"duration": 1e10, "frame_every": 1e3, "motion": {"time_step": 1e-9}}),
-    ("floating", {"floats": [{"count": 99_000_000, "radius": 1e-3, "density": 600.0, "contact_angle": 1.0}]}),
-    ("floating", {"floats": [{"count": 10**12, "radius": 1e-3, "density": 600.0, "contact_angle": 1.0}]}),
+    ("floating", {"duration": 1e10, "frame_every": 1e3, "integration": {"time_step": 1e-9}}),
+    ("floating", {"particles": [{"count": 99_000_000, "radius": 1e-3, "density": 600.0, "contact_angle": 1.0}]}),
+    ("floating", {"particles": [{"count": 10**12, "radius": 1e-3, "density": 600.0, "contact_angle": 1.0}]}),
     ("floating", {"dish": {"radius": 1e-6}}),
     ("sph", {"spacing": 1e-6}),
     ("sph", {"spacing": 1e-300}),
     ("sph", {"duration": 1e9, "frame_every": 1e9}),
     ("sph", {"tank": {"low": [0.0, 0.0, 0.0], "high": [900.0, 900.0, 900.0]}, "gravity": [0.0, -9.81, 0.0],
              "fluid": [{"low": [0.0, 0.0, 0.0], "high": [900.0, 900.0, 900.0]}]}),
-    ("soft", {"spheres": [{"radius": 1e-3, "modulus": 1e6, "count": 1_000_000}], "films": {}, "box": None}),
+    ("soft", {"particles": [{"radius": 1e-3, "modulus": 1e6, "count": 1_000_000}], "films": {}, "cell": None}),
     ("tracers", {"particles": [{"radius": 1e-3, "density": 1.0, "count": 100_000_000}]}),
-    ("tracers", {"duration": 1e10, "frame_every": 1e3, "motion": {"time_step": 1e-9}}),
+    ("tracers", {"duration": 1e10, "frame_every": 1e3, "integration": {"time_step": 1e-9}}),
 )  # fmt: skip
 MEMORY, MACHINE = 3 * 2**30, 16e9
 

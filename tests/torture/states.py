@@ -26,10 +26,10 @@ from ecume.simulation import moments
 from .trials import SCENES, Outcome, Trial, copied, scene_of, times, warmed
 
 WAYS: dict[str, tuple[str, str, tuple[str, ...]]] = {
-    "floating": ("motion", "integrator", FLOATING_SCHEMES),
-    "sph": ("method", "integrator", ("symplectic", "verlet")),
-    "soft": ("stepping", "scheme", tuple(SOFT_SCHEMES)),
-    "tracers": ("motion", "regime", ("inertial", "overdamped")),
+    "floating": ("integration", "integrator", FLOATING_SCHEMES),
+    "sph": ("integration", "integrator", ("symplectic", "verlet")),
+    "soft": ("integration", "integrator", tuple(SOFT_SCHEMES)),
+    "tracers": ("integration", "integrator", ("inertial", "overdamped")),
 }
 """Of each model the part of its scene that names an integrator, and all that there are."""
 SHORT = {"floating": "2 s", "sph": "0.05 s", "soft": "8 s", "tracers": "0.2 s"}
@@ -94,24 +94,24 @@ frame_every = "10 ms"
 [liquid]
 viscosity = 1.0
 drag = true
-[[spheres]]
+[[particles]]
 radius = "1 mm"
 modulus = "10 kPa"
 count = 75
-[[spheres]]
+[[particles]]
 radius = "1.4 mm"
 modulus = "10 kPa"
 count = 75
-[box]
+[cell]
 size = ["30.3 mm", "30.3 mm"]
-gap = "20 um"
+minimum_gap = "20 um"
 [[protocol]]
 time = "0 s"
 [[protocol]]
 time = "20 ms"
 strain = 0.005
-[stepping]
-scheme = "tr-bdf2"
+[integration]
+integrator = "tr-bdf2"
 tolerance = 1e-3
 """
 """Passes over contacts take threads from 4,000 of them on; here they are told to from the first."""

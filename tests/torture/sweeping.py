@@ -22,7 +22,7 @@ SWEEP = """
 template = "cereal-bowl"
 [fixed]
 duration = "4 s"
-"floats[0].count" = 30
+"particles[0].count" = 30
 [[axes]]
 key = "seed"
 values = {seeds}

@@ -49,7 +49,7 @@ frame_every = "50 ms"
 seed = 4
 [liquid]
 viscosity = "2 mPa*s"
-[[floats]]
+[[particles]]
 count = 40
 radius = "1.5 mm"
 density = 600
@@ -75,12 +75,12 @@ duration = "{duration}"
 frame_every = "0.4 s"
 [liquid]
 viscosity = 1e-6
-[[spheres]]
+[[particles]]
 radius = 1.0
 modulus = 1.0
 positions = [[-1.0005, 0.0]]
 force = [-1e-6, 0.0]
-[[spheres]]
+[[particles]]
 radius = 1.0
 modulus = 1.0
 positions = [[1.0005, 0.0]]
@@ -101,8 +101,8 @@ count = 200
 radius = "1 mm"
 density = 2500.0
 [tank]
-size = [0.2, 0.2]
-[motion]
+high = [0.2, 0.2]
+[hydrodynamics]
 drag = "none"
 """
 SCENES = {

@@ -116,7 +116,7 @@ def play(
     if tank and scene is not None:
         raise BadInput("--tank plays with a tank of its own; leave it out, or SCENE")
     name = "small-tank" if tank else "cereal-bowl"
-    usual = [] if tank or scene else ["floats[0].count=12"]
+    usual = [] if tank or scene else ["particles[0].count=12"]
     given = scene or (folder() / f"{name}.toml").read_text(encoding="utf-8")
     asked = load_scene(given, [*usual, *(overrides or [])])
     game = game_of(asked)

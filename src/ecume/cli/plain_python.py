@@ -28,7 +28,7 @@ def is_small(scene: Scene) -> bool:
     from ecume.scenes.sph import SphScene
 
     if isinstance(scene, FloatingScene):
-        return sum(species.count for species in scene.floats) + len(scene.rows) <= FEW
+        return sum(species.count for species in scene.particles) + len(scene.rows) <= FEW
     return isinstance(scene, SphScene) and not any(
         region.particles or region.triangles or region.vertices for region in scene.fluid
     )

@@ -82,7 +82,7 @@ def check(scene: SceneFile, overrides: Overrides = None, laws: Laws = None, json
 
     All faults of the scene at once, or its lengths, charges, time step, memory and time.
 
-    Examples: `ecume check bowl.toml` · `ecume check bowl.toml --set "dish.radius=4 cm" --set floats[0].count=60`
+    Examples: `ecume check bowl.toml` · `ecume check bowl.toml --set "dish.radius=4 cm" --set particles[0].count=60`
     """
     from ecume.scenes.salvage import load_and_examine
 

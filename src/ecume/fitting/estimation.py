@@ -88,9 +88,9 @@ def fit(
 ) -> Fit:
     """The parameters of a scene with which its simulation is nearest to tracks, by least squares.
 
-    `free` are keys such as `contact_angle`, or paths such as `floats[0].radius`; the scene says where they begin, and
-    all else. `start` is what is fitted along: `positions` of everyone at the first instant, `moving` for velocities as
-    well, `scene` for nothing. What was seen later than `until` (s) is left out: contacts, say.
+    `free` are keys such as `contact_angle`, or paths such as `particles[0].radius`; the scene says where they begin,
+    and all else. `start` is what is fitted along: `positions` of everyone at the first instant, `moving` for velocities
+    as well, `scene` for nothing. What was seen later than `until` (s) is left out: contacts, say.
     Noise is taken to be the same for all measured numbers, and independent.
     """
     measured = tracks if isinstance(tracks, Tracks) else read_tracks(tracks, camera)

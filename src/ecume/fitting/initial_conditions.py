@@ -87,7 +87,7 @@ def require_starts(plain: Mapping[str, Any], *, moving: bool) -> None:
 
 def _floats_start(plain: dict[str, Any], position: Array, velocity: Array | None) -> None:
     places = iter(range(len(position)))
-    for species in plain["floats"]:
+    for species in plain["particles"]:
         mine = [next(places) for _ in range(species["count"])]
         species |= {"placement": "random", "spacing": None, "ring_radius": None}
         species["positions"] = position[mine].tolist()
@@ -111,14 +111,14 @@ def _tracers_start(plain: dict[str, Any], position: Array, velocity: Array | Non
 
 def _spheres_start(plain: dict[str, Any], position: Array, velocity: Array | None) -> None:
     places = iter(range(len(position)))
-    for species in plain["spheres"]:
+    for species in plain["particles"]:
         mine = [next(places) for _ in range(species["count"] or len(species["positions"]))]
         species |= {"positions": position[mine].tolist(), "count": None}
 
 
 STARTED = {"floating": _floats_start, "tracers": _tracers_start, "soft": _spheres_start}
 """By model: lets particles start where they are told."""
-KINDS = ("floats", "rows", "particles", "spheres")
+KINDS = ("particles", "rows")
 """What kinds of particles are called in scenes."""
 
 
@@ -129,6 +129,5 @@ def keeps_kinds(plain: Mapping[str, Any]) -> bool:
 
 def require_no_chance(plain: Mapping[str, Any]) -> None:
     """Raise BadInput where chance moves the particles: a simulation does not go where they went."""
-    motion = plain.get("motion", {})
-    if motion.get("brownian") or motion.get("temperature", 0.0) > 0.0:
+    if plain.get("hydrodynamics", {}).get("brownian"):
         raise BadInput("the liquid's heat kicks the particles of the scene, at random; a fit wants a scene without it")

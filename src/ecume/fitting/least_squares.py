@@ -64,10 +64,10 @@ def timed(plain: dict[str, Any], tracks: Tracks) -> dict[str, Any]:
     duration = float(tracks.times[-1])
     frames = max(LEAST_FRAMES, round(duration / float(np.median(np.diff(tracks.times)))))
     plain |= {"duration": duration, "frame_every": duration / frames}
-    if "time_step" in plain.get("motion", {}):
-        plain["motion"]["time_step"] = None
+    if "time_step" in plain.get("integration", {}):
+        plain["integration"]["time_step"] = None
         chosen = MODELS[plain["model"]].parameters(from_plain(plain))
-        plain["motion"]["time_step"] = plain["frame_every"] / chosen.steps_per_frame
+        plain["integration"]["time_step"] = plain["frame_every"] / chosen.steps_per_frame
     return plain
 
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from ecume.errors import BadInput
 from ecume.models import MODELS
+from ecume.models.liquids import liquid_of
 from ecume.scenes.faults import Path, echo, read_path, suggestion, value_at, written
 from ecume.scenes.overrides import KEY, put
 from ecume.scenes.schema import ANGLE, unit_of
@@ -64,7 +65,7 @@ class Free(NamedTuple):
 
 
 def free_parameters(plain: Mapping[str, Any], names: Sequence[str]) -> list[Free]:
-    """The parameters of these names, or paths such as `floats[0].radius`. Raises BadInput where there is none."""
+    """The parameters of these names, or paths such as `particles[0].radius`. Raises BadInput where there is none."""
     count = len(names) if any(names) else 0
     if not 1 <= count <= MOST:
         raise BadInput(f"free: got {count} parameters; expected 1 to {MOST}, such as contact_angle,viscosity")
@@ -165,7 +166,7 @@ def of_floats(scene: FloatingScene) -> list[Quantity]:
         charge, mass, coasting = (
             abs(float(values[place])) for values in (floats.charge, floats.mass, floats.relaxation_time)
         )
-        pull = 2.0 * math.pi * scene.liquid.surface_tension * charge**2
+        pull = 2.0 * math.pi * liquid_of(scene).surface_tension * charge**2
         values = [("charge", charge, "m"), ("pull/mass", pull / mass, "m^2/s^2")]
         if math.isfinite(coasting):
             values += [("friction/mass", 1.0 / coasting, "1/s"), ("pull/friction", pull / mass * coasting, "m^2/s")]

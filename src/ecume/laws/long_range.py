@@ -143,4 +143,4 @@ REMOTE = {
     "steric": Remote(steric_energy, steric_force, steric_slope, doubts=_steric_doubts),
     "dlvo": Remote(dlvo_energy, dlvo_force, dlvo_slope),
 }
-"""Forces across the gap: `remote.law` of a scene."""
+"""Forces across the gap: `long_range_forces.law` of a scene."""

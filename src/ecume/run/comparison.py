@@ -85,7 +85,7 @@ def _scene(path: Path) -> object:
 
 
 def _flat(value: object, path: str = "") -> Iterator[tuple[str, object]]:
-    """The values of nested tables by their paths: `floats[0].radius`."""
+    """The values of nested tables by their paths: `particles[0].radius`."""
     if isinstance(value, dict):
         for key, each in value.items():
             yield from _flat(each, f"{path}.{key}" if path else str(key))

@@ -38,17 +38,20 @@ class Common:
     """The model, the duration and the frames of a scene."""
 
     model: str
-    """Which model: a key of `SCENES`."""
+    """The model, which determines all other keys. Effect: selects the equations that are solved."""
     title: Text = ""
-    """One line, shown above movies and figures."""
+    """The title of movies and figures. Effect: none on the results."""
     duration: Duration
-    """The simulated time (s)."""
+    """The simulated time (s). Effect: run time and disk space are proportional to it."""
     frame_every: Duration
-    """The simulated time between two frames (s). A duration that is no multiple of it adds a last frame at its end."""
+    """The simulated time between two frames (s). A duration that is no multiple of it adds a last frame at its end.
+    Effect: smaller values record more frames; the time step is never longer."""
     seed: Seed = 0
-    """What all randomness starts from: equal scenes give equal runs."""
+    """The seed of all random numbers. Effect: another seed gives another sample of random positions and thermal
+    noise; equal scenes with equal seeds give equal bits."""
     on_violation: Literal["warn", "stop"] = "warn"
-    """What becomes of a run that loses what its model must not lose; `--on-violation` overrides it."""
+    """The action when an invariant is violated: `warn`, or `stop` with exit code 3. The option `--on-violation`
+    takes precedence. Effect: `stop` ends the run at the first violation."""
 
     @property
     def whole_frames(self) -> int:

@@ -34,16 +34,16 @@ class Inconsistent(ValueError):
 
 
 def written(path: Path) -> str:
-    """`("floats", 0, "radius")` as `floats[0].radius`."""
+    """`("particles", 0, "radius")` as `particles[0].radius`."""
     parts = (f"[{key}]" if isinstance(key, int) else "." + (key if BARE.fullmatch(key) else echo(key)) for key in path)
     return "".join(parts).removeprefix(".")
 
 
 def read_path(text: str) -> Path:
-    """`floats[0].radius` as `("floats", 0, "radius")`.
+    """`particles[0].radius` as `("particles", 0, "radius")`.
 
-    >>> read_path("floats[0].radius")
-    ('floats', 0, 'radius')
+    >>> read_path("particles[0].radius")
+    ('particles', 0, 'radius')
     """
     parts = re.findall(r"\[([0-9]+)\]|([A-Za-z0-9_-]+)", text)
     return tuple(int(index) if index else name for index, name in parts)
@@ -63,12 +63,56 @@ def echo(value: object) -> str:
     return text if len(text) <= LONGEST_ECHO else text[: LONGEST_ECHO - 3] + "..."
 
 
+SYNONYMS: dict[str, tuple[str, ...]] = {
+    "floats": ("particles",),
+    "spheres": ("particles",),
+    "grains": ("particles",),
+    "tracers": ("particles", "passive_tracers"),
+    "carried": ("passive_tracers",),
+    "box": ("cell",),
+    "dt": ("time_step",),
+    "timestep": ("time_step",),
+    "stepping": ("integration",),
+    "time_stepping": ("integration",),
+    "scheme": ("integrator",),
+    "motion": ("hydrodynamics",),
+    "films": ("lubrication",),
+    "courant": ("courant_number",),
+    "fastest": ("maximum_speed",),
+    "shake": ("base_excitation",),
+    "central_pull": ("central_force",),
+    "remote": ("long_range_forces",),
+    "reach": ("cutoff",),
+    "place": ("position",),
+    "measures": ("quantities",),
+    "eddy_dispersion": ("turbulent_dispersion",),
+    "hamaker": ("hamaker_constant",),
+}
+"""Other words for keys, too different in spelling to be recognized."""
+ELSEWHERE = {
+    "liquid.gravity": "gravity, at the top of the scene",
+    "liquid.flow": "the table [flow]",
+    "liquid.shear_rate": "flow.shear_rate",
+    "liquid.drag": "hydrodynamics.drag",
+    "method.time_step": "integration.time_step",
+    "method.integrator": "integration.integrator",
+    "method.courant": "integration.courant_number",
+    "tank.size": "tank.low and tank.high",
+}
+"""Keys that are looked for in a table where they are not, and where they are."""
+
+
 def suggestion(word: str, choices: Iterable[str]) -> str:
     """`did you mean radius?`, or all the choices where none is near."""
     known = list(choices)
-    near = difflib.get_close_matches(word[:LONGEST_ECHO].lower(), known, n=1, cutoff=0.5)
+    for same in SYNONYMS.get(word, ()):
+        if same in known:
+            return f"did you mean {same}?"
+    given = word[:LONGEST_ECHO].lower()
+    near = difflib.get_close_matches(given, known, n=3, cutoff=0.5)
     if near:
-        return f"did you mean {near[0]}?"
+        swapped = [name for name in near if sorted(name) == sorted(given)]
+        return f"did you mean {(swapped or near)[0]}?"
     return f"known: {', '.join(known)}" if known else "nothing can stand here"
 
 
@@ -110,6 +154,8 @@ def _described(detail: ErrorDetails, kind: type, raw: object, also: Sequence[str
             return []
         path = path[:label] + path[label + 1 :]
     if detail["type"] == "unexpected_keyword_argument":
+        if (place := ELSEWHERE.get(written(path))) is not None:
+            return [(path, f"no such key; did you mean {place}?")]
         return [(path, f"no such key; {suggestion(str(path[-1]), _keys(kind, path[:-1], also))}")]
     if detail["type"] == "missing" and isinstance(path[-1], int):
         pair = value_at(raw, path[:-1], detail["input"])

@@ -39,8 +39,8 @@ class Source(NamedTuple):
 def load_scene(path_or_text: str | File, overrides: Sequence[str] = ()) -> Scene:
     """The scene of a file, or of TOML text. Raises SceneError with all faults at once, each with its line and column.
 
-    `overrides` are changes such as `floats[0].count=10` or `dish.radius=4 cm`. Tables and runs that the scene names are
-    looked for beside its file (beside nothing but the current folder when it is text).
+    `overrides` are changes such as `particles[0].count=10` or `dish.radius=4 cm`. Tables and runs that the scene names
+    are looked for beside its file (beside nothing but the current folder when it is text).
     """
     source = source_of(path_or_text)
     raw = parsed(source)
@@ -54,7 +54,7 @@ def load_scene(path_or_text: str | File, overrides: Sequence[str] = ()) -> Scene
         raw["rows"] = rows.plain
     scene, found = examined(raw, also=SOURCES)
     # Without its rows a scene has nothing afloat, without its file a region has no shape: no faults of their own.
-    excused = {path[:-1] or ("fluid",) for path, _ in dry} | ({("floats",)} if rows.faults else set())
+    excused = {path[:-1] or ("fluid",) for path, _ in dry} | ({("particles",)} if rows.faults else set())
     faults += dry + rows.faults + rows.with_origins([fault for fault in found if fault[0] not in excused])
     if scene is None or faults:
         raise SceneError(placed(source, faults, changed), source.name)

@@ -1,4 +1,4 @@
-"""Changes to a scene from the command line: `floats[0].count=10`, `dish.radius=4 cm`."""
+"""Changes to a scene from the command line: `particles[0].count=10`, `dish.radius=4 cm`."""
 
 from __future__ import annotations
 
@@ -31,12 +31,12 @@ def overridden(raw: dict[str, Any], overrides: Sequence[str]) -> tuple[set[Path]
 def split(override: str) -> tuple[Path, Any]:
     """The path and the value of `key=value`.
 
-    >>> split("floats[0].count=10")
-    (('floats', 0, 'count'), 10)
+    >>> split("particles[0].count=10")
+    (('particles', 0, 'count'), 10)
     """
     key, equals, text = override.partition("=")
     if not equals or KEY.fullmatch(key.strip()) is None:
-        raise ValueError("expected key=value, such as floats[0].count=10")
+        raise ValueError("expected key=value, such as particles[0].count=10")
     return read_path(key), value_of(text.strip())
 
 

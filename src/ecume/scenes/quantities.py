@@ -148,3 +148,48 @@ def vector(symbol: str, most: float) -> Callable[[object], tuple[float, ...]]:
 Place = Annotated[tuple[float, ...], PlainValidator(vector("m", 1e3))]
 Motion = Annotated[tuple[float, ...], PlainValidator(vector("m/s", 1e3))]
 Pull = Annotated[tuple[float, ...], PlainValidator(vector("m/s^2", 1e6))]
+
+
+def gravity(value: object) -> tuple[float, ...]:
+    """A magnitude, which is one number, or a vector."""
+    if isinstance(value, (list, tuple)) and len(value) != 1:
+        return vector("m/s^2", 1e6)(value)
+    magnitude = Unit("m/s^2").number(value[0] if isinstance(value, (list, tuple)) else value)
+    if not 0.0 <= magnitude <= 1e6:
+        raise ValueError("expected a magnitude from 0 to 1e6 m/s^2, or a vector such as ['0 m/s^2', '-9.81 m/s^2']")
+    return (magnitude,)
+
+
+def downwards(given: tuple[float, ...], dimensions: int) -> tuple[float, ...]:
+    """The vector of gravity: a magnitude acts along -y.
+
+    >>> downwards((9.81,), 3)
+    (0.0, -9.81, 0.0)
+    """
+    return given if len(given) != 1 else (0.0, -given[0], 0.0)[:dimensions]
+
+
+GravityVector = Annotated[tuple[float, ...], PlainValidator(gravity)]
+"""Gravity as a vector; a scene may give its magnitude."""
+
+
+ICE_POINT = 273.15
+ROOM = 293.15
+"""K"""
+
+
+def absolute_temperature(value: object) -> float:
+    """A temperature in kelvin; text may be in degrees Celsius."""
+    text = value.strip() if isinstance(value, str) else ""
+    for ending in ("degC", "°C"):
+        if text.endswith(ending):
+            kelvin = ICE_POINT + Unit("1").number(float(text.removesuffix(ending)))
+            break
+    else:
+        kelvin = Unit("K").number(value)
+    if not 0.0 <= kelvin <= 1e4:
+        raise ValueError("expected a temperature from 0 to 10,000 K; write '20 degC' or kelvin")
+    return kelvin
+
+
+AbsoluteTemperature = Annotated[float, PlainValidator(absolute_temperature)]

@@ -5,14 +5,16 @@ from __future__ import annotations
 import dataclasses
 from typing import Annotated, Any, Self
 
-from pydantic import Field, PlainValidator, model_validator
+from pydantic import Field, model_validator
 from pydantic.dataclasses import dataclass
 
 from ecume.scenes.common import Common, Kind
 from ecume.scenes.faults import Inconsistent, Path
 from ecume.scenes.quantities import (
     MOST_PARTICLES,
+    ROOM,
     STRICT,
+    AbsoluteTemperature,
     Color,
     Coordinate,
     Count,
@@ -29,27 +31,8 @@ from ecume.scenes.quantities import (
 )
 from ecume.units import Acceleration, Unit
 
-ICE_POINT = 273.15
-
-
-def absolute_temperature(value: object) -> float:
-    """A temperature in kelvin; text may be in degrees Celsius."""
-    text = value.strip() if isinstance(value, str) else ""
-    for ending in ("degC", "°C"):
-        if text.endswith(ending):
-            kelvin = ICE_POINT + Unit("1").number(float(text.removesuffix(ending)))
-            break
-    else:
-        kelvin = Unit("K").number(value)
-    if not 0.0 <= kelvin <= 1e4:
-        raise ValueError("expected a temperature from 0 to 10,000 K; write '20 degC' or kelvin")
-    return kelvin
-
-
-Temperature = Annotated[float, PlainValidator(absolute_temperature)]
 Point = Annotated[tuple[Coordinate, ...], Field(min_length=2, max_length=3)]
 Speeds = Annotated[tuple[Velocity, ...], Field(min_length=2, max_length=3)]
-Extent = Annotated[tuple[Size, ...], Field(min_length=2, max_length=3)]
 Pull = Annotated[Acceleration, Field(ge=0.0, le=1e6)]
 ComingRate = Annotated[float, Unit("1/s"), Field(gt=0.0, le=1e12)]
 Concentration = Annotated[float, Field(gt=0.0, le=1e30)]
@@ -62,19 +45,28 @@ class FluidSpec:
     """The liquid that carries the particles."""
 
     name: Name = ""
-    """`water`, `seawater`, `ethanol`, `glycerol` or `mercury`: density and viscosity at the temperature."""
-    temperature: Temperature = 293.15
-    """K, or text such as `20 degC`"""
+    """A liquid of the table in `ecume.laws.liquids`, such as `water`, at the `temperature`. Effect: provides the
+    density and viscosity that are not given."""
+    temperature: AbsoluteTemperature = ROOM
+    """The temperature of the named liquid and of Brownian motion (K); text such as `20 degC` is allowed. Effect: a
+    warmer liquid is less viscous; thermal noise grows with it."""
     density: PositiveDensity | None = None
-    """kg/m^3; that of the liquid named, or 1000"""
+    """The density of the liquid (kg/m^3); by default that of the named liquid, or 1000. Effect: the buoyancy of the
+    particles is proportional to it."""
     viscosity: LiquidViscosity | None = None
-    """Pa s; that of the liquid named, or 0.001; 0 is no drag"""
-    gravity: Pull = 9.81
-    """m/s^2, down the last axis"""
-    flow: Speeds | None = None
-    """The liquid's velocity (m/s); at rest by default."""
+    """The dynamic viscosity of the liquid (Pa s); by default that of the named liquid, or 0.001. Effect: drag is
+    proportional to it for slow particles; 0 disables drag."""
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class FlowSpec:
+    """How the liquid flows."""
+
+    velocity: Speeds | None = None
+    """The velocity of the liquid (m/s); by default it is at rest. Effect: drag accelerates the particles toward it."""
     shear_rate: ShearRate = 0.0
-    """How much faster the liquid flows along x for each meter up (1/s)."""
+    """The gradient of the x velocity of the liquid with height (1/s). Effect: particles at different heights drift
+    apart."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -82,23 +74,29 @@ class ParticleSpec:
     """Equal spheres, and where they start."""
 
     name: Name = ""
-    """What this species is called; `particle-1` and so on when empty."""
+    """The name of the species in frames, legends and exports; by default `particle-1` and so on. Effect: none on the
+    motion."""
     count: Count = 0
-    """How many; by default one or as many as there are positions."""
+    """The number of particles; by default one, or the number of positions. Effect: run time and disk space are
+    proportional to it; the particles do not interact."""
     radius: Radius
-    """m"""
+    """The radius of each sphere (m). Effect: the settling speed grows as its square, diffusion falls as its inverse."""
     density: PositiveDensity
-    """kg/m^3"""
+    """The density of each sphere (kg/m^3). Effect: spheres denser than the liquid settle, others rise."""
     positions: tuple[Point, ...] = ()
-    """Where each starts (m); by default at random in the tank."""
+    """The initial position of each particle (m); by default random in the tank. Effect: replaces the random
+    positions."""
     low: Point | None = None
-    """The lower corner of the part of the tank where they start at random (m)."""
+    """The lower corner of the box of random initial positions (m). Effect: restricts the start to a part of the
+    tank."""
     high: Point | None = None
-    """The upper one."""
+    """The upper corner of the box of random initial positions (m). Effect: restricts the start to a part of the
+    tank."""
     velocity: Speeds | None = None
-    """What each starts with (m/s)."""
+    """The initial velocity of all particles of the species (m/s); by default zero. Effect: drag damps it within the
+    relaxation time."""
     color: Color | None = None
-    """`#rrggbb`, or a plain English name."""
+    """The color in pictures: `#rrggbb`, or an English name. Effect: none on the motion."""
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -111,25 +109,38 @@ class ParticleSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class TankSpec:
-    """The walls: a box from the origin, or a disc or sphere around it, or a convex polygon."""
+    """The walls: a box, or a disc or sphere around the origin, or a convex polygon."""
 
-    size: Extent | None = None
-    """Width and height, or width, depth and height (m)."""
+    low: Point | None = None
+    """The lower corner of a box (m); by default the origin. Effect: shifts the walls."""
+    high: Point | None = None
+    """The upper corner of a box (m). Effect: a larger tank lengthens the times between collisions with walls."""
     radius: Size | None = None
-    """m"""
+    """The radius of a round tank around the origin (m), instead of a box. Effect: a larger tank lengthens the times
+    between collisions with walls."""
     dimensions: Annotated[int, Field(strict=True, ge=2, le=3)] = 2
-    """Of a round tank: 2 or 3."""
+    """The number of dimensions of a round tank: a disc or a sphere. Effect: 3 gives positions three coordinates."""
     vertices: tuple[Point, ...] = ()
-    """The corners in order (m)."""
+    """The corners of a convex polygon in order, or those of a convex polyhedron (m), instead of a box. Effect:
+    determines the shape of the walls."""
     restitution: Proportion = 1.0
-    """C_R: what is left of the normal velocity after a hit."""
-    tangential: Proportion = 1.0
-    """C_T: what is left of the tangential one."""
+    """The ratio C_R of normal velocities after and before a collision with a wall. Effect: 1 conserves the kinetic
+    energy, 0 stops the normal motion."""
+    tangential_restitution: Proportion = 1.0
+    """The ratio C_T of tangential velocities after and before a collision with a wall. Effect: below 1 walls slow
+    down the motion along them."""
 
     @model_validator(mode="after")
     def _one_shape(self) -> Self:
-        if sum((self.size is not None, self.radius is not None, bool(self.vertices))) != 1:
-            raise Inconsistent([((), "expected one of size, radius and vertices")])
+        if sum((self.high is not None, self.radius is not None, bool(self.vertices))) != 1:
+            raise Inconsistent([((), "expected one of high, radius and vertices")])
+        if self.high is None and self.low is not None:
+            raise Inconsistent([(("low",), "is of a box; expected high with it")])
+        if self.high is not None:
+            low = self.low or (0.0,) * len(self.high)
+            object.__setattr__(self, "low", low)
+            if len(low) != len(self.high) or any(b <= a for a, b in zip(low, self.high, strict=True)):
+                raise Inconsistent([(("high",), "expected a corner above low in each direction")])
         return self
 
 
@@ -138,15 +149,15 @@ class ObstacleSpec:
     """A convex body in the tank: a box between two corners, a disc or sphere, a polygon."""
 
     low: Point | None = None
-    """m"""
+    """The lower corner of a box (m), together with `high`. Effect: moves the side of the obstacle."""
     high: Point | None = None
-    """m"""
+    """The upper corner of a box (m), together with `low`. Effect: moves the side of the obstacle."""
     center: Point | None = None
-    """m"""
+    """The center of a disc or sphere (m), together with `radius`. Effect: shifts the obstacle."""
     radius: Size | None = None
-    """m"""
+    """The radius of a disc or sphere (m), together with `center`. Effect: larger obstacles reflect more particles."""
     vertices: tuple[Point, ...] = ()
-    """m"""
+    """The corners of a convex polygon or polyhedron (m). Effect: determines the shape of the obstacle."""
 
     @model_validator(mode="after")
     def _one_shape(self) -> Self:
@@ -162,19 +173,24 @@ class OpeningSpec:
     """A part of a wall through which particles leave; with a rate or a concentration, others come in through it."""
 
     wall: Annotated[int, Field(strict=True, ge=0, le=10_000)]
-    """The number of the wall: of a box 0 is left, 1 the bottom (in space the front), then upwards, then the others."""
+    """The number of the wall with the opening. Walls of a box are numbered left, bottom, right, top; in 3D low x, y,
+    z, then high x, y, z. Example: `1`. Effect: moves the opening to another wall."""
     low: Point
-    """Its lower corner (m)."""
+    """The lower corner of the opening (m). Effect: larger openings let more particles leave."""
     high: Point
-    """Its upper corner (m)."""
+    """The upper corner of the opening (m). Effect: larger openings let more particles leave."""
     rate: ComingRate | None = None
-    """How many come in each second (1/s), anywhere in it."""
+    """The number of particles that enter per second (1/s), at random positions in the opening. Effect: the number of
+    particles grows in proportion to it."""
     concentration: Concentration | None = None
-    """How many there are in a cubic meter of what flows in, in the plane in a square meter; the flow brings them."""
+    """The number of particles per cubic meter of the liquid that flows in; in 2D per square meter. Effect: the
+    number of particles grows in proportion to it and to the inflow."""
     species: Name = ""
-    """Which species comes in; the first by default."""
+    """The name of the species that enters; by default the first one. Effect: selects radius and density of entering
+    particles."""
     velocity: Speeds | None = None
-    """What they come in with (m/s); by default the liquid's velocity there less the speed at which they settle."""
+    """The velocity of entering particles (m/s); by default that of the liquid plus the settling velocity. Effect:
+    drag changes it within the relaxation time."""
 
     @model_validator(mode="after")
     def _one_way(self) -> Self:
@@ -188,19 +204,31 @@ class OpeningSpec:
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
-class TracerMotionSpec:
-    """The forces, and the time integration."""
+class TracerHydrodynamicsSpec:
+    """The forces of the liquid on moving particles."""
 
     drag: LawName = "schiller-naumann"
-    """`stokes`, `schiller-naumann` or `none`"""
+    """The drag law: `stokes` for slow particles, `schiller-naumann`, which grows with the Reynolds number, or
+    `none`. Effect: `schiller-naumann` lowers the settling speed of large particles; without drag particles fly
+    freely."""
     added_mass: Switch = True
-    """Whether half of the displaced liquid's mass is moved along."""
+    """Whether the inertia includes half the mass of the displaced liquid. Effect: makes light particles slower to
+    accelerate."""
     brownian: Switch = False
-    """Whether the liquid's heat kicks the particles."""
-    regime: LawName = "auto"
-    """`inertial`, `overdamped`, or `auto`: overdamped where a step is longer than half a relaxation time."""
+    """Brownian motion at the temperature of the liquid; requires drag. Effect: disperses particles; those of a
+    micrometer remain suspended."""
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class TracerIntegrationSpec:
+    """The time integration."""
+
+    integrator: LawName = "auto"
+    """The equation of motion: `inertial`, `overdamped`, or `auto`, which is overdamped where a step is longer than
+    half a relaxation time. Effect: `overdamped` omits inertia and allows long steps."""
     time_step: Duration | None = None
-    """s; by default the model chooses"""
+    """The time step (s), a whole fraction of `frame_every`; by default chosen from the scene. Effect: smaller steps
+    are more accurate and cost more."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -208,19 +236,26 @@ class TracersScene(Common):
     """Spheres in a liquid: they fly, bounce, disperse and settle, and do not feel one another."""
 
     model: Annotated[str, Field(pattern="^tracers$")] = "tracers"
-    """Which model."""
+    """The model: particles in a liquid that do not interact. Effect: selects the equations that are solved."""
     liquid: FluidSpec = FluidSpec()
-    """What they are in."""
+    """The properties of the liquid. Effect: they set drag, buoyancy and diffusion."""
+    gravity: Pull = 9.81
+    """The gravitational acceleration (m/s^2), downward along the last axis; 0 is weightless. Effect: the settling
+    speed of slow particles is proportional to it."""
+    flow: FlowSpec = FlowSpec()
+    """The imposed flow of the liquid. Effect: drags the particles along."""
     particles: tuple[ParticleSpec, ...] = ()
-    """The species."""
+    """The species of particles, one table each. Effect: each species adds particles with common properties."""
     tank: TankSpec | None = None
-    """The walls around them, if any."""
+    """The walls around the particles; without it space is infinite. Effect: walls reflect the particles."""
     obstacles: tuple[ObstacleSpec, ...] = ()
-    """Bodies in the tank."""
+    """Convex bodies in the tank. Effect: they reflect the particles."""
     openings: tuple[OpeningSpec, ...] = ()
-    """Holes in its walls."""
-    motion: TracerMotionSpec = TracerMotionSpec()
-    """The forces and the time stepping."""
+    """Openings in the walls of the tank. Effect: particles leave and enter through them."""
+    hydrodynamics: TracerHydrodynamicsSpec = TracerHydrodynamicsSpec()
+    """The forces of the liquid on moving particles. Effect: they determine drag, inertia and thermal noise."""
+    integration: TracerIntegrationSpec = TracerIntegrationSpec()
+    """The time stepping. Effect: determines the error per step and the cost."""
 
     @property
     def kinds(self) -> tuple[Kind, ...]:
@@ -231,7 +266,7 @@ class TracersScene(Common):
     def dimensions(self) -> int:
         """2 or 3: as many as the tank has, or else the first position."""
         if self.tank is not None:
-            return len(self.tank.size or (self.tank.vertices or ((0.0,) * self.tank.dimensions,))[0])
+            return len(self.tank.high or (self.tank.vertices or ((0.0,) * self.tank.dimensions,))[0])
         placed = [species.positions[0] for species in self.particles if species.positions]
         return len(placed[0]) if placed else 2
 
@@ -278,7 +313,7 @@ def _newcomers(scene: TracersScene) -> Complaints:
 def _coordinates(scene: TracersScene) -> Complaints:
     """Every point has as many coordinates as the tank."""
     wanted = scene.dimensions
-    points: list[tuple[Path, Any]] = [(("liquid", "flow"), scene.liquid.flow)]
+    points: list[tuple[Path, Any]] = [(("flow", "velocity"), scene.flow.velocity)]
     for index, species in enumerate(scene.particles):
         points += [(("particles", index, key), getattr(species, key)) for key in ("low", "high", "velocity")]
         points += [(("particles", index, "positions", place), point) for place, point in enumerate(species.positions)]

@@ -38,10 +38,7 @@ def setting_of(scene: TracersScene) -> Setting:
 
 
 def outline_of(shape: Any) -> Shape | None:
-    size, low = getattr(shape, "size", None), getattr(shape, "low", None)
-    if size is not None:
-        return _rectangle(np.zeros(len(size)), np.array(size))
-    if low is not None:
+    if (low := getattr(shape, "low", None)) is not None:
         return _rectangle(np.array(low), np.array(shape.high))
     if shape.vertices:
         corners: Array = np.array(shape.vertices)
@@ -76,10 +73,7 @@ def setting_in_space(scene: TracersScene, eye: Eye) -> Setting:
 
 def _box_around(shape: Any) -> tuple[Array, Array]:
     """The lowest and the highest corner of what is in space."""
-    size, low = getattr(shape, "size", None), getattr(shape, "low", None)
-    if size is not None:
-        return np.zeros(3), np.array(size)
-    if low is not None:
+    if (low := getattr(shape, "low", None)) is not None:
         return np.array(low), np.array(shape.high)
     if shape.vertices:
         return np.min(shape.vertices, axis=0), np.max(shape.vertices, axis=0)
@@ -137,7 +131,7 @@ def wall_names(scene: TracersScene) -> list[str]:
     tank = (
         []
         if scene.tank is None
-        else _faces(inside_of(scene.tank), scene.dimensions if scene.tank.size is not None else 0, "wall")
+        else _faces(inside_of(scene.tank), scene.dimensions if scene.tank.high is not None else 0, "wall")
     )
     bodies = [
         _faces(body_of(body), scene.dimensions if body.low is not None else 0, f"obstacle {number}")

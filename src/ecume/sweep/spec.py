@@ -94,7 +94,7 @@ class Axis:
     """One thing that varies: a key of the scene, or several keys that go together."""
 
     key: Key | None = None
-    """such as `liquid.viscosity` or `floats[0].radius`"""
+    """such as `liquid.viscosity` or `particles[0].radius`"""
     values: Annotated[tuple[Value, ...], Field(max_length=MOST_POINTS)] = ()
     """one after the other"""
     span: Span | None = None

@@ -17,9 +17,9 @@ SWINGING = (
     f"frame_every={PERIOD / 16!r}",
     "spacing=0.05",
     "liquid.sound_speed=14.0",
-    "liquid.fastest=1.4",
+    "liquid.maximum_speed=1.4",
     "fluid[0].velocity_gradient=[[0.5, 0.0], [0.0, -0.5]]",
-    "central_pull={rate=1.0, center=[0.0, 0.0]}",
+    "central_force={rate=1.0, center=[0.0, 0.0]}",
 )
 LATE = 0.0076
 """s, when PySPH was read."""

@@ -33,7 +33,9 @@ def beads(viscosity: float, angle: float) -> FloatingScene:
         duration=0.6,
         frame_every=0.02,
         liquid=LiquidSpec(density=998.0, viscosity=viscosity, surface_tension=0.0728),
-        floats=(FloatSpec(radius=1.2e-3, density=1300.0, contact_angle=angle, positions=((-4e-3, 0.0), (4e-3, 1e-3))),),
+        particles=(
+            FloatSpec(radius=1.2e-3, density=1300.0, contact_angle=angle, positions=((-4e-3, 0.0), (4e-3, 1e-3))),
+        ),
     )
 
 

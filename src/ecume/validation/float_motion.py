@@ -37,12 +37,12 @@ class Body(NamedTuple):
 def bodies_of(scene: FloatingScene) -> list[Body]:
     """The scene's floats, a body for each of its tables, on which drag acts if the scene says so."""
     liquid, bodies = liquid_of(scene), []
-    for given in scene.floats:
+    for given in scene.particles:
         assert isinstance(given.contact_angle, float)  # noqa: S101  # the cases' scenes have numbers
         sphere = flotation.Sphere(given.radius, given.density, given.contact_angle)
         balance = flotation.equilibrium(sphere, liquid)
         factor = float(drag.factor_at_filling(balance.filling_angle))
-        friction = 6.0 * math.pi * liquid.viscosity * given.radius * factor if scene.motion.drag else 0.0
+        friction = 6.0 * math.pi * liquid.viscosity * given.radius * factor if scene.hydrodynamics.drag else 0.0
         mass = given.density * 4.0 / 3.0 * math.pi * given.radius**3
         bodies.append(Body(given.radius, mass, balance.charge, friction))
     return bodies

@@ -41,7 +41,7 @@ def order(integrator: str) -> Row:
     scene = _scene(integrator, 0.32 / STEPS[0], 0.32)
     assert scene.dish is not None  # noqa: S101  # the scene has one
     assert scene.dish.radius is not None  # noqa: S101  # and it is round
-    start = scene.floats[0].positions[0][0]
+    start = scene.particles[0].positions[0][0]
     bowl = float_motion.Bowl(scene.dish.radius, scene.dish.contact_angle, liquid_of(scene))
     (body,) = float_motion.bodies_of(scene)
     exact = float_motion.place_in_bowl(body, start, scene.duration, bowl)
@@ -79,7 +79,7 @@ def _until_thrown_out(frames: Iterable[Frame]) -> Iterator[Frame]:
 
 def _lowest() -> float:
     """The energy of a float at rest in the middle (J)."""
-    resting = case_scene("integrators", ["floats[0].positions=[[0.0, 0.0]]"])
+    resting = case_scene("integrators", ["particles[0].positions=[[0.0, 0.0]]"])
     return next(iter(_energies(simulate(resting))))
 
 
@@ -100,8 +100,8 @@ def _scene(integrator: str, step: float, frame_every: float, frames: int = 1) ->
     return floating_scene(
         "integrators",
         [
-            f"motion.integrator={integrator}",
-            f"motion.time_step={step!r}",
+            f"integration.integrator={integrator}",
+            f"integration.time_step={step!r}",
             f"frame_every={frame_every!r}",
             f"duration={frames * frame_every!r}",
         ],

@@ -41,9 +41,9 @@ def _scene(sizes: tuple[float, float], distance: float, drag: bool, frame_every:
     return floating_scene(
         "meeting",
         [
-            *(f"floats[{k}].radius={size} mm" for k, size in enumerate(sizes)),
-            f"floats[1].positions=[[{1e-3 * distance}, 0.0]]",
-            f"motion.drag={str(drag).lower()}",
+            *(f"particles[{k}].radius={size} mm" for k, size in enumerate(sizes)),
+            f"particles[1].positions=[[{1e-3 * distance}, 0.0]]",
+            f"hydrodynamics.drag={str(drag).lower()}",
             f"frame_every={frame_every!r}",
             f"duration={1.1 * FRAMES * frame_every!r}",
         ],
@@ -52,7 +52,7 @@ def _scene(sizes: tuple[float, float], distance: float, drag: bool, frame_every:
 
 def _met_after(scene: FloatingScene) -> float:
     """The moment of touching, from the last frame in which a gap is open; infinite when they do not meet."""
-    reach = sum(given.radius for given in scene.floats)
+    reach = sum(given.radius for given in scene.particles)
     touching = math.inf
     for frame in simulate(scene):
         gap = float(np.diff(frame.arrays["position"][:, 0])[0]) - reach

@@ -53,7 +53,7 @@ def gathered(step: float, friction: float, seed: int) -> list[Frame]:
     every = UNITS * unit / FRAMES
     steps = math.ceil(every / (step * unit))
     changes = [f"frame_every={every!r}", f"duration={FRAMES * every!r}", f"contacts.friction={friction}"]
-    return list(frames_of("raft", [*changes, f"motion.time_step={every / steps!r}", f"seed={seed}"]))
+    return list(frames_of("raft", [*changes, f"integration.time_step={every / steps!r}", f"seed={seed}"]))
 
 
 def rises_of(frames: list[Frame]) -> float:

@@ -30,7 +30,7 @@ def rows() -> list[Row]:
 def bowl(name: str, changes: Sequence[str]) -> list[Row]:
     """Compare one bowl."""
     scene = floating_scene("rest", changes)
-    radius = scene.floats[0].radius
+    radius = scene.particles[0].radius
     frames = list(simulate(scene))
     energy = np.array([frame.numbers["total_energy"] for frame in frames])
     rises = float(np.sum(np.maximum(np.diff(energy), 0.0)))

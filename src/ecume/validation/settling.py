@@ -8,7 +8,13 @@ import numpy as np
 
 from ecume.laws import brownian, drag
 from ecume.scenes.schema import Scene
-from ecume.scenes.tracers import FluidSpec, ParticleSpec, TankSpec, TracerMotionSpec, TracersScene
+from ecume.scenes.tracers import (
+    ParticleSpec,
+    TankSpec,
+    TracerHydrodynamicsSpec,
+    TracerIntegrationSpec,
+    TracersScene,
+)
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
 from ecume.validation.rows import Row, within
@@ -43,7 +49,7 @@ def terminal_speeds() -> list[Row]:
     found = []
     for diameter, expected in SPEEDS.items():
         for law, speed in zip(("stokes", "schiller-naumann"), expected, strict=True):
-            scene = case_scene("settling", [f"particles[0].radius={diameter / 2} um", f"motion.drag={law}"])
+            scene = case_scene("settling", [f"particles[0].radius={diameter / 2} um", f"hydrodynamics.drag={law}"])
             computed = -float(_last(scene).arrays["velocity"][0, 1])
             found.append(within(f"quartz of {diameter} um, {law}: terminal speed (m/s)", computed, speed, 1e-6 * speed))
     return found
@@ -51,10 +57,10 @@ def terminal_speeds() -> list[Row]:
 
 def from_rest() -> list[Row]:
     """The height after one, two and three relaxation times."""
-    scene = case_scene("settling", ["motion.drag=stokes"])
+    scene = case_scene("settling", ["hydrodynamics.drag=stokes"])
     speed = drag.stokes_settling_speed(1e-4, 1500.0, 1e-3, 9.81)
     tau = 4.0 / 3.0 * math.pi * 1e-12 * 3000.0 / drag.stokes_friction(1e-4, 1e-3, 1.0)
-    scene = case_scene("settling", ["motion.drag=stokes", f"duration={3 * tau!r}", f"frame_every={tau!r}"])
+    scene = case_scene("settling", ["hydrodynamics.drag=stokes", f"duration={3 * tau!r}", f"frame_every={tau!r}"])
     found = []
     for frame in list(simulate(scene))[1:]:
         fallen = speed * (frame.time - tau * -math.expm1(-frame.time / tau))
@@ -70,10 +76,16 @@ def diffusion() -> list[Row]:
     found = []
     for regime, steps in (("inertial", 4.0), ("overdamped", 0.1)):
         grains = ParticleSpec(radius=GRAIN, density=2000.0, positions=((0.0, 0.0, 0.0),) * GRAINS)
-        motion = TracerMotionSpec(drag="stokes", brownian=True, regime=regime, time_step=tau / steps)
-        still = FluidSpec(gravity=0.0)
+        forces = TracerHydrodynamicsSpec(drag="stokes", brownian=True)
+        integration = TracerIntegrationSpec(integrator=regime, time_step=tau / steps)
         scene = TracersScene(
-            duration=100 * tau, frame_every=50 * tau, liquid=still, particles=(grains,), motion=motion, seed=2
+            duration=100 * tau,
+            frame_every=50 * tau,
+            gravity=0.0,
+            particles=(grains,),
+            hydrodynamics=forces,
+            integration=integration,
+            seed=2,
         )
         frame = _last(scene)
         late = 1.5 * tau if regime == "inertial" else 0.0
@@ -93,8 +105,8 @@ def equilibrium() -> list[Row]:
         duration=3 * settled,
         frame_every=settled,
         particles=(ParticleSpec(radius=GRAIN, density=1100.0, count=GRAINS),),
-        tank=TankSpec(size=(tall, tall + 2 * GRAIN)),
-        motion=TracerMotionSpec(brownian=True),
+        tank=TankSpec(high=(tall, tall + 2 * GRAIN)),
+        hydrodynamics=TracerHydrodynamicsSpec(brownian=True),
         seed=3,
     )
     height = (_last(scene).arrays["position"][:, 1] - GRAIN) / layer

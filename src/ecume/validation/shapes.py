@@ -11,6 +11,7 @@ from scipy.special import k0, k1
 from ecume.laws import quadrupoles
 from ecume.laws.lines import Line, spread_charges
 from ecume.models.floating.setup.kinds import float_kinds
+from ecume.models.liquids import liquid_of
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
@@ -92,7 +93,7 @@ def _approach() -> list[Row]:
     kind = float_kinds(scene)[0]
     line, friction = kind.figure.line, kind.figure.friction[0]
     moment = line.rise * (0.5 * (line.along + line.across)) ** 2
-    rate = 576.0 * math.pi * scene.liquid.surface_tension * moment**2 / friction
+    rate = 576.0 * math.pi * liquid_of(scene).surface_tension * moment**2 / friction
     frames = list(simulate(scene))
     times = np.array([frame.time for frame in frames])
     sixth = np.array([_apart(frame) ** 6 for frame in frames])
@@ -128,10 +129,10 @@ def _docked(angles: Sequence[float]) -> Frame:
     changes = ["duration=0.15", "frame_every=0.05"]
     for k, (angle, side) in enumerate(zip(angles, (-1.0, 1.0), strict=True)):
         changes += [
-            f"floats[{k}].shape.width=24e-6",
-            f"floats[{k}].shape.undulation=-1.2e-6",
-            f"floats[{k}].shape.angle='{angle} deg'",
-            f"floats[{k}].positions=[[{side * 45e-6}, 0.0]]",
+            f"particles[{k}].shape.width=24e-6",
+            f"particles[{k}].shape.undulation=-1.2e-6",
+            f"particles[{k}].shape.angle='{angle} deg'",
+            f"particles[{k}].positions=[[{side * 45e-6}, 0.0]]",
         ]
     *_, last = simulate(floating_scene("shapes", changes))
     return last

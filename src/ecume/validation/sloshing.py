@@ -79,10 +79,12 @@ def _difference(frame: Frame, scene: SphScene) -> float:
 
 def series(times: Array, scene: SphScene) -> Array:
     """The heights from potential flow at those times."""
-    assert scene.shake is not None  # noqa: S101  # the case's is
-    assert scene.shake.amplitude is not None  # noqa: S101
-    assert scene.shake.frequency is not None  # noqa: S101
+    assert scene.base_excitation is not None  # noqa: S101  # the case's is
+    assert scene.base_excitation.amplitude is not None  # noqa: S101
+    assert scene.base_excitation.frequency is not None  # noqa: S101
     length, gravity = scene.tank.high[0] - scene.tank.low[0], -(scene.gravity or (0.0, -1.0))[1]
     tank = Tank(length, scene.fluid[0].high[1], gravity, scene.liquid.viscosity / scene.liquid.density)  # type: ignore[index,operator]
-    shake = Shake(scene.shake.amplitude[0], 2.0 * math.pi * scene.shake.frequency, scene.shake.phase)
+    shake = Shake(
+        scene.base_excitation.amplitude[0], 2.0 * math.pi * scene.base_excitation.frequency, scene.base_excitation.phase
+    )
     return np.array([sloshing_height(0.0, time, tank, shake) for time in times])

@@ -17,7 +17,7 @@ HOLDING: dict[str, Sequence[str]] = {
     "mirrors": (),
     "dummies": ("tank.walls=dummy",),
     "p/rho^2": ("method.pressure_force=monaghan",),
-    "verlet": ("method.integrator=verlet",),
+    "verlet": ("integration.integrator=verlet",),
     "linear diffusion": ("method.density_diffusion=linear",),
     "Wendland C4": ("method.kernel=wendland-c4",),
     "Wendland C6": ("method.kernel=wendland-c6",),

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from ecume.laws.soft_pair import SoftPair, passage_time
 from ecume.models.soft.setup.building import prefactors_of
-from ecume.scenes.soft import FilmSpec, SoftLiquid, SoftScene, SphereSpec, SteppingSpec
+from ecume.scenes.soft import FilmSpec, IntegrationSpec, SoftLiquid, SoftScene, SphereSpec
 from ecume.simulation import simulate
 from ecume.validation.rows import Row, within
 
@@ -40,12 +40,12 @@ def _end(begin: float, end: float, force: float, prefactors: str) -> float:
         duration=time,
         frame_every=time,
         liquid=SoftLiquid(viscosity=force),
-        spheres=tuple(
+        particles=tuple(
             SphereSpec(radius=1.0, modulus=1.0, positions=((side * (1.0 + begin / 2), 0.0),), force=(side * pull, 0.0))
             for side in (-1.0, 1.0)
         ),
         films=films,
-        stepping=SteppingSpec(tolerance=1e-10),
+        integration=IntegrationSpec(tolerance=1e-10),
     )
     (*_, last) = simulate(scene)
     return last.numbers["smallest_gap"]

@@ -33,11 +33,11 @@ def drift(kind: str, glass: str, dish: float, drag: bool) -> Row:
     """Compare the displacement of a float that should have moved 2 mm (mm); towards the wall is positive."""
     start = 1e-3 * (dish - FROM_WALL)
     changes = [
-        f"floats[0].density={FLOATS[kind]}",
-        f"floats[0].positions=[[{start!r}, 0.0]]",
+        f"particles[0].density={FLOATS[kind]}",
+        f"particles[0].positions=[[{start!r}, 0.0]]",
         f"dish.radius={dish} mm",
         f"dish.contact_angle={GLASSES[glass]} deg",
-        f"motion.drag={str(drag).lower()}",
+        f"hydrodynamics.drag={str(drag).lower()}",
     ]
     scene = floating_scene("walls", changes)
     bowl = float_motion.Bowl(1e-3 * dish, math.radians(GLASSES[glass]), liquid_of(scene))

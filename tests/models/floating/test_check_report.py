@@ -64,16 +64,18 @@ def test_equilibrium_and_closeness_are_told_for_each_species():
 
 def test_discs_say_what_they_carry_and_that_superposition_errs():
     disc = {"radius": 1e-3, "density": 300.0, "disc": {"thickness": 1e-3}, "positions": [[0.0, 0.0]]}
-    alone = told({"floats": [disc]})
+    alone = told({"particles": [disc]})
     assert float(alone["float-1: load"][1].removeprefix("sinks above ").removesuffix(" uN")) > 2e6 * 3.14 * 0.072 * 1e-3
     assert float(alone["float-1: height of the contact line"][0].removesuffix(" mm")) < 0.0
     assert "multipole" in alone["float-1: beyond superposition"][1]
-    together = told({"floats": [disc], "interaction": {"method": "multipole"}})
+    together = told({"particles": [disc], "interaction": {"method": "multipole"}})
     assert "float-1: beyond superposition" not in together
 
 
 def test_shapes_say_where_their_contact_line_is():
     needle = {"kind": "needle", "width": 0.6e-3, "angle": 0.0}
-    rows = told({"floats": [{"radius": 3e-3, "density": 7800.0, **STUFF, "shape": needle, "positions": [[0.0, 0.0]]}]})
+    rows = told(
+        {"particles": [{"radius": 3e-3, "density": 7800.0, **STUFF, "shape": needle, "positions": [[0.0, 0.0]]}]}
+    )
     assert 90.0 < float(rows["float-1: filling angle"][0].removesuffix(" deg")) < 180.0
     assert float(rows["float-1: height of the contact line"][0].removesuffix(" mm")) < 0.0

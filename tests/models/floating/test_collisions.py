@@ -30,10 +30,10 @@ def test_a_collision_exchanges_the_impulse_of_the_law(restitution):
 
 def test_an_oblique_collision_leaves_the_velocity_across_as_it_is():
     floats = (
-        f"[[floats]]\n{HEAVY}positions = [[-0.0015, 0.0]]\nvelocity = [0.04, 0.003]\n"
-        f'[[floats]]\nname = "b"\n{HEAVY}positions = [[0.0015, 0.0]]\nvelocity = [-0.04, 0.003]\n'
+        f"[[particles]]\n{HEAVY}positions = [[-0.0015, 0.0]]\nvelocity = [0.04, 0.003]\n"
+        f'[[particles]]\nname = "b"\n{HEAVY}positions = [[0.0015, 0.0]]\nvelocity = [-0.04, 0.003]\n'
     )
-    rest = '[motion]\ndrag = false\n[interaction]\nlaw = "none"\n[contacts]\nrestitution = 0.5\n'
+    rest = '[hydrodynamics]\ndrag = "none"\n[interaction]\nlaw = "none"\n[contacts]\nrestitution = 0.5\n'
     after, _ = last_and_first(scene_of(WATER + floats + rest, duration=0.1, frame_every=0.1))
     assert after.arrays["velocity"][:, 1] == pytest.approx([0.003, 0.003], rel=1e-12)
     assert after.arrays["velocity"][:, 0] == pytest.approx([-0.02, 0.02], rel=1e-12)
@@ -55,8 +55,8 @@ def test_the_legacy_coefficient_of_one_is_elastic():
 
 def test_a_wall_turns_the_normal_velocity_back_by_its_restitution():
     dish = '[dish]\nsize = [0.02, 0.02]\nlaw = "none"\nrestitution = 0.6\n'
-    floats = f"[[floats]]\n{HEAVY}positions = [[0.0, 0.0]]\nvelocity = [0.05, 0.01]\n"
-    rest = '[motion]\ndrag = false\n[interaction]\nlaw = "none"\n'
+    floats = f"[[particles]]\n{HEAVY}positions = [[0.0, 0.0]]\nvelocity = [0.05, 0.01]\n"
+    rest = '[hydrodynamics]\ndrag = "none"\n[interaction]\nlaw = "none"\n'
     after, _ = last_and_first(scene_of(WATER + floats + dish + rest, duration=0.3, frame_every=0.1))
     assert after.arrays["velocity"][0] == pytest.approx([-0.03, 0.01], rel=1e-12)
 
@@ -70,9 +70,10 @@ def test_simultaneous_collisions_have_the_least_restitution_among_them(order):
         f"positions = [[{8.999e-3!r}, 0.0]]\nvelocity = [0.02, 0.0]",
         f"positions = [[{6.998e-3!r}, 0.0]]\nvelocity = [0.05, 0.0]",
     )
-    floats = "".join(f"[[floats]]\n{HEAVY}{(middle, thrown)[which]}\n" for which in order)
+    floats = "".join(f"[[particles]]\n{HEAVY}{(middle, thrown)[which]}\n" for which in order)
     dish = '[dish]\nsize = [0.02, 0.02]\nlaw = "none"\nrestitution = 0.1\n'
-    rest = '[motion]\ndrag = false\ntime_step = 1e-4\n[interaction]\nlaw = "none"\n[contacts]\nrestitution = 0.9\n'
+    rest = '[integration]\ntime_step = 1e-4\n[hydrodynamics]\ndrag = "none"\n[interaction]\nlaw = "none"\n'
+    rest += "[contacts]\nrestitution = 0.9\n"
     after, before = last_and_first(scene_of(WATER + floats + dish + rest, duration=1e-2, frame_every=1e-2))
     expected = [(-0.1 * 0.02, -0.1 * 0.05)[which] for which in order]
     assert after.arrays["velocity"][:, 0] == pytest.approx(expected, rel=1e-6)
@@ -102,10 +103,10 @@ def pair_about_to_meet(speed, gap):
     """Two heavy floats that attract each other, each with this speed, in steps of 1 ms."""
     half = 1e-3 + 0.5 * gap
     floats = "".join(
-        f"[[floats]]\n{HEAVY}positions = [[{way * half!r}, 0.0]]\nvelocity = [{-way * speed!r}, 0.0]\n"
+        f"[[particles]]\n{HEAVY}positions = [[{way * half!r}, 0.0]]\nvelocity = [{-way * speed!r}, 0.0]\n"
         for way in (-1, 1)
     )
-    rest = "[motion]\ndrag = false\ntime_step = 1e-3\n[contacts]\nrestitution = 0.8\n"
+    rest = "[integration]\ntime_step = 1e-3\n[hydrodynamics]\ndrag = 'none'\n[contacts]\nrestitution = 0.8\n"
     return scene_of(WATER + floats + rest, duration=6e-3, frame_every=1e-3)
 
 
@@ -118,11 +119,11 @@ def test_without_contacts_floats_pass_through_each_other():
 @pytest.mark.compiled
 def test_momentum_is_conserved_to_1e_12_over_a_run_with_many_collisions():
     floats = (
-        f'[[floats]]\nname = "a"\ncount = 30\n{HEAVY}'
-        '[[floats]]\nname = "b"\ncount = 30\nradius = 0.7e-3\ndensity = 1100.0\ncontact_angle = 1.5707963\n'
+        f'[[particles]]\nname = "a"\ncount = 30\n{HEAVY}'
+        '[[particles]]\nname = "b"\ncount = 30\nradius = 0.7e-3\ndensity = 1100.0\ncontact_angle = 1.5707963\n'
         "velocity = [0.01, 0.0]\n"
     )
-    scene = scene_of(f"{WATER}{floats}[motion]\ndrag = false\n[contacts]\nrestitution = 0.7\n", duration=3.0)
+    scene = scene_of(f"{WATER}{floats}[hydrodynamics]\ndrag = 'none'\n[contacts]\nrestitution = 0.7\n", duration=3.0)
     frames = list(simulate(scene))
     scale = np.sum(frames[-1].arrays["mass"] * np.hypot(*frames[-1].arrays["velocity"].T))
     assert frames[-1].numbers["collisions"] > 30

@@ -21,7 +21,7 @@ MOMENT = 1e-5
 
 def magnets(positions, *, moments=(MOMENT, MOMENT), kinds=(HEAVY, HEAVY), rest="", **times):
     floats = "".join(
-        f"[[floats]]\n{kind}magnetic_moment = {moment}\npositions = [{list(place)}]\n"
+        f"[[particles]]\n{kind}magnetic_moment = {moment}\npositions = [{list(place)}]\n"
         for kind, moment, place in zip(kinds, moments, positions, strict=True)
     )
     return scene_of(WATER + floats + rest, **times)
@@ -66,7 +66,7 @@ def test_forces_are_the_slope_of_the_recorded_energy():
 
 @pytest.mark.compiled
 def test_two_magnets_come_to_rest_where_the_forces_cancel():
-    motion = '[motion]\nintegrator = "overdamped"\n'
+    motion = '[integration]\nintegrator = "overdamped"\n'
     scene = magnets([(-2.5e-3, 0.0), (2.5e-3, 0.0)], rest=motion, duration=1.0, frame_every=1.0)
     parameters = FLOATING.parameters(scene)
     state = FLOATING.start(scene, parameters)
@@ -96,7 +96,7 @@ def test_dipoles_add_to_multipoles():
 def test_moments_come_from_tables_too(tmp_path):
     (tmp_path / "magnets.csv").write_text("x [mm],y [mm],magnetic_moment [mA*m^2]\n0,0,0.02\n5,0,-0.02\n")
     (tmp_path / "scene.toml").write_text(
-        f'model = "floating"\nduration = 1.0\nframe_every = 0.5\nfloats_from = "magnets.csv"\n[[floats]]\n{HEAVY}'
+        f'model = "floating"\nduration = 1.0\nframe_every = 0.5\nparticles_from = "magnets.csv"\n[[particles]]\n{HEAVY}'
     )
     rows = load_scene(tmp_path / "scene.toml").rows
     assert [row.magnetic_moment for row in rows] == pytest.approx([2e-5, -2e-5])

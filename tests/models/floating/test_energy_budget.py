@@ -14,14 +14,14 @@ from tests.models.floating.test_flow_and_noise import SMALL
 
 FLOATING = MODELS["floating"]
 SPEED = 0.02
-CURRENT = f"[liquid.flow]\nvelocity = [{SPEED}, 0.0]\n"
-PAIR = f"[[floats]]\n{HEAVY}positions = [[-1.5e-3, 0.0], [1.5e-3, 0.5e-3]]\n"
+CURRENT = f"[flow]\nvelocity = [{SPEED}, 0.0]\n"
+PAIR = f"[[particles]]\n{HEAVY}positions = [[-1.5e-3, 0.0], [1.5e-3, 0.5e-3]]\n"
 
 
 def in_a_current(motion, **times):
     """A lone float at rest where the surface flows."""
-    floats = f"[[floats]]\n{HEAVY}positions = [[0.0, 0.0]]\n"
-    return scene_of(f"{WATER}{CURRENT}{floats}[motion]\n{motion}\n{APART}", **times)
+    floats = f"[[particles]]\n{HEAVY}positions = [[0.0, 0.0]]\n"
+    return scene_of(f"{WATER}{CURRENT}{floats}{motion}\n{APART}", **times)
 
 
 def friction_of(parameters):
@@ -48,7 +48,7 @@ def test_a_float_that_a_current_takes_along_is_given_what_it_gains_and_what_drag
     """
     errors = []
     for step in (4e-3, 2e-3):
-        scene = in_a_current(f"time_step = {step}", duration=0.2, frame_every=0.2)
+        scene = in_a_current(f"[integration]\ntime_step = {step}", duration=0.2, frame_every=0.2)
         parameters = FLOATING.parameters(scene)
         *_, last = simulate(scene)
         tau = float(parameters.floats.relaxation_time[0])
@@ -60,7 +60,7 @@ def test_a_float_that_a_current_takes_along_is_given_what_it_gains_and_what_drag
 
 def test_what_drifts_steadily_is_given_as_much_as_drag_takes():
     """Without inertia, so at once: the power is zeta u^2, and the energy stays."""
-    scene = in_a_current('integrator = "overdamped"', duration=1.0, frame_every=0.5)
+    scene = in_a_current('[integration]\nintegrator = "overdamped"', duration=1.0, frame_every=0.5)
     _, half, whole = (frame.numbers for frame in simulate(scene))
     power = friction_of(FLOATING.parameters(scene)) * SPEED**2
     assert [half[INJECTED], whole[INJECTED]] == pytest.approx([0.5 * power, power], rel=1e-12, abs=0.0)
@@ -69,8 +69,8 @@ def test_what_drifts_steadily_is_given_as_much_as_drag_takes():
 
 def test_a_current_that_grows_along_the_way_is_booked_in_the_middle_of_each_step():
     """Without inertia, at u = s x: zeta s dx^2/2, whatever the steps, as a pull that is straight in the place does."""
-    flow, there = "[liquid.flow]\nstretching = 2.0\n", f"[[floats]]\n{HEAVY}positions = [[1e-3, 0.0]]\n"
-    scene = scene_of(WATER + flow + there + '[motion]\nintegrator = "overdamped"\n' + APART, duration=0.5)
+    flow, there = "[flow]\nextension_rate = 2.0\n", f"[[particles]]\n{HEAVY}positions = [[1e-3, 0.0]]\n"
+    scene = scene_of(WATER + flow + there + '[integration]\nintegrator = "overdamped"\n' + APART, duration=0.5)
     *_, last = simulate(scene)
     gained = last.arrays["position"][0, 0] ** 2 - 1e-6
     assert gained > 4e-6
@@ -79,7 +79,7 @@ def test_a_current_that_grows_along_the_way_is_booked_in_the_middle_of_each_step
 
 
 def test_a_float_on_which_nothing_drags_has_back_after_a_swing_what_the_dish_has_put_in():
-    frames = list(simulate(dish(SWING, motion="drag = false\ntime_step = 5e-4", duration=0.25, frame_every=0.0125)))
+    frames = list(simulate(dish(SWING, integration="time_step = 5e-4", duration=0.25, frame_every=0.0125)))
     work, motion = (np.array([frame.numbers[key] for frame in frames]) for key in (INJECTED, "kinetic_energy"))
     assert work == pytest.approx(motion, abs=1e-3 * motion.max())
     assert abs(work[-1]) < 1e-4 * work.max()
@@ -87,7 +87,13 @@ def test_a_float_on_which_nothing_drags_has_back_after_a_swing_what_the_dish_has
 
 def test_a_dish_that_is_drawn_through_a_liquid_pays_for_the_drag():
     """The float stays in the liquid, and is seen to go back at the dish's speed: zeta V^2."""
-    scene = dish("velocity = [0.02, 0.0]\n", motion='integrator = "overdamped"', duration=0.5, frame_every=0.5)
+    scene = dish(
+        "velocity = [0.02, 0.0]\n",
+        hydrodynamics="",
+        integration='integrator = "overdamped"',
+        duration=0.5,
+        frame_every=0.5,
+    )
     *_, last = simulate(scene)
     assert last.numbers[INJECTED] == pytest.approx(
         friction_of(FLOATING.parameters(scene)) * 4e-4 * 0.5, rel=1e-9, abs=0.0
@@ -96,10 +102,12 @@ def test_a_dish_that_is_drawn_through_a_liquid_pays_for_the_drag():
 
 def test_what_chance_does_to_the_energy_is_heat():
     """In a well: the energy changes by the heat, but for the third power of a step."""
-    floats = f'[[floats]]\ncount = 20\n{SMALL}placement = "lattice"\nspacing = 5e-5\n'
+    floats = f'[[particles]]\ncount = 20\n{SMALL}placement = "lattice"\nspacing = 5e-5\n'
     well = '[dish]\nradius = 0.003\ncontact_angle = "10 deg"\n[interaction]\nlaw = "none"\n[contacts]\nlaw = "none"\n'
-    motion = '[motion]\nintegrator = "overdamped"\ntemperature = 300.0\ntime_step = 0.002\n'
-    first, *_, last = simulate(scene_of(WATER + floats + well + motion, duration=0.5, frame_every=0.25))
+    motion = '[integration]\nintegrator = "overdamped"\ntime_step = 0.002\n[hydrodynamics]\nbrownian = true\n'
+    first, *_, last = simulate(
+        scene_of(WATER + "temperature = 300.0\n" + floats + well + motion, duration=0.5, frame_every=0.25)
+    )
     change, thermal = last.numbers["total_energy"] - first.numbers["total_energy"], 1.380649e-23 * 300.0
     assert abs(change) > 0.1 * thermal
     assert last.numbers[INJECTED] == pytest.approx(change, abs=1e-3 * abs(change))
@@ -108,10 +116,10 @@ def test_what_chance_does_to_the_energy_is_heat():
 @pytest.mark.parametrize(
     "driven",
     [
-        CURRENT + "shear = 5.0\n" + PAIR + '[motion]\ndrag_law = "schiller-naumann"\n',
-        CURRENT + "rotation = 5.0\n" + PAIR + '[motion]\nintegrator = "overdamped"\n',
+        CURRENT + "shear_rate = 5.0\n" + PAIR + '[hydrodynamics]\ndrag = "schiller-naumann"\n',
+        CURRENT + "rotation_rate = 5.0\n" + PAIR + '[integration]\nintegrator = "overdamped"\n',
         PAIR + '[dish]\nradius = 0.01\n[dish.motion]\namplitude = 2e-3\nfrequency = 3.0\n',
-        PAIR + '[motion]\nintegrator = "overdamped"\n',
+        PAIR + '[integration]\nintegrator = "overdamped"\n',
     ],
 )  # fmt: skip
 def test_energy_rises_only_by_what_is_booked(driven):

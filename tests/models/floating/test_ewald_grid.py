@@ -15,13 +15,13 @@ from tests.models.floating.bowls import WATER, scene_of
 
 FLOATING = MODELS["floating"]
 SMALL = "radius = 3e-5\ncontact_angle = 1.5707963\n"
-SLOW = '[motion]\nintegrator = "overdamped"\n'
+SLOW = '[integration]\nintegrator = "overdamped"\n'
 
 
-def scene_of_beads(count, *, interaction='sum = "grid"', motion=SLOW, dish="", **times):
+def scene_of_beads(count, *, interaction='summation = "grid"', motion=SLOW, dish="", **times):
     """As many heavy as light ones, whose charges are opposite."""
-    floats = f'[[floats]]\nname = "heavy"\ncount = {count // 2}\ndensity = 2000.0\n{SMALL}'
-    floats += f'[[floats]]\nname = "light"\ncount = {count - count // 2}\ndensity = 1.0\n{SMALL}'
+    floats = f'[[particles]]\nname = "heavy"\ncount = {count // 2}\ndensity = 2000.0\n{SMALL}'
+    floats += f'[[particles]]\nname = "light"\ncount = {count - count // 2}\ndensity = 1.0\n{SMALL}'
     return scene_of(f"{WATER}{floats}{motion}[interaction]\n{interaction}\n{dish}", **times)
 
 
@@ -53,7 +53,7 @@ def test_forces_are_the_direct_sum_to_the_accuracy_asked_for(accuracy, side):
     dish = f'[dish]\nsize = [{side}, {side}]\nlaw = "none"\n'
     if side == "0.06" and accuracy < 1e-4:
         pytest.skip("the same grid, only larger")
-    scene = scene_of_beads(160, interaction=f'sum = "grid"\naccuracy = {accuracy}', dish=dish)
+    scene = scene_of_beads(160, interaction=f'summation = "grid"\naccuracy = {accuracy}', dish=dish)
     parameters, state, workspace = set_up(scene)
     wanted, _ = direct(parameters, state.position)
     error = grid_forces(parameters, state, workspace) - wanted
@@ -61,7 +61,7 @@ def test_forces_are_the_direct_sum_to_the_accuracy_asked_for(accuracy, side):
 
 
 def test_a_pair_pulls_alike_on_both_and_nobody_on_itself():
-    scene = scene_of_beads(2, interaction='sum = "grid"\naccuracy = 1e-2')
+    scene = scene_of_beads(2, interaction='summation = "grid"\naccuracy = 1e-2')
     parameters, state, _ = set_up(scene)
     for distance in (6.1e-5, 3e-4, 1.3e-3):
         state.position[:] = [[1e-5, 2e-5], [1e-5 + distance, 5e-5]]
@@ -75,7 +75,7 @@ def test_a_pair_pulls_alike_on_both_and_nobody_on_itself():
 
 
 def test_the_recorded_energy_is_the_direct_sum_and_forces_are_its_slope():
-    scene = scene_of_beads(60, interaction='sum = "grid"\naccuracy = 1e-6')
+    scene = scene_of_beads(60, interaction='summation = "grid"\naccuracy = 1e-6')
     parameters, state, workspace = set_up(scene)
     forces, energy = direct(parameters, state.position)
     assert observe(parameters, state, workspace).numbers["pair_energy"] == pytest.approx(energy, rel=3e-6)
@@ -88,10 +88,10 @@ def test_the_recorded_energy_is_the_direct_sum_and_forces_are_its_slope():
 
 
 def test_the_cheaper_way_is_taken_where_none_is_asked_for():
-    assert part_of(FLOATING.parameters(scene_of_beads(4000, interaction='sum = "auto"')), ewald_grid.Split) is not None
-    assert part_of(FLOATING.parameters(scene_of_beads(4000, interaction='sum = "cells"')), ewald_grid.Split) is None
-    assert part_of(FLOATING.parameters(scene_of_beads(200, interaction='sum = "auto"')), ewald_grid.Split) is None
-    millimeters = f"{WATER}[[floats]]\ncount = 4000\nradius = 2e-3\ndensity = 1100.0\ncontact_angle = 1.5\n"
+    for count, summation, on_grid in ((4000, "auto", True), (4000, "cells", False), (200, "auto", False)):
+        scene = scene_of_beads(count, interaction=f'summation = "{summation}"')
+        assert (part_of(FLOATING.parameters(scene), ewald_grid.Split) is not None) == on_grid
+    millimeters = f"{WATER}[[particles]]\ncount = 4000\nradius = 2e-3\ndensity = 1100.0\ncontact_angle = 1.5\n"
     assert part_of(FLOATING.parameters(scene_of(millimeters)), ewald_grid.Split) is None
 
 
@@ -110,9 +110,9 @@ def test_the_work_of_a_float_stays_the_same_from_thousands_to_a_million_whatever
 @pytest.mark.parametrize(
     ("interaction", "motion", "told"),
     [
-        ('sum = "grid"\nmethod = "multipole"', "", "whose long-range part is smooth: got 'multipole'"),
-        ('sum = "grid"\naccuracy = 1e-11', SLOW, "or 'cells'"),
-        ('sum = "grids"', SLOW, "did you mean 'grid'"),
+        ('summation = "grid"\nmethod = "multipole"', "", "whose long-range part is smooth: got 'multipole'"),
+        ('summation = "grid"\naccuracy = 1e-11', SLOW, "take 'cells'"),
+        ('summation = "grids"', SLOW, "did you mean 'grid'"),
     ],
 )
 def test_what_a_grid_does_not_go_with_is_told(interaction, motion, told):
@@ -130,7 +130,9 @@ def marched(scene, pauses):
 
 @pytest.mark.compiled
 def test_bits_do_not_depend_on_threads_or_pauses():
-    scene = scene_of_beads(3000, motion=SLOW + "temperature = 293.15\n", interaction='sum = "grid"\naccuracy = 1e-3')
+    scene = scene_of_beads(
+        3000, motion=SLOW + "[hydrodynamics]\nbrownian = true\n", interaction='summation = "grid"\naccuracy = 1e-3'
+    )
     _jit.use_threads(1)
     once = marched(scene, [6])
     _jit.use_threads(2)
@@ -142,8 +144,8 @@ def test_bits_do_not_depend_on_threads_or_pauses():
 def test_a_march_with_a_grid_is_that_of_cells():
     """Two that fall together, with inertia: the same scheme around other sums."""
     ends = []
-    for how in ('sum = "cells"\naccuracy = 1e-8', 'sum = "grid"\naccuracy = 1e-8'):
-        scene = scene_of_beads(8, interaction=how, motion='[motion]\nintegrator = "velocity-verlet"\n')
+    for how in ('summation = "cells"\naccuracy = 1e-8', 'summation = "grid"\naccuracy = 1e-8'):
+        scene = scene_of_beads(8, interaction=how, motion='[integration]\nintegrator = "velocity-verlet"\n')
         parameters, state, workspace = set_up(scene)
         assert FLOATING.advance(parameters, state, workspace, 5) == 0
         ends.append(state.velocity)

@@ -25,8 +25,8 @@ RADIUS = 3e-4
 
 def beads(places, *, films="{ roughness = 1e-6 }", integrator="overdamped", more="", **times):
     listed = [list(place) for place in places]
-    motion = f'[motion]\nintegrator = "{integrator}"\nfilms = {films}\n{more}'
-    return scene_of(f"{WATER}[[floats]]\n{BEAD}positions = {listed}\n{motion}", **times)
+    motion = f'[integration]\nintegrator = "{integrator}"\n[hydrodynamics]\nlubrication = {films}\n{more}'
+    return scene_of(f"{WATER}[[particles]]\n{BEAD}positions = {listed}\n{motion}", **times)
 
 
 def set_up(scene):
@@ -77,7 +77,7 @@ def test_films_do_not_hold_up_a_crowd_that_goes_as_one_and_keep_momentum():
 def test_two_beads_meet_when_the_law_says():
     """The time from 4 R to 2.02 R, against the integral of zeta lambda / 2F."""
     start, near = 4.0 * RADIUS, 2.02 * RADIUS
-    films = "{ roughness = 1e-6, reach = 50.0 }"
+    films = "{ roughness = 1e-6, cutoff = 50.0 }"
     scene = beads([(-0.5 * start, 0.0), (0.5 * start, 0.0)], films=films, duration=20.0, frame_every=0.01)
     parameters, state, workspace = set_up(scene)
     length, charge = parameters.pair[1], parameters.floats.charge[0]
@@ -100,7 +100,7 @@ def test_two_beads_meet_when_the_law_says():
     ("changes", "told"),
     [
         ({"integrator": "velocity-verlet"}, "semi-implicit-euler"),
-        ({"more": "temperature = 300.0\n"}, "moved by noise that is correlated"),
+        ({"more": "brownian = true\n"}, "moved by noise that is correlated"),
         ({"more": '[contacts]\nlaw = "spring-dashpot"\nstiffness = 1.0\n'}, "contacts that stop floats at once"),
     ],
 )

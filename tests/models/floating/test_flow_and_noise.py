@@ -18,12 +18,14 @@ ALONE = '[interaction]\nlaw = "none"\n'
 
 
 def creeping(body, temperature=0.0, flow="", **times):
-    motion = f'[motion]\nintegrator = "overdamped"\ntemperature = {temperature}\n'
-    return scene_of(WATER + flow + body + motion, **times)
+    warm = f"temperature = {temperature}\n" if temperature else ""
+    brownian = f"brownian = {str(temperature > 0.0).lower()}\n"
+    motion = f'[integration]\nintegrator = "overdamped"\n[hydrodynamics]\n{brownian}'
+    return scene_of(WATER + warm + flow + body + motion, **times)
 
 
 def test_a_creeping_float_goes_with_force_over_friction_at_once():
-    floats = f"[[floats]]\n{SMALL}positions = [[0.0, 0.0], [2e-4, 0.0]]\n"
+    floats = f"[[particles]]\n{SMALL}positions = [[0.0, 0.0], [2e-4, 0.0]]\n"
     scene = creeping(floats, duration=1e-3, frame_every=1e-3)
     parameters = FLOATING.parameters(scene)
     assert not parameters.scheme.inertia
@@ -41,7 +43,7 @@ def test_a_creeping_float_goes_with_force_over_friction_at_once():
 
 
 def test_the_step_of_creeping_floats_follows_drag_alone():
-    floats = f"[[floats]]\n{SMALL}positions = [[0.0, 0.0], [1e-4, 0.0]]\n"
+    floats = f"[[particles]]\n{SMALL}positions = [[0.0, 0.0], [1e-4, 0.0]]\n"
     slow, fast = (
         longest_good_step(FLOATING.parameters(creeping(floats.replace("1500.0", density))), 0.0)
         for density in ("1500.0", "3000.0")
@@ -51,7 +53,7 @@ def test_the_step_of_creeping_floats_follows_drag_alone():
 
 def test_chance_spreads_floats_by_twice_the_diffusion_coefficient():
     count, temperature = 1500, 300.0
-    floats = f'[[floats]]\ncount = {count}\n{SMALL}placement = "lattice"\nspacing = 1e-3\n'
+    floats = f'[[particles]]\ncount = {count}\n{SMALL}placement = "lattice"\nspacing = 1e-3\n'
     scene = creeping(floats + ALONE, temperature)
     parameters = FLOATING.parameters(scene)
     velocity = np.zeros((count, 2))
@@ -75,7 +77,7 @@ def test_brownian_motion_has_the_temperature_of_the_scene_to_two_percent():
     0.6 %.
     """
     count, steps, temperature = 300, 100, 300.0
-    floats = f'[[floats]]\ncount = {count}\n{SMALL}placement = "lattice"\nspacing = 1e-3\n'
+    floats = f'[[particles]]\ncount = {count}\n{SMALL}placement = "lattice"\nspacing = 1e-3\n'
     scene = creeping(floats + ALONE, temperature)
     parameters = FLOATING.parameters(scene)
     state = FLOATING.start(scene, parameters)
@@ -92,12 +94,12 @@ def test_brownian_motion_has_the_temperature_of_the_scene_to_two_percent():
 
 
 def test_warm_floats_take_steps_small_beside_their_radius():
-    parameters = FLOATING.parameters(creeping(f"[[floats]]\n{SMALL}{ALONE}", 300.0))
+    parameters = FLOATING.parameters(creeping(f"[[particles]]\n{SMALL}{ALONE}", 300.0))
     friction = parameters.floats.mass[0] / parameters.floats.relaxation_time[0]
     far = math.sqrt(2 * parameters.drift.thermal / friction * diffusion_step(parameters))
     assert far == pytest.approx(0.05 * 2e-5)
     assert parameters.drift.jump > 0.0
-    assert diffusion_step(FLOATING.parameters(creeping(f"[[floats]]\n{SMALL}{ALONE}"))) == math.inf
+    assert diffusion_step(FLOATING.parameters(creeping(f"[[particles]]\n{SMALL}{ALONE}"))) == math.inf
 
 
 @pytest.mark.parametrize("integrator", ["overdamped", "velocity-verlet"])
@@ -105,27 +107,27 @@ def test_warm_floats_take_steps_small_beside_their_radius():
     ("flow", "velocity"),
     [
         ("velocity = [2e-3, -1e-3]", (2e-3, -1e-3)),
-        ("shear = 0.5", (0.5 * 2e-3, 0.0)),
-        ("rotation = 0.3", (-0.3 * 2e-3, 0.3 * 1e-3)),
-        ("stretching = 0.2", (0.2 * 1e-3, -0.2 * 2e-3)),
+        ("shear_rate = 0.5", (0.5 * 2e-3, 0.0)),
+        ("rotation_rate = 0.3", (-0.3 * 2e-3, 0.3 * 1e-3)),
+        ("extension_rate = 0.2", (0.2 * 1e-3, -0.2 * 2e-3)),
     ],
 )
 def test_a_float_takes_on_the_velocity_of_the_surface(flow, velocity, integrator):
-    body = f'[[floats]]\n{SMALL}positions = [[1e-3, 2e-3]]\n[motion]\nintegrator = "{integrator}"\n'
-    scene = scene_of(f"{WATER}[liquid.flow]\n{flow}\n{body}", duration=0.004, frame_every=0.002)
+    body = f'[[particles]]\n{SMALL}positions = [[1e-3, 2e-3]]\n[integration]\nintegrator = "{integrator}"\n'
+    scene = scene_of(f"{WATER}[flow]\n{flow}\n{body}", duration=0.004, frame_every=0.002)
     frames = list(simulate(scene))
     assert frames[-1].arrays["velocity"][0] == pytest.approx(velocity, rel=0.02, abs=2e-5)
 
 
 def test_a_table_of_a_linear_flow_is_that_flow_and_ends_as_at_its_edge():
     places = "[[0.4e-3, -0.3e-3], [0.1e-3, 0.7e-3], [5e-3, 0.2e-3]]"
-    body = f'[[floats]]\n{SMALL}positions = {places}\n[motion]\nintegrator = "overdamped"\n{ALONE}'
+    body = f'[[particles]]\n{SMALL}positions = {places}\n[integration]\nintegrator = "overdamped"\n{ALONE}'
     x, y = (-1e-3, 0.0, 1e-3), (-1e-3, -0.5e-3, 0.0, 0.5e-3, 1e-3)
     vx, vy = [[-0.3 * b for b in y] for a in x], [[0.3 * a for b in y] for a in x]
     table = f"nodes = {{ low = [-1e-3, -1e-3], high = [1e-3, 1e-3], vx = {vx}, vy = {vy} }}"
     found = []
-    for flow in ("rotation = 0.3", table):
-        scene = scene_of(f"{WATER}[liquid.flow]\n{flow}\n{body}", duration=1e-3, frame_every=1e-3)
+    for flow in ("rotation_rate = 0.3", table):
+        scene = scene_of(f"{WATER}[flow]\n{flow}\n{body}", duration=1e-3, frame_every=1e-3)
         parameters = FLOATING.parameters(scene)
         state = FLOATING.start(scene, parameters)
         FLOATING.advance(parameters, state, FLOATING.workspace(parameters, state, 1.0), 1)
@@ -135,30 +137,31 @@ def test_a_table_of_a_linear_flow_is_that_flow_and_ends_as_at_its_edge():
 
 
 def test_floats_on_one_surface_are_carried_as_well():
-    body = f'[[floats]]\n{SMALL}positions = [[0.0, 0.0], [0.03, 0.0]]\n[motion]\nintegrator = "overdamped"\n'
+    body = f'[[particles]]\n{SMALL}positions = [[0.0, 0.0], [0.03, 0.0]]\n[integration]\nintegrator = "overdamped"\n'
     body += '[interaction]\nmethod = "multipole"\norder = 2\n'
-    scene = scene_of(f"{WATER}[liquid.flow]\nvelocity = [1e-3, 2e-3]\n{body}", duration=0.002, frame_every=0.002)
+    scene = scene_of(f"{WATER}[flow]\nvelocity = [1e-3, 2e-3]\n{body}", duration=0.002, frame_every=0.002)
     last = list(simulate(scene))[-1]
     assert last.arrays["velocity"] == pytest.approx(np.array([[1e-3, 2e-3]] * 2), rel=1e-3)
 
 
 def test_a_rotating_surface_turns_a_float_around():
-    body = f'[[floats]]\n{SMALL}positions = [[1e-3, 0.0]]\n[motion]\nintegrator = "overdamped"\ntime_step = 0.002\n'
-    scene = scene_of(f"{WATER}[liquid.flow]\nrotation = 1.0\n{body}", duration=1.0, frame_every=1.0)
+    body = f"[[particles]]\n{SMALL}positions = [[1e-3, 0.0]]\n"
+    body += '[integration]\nintegrator = "overdamped"\ntime_step = 0.002\n'
+    scene = scene_of(f"{WATER}[flow]\nrotation_rate = 1.0\n{body}", duration=1.0, frame_every=1.0)
     x, y = list(simulate(scene))[-1].arrays["position"][0]
     assert (x, y) == pytest.approx((1e-3 * math.cos(1.0), 1e-3 * math.sin(1.0)), rel=0.02)
 
 
 # The step that is advised is for floats at the wall, where the meniscus is steep; these stay in the middle.
-@pytest.mark.filterwarnings("ignore:motion.time_step")
+@pytest.mark.filterwarnings("ignore:integration.time_step")
 @pytest.mark.compiled
 def test_warm_floats_spread_in_a_well_as_boltzmann_says():
     """In the middle of a small dish, whose meniscus is a spring there: <x^2> = kT/k, a little more for the steps."""
-    floats = f'[[floats]]\ncount = 100\n{SMALL}placement = "lattice"\nspacing = 5e-5\n'
+    floats = f'[[particles]]\ncount = 100\n{SMALL}placement = "lattice"\nspacing = 5e-5\n'
     dish = '[dish]\nradius = 0.003\ncontact_angle = "10 deg"\n'
     apart = f'{ALONE}[contacts]\nlaw = "none"\n'
-    motion = '[motion]\nintegrator = "overdamped"\ntemperature = 300.0\ntime_step = 0.02\n'
-    scene = scene_of(WATER + floats + dish + apart + motion, duration=80.0, frame_every=1.0)
+    motion = '[integration]\nintegrator = "overdamped"\ntime_step = 0.02\n[hydrodynamics]\nbrownian = true\n'
+    scene = scene_of(WATER + "temperature = 300.0\n" + floats + dish + apart + motion, duration=80.0, frame_every=1.0)
     parameters = FLOATING.parameters(scene)
     from scipy.special import i1
 
@@ -175,14 +178,14 @@ def test_warm_floats_spread_in_a_well_as_boltzmann_says():
 @pytest.mark.parametrize(
     ("motion", "flow", "path"),
     [
-        ('integrator = "overdamped"\ndrag = false', "", "motion.integrator"),
-        ("temperature = 300.0", "", "motion.temperature"),
-        ("drag = false", "[liquid.flow]\nshear = 1.0\n", "liquid.flow"),
+        ('[integration]\nintegrator = "overdamped"\n[hydrodynamics]\ndrag = "none"', "", "integration.integrator"),
+        ("[hydrodynamics]\nbrownian = true", "", "hydrodynamics.brownian"),
+        ("[hydrodynamics]\ndrag = 'none'", "[flow]\nshear_rate = 1.0\n", "flow"),
     ],
 )
 def test_what_moves_by_drag_needs_drag(motion, flow, path):
     with pytest.raises(SceneError) as caught:
-        FLOATING.parameters(scene_of(f"{WATER}{flow}[[floats]]\n{SMALL}[motion]\n{motion}\n"))
+        FLOATING.parameters(scene_of(f"{WATER}{flow}[[particles]]\n{SMALL}{motion}\n"))
     assert path in str(caught.value)
 
 
@@ -193,12 +196,11 @@ def test_fast_floats_drag_as_schiller_and_naumann_found(integrator):
 
     from ecume.laws import drag
 
-    body = "[[floats]]\nradius = 1e-3\ndensity = 1300.0\ncontact_angle = 1.2\n"
+    body = "[[particles]]\nradius = 1e-3\ndensity = 1300.0\ncontact_angle = 1.2\n"
     body += "positions = [[0.0, 0.0]]\nvelocity = [0.0, 0.1]\n"
-    motion = (
-        f'[motion]\nintegrator = "{integrator}"\ndrag_law = "schiller-naumann"\nadded_mass = true\ntime_step = 5e-4\n'
-    )
-    flow = "[liquid.flow]\nvelocity = [0.05, 0.0]\n"
+    motion = f'[integration]\nintegrator = "{integrator}"\ntime_step = 5e-4\n'
+    motion += '[hydrodynamics]\ndrag = "schiller-naumann"\nadded_mass = true\n'
+    flow = "[flow]\nvelocity = [0.05, 0.0]\n"
     scene = scene_of(WATER + flow + body + motion, duration=0.1, frame_every=0.1)
     floats = FLOATING.parameters(scene).floats
     mass, friction = floats.mass[0], floats.mass[0] / floats.relaxation_time[0]
@@ -225,10 +227,11 @@ def test_fast_drag_acts_along_the_motion_through_the_liquid_in_every_direction(i
     for angle in np.random.default_rng(5).uniform(0.0, 2.0 * math.pi, 4).tolist():
         turned = np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
         (flow_x, flow_y), (x, y) = turned @ [0.05, 0.02], turned @ [-0.03, 0.08]
-        body = "[[floats]]\nradius = 1e-3\ndensity = 1300.0\ncontact_angle = 1.2\n"
+        body = "[[particles]]\nradius = 1e-3\ndensity = 1300.0\ncontact_angle = 1.2\n"
         body += f"positions = [[0.0, 0.0]]\nvelocity = [{x}, {y}]\n"
-        motion = f'[motion]\nintegrator = "{integrator}"\ndrag_law = "schiller-naumann"\ntime_step = 2e-4\n'
-        flow = f"[liquid.flow]\nvelocity = [{flow_x}, {flow_y}]\n"
+        motion = f'[integration]\nintegrator = "{integrator}"\ntime_step = 2e-4\n'
+        motion += '[hydrodynamics]\ndrag = "schiller-naumann"\n'
+        flow = f"[flow]\nvelocity = [{flow_x}, {flow_y}]\n"
         scene = scene_of(WATER + flow + body + motion, duration=0.02, frame_every=0.02)
         ends.append(list(simulate(scene))[-1].arrays["velocity"][0] @ turned)
     assert ends[1:] == [pytest.approx(ends[0], rel=1e-9)] * 3
@@ -244,21 +247,21 @@ def test_fast_drag_acts_along_the_motion_through_the_liquid_in_every_direction(i
 
 
 def test_a_growing_drag_is_stokess_for_slow_floats_and_goes_with_some_integrators():
-    slow = f"[[floats]]\n{SMALL}positions = [[0.0, 0.0], [1e-4, 0.0]]\n[motion]\n"
+    slow = f"[[particles]]\n{SMALL}positions = [[0.0, 0.0], [1e-4, 0.0]]\n[hydrodynamics]\n"
     plain, fast = (
         list(simulate(scene_of(f"{WATER}{slow}{law}", duration=0.002, frame_every=0.002)))[-1].arrays["velocity"]
-        for law in ("", 'drag_law = "schiller-naumann"\n')
+        for law in ("", 'drag = "schiller-naumann"\n')
     )
     assert fast == pytest.approx(plain, rel=0.02)
     with pytest.raises(SceneError, match="needs an integrator whose kicks solve drag exactly"):
-        FLOATING.parameters(scene_of(f'{WATER}{slow}integrator = "rk4"\ndrag_law = "schiller-naumann"\n'))
+        FLOATING.parameters(scene_of(f'{WATER}{slow}drag = "schiller-naumann"\n[integration]\nintegrator = "rk4"\n'))
     with pytest.raises(SceneError, match="no such law"):
-        FLOATING.parameters(scene_of(f'{WATER}{slow}drag_law = "newton"\n'))
+        FLOATING.parameters(scene_of(f'{WATER}{slow}drag = "newton"\n'))
 
 
 def test_a_warm_run_that_pauses_has_the_bits_of_one_that_does_not():
-    floats = f"[[floats]]\n{SMALL}positions = [[0.0, 0.0], [2e-4, 0.0]]\n"
-    scene = creeping(floats, 300.0, flow="[liquid.flow]\nshear = 0.1\n", duration=0.1, frame_every=0.1)
+    floats = f"[[particles]]\n{SMALL}positions = [[0.0, 0.0], [2e-4, 0.0]]\n"
+    scene = creeping(floats, 300.0, flow="[flow]\nshear_rate = 0.1\n", duration=0.1, frame_every=0.1)
     parameters = FLOATING.parameters(scene)
     states = []
     for pauses in ((6,), (2, 4)):
@@ -269,7 +272,7 @@ def test_a_warm_run_that_pauses_has_the_bits_of_one_that_does_not():
     assert np.array_equal(states[0].position, states[1].position)
     assert np.array_equal(states[0].velocity, states[1].velocity)
     other = FLOATING.parameters(
-        creeping(floats, 300.0, flow="[liquid.flow]\nshear = 0.1\n", duration=0.1, frame_every=0.1, head="seed = 7")
+        creeping(floats, 300.0, flow="[flow]\nshear_rate = 0.1\n", duration=0.1, frame_every=0.1, head="seed = 7")
     )
     state = FLOATING.start(scene, other)
     FLOATING.advance(other, state, FLOATING.workspace(other, state, 1.0), 6)

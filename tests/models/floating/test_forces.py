@@ -23,8 +23,8 @@ def found_at(parameters, position):
 
 
 def a_mixed_crowd(count=40, rest=""):
-    floats = f'[[floats]]\nname = "heavy"\ncount = {count // 2}\n{HEAVY}'
-    floats += f'[[floats]]\nname = "light"\ncount = {count // 2}\n{LIGHT}'
+    floats = f'[[particles]]\nname = "heavy"\ncount = {count // 2}\n{HEAVY}'
+    floats += f'[[particles]]\nname = "light"\ncount = {count // 2}\n{LIGHT}'
     return scene_of(WATER + floats + rest)
 
 
@@ -91,7 +91,7 @@ def test_single_precision_keeps_six_digits_wherever_the_crowd_is():
 @pytest.mark.compiled
 def test_forces_have_the_same_bits_for_any_number_of_threads():
     count = THREADS_FROM + 96
-    scene = scene_of(f"{WATER}[[floats]]\n{HEAVY}count = {count}\n")
+    scene = scene_of(f"{WATER}[[particles]]\n{HEAVY}count = {count}\n")
     parameters = FLOATING.parameters(scene)
     position = FLOATING.start(scene, parameters).position
     found = []

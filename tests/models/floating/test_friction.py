@@ -15,8 +15,8 @@ from tests.models.floating.bowls import HEAVY, WATER, scene_of
 from tests.models.floating.test_rafts import copied, digest, end_of
 
 CROWD = (
-    f'[[floats]]\nname = "a"\ncount = 25\n{HEAVY}'
-    '[[floats]]\nname = "b"\ncount = 25\nradius = 0.7e-3\ndensity = 1100.0\ncontact_angle = 1.5707963\n'
+    f'[[particles]]\nname = "a"\ncount = 25\n{HEAVY}'
+    '[[particles]]\nname = "b"\ncount = 25\nradius = 0.7e-3\ndensity = 1100.0\ncontact_angle = 1.5707963\n'
     "velocity = [0.01, 0.0]\n"
 )
 
@@ -24,13 +24,13 @@ CROWD = (
 def grazing(friction, *, restitution=0.5, viscosity=0.0, **times):
     """Two equal spheres that feel nothing but each other's surface meet on the x axis, while one goes along y."""
     floats = (
-        f"[[floats]]\n{HEAVY}positions = [[-0.0011, 0.0]]\nvelocity = [0.04, 0.01]\n"
-        f'[[floats]]\nname = "b"\n{HEAVY}positions = [[0.0011, 0.0]]\nvelocity = [-0.04, 0.01]\n'
-        f'[[floats]]\nname = "c"\n{HEAVY}positions = [[0.5, 0.0]]\n'
+        f"[[particles]]\n{HEAVY}positions = [[-0.0011, 0.0]]\nvelocity = [0.04, 0.01]\n"
+        f'[[particles]]\nname = "b"\n{HEAVY}positions = [[0.0011, 0.0]]\nvelocity = [-0.04, 0.01]\n'
+        f'[[particles]]\nname = "c"\n{HEAVY}positions = [[0.5, 0.0]]\n'
     )
     drag = "true" if viscosity else "false"
     liquid = f"[liquid]\nviscosity = {max(viscosity, 1e-3)}\n"
-    rest = f'[motion]\ndrag = {drag}\ntime_step = 1e-4\n[interaction]\nlaw = "none"\n'
+    rest = f'[integration]\ntime_step = 1e-4\n[hydrodynamics]\ndrag = "{drag}"\n[interaction]\nlaw = "none"\n'
     contacts = f"[contacts]\nrestitution = {restitution}\nfriction = {friction}\n"
     return scene_of(liquid + floats.replace("[-0.04, 0.01]", "[-0.04, -0.01]") + rest + contacts, **times)
 
@@ -66,7 +66,7 @@ def test_a_spin_dies_away_as_the_drag_says():
 
 @pytest.mark.compiled
 def test_momentum_and_angular_momentum_last_through_many_collisions_with_friction():
-    rest = "[motion]\ndrag = false\n[contacts]\nrestitution = 0.7\nfriction = 0.3\n"
+    rest = "[hydrodynamics]\ndrag = 'none'\n[contacts]\nrestitution = 0.7\nfriction = 0.3\n"
     frames = list(simulate(scene_of(WATER + CROWD + rest, duration=2.0)))
     last, arrays = frames[-1].numbers, frames[-1].arrays
     pace = arrays["mass"] * np.hypot(*arrays["velocity"].T)
@@ -83,7 +83,7 @@ def test_momentum_and_angular_momentum_last_through_many_collisions_with_frictio
 @pytest.mark.compiled
 @pytest.mark.parametrize(("among", "at_wall"), [(0.3, 0.0), (1.0, 0.5)])
 def test_friction_takes_energy_and_makes_none_in_a_bowl_that_comes_to_rest(among, at_wall):
-    body = f"{WATER}[[floats]]\ncount = 30\n{HEAVY}[dish]\nradius = 0.014\nfriction = {at_wall}\n"
+    body = f"{WATER}[[particles]]\ncount = 30\n{HEAVY}[dish]\nradius = 0.014\nfriction = {at_wall}\n"
     frames = list(simulate(scene_of(f"{body}[contacts]\nfriction = {among}\n", duration=8.0, frame_every=0.2)))
     energies = np.array([frame.numbers["total_energy"] for frame in frames])
     rises, last = np.diff(energies), frames[-1].numbers
@@ -99,9 +99,9 @@ def test_friction_takes_energy_and_makes_none_in_a_bowl_that_comes_to_rest(among
     [("velocity-verlet", 0.5), ("semi-implicit-euler", 0.5), pytest.param("overdamped", 0.1, marks=pytest.mark.long)],
 )
 def test_half_a_rough_run_and_half_a_run_are_a_run_bit_for_bit(integrator, duration):
-    body = f"{WATER}[[floats]]\ncount = 25\n{HEAVY}[dish]\nradius = 0.012\nfriction = 0.2\n"
+    body = f"{WATER}[[particles]]\ncount = 25\n{HEAVY}[dish]\nradius = 0.012\nfriction = 0.2\n"
     scene = scene_of(
-        f'{body}[contacts]\nfriction = 0.4\n[motion]\nintegrator = "{integrator}"\n',
+        f'{body}[contacts]\nfriction = 0.4\n[integration]\nintegrator = "{integrator}"\n',
         duration=duration,
         frame_every=0.05,
     )
@@ -116,9 +116,9 @@ def test_half_a_rough_run_and_half_a_run_are_a_run_bit_for_bit(integrator, durat
 def test_a_rough_raft_at_rest_at_a_wall_takes_tens_of_sweeps_a_step_without_inertia():
     # One that is kicked before the drift alone is solved for once a step: a second solve, which has next to nothing to
     # stop, began with all the impulses of the first, and took thousands of sweeps to lose them.
-    body = f"{WATER}[[floats]]\ncount = 20\n{HEAVY}[dish]\nradius = 0.0105\nfriction = 0.2\n"
+    body = f"{WATER}[[particles]]\ncount = 20\n{HEAVY}[dish]\nradius = 0.0105\nfriction = 0.2\n"
     scene = scene_of(
-        f'{body}[contacts]\nfriction = 0.4\n[motion]\nintegrator = "overdamped"\n', duration=0.2, frame_every=0.1
+        f'{body}[contacts]\nfriction = 0.4\n[integration]\nintegrator = "overdamped"\n', duration=0.2, frame_every=0.1
     )
     _, middle, end = simulate(scene)
     steps = MODELS["floating"].parameters(scene).steps_per_frame
@@ -132,7 +132,7 @@ def test_a_rough_raft_at_rest_at_a_wall_takes_tens_of_sweeps_a_step_without_iner
 @pytest.mark.parametrize("duration", [0.002, pytest.param(0.02, marks=pytest.mark.long)])
 def test_a_large_rough_raft_has_the_same_bits_for_any_number_of_threads(duration):
     scene = scene_of(
-        f'{WATER}[[floats]]\ncount = 2100\nplacement = "lattice"\nspacing = 2.001e-3\n{HEAVY}'
+        f'{WATER}[[particles]]\ncount = 2100\nplacement = "lattice"\nspacing = 2.001e-3\n{HEAVY}'
         "[contacts]\nfriction = 0.3\n",
         duration=duration,
         frame_every=duration,
@@ -149,16 +149,16 @@ def test_a_large_rough_raft_has_the_same_bits_for_any_number_of_threads(duration
     [
         ('[contacts]\nfriction = 0.3\nlaw = "none"\n', "solved as impulses"),
         ("[contacts]\nfriction = 0.3\nlegacy_coefficient = 0.3\n", "legacy coefficient"),
-        ('[contacts]\nfriction = 0.3\n[motion]\nintegrator = "rk4"\n', "expected one of 'velocity-verlet'"),
+        ('[contacts]\nfriction = 0.3\n[integration]\nintegrator = "rk4"\n', "expected one of 'velocity-verlet'"),
     ],
 )
 def test_friction_that_cannot_be_had_is_refused(rest, why):
     with pytest.raises(SceneError, match=why):
-        MODELS["floating"].parameters(scene_of(f"{WATER}[[floats]]\n{HEAVY}{rest}"))
+        MODELS["floating"].parameters(scene_of(f"{WATER}[[particles]]\n{HEAVY}{rest}"))
 
 
 def test_floats_without_friction_have_no_spins():
-    scene = scene_of(f"{WATER}[[floats]]\n{HEAVY}")
+    scene = scene_of(f"{WATER}[[particles]]\n{HEAVY}")
     state = MODELS["floating"].start(scene, MODELS["floating"].parameters(scene))
     assert state.turning.shape == (1, 0)
     assert digest(state)

@@ -24,8 +24,9 @@ def test_random_floats_start_inside_the_dish_without_touching():
 
 def test_lattices_rings_and_rows_stand_where_the_scene_says():
     text = (
-        f'[[floats]]\nname = "raft"\ncount = 7\n{HEAVY}placement = "lattice"\nspacing = 2.1e-3\ncenter = [0.02, 0.0]\n'
-        f'[[floats]]\nname = "ring"\ncount = 4\n{LIGHT}placement = "ring"\nring_radius = 8e-3\n'
+        f'[[particles]]\nname = "raft"\ncount = 7\n{HEAVY}'
+        'placement = "lattice"\nspacing = 2.1e-3\ncenter = [0.02, 0.0]\n'
+        f'[[particles]]\nname = "ring"\ncount = 4\n{LIGHT}placement = "ring"\nring_radius = 8e-3\n'
     )
     state, _ = started(scene_of(WATER + text))
     assert state.position[0] == pytest.approx([0.02, 0.0])
@@ -41,27 +42,27 @@ def test_a_scene_starts_from_a_raft_as_a_run_leaves_it():
         {"x": x, "y": y, "radius": radius, "density": density, "contact_angle": angle}
         for (x, y), radius, density, angle in zip(*columns, strict=True)
     ]
-    plain = {**to_plain(bowl(20, radius="12 mm")), "floats": [], "rows": rows}
+    plain = {**to_plain(bowl(20, radius="12 mm")), "particles": [], "rows": rows}
     first, *_ = simulate(from_plain(plain))
     assert np.array_equal(first.arrays["position"], last.arrays["position"])
 
 
 def test_overlapping_floats_are_all_told_with_their_overlap():
-    text = f"[[floats]]\n{HEAVY}positions = [[0.0, 0.0], [0.0015, 0.0], [0.0, 0.0019]]\n"
+    text = f"[[particles]]\n{HEAVY}positions = [[0.0, 0.0], [0.0015, 0.0], [0.0, 0.0019]]\n"
     with pytest.raises(SceneError) as caught:
         started(scene_of(WATER + text))
-    assert [fault.path for fault in caught.value.faults] == ["floats[0].positions[0]", "floats[0].positions[0]"]
-    assert "overlaps floats[0].positions[1] by 0.0005 m" in str(caught.value)
+    assert [fault.path for fault in caught.value.faults] == ["particles[0].positions[0]", "particles[0].positions[0]"]
+    assert "overlaps particles[0].positions[1] by 0.0005 m" in str(caught.value)
 
 
 def test_floats_outside_the_dish_are_told():
-    text = f"[[floats]]\n{HEAVY}positions = [[0.0095, 0.0]]\n[dish]\nradius = 0.01\n"
-    with pytest.raises(SceneError, match=r"floats\[0\].positions\[0\]: .* not inside the dish"):
+    text = f"[[particles]]\n{HEAVY}positions = [[0.0095, 0.0]]\n[dish]\nradius = 0.01\n"
+    with pytest.raises(SceneError, match=r"particles\[0\].positions\[0\]: .* not inside the dish"):
         started(scene_of(WATER + text))
 
 
 def test_floats_that_just_touch_may_start():
-    text = f"[[floats]]\n{HEAVY}positions = [[0.0, 0.0], [0.002, 0.0]]\n"
+    text = f"[[particles]]\n{HEAVY}positions = [[0.0, 0.0], [0.002, 0.0]]\n"
     state, _ = started(scene_of(WATER + text))
     assert len(state.position) == 2
 
@@ -73,20 +74,20 @@ def test_a_crowd_that_finds_no_room_is_told():
 
 
 def test_a_sphere_that_must_sink_is_refused_with_the_limit():
-    text = "[[floats]]\nradius = 2e-3\ndensity = 7800.0\ncontact_angle = 1.57\n"
-    with pytest.raises(SceneError, match=r"floats\[0\]: .*7\.8.*"):
+    text = "[[particles]]\nradius = 2e-3\ndensity = 7800.0\ncontact_angle = 1.57\n"
+    with pytest.raises(SceneError, match=r"particles\[0\]: .*7\.8.*"):
         FLOATING.parameters(scene_of(WATER + text))
 
 
 def test_absurd_counts_are_refused_before_anything_is_laid_out():
     with pytest.raises(SceneError, match="GB"):
-        FLOATING.parameters(scene_of(f"{WATER}[[floats]]\ncount = 90000000\n{HEAVY}"))
+        FLOATING.parameters(scene_of(f"{WATER}[[particles]]\ncount = 90000000\n{HEAVY}"))
 
 
 @pytest.mark.parametrize(
     ("table", "path"),
     [
-        ('[motion]\nintegrator = "velocity-verle"', "motion.integrator"),
+        ('[integration]\nintegrator = "velocity-verle"', "integration.integrator"),
         ('[contacts]\nlaw = "impulses"', "contacts.law"),
         ('[interaction]\ncharge = "nonlinaer"', "interaction.charge"),
         ('[dish]\nradius = 0.05\nlaw = "meniskus"', "dish.law"),
@@ -94,16 +95,15 @@ def test_absurd_counts_are_refused_before_anything_is_laid_out():
 )
 def test_a_law_that_does_not_exist_gets_a_suggestion(table, path):
     with pytest.raises(SceneError, match=f"{path}: .*did you mean"):
-        FLOATING.parameters(scene_of(f"{WATER}[[floats]]\n{HEAVY}{table}\n"))
+        FLOATING.parameters(scene_of(f"{WATER}[[particles]]\n{HEAVY}{table}\n"))
 
 
 def test_contact_angles_come_from_young_and_from_the_closure():
-    energies = (
-        "[[floats]]\nradius = 1e-3\ndensity = 1100.0\nsurface_energies = { solid_gas = 0.0364, solid_liquid = 0.0 }\n"
-    )
+    energies = "[[particles]]\nradius = 1e-3\ndensity = 1100.0\n"
+    energies += "surface_energies = { solid_gas = 0.0364, solid_liquid = 0.0 }\n"
     parameters = FLOATING.parameters(scene_of(WATER + energies))
     assert parameters.floats.contact_angle[0] == pytest.approx(np.pi / 3)
-    closure = '[[floats]]\nradius = 2e-3\ndensity = 1000.0\ncontact_angle = "original-closure"\n'
+    closure = '[[particles]]\nradius = 2e-3\ndensity = 1000.0\ncontact_angle = "original-closure"\n'
     parameters = FLOATING.parameters(scene_of(WATER + closure))
     assert parameters.floats.contact_angle[0] > np.pi / 2
 
@@ -111,7 +111,7 @@ def test_contact_angles_come_from_young_and_from_the_closure():
 def test_a_rectangular_dish_pushes_heavy_floats_to_its_middle():
     from ecume.simulation import simulate
 
-    text = f"[[floats]]\n{HEAVY}positions = [[0.006, 0.003]]\n[dish]\nsize = [0.02, 0.012]\n"
+    text = f"[[particles]]\n{HEAVY}positions = [[0.006, 0.003]]\n[dish]\nsize = [0.02, 0.012]\n"
     frames = list(simulate(scene_of(WATER + text, duration=0.3)))
     assert np.all(np.abs(frames[-1].arrays["position"][0]) < np.array([0.006, 0.003]))
 
@@ -119,7 +119,7 @@ def test_a_rectangular_dish_pushes_heavy_floats_to_its_middle():
 def test_the_two_point_wall_draws_a_heavy_float_to_the_wall():
     from ecume.simulation import simulate
 
-    text = f'[[floats]]\n{HEAVY}positions = [[0.006, 0.0]]\n[dish]\nradius = 0.01\nlaw = "two-point-legacy"\n'
+    text = f'[[particles]]\n{HEAVY}positions = [[0.006, 0.0]]\n[dish]\nradius = 0.01\nlaw = "two-point-legacy"\n'
     frames = list(simulate(scene_of(WATER + text, duration=0.1)))
     assert frames[-1].arrays["position"][0, 0] > 0.006
 
@@ -134,7 +134,7 @@ def test_the_summary_names_every_number_a_user_needs():
 def test_the_two_point_wall_pulls_with_the_weight_of_the_wall_whatever_the_float():
     strengths = []
     for kind in (HEAVY, LIGHT):
-        text = f'[[floats]]\n{kind}positions = [[0.0, 0.0]]\n[dish]\nradius = 0.01\nlaw = "two-point-legacy"\n'
+        text = f'[[particles]]\n{kind}positions = [[0.0, 0.0]]\n[dish]\nradius = 0.01\nlaw = "two-point-legacy"\n'
         strengths.append(FLOATING.parameters(scene_of(WATER + text)).wall_strength[0, 0])
     assert strengths[0] == strengths[1] > 0.0
 
@@ -142,10 +142,11 @@ def test_the_two_point_wall_pulls_with_the_weight_of_the_wall_whatever_the_float
 def test_rows_of_discs_and_shapes_float_and_turn_as_tables_of_them_do():
     disc = 'radius = "2 mm"\ndensity = 500.0\n[{0}.disc]\nthickness = "1 mm"\n'
     needle = 'radius = "3 mm"\ndensity = 900.0\ncontact_angle = 1.2\n[{0}.shape]\nkind = "needle"\nwidth = "0.5 mm"\n'
-    tables = f"[[floats]]\npositions = [[0.0, 0.0]]\n{disc}[[floats]]\npositions = [[0.02, 0.0]]\n{needle}angle = 0.7\n"
+    tables = f"[[particles]]\npositions = [[0.0, 0.0]]\n{disc}"
+    tables += f"[[particles]]\npositions = [[0.02, 0.0]]\n{needle}angle = 0.7\n"
     rows = f"[[rows]]\nx = 0.0\ny = 0.0\n{disc}[[rows]]\nx = 0.02\ny = 0.0\nangle = 0.7\nspin = -2.0\n{needle}"
     found = []
-    for text, key in ((tables, "floats"), (rows, "rows")):
+    for text, key in ((tables, "particles"), (rows, "rows")):
         scene = scene_of(WATER + text.format(key))
         parameters = FLOATING.parameters(scene)
         found.append((parameters.floats, FLOATING.start(scene, parameters)))

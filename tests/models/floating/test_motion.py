@@ -22,8 +22,8 @@ ORDERS = {"velocity-verlet": 2, "explicit-euler": 1, "stormer-verlet": 2, "semi-
 
 def meeting_time(apart, drag_on):
     """When two floats released at rest touch: the equation of motion, by an integrator of order 8."""
-    scene = two_floats(apart, motion=f"drag = {str(drag_on).lower()}")
-    kind = float_kind(scene.floats[0], scene)
+    scene = two_floats(apart, hydrodynamics="" if drag_on else 'drag = "none"')
+    kind = float_kind(scene.particles[0], scene)
     length = flotation.Liquid(1000.0, 0.0728, 1e-3).capillary_length
     strength = 2.0 * math.pi * 0.0728 * kind.charge**2 / length
     friction = kind.friction if drag_on else 0.0
@@ -44,8 +44,8 @@ def meeting_time(apart, drag_on):
 def test_two_floats_meet_when_the_equation_of_motion_says_so(drag_on):
     apart, expected = 6e-3, meeting_time(6e-3, drag_on)
     every = expected / 2000
-    motion = f"drag = {str(drag_on).lower()}"
-    scene = two_floats(apart, motion=motion, duration=2100 * every, frame_every=every)
+    drag = "" if drag_on else 'drag = "none"'
+    scene = two_floats(apart, hydrodynamics=drag, duration=2100 * every, frame_every=every)
     for frame in simulate(scene):
         gap = np.diff(frame.arrays["position"][:, 0])[0] - 2e-3
         if gap < 1e-9:
@@ -63,8 +63,8 @@ def coarse_steps_allowed():
 
 
 def final_position(integrator, step):
-    motion = f'drag = false\nintegrator = "{integrator}"\ntime_step = {step!r}'
-    scene = lone_float_in_a_dish(HEAVY, motion=motion, duration=0.32, frame_every=0.32)
+    integration = f'integrator = "{integrator}"\ntime_step = {step!r}'
+    scene = lone_float_in_a_dish(HEAVY, integration=integration, duration=0.32, frame_every=0.32)
     return list(simulate(scene))[-1].arrays["position"][0, 0]
 
 
@@ -81,9 +81,7 @@ def test_each_scheme_has_its_order(integrator):
 @pytest.mark.compiled
 @pytest.mark.parametrize("integrator", ["velocity-verlet", "stormer-verlet"])
 def test_symmetric_schemes_go_back_to_the_start_in_reversed_time(integrator):
-    scene = lone_float_in_a_dish(
-        HEAVY, motion=f'drag = false\nintegrator = "{integrator}"', duration=2.0, frame_every=0.1
-    )
+    scene = lone_float_in_a_dish(HEAVY, integration=f'integrator = "{integrator}"', duration=2.0, frame_every=0.1)
     parameters = FLOATING.parameters(scene)
     state = FLOATING.start(scene, parameters)
     began = state.position.copy()
@@ -96,8 +94,8 @@ def test_symmetric_schemes_go_back_to_the_start_in_reversed_time(integrator):
 def energy_drift(integrator, steps):
     """The largest change of the energy of one float that swings in a dish, over the energy of the swing."""
     every = 20_000
-    motion = f'drag = false\nintegrator = "{integrator}"\ntime_step = 4e-3'
-    scene = lone_float_in_a_dish(HEAVY, motion=motion, duration=steps * 4e-3, frame_every=every * 4e-3)
+    integration = f'integrator = "{integrator}"\ntime_step = 4e-3'
+    scene = lone_float_in_a_dish(HEAVY, integration=integration, duration=steps * 4e-3, frame_every=every * 4e-3)
     energies = np.array([frame.numbers["total_energy"] for frame in simulate(scene)])
     swing = abs(energies[0] - lowest_energy())
     return np.max(np.abs(energies - energies[0])) / swing
@@ -127,7 +125,7 @@ def test_explicit_euler_does_not_keep_the_energy():
 
 @pytest.mark.parametrize("per_relaxation", [0.01, 1.0, 100.0])
 def test_a_steady_force_gives_the_exact_terminal_speed_however_long_the_step(per_relaxation):
-    scene = two_floats(8e-3, motion="drag = true", contacts='law = "none"')
+    scene = two_floats(8e-3, hydrodynamics="", contacts='law = "none"')
     parameters = FLOATING.parameters(scene)
     relaxation, mass = parameters.floats.relaxation_time[0], parameters.floats.mass[0]
     from ecume.models.floating.time_integration.integrators import apply_kick
@@ -143,9 +141,11 @@ def test_a_steady_force_gives_the_exact_terminal_speed_however_long_the_step(per
 @pytest.mark.compiled
 def test_drag_takes_away_a_velocity_exponentially():
     scene = scene_of(
-        f"{WATER}[[floats]]\n{HEAVY}positions = [[0.0, 0.0]]\nvelocity = [0.01, 0.0]\n", duration=0.2, frame_every=0.1
+        f"{WATER}[[particles]]\n{HEAVY}positions = [[0.0, 0.0]]\nvelocity = [0.01, 0.0]\n",
+        duration=0.2,
+        frame_every=0.1,
     )
-    kind = float_kind(scene.floats[0], scene)
+    kind = float_kind(scene.particles[0], scene)
     frames = list(simulate(scene))
     relaxation = drag.relaxation_time(kind.mass, kind.friction)
     # Kicks take drag exactly; the drift in between adds an error of second order in the step.
@@ -159,7 +159,7 @@ def test_syrup_needs_no_tinier_step_than_water():
     steps = []
     for viscosity in (1e-3, 0.1, 10.0):
         text = WATER.replace('"1 mPa*s"', str(viscosity))
-        scene = scene_of(f"{text}[[floats]]\n{HEAVY}count = 5\n", duration=100.0, frame_every=100.0)
+        scene = scene_of(f"{text}[[particles]]\n{HEAVY}count = 5\n", duration=100.0, frame_every=100.0)
         steps.append(FLOATING.parameters(scene).time_step)
     assert steps[0] <= steps[1] <= steps[2]
 
@@ -170,7 +170,7 @@ def test_syrup_needs_no_tinier_step_than_water():
     [(HEAVY, "45 deg", True), (LIGHT, "45 deg", False), (HEAVY, "135 deg", False), (LIGHT, "135 deg", True)],
 )
 def test_heavy_floats_leave_a_wetting_wall_and_light_ones_climb_it(kind, wall_angle, leaves):
-    scene = lone_float_in_a_dish(kind, wall_angle=wall_angle, place=(6e-3, 0.0), motion="drag = true", duration=0.2)
+    scene = lone_float_in_a_dish(kind, wall_angle=wall_angle, place=(6e-3, 0.0), hydrodynamics="", duration=0.2)
     frames = list(simulate(scene))
     moved = frames[-1].arrays["position"][0, 0] - 6e-3
     assert bool(moved < 0) == leaves
@@ -178,14 +178,17 @@ def test_heavy_floats_leave_a_wetting_wall_and_light_ones_climb_it(kind, wall_an
 
 
 def test_a_step_that_is_unstable_is_refused_with_the_number_that_would_do():
-    with pytest.raises(SceneError, match=r"motion.time_step: .* is unstable here; expected at most .* s is good"):
-        FLOATING.parameters(two_floats(6e-3, motion="time_step = 1.0", duration=10.0, frame_every=1.0))
+    with pytest.raises(SceneError, match=r"integration.time_step: .* is unstable here; expected at most .* s is good"):
+        FLOATING.parameters(
+            two_floats(6e-3, hydrodynamics="", integration="time_step = 1.0", duration=10.0, frame_every=1.0)
+        )
 
 
 def test_a_coarse_step_is_warned_of():
     good = FLOATING.parameters(two_floats(6e-3, duration=100.0, frame_every=100.0)).time_step
     step = 8.0 * good
-    scene = two_floats(6e-3, motion=f"time_step = {step!r}", duration=10 * step, frame_every=step)
+    times = {"duration": 10 * step, "frame_every": step}
+    scene = two_floats(6e-3, hydrodynamics="", integration=f"time_step = {step!r}", **times)
     with pytest.warns(StepWarning, match="coarse"):
         FLOATING.parameters(scene)
 
@@ -201,26 +204,27 @@ def test_the_summary_says_what_a_longer_step_would_be():
     assert remark.startswith("good; coarse above ")
     assert (coarse / good, refused / good) == (pytest.approx(4.0, rel=0.01), pytest.approx(20.0, rel=0.01))
     step = 8e-3 * good
+    times = {"duration": 10 * step, "frame_every": step}
     with pytest.warns(StepWarning):
-        value, remark = told(motion=f"time_step = {step!r}", duration=10 * step, frame_every=step)
+        value, remark = told(hydrodynamics="", integration=f"time_step = {step!r}", **times)
     assert re.fullmatch(r"coarse; [0-9.]+ ms is good, refused above [0-9.]+ ms", remark)
 
 
 def test_a_step_that_does_not_divide_the_frames_is_refused():
     with pytest.raises(SceneError, match="does not divide frame_every"):
-        FLOATING.parameters(two_floats(6e-3, motion="time_step = 0.0037"))
+        FLOATING.parameters(two_floats(6e-3, hydrodynamics="", integration="time_step = 0.0037"))
 
 
 def test_runge_kutta_refuses_a_liquid_too_viscous_for_it():
     text = WATER.replace('"1 mPa*s"', "10.0")
-    scene = scene_of(f'{text}[[floats]]\n{HEAVY}count = 2\n[motion]\nintegrator = "rk4"\n')
+    scene = scene_of(f'{text}[[particles]]\n{HEAVY}count = 2\n[integration]\nintegrator = "rk4"\n')
     with pytest.raises(SceneError, match="rk4"):
         FLOATING.parameters(scene)
 
 
 @pytest.mark.parametrize("scheme", SCHEMES)
 def test_whatever_the_scheme_a_dish_does_not_move_by_itself(scheme):
-    scene = lone_float_in_a_dish(HEAVY, motion=f'integrator = "{scheme}"')
+    scene = lone_float_in_a_dish(HEAVY, hydrodynamics="", integration=f'integrator = "{scheme}"')
     parameters = FLOATING.parameters(scene)
     state = FLOATING.start(scene, parameters)
     workspace = FLOATING.workspace(parameters, state, 1.0)

@@ -29,7 +29,7 @@ seed = 5
 density = 1000.0
 viscosity = "1 mPa*s"
 surface_tension = "72.8 mN/m"
-[[floats]]
+[[particles]]
 count = 40
 radius = "1 mm"
 density = 1200.0
@@ -92,7 +92,7 @@ def copied(state: Any) -> Any:
     return state._replace(**{name: getattr(state, name).copy() for name in state._fields})
 
 
-GRID = ("interaction.sum=grid", "interaction.accuracy=1e-2")
+GRID = ("interaction.summation=grid", "interaction.accuracy=1e-2")
 # With the JIT each part of the march is compiled by itself, which takes a minute: one case is enough there.
 PLAIN_ONLY = pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") != "1", reason="tried as plain Python")
 
@@ -103,7 +103,7 @@ PLAIN_ONLY = pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") != "1", reas
         (2, ()),
         (3, ()),
         *(pytest.param(each, GRID, marks=PLAIN_ONLY) for each in (2, 3)),
-        *(pytest.param(2, (f"motion.integrator={each}",), marks=PLAIN_ONLY) for each in ("rk4", "stormer-verlet")),
+        *(pytest.param(2, (f"integration.integrator={each}",), marks=PLAIN_ONLY) for each in ("rk4", "stormer-verlet")),
     ],
 )
 def test_a_march_on_ranks_is_that_of_one(ranks: int, changes: tuple[str, ...]) -> None:
@@ -145,7 +145,7 @@ def test_a_march_on_ranks_is_that_of_one(ranks: int, changes: tuple[str, ...]) -
     ],
 )
 def test_what_is_not_spread_is_refused(change: str, told: str) -> None:
-    parameters, _ = begun("floats[0].count=3", change)
+    parameters, _ = begun("particles[0].count=3", change)
     with pytest.raises(BadInput, match=told):
         require_spreadable(parameters)
 

@@ -10,7 +10,15 @@ from ecume.laws import multipole
 from ecume.models.floating import FLOATING
 from ecume.models.floating.setup.kinds import float_kinds
 from ecume.models.liquids import liquid_of
-from ecume.scenes.floating import DiscSpec, DishSpec, FloatingScene, FloatSpec, InteractionSpec, MotionSpec
+from ecume.scenes.floating import (
+    DiscSpec,
+    DishSpec,
+    FloatingScene,
+    FloatSpec,
+    HydrodynamicsSpec,
+    IntegrationSpec,
+    InteractionSpec,
+)
 from ecume.scenes.load import load_scene
 from ecume.simulation import moments, simulate
 
@@ -25,9 +33,10 @@ def discs(positions, method, radius=1.35e-3, dish=None, drag=True, **options):
     return FloatingScene(
         duration=options.pop("duration", 0.02),
         frame_every=options.pop("frame_every", 0.01),
-        floats=(body,),
+        particles=(body,),
         dish=dish,
-        motion=MotionSpec(drag=drag, time_step=options.pop("time_step", None)),
+        hydrodynamics=HydrodynamicsSpec(drag="stokes" if drag else "none"),
+        integration=IntegrationSpec(time_step=options.pop("time_step", None)),
         interaction=InteractionSpec(method=method, charge="linear", **options),
     )
 
@@ -133,11 +142,13 @@ def test_what_does_not_go_together_is_refused():
     legacy = discs([[0.0, 0.0]], "multipole", dish=DishSpec(radius=0.02, law="two-point-legacy"))
     with pytest.raises(SceneError, match="whose meniscus is that of the surface"):
         FLOATING.parameters(legacy)
-    text = 'model = "floating"\nduration = "1 s"\nframe_every = "1 s"\n[[floats]]\nradius = "1 mm"\ndensity = 300.0\n'
+    text = (
+        'model = "floating"\nduration = "1 s"\nframe_every = "1 s"\n[[particles]]\nradius = "1 mm"\ndensity = 300.0\n'
+    )
     both = text + 'contact_angle = "70 deg"\ndisc = { thickness = "1 mm" }\n'
     with pytest.raises(SceneError, match="a disc pins the contact line"):
         load_scene(both)
-    assert load_scene(text + 'disc = { thickness = "1 mm" }\n').floats[0].disc.rim == "bottom"
+    assert load_scene(text + 'disc = { thickness = "1 mm" }\n').particles[0].disc.rim == "bottom"
 
 
 def test_a_disc_says_how_it_floats():

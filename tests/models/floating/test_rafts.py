@@ -52,7 +52,8 @@ def end_of(scene, **how):
 )
 def test_half_a_run_and_half_a_run_are_a_run_bit_for_bit(integrator):
     scene = scene_of(
-        f'{WATER}[[floats]]\ncount = 30\n{HEAVY}[dish]\nradius = 0.012\n[motion]\nintegrator = "{integrator}"\n',
+        f"{WATER}[[particles]]\ncount = 30\n{HEAVY}[dish]\nradius = 0.012\n"
+        f'[integration]\nintegrator = "{integrator}"\n',
         duration=1.0,
         frame_every=0.05,
     )
@@ -71,7 +72,7 @@ def test_where_the_march_pauses_changes_no_bit():
 
 @pytest.mark.compiled
 def test_a_large_raft_has_the_same_bits_for_any_number_of_threads():
-    scene = scene_of(f"{WATER}[[floats]]\ncount = 2100\n{HEAVY}", duration=0.02, frame_every=0.02)
+    scene = scene_of(f"{WATER}[[particles]]\ncount = 2100\n{HEAVY}", duration=0.02, frame_every=0.02)
     ends = []
     for threads in (1, 2):
         _jit.use_threads(threads)
@@ -109,7 +110,7 @@ def test_contacts_of_a_settled_raft_carry_the_pull_and_nothing_moves():
 def test_rafts_at_a_wall_do_not_rattle_and_mixed_restitutions_create_no_energy(of_floats, of_wall):
     scene = scene_of(
         '[liquid]\ndensity = 1030.0\nviscosity = "2 mPa*s"\nsurface_tension = "45 mN/m"\n'
-        '[[floats]]\ncount = 60\nradius = "1.5 mm"\ndensity = 300.0\ncontact_angle = "70 deg"\n'
+        '[[particles]]\ncount = 60\nradius = "1.5 mm"\ndensity = 300.0\ncontact_angle = "70 deg"\n'
         f'[dish]\nradius = "4 cm"\ncontact_angle = "75 deg"\nrestitution = {of_wall}\n'
         f"[contacts]\nrestitution = {of_floats}\n",
         duration=40.0,

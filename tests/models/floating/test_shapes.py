@@ -18,7 +18,7 @@ from ecume.simulation import simulate
 from tests.models.floating.bowls import scene_of
 
 LIQUID = '[liquid]\ndensity = 1000.0\nviscosity = "{viscosity} mPa*s"\nsurface_tension = "72.8 mN/m"\n'
-FREE = '[motion]\ndrag = false\n[interaction]\nlaw = "none"\n[contacts]\nrestitution = {restitution}\n'
+FREE = '[hydrodynamics]\ndrag = "none"\n[interaction]\nlaw = "none"\n[contacts]\nrestitution = {restitution}\n'
 KINDS = {
     "ellipsoid": 'contact_angle = "60 deg"\nshape = { kind = "ellipsoid", width = "0.4 mm"ANGLE }\n',
     "needle": 'contact_angle = "80 deg"\nshape = { kind = "needle", width = "0.2 mm", undulation = "8 um"ANGLE }\n',
@@ -33,7 +33,7 @@ def species(kind, places, angle=None, *, velocity=(0.0, 0.0), density=1100.0, ra
     turned = "" if angle is None else f", angle = {angle!r}"
     where = ", ".join(f"[{x!r}, {y!r}]" for x, y in places)
     return (
-        f"[[floats]]\nradius = {radius!r}\ndensity = {density}\npositions = [{where}]\n"
+        f"[[particles]]\nradius = {radius!r}\ndensity = {density}\npositions = [{where}]\n"
         f"velocity = [{velocity[0]!r}, {velocity[1]!r}]\n{KINDS[kind].replace('ANGLE', turned)}"
     )
 
@@ -104,7 +104,7 @@ def test_forces_cancel_and_so_do_torques():
 @pytest.mark.compiled
 def test_a_round_ellipsoid_floats_and_moves_as_a_sphere():
     places = "positions = [[-1e-3, 0.0], [1e-3, 0.0]]\n"
-    body = f'[[floats]]\nradius = 0.5e-3\ndensity = 1300.0\ncontact_angle = "90 deg"\n{places}'
+    body = f'[[particles]]\nradius = 0.5e-3\ndensity = 1300.0\ncontact_angle = "90 deg"\n{places}'
     shape = 'shape = { kind = "ellipsoid", width = "1 mm" }\n'
     one, other = (
         scene_of(LIQUID.format(viscosity=5.0) + body + extra, duration=0.2, frame_every=0.1) for extra in ("", shape)
@@ -207,7 +207,7 @@ def test_a_body_is_slowed_less_along_itself_than_across_and_does_not_go_straight
 @pytest.mark.compiled
 def test_overdamped_and_inertial_shapes_go_the_same_way_in_syrup():
     slow = ellipsoid_pair(
-        0.5, -0.4, viscosity=400.0, motion='[motion]\nintegrator = "overdamped"\n', duration=8.0, frame_every=4.0
+        0.5, -0.4, viscosity=400.0, motion='[integration]\nintegrator = "overdamped"\n', duration=8.0, frame_every=4.0
     )
     inertial = ellipsoid_pair(0.5, -0.4, viscosity=400.0, duration=8.0, frame_every=4.0)
     for a, b in zip(simulate(slow), simulate(inertial), strict=True):
@@ -245,7 +245,7 @@ def test_outlines_reach_to_the_circle_around_them(kind):
     scene = everyone()
     figure = next(
         one.figure
-        for one, given in zip(float_kinds(scene), scene.floats, strict=True)
+        for one, given in zip(float_kinds(scene), scene.particles, strict=True)
         if given.shape and given.shape.kind == kind
     )
     assert np.hypot(*silhouette(figure.skeleton, 720).T).max() == pytest.approx(RADIUS, rel=1e-4)
@@ -264,10 +264,10 @@ def test_areas_and_moments_of_outlines():
 @pytest.mark.parametrize(
     ("extra", "said"),
     [
-        ('[motion]\nintegrator = "rk4"\n', "motion.integrator"),
+        ('[integration]\nintegrator = "rk4"\n', "integration.integrator"),
         ('[interaction]\nmethod = "multipole"\n', "interaction.method"),
         ('[dish]\nradius = "5 mm"\nimage = "pinned"\n', "dish.law"),
-        ("[motion]\nadded_mass = true\n", "added_mass"),
+        ("[hydrodynamics]\nadded_mass = true\n", "added_mass"),
         ("[contacts]\nfriction = 0.3\n", "contacts.friction"),
     ],
 )
@@ -283,6 +283,6 @@ def test_starts_overlap_by_outline_and_not_by_circle():
     inside = species("needle", [(0.0, 0.0), (0.0, 0.15e-3)], 0.0)
     scene = scene_of(LIQUID.format(viscosity=1.0) + inside)
     with pytest.raises(
-        SceneError, match=r"floats\[0\]\.positions\[0\]: overlaps floats\[0\]\.positions\[1\] by 5e-05 m"
+        SceneError, match=r"particles\[0\]\.positions\[0\]: overlaps particles\[0\]\.positions\[1\] by 5e-05 m"
     ):
         FLOATING.start(scene, FLOATING.parameters(scene))

@@ -23,7 +23,7 @@ def relative(frames):
 
 def at_step(scene, time_step):
     """The scene with steps of its own: some hundred in a collision, where the advised one takes twenty."""
-    return dataclasses.replace(scene, motion=dataclasses.replace(scene.motion, time_step=time_step))
+    return dataclasses.replace(scene, integration=dataclasses.replace(scene.integration, time_step=time_step))
 
 
 @pytest.mark.compiled
@@ -43,10 +43,10 @@ def test_a_soft_collision_gives_back_what_was_asked(restitution):
 @pytest.mark.compiled
 def test_springs_without_dashpots_keep_the_energy_even_where_they_are_pressed():
     floats = "".join(
-        f"[[floats]]\nname = '{name}'\n{HEAVY}positions = [[{x}, {y}]]\nvelocity = [{vx}, 0.0]\n"
+        f"[[particles]]\nname = '{name}'\n{HEAVY}positions = [[{x}, {y}]]\nvelocity = [{vx}, 0.0]\n"
         for name, x, y, vx in (("a", -2e-3, 2e-4, 0.05), ("b", 2e-3, 0.0, -0.02))
     )
-    rest = '[motion]\ndrag = false\n[interaction]\nlaw = "none"\n'
+    rest = '[hydrodynamics]\ndrag = "none"\n[interaction]\nlaw = "none"\n'
     dish = '[dish]\nradius = "5 mm"\nlaw = "none"\nrestitution = 1.0\n'
     dish += f"[contacts]\n{SOFT}restitution = 1.0\nstiffness = 2.0\n"
     scene = scene_of(WATER + floats + rest + dish, duration=0.4, frame_every=2e-3)
@@ -59,7 +59,7 @@ def test_springs_without_dashpots_keep_the_energy_even_where_they_are_pressed():
 
 @pytest.mark.compiled
 def test_a_pair_rests_where_the_spring_holds_its_pull():
-    scene = two_floats(2.05e-3, motion="", contacts=f"{SOFT}restitution = 0.2", duration=4.0, frame_every=0.5)
+    scene = two_floats(2.05e-3, hydrodynamics="", contacts=f"{SOFT}restitution = 0.2", duration=4.0, frame_every=0.5)
     *_, last = simulate(scene)
     parameters = MODELS["floating"].parameters(scene)
     apart = np.ptp(last.arrays["position"][:, 0])
@@ -75,7 +75,7 @@ def test_a_pair_rests_where_the_spring_holds_its_pull():
 @pytest.mark.compiled
 def test_soft_contacts_resume_bit_for_bit():
     scene = scene_of(
-        f"{WATER}[[floats]]\ncount = 20\n{HEAVY}[dish]\nradius = 0.009\n[contacts]\n{SOFT}",
+        f"{WATER}[[particles]]\ncount = 20\n{HEAVY}[dish]\nradius = 0.009\n[contacts]\n{SOFT}",
         duration=0.2,
         frame_every=0.02,
     )
@@ -101,10 +101,10 @@ def test_a_dashpot_takes_more_the_stiffer_it_is():
         (f"[contacts]\n{SOFT}friction = 0.1\n", "solved as impulses"),
         (f"[contacts]\n{SOFT}restitution = 0.0\n", "0.05 or more"),
         (f'[contacts]\n{SOFT}[interaction]\nlaw = "none"\n', "expected a stiffness in N/m"),
-        (f'[contacts]\n{SOFT}[motion]\nintegrator = "rk4"\n', "velocity-verlet"),
+        (f'[contacts]\n{SOFT}[integration]\nintegrator = "rk4"\n', "velocity-verlet"),
     ],
 )
 def test_what_does_not_go_with_springs_is_told(rest, said):
-    scene = scene_of(f"{WATER}[[floats]]\ncount = 2\n{HEAVY}{rest}")
+    scene = scene_of(f"{WATER}[[particles]]\ncount = 2\n{HEAVY}{rest}")
     with pytest.raises(SceneError, match=said):
         MODELS["floating"].parameters(scene)

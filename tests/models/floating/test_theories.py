@@ -22,7 +22,7 @@ ROUND, RECTANGLE = "radius = 0.03", "size = [0.08, 0.06]"
 
 
 def in_a_dish(dish, kind=HEAVY, head="", place=(0.0, 0.0)):
-    floats = f"[[floats]]\n{kind}positions = [[{place[0]!r}, {place[1]!r}]]\n"
+    floats = f"[[particles]]\n{kind}positions = [[{place[0]!r}, {place[1]!r}]]\n"
     return scene_of(f'{WATER}{floats}[dish]\ncontact_angle = "35 deg"\n{dish}\n', head=head)
 
 
@@ -35,14 +35,18 @@ def wall_force(parameters, place):
 def test_a_theory_brings_its_laws_and_what_is_named_overrules_it():
     legacy = in_a_dish(ROUND, head='theory = "legacy-2022"')
     assert (legacy.interaction.law, legacy.interaction.charge) == ("one-sided-legacy", "linear")
-    assert (legacy.dish.law, legacy.motion.drag, legacy.contacts.legacy_coefficient) == ("two-point-legacy", False, 0.3)
+    assert (legacy.dish.law, legacy.hydrodynamics.drag, legacy.contacts.legacy_coefficient) == (
+        "two-point-legacy",
+        "none",
+        0.3,
+    )
     linear = in_a_dish(f'{ROUND}\nlaw = "profile"', head='theory = "linear"')
-    assert (linear.interaction.charge, linear.dish.law, linear.motion.drag) == ("linear", "profile", True)
+    assert (linear.interaction.charge, linear.dish.law, linear.hydrodynamics.drag) == ("linear", "profile", "stokes")
     assert linear.contacts.legacy_coefficient is None
 
 
 def test_the_default_theory_is_the_one_that_was_there_before():
-    named = '[interaction]\nlaw = "capillary"\ncharge = "nonlinear"\n[motion]\ndrag = true\n'
+    named = '[interaction]\nlaw = "capillary"\ncharge = "nonlinear"\n[hydrodynamics]\ndrag = "stokes"\n'
     old = in_a_dish(f'{ROUND}\nlaw = "meniscus"\n{named}')
     assert in_a_dish(ROUND) == old
     parameters = FLOATING.parameters(old)
@@ -130,7 +134,7 @@ def test_a_light_float_climbs_a_wetting_wall_and_its_pinned_image_holds_it_off()
 
 def one_sided(densities, apart):
     floats = "".join(
-        f"[[floats]]\nradius = 1e-3\ndensity = {density}\ncontact_angle = 1.5707963\npositions = [[{x!r}, 0.0]]\n"
+        f"[[particles]]\nradius = 1e-3\ndensity = {density}\ncontact_angle = 1.5707963\npositions = [[{x!r}, 0.0]]\n"
         for density, x in zip(densities, (0.0, apart), strict=True)
     )
     scene = scene_of(WATER + floats, head='theory = "legacy-2022"')
@@ -164,7 +168,7 @@ def test_the_originals_force_is_right_for_equal_floats_until_they_touch():
 def test_the_originals_scene_runs_and_its_unlike_pair_moves_off_by_itself():
     from ecume.simulation import simulate
 
-    floats = f"[[floats]]\n{HEAVY}positions = [[0.0, 0.0]]\n[[floats]]\n{LIGHT}positions = [[0.004, 0.0]]\n"
+    floats = f"[[particles]]\n{HEAVY}positions = [[0.0, 0.0]]\n[[particles]]\n{LIGHT}positions = [[0.004, 0.0]]\n"
     frames = list(simulate(scene_of(WATER + floats, head='theory = "legacy-2022"', duration=0.2)))
     numbers, arrays = frames[-1].numbers, frames[-1].arrays
     carried = float(np.sum(arrays["mass"] * np.abs(arrays["velocity"][:, 0])))
@@ -188,6 +192,8 @@ def test_what_does_not_go_together_is_told(dish, head, path, said):
 
 
 def test_a_wetted_wall_has_no_linear_height():
-    scene = scene_of(f'{WATER}[[floats]]\n{HEAVY}[dish]\ncontact_angle = "0 deg"\n{ROUND}\n', head='theory = "linear"')
+    scene = scene_of(
+        f'{WATER}[[particles]]\n{HEAVY}[dish]\ncontact_angle = "0 deg"\n{ROUND}\n', head='theory = "linear"'
+    )
     with pytest.raises(SceneError, match="amplitude"):
         FLOATING.parameters(scene)

@@ -8,7 +8,7 @@ from ecume.laws import multipole
 from ecume.models.floating import FLOATING
 from ecume.models.floating.setup.kinds import float_kinds
 from ecume.models.liquids import liquid_of
-from ecume.scenes.floating import DiscSpec, FloatingScene, FloatSpec, InteractionSpec, LiquidSpec, MotionSpec
+from ecume.scenes.floating import DiscSpec, FloatingScene, FloatSpec, HydrodynamicsSpec, InteractionSpec, LiquidSpec
 from ecume.simulation import moments, simulate
 
 RADIUS, HEIGHT = 0.3e-3, 15e-6
@@ -29,8 +29,8 @@ def pair(angles, apart=3.0, *, mode=2, drag=True, viscosity=1e-3, duration=0.02,
         duration=duration,
         frame_every=frame_every,
         liquid=LiquidSpec(density=1000.0, viscosity=viscosity),
-        floats=bodies,
-        motion=MotionSpec(drag=drag),
+        particles=bodies,
+        hydrodynamics=HydrodynamicsSpec(drag="stokes" if drag else "none"),
         interaction=InteractionSpec(method=method, order=8),
     )
 

@@ -8,7 +8,7 @@ from ecume.models.model import CROWDED
 from ecume.models.soft import SOFT
 from ecume.models.soft.contacts.films import Films, Pairs, answer, make_answers
 from ecume.models.soft.parameters import Contacts
-from ecume.scenes.soft import FilmSpec, SoftLiquid, SoftScene, SphereSpec, SteppingSpec
+from ecume.scenes.soft import FilmSpec, IntegrationSpec, SoftLiquid, SoftScene, SphereSpec
 
 PAPER = (1.5 * math.pi, math.pi, 1.0, 1.0, 1.0, 1.0)
 LOPSIDED = (4.0, 3.0, 0.8, 0.6, 1.2, 0.7)
@@ -42,9 +42,9 @@ def pull_apart(gap, force, *, tolerance=1e-9, duration, frames=1, prefactors="pa
         duration=duration,
         frame_every=duration / frames,
         liquid=SoftLiquid(viscosity=1.0),
-        spheres=spheres,
+        particles=spheres,
         films=FilmSpec(prefactors=prefactors),
-        stepping=SteppingSpec(tolerance=tolerance),
+        integration=IntegrationSpec(tolerance=tolerance),
     )
 
 

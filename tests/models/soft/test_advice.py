@@ -24,9 +24,9 @@ pytestmark = pytest.mark.compiled
 def packing(radii=(1.0, 1.4), count=18, filled=0.7, **more):
     plain = {
         "model": "soft", "duration": 4.0, "frame_every": 4.0, "liquid": {"viscosity": 1e-3},
-        "spheres": [{"radius": radius, "modulus": 1.0, "count": count} for radius in radii],
-        "box": {"size": [1.0, 1.0], "volume_fraction": filled, "gap": 0.02},
-        "stepping": {"scheme": "tr-bdf2", "tolerance": 1e-3},
+        "particles": [{"radius": radius, "modulus": 1.0, "count": count} for radius in radii],
+        "cell": {"size": [1.0, 1.0], "volume_fraction": filled, "minimum_gap": 0.02},
+        "integration": {"integrator": "tr-bdf2", "tolerance": 1e-3},
     }  # fmt: skip
     return from_plain(plain | more)
 
@@ -36,7 +36,7 @@ def two(force, **more):
         {"radius": 1.0, "modulus": 1.0, "positions": [[x, 0.0]], "force": [f, 0.0]}
         for x, f in ((0.0, -force), (2.01, force))
     ]
-    plain = {"model": "soft", "duration": 1.0, "frame_every": 1.0, "liquid": {"viscosity": 1.0}, "spheres": spheres}
+    plain = {"model": "soft", "duration": 1.0, "frame_every": 1.0, "liquid": {"viscosity": 1.0}, "particles": spheres}
     return from_plain(plain | more)
 
 
@@ -107,7 +107,10 @@ def test_nothing_is_foreseen_where_nothing_is_done():
         (lambda: two(1e-8), "rounding"),
         (lambda: two(1e-3, films={"friction": "coulomb", "roughness": 1e-3}), "no contact friction"),
         (lambda: two(1e-3, films={"friction": "coulomb", "roughness": 0.2}), "tips"),
-        (lambda: two(1e-3, remote={"law": "steric", "strength": 1e-6, "length": 0.2}), "bear each other"),
+        (
+            lambda: two(1e-3, long_range_forces={"law": "steric", "steric_strength": 1e-6, "steric_length": 0.2}),
+            "bear each other",
+        ),
     ],
 )
 def test_what_may_not_be_meant_is_told(scene, says):

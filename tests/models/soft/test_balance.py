@@ -15,7 +15,7 @@ pytestmark = pytest.mark.compiled
 
 @pytest.mark.parametrize("drag", [True, False])
 def test_what_is_left_on_a_thousand_sheared_spheres_is_below_1e_8_of_the_typical_force(drag):
-    scene = packing(count=500, filled=0.8, strain=0.5, liquid={"viscosity": 1e-3, "drag": drag})
+    scene = packing(count=500, filled=0.8, strain=0.5, hydrodynamics={"drag": "stokes" if drag else "none"})
     parameters = SOFT.parameters(scene)
     state = SOFT.start(scene, parameters)
     scratch = SOFT.workspace(parameters, state, 1.0)

@@ -22,11 +22,13 @@ from .test_packings import packing
 from .test_walls import channel
 
 PAIR, FORCE = SoftPair(1.0, 1.0, 1.0), 1e-3
-SPUN = {"viscosity": 1e-3, "drag": True}
+SPUN = {"drag": "stokes"}
 
 
 def stepped(scene, tolerance, scheme="tr-bdf2"):
-    return dataclasses.replace(scene, stepping=dataclasses.replace(scene.stepping, tolerance=tolerance, scheme=scheme))
+    return dataclasses.replace(
+        scene, integration=dataclasses.replace(scene.integration, tolerance=tolerance, integrator=scheme)
+    )
 
 
 def ends(scene):
@@ -84,7 +86,7 @@ def sinking():
     )
     return from_plain({
         "model": "soft", "duration": 2.0, "frame_every": 2.0, "gravity": [0.0, -1e-3], "rotation": True,
-        "liquid": {"viscosity": 1e-3, "density": 1.0, "drag": True}, "spheres": [one, other],
+        "liquid": {"viscosity": 1e-3, "density": 1.0}, "hydrodynamics": {"drag": "stokes"}, "particles": [one, other],
         "walls": [{"side": "bottom", "position": 0.0}],
         "protocol": [{"time": 0.0, "load": 0.0}, {"time": 2.0, "load": 1.0}],
     })  # fmt: skip
@@ -95,13 +97,14 @@ DRIVEN = {
     "a load": ramped,
     "weights and torques": sinking,
     "shear and size": lambda: packing(**RUN, protocol=[{"time": 0.0}, {"time": 2.0, "strain": 0.1, "scale": 0.99}]),
-    "drag": lambda: packing(**RUN, strain=0.1, liquid=SPUN),
-    "spins": lambda: packing(3, **RUN, filled=0.45, strain=0.1, rotation=True, liquid=SPUN),
+    "drag": lambda: packing(**RUN, strain=0.1, hydrodynamics=SPUN),
+    "spins": lambda: packing(3, **RUN, filled=0.45, strain=0.1, rotation=True, hydrodynamics=SPUN),
     "friction": lambda: packing(
         **RUN, strain=0.1, films={"friction": "coulomb", "friction_coefficient": 0.5, "roughness": 0.03}
     ),
     "unlike stiffnesses": lambda: packing(**RUN, strain=0.1, films={"tangential": 0.4}),
-    "remote": lambda: packing(**RUN, strain=0.1, remote={"law": "steric", "strength": 2e-3, "length": 0.05}),
+    "long-range": lambda: packing(
+        **RUN, strain=0.1, long_range_forces={"law": "steric", "steric_strength": 2e-3, "steric_length": 0.05}),
     "bubbles": lambda: packing(
         **RUN, strain=0.1, films={"surface": "bubble"}, liquid={"viscosity": 1e-3, "surface_tension": 0.5}
     ),
@@ -151,7 +154,7 @@ def test_films_take_what_contacts_hold_that_fade():
 
 @pytest.mark.compiled
 def test_books_of_a_run_that_pauses_have_the_bits_of_one_that_does_not():
-    scene = stepped(packing(count=3, duration=2.0, strain=0.1, liquid=SPUN), 1e-3)
+    scene = stepped(packing(count=3, duration=2.0, strain=0.1, hydrodynamics=SPUN), 1e-3)
     books = [marched(scene, parts=parts)[1].books for parts in (1, 10**6)]
     assert books[0].tobytes() == books[1].tobytes()
     assert np.all(books[0][[INJECTED, FILMS, DRAG]] > 0.0)

@@ -31,8 +31,8 @@ def pair(force=(-1e-3, 0.0), gap=0.02, radii=(1.0, 1.0), moduli=(1.0, 1.0), dura
         for r, e, x, sign in zip(radii, moduli, centers, (-1.0, 1.0), strict=True)
     ]
     plain = {
-        "model": "soft", "duration": duration, "frame_every": duration, "spheres": spheres,
-        "liquid": {"viscosity": 0.1, "surface_tension": 0.3}, "stepping": {"tolerance": 1e-8},
+        "model": "soft", "duration": duration, "frame_every": duration, "particles": spheres,
+        "liquid": {"viscosity": 0.1, "surface_tension": 0.3}, "integration": {"tolerance": 1e-8},
     }  # fmt: skip
     return from_plain(plain | more)
 
@@ -83,7 +83,7 @@ def _set(name):
 @pytest.mark.parametrize("surface", SURFACES)
 def test_sheared_unlike_spheres_do_not_care_who_is_first(surface):
     given = {"duration": 5.0, "films": {"surface": surface, "interface": "drop"}, "liquid": {
-        "viscosity": 0.1, "surface_tension": 0.3, "drag": True}, "rotation": True}  # fmt: skip
+        "viscosity": 0.1, "surface_tension": 0.3}, "hydrodynamics": {"drag": "stokes"}, "rotation": True}  # fmt: skip
     one = marched(pair((-1e-3, 2e-3), radii=(1.0, 0.6), moduli=(0.5, 3.0), **given))[1]
     other = marched(pair((-1e-3, 2e-3), radii=(0.6, 1.0), moduli=(3.0, 0.5), **given))[1]
     # Half a turn about the middle puts the first in the place of the second.
@@ -93,14 +93,14 @@ def test_sheared_unlike_spheres_do_not_care_who_is_first(surface):
     assert np.abs(one.orientation).min() > 1e-4
 
 
-STERIC = {"law": "steric", "strength": 0.02, "length": 0.04}
+STERIC = {"law": "steric", "steric_strength": 0.02, "steric_length": 0.04}
 
 
 def pressed(pull, coefficient=0.5, friction="coulomb", duration=20.0):
     """Two spheres pressed together with 0.01 onto steric layers, inside their roughness, and sheared."""
     films = {"friction": friction, "friction_coefficient": coefficient, "roughness": 0.1}
     ramp = [{"time": 0.0, "load": 1.0}]
-    return pair((-0.01, pull), gap=0.02, duration=duration, films=films, remote=STERIC, protocol=ramp)
+    return pair((-0.01, pull), gap=0.02, duration=duration, films=films, long_range_forces=STERIC, protocol=ramp)
 
 
 def test_pressed_spheres_stick_below_the_cone_of_friction_and_slide_above():
@@ -133,10 +133,10 @@ def sheared(**films):
     """A dense layer of rough spheres."""
     plain = {
         "model": "soft", "duration": 5.0, "frame_every": 1.0, "liquid": {"viscosity": 1e-3, "surface_tension": 0.5},
-        "spheres": [{"radius": r, "modulus": 1.0, "count": 12} for r in (1.0, 1.3)],
-        "box": {"size": [12.4, 12.4], "gap": 0.01}, "rotation": True, "films": films,
+        "particles": [{"radius": r, "modulus": 1.0, "count": 12} for r in (1.0, 1.3)],
+        "cell": {"size": [12.4, 12.4], "minimum_gap": 0.01}, "rotation": True, "films": films,
         "protocol": [{"time": 0.0}, {"time": 5.0, "strain": 0.2}],
-        "stepping": {"scheme": "tr-bdf2", "tolerance": 1e-3},
+        "integration": {"integrator": "tr-bdf2", "tolerance": 1e-3},
     }  # fmt: skip
     return from_plain(plain)
 
@@ -170,7 +170,7 @@ BARE = [{"radius": 1.0, "positions": [[x, 0.0]]} for x in (0.0, 2.1)]
         ({"films": {"interface": "oily"}}, "films.interface", "rigid, half-mobile, mobile, drop"),
         ({"films": {"friction": "glue", "roughness": 0.1}}, "films.friction", "none, coulomb"),
         ({"films": {"friction": "coulomb"}}, "films.roughness", "got none"),
-        ({"spheres": BARE}, "spheres[0].modulus", "got none"),
+        ({"particles": BARE}, "particles[0].modulus", "got none"),
         ({"films": {"surface": "bubble"}, "liquid": {"viscosity": 1.0}}, "liquid.surface_tension", "got none"),
     ],
 )

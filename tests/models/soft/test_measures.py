@@ -21,10 +21,11 @@ def sheared(dimensions=2, count=10, steps=4, **more):
     volume = count * sum(math.pi * r**2 if dimensions == 2 else 4 / 3 * math.pi * r**3 for r in (1.0, 1.3))
     plain = {
         "model": "soft", "duration": 4.0, "frame_every": 4.0 / steps, "liquid": {"viscosity": 1e-2},
-        "spheres": [{"radius": r, "modulus": 1.0, "count": count} for r in (1.0, 1.3)],
-        "box": {"size": [(volume / (0.7 if dimensions == 2 else 0.45)) ** (1 / dimensions)] * dimensions, "gap": 0.02},
+        "particles": [{"radius": r, "modulus": 1.0, "count": count} for r in (1.0, 1.3)],
+        "cell": {"size": [(volume / (0.7 if dimensions == 2 else 0.45)) ** (1 / dimensions)] * dimensions,
+            "minimum_gap": 0.02},
         "protocol": [{"time": 0.0}, {"time": 4.0, "strain": 0.2, "scale": 0.99}],
-        "stepping": {"tolerance": 1e-5},
+        "integration": {"tolerance": 1e-5},
     }  # fmt: skip
     return list(simulate(from_plain(plain | more)))
 
@@ -46,10 +47,11 @@ def test_the_parts_of_the_stress_make_the_stress_of_the_frame(dimensions):
 def test_two_spheres_across_a_border_carry_the_stress_of_their_force_and_distance():
     # One pair in a wide box, pressed by a steric force: sigma_xx = -F r / A, in the frame's own parts.
     plain = {
-        "model": "soft", "duration": 1e-6, "frame_every": 1e-6, "liquid": {"viscosity": 1.0, "drag": True},
-        "spheres": [{"radius": 1.0, "modulus": 10.0, "positions": [[0.5, 3.0], [7.4, 3.0]]}],
-        "box": {"size": [9.0, 8.0]}, "films": {"reach": 0.5},
-        "remote": {"law": "steric", "strength": 0.02, "length": 0.3},
+        "model": "soft", "duration": 1e-6, "frame_every": 1e-6, "liquid": {"viscosity": 1.0},
+        "hydrodynamics": {"drag": "stokes"},
+        "particles": [{"radius": 1.0, "modulus": 10.0, "positions": [[0.5, 3.0], [7.4, 3.0]]}],
+        "cell": {"size": [9.0, 8.0]}, "films": {"cutoff": 0.5},
+        "long_range_forces": {"law": "steric", "steric_strength": 0.02, "steric_length": 0.3},
     }  # fmt: skip
     frame = next(iter(simulate(from_plain(plain))))
     gap = films(frame).gap[0]

@@ -25,16 +25,16 @@ def packing(dimensions=2, count=12, filled=0.7, strain=0.05, duration=10.0, **mo
     volume = count * sum(math.pi * r**2 if dimensions == 2 else 4 / 3 * math.pi * r**3 for r in (1.0, 1.3))
     plain = {
         "model": "soft", "duration": duration, "frame_every": duration, "liquid": {"viscosity": 1e-3},
-        "spheres": [{"radius": r, "modulus": 1.0, "count": count} for r in (1.0, 1.3)],
-        "box": {"size": [(volume / filled) ** (1 / dimensions)] * dimensions, "gap": 0.02},
+        "particles": [{"radius": r, "modulus": 1.0, "count": count} for r in (1.0, 1.3)],
+        "cell": {"size": [(volume / filled) ** (1 / dimensions)] * dimensions, "minimum_gap": 0.02},
         "protocol": [{"time": 0.0}, {"time": duration, "strain": strain}],
-        "stepping": {"scheme": "tr-bdf2", "tolerance": 1e-4},
+        "integration": {"integrator": "tr-bdf2", "tolerance": 1e-4},
     }  # fmt: skip
     return from_plain(plain | more)
 
 
 def solved_by(scene, solver):
-    return dataclasses.replace(scene, stepping=dataclasses.replace(scene.stepping, solver=solver))
+    return dataclasses.replace(scene, integration=dataclasses.replace(scene.integration, solver=solver))
 
 
 def test_a_random_start_is_dense_has_its_gaps_and_follows_from_the_seed():
@@ -51,7 +51,7 @@ def test_a_random_start_is_dense_has_its_gaps_and_follows_from_the_seed():
 @pytest.mark.parametrize("gap", [0.005, 0.03])
 def test_a_start_has_the_volume_fraction_and_the_gap_that_are_wanted(dimensions, wanted, gap):
     box = {"size": [2.0, 1.0, 1.0][:dimensions], "volume_fraction": wanted, "gap": gap}
-    scene = packing(dimensions, count=20, protocol=[], box=box)
+    scene = packing(dimensions, count=20, protocol=[], cell=box)
     frame = next(iter(simulate(scene)))
     assert frame.numbers["volume_fraction"] == pytest.approx(wanted, rel=1e-12)
     assert frame.numbers["box_width"] == pytest.approx(2.0 * frame.numbers["box_height"], rel=1e-12)
@@ -140,8 +140,9 @@ def test_interruptions_change_no_bit_while_contacts_come_and_go():
 
 def test_a_film_that_is_drawn_out_fades_without_a_jump_and_is_gone():
     plain = {
-        "model": "soft", "duration": 3e3, "frame_every": 30.0, "liquid": {"viscosity": 0.1, "drag": True},
-        "films": {"reach": 0.3}, "spheres": [
+        "model": "soft", "duration": 3e3, "frame_every": 30.0, "liquid": {"viscosity": 0.1},
+        "hydrodynamics": {"drag": "stokes"},
+        "films": {"cutoff": 0.3}, "particles": [
             {"radius": 1.0, "modulus": 1.0, "positions": [[-1.05, 0.0]], "force": [-1e-3, 0.0]},
             {"radius": 1.0, "modulus": 1.0, "positions": [[1.05, 0.0]], "force": [1e-3, 0.0]},
         ],

@@ -48,8 +48,8 @@ def stage(scene, span):
 def test_every_solver_gives_the_velocities_that_elimination_gives(name, dimensions, filled, rotation):
     if name == "cholmod":
         pytest.importorskip("cvxopt")
-    drag = {"viscosity": 1e-3, "drag": True}
-    matrix, right = stage(packing(dimensions, 20, filled, rotation=rotation, liquid=drag), 0.3)
+    drag = {"drag": "stokes"}
+    matrix, right = stage(packing(dimensions, 20, filled, rotation=rotation, hydrodynamics=drag), 0.3)
     wanted, found = np.zeros((2, *right.shape))
     kept = solvers.Kept(matrix.pattern, right.shape[2], dimensions, accuracy=1e-13)
     assert solvers.SOLVERS["dense"](kept, matrix, right, wanted, 0)

@@ -20,7 +20,7 @@ from .clusters import marched
 
 PLACES = {2: [[0.0, 0.0], [2.13, 0.1], [0.9, 2.1]], 3: [[0.0, 0.0, 0.0], [2.1, 0.1, 0.2], [0.9, 2.1, -0.1]]}
 RADII = (1.0, 1.1, 0.9)
-STERIC = {"law": "steric", "strength": 0.03, "length": 0.3}
+STERIC = {"law": "steric", "steric_strength": 0.03, "steric_length": 0.3}
 
 
 def cluster(dimensions=2, places=None, rotation=True, drag=False, **more):
@@ -28,8 +28,9 @@ def cluster(dimensions=2, places=None, rotation=True, drag=False, **more):
     places = PLACES[dimensions] if places is None else places
     plain = {
         "model": "soft", "duration": 10.0, "frame_every": 10.0, "rotation": rotation,
-        "liquid": {"viscosity": 0.1, "drag": drag}, "stepping": {"tolerance": 1e-8},
-        "spheres": [{"radius": r, "modulus": 1.0 + r, "positions": [p]} for r, p in zip(RADII, places, strict=False)],
+        "liquid": {"viscosity": 0.1},
+        "hydrodynamics": {"drag": "stokes" if drag else "none"}, "integration": {"tolerance": 1e-8},
+        "particles": [{"radius": r, "modulus": 1.0 + r, "positions": [p]} for r, p in zip(RADII, places, strict=False)],
     }  # fmt: skip
     return from_plain(plain | more)
 
@@ -116,7 +117,7 @@ def test_forces_and_moments_of_contacts_sum_to_zero(dimensions):
 @pytest.mark.parametrize("dimensions", [2, 3])
 @pytest.mark.parametrize("remote", [{}, STERIC], ids=["relaxing", "steric"])
 def test_a_cluster_that_turns_as_a_whole_feels_what_it_feels_at_rest(dimensions, remote):
-    (parameters, still_step), (_, step) = (at_work(cluster(dimensions, remote=remote)) for _ in range(2))
+    (parameters, still_step), (_, step) = (at_work(cluster(dimensions, long_range_forces=remote)) for _ in range(2))
     turn, angle = rotation(0.37, dimensions)
     whole, span = np.eye(dimensions), 0.4
     place = 1.001 * step.bodies.position.copy()
@@ -152,7 +153,7 @@ def test_gears_turn_against_each_other_and_what_turns_alike_drags_its_neighbor()
         ]
         plain = {
             "model": "soft", "duration": 3.0, "frame_every": 3.0, "rotation": True,
-            "liquid": {"viscosity": 0.1, "drag": True}, "spheres": spheres,
+            "liquid": {"viscosity": 0.1}, "hydrodynamics": {"drag": "stokes"}, "particles": spheres,
         }  # fmt: skip
         return marched(from_plain(plain))[1]
 
@@ -172,10 +173,11 @@ def sheared(dimensions=2, solver="auto", strain=0.02):
     volume = sum(10 * (math.pi * r**2 if dimensions == 2 else 4 / 3 * math.pi * r**3) for r in (1.0, 1.3))
     return from_plain({
         "model": "soft", "duration": 2.0, "frame_every": 1.0, "rotation": True, "liquid": {"viscosity": 1e-3},
-        "spheres": [{"radius": r, "modulus": 1.0, "count": 10} for r in (1.0, 1.3)],
-        "box": {"size": [(volume / (0.75 if dimensions == 2 else 0.5)) ** (1 / dimensions)] * dimensions, "gap": 0.02},
+        "particles": [{"radius": r, "modulus": 1.0, "count": 10} for r in (1.0, 1.3)],
+        "cell": {"size": [(volume / (0.75 if dimensions == 2 else 0.5)) ** (1 / dimensions)] * dimensions,
+            "minimum_gap": 0.02},
         "protocol": [{"time": 0.0}, {"time": 2.0, "strain": strain}],
-        "stepping": {"scheme": "tr-bdf2", "tolerance": 1e-4, "solver": solver},
+        "integration": {"integrator": "tr-bdf2", "tolerance": 1e-4, "solver": solver},
     })  # fmt: skip
 
 
@@ -252,9 +254,9 @@ def test_unlike_spheres_that_nothing_holds_lie_where_their_loads_have_no_moment(
         {"radius": r, "modulus": 1.0 + r, "positions": [p], "force": f}
         for r, p, f in zip(RADII, place.tolist(), pull.tolist(), strict=True)
     ]
-    given = {"duration": 5.0, "frame_every": 5.0, "spheres": spheres}
+    given = {"duration": 5.0, "frame_every": 5.0, "particles": spheres}
     ends = [
-        marched(cluster(dimensions, stepping={"tolerance": 1e-6, "solver": solver}, **given))
+        marched(cluster(dimensions, integration={"tolerance": 1e-6, "solver": solver}, **given))
         for solver in ("dense", "direct")
     ]
     parameters, state = ends[0]
@@ -280,7 +282,7 @@ def test_torques_without_sense_are_refused(torque, rotation, says):
     spheres = [{"radius": 1.0, "modulus": 1.0, "positions": [[x, 0.0]], "torque": torque} for x in (0.0, 2.1)]
 
     def begin():
-        scene = cluster(spheres=spheres, rotation=rotation)
+        scene = cluster(particles=spheres, rotation=rotation)
         SOFT.start(scene, SOFT.parameters(scene))
 
     with pytest.raises(SceneError, match=says):

@@ -55,7 +55,7 @@ def test_a_stress_that_is_imposed_is_that_of_the_packing_from_the_first_instant_
         for name, value in met.items():
             assert frame.numbers[name] == pytest.approx(value, rel=1e-8)
     assert (frame.numbers["strain"] > 0.0) == ("shear_stress" in met or "shear_rate" in protocol[0])
-    assert (frame.numbers["box_height"] < packing(**given).box.size[1]) == (len(met) > 1 or "normal_stress" in met)
+    assert (frame.numbers["box_height"] < packing(**given).cell.size[1]) == (len(met) > 1 or "normal_stress" in met)
 
 
 def test_a_pressure_moves_all_sides_alike_and_a_normal_stress_the_height_alone():
@@ -116,7 +116,7 @@ def test_newtons_method_doubles_its_digits_with_the_stresses_in(monkeypatch, rot
 
 
 def test_the_work_of_the_stresses_is_that_of_all_forces_on_surfaces_and_films():
-    scene = stressed(BOTH, duration=1.0, stepping={"tolerance": 1e-8})
+    scene = stressed(BOTH, duration=1.0, integration={"tolerance": 1e-8})
     parameters = SOFT.parameters(scene)
     state = SOFT.start(scene, parameters)
     scratch = SOFT.workspace(parameters, state, 1.0)
@@ -153,7 +153,7 @@ def test_creep_is_the_same_in_other_units():
     other = to_plain(scene)
     for species in other["spheres"]:
         species |= {"radius": species["radius"] * length, "modulus": pressure}
-    other["box"] = {"size": [side * length for side in scene.box.size], "gap": 0.02 * length}
+    other["box"] = {"size": [side * length for side in scene.cell.size], "gap": 0.02 * length}
     other["liquid"] = {"viscosity": scene.liquid.viscosity * pressure * time}
     other |= {"duration": 2.0 * time, "frame_every": time}
     # In a layer a modulus resists over a depth of a contact's size: stress is force over length.
@@ -235,9 +235,10 @@ def test_what_follows_a_stress_is_held_where_it_got():
 def test_a_sheared_box_with_drag_drags_along_its_flow():
     """Without contacts spheres go with the liquid: in a box that is sheared by a rate, and one that is stretched."""
     plain = {
-        "model": "soft", "duration": 1.0, "frame_every": 1.0, "liquid": {"viscosity": 1.0, "drag": True},
-        "films": {"reach": 0.1}, "box": {"size": [10.0, 10.0]},
-        "spheres": [{"radius": 1.0, "modulus": 1.0, "positions": [[2.0, 2.0], [7.0, 8.0]]}],
+        "model": "soft", "duration": 1.0, "frame_every": 1.0, "liquid": {"viscosity": 1.0},
+        "hydrodynamics": {"drag": "stokes"},
+        "films": {"cutoff": 0.1}, "cell": {"size": [10.0, 10.0]},
+        "particles": [{"radius": 1.0, "modulus": 1.0, "positions": [[2.0, 2.0], [7.0, 8.0]]}],
         "protocol": [{"time": 0.0, "shear_rate": 0.1, "height_rate": 0.05}],
     }  # fmt: skip
     end = marched(from_plain(plain))[1].position

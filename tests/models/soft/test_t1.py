@@ -64,7 +64,7 @@ def turned(scene, angle):
     turn = np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])
     spheres = tuple(
         dataclasses.replace(one, positions=(tuple(turn @ one.positions[0]),), force=tuple(turn @ one.force))
-        for one in scene.spheres
+        for one in scene.particles
     )
     return dataclasses.replace(scene, spheres=spheres)
 
@@ -83,7 +83,7 @@ def test_turning_the_cluster_changes_nothing():
 
 def test_naming_the_spheres_otherwise_changes_nothing():
     scene = t1_scene(1e-2, PULL, "paper", 0.01, 1e-8)
-    left, right, top, bottom = scene.spheres
+    left, right, top, bottom = scene.particles
     swapped = dataclasses.replace(scene, spheres=(right, left, bottom, top))
     times = [follow(one, PULL, (0.9,)).duration for one in (scene, swapped)]
     assert times[1] == pytest.approx(times[0], rel=1e-9)
@@ -99,7 +99,7 @@ def in_units(scene, length, force):
             positions=(tuple(length * x for x in one.positions[0]),),
             force=tuple(force * f for f in one.force),
         )
-        for one in scene.spheres
+        for one in scene.particles
     )
     thick = dataclasses.replace(scene.liquid, viscosity=scene.liquid.viscosity * force / length**2)
     return dataclasses.replace(scene, spheres=spheres, liquid=thick)

@@ -31,7 +31,7 @@ def marched(scene, steps=6, iterations=0):
 @pytest.mark.parametrize(("rotation", "iterations"), [(False, 0), (True, 0), (False, 2000)])
 def test_a_step_has_the_same_bits_with_and_without_threads(monkeypatch, rotation, iterations):
     """By gradients, and where those are said to have taken many iterations, by a factorization."""
-    scene = packing(count=300, strain=0.2, liquid={"viscosity": 1e-3, "drag": True}, rotation=rotation)
+    scene = packing(count=300, strain=0.2, hydrodynamics={"drag": "stokes"}, rotation=rotation)
     alone = marched(scene, iterations=iterations)
     monkeypatch.setattr(_jit, "FEW", 1)
     many = numba.get_num_threads()

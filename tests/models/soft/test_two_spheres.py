@@ -24,9 +24,9 @@ LEFT = {"radius": 1.0, "modulus": 1.0, "positions": [[-1.005, 0.0]], "force": [-
 RIGHT = {"radius": 1.0, "modulus": 1.0, "positions": [[1.005, 0.0]], "force": [1e-3, 0.0]}
 SCENE = {
     "model": "soft", "duration": 2e4, "frame_every": 2e4, "liquid": {"viscosity": 1.0},
-    "stepping": {"tolerance": 1e-9}, "spheres": [LEFT, RIGHT],
+    "integration": {"tolerance": 1e-9}, "particles": [LEFT, RIGHT],
 }  # fmt: skip
-DRAGGED = SCENE | {"liquid": {"viscosity": 1.0, "drag": True}}
+DRAGGED = SCENE | {"liquid": {"viscosity": 1.0}, "hydrodynamics": {"drag": "stokes"}}
 
 
 def to_the_end(parameters, state):
@@ -85,7 +85,7 @@ def test_drag_slows_spheres_that_part_and_lets_forces_push_them_along():
     free, held = marched(from_plain(SCENE))[1], marched(from_plain(DRAGGED))[1]
     assert held.log_gap[0] < free.log_gap[0] - 0.01
     along = [spec | {"force": [1e-3, 0.0]} for spec in (LEFT, RIGHT)]
-    pushed = marched(from_plain(DRAGGED | {"spheres": along}))[1]
+    pushed = marched(from_plain(DRAGGED | {"particles": along}))[1]
     assert pushed.velocity[:, 0] == pytest.approx([1e-3 / (6 * math.pi)] * 2, rel=1e-3)
 
 
@@ -109,14 +109,14 @@ def test_the_template_opens_its_gap_as_the_closed_form_says(tmp_path):
 @pytest.mark.parametrize(
     ("change", "path", "says"),
     [
-        ({"spheres": [LEFT]}, "spheres", "single sphere"),
-        ({"spheres": [LEFT, RIGHT | {"positions": [[0.9, 0.0]]}]}, "spheres", "overlap"),
-        ({"spheres": [LEFT, RIGHT | {"force": [0.0, 0.0]}]}, "spheres", "sum to 0.001 N"),
-        ({"films": {"reach": 0.001}}, "spheres", "tied to sphere 0 by no film"),
+        ({"particles": [LEFT]}, "spheres", "single sphere"),
+        ({"particles": [LEFT, RIGHT | {"positions": [[0.9, 0.0]]}]}, "spheres", "overlap"),
+        ({"particles": [LEFT, RIGHT | {"force": [0.0, 0.0]}]}, "spheres", "sum to 0.001 N"),
+        ({"films": {"cutoff": 0.001}}, "spheres", "tied to sphere 0 by no film"),
         ({"films": {"prefactors": "papr"}}, "films.prefactors", "there are paper, physical"),
-        ({"remote": {"law": "magic"}}, "remote.law", "none, steric, dlvo"),
+        ({"long_range_forces": {"law": "magic"}}, "long_range_forces.law", "none, steric, dlvo"),
         ({"liquid": {"viscosity": 0.0}}, "liquid.viscosity", "expected 1e-12 or more"),
-        ({"spheres": [LEFT | {"modulus": 0.0}, RIGHT]}, "spheres[0].modulus", "or more"),
+        ({"particles": [LEFT | {"modulus": 0.0}, RIGHT]}, "particles[0].modulus", "or more"),
         ({"protocol": [{"time": 1.0}, {"time": 0.5}]}, "protocol[1].time", "before 1 s"),
         ({"protocol": [{"time": 1.0, "strain": 0.5}]}, "protocol[0].strain", "there is none"),
     ],

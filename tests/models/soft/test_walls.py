@@ -34,9 +34,9 @@ def at_floor(dimensions=2, force=1e-3, gap=0.01, **more):
     """Two unit spheres above a floor, far from each other, pulled up."""
     places = [[x, 1.0 + gap, 0.0][:dimensions] for x in (0.0, 9.0)]
     plain = {
-        "model": "soft", "duration": 60.0, "frame_every": 60.0, "liquid": {"viscosity": 1e-3}, "films": {"reach": 2.0},
-        "spheres": [{"radius": 1.0, "modulus": 1.0, "positions": places, "force": [0.0, force, 0.0][:dimensions]}],
-        "walls": [FLOOR], "stepping": {"tolerance": 1e-9},
+        "model": "soft", "duration": 60.0, "frame_every": 60.0, "liquid": {"viscosity": 1e-3}, "films": {"cutoff": 2.0},
+        "particles": [{"radius": 1.0, "modulus": 1.0, "positions": places, "force": [0.0, force, 0.0][:dimensions]}],
+        "walls": [FLOOR], "integration": {"tolerance": 1e-9},
     }  # fmt: skip
     return from_plain(plain | more)
 
@@ -47,10 +47,10 @@ def channel(walls, dimensions=2, count=8, **more):
     side = (volume / (0.65 if dimensions == 2 else 0.4)) ** (1 / dimensions)
     plain = {
         "model": "soft", "duration": 4.0, "frame_every": 2.0, "liquid": {"viscosity": 1e-3},
-        "spheres": [{"radius": r, "modulus": 1.0, "count": count} for r in (1.0, 1.3)],
-        "box": {"size": [side] * dimensions, "gap": 0.02},
+        "particles": [{"radius": r, "modulus": 1.0, "count": count} for r in (1.0, 1.3)],
+        "cell": {"size": [side] * dimensions, "minimum_gap": 0.02},
         "walls": [{"side": name} | walls.get(name, {}) for name in ("bottom", "top")],
-        "stepping": {"scheme": "tr-bdf2", "tolerance": 1e-4},
+        "integration": {"integrator": "tr-bdf2", "tolerance": 1e-4},
     }  # fmt: skip
     return from_plain(plain | more)
 
@@ -97,7 +97,7 @@ def test_a_moving_ceiling_drags_the_spheres_along_and_the_floor_holds_them(rotat
 @pytest.mark.parametrize("dimensions", [2, 3])
 def test_a_ceiling_yields_until_it_is_pushed_back_as_hard(dimensions):
     scene = channel({"top": {"pressure": 1e-3, "shear_stress": 2e-4}}, dimensions, frame_every=1.0, duration=2.0)
-    area = math.prod(scene.box.size[::2])
+    area = math.prod(scene.cell.size[::2])
     frames = list(simulate(scene))
     for frame in frames:
         assert frame.numbers["top_force_y"] == pytest.approx(1e-3 * area, rel=1e-8)
@@ -119,7 +119,7 @@ def test_a_plate_is_sheared_by_a_step_of_stress_while_the_pressure_on_it_stays()
     ]
     top = {"pressure": 1e-3, "shear_stress": 2e-4}
     scene = channel({"top": top}, duration=4.0, frame_every=0.02, protocol=protocol)
-    frames, width = list(simulate(scene)), scene.box.size[0]
+    frames, width = list(simulate(scene)), scene.cell.size[0]
     x, pressed, sheared = (
         np.array([frame.numbers[name] for frame in frames]) for name in ("top_x", "top_force_y", "top_force_x")
     )
@@ -140,7 +140,7 @@ def test_a_plate_is_sheared_by_a_step_of_stress_while_the_pressure_on_it_stays()
 )
 def test_a_plate_that_is_pressed_down_rides_on_what_is_sheared_below(top, bottom):
     frames = list(simulate(channel({"top": top | {"pressure": 2e-3}, "bottom": bottom}, duration=3.0, frame_every=0.5)))
-    width = channel({}).box.size[0]
+    width = channel({}).cell.size[0]
     numbers = [frame.numbers for frame in frames]
     for one in numbers:
         assert one["top_force_y"] == pytest.approx(2e-3 * width, rel=1e-8)
@@ -163,14 +163,14 @@ def test_two_plates_are_one_flow_whichever_of_them_goes():
     assert one["top_y"] == pytest.approx(other["top_y"], rel=1e-7)
     assert one["top_force_x"] == pytest.approx(other["top_force_x"], rel=1e-4)
     moved = ends[0].arrays["position"] - ends[1].arrays["position"]
-    width = channel({}).box.size[0]
+    width = channel({}).cell.size[0]
     moved[:, 0] -= np.round((moved[:, 0] - 0.1) / width) * width
     assert moved[:, 0] == pytest.approx(np.full(16, 0.1), abs=1e-6)
 
 
 def test_a_wall_that_is_pushed_goes_as_the_one_that_is_moved_is_pushed_back():
     moved = list(simulate(channel({"top": {"velocity": [0.0, -0.02]}}, duration=2.0, frame_every=0.02)))
-    width = channel({}).box.size[0]
+    width = channel({}).cell.size[0]
     load = [frame.numbers["top_force_y"] for frame in moved]
     table = [{"time": frame.time, "load": value} for frame, value in zip(moved, load, strict=True)]
     pushed = list(simulate(channel({"top": {"pressure": 1.0 / width}}, duration=2.0, frame_every=0.02, protocol=table)))
@@ -183,7 +183,7 @@ def test_a_wall_that_is_pushed_goes_as_the_one_that_is_moved_is_pushed_back():
 @pytest.mark.parametrize("rotation", [False, True])
 @pytest.mark.parametrize("top", [{}, {"pressure": 2e-3, "shear_stress": 5e-4}])
 def test_newtons_method_doubles_its_digits_at_walls(monkeypatch, top, rotation, dimensions):
-    scene = channel({"top": top}, dimensions, rotation=rotation, stepping={"solver": "dense"}, count=5)
+    scene = channel({"top": top}, dimensions, rotation=rotation, integration={"solver": "dense"}, count=5)
     parameters = SOFT.parameters(scene)
     state = SOFT.start(scene, parameters)
     scratch = SOFT.workspace(parameters, state, 1.0)
@@ -214,9 +214,9 @@ def test_interruptions_change_no_bit_at_walls():
 def test_a_heavy_sphere_falls_at_stokes_speed_and_lies_on_the_floor_with_its_weight():
     plain = {
         "model": "soft", "duration": 40.0, "frame_every": 0.5,
-        "liquid": {"viscosity": 1.0, "density": 1.0, "drag": True},
-        "films": {"reach": 0.2}, "gravity": [0.0, -10.0], "walls": [FLOOR], "stepping": {"tolerance": 1e-6},
-        "spheres": [{"radius": 1.0, "modulus": 1e4, "density": 1.5, "positions": [[0.0, 2.5], [7.0, 4.0]]}],
+        "liquid": {"viscosity": 1.0, "density": 1.0}, "hydrodynamics": {"drag": "stokes"},
+        "films": {"cutoff": 0.2}, "gravity": [0.0, -10.0], "walls": [FLOOR], "integration": {"tolerance": 1e-6},
+        "particles": [{"radius": 1.0, "modulus": 1e4, "density": 1.5, "positions": [[0.0, 2.5], [7.0, 4.0]]}],
     }  # fmt: skip
     weight = 4 / 3 * math.pi * 0.5 * 10.0
     frames = list(simulate(from_plain(plain)))

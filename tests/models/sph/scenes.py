@@ -17,7 +17,13 @@ def tank(deep: int = 8, away: float = 0.0, **method: Any) -> Any:
             "frame_every": 0.1,
             "spacing": 1.0 / deep,
             "gravity": [0.0, -1.0],
-            "liquid": {"density": 1.0, "sound_speed": 10.0, "fastest": 1.0, "viscosity": method.pop("viscosity", 0.0)},
+            "integration": steps_of(method),
+            "liquid": {
+                "density": 1.0,
+                "sound_speed": 10.0,
+                "maximum_speed": 1.0,
+                "viscosity": method.pop("viscosity", 0.0),
+            },
             "tank": {
                 "low": [away, away],
                 "high": [away + 1.0, away + 2.0],
@@ -28,6 +34,11 @@ def tank(deep: int = 8, away: float = 0.0, **method: Any) -> Any:
             "method": {"jitter": 0.2, **method},
         }
     )
+
+
+def steps_of(method: dict[str, Any]) -> dict[str, Any]:
+    """Takes the keys of `[integration]` out of those of `[method]`."""
+    return {key: method.pop(key) for key in ("integrator", "time_step", "courant_number") if key in method}
 
 
 def free_blob(dimension: int = 2, **method: Any) -> Any:
@@ -42,6 +53,7 @@ def free_blob(dimension: int = 2, **method: Any) -> Any:
             "frame_every": 0.1,
             "spacing": 0.125,
             "gravity": side,
+            "integration": steps_of(method),
             "liquid": {"density": 1000.0, "sound_speed": 10.0, "viscosity": method.pop("viscosity", 0.0)},
             "tank": {"low": [-3.0] * dimension, "high": [3.0] * dimension, **dict.fromkeys(sides, OPEN)},
             "fluid": [
@@ -51,6 +63,6 @@ def free_blob(dimension: int = 2, **method: Any) -> Any:
                     "velocity_gradient": [row[:dimension] for row in gradient[:dimension]],
                 }
             ],
-            "method": {"jitter": 0.2, "start": "rest", **method},
+            "method": {"jitter": 0.2, "initial_pressure": "zero", **method},
         }
     )

@@ -67,8 +67,8 @@ def test_a_pressure_that_nothing_asks_for_is_refused():
 
 
 def test_few_and_many_neighbors_are_told_with_the_way_out():
-    assert "raise method.smoothing" in said(scene_with(smoothing=0.9))["neighbors"][1]
-    assert "lower method.smoothing" in said(scene_with(smoothing=3.0))["neighbors"][1]
+    assert "raise method.smoothing_ratio" in said(scene_with(smoothing_ratio=0.9))["neighbors"][1]
+    assert "lower method.smoothing_ratio" in said(scene_with(smoothing_ratio=3.0))["neighbors"][1]
     assert said(scene_with())["neighbors"] == ("44", "good")
     assert "take wendland-c2" in neighbor_remark(44, 2, "cubic-spline")
 

@@ -12,10 +12,10 @@ from ecume.models.sph.rates.right_hand_side import fill, take_forces
 from ecume.models.sph.record import SPH
 from ecume.models.sph.setup.choices import kernel_of, smoothing_of
 from ecume.scenes.schema import from_plain, to_plain
-from ecume.scenes.sph import CarriedSpec
+from ecume.scenes.sph import PassiveTracerSpec
 from tests.models.sph.scenes import free_blob
 
-STILL = {"density": 1000.0, "viscosity": 1e-3, "sound_speed": 2.0, "fastest": 0.2}
+STILL = {"density": 1000.0, "viscosity": 1e-3, "sound_speed": 2.0, "maximum_speed": 0.2}
 
 
 def cup(*carried, **method):
@@ -29,7 +29,7 @@ def cup(*carried, **method):
             "liquid": STILL,
             "tank": {"low": [0.0, 0.0], "high": [0.03, 0.05], "top": {"kind": "open"}},
             "fluid": [{"low": [0.0, 0.0], "high": [0.03, 0.04]}],
-            "carried": list(carried),
+            "passive_tracers": list(carried),
             "method": method,
         }
     )
@@ -37,7 +37,7 @@ def cup(*carried, **method):
 
 def test_a_tracer_in_a_rigid_rotation_keeps_its_radius():
     place = {"positions": ((0.25, 0.0), (0.0, -0.1))}
-    scene = dataclasses.replace(free_blob(jitter=0.0), carried=(CarriedSpec(**place),))
+    scene = dataclasses.replace(free_blob(jitter=0.0), passive_tracers=(PassiveTracerSpec(**place),))
     parameters = SPH.parameters(scene)
     state = SPH.start(scene, parameters)
     state.velocity[...] = np.array([[0.0, -2.0], [2.0, 0.0]]) @ state.position
@@ -74,7 +74,7 @@ def test_a_light_grain_rises_and_a_grain_stays_above_the_bottom():
 
 
 def test_eddies_scatter_the_same_way_on_resume():
-    spec = {"count": 20, "low": [0.01, 0.01], "high": [0.02, 0.02], "eddy_dispersion": True}
+    spec = {"count": 20, "low": [0.01, 0.01], "high": [0.02, 0.02], "turbulent_dispersion": True}
     scene = cup(spec, turbulence="smagorinsky", jitter=0.2)
     parameters = SPH.parameters(scene)
     whole, half = SPH.start(scene, parameters), SPH.start(scene, parameters)
@@ -91,7 +91,7 @@ def test_eddies_scatter_the_same_way_on_resume():
         {"positions": [[9.0, 0.0]]},
         {"count": 3},
         {"positions": [[0.01, 0.01]], "radius": 1e-4},
-        {"count": 1, "low": [0.0, 0.0], "high": [0.01, 0.01], "eddy_dispersion": True},
+        {"count": 1, "low": [0.0, 0.0], "high": [0.01, 0.01], "turbulent_dispersion": True},
     ],
 )
 def test_what_cannot_be_carried_is_refused(spec):
@@ -112,7 +112,7 @@ def test_looking_into_the_cells_around_finds_what_looking_at_everyone_does(dimen
             "liquid": STILL,
             "tank": {"low": low, "high": [0.1, 0.2, 0.1][:dimension], "top": {"kind": "open"}, **sides},
             "fluid": [{"low": low, "high": high}],
-            "carried": [{"count": 200, "low": low, "high": high}],
+            "passive_tracers": [{"count": 200, "low": low, "high": high}],
             "method": {"jitter": 0.2},
         }
     )
@@ -143,9 +143,15 @@ def test_a_carried_particle_has_the_pressure_of_the_liquid_around_it():
 @pytest.mark.parametrize("viscosity", [0.0, 40.0])
 def test_eddies_alone_scatter_tracers_and_not_the_viscosity_of_the_liquid(viscosity):
     strain, schmidt, count, time = 3.0, 0.5, 20_000, 1e-3
-    spec = {"count": count, "low": [-0.2, -0.2], "high": [0.2, 0.2], "eddy_dispersion": True, "schmidt": schmidt}
+    spec = {
+        "count": count,
+        "low": [-0.2, -0.2],
+        "high": [0.2, 0.2],
+        "turbulent_dispersion": True,
+        "schmidt_number": schmidt,
+    }
     plain = to_plain(free_blob(viscosity=viscosity, turbulence="smagorinsky", jitter=0.0))
-    scene = from_plain({**plain, "carried": [spec]})
+    scene = from_plain({**plain, "passive_tracers": [spec]})
     parameters = SPH.parameters(scene)
     state = SPH.start(scene, parameters)
     workspace = SPH.workspace(parameters, state, 1.0)

@@ -25,7 +25,7 @@ def scene(**changes):
             "frame_every": 0.5,
             "spacing": 0.05,
             "gravity": [0.0, 0.0],
-            "liquid": {"density": 1.0, "sound_speed": 10.0, "fastest": 1.0, "viscosity": VISCOSITY},
+            "liquid": {"density": 1.0, "sound_speed": 10.0, "maximum_speed": 1.0, "viscosity": VISCOSITY},
             "tank": {"low": [0.0, 0.0], "high": [1.0, 1.0], **AROUND},
             "fluid": [{"low": [0.0, 0.0], "high": [1.0, 1.0]}],
             "method": {"jitter": 0.1, "shifting": "delta-plus"},
@@ -41,10 +41,10 @@ def drop(spacing=0.1, gradient=((0.5, 0.0), (0.0, -0.5)), **changes):
     """A disc of liquid that is stretched, and pulled to its center."""
     return scene(
         spacing=spacing,
-        liquid={"density": 1.0, "sound_speed": 14.0, "fastest": 1.4},
+        liquid={"density": 1.0, "sound_speed": 14.0, "maximum_speed": 1.4},
         tank={"low": [-3.0, -3.0], "high": [3.0, 3.0], **OPEN_AROUND},
         fluid=[{"center": [0.0, 0.0], "radius": 1.0, "velocity_gradient": gradient}],
-        **{"central_pull": {"rate": 1.0, "center": [0.0, 0.0]}, "method": {}, **changes},
+        **{"central_force": {"angular_frequency": 1.0, "center": [0.0, 0.0]}, "method": {}, **changes},
     )
 
 
@@ -133,7 +133,7 @@ def test_a_drop_starts_with_the_pressure_that_its_motion_needs():
 def test_a_spinning_square_is_below_the_pressure_around_it():
     spun = scene(
         spacing=0.05,
-        liquid={"density": 1000.0, "sound_speed": 7.0, "fastest": 0.71},
+        liquid={"density": 1000.0, "sound_speed": 7.0, "maximum_speed": 0.71},
         tank={"low": [-2.0, -2.0], "high": [2.0, 2.0], **OPEN_AROUND},
         fluid=[{"low": [-0.5, -0.5], "high": [0.5, 0.5], "velocity_gradient": [[0.0, 1.0], [-1.0, 0.0]]}],
         duration=0.2,
@@ -159,7 +159,7 @@ def test_channels_start_as_their_series_say(walls, kind):
         frame_every=0.6,
         spacing=0.1,
         gravity=[8.0 * viscosity if driven else 0.0, 0.0],
-        liquid={"density": 1.0, "sound_speed": 10.0, "fastest": 1.0, "viscosity": viscosity},
+        liquid={"density": 1.0, "sound_speed": 10.0, "maximum_speed": 1.0, "viscosity": viscosity},
         tank={
             "low": [0.0, 0.0],
             "high": [1.0, 1.0],
@@ -194,7 +194,7 @@ def test_dummies_may_pull_where_no_liquid_can_leave_them():
     walled = {"low": [0.0, 0.0], "high": [1.0, 1.0], "walls": "dummy"}
     assert not SPH.parameters(scene(tank=walled)).walls_clip
     assert SPH.parameters(scene(tank={**walled, "top": OPEN})).walls_clip
-    assert SPH.parameters(scene(tank=walled, method={"walls_clip": True})).walls_clip
+    assert SPH.parameters(scene(tank=walled, method={"nonnegative_wall_pressure": True})).walls_clip
 
 
 def test_shifting_is_chosen_where_nothing_is_open():

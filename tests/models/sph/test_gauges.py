@@ -13,10 +13,10 @@ from ecume.scenes.schema import from_plain, to_plain
 
 from .scenes import tank
 
-PRESSURE = {"name": "P", "place": [1.0, 0.25]}
-LEVEL = {"name": "L", "place": [0.0, 0.0], "end": [1.0, 0.0], "count": 3, "measures": ["level"]}
-VELOCITY = {"name": "V", "place": [0.5, 0.5], "measures": ["velocity", "pressure"]}
-DRY = {"name": "dry", "place": [0.5, 1.9], "measures": ["velocity", "pressure", "level"]}
+PRESSURE = {"name": "P", "position": [1.0, 0.25]}
+LEVEL = {"name": "L", "position": [0.0, 0.0], "end": [1.0, 0.0], "count": 3, "quantities": ["level"]}
+VELOCITY = {"name": "V", "position": [0.5, 0.5], "quantities": ["velocity", "pressure"]}
+DRY = {"name": "dry", "position": [0.5, 1.9], "quantities": ["velocity", "pressure", "level"]}
 
 
 def with_gauges(*gauges, **more):
@@ -81,11 +81,11 @@ def test_readings_are_those_of_the_analysis_and_do_not_depend_on_the_order_of_pa
 @pytest.mark.parametrize(
     ("gauge", "says"),
     [
-        ({"name": "P", "place": [0.5, 3.0]}, r"gauges\[0\].place: is outside the tank"),
-        ({"name": "P", "place": [0.5, 0.5, 0.5]}, "3 numbers; the tank has 2"),
-        ({"name": "largest", "place": [0.5, 0.5]}, "take another"),
-        ({"name": "P", "place": [0.5, 0.5], "end": [0.6, 0.5]}, "both, end and count"),
-        ({"name": "P", "place": [0.5, 0.5], "measures": ["presure"]}, "pressure"),
+        ({"name": "P", "position": [0.5, 3.0]}, r"gauges\[0\].position: is outside the tank"),
+        ({"name": "P", "position": [0.5, 0.5, 0.5]}, "3 numbers; the tank has 2"),
+        ({"name": "largest", "position": [0.5, 0.5]}, "take another"),
+        ({"name": "P", "position": [0.5, 0.5], "end": [0.6, 0.5]}, "both, end and count"),
+        ({"name": "P", "position": [0.5, 0.5], "quantities": ["presure"]}, "pressure"),
     ],
 )
 def test_what_cannot_be_read_is_refused(gauge, says):

@@ -29,7 +29,7 @@ def blob(**tables):
 
 @pytest.mark.compiled
 def test_dummies_of_an_accelerated_body_have_the_hydrostatic_pressure_of_its_frame():
-    scene = blob(method={"walls_clip": False})
+    scene = blob(method={"nonnegative_wall_pressure": False})
     parameters = SPH.parameters(scene)
     state = SPH.start(scene, parameters)
     workspace = SPH.workspace(parameters, state, 1.0)
@@ -62,14 +62,14 @@ def test_a_dummy_of_a_turning_body_feels_what_turns_it():
 @pytest.mark.parametrize("density", [250.0, 1000.0, 4000.0])
 def test_liquid_that_falls_with_a_body_does_not_press_it(density):
     body = {"low": [-0.25, -0.25], "high": [0.25, 0.25], "density": density}
-    scene = blob(gravity=[0.0, -10.0], bodies=[body], duration=0.3, method={"jitter": 0.0, "start": "rest"})
+    scene = blob(gravity=[0.0, -10.0], bodies=[body], duration=0.3, method={"jitter": 0.0, "initial_pressure": "zero"})
     (*_, last) = ecume.simulate(scene)
     # A quarter of rho g times a side of the body would be 1250 Pa.
     assert np.abs(last.arrays["pressure"]).max() < 200.0
     assert last.numbers["body0_velocity_y"] == pytest.approx(-3.0, rel=0.01)
 
 
-def tub(density, viscosity=0.0, **method):
+def tub(density, viscosity=0.0, time_step=None, **method):
     """A disc, four spacings wide, under a liquid of density 1."""
     return from_plain(
         {
@@ -78,10 +78,11 @@ def tub(density, viscosity=0.0, **method):
             "frame_every": 0.02,
             "spacing": 1.0 / 12.0,
             "gravity": [0.0, -1.0],
-            "liquid": {"density": 1.0, "sound_speed": 20.0, "fastest": 2.0, "viscosity": viscosity},
+            "liquid": {"density": 1.0, "sound_speed": 20.0, "maximum_speed": 2.0, "viscosity": viscosity},
             "tank": {"low": [0.0, 0.0], "high": [2.0, 2.5], "top": {"kind": "open"}},
             "fluid": [{"low": [0.0, 0.0], "high": [2.0, 2.0]}],
             "bodies": [{"center": [1.0, 1.0], "radius": 0.17, "density": density}],
+            "integration": {"time_step": time_step},
             "method": method,
         }
     )
@@ -130,7 +131,7 @@ def test_steps_follow_the_swing_of_a_light_body_against_the_liquid(density):
 
 
 def test_a_step_too_long_for_a_light_body_is_refused():
-    with pytest.raises(SceneError, match=r"method\.time_step.*lightest body requires"):
+    with pytest.raises(SceneError, match=r"integration\.time_step.*lightest body requires"):
         SPH.parameters(tub(0.001, time_step=0.0015))
 
 

@@ -76,7 +76,7 @@ def test_a_tank_at_rest_stays_so(walls, integrator):
 def test_both_integrators_let_sound_die_away():
     rung = []
     for integrator in ("symplectic", "verlet"):
-        scene = tank(integrator=integrator, jitter=0.0, start="rest", artificial_viscosity=0.0)
+        scene = tank(integrator=integrator, jitter=0.0, initial_pressure="zero", artificial_viscosity=0.0)
         rung.append([frame.numbers["kinetic_energy"] for frame in ecume.simulate(scene)])
     assert rung[1] == pytest.approx(rung[0], rel=0.2, abs=0.1 * max(rung[0]))
     assert rung[1][-1] < 0.5 * max(rung[1])

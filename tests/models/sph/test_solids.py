@@ -319,7 +319,7 @@ def test_what_pulls_towards_a_point_pulls_at_bodies_too():
     plain["fluid"][0].pop("velocity_gradient")
     disc = {"center": [2.0, 0.5], "radius": 0.2, "density": 500.0, "spin": 0.3}
     scene = from_plain(
-        {**plain, "bodies": [disc], "central_pull": {"rate": 1.0, "center": [0.0, 0.5]}, "duration": 0.8}
+        {**plain, "bodies": [disc], "central_force": {"angular_frequency": 1.0, "center": [0.0, 0.5]}, "duration": 0.8}
     )
     last = last_of(scene)
     assert last.numbers["body0_x"] == pytest.approx(2.0 * np.cos(last.time), rel=1e-4)

@@ -33,7 +33,7 @@ def test_a_full_closed_tank_may_leave_gravity_out_and_reads_the_same_pressure():
 
 
 def test_the_original_reads_twice_the_pressure_when_it_is_let_run():
-    scene = tank(jitter=0.0, pressure_split="original", unchecked_split=True)
+    scene = tank(jitter=0.0, pressure_split="original", allow_invalid_split=True)
     first = next(ecume.simulate(scene))
     depth = 1.0 - first.arrays["position"][:, 1]
     np.testing.assert_allclose(first.arrays["pressure"], 2.0 * depth, rtol=0.01)

@@ -40,7 +40,7 @@ def begun(*changes: str) -> tuple[Any, Any]:
     return parameters, SPH.start(scene, parameters)
 
 
-@pytest.mark.parametrize(("ranks", "changes"), [(2, ()), (3, ("method.integrator=verlet", "liquid.viscosity=0"))])
+@pytest.mark.parametrize(("ranks", "changes"), [(2, ()), (3, ("integration.integrator=verlet", "liquid.viscosity=0"))])
 def test_a_tank_on_ranks_is_that_of_one(ranks: int, changes: tuple[str, ...]) -> None:
     parameters, state = begun(*changes)
     require_spreadable(parameters)

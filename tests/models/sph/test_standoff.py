@@ -19,7 +19,7 @@ def collapsing(dimension=2, deep=16, **tables):
             "frame_every": 0.5,
             "spacing": 1.0 / deep,
             "gravity": [0.0, -1.0, 0.0][:dimension],
-            "liquid": {"density": 1.0, "fastest": 1.0},
+            "liquid": {"density": 1.0, "maximum_speed": 1.0},
             "tank": {"low": [0.0] * dimension, "high": [1.0, 1.0, 0.5][:dimension], "top": OPEN},
             "fluid": [{"low": [0.0] * dimension, "high": [0.25, 0.25, 0.5][:dimension]}],
             "method": {"jitter": 0.1},

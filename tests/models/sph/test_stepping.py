@@ -42,7 +42,7 @@ def calm(**more):
             "frame_every": 0.1,
             "spacing": 0.1,
             "gravity": [0.0, -1.0],
-            "liquid": {"density": 1.0, "sound_speed": 20.0, "fastest": 2.0},
+            "liquid": {"density": 1.0, "sound_speed": 20.0, "maximum_speed": 2.0},
             "tank": {"low": [0.0, 0.0], "high": [2.0, 2.0], **more.pop("tank", {})},
             "fluid": [{"low": [0.0, 0.0], "high": [2.0, 1.0]}],
             **more,
@@ -82,9 +82,11 @@ def test_a_solid_that_comes_down_on_calm_water_feels_it_as_with_fresh_lists(soli
 @pytest.mark.parametrize("integrator", INTEGRATORS)
 def test_a_body_and_the_liquid_around_it_keep_their_momentum(integrator):
     body = {"low": [-0.2, -0.2], "high": [0.2, 0.2], "density": 400.0, "velocity": [1.0, 0.3]}
-    method = {"jitter": 0.2, "integrator": integrator}
-    liquid = {"density": 1000.0, "sound_speed": 10.0, "fastest": 1.0, "viscosity": 5.0}
-    parameters, state, workspace = begun(blob(gravity=[0.0, 0.0], bodies=[body], liquid=liquid, method=method))
+    method = {"jitter": 0.2}
+    liquid = {"density": 1000.0, "sound_speed": 10.0, "maximum_speed": 1.0, "viscosity": 5.0}
+    parameters, state, workspace = begun(
+        blob(gravity=[0.0, 0.0], bodies=[body], liquid=liquid, method=method, integration={"integrator": integrator})
+    )
 
     def momentum():
         return state.velocity @ state.mass + parameters.bodies.mass[0] * state.motion[:2, 0]

@@ -44,7 +44,7 @@ def between_plates(walls, **changes):
         "frame_every": 0.2,
         "spacing": 0.125,
         "gravity": [0.0, 0.0],
-        "liquid": {"density": 1.0, "viscosity": 0.5, "fastest": 1.0},
+        "liquid": {"density": 1.0, "viscosity": 0.5, "maximum_speed": 1.0},
         "tank": {**lid, "top": {"velocity": [1.0, 0.0]}},
         "fluid": [{"low": [0.0, 0.0], "high": [0.75, 1.0]}],
     }
@@ -169,7 +169,7 @@ def test_a_wall_that_strikes_a_body_brings_what_the_body_gains():
 
 
 def test_a_shake_pulls_at_bodies_too():
-    scene = changed(tub(0.5), shake={"amplitude": [2.0, 0.0], "frequency": 0.25})
+    scene = changed(tub(0.5), base_excitation={"amplitude": [2.0, 0.0], "frequency": 0.25})
     parameters = SPH.parameters(scene)
     state = SPH.start(scene, parameters)
     state.velocity[0], state.motion[0], state.clock[0] = 0.1, -3.0, 1.0

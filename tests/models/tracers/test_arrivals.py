@@ -12,11 +12,12 @@ from ecume.models import MODELS
 from ecume.scenes.load import load_scene
 from ecume.scenes.schema import from_plain, to_plain
 from ecume.scenes.tracers import (
-    FluidSpec,
+    FlowSpec,
     OpeningSpec,
     ParticleSpec,
     TankSpec,
-    TracerMotionSpec,
+    TracerHydrodynamicsSpec,
+    TracerIntegrationSpec,
     TracersScene,
 )
 from ecume.simulation import moments
@@ -32,14 +33,15 @@ def channel(**changes):
             "duration": 4.0,
             "frame_every": 0.5,
             "seed": 5,
-            "liquid": FluidSpec(gravity=0.0, flow=(0.5, 0.0)),
+            "gravity": 0.0,
+            "flow": FlowSpec(velocity=(0.5, 0.0)),
             "particles": (DUST, SAND),
-            "tank": TankSpec(size=(1.0, 0.8)),
+            "tank": TankSpec(high=(1.0, 0.8)),
             "openings": (
                 OpeningSpec(wall=0, low=(0.0, 0.0), high=(0.0, 0.8), rate=200.0),
                 OpeningSpec(wall=2, low=(1.0, 0.0), high=(1.0, 0.8)),
             ),
-            "motion": TracerMotionSpec(regime="overdamped", time_step=0.01),
+            "integration": TracerIntegrationSpec(integrator="overdamped", time_step=0.01),
             **changes,
         }
     )
@@ -64,7 +66,8 @@ def test_newcomers_are_as_many_everywhere_as_there_are_in_what_flows_in():
             OpeningSpec(wall=0, low=(0.0, 0.0), high=(0.0, 0.8), concentration=4000.0),
             OpeningSpec(wall=2, low=(1.0, 0.0), high=(1.0, 0.8)),
         ),
-        liquid=FluidSpec(gravity=0.0, flow=(0.2, 0.0), shear_rate=1.0),
+        gravity=0.0,
+        flow=FlowSpec(velocity=(0.2, 0.0), shear_rate=1.0),
         duration=6.0,
         frame_every=6.0,
     )
@@ -79,8 +82,9 @@ def test_newcomers_are_as_many_everywhere_as_there_are_in_what_flows_in():
 @pytest.mark.compiled
 def test_half_a_run_with_newcomers_and_half_a_run_are_a_run_bit_for_bit():
     scene = channel(
-        liquid=FluidSpec(flow=(0.5, 0.0)),
-        motion=TracerMotionSpec(brownian=True, time_step=0.01),
+        flow=FlowSpec(velocity=(0.5, 0.0)),
+        hydrodynamics=TracerHydrodynamicsSpec(brownian=True),
+        integration=TracerIntegrationSpec(time_step=0.01),
         duration=1.0,
         frame_every=0.25,
         openings=(
@@ -110,7 +114,13 @@ def test_where_and_when_they_come_is_the_seeds_alone():
 @pytest.mark.compiled
 def test_a_species_settles_in_from_above_and_keeps_its_radius_from_the_walls():
     rain = OpeningSpec(wall=3, low=(0.0, 0.8), high=(1.0, 0.8), rate=300.0, species="sand")
-    scene = channel(openings=(rain,), liquid=FluidSpec(), motion=TracerMotionSpec(time_step=0.001), duration=0.5)
+    scene = channel(
+        openings=(rain,),
+        gravity=9.81,
+        flow=FlowSpec(),
+        integration=TracerIntegrationSpec(time_step=0.001),
+        duration=0.5,
+    )
     arrivals = MODELS["tracers"].parameters(scene).arrivals
     x = arrivals.position[:, 0]
     assert x.min() >= 1e-3
@@ -182,7 +192,7 @@ def test_a_scene_file_may_say_how_many_come(tmp_path):
     file = tmp_path / "rain.toml"
     file.write_text(
         'model = "tracers"\nduration = "0.2 s"\nframe_every = "50 ms"\n[liquid]\nflow = ["20 cm/s", "0 m/s"]\n'
-        '[tank]\nsize = ["10 cm", "5 cm"]\n[[particles]]\nradius = "20 um"\ndensity = 1100.0\n'
+        '[tank]\nhigh = ["10 cm", "5 cm"]\n[[particles]]\nradius = "20 um"\ndensity = 1100.0\n'
         '[[openings]]\nwall = 0\nlow = ["0 m", "1 cm"]\nhigh = ["0 m", "4 cm"]\nrate = "400 s^-1"\n'
     )
     counts = [len(frame.arrays["position"]) for frame in ecume.simulate(load_scene(file))]

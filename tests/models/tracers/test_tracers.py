@@ -10,19 +10,20 @@ from ecume.errors import Diverged, SceneError
 from ecume.laws import brownian, drag
 from ecume.models import MODELS, limits
 from ecume.scenes.tracers import (
+    FlowSpec,
     FluidSpec,
     ObstacleSpec,
     OpeningSpec,
     ParticleSpec,
     TankSpec,
-    TracerMotionSpec,
+    TracerHydrodynamicsSpec,
+    TracerIntegrationSpec,
     TracersScene,
 )
 from ecume.simulation import moments
 
 QUARTZ = ParticleSpec(radius=1e-4, density=2500.0, positions=((0.5, 0.9),))
 STILL = {"duration": 0.2, "frame_every": 0.1}
-WEIGHTLESS = FluidSpec(gravity=0.0)
 
 
 def last(scene):
@@ -43,7 +44,7 @@ def last(scene):
 def test_quartz_reaches_its_terminal_speed_in_water_whatever_the_step(diameter, stokes, schiller_naumann):
     for law, expected in (("stokes", stokes), ("schiller-naumann", schiller_naumann)):
         grain = ParticleSpec(radius=diameter / 2, density=2500.0, positions=((0.0, 0.0),))
-        scene = TracersScene(particles=(grain,), motion=TracerMotionSpec(drag=law), **STILL)
+        scene = TracersScene(particles=(grain,), hydrodynamics=TracerHydrodynamicsSpec(drag=law), **STILL)
         velocity = last(scene).arrays["velocity"][0]
         assert velocity[1] == pytest.approx(-expected, rel=2e-6)
         assert velocity[0] == 0.0
@@ -57,7 +58,7 @@ def test_a_ball_in_a_vacuum_falls_and_bounces_as_it_should_however_long_the_step
         liquid=FluidSpec(density=1e-3, viscosity=0.0),
         particles=(ball,),
         tank=TankSpec(vertices=((-1.0, 0.0), (1.0, 0.0), (1.0, 9.0), (-1.0, 9.0)), restitution=0.8),
-        motion=TracerMotionSpec(drag="none", added_mass=False),
+        hydrodynamics=TracerHydrodynamicsSpec(drag="none", added_mass=False),
     )
     frames = list(ecume.simulate(scene))
     g = 9.81 * (1.0 - 1e-3)
@@ -80,9 +81,12 @@ def test_a_ball_in_a_vacuum_falls_and_bounces_as_it_should_however_long_the_step
 def test_grains_diffuse_by_twice_d_t_along_each_axis_whatever_the_regime(regime):
     grain = ParticleSpec(radius=1e-6, density=2000.0, positions=((0.0, 0.0, 0.0),) * 1500)
     relaxation = drag.relaxation_time(4 / 3 * math.pi * 1e-18 * 2500.0, drag.stokes_friction(1e-6, 1e-3, 1.0))
-    motion = TracerMotionSpec(drag="stokes", brownian=True, regime=regime, time_step=relaxation / 4)
+    motion = {
+        "hydrodynamics": TracerHydrodynamicsSpec(drag="stokes", brownian=True),
+        "integration": TracerIntegrationSpec(integrator=regime, time_step=relaxation / 4),
+    }
     scene = TracersScene(
-        duration=100 * relaxation, frame_every=50 * relaxation, liquid=WEIGHTLESS, particles=(grain,), motion=motion
+        duration=100 * relaxation, frame_every=50 * relaxation, gravity=0.0, particles=(grain,), **motion
     )
     frame = last(scene)
     thermal = brownian.thermal_energy(293.15)
@@ -108,8 +112,8 @@ def test_in_equilibrium_a_suspension_thins_upwards_by_its_weight_over_kt():
         duration=3 * settled,
         frame_every=settled,
         particles=(grains,),
-        tank=TankSpec(size=(tall, tall + 2 * radius)),
-        motion=TracerMotionSpec(brownian=True),
+        tank=TankSpec(high=(tall, tall + 2 * radius)),
+        hydrodynamics=TracerHydrodynamicsSpec(brownian=True),
     )
     height = last(scene).arrays["position"][:, 1] - radius
     x = tall / layer
@@ -130,8 +134,8 @@ def test_what_has_settled_lies_on_the_floor():
             duration=2.0,
             frame_every=1.0,
             particles=(grain,),
-            tank=TankSpec(size=(1e-3, 1e-3), restitution=0.5),
-            motion=TracerMotionSpec(regime=regime),
+            tank=TankSpec(high=(1e-3, 1e-3), restitution=0.5),
+            integration=TracerIntegrationSpec(integrator=regime),
         )
         frame = last(scene)
         assert frame.arrays["position"][0] == pytest.approx((0.5e-3, 1e-5), abs=1e-12)
@@ -142,13 +146,13 @@ def test_a_long_run_of_fine_grains_does_without_their_inertia_unless_asked():
 
     def steps_and_regime(**changes):
         scene = TracersScene(**{"duration": 20.0, "frame_every": 0.1, "particles": (silt,), **changes})
-        made = MODELS["tracers"].parameters(dataclasses.replace(scene, tank=TankSpec(size=(1e-3, 1e-3))))
+        made = MODELS["tracers"].parameters(dataclasses.replace(scene, tank=TankSpec(high=(1e-3, 1e-3))))
         return 20.0 / made.time_step, int(made.bodies.overdamped[0])
 
     steps, overdamped = steps_and_regime()
     assert overdamped == 1
     assert steps <= 50_000
-    steps, overdamped = steps_and_regime(motion=TracerMotionSpec(regime="inertial"))
+    steps, overdamped = steps_and_regime(integration=TracerIntegrationSpec(integrator="inertial"))
     assert overdamped == 0
     assert steps > 1_000_000
 
@@ -156,8 +160,8 @@ def test_a_long_run_of_fine_grains_does_without_their_inertia_unless_asked():
 @pytest.mark.compiled
 def test_in_a_shear_flow_a_light_particle_goes_with_the_liquid():
     grain = ParticleSpec(radius=1e-6, density=1000.0, positions=((0.0, 2.0),))
-    liquid = FluidSpec(gravity=0.0, flow=(0.5, 0.0), shear_rate=0.25)
-    scene = TracersScene(duration=3.0, frame_every=1.0, particles=(grain,), liquid=liquid)
+    flow = FlowSpec(velocity=(0.5, 0.0), shear_rate=0.25)
+    scene = TracersScene(duration=3.0, frame_every=1.0, particles=(grain,), gravity=0.0, flow=flow)
     assert last(scene).arrays["position"][0] == pytest.approx((3.0, 2.0))
 
 
@@ -167,9 +171,9 @@ def test_who_leaves_through_an_opening_is_counted_and_stays_out():
     scene = TracersScene(
         duration=4.0,
         frame_every=2.0,
-        motion=TracerMotionSpec(regime="overdamped"),
+        integration=TracerIntegrationSpec(integrator="overdamped"),
         particles=(grains, dataclasses.replace(grains, low=(1e-4, 5e-4), high=(2e-4, 9e-4))),
-        tank=TankSpec(size=(1e-3, 1e-3)),
+        tank=TankSpec(high=(1e-3, 1e-3)),
         openings=(OpeningSpec(wall=1, low=(3e-4, 0.0), high=(7e-4, 0.0)),),
     )
     numbers = last(scene).numbers
@@ -182,7 +186,7 @@ def test_who_leaves_through_an_opening_is_counted_and_stays_out():
 )
 def test_who_is_nowhere_is_named_and_not_put_back_inside(field, value):
     two = ParticleSpec(radius=1e-3, density=2500.0, positions=((0.5, 0.5), (0.2, 0.2)))
-    scene = TracersScene(particles=(two,), tank=TankSpec(size=(1.0, 1.0)), **STILL)
+    scene = TracersScene(particles=(two,), tank=TankSpec(high=(1.0, 1.0)), **STILL)
     parameters = MODELS["tracers"].parameters(scene)
     state = MODELS["tracers"].start(scene, parameters)
     getattr(state, field)[1, 0] = value
@@ -191,8 +195,8 @@ def test_who_is_nowhere_is_named_and_not_put_back_inside(field, value):
 
 
 def test_a_run_that_would_never_end_is_refused():
-    slow = TracerMotionSpec(time_step=1e-9)
-    scene = TracersScene(particles=(QUARTZ,), motion=slow, duration=1e10, frame_every=1e3)
+    slow = {"integration": TracerIntegrationSpec(time_step=1e-9)}
+    scene = TracersScene(particles=(QUARTZ,), **slow, duration=1e10, frame_every=1e3)
     with pytest.raises(SceneError, match=r"duration: is 1e\+19 steps"):
         MODELS["tracers"].parameters(scene)
 
@@ -200,7 +204,7 @@ def test_a_run_that_would_never_end_is_refused():
 def test_more_tracers_than_the_memory_holds_are_refused_before_they_are_laid_out(monkeypatch):
     monkeypatch.setattr(limits.psutil, "virtual_memory", lambda: SimpleNamespace(total=24e9))
     many = ParticleSpec(radius=1e-6, density=2500.0, count=100_000_000)
-    scene = TracersScene(particles=(many,), tank=TankSpec(size=(1.0, 1.0)), **STILL)
+    scene = TracersScene(particles=(many,), tank=TankSpec(high=(1.0, 1.0)), **STILL)
     with pytest.raises(SceneError, match="100000000 particles need about 40 GB"):
         MODELS["tracers"].parameters(scene)
 
@@ -212,9 +216,10 @@ def test_half_a_run_and_half_a_run_are_a_run_bit_for_bit():
         duration=0.1,
         frame_every=0.025,
         particles=(grains, dataclasses.replace(grains, radius=1e-5)),
-        tank=TankSpec(size=(1e-4, 1e-4), restitution=0.5),
+        tank=TankSpec(high=(1e-4, 1e-4), restitution=0.5),
         obstacles=(ObstacleSpec(center=(5e-5, 5e-5), radius=2e-5),),
-        motion=TracerMotionSpec(brownian=True, time_step=1e-4),
+        hydrodynamics=TracerHydrodynamicsSpec(brownian=True),
+        integration=TracerIntegrationSpec(time_step=1e-4),
         seed=4,
     )
     whole, kept = None, None
@@ -234,14 +239,16 @@ def test_what_makes_no_sense_is_refused_with_its_place():
             MODELS["tracers"].summary(scene)
         return str(error.value)
 
-    assert "did you mean stokes?" in told(motion=TracerMotionSpec(drag="stoke"))
-    assert "particles[0].positions[0]: (0.5, 0.9) is" in told(tank=TankSpec(size=(0.6, 0.5)))
-    assert "needs drag" in told(motion=TracerMotionSpec(drag="none", brownian=True))
-    assert "longer than half a relaxation time" in told(motion=TracerMotionSpec(regime="inertial", time_step=0.1))
-    assert "would fit" in told(motion=TracerMotionSpec(time_step=0.03))
+    assert "did you mean stokes?" in told(hydrodynamics=TracerHydrodynamicsSpec(drag="stoke"))
+    assert "particles[0].positions[0]: (0.5, 0.9) is" in told(tank=TankSpec(high=(0.6, 0.5)))
+    assert "needs drag" in told(hydrodynamics=TracerHydrodynamicsSpec(drag="none", brownian=True))
+    assert "longer than half a relaxation time" in told(
+        integration=TracerIntegrationSpec(integrator="inertial", time_step=0.1)
+    )
+    assert "would fit" in told(integration=TracerIntegrationSpec(time_step=0.03))
     assert "tank: polygon: not convex" in told(tank=TankSpec(vertices=((0, 0), (2, 0), (1, 0.2), (1, 2))))
     assert "openings[0]: opening: got surface 7" in told(
-        tank=TankSpec(size=(1.0, 1.0)), openings=(OpeningSpec(wall=7, low=(0.0, 0.0), high=(1.0, 0.0)),)
+        tank=TankSpec(high=(1.0, 1.0)), openings=(OpeningSpec(wall=7, low=(0.0, 0.0), high=(1.0, 0.0)),)
     )
 
 

@@ -7,11 +7,13 @@ import ecume
 from ecume.models import MODELS
 from ecume.models.invariants import ENERGY
 from ecume.scenes.tracers import (
+    FlowSpec,
     FluidSpec,
     OpeningSpec,
     ParticleSpec,
     TankSpec,
-    TracerMotionSpec,
+    TracerHydrodynamicsSpec,
+    TracerIntegrationSpec,
     TracersScene,
 )
 
@@ -33,11 +35,14 @@ def alone(particle, **changes):
 
 @pytest.mark.parametrize("regime", ["inertial", "overdamped"])
 def test_a_grain_that_the_liquid_keeps_up_costs_its_weight_times_the_speed(regime):
-    motion = TracerMotionSpec(regime=regime, drag="stokes", time_step=1e-3)
-    parameters = MODELS["tracers"].parameters(alone(grain(), motion=motion))
+    motion = {
+        "hydrodynamics": TracerHydrodynamicsSpec(drag="stokes"),
+        "integration": TracerIntegrationSpec(integrator=regime, time_step=1e-3),
+    }
+    parameters = MODELS["tracers"].parameters(alone(grain(), **motion))
     bodies = parameters.bodies
     weight, speed = float(bodies.mass[0] * bodies.push[0]), float(bodies.settling[0])
-    energy, work = books(alone(grain((0.0, 0.0)), motion=motion, liquid={"flow": (0.0, speed)}))
+    energy, work = books(alone(grain((0.0, 0.0)), **motion, flow=FlowSpec(velocity=(0.0, speed))))
     np.testing.assert_allclose(work, weight * speed * 0.01 * np.arange(21), rtol=1e-9, atol=1e-20)
     np.testing.assert_allclose(energy, energy[0], rtol=1e-9)
 
@@ -52,9 +57,10 @@ def test_no_grain_that_bounces_in_a_stream_has_energy_from_nowhere(drag, regime)
             particle = grain(tuple(dice.uniform(-1.0, 1.0, 2)), tuple(dice.uniform(0.002, 0.018, 2)))
             scene = alone(
                 particle,
-                liquid={"flow": flow, "shear_rate": 0.0 if flow is None else 5.0},
-                tank=TankSpec(size=(0.02, 0.02)),
-                motion=TracerMotionSpec(drag=drag, regime=regime),
+                flow=FlowSpec(velocity=flow, shear_rate=0.0 if flow is None else 5.0),
+                tank=TankSpec(high=(0.02, 0.02)),
+                hydrodynamics=TracerHydrodynamicsSpec(drag=drag),
+                integration=TracerIntegrationSpec(integrator=regime),
             )
             energy, work = books(scene)
             own = energy - work
@@ -63,7 +69,9 @@ def test_no_grain_that_bounces_in_a_stream_has_energy_from_nowhere(drag, regime)
 
 
 def test_a_liquid_at_rest_brings_nothing_so_that_no_bounce_is_excused():
-    scene = alone(grain((0.0, -0.5)), tank=TankSpec(size=(0.02, 0.02)), motion=TracerMotionSpec(drag="stokes"))
+    scene = alone(
+        grain((0.0, -0.5)), tank=TankSpec(high=(0.02, 0.02)), hydrodynamics=TracerHydrodynamicsSpec(drag="stokes")
+    )
     assert all("injected_work" not in frame.numbers for frame in ecume.simulate(scene))
 
 
@@ -71,8 +79,11 @@ def test_a_liquid_at_rest_brings_nothing_so_that_no_bounce_is_excused():
 def test_chance_brings_as_much_heat_as_drag_takes():
     """In equilibrium half of kT an axis and relaxation time, twice; steps take what they have of it."""
     dust = ParticleSpec(radius=1e-6, density=2000.0, positions=((0.0, 0.0),) * 400)
-    motion = TracerMotionSpec(drag="stokes", brownian=True, regime="inertial")
-    probe = {"particles": (dust,), "liquid": FluidSpec(gravity=0.0), "motion": motion}
+    motion = {
+        "hydrodynamics": TracerHydrodynamicsSpec(drag="stokes", brownian=True),
+        "integration": TracerIntegrationSpec(integrator="inertial"),
+    }
+    probe = {"particles": (dust,), "gravity": 0.0, **motion}
     parameters = MODELS["tracers"].parameters(TracersScene(duration=1e-5, frame_every=1e-6, **probe))
     late = float(parameters.bodies.mass[0] / parameters.bodies.friction[0])
     scene = TracersScene(duration=100.0 * late, frame_every=25.0 * late, **probe)
@@ -88,8 +99,11 @@ def test_chance_brings_as_much_heat_as_drag_takes():
 @pytest.mark.compiled
 def test_without_inertia_chance_changes_nothing_of_what_settling_costs():
     silt = ParticleSpec(radius=1e-6, density=2000.0, positions=((0.0, 0.0),) * 50)
-    motion = TracerMotionSpec(drag="stokes", brownian=True, regime="overdamped", time_step=0.01)
-    scene = TracersScene(duration=0.5, frame_every=0.1, particles=(silt,), motion=motion)
+    motion = {
+        "hydrodynamics": TracerHydrodynamicsSpec(drag="stokes", brownian=True),
+        "integration": TracerIntegrationSpec(integrator="overdamped", time_step=0.01),
+    }
+    scene = TracersScene(duration=0.5, frame_every=0.1, particles=(silt,), **motion)
     bodies = MODELS["tracers"].parameters(scene).bodies
     energy, work = books(scene)
     lost = float(np.sum(bodies.mass * bodies.push * bodies.settling)) * 0.1 * np.arange(6)
@@ -105,12 +119,12 @@ def test_who_comes_and_goes_takes_its_energy_along():
         frame_every=0.1,
         liquid=FluidSpec(viscosity=0.0, density=1e-3),
         particles=(ball,),
-        tank=TankSpec(size=(1.0, 0.8)),
+        tank=TankSpec(high=(1.0, 0.8)),
         openings=(
             OpeningSpec(wall=0, low=(0.0, 0.3), high=(0.0, 0.6), rate=10.0, velocity=(2.0, 0.5)),
             OpeningSpec(wall=2, low=(1.0, 0.0), high=(1.0, 0.8)),
         ),
-        motion=TracerMotionSpec(drag="none"),
+        hydrodynamics=TracerHydrodynamicsSpec(drag="none"),
     )
     *_, last = ecume.simulate(scene)
     assert last.numbers["came_through_opening_0"] == 15
@@ -122,6 +136,6 @@ def test_who_comes_and_goes_takes_its_energy_along():
 
 def test_every_scene_has_a_line_of_energy():
     model = MODELS["tracers"]
-    for liquid in ({}, {"shear_rate": 3.0}):
-        scene = alone(grain(), liquid=liquid)
+    for flow in (FlowSpec(), FlowSpec(shear_rate=3.0)):
+        scene = alone(grain(), flow=flow)
         assert ENERGY in [one.name for one in model.invariants(scene, model.parameters(scene))]

@@ -116,7 +116,7 @@ def test_without_a_dish_all_that_floats_ever_reach_is_shown(scene, frames):
 
 
 def test_colors_come_from_the_scene_and_else_from_the_palette(scene):
-    cereal, bead = scene.floats
+    cereal, bead = scene.particles
     found = species(dataclasses.replace(scene, floats=(dataclasses.replace(cereal, color=None), bead)))
     assert found == [("cereal", PALETTE[0]), ("_bead", "#00ff00")]
 

@@ -30,7 +30,7 @@ def painted(frames, scene):
 @pytest.mark.compiled
 def test_mermaids_run_and_are_drawn(tmp_path):
     frames, scene = shortened(
-        "mermaid", tmp_path / "run", "floats[0].count=24", "dish.radius=15 mm", "duration=0.4 s", "frame_every=0.2 s"
+        "mermaid", tmp_path / "run", "particles[0].count=24", "dish.radius=15 mm", "duration=0.4 s", "frame_every=0.2 s"
     )
     first, last = frames[0], frames[-1]
     assert len(frames) == 3
@@ -48,7 +48,7 @@ def test_mermaids_run_and_are_drawn(tmp_path):
 @pytest.mark.compiled
 def test_colloids_run_and_are_drawn(tmp_path):
     frames, scene = shortened(
-        "colloids", tmp_path / "run", "floats[0].count=400", "dish.radius=0.8 mm", "duration=20 s"
+        "colloids", tmp_path / "run", "particles[0].count=400", "dish.radius=0.8 mm", "duration=20 s"
     )
     first, last = frames[0], frames[-1]
     assert len(frames) == 3

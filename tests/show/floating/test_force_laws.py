@@ -17,12 +17,12 @@ TWO = """
 model = "floating"
 duration = 1
 frame_every = 1
-[[floats]]
+[[particles]]
 name = "heavy"
 radius = "1 mm"
 density = 1300
 contact_angle = "90 deg"
-[[floats]]
+[[particles]]
 name = "light"
 radius = "1 mm"
 density = 300

@@ -12,7 +12,7 @@ SCENE = """
 model = "floating"
 duration = 1.0
 frame_every = 0.1
-[[floats]]
+[[particles]]
 count = 7
 radius = 1e-3
 density = 1300

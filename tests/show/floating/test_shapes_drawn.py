@@ -18,13 +18,13 @@ SCENE = """
 model = "floating"
 duration = 1.0
 frame_every = 1.0
-[[floats]]
+[[particles]]
 radius = "1 mm"
 density = 500.0
 contact_angle = "90 deg"
 color = "#00ff00"
 shape = { kind = "ellipsoid", width = "0.6 mm", undulation = "20 um" }
-[[floats]]
+[[particles]]
 radius = "1 mm"
 density = 1000.0
 color = "#ff0000"

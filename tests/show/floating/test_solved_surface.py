@@ -16,7 +16,7 @@ DISCS = """
 model = "floating"
 duration = "1 s"
 frame_every = "1 s"
-[[floats]]
+[[particles]]
 radius = "1 mm"
 density = 300.0
 disc = {{ thickness = "0.4 mm"{rim} }}

@@ -64,7 +64,10 @@ def test_a_liquid_that_fills_its_tank_has_no_free_surface_and_one_that_flows_thr
 
 
 def test_gauges_are_drawn_by_kind_over_time(frames):
-    probes = [{"name": "P", "place": [1.0, 0.2]}, {"name": "V", "place": [0.5, 0.1], "end": [0.5, 0.3], "count": 2}]
+    probes = [
+        {"name": "P", "position": [1.0, 0.2]},
+        {"name": "V", "position": [0.5, 0.1], "end": [0.5, 0.3], "count": 2},
+    ]
     probes[1]["measures"] = ["velocity", "level"]
     extra = {"P_pressure": "Pa"}
     extra |= {f"V_{n}_{what}": unit for n in (1, 2) for what, unit in (("level", "m"), ("velocity_x", "m/s"))}

@@ -14,7 +14,7 @@ PLAIN = {
     "duration": 0.1,
     "frame_every": 0.1,
     "spacing": 0.1,
-    "liquid": {"fastest": 2.0},
+    "liquid": {"maximum_speed": 2.0},
 }
 
 

@@ -47,7 +47,7 @@ def test_pressure_is_brightest_at_the_bottom_and_speed_at_the_top(scene):
 
 
 def test_without_gravity_speed_is_shown():
-    weightless = scene_of(gravity=[0.0, 0.0], liquid={"sound_speed": 40.0, "fastest": 4.0})
+    weightless = scene_of(gravity=[0.0, 0.0], liquid={"sound_speed": 40.0, "maximum_speed": 4.0})
     assert liquid_picture(weightless, [frame_of()]).coloring.label == "speed"
 
 
@@ -94,7 +94,7 @@ def test_five_thousand_particles_are_drawn_many_times_a_second():
 
 @pytest.mark.parametrize("color", ["pressure", "speed", "region"])
 def test_what_is_carried_keeps_its_color_and_does_not_stretch_the_liquid_s(color):
-    scene = scene_of(carried=[{"positions": [[1.0, 0.25]], "color": "#ff0000"}])
+    scene = scene_of(passive_tracers=[{"positions": [[1.0, 0.25]], "color": "#ff0000"}])
     frame = carrying(frame_of())
     picture = liquid_picture(scene, [frame], color=color)
     red = (picture.pixels(frame)[..., :3] == (255, 0, 0)).all(axis=-1)

@@ -260,8 +260,8 @@ def played(name, changes):
 
 
 def test_a_bowl_is_played_with(tab):
-    away = "floats[0].positions=[[-0.02, 0.02], [-0.01, 0.025], [0.01, 0.025], [0.02, 0.02]]"
-    with played("cereal-bowl", ["floats[0].count=4", away]) as (bowl, address):
+    away = "particles[0].positions=[[-0.02, 0.02], [-0.01, 0.025], [0.01, 0.025], [0.02, 0.02]]"
+    with played("cereal-bowl", ["particles[0].count=4", away]) as (bowl, address):
         tab.goto(address)
         tab.wait_for_selector("body[data-drawn]", timeout=30_000)
         tab.get_by_role("button", name="pause").click()
@@ -278,7 +278,7 @@ def test_a_bowl_is_played_with(tab):
         assert bowl.frame.numbers["clusters"] < first, "equal beads attract one another"
         with tab.expect_download() as saved:
             tab.get_by_role("button", name="save as scene").click()
-        assert len(load_scene(saved.value.path()).floats[1].positions) == 10
+        assert len(load_scene(saved.value.path()).particles[1].positions) == 10
         assert not tab.complaints
         assert all(request.startswith((address.split("/?")[0], "blob:")) for request in tab.requests)
 

@@ -46,7 +46,7 @@ DISCS = """
 model = "floating"
 duration = "0.02 s"
 frame_every = "0.01 s"
-[[floats]]
+[[particles]]
 count = 3
 radius = "1 mm"
 density = 300.0

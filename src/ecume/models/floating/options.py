@@ -62,7 +62,7 @@ CAPABILITIES: dict[str, tuple[str, str]] = {
     "lubricated": ("contacts", "contacts that stop floats at once"),
     "shared contacts": ("contacts", "contacts that ranks can share out"),
     "stokes": ("drag", "a drag that is proportional to the velocity"),
-    "drag": ("drag", "drag: motion.drag = true and a liquid.viscosity above zero"),
+    "drag": ("drag", "drag: hydrodynamics.drag = 'stokes' and a liquid.viscosity above zero"),
     "point charges": ("wall", "a wall that acts on a charge by a formula"),
     "multipoles": ("wall", "a wall whose meniscus is that of the surface"),
 }

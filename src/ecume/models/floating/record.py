@@ -33,10 +33,11 @@ def laws_of(scene: Any) -> list[Source]:
     if scene.dish is not None:
         laws += capillarity.WALLS.get(str(scene.dish.law), ())
         laws += [meniscus.dish_height, *([images.plane_image_force] if scene.dish.image != "none" else [])]
-    laws += [drag.immersion_factor, drag.stokes_friction] if scene.motion.drag else []
+    laws += [drag.immersion_factor, drag.stokes_friction] if scene.hydrodynamics.resists else []
     if scene.shaped:
-        laws += [ellipsoids.ellipsoid_friction, ellipsoids.ellipsoid_turning_friction] if scene.motion.drag else []
-    laws += [brownian.diffusivity] if scene.motion.temperature else []
+        resistance = [ellipsoids.ellipsoid_friction, ellipsoids.ellipsoid_turning_friction]
+        laws += resistance if scene.hydrodynamics.resists else []
+    laws += [brownian.diffusivity] if scene.hydrodynamics.brownian else []
     return [*laws, *chosen.contacts.laws]
 
 
@@ -54,7 +55,7 @@ def diagnosis(parameters: Parameters, state: State) -> str:
     """Which float diverged, when, and what to do."""
     return (
         f"{when(parameters, state)} {_who_and_what(parameters, state)}: too far for one time step of "
-        f"{parameters.time_step:.3g} s. Set motion.time_step = {0.25 * parameters.time_step:.2g}, "
+        f"{parameters.time_step:.3g} s. Set integration.time_step = {0.25 * parameters.time_step:.2g}, "
         "or look for overlapping floats"
     )
 

@@ -27,10 +27,10 @@ from ecume.scenes.soft import SoftScene
 
 def checked_parameters(scene: SoftScene) -> Parameters:
     """The parameters of a scene that fits into the machine."""
-    count = sum(species.count or len(species.positions) for species in scene.spheres)
-    everyone = scene.films.reach is None and scene.box is None
+    count = sum(species.count or len(species.positions) for species in scene.particles)
+    everyone = scene.films.cutoff is None and scene.cell is None
     contacts = count * (count - 1) / 2 if everyone else 20.0 * count
-    require_memory("spheres", f"{count} spheres", bytes_of(contacts), "use fewer spheres, or set films.reach")
+    require_memory("particles", f"{count} spheres", bytes_of(contacts), "use fewer spheres, or set films.cutoff")
     return parameters_of(scene)
 
 
@@ -41,7 +41,7 @@ def diagnosis(parameters: Parameters, state: State) -> str:
     told = f"sphere {broken.particle} has no finite {broken.term} any more" if broken else _closest(parameters, state)
     return (
         f"{when} no step is short enough, {state.pace[LENGTH]:.3g} s neither; {told}: "
-        "look for forces that the surfaces cannot balance, or set stepping.tolerance lower"
+        "look for forces that the surfaces cannot balance, or set integration.tolerance lower"
     )
 
 
@@ -129,8 +129,8 @@ def laws_of(scene: Any) -> list[Source]:
     laws: list[Source] = [lubrication.squeeze_friction, lubrication.shear_friction, elasticity.contact_size]
     laws += [*surfaces.SURFACES[films.surface].papers, interfaces.INTERFACES[films.interface]]
     laws += friction.FRICTIONS[films.friction].papers
-    row = long_range.REMOTE[scene.remote.law]
-    return [*laws, row.energy, row.force, row.slope, dirk_schemes.SCHEMES[scene.stepping.scheme].paper]
+    row = long_range.REMOTE[scene.long_range_forces.law]
+    return [*laws, row.energy, row.force, row.slope, dirk_schemes.SCHEMES[scene.integration.integrator].paper]
 
 
 def steps_taken(state: State) -> int:

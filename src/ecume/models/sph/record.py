@@ -88,9 +88,9 @@ def diagnosis(parameters: Parameters, state: State) -> str:
     where = ", ".join(f"{x:.4g}" for x in state.position[:, worst])
     return (
         f"{when(parameters, state)} particle {int(state.identity[worst])} {what} (at {where} m); the scene "
-        f"expects {parameters.material.fastest:.3g} m/s. Set liquid.fastest to what the flow reaches, or "
-        f"method.courant to {0.5 * parameters.courant:.2g}, or look for liquid that starts inside of other liquid or "
-        "of a wall"
+        f"expects {parameters.material.fastest:.3g} m/s. Set liquid.maximum_speed to what the flow reaches, or "
+        f"integration.courant_number to {0.5 * parameters.courant:.2g}, or look for liquid that starts inside of "
+        "other liquid or of a wall"
     )
 
 

@@ -85,8 +85,8 @@ def bounds(scene: TracersScene) -> tuple[tuple[float, ...], tuple[float, ...]]:
     tank, d = scene.tank, scene.dimensions
     if tank is None:
         return (0.0,) * d, (1.0,) * d
-    if tank.size is not None:
-        return (0.0,) * d, tank.size
+    if tank.high is not None:
+        return tank.low or (0.0,) * d, tank.high
     if tank.radius is not None:
         return (-tank.radius,) * d, (tank.radius,) * d
     corner = np.array(tank.vertices)

@@ -11,10 +11,10 @@ import numpy as np
 
 from ecume.engine.cells import Integers
 from ecume.engine.walls import Sheet, Surfaces, sheet
-from ecume.errors import BadInput, Fault, SceneError
+from ecume.errors import Fault, SceneError
 from ecume.laws import brownian, drag
-from ecume.laws.liquids import liquid
 from ecume.models.last_frame import ending_on_a_step
+from ecume.models.liquids import named_liquid
 from ecume.models.tables import code_of
 from ecume.models.tracers.openings import Arrivals, Stream, arrivals_of, newcomers_of
 from ecume.models.tracers.tank import surfaces_of
@@ -57,7 +57,7 @@ DRAGS = {
         (drag.stokes_friction, drag.schiller_naumann_factor), linear=False,
     ),
 }  # fmt: skip
-"""Drag laws for `motion.drag`."""
+"""Drag laws for `hydrodynamics.drag`."""
 
 
 class DragChoice(NamedTuple):
@@ -141,23 +141,24 @@ def parameters_of(scene: TracersScene) -> Parameters:
     bodies = bodies_of(scene, fluid, newcomers.species)
     step = time_step_of(scene, surfaces, fluid, bodies)
     late = np.where(bodies.friction > 0.0, bodies.mass / np.maximum(bodies.friction, 1e-300), math.inf) * LONGEST < step
-    regime = scene.motion.regime
+    regime = scene.integration.integrator
     overdamped = (
         np.zeros(len(late), bool)
         if regime == "inertial"
         else (bodies.friction > 0.0) & (late | (regime == "overdamped"))
     )
     if regime == "inertial" and late.any():
-        raise SceneError([Fault("motion.time_step", f"{step:g} s is longer than half a relaxation time; shorten it, or "
-                                'set motion.regime = "auto"')])  # fmt: skip
+        cause = f"{step:g} s is longer than half a relaxation time"
+        cure = 'shorten it, or set integration.integrator = "auto"'
+        raise SceneError([Fault("integration.time_step", f"{cause}; {cure}")])
     tank = scene.tank
-    coefficients = (tank.restitution, tank.tangential) if tank is not None else (1.0, 1.0)
+    coefficients = (tank.restitution, tank.tangential_restitution) if tank is not None else (1.0, 1.0)
     return Parameters(
         step,
         round(scene.frame_every / step),
         scene.seed,
         scene.dimensions,
-        DragChoice(code_of(DRAGS, scene.motion.drag), DRAGS[scene.motion.drag].linear),
+        DragChoice(code_of(DRAGS, scene.hydrodynamics.drag), DRAGS[scene.hydrodynamics.drag].linear),
         fluid,
         bodies._replace(overdamped=overdamped.astype(np.int64)),
         arrivals_of(newcomers, surfaces, bodies.radius[len(bodies.radius) - len(newcomers.time) :], step),
@@ -170,21 +171,16 @@ def parameters_of(scene: TracersScene) -> Parameters:
 def fluid_of(scene: TracersScene) -> Fluid:
     """The liquid's numbers: given, or those of the liquid named at its temperature."""
     given = scene.liquid
-    density, viscosity = 1000.0, 1e-3
-    if given.name:
-        try:
-            named = liquid(given.name, given.temperature)
-        except BadInput as error:
-            raise SceneError([Fault("liquid.name", str(error))]) from None
-        density, viscosity = named.density, named.viscosity
-    flow = (*(given.flow or ()), 0.0, 0.0, 0.0)
+    named = named_liquid(given)
+    density, viscosity = (1000.0, 1e-3) if named is None else (named.density, named.viscosity)
+    flow = (*(scene.flow.velocity or ()), 0.0, 0.0, 0.0)
     return Fluid(
         density if given.density is None else given.density,
         viscosity if given.viscosity is None else given.viscosity,
-        given.gravity,
-        brownian.thermal_energy(given.temperature) if scene.motion.brownian else 0.0,
+        scene.gravity,
+        brownian.thermal_energy(given.temperature) if scene.hydrodynamics.brownian else 0.0,
         (flow[0], flow[1], flow[2]),
-        given.shear_rate,
+        scene.flow.shear_rate,
     )
 
 
@@ -194,9 +190,9 @@ def bodies_of(scene: TracersScene, fluid: Fluid, newcomers: Integers) -> Bodies:
     kind = np.concatenate([np.repeat(np.arange(len(counts)), counts), newcomers])
     radius = np.array([species.radius for species in scene.particles])[kind]
     density = np.array([species.density for species in scene.particles])[kind]
-    along = ADDED_MASS * fluid.density if scene.motion.added_mass else 0.0
+    along = ADDED_MASS * fluid.density if scene.hydrodynamics.added_mass else 0.0
     settling = np.array([settling_speed(scene, fluid, species) for species in scene.particles])[kind]
-    dragged = float(DRAGS[scene.motion.drag].resists)
+    dragged = float(DRAGS[scene.hydrodynamics.drag].resists)
     return Bodies(
         radius=radius,
         mass=4.0 / 3.0 * math.pi * radius**3 * (density + along),
@@ -212,7 +208,7 @@ def bodies_of(scene: TracersScene, fluid: Fluid, newcomers: Integers) -> Bodies:
 def settling_speed(scene: TracersScene, fluid: Fluid, species: object) -> float:
     """The terminal speed of a species (m/s), downwards; infinite without drag."""
     radius, excess = species.radius, species.density - fluid.density  # type: ignore[attr-defined]
-    law = DRAGS[scene.motion.drag]
+    law = DRAGS[scene.hydrodynamics.drag]
     if not law.resists or fluid.viscosity == 0.0:
         return math.copysign(math.inf, excess) if excess and fluid.gravity else 0.0
     slow = drag.stokes_settling_speed(radius, excess, fluid.viscosity, fluid.gravity)
@@ -224,22 +220,22 @@ def settling_speed(scene: TracersScene, fluid: Fluid, species: object) -> float:
 
 def time_step_of(scene: TracersScene, surfaces: Surfaces, fluid: Fluid, bodies: Bodies) -> float:
     """The time step (s): as given, or limited by relaxation and walls. A frame is a whole number of steps."""
-    asked = scene.motion.time_step
+    asked = scene.integration.time_step
     if asked is not None:
         steps = scene.frame_every / asked
         if abs(steps - round(steps)) > 1e-9 * steps or round(steps) < 1:
             fits = scene.frame_every / max(1, math.ceil(steps))
             came = f"got {asked:g} s; frame_every, {scene.frame_every:g} s, is no whole number of such steps"
-            raise SceneError([Fault("motion.time_step", f"{came}; {fits:.9g} s would fit")])
+            raise SceneError([Fault("integration.time_step", f"{came}; {fits:.9g} s would fit")])
         return scene.frame_every / round(steps)
     longest = min(scene.frame_every, 0.1 / abs(fluid.shear_rate) if fluid.shear_rate else math.inf)
     frames = scene.frames
-    shortest = 0.0 if scene.motion.regime == "inertial" else scene.frame_every / max(1, MOST_STEPS // frames)
+    shortest = 0.0 if scene.integration.integrator == "inertial" else scene.frame_every / max(1, MOST_STEPS // frames)
     for mass, friction, speed, push, radius in kinds_of(bodies):
         if friction > 0.0:
             # Where drag is more than Stokes's it also slows down sooner.
             inertial = min(mass / friction, abs(speed / push) if push and speed else math.inf) / SHORTEST
-            late = scene.motion.regime == "overdamped" or inertial < shortest
+            late = scene.integration.integrator == "overdamped" or inertial < shortest
             body = (friction, speed, mass * push, radius)
             longest = min(longest, overdamped_step(body, surfaces, fluid) if late else inertial)
     steps = math.ceil(scene.frame_every / max(longest, shortest) * (1 - 1e-12))
@@ -269,12 +265,15 @@ def overdamped_step(body: tuple[float, float, float, float], surfaces: Surfaces,
 
 def _require_names(scene: TracersScene) -> None:
     faults = []
-    tables: tuple[tuple[str, Collection[str]], ...] = (("drag", DRAGS), ("regime", REGIMES))
-    for key, known in tables:
-        came = getattr(scene.motion, key)
+    tables: tuple[tuple[str, str, Collection[str]], ...] = (
+        ("hydrodynamics.drag", scene.hydrodynamics.drag, DRAGS),
+        ("integration.integrator", scene.integration.integrator, REGIMES),
+    )
+    for path, came, known in tables:
         if came not in known:
-            faults.append(Fault(f"motion.{key}", f"got {came!r}; {suggestion(came, known)}"))
-    if scene.motion.brownian and scene.motion.drag in DRAGS and not DRAGS[scene.motion.drag].resists:
-        faults.append(Fault("motion.brownian", "needs drag: what the liquid kicks, it also slows down"))
+            faults.append(Fault(path, f"got {came!r}; {suggestion(came, known)}"))
+    drag = scene.hydrodynamics.drag
+    if scene.hydrodynamics.brownian and drag in DRAGS and not DRAGS[drag].resists:
+        faults.append(Fault("hydrodynamics.brownian", "needs drag: what the liquid kicks, it also slows down"))
     if faults:
         raise SceneError(faults)

@@ -95,7 +95,7 @@ def diagnosis(parameters: Parameters, state: State) -> str:
         what = f"has no finite {broken.term} any more"
     return (
         f"{when(parameters, state)} particle {worst} {what}: its step of {parameters.time_step:.3g} s was too "
-        f"long. Set motion.time_step = {0.25 * parameters.time_step:.2g}"
+        f"long. Set integration.time_step = {0.25 * parameters.time_step:.2g}"
     )
 
 
@@ -187,8 +187,8 @@ def _through(way: str, numbers: Numbers) -> float:
 
 def laws_of(scene: Any) -> list[Source]:
     """Drag and heat."""
-    heat: list[Source] = [brownian.diffusivity, brownian.displacement_variance] if scene.motion.brownian else []
-    return [*DRAGS[scene.motion.drag].papers, *heat, *correlations_of(scene.liquid.name)]
+    heat: list[Source] = [brownian.diffusivity, brownian.displacement_variance] if scene.hydrodynamics.brownian else []
+    return [*DRAGS[scene.hydrodynamics.drag].papers, *heat, *correlations_of(scene.liquid.name)]
 
 
 TRACERS = Model(

@@ -31,8 +31,8 @@ def surfaces_of(scene: TracersScene) -> Surfaces:
 
 def inside_of(tank: TankSpec) -> Surfaces:
     """The walls of a tank."""
-    if tank.size is not None:
-        return walls.box([0.0] * len(tank.size), tank.size)
+    if tank.high is not None:
+        return walls.box(tank.low or (0.0,) * len(tank.high), tank.high)
     if tank.radius is not None:
         return walls.disc([0.0] * tank.dimensions, tank.radius)
     return walls.polygon(tank.vertices) if len(tank.vertices[0]) == 2 else walls.polyhedron(tank.vertices)

@@ -39,26 +39,32 @@ class ShapeSpec:
     """The outline of a float from above. The `radius` of its species is that of the circle around it."""
 
     kind: Literal["ellipsoid", "needle", "square", "star"]
-    """An ellipsoid; a needle: a lying cylinder with round ends; a square plate or cube; a flat star."""
+    """The shape: an ellipsoid; a needle, which is a horizontal cylinder with round ends; a square plate or cube; a
+    flat star. Effect: determines the capillary multipoles, the drag and the outline for collisions."""
     width: Size | None = None
-    """Across an ellipsoid, a needle or the arm of a star (m); a square has none."""
+    """The width of an ellipsoid, a needle or an arm of a star (m); squares have none. Effect: a smaller width makes
+    the body more slender: its capillary quadrupole and its anisotropic drag grow."""
     thickness: Size | None = None
-    """Upright (m): of an ellipsoid or a star, left out, the width; of a square, left out, its side; a needle is
-    round."""
+    """The vertical size of an ellipsoid, a star or a square (m); by default the width, of a square the side. A
+    needle is round. Effect: a thicker body is heavier and displaces more liquid."""
     arms: Annotated[int, Field(strict=True, ge=3, le=12)] = 5
-    """Of a star."""
+    """The number of arms of a star. Effect: sets the symmetry of the outline and the default `mode`."""
     corner: Annotated[Proportion, Field(ge=0.02)] = 0.1
-    """How round the corners of a square are: their radius over half of its side."""
+    """The radius of the corners of a square, divided by half of its side. Effect: 1 gives a circle; small values
+    give sharp corners, which collide at smaller distances."""
     rim: Literal["top", "bottom"] = "bottom"
-    """The edge that pins a square or a star: the lower one of what is light, the upper one of what is heavy."""
+    """The edge that pins the contact line of a square or a star. Effect: `bottom` holds light bodies, `top` holds
+    bodies denser than the liquid."""
     undulation: Rise | None = None
-    """How high the contact line rises along the body's own direction (m), negative where it dips; by default of an
-    ellipsoid what its contact angle says, of all others nothing."""
+    """The amplitude of the height of the contact line along the axis of the body (m), negative where it dips; by
+    default the value that follows from the contact angle of an ellipsoid, zero for other shapes. Effect: forces
+    and torques between undulated bodies grow with its square."""
     mode: Annotated[int, Field(strict=True, ge=2, le=12)] | None = None
-    """How often it does so around the body; by default twice (ellipsoid, needle), four times (square), once an arm."""
+    """The number of periods of the contact line around the body; by default 2 (ellipsoid, needle), 4 (square) or the
+    number of arms. Example: `3`. Effect: higher modes give forces of shorter range."""
     angle: Direction | None = None
-    """Of the body's own direction at the start (rad, from the x axis): a long axis, a corner, an arm; by default by
-    chance."""
+    """The initial angle of the long axis, a corner or an arm from the x axis (rad); by default random. Effect: sets
+    the initial orientation."""
 
     @property
     def pinned(self) -> bool:
@@ -97,9 +103,11 @@ class SurfaceEnergies:
     """The energies of a float's surface against the gas and the liquid: Young's law makes the contact angle of them."""
 
     solid_gas: Tension
-    """J/m^2 = N/m"""
+    """The surface energy of the solid against the gas (J/m^2 = N/m). Effect: a larger value lowers the contact angle
+    that follows from Young's law."""
     solid_liquid: Tension
-    """J/m^2 = N/m"""
+    """The surface energy of the solid against the liquid (J/m^2 = N/m). Effect: a larger value raises the contact
+    angle that follows from Young's law."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -107,17 +115,22 @@ class DiscSpec:
     """A flat disc instead of a sphere: the contact line is pinned to one of its edges."""
 
     thickness: Size
-    """m"""
+    """The thickness of the disc (m). Effect: a thicker disc is heavier and displaces more liquid."""
     rim: Literal["top", "bottom"] = "bottom"
-    """The edge that pins: the lower one of what is light, the upper one of what is heavier than the liquid."""
+    """The edge that pins the contact line. Effect: `bottom` holds light discs, `top` holds discs denser than the
+    liquid."""
     tilting: Switch = True
-    """Whether it may lean."""
+    """Whether the disc can tilt in the menisci of others. Effect: tilting discs attract each other more strongly at
+    short distances."""
     undulation: Undulation = 0.0
-    """How high the rim rises and falls around the disc (m); such discs turn, and need the method `multipole`."""
+    """The amplitude of the height of the rim (m); such discs rotate and require `interaction.method = "multipole"`.
+    Effect: forces and torques between undulated discs grow with its square."""
     mode: Annotated[int, Field(strict=True, ge=2, le=12)] = 2
-    """How often it does so: 2 is a quadrupole, as of an ellipsoid; 3 a hexapole, as of a cube on its corner."""
+    """The number of periods of the height around the rim: 2 is a quadrupole, as of an ellipsoid, 3 a hexapole, as of
+    a cube on its corner. Effect: higher modes give forces of shorter range."""
     angle: Direction | None = None
-    """Where the rim is highest at the start (rad, from the x axis); by default by chance."""
+    """The initial direction of the highest point of the rim from the x axis (rad); by default random. Effect: sets
+    the initial orientation."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -125,39 +138,54 @@ class FloatSpec:
     """Equal spheres, discs or other shapes, and where they start."""
 
     name: Name = ""
-    """What this species is called; `float-1` and so on when empty."""
+    """The name of the species in frames, legends and exports; by default `float-1` and so on. Effect: none on the
+    motion."""
     count: Count = 0
-    """How many; by default one or as many as there are positions."""
+    """The number of floats; by default one, or the number of positions. Effect: forces cost more time than in
+    proportion to it, except with a grid."""
     radius: Radius
-    """m"""
+    """The radius of each sphere or disc (m); of other shapes that of the circumscribed circle. Effect: the capillary
+    charge of a small sphere grows as the third power of it, the attraction as the sixth."""
     density: PositiveDensity
-    """kg/m^3"""
+    """The density of each float (kg/m^3). Effect: light floats raise the surface, heavy ones depress it; equal signs
+    attract each other, opposite signs repel. Too dense floats sink and are refused."""
     contact_angle: ContactAngle | None = None
-    """rad, through the liquid; or `original-closure`; or left out for `surface_energies`"""
+    """The contact angle, measured through the liquid (rad); or `original-closure`; or omitted with
+    `surface_energies`. Effect: sets the height of a float and its capillary charge; above 90 deg the float is
+    hydrophobic."""
     surface_energies: SurfaceEnergies | None = None
-    """instead of a contact angle"""
+    """Surface energies, from which the contact angle follows, instead of a contact angle. Effect: replaces the
+    contact angle by one that follows from the energies."""
     disc: DiscSpec | None = None
-    """what makes it a disc; its edge pins the contact line, whatever the angle"""
+    """A flat disc instead of a sphere; its edge pins the contact line. Effect: replaces the contact angle by the
+    edge."""
     shape: ShapeSpec | None = None
-    """what makes it longer than wide, or gives it corners; such floats turn"""
+    """A shape that is elongated or has corners, instead of a sphere; such floats rotate. Effect: adds capillary
+    torques, anisotropic drag and contacts of outlines."""
     placement: Literal["random", "lattice", "ring"] = "random"
-    """How they are laid out: at random without overlap, on a triangular lattice, evenly on a ring."""
+    """The initial arrangement: random without overlap, a triangular lattice, or equal distances on a ring. Effect:
+    random placement depends on `seed` and fails where there is too little area."""
     positions: tuple[tuple[Coordinate, Coordinate], ...] = ()
-    """Where each starts (m); overrules the placement."""
+    """The initial position of each float (m); takes precedence over `placement`. Effect: replaces the random
+    arrangement."""
     velocity: tuple[Velocity, Velocity] = (0.0, 0.0)
-    """What each starts with (m/s)."""
+    """The initial velocity of all floats of the species (m/s). Effect: drag damps it within the relaxation time that
+    `ecume check` prints."""
     velocities: tuple[tuple[Velocity, Velocity], ...] = ()
-    """The same one by one, as many as positions; overrules the velocity."""
+    """Individual initial velocities, one per position (m/s); take precedence over `velocity`. Effect: drag damps
+    them within the relaxation time."""
     spacing: Size | None = None
-    """The lattice's distance between neighbors (m)."""
+    """The distance between neighbors of the lattice (m). Effect: must exceed the diameter; wider lattices take
+    longer to collapse into rafts."""
     ring_radius: Size | None = None
-    """The ring's (m)."""
+    """The radius of the ring (m). Effect: larger rings have larger initial distances."""
     center: tuple[Coordinate, Coordinate] = (0.0, 0.0)
-    """The lattice's or ring's (m)."""
+    """The center of the lattice or the ring (m). Effect: shifts the arrangement."""
     magnetic_moment: MagneticMoment = 0.0
-    """Of a magnet that stands upright (A m^2): positive points up; such floats repel one another."""
+    """The moment of a vertical magnet in each float (A m^2), positive upward. Effect: parallel magnets repel each
+    other with a force proportional to the product of their moments."""
     color: Color | None = None
-    """`#rrggbb`, or a plain English name."""
+    """The color in pictures: `#rrggbb`, or an English name. Effect: none on the motion."""
 
     @property
     def species_name(self) -> str:
@@ -179,35 +207,38 @@ class FloatRow:
     """One float of a table, or of another run's frame."""
 
     x: Coordinate
-    """m"""
+    """The initial position along x (m). Effect: sets the start of this float."""
     y: Coordinate
-    """m"""
+    """The initial position along y (m). Effect: sets the start of this float."""
     vx: Velocity = 0.0
-    """m/s"""
+    """The initial velocity along x (m/s). Effect: sets the start of this float."""
     vy: Velocity = 0.0
-    """m/s"""
+    """The initial velocity along y (m/s). Effect: sets the start of this float."""
     radius: Radius
-    """m"""
+    """The radius of this sphere or disc (m); of other shapes that of the circumscribed circle. Effect: as for a
+    species of `particles`."""
     density: PositiveDensity
-    """kg/m^3"""
+    """The density of this float (kg/m^3). Effect: as for a species of `particles`."""
     contact_angle: ContactAngle | None = None
-    """as in FloatSpec"""
+    """The contact angle of this float, measured through the liquid (rad). Effect: as for a species of `particles`."""
     surface_energies: SurfaceEnergies | None = None
-    """as in FloatSpec"""
+    """The surface energies of this float, instead of a contact angle. Effect: as for a species of `particles`."""
     magnetic_moment: MagneticMoment = 0.0
-    """as in FloatSpec"""
+    """The moment of a vertical magnet in this float (A m^2). Effect: as for a species of `particles`."""
     disc: DiscSpec | None = None
-    """as in FloatSpec"""
+    """A flat disc instead of a sphere. Effect: as for a species of `particles`."""
     shape: ShapeSpec | None = None
-    """as in FloatSpec"""
+    """An elongated shape or one with corners instead of a sphere. Effect: as for a species of `particles`."""
     angle: Direction = 0.0
-    """rad, of what turns; overrules that of a disc or shape"""
+    """The initial orientation of a float that rotates (rad); takes precedence over that of its disc or shape.
+    Effect: sets the start of this float."""
     spin: TurningRate = 0.0
-    """rad/s, of what turns"""
+    """The initial angular velocity of a float that rotates (rad/s). Effect: sets the start of this float."""
     species_name: Name = "float-1"
-    """Rows of one name are one species."""
+    """The name of the species; rows with equal names form one species. Effect: groups floats in numbers, legends and
+    exports."""
     color: Color | None = None
-    """as in FloatSpec"""
+    """The color in pictures: `#rrggbb`, or an English name. Example: `"orange"`. Effect: none on the motion."""
 
     @property
     def count(self) -> int:

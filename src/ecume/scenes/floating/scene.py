@@ -11,24 +11,32 @@ from pydantic.dataclasses import dataclass
 from ecume.scenes.common import Common, Kind
 from ecume.scenes.faults import Complaints, Inconsistent
 from ecume.scenes.floating.floats import FloatRow, FloatSpec
-from ecume.scenes.floating.surroundings import ContactSpec, DishSpec, InteractionSpec, LiquidSpec, MotionSpec
-from ecume.scenes.quantities import MOST_PARTICLES, MOST_STEPS, STRICT
+from ecume.scenes.floating.surroundings import (
+    ContactSpec,
+    DishSpec,
+    FlowSpec,
+    HydrodynamicsSpec,
+    IntegrationSpec,
+    InteractionSpec,
+    LiquidSpec,
+)
+from ecume.scenes.quantities import MOST_PARTICLES, MOST_STEPS, STRICT, Gravity
 
 THEORIES: dict[str, dict[str, dict[str, Any]]] = {
     "nonlinear": {
         "interaction": {"law": "capillary", "charge": "nonlinear"},
         "dish": {"law": "meniscus"},
-        "motion": {"drag": True},
+        "hydrodynamics": {"drag": "stokes"},
     },
     "linear": {
         "interaction": {"law": "capillary", "charge": "linear"},
         "dish": {"law": "linear"},
-        "motion": {"drag": True},
+        "hydrodynamics": {"drag": "stokes"},
     },
     "legacy-2022": {
         "interaction": {"law": "one-sided-legacy", "charge": "linear"},
         "dish": {"law": "two-point-legacy"},
-        "motion": {"drag": False},
+        "hydrodynamics": {"drag": "none"},
         "contacts": {"legacy_coefficient": 0.3},
     },
 }
@@ -39,32 +47,43 @@ THEORIES: dict[str, dict[str, dict[str, Any]]] = {
 class FloatingScene(Common):
     """Spheres on a liquid surface, with or without a dish around them.
 
-    A file may also say `floats_from = "table.csv"` or `start_from = "RUN@-1"`: reading it turns either into `rows`, so
-    that a scene that was read stands alone.
+    A file may also contain `particles_from = "table.csv"` or `start_from = "RUN@-1"`; reading it converts either into
+    `rows`, so that the scene does not depend on other files.
     """
 
     model: Literal["floating"] = "floating"
-    """Which model."""
+    """The model: particles at a liquid surface. Effect: selects the equations that are solved."""
     theory: Literal["nonlinear", "linear", "legacy-2022"] = "nonlinear"
-    """Which laws rule where none is named: the exact far field, small slopes everywhere, or the original program's."""
+    """The set of default laws: the exact far field, small slopes everywhere, or those of the original program.
+    Effect: sets each law that the scene does not name."""
     liquid: LiquidSpec = LiquidSpec()
-    """What they float on."""
-    floats: tuple[FloatSpec, ...] = ()
-    """The species."""
+    """The properties of the liquid and of the gas above it. Effect: they set the capillary length, the drag and the
+    attraction."""
+    gravity: Gravity = 9.81
+    """The gravitational acceleration (m/s^2), downward. Effect: a larger value shortens the capillary length, the
+    range of the attraction, and increases the capillary charges."""
+    flow: FlowSpec | None = None
+    """A flow of the surface, imposed on the liquid. Effect: drags the floats along; requires drag."""
+    particles: tuple[FloatSpec, ...] = ()
+    """The species of floats, one table each. Effect: each species adds floats with common properties."""
     rows: tuple[FloatRow, ...] = ()
-    """Floats given one by one, beside those of `floats`."""
+    """Individual floats, in addition to those of `particles`; tables and restarts are read into them. Effect: each
+    row adds one float."""
     dish: DishSpec | None = None
-    """The wall around them, if any."""
-    motion: MotionSpec = MotionSpec()
-    """The time stepping."""
+    """The wall around the floats; without it the surface is infinite. Effect: its meniscus attracts or repels
+    floats, and they bounce off it."""
+    integration: IntegrationSpec = IntegrationSpec()
+    """The time stepping. Effect: determines the error per step and the cost."""
+    hydrodynamics: HydrodynamicsSpec = HydrodynamicsSpec()
+    """The forces of the liquid on moving floats. Effect: they damp the motion or make it overdamped."""
     contacts: ContactSpec = ContactSpec()
-    """The collisions."""
+    """The contacts between floats. Effect: they determine collisions and the structure of rafts."""
     interaction: InteractionSpec = InteractionSpec()
-    """The pair force."""
+    """The capillary interaction of floats. Effect: it determines attraction, accuracy and cost."""
 
     @property
     def kinds(self) -> tuple[Kind, ...]:
-        """The species, those of `floats` first."""
+        """The species, those of `particles` first."""
         return tuple(Kind(*named) for named in species_of(self))
 
     @property
@@ -75,7 +94,7 @@ class FloatingScene(Common):
     @property
     def given(self) -> tuple[FloatSpec | FloatRow, ...]:
         """The entries that give floats: tables of species, then rows."""
-        return (*self.floats, *self.rows)
+        return (*self.particles, *self.rows)
 
     @property
     def shaped(self) -> bool:
@@ -86,9 +105,9 @@ class FloatingScene(Common):
     def _consistent(self) -> Self:
         named = tuple(
             dataclasses.replace(species, name=species.name or f"float-{index}")
-            for index, species in enumerate(self.floats, 1)
+            for index, species in enumerate(self.particles, 1)
         )
-        object.__setattr__(self, "floats", named)
+        object.__setattr__(self, "particles", named)
         for part, laws in THEORIES[self.theory].items():
             given = getattr(self, part)
             left_out = {key: law for key, law in laws.items() if given is not None and getattr(given, key) is None}
@@ -102,41 +121,44 @@ class FloatingScene(Common):
 
 def species_of(scene: FloatingScene) -> list[tuple[str, str | None]]:
     """The name and color of each species; its place in the list is its number in frames."""
-    found: dict[str, str | None] = {species.name: species.color for species in scene.floats}
+    found: dict[str, str | None] = {species.name: species.color for species in scene.particles}
     for row in scene.rows:
         found[row.species_name] = found.get(row.species_name) or row.color
     return list(found.items())
 
 
 def _population(scene: FloatingScene) -> Complaints:
-    total = len(scene.rows) + sum(species.count for species in scene.floats)
+    total = len(scene.rows) + sum(species.count for species in scene.particles)
     if total == 0:
         return [
-            (("floats",), "there is nothing afloat; write a [[floats]] table with radius, density and contact_angle")
+            (
+                ("particles",),
+                "there is nothing afloat; write a [[particles]] table with radius, density and contact_angle",
+            )
         ]
     if total > MOST_PARTICLES:
-        return [(("floats",), f"{total} floats are more than {MOST_PARTICLES:.0e}")]
+        return [(("particles",), f"{total} floats are more than {MOST_PARTICLES:.0e}")]
     return []
 
 
 def _steps(scene: FloatingScene) -> Complaints:
-    step = scene.motion.time_step
+    step = scene.integration.time_step
     if step is None:
         return []
     if step > scene.frame_every * (1 + 1e-9):
-        return [(("motion", "time_step"), f"got {step:g} s, longer than frame_every, {scene.frame_every:g} s")]
+        return [(("integration", "time_step"), f"got {step:g} s, longer than frame_every, {scene.frame_every:g} s")]
     steps = scene.duration / step
     return (
-        [(("motion", "time_step"), f"gives {steps:.3g} steps, more than {MOST_STEPS:.0e}")]
+        [(("integration", "time_step"), f"gives {steps:.3g} steps, more than {MOST_STEPS:.0e}")]
         if steps > MOST_STEPS
         else []
     )
 
 
 def _doubles(scene: FloatingScene) -> Complaints:
-    names = [species.name for species in scene.floats]
+    names = [species.name for species in scene.particles]
     return [
-        (("floats", index, "name"), f"got {name!r} for the second time; each species has its own name")
+        (("particles", index, "name"), f"got {name!r} for the second time; each species has its own name")
         for index, name in enumerate(names)
         if name in names[:index]
     ]

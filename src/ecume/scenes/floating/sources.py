@@ -20,7 +20,7 @@ from ecume.scenes.quantities import STRICT, Color, ContactAngle, Name, PositiveD
 from ecume.scenes.tables import MOST_BYTES, TableFaults, lines_of
 from ecume.trajectories.frame import Frame
 
-TABLE, RUN = "floats_from", "start_from"
+TABLE, RUN = "particles_from", "start_from"
 SOURCES = (TABLE, RUN)
 """Keys that stand in a file and not in a scene: reading turns them into `rows`."""
 
@@ -29,7 +29,7 @@ MOST_MESSAGES = 20
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class RowDefaults:
-    """The one [[floats]] entry beside `floats_from`: it fills the columns that the table does not have."""
+    """The one [[particles]] entry beside `particles_from`: it fills the columns that the table does not have."""
 
     name: Name = ""
     radius: Radius | None = None
@@ -78,7 +78,7 @@ def rows_from(raw: dict[str, Any], folder: Folder) -> Rows:
     if not given:
         return failed("rows", [])
     if len(given) > 1 or "rows" in raw:
-        return failed(next(iter(given)), ["of floats_from, start_from and rows only one can stand in a scene"])
+        return failed(next(iter(given)), ["of particles_from, start_from and rows only one can stand in a scene"])
     ((key, name),) = given.items()
     if not isinstance(name, str):
         return failed(key, [f"got {echo(name)}; expected text"])
@@ -100,10 +100,12 @@ def _from_table(raw: dict[str, Any], folder: Folder, name: str) -> Rows:
     table = beside(folder, name)
     require_there(table, folder)
     lines = lines_of(text_of(table, MOST_BYTES))
-    defaults, faults = _defaults(raw.pop("floats", []))
+    defaults, faults = _defaults(raw.pop("particles", []))
     plain = [_row(line.values, defaults) for line in lines]
     missing = [key for key in ("radius", "density", "contact_angle") if not _has(plain[0], key)]
-    faults += [((TABLE,), f"{name} has no column {key}, and no [[floats]] gives one") for key in missing if not faults]
+    faults += [
+        ((TABLE,), f"{name} has no column {key}, and no [[particles]] gives one") for key in missing if not faults
+    ]
     return Rows(TABLE, plain, [f"{name}, line {line.number}" for line in lines], faults)
 
 
@@ -121,18 +123,20 @@ def _row(values: Mapping[str, Any], defaults: Mapping[str, Any]) -> dict[str, An
 
 
 def _defaults(floats: object) -> tuple[dict[str, Any], Faults]:
-    """The values that the one [[floats]] entry gives to every row."""
+    """The values that the one [[particles]] entry gives to every row."""
     if not floats:
         return {}, []
     if not isinstance(floats, list) or len(floats) > 1 or not isinstance(floats[0], dict):
-        return {}, [(("floats",), "beside floats_from expected one [[floats]] table, with defaults for all rows")]
+        return {}, [
+            (("particles",), "beside particles_from expected one [[particles]] table, with defaults for all rows")
+        ]
     layout = [key for key in LAYOUT if key in floats[0]]
-    faults: Faults = [(("floats", 0, key), "has no meaning beside floats_from") for key in layout]
+    faults: Faults = [(("particles", 0, key), "has no meaning beside particles_from") for key in layout]
     plain = {key: value for key, value in floats[0].items() if key not in layout}
     try:
         TypeAdapter(RowDefaults).validate_python(plain)
     except ValidationError as error:
-        faults += [(("floats", 0, *path), message) for path, message in faults_of(error, RowDefaults, plain)]
+        faults += [(("particles", 0, *path), message) for path, message in faults_of(error, RowDefaults, plain)]
         return {}, faults
     velocity = plain.pop("velocity", (0.0, 0.0))
     return {"vx": velocity[0], "vy": velocity[1], **plain}, faults
@@ -142,8 +146,8 @@ LAYOUT = ("count", "placement", "positions", "spacing", "ring_radius", "center")
 
 
 def _from_run(raw: dict[str, Any], folder: Folder, name: str) -> Rows:
-    if raw.get("floats"):
-        return failed(RUN, ["start_from brings all the floats; leave [[floats]] out"], ("floats",))
+    if raw.get("particles"):
+        return failed(RUN, ["start_from brings all the floats; leave [[particles]] out"], ("particles",))
     plain = _rows_of_frame(*frame_of_run(folder, name))
     return Rows(RUN, plain, [f"{name}, float {number}" for number in range(1, len(plain) + 1)], [])
 
@@ -194,7 +198,7 @@ def _rows_of_frame(frame: Frame, scene: Any) -> list[dict[str, Any]]:
 def _figures_of(scene: Any) -> dict[str, dict[str, Any]]:
     """The discs and shapes of a scene, by species; their angles are those of the frame."""
     found: dict[str, dict[str, Any]] = {}
-    for given in (*getattr(scene, "floats", ()), *getattr(scene, "rows", ())):
+    for given in (*getattr(scene, "particles", ()), *getattr(scene, "rows", ())):
         name = str(getattr(given, "name", None) or getattr(given, "species_name", ""))
         for key in ("disc", "shape"):
             if getattr(given, key, None) is not None:

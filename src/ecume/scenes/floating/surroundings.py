@@ -12,17 +12,18 @@ from pydantic.dataclasses import dataclass
 from ecume.scenes.faults import Complaints, Inconsistent
 from ecume.scenes.files import beside, require_there, text_of
 from ecume.scenes.quantities import (
+    ROOM,
     STRICT,
+    AbsoluteTemperature,
     Amplitude,
     Coordinate,
     Direction,
     Duration,
     Frequency,
     GasDensity,
-    Gravity,
-    Heat,
     LawName,
     LiquidViscosity,
+    Name,
     PositiveDensity,
     PositiveTension,
     Proportion,
@@ -45,11 +46,10 @@ EVEN = 1e-6
 
 def follow_current(raw: dict[str, Any], folder: Folder) -> Complaints:
     """Put what the flow's table says into `raw`; what is wrong with it comes back."""
-    liquid = raw.get("liquid")
-    flow = liquid.get("flow") if isinstance(liquid, dict) else None
+    flow = raw.get("flow")
     if not isinstance(flow, dict) or TABLE not in flow:
         return []
-    return followed(("liquid", "flow", TABLE), _nodes_from, flow, flow.pop(TABLE), folder)
+    return followed(("flow", TABLE), _nodes_from, flow, flow.pop(TABLE), folder)
 
 
 def _nodes_from(flow: dict[str, Any], name: str, folder: Folder) -> None:
@@ -93,13 +93,13 @@ class NodesSpec:
     """
 
     low: tuple[Coordinate, Coordinate]
-    """The node with the least x and y (m)."""
+    """The position of the first node (m). Effect: shifts the tabulated flow."""
     high: tuple[Coordinate, Coordinate]
-    """The node with the largest (m)."""
+    """The position of the last node (m); the nodes are equidistant. Effect: stretches the tabulated flow."""
     vx: tuple[tuple[Velocity, ...], ...]
-    """Along x (m/s): a row for each x, in it one for each y."""
+    """The velocity along x at the nodes (m/s): one row per x, one number per y. Effect: drags floats along x."""
     vy: tuple[tuple[Velocity, ...], ...]
-    """Along y (m/s), likewise."""
+    """The velocity along y at the nodes (m/s), in the same form. Effect: drags floats along y."""
 
     @model_validator(mode="after")
     def _rectangular(self) -> Self:
@@ -118,15 +118,19 @@ class FlowSpec:
     """
 
     velocity: tuple[Velocity, Velocity] = (0.0, 0.0)
-    """At the origin (m/s)."""
-    shear: TurningRate = 0.0
-    """How much faster along x for each meter along y (1/s)."""
-    rotation: TurningRate = 0.0
-    """About the origin, counterclockwise (1/s)."""
-    stretching: TurningRate = 0.0
-    """Apart along x and together along y, for each meter from the origin (1/s)."""
+    """The velocity of the surface at the origin (m/s). Effect: moves all floats alike."""
+    shear_rate: TurningRate = 0.0
+    """The gradient of the x velocity along y (1/s). Effect: separates floats at different y; adds noise-independent
+    drift."""
+    rotation_rate: TurningRate = 0.0
+    """The angular velocity of a rotation about the origin (rad/s), counterclockwise. Effect: carries floats around
+    the origin."""
+    extension_rate: TurningRate = 0.0
+    """The strain rate: extension along x, compression along y (1/s). Effect: moves floats away from the origin along
+    x and toward it along y."""
     nodes: NodesSpec | None = None
-    """A flow of your own; a file says `velocity_from = "table.csv"` instead."""
+    """A tabulated flow, added to these; a file gives it as `velocity_from = "table.csv"`. Effect: adds the
+    velocities of the table, interpolated between its nodes."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -135,22 +139,31 @@ class LiquidSpec:
     has no density by default (air: 1.2 kg/m^3).
     """
 
-    density: PositiveDensity = 1000.0
-    """kg/m^3"""
-    viscosity: LiquidViscosity = 1e-3
-    """Pa s"""
-    surface_tension: PositiveTension = 0.0728
-    """N/m"""
-    gravity: Gravity = 9.81
-    """m/s^2, downwards"""
+    name: Name = ""
+    """A liquid of the table in `ecume.laws.liquids`, such as `water`, at the `temperature`. Effect: provides the
+    density, viscosity and surface tension that are not given."""
+    temperature: AbsoluteTemperature = ROOM
+    """The temperature of the named liquid and of Brownian motion (K); text such as `20 degC` is allowed. Effect: a
+    warmer liquid is less viscous; thermal noise grows with it."""
+    density: PositiveDensity | None = None
+    """The density of the liquid (kg/m^3); by default that of the named liquid, or 1000. Effect: denser liquids lift
+    floats higher and shorten the capillary length."""
+    viscosity: LiquidViscosity | None = None
+    """The dynamic viscosity of the liquid (Pa s); by default that of the named liquid, or 0.001. Effect: drag is
+    proportional to it."""
+    surface_tension: PositiveTension | None = None
+    """The surface tension of the liquid against the gas (N/m); by default that of the named liquid, or 0.0728.
+    Effect: holds heavy floats and lengthens the range of the attraction."""
     gas_density: GasDensity = 0.0
-    """kg/m^3; smaller than the liquid's"""
-    flow: FlowSpec | None = None
-    """How its surface flows, if it does."""
+    """The density of the gas above the liquid (kg/m^3), smaller than that of the liquid. Effect: reduces weight and
+    buoyancy; of air the effect is 0.1 %."""
 
     @model_validator(mode="after")
     def _gas_above_liquid(self) -> Self:
-        if self.gas_density >= self.density:
+        for key, usual in (("density", 1000.0), ("viscosity", 1e-3), ("surface_tension", 0.0728)):
+            if not self.name and getattr(self, key) is None:
+                object.__setattr__(self, key, usual)
+        if self.density is not None and self.gas_density >= self.density:
             raise Inconsistent(
                 [(("gas_density",), f"got {self.gas_density:g}; the liquid, {self.density:g} kg/m^3, is no denser")]
             )
@@ -162,16 +175,19 @@ class DishMotionSpec:
     """A dish that is drawn along, or swings to and fro; floats are where and as fast as they are seen from it."""
 
     velocity: tuple[Velocity, Velocity] = (0.0, 0.0)
-    """Of the dish (m/s), which stays."""
+    """A constant velocity of the dish (m/s); floats are described in the frame of the dish. Effect: the liquid drags
+    floats against the motion, unless it moves along."""
     amplitude: Amplitude = 0.0
-    """Of its swing (m), from rest: A(1 - cos(2 pi f t))."""
+    """The amplitude A of the oscillation A(1 - cos(2 pi f t)) (m). Effect: the inertial force on floats is
+    proportional to it."""
     direction: Direction = 0.0
-    """Into which it swings first (rad, from the x axis)."""
+    """The initial direction of the oscillation from the x axis (rad). Effect: rotates the oscillation."""
     frequency: Frequency = 1.0
-    """Of the swing (1/s)."""
-    carried: Proportion = 0.0
-    """The part of the dish's motion that the liquid goes along with: 0 for a frame in a wide pool, 1 for a closed dish
-    moved more slowly than its liquid sloshes, in which floats feel nothing of it."""
+    """The frequency f of the oscillation (1/s); text may be in Hz. Effect: the inertial force on floats grows with
+    its square."""
+    entrainment: Proportion = 0.0
+    """The fraction of the motion of the dish that the liquid follows: 0 in an open frame, 1 in a closed dish that
+    moves more slowly than its liquid sloshes. Effect: at 1 the floats stay at rest relative to the dish."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -179,26 +195,32 @@ class DishSpec:
     """A dish around the origin. A scene without one is an endless surface."""
 
     shape: LawName | None = None
-    """`round`, `rectangle` ...; left out, round with a `radius` and a rectangle with a `size`"""
+    """The shape of the dish, such as `round` or `rectangle`; by default the one whose size is given. Effect:
+    determines where the wall is."""
     radius: Size | None = None
-    """m; or else `size`"""
+    """The radius of a round dish (m); either this or `size`. Effect: a larger dish lengthens the times until floats
+    meet."""
     size: tuple[Size, Size] | None = None
-    """Width and height as seen from above (m)."""
+    """The width and height of a rectangular dish, seen from above (m). Effect: a larger dish lengthens the times
+    until floats meet."""
     contact_angle: WettingAngle = 0.7853981633974483
-    """Of the liquid on the wall (rad): below 90 degrees it climbs."""
+    """The contact angle of the liquid at the wall (rad). Effect: below 90 deg the liquid rises at the wall, which
+    attracts light floats and repels heavy ones."""
     law: LawName | None = None
-    """How the wall's meniscus pulls: `meniscus`, `profile`, `linear`, `two-point-legacy` or `none`; by default the
-    theory's."""
+    """The force of the meniscus of the wall: `meniscus`, `profile`, `linear`, `two-point-legacy` or `none`; by
+    default that of the theory. Effect: `none` leaves a wall that only reflects."""
     image: LawName = "none"
-    """What the wall does with a float's own meniscus: `none`, `fixed-angle` (draws it near) or `pinned` (repels it)."""
+    """The effect of the wall on the meniscus of a float: `none`, `fixed-angle` or `pinned`. Effect: `fixed-angle`
+    attracts floats to the wall, `pinned` repels them."""
     density: PositiveDensity = 2500.0
-    """Of the wall (kg/m^3), glass by default; only `two-point-legacy` asks for it."""
+    """The density of the wall (kg/m^3), by default that of glass. Effect: used by the law `two-point-legacy` only."""
     restitution: Proportion = 0.2
-    """What is left of a normal velocity after a bounce off the wall."""
+    """The ratio of normal velocities after and before a collision with the wall. Effect: 1 conserves the kinetic
+    energy, 0 stops the normal motion."""
     friction: Roughness = 0.0
-    """Coulomb's coefficient at the wall; with one, floats spin."""
+    """The Coulomb friction coefficient at the wall. Effect: above 0 floats rotate when they slide along the wall."""
     motion: DishMotionSpec | None = None
-    """How it is moved, if it is."""
+    """The motion of the dish. Effect: inertial forces and drag act on the floats."""
 
     @model_validator(mode="after")
     def _one_shape(self) -> Self:
@@ -209,33 +231,50 @@ class DishSpec:
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
-class FilmsSpec:
+class LubricationSpec:
     """Liquid between floats that resists being squeezed out, and drawn in."""
 
     roughness: Size
-    """The gap (m) below which the film gets no thinner: smooth spheres would never touch."""
-    reach: Annotated[Number, Field(gt=2.0, le=1e3)] = 4.0
-    """How far apart centers may be, over the radius, for a film to be between them."""
+    """The gap below which the film no longer becomes thinner (m). Effect: smaller values slow down the last
+    approach: smooth spheres never touch."""
+    cutoff: Annotated[Number, Field(gt=2.0, le=1e3)] = 4.0
+    """The largest distance of two centers with a film between them, in radii. Effect: larger values include more
+    pairs and cost more time."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
-class MotionSpec:
+class IntegrationSpec:
     """The time integration."""
 
     integrator: LawName = "velocity-verlet"
-    """`velocity-verlet`, `explicit-euler`, `stormer-verlet`, `semi-implicit-euler`, `rk4` or `overdamped`."""
+    """The integration scheme: `velocity-verlet`, `explicit-euler`, `stormer-verlet`, `semi-implicit-euler`, `rk4` or
+    `overdamped`. Effect: `overdamped` omits inertia; the others differ in order and stability."""
     time_step: Duration | None = None
-    """s; by default the model chooses"""
-    drag: Switch | None = None
-    """Whether the liquid's viscosity slows the floats down; by default it does, but in `legacy-2022`."""
-    drag_law: LawName = "stokes"
-    """`stokes`, for slow floats, or `schiller-naumann`, which grows with the Reynolds number."""
+    """The time step (s), a whole fraction of `frame_every`; by default chosen from the scene. Effect: smaller steps
+    are more accurate and cost more; unstable steps are refused."""
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class HydrodynamicsSpec:
+    """The forces of the liquid on moving floats."""
+
+    drag: LawName | None = None
+    """The drag law: `stokes` for slow floats, `schiller-naumann`, which grows with the Reynolds number, or `none`;
+    by default `stokes`, in `legacy-2022` `none`. Effect: without drag floats oscillate around each other."""
     added_mass: Switch = False
-    """Whether spheres carry half the mass of the liquid that they displace."""
-    films: FilmsSpec | None = None
-    """The drag of floats that approach one another; by default each drags as if it were alone."""
-    temperature: Heat = 0.0
-    """Of the Brownian motion (K), which only the `overdamped` integrator has; at 0 there is none."""
+    """Whether the inertia of spheres includes half the mass of the displaced liquid. Effect: makes floats slower to
+    accelerate."""
+    lubrication: LubricationSpec | None = None
+    """Lubrication films between approaching floats; by default the drag on each float is that of a lone one. Effect:
+    slows down approach and separation at small gaps."""
+    brownian: Switch = False
+    """Brownian motion at the temperature of the liquid; requires the integrator `overdamped`. Effect: adds thermal
+    noise, which disperses floats below a few micrometers."""
+
+    @property
+    def resists(self) -> bool:
+        """Whether there is drag."""
+        return self.drag != "none"
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -243,18 +282,21 @@ class ContactSpec:
     """The contacts between floats."""
 
     restitution: Proportion = 0.2
-    """What is left of the approach velocity after a bounce."""
+    """The ratio of relative normal velocities after and before a collision of two floats. Effect: 1 conserves the
+    kinetic energy, 0 makes floats stay together."""
     friction: Roughness = 0.0
-    """Coulomb's coefficient between two floats: the impulse along their surfaces is at most so much of the one that
-    keeps them apart; with one, floats spin."""
+    """The Coulomb friction coefficient between two floats, which limits the tangential impulse of a contact. Effect:
+    above 0 floats rotate."""
     legacy_coefficient: Proportion | None = None
-    """The original's C, which means a restitution of 2C - 1; overrules `restitution`. In `legacy-2022` 0.3, if left
-    out."""
+    """The coefficient C of the original program, with the restitution 2C - 1; takes precedence over `restitution`;
+    in `legacy-2022` by default 0.3. Example: `0.7`. Effect: below 0.5 floats lose more than their approach
+    velocity."""
     law: LawName = "impulse"
-    """`impulse`, `spring-dashpot`, which is soft, or `none`."""
+    """The contact law: `impulse`, `spring-dashpot`, which is soft, or `none`. Effect: without contacts floats pass
+    through each other."""
     stiffness: Springiness | None = None
-    """Of the springs (N/m); by default so stiff that what floats do to each other presses them in by a thousandth of a
-    radius."""
+    """The stiffness of the springs (N/m); by default the value for an indentation of a thousandth of a radius.
+    Effect: stiffer springs need shorter time steps."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -262,17 +304,24 @@ class InteractionSpec:
     """The interaction of floats by their menisci."""
 
     law: LawName | None = None
-    """`capillary`, `one-sided-legacy` or `none`; by default the theory's"""
+    """The pair law: `capillary`, `one-sided-legacy` or `none`; by default that of the theory. Effect: `none` leaves
+    floats that only collide."""
     charge: LawName | None = None
-    """Where the capillary charge comes from: `nonlinear`, `closed-form` or `linear`; by default the theory's."""
+    """The computation of the capillary charge: `nonlinear`, `closed-form` or `linear`; by default that of the
+    theory. Effect: the forces are proportional to the product of two charges; for steep menisci only `nonlinear`
+    is exact."""
     method: LawName = "superposition"
-    """What floats do together: `superposition`, `pair-corrected` by tables for two, or `multipole`, all at once."""
+    """The treatment of several floats: `superposition`, `pair-corrected` by tables for two, or `multipole` for all
+    at once. Effect: `multipole` is accurate near contact and costs much more."""
     order: Annotated[int, Field(strict=True, ge=1, le=60)] = 8
-    """Of the multipoles: 8 is good to 1e-3 at a gap of 2 % of a diameter."""
+    """The order of the multipole expansion. Effect: 8 has an error of 1e-3 at a gap of 2 % of a diameter; the cost
+    grows as the third power."""
     accuracy: Annotated[Proportion, Field(ge=1e-12, le=1e-1)] = 1e-4
-    """The part of the force at a raft's edge that may be cut off; of a grid also its r.m.s. error."""
-    sum: LawName = "auto"
-    """How superposed forces are added up: pair by pair with `cells`, with a `grid` beside them, which crowds of small
-    floats want, or as is less work, `auto`."""
+    """The fraction of the force at the edge of a raft that may be neglected; with a grid also its r.m.s. error.
+    Effect: smaller values lengthen the cutoff and cost more time."""
+    summation: LawName = "auto"
+    """The summation of superposed forces: pairs in `cells`, a `grid` for the long-range part, or the faster of both,
+    `auto`. Effect: a grid is faster for many small floats."""
     precision: LawName = "double"
-    """Of the pair forces: `double`, or `single`, which errs by 1e-6 and is faster."""
+    """The floating-point precision of pair forces, `double` or `single`. Effect: `single` is faster and has an error
+    of 1e-6."""

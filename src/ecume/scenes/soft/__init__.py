@@ -5,13 +5,14 @@
 
 from ecume.scenes.soft.protocol import OscillationSpec, StageSpec
 from ecume.scenes.soft.scene import (
-    BoxSpec,
+    CellSpec,
     FilmSpec,
-    RemoteSpec,
+    IntegrationSpec,
+    LongRangeSpec,
+    SoftHydrodynamicsSpec,
     SoftLiquid,
     SoftScene,
     SphereSpec,
-    SteppingSpec,
     dimensions_of,
     sides_of,
 )
@@ -19,15 +20,16 @@ from ecume.scenes.soft.walls import SIDES, WallSpec
 
 __all__ = [
     "SIDES",
-    "BoxSpec",
+    "CellSpec",
     "FilmSpec",
+    "IntegrationSpec",
+    "LongRangeSpec",
     "OscillationSpec",
-    "RemoteSpec",
+    "SoftHydrodynamicsSpec",
     "SoftLiquid",
     "SoftScene",
     "SphereSpec",
     "StageSpec",
-    "SteppingSpec",
     "WallSpec",
     "dimensions_of",
     "sides_of",

@@ -56,11 +56,13 @@ class OscillationSpec:
     """A sine beside what the moment says of shear, from there to the next moment."""
 
     frequency: Frequency
-    """cycles a second (1/s)"""
+    """The frequency in cycles per second (1/s). Effect: faster oscillations meet a more viscous response."""
     amplitude: Factor | None = None
-    """of the strain, where a strain or a rate is imposed"""
+    """The amplitude of the strain, where a strain or a rate is imposed. Effect: larger strains leave the linear
+    response."""
     stress: Stress | None = None
-    """of the shear stress, where one is imposed (Pa; N/m in a layer)"""
+    """The amplitude of the shear stress, where a stress is imposed (Pa; N/m in 2D). Example: `"1 Pa"`. Effect:
+    larger stresses leave the linear response."""
 
     @model_validator(mode="after")
     def _one(self) -> Self:
@@ -76,30 +78,33 @@ class StageSpec:
     """
 
     time: Instant
-    """s"""
+    """The instant (s); a time given twice is a jump. Effect: shifts the instant at which the values are reached."""
     load: Factor | None = None
-    """what the spheres' forces are multiplied by; 1 at first"""
+    """The factor of the external forces on spheres, reached at this time; initially 1. Effect: scales all forces,
+    torques, pressures and stresses."""
     wall_shear: Factor | None = None
-    """what the walls' shear stresses are multiplied by beside it, so that pressures may stay as they are; 1 at first"""
+    """The additional factor of the shear stresses of walls, reached at this time; initially 1. Effect: scales the
+    shear at constant pressure."""
     strain: Factor | None = None
-    """shear strain of the box, along x from bottom to top, reached at this time"""
+    """The shear strain of the cell along x, reached at this time. Effect: shears the packing."""
     shear_rate: StrainRate | None = None
-    """its rate from this time on (1/s); 0 holds the box as it is sheared"""
+    """The shear rate from this time on (1/s); 0 holds the strain. Effect: faster shear increases the viscous stress."""
     shear_stress: Stress | None = None
-    """shear stress from this time on, to which the strain answers (Pa; N/m in a layer); positive pulls the top along x;
-    evenly towards the next moment's, if that names one, too"""
+    """The shear stress from this time on (Pa; N/m in 2D), positive where the top is pulled along x; the strain
+    follows. Example: `"10 Pa"`. Effect: above the yield stress the packing flows."""
     oscillation: OscillationSpec | None = None
-    """a sine beside it"""
+    """A sine in addition to the shear, up to the next instant. Effect: adds an oscillating strain or stress."""
     scale: Scale | None = None
-    """what the sides of the box are multiplied by, reached at this time"""
+    """The factor of the sides of the cell, reached at this time. Effect: below 1 the packing is compressed."""
     height_rate: StrainRate | None = None
-    """rate of ln(height of the box) from this time on (1/s); 0 holds the box as large as it is"""
+    """The rate of ln(height of the cell) from this time on (1/s); 0 holds the height. Effect: negative values
+    compress the packing along y."""
     normal_stress: Stress | None = None
-    """stress across top and bottom from this time on, to which the height answers (Pa; N/m in a layer); compression is
-    positive; evenly towards the next moment's"""
+    """The normal stress at top and bottom from this time on (Pa; N/m in 2D), positive in compression; the height
+    follows. Example: `"100 Pa"`. Effect: higher stresses compress the packing along y."""
     pressure: Stress | None = None
-    """mean normal stress from this time on, to which all sides answer alike (Pa; N/m in a layer); compression is
-    positive; evenly towards the next moment's"""
+    """The mean normal stress from this time on (Pa; N/m in 2D), positive in compression; all sides follow alike.
+    Example: `"100 Pa"`. Effect: higher pressures compress the packing."""
 
     @model_validator(mode="after")
     def _one_each(self) -> Self:
@@ -135,7 +140,7 @@ def protocol_faults(stages: Sequence[StageSpec], dimensions: int, boxed: bool) -
         given = [name for name in OF_BOX if getattr(stage, name) is not None]
         if given and not boxed:
             cause = (
-                "is that of a [box] without walls; there is none. Walls have a pressure, a shear_stress and a velocity"
+                "is that of a [cell] without walls; there is none. Walls have a pressure, a shear_stress and a velocity"
             )
             found += [((index, name), cause) for name in given]
         found += [((index, *path), cause) for path, cause in _wrong_units(stage, dimensions)]

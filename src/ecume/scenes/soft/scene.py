@@ -11,17 +11,20 @@ from pydantic.dataclasses import dataclass
 from ecume.scenes.common import Common, Kind
 from ecume.scenes.faults import Complaints, Inconsistent, Path
 from ecume.scenes.quantities import (
+    ROOM,
     STRICT,
+    AbsoluteTemperature,
     Color,
     Coordinate,
     Count,
+    GravityVector,
     LawName,
     Name,
     PositiveDensity,
-    Pull,
     Radius,
     Size,
     Switch,
+    downwards,
 )
 from ecume.scenes.soft.protocol import StageSpec, protocol_faults
 from ecume.scenes.soft.walls import WallSpec, wall_faults
@@ -53,14 +56,36 @@ Sides = Annotated[tuple[Size, ...], Field(min_length=2, max_length=3)]
 class SoftLiquid:
     """The liquid between the spheres."""
 
-    viscosity: ThickViscosity
-    """Pa s"""
+    name: Name = ""
+    """A liquid of the table in `ecume.laws.liquids`, such as `water`, at the `temperature`. Effect: provides the
+    viscosity, density and surface tension that are not given."""
+    temperature: AbsoluteTemperature = ROOM
+    """The temperature of the named liquid (K); text such as `20 degC` is allowed. There is no thermal noise. Effect:
+    a warmer liquid is less viscous."""
+    viscosity: ThickViscosity | None = None
+    """The dynamic viscosity of the liquid in the films (Pa s); required without a name. Effect: film forces are
+    proportional to it: all times of relaxation grow with it."""
     surface_tension: Tension | None = None
-    """of bubbles or drops in it (N/m)"""
+    """The surface tension of bubbles or drops (N/m); required for `films.surface = "bubble"`. Effect: stiffens
+    bubbles and drops."""
     density: PositiveDensity | None = None
-    """kg/m^3; needed with gravity"""
-    drag: Switch = False
-    """Whether the liquid far away drags on each sphere, with Stokes's 6 pi eta R."""
+    """The density of the liquid (kg/m^3); required with gravity. Effect: the buoyancy of the spheres is proportional
+    to it."""
+
+    @model_validator(mode="after")
+    def _viscous(self) -> Self:
+        if self.viscosity is None and not self.name:
+            raise Inconsistent([(("viscosity",), 'is missing; give it, or the name of a liquid such as "water"')])
+        return self
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class SoftHydrodynamicsSpec:
+    """The forces of the liquid far away on moving spheres."""
+
+    drag: Literal["none", "stokes"] = "none"
+    """The drag of the surrounding liquid: `stokes` is 6 pi eta R per sphere, `none` leaves the films alone. Effect:
+    gives spheres without contacts a finite velocity."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -68,23 +93,30 @@ class SphereSpec:
     """Equal spheres, where they start, and what pulls at each."""
 
     name: Name = ""
-    """What this species is called; `sphere-1` and so on when empty."""
+    """The name of the species in frames, legends and exports; by default `sphere-1` and so on. Effect: none on the
+    motion."""
     radius: Radius
-    """m, undeformed"""
+    """The radius of each undeformed sphere (m). Effect: larger spheres have larger contacts and stronger film
+    forces."""
     modulus: Modulus | None = None
-    """Young's modulus of the material (Pa); bubbles and drops have none"""
+    """Young's modulus of the material (Pa); bubbles and drops have none. Effect: stiffer spheres are indented less;
+    contact forces relax faster."""
     density: PositiveDensity | None = None
-    """kg/m^3; needed with gravity"""
+    """The density of each sphere (kg/m^3); required with gravity. Effect: spheres denser than the liquid settle,
+    others rise."""
     positions: tuple[Position, ...] = ()
-    """Where each starts (m): two coordinates in a layer, three in space."""
+    """The initial position of each sphere (m): two coordinates in 2D, three in 3D. Effect: replaces the random
+    packing of `count`."""
     count: Count | None = None
-    """How many are placed at random in the box, for lack of positions."""
+    """The number of spheres at random positions in the cell, instead of positions. Effect: run time grows faster
+    than in proportion to it."""
     force: ForceVector | None = None
-    """What pulls at each of them (N), at load 1."""
+    """The external force on each sphere (N), at load 1. Effect: moves the spheres; the forces must be balanced."""
     torque: TorqueVector | None = None
-    """What turns each of them (N m), at load 1, where spheres spin: one number in a layer, three in space."""
+    """The external torque on each sphere (N m), at load 1, with `rotation`: one number in 2D, three in 3D. Effect:
+    rotates the spheres."""
     color: Color | None = None
-    """`#rrggbb`, or a plain English name"""
+    """The color in pictures: `#rrggbb`, or an English name. Effect: none on the motion."""
 
     @model_validator(mode="after")
     def _placed(self) -> Self:
@@ -99,77 +131,96 @@ class FilmSpec:
     """Contacts: a film of liquid in series with the surfaces' elasticity."""
 
     surface: LawName = "hertz"
-    """How surfaces give way: `hertz` as those of elastic spheres, `bubble` as those of bubbles and drops."""
+    """The elasticity of the surfaces: `hertz` for elastic spheres, `bubble` for bubbles and drops. Effect: `bubble`
+    takes the stiffness from the surface tension."""
     interface: LawName = "rigid"
-    """What surfaces the film lies between: `rigid` ones hold the liquid, along `mobile` ones it slips freely, along one
-    of the two where `half-mobile`; those of a `drop` drag the liquid inside along."""
+    """The mobility of the interfaces: `rigid`, `mobile` with free slip, `half-mobile` with one of both, or `drop`,
+    whose inner liquid is dragged along. Effect: mobile interfaces let films drain faster."""
     viscosity_ratio: ViscosityRatio = 1.0
-    """of a drop's liquid, over that of the film"""
+    """The viscosity of the liquid in a drop, divided by that of the film. Effect: large ratios approach rigid
+    interfaces."""
     friction: LawName = "none"
-    """Contact friction: `none`, or `coulomb`, where gaps are below the roughness."""
+    """Contact friction: `none`, or `coulomb` where gaps are below the roughness. Effect: friction resists shear and
+    rotation in dense packings."""
     friction_coefficient: Coefficient = 0.5
-    """what holds the surfaces, over what presses them together"""
+    """The Coulomb friction coefficient: the largest tangential force divided by the normal one. Effect: larger
+    values resist more before surfaces slide."""
     roughness: Size | None = None
-    """the gap below which there is contact friction (m)"""
+    """The gap below which there is contact friction (m). Effect: larger values bring more contacts into friction."""
     prefactors: LawName = "paper"
-    """Where the six numbers come from that follow: `paper` or `physical`."""
+    """The set of the six numbers that follow: `paper` or `physical`. Effect: `physical` has the stiffness of Hertz
+    contacts."""
     squeeze: Prefactor | None = None
-    """c_n: friction c_n eta a^4/h^3 of squeezing; overrules the set"""
+    """The prefactor c_n of the squeezing friction c_n eta a^4/h^3; takes precedence over the set. Effect: larger
+    values slow down approach and separation."""
     shear: Prefactor | None = None
-    """c_t: friction c_t eta a^2/h of sliding; overrules the set"""
+    """The prefactor c_t of the sliding friction c_t eta a^2/h; takes precedence over the set. Effect: larger values
+    slow down sliding."""
     normal: Prefactor | None = None
-    """alpha_n: stiffness alpha_n E a along the normal; overrules the set"""
+    """The prefactor alpha_n of the normal stiffness alpha_n E a; takes precedence over the set. Effect: larger
+    values reduce the indentations."""
     tangential: Prefactor | None = None
-    """alpha_t: stiffness alpha_t E a along the surface; overrules the set"""
+    """The prefactor alpha_t of the tangential stiffness alpha_t E a; takes precedence over the set. Effect: larger
+    values reduce the tangential deformation."""
     gap_weight: Weight | None = None
-    """c_h in a^2 = R (c_h h + c_d |delta|); overrules the set"""
+    """The weight c_h of the gap in the contact size a^2 = R (c_h h + c_d |delta|); takes precedence over the set.
+    Effect: larger values widen contacts with wide films."""
     deflection_weight: Weight | None = None
-    """c_d in the same; overrules the set"""
-    reach: Size | None = None
-    """The gap up to which spheres have a film between them (m); by default half of the smallest radius in a box, and
-    without a box all spheres have one, always."""
+    """The weight c_d of the indentation in the contact size a^2 = R (c_h h + c_d |delta|); takes precedence over the
+    set. Effect: larger values widen contacts with strong indentation."""
+    cutoff: Size | None = None
+    """The largest gap with a film (m); by default half of the smallest radius in a cell, without a cell infinite.
+    Effect: larger values include more pairs and cost more time."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
-class RemoteSpec:
+class LongRangeSpec:
     """The force between surfaces across the film."""
 
     law: LawName = "none"
-    """`none`, `steric` or `dlvo`"""
-    strength: Strength = 0.0
-    """of the steric repulsion (N): that at half its length"""
-    length: Size = 1e-8
-    """of the steric repulsion (m)"""
-    hamaker: Hamaker = 0.0
-    """Hamaker's constant of van der Waals's attraction (J)"""
-    layer_strength: Strength = 0.0
-    """of the electric double layer (J/m = N)"""
+    """The force between surfaces across the film: `none`, `steric` or `dlvo`. Effect: `steric` repels, `dlvo`
+    attracts at small gaps and repels at larger ones."""
+    steric_strength: Strength = 0.0
+    """The force of the steric repulsion at half its length (N). Effect: stronger repulsion holds films open."""
+    steric_length: Size = 1e-8
+    """The range of the steric repulsion (m). Effect: longer ranges hold thicker films."""
+    hamaker_constant: Hamaker = 0.0
+    """The Hamaker constant of the van der Waals attraction (J). Effect: larger values attract the surfaces more
+    strongly."""
+    double_layer_strength: Strength = 0.0
+    """The strength of the electric double layer (J/m = N). Effect: larger values repel the surfaces more strongly."""
     debye_length: Size = 1e-8
-    """of the electric double layer (m)"""
+    """The Debye length of the electric double layer (m). Effect: longer values extend the repulsion."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
-class BoxSpec:
+class CellSpec:
     """A periodic box; Lees and Edwards's shear moves its copies above and below."""
 
     size: Sides
-    """Its sides (m), as many as there are dimensions; with a volume fraction their proportions."""
+    """The sides of the periodic cell (m), one per dimension; with `volume_fraction` their proportions only. Effect:
+    a larger cell dilutes the packing."""
     volume_fraction: Filling | None = None
-    """What part of it undeformed spheres take at the start, discs of a layer; by default what the sides make it."""
-    gap: Size | None = None
-    """The least gap of spheres that are placed at random (m); by default a hundredth of the smallest radius."""
+    """The fraction of the cell in undeformed spheres at the start, in 2D of the area; by default it follows from
+    `size`. Example: `0.84`. Effect: above jamming the spheres are compressed."""
+    minimum_gap: Size | None = None
+    """The smallest gap of spheres placed at random (m); by default a hundredth of the smallest radius. Effect:
+    larger gaps are harder to place in dense packings."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
-class SteppingSpec:
+class IntegrationSpec:
     """The time integration: implicit, with steps as long as the tolerance allows."""
 
-    scheme: LawName = "esdirk4"
-    """`esdirk4` of order 4 or `tr-bdf2` of order 2, both L-stable"""
+    integrator: LawName = "esdirk4"
+    """The implicit scheme: `esdirk4` of order 4 or `tr-bdf2` of order 2, both L-stable. Effect: `tr-bdf2` is cheaper
+    per step, `esdirk4` more accurate."""
     tolerance: Tolerance = 1e-6
-    """the error of ln(gap), and of directions in radians, that a step may make"""
+    """The error per step of ln(gap), and of directions (rad). Effect: smaller values shorten the steps and cost more
+    time."""
     solver: LawName = "auto"
-    """`auto`, `dense`, `iterative`, `direct` or `cholmod`: how a step's linear systems are solved"""
+    """The solver of the linear systems: `auto`, `dense`, `iterative`, `direct` or `cholmod`. Effect: none on the
+    result beyond the tolerance; run times differ."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -177,35 +228,45 @@ class SoftScene(Common):
     """Soft spheres in a viscous liquid, so slow that inertia plays no part."""
 
     model: Literal["soft"] = "soft"
-    """Which model."""
+    """The model: soft spheres with films between them, without inertia. Effect: selects the equations that are
+    solved."""
     liquid: SoftLiquid
-    """What is between them."""
-    spheres: Annotated[tuple[SphereSpec, ...], Field(min_length=1)]
-    """The species."""
+    """The properties of the liquid in the films. Effect: they set the film forces."""
+    particles: Annotated[tuple[SphereSpec, ...], Field(min_length=1)]
+    """The species of spheres, one table each. Effect: each species adds spheres with common properties."""
     rotation: Switch = False
-    """Whether spheres spin, so that torques balance, too."""
+    """Whether spheres rotate, so that torques are balanced as well. Effect: rotation reduces the resistance to shear
+    and costs time."""
     films: FilmSpec = FilmSpec()
-    """The contacts."""
-    remote: RemoteSpec = RemoteSpec()
-    """What acts across the films."""
-    gravity: Pull | None = None
-    """Acceleration of gravity (m/s^2), as many components as there are dimensions; needs densities"""
-    box: BoxSpec | None = None
-    """The periodic box, if any."""
+    """The contacts: a film of liquid in series with the elasticity of the surfaces. Effect: determines resistance
+    and stiffness."""
+    long_range_forces: LongRangeSpec = LongRangeSpec()
+    """The colloidal forces across the films. Effect: they hold films open or attract surfaces."""
+    gravity: GravityVector | None = None
+    """The gravitational acceleration (m/s^2): a magnitude, along -y, or a vector; by default none; requires
+    densities. Effect: spheres settle or rise in proportion to it."""
+    cell: CellSpec | None = None
+    """The periodic cell; without it space is infinite. Effect: allows homogeneous shear and compression."""
     walls: tuple[WallSpec, ...] = ()
-    """Planes that the spheres lie between or on."""
+    """Plane walls; the cell is not periodic across them. Effect: spheres rest on them or are compressed between
+    them."""
     protocol: tuple[StageSpec, ...] = ()
-    """What is done to spheres and box over time."""
-    stepping: SteppingSpec = SteppingSpec()
-    """The time stepping."""
+    """The loading over time, one table per instant. Effect: drives loads, shear and compression."""
+    hydrodynamics: SoftHydrodynamicsSpec = SoftHydrodynamicsSpec()
+    """The drag of the surrounding liquid. Effect: balances forces on spheres without contacts."""
+    integration: IntegrationSpec = IntegrationSpec()
+    """The time stepping: implicit, with steps chosen by the tolerance. Effect: determines the error per step and the
+    cost."""
 
     @property
     def kinds(self) -> tuple[Kind, ...]:
         """The species, each in the place that is its number in frames."""
-        return tuple(Kind(one.name or f"sphere-{index}", one.color) for index, one in enumerate(self.spheres, 1))
+        return tuple(Kind(one.name or f"sphere-{index}", one.color) for index, one in enumerate(self.particles, 1))
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
+        if self.gravity is not None:
+            object.__setattr__(self, "gravity", downwards(self.gravity, dimensions_of(self)))
         complaints = [
             *_dimensions(self), *_protocol(self), *_walls(self), *_gravity(self), *_crowd(self),
         ]  # fmt: skip
@@ -216,30 +277,30 @@ class SoftScene(Common):
 
 def sides_of(scene: SoftScene) -> tuple[float, ...]:
     """The sides of the box at scale 1 (m), as large as its volume fraction wants it; none without a box."""
-    if scene.box is None:
+    if scene.cell is None:
         return ()
-    size, wanted = scene.box.size, scene.box.volume_fraction
+    size, wanted = scene.cell.size, scene.cell.volume_fraction
     if wanted is None:
         return size
     unit, power = (math.pi, 2) if len(size) == 2 else (4.0 / 3.0 * math.pi, 3)
-    volume = sum((one.count or len(one.positions)) * unit * one.radius**power for one in scene.spheres)
+    volume = sum((one.count or len(one.positions)) * unit * one.radius**power for one in scene.particles)
     factor = (volume / wanted / math.prod(size)) ** (1.0 / len(size))
     return tuple(factor * side for side in size)
 
 
 def dimensions_of(scene: SoftScene) -> int:
     """2 for a layer, 3 for a packing in space: as many as the box, or the first position, has."""
-    if scene.box is not None:
-        return len(scene.box.size)
-    return next((len(position) for species in scene.spheres for position in species.positions), 2)
+    if scene.cell is not None:
+        return len(scene.cell.size)
+    return next((len(position) for species in scene.particles for position in species.positions), 2)
 
 
 def _dimensions(scene: SoftScene) -> Complaints:
     """The faults of positions and forces whose numbers of components differ."""
     wanted = dimensions_of(scene)
     found: Complaints = []
-    for index, species in enumerate(scene.spheres):
-        path: Path = ("spheres", index)
+    for index, species in enumerate(scene.particles):
+        path: Path = ("particles", index)
         found += [
             ((*path, "positions", place), f"got {len(position)} coordinates; expected {wanted} as elsewhere")
             for place, position in enumerate(species.positions)
@@ -249,8 +310,8 @@ def _dimensions(scene: SoftScene) -> Complaints:
             found.append(((*path, "force"), f"got {len(species.force)} components; expected {wanted}"))
         if species.torque is not None:
             found += _torque((*path, "torque"), len(species.torque), scene)
-        if species.count is not None and scene.box is None:
-            found.append(((*path, "count"), "spheres are placed at random in a [box]; there is none"))
+        if species.count is not None and scene.cell is None:
+            found.append(((*path, "count"), "spheres are placed at random in a [cell]; there is none"))
     return found
 
 
@@ -262,11 +323,16 @@ def _torque(path: Path, came: int, scene: SoftScene) -> Complaints:
 
 
 def _walls(scene: SoftScene) -> Complaints:
-    sides = None if scene.box is None else scene.box.size
+    sides = None if scene.cell is None else scene.cell.size
     found = wall_faults(scene.walls, dimensions_of(scene), sides)
     yields = [wall.shear_stress is not None for wall in scene.walls]
-    if yields and all(yields) and not scene.liquid.drag:
-        found.append(((0, "shear_stress"), "all walls yield along x; expected one that does not, or liquid.drag"))
+    if yields and all(yields) and scene.hydrodynamics.drag == "none":
+        found.append(
+            (
+                (0, "shear_stress"),
+                "all walls yield along x; expected one that does not, or hydrodynamics.drag = 'stokes'",
+            )
+        )
     return [(("walls", *path), message) for path, message in found]
 
 
@@ -276,14 +342,14 @@ def _gravity(scene: SoftScene) -> Complaints:
     found: Complaints = []
     if len(scene.gravity) != dimensions_of(scene):
         found.append((("gravity",), f"got {len(scene.gravity)} components; expected {dimensions_of(scene)}"))
-    if scene.liquid.density is None:
+    if scene.liquid.density is None and not scene.liquid.name:
         found.append((("liquid", "density"), "is missing; gravity needs it, for what the liquid lifts"))
-    missing = [index for index, species in enumerate(scene.spheres) if species.density is None]
-    return found + [(("spheres", index, "density"), "is missing; gravity needs it") for index in missing]
+    missing = [index for index, species in enumerate(scene.particles) if species.density is None]
+    return found + [(("particles", index, "density"), "is missing; gravity needs it") for index in missing]
 
 
 def _protocol(scene: SoftScene) -> Complaints:
-    boxed = scene.box is not None and not scene.walls
+    boxed = scene.cell is not None and not scene.walls
     found = protocol_faults(scene.protocol, dimensions_of(scene), boxed)
     if all(wall.shear_stress is None for wall in scene.walls):
         given = [index for index, stage in enumerate(scene.protocol) if stage.wall_shear is not None]
@@ -292,9 +358,9 @@ def _protocol(scene: SoftScene) -> Complaints:
 
 
 def _crowd(scene: SoftScene) -> Complaints:
-    total = sum(species.count or len(species.positions) for species in scene.spheres)
+    total = sum(species.count or len(species.positions) for species in scene.particles)
     if total < 2:
-        return [(("spheres",), "a single sphere has no film; expected two or more")]
+        return [(("particles",), "a single sphere has no film; expected two or more")]
     if total > MOST_SPHERES:
-        return [(("spheres",), f"{total} spheres are more than {MOST_SPHERES:.0e}")]
+        return [(("particles",), f"{total} spheres are more than {MOST_SPHERES:.0e}")]
     return []

@@ -28,17 +28,21 @@ class WallSpec:
     """
 
     side: Side
-    """`left`, `right` (across x), `bottom`, `top` (across y), `front` or `back` (across z)"""
+    """The side of the wall: `left`, `right` (normal to x), `bottom`, `top` (normal to y), `front` or `back` (normal
+    to z). Effect: moves the wall to another side."""
     position: Coordinate | None = None
-    """Where it stands on its axis at the start (m); by default at that end of the box."""
+    """The initial position of the wall along its normal (m); by default that end of the cell. Effect: shifts the
+    wall."""
     modulus: Modulus | None = None
-    """Young's modulus of its material (Pa); by default it is rigid."""
+    """Young's modulus of the wall (Pa); by default it is rigid. Effect: softer walls are indented more."""
     velocity: Motion | None = None
-    """How it moves (m/s)."""
+    """The velocity of the wall (m/s). Effect: moves the wall: shear along it, compression across it."""
     pressure: Stress | None = None
-    """What pushes it towards the spheres, so that it moves along its axis (Pa; N/m in a layer), at load 1."""
+    """The pressure that pushes the wall toward the spheres (Pa; N/m in 2D), at load 1; the wall then moves along its
+    normal. Example: `"100 Pa"`. Effect: higher pressures compress the packing."""
     shear_stress: Stress | None = None
-    """What pulls it along x, so that it moves there (Pa; N/m in a layer), at load 1."""
+    """The shear stress that pulls the wall along x (Pa; N/m in 2D), at load 1; the wall then moves along x. Example:
+    `"100 Pa"`. Effect: above the yield stress the packing flows."""
 
 
 def wall_faults(walls: Sequence[WallSpec], dimensions: int, sides: Sequence[float] | None) -> Complaints:
@@ -53,7 +57,7 @@ def wall_faults(walls: Sequence[WallSpec], dimensions: int, sides: Sequence[floa
             found.append(((index, "side"), f"stands twice: there is a {wall.side} already"))
         seen.add(wall.side)
         if wall.position is None and sides is None:
-            found.append(((index, "position"), "is missing; there is no [box] at whose end the wall could stand"))
+            found.append(((index, "position"), "is missing; there is no [cell] at whose end the wall could stand"))
         found += [((index, *path), message) for path, message in _driven(wall, dimensions, sides)]
     return found
 
@@ -75,7 +79,7 @@ def _driven(wall: WallSpec, dimensions: int, sides: Sequence[float] | None) -> C
     for name in ("pressure", "shear_stress"):
         value = getattr(wall, name)
         if value is not None and sides is None:
-            found.append(((name,), "acts on the wall's area, that of the [box]; there is none"))
+            found.append(((name,), "acts on the wall's area, that of the [cell]; there is none"))
         if isinstance(value, wrong):
             found.append(((name,), f"stresses here are in {STRESS_UNITS[dimensions]}"))
     return found

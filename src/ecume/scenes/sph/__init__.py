@@ -4,25 +4,26 @@
 `passive_particles` tracers and grains, and `sources` reads liquid from tables, outlines and other runs.
 """
 
-from ecume.scenes.sph.passive_particles import CarriedSpec
-from ecume.scenes.sph.scene import CentralPullSpec, FluidSpec, MethodSpec, RegionSpec, SphScene
+from ecume.scenes.sph.passive_particles import PassiveTracerSpec
+from ecume.scenes.sph.scene import CentralForceSpec, FluidSpec, IntegrationSpec, MethodSpec, RegionSpec, SphScene
 from ecume.scenes.sph.solids import BodySpec, ObstacleSpec, ShapeSpec
 from ecume.scenes.sph.sources import ParticlesSpec
-from ecume.scenes.sph.tank import SIDES, GaugeSpec, MotionSpec, ShakeSpec, SideSpec, TankSpec
+from ecume.scenes.sph.tank import SIDES, BaseExcitationSpec, GaugeSpec, MotionSpec, SideSpec, TankSpec
 
 __all__ = [
     "SIDES",
+    "BaseExcitationSpec",
     "BodySpec",
-    "CarriedSpec",
-    "CentralPullSpec",
+    "CentralForceSpec",
     "FluidSpec",
     "GaugeSpec",
+    "IntegrationSpec",
     "MethodSpec",
     "MotionSpec",
     "ObstacleSpec",
     "ParticlesSpec",
+    "PassiveTracerSpec",
     "RegionSpec",
-    "ShakeSpec",
     "ShapeSpec",
     "SideSpec",
     "SphScene",

@@ -16,27 +16,29 @@ Schmidt = Annotated[Number, Field(gt=0.0, le=1e3)]
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
-class CarriedSpec:
+class PassiveTracerSpec:
     """Particles that go with the liquid: at given places, or so many at random in a box."""
 
     positions: tuple[Place, ...] = ()
-    """of each (m)"""
+    """The initial position of each tracer (m), instead of `count`. Effect: replaces the random positions."""
     count: Count | None = None
-    """how many at random, between `low` and `high`"""
+    """The number of tracers at random positions between `low` and `high`. Example: `200`. Effect: more tracers
+    resolve the flow better."""
     low: Place | None = None
-    """lowest corner of the box that `count` fills (m)"""
+    """The lowest corner of the box of random positions (m). Effect: moves the side of the box."""
     high: Place | None = None
-    """highest corner (m)"""
+    """The highest corner of the box of random positions (m). Effect: moves the side of the box."""
     radius: Radius = 0.0
-    """m; a particle without a radius is a tracer: it goes as fast as the liquid"""
+    """The radius of each tracer (m); without a radius it follows the liquid exactly. Effect: larger tracers settle
+    faster."""
     density: PositiveDensity | None = None
-    """kg/m^3, of a particle with a radius"""
-    eddy_dispersion: Switch = False
-    """a random walk by the eddies of `method.turbulence`"""
-    schmidt: Schmidt = 0.7
-    """the eddies' viscosity over their diffusivity"""
+    """The density of tracers with a radius (kg/m^3). Effect: tracers denser than the liquid settle, others rise."""
+    turbulent_dispersion: Switch = False
+    """Whether the eddies of `method.turbulence` disperse the tracers by a random walk. Effect: spreads the tracers."""
+    schmidt_number: Schmidt = 0.7
+    """The eddy viscosity, divided by the diffusivity of the tracers. Effect: smaller values disperse more strongly."""
     color: Color | None = None
-    """`#rrggbb`, or a plain English name"""
+    """The color in pictures: `#rrggbb`, or an English name. Example: `"orange"`. Effect: none on the motion."""
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
@@ -51,16 +53,18 @@ class CarriedSpec:
         return self
 
 
-def carried_faults(carried: tuple[CarriedSpec, ...], tank: Any, turbulence: str) -> list[tuple[Path, str]]:
+def carried_faults(tracers: tuple[PassiveTracerSpec, ...], tank: Any, turbulence: str) -> list[tuple[Path, str]]:
     """Places outside of the tank, and eddies where there are none."""
     found: list[tuple[Path, str]] = []
-    for index, spec in enumerate(carried):
+    for index, spec in enumerate(tracers):
         for place in (*spec.positions, *(corner for corner in (spec.low, spec.high) if corner is not None)):
             inside = len(place) == len(tank.low) and all(
                 a <= x <= b for a, x, b in zip(tank.low, place, tank.high, strict=True)
             )
             if not inside:
-                found.append((("carried", index), f"{tuple(place)} is not in the tank"))
-        if spec.eddy_dispersion and turbulence == "none":
-            found.append((("carried", index, "eddy_dispersion"), "there are no eddies; set method.turbulence"))
+                found.append((("passive_tracers", index), f"{tuple(place)} is not in the tank"))
+        if spec.turbulent_dispersion and turbulence == "none":
+            found.append(
+                (("passive_tracers", index, "turbulent_dispersion"), "there are no eddies; set method.turbulence")
+            )
     return found

@@ -14,6 +14,7 @@ from ecume.scenes.quantities import (
     STRICT,
     Color,
     Duration,
+    GravityVector,
     LawName,
     LiquidViscosity,
     Motion,
@@ -21,15 +22,15 @@ from ecume.scenes.quantities import (
     Place,
     PositiveDensity,
     Proportion,
-    Pull,
     Size,
     Switch,
     Tension,
+    downwards,
 )
-from ecume.scenes.sph.passive_particles import CarriedSpec, carried_faults
+from ecume.scenes.sph.passive_particles import PassiveTracerSpec, carried_faults
 from ecume.scenes.sph.solids import BodySpec, ObstacleSpec, ShapeSpec
 from ecume.scenes.sph.sources import ParticlesSpec, particle_faults
-from ecume.scenes.sph.tank import GaugeSpec, ShakeSpec, TankSpec, gauge_faults
+from ecume.scenes.sph.tank import BaseExcitationSpec, GaugeSpec, TankSpec, gauge_faults
 from ecume.units import Number, Rate, Speed, Temperature
 
 Gradient = Annotated[Rate, Field(ge=-1e6, le=1e6)]
@@ -46,29 +47,34 @@ class FluidSpec:
     """
 
     name: Name = ""
-    """A liquid of the table in `ecume.laws.liquids`, such as `water`; it fills whatever is left out below."""
+    """A liquid of the table in `ecume.laws.liquids`, such as `water`, at the `temperature`. Effect: provides the
+    density, viscosity and surface tension that are not given."""
     temperature: Annotated[Temperature, Field(gt=0.0, le=1e4)] | None = None
-    """of a named liquid: `"20 degC"`, or kelvin; by default 20 degrees Celsius"""
+    """The temperature of a named liquid (K); text such as `20 degC` is allowed; by default 20 degrees Celsius.
+    Effect: a warmer liquid is less viscous."""
     salinity: Proportion | None = None
-    """kg of salt a kg of seawater; by default 0.035"""
+    """The mass of salt per mass of seawater; by default 0.035. Effect: saltier water is denser."""
     density: PositiveDensity | None = None
-    """kg/m^3, where the gauge pressure is zero"""
+    """The density where the gauge pressure is zero (kg/m^3); by default that of the named liquid, or 1000. Effect:
+    pressures and forces are proportional to it."""
     viscosity: LiquidViscosity | None = None
-    """Pa s; by default that of the named liquid, or zero. A viscosity that is given here makes walls no-slip and the
-    artificial viscosity zero by default.
-    """
+    """The dynamic viscosity (Pa s); by default that of the named liquid, or 0. Effect: damps the flow; a viscosity
+    that is given here makes walls no-slip, and the artificial viscosity 0, by default."""
     surface_tension: Tension | None = None
-    """N/m; by default that of the named liquid, or zero. A surface tension that is given here acts; that of a named
-    liquid acts with `method.surface_tension_model = "csf"`.
-    """
+    """The surface tension (N/m); by default that of the named liquid, or 0. Effect: contracts the surface; small drops
+    need short time steps. That of a named liquid acts with `surface_tension_model = "csf"` only."""
     sound_speed: PositiveSpeed | None = None
-    """m/s of the *numerical* liquid; by default ten times the fastest speed to be expected"""
-    fastest: PositiveSpeed | None = None
-    """m/s, the fastest speed to be expected; by default that of a free fall through the liquid's depth"""
-    exponent: Exponent = 7.0
-    """gamma of Tait's equation; 1 is a linear law"""
+    """The numerical speed of sound (m/s); by default ten times the maximum speed. Effect: larger values compress the
+    liquid less and shorten the time step."""
+    maximum_speed: PositiveSpeed | None = None
+    """The largest expected speed of the flow (m/s); by default that of a free fall through the depth of the liquid.
+    Effect: the speed of sound follows from it: too small values make the liquid compressible, too large ones cost
+    time."""
+    tait_exponent: Exponent = 7.0
+    """The exponent gamma of Tait's equation of state; 1 is linear. Effect: larger values stiffen the liquid under
+    compression."""
     atmospheric_pressure: Annotated[Number, Field(ge=0.0, le=1e9)] = 0.0
-    """Pa, added where a pressure is called absolute"""
+    """The pressure that is added to absolute pressures (Pa). Effect: none on the motion."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -79,35 +85,38 @@ class RegionSpec(ShapeSpec):
     """
 
     particles: ParticlesSpec | None = None
-    """single particles, of a table or of another run"""
+    """Individual particles from a table or another run, instead of a shape. Effect: replaces the lattice of
+    particles."""
     triangles: tuple[tuple[Place, Place, Place], ...] = ()
-    """of a closed surface, three dimensions only (m)"""
+    """The triangles of a closed surface (m), in 3D only. Example: `[[[0,0,0],[1,0,0],[0,1,0]]]`. Effect: determines
+    the shape."""
     velocity: Motion | None = None
-    """m/s of all its liquid"""
+    """The initial velocity of the region (m/s). Effect: moves the region as a whole."""
     velocity_gradient: tuple[tuple[Gradient, ...], ...] = ()
-    """d velocity_a / d x_b (1/s), a matrix, about `center` or the origin: rotation, strain, shear"""
+    """The initial velocity gradient d v_a / d x_b (1/s), a matrix about `center` or the origin. Effect: adds
+    rotation, strain or shear."""
     flow: Literal["", "taylor-green", "standing-wave", "poiseuille"] = ""
-    """A velocity field by name, of speed `flow_speed`: `taylor-green` has one vortex pair a tank length;
-    `standing-wave` is a small wave twice as long as the tank, at an instant when its surface is flat and rises at the
-    left wall; `poiseuille` flows along x between bottom and top, with that mean speed
-    """
+    """A named initial velocity field of speed `flow_speed`: `taylor-green` has one vortex pair per length of the
+    tank; `standing-wave` is a small wave twice as long as the tank, with a flat surface that rises at the left
+    wall; `poiseuille` flows along x between bottom and top. Effect: selects the initial flow."""
     flow_speed: PositiveSpeed = 1.0
-    """m/s"""
+    """The speed of the named flow (m/s); for `poiseuille` the mean one. Effect: scales the initial flow."""
     color: Color | None = None
-    """`#rrggbb`, or a plain English name"""
+    """The color in pictures: `#rrggbb`, or an English name. Effect: none on the motion."""
 
     def _further(self) -> dict[str, bool]:
         return {"particles": self.particles is not None, "triangles": bool(self.triangles)}
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
-class CentralPullSpec:
+class CentralForceSpec:
     """A pull towards a point that grows with the distance: acceleration - rate^2 (x - center)."""
 
-    rate: Annotated[Rate, Field(gt=0.0, le=1e6)]
-    """1/s, of the swing of a particle alone"""
+    angular_frequency: Annotated[Rate, Field(gt=0.0, le=1e6)]
+    """The angular frequency w of a lone particle in the force -m w^2 (x - center) (1/s). Effect: the force grows
+    with its square."""
     center: Place
-    """m"""
+    """The point toward which the force acts (m). Effect: shifts the equilibrium."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -115,57 +124,71 @@ class MethodSpec:
     """The method of solution. The defaults are those that keep a tank at rest best."""
 
     kernel: LawName = "wendland-c2"
-    """a name of `ecume.laws.kernels.KERNELS`"""
-    smoothing: PositiveNumber | None = None
-    """smoothing length in spacings; by default what suits the kernel"""
-    walls_clip: Switch | None = None
-    """whether dummies push only, never pull; by default where the liquid may leave them: not in tanks that are full"""
+    """The smoothing kernel, a name of `ecume.laws.kernels.KERNELS`, such as `wendland-c4`. Effect: wider kernels are
+    smoother and cost more."""
+    smoothing_ratio: PositiveNumber | None = None
+    """The smoothing length, divided by the particle spacing; by default the value that suits the kernel. Effect:
+    larger ratios have more neighbors: smoother sums, more cost."""
+    nonnegative_wall_pressure: Switch | None = None
+    """Whether walls of dummy particles only repel; by default true where the liquid can leave them, false in full
+    tanks. Example: `true`. Effect: false lets walls hold liquid that moves away."""
     density_diffusion: LawName = "automatic"
-    """`hydrostatic` (exact for a Tait liquid at rest; the default under gravity), `antuono` (the default without),
-    `linear`, `molteni` (for comparison: it lifts the surface) or `none`
-    """
-    diffusion: Annotated[Number, Field(ge=0.0, le=1.0)] = 0.1
-    """delta of the density diffusion"""
+    """The density diffusion: `hydrostatic`, exact for a liquid at rest and the default under gravity; `antuono`, the
+    default without; `linear`, `molteni` or `none`. Effect: removes pressure noise; `molteni` lifts the surface."""
+    diffusion_coefficient: Annotated[Number, Field(ge=0.0, le=1.0)] = 0.1
+    """The coefficient delta of the density diffusion. Effect: larger values smooth the pressure more strongly."""
     artificial_viscosity: Annotated[Number, Field(ge=0.0, le=10.0)] | None = None
-    """alpha; by default 0.02, or zero where `liquid.viscosity` is given"""
-    friction: LawName = "automatic"
-    """of a viscous liquid: `monaghan` along the lines between particles (right at a free surface, the default where
-    there is one), or `morris` (the default in tanks that are full)
-    """
+    """The coefficient alpha of the artificial viscosity; by default 0.02, or 0 where
+    `liquid.viscosity` is given. Effect: larger values damp noise and motion."""
+    viscosity_model: LawName = "automatic"
+    """The viscous force: `monaghan` along the lines of centers, right at a free surface; `morris` along velocities,
+    right in full tanks; by default the one that fits. Effect: affects the damping near surfaces and walls."""
     pressure_force: LawName = "sum"
-    """`sum` (p_i + p_j), `monaghan` (p/rho^2) or `transport` (density-weighted, with the transport velocity)"""
+    """The pressure force: `sum` (p_i + p_j), `monaghan` (p/rho^2) or `transport` (with the transport velocity).
+    Effect: `transport` keeps particles evenly spaced in full tanks."""
     pressure_split: Literal["none", "modified", "original"] = "none"
-    """`none`: Tait's pressure is the whole; `modified`: gravity is left out and the hydrostatic pressure added for
-    output, right in closed and full tanks only; `original`: gravity acts and it is added all the same, which counts it
-    twice. What would be wrong is refused.
-    """
-    unchecked_split: Switch = False
-    """run a refused `pressure_split` nevertheless, to see what comes of it"""
-    start: Literal["hydrostatic", "rest"] = "hydrostatic"
-    """whether the liquid starts with the pressure of its depth and of its motion, as far as known, or with none"""
+    """The treatment of the hydrostatic pressure: `none`, where the Tait pressure is complete; `modified`, where
+    gravity is omitted and the hydrostatic pressure added for output, in closed and full tanks only; `original`,
+    where gravity acts as well, which counts it twice. Effect: changes the pressures that are reported; wrong
+    combinations are refused."""
+    allow_invalid_split: Switch = False
+    """Whether a refused `pressure_split` is run nevertheless. Effect: demonstrates the error of the combination."""
+    initial_pressure: Literal["hydrostatic", "zero"] = "hydrostatic"
+    """The initial pressure: `hydrostatic`, that of depth and motion, or `zero`. Effect: `zero` starts an oscillation
+    of the column."""
     jitter: Annotated[Number, Field(ge=0.0, le=0.5)] = 0.0
-    """how far particles start from their lattice, at most, in spacings"""
+    """The largest initial displacement from the lattice, in spacings. Effect: removes the order of the lattice."""
     turbulence: LawName = "none"
-    """`smagorinsky`: eddies smaller than particles add a viscosity (0.12 spacing)^2 |S| to the liquid's own; `none`"""
+    """The subparticle turbulence: `smagorinsky` adds the eddy viscosity (0.12 spacing)^2 |S|; or `none`. Effect:
+    damps shear at the scale of the particles."""
     surface_tension_model: LawName = "automatic"
-    """`csf` (continuum surface force, the slope of the surface's energy on nodes; the default where
-    `liquid.surface_tension` is given), `cohesion` (attraction between particles, which press each other: discs in a
-    plane only, roughly), or `none`
-    """
+    """The model of surface tension: `csf` (continuum surface force), `cohesion` (attraction between particles, for
+    discs in 2D only) or `none`; by default `csf` where there is surface tension. Effect: `csf` has the tension
+    that is given, `cohesion` approximately."""
     shifting: LawName = "automatic"
-    """`delta-plus` shifts particles towards even spacing, away from the surface (the default where the liquid fills a
-    tank without an open side, and nothing else spreads it); `none` (the default elsewhere)
-    """
+    """The particle shifting: `delta-plus` toward even spacing, the default in full tanks, or `none`. Effect:
+    prevents voids and clumps."""
     background_pressure: Annotated[Number, Field(ge=0.0)] | None = None
-    """Pa, of the transport velocity; by default rho0 c0^2"""
-    integrator: LawName = "symplectic"
-    """`symplectic` (density at mid-step) or `verlet` (one sum a step)"""
-    courant: Annotated[Number, Field(gt=0.0, le=2.0)] = 0.25
-    """time step over smoothing length / (sound speed + fastest speed)"""
-    time_step: Duration | None = None
-    """s; by default the largest that the Courant number and the viscosity allow"""
+    """The background pressure of the transport velocity (Pa); by default rho c^2. Effect: larger values even out the
+    spacing faster."""
     precision: Literal["double", "single"] = "double"
-    """of the sums over neighbors; states are always double"""
+    """The floating-point precision of sums over neighbors, `double` or `single`; states are always double. Effect:
+    `single` is faster and less accurate."""
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class IntegrationSpec:
+    """The time integration."""
+
+    integrator: LawName = "symplectic"
+    """The integration scheme: `symplectic` (density at mid-step) or `verlet` (one sum per step). Effect: `verlet` is
+    cheaper per step and less accurate."""
+    time_step: Duration | None = None
+    """The time step (s); by default the largest that the Courant number and the viscosity allow. Effect: smaller
+    steps cost more; larger ones are refused."""
+    courant_number: Annotated[Number, Field(gt=0.0, le=2.0)] = 0.25
+    """The time step, divided by smoothing length over sound speed plus maximum speed. Effect: smaller values are
+    more accurate and cost more."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -173,40 +196,43 @@ class SphScene(Common):
     """A liquid in a tank, in two or three dimensions (as many as the tank's corners have coordinates)."""
 
     model: Literal["sph"] = "sph"
-    """Which model."""
+    """The model: a liquid in a tank, computed by smoothed particle hydrodynamics. Effect: selects the equations that
+    are solved."""
     spacing: Size
-    """between particles at the start (m)"""
+    """The initial distance of particles (m). Effect: half of it has 4 times (2D) or 8 times (3D) as many particles
+    and 8 or 16 times the cost."""
     liquid: FluidSpec = FluidSpec()
-    """The material."""
+    """The properties of the liquid. Effect: they set inertia, viscosity, tension and speed of sound."""
     fluid: tuple[RegionSpec, ...] = ()
-    """Where there is liquid at the start."""
+    """The regions that contain liquid at the start. Effect: each region adds particles."""
     tank: TankSpec
-    """What holds it."""
+    """The container of the liquid. Effect: determines walls and open sides."""
     obstacles: tuple[ObstacleSpec, ...] = ()
-    """What stands in it."""
+    """Fixed solids in the tank. Effect: the liquid flows around them."""
     bodies: tuple[BodySpec, ...] = ()
-    """What moves in it."""
-    carried: tuple[CarriedSpec, ...] = ()
-    """What the liquid carries along."""
+    """Rigid bodies that float, sink and collide. Effect: they move with the liquid and act on it."""
+    passive_tracers: tuple[PassiveTracerSpec, ...] = ()
+    """Particles that the liquid carries without reaction. Effect: none on the liquid."""
     gauges: tuple[GaugeSpec, ...] = ()
-    """Where pressure, velocity or level are read at every frame."""
-    shake: ShakeSpec | None = None
-    """How it is shaken."""
-    gravity: Pull | None = None
-    """m/s^2; by default 9.81 downwards (along y)"""
-    central_pull: CentralPullSpec | None = None
-    """What pulls towards a point, beside gravity; at bodies, too."""
+    """Points at which pressure, velocity or level are recorded. Effect: each gauge adds numbers to the frames."""
+    base_excitation: BaseExcitationSpec | None = None
+    """The imposed acceleration of the tank. Effect: makes the liquid slosh."""
+    gravity: GravityVector = (9.81,)
+    """The gravitational acceleration (m/s^2): a magnitude, along -y, or a vector. Effect: pressures grow in
+    proportion to it; a zero vector is weightless."""
+    central_force: CentralForceSpec | None = None
+    """A force toward a point, in addition to gravity, on liquid and bodies. Effect: holds a drop together."""
     method: MethodSpec = MethodSpec()
-    """How it is computed."""
+    """The spatial discretization. Effect: determines accuracy, noise and cost."""
+    integration: IntegrationSpec = IntegrationSpec()
+    """The time stepping. Effect: determines the error per step and the cost."""
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
         dimension = len(self.tank.low)
-        down = (0.0, -9.81) if dimension == 2 else (0.0, -9.81, 0.0)
-        if self.gravity is None:
-            object.__setattr__(self, "gravity", down)
+        object.__setattr__(self, "gravity", downwards(self.gravity, dimension))
         complaints = [*_dimensions(self, dimension), *gauge_faults(self.gauges, self.tank), *_steps(self)]
-        complaints += carried_faults(self.carried, self.tank, self.method.turbulence)
+        complaints += carried_faults(self.passive_tracers, self.tank, self.method.turbulence)
         if complaints:
             raise Inconsistent(complaints)
         return self
@@ -217,17 +243,19 @@ Complaints = list[tuple[Path, str]]
 
 def _dimensions(scene: SphScene, dimension: int) -> Complaints:
     found: Complaints = []
-    if scene.gravity is not None and len(scene.gravity) != dimension:
+    if len(scene.gravity) != dimension:
         found.append((("gravity",), f"got {len(scene.gravity)} numbers; the tank has {dimension} dimensions"))
-    if scene.central_pull is not None and len(scene.central_pull.center) != dimension:
-        came = f"got {len(scene.central_pull.center)} numbers"
-        found.append((("central_pull", "center"), f"{came}; the tank has {dimension} dimensions"))
+    if scene.central_force is not None and len(scene.central_force.center) != dimension:
+        came = f"got {len(scene.central_force.center)} numbers"
+        found.append((("central_force", "center"), f"{came}; the tank has {dimension} dimensions"))
     if not scene.fluid:
         found.append((("fluid",), "there is no liquid; write a [[fluid]] table with low and high"))
-    rows = (scene.shake.amplitude or (), *scene.shake.accelerations) if scene.shake else ()
+    rows = (
+        (scene.base_excitation.amplitude or (), *scene.base_excitation.accelerations) if scene.base_excitation else ()
+    )
     for row in rows:
         if row and len(row) != dimension:
-            found.append((("shake",), f"got {len(row)} numbers; the tank has {dimension} dimensions"))
+            found.append((("base_excitation",), f"got {len(row)} numbers; the tank has {dimension} dimensions"))
     pieces = (("fluid", scene.fluid), ("obstacles", scene.obstacles), ("bodies", scene.bodies))
     for table, specs in pieces:
         for index, spec in enumerate(specs):
@@ -253,9 +281,9 @@ def _of_shape(spec: ShapeSpec, dimension: int) -> Complaints:
 
 
 def _steps(scene: SphScene) -> Complaints:
-    step = scene.method.time_step
+    step = scene.integration.time_step
     if step is not None and step > scene.frame_every * (1 + 1e-9):
-        return [(("method", "time_step"), f"got {step:g} s, longer than frame_every, {scene.frame_every:g} s")]
+        return [(("integration", "time_step"), f"got {step:g} s, longer than frame_every, {scene.frame_every:g} s")]
     if step is not None and scene.duration / step > MOST_STEPS:
-        return [(("method", "time_step"), f"gives more than {MOST_STEPS:.0e} steps")]
+        return [(("integration", "time_step"), f"gives more than {MOST_STEPS:.0e} steps")]
     return []

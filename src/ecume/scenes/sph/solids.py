@@ -20,15 +20,15 @@ class ShapeSpec:
     """A part of space: exactly one shape."""
 
     low: Place | None = None
-    """of a box, together with `high` (m)"""
+    """The lowest corner of a box (m), together with `high`. Effect: moves the sides of the box."""
     high: Place | None = None
-    """of a box (m)"""
+    """The highest corner of a box (m), together with `low`. Effect: moves the sides of the box."""
     vertices: tuple[tuple[Coordinate, Coordinate], ...] = ()
-    """of a polygon, two dimensions only (m)"""
+    """The corners of a polygon (m), in 2D only. Effect: determines the shape."""
     center: Place | None = None
-    """of a disc or sphere, together with `radius` (m)"""
+    """The center of a disc or sphere (m), together with `radius`. Effect: shifts the shape."""
     radius: Size | None = None
-    """of a disc or sphere (m)"""
+    """The radius of a disc or sphere (m), together with `center`. Effect: enlarges the shape."""
 
     def _further(self) -> dict[str, bool]:
         """Other ways to give a shape, and whether they were taken."""
@@ -55,11 +55,14 @@ class ObstacleSpec(ShapeSpec):
     """Something solid that stands in the tank. A polygon must be convex: put others together of several."""
 
     slip: Slip | None = None
-    """by default no-slip where `liquid.viscosity` is given, free otherwise"""
+    """The slip at the surface: `free` or `no-slip`; by default `no-slip` where `liquid.viscosity` is
+    given. Effect:
+    `no-slip` slows down the liquid along the surface."""
     restitution: Proportion | None = None
-    """of what the guard turns back at it; by default that of the tank"""
+    """The ratio of normal velocities after and before a reflection at the surface; by default that of the tank.
+    Effect: none unless particles penetrate."""
     color: Color | None = None
-    """`#rrggbb`, or a plain English name"""
+    """The color in pictures: `#rrggbb`, or an English name. Example: `"orange"`. Effect: none on the motion."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -67,21 +70,26 @@ class BodySpec(ShapeSpec):
     """A rigid body that floats, sinks and collides. A polygon must be convex. In a plane it is one meter deep."""
 
     density: PositiveDensity | None = None
-    """kg/m^3; or else give `mass`"""
+    """The density of the body (kg/m^3), instead of its mass. Effect: bodies denser than the liquid sink."""
     mass: Annotated[Number, Field(gt=0.0, le=1e15)] | None = None
-    """kg (kg/m in two dimensions)"""
+    """The mass of the body (kg; kg/m in 2D), instead of its density. Effect: heavier bodies sink deeper."""
     velocity: Motion | None = None
-    """m/s at the start"""
+    """The initial velocity of the body (m/s). Effect: sets the start of the body."""
     spin: Turning | tuple[Turning, Turning, Turning] = 0.0
-    """1/s at the start: one number about z, or three in three dimensions"""
+    """The initial angular velocity (rad/s): one number about z, or three in 3D. Example: `5`. Effect: sets the start
+    of the body."""
     slip: Slip | None = None
-    """by default no-slip where `liquid.viscosity` is given, free otherwise"""
+    """The slip at the surface: `free` or `no-slip`; by default `no-slip` where `liquid.viscosity` is
+    given. Effect:
+    `no-slip` increases the drag."""
     restitution: Proportion = 0.3
-    """of collisions; two bodies take the smaller one"""
+    """The ratio of normal velocities after and before a collision; two bodies take the smaller one. Effect: 1
+    conserves the kinetic energy."""
     friction: Annotated[Number, Field(ge=0.0, le=10.0)] = 0.3
-    """Coulomb's, of collisions; two bodies take the smaller one"""
+    """The Coulomb friction coefficient of collisions; two bodies take the smaller one. Effect: larger values hold
+    bodies on slopes."""
     color: Color | None = None
-    """`#rrggbb`, or a plain English name"""
+    """The color in pictures: `#rrggbb`, or an English name. Example: `"orange"`. Effect: none on the motion."""
 
     @model_validator(mode="after")
     def _weighed(self) -> Self:

@@ -27,13 +27,14 @@ class ParticlesSpec:
     """Particles by their places; of the rest, all or none."""
 
     positions: tuple[Place, ...]
-    """(m)"""
+    """The position of each particle (m). Effect: determines where there is liquid."""
     velocities: tuple[Motion, ...] = ()
-    """m/s; by default those of the region"""
+    """The velocity of each particle (m/s); by default zero. Effect: sets the initial flow."""
     densities: tuple[PositiveDensity, ...] = ()
-    """kg/m^3; by default those of the depth"""
+    """The density of each particle (kg/m^3); by default that at rest. Effect: sets the initial pressure."""
     masses: tuple[Annotated[Mass, Field(gt=0.0, le=1e15)], ...] = ()
-    """kg; by default density times a cell of the lattice"""
+    """The mass of each particle (kg; kg/m in 2D); by default that of a lattice cell. Effect: sets the inertia of
+    each particle."""
 
     @model_validator(mode="after")
     def _alike(self) -> Self:

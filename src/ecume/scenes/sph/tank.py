@@ -24,15 +24,15 @@ class MotionSpec:
     """The motion of a side along its axis: a sine, or a table of times and positions with straight lines between."""
 
     amplitude: Coordinate | None = None
-    """of a sine that starts at 0 (m)"""
+    """The amplitude of a sine that starts at 0 (m). Effect: larger strokes make higher waves."""
     frequency: Frequency | None = None
-    """of a sine, in cycles a second (1/s)"""
+    """The frequency of the sine in cycles per second (1/s). Effect: faster motion makes shorter waves."""
     phase: Phase = 0.0
-    """of a sine; 90 deg starts at rest"""
+    """The phase of the sine (rad); 90 deg starts at rest. Effect: shifts the sine in time."""
     times: tuple[Moment, ...] = ()
-    """of a table, ascending (s); before and after it the side stands still"""
+    """The times of a table (s), ascending; outside of it the side is at rest. Effect: shifts the motion in time."""
     positions: tuple[Coordinate, ...] = ()
-    """of a table: how far the side is from where the tank has it (m)"""
+    """The displacement of the side at these times (m). Effect: determines the path of the side."""
 
     @model_validator(mode="after")
     def _one_law(self) -> Self:
@@ -41,19 +41,23 @@ class MotionSpec:
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
-class ShakeSpec:
+class BaseExcitationSpec:
     """The acceleration in the frame of a shaken tank, beside gravity: minus the tank's own."""
 
     amplitude: Pull | None = None
-    """of a sine (m/s^2)"""
+    """The amplitude of a sinusoidal acceleration (m/s^2). Effect: sloshing grows in proportion to it, while it is
+    small."""
     frequency: Frequency | None = None
-    """of a sine, in cycles a second (1/s)"""
+    """The frequency of the sine in cycles per second (1/s). Effect: near a natural frequency of the tank there is
+    resonance."""
     phase: Phase = 0.0
-    """of a sine: 90 deg starts at its height"""
+    """The phase of the sine (rad); 90 deg starts at the maximum. Effect: shifts the sine in time."""
     times: tuple[Moment, ...] = ()
-    """of a table, ascending (s); before and after it the first and the last row hold"""
+    """The times of a table (s), ascending; outside of it the first and the last value hold. Effect: shifts the
+    acceleration in time."""
     accelerations: tuple[Pull, ...] = ()
-    """of a table (m/s^2)"""
+    """The acceleration of the liquid in the frame of the tank at these times (m/s^2). Effect: determines the motion
+    of the tank."""
 
     @model_validator(mode="after")
     def _one_law(self) -> Self:
@@ -86,25 +90,25 @@ class GaugeSpec:
     """A probe at a place, or a row of them along a line. It reads zero while it is dry."""
 
     name: GaugeName
-    """Its readings are the numbers `name_pressure`, `name_velocity_x` ..., `name_level`; in a row
-    `name_1_pressure` and so on.
-    """
-    place: Place
-    """where it is, or a row begins (m)"""
+    """The name of the gauge. Its numbers are `name_pressure`, `name_velocity_x` and so on, `name_level`; in a row
+    `name_1_pressure` and so on. Effect: none on the readings."""
+    position: Place
+    """The position of the gauge, or of the first one of a row (m). Effect: moves the gauge."""
     end: Place | None = None
-    """where a row ends (m)"""
+    """The position of the last gauge of a row (m). Effect: extends the row."""
     count: Annotated[int, Field(strict=True, ge=2, le=1000)] | None = None
-    """of a row, how many there are, both ends included"""
-    measures: Annotated[tuple[Measure, ...], Field(min_length=1)] = ("pressure",)
-    """any of `pressure`, `velocity` and `level`, the depth of the liquid above the floor under the gauge"""
+    """The number of gauges in a row, both ends included. Example: `8`. Effect: more gauges resolve a profile better."""
+    quantities: Annotated[tuple[Measure, ...], Field(min_length=1)] = ("pressure",)
+    """The recorded quantities: any of `pressure`, `velocity` and `level`, the depth of the liquid above the floor.
+    Effect: each adds numbers to the frames."""
 
     @model_validator(mode="after")
     def _row(self) -> Self:
         complaints: Complaints = []
         if (self.end is None) != (self.count is None):
             complaints.append((("end",), "a row of gauges needs both, end and count"))
-        if self.end is not None and len(self.end) != len(self.place):
-            complaints.append((("end",), f"got {len(self.end)} numbers, and {len(self.place)} for place"))
+        if self.end is not None and len(self.end) != len(self.position):
+            complaints.append((("end",), f"got {len(self.end)} numbers, and {len(self.position)} for position"))
         if TAKEN.fullmatch(self.name):
             complaints.append((("name",), f"got {self.name!r}; frames have numbers of that name, take another"))
         if complaints:
@@ -119,7 +123,7 @@ def gauge_faults(gauges: Sequence[GaugeSpec], tank: TankSpec) -> Complaints:
     for index, gauge in enumerate(gauges):
         if names.index(gauge.name) < index:
             found.append((("gauges", index, "name"), f"got {gauge.name!r}, as in gauges[{names.index(gauge.name)}]"))
-        for key in ("place", "end"):
+        for key in ("position", "end"):
             found += [(("gauges", index, key), text) for text in _place_faults(getattr(gauge, key), tank)]
     return found
 
@@ -142,23 +146,26 @@ class SideSpec:
     """One side of the tank."""
 
     kind: Literal["wall", "open", "periodic", "inflow", "outflow"] = "wall"
-    """`wall`, `open` (nothing there: the liquid may leave), `periodic` (the opposite side must be so too), or
-    `inflow` and `outflow`: liquid comes and goes
-    """
+    """The kind of boundary: `wall`; `open`, where liquid leaves; `periodic`, like the opposite side; `inflow` or
+    `outflow`. Effect: determines how the liquid ends there."""
     slip: Slip | None = None
-    """of a wall; by default no-slip where `liquid.viscosity` is given, free otherwise"""
+    """The slip at a wall: `free` or `no-slip`; by default `no-slip` where `liquid.viscosity` is given. Effect:
+    `no-slip` slows down the liquid along the wall."""
     velocity: Motion | None = None
-    """of a wall along itself: a lid that drives the liquid (m/s)"""
+    """The velocity of a wall along itself (m/s), such as a moving lid. Effect: drags the liquid along."""
     motion: MotionSpec | None = None
-    """of a wall along its axis: a piston; walls must be mirrors"""
+    """The motion of a wall along its normal, such as a piston; walls must be mirrors. Effect: the wall makes waves."""
     speed: Annotated[Speed, Field(gt=0.0, le=1e5)] | None = None
-    """of an inflow: how fast liquid comes in, on the mean (m/s)"""
+    """The mean speed of an inflow (m/s). Effect: more liquid enters."""
     profile: Literal["uniform", "parabolic"] = "uniform"
-    """of an inflow: `parabolic` is that of a viscous liquid between walls"""
+    """The velocity profile of an inflow: `uniform` or `parabolic`, that of a viscous liquid between walls. Effect:
+    `parabolic` avoids accumulation at no-slip walls."""
     level: Coordinate | None = None
-    """of an in- or outflow: the height (along y) up to which there is liquid; by default the whole side (m)"""
+    """The height of the liquid at an inflow or outflow, along y (m); by default the whole side. Effect: higher
+    levels carry more liquid."""
     pressure: Annotated[Pressure, Field(ge=-1e12, le=1e12)] = 0.0
-    """of an outflow: the gauge pressure at its level, or the top of the side (Pa); the weight of the liquid adds"""
+    """The gauge pressure of an outflow at its level (Pa); the weight of the liquid is added. Effect: higher
+    pressures hold the liquid back."""
 
     @model_validator(mode="after")
     def _fits_its_kind(self) -> Self:
@@ -191,31 +198,33 @@ def _velocity_fault(side: SideSpec, axis: int, dimension: int) -> str:
 class TankSpec:
     """A rectangular tank."""
 
-    low: Place
-    """its lowest corner (m)"""
+    low: Place = ()
+    """The lowest corner of the tank (m); by default the origin. Effect: moves the walls."""
     high: Place
-    """its highest corner (m)"""
+    """The highest corner of the tank (m). Effect: moves the walls."""
     walls: Literal["mirror", "dummy", "reflect"] = "mirror"
-    """How walls act: `mirror` images, layers of `dummy` particles (Adami et al. 2012), or `reflect` alone, which is
-    what the original text does: the liquid collapses at such walls.
-    """
+    """The wall model: `mirror` images, layers of `dummy` particles (Adami et al. 2012), or `reflect` alone, at which
+    the liquid collapses. Effect: `mirror` walls can move; `dummy` walls repel only."""
     restitution: Proportion = 0.5
-    """of a particle's velocity normal to a wall, when the guard behind the walls has to turn it back"""
+    """The ratio of normal velocities after and before a reflection of particles that penetrate a wall. Effect: none
+    unless particles penetrate."""
     left: SideSpec = SideSpec()
-    """at low x"""
+    """The side at low x. Effect: determines the boundary there."""
     right: SideSpec = SideSpec()
-    """at high x"""
+    """The side at high x. Effect: determines the boundary there."""
     bottom: SideSpec = SideSpec()
-    """at low y"""
+    """The side at low y. Effect: determines the boundary there."""
     top: SideSpec = SideSpec()
-    """at high y"""
+    """The side at high y. Effect: determines the boundary there."""
     front: SideSpec = SideSpec()
-    """at low z"""
+    """The side at low z. Effect: determines the boundary there."""
     back: SideSpec = SideSpec()
-    """at high z"""
+    """The side at high z. Effect: determines the boundary there."""
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
+        if not self.low:
+            object.__setattr__(self, "low", (0.0,) * len(self.high))
         complaints: list[tuple[Path, str]] = []
         if len(self.low) != len(self.high) or any(b <= a for a, b in zip(self.low, self.high, strict=False)):
             complaints.append((("high",), "expected a corner above low in each direction"))

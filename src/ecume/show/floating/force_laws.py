@@ -87,7 +87,7 @@ def pair_forces(scene: Any) -> list[Forces]:
 
 def _names(scene: Any, number: Any, count: int) -> list[str]:
     """What each kind is called: its species; rows of one species may be of several kinds."""
-    species = [name for given in scene.floats for name in [given.name] * given.count]
+    species = [name for given in scene.particles for name in [given.name] * given.count]
     species += [row.species_name for row in scene.rows]
     return [species[int(np.flatnonzero(number == kind)[0])] for kind in range(count)]
 

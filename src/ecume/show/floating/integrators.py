@@ -21,7 +21,14 @@ from ecume.analysis.series import number, series
 from ecume.laws.capillarity import pair_force, pair_strength
 from ecume.laws.flotation import Sphere, capillary_charge
 from ecume.models.liquids import liquid_of
-from ecume.scenes.floating import ContactSpec, FloatingScene, FloatSpec, InteractionSpec, MotionSpec
+from ecume.scenes.floating import (
+    ContactSpec,
+    FloatingScene,
+    FloatSpec,
+    HydrodynamicsSpec,
+    IntegrationSpec,
+    InteractionSpec,
+)
 from ecume.show.style import PALETTE, figure, save, scale_for, style
 from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
@@ -135,7 +142,7 @@ def _drifts(axes: Axes, found: Comparison) -> None:
 def _travel(integrator: str, orbit: Orbit, steps: int, looks: int) -> list[Frame]:
     """The frames of a journey with that many steps an orbit; sixteen looks are an orbit."""
     step = orbit.period / steps
-    scene = _scene(orbit.speed, MotionSpec(integrator=integrator, drag=False, time_step=step))
+    scene = _scene(orbit.speed, IntegrationSpec(integrator=integrator, time_step=step))
     every = steps // LOOKS * step
     scene = dataclasses.replace(scene, frame_every=every, duration=looks * every)
     with warnings.catch_warnings():
@@ -157,7 +164,7 @@ def _drift(frames: list[Frame]) -> Array:
     return largest
 
 
-def _scene(speed: float, motion: MotionSpec) -> FloatingScene:
+def _scene(speed: float, integration: IntegrationSpec) -> FloatingScene:
     """Two spheres side by side on open water, thrown in opposite directions."""
     half, throw = DISTANCE / 2, LESS_THAN_CIRCULAR * speed
     starts = {"left": (-half, -throw), "right": (half, throw)}
@@ -165,10 +172,11 @@ def _scene(speed: float, motion: MotionSpec) -> FloatingScene:
     return FloatingScene(
         duration=1.0,
         frame_every=1.0,
-        floats=tuple(
+        particles=tuple(
             FloatSpec(name=name, positions=((x, 0.0),), velocity=(0.0, v), **sphere) for name, (x, v) in starts.items()
         ),
-        motion=motion,
+        integration=integration,
+        hydrodynamics=HydrodynamicsSpec(drag="none"),
         contacts=ContactSpec(law="none"),
         # The force must not end within the orbit's reach: a jump there would spoil every order.
         interaction=InteractionSpec(accuracy=1e-9),
@@ -177,7 +185,7 @@ def _scene(speed: float, motion: MotionSpec) -> FloatingScene:
 
 def _orbit() -> Orbit:
     """Each sphere goes round the middle of both, held by their attraction: m v^2 / (l/2) = -F."""
-    liquid = liquid_of(_scene(speed=0.0, motion=MotionSpec()))
+    liquid = liquid_of(_scene(speed=0.0, integration=IntegrationSpec()))
     charge = capillary_charge(Sphere(RADIUS, DENSITY, CONTACT_ANGLE), liquid, "nonlinear")
     strength = pair_strength(liquid.surface_tension, charge, charge)
     mass = 4.0 / 3.0 * math.pi * RADIUS**3 * DENSITY

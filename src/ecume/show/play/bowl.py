@@ -24,6 +24,7 @@ from ecume.errors import BadInput, Diverged, SceneError
 from ecume.laws.waves import wave_frequency
 from ecume.models import MODELS
 from ecume.models.floating.walls.shapes import sloshing_wavenumber, walls_of
+from ecume.models.liquids import liquid_of
 from ecume.scenes.floating import FloatingScene, FloatSpec
 from ecume.simulation import Integration
 from ecume.trajectories.frame import Frame
@@ -44,7 +45,7 @@ class Slosh(NamedTuple):
 
 def slosh_frequency(scene: FloatingScene) -> float:
     """Angular, of the first mode (1/s)."""
-    liquid = scene.liquid
+    liquid = liquid_of(scene)
     dish: Any = scene.dish  # one plays with floats in a dish only
     tension = liquid.surface_tension / liquid.density
     return float(wave_frequency(sloshing_wavenumber(dish), DEPTH, liquid.gravity, tension))
@@ -69,7 +70,7 @@ def _swung(slope: float, rate: float, aim: float, omega: float, seconds: float) 
 
 def current(slosh: Slosh, scene: FloatingScene) -> tuple[float, float]:
     """The velocity of the liquid in the middle of the dish (m/s)."""
-    per_rate = scene.liquid.gravity / slosh_frequency(scene) ** 2
+    per_rate = scene.gravity / slosh_frequency(scene) ** 2
     return slosh.rate[0] * per_rate, slosh.rate[1] * per_rate
 
 
@@ -158,17 +159,17 @@ class Bowl:
     def drop(self, name: str, x: float, y: float) -> None:
         """Drop a float of a species of the bowl, or of the shelf, where there is room near a place (m)."""
         scene = self.present()
-        known = {species.name: index for index, species in enumerate(scene.floats)}
+        known = {species.name: index for index, species in enumerate(scene.particles)}
         if name not in known and name not in SHELF:
             raise BadInput(f"there is no {name!r} to drop; expected one of {', '.join({**known, **SHELF})}")
         taken = known.get(name)
-        radius = scene.floats[taken].radius if taken is not None else SHELF[name]["radius"]
+        radius = scene.particles[taken].radius if taken is not None else SHELF[name]["radius"]
         place = self._room_near(x, y, radius)
         if taken is None:
             new = FloatSpec(name=name, positions=(place,), **SHELF[name])
-            self._begin(dataclasses.replace(scene, floats=(*scene.floats, new)))
+            self._begin(dataclasses.replace(scene, particles=(*scene.particles, new)))
             return
-        old = scene.floats[taken]
+        old = scene.particles[taken]
         more = dataclasses.replace(
             old, count=old.count + 1, positions=(*old.positions, place), velocities=(*old.velocities, (0.0, 0.0))
         )
@@ -183,10 +184,10 @@ class Bowl:
             raise BadInput("the last float stays")
         kind = int(frame.arrays["species"][one])
         within = int(np.count_nonzero(frame.arrays["species"][:one] == kind))
-        old = scene.floats[kind]
+        old = scene.particles[kind]
         if old.count == 1:
-            left = tuple(species for index, species in enumerate(scene.floats) if index != kind)
-            self._begin(dataclasses.replace(scene, floats=left))
+            left = tuple(species for index, species in enumerate(scene.particles) if index != kind)
+            self._begin(dataclasses.replace(scene, particles=left))
             return
         kept = [index for index in range(old.count) if index != within]
         fewer = dataclasses.replace(
@@ -203,13 +204,13 @@ class Bowl:
         Raises BadInput for what scenes refuse, a float that would sink among them; then all stays as it was.
         """
         scene, number = self.present(), {key: value}
-        names = [species.name for species in scene.floats]
+        names = [species.name for species in scene.particles]
         if part not in ("liquid", "dish", *names) or key not in CHANGED:
             raise BadInput(f"there is no {part}.{key} to change; expected liquid, dish, {', '.join(names)}")
         try:
             if part in names:
                 place = names.index(part)
-                changed = _with(scene, place, _replaced(scene.floats[place], number))
+                changed = _with(scene, place, _replaced(scene.particles[place], number))
             else:
                 changed = dataclasses.replace(scene, **{part: _replaced(getattr(scene, part), number)})
             self._begin(changed)
@@ -230,7 +231,7 @@ class Bowl:
             state = model.start(_hurried(scene), parameters)
         self._flow, self._own = parameters.drift.flow.copy(), parameters.drift.flow[:2].copy()
         drift = parameters.drift._replace(flow=self._flow, flows=True)
-        given = [v for species in scene.floats for v in (species.velocities or [species.velocity] * species.count)]
+        given = [v for species in scene.particles for v in (species.velocities or [species.velocity] * species.count)]
         given += [(row.vx, row.vy) for row in scene.rows]
         state.velocity[:] = np.array(given).reshape(-1, 2)
         self.scene, self.hand = placed(scene, state.position, state.velocity, parameters.floats.species), None
@@ -290,12 +291,12 @@ def placed(scene: FloatingScene, position: Array, velocity: Array, species: Arra
                 velocity=(0.0, 0.0),
             )
         )
-    return dataclasses.replace(scene, floats=tuple(made), rows=())
+    return dataclasses.replace(scene, particles=tuple(made), rows=())
 
 
 def _like(scene: FloatingScene, name: str) -> FloatSpec:
     """A table with what the floats of a species are."""
-    for species in scene.floats:
+    for species in scene.particles:
         if species.name == name:
             return species
     row = next(row for row in scene.rows if row.species_name == name)
@@ -309,8 +310,8 @@ def _like(scene: FloatingScene, name: str) -> FloatSpec:
 
 def _stilled(scene: FloatingScene) -> FloatingScene:
     """The same at rest, of a scene without rows."""
-    rest = (dataclasses.replace(species, velocities=(), velocity=(0.0, 0.0)) for species in scene.floats)
-    return dataclasses.replace(scene, floats=tuple(rest))
+    rest = (dataclasses.replace(species, velocities=(), velocity=(0.0, 0.0)) for species in scene.particles)
+    return dataclasses.replace(scene, particles=tuple(rest))
 
 
 def _replaced(part: Any, number: dict[str, float]) -> Any:
@@ -318,14 +319,14 @@ def _replaced(part: Any, number: dict[str, float]) -> Any:
 
 
 def _with(scene: FloatingScene, place: int, species: FloatSpec) -> FloatingScene:
-    return dataclasses.replace(scene, floats=(*scene.floats[:place], species, *scene.floats[place + 1 :]))
+    return dataclasses.replace(scene, particles=(*scene.particles[:place], species, *scene.particles[place + 1 :]))
 
 
 def _hurried(scene: FloatingScene) -> FloatingScene:
     """The scene as its time step must see it: any float may be thrown."""
-    thrown = [dataclasses.replace(species, velocities=(), velocity=(FASTEST, 0.0)) for species in scene.floats]
-    motion = dataclasses.replace(scene.motion, time_step=None)
-    return dataclasses.replace(scene, floats=tuple(thrown), motion=motion)
+    thrown = [dataclasses.replace(species, velocities=(), velocity=(FASTEST, 0.0)) for species in scene.particles]
+    integration = dataclasses.replace(scene.integration, time_step=None)
+    return dataclasses.replace(scene, particles=tuple(thrown), integration=integration)
 
 
 def _said(fault: Exception) -> str:

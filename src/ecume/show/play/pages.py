@@ -11,6 +11,7 @@ import numpy as np
 from ecume.errors import BadInput
 from ecume.laws.states import tait_pressure
 from ecume.models.floating.walls.shapes import outline_of
+from ecume.models.liquids import liquid_of
 from ecume.models.sph.parameters import Liquid
 from ecume.show.floating.bowl import view_of
 from ecume.show.floating.surface import Sheet, sheet, surface
@@ -68,10 +69,10 @@ class BowlPage:
     def now(self) -> dict[str, Any]:
         """The data that the page draws."""
         frame, scene = self.moving.frame, self.moving.scene
-        arrays = frame.arrays
+        arrays, liquid = frame.arrays, liquid_of(scene)
         kinds = [
             {"name": kind.name, "color": kind.color, "contact_angle": spec.contact_angle, "density": spec.density}
-            for kind, spec in zip(species(scene), scene.floats, strict=True)
+            for kind, spec in zip(species(scene), scene.particles, strict=True)
         ]
         return {
             "x": arrays["position"][:, 0].tolist(),
@@ -82,7 +83,7 @@ class BowlPage:
             "clusters": frame.numbers.get("clusters", 0.0),
             "tilt": self.moving.tilt,
             "slope": self.moving.slosh.slope,
-            "liquid": {"surface_tension": scene.liquid.surface_tension, "viscosity": scene.liquid.viscosity},
+            "liquid": {"surface_tension": liquid.surface_tension, "viscosity": liquid.viscosity},
             "dish": {"contact_angle": self.moving.dish.contact_angle},
             "surface": self._paint,
             "highest": self._range,

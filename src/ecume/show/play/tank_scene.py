@@ -14,7 +14,7 @@ from ecume.errors import BadInput
 from ecume.models.sph.parameters import Drive, Liquid, Material
 from ecume.models.sph.setup.building import material_of
 from ecume.models.sph.setup.shapes import free_of, solids_of
-from ecume.scenes.sph import MotionSpec, ParticlesSpec, RegionSpec, ShakeSpec, SphScene
+from ecume.scenes.sph import BaseExcitationSpec, MotionSpec, ParticlesSpec, RegionSpec, SphScene
 from ecume.units import Array
 
 MOST = 3000
@@ -62,9 +62,9 @@ def require_playable(scene: SphScene) -> None:
     sides = [getattr(scene.tank, name) for name in ("left", "right", "bottom", "top")]
     present = {
         "bodies": bool(scene.bodies),
-        "[[carried]]": bool(scene.carried),
-        "[shake]": scene.shake is not None,
-        "a central pull": scene.central_pull is not None,
+        "[[passive_tracers]]": bool(scene.passive_tracers),
+        "[base_excitation]": scene.base_excitation is not None,
+        "[central_force]": scene.central_force is not None,
         "sides that move": any(side.motion is not None for side in sides),
         "in- or outflows": any(side.kind not in KINDS for side in sides),
     }
@@ -76,7 +76,7 @@ def require_playable(scene: SphScene) -> None:
 def fixed(scene: SphScene) -> SphScene:
     """The scene with its numerical speed of sound written down: it must not follow from what is poured later."""
     material = material_of(scene)
-    liquid = dataclasses.replace(scene.liquid, sound_speed=material.sound_speed, fastest=material.fastest)
+    liquid = dataclasses.replace(scene.liquid, sound_speed=material.sound_speed, maximum_speed=material.fastest)
     return dataclasses.replace(scene, liquid=liquid)
 
 
@@ -84,7 +84,9 @@ def with_hands(scene: SphScene, pushed: float, more: tuple[float, float]) -> Sph
     """The scene with a left wall that stands so far inwards (m), and so much pull beside gravity (m/s^2)."""
     left = dataclasses.replace(scene.tank.left, motion=MotionSpec(times=(0.0,), positions=(pushed,)))
     tank = dataclasses.replace(scene.tank, left=left) if movable(scene) else scene.tank
-    return dataclasses.replace(scene, tank=tank, shake=ShakeSpec(times=(0.0,), accelerations=(more,)))
+    return dataclasses.replace(
+        scene, tank=tank, base_excitation=BaseExcitationSpec(times=(0.0,), accelerations=(more,))
+    )
 
 
 def movable(scene: SphScene) -> bool:

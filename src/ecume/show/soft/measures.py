@@ -17,6 +17,7 @@ from ecume.analysis.rearrangements import Swaps, neighbor_swaps
 from ecume.analysis.rheology import FlowPoint, Moduli, flow_point, moduli
 from ecume.analysis.series import number, series, times
 from ecume.errors import BadInput
+from ecume.models.liquids import material_of
 from ecume.scenes.soft import SoftScene
 from ecume.show.curves import Frames, evolution, scaling, span, steps, titled
 from ecume.show.soft.packing import flat_box
@@ -231,7 +232,7 @@ def flow_points(frames: Frames, scene: SoftScene) -> list[FlowPoint]:
         if len(part) < 4 or part[-1].numbers["strain"] == part[0].numbers["strain"]:
             continue
         if series(part, number("normal_stress")).mean() > 0.0:
-            found.append(flow_point(part, scene.liquid.viscosity, thickness))
+            found.append(flow_point(part, material_of(scene.liquid).viscosity, thickness))
     return found
 
 
@@ -304,7 +305,7 @@ def storage_and_loss(frames: Frames, scene: SoftScene) -> Figure:
 
 def require_box(scene: SoftScene, what: str) -> None:
     """A box between walls has no strain and no stress of its own: frames tell none."""
-    if scene.box is None or scene.walls:
+    if scene.cell is None or scene.walls:
         raise BadInput(f"there is no box{' without walls' if scene.walls else ''} whose {what} could be drawn")
 
 

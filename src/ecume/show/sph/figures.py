@@ -219,7 +219,7 @@ GAUGE_UNITS = {"pressure": "Pa", "level": "m", "velocity": "m/s"}
 def _readings(scene: SphScene, kind: str) -> set[str]:
     """The numbers that this scene's gauges give of a kind."""
     components = [f"_{axis}" for axis in AXES] if kind == "velocity" else [""]
-    rows = [(gauge, range(1, (gauge.count or 0) + 1)) for gauge in scene.gauges if kind in gauge.measures]
+    rows = [(gauge, range(1, (gauge.count or 0) + 1)) for gauge in scene.gauges if kind in gauge.quantities]
     names = [gauge.name if gauge.end is None else f"{gauge.name}_{n}" for gauge, row in rows for n in row or (0,)]
     return {f"{name}_{kind}{component}" for name in names for component in components}
 

@@ -238,7 +238,9 @@ def outline(shape: Any) -> Shape:
 
 
 def regions(scene: SphScene) -> list[Species]:
-    """The [[fluid]] tables, each in its color, and the [[carried]] ones, in colors that the liquid seldom has."""
+    """The [[fluid]] tables, each in its color, and the [[passive_tracers]], in colors that the liquid seldom has."""
     palette, bright = itertools.cycle(PALETTE[1:]), itertools.cycle(BRIGHT)
     liquid = [Species(f"region {n}", part.color or next(palette)) for n, part in enumerate(scene.fluid, 1)]
-    return liquid + [Species(f"carried {n}", part.color or next(bright)) for n, part in enumerate(scene.carried, 1)]
+    return liquid + [
+        Species(f"carried {n}", part.color or next(bright)) for n, part in enumerate(scene.passive_tracers, 1)
+    ]

@@ -39,7 +39,7 @@ def sph_stage(scene: Any, sample: Sequence[Frame]) -> Stage:
         low - margin, high + margin, regions(scene), usual_color(scene), FULL * scene.spacing, _joined(lines),
         movers if scene.bodies or (driven and flat) else None, _mover_colors(scene, low),
         liquid=_filled(scene, low - margin, high + margin) if flat else None,
-        curves=("kinetic_energy", "largest_pressure"), apart=len(scene.fluid) if scene.carried else None,
+        curves=("kinetic_energy", "largest_pressure"), apart=len(scene.fluid) if scene.passive_tracers else None,
     )  # fmt: skip
 
 
@@ -142,7 +142,7 @@ def tracers_stage(scene: Any, sample: Sequence[Frame]) -> Stage:
 def _tank_in_space(tank: Any) -> list[Line]:
     if getattr(tank, "radius", None) is not None:
         return _ball(np.array(getattr(tank, "center", None) or (0.0, 0.0, 0.0)), tank.radius)
-    if getattr(tank, "size", None) is not None:
-        return [Line(edge) for edge in edges_of(np.zeros(3), np.array(tank.size))]
+    if getattr(tank, "high", None) is not None:
+        return [Line(edge) for edge in edges_of(np.array(tank.low), np.array(tank.high))]
     corners = np.array(tank.vertices)
     return [Line(edge) for edge in edges_of(corners.min(axis=0), corners.max(axis=0))]

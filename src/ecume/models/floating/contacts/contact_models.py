@@ -165,7 +165,7 @@ CONTACTS = {
         },
     ),
     "outlines": ContactModel(
-        path="floats", name="a float with a shape", constants=Outlined, make=_outlined,
+        path="particles", name="a float with a shape", constants=Outlined, make=_outlined,
         before_drift=collide_outlines, after_drift=separate_outlines, at_end=constrain_outline_velocities,
         find=find_outline_contacts, scratch=shared_scratch, gaps=_outline_gaps,
     ),

@@ -25,6 +25,7 @@ from ecume.models.floating.options import Built
 from ecume.models.floating.parameters import Parameters
 from ecume.models.floating.setup.kinds import FloatKind, distinct_kinds
 from ecume.models.floating.state import State, Workspace
+from ecume.models.liquids import liquid_of
 from ecume.units import Array
 
 if TYPE_CHECKING:
@@ -173,7 +174,7 @@ def float_inertia(kind: FloatKind) -> float:
 
 def turning_friction_of(kind: FloatKind, scene: FloatingScene) -> float:
     """The torque of the liquid on one float, per spin (N m s)."""
-    viscosity = scene.liquid.viscosity if scene.motion.drag else 0.0
+    viscosity = liquid_of(scene).viscosity if scene.hydrodynamics.resists else 0.0
     if isinstance(kind.body, flotation.Disc):
         return drag.disc_turning_friction(kind.body.radius, viscosity)
     depth = min(max(math.pi - kind.equilibrium.filling_angle, 0.0), math.pi)

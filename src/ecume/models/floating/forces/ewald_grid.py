@@ -198,11 +198,11 @@ def split_of(parameters: Parameters, scene: FloatingScene, *, eligible: bool) ->
     """A grid if the scene requests it, or if it is cheaper and `eligible`, and the cutoff (m) of the short-range
     part; None without a grid. Raises SceneError if a requested grid is impossible.
     """
-    requested, accuracy = scene.interaction.sum, scene.interaction.accuracy
+    requested, accuracy = scene.interaction.summation, scene.interaction.accuracy
     fits = FINEST <= accuracy <= LOOSEST
     if requested == "grid" and not fits:
         raise scene_error(
-            "interaction.sum",
+            "interaction.summation",
             f"got an accuracy of {accuracy:g}; expected {FINEST:g} to {LOOSEST:g} with a grid, or 'cells'",
         )
     if requested == "cells" or (requested == "auto" and not (eligible and fits)):
@@ -216,7 +216,7 @@ def split_of(parameters: Parameters, scene: FloatingScene, *, eligible: bool) ->
     except BadInput as error:
         if requested == "auto":
             return None
-        raise scene_error("interaction.sum", str(error)) from None
+        raise scene_error("interaction.summation", str(error)) from None
     return None if requested == "auto" and cells <= GAIN * choice.work else _made(parameters, choice, fit, cells)
 
 

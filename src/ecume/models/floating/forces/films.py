@@ -168,7 +168,7 @@ def apply_films(part: Films, own: Any, parameters: Parameters, state: State, wor
 
 def films_of(parameters: Parameters, scene: FloatingScene) -> Built:
     """Return the films of a scene."""
-    given = scene.motion.films
+    given = scene.hydrodynamics.lubrication
     assert given is not None  # noqa: S101  # for the type checker: the scene has chosen films
     largest, smallest = float(parameters.floats.radius.max()), float(parameters.floats.radius.min())
-    return Built(make_films(given.roughness / smallest, given.reach), reach=given.reach * largest)
+    return Built(make_films(given.roughness / smallest, given.cutoff), reach=given.cutoff * largest)

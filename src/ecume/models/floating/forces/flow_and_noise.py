@@ -10,6 +10,7 @@ import numpy as np
 from ecume._jit import compiled, compiled_inside
 from ecume.laws import brownian
 from ecume.models.floating.parameters import DRAG_LAWS, Drift, Parameters, Sway
+from ecume.models.liquids import liquid_of
 from ecume.units import Array
 
 if TYPE_CHECKING:
@@ -18,15 +19,15 @@ if TYPE_CHECKING:
 
 def drift_of(scene: FloatingScene) -> Drift:
     """The flow and the noise of a scene; both need drag."""
-    flow, motion = scene.liquid.flow, scene.motion
-    fast = motion.drag_law == DRAG_LAWS[1]
+    flow, liquid = scene.flow, liquid_of(scene)
+    fast = scene.hydrodynamics.drag == DRAG_LAWS[1]
     rates = np.zeros(6)
     if flow is not None:
-        turning, apart = flow.rotation, flow.stretching
-        rates = np.array([*flow.velocity, apart, flow.shear - turning, turning, -apart])
+        turning, apart = flow.rotation_rate, flow.extension_rate
+        rates = np.array([*flow.velocity, apart, flow.shear_rate - turning, turning, -apart])
     nodes, frame = _nodes_of(flow.nodes) if flow is not None and flow.nodes is not None else NO_NODES
-    slowing = scene.liquid.density / scene.liquid.viscosity if fast else 0.0
-    thermal = brownian.thermal_energy(motion.temperature)
+    slowing = liquid.density / liquid.viscosity if fast else 0.0
+    thermal = brownian.thermal_energy(scene.liquid.temperature) if scene.hydrodynamics.brownian else 0.0
     flows = bool(np.any(rates)) or bool(np.any(nodes))
     return Drift(rates, nodes, frame, flows, thermal, scene.seed, slowing, 0.0, sway_of(scene))
 
@@ -38,7 +39,7 @@ def sway_of(scene: FloatingScene) -> Sway:
         return Sway(False, np.zeros(2), np.zeros(2), 0.0, 0.0)
     heading = np.array([math.cos(moved.direction), math.sin(moved.direction)])
     turning = 2.0 * math.pi * moved.frequency
-    return Sway(True, np.array(moved.velocity), moved.amplitude * heading, turning, 1.0 - moved.carried)
+    return Sway(True, np.array(moved.velocity), moved.amplitude * heading, turning, 1.0 - moved.entrainment)
 
 
 NO_NODES = np.zeros((2, 0, 0)), np.zeros(4)

@@ -133,7 +133,7 @@ INTERACTIONS = {
         gives=ROUND | {"pair sum", "shared", "grid", "superposed"},
     ),
     "shapes": Interaction(
-        path="floats", name="a float with a shape", constants=Shaped, make=shapes_of, add_forces=shaped_forces,
+        path="particles", name="a float with a shape", constants=Shaped, make=shapes_of, add_forces=shaped_forces,
         energy=shaped_energies, scratch=make_shaped_scratch, inertia=lambda part: np.asarray(part.inertia),
         laws=(ellipsoids.ellipsoid_undulation, lines.spread_charges, quadrupoles.quadrupole_energy),
         needs={
@@ -159,7 +159,7 @@ INTERACTIONS = {
         needs={"menisci": "tables hold what two menisci do beyond their sum"},
     ),
     "dipoles": Interaction(
-        path="floats", name="a magnetic moment", constants=DipoleMoments, make=dipoles_of, add_forces=dipole_forces,
+        path="particles", name="a magnetic moment", constants=DipoleMoments, make=dipoles_of, add_forces=dipole_forces,
         energy=dipole_energies, scratch=make_sorted_moments, sort=sort_moments,
         arrays=lambda part: {"magnetic_moment": (part.moment.copy(), "A*m^2")},
         gives=ROUND | {"pair sum", "undulations", "grid"}, laws=(dipoles.dipole_force,),
@@ -169,7 +169,7 @@ INTERACTIONS = {
         },
     ),
     "grid": Interaction(
-        path="interaction.sum", name="'grid'", constants=Split, make=lambda parameters, scene: Built(()),
+        path="interaction.summation", name="'grid'", constants=Split, make=lambda parameters, scene: Built(()),
         add_forces=smooth_forces, energy=split_energy, compiled=False, scratch=make_reference, sort=place_grid,
         lines=split_lines,
         pairs_worth=lambda part: part.work[1], points=lambda part: part.points, gives=ROUND | {"shared", "superposed"},
@@ -200,7 +200,7 @@ class Resistance(Option):
 
 RESISTANCES = {
     "films": Resistance(
-        path="motion.films", name="a film", constants=Films, make=films_of, slow=apply_films,
+        path="hydrodynamics.lubrication", name="a film", constants=Films, make=films_of, slow=apply_films,
         needs={
             "reciprocal": "films keep momentum, and so must the law",
             "kicks before the drift": "films slow the velocity of a whole kick, which then drifts",

@@ -413,7 +413,8 @@ def _turning(parameters: Parameters, scene: FloatingScene, every: Sequence[Any])
     """
     liquid = liquid_of(scene)
     mass, radius = parameters.floats.mass, parameters.floats.radius
-    resisting = [drag.disc_turning_friction(float(a), liquid.viscosity) if scene.motion.drag else 0.0 for a in radius]
+    viscosity = liquid.viscosity if scene.hydrodynamics.resists else 0.0
+    resisting = [drag.disc_turning_friction(float(a), viscosity) for a in radius]
     moment, friction = 0.5 * mass * radius**2, np.array(resisting)
     height = max(kind.rim[0] * kind.rim[1] for kind in every)
     spring = RAFT_NEIGHBORS * 12.0 * math.pi * liquid.surface_tension * (0.5 * height) ** 2

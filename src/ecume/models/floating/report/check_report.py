@@ -126,7 +126,7 @@ def _step_remark(time_step: float, good: float) -> str:
 def _summary_of_species(scene: FloatingScene) -> list[Row]:
     """The lines of each species; the floats of a table may differ from row to row."""
     members: dict[str, dict[FloatKind, int]] = {name: {} for name, _ in scene.kinds}
-    owners = [(species.name, species.count) for species in scene.floats]
+    owners = [(species.name, species.count) for species in scene.particles]
     owners += [(row.species_name, 1) for row in scene.rows]
     for (name, count), kind in zip(owners, float_kinds(scene), strict=True):
         members[name][kind] = members[name].get(kind, 0) + count

@@ -58,7 +58,7 @@ def start(scene: FloatingScene, parameters: Parameters) -> State:
         try:
             places.position[free] = place_at_random(radius[free], region_of(parameters), taken, scene.seed)
         except BadInput as error:
-            raise SceneError([Fault("floats", str(error))]) from None
+            raise SceneError([Fault("particles", str(error))]) from None
     state = make_state(places.position, places.velocity)
     for part, row in interactions_of(parameters):
         state = row.state(part, state)
@@ -76,19 +76,19 @@ def with_angles(state: State, scene: FloatingScene, parameters: Parameters) -> S
 
 def initial_angles(scene: FloatingScene) -> Array:
     """The angles of all floats, given or random."""
-    count = sum(one.count for one in scene.floats)
+    count = sum(one.count for one in scene.particles)
     chance = np.random.default_rng([scene.seed, TURNS]).uniform(0.0, 2.0 * math.pi, count + len(scene.rows))
-    turned = [species.shape or species.disc for species in scene.floats]
+    turned = [species.shape or species.disc for species in scene.particles]
     given = [math.nan if one is None or one.angle is None else one.angle for one in turned]
-    listed = np.repeat(given, [one.count for one in scene.floats])
+    listed = np.repeat(given, [one.count for one in scene.particles])
     listed = np.concatenate([listed, [row.angle for row in scene.rows]])
     return np.where(np.isnan(listed), chance, listed)
 
 
 def given_places(scene: FloatingScene) -> Places:
     """The positions and velocities in the scene: first the tables of floats, then the rows."""
-    positions = [_places_of(species) for species in scene.floats]
-    velocities = [_velocities_of(species) for species in scene.floats]
+    positions = [_places_of(species) for species in scene.particles]
+    velocities = [_velocities_of(species) for species in scene.particles]
     if scene.rows:
         positions.append(np.array([(row.x, row.y) for row in scene.rows]))
         velocities.append(np.array([(row.vx, row.vy) for row in scene.rows]))
@@ -143,7 +143,8 @@ def _check_shapes(scene: FloatingScene, parameters: Parameters, position: Array,
 
 def float_names(scene: FloatingScene) -> list[str]:
     """The path of each float in the scene."""
-    names = [f"floats[{k}].positions[{n}]" for k, species in enumerate(scene.floats) for n in range(species.count)]
+    counts = [species.count for species in scene.particles]
+    names = [f"particles[{k}].positions[{n}]" for k, count in enumerate(counts) for n in range(count)]
     return names + [f"rows[{k}]" for k in range(len(scene.rows))]
 
 
@@ -173,7 +174,7 @@ def _overlapping(floats: Floats, position: Array, which: Integers, names: list[s
     lists, candidates = make_lists(len(which), 2, capacity), contacts.make_candidates(len(which), capacity)
     reach = 2.0 * float(radius.max())
     if not (build(lists, places, reach) and list_candidates(candidates, lists, radius, 0.0)):
-        return [Fault("floats", f"more than {capacity} pairs of floats overlap")]
+        return [Fault("particles", f"more than {capacity} pairs of floats overlap")]
     faults = []
     for i in range(len(which)):
         for j in candidates.partner[candidates.first[i] : candidates.first[i + 1]]:

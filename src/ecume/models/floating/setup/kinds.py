@@ -68,7 +68,7 @@ def float_kind(given: FloatSpec | FloatRow, scene: FloatingScene) -> FloatKind:
     charge = flotation.capillary_charge(sphere, liquid, scene.interaction.charge)
     factor = float(drag.factor_at_filling(balance.filling_angle))
     mass = given.density * 4.0 / 3.0 * math.pi * given.radius**3
-    if scene.motion.added_mass:
+    if scene.hydrodynamics.added_mass:
         mass += drag.added_mass(given.radius, balance.filling_angle, liquid.density)
     friction = drag.stokes_friction(given.radius, liquid.viscosity, factor)
     found = FloatKind(sphere, given.density, sphere.contact_angle, balance, charge, mass, friction, radius=given.radius)
@@ -143,7 +143,7 @@ def float_kinds(scene: FloatingScene) -> list[FloatKind]:
 
 
 def _given(scene: FloatingScene) -> list[tuple[str, FloatSpec | FloatRow]]:
-    tables = [(f"floats[{k}]", given) for k, given in enumerate(scene.floats)]
+    tables = [(f"particles[{k}]", given) for k, given in enumerate(scene.particles)]
     return [*tables, *((f"rows[{k}]", row) for k, row in enumerate(scene.rows))]
 
 
@@ -162,7 +162,7 @@ def floats_of(scene: FloatingScene) -> Floats:
         mass=each(lambda kind: kind.mass),
         charge=each(lambda kind: kind.charge),
         relaxation_time=each(lambda kind: drag.relaxation_time(kind.mass, kind.friction))
-        if scene.motion.drag
+        if scene.hydrodynamics.resists
         else np.full(sum(counts), np.inf),
         density=each(lambda kind: kind.density),
         contact_angle=each(lambda kind: kind.contact_angle),

@@ -52,7 +52,7 @@ def parameters_of(scene: FloatingScene) -> Parameters:
     _check_names(scene)
     chosen = chosen_by(scene)
     require_compatible(options_of(scene, chosen), TABLES)
-    parameters, requested = _parameters_with(scene, chosen, 1.0), scene.motion.time_step
+    parameters, requested = _parameters_with(scene, chosen, 1.0), scene.integration.time_step
     longer = 1.0 if requested is None else requested / good_step(parameters, scene)
     # Floats that move farther in a step require lists with a longer range.
     return parameters if longer <= 1.0 else _parameters_with(scene, chosen, longer)
@@ -104,7 +104,7 @@ def _without_parts(scene: FloatingScene, chosen: Chosen, longer: float) -> Param
     try:
         law = row.make_constants(setting)
     except BadInput as error:
-        raise scene_error("floats", str(error)) from None
+        raise scene_error("particles", str(error)) from None
     strength = law.strength if row.menisci else 0.0
     mirrored = scene.dish is not None and scene.dish.image != "none"
     walls, scheme = walls_of(scene.dish), chosen.integrator.scheme
@@ -143,13 +143,13 @@ def _restitution(scene: FloatingScene) -> float:
 def _check_names(scene: FloatingScene) -> None:
     """Raise SceneError for names of laws that are not in the tables."""
     choices = [
-        ("motion.integrator", scene.motion.integrator, SCHEMES),
-        ("motion.drag_law", scene.motion.drag_law, DRAG_LAWS),
+        ("integration.integrator", scene.integration.integrator, SCHEMES),
+        ("hydrodynamics.drag", str(scene.hydrodynamics.drag), (*DRAG_LAWS, "none")),
         ("contacts.law", scene.contacts.law, ("impulse", "spring-dashpot", "none")),
         ("interaction.law", str(scene.interaction.law), NAMES),
         ("interaction.charge", str(scene.interaction.charge), tuple(flotation.CHARGES)),
         ("interaction.method", scene.interaction.method, ("superposition", "pair-corrected", "multipole")),
-        ("interaction.sum", scene.interaction.sum, ("auto", "cells", "grid")),
+        ("interaction.summation", scene.interaction.summation, ("auto", "cells", "grid")),
         ("interaction.precision", scene.interaction.precision, ("double", "single")),
     ]
     if scene.dish is not None:
@@ -199,13 +199,13 @@ class Chosen(NamedTuple):
 
 def chosen_by(scene: FloatingScene) -> Chosen:
     """The rows that a scene chooses."""
-    integrator, method = INTEGRATORS[scene.motion.integrator], scene.interaction.method
+    integrator, method = INTEGRATORS[scene.integration.integrator], scene.interaction.method
     names = ["shapes"] if scene.shaped else []
     names += ["superposition"] if method == "pair-corrected" and not scene.shaped else []
     names += [] if method == "superposition" and scene.shaped else [method]
-    names += ["grid"] if scene.interaction.sum == "grid" else []
+    names += ["grid"] if scene.interaction.summation == "grid" else []
     names += ["dipoles"] if np.any(moments_of(scene)) else []
-    films = [RESISTANCES["films"]] if scene.motion.films is not None else []
+    films = [RESISTANCES["films"]] if scene.hydrodynamics.lubrication is not None else []
     requested = CONTACTS[_contacts_of(scene)]
     plain = names == ["superposition"] and not films and requested is not CONTACTS["friction"]
     return Chosen(
@@ -237,15 +237,15 @@ def _contacts_of(scene: FloatingScene) -> str:
 
 def options_of(scene: FloatingScene, chosen: Chosen) -> list[Option]:
     """All options of a scene that have capabilities or needs."""
-    motion, law = scene.motion, str(scene.interaction.law)
+    hydrodynamics, law = scene.hydrodynamics, str(scene.interaction.law)
     rows = [chosen.integrator, *chosen.interactions, *chosen.resistances, chosen.requested_contacts]
     surroundings = [pair_option(law), _drag_of(scene), _wall_of(scene)]
     active = [
-        (motion.temperature > 0.0, NOISE),
-        (motion.drag_law == DRAG_LAWS[1], FAST_DRAG),
-        (scene.liquid.flow is not None, FLOW),
+        (hydrodynamics.brownian, NOISE),
+        (hydrodynamics.drag == DRAG_LAWS[1], FAST_DRAG),
+        (scene.flow is not None, FLOW),
         (scene.dish is not None and scene.dish.motion is not None, SWAY),
-        (bool(motion.added_mass), ADDED_MASS),
+        (bool(hydrodynamics.added_mass), ADDED_MASS),
         (any(one.disc is not None and one.disc.undulation > 0.0 for one in scene.given), UNDULATION),
         (_turned_by_menisci(scene), TURNING),
     ]
@@ -253,7 +253,7 @@ def options_of(scene: FloatingScene, chosen: Chosen) -> list[Option]:
 
 
 NOISE = Option(
-    slot="noise", path="motion.temperature", name="Brownian motion",
+    slot="noise", path="hydrodynamics.brownian", name="Brownian motion",
     needs={
         "no inertia": "only there is the noise of a step a displacement of known variance",
         "drag": "noise and drag belong together",
@@ -263,7 +263,7 @@ NOISE = Option(
 )  # fmt: skip
 
 FAST_DRAG = Option(
-    slot="drag law", path="motion.drag_law", name="'schiller-naumann'",
+    slot="drag law", path="hydrodynamics.drag", name="'schiller-naumann'",
     needs={
         "drag": "it moves floats by drag",
         "fast drag": "the drag of a kick follows from the speed at its beginning",
@@ -272,7 +272,7 @@ FAST_DRAG = Option(
 )  # fmt: skip
 
 FLOW = Option(
-    slot="flow", path="liquid.flow", name="a flowing surface",
+    slot="flow", path="flow", name="a flowing surface",
     needs={"drag": "it moves floats by drag", "round": "a current would turn an elongated body"},
 )  # fmt: skip
 
@@ -287,16 +287,16 @@ SWAY = Option(
 )  # fmt: skip
 
 ADDED_MASS = Option(
-    slot="mass", path="motion.added_mass", name="added mass", needs={"round": "it is known of spheres only"}
+    slot="mass", path="hydrodynamics.added_mass", name="added mass", needs={"round": "it is known of spheres only"}
 )
 
 UNDULATION = Option(
-    slot="floats", path="interaction.method", name="a disc with an undulation",
+    slot="particles", path="interaction.method", name="a disc with an undulation",
     needs={"undulations": "superposed charges have no direction"},
 )  # fmt: skip
 
 TURNING = Option(
-    slot="floats", path="motion.integrator", name="a float that its meniscus turns",
+    slot="particles", path="integration.integrator", name="a float that its meniscus turns",
     needs={
         "kicks spins": "its spin goes with the kicks of the velocities",
         "keeps inertia": "the law for its spin has a moment of inertia",
@@ -311,11 +311,11 @@ def _turned_by_menisci(scene: FloatingScene) -> bool:
 
 def _drag_of(scene: FloatingScene) -> Option:
     """The drag of a scene, with its capabilities."""
-    there = scene.motion.drag and scene.liquid.viscosity > 0.0
+    there = scene.hydrodynamics.resists and liquid_of(scene).viscosity > 0.0
     gives = {"drag"} if there else set()
-    gives |= {"stokes"} if scene.motion.drag_law == DRAG_LAWS[0] else set()
+    gives |= {"stokes"} if scene.hydrodynamics.drag != DRAG_LAWS[1] else set()
     return Option(
-        slot="drag", path="motion.drag_law", name=repr(scene.motion.drag_law) if there else "no drag",
+        slot="drag", path="hydrodynamics.drag", name=repr(scene.hydrodynamics.drag) if there else "no drag",
         gives=frozenset(gives),
         needs={},
     )  # fmt: skip
@@ -341,7 +341,7 @@ BYTES_PER_POINT = 60
 
 def checked_parameters(scene: FloatingScene) -> Parameters:
     """Return the parameters of a scene that fits into memory."""
-    count = len(scene.rows) + sum(species.count for species in scene.floats)
+    count = len(scene.rows) + sum(species.count for species in scene.particles)
     # Tested before any allocation: a hundred million floats are typed as quickly as a hundred.
     _require_memory(count, BYTES_PER_FLOAT * count)
     parameters = parameters_of(scene)
@@ -363,7 +363,7 @@ def _require_memory(count: int, wanted: float) -> None:
         raise SceneError(
             [
                 Fault(
-                    "floats",
+                    "particles",
                     f"{count} floats need about {wanted / 1e9:.3g} GB, this machine has {there / 1e9:.3g} GB; "
                     "use fewer floats, or a larger interaction.accuracy, which shortens the cutoff",
                 )

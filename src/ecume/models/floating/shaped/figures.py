@@ -252,7 +252,7 @@ def shapes_of(parameters: Parameters, scene: FloatingScene) -> Built:
         raise SceneError(faults)
     kinds, number = distinct_kinds(scene)
     figures = [kind.figure for kind in kinds]
-    shaped = make_shaped([figures[k] for k in number], drag=bool(scene.motion.drag))
+    shaped = make_shaped([figures[k] for k in number], drag=scene.hydrodynamics.resists)
     strength = wall_strengths(scene, parameters.floats._replace(charge=shaped.charge))
     shaped = shaped._replace(wall_strength=strength)
     return Built(shaped, min(shortest_time(shaped, parameters, number), spinning_time(shaped, parameters, scene)))
@@ -318,7 +318,7 @@ def shortest_time(shaped: Shaped, parameters: Parameters, number: Integers) -> f
 
 def spinning_time(shaped: Shaped, parameters: Parameters, scene: FloatingScene) -> float:
     """The time (s) in which a float turns by `TURN` if the whole initial kinetic energy becomes rotation."""
-    starts = [*(species.velocity for species in scene.floats), *((row.vx, row.vy) for row in scene.rows)]
+    starts = [*(species.velocity for species in scene.particles), *((row.vx, row.vy) for row in scene.rows)]
     speed = max(math.hypot(*velocity) for velocity in starts)
     spin = speed * math.sqrt(float(np.max(parameters.floats.mass / shaped.inertia)))
     return TURN / spin if spin > 0.0 else math.inf

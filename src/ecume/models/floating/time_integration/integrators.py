@@ -253,7 +253,9 @@ KICK_CAPABILITIES = frozenset({"kicks at the ends", "fast drag", "sways", "kicks
 
 def _row(name: str, scheme: Scheme, gives: frozenset[str], **rest: Any) -> Integrator:
     given: dict[str, Any] = {"constants": Kicks, "predict": predict_kicked} | rest
-    return Integrator(slot="integrator", path="motion.integrator", name=repr(name), gives=gives, scheme=scheme, **given)
+    return Integrator(
+        slot="integrator", path="integration.integrator", name=repr(name), gives=gives, scheme=scheme, **given
+    )
 
 
 INTEGRATORS = {
@@ -280,11 +282,12 @@ INTEGRATORS = {
         needs={"drag": "without inertia, drag alone says how fast a force moves a float"},
     ),
 }  # fmt: skip
-"""The choices of `motion.integrator`."""
+"""The choices of `integration.integrator`."""
 
 SCHEMES = tuple(INTEGRATORS)
 RIGID = Integrator(
-    slot="rigid integrator", path="floats", name="a float with a shape", scheme=Scheme(True, True, False, True, True),
+    slot="rigid integrator", path="particles", name="a float with a shape",
+    scheme=Scheme(True, True, False, True, True),
     constants=RigidKicks, predict=predict_rigid, finish=finish_rigid, move=move_rigid, begin=begin_rigid,
     bound_travel=bound_rigid_travel, store=store_rigid,
 )  # fmt: skip

@@ -164,13 +164,14 @@ class Step(NamedTuple):
 def step_of(parameters: Parameters, scene: FloatingScene) -> Step:
     """The time step: that of the scene, or the longest good one that divides the time between frames."""
     good, frame = good_step(parameters, scene), scene.frame_every
-    given = scene.motion.time_step
+    given = scene.integration.time_step
     if given is not None:
         _judge(given, good)
     steps = max(1, math.ceil(frame / (given if given is not None else good) * (1.0 - 1e-9)))
     if given is not None and abs(steps * given - frame) > 1e-9 * frame:
         raise scene_error(
-            "motion.time_step", f"{given:g} s does not divide frame_every = {frame:g} s; {frame / steps:.9g} s would do"
+            "integration.time_step",
+            f"{given:g} s does not divide frame_every = {frame:g} s; {frame / steps:.9g} s would do",
         )
     if given is None:
         steps = ending_on_a_step(scene, steps)
@@ -179,10 +180,10 @@ def step_of(parameters: Parameters, scene: FloatingScene) -> Step:
         parameters.scheme, time_step, parameters.floats, len(parameters.kick.mobility) - len(parameters.floats.mass)
     )
     stiffest = float(parameters.floats.relaxation_time.min())
-    if scene.motion.integrator == "rk4" and time_step > 2.0 * stiffest:
+    if scene.integration.integrator == "rk4" and time_step > 2.0 * stiffest:
         raise scene_error(
-            "motion.integrator", f"'rk4' needs a time step below {2.0 * stiffest:.3g} s in so viscous a liquid; "
-            f"it is {time_step:.3g} s. Set motion.time_step, or use 'velocity-verlet'"
+            "integration.integrator", f"'rk4' needs a time step below {2.0 * stiffest:.3g} s in so viscous a liquid; "
+            f"it is {time_step:.3g} s. Set integration.time_step, or use 'velocity-verlet'"
         )  # fmt: skip
     jump = NOISE_DEVIATIONS * math.sqrt(2.0 * parameters.drift.thermal * float(kick.gain.max()) * time_step)
     jump = (jump if parameters.drift.thermal > 0.0 else 0.0) + time_step * _swaying(parameters, kick)
@@ -203,21 +204,23 @@ def _judge(given: float, good: float) -> None:
     """Raise SceneError or warn if a step is too long, with a sufficient value."""
     if given > UNSTABLE_OVER_GOOD * good:
         raise scene_error(
-            "motion.time_step", f"{given:.3g} s is unstable here; expected at most {UNSTABLE_OVER_GOOD * good:.3g} s, "
+            "integration.time_step",
+            f"{given:.3g} s is unstable here; expected at most {UNSTABLE_OVER_GOOD * good:.3g} s, "
             f"{good:.3g} s is good"
         )  # fmt: skip
     if given > COARSE_OVER_GOOD * good:
-        warnings.warn(f"motion.time_step: {given:.3g} s is coarse; {good:.3g} s is good", StepWarning, stacklevel=2)
+        message = f"integration.time_step: {given:.3g} s is coarse; {good:.3g} s is good"
+        warnings.warn(message, StepWarning, stacklevel=2)
 
 
 def _speeds(scene: FloatingScene) -> float:
     """The largest initial speed, or the largest speed of the flow in the dish (m/s)."""
-    reach = max((math.hypot(*place) for species in scene.floats for place in species.positions), default=0.0)
+    reach = max((math.hypot(*place) for species in scene.particles for place in species.positions), default=0.0)
     if scene.dish is not None:
         reach = enclosures.farthest(walls_of(scene.dish))
     drift = drift_of(scene)
     flow, nodes = drift.flow, np.hypot(drift.nodes[0], drift.nodes[1])
     flowing = math.hypot(flow[0], flow[1]) + reach * float(np.abs(flow[2:]).sum()) + float(nodes.max(initial=0.0))
-    speeds = [math.hypot(*each) for species in scene.floats for each in (species.velocities or [species.velocity])]
+    speeds = [math.hypot(*each) for species in scene.particles for each in (species.velocities or [species.velocity])]
     flowing += drift.sway.slip * (float(np.hypot(*drift.sway.velocity + drift.sway.turning * drift.sway.amplitude)))
     return max([flowing, *speeds, *(math.hypot(row.vx, row.vy) for row in scene.rows)])

@@ -102,7 +102,7 @@ def meet_walls(parameters: Parameters, state: State) -> bool:
         return False
     if (gap[fresh] <= 0.0).any():
         met = int(np.nonzero((fresh & (gap <= 0.0)).any(axis=1))[0][0])
-        raise Diverged(f"sphere {met} met a wall without a film between them; set films.reach higher")
+        raise Diverged(f"sphere {met} met a wall without a film between them; set films.cutoff higher")
     state.touching[:] = (touching & ~gone) | fresh
     sphere, wall = np.nonzero(fresh)
     state.wall_gap[sphere, wall] = log(gap[sphere, wall])
@@ -213,12 +213,12 @@ def _open(parameters: Parameters, state: State, found: Found) -> None:
     here = int(state.contacts[0])
     total = here + len(pair)
     if total > len(state.pair):
-        raise Diverged(f"{total} contacts are more than there is room for, {len(state.pair)}; set films.reach lower")
+        raise Diverged(f"{total} contacts are more than there is room for, {len(state.pair)}; set films.cutoff lower")
     length = np.linalg.norm(between, axis=1)
     gap = length - parameters.radius[pair].sum(axis=1)
     if not (gap > 0.0).all():
         first, second = pair[np.argmin(gap)]
-        raise Diverged(f"spheres {first} and {second} met without a film between them; set films.reach higher")
+        raise Diverged(f"spheres {first} and {second} met without a film between them; set films.cutoff higher")
     state.pair[here:total], state.image[here:total] = pair, image
     state.log_gap[here:total] = log(gap)
     state.direction[here:total] = between / length[:, None]

@@ -91,4 +91,4 @@ SCHEMES = {
     "esdirk4": TimeScheme(esdirk4(), esdirk4, relaxing=31.0, straining=600.0, refinement=0.14, seconds=1.9e-5),
     "tr-bdf2": TimeScheme(tr_bdf2(), tr_bdf2, relaxing=35.0, straining=1000.0, refinement=0.25, seconds=7.5e-6),
 }
-"""Schemes for `stepping.scheme`."""
+"""Schemes for `integration.integrator`."""

@@ -12,6 +12,7 @@ from ecume.laws.soft_pair import SoftPair, optimal_force
 from ecume.laws.surfaces import Expected
 from ecume.models.check_report import LONG, Row, told, told_duration
 from ecume.models.frame_cost import Content, frame_cost, told_size
+from ecume.models.liquids import material_of
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
 from ecume.models.soft.integration.linear_solvers import FEW
 from ecume.models.soft.loading.protocol import LOAD, NORMAL, SHEAR, WALL_SHEAR, drive_at
@@ -43,13 +44,14 @@ def advice(scene: SoftScene, parameters: Parameters, state: State) -> list[Row]:
 def typical_pair(scene: SoftScene, parameters: Parameters, state: State) -> Expected:
     """Estimates for two spheres."""
     radius, modulus = float(np.median(parameters.radius)), float(np.median(parameters.modulus))
-    pair = SoftPair(radius, modulus, scene.liquid.viscosity, prefactors_of(scene.films))
+    liquid = material_of(scene.liquid)
+    pair = SoftPair(radius, modulus, liquid.viscosity, prefactors_of(scene.films))
     gaps = state.log_gap[: state.contacts[0]]
     # Half of what is tied is far: of the narrower half, as many as bear forces.
     gap = math.exp(np.quantile(gaps, 0.25)) if len(gaps) else math.nan
     found = forces(scene, parameters, pair, gap)
     source = max(found, key=lambda name: found[name], default="")
-    return Expected(pair, found.get(source, 0.0), source, gap, scene.liquid.surface_tension or math.nan)
+    return Expected(pair, found.get(source, 0.0), source, gap, liquid.surface_tension or math.nan)
 
 
 def forces(scene: SoftScene, parameters: Parameters, pair: SoftPair, gap: float) -> dict[str, float]:
@@ -114,7 +116,7 @@ def _crowd(scene: SoftScene, parameters: Parameters, state: State) -> list[Row]:
     count, contacts = len(parameters.radius), int(state.contacts[0])
     where = "a layer" if parameters.dimensions == 2 else "space"
     rows = [
-        ("spheres", str(count), f"{len(scene.spheres)} species, in {where}"),
+        ("spheres", str(count), f"{len(scene.particles)} species, in {where}"),
         ("films", str(contacts), f"at the start, {2.0 * contacts / count:.2g} a sphere"),
     ]  # fmt: skip
     if (filled := fillings(parameters)) > 0.0:
@@ -131,7 +133,7 @@ def _crowd(scene: SoftScene, parameters: Parameters, state: State) -> list[Row]:
 def doubts(scene: SoftScene, parameters: Parameters, typical: Expected) -> list[Row]:
     """Warnings on settings that may be unintended."""
     radius, gap, laws = parameters.radius, typical.gap, parameters.laws
-    random = sum(species.count or 0 for species in scene.spheres)
+    random = sum(species.count or 0 for species in scene.particles)
     alike = random >= MANY and float(radius.std() / radius.mean()) < ALIKE
     found = {
         "spheres are alike, and order as crystals: take two sizes, such as 1 to 1.4": (

@@ -18,6 +18,7 @@ from ecume.laws.interfaces import INTERFACES
 from ecume.laws.long_range import REMOTE
 from ecume.laws.surfaces import SURFACES
 from ecume.models.last_frame import last_step
+from ecume.models.liquids import material_of
 from ecume.models.soft.contacts.contact_list import open_all
 from ecume.models.soft.integration.dirk import accept
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
@@ -55,13 +56,16 @@ def parameters_of(scene: SoftScene) -> Parameters:
     faults = _unknown_names(scene) or _missing_needs(scene, laws_chosen(scene))
     if faults:
         raise SceneError(faults)
-    counts = [species.count or len(species.positions) for species in scene.spheres]
+    counts = [species.count or len(species.positions) for species in scene.particles]
     dimensions = dimensions_of(scene)
-    radius = np.repeat([species.radius for species in scene.spheres], counts)
-    force = np.repeat([species.force or (0.0,) * dimensions for species in scene.spheres], counts, axis=0)
-    drag = np.array([stokes_friction(r, scene.liquid.viscosity, 1.0) * scene.liquid.drag for r in radius])
+    radius = np.repeat([species.radius for species in scene.particles], counts)
+    liquid = material_of(scene.liquid)
+    force = np.repeat([species.force or (0.0,) * dimensions for species in scene.particles], counts, axis=0)
+    drag = np.array(
+        [stokes_friction(r, liquid.viscosity, 1.0) * (scene.hydrodynamics.drag == "stokes") for r in radius]
+    )
     box = np.zeros(3)
-    if scene.box is not None:
+    if scene.cell is not None:
         box[:dimensions] = sides_of(scene)
     walls = _planes(scene)
     box[walls.axis] = 0.0
@@ -72,7 +76,7 @@ def parameters_of(scene: SoftScene) -> Parameters:
         last_tick=last_step(scene, TICKS, least=2),
         dimensions=dimensions,
         radius=radius,
-        modulus=np.repeat([_modulus(scene, species) for species in scene.spheres], counts),
+        modulus=np.repeat([_modulus(scene, species) for species in scene.particles], counts),
         species=np.repeat(np.arange(len(counts)), counts),
         drag=drag,
         force=np.ascontiguousarray(force, np.float64),
@@ -84,9 +88,9 @@ def parameters_of(scene: SoftScene) -> Parameters:
         contacts=_contacts(scene, float(radius.min())),
         laws=laws_chosen(scene),
         protocol=protocol_of(scene.protocol),
-        scheme=scene.stepping.scheme,
-        tolerance=scene.stepping.tolerance,
-        solver=scene.stepping.solver,
+        scheme=scene.integration.integrator,
+        tolerance=scene.integration.tolerance,
+        solver=scene.integration.solver,
     )
     require_balance(parameters)
     return parameters
@@ -132,7 +136,7 @@ def _balance(parameters: Parameters, state: State) -> None:
     span = AT_ONCE * float(state.pace[LENGTH]) if parameters.drag.any() else 0.0
     if not balance(parameters, scratch, (drive, drive, rules), state.effort, span):
         told = "these forces or stresses are more than the surfaces can balance; make them smaller"
-        raise SceneError([Fault("protocol" if any(rules) else "spheres", told)])
+        raise SceneError([Fault("protocol" if any(rules) else "particles", told)])
     accept(scratch.step)
     store(parameters, state, scratch.step)
 
@@ -145,7 +149,7 @@ def _planes(scene: SoftScene) -> Planes:
     place, velocity, force = np.zeros((3, count, 3))
     free: list[tuple[int, int]] = []
     sides = np.ones(3)
-    if scene.box is not None:
+    if scene.cell is not None:
         sides[:dimensions] = sides_of(scene)
     for index, wall in enumerate(scene.walls):
         across, outward = SIDES[wall.side]
@@ -165,7 +169,8 @@ def _weights(scene: SoftScene, radius: Array, counts: list[int]) -> Array:
     """Gravity less buoyancy of each sphere (N)."""
     if scene.gravity is None:
         return np.zeros((len(radius), dimensions_of(scene)))
-    heavier = np.array([(species.density or 0.0) - (scene.liquid.density or 0.0) for species in scene.spheres])
+    liquid = material_of(scene.liquid).density
+    heavier = np.array([(species.density or 0.0) - liquid for species in scene.particles])
     mass = np.repeat(heavier, counts) * 4.0 / 3.0 * math.pi * radius**3
     return np.asarray(mass[:, None] * np.array(scene.gravity))
 
@@ -173,8 +178,8 @@ def _weights(scene: SoftScene, radius: Array, counts: list[int]) -> Array:
 def _torques(scene: SoftScene, counts: list[int]) -> Array:
     """The torque on each sphere, as a force at its equator (N); without components for spheres without spin."""
     width = 0 if not scene.rotation else 1 if dimensions_of(scene) == 2 else 3
-    given = np.array([species.torque or (0.0,) * width for species in scene.spheres]).reshape(len(counts), width)
-    at_equator = given / np.array([species.radius for species in scene.spheres])[:, None]
+    given = np.array([species.torque or (0.0,) * width for species in scene.particles]).reshape(len(counts), width)
+    at_equator = given / np.array([species.radius for species in scene.particles])[:, None]
     return np.repeat(at_equator, counts, axis=0)
 
 
@@ -191,23 +196,24 @@ def prefactors_of(films: FilmSpec) -> Prefactors:
 
 
 def _contacts(scene: SoftScene, smallest: float) -> Contacts:
-    remote, films, reach = scene.remote, scene.films, scene.films.reach
+    remote, films, reach = scene.long_range_forces, scene.films, scene.films.cutoff
+    liquid = material_of(scene.liquid)
     if reach is None:
-        reach = math.inf if scene.box is None else REACH * smallest
+        reach = math.inf if scene.cell is None else REACH * smallest
     return Contacts(
-        scene.liquid.viscosity,
+        liquid.viscosity,
         *prefactors_of(scene.films),
         fade_from=reach,
         fade_to=FADE * reach,
         rounding=ROUNDING * smallest,
         remote=code_of(REMOTE, remote.law),
-        strength=remote.strength,
-        steric_length=remote.length,
-        hamaker=remote.hamaker,
-        layer_strength=remote.layer_strength,
+        strength=remote.steric_strength,
+        steric_length=remote.steric_length,
+        hamaker=remote.hamaker_constant,
+        layer_strength=remote.double_layer_strength,
         debye_length=remote.debye_length,
         surface=code_of(SURFACES, films.surface),
-        surface_tension=scene.liquid.surface_tension or 0.0,
+        surface_tension=liquid.surface_tension,
         interface=code_of(INTERFACES, films.interface),
         viscosity_ratio=films.viscosity_ratio,
         friction=code_of(FRICTIONS, films.friction),
@@ -220,13 +226,16 @@ def laws_chosen(scene: SoftScene) -> Laws:
     """The rows that a scene names."""
     films = scene.films
     return Laws(
-        SURFACES[films.surface], INTERFACES[films.interface], REMOTE[scene.remote.law], FRICTIONS[films.friction]
+        SURFACES[films.surface],
+        INTERFACES[films.interface],
+        REMOTE[scene.long_range_forces.law],
+        FRICTIONS[films.friction],
     )
 
 
 def _missing_needs(scene: SoftScene, laws: Laws) -> list[Fault]:
     """The required parameters of the chosen laws that are missing."""
-    spheres: list[tuple[str, object]] = [(f"spheres[{index}]", one) for index, one in enumerate(scene.spheres)]
+    spheres: list[tuple[str, object]] = [(f"particles[{index}]", one) for index, one in enumerate(scene.particles)]
     holders: dict[str, list[tuple[str, object]]] = {
         "surface_tension": [("liquid", scene.liquid)],
         "modulus": spheres,
@@ -243,7 +252,7 @@ def _missing_needs(scene: SoftScene, laws: Laws) -> list[Fault]:
 
 def _modulus(scene: SoftScene, species: SphereSpec) -> float:
     """The modulus of the material; for bubbles the equivalent, surface tension over radius."""
-    return (scene.liquid.surface_tension or 0.0) / species.radius if species.modulus is None else species.modulus
+    return material_of(scene.liquid).surface_tension / species.radius if species.modulus is None else species.modulus
 
 
 def _unknown_names(scene: SoftScene) -> list[Fault]:
@@ -253,9 +262,9 @@ def _unknown_names(scene: SoftScene) -> list[Fault]:
         ("films.surface", SURFACES, scene.films.surface, "elastic law"),
         ("films.interface", INTERFACES, scene.films.interface, "interface"),
         ("films.friction", FRICTIONS, scene.films.friction, "contact friction"),
-        ("remote.law", REMOTE, scene.remote.law, "remote law"),
-        ("stepping.scheme", SCHEMES, scene.stepping.scheme, "scheme"),
-        ("stepping.solver", {"auto": None, **SOLVERS}, scene.stepping.solver, "solver"),
+        ("long_range_forces.law", REMOTE, scene.long_range_forces.law, "remote law"),
+        ("integration.integrator", SCHEMES, scene.integration.integrator, "scheme"),
+        ("integration.solver", {"auto": None, **SOLVERS}, scene.integration.solver, "solver"),
     ]
     faults = []
     for path, table, name, what in asked:
@@ -263,9 +272,9 @@ def _unknown_names(scene: SoftScene) -> list[Fault]:
             chosen(table, name, what)
         except BadInput as error:
             faults.append(Fault(path, str(error)))
-    if scene.stepping.solver == "cholmod":
+    if scene.integration.solver == "cholmod":
         try:
             cholmod.library()
         except BadInput as error:
-            faults.append(Fault("stepping.solver", str(error)))
+            faults.append(Fault("integration.solver", str(error)))
     return faults

@@ -23,20 +23,24 @@ ROUNDS, PUSHES = 20, 400
 
 def places(scene: SoftScene, parameters: Parameters) -> Array:
     """The initial positions: as given, or random from the seed of the scene."""
-    given = [place for species in scene.spheres for place in species.positions]
-    if all(species.count is None for species in scene.spheres):
+    given = [place for species in scene.particles for place in species.positions]
+    if all(species.count is None for species in scene.particles):
         return np.array(given, np.float64)
     random = np.random.default_rng(scene.seed)
     box = box_of(parameters.box, shape_at(parameters.box, drive_at(parameters.protocol, 0.0)), parameters.dimensions)
     ends = np.where(box.sides > 0.0, box.sides, sides_of(scene) or 0.0)
     position = random.uniform(size=(len(parameters.radius), parameters.dimensions)) * ends
     begin = 0
-    for species in scene.spheres:
+    for species in scene.particles:
         end = begin + (species.count or len(species.positions))
         if species.positions:
             position[begin:end] = species.positions
         begin = end
-    least = GAP * float(parameters.radius.min()) if scene.box is None or scene.box.gap is None else scene.box.gap
+    least = (
+        GAP * float(parameters.radius.min())
+        if scene.cell is None or scene.cell.minimum_gap is None
+        else scene.cell.minimum_gap
+    )
     return pushed_apart(parameters, position, box, least)
 
 
@@ -68,5 +72,5 @@ def pushed_apart(parameters: Parameters, position: Array, box: Box, least: float
         if not len(neighbors(tight, found, box)[0]) and (wall_gaps(parameters, found, planes.place) >= least).all():
             return found
     told = f"no places were found with gaps of {least:.3g} m everywhere"
-    way_out = "expected a larger box.size, a smaller box.volume_fraction or a smaller box.gap"
-    raise SceneError([Fault("box.size", f"{told}; {way_out}")])
+    way_out = "expected a larger cell.size, a smaller cell.volume_fraction or a smaller cell.minimum_gap"
+    raise SceneError([Fault("cell.size", f"{told}; {way_out}")])

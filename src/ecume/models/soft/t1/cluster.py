@@ -11,7 +11,7 @@ import numpy as np
 
 from ecume.laws.soft_pair import SoftPair, passage_time
 from ecume.models.soft.setup.building import prefactors_of
-from ecume.scenes.soft import FilmSpec, SoftLiquid, SoftScene, SphereSpec, StageSpec, SteppingSpec
+from ecume.scenes.soft import FilmSpec, IntegrationSpec, SoftLiquid, SoftScene, SphereSpec, StageSpec
 from ecume.units import Array
 
 APART, MET = 1.0, 0.2
@@ -89,13 +89,13 @@ def t1_scene(gap: float, forces: tuple[float, float], prefactors: str, ramp: flo
         duration=horizon,
         frame_every=horizon,
         liquid=SoftLiquid(viscosity=kappa),
-        spheres=tuple(
+        particles=tuple(
             SphereSpec(name=f"{name}", radius=1.0, modulus=1.0, positions=(place,), force=pull)
             for name, place, pull in zip(("left", "right", "top", "bottom"), places, pulls, strict=True)
         ),
         films=films,
         protocol=(StageSpec(time=0.0, load=0.0), StageSpec(time=ramp, load=1.0)),
-        stepping=SteppingSpec(tolerance=rtol),
+        integration=IntegrationSpec(tolerance=rtol),
     )
 
 

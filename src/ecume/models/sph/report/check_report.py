@@ -114,7 +114,7 @@ def _liquid(scene: SphScene, parameters: Parameters) -> list[Row]:
         (
             "fastest speed",
             told(material.fastest, "m/s"),
-            "" if scene.liquid.fastest else "expected; say liquid.fastest",
+            "" if scene.liquid.maximum_speed else "expected; say liquid.maximum_speed",
         ),
         ("sound speed", told(material.sound_speed, "m/s"), "of the numerical liquid"),
         ("Mach number", f"{mach:.2g}", "to be expected"),
@@ -196,16 +196,16 @@ def lattice_neighbors(dimension: int, reach: float) -> int:
 def neighbor_remark(neighbors: int, dimension: int, kernel: str) -> str:
     """A remark on this number of neighbors."""
     if neighbors < FEW_NEIGHBORS[dimension]:
-        return "few, sums are rough: raise method.smoothing"
+        return "few, sums are rough: raise method.smoothing_ratio"
     if neighbors > MANY_NEIGHBORS[dimension]:
-        return "many, each costs: lower method.smoothing"
+        return "many, each costs: lower method.smoothing_ratio"
     if neighbors > PAIRING[dimension] and KERNELS[kernel].pairing:
-        return f"so many that particles pair with {kernel}: lower method.smoothing, or take wendland-c2"
+        return f"so many that particles pair with {kernel}: lower method.smoothing_ratio, or take wendland-c2"
     return "good"
 
 
 def time_step_remark(scene: SphScene, parameters: Parameters) -> str:
     """The limit that determines the time step."""
-    if scene.method.time_step is not None:
+    if scene.integration.time_step is not None:
         return "as given"
     return f"set by {limiter(limits_of(scene, parameters.material))}"

@@ -25,11 +25,11 @@ def gauges_of(scene: SphScene, reach: float) -> tuple[Gauge, ...]:
     """The gauges of a scene, rows of gauges as single ones."""
     found = []
     for spec in scene.gauges:
-        first = np.array(spec.place)
+        first = np.array(spec.position)
         places = [first] if spec.end is None else np.linspace(first, np.array(spec.end), spec.count or 2)
         for number, place in enumerate(places, 1):
             name = spec.name if spec.end is None else f"{spec.name}_{number}"
-            found.append(Gauge(name, place, spec.measures, _ground(scene, place, reach)))
+            found.append(Gauge(name, place, spec.quantities, _ground(scene, place, reach)))
     return tuple(found)
 
 

@@ -73,5 +73,5 @@ def _kinds(scene: SphScene) -> list[str]:
 def _alone(scene: SphScene) -> bool:
     """Whether no external force acts on the liquid."""
     around = all(kind == "periodic" for kind in _kinds(scene))
-    pulled = bool(np.any(scene.gravity)) or scene.central_pull is not None
+    pulled = bool(np.any(scene.gravity)) or scene.central_force is not None
     return around and not (pulled or scene.bodies or scene.obstacles)

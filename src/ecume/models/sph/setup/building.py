@@ -70,12 +70,12 @@ NUMERICAL_MACH = 0.1
 def material_of(scene: SphScene) -> Material:
     """The liquid, with a sound speed for the numerics."""
     given = filled(scene.liquid)
-    fastest = given.fastest or fastest_of(scene)
+    fastest = given.maximum_speed or fastest_of(scene)
     sound = given.sound_speed or fastest / NUMERICAL_MACH
     return Material(
         density=given.density or 0.0,
         sound_speed=sound,
-        exponent=given.exponent,
+        exponent=given.tait_exponent,
         viscosity=given.viscosity or 0.0,
         surface_tension=given.surface_tension or 0.0,
         atmospheric_pressure=given.atmospheric_pressure,
@@ -96,14 +96,14 @@ def fastest_of(scene: SphScene) -> float:
     speeds += [math.hypot(*body.velocity) for body in scene.bodies if body.velocity]
     speeds += [1.5 * side.speed for side in sides_of(scene) if side.speed]
     speeds.append(fastest_drive(scene))
-    if scene.central_pull is not None:
-        away = np.maximum(np.abs(low - scene.central_pull.center), np.abs(high - scene.central_pull.center))
-        speeds.append(scene.central_pull.rate * float(away.max()))
+    if scene.central_force is not None:
+        away = np.maximum(np.abs(low - scene.central_force.center), np.abs(high - scene.central_force.center))
+        speeds.append(scene.central_force.angular_frequency * float(away.max()))
     speeds.append(capillary_speed(scene, bounds))
     fastest = max(speeds)
     if fastest == 0.0:
         raise SceneError(
-            [Fault("liquid.fastest", "nothing moves and nothing pulls: say which speed is to be expected")]
+            [Fault("liquid.maximum_speed", "nothing moves and nothing pulls: say which speed is to be expected")]
         )
     return fastest
 
@@ -139,7 +139,7 @@ def parameters_of(scene: SphScene) -> Parameters:
     held = held_pull(scene) * (not modified(scene))
     boundary = boundary_of(scene, material, support)
     bodies, drives, shake = bodies_of(scene, boundary), drives_of(scene), shake_of(scene)
-    rate, center = central_pull_of(scene)
+    rate, center = central_force_of(scene)
     return Parameters(
         time_step=time_step,
         steps_per_frame=per_frame,
@@ -165,24 +165,26 @@ def parameters_of(scene: SphScene) -> Parameters:
         pull_rate=rate,
         pull_center=center,
         moves=bool(bodies.shapes or drives or shake),
-        integrator=chosen(method.integrator, INTEGRATORS, "method.integrator"),
+        integrator=chosen(scene.integration.integrator, INTEGRATORS, "integration.integrator"),
         shifting=shifting_of(scene),
         background=background_of(scene, material),
         tension=tension_of(scene),
         color_reach=color_reach_of(scene),
         carried=carried_of(scene, shape.normalization / smoothing ** len(scene.tank.low)),
         turbulence=turbulent(scene),
-        courant=method.courant,
-        walls_clip=free_surface(scene) if method.walls_clip is None else method.walls_clip,
+        courant=scene.integration.courant_number,
+        walls_clip=free_surface(scene)
+        if method.nonnegative_wall_pressure is None
+        else method.nonnegative_wall_pressure,
         precision=PRECISIONS[method.precision],
         origin=0.5 * (np.array(scene.tank.low) + np.array(scene.tank.high)) * (method.precision == "single"),
     )
 
 
-def central_pull_of(scene: SphScene) -> tuple[float, Array]:
+def central_force_of(scene: SphScene) -> tuple[float, Array]:
     """The rate of the central pull (1/s), zero without one, and its center."""
-    pull = scene.central_pull
-    return (0.0, np.zeros(len(scene.tank.low))) if pull is None else (pull.rate, np.array(pull.center))
+    pull = scene.central_force
+    return (0.0, np.zeros(len(scene.tank.low))) if pull is None else (pull.angular_frequency, np.array(pull.center))
 
 
 def background_of(scene: SphScene, material: Material) -> float:
@@ -209,7 +211,7 @@ BODIES = "the lightest body"
 
 def limits_of(scene: SphScene, material: Material) -> dict[str, float]:
     """The longest step (s), by what limits it; infinite where nothing does."""
-    h, courant = smoothing_of(scene), scene.method.courant
+    h, courant = smoothing_of(scene), scene.integration.courant_number
     tension = material.surface_tension if tension_of(scene) != "none" else 0.0
     return {
         "sound": acoustic_limit(h, material.sound_speed, material.fastest, courant),
@@ -234,11 +236,11 @@ def steps_of(scene: SphScene, material: Material) -> tuple[float, int]:
     """The time step and how many fit between two frames."""
     limits = limits_of(scene, material)
     longest = min(limits.values())
-    step = scene.method.time_step or longest
+    step = scene.integration.time_step or longest
     # The other limits are rules of thumb with a margin; a body that is too light for its time step diverges.
     if step > min(LENIENT * longest, limits[BODIES]):
         message = f"got {step:g} s; {limiter(limits)} requires {longest:.3g} s or less"
-        raise SceneError([Fault("method.time_step", message)])
+        raise SceneError([Fault("integration.time_step", message)])
     per_frame = ending_on_a_step(scene, max(1, math.ceil(scene.frame_every / step * (1.0 - 1e-9))))
     return scene.frame_every / per_frame, per_frame
 
@@ -251,12 +253,12 @@ def limiter(limits: dict[str, float]) -> str:
 def carried_of(scene: SphScene, weight: float) -> Carried:
     """The groups of passive particles of a scene; `weight` is the normalization of the kernel."""
     generator, places, groups = np.random.default_rng([scene.seed, 3]), [], list[CarriedGroup]()
-    for spec in scene.carried:
+    for spec in scene.passive_tracers:
         if spec.low is not None and spec.high is not None:
             places.append(generator.uniform(spec.low, spec.high, (spec.count or 0, len(spec.low))))
         else:
             places.append(np.array(spec.positions))
-        dispersion = 1.0 / spec.schmidt if spec.eddy_dispersion else 0.0
+        dispersion = 1.0 / spec.schmidt_number if spec.turbulent_dispersion else 0.0
         groups.append(CarriedGroup(spec.radius, spec.density or 0.0, dispersion))
     start = tuple(int(end) for end in np.cumsum([0, *map(len, places)]))
     none = np.zeros((0, len(scene.tank.low)))

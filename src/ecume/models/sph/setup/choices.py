@@ -12,13 +12,13 @@ from typing import Any, cast
 import numpy as np
 
 from ecume.engine.neighbor_rows import EVERYONE
-from ecume.errors import BadInput, Fault, SceneError
+from ecume.errors import Fault, SceneError
 from ecume.laws import diffusion, kernels, states, time_step_limits, viscous
 from ecume.laws.kernels import KERNEL_CODES, KERNELS, Kernel, kernel
-from ecume.laws.liquids import LIQUIDS, LiquidProperties, liquid
+from ecume.laws.liquids import LiquidProperties
 from ecume.laws.liquids.water import ICE_POINT
 from ecume.laws.states import hydrostatic_fault
-from ecume.models.liquids import correlations_of
+from ecume.models.liquids import correlations_of, named_liquid
 from ecume.models.model import Source
 from ecume.models.sph.fields import Constants, Precision, constants_from
 from ecume.models.sph.parameters import Material
@@ -81,7 +81,7 @@ def kernel_of(scene: SphScene) -> Kernel:
 
 def smoothing_of(scene: SphScene) -> float:
     """The smoothing length (m)."""
-    given = scene.method.smoothing
+    given = scene.method.smoothing_ratio
     usual = KERNELS[chosen(scene.method.kernel, KERNELS, "method.kernel")].smoothing[len(scene.tank.low)]
     return scene.spacing * (usual if given is None else given)
 
@@ -93,7 +93,7 @@ def constants_of(scene: SphScene, material: Material, pull: Array) -> Constants:
     term = DIFFUSIONS[diffusion_of(scene, pull)]
     delta = 0.0
     if term.excess is not None:
-        delta = diffusion.strength(scene.method.diffusion, smoothing, material.sound_speed)
+        delta = diffusion.strength(scene.method.diffusion_coefficient, smoothing, material.sound_speed)
     if term.field == "enthalpy":
         delta *= spring
     by_mass = pressure_force_of(scene).by_mass
@@ -137,8 +137,8 @@ def diffusion_of(scene: SphScene, pull: Array) -> str:
     """The density diffusion by its name."""
     name = scene.method.density_diffusion
     if name == "automatic":
-        uniform = pull.any() or scene.shake
-        return "hydrostatic" if uniform and scene.central_pull is None else "antuono"
+        uniform = pull.any() or scene.base_excitation
+        return "hydrostatic" if uniform and scene.central_force is None else "antuono"
     return chosen(name, DIFFUSIONS, "method.density_diffusion")
 
 
@@ -149,9 +149,9 @@ def pressure_force_of(scene: SphScene) -> PressureForce:
 
 def friction_of(scene: SphScene) -> Friction:
     """The form of the viscosity: the one that is right at a free surface, where there may be one."""
-    if scene.method.friction == "automatic":
+    if scene.method.viscosity_model == "automatic":
         return FRICTIONS["monaghan" if free_surface(scene) else "morris"]
-    return FRICTIONS[chosen(scene.method.friction, FRICTIONS, "method.friction")]
+    return FRICTIONS[chosen(scene.method.viscosity_model, FRICTIONS, "method.viscosity_model")]
 
 
 def acting_friction(scene: SphScene) -> Friction | None:
@@ -202,7 +202,7 @@ def turbulent(scene: SphScene) -> bool:
 def require_right_split(scene: SphScene) -> None:
     """Refuse a scene whose pressure would be wrong, with the reason."""
     split = scene.method.pressure_split
-    if split == "none" or scene.method.unchecked_split:
+    if split == "none" or scene.method.allow_invalid_split:
         return
     reason = hydrostatic_fault(
         added=True, gravity_acts=split == "original", in_forces=False, free_surface=free_surface(scene)
@@ -211,8 +211,6 @@ def require_right_split(scene: SphScene) -> None:
         raise SceneError([Fault("method.pressure_split", f"got {split!r}; {reason}; use 'none'")])
 
 
-ROOM = ICE_POINT + 20.0
-"""K, of a named liquid whose temperature is not said."""
 WATER = 1000.0
 """kg/m^3, of a liquid without a name or a density."""
 FILLED = ("density", "viscosity", "surface_tension")
@@ -224,14 +222,7 @@ def substance_of(given: FluidSpec) -> LiquidProperties | None:
         told = [key for key in ("temperature", "salinity") if getattr(given, key) is not None]
         if told:
             raise SceneError([Fault(f"liquid.{told[0]}", 'says nothing without a name; write name = "water"')])
-        return None
-    if given.name not in LIQUIDS:
-        raise SceneError([Fault("liquid.name", f"got {given.name!r}; {suggestion(given.name, LIQUIDS)}")])
-    try:
-        return liquid(given.name, ROOM if given.temperature is None else given.temperature, given.salinity)
-    except BadInput as fault:
-        key = "temperature" if "temperature" in str(fault) else "salinity"
-        raise SceneError([Fault(f"liquid.{key}", str(fault))]) from None
+    return named_liquid(given)
 
 
 def filled(given: FluidSpec) -> FluidSpec:

@@ -99,7 +99,7 @@ def pressure_in(region: RegionSpec, scene: SphScene, points: Array, density: flo
 
     Without it a weakly compressible liquid starts with sound waves, which only viscosity damps.
     """
-    if scene.method.start == "rest":
+    if scene.method.initial_pressure == "zero":
         return np.zeros(len(points))
     if region.flow == TAYLOR_GREEN:
         x, y = vortex_phases(scene, points)
@@ -131,7 +131,7 @@ def _deforming(region: RegionSpec, scene: SphScene, points: Array, density: floa
     """The pressure of a free ball or square, zero at its surface."""
     dimension = points.shape[1]
     gradient = np.array(region.velocity_gradient or np.zeros((dimension, dimension)))
-    rate = scene.central_pull.rate if scene.central_pull else 0.0
+    rate = scene.central_force.angular_frequency if scene.central_force else 0.0
     stretching = float(np.trace(gradient @ gradient)) + dimension * rate**2
     if region.radius is not None:
         away = np.linalg.norm(points - np.array(region.center), axis=1)
@@ -152,7 +152,7 @@ def liquid_of(scene: SphScene, material: Material) -> Liquid:
     for region, (cells, kept) in zip(scene.fluid, cells_of(scene), strict=True):
         points, shape = cells.centers, part_of(region, scene.spacing)
         head = np.zeros(len(points))
-        if pull.any() and scene.method.start == "hydrostatic":
+        if pull.any() and scene.method.initial_pressure == "hydrostatic":
             head = np.linalg.norm(pull) * shape.way_out(points, -pull / np.linalg.norm(pull))
         if region.particles is None:
             points = points + scene.method.jitter * scene.spacing * generator.uniform(-1.0, 1.0, points.shape)

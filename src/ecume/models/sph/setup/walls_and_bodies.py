@@ -17,7 +17,7 @@ from ecume.models.sph.parameters import Bodies, Boundary, Drive, Dummies, Gate, 
 from ecume.models.sph.rates.methods import PRESSURE_FORCES
 from ecume.models.sph.setup.choices import color_reach_of
 from ecume.models.sph.setup.shapes import dummies_of, obstacle_dummies, shape_of, solids_of
-from ecume.scenes.sph import SIDES, BodySpec, MotionSpec, ShakeSpec, SphScene
+from ecume.scenes.sph import SIDES, BaseExcitationSpec, BodySpec, MotionSpec, SphScene
 from ecume.units import Array
 
 LAYERED = ("wall", "inflow", "outflow")
@@ -214,9 +214,9 @@ def gates_of(scene: SphScene, support: float) -> tuple[Gate, ...]:
     if transported and any(side_of(scene, k).kind in ENDS for k in range(len(SIDES))):
         message = "got 'transport', which is for closed flows; with in- and outflows use 'sum'"
         raise SceneError([Fault("method.pressure_force", message)])
-    if scene.central_pull is not None and any(side_of(scene, k).kind in ENDS for k in range(2 * len(tank.low))):
+    if scene.central_force is not None and any(side_of(scene, k).kind in ENDS for k in range(2 * len(tank.low))):
         message = "goes with no in- or outflow: the pressure of the liquid behind those follows from gravity alone"
-        raise SceneError([Fault("central_pull", message)])
+        raise SceneError([Fault("central_force", message)])
     layers = int(np.ceil(support / scene.spacing - 1e-9))
     for number in range(2 * len(tank.low)):
         side, axis = side_of(scene, number), number // 2
@@ -359,11 +359,11 @@ def drives_of(scene: SphScene) -> tuple[tuple[int, Drive], ...]:
 
 def shake_of(scene: SphScene) -> Drive | None:
     """The acceleration that a shaken tank adds to gravity."""
-    shake = scene.shake
+    shake = scene.base_excitation
     return None if shake is None else _drive(shake, shake.amplitude, shake.accelerations, 0.0)
 
 
-def _drive(spec: MotionSpec | ShakeSpec, amplitude: object, values: object, origin: float) -> Drive:
+def _drive(spec: MotionSpec | BaseExcitationSpec, amplitude: object, values: object, origin: float) -> Drive:
     if spec.frequency is None or amplitude is None:
         return Drive(np.zeros(1), 0.0, 0.0, 0.0, np.array(spec.times), np.atleast_2d(np.array(values).T))
     height = np.atleast_1d(np.array(amplitude, np.float64))
