@@ -163,8 +163,8 @@ USE = """
 import json, sys
 import numpy as np
 from ecume.laws.kernels import KERNELS, kernel
-from ecume.models.sph.right_hand_side import take_forces, take_thickening
-from ecume.models.sph.sums import sum_continuity, sum_momentum
+from ecume.models.sph.rates.right_hand_side import take_forces, take_thickening
+from ecume.models.sph.rates.sums import sum_continuity, sum_momentum
 from tests.contracts.test_sph_kernels import at_start, close, expected_rates
 from tests.models.sph.scenes import free_blob
 

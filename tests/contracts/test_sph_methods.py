@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from tests.models.sph.scenes import free_blob
-from tests.models.sph.test_moving_bodies import blob
+from tests.models.sph.test_rigid_bodies import blob
 
 from ecume.models.sph.integration.time_stepping import INTEGRATORS
 from ecume.models.sph.rates.methods import FRICTIONS, PRESSURE_FORCES

@@ -1,9 +1,9 @@
 """The order in which a direct solver eliminates a block system: nested dissection [george1973].
 
-Rows that are close to each other in a pattern are close in position (`block_matrix.near_order`). So each part
-of them is cut into two halves at its middle; of the rows on the two sides of the cut, the fewer become the separator,
-without which the halves are not connected. Parts are eliminated before the separators that bound them. Fill-in then
-grows like N log N in 2D.
+Rows that are close to each other in a pattern are close to each other in position (`block_matrix.near_order`). So each
+part of them is cut into two halves at its middle; of the rows on the two sides of the cut, the fewer become the
+separator, without which the halves are not connected. Parts are eliminated before the separators that bound them.
+Fill-in then grows like N log N in 2D.
 """
 
 from __future__ import annotations

@@ -17,9 +17,9 @@ from ecume.run import RunDirectory
 from ecume.run.invariant_monitor import Watch
 from ecume.scenes.schema import from_plain, to_plain
 from tests.models.sph.scenes import OPEN, PERIODIC, tank
-from tests.models.sph.test_gates import channel
-from tests.models.sph.test_motions import PUSH, with_side
-from tests.models.sph.test_moving_bodies import tub
+from tests.models.sph.test_open_boundaries import channel
+from tests.models.sph.test_prescribed_motion import PUSH, with_side
+from tests.models.sph.test_rigid_bodies import tub
 from tests.models.sph.test_solids import changed
 
 

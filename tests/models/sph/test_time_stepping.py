@@ -8,7 +8,7 @@ from ecume.models.sph.rates.right_hand_side import take_forces
 from ecume.models.sph.record import SPH
 from ecume.scenes.schema import from_plain
 from tests.models.sph.scenes import free_blob
-from tests.models.sph.test_moving_bodies import blob
+from tests.models.sph.test_rigid_bodies import blob
 from tests.models.sph.test_runs import copy_of
 
 
