@@ -9,7 +9,7 @@ import numpy as np
 
 from ecume.laws import capillarity, flotation
 from ecume.laws.flotation.rims import greatest_rim_load
-from ecume.models.check_report import told
+from ecume.models.check_report import with_prefix
 from ecume.models.floating.interactions import interactions_of, part_of
 from ecume.models.floating.kinds import Afloat, kinds_afloat
 from ecume.models.floating.pace import LARGEST_OVER_CHOSEN, LOOSEST_OVER_CHOSEN
@@ -50,7 +50,7 @@ def summary(scene: FloatingScene) -> list[Row]:
     length = liquid_of(scene).capillary_length
     count = len(parameters.floats.radius)
     return [
-        ("capillary length", told(length, "m"), "how far a meniscus reaches"),
+        ("capillary length", with_prefix(length, "m"), "how far a meniscus reaches"),
         *_summary_of_species(scene),
         *_summary_of_pairs(parameters),
         *_summary_of_chance(parameters),
@@ -68,7 +68,7 @@ def _summary_of_sums(parameters: Parameters, length: float) -> list[Row]:
     left = capillarity.neglected_fraction(far / length)
     cut = f"{far / length:.3g} capillary lengths; {left:.1e} of a raft's pull is left out"
     lines = [line for part, row in interactions_of(parameters) for line in row.lines(part, parameters)]
-    return [("cutoff", told(far, "m"), cut), *lines]
+    return [("cutoff", with_prefix(far, "m"), cut), *lines]
 
 
 def _summary_of_pairs(parameters: Parameters) -> list[Row]:
@@ -101,7 +101,7 @@ def _summary_of_steps(parameters: Parameters, scene: FloatingScene) -> list[Row]
     summing = PER_PAIR * sum(row.pairs_worth(part) for part, row in interactions_of(parameters))
     drifting, gathering = ((cost + summing) * steps for cost in seconds_per_step(len(parameters.floats.radius)))
     return [
-        ("time step", told(parameters.time_step, "s"), _step_remark(parameters.time_step, good)),
+        ("time step", with_prefix(parameters.time_step, "s"), _step_remark(parameters.time_step, good)),
         ("steps", str(steps), f"{parameters.steps_per_frame} per frame"),
         *cost.rows(),
         (
@@ -114,9 +114,9 @@ def _summary_of_steps(parameters: Parameters, scene: FloatingScene) -> list[Row]
 
 def _step_remark(time_step: float, good: float) -> str:
     """What a longer step than this one would be; `good` is the longest good one."""
-    coarse, refused = told(LOOSEST_OVER_CHOSEN * good, "s", 3), told(LARGEST_OVER_CHOSEN * good, "s", 3)
+    coarse, refused = with_prefix(LOOSEST_OVER_CHOSEN * good, "s", 3), with_prefix(LARGEST_OVER_CHOSEN * good, "s", 3)
     if time_step > LOOSEST_OVER_CHOSEN * good:
-        return f"coarse; {told(good, 's', 3)} is good, refused above {refused}"
+        return f"coarse; {with_prefix(good, 's', 3)} is good, refused above {refused}"
     return f"good; coarse above {coarse}, refused above {refused}"
 
 

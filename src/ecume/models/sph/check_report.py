@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from ecume.laws.kernels import KERNELS
-from ecume.models.check_report import LONG, Row, told, told_duration
+from ecume.models.check_report import LONG, Row, told_duration, with_prefix
 from ecume.models.frame_cost import Content, frame_cost, told_size
 from ecume.models.last_frame import last_step
 from ecume.models.sph import time_step
@@ -58,7 +58,7 @@ def _resolution(scene: SphScene, parameters: Parameters, count: int) -> list[Row
     return [
         ("particles", str(count), walls_remark(scene, walls)),
         ("resolution", f"{across:.0f} particles", f"across the liquid's smallest extent; {resolution_remark(across)}"),
-        ("smoothing length", told(smoothing, "m"), f"{smoothing / spacing:.3g} spacings"),
+        ("smoothing length", with_prefix(smoothing, "m"), f"{smoothing / spacing:.3g} spacings"),
         ("neighbors", str(neighbors), neighbor_remark(neighbors, parameters.dimension, scene.method.kernel)),
         *thin_solids(scene, parameters),
     ]
@@ -91,7 +91,7 @@ def _liquid(scene: SphScene, parameters: Parameters) -> list[Row]:
         *material_rows(scene.liquid),
         (
             "fastest speed",
-            told(material.fastest, "m/s"),
+            with_prefix(material.fastest, "m/s"),
             "" if scene.liquid.fastest else "expected; say liquid.fastest",
         ),
         ("sound speed", f"{material.sound_speed:.4g} m/s", "of the numerical liquid"),
@@ -117,7 +117,7 @@ def _cost(scene: SphScene, parameters: Parameters, count: int, bytes_each: float
     return [
         (
             "time step",
-            told(parameters.time_step, "s", 3),
+            with_prefix(parameters.time_step, "s", 3),
             f"{limiter(scene, parameters)}; divided where the flow asks for it",
         ),
         ("steps", str(steps), f"{parameters.steps_per_frame} per frame"),
