@@ -11,11 +11,11 @@ LONG = 86400.0
 PREFIXES = ((9, "G"), (6, "M"), (3, "k"), (0, ""), (-3, "m"), (-6, "µ"), (-9, "n"), (-12, "p"))
 
 
-def told(value: float, unit: str, digits: int = 4) -> str:
+def with_prefix(value: float, unit: str, digits: int = 4) -> str:
     """A value with the prefix of its size.
 
-    >>> told(16.64, "m/s"), told(0.0021, "m"), told(5e-14, "s"), told(0.0, "s"), told(553.6, "s")
-    ('16.64 m/s', '2.1 mm', '0.05 ps', '0 s', '553.6 s')
+    >>> with_prefix(16.64, "m/s"), with_prefix(0.0021, "m"), with_prefix(5e-14, "s"), with_prefix(5536.0, "s")
+    ('16.64 m/s', '2.1 mm', '0.05 ps', '5536 s')
     """
     size = abs(value) * (1.0 + 0.5 * 10.0 ** (1 - digits))
     power, prefix = next((one for one in PREFIXES if size >= 10.0 ** one[0]), PREFIXES[-1]) if value else (0, "")

@@ -19,7 +19,7 @@ from ecume.scenes.overrides import overridden
 from ecume.scenes.schema import Scene, examined
 
 ROUNDS = 8
-"""Corrections that are tried one after the other, and lines that are left out."""
+"""Corrections that are tried one after the other, and lines that are omitted."""
 MEANT = re.compile(r"no such key; did you mean (\w+)\?")
 """A misspelt key."""
 
@@ -93,7 +93,7 @@ def _examined(raw: dict[str, Any], source: Source) -> tuple[Scene | None, list[t
 
 
 def valid_part(source: Source, overrides: Sequence[str]) -> tuple[Scene | None, set[Path]]:
-    """The scene with misspelt keys corrected and faulty ones left out, and the paths of these; None where what is left
+    """The scene with misspelt keys corrected and faulty ones omitted, and the paths of these; None where what is left
     is no scene.
     """
     try:
@@ -130,7 +130,7 @@ def _corrected(raw: dict[str, Any], found: Sequence[tuple[Path, str]], dropped: 
 
 
 def _located(error: SceneError, source: Source, overrides: Sequence[str], dropped: set[Path]) -> list[Fault]:
-    """Faults of the valid part with their lines, without those of keys that were left out."""
+    """Faults of the valid part with their lines, without those of omitted keys."""
     raw = tomllib.loads(source.text)
     changed = overridden(raw, overrides)[0]
     name_liquid(raw)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from ecume.laws import brownian, drag
-from ecume.models.check_report import told, told_duration
+from ecume.models.check_report import told_duration, with_prefix
 from ecume.models.diagnosis import first_broken, when
 from ecume.models.frame_cost import Content, frame_cost, told_size
 from ecume.models.invariants import INJECTED, Invariant, Numbers, Seen, energy_never_rises
@@ -113,11 +113,11 @@ def summary(scene: TracersScene) -> list[tuple[str, str, str]]:
     stepping = steps * (SECONDS_PER_STEP + SECONDS_PER_PARTICLE * count)
     cost = frame_cost(scene, Content(count, (scene.dimensions, scene.dimensions, 1, 1, 1, 1, 1), NUMBERS))
     return [
-        ("liquid", f"{fluid.density:.4g} kg/m^3, {told(fluid.viscosity, 'Pa s')}", scene.liquid.name),
+        ("liquid", f"{fluid.density:.4g} kg/m^3, {with_prefix(fluid.viscosity, 'Pa s')}", scene.liquid.name),
         *(row for index in range(len(scene.particles)) for row in summary_of(scene, parameters, index)),
         ("walls", str(len(parameters.bouncing.kind)), f"{len(scene.openings)} openings"),
         *(row for index in range(len(scene.openings)) for row in coming(scene, parameters, index)),
-        ("time step", told(parameters.time_step, "s"), "exact between walls for linear drag"),
+        ("time step", with_prefix(parameters.time_step, "s"), "exact between walls for linear drag"),
         ("steps", str(steps), f"{parameters.steps_per_frame} per frame"),
         *cost.rows(),
         ("memory", told_size(count * BYTES_PER_PARTICLE), f"{count} particles"),
@@ -146,8 +146,8 @@ def summary_of(scene: TracersScene, parameters: Parameters, index: int) -> list[
         way = "sinks" if speed > 0.0 else "rises" if speed < 0.0 else "floats about"
         regime = "overdamped: without inertia" if bodies.overdamped[first] else "inertial"
         rows += [
-            (f"{name}: terminal speed", told(abs(speed), "m/s"), f"{way}; Reynolds number {reynolds:.3g}"),
-            (f"{name}: relaxation time", told(drag.relaxation_time(mass, friction), "s"), regime),
+            (f"{name}: terminal speed", with_prefix(abs(speed), "m/s"), f"{way}; Reynolds number {reynolds:.3g}"),
+            (f"{name}: relaxation time", with_prefix(drag.relaxation_time(mass, friction), "s"), regime),
         ]
     if fluid.thermal > 0.0 and friction > 0.0:
         spread, weight = brownian.diffusivity(fluid.thermal, friction), abs(mass * float(bodies.push[first]))

@@ -9,7 +9,7 @@ import numpy as np
 
 from ecume.laws import capillarity, flotation
 from ecume.laws.flotation.rims import greatest_rim_load
-from ecume.models.check_report import told
+from ecume.models.check_report import with_prefix
 from ecume.models.floating.forces.ewald_grid import Split
 from ecume.models.floating.forces.interactions import interactions_of
 from ecume.models.floating.forces.pair_forces import law_of, row_of, two_floats
@@ -53,7 +53,7 @@ def summary(scene: FloatingScene) -> list[Row]:
     length = liquid_of(scene).capillary_length
     count = len(parameters.floats.radius)
     return [
-        ("capillary length", told(length, "m"), "range of a meniscus"),
+        ("capillary length", with_prefix(length, "m"), "range of a meniscus"),
         *_summary_of_species(scene),
         *_summary_of_pairs(parameters),
         *_summary_of_chance(parameters),
@@ -71,7 +71,7 @@ def _summary_of_sums(parameters: Parameters, length: float) -> list[Row]:
     left = capillarity.neglected_fraction(far / length)
     cut = f"{far / length:.3g} capillary lengths; {left:.1e} of the attraction of a raft is ignored"
     lines = [line for part, row in interactions_of(parameters) for line in row.lines(part, parameters)]
-    return [("cutoff", told(far, "m"), cut), *lines]
+    return [("cutoff", with_prefix(far, "m"), cut), *lines]
 
 
 def _summary_of_pairs(parameters: Parameters) -> list[Row]:
@@ -104,7 +104,7 @@ def _summary_of_steps(parameters: Parameters, scene: FloatingScene) -> list[Row]
     summing = PER_PAIR * sum(row.pairs_worth(part) for part, row in interactions_of(parameters))
     drifting, gathering = ((cost + summing) * steps for cost in seconds_per_step(len(parameters.floats.radius)))
     return [
-        ("time step", told(parameters.time_step, "s"), _step_remark(parameters.time_step, good)),
+        ("time step", with_prefix(parameters.time_step, "s"), _step_remark(parameters.time_step, good)),
         ("steps", str(steps), f"{parameters.steps_per_frame} per frame"),
         *cost.rows(),
         (
@@ -117,9 +117,9 @@ def _summary_of_steps(parameters: Parameters, scene: FloatingScene) -> list[Row]
 
 def _step_remark(time_step: float, good: float) -> str:
     """The judgment of a time step; `good` is the longest good one."""
-    coarse, refused = told(COARSE_OVER_GOOD * good, "s", 3), told(UNSTABLE_OVER_GOOD * good, "s", 3)
+    coarse, refused = with_prefix(COARSE_OVER_GOOD * good, "s", 3), with_prefix(UNSTABLE_OVER_GOOD * good, "s", 3)
     if time_step > COARSE_OVER_GOOD * good:
-        return f"coarse; {told(good, 's', 3)} is good, refused above {refused}"
+        return f"coarse; {with_prefix(good, 's', 3)} is good, refused above {refused}"
     return f"good; coarse above {coarse}, refused above {refused}"
 
 

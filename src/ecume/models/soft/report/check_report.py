@@ -10,7 +10,7 @@ import numpy as np
 
 from ecume.laws.soft_pair import SoftPair, optimal_force
 from ecume.laws.surfaces import Expected
-from ecume.models.check_report import LONG, Row, told, told_duration
+from ecume.models.check_report import LONG, Row, told_duration, with_prefix
 from ecume.models.frame_cost import Content, frame_cost, told_size
 from ecume.models.liquids import material_of
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
@@ -126,7 +126,11 @@ def _crowd(scene: SoftScene, parameters: Parameters, state: State) -> list[Row]:
     narrowest = math.exp(state.log_gap[:contacts].min(initial=math.inf)) if contacts else math.inf
     return [
         *rows,
-        ("narrowest gap", told(narrowest, "m"), f"at the start, {narrowest / parameters.radius.min():.2g} radii"),
+        (
+            "narrowest gap",
+            with_prefix(narrowest, "m"),
+            f"at the start, {narrowest / parameters.radius.min():.2g} radii",
+        ),
     ]
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from ecume.laws.enthalpy import density_at_enthalpy
 from ecume.laws.kernels import KERNELS
-from ecume.models.check_report import LONG, Row, told, told_duration
+from ecume.models.check_report import LONG, Row, told_duration, with_prefix
 from ecume.models.frame_cost import Content, frame_cost, told_size
 from ecume.models.last_frame import last_step
 from ecume.models.sph.parameters import Material, Parameters
@@ -61,7 +61,7 @@ def _resolution(scene: SphScene, parameters: Parameters, count: int) -> list[Row
         ("particles", str(count), walls_remark(scene, walls)),
         fitted_row(scene),
         ("resolution", f"{across:.0f} particles", f"across the liquid's smallest extent; {resolution_remark(across)}"),
-        ("smoothing length", told(smoothing, "m"), f"{smoothing / spacing:.3g} spacings"),
+        ("smoothing length", with_prefix(smoothing, "m"), f"{smoothing / spacing:.3g} spacings"),
         ("neighbors", str(neighbors), neighbor_remark(neighbors, parameters.dimension, scene.method.kernel)),
         *thin_solids(scene, parameters),
     ]
@@ -74,7 +74,7 @@ def fitted_row(scene: SphScene) -> Row:
     volumes = np.concatenate([cells.volumes for cells in drawn] or [np.full(1, scene.spacing)])
     narrow, wide = float(widths.min()), float(widths.max())
     value = (
-        told(narrow, "m") if math.isclose(narrow, wide, rel_tol=1e-3) else f"{told(narrow, 'm')} to {told(wide, 'm')}"
+        with_prefix(narrow, "m") if math.isclose(narrow, wide, rel_tol=1e-3) else f"{with_prefix(narrow, 'm')} to {with_prefix(wide, 'm')}"
     )
     uneven = float((widths.max(axis=1) / widths.min(axis=1)).max()) - 1.0
     spread = float(np.abs(volumes / np.prod(widths, axis=1) - 1.0).max())
@@ -113,10 +113,10 @@ def _liquid(scene: SphScene, parameters: Parameters) -> list[Row]:
         *material_rows(scene.liquid),
         (
             "fastest speed",
-            told(material.fastest, "m/s"),
+            with_prefix(material.fastest, "m/s"),
             "" if scene.liquid.maximum_speed else "expected; say liquid.maximum_speed",
         ),
-        ("sound speed", told(material.sound_speed, "m/s"), "of the numerical liquid"),
+        ("sound speed", with_prefix(material.sound_speed, "m/s"), "of the numerical liquid"),
         ("Mach number", f"{mach:.2g}", "to be expected"),
         compression_row(weight_enthalpy(scene), material),
     ]
@@ -129,7 +129,7 @@ def compression_row(weight: float, material: Material) -> Row:
     moving = (material.fastest / material.sound_speed) ** 2
     needed = max(math.sqrt(weight), material.fastest) / FAST
     if needed > material.sound_speed:
-        remark = f"large: set liquid.sound_speed to {told(needed * FAST / ASKED, 'm/s', 3)} or more"
+        remark = f"large: set liquid.sound_speed to {with_prefix(needed * FAST / ASKED, 'm/s', 3)} or more"
     else:
         remark = f"{100.0 * at_rest:.2g} % by its weight at rest, {100.0 * moving:.2g} % by its motion"
     return ("compression", f"{100.0 * (at_rest + moving):.2g} %", remark)
@@ -152,7 +152,7 @@ def _cost(scene: SphScene, parameters: Parameters, count: int, bytes_each: float
     return [
         (
             "time step",
-            told(parameters.time_step, "s", 3),
+            with_prefix(parameters.time_step, "s", 3),
             f"{time_step_remark(scene, parameters)}; divided if the flow requires it",
         ),
         ("steps", str(steps), f"{parameters.steps_per_frame} per frame"),
