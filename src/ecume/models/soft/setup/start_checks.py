@@ -25,7 +25,7 @@ def require_balance(parameters: Parameters) -> None:
         raise SceneError(
             [
                 Fault(
-                    "spheres",
+                    "particles",
                     f"the forces on all spheres sum to {total:.3g} N, and nothing holds them; "
                     "wanted a sum of zero, walls, or hydrodynamics.drag = 'stokes'",
                 )
@@ -45,7 +45,7 @@ def require_no_torque(parameters: Parameters, state: State) -> None:
     size = np.abs(parameters.force).max() * parameters.radius.max()
     if total > UNBALANCED * max(largest, size) * len(moment):
         told = f"forces and torques turn the spheres all together, with {total:.3g} N m, and nothing holds them"
-        raise SceneError([Fault("spheres", f"{told}; wanted no torque in sum, or hydrodynamics.drag = 'stokes'")])
+        raise SceneError([Fault("particles", f"{told}; wanted no torque in sum, or hydrodynamics.drag = 'stokes'")])
 
 
 def require_gaps(parameters: Parameters, position: Array, box: Box) -> None:
@@ -55,12 +55,12 @@ def require_gaps(parameters: Parameters, position: Array, box: Box) -> None:
     if len(pair):
         first, second = pair[0]
         told = f"spheres {first} and {second} overlap before they are deformed; wanted a gap for the film"
-        raise SceneError([Fault("spheres", told)])
+        raise SceneError([Fault("particles", told)])
     gap = wall_gaps(parameters, position, parameters.walls.place)
     if not (gap > 0.0).all():
         sphere, wall = (int(index[0]) for index in np.nonzero(~(gap > 0.0)))
         told = f"sphere {sphere} is in wall {wall} or beyond it; wanted a gap for the film"
-        raise SceneError([Fault("spheres", told)])
+        raise SceneError([Fault("particles", told)])
 
 
 def require_one_piece(state: State) -> None:
@@ -70,4 +70,4 @@ def require_one_piece(state: State) -> None:
         walled = state.touching.shape[1] > 0
         alone = int(np.flatnonzero(piece != piece[-1 if walled else 0])[0])
         told = f"sphere {alone} is tied to {'any wall' if walled else 'sphere 0'} by no film, and nothing else holds it"
-        raise SceneError([Fault("spheres", f"{told}; set films.cutoff higher, or hydrodynamics.drag = 'stokes'")])
+        raise SceneError([Fault("particles", f"{told}; set films.cutoff higher, or hydrodynamics.drag = 'stokes'")])
