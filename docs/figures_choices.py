@@ -186,7 +186,7 @@ def first_moments() -> Figure:
     drawn = figure(9.4, 3.2)
     left, right = drawn.subplots(1, 2)
     gauge = [{"name": "floor", "position": [0.5, 0.04]}]
-    for axes, key, values in ((left, "start", ("hydrostatic", "rest")), (right, "jitter", (0.0, 0.1, 0.2))):
+    for axes, key, values in ((left, "initial_pressure", ("hydrostatic", "zero")), (right, "jitter", (0.0, 0.1, 0.2))):
         for value, color in zip(values, PALETTE, strict=False):
             frames = simulated({**SHORT, "duration": 6.0, "frame_every": 0.05, "gauges": gauge, "method": {key: value}})
             pressure = [frame.numbers["floor_pressure"] for frame in frames]

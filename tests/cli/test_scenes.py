@@ -105,7 +105,7 @@ def test_what_a_model_refuses_is_told_with_its_line() -> None:
     [
         ("positions=[[0, 0], [0.001, 0]]", "particles[0].positions[0]: overlaps particles[0].positions[1] by 0.001 m"),
         ("positions=[[0, 0], [1, 0]]", "particles[0].positions[1]: (1 m, 0 m) is not inside the dish"),
-        ("count=5000", "floats: only "),
+        ("count=5000", "particles: only "),
     ],
 )
 def test_check_tells_what_would_keep_a_run_from_starting(change: str, says: str) -> None:

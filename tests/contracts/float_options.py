@@ -99,8 +99,9 @@ def scene_with(*names: str) -> Any:
         for place, radius, density in zip(PLACES, (3e-5, 3e-5, 2.7e-5), (2000.0, 200.0, 1500.0), strict=True)
     )
     dish = f"[dish]\n{tables['dish']}" if tables["dish"] else ""
+    dish += f"[flow]\n{tables['flow']}" if tables["flow"] else ""
     rest = "".join(
-        f"[{table}]\n{tables[table]}" for table in ("flow", "integration", "hydrodynamics", "contacts", "interaction")
+        f"[{table}]\n{tables[table]}" for table in ("integration", "hydrodynamics", "contacts", "interaction")
     )
     liquid = f"[liquid]\ndensity = 1000.0\nviscosity = 1e-3\nsurface_tension = 0.0728\n{tables['liquid']}"
     return scene_of(f"{liquid}{floats}{tables['more']}{dish}{rest}", duration=1e-6, frame_every=1e-7)

@@ -104,8 +104,8 @@ def test_tips_hold_by_the_friction_that_was_asked_for(name):
 def test_what_acts_across_a_film_is_the_law_that_was_asked_for(name):
     given = {
         "law": name,
-        "strength": 0.02,
-        "length": 0.04,
+        "steric_strength": 0.02,
+        "steric_length": 0.04,
         "hamaker_constant": 1e-3,
         "double_layer_strength": 1e-2,
         "debye_length": 0.05,

@@ -103,16 +103,16 @@ def test_a_vector_is_fitted_by_its_size():
     (force,) = free_parameters(plain, ["force"])
     assert (force.value, force.unit) == (3e-6, "N")
     with_values(plain, [force], [1e-6])
-    assert [list(species["force"]) for species in plain["spheres"]] == [[-1e-6, 0.0], [1e-6, 0.0]]
+    assert [list(species["force"]) for species in plain["particles"]] == [[-1e-6, 0.0], [1e-6, 0.0]]
     (component,) = free_parameters(plain, ["particles[0].force[0]"])
     assert component.at(component.coordinate(component.value)) == pytest.approx(-1e-6, rel=1e-12)
 
 
 def test_particles_of_each_model_start_where_they_were_seen():
     there = np.array([[0.1, 0.2], [3.0, 0.4]])
-    for scene, kinds in ((settling(), "particles"), (pressed(), "spheres")):
+    for scene in (settling(), pressed()):
         started = from_plain(start_at(to_plain(scene), there, None))
-        found = [place for species in getattr(started, kinds) for place in species.positions]
+        found = [place for species in started.particles for place in species.positions]
         np.testing.assert_array_equal(found, there)
     one = SETTLING.replace(', ["2 cm", "6 cm"]', "")
     plain = to_plain(load_scene(one.format(viscosity=1.0, duration="0.1 s", more="")))

@@ -22,7 +22,7 @@ UNITS = {"gap": "m", "tension": "N", "elastic_energy": "J"}
 @pytest.fixture
 def scene():
     spheres = SphereSpec(name="_soft $", radius=1e-3, modulus=1e4, positions=((0.0, 0.0), (2.1e-3, 0.0), (4.5e-3, 0.0)))
-    return SoftScene(duration=1.0, frame_every=0.5, liquid=SoftLiquid(viscosity=1.0), spheres=(spheres,))
+    return SoftScene(duration=1.0, frame_every=0.5, liquid=SoftLiquid(viscosity=1.0), particles=(spheres,))
 
 
 @pytest.fixture
@@ -47,8 +47,8 @@ def boxed():
     """A box of six spheres that is sheared while one film opens."""
     spheres = SphereSpec(name="soft", radius=1e-3, modulus=1e4, count=6)
     scene = SoftScene(
-        duration=3.0, frame_every=0.25, liquid=SoftLiquid(viscosity=1.0), spheres=(spheres,),
-        box=CellSpec(size=(6e-3, 4e-3)),
+        duration=3.0, frame_every=0.25, liquid=SoftLiquid(viscosity=1.0), particles=(spheres,),
+        cell=CellSpec(size=(6e-3, 4e-3)),
         protocol=(StageSpec(time=0.0), StageSpec(time=3.0, strain=0.3)),
     )  # fmt: skip
     return scene, [_sheared(0.25 * step) for step in range(13)]

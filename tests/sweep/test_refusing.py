@@ -38,7 +38,7 @@ def test_a_scene_that_is_wrong_at_one_point_is_refused_before_anything_is_writte
         ),
         (
             'key = "particles[7].radius"\nvalues = ["1 mm"]',
-            "at particles[7].radius = '1 mm': floats is a list; expected one of it",
+            "at particles[7].radius = '1 mm': particles is a list; expected one of it",
         ),
         (
             'key = "particles[0].count"\nspan = {start = 3, stop = 6}',
@@ -71,7 +71,7 @@ def test_a_number_that_runs_do_not_have_is_refused_before_they_are_run(file, tmp
 
 def test_tables_may_be_fixed(file, tmp_path):
     fixed = BOWLS.replace(
-        '"particles[0].count" = 5', 'floats = [{count = 3, radius = "2 mm", density = 300, contact_angle = 1.2}]'
+        '"particles[0].count" = 5', 'particles = [{count = 3, radius = "2 mm", density = 300, contact_angle = 1.2}]'
     )
     file.write_text(fixed)
     jobs = laid_out(load_sweep(file), tmp_path / "out").jobs

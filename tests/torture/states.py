@@ -93,7 +93,8 @@ duration = "20 ms"
 frame_every = "10 ms"
 [liquid]
 viscosity = 1.0
-drag = true
+[hydrodynamics]
+drag = "stokes"
 [[particles]]
 radius = "1 mm"
 modulus = "10 kPa"

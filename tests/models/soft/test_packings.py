@@ -50,7 +50,7 @@ def test_a_random_start_is_dense_has_its_gaps_and_follows_from_the_seed():
 @pytest.mark.parametrize(("dimensions", "wanted"), [(2, 0.74), (3, 0.5)])
 @pytest.mark.parametrize("gap", [0.005, 0.03])
 def test_a_start_has_the_volume_fraction_and_the_gap_that_are_wanted(dimensions, wanted, gap):
-    box = {"size": [2.0, 1.0, 1.0][:dimensions], "volume_fraction": wanted, "gap": gap}
+    box = {"size": [2.0, 1.0, 1.0][:dimensions], "volume_fraction": wanted, "minimum_gap": gap}
     scene = packing(dimensions, count=20, protocol=[], cell=box)
     frame = next(iter(simulate(scene)))
     assert frame.numbers["volume_fraction"] == pytest.approx(wanted, rel=1e-12)

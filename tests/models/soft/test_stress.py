@@ -151,9 +151,9 @@ def test_creep_is_the_same_in_other_units():
     scene = stressed(BOTH, duration=2.0)
     length, pressure, time = 1e-3, 1e4, 7.0
     other = to_plain(scene)
-    for species in other["spheres"]:
+    for species in other["particles"]:
         species |= {"radius": species["radius"] * length, "modulus": pressure}
-    other["box"] = {"size": [side * length for side in scene.cell.size], "gap": 0.02 * length}
+    other["cell"] = {"size": [side * length for side in scene.cell.size], "minimum_gap": 0.02 * length}
     other["liquid"] = {"viscosity": scene.liquid.viscosity * pressure * time}
     other |= {"duration": 2.0 * time, "frame_every": time}
     # In a layer a modulus resists over a depth of a contact's size: stress is force over length.

@@ -109,10 +109,10 @@ def test_the_template_opens_its_gap_as_the_closed_form_says(tmp_path):
 @pytest.mark.parametrize(
     ("change", "path", "says"),
     [
-        ({"particles": [LEFT]}, "spheres", "single sphere"),
-        ({"particles": [LEFT, RIGHT | {"positions": [[0.9, 0.0]]}]}, "spheres", "overlap"),
-        ({"particles": [LEFT, RIGHT | {"force": [0.0, 0.0]}]}, "spheres", "sum to 0.001 N"),
-        ({"films": {"cutoff": 0.001}}, "spheres", "tied to sphere 0 by no film"),
+        ({"particles": [LEFT]}, "particles", "single sphere"),
+        ({"particles": [LEFT, RIGHT | {"positions": [[0.9, 0.0]]}]}, "particles", "overlap"),
+        ({"particles": [LEFT, RIGHT | {"force": [0.0, 0.0]}]}, "particles", "sum to 0.001 N"),
+        ({"films": {"cutoff": 0.001}}, "particles", "tied to sphere 0 by no film"),
         ({"films": {"prefactors": "papr"}}, "films.prefactors", "there are paper, physical"),
         ({"long_range_forces": {"law": "magic"}}, "long_range_forces.law", "none, steric, dlvo"),
         ({"liquid": {"viscosity": 0.0}}, "liquid.viscosity", "expected 1e-12 or more"),

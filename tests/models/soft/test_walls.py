@@ -264,7 +264,7 @@ def test_work_goes_into_surfaces_and_films_at_walls_too():
 
 
 REFUSED = [
-    ({"walls": [{"side": "bottom"}]}, "position", "no [box]"),
+    ({"walls": [{"side": "bottom"}]}, "position", "no [cell]"),
     ({"walls": [{"side": "back", "position": 0.0}]}, "side", "a layer has no back"),
     ({"walls": [FLOOR, FLOOR]}, "side", "stands twice"),
     ({"walls": [FLOOR | {"pressure": 1.0}]}, "pressure", "there is none"),

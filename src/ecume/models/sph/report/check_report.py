@@ -74,7 +74,9 @@ def fitted_row(scene: SphScene) -> Row:
     volumes = np.concatenate([cells.volumes for cells in drawn] or [np.full(1, scene.spacing)])
     narrow, wide = float(widths.min()), float(widths.max())
     value = (
-        with_prefix(narrow, "m") if math.isclose(narrow, wide, rel_tol=1e-3) else f"{with_prefix(narrow, 'm')} to {with_prefix(wide, 'm')}"
+        with_prefix(narrow, "m")
+        if math.isclose(narrow, wide, rel_tol=1e-3)
+        else f"{with_prefix(narrow, 'm')} to {with_prefix(wide, 'm')}"
     )
     uneven = float((widths.max(axis=1) / widths.min(axis=1)).max()) - 1.0
     spread = float(np.abs(volumes / np.prod(widths, axis=1) - 1.0).max())
