@@ -17,7 +17,7 @@ duration = "{duration}"
 frame_every = "30 ms"
 [dish]
 radius = "2 cm"
-[[floats]]
+[[particles]]
 radius = "1 mm"
 density = 600
 contact_angle = "70 deg"
@@ -29,7 +29,7 @@ duration = "{duration}"
 frame_every = "30 ms"
 [liquid]
 viscosity = "1 Pa*s"
-[[spheres]]
+[[particles]]
 radius = "1 mm"
 modulus = "1 kPa"
 positions = [[0.0, 0.0], [0.00202, 0.0]]

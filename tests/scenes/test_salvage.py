@@ -12,7 +12,7 @@ duration = "1 s"
 frame_every = "0.1 s"
 [dish]
 radius = "4 cm"
-[[floats]]
+[[particles]]
 radius = "1.5 mm"
 density = 300
 contact_angle = "70 deg"
@@ -32,8 +32,8 @@ TYPOS = [
 def physics(scene):
     """Refuse floats of a meter, as a model does."""
     faults = [
-        Fault(f"floats[{index}].radius", "is it in meters?")
-        for index, one in enumerate(scene.floats)
+        Fault(f"particles[{index}].radius", "is it in meters?")
+        for index, one in enumerate(scene.particles)
         if one.radius > 0.5
     ]
     if faults:
@@ -56,7 +56,7 @@ def test_a_fault_of_the_text_does_not_hide_one_of_the_physics(old, new, says, tm
     assert len(told) == 2
     assert any(says in one for one in told)
     (physical,) = (fault for fault in faults if "in meters" in fault.message)
-    assert (physical.path, physical.line) == ("floats[0].radius", 8 if "depth" in new else 7)
+    assert (physical.path, physical.line) == ("particles[0].radius", 8 if "depth" in new else 7)
 
 
 def test_several_faults_of_each_kind_are_reported_in_the_order_of_the_file(tmp_path):
@@ -75,12 +75,12 @@ def test_what_is_right_but_for_its_text_has_that_fault_only(old, new, says, tmp_
 
 def test_a_scene_that_lacks_something_has_no_valid_part(tmp_path):
     faults = faults_of(GOOD.replace("density = 300\n", "").replace(*HUGE), tmp_path)
-    assert [fault.path for fault in faults] == ["floats[0].density"]
+    assert [fault.path for fault in faults] == ["particles[0].density"]
 
 
 def test_a_good_scene_is_loaded(tmp_path):
     file = tmp_path / "scene.toml"
     file.write_text(GOOD)
-    assert load_and_examine(file, [], physics).floats[0].count == 2
+    assert load_and_examine(file, [], physics).particles[0].count == 2
     with pytest.raises(SceneError, match="cannot be read"):
         load_and_examine(tmp_path / "nothing.toml", [], physics)

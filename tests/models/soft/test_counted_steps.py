@@ -20,12 +20,12 @@ duration = "4 s"
 frame_every = "0.5 s"
 [liquid]
 viscosity = "1 Pa*s"
-[[spheres]]
+[[particles]]
 radius = "1 mm"
 modulus = "1 kPa"
 positions = [[0.0, 0.0], [0.00201, 0.0]]
 force = [0.0, 0.0]
-[[spheres]]
+[[particles]]
 radius = "1 mm"
 modulus = "1 kPa"
 positions = [[0.00402, 0.0]]

@@ -88,7 +88,7 @@ def _through(scene: TracersScene, surfaces: Surfaces, stream: Stream, index: int
     if slowest <= 0.0:
         way = ", ".join(f"{part:.3g}" for part in door.normal)
         came = f"what comes in goes {slowest:.3g} m/s along the inward normal ({way})"
-        raise BadInput(f"{came}; expected above 0 in all of the opening: set velocity, or liquid.flow")
+        raise BadInput(f"{came}; expected above 0 in all of the opening: set velocity, or flow")
     rate = hole.rate if hole.rate is not None else (hole.concentration or 0.0) * speed * door.area()
     count = math.floor(rate * scene.duration)
     if count > MOST_PARTICLES:

@@ -73,11 +73,8 @@ def fitted_row(scene: SphScene) -> Row:
     widths = np.concatenate([cells.widths for cells in drawn] or [np.full((1, 1), scene.spacing)])
     volumes = np.concatenate([cells.volumes for cells in drawn] or [np.full(1, scene.spacing)])
     narrow, wide = float(widths.min()), float(widths.max())
-    value = (
-        with_prefix(narrow, "m")
-        if math.isclose(narrow, wide, rel_tol=1e-3)
-        else f"{with_prefix(narrow, 'm')} to {with_prefix(wide, 'm')}"
-    )
+    ends = [with_prefix(width, "m") for width in (narrow, wide)]
+    value = ends[0] if math.isclose(narrow, wide, rel_tol=1e-3) else " to ".join(ends)
     uneven = float((widths.max(axis=1) / widths.min(axis=1)).max()) - 1.0
     spread = float(np.abs(volumes / np.prod(widths, axis=1) - 1.0).max())
     if uneven > UNEVEN:
