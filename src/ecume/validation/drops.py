@@ -19,7 +19,7 @@ SWINGING = (
     "liquid.sound_speed=14.0",
     "liquid.maximum_speed=1.4",
     "fluid[0].velocity_gradient=[[0.5, 0.0], [0.0, -0.5]]",
-    "central_force={rate=1.0, center=[0.0, 0.0]}",
+    "central_force={angular_frequency=1.0, center=[0.0, 0.0]}",
 )
 LATE = 0.0076
 """s, when PySPH was read."""

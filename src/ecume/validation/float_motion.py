@@ -42,7 +42,7 @@ def bodies_of(scene: FloatingScene) -> list[Body]:
         sphere = flotation.Sphere(given.radius, given.density, given.contact_angle)
         balance = flotation.equilibrium(sphere, liquid)
         factor = float(drag.factor_at_filling(balance.filling_angle))
-        friction = 6.0 * math.pi * liquid.viscosity * given.radius * factor if scene.hydrodynamics.drag else 0.0
+        friction = 6.0 * math.pi * liquid.viscosity * given.radius * factor if scene.hydrodynamics.resists else 0.0
         mass = given.density * 4.0 / 3.0 * math.pi * given.radius**3
         bodies.append(Body(given.radius, mass, balance.charge, friction))
     return bodies

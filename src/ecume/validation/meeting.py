@@ -43,7 +43,7 @@ def _scene(sizes: tuple[float, float], distance: float, drag: bool, frame_every:
         [
             *(f"particles[{k}].radius={size} mm" for k, size in enumerate(sizes)),
             f"particles[1].positions=[[{1e-3 * distance}, 0.0]]",
-            f"hydrodynamics.drag={str(drag).lower()}",
+            f"hydrodynamics.drag={'stokes' if drag else 'none'}",
             f"frame_every={frame_every!r}",
             f"duration={1.1 * FRAMES * frame_every!r}",
         ],

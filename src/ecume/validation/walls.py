@@ -37,7 +37,7 @@ def drift(kind: str, glass: str, dish: float, drag: bool) -> Row:
         f"particles[0].positions=[[{start!r}, 0.0]]",
         f"dish.radius={dish} mm",
         f"dish.contact_angle={GLASSES[glass]} deg",
-        f"hydrodynamics.drag={str(drag).lower()}",
+        f"hydrodynamics.drag={'stokes' if drag else 'none'}",
     ]
     scene = floating_scene("walls", changes)
     bowl = float_motion.Bowl(1e-3 * dish, math.radians(GLASSES[glass]), liquid_of(scene))
