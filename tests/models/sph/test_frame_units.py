@@ -4,8 +4,8 @@ import dataclasses
 
 import pint
 import pytest
-from ecume.models.sph.observing import PER_DEPTH
 
+from ecume.models.sph.report.observation import PER_DEPTH
 from ecume.simulation import simulate
 
 from .scenes import free_blob

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ecume.engine.walls import enclosures
+from ecume.models.last_frame import ending_on_a_step
 from ecume.models.floating.forces.flow_and_noise import drift_of
 from ecume.models.floating.forces.pair_forces import law_of, row_of, two_floats
 from ecume.models.floating.options import scene_error
@@ -18,7 +19,6 @@ from ecume.models.floating.walls.wall_laws import wall_stiffness
 from ecume.units import Array
 
 if TYPE_CHECKING:
-    from ecume.models.last_frame import ending_on_a_step
 from ecume.scenes.floating import FloatingScene
 
 GOOD = 0.05
