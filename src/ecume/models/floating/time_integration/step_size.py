@@ -9,17 +9,17 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from ecume.engine.walls import enclosures
-from ecume.models.last_frame import ending_on_a_step
 from ecume.models.floating.forces.flow_and_noise import drift_of
 from ecume.models.floating.forces.pair_forces import law_of, row_of, two_floats
 from ecume.models.floating.options import scene_error
 from ecume.models.floating.parameters import CAPILLARY_LENGTH, Drift, Floats, Kick, Parameters, Scheme
 from ecume.models.floating.walls.shapes import walls_of
 from ecume.models.floating.walls.wall_laws import wall_stiffness
+from ecume.models.last_frame import ending_on_a_step
 from ecume.units import Array
 
 if TYPE_CHECKING:
-from ecume.scenes.floating import FloatingScene
+    from ecume.scenes.floating import FloatingScene
 
 GOOD = 0.05
 """Time step over the shortest time scale, with an error per step below a thousandth."""
