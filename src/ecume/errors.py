@@ -12,6 +12,7 @@ EcumeError
 
 from __future__ import annotations
 
+import difflib
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -76,3 +77,17 @@ class Stopped(EcumeError):
     """Stopped on request; a checkpoint was written."""
 
     exit_code = 75
+
+
+def nearest(word: str, known: Sequence[str]) -> str:
+    """Advice on an unknown word: the known one most like it, or all of them.
+
+    >>> nearest("watr", ["water", "ethanol"]), nearest("x", ["water", "ethanol"])
+    ('did you mean water?', 'known: water, ethanol')
+    """
+    given = word.lower()
+    near = difflib.get_close_matches(given, known, n=3, cutoff=0.5)
+    if near:
+        swapped = [name for name in near if sorted(name) == sorted(given)]
+        return f"did you mean {(swapped or near)[0]}?"
+    return f"known: {', '.join(known)}" if known else "nothing can stand here"

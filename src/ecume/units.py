@@ -36,6 +36,10 @@ POWER = re.compile(r"(?<=[A-Za-zµμ°%Ω_])(?:\^|\*\*)?(-?[0-9])")
 TYPOGRAPHY = str.maketrans({"·": "*", "⋅": "*", "²": "^2", "³": "^3"})
 
 
+ROOM = 293.15
+"""The temperature of liquids and of Brownian motion by default (K)."""
+
+
 @dataclass(frozen=True)
 class Unit:
     """The SI unit of an annotated number. `symbol` is what Pint reads: `kg/m^3`."""

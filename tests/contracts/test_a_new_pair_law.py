@@ -82,8 +82,10 @@ contact_angle = "90 deg"
 [integration]
 integrator = "overdamped"
 
-[hydrodynamics]
+[liquid]
 temperature = "300 K"
+[hydrodynamics]
+brownian = true
 [interaction]
 law = "yukawa"
 """)

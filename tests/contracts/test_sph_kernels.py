@@ -89,7 +89,7 @@ def close(found, expected):
 @EACH
 @DIMENSIONS
 def test_the_sums_of_a_tank_are_those_of_the_formulas_of_the_row(name, dimension):
-    scene = free_blob(dimension, kernel=name, viscosity=1.0, friction="morris", density_diffusion="none")
+    scene = free_blob(dimension, kernel=name, viscosity=1.0, viscosity_model="morris", density_diffusion="none")
     parameters, state, workspace = at_start(scene)
     density_rate, acceleration = expected_rates(kernel(name, dimension), parameters, state)
     take_thickening(parameters, state, workspace)

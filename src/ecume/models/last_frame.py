@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from ecume.scenes.common import Common
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from ecume.scenes.common import Common
 
 MOST_MORE = 1.5
 """Times as many steps that are taken to end exactly at the duration; otherwise a run ends at the nearest step."""

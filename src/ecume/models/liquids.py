@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from ecume.errors import BadInput, Fault, SceneError
+from ecume.errors import BadInput, Fault, SceneError, nearest
 from ecume.laws import flotation, liquids
 from ecume.laws.liquids import LIQUIDS, LiquidProperties, liquid
 from ecume.models.model import Source
-from ecume.scenes.faults import suggestion
-from ecume.scenes.quantities import ROOM
+from ecume.units import ROOM
 
 
 class Material(NamedTuple):
@@ -25,7 +24,7 @@ def named_liquid(given: Any) -> LiquidProperties | None:
     if not given.name:
         return None
     if given.name not in LIQUIDS:
-        raise SceneError([Fault("liquid.name", f"got {given.name!r}; {suggestion(given.name, LIQUIDS)}")])
+        raise SceneError([Fault("liquid.name", f"got {given.name!r}; {nearest(given.name, list(LIQUIDS))}")])
     try:
         temperature = ROOM if given.temperature is None else given.temperature
         return liquid(given.name, temperature, getattr(given, "salinity", None))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import difflib
 import re
 import types
 import typing
@@ -13,7 +12,7 @@ from typing import Any, Literal
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
 
-from ecume.errors import Fault
+from ecume.errors import Fault, nearest
 
 Key = str | int
 Path = tuple[Key, ...]
@@ -108,12 +107,7 @@ def suggestion(word: str, choices: Iterable[str]) -> str:
     for same in SYNONYMS.get(word, ()):
         if same in known:
             return f"did you mean {same}?"
-    given = word[:LONGEST_ECHO].lower()
-    near = difflib.get_close_matches(given, known, n=3, cutoff=0.5)
-    if near:
-        swapped = [name for name in near if sorted(name) == sorted(given)]
-        return f"did you mean {(swapped or near)[0]}?"
-    return f"known: {', '.join(known)}" if known else "nothing can stand here"
+    return nearest(word[:LONGEST_ECHO], known)
 
 
 def faults_of(error: ValidationError, kind: type, raw: object, also: Sequence[str] = ()) -> list[tuple[Path, str]]:

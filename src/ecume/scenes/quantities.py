@@ -174,8 +174,6 @@ GravityVector = Annotated[tuple[float, ...], PlainValidator(gravity)]
 
 
 ICE_POINT = 273.15
-ROOM = 293.15
-"""K"""
 
 
 def absolute_temperature(value: object) -> float:

@@ -12,7 +12,6 @@ from ecume.scenes.common import Common, Kind
 from ecume.scenes.faults import Inconsistent, Path
 from ecume.scenes.quantities import (
     MOST_PARTICLES,
-    ROOM,
     STRICT,
     AbsoluteTemperature,
     Color,
@@ -29,7 +28,7 @@ from ecume.scenes.quantities import (
     Switch,
     Velocity,
 )
-from ecume.units import Acceleration, Unit
+from ecume.units import ROOM, Acceleration, Unit
 
 Point = Annotated[tuple[Coordinate, ...], Field(min_length=2, max_length=3)]
 Speeds = Annotated[tuple[Velocity, ...], Field(min_length=2, max_length=3)]

@@ -111,7 +111,7 @@ def test_the_work_of_a_float_stays_the_same_from_thousands_to_a_million_whatever
     ("interaction", "motion", "told"),
     [
         ('summation = "grid"\nmethod = "multipole"', "", "whose long-range part is smooth: got 'multipole'"),
-        ('summation = "grid"\naccuracy = 1e-11', SLOW, "take 'cells'"),
+        ('summation = "grid"\naccuracy = 1e-11', SLOW, "or 'cells'"),
         ('summation = "grids"', SLOW, "did you mean 'grid'"),
     ],
 )

@@ -88,13 +88,13 @@ def test_the_cost_and_the_resolution_are_told():
 @pytest.mark.parametrize(("sound", "fastest"), [(3.0, 1.0), (9.0, 0.1), (30.0, 4.0)])
 def test_a_slow_sound_is_reported_with_the_speed_to_set(sound, fastest):
     """Ten times the maximum speed and ten times sqrt(g H), here 1 m/s, whatever is faster."""
-    remark = said(scene_with({"density": 1.0, "sound_speed": sound, "fastest": fastest}))["compression"][1]
+    remark = said(scene_with({"density": 1.0, "sound_speed": sound, "maximum_speed": fastest}))["compression"][1]
     assert remark == f"large: set liquid.sound_speed to {10.0 * max(1.0, fastest):.3g} m/s or more"
 
 
 def test_the_compression_counts_the_weight_of_the_liquid():
     """A tank at rest is as dense at its floor as check says."""
-    scene = scene_with({"density": 1.0, "sound_speed": 12.0, "fastest": 0.3})
+    scene = scene_with({"density": 1.0, "sound_speed": 12.0, "maximum_speed": 0.3})
     state = SPH.start(scene, SPH.parameters(scene))
     value, remark = said(scene)["compression"]
     at_rest, moving = (float(part.split()[0]) for part in remark.split(", "))

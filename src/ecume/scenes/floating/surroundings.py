@@ -12,7 +12,6 @@ from pydantic.dataclasses import dataclass
 from ecume.scenes.faults import Complaints, Inconsistent
 from ecume.scenes.files import beside, require_there, text_of
 from ecume.scenes.quantities import (
-    ROOM,
     STRICT,
     AbsoluteTemperature,
     Amplitude,
@@ -36,7 +35,7 @@ from ecume.scenes.quantities import (
     WettingAngle,
 )
 from ecume.scenes.tables import MOST_BYTES, followed, lines_of
-from ecume.units import Number
+from ecume.units import ROOM, Number
 
 TABLE = "velocity_from"
 COLUMNS = {"x": "m", "y": "m", "vx": "m/s", "vy": "m/s"}

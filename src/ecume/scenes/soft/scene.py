@@ -11,7 +11,6 @@ from pydantic.dataclasses import dataclass
 from ecume.scenes.common import Common, Kind
 from ecume.scenes.faults import Complaints, Inconsistent, Path
 from ecume.scenes.quantities import (
-    ROOM,
     STRICT,
     AbsoluteTemperature,
     Color,
@@ -28,7 +27,7 @@ from ecume.scenes.quantities import (
 )
 from ecume.scenes.soft.protocol import StageSpec, protocol_faults
 from ecume.scenes.soft.walls import WallSpec, wall_faults
-from ecume.units import Energy, Force, Number, Pressure, SurfaceTension, Unit, Viscosity
+from ecume.units import ROOM, Energy, Force, Number, Pressure, SurfaceTension, Unit, Viscosity
 
 MOST_SPHERES = 1_000_000
 
