@@ -45,6 +45,10 @@ HEAVIER, LARGER = Scales(mass=8.0, length=1.0, time=1.0), Scales(mass=64.0, leng
 """The second keeps densities."""
 
 
+READ_BY_FUNCTIONS = {"temperature": "K", "gravity": "m/s^2"}
+"""Units that only the functions know that read these keys."""
+
+
 @cache
 def powers(symbol: str) -> tuple[float, float, float, float, float]:
     """Of mass, length, time, temperature and current in a unit."""
@@ -54,6 +58,9 @@ def powers(symbol: str) -> tuple[float, float, float, float, float]:
 
 def symbol_of(plain: dict[str, Any], path: tuple[Any, ...]) -> str:
     """The unit of a place in a scene; that of places and velocities is known to their readers alone."""
+    for key in path:
+        if key in READ_BY_FUNCTIONS:
+            return READ_BY_FUNCTIONS[key]
     kind: Any = SCENES[plain["model"]]
     for key in path:
         kind = _below(kind, key)
@@ -61,7 +68,7 @@ def symbol_of(plain: dict[str, Any], path: tuple[Any, ...]) -> str:
             if isinstance(mark, PlainValidator) and mark.func.__closure__:
                 cells = [cell.cell_contents for cell in mark.func.__closure__]
                 return next(each for each in cells if isinstance(each, str))
-    return "K" if path[-1] == "temperature" else unit_of(plain, path)
+    return unit_of(plain, path)
 
 
 def rescaled(plain: dict[str, Any], value: Any, scales: Scales, path: tuple[Any, ...] = ()) -> Any:

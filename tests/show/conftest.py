@@ -17,7 +17,7 @@ def scene():
         duration=1.0,
         frame_every=0.1,
         liquid=LiquidSpec(density=1000.0, surface_tension=0.07),
-        floats=(
+        particles=(
             FloatSpec(name="cereal", count=4, radius=2e-3, density=600.0, contact_angle=1.2, color="#ff0000"),
             FloatSpec(name="_bead", count=2, radius=1e-3, density=2000.0, contact_angle=1.5, color="#00ff00"),
         ),

@@ -191,7 +191,7 @@ def test_many_frames_are_thinned_and_the_last_one_stays(scene, frames):
 
 def test_one_species_needs_no_legend_of_its_own(scene, frames):
     single = dataclasses.replace(
-        scene, floats=(FloatSpec(name="a", count=6, radius=1e-3, density=600.0, contact_angle=1.2),)
+        scene, particles=(FloatSpec(name="a", count=6, radius=1e-3, density=600.0, contact_angle=1.2),)
     )
     alike = [frame._replace(arrays={**frame.arrays, "species": np.zeros(6, dtype=int)}) for frame in frames]
     assert figures.paths(alike, single).axes[0].get_legend() is None

@@ -28,7 +28,7 @@ def grazing(friction, *, restitution=0.5, viscosity=0.0, **times):
         f'[[particles]]\nname = "b"\n{HEAVY}positions = [[0.0011, 0.0]]\nvelocity = [-0.04, 0.01]\n'
         f'[[particles]]\nname = "c"\n{HEAVY}positions = [[0.5, 0.0]]\n'
     )
-    drag = "true" if viscosity else "false"
+    drag = "stokes" if viscosity else "none"
     liquid = f"[liquid]\nviscosity = {max(viscosity, 1e-3)}\n"
     rest = f'[integration]\ntime_step = 1e-4\n[hydrodynamics]\ndrag = "{drag}"\n[interaction]\nlaw = "none"\n'
     contacts = f"[contacts]\nrestitution = {restitution}\nfriction = {friction}\n"

@@ -182,7 +182,7 @@ def test_what_a_law_lacks_is_said(more, path, says):
 
 
 def test_bubbles_need_no_modulus():
-    scene = pair(films={"surface": "bubble"}, spheres=BARE)
+    scene = pair(films={"surface": "bubble"}, particles=BARE)
     assert SOFT.parameters(scene).modulus == pytest.approx([0.3, 0.3])
     assert "reduced force" in [row[0] for row in SOFT.summary(pair(films={"surface": "bubble"}))]
     assert FilmSpec().surface == "hertz"

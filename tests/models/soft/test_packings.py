@@ -60,7 +60,7 @@ def test_a_start_has_the_volume_fraction_and_the_gap_that_are_wanted(dimensions,
 
 def test_a_start_that_does_not_fit_is_refused():
     scene = packing(filled=0.98)
-    with pytest.raises(SceneError, match=r"box\.size: no places were found"):
+    with pytest.raises(SceneError, match=r"cell\.size: no places were found"):
         SOFT.start(scene, SOFT.parameters(scene))
 
 

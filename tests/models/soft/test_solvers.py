@@ -110,5 +110,5 @@ def test_interruptions_change_no_bit_while_solvers_take_turns(monkeypatch):
 
 def test_a_scene_says_where_to_get_the_optional_solver(monkeypatch):
     monkeypatch.setitem(sys.modules, "cvxopt", None)
-    with pytest.raises(SceneError, match=r"stepping\.solver: .*GNU GPL: pip install 'cvxopt"):
+    with pytest.raises(SceneError, match=r"integration\.solver: .*GNU GPL: pip install 'cvxopt"):
         SOFT.parameters(solved_by(packing(), "cholmod"))

@@ -66,7 +66,7 @@ def turned(scene, angle):
         dataclasses.replace(one, positions=(tuple(turn @ one.positions[0]),), force=tuple(turn @ one.force))
         for one in scene.particles
     )
-    return dataclasses.replace(scene, spheres=spheres)
+    return dataclasses.replace(scene, particles=spheres)
 
 
 def test_rounding_does_not_turn_a_cluster_over_however_long_it_is_pressed():
@@ -84,7 +84,7 @@ def test_turning_the_cluster_changes_nothing():
 def test_naming_the_spheres_otherwise_changes_nothing():
     scene = t1_scene(1e-2, PULL, "paper", 0.01, 1e-8)
     left, right, top, bottom = scene.particles
-    swapped = dataclasses.replace(scene, spheres=(right, left, bottom, top))
+    swapped = dataclasses.replace(scene, particles=(right, left, bottom, top))
     times = [follow(one, PULL, (0.9,)).duration for one in (scene, swapped)]
     assert times[1] == pytest.approx(times[0], rel=1e-9)
 
@@ -102,7 +102,7 @@ def in_units(scene, length, force):
         for one in scene.particles
     )
     thick = dataclasses.replace(scene.liquid, viscosity=scene.liquid.viscosity * force / length**2)
-    return dataclasses.replace(scene, spheres=spheres, liquid=thick)
+    return dataclasses.replace(scene, particles=spheres, liquid=thick)
 
 
 def test_other_units_change_nothing():

@@ -44,7 +44,7 @@ def sway(time, length=1.0, depth=1.0, gravity=1.0):
 
 @pytest.mark.compiled
 def test_a_shaken_tank_sloshes_as_linear_theory_has_it(tmp_path):
-    scene = changed(tank(deep=16, jitter=0.0), shake=SHAKE, duration=4.0)
+    scene = changed(tank(deep=16, jitter=0.0), base_excitation=SHAKE, duration=4.0)
     frames = list(ecume.simulate(scene))
     found = np.array([frame.numbers["center_x"] - 0.5 for frame in frames])
     wanted = np.array([sway(frame.time) for frame in frames])
@@ -93,7 +93,7 @@ def test_a_wall_that_starts_moving_does_work_on_the_liquid():
 
 @pytest.mark.compiled
 def test_half_a_run_that_is_shaken_and_half_a_run_are_a_run():
-    scene = with_side(changed(tank(), shake=SHAKE), "right", motion=PUSH)
+    scene = with_side(changed(tank(), base_excitation=SHAKE), "right", motion=PUSH)
     parameters, whole = marched(scene, 40)
     _, half = marched(scene, 17)
     again = copy_of(half)

@@ -101,7 +101,7 @@ def test_a_body_much_lighter_than_the_liquid_rises_calmly(density):
 @pytest.mark.parametrize("friction", ["morris", "monaghan"])
 def test_a_light_body_in_a_thick_liquid_creeps_upwards(friction):
     def speed(density):
-        scene = dataclasses.replace(tub(density, viscosity=3.0, friction=friction), duration=0.02)
+        scene = dataclasses.replace(tub(density, viscosity=3.0, viscosity_model=friction), duration=0.02)
         (*_, last) = ecume.simulate(scene)
         return last.numbers["body0_velocity_y"]
 

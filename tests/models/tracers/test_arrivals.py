@@ -82,6 +82,7 @@ def test_newcomers_are_as_many_everywhere_as_there_are_in_what_flows_in():
 @pytest.mark.compiled
 def test_half_a_run_with_newcomers_and_half_a_run_are_a_run_bit_for_bit():
     scene = channel(
+        gravity=9.81,
         flow=FlowSpec(velocity=(0.5, 0.0)),
         hydrodynamics=TracerHydrodynamicsSpec(brownian=True),
         integration=TracerIntegrationSpec(time_step=0.01),
@@ -191,7 +192,7 @@ def test_check_says_how_many_will_come():
 def test_a_scene_file_may_say_how_many_come(tmp_path):
     file = tmp_path / "rain.toml"
     file.write_text(
-        'model = "tracers"\nduration = "0.2 s"\nframe_every = "50 ms"\n[liquid]\nflow = ["20 cm/s", "0 m/s"]\n'
+        'model = "tracers"\nduration = "0.2 s"\nframe_every = "50 ms"\n[flow]\nvelocity = ["20 cm/s", "0 m/s"]\n'
         '[tank]\nhigh = ["10 cm", "5 cm"]\n[[particles]]\nradius = "20 um"\ndensity = 1100.0\n'
         '[[openings]]\nwall = 0\nlow = ["0 m", "1 cm"]\nhigh = ["0 m", "4 cm"]\nrate = "400 s^-1"\n'
     )

@@ -117,7 +117,7 @@ def test_without_a_dish_all_that_floats_ever_reach_is_shown(scene, frames):
 
 def test_colors_come_from_the_scene_and_else_from_the_palette(scene):
     cereal, bead = scene.particles
-    found = species(dataclasses.replace(scene, floats=(dataclasses.replace(cereal, color=None), bead)))
+    found = species(dataclasses.replace(scene, particles=(dataclasses.replace(cereal, color=None), bead)))
     assert found == [("cereal", PALETTE[0]), ("_bead", "#00ff00")]
 
 

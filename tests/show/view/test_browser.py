@@ -152,7 +152,7 @@ def test_a_liquid_is_one_region_without_gaps_inside_its_walls_and_seen_on_a_dark
 
 
 def test_what_is_carried_keeps_its_color_and_says_what_it_is(tab, tmp_path):
-    scene = scene_of(carried=[{"positions": [[1.0, 0.25]], "color": "#ff0000"}])
+    scene = scene_of(passive_tracers=[{"positions": [[1.0, 0.25]], "color": "#ff0000"}])
     frame = carrying(frame_of())
     stage = STAGES["sph"](scene, [frame])
     header = {"title": "", "model": "sph", "facts": [], "papers": [], "scene": "", "live": False}
