@@ -278,7 +278,7 @@ def test_liquid_that_diverges_is_brought_to_rest_and_then_begins_anew(tank):
         ("bouncing-particles", [], "scene of model 'tracers'"),
         ("floating-bodies", [], "this one has bodies"),
         ("channel", [], "in- or outflows"),
-        ("sloshing", [], r"this one has \[shake\]"),
+        ("sloshing", [], r"this one has \[base_excitation\]"),
     ],
 )
 def test_only_tanks_of_liquid_are_played_with(name, changes, says):

@@ -93,9 +93,9 @@ model = "tracers"
 duration = "{duration}"
 frame_every = "10 ms"
 seed = 2
+gravity = 9.81
 [liquid]
 viscosity = 0.0
-gravity = 9.81
 [[particles]]
 count = 200
 radius = "1 mm"

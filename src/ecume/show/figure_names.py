@@ -29,7 +29,6 @@ FIGURE_NAMES = {
         "velocity",
         "surface",
         "gauges",
-        "render",
     ),
     "tracers": ("energies", "heights", "profile", "hits"),
     "soft": (

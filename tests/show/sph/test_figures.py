@@ -68,7 +68,7 @@ def test_gauges_are_drawn_by_kind_over_time(frames):
         {"name": "P", "position": [1.0, 0.2]},
         {"name": "V", "position": [0.5, 0.1], "end": [0.5, 0.3], "count": 2},
     ]
-    probes[1]["measures"] = ["velocity", "level"]
+    probes[1]["quantities"] = ["velocity", "level"]
     extra = {"P_pressure": "Pa"}
     extra |= {f"V_{n}_{what}": unit for n in (1, 2) for what, unit in (("level", "m"), ("velocity_x", "m/s"))}
     read = [
