@@ -1,11 +1,14 @@
 """A sweep runs what is missing, wherever; what is done stays, what fails is told, and the table is the same."""
 
+import contextlib
 import json
 import os
 import signal
+import socket
 import subprocess
 import sys
 import time
+import warnings
 
 import psutil
 import pytest
@@ -58,6 +61,19 @@ def test_many_workers_make_the_same_table(file, tmp_path):
 def test_as_many_workers_of_dask_are_started_as_are_asked_for(file, tmp_path):
     with _client(ExecutorOptions(workers=3), laid_out(load_sweep(file), tmp_path / "out"), 3) as client:
         assert len(client.scheduler_info(n_workers=-1)["workers"]) == 3
+
+
+@pytest.mark.compiled  # processes: once is enough
+def test_sweeps_at_the_same_time_do_not_compete_for_a_port(file, tmp_path):
+    with socket.socket() as taken:
+        with contextlib.suppress(OSError):  # taken already: as well
+            taken.bind(("", 8787))
+            taken.listen()
+        with warnings.catch_warnings(record=True) as heard:
+            warnings.simplefilter("always")
+            with _client(ExecutorOptions(workers=2), laid_out(load_sweep(file), tmp_path / "out"), 2) as client:
+                assert len(client.scheduler_info(n_workers=-1)["workers"]) == 2
+    assert [str(each.message) for each in heard if "Port" in str(each.message)] == []
 
 
 def test_a_worker_that_is_killed_loses_nothing(file, tmp_path):

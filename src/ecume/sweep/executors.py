@@ -122,7 +122,9 @@ def _client(options: ExecutorOptions, sweeping: Sweeping, workers: int) -> Itera
         with slurm_cluster(sweeping.spec.cluster, sweeping.path) as found, library.Client(found) as client:
             yield client
     else:
-        local = {"threads_per_worker": 1, "dashboard_address": None, "env": ONE_THREAD, "silence_logs": 50}
+        # The scheduler always has a page of its own: at any free port, so that sweeps at the same time do not compete.
+        page = {"dashboard": False, "dashboard_address": "127.0.0.1:0"}
+        local = {"threads_per_worker": 1, "scheduler_kwargs": page, "env": ONE_THREAD, "silence_logs": 50}
         with dask.config.set(UNWATCHED):
             with _leaving_interrupts_to_us():
                 cluster = library.LocalCluster(n_workers=workers, host="127.0.0.1", **local)
