@@ -24,7 +24,7 @@ def test_a_table_of_unlike_floats_is_told_from_the_least_to_the_greatest():
         told({"rows": [row(0.0, radius, 500.0)]})["float-1: capillary charge"][0].removesuffix(" um")
         for radius in (1e-3, 2e-3)
     )
-    assert rows["float-1: capillary charge"] == (f"{large} to {small} um", "light: attract the light")
+    assert rows["float-1: capillary charge"] == (f"{large} to {small} um", "light: attracts light floats")
     assert rows["float-1: density ratio"] == ("0.5", "")
 
 
@@ -37,7 +37,7 @@ def test_a_table_of_equal_floats_is_told_in_one_number_and_knows_when_they_sink(
 
 def test_heavy_and_light_floats_of_one_name_are_both_told():
     rows = told({"rows": [row(0.0, 1e-3, 200.0), row(0.01, 1e-3, 2000.0)]})
-    assert rows["float-1: dimensionless weight"][1] == "some press the surface down, some lift the surface"
+    assert rows["float-1: dimensionless weight"][1] == "some downward: lowers the surface, some upward: raises it"
 
 
 def test_each_species_is_told_by_its_own_name():

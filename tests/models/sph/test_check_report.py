@@ -77,7 +77,7 @@ def test_the_cost_and_the_resolution_are_told():
     told = said(scene_with())
     assert told["resolution"] == (
         "8 particles",
-        "across the liquid's smallest extent; good for the flow; 20 or more for pressures",
+        "across the smallest extent of the liquid; good for the flow; 20 or more for pressures",
     )
     assert told["time step"][1].startswith("set by sound")
     assert said(scene_with({"density": 1.0, "sound_speed": 10.0, "viscosity": 5.0}))["time step"][1].startswith(

@@ -64,5 +64,7 @@ def _sampled_volume(part: Part, other: Part, earlier: Sequence[Part]) -> float:
     found = 0
     for first in range(0, len(points), AT_ONCE):
         some = points[first : first + AT_ONCE]
-        found += int(np.count_nonzero(part.inside(some) & other.inside(some) & apart(some, earlier)))
+        some = some[other.inside(some)]
+        some = some[apart(some, earlier)]
+        found += int(np.count_nonzero(part.inside(some))) if len(some) else 0
     return float(np.prod(high - low)) * found / len(points)

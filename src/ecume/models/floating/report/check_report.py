@@ -60,7 +60,7 @@ def summary(scene: FloatingScene) -> list[Row]:
         *_summary_of_sums(parameters, length),
         ("floats", str(count), f"{len(scene.kinds)} species"),
         *_summary_of_steps(parameters, scene),
-        ("memory", told_size(memory_estimate(parameters)), "when packed to rafts"),
+        ("memory", told_size(memory_estimate(parameters)), "estimate for floats in rafts"),
     ]
 
 
@@ -150,7 +150,11 @@ def _summary_of(name: str, members: dict[FloatKind, int], scene: FloatingScene) 
             _numbers(flotation.density_ratio(each, liquid) for each in spheres),
             f"sinks above {_sinking_ratio(spheres[0], liquid):.4g}" if len(members) == 1 else "",
         ),
-        ("dimensionless weight", _numbers(weights), _by_sign(weights, "press the surface down", "lift the surface")),
+        (
+            "dimensionless weight",
+            _numbers(weights),
+            _by_sign(weights, "downward: lowers the surface", "upward: raises it"),
+        ),
         ("slope at the contact line", f"{_numbers(map(math.degrees, slopes), 3)} deg", _slope_remark(slopes)),
         _filling(members),
         _heights(members),
@@ -176,7 +180,9 @@ def _heights(members: dict[FloatKind, int]) -> Row:
 
 def _charges(members: Iterable[FloatKind]) -> Row:
     charges = [kind.charge for kind in members]
-    remark = _by_sign(charges, "heavy: attract the heavy", "light: attract the light") if any(charges) else "none"
+    remark = (
+        _by_sign(charges, "heavy: attracts heavy floats", "light: attracts light floats") if any(charges) else "none"
+    )
     return ("capillary charge", f"{_numbers(1e6 * charge for charge in charges)} um", remark)
 
 

@@ -114,10 +114,10 @@ def sheared_force(pair: SoftPair, gap: float, rate: float) -> float:
 
 def _crowd(scene: SoftScene, parameters: Parameters, state: State) -> list[Row]:
     count, contacts = len(parameters.radius), int(state.contacts[0])
-    where = "a layer" if parameters.dimensions == 2 else "space"
+    where = "a layer" if parameters.dimensions == 2 else "3D"
     rows = [
         ("spheres", str(count), f"{len(scene.particles)} species, in {where}"),
-        ("films", str(contacts), f"at the start, {2.0 * contacts / count:.2g} a sphere"),
+        ("films", str(contacts), f"at the start, {2.0 * contacts / count:.2g} per sphere"),
     ]  # fmt: skip
     if (filled := fillings(parameters)) > 0.0:
         jammed = JAMMED[parameters.dimensions]
@@ -166,7 +166,7 @@ def _cost(scene: SoftScene, parameters: Parameters, state: State) -> list[Row]:
     return [
         ("accuracy", f"{parameters.tolerance:.1g}", "of each gap, relative, in a step"),
         ("steps", f"about {float(f'{steps:.2g}'):.0f}", f"{sheared}within a factor of three where little rearranges"),
-        ("memory", told_size(bytes_of(contacts)), f"{BYTES:.0f} bytes a film, and the compiler"),
+        ("memory", told_size(bytes_of(contacts)), f"{BYTES:.0f} bytes per film, and the compiler"),
         *cost.rows(),
         (
             "time on this machine",

@@ -60,7 +60,11 @@ def _resolution(scene: SphScene, parameters: Parameters, count: int) -> list[Row
     return [
         ("particles", str(count), walls_remark(scene, walls)),
         fitted_row(scene),
-        ("resolution", f"{across:.0f} particles", f"across the liquid's smallest extent; {resolution_remark(across)}"),
+        (
+            "resolution",
+            f"{across:.0f} particles",
+            f"across the smallest extent of the liquid; {resolution_remark(across)}",
+        ),
         ("smoothing length", with_prefix(smoothing, "m"), f"{smoothing / spacing:.3g} spacings"),
         ("neighbors", str(neighbors), neighbor_remark(neighbors, parameters.dimension, scene.method.kernel)),
         *thin_solids(scene, parameters),
@@ -111,9 +115,9 @@ def _liquid(scene: SphScene, parameters: Parameters) -> list[Row]:
     return [
         *material_rows(scene.liquid),
         (
-            "fastest speed",
+            "maximum speed",
             with_prefix(material.fastest, "m/s"),
-            "" if scene.liquid.maximum_speed else "expected; say liquid.maximum_speed",
+            "" if scene.liquid.maximum_speed else "estimated; liquid.maximum_speed sets it",
         ),
         ("sound speed", with_prefix(material.sound_speed, "m/s"), "of the numerical liquid"),
         ("Mach number", f"{mach:.2g}", "to be expected"),
@@ -156,7 +160,7 @@ def _cost(scene: SphScene, parameters: Parameters, count: int, bytes_each: float
         ),
         ("steps", str(steps), f"{parameters.steps_per_frame} per frame"),
         *cost.rows(),
-        ("memory", told_size(count * bytes_each), f"{bytes_each:.0f} bytes a particle"),
+        ("memory", told_size(count * bytes_each), f"{bytes_each:.0f} bytes per particle"),
         ("time on this machine", told_duration(seconds), f"roughly, after compilation{long}{cost.remark(stepping)}"),
     ]
 

@@ -241,7 +241,7 @@ def material_rows(given: FluidSpec) -> list[tuple[str, str, str]]:
     """The rows of `check` on the material, with the origin of each number."""
     named, full = substance_of(given), filled(given)
     units = {"density": "kg/m^3", "viscosity": "Pa s", "surface_tension": "N/m"}
-    origin = "usual" if named is None else f"{named.name} at {named.temperature - ICE_POINT:.4g} degrees Celsius"
+    origin = "default" if named is None else f"{named.name} at {named.temperature - ICE_POINT:.4g} degrees Celsius"
     return [
         (key.replace("_", " "), f"{getattr(full, key):.5g} {units[key]}", origin if getattr(given, key) is None else "")
         for key in FILLED
