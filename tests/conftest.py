@@ -22,6 +22,18 @@ def pytest_itemcollected(item):
         item.add_marker(pytest.mark.plain)
 
 
+@pytest.fixture(autouse=True)
+def same_environment():
+    """No test leaves a variable behind: the next test of its process may compile, or start a process, that reads it."""
+    before = variables()
+    yield
+    assert variables() == before
+
+
+def variables():
+    return {name: value for name, value in os.environ.items() if name.startswith(("ECUME_", "NUMBA_"))}
+
+
 def pytest_unconfigure():
     if MEASURED is not None:
         MEASURED.stop()
