@@ -209,38 +209,48 @@ STEP = 0.05
 """Step of the trapezoidal rule below, which converges exponentially: beyond 15 digits."""
 
 
-def neglected_fraction(cutoff: Number) -> Number:
-    """Share of the force on the edge of a half-plane of floaters that pairs beyond the cutoff would give.
+def neglected_fraction(cutoff: Number, contact: Number = 0.0) -> Number:
+    """Share of the force on a float at the edge of a raft that pairs beyond the cutoff would give.
 
-    (2/pi) int_c^inf r K1(r) dr = (2/pi) int_0^inf exp(-c cosh t) (c + 1/cosh t) dt, with c the cutoff in capillary
-    lengths.
+    int_c^inf r K1(r) dr / int_d^inf r K1(r) dr: the raft is a half-plane, c is the cutoff and d the distance of centers
+    at contact, both in capillary lengths. Floats cannot be nearer than d, where those of a few capillary lengths
+    have most of their attraction within a capillary length of contact.
 
     >>> round(neglected_fraction(0.0), 12)
     1.0
+    >>> round(neglected_fraction(8.0, 6.0), 2)
+    0.15
     """
-    total = 0.5 * math.exp(-cutoff) * (cutoff + 1.0)
+    return math.exp(contact - cutoff) * _edge_force(cutoff) / _edge_force(contact)
+
+
+def _edge_force(nearest: Number) -> Number:
+    """exp(c) int_c^inf r K1(r) dr = int_0^inf exp(-c (cosh t - 1)) (c + 1/cosh t) dt, c in capillary lengths."""
+    total = 0.5 * (nearest + 1.0)
     for k in range(1, 1000):
         cosh = math.cosh(k * STEP)
-        term = math.exp(-cutoff * cosh) * (cutoff + 1.0 / cosh)
+        term = math.exp(-nearest * (cosh - 1.0)) * (nearest + 1.0 / cosh)
         total += term
         if term < 1e-17 * total:
             break
-    return 2.0 / math.pi * STEP * total
+    return STEP * total
 
 
-def truncation_radius(accuracy: Number) -> Number:
+def truncation_radius(accuracy: Number, contact: Number = 0.0) -> Number:
     """The cutoff, in capillary lengths, beyond which pairs give less than `accuracy` of the force; see
-    `neglected_fraction`.
+    `neglected_fraction`. `contact` is the largest distance of centers at contact, in capillary lengths.
 
     >>> round(truncation_radius(1e-6))
     15
+    >>> round(truncation_radius(1e-6, 20.0))
+    34
     """
     if not 1e-15 <= accuracy < 1.0:
         raise BadInput(f"accuracy of the cutoff is {accuracy!r}; expected between 1e-15 and 1, such as 1e-6")
-    near, far = 0.0, 50.0
+    near, far = contact, contact + 50.0
     while far - near > 1e-9:
         middle = 0.5 * (near + far)
-        near, far = (middle, far) if neglected_fraction(middle) > accuracy else (near, middle)
+        near, far = (middle, far) if neglected_fraction(middle, contact) > accuracy else (near, middle)
     return far
 
 

@@ -97,6 +97,7 @@ class Capillary(NamedTuple):
     shift: Number
     slope: Number
     offset: Number
+    origin: Number
     w0: Number
     w1: Number
     w2: Number
@@ -117,7 +118,7 @@ class Capillary(NamedTuple):
 
 
 def capillary_constants(setting: Setting) -> Capillary:
-    """The constants of the capillary law. Raises BadInput if the floats are too small for the fit of K1."""
+    """The constants of the capillary law."""
     return _capillary(pair_strength(setting.surface_tension, 1.0, 1.0), setting)
 
 
@@ -130,7 +131,7 @@ def _capillary(strength: float, setting: Setting) -> Capillary:
     length = setting.capillary_length
     fit = fit_k1(setting.closest / length, setting.farthest / length)
     assert len(fit.weights) == DEGREE + 1  # noqa: S101  # as many as there are fields
-    return Capillary(strength, length**-2, fit.lower, fit.shift, fit.slope, fit.offset, *fit.weights)
+    return Capillary(strength, length**-2, fit.lower, fit.shift, fit.slope, fit.offset, fit.origin, *fit.weights)
 
 
 def capillary_force(distance: Length, own: PairParameters, law: Capillary) -> Force:
@@ -151,7 +152,7 @@ def capillary_pull(square: Area, own: PairParameters, law: Capillary) -> Stiffne
         law.w0, law.w1, law.w2, law.w3, law.w4, law.w5, law.w6, law.w7, law.w8, law.w9, law.w10, law.w11, law.w12,
         law.w13, law.w14, law.w15, law.w16,
     )  # fmt: skip
-    fit = ScreenedFit(law.lower, law.lower, law.shift, law.slope, law.offset, weights, law.lower)
+    fit = ScreenedFit(law.lower, law.lower, law.shift, law.slope, law.offset, law.origin, weights, law.lower)
     scale = law.strength * law.inverse_square
     return scale * (own.charge_i * own.charge_j) * k1_over_x(square * law.inverse_square, fit)
 

@@ -2,6 +2,7 @@
 
 import pytest
 
+from ecume.laws import flotation
 from ecume.models.floating.report.check_report import seconds_per_step, summary
 from ecume.scenes.schema import from_plain
 
@@ -57,9 +58,23 @@ def test_equilibrium_and_closeness_are_told_for_each_species():
     rows = told({"rows": [row(0.0, 1e-3, 1300.0)]})
     assert rows["float-1: filling angle"][0].endswith(" deg")
     assert rows["float-1: height of the contact line"][0].startswith("-0.0")
-    share, remark = rows["float-1: beyond superposition"]
-    assert float(share.removeprefix("over ").removesuffix(" %")) > 0.0
-    assert "exceeds superposition" in remark
+    share, _ = rows["float-1: attraction beyond superposition"]
+    assert 0.0 < float(share.removesuffix(" %")) < 30.0
+
+
+def test_what_superposition_omits_is_stated_for_floats_of_any_size():
+    """In the limit of small floats it has a closed form; it grows with the radius."""
+    found = []
+    for radius in (0.03e-3, 0.3e-3, 3e-3, 20e-3):
+        share, remark = told({"rows": [row(0.0, radius, 300.0)]})["float-1: attraction beyond superposition"]
+        found.append(float(share.removesuffix(" %")))
+    small = 100.0 * flotation.superposition_excess(STUFF["contact_angle"], 0.02)
+    assert found[0] == pytest.approx(small, rel=0.1)
+    assert found == sorted(found)
+    assert found[-1] > 25.0
+    assert "multipole" in remark
+    together = told({"rows": [row(0.0, radius, 300.0)], "interaction": {"method": "multipole"}})
+    assert "float-1: attraction beyond superposition" not in together
 
 
 def test_discs_say_what_they_carry_and_that_superposition_errs():

@@ -4,7 +4,17 @@
 """
 
 from ecume.laws.multipole.closures import CLOSURES, Closure, Undulated
-from ecume.laws.multipole.many import Solution, height, solve
+from ecume.laws.multipole.many import Solution, excess_over_superposition, height, solve
 from ecume.laws.multipole.walls import Basin, Dish
 
-__all__ = ["CLOSURES", "Basin", "Closure", "Dish", "Solution", "Undulated", "height", "solve"]
+__all__ = [
+    "CLOSURES",
+    "Basin",
+    "Closure",
+    "Dish",
+    "Solution",
+    "Undulated",
+    "excess_over_superposition",
+    "height",
+    "solve",
+]

@@ -141,6 +141,28 @@ def _solution(
     )
 
 
+def excess_over_superposition(body: Any, charge: float, liquid: Liquid, gap: float = 0.02) -> float:
+    """How much more two equal bodies attract than by superposition, as a fraction of superposition.
+
+    `charge` is the capillary charge (m) that superposition uses, `gap` the distance of the bodies over their diameter.
+    The surface is linearized, as in `solve`: take the charge of the closed-form theory, since nonlinear charges differ
+    also for a single body. Raises BadInput for a body without charge.
+
+    >>> from ecume.laws.flotation import Liquid, Sphere, capillary_charge
+    >>> water, ball = Liquid(998.2, 0.0728, 1e-3), Sphere(5e-3, 250.0, 1.4)
+    >>> round(excess_over_superposition(ball, capillary_charge(ball, water, "closed-form"), water), 1)
+    0.6
+    """
+    from ecume.laws.capillarity import pair_force, pair_strength
+
+    if charge == 0.0:
+        raise BadInput("a body without capillary charge has no attraction; expected one whose charge is not 0")
+    apart = 2.0 * float(body.radius) * (1.0 + gap)
+    attraction = float(solve([[0.0, 0.0], [apart, 0.0]], [body, body], liquid, 12).forces[0, 0])
+    strength = pair_strength(liquid.surface_tension, charge, charge)
+    return -attraction / pair_force(apart, strength, liquid.capillary_length) - 1.0
+
+
 def height(solution: Solution, x: ArrayLike, y: ArrayLike) -> Array:
     """Height of the surface (m) at points; inside a contact line, of the plane through it."""
     from ecume.laws.multipole.echoes import echo_heights

@@ -26,8 +26,11 @@ from ecume.scenes.floating import FloatingScene
 STEEP = 0.3
 """Slopes (rad) above which superposition of menisci is inaccurate."""
 
+NEAR = 0.02
+"""Gap of two floats, over a diameter, at which their attraction is compared with superposition."""
+
 ODD = 0.05
-"""Tolerated fraction of the force of a pair beyond the superposition of two menisci."""
+"""Fraction of the attraction beyond superposition from which `ecume check` names a better method."""
 
 PER_STEP, PER_FLOAT = 5e-6, 1.2e-6
 """Seconds per time step, and per float, for separated floats: measured on one core of a small cloud machine."""
@@ -68,7 +71,7 @@ def _summary_of_sums(parameters: Parameters, length: float) -> list[Row]:
     """The cutoff of the pair law, and the method of summation."""
     split = part_of(parameters, Split)
     far = split.far if split is not None else parameters.cutoff
-    left = capillarity.neglected_fraction(far / length)
+    left = capillarity.neglected_fraction(far / length, 2.0 * float(parameters.floats.radius.max()) / length)
     cut = f"{far / length:.3g} capillary lengths; {left:.1e} of the attraction of a raft is ignored"
     lines = [line for part, row in interactions_of(parameters) for line in row.lines(part, parameters)]
     return [("cutoff", with_prefix(far, "m"), cut), *lines]
@@ -158,7 +161,7 @@ def _summary_of(name: str, members: dict[FloatKind, int], scene: FloatingScene) 
         ("slope at the contact line", f"{_numbers(map(math.degrees, slopes), 3)} deg", _slope_remark(slopes)),
         _filling(members),
         _heights(members),
-        _closeness(spheres),
+        *_closeness(members, scene),
         _charges(members),
     ]
     if len(members) > 1:
@@ -186,18 +189,22 @@ def _charges(members: Iterable[FloatKind]) -> Row:
     return ("capillary charge", f"{_numbers(1e6 * charge for charge in charges)} um", remark)
 
 
-def _closeness(spheres: Sequence[flotation.Sphere]) -> Row:
-    """The error of superposition for two equal touching floats."""
-    excess = [flotation.superposition_excess(sphere.contact_angle, 0.0) for sphere in spheres]
-    worst = max(spheres, key=lambda sphere: flotation.superposition_reach(sphere.contact_angle, ODD) * sphere.radius)
-    reach = 2e3 * worst.radius * flotation.superposition_reach(worst.contact_angle, ODD)
-    near = f"at contact; closer than {reach:.2g} mm the attraction exceeds superposition by over {100.0 * ODD:.0f} %"
-    share = _numbers((100.0 * each for each in excess), 2)
-    return (
-        "beyond superposition",
-        f"over {share} %",
-        near if reach > 0.0 else "at contact, above superposition",
-    )
+def _closeness(members: Iterable[FloatKind], scene: FloatingScene) -> list[Row]:
+    """By how much superposition understates the attraction of two equal floats that nearly touch."""
+    by_size = sorted((kind for kind in members if kind.charge != 0.0), key=lambda kind: kind.radius)
+    if scene.interaction.method != "superposition" or not by_size:
+        return []
+    from ecume.laws.multipole import excess_over_superposition
+
+    liquid = liquid_of(scene)
+    excess = [
+        excess_over_superposition(kind.body, flotation.capillary_charge(kind.body, liquid, "closed-form"), liquid, NEAR)
+        for kind in dict.fromkeys((by_size[0], by_size[-1]))
+    ]
+    remark = f"of two at a gap of {100.0 * NEAR:.0f} % of a diameter"
+    if max(excess) > ODD:
+        remark += '; interaction.method = "multipole" includes it'
+    return [("attraction beyond superposition", f"{_numbers((100.0 * each for each in excess), 2)} %", remark)]
 
 
 def _summary_of_disc(name: str, kind: FloatKind, scene: FloatingScene) -> list[Row]:

@@ -98,8 +98,8 @@ def _without_parts(scene: FloatingScene, chosen: Chosen, longer: float) -> Param
     drift = drift_of(scene)
     floats, liquid = floats_of(scene), liquid_of(scene)
     length, row = liquid.capillary_length, PAIR_LAWS[str(scene.interaction.law)]
-    cutoff = capillarity.truncation_radius(scene.interaction.accuracy) * length
     smallest, largest = float(floats.radius.min()), float(floats.radius.max())
+    cutoff = capillarity.truncation_radius(scene.interaction.accuracy, 2.0 * largest / length) * length
     setting = Setting(length, liquid.surface_tension, 2.0 * DEEPEST_TOUCH * smallest, cutoff + largest)
     try:
         law = row.make_constants(setting)
@@ -120,11 +120,11 @@ def _without_parts(scene: FloatingScene, chosen: Chosen, longer: float) -> Param
         pair=pack_pair(strength, length, cutoff, liquid.surface_tension, law),
         cutoff=cutoff,
         skin=skin,
-        reach=max(cutoff, 2.0 * largest) + skin,
+        reach=cutoff + skin,
         walls=walls,
         wall_law=wall_law_of(scene),
         wall_strength=wall_strengths(scene, floats),
-        wall_table=wall_table_of(scene, smallest),
+        wall_table=wall_table_of(scene, (smallest, largest)),
         image_strength=capillarity.pair_strength(liquid.surface_tension, 1.0, 1.0) if mirrored else 0.0,
         restitution=_restitution(scene),
         wall_restitution=scene.dish.restitution if scene.dish is not None else 0.0,

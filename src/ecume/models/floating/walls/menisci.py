@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 NODES = 600
 FAR = 30.0
-"""In capillary lengths: cutoff of plane walls."""
+"""In capillary lengths: cutoff of plane walls, counted from contact with the largest float."""
 HUGGING = 0.01
 """Distance from the wall over the radius of the dish below which the image force is that of a plane wall."""
 
@@ -46,8 +46,8 @@ class Meniscus(NamedTuple):
     """amplitudes(dish, liquid, theory): the far amplitude of each wall's meniscus (m)"""
     tabled_amplitudes: Callable[[DishSpec, flotation.Liquid, str], list[float]]
     """the same, as the table of heights is scaled"""
-    farthest: Callable[[DishSpec, flotation.Liquid], float]
-    """the distance (m) from a wall to which tables reach"""
+    farthest: Callable[[DishSpec, flotation.Liquid, float], float]
+    """farthest(dish, liquid, largest): the distance (m) from a wall to which tables reach"""
     heights: Callable[[DishSpec, flotation.Liquid, Array], Array]
     """heights(dish, liquid, distance): of a wall's meniscus, over its tabled amplitude"""
     images: Callable[[DishSpec, flotation.Liquid, Array], Array]
@@ -109,7 +109,7 @@ ROUND = Meniscus(
     {"meniscus": DISH, "linear": DISH, "profile": TABLED, "two-point-legacy": LEGACY_DISH, "none": NO_WALL_LAW},
     _round_amplitudes,
     _round_tabled_amplitudes,
-    lambda dish, liquid: _radius(dish),
+    lambda dish, liquid, largest: _radius(dish),
     _round_heights,
     _round_images,
     _round_field,
@@ -170,7 +170,7 @@ FACING = Meniscus(
     {"meniscus": PLANE, "linear": PLANE, "profile": TABLED, "none": NO_WALL_LAW},
     _facing_amplitudes,
     _facing_amplitudes,
-    lambda dish, liquid: FAR * liquid.capillary_length,
+    lambda dish, liquid, largest: FAR * liquid.capillary_length + largest,
     _plane_heights,
     _plane_images,
     _facing_field,
@@ -228,12 +228,13 @@ def no_table() -> Array:
     return np.zeros((6, 2))
 
 
-def wall_table(dish: DishSpec, liquid: flotation.Liquid, nearest: float, found: Meniscus) -> Array:
-    """Heights and mirror energies over the distance from a wall; `nearest`: the first distance (m)."""
+def wall_table(dish: DishSpec, liquid: flotation.Liquid, radii: tuple[float, float], found: Meniscus) -> Array:
+    """Heights and mirror energies over the distance from a wall, for floats from the smallest to the largest radius."""
     if law_of(dish, found) != TABLED:
         return no_table()
-    farthest = found.farthest(dish, liquid)
-    logarithms = np.linspace(math.log(nearest), math.log(farthest), NODES)
+    smallest, largest = radii
+    farthest = found.farthest(dish, liquid, largest)
+    logarithms = np.linspace(math.log(0.5 * smallest), math.log(farthest), NODES)
     distance = np.exp(logarithms)
     distance[-1] = farthest
     table = np.zeros((6, NODES))

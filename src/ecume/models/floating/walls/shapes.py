@@ -118,12 +118,12 @@ def wall_strengths(scene: FloatingScene, floats: Floats) -> Array:
     return menisci.strengths(scene, floats, meniscus_of(dish), count)
 
 
-def wall_table_of(scene: FloatingScene, smallest: float) -> Array:
+def wall_table_of(scene: FloatingScene, radii: tuple[float, float]) -> Array:
     """The table of the walls, or an empty one."""
     dish = scene.dish
     if dish is None or not _has_meniscus(dish):
         return menisci.no_table()
-    return menisci.wall_table(dish, liquid_of(scene), 0.5 * smallest, meniscus_of(dish))
+    return menisci.wall_table(dish, liquid_of(scene), radii, meniscus_of(dish))
 
 
 def field_of(dish: DishSpec | None, liquid: flotation.Liquid, x: Array, y: Array) -> Array:
