@@ -5,8 +5,10 @@ out.
 from __future__ import annotations
 
 import functools
+import inspect
 import math
 from collections.abc import Callable, Mapping
+from numbers import Real as RealNumber
 from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
@@ -23,48 +25,77 @@ Row = TypeVar("Row")
 Given = ParamSpec("Given")
 
 
+def require_number(name: str, value: float) -> None:
+    """Refuse what is not one real number."""
+    if not isinstance(value, RealNumber):
+        raise BadInput(f"the {name} is {value!r}; expected a number")
+
+
 def require_positive(name: str, value: float, hint: str = "expected a positive number") -> None:
     """Refuse what is not a positive, finite number."""
+    require_number(name, value)
     if not (value > 0.0 and math.isfinite(value)):
         raise BadInput(f"the {name} is {value!r}; {hint}")
 
 
 def require_not_negative(name: str, value: float) -> None:
     """Refuse what is negative or not finite."""
+    require_number(name, value)
     if not (value >= 0.0 and math.isfinite(value)):
         raise BadInput(f"the {name} is {value!r}; expected zero or a positive number")
 
 
 def require_finite(name: str, value: float) -> None:
     """Refuse what is infinite or no number."""
+    require_number(name, value)
     if not math.isfinite(value):
         raise BadInput(f"the {name} is {value!r}; expected a finite number")
 
 
 def require_angle(name: str, value: float) -> None:
     """Refuse what is no contact angle."""
+    require_number(name, value)
     if not 0.0 <= value <= math.pi:
         hint = f"; did you mean {value:g} degrees, {math.radians(value):.4g} rad?" if math.pi < value <= 180.0 else ""
         raise BadInput(f"the {name} is {value!r}; expected radians between 0 and pi{hint}")
 
 
-def require_numbers(bond_number: float, density_ratio: float, contact_angle: float) -> None:
-    """Refuse pure numbers that describe no floater."""
-    require_positive("bond number", bond_number)
-    if bond_number > LARGEST_BOND_NUMBER:
+def require_bond_number(name: str, value: float) -> None:
+    """Refuse the Bond number of a float that no surface carries or that is smaller than an atom."""
+    require_positive(name, value)
+    if value > LARGEST_BOND_NUMBER:
         raise BadInput(
-            f"the bond number is {bond_number:g}: a radius of {math.sqrt(bond_number):.0f} capillary lengths; "
-            f"these laws are for floaters up to {LARGEST_BOND_NUMBER:g}; plain numbers are SI: "
+            f"the {name} is {value:g}: a radius of {math.sqrt(value):.3g} capillary lengths; "
+            f"these laws are for floats up to {LARGEST_BOND_NUMBER:g}; plain numbers are SI: "
             "is the radius one in meters?"
         )
-    if bond_number < LEAST_BOND_NUMBER:
+    if value < LEAST_BOND_NUMBER:
         raise BadInput(
-            f"the bond number is {bond_number:g}: a radius of {math.sqrt(bond_number):.1e} capillary lengths "
+            f"the {name} is {value:g}: a radius of {math.sqrt(value):.1e} capillary lengths "
             "is less than an atom's; expected a larger one"
         )
-    if not math.isfinite(density_ratio):
-        raise BadInput(f"the density ratio is {density_ratio!r}; expected a finite number")
-    require_angle("contact_angle", contact_angle)
+
+
+Check = tuple[str, Callable[[str, float], None]]
+CHECKS: dict[str, Check] = {
+    "bond_number": ("bond number", require_bond_number),
+    "density_ratio": ("density ratio", require_finite),
+    "contact_angle": ("contact_angle", require_angle),
+    "gap": ("gap", require_not_negative),
+    "excess": ("excess", require_not_negative),
+}
+"""For each pure number by its name as an argument: its name in messages, and its check."""
+
+
+def require_numbers(bond_number: float, density_ratio: float, contact_angle: float) -> None:
+    """Refuse pure numbers that describe no float."""
+    for argument, value in (
+        ("bond_number", bond_number),
+        ("density_ratio", density_ratio),
+        ("contact_angle", contact_angle),
+    ):
+        name, check = CHECKS[argument]
+        check(name, value)
 
 
 def chosen(table: Mapping[str, Row], name: str, what: str) -> Row:
@@ -76,32 +107,58 @@ def chosen(table: Mapping[str, Row], name: str, what: str) -> Row:
 
 def as_distances(name: str, value: Lengths, least: float = 0.0) -> Array:
     """Distances as an array, refused below `least`."""
-    distances = np.asarray(value, dtype=np.float64)
+    expected = f"{'zero or more' if least == 0.0 else 'positive numbers'}, in meters"
+    try:
+        distances = np.asarray(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise BadInput(f"{name} is {value!r}; expected {expected}") from None
     if not bool(np.all((distances >= least) & np.isfinite(distances))):
-        expected = "zero or more" if least == 0.0 else "positive numbers"
-        raise BadInput(f"{name} is {value!r}; expected {expected}, in meters")
+        raise BadInput(f"{name} is {value!r}; expected {expected}")
     return distances
 
 
-def each_element(law: Callable[Given, float]) -> Callable[Given, float]:
-    """A law of single numbers that takes arrays as well, broadcast against one another, and then gives one back."""
+def elementwise(law: Callable[Given, Row]) -> Callable[Given, Row]:
+    """Return a law of single numbers that also takes arrays, which are broadcast against each other, and that checks
+    pure numbers by their names (`CHECKS`). A result of several numbers becomes one of several arrays.
+    """
     single: Any = law
+    signature = inspect.signature(law)
+    checks = [CHECKS.get(name) for name in signature.parameters]
 
     @functools.wraps(law)
-    def over(*given: Given.args, **named: Given.kwargs) -> Any:
-        every: list[Any] = [*given, *named.values()]
-        spread = [place for place, value in enumerate(every) if isinstance(value, (np.ndarray, list, tuple))]
+    def checked(*given: Given.args, **named: Given.kwargs) -> Any:
+        values = list(signature.bind(*given, **named).args)
+        spread = [place for place, value in enumerate(values) if isinstance(value, (np.ndarray, list, tuple))]
         if not spread:
-            return law(*given, **named)
-        found = []
-        arrays = np.broadcast_arrays(*(every[place] for place in spread))
+            return _checked(single, checks, values)
+        found, arrays = [], _broadcast([values[place] for place in spread])
         for numbers in zip(*(array.ravel().tolist() for array in arrays), strict=True):
             for place, number in zip(spread, numbers, strict=True):
-                every[place] = number
-            found.append(single(*every[: len(given)], **dict(zip(named, every[len(given) :], strict=True))))
-        return np.reshape(np.array(found), arrays[0].shape)
+                values[place] = number
+            found.append(_checked(single, checks, values))
+        shape = arrays[0].shape
+        if found and isinstance(found[0], tuple):
+            kind: Any = type(found[0])
+            return kind(*(np.reshape(column, shape) for column in zip(*found, strict=True)))
+        return np.reshape(np.array(found, dtype=np.float64), shape)
 
-    return over
+    return checked
+
+
+def _checked(law: Any, checks: list[Check | None], values: list[Any]) -> Any:
+    for place, (found, value) in enumerate(zip(checks, values, strict=True)):
+        if found is not None:
+            name, check = found
+            check(name, value)
+            values[place] = float(value)
+    return law(*values)
+
+
+def _broadcast(values: list[Any]) -> list[Array]:
+    try:
+        return list(np.broadcast_arrays(*(np.asarray(value, dtype=np.float64) for value in values)))
+    except (TypeError, ValueError):
+        raise BadInput(f"got {', '.join(map(repr, values))}; expected numbers, or arrays of one shape") from None
 
 
 def as_given(values: Array) -> Real:

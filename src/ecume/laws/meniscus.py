@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from ecume.errors import BadInput
-from ecume.laws.arguments import as_distances, as_given, chosen, each_element, require_angle, require_positive
+from ecume.laws.arguments import as_distances, as_given, chosen, elementwise, require_angle, require_positive
 from ecume.laws.flotation.bodies import Liquid
 from ecume.laws.flotation.plane import sloping_amplitude, sloping_height
 from ecume.laws.images import image_force, plane_image_force, rectangle_image_force
@@ -46,7 +46,7 @@ KEPT = 256
 TURNS = 60
 
 
-@each_element
+@elementwise
 def wall_height(contact_angle: Angle, liquid: Liquid) -> Length:
     """Height of the liquid at a plane wall, exact: L sqrt(2 (1 - sin theta)), negative where it is pressed down.
     [landau1987, par. 61].
@@ -58,7 +58,7 @@ def wall_height(contact_angle: Angle, liquid: Liquid) -> Length:
     return liquid.capillary_length * plane_wall_height(contact_angle)
 
 
-@each_element
+@elementwise
 def wall_amplitude(contact_angle: Angle, liquid: Liquid) -> Length:
     """A_w: far from a plane wall the surface is A_w exp(-x/L); positive where the liquid rises, zero at 90 degrees.
 

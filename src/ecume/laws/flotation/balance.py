@@ -8,7 +8,7 @@ from functools import lru_cache, partial
 from typing import NamedTuple
 
 from ecume.errors import BadInput, FloaterSinks
-from ecume.laws.arguments import each_element, require_angle, require_numbers, require_positive
+from ecume.laws.arguments import elementwise
 from ecume.laws.flotation.bodies import weight_number
 from ecume.laws.flotation.carrying import Contact, Load, round_load, stable_load
 from ecume.laws.flotation.young_laplace import STEEPEST
@@ -28,6 +28,7 @@ class Balance(NamedTuple):
     charge: float
 
 
+@elementwise
 def linear_charge(bond_number: Number, density_ratio: Number, contact_angle: Angle) -> Number:
     """A/R = B Sigma: the charge of a small sphere.
 
@@ -39,6 +40,7 @@ def linear_charge(bond_number: Number, density_ratio: Number, contact_angle: Ang
     return bond_number * weight_number(density_ratio, contact_angle)
 
 
+@elementwise
 def closed_form_charge(bond_number: Number, density_ratio: Number, contact_angle: Angle) -> Number:
     """A/R = B Sigma / [a K1(a) (1 + a^2/2) + a^2 K0(a)/2], a = sqrt(B) sin(theta): heave and filling kept, slopes
     linear.
@@ -54,6 +56,7 @@ def closed_form_charge(bond_number: Number, density_ratio: Number, contact_angle
     return charge / (_edge(a) * (1.0 + a * a / 2.0) + a * _depth(a) / 2.0)
 
 
+@elementwise
 def nonlinear_charge(bond_number: Number, density_ratio: Number, contact_angle: Angle) -> Number:
     """A/R, the far amplitude of the full Young–Laplace meniscus. See `nonlinear_balance`.
 
@@ -63,6 +66,7 @@ def nonlinear_charge(bond_number: Number, density_ratio: Number, contact_angle: 
     return nonlinear_balance(bond_number, density_ratio, contact_angle).charge / math.sqrt(bond_number)
 
 
+@elementwise
 def linear_balance(bond_number: Number, density_ratio: Number, contact_angle: Angle) -> Balance:
     """Small slopes and a small sphere: z' = B Sigma / sin(theta) at the contact line.
 
@@ -83,6 +87,7 @@ def linear_balance(bond_number: Number, density_ratio: Number, contact_angle: An
     return Balance(psi, math.pi - contact_angle + psi, height, charge * math.sqrt(bond_number))
 
 
+@elementwise
 def closed_form_balance(bond_number: Number, density_ratio: Number, contact_angle: Angle) -> Balance:
     """Linear meniscus, but depth and filling kept: r_c sin(psi)/R = B Sigma / [1 + (a^2/2)(1 + K0(a)/(a K1(a)))].
 
@@ -107,6 +112,7 @@ def closed_form_balance(bond_number: Number, density_ratio: Number, contact_angl
     return Balance(psi, filling, height, charge * math.sqrt(bond_number))
 
 
+@elementwise
 @lru_cache(maxsize=KEPT)
 def nonlinear_balance(bond_number: Number, density_ratio: Number, contact_angle: Angle) -> Balance:
     """Full Young–Laplace meniscus and full force balance; raises FloaterSinks above the sinking limit.
@@ -119,7 +125,6 @@ def nonlinear_balance(bond_number: Number, density_ratio: Number, contact_angle:
     >>> round(math.degrees(nonlinear_balance(0.1, 1.5, math.pi / 2).slope_angle), 8)
     3.41051514
     """
-    require_numbers(bond_number, density_ratio, contact_angle)
     if density_ratio == neutral_density_ratio(contact_angle):
         return Balance(0.0, math.pi - contact_angle, 0.0, 0.0)
     found = _stable_load(bond_number, density_ratio, contact_angle)
@@ -145,6 +150,7 @@ def load(bond_number: Number, contact_angle: Angle, slope_angle: Angle) -> Load:
     return round_load(contact, slope_angle, 4.0 / 3.0 * math.pi * radius**3)
 
 
+@elementwise
 def neutral_density_ratio(contact_angle: Angle) -> Number:
     """The density ratio that leaves the surface flat: Sigma = 0.
 
@@ -155,7 +161,7 @@ def neutral_density_ratio(contact_angle: Angle) -> Number:
     return 0.5 + 0.75 * cosine - 0.25 * cosine**3
 
 
-@each_element
+@elementwise
 @lru_cache(maxsize=KEPT)
 def sinking_density_ratio(bond_number: Number, contact_angle: Angle) -> Number:
     """D_max, the largest density ratio that floats: the maximum of the carried load over the filling angle.
@@ -167,8 +173,6 @@ def sinking_density_ratio(bond_number: Number, contact_angle: Angle) -> Number:
     """
     from scipy.optimize import brentq
 
-    require_positive("bond number", bond_number)
-    require_angle("contact_angle", contact_angle)
     if contact_angle < 1e-9:
         return 1.0
 
@@ -217,9 +221,7 @@ def _guess(bond_number: float, density_ratio: float, contact_angle: float, limit
 
 def _sinks(bond_number: float, density_ratio: float, contact_angle: float) -> FloaterSinks:
     if density_ratio < neutral_density_ratio(contact_angle):
-        return FloaterSinks(
-            f"a density ratio of {density_ratio:.4g} is so far below zero that the sphere leaves the liquid"
-        )
+        return FloaterSinks(f"a sphere of density ratio D = {density_ratio:.4g} leaves the liquid; take a denser one")
     most = sinking_density_ratio(bond_number, contact_angle)
     return FloaterSinks(
         f"a sphere of density ratio D = {density_ratio:.5g} sinks: at a Bond number of {bond_number:.4g} "

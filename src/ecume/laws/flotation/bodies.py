@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from ecume.errors import BadInput
-from ecume.laws.arguments import require_angle, require_finite, require_not_negative, require_positive
+from ecume.laws.arguments import elementwise, require_angle, require_finite, require_not_negative, require_positive
 from ecume.units import Acceleration, Angle, Density, Force, Length, Number, SurfaceTension, Viscosity
 
 
@@ -113,6 +113,7 @@ def density_ratio(sphere: Sphere, liquid: Liquid) -> Number:
     return (sphere.density - liquid.gas_density) / liquid.density_difference
 
 
+@elementwise
 def weight_number(density_ratio: Number, contact_angle: Angle) -> Number:
     """Sigma = (2D - 1)/3 - cos(theta)/2 + cos(theta)^3/6: weight less the buoyancy of a flat surface.
 
@@ -144,11 +145,13 @@ def young_contact_angle(
     60.0
     """
     require_positive("liquid_gas tension", liquid_gas)
+    require_finite("solid_gas tension", solid_gas)
+    require_finite("solid_liquid tension", solid_liquid)
     cosine = (solid_gas - solid_liquid) / liquid_gas
     if not -1.0 <= cosine <= 1.0:
         state = "the liquid spreads, contact angle 0" if cosine > 1.0 else "the liquid draws back, contact angle pi"
         raise BadInput(
             f"no contact angle has the cosine {cosine:.4g} = ({solid_gas:g} - {solid_liquid:g}) / {liquid_gas:g}; "
-            f"{state if math.isfinite(cosine) else 'tensions are finite numbers of N/m'}"
+            f"{state}"
         )
     return math.acos(cosine)

@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 
 from ecume.errors import BadInput
-from ecume.laws.arguments import require_angle
+from ecume.laws.arguments import elementwise
 from ecume.units import Angle, Number
 
 MODES = 80
@@ -16,6 +16,7 @@ MODES = 80
 WIDEST = 100.0
 
 
+@elementwise
 @lru_cache(maxsize=1024)
 def superposition_excess(contact_angle: Angle, gap: Number) -> Number:
     """Force over `capillarity.pair_force` less one, of two equal spheres much smaller than L; `gap` over a diameter.
@@ -29,9 +30,6 @@ def superposition_excess(contact_angle: Angle, gap: Number) -> Number:
     >>> [round(superposition_excess(math.radians(degrees), 0.0), 3) for degrees in (30.0, 60.0)]
     [0.003, 0.038]
     """
-    require_angle("contact_angle", contact_angle)
-    if not gap >= 0.0:
-        raise BadInput(f"the gap is {gap!r}; expected zero or a positive number of diameters")
     rim = 0.5 * math.sin(contact_angle) / (1.0 + gap)  # contact radius over the distance of the centers
     n = np.arange(1, MODES + 2)
     # Lengths over that distance; a_n in rim^n, c_n in rim^-n.
@@ -46,6 +44,7 @@ def superposition_excess(contact_angle: Angle, gap: Number) -> Number:
     return float(force) - 1.0
 
 
+@elementwise
 def superposition_reach(contact_angle: Angle, excess: Number) -> Number:
     """The gap, over a diameter, beyond which `superposition_excess` is below `excess`; zero if it always is.
 
@@ -58,4 +57,9 @@ def superposition_reach(contact_angle: Angle, excess: Number) -> Number:
 
     if superposition_excess(contact_angle, 0.0) <= excess:
         return 0.0
+    least = superposition_excess(contact_angle, WIDEST)
+    if excess <= least:
+        raise BadInput(
+            f"the excess is {excess!r}; expected more than {least:.2g}, that of a gap of {WIDEST:g} diameters"
+        )
     return float(brentq(lambda gap: superposition_excess(contact_angle, gap) - excess, 0.0, WIDEST, xtol=1e-9))

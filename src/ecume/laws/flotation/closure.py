@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 
 from ecume.errors import BadInput
-from ecume.laws.arguments import each_element, require_numbers
+from ecume.laws.arguments import elementwise
 from ecume.laws.flotation.bodies import weight_number
 from ecume.units import Angle, Number
 
 
-@each_element
+@elementwise
 def closure_contact_angle(bond_number: Number, density_ratio: Number) -> Angle:
     """The contact angle that the original project derives from B and D; raises BadInput if there is no solution.
 
@@ -26,7 +26,6 @@ def closure_contact_angle(bond_number: Number, density_ratio: Number) -> Angle:
     """
     from scipy.optimize import brentq
 
-    require_numbers(bond_number, density_ratio, 0.0)
     filling = math.asin(min(1.0, 0.5 * math.pi * bond_number))
 
     def excess(angle: float) -> float:

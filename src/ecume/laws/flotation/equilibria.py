@@ -83,18 +83,20 @@ def equilibrium(body: Body, liquid: Liquid, theory: str = "nonlinear") -> Equili
     )
 
 
-def capillary_charge(body: Body, liquid: Liquid, theory: str = "closed-form") -> Length:
+def capillary_charge(body: Body, liquid: Liquid, theory: str = "nonlinear") -> Length:
     """A: the surface far from the body is -A K0(r/L); positive for a heavy one, negative for a light one.
 
     Like charges attract, unlike repel. Theories: "nonlinear", "closed-form" (spheres: within 0.1 % at B = 0.1),
-    "linear" (R B Sigma). [vella2005].
+    "linear" (R B Sigma). Raises FloaterSinks. [vella2005].
 
     >>> water = Liquid(density=1000.0, surface_tension=0.072, viscosity=1e-3)
     >>> capillary_charge(Sphere(1e-3, 100.0, 1.57), water) < 0
     True
     """
     if isinstance(body, Sphere):
-        return body.radius * chosen(CHARGES, theory, "theory of flotation")(*sphere_numbers(body, liquid))
+        charge = chosen(CHARGES, theory, "theory of flotation")
+        equilibrium(body, liquid)  # raises FloaterSinks, which linear theories do not know
+        return body.radius * charge(*sphere_numbers(body, liquid))
     return equilibrium(body, liquid, theory).charge
 
 

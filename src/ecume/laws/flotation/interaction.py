@@ -7,11 +7,13 @@ from functools import lru_cache
 
 import numpy as np
 
+from ecume.errors import BadInput
 from ecume.laws.arguments import SMALLEST, as_distances, as_given
 from ecume.laws.capillarity import pair_strength
 from ecume.laws.flotation.balance import nonlinear_balance
 from ecume.laws.flotation.bodies import Liquid, Sphere
 from ecume.laws.flotation.equilibria import Upright, capillary_charge, sphere_numbers
+from ecume.laws.flotation.shapes import HorizontalCylinder
 from ecume.laws.flotation.young_laplace import outer_meniscus, refined
 from ecume.units import Array, Energies, Forces, Lengths
 
@@ -19,7 +21,7 @@ POINT = 0.01
 """Share of the radius that a contact line has at least in the linear theories, where K0 would have no bound."""
 
 
-def pair_energy(a: Upright, b: Upright, distance: Lengths, liquid: Liquid, theory: str = "closed-form") -> Energies:
+def pair_energy(a: Upright, b: Upright, distance: Lengths, liquid: Liquid, theory: str = "nonlinear") -> Energies:
     """Energy of two floating bodies whose centers are `distance` apart, zero when far; negative for like charges.
 
     E = -2 pi gamma A_a A_b K0(l/L); the law that runs compile is `capillarity.pair_energy`, where its validity
@@ -37,7 +39,7 @@ def pair_energy(a: Upright, b: Upright, distance: Lengths, liquid: Liquid, theor
     )
 
 
-def pair_force(a: Upright, b: Upright, distance: Lengths, liquid: Liquid, theory: str = "closed-form") -> Forces:
+def pair_force(a: Upright, b: Upright, distance: Lengths, liquid: Liquid, theory: str = "nonlinear") -> Forces:
     """Force between two floating bodies; positive repels, so that like charges give a negative one.
 
     F = -(2 pi gamma/L) A_a A_b K1(l/L); the law that runs compile is `capillarity.pair_force`. [nicolson1949].
@@ -55,7 +57,7 @@ def pair_force(a: Upright, b: Upright, distance: Lengths, liquid: Liquid, theory
     )
 
 
-def surface_height(sphere: Sphere, distance: Lengths, liquid: Liquid, theory: str = "closed-form") -> Lengths:
+def surface_height(sphere: Sphere, distance: Lengths, liquid: Liquid, theory: str = "nonlinear") -> Lengths:
     """Height of the surface around one floating sphere, at a distance from its axis; negative around a heavy one.
 
     "closed-form" and "linear": h = -A K0(r/L), the contact line at R sin(theta) (R/100 at least). "nonlinear": the
@@ -69,6 +71,8 @@ def surface_height(sphere: Sphere, distance: Lengths, liquid: Liquid, theory: st
     """
     from scipy.special import k0
 
+    if not isinstance(sphere, Sphere):
+        raise BadInput(f"got {sphere!r}; expected a Sphere: the surface around other bodies is `multipole.height`")
     length = liquid.capillary_length
     r = as_distances("distance", distance) / length
     if theory == "nonlinear":
@@ -99,6 +103,11 @@ def _outer_branch(radius: float, slope_angle: float) -> tuple[Array, Array]:
 
 
 def _strength(a: Upright, b: Upright, liquid: Liquid, theory: str) -> float:
-    return pair_strength(
-        liquid.surface_tension, capillary_charge(a, liquid, theory), capillary_charge(b, liquid, theory)
-    )
+    for body in (a, b):
+        if isinstance(body, HorizontalCylinder):
+            raise BadInput(
+                f"{body!r} lies in the surface, where two of them attract per length; expected bodies of finite "
+                "length, or lying_pair_force and lying_pair_energy"
+            )
+    charges = capillary_charge(a, liquid, theory) * capillary_charge(b, liquid, theory)
+    return pair_strength(liquid.surface_tension, charges, 1.0)

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from ecume.errors import BadInput
 from ecume.laws.flotation.bodies import Disc, Liquid, Sphere, bond_number, dimensionless_weight
+from ecume.laws.flotation.equilibria import equilibrium
 from ecume.laws.flotation.shapes import VerticalCylinder
 from ecume.laws.multipole.ladders import log_slopes
 from ecume.units import Angle, Array, Length
@@ -77,6 +78,7 @@ def sphere_closure(sphere: Sphere, liquid: Liquid, order: int) -> Closure:
     >>> bool(abs(sphere_closure(Sphere(1e-4, 1500.0, math.pi / 2), water, 1).response[1]) < 1e-2)
     True
     """
+    equilibrium(sphere, liquid)  # raises FloaterSinks
     bond = bond_number(sphere, liquid)
     a = math.sqrt(bond) * math.sin(sphere.contact_angle)
     if a < 1e-6:
@@ -96,7 +98,7 @@ def sphere_closure(sphere: Sphere, liquid: Liquid, order: int) -> Closure:
 
 
 def cylinder_closure(cylinder: VerticalCylinder, liquid: Liquid, order: int) -> Closure:
-    """An upright cylinder on whose side the contact line slides: s_0 = theta - 90 degrees, s_m = 0.
+    """An upright cylinder on whose side the contact line slides: s_0 = sin(theta - 90 degrees), s_m = 0.
 
     The cylinder is held upright. It answers every wave as a wall does.
 
@@ -105,7 +107,8 @@ def cylinder_closure(cylinder: VerticalCylinder, liquid: Liquid, order: int) -> 
     >>> bool(cylinder_closure(rod, water, 2).source[0].real > 0)  # wetted: the surface climbs it
     True
     """
-    a, slope = cylinder.radius / liquid.capillary_length, cylinder.contact_angle - 0.5 * math.pi
+    # The contact line carries 2 pi gamma R sin(psi), psi = theta - 90 degrees, however steep it is.
+    a, slope = cylinder.radius / liquid.capillary_length, -math.cos(cylinder.contact_angle)
     outgoing, regular = log_slopes(a, order)
     source = np.zeros(order + 1, np.complex128)
     source[0] = slope / outgoing[0]

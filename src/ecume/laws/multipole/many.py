@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from numbers import Integral
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ecume.errors import BadInput
-from ecume.laws.flotation.bodies import Liquid
+from ecume.laws.flotation.bodies import Liquid, Sphere
 from ecume.laws.multipole.closures import Closure, closure_of
 from ecume.laws.multipole.walls import REACH, Basin, Dish, echoes_of, outer_height, outer_waves
 from ecume.units import Array
@@ -70,12 +71,12 @@ def solve(
     from ecume.laws.multipole import graf
 
     places, length = _places(positions, bodies), liquid.capillary_length
-    if not (isinstance(order, int) and 1 <= order <= MOST_ORDER):
-        raise BadInput(f"the order is {order!r}; expected a whole number from 1 to {MOST_ORDER}")
+    order = _whole(order)
     known: dict[Any, Closure] = {}
     closures = [known.setdefault(body, closure_of(body, liquid, order)) for body in bodies]
     rims, at = graf.make_rims(closures, REACH), places / length
-    _require_apart(at, rims.radius, length)
+    widest = np.array([body.radius if isinstance(body, Sphere) else 0.0 for body in bodies])
+    _require_apart(at, np.maximum(rims.radius, widest / length), length)
     raft = _Raft(rims, echoes_of(walls, liquid, rims, at), at)
     outer = outer_waves(walls, liquid, at, rims.radius, order + 2)
     right = rims.source + rims.response * outer[:, : order + 1]
@@ -205,7 +206,10 @@ def chosen_method(method: str, unknowns: int) -> bool:
 
 
 def _places(positions: ArrayLike, bodies: Sequence[Any]) -> Array:
-    places = np.asarray(positions, dtype=np.float64)
+    try:
+        places = np.asarray(positions, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise BadInput("the positions are no numbers; expected one place (x, y) for each body, in meters") from None
     if places.shape != (len(bodies), 2) or len(bodies) == 0:
         raise BadInput(
             f"positions have the shape {places.shape}; expected one place (x, y) for each of {len(bodies)} bodies"
@@ -215,13 +219,16 @@ def _places(positions: ArrayLike, bodies: Sequence[Any]) -> Array:
     return places
 
 
+def _whole(order: int) -> int:
+    if not (isinstance(order, Integral) and 1 <= order <= MOST_ORDER):
+        raise BadInput(f"the order is {order!r}; expected a whole number from 1 to {MOST_ORDER}")
+    return int(order)
+
+
 def _require_apart(at: Array, radius: Array, length: float) -> None:
-    """Contact lines may touch, and no more."""
+    """Bodies may touch, and no more."""
     for i in range(len(at) - 1):
         gaps = np.hypot(*(at[i + 1 :] - at[i]).T) - radius[i] - radius[i + 1 :]
         worst = int(np.argmin(gaps))
         if gaps[worst] < -ROUNDING * radius[i]:
-            raise BadInput(
-                f"the contact lines of bodies {i} and {i + 1 + worst} overlap by {-gaps[worst] * length:.3g} m; "
-                "move them apart"
-            )
+            raise BadInput(f"bodies {i} and {i + 1 + worst} overlap by {-gaps[worst] * length:.3g} m; move them apart")
