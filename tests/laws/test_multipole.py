@@ -229,3 +229,17 @@ def test_bodies_far_away_in_order_are_left_out_of_a_pair_alike_for_both():
     assert rims.straight.shape == (22, 21)
     found = pair(DISC, 20.0, 20)
     assert found.forces[0, 0] == -found.forces[1, 0]
+
+
+@pytest.mark.parametrize("angles", [(0.0, 0.0), (math.pi / 2, math.pi / 2)])
+def test_polarization_weakens_touching_quadrupoles_by_the_documented_share(angles):
+    """Against the law of two rims that do not respond; the same whichever parts of them touch."""
+    radius, height = 0.004, 0.0004  # of a capillary length
+    disc = flotation.Disc(radius, 0.0)
+    rims = [multipole.Undulated(disc, ((2, height, angle),)) for angle in angles]
+    shares = []
+    for distance in (2.0002 * radius, 4.0 * radius):
+        near, far = (multipole.solve([[0.0, 0.0], [l, 0.0]], rims, LIQUID, 16) for l in (distance, 200.0 * radius))
+        law = -12.0 * math.pi * height**2 * radius**4 / distance**4
+        shares += [(near.energy - far.energy) / law, near.forces[0, 0] * distance / (-4.0 * law)]
+    assert shares == pytest.approx([0.85, 0.61, 1.03, 1.036], abs=0.005)
