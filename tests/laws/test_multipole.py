@@ -239,7 +239,9 @@ def test_polarization_weakens_touching_quadrupoles_by_the_documented_share(angle
     rims = [multipole.Undulated(disc, ((2, height, angle),)) for angle in angles]
     shares = []
     for distance in (2.0002 * radius, 4.0 * radius):
-        near, far = (multipole.solve([[0.0, 0.0], [l, 0.0]], rims, LIQUID, 16) for l in (distance, 200.0 * radius))
+        near, far = (
+            multipole.solve([[0.0, 0.0], [apart, 0.0]], rims, LIQUID, 16) for apart in (distance, 200.0 * radius)
+        )
         law = -12.0 * math.pi * height**2 * radius**4 / distance**4
         shares += [(near.energy - far.energy) / law, near.forces[0, 0] * distance / (-4.0 * law)]
     assert shares == pytest.approx([0.85, 0.61, 1.03, 1.036], abs=0.005)
