@@ -12,7 +12,8 @@ from .test_last_frame import SCENES
 
 
 def test_a_frame_of_many_particles_is_larger():
-    small, large = probed(Content(10, (2, 1), 5)), probed(Content(10000, (2, 1), 5))
+    arrays = {"position": 2, "pressure": 1}
+    small, large = probed(Content(10, arrays, 5)), probed(Content(10000, arrays, 5))
     assert 8 * 3 * 10000 < large[1] < 2 * 8 * 6 * 10000
     assert 8 * 3 * 10 < small[1] < large[1] / 10
     assert min(small[0], large[0]) > 0.0
@@ -20,7 +21,7 @@ def test_a_frame_of_many_particles_is_larger():
 
 def test_nothing_is_left_of_the_probes(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    frame_cost(Common(model="floating", duration=1.0, frame_every=0.1), Content(10, (2, 1), 5))
+    frame_cost(Common(model="floating", duration=1.0, frame_every=0.1), Content(10, {"position": 2}, 5))
     assert list(tmp_path.iterdir()) == []
 
 

@@ -9,7 +9,7 @@ from scipy.spatial import cKDTree
 
 from ecume.analysis.boxes import Box, Integers, box_of, copies, nearest
 from ecume.errors import BadInput
-from ecume.trajectories.frame import Frame
+from ecume.trajectories.frame import Frame, omitted_from
 from ecume.units import Array, Force, Length
 
 
@@ -68,9 +68,9 @@ def _once(pairs: Integers, gap: Array) -> Near:
 
 
 def films(frame: Frame) -> Near:
-    """The films between soft spheres that a frame tells of: their gaps are those of deflected surfaces."""
-    if "neighbor" not in frame.arrays:
-        raise BadInput("the frames tell of no films; near_pairs finds who is close")
+    """The films between soft spheres in a frame: their gaps are those of deflected surfaces."""
+    if "neighbor" not in (*frame.arrays, *omitted_from(frame)):
+        raise BadInput("the frames contain no films; near_pairs finds particles that are close")
     first, slot = np.nonzero(frame.arrays["neighbor"] >= 0)
     pairs = np.stack([first, frame.arrays["neighbor"][first, slot]], axis=1)
     return Near(pairs, frame.arrays["gap"][first, slot])

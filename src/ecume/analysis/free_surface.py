@@ -120,7 +120,7 @@ def mirrored(frame: Frame, walls: Walls, reach: Length) -> Frame:
         source[late] = source[source[late] - position.shape[1]]
     arrays = {name: np.concatenate([array, array[source]]) for name, array in frame.arrays.items()}
     positions = np.concatenate([position, positions_of_images(position, images, sides)], axis=1)
-    return frame._replace(arrays={**arrays, "position": np.ascontiguousarray(positions.T)})
+    return frame.with_arrays({**arrays, "position": np.ascontiguousarray(positions.T)})
 
 
 def _sides(walls: Walls) -> Sides:

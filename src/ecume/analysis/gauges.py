@@ -13,7 +13,7 @@ import numpy as np
 from ecume.engine.interpolation import Near, added, dry, means, near, planes
 from ecume.errors import BadInput
 from ecume.laws.kernels import kernel
-from ecume.trajectories.frame import Frame
+from ecume.trajectories.frame import Frame, omitted_from
 from ecume.units import Array, Length
 
 KERNEL = "wendland-c2"
@@ -95,6 +95,6 @@ def _near(frame: Frame, points: Array, reach: Length, position: Array | None = N
 
 
 def _array_of(frame: Frame, name: str) -> Array:
-    if name not in frame.arrays:
+    if name not in (*frame.arrays, *omitted_from(frame)):
         raise BadInput(f"the frames have no array {name!r}; they have {', '.join(sorted(frame.arrays))}")
     return np.asarray(frame.arrays[name], dtype=float)

@@ -88,7 +88,9 @@ def check(scene: SceneFile, overrides: Overrides = None, laws: Laws = None, json
 
     changes = overrides or []
     asked = load_and_examine(scene, changes, examine)
-    if not laws:
+    from ecume.run.selection import names_quantities
+
+    if not laws and not names_quantities(asked):
         without_compiler(asked)
     from ecume.models import MODELS
     from ecume.run.user_laws import laws_from, named
@@ -97,6 +99,7 @@ def check(scene: SceneFile, overrides: Overrides = None, laws: Laws = None, json
     with placed(scene, changes):
         model = MODELS[asked.model]
         rows = list((model.extended(own) if own else model).summary(asked))
+        _require_known(asked)
     if own:
         rows.append(("own laws", ", ".join(named(law) for law in own), "up to the cutoff; not in the energy"))
     if json:
@@ -110,6 +113,17 @@ def examine(scene: Scene) -> None:
     from ecume.models import MODELS
 
     MODELS[scene.model].summary(scene)
+    _require_known(scene)
+
+
+def _require_known(scene: Scene) -> None:
+    """Raise SceneError for quantities that the frames of a scene do not have."""
+    from ecume.run.selection import names_quantities, require_known
+
+    if names_quantities(scene):
+        from ecume.simulation import simulate
+
+        require_known(scene, next(simulate(scene)))
 
 
 @contextmanager

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import tempfile
 import time
+from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 
@@ -36,8 +37,8 @@ class Content(NamedTuple):
     """What a frame of a model holds."""
 
     particles: int
-    widths: tuple[int, ...]
-    """Components of each of its arrays."""
+    arrays: Mapping[str, int]
+    """The components of each array that changes; constant arrays are stored once."""
     numbers: int
 
 
@@ -62,22 +63,23 @@ class FrameCost(NamedTuple):
 
 def frame_cost(scene: Common, content: Content) -> FrameCost:
     """What the frames of a scene cost on the disk of the current folder."""
-    frames = scene.frames + 1
-    seconds, size = probed(content)
+    frames, asked = scene.frames + 1, scene.output.quantities
+    written = {name: width for name, width in content.arrays.items() if name in (*asked, "position") or not asked}
+    content = content._replace(arrays=written)
+    seconds, size = probed(content, single=scene.output.precision == "single")
     making = OBSERVING + PER_PARTICLE * content.particles
-    quantities = len(content.widths) + content.numbers
+    quantities = len(content.arrays) + content.numbers
     size += INDEX * quantities + LINE * content.numbers
     return FrameCost(frames, frames * (seconds + making), FILE + frames * size)
 
 
-def probed(content: Content) -> tuple[float, float]:
+def probed(content: Content, *, single: bool = False) -> tuple[float, float]:
     """Seconds and bytes of a frame, from a few that are written and removed again."""
     random = np.random.default_rng(0)
     probes = [
         Frame(
             float(number),
-            {f"array_{k}": random.normal(size=(content.particles, width)) for k, width in enumerate(content.widths)}
-            | {"position": random.normal(size=(content.particles, 3))},
+            {name: random.normal(size=(content.particles, width)) for name, width in content.arrays.items()},
             {f"number_{k}": float(random.normal()) for k in range(content.numbers)},
             {},
         )
@@ -85,7 +87,10 @@ def probed(content: Content) -> tuple[float, float]:
     ]
     place = Path.cwd() if os.access(Path.cwd(), os.W_OK) else None
     try:
-        with tempfile.TemporaryDirectory(prefix=".ecume-", dir=place) as folder, Recorder(Path(folder)) as recorder:
+        with (
+            tempfile.TemporaryDirectory(prefix=".ecume-", dir=place) as folder,
+            Recorder(Path(folder), single=single) as recorder,
+        ):
             recorder.write(probes[0], 0)
             before, began = _size(Path(folder)), time.perf_counter()
             for probe in probes[1:]:
@@ -93,7 +98,7 @@ def probed(content: Content) -> tuple[float, float]:
             seconds = (time.perf_counter() - began) / PROBES
             return seconds, (_size(Path(folder)) - before) / PROBES
     except (OSError, StorageError):  # a full disk, or one that cannot be written: the arrays' own size
-        return NOTHING_WRITTEN, 8.0 * content.particles * sum(content.widths)
+        return NOTHING_WRITTEN, (4.0 if single else 8.0) * content.particles * sum(content.arrays.values())
 
 
 def _size(folder: Path) -> int:

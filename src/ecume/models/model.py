@@ -83,6 +83,8 @@ class Model:
     """
     scene: Any = field(kw_only=True, default=None)
     """The type of its scenes, for a model that has no row in `ecume.scenes.schema.SCENES`."""
+    constant: frozenset[str] = field(kw_only=True, default=frozenset())
+    """The arrays of frames that never change while no particle is added or removed."""
     exchange: Callable[[Any, Any], Any] = field(kw_only=True, default=_same)
     """exchange(parameters, state): the state with who came and without who went; for crowds that change."""
     invariants: Callable[[Any, Any], list[Invariant]] = field(kw_only=True, default=nothing)

@@ -21,11 +21,15 @@ from ecume.errors import StorageError
 from ecume.run.directory import RunDirectory
 from ecume.run.manifest import changed, circumstances_of_frame, record
 from ecume.run.progress import note
+from ecume.run.selection import Selection
 from ecume.scenes.common import Kind, colors_of
 from ecume.trajectories.durable_files import storing, write_whole
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import Trajectory
 from ecume.trajectories.recorder import LARGEST, Recorder
+
+EVERYTHING = Selection()
+"""All quantities of frames, in double precision."""
 
 
 class Recording:
@@ -42,10 +46,13 @@ class Recording:
         kinds: Sequence[Kind] = (),
         largest: int = LARGEST,
         strict: bool = False,
+        selection: Selection = EVERYTHING,
     ) -> None:
-        self._home, self.frames, self._strict = home, frames, strict
+        self._home, self.frames, self._strict, self._selection = home, frames, strict, selection
         names = [kind.name for kind in kinds]
-        self._recorder = Recorder(home.trajectory, species=names, colors=colors_of(kinds), largest=largest)
+        self._recorder = Recorder(
+            home.trajectory, species=names, colors=colors_of(kinds), largest=largest, single=selection.single
+        )
         self._former = Trajectory(home.trajectory)
         with storing(home.scalars):
             _cut_scalars(home, self._former, frames)
@@ -60,6 +67,7 @@ class Recording:
 
     def take(self, frame: Frame, step: int) -> None:
         """Record a frame: compare it with that on disk where there is one, write it where there is none."""
+        frame = self._selection.of(frame)
         if self.frames < self._recorder.frames:
             self._compare(frame)
         if self.frames >= self._recorder.frames:

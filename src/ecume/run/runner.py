@@ -24,6 +24,7 @@ from ecume.run.lock import held
 from ecume.run.progress import Pace, Progress, StatusFile, note
 from ecume.run.recording import Recording
 from ecume.run.recovery import plain_scene
+from ecume.run.selection import require_known, selection_of
 from ecume.run.stop_requests import PATIENT, StopRequest, stop_requests
 from ecume.run.user_laws import Law, entries, require_same
 from ecume.trajectories.durable_files import storing, write_whole
@@ -108,6 +109,8 @@ def run(
     with stop_requests(PATIENT) as request:
         moments = _moments(scene, None, extra_laws, options, None)
         first = next(moments)  # a scene that cannot be run is refused before anything is written
+        if first.frame is not None:
+            require_known(scene, first.frame)
         with storing(home.path):
             home.path.mkdir(parents=True, exist_ok=True)
         with held(home):
@@ -169,6 +172,12 @@ def _constants(home: RunDirectory, derived: Any, *, strict: bool) -> Any:
     return restored.parameters
 
 
+def _model(scene: Scene) -> Model:
+    from ecume.models import MODELS
+
+    return MODELS[scene.model]
+
+
 def _found(home: RunDirectory, scene: Scene, parameters: Any, extra_laws: Sequence[Law], options: RunOptions) -> None:
     """Write what a run has before it begins; the manifest is last, and makes it one."""
     from ecume.scenes.schema import to_plain, to_toml
@@ -186,12 +195,11 @@ def _found(home: RunDirectory, scene: Scene, parameters: Any, extra_laws: Sequen
 
 def _checkpoint(home: RunDirectory, scene: Scene) -> Checkpoint:
     """The state from which the run goes on: the newest good checkpoint, or the scene's own beginning."""
-    from ecume.models import MODELS
 
     def refused(path: Path, fault: str) -> None:
         note(home, "checkpoint set aside", name=path.name, why=fault)
 
-    kept = checkpoints.newest(home, MODELS[scene.model].state, _frames_on_disk(home), refused)
+    kept = checkpoints.newest(home, _model(scene).state, _frames_on_disk(home), refused)
     return kept or Checkpoint(None, 0)
 
 
@@ -226,7 +234,8 @@ class _Session:
 
     def __init__(self, home: RunDirectory, scene: Scene, options: RunOptions, frames: int) -> None:
         self._home, self._options = home, options
-        self._recording = Recording(home, frames, kinds=scene.kinds, strict=options.strict)
+        selection = selection_of(scene, _model(scene))
+        self._recording = Recording(home, frames, kinds=scene.kinds, strict=options.strict, selection=selection)
         self._scene, self._watch = scene, Watch(home, [], POLICIES[0])
         self._pace, self._status = Pace(scene.duration), StatusFile(home)
         self._began = self._saved = time.monotonic()
@@ -286,10 +295,9 @@ class _Session:
 
     def _begin(self, moment: Moment) -> None:
         from ecume._jit import use_threads
-        from ecume.models import MODELS
 
         policy = self._options.on_violation or json_of(self._home.manifest).get("on_violation", POLICIES[0])
-        invariants = MODELS[self._scene.model].invariants(self._scene, moment.parameters)
+        invariants = _model(self._scene).invariants(self._scene, moment.parameters)
         self._watch = Watch(self._home, invariants, policy)
         self._opened = True
         manifest.open_session(self._home, use_threads(self._options.threads), moment.taken, self._recording.on_disk)

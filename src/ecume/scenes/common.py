@@ -13,6 +13,7 @@ from pydantic import model_validator
 from pydantic.dataclasses import dataclass
 
 from ecume.scenes.faults import Inconsistent
+from ecume.scenes.output import OutputSpec
 from ecume.scenes.quantities import MOST_FRAMES, STRICT, Duration, Seed, Text
 
 
@@ -52,6 +53,8 @@ class Common:
     on_violation: Literal["warn", "stop"] = "warn"
     """The action when an invariant is violated: `warn`, or `stop` with exit code 3. The option `--on-violation`
     takes precedence. Effect: `stop` ends the run at the first violation."""
+    output: OutputSpec = OutputSpec()
+    """The quantities that are written. Effect: changes files only, never the simulation."""
 
     @property
     def whole_frames(self) -> int:

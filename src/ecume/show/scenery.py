@@ -79,7 +79,7 @@ def colored(setting: Setting, frame: Frame) -> Frame:
     if not stand_apart(setting):
         return frame
     chosen = frame.arrays["species"] < setting.apart
-    return frame._replace(arrays={name: array[chosen] for name, array in frame.arrays.items()})
+    return frame.with_arrays({name: array[chosen] for name, array in frame.arrays.items()})
 
 
 def extent(shape: Shape) -> tuple[Array, Array]:

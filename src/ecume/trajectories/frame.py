@@ -2,12 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from typing import Any, NamedTuple
 
 from numpy.typing import NDArray
 
 from ecume._hooks import html_of
+from ecume.errors import BadInput
+
+
+class RecordedArrays(dict[str, NDArray[Any]]):
+    """The arrays of a frame that was recorded without some of them; reading one of these raises BadInput."""
+
+    def __init__(self, arrays: Mapping[str, NDArray[Any]], omitted: Iterable[str]) -> None:
+        super().__init__(arrays)
+        self.omitted = tuple(omitted)
+
+    def __missing__(self, name: str) -> NDArray[Any]:
+        """Raise BadInput for an omitted array, and KeyError for one that never existed."""
+        if name in self.omitted:
+            raise BadInput(
+                f"the frames contain no {name}, which is needed here: the scene omits it from output.quantities; "
+                f'add "{name}" there and run the scene again'
+            )
+        raise KeyError(name)
+
+
+def omitted_from(frame: Frame) -> tuple[str, ...]:
+    """The names of the arrays that were not recorded."""
+    return frame.arrays.omitted if isinstance(frame.arrays, RecordedArrays) else ()
 
 
 class Frame(NamedTuple):
@@ -26,6 +49,11 @@ class Frame(NamedTuple):
         count = len(next(iter(self.arrays.values()), ()))
         arrays, numbers = ", ".join(self.arrays), ", ".join(self.numbers)
         return f"Frame(time={self.time:.6g} s, {count} particles; arrays: {arrays}; numbers: {numbers})"
+
+    def with_arrays(self, arrays: Mapping[str, NDArray[Any]]) -> Frame:
+        """The frame with these arrays; an array that was not recorded is still reported as such."""
+        omitted = omitted_from(self)
+        return self._replace(arrays=RecordedArrays(arrays, omitted) if omitted else arrays)
 
     def _repr_html_(self) -> str | None:
         """The notebook view: the particles, to turn and to click."""

@@ -2,7 +2,8 @@
 
 HOOMD's own chunks let OVITO and every other reader of GSD show the particles: positions and velocities in single
 precision and always three components, diameter, type. Beside them stand ours, exact: `log/time`, `log/<number>`,
-`log/particles/<array>`, and `ecume/header`, which says once what the arrays are and which unit each has.
+`log/particles/<array>`, and `ecume/header`, which says once what the arrays are and which unit each has. A trajectory
+in single precision has its arrays as `<f4`, and no second copy of what HOOMD's chunks hold; it is read as float64.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ecume.errors import BadInput, StorageError
-from ecume.trajectories.frame import Frame
+from ecume.trajectories.frame import Frame, RecordedArrays, omitted_from
 from ecume.trajectories.gsd_layout import CHECKSUM
 
 HEADER = "ecume/header"
@@ -35,22 +36,31 @@ class Header(NamedTuple):
     units: Mapping[str, str]
     species: tuple[str, ...] = ()
     """What the species are called, in the order of their numbers, as far as they have names."""
+    omitted: tuple[str, ...] = ()
+    """Arrays that the scene omits."""
 
 
-def header_of(frame: Frame, first: int, species: Sequence[str] = ()) -> Header:
-    """The header of a segment that begins with this frame."""
+SINGLE = "<f4"
+
+
+def header_of(frame: Frame, first: int, species: Sequence[str] = (), *, single: bool = False) -> Header:
+    """The header of a segment that begins with this frame; `single` is the precision of its arrays."""
     arrays = {name: (array.dtype.str, array.shape[1:]) for name, array in frame.arrays.items()}
     for name, (kind, shape) in arrays.items():
         if kind not in ("<f8", "<i8") or 0 in shape:
             raise BadInput(f"the array {name} of a frame is {np.dtype(kind)} {shape}; expected float64 or int64")
     if "time" in frame.numbers:
         raise BadInput("a number of a frame is called time; the time is what a frame has besides")
-    return Header(first, arrays, tuple(frame.numbers), dict(frame.units), tuple(species))
+    if single:
+        arrays = {name: (SINGLE if kind == "<f8" else kind, shape) for name, (kind, shape) in arrays.items()}
+    return Header(first, arrays, tuple(frame.numbers), dict(frame.units), tuple(species), omitted_from(frame))
 
 
 def written(header: Header) -> NDArray[Any]:
     """The header as a chunk."""
     plain = {"format": FORMAT, **header._asdict()}
+    if not header.omitted:
+        del plain["omitted"]
     return _column(np.frombuffer(json.dumps(plain, separators=(",", ":")).encode(), np.uint8))
 
 
@@ -61,7 +71,8 @@ def read(chunks: Chunks, source: object) -> Header:
         found = plain["format"]
         arrays = {name: (str(kind), tuple(shape)) for name, (kind, shape) in plain["arrays"].items()}
         header = Header(int(plain["first"]), arrays, tuple(plain["numbers"]), plain["units"])
-        header = header._replace(species=tuple(map(str, plain.get("species", ()))))
+        species, omitted = (tuple(map(str, plain.get(name, ()))) for name in ("species", "omitted"))
+        header = header._replace(species=species, omitted=omitted)
     except (KeyError, ValueError, TypeError, AttributeError) as error:
         raise StorageError(f"{source}: not written by ecume, or its header is damaged") from error
     if found != FORMAT:
@@ -75,8 +86,9 @@ def chunks_of(frame: Frame, step: int, header: Header, colors: Sequence[str] = (
     """
     chunks = {HEADER: written(header), "configuration/step": _column(np.array([step], np.uint64))}
     chunks |= _shown(frame, header.species) | _colored(frame, colors)
-    for name in header.arrays:
-        chunks[f"log/particles/{name}"] = _table(frame.arrays[name])
+    for name, (kind, _) in header.arrays.items():
+        if kind != SINGLE or f"particles/{name}" not in chunks:
+            chunks[f"log/particles/{name}"] = _table(frame.arrays[name].astype(kind, copy=False))
     for name, value in (("time", frame.time), *frame.numbers.items()):
         chunks[f"log/{name}"] = _column(np.array([value], np.float64))
     chunks[CHECKSUM] = _column(np.array([checksum(chunks), numbers_checksum(chunks, header)], np.uint32))
@@ -85,12 +97,22 @@ def chunks_of(frame: Frame, step: int, header: Header, colors: Sequence[str] = (
 
 def frame_of(chunks: Chunks, header: Header) -> Frame:
     """The frame of its chunks; it owns its arrays."""
-    arrays = {
-        name: chunks[f"log/particles/{name}"].reshape(-1, *shape).astype(kind, copy=True)
+    arrays: Mapping[str, NDArray[Any]] = {
+        name: _stored(chunks, name, math.prod(shape))
+        .reshape(-1, *shape)
+        .astype("<f8" if kind == SINGLE else kind, copy=True)
         for name, (kind, shape) in header.arrays.items()
     }
+    if header.omitted:
+        arrays = RecordedArrays(arrays, header.omitted)
     numbers = {name: float(chunks[f"log/{name}"][0, 0]) for name in header.numbers}
     return Frame(float(chunks["log/time"][0, 0]), arrays, numbers, dict(header.units))
+
+
+def _stored(chunks: Chunks, name: str, width: int) -> NDArray[Any]:
+    """The chunk of an array; in single precision it may be HOOMD's, whose vectors have three components."""
+    own = chunks.get(f"log/particles/{name}")
+    return chunks[f"particles/{name}"][:, :width] if own is None else own
 
 
 def number_names(header: Header) -> list[str]:

@@ -28,12 +28,19 @@ class Recorder:
     """
 
     def __init__(
-        self, folder: Path, *, species: Sequence[str] = (), colors: Sequence[str] = (), largest: int = LARGEST
+        self,
+        folder: Path,
+        *,
+        species: Sequence[str] = (),
+        colors: Sequence[str] = (),
+        largest: int = LARGEST,
+        single: bool = False,
     ) -> None:
-        """`species` are their names, in the order of their numbers, and `colors` theirs, `#rrggbb`: whoever opens the
-        files sees them.
+        """`species` are their names, in the order of their numbers, and `colors` theirs, `#rrggbb`: programs that open
+        the files show them. `single` is the precision of arrays.
         """
         self.folder, self._species, self._colors, self._largest = folder, tuple(species), tuple(colors), largest
+        self._single = single
         with storing(folder):
             folder.mkdir(parents=True, exist_ok=True)
         self._segment: GrowingSegment | None = None
@@ -81,7 +88,7 @@ class Recorder:
 
     def _appended(self, segment: GrowingSegment, frame: Frame, step: int) -> bool:
         """Whether this segment has room for the frame, and now has it."""
-        header = gsd_schema.header_of(frame, segment.header.first, self._species)
+        header = gsd_schema.header_of(frame, segment.header.first, self._species, single=self._single)
         chunks = gsd_schema.chunks_of(frame, step, header, self._colors)
         if not segment.takes(chunks) or segment.size + sum(chunk.nbytes for chunk in chunks.values()) > self._largest:
             return False
@@ -92,7 +99,7 @@ class Recorder:
         """A new segment, that begins with this frame."""
         self.close()
         path = self.folder / f"{self._number:04d}.gsd"
-        header = gsd_schema.header_of(frame, self.frames, self._species)
+        header = gsd_schema.header_of(frame, self.frames, self._species, single=self._single)
         segments.create(path, gsd_schema.chunks_of(frame, step, header, self._colors))
         self._segment = GrowingSegment(path, 1)
         self._number += 1

@@ -89,6 +89,7 @@ FLOATING = Model(
     workspace=workspace,
     advance=advance,
     observe=observe,
+    constant=frozenset(["radius", "mass", "charge", "density", "contact_angle", "species", "magnetic_moment"]),
     diagnosis=diagnosis,
     extended=extended,
     invariants=invariants,

@@ -148,6 +148,7 @@ SOFT = Model(
     workspace=workspace,
     advance=advance,
     observe=observe,
+    constant=frozenset(["radius", "species"]),
     diagnosis=diagnosis,
     invariants=invariants,
     laws=laws_of,

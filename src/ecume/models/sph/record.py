@@ -109,6 +109,7 @@ SPH = Model(
     workspace=workspace,
     advance=advance,
     observe=observe,
+    constant=frozenset(["mass", "species"]),
     diagnosis=diagnosis,
     invariants=invariants,
     laws=laws_of,

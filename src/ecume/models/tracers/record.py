@@ -111,7 +111,8 @@ def summary(scene: TracersScene) -> list[tuple[str, str, str]]:
     fluid = parameters.fluid
     steps, count = last_step(scene, parameters.steps_per_frame), len(parameters.bodies.radius)
     stepping = steps * (SECONDS_PER_STEP + SECONDS_PER_PARTICLE * count)
-    cost = frame_cost(scene, Content(count, (scene.dimensions, scene.dimensions, 1, 1, 1, 1, 1), NUMBERS))
+    vectors = dict.fromkeys(("position", "velocity"), scene.dimensions)
+    cost = frame_cost(scene, Content(count, {**vectors, "speed": 1, "left": 1}, NUMBERS))
     return [
         ("liquid", f"{fluid.density:.4g} kg/m^3, {with_prefix(fluid.viscosity, 'Pa s')}", scene.liquid.name),
         *(row for index in range(len(scene.particles)) for row in summary_of(scene, parameters, index)),
@@ -199,6 +200,7 @@ TRACERS = Model(
     workspace=workspace,
     advance=advance,
     observe=observe,
+    constant=frozenset(["radius", "density", "species"]),
     diagnosis=diagnosis,
     exchange=exchange,
     invariants=invariants,

@@ -18,7 +18,7 @@ from ecume.scenes.files import beside, require_there, text_of
 from ecume.scenes.floating import SurfaceEnergies
 from ecume.scenes.quantities import STRICT, Color, ContactAngle, Name, PositiveDensity, Radius, Velocity
 from ecume.scenes.tables import MOST_BYTES, TableFaults, lines_of
-from ecume.trajectories.frame import Frame
+from ecume.trajectories.frame import Frame, omitted_from
 
 TABLE, RUN = "particles_from", "start_from"
 SOURCES = (TABLE, RUN)
@@ -186,6 +186,8 @@ def _rows_of_frame(frame: Frame, scene: Any) -> list[dict[str, Any]]:
     """The floats of one frame of a run. Raises ValueError."""
     species, figures = scene.kinds, _figures_of(scene)
     missing = [name for name in ARRAYS if name not in frame.arrays]
+    if missing and missing[0] in omitted_from(frame):
+        raise ValueError(f"its frames have no {missing[0]}, which its scene omits from output.quantities")
     if missing:
         raise ValueError(f"is a run of another model: its frames have no {missing[0]}")
     columns = [frame.arrays[name].tolist() for name in ARRAYS]

@@ -131,7 +131,7 @@ def _with_inner_discs(frame: Frame, stage: Stage) -> Frame:
     """Floats with a shape are drawn as outlines around discs, whose radius stands for that of the circle around."""
     if stage.inner is None:
         return frame
-    return frame._replace(arrays={**frame.arrays, "radius": stage.inner})
+    return frame.with_arrays({**frame.arrays, "radius": stage.inner})
 
 
 def quantities(frame: Frame) -> dict[str, Numbers]:

@@ -43,8 +43,8 @@ PER_CONTACT, MOST_CONTACTS = 7e-8, 300
 estimate. Measured with 60, 150, 300 and 1,000 floats that cover a third of their dish; rafts at rest cost less again.
 """
 
-WIDTHS, NUMBERS = (2, 2, 1, 1, 1, 1, 1, 1), 16
-"""Components of the arrays in a frame, and how many numbers it has."""
+ARRAYS, NUMBERS = {"position": 2, "velocity": 2}, 16
+"""The components of the arrays of a frame that change, and how many numbers it has."""
 
 Row = tuple[str, str, str]
 
@@ -101,7 +101,7 @@ def _summary_of_chance(parameters: Parameters) -> list[Row]:
 def _summary_of_steps(parameters: Parameters, scene: FloatingScene) -> list[Row]:
     good, cost = (
         good_step(parameters, scene),
-        frame_cost(scene, Content(len(parameters.floats.radius), WIDTHS, NUMBERS)),
+        frame_cost(scene, Content(len(parameters.floats.radius), ARRAYS, NUMBERS)),
     )
     steps = last_step(scene, parameters.steps_per_frame)
     summing = PER_PAIR * sum(row.pairs_worth(part) for part, row in interactions_of(parameters))

@@ -158,7 +158,9 @@ def _cost(scene: SoftScene, parameters: Parameters, state: State) -> list[Row]:
     steps, seconds = steps_of(scene, parameters), seconds_of(parameters, contacts)
     dimensions, slots = parameters.dimensions, SLOTS[parameters.dimensions]
     slots = min(slots, max(len(parameters.radius) - 1, 1))
-    content = Content(len(parameters.radius), (dimensions, dimensions, 1, 1, slots, slots, slots, slots), NUMBERS)
+    arrays = {"position": dimensions, "velocity": dimensions}
+    arrays |= dict.fromkeys(("neighbor", "gap", "tension", "shear"), slots)
+    content = Content(len(parameters.radius), arrays, NUMBERS)
     cost = frame_cost(scene, content)
     sheared = "stresses decide how far it is sheared; " if (parameters.protocol.rules != 0).any() else ""
     total = steps * seconds + cost.seconds

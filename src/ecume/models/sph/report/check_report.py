@@ -148,7 +148,8 @@ def _tension(scene: SphScene, parameters: Parameters) -> list[Row]:
 def _cost(scene: SphScene, parameters: Parameters, count: int, bytes_each: float) -> list[Row]:
     steps = last_step(scene, parameters.steps_per_frame)
     stepping = steps * seconds_a_step(scene, parameters, count)
-    cost = frame_cost(scene, Content(count, (parameters.dimension, parameters.dimension, 1, 1, 1, 1), NUMBERS))
+    vectors = dict.fromkeys(("position", "velocity"), parameters.dimension)
+    cost = frame_cost(scene, Content(count, {**vectors, "density": 1, "pressure": 1}, NUMBERS))
     seconds = stepping + cost.seconds
     saves = 2 ** (parameters.dimension + 1)
     long = f"; a spacing twice as wide takes 1/{saves}" if seconds > LONG else ""
