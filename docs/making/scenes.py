@@ -9,7 +9,6 @@ import inspect
 import math
 import re
 import tomllib
-import types
 import typing
 from collections.abc import Iterator
 from functools import cache
@@ -248,25 +247,8 @@ def row(field: Field, sample: str) -> str:
 
 def unit_of(hint: Any) -> str:
     """The SI unit of a key, or of the numbers in it."""
-    found = unit_read_by(hint) or writing.unit_of(hint)
+    found = writing.unit_of(hint)
     return "" if found == "1" else found
-
-
-def unit_read_by(hint: Any) -> str:
-    """The unit of what a reader makes a value of, wherever in the annotation it stands."""
-    readers = [getattr(extra, "func", None) for extra in getattr(hint, "__metadata__", ())]
-    symbols = [unit_read(reader) for reader in readers if reader is not None]
-    return next((found for found in [*symbols, *map(unit_read_by, typing.get_args(hint))] if found), "")
-
-
-def unit_read(read: Any) -> str:
-    """The unit of a function that reads quantities: a vector's is in its closure, an angle's its name says."""
-    names = inspect.getclosurevars(read).nonlocals if isinstance(read, types.FunctionType) else {}
-    if isinstance(names.get("symbol"), str):
-        return str(names["symbol"])
-    return next(
-        (unit for word, unit in (("angle", "rad"), ("temperature", "K")) if word in getattr(read, "__name__", "")), ""
-    )
 
 
 def written(value: object) -> str:

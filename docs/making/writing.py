@@ -12,6 +12,7 @@ from collections.abc import Iterable
 from functools import cache
 from typing import Any
 
+from ecume.scenes.quantities import Measured
 from ecume.units import Unit
 
 SIGN = re.compile(r"([*_<>\[\]$~|])")
@@ -32,7 +33,7 @@ def toctree(names: Iterable[str], *, hidden: bool = True) -> str:
 
 def unit_of(hint: Any) -> str:
     """The unit somewhere inside an annotation; plain numbers have 1, what is no number has none."""
-    symbols = [extra.symbol for extra in getattr(hint, "__metadata__", ()) if isinstance(extra, Unit)]
+    symbols = [extra.symbol for extra in getattr(hint, "__metadata__", ()) if isinstance(extra, (Measured, Unit))]
     return next((found for found in [*symbols, *map(unit_of, typing.get_args(hint))] if found), "")
 
 

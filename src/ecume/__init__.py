@@ -1,7 +1,7 @@
 """Particles on, in and between liquids.
 
     import ecume
-    scene = ecume.load_scene("cereal-bowl.toml")
+    scene = ecume.load_scene("cereal-bowl.toml").replace("dish.radius", "6 cm")
     for frame in ecume.simulate(scene):
         print(frame.time, frame.numbers["kinetic_energy"])
 
@@ -32,7 +32,9 @@ if TYPE_CHECKING:
         SurfaceEnergies,
     )
     from ecume.scenes.load import load_scene
-    from ecume.scenes.schema import Scene, from_plain, scene_hash, to_plain, to_toml
+    from ecume.scenes.objects import scene
+    from ecume.scenes.schema import Scene, from_plain, scene_hash, to_plain
+    from ecume.scenes.writing import to_toml, write_scene
     from ecume.simulation import simulate
     from ecume.sweep import open_sweep
     from ecume.trajectories.frame import Frame
@@ -68,10 +70,12 @@ __all__ = [
     "open_sweep",
     "open_trajectory",
     "resume",
+    "scene",
     "scene_hash",
     "simulate",
     "to_plain",
     "to_toml",
+    "write_scene",
 ]
 
 _HOMES = {
@@ -81,7 +85,9 @@ _HOMES = {
     "ecume.scenes.floating": "ContactSpec DishSpec FloatRow FloatSpec FloatingScene HydrodynamicsSpec"
     " IntegrationSpec InteractionSpec LiquidSpec SurfaceEnergies",
     "ecume.scenes.load": "load_scene",
-    "ecume.scenes.schema": "Scene from_plain scene_hash to_plain to_toml",
+    "ecume.scenes.objects": "scene",
+    "ecume.scenes.schema": "Scene from_plain scene_hash to_plain",
+    "ecume.scenes.writing": "to_toml write_scene",
     "ecume.simulation": "simulate",
     "ecume.sweep": "open_sweep",
     "ecume.trajectories.frame": "Frame",

@@ -1,18 +1,22 @@
-"""Units as part of an annotation, and the reading of `"2 mm"`.
+"""Units as part of an annotation, the reading of `"2 mm"`, and quantities such as `2 * mm`.
 
 `radius: Length` says that a radius is a number of meters. The same annotation makes a scene accept `"2 mm"`, lets a
 test feed rescaled units through every law, and prints the unit in the documentation.
+
+>>> from ecume.units import Quantity, kg, m, mm, s
+>>> 2 * mm, 3 * mm / s, 1030 * kg / m**3, [1, 2] * mm, float(2 * mm), Quantity(5, "mPa*s")
+(2 mm, 3 mm/s, 1030 kg/m^3, [1 mm, 2 mm], 0.002, 5 mPa*s)
 """
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache, lru_cache
-from typing import TYPE_CHECKING, Annotated, Any, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, TypeGuard, TypeVar, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,9 +57,11 @@ class Unit:
         return core_schema.no_info_before_validator_function(self.number, handler(source))
 
     def number(self, value: object) -> float:
-        """A scene's value in SI: a number as it is, text through its unit, anything else refused."""
+        """A scene's value in SI: a number as it is, text and quantities through their unit, anything else refused."""
         if isinstance(value, str):
             return parse(value, self.symbol)
+        if (quantity := quantity_of(value)) is not None:
+            return quantity.to(self.symbol)
         if isinstance(value, bool) or not isinstance(value, (int, float)):
             raise ValueError(f"expected a number, or text with a unit such as {example(self.symbol)!r}")
         try:
@@ -81,12 +87,135 @@ def parse(text: str, symbol: str) -> float:
         )
     if not math.isfinite(float(match[1])):
         raise ValueError(f"{text!r} is too large a number")
-    shift, scale = _offset(match[2]) if symbol == "K" else ("0", repr(factor(match[2], symbol)))
+    return _converted(match[1], match[2], symbol)
+
+
+def _converted(number: str, unit: str, symbol: str) -> float:
+    """So many `unit` in units of `symbol`, through fractions, so that "1.7 mm" is the same float as 0.0017."""
+    shift, scale = _offset(unit) if symbol == "K" else ("0", repr(factor(unit, symbol)))
     try:
-        # Through fractions, so that "1.7 mm" is the same float as 0.0017.
-        return float((Fraction(match[1]) + Fraction(shift)) * Fraction(scale))
+        return float((Fraction(number) + Fraction(shift)) * Fraction(scale))
     except OverflowError:
-        raise ValueError(f"{text!r} is too large a number") from None
+        raise ValueError(f"'{number} {unit}' is too large a number") from None
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A number with a unit, such as `3 * mm` or `Quantity(3, "mm")`; products and quotients have combined units."""
+
+    value: float
+    unit: str
+
+    __array_ufunc__ = None
+    """An array of NumPy leaves the multiplication to the quantity: `array * mm` is a list of quantities."""
+
+    def to(self, unit: str) -> float:
+        """The number of `unit` in it, rounded once. Raises ValueError where the dimensions differ.
+
+        >>> Quantity(5, "mm").to("m")
+        0.005
+        """
+        if not math.isfinite(self.value):
+            raise ValueError("expected a finite number")
+        return float(self.value) if self.unit == unit == "1" else _converted(repr(float(self.value)), self.unit, unit)
+
+    def __float__(self) -> float:
+        """The number in SI base units: `float(2 * mm)` is 0.002."""
+        if self.unit == "1" or self.unit in OFFSETS:
+            return self.to("K" if self.unit in OFFSETS else "1")
+        found = _in_base_units(_readable(self.unit, "m"), "m")
+        return self.to(str(found.units).replace(" ", "") or "1")
+
+    def __repr__(self) -> str:
+        return f"{self.value:.15g} {self.unit}"
+
+    def __neg__(self) -> Quantity:
+        return Quantity(-self.value, self.unit)
+
+    def __mul__(self, other: float | Quantity) -> Quantity:
+        if isinstance(other, Quantity):
+            return Quantity(self.value * other.value, _product(self.unit, other.unit, 1))
+        return Quantity(self.value * other, self.unit) if isinstance(other, (int, float)) else NotImplemented
+
+    @overload
+    def __rmul__(self, other: float) -> Quantity: ...
+
+    @overload
+    def __rmul__(self, other: Nested | Array) -> Quantities: ...
+
+    def __rmul__(self, other: float | Nested | Array) -> Quantity | Quantities:
+        if isinstance(other, (np.ndarray, np.generic)):
+            plain: Nested = other.tolist()
+            return self.__rmul__(plain)
+        if isinstance(other, (int, float)):
+            return Quantity(float(other) * self.value, self.unit)
+        if not isinstance(other, (list, tuple)):
+            raise TypeError(f"got {other!r} times {self.unit}; expected a number or lists of numbers")
+        found: Quantities = [self.__rmul__(item) for item in other]
+        return found
+
+    def __truediv__(self, other: float | Quantity) -> Quantity:
+        if isinstance(other, Quantity):
+            return Quantity(self.value / other.value, _product(self.unit, other.unit, -1))
+        return Quantity(self.value / other, self.unit) if isinstance(other, (int, float)) else NotImplemented
+
+    def __rtruediv__(self, other: float) -> Quantity:
+        return Quantity(other / self.value, _product("", self.unit, -1))
+
+    def __pow__(self, power: int) -> Quantity:
+        if not isinstance(power, int) or not 1 <= abs(power) <= 9:
+            raise ValueError(f"got the power {power!r}; expected a whole number from -9 to 9, except 0")
+        unit = ""
+        for _ in range(abs(power)):
+            unit = _product(unit, self.unit, 1 if power > 0 else -1)
+        return Quantity(self.value**power, unit)
+
+
+Nested = Sequence["float | Nested"]
+"""Numbers in lists, of any depth."""
+Quantities = list["Quantity | Quantities"]
+"""Quantities in lists, of any depth."""
+
+
+def _product(one: str, other: str, sign: int) -> str:
+    """The unit of a product (`sign` 1) or a quotient (-1): `kg/m^3` of `kg` and `m^3`; powers of equal units add up."""
+    powers: dict[str, int] = {}
+    for unit, factor_sign in ((one, 1), (other, sign)):
+        for name, power in _powers(unit).items():
+            powers[name] = powers.get(name, 0) + factor_sign * power
+    above = [_power(name, power) for name, power in powers.items() if power > 0]
+    below = [_power(name, -power) for name, power in powers.items() if power < 0]
+    if not above:
+        return "*".join(_power(name, power) for name, power in powers.items() if power) or "1"
+    return "/".join(["*".join(above), *below])
+
+
+def _power(name: str, power: int) -> str:
+    return name if power == 1 else f"{name}^{power}"
+
+
+def _powers(unit: str) -> dict[str, int]:
+    """The powers of the units in a product or quotient: `{"kg": 1, "m": -3}` of `kg/m^3`."""
+    found: dict[str, int] = {}
+    plain = unit.translate(TYPOGRAPHY).replace("**", "^")
+    for sign, bracket, single in re.findall(r"(^|/)\s*(?:\(([^()]*)\)|([^/()]*))", plain):
+        for name, power in re.findall(r"([^\s*^0-9-]+)\^?(-?[0-9])?", bracket or single):
+            found[name] = found.get(name, 0) + int(power or 1) * (-1 if sign else 1)
+    return found
+
+
+def quantity_of(value: object) -> Quantity | None:
+    """The quantity that a Python object means: one of ecume's, a pair `(2, "mm")`, or one of Pint's; None otherwise."""
+    if isinstance(value, Quantity):
+        return value
+    if isinstance(value, tuple) and len(value) == 2 and isinstance(value[1], str) and _is_number(value[0]):
+        return Quantity(float(value[0]), value[1])
+    number, unit = getattr(value, "magnitude", None), getattr(value, "units", None)
+    return Quantity(float(number), str(unit).replace(" ", "")) if unit is not None and _is_number(number) else None
+
+
+def _is_number(value: object) -> TypeGuard[float]:
+    return isinstance(value, (int, float, np.integer)) and not isinstance(value, bool)
 
 
 def _offset(unit: str) -> tuple[str, str]:
@@ -104,6 +233,8 @@ OFFSETS = {
     "celsius": ("273.15", "1"),
     "degF": ("459.67", "5/9"),
     "°F": ("459.67", "5/9"),
+    "degree_Celsius": ("273.15", "1"),
+    "degree_Fahrenheit": ("459.67", "5/9"),
 }
 """Scales of temperature whose zero is not the absolute one."""
 
@@ -117,11 +248,9 @@ def factor(unit: str, symbol: str) -> float:
     """
     if (unit, symbol) in COMMON:
         return COMMON[unit, symbol]
-    plain = unit.strip().translate(TYPOGRAPHY)
-    if len(plain) > LONGEST_TEXT or UNIT.fullmatch(plain) is None:
-        hint = "; decimals stand behind a point" if plain.startswith(",") else ""
-        raise ValueError(f"{unit!r} is not how a unit is written{hint}; write for example {example(symbol)!r}")
-    found, wanted = _in_base_units(POWER.sub(r"**(\1)", plain), symbol), _in_base_units(symbol, symbol)
+    if unit == symbol != "1":
+        return 1.0
+    found, wanted = _in_base_units(_readable(unit, symbol), symbol), _in_base_units(symbol, symbol)
     if found.units != wanted.units:
         raise ValueError(
             f"{unit!r} measures {_dimension(found)}, expected {_dimension(wanted)} as in {example(symbol)!r}"
@@ -129,11 +258,21 @@ def factor(unit: str, symbol: str) -> float:
     return _snapped(float(found.magnitude / wanted.magnitude))
 
 
+def _readable(unit: str, symbol: str) -> str:
+    """A unit as Pint reads it. Raises ValueError where it is no unit by its form."""
+    plain = unit.strip().translate(TYPOGRAPHY)
+    if len(plain) > LONGEST_TEXT or UNIT.fullmatch(plain) is None:
+        hint = "; decimals stand behind a point" if plain.startswith(",") else ""
+        raise ValueError(f"{unit!r} is not how a unit is written{hint}; write for example {example(symbol)!r}")
+    return POWER.sub(r"**(\1)", plain)
+
+
 COMMON = {
     ("m", "m"): 1.0,
     ("cm", "m"): 1e-2,
     ("mm", "m"): 1e-3,
     ("um", "m"): 1e-6,
+    ("nm", "m"): 1e-9,
     ("s", "s"): 1.0,
     ("ms", "s"): 1e-3,
     ("us", "s"): 1e-6,
@@ -150,6 +289,13 @@ COMMON = {
     ("mPa*s", "Pa*s"): 1e-3,
     ("N/m", "N/m"): 1.0,
     ("mN/m", "N/m"): 1e-3,
+    ("N", "N"): 1.0,
+    ("mN", "N"): 1e-3,
+    ("uN", "N"): 1e-6,
+    ("nN", "N"): 1e-9,
+    ("Pa", "Pa"): 1.0,
+    ("kPa", "Pa"): 1e3,
+    ("MPa", "Pa"): 1e6,
 }
 """What most scenes are written in: to read these needs no Pint, whose start takes most of a second."""
 
@@ -210,6 +356,14 @@ def in_unit(symbol: str) -> Callable[[type], Any]:
     """Annotate another type with a unit: `in_unit("m")(Array)`."""
     return lambda kind: Annotated[kind, Unit(symbol)]
 
+
+# For scenes in Python: `3 * mm`. Other units are `Quantity(2, "dyn/cm")`.
+m, cm, mm, um, nm, km = (Quantity(1.0, name) for name in ("m", "cm", "mm", "um", "nm", "km"))
+s, ms, us, minute, hour = (Quantity(1.0, name) for name in ("s", "ms", "us", "minute", "hour"))
+kg, g, mg = (Quantity(1.0, name) for name in ("kg", "g", "mg"))
+N, mN, uN, J = (Quantity(1.0, name) for name in ("N", "mN", "uN", "J"))
+Pa, kPa, MPa = (Quantity(1.0, name) for name in ("Pa", "kPa", "MPa"))
+K, degC, rad, deg, percent = (Quantity(1.0, name) for name in ("K", "degC", "rad", "deg", "%"))
 
 Length = Annotated[float, Unit("m")]
 Area = Annotated[float, Unit("m^2")]

@@ -13,13 +13,12 @@ from typing import Any, NamedTuple
 import numpy as np
 import pint
 import pytest
-from pydantic import PlainValidator
 from tests.torture.regression import SCENES as EXAMPLES
 
 from ecume.models import MODELS
 from ecume.models.model import CROWDED, DONE, EXCHANGE
 from ecume.scenes.load import load_scene
-from ecume.scenes.schema import SCENES, _below, _marks, from_plain, to_plain, unit_of
+from ecume.scenes.schema import from_plain, to_plain, unit_of
 
 pytestmark = pytest.mark.compiled
 
@@ -45,30 +44,11 @@ HEAVIER, LARGER = Scales(mass=8.0, length=1.0, time=1.0), Scales(mass=64.0, leng
 """The second keeps densities."""
 
 
-READ_BY_FUNCTIONS = {"temperature": "K", "gravity": "m/s^2"}
-"""Units that only the functions know that read these keys."""
-
-
 @cache
 def powers(symbol: str) -> tuple[float, float, float, float, float]:
     """Of mass, length, time, temperature and current in a unit."""
     found = pint.application_registry.Quantity(1.0, symbol).dimensionality
     return tuple(float(found[f"[{name}]"]) for name in ("mass", "length", "time", "temperature", "current"))  # type: ignore[return-value]
-
-
-def symbol_of(plain: dict[str, Any], path: tuple[Any, ...]) -> str:
-    """The unit of a place in a scene; that of places and velocities is known to their readers alone."""
-    for key in path:
-        if key in READ_BY_FUNCTIONS:
-            return READ_BY_FUNCTIONS[key]
-    kind: Any = SCENES[plain["model"]]
-    for key in path:
-        kind = _below(kind, key)
-        for mark in _marks(kind):
-            if isinstance(mark, PlainValidator) and mark.func.__closure__:
-                cells = [cell.cell_contents for cell in mark.func.__closure__]
-                return next(each for each in cells if isinstance(each, str))
-    return unit_of(plain, path)
 
 
 def rescaled(plain: dict[str, Any], value: Any, scales: Scales, path: tuple[Any, ...] = ()) -> Any:
@@ -78,7 +58,7 @@ def rescaled(plain: dict[str, Any], value: Any, scales: Scales, path: tuple[Any,
     if isinstance(value, list | tuple):
         return [rescaled(plain, each, scales, (*path, index)) for index, each in enumerate(value)]
     if isinstance(value, float):
-        return value * scales.of(powers(symbol_of(plain, path)))
+        return value * scales.of(powers(unit_of(plain, path)))
     return value
 
 

@@ -60,7 +60,7 @@ def test_the_one_entry_of_floats_fills_what_the_table_leaves_out(tmp_path: Path)
 
 
 def test_a_scene_with_rows_stands_alone(tmp_path: Path) -> None:
-    from ecume.scenes.schema import to_toml
+    from ecume.scenes.writing import to_toml
 
     scene = read(tmp_path, "x,y\n0,0\n5,0\n", DEFAULTS)
     (tmp_path / "bowl.csv").unlink()

@@ -13,8 +13,8 @@ import pytest
 import ecume
 from ecume.errors import BadInput
 from ecume.scenes.load import load_scene
-from ecume.scenes.schema import to_toml
 from ecume.scenes.templates import folder
+from ecume.scenes.writing import to_toml
 from ecume.show.play.bowl import CALMED, DAMPING, FASTEST, PUT_BACK, SHELF, Bowl, Slosh, current, slosh_frequency, swung
 from ecume.show.play.pages import game_of
 from ecume.show.serving import served

@@ -12,8 +12,8 @@ import ecume
 from ecume.cli import app
 from ecume.errors import BadInput
 from ecume.scenes.load import load_scene
-from ecume.scenes.schema import to_toml
 from ecume.scenes.templates import folder
+from ecume.scenes.writing import to_toml
 from ecume.show.play import tank as playing
 from ecume.show.play import tank_scene
 from ecume.show.play.pages import game_of

@@ -180,7 +180,8 @@ def _model(scene: Scene) -> Model:
 
 def _found(home: RunDirectory, scene: Scene, parameters: Any, extra_laws: Sequence[Law], options: RunOptions) -> None:
     """Write what a run has before it begins; the manifest is last, and makes it one."""
-    from ecume.scenes.schema import to_plain, to_toml
+    from ecume.scenes.schema import to_plain
+    from ecume.scenes.writing import to_toml
 
     plain = as_json(to_plain(scene))
     write_whole(home.scene, to_toml(scene) if options.source is None else options.source)

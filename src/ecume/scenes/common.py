@@ -2,19 +2,31 @@
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from decimal import Decimal
 from fractions import Fraction
-from typing import Literal, NamedTuple, Self
+from typing import Any, ClassVar, Literal, NamedTuple, Protocol, Self, cast, overload
 
 from pydantic import model_validator
-from pydantic.dataclasses import dataclass
 
 from ecume.scenes.faults import Inconsistent
 from ecume.scenes.output import OutputSpec
 from ecume.scenes.quantities import MOST_FRAMES, STRICT, Duration, Seed, Text
+from ecume.scenes.validated import dataclass
+from ecume.units import Array, Quantity
+
+
+class Table(Protocol):
+    """A dataclass, such as `DishSpec(radius=0.05)`."""
+
+    __dataclass_fields__: ClassVar[dict[str, dataclasses.Field[Any]]]
+
+
+Given = float | str | Quantity | Array | Table | Sequence["Given"] | Mapping[str, "Given"] | None
+"""A value of a scene in Python: a number, text, a quantity, an array, a table, or lists and dictionaries of them."""
 
 
 class Kind(NamedTuple):
@@ -88,6 +100,30 @@ class Common:
     def kinds(self) -> tuple[Kind, ...]:
         """The species, each in the place that is its number in frames; none where a model knows no species."""
         return ()
+
+    @overload
+    def replace(self, changes: str, value: Given) -> Self: ...
+
+    @overload
+    def replace(self, changes: Mapping[str, Given]) -> Self: ...
+
+    def replace(self, changes: str | Mapping[str, Given], value: Given = None) -> Self:
+        """A scene with another value at a path, `scene.replace("dish.radius", "6 cm")`, or with several such changes.
+
+        Values that the scene did not state follow from the new ones. Raises SceneError with all faults at once.
+        """
+        from ecume.scenes.objects import changed
+
+        return cast(Self, changed(self, {changes: value} if isinstance(changes, str) else changes))
+
+    def __repr__(self) -> str:
+        """`FloatingScene('A bowl of cereal', 12 s, 151 frames, 40 cereals)`."""
+        numbers = [getattr(one, "count", None) or len(one.positions) for one in getattr(self, "particles", ())]
+        species = [f"{count} {kind.name}" for count, kind in zip(numbers, self.kinds, strict=False)]
+        rows = [f"{count} rows"] if (count := len(getattr(self, "rows", ()))) else []
+        title = [repr(self.title)] if self.title else []
+        parts = [*title, f"{self.duration:.6g} s", f"{self.frames + 1} frames", *species, *rows]
+        return f"{type(self).__name__}({', '.join(parts)})"
 
     @model_validator(mode="after")
     def _not_too_many_frames(self) -> Self:

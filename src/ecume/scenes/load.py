@@ -47,18 +47,25 @@ def load_scene(path_or_text: str | File, overrides: Sequence[str] = ()) -> Scene
     if "model" not in raw and OF_SWEEPS & raw.keys():
         raise SceneError([Fault("", f"is a sweep and no scene: ecume sweep {source.name}")], source.name)
     changed, faults = overridden(raw, overrides)
+    scene, found = assembled(raw, source.folder)
+    faults += found
+    if scene is None or faults:
+        raise SceneError(placed(source, faults, changed), source.name)
+    return scene
+
+
+def assembled(raw: dict[str, Any], folder: File) -> tuple[Scene | None, list[tuple[Path, str]]]:
+    """The scene of plain data with what the files hold that it names, and all that is wrong."""
     name_liquid(raw)
-    dry = sources_followed(raw, source.folder)
-    rows = rows_from(raw, source.folder)
+    dry = sources_followed(raw, folder)
+    rows = rows_from(raw, folder)
     if rows.plain and not rows.faults:
         raw["rows"] = rows.plain
     scene, found = examined(raw, also=SOURCES)
     # Without its rows a scene has nothing afloat, without its file a region has no shape: no faults of their own.
     excused = {path[:-1] or ("fluid",) for path, _ in dry} | ({("particles",)} if rows.faults else set())
-    faults += dry + rows.faults + rows.with_origins([fault for fault in found if fault[0] not in excused])
-    if scene is None or faults:
-        raise SceneError(placed(source, faults, changed), source.name)
-    return scene
+    faults = dry + rows.faults + rows.with_origins([fault for fault in found if fault[0] not in excused])
+    return (None if faults else scene), faults
 
 
 def located(error: SceneError, path_or_text: str | File, overrides: Sequence[str] = ()) -> SceneError:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Annotated
 
 from pydantic import ConfigDict, Field, PlainValidator
@@ -26,6 +27,7 @@ from ecume.units import (
     Unit,
     Viscosity,
     example,
+    quantity_of,
 )
 
 STRICT = ConfigDict(extra="forbid", allow_inf_nan=False)
@@ -70,6 +72,14 @@ Count = Annotated[int, Field(strict=True, ge=1, le=MOST_PARTICLES)]
 Seed = Annotated[int, Field(strict=True, ge=0, le=2**63 - 1)]
 Switch = Annotated[bool, Field(strict=True)]
 
+
+@dataclass(frozen=True)
+class Measured:
+    """The SI unit of numbers that a function reads; `Unit` reads them itself."""
+
+    symbol: str
+
+
 ORIGINAL_CLOSURE = "original-closure"
 
 
@@ -86,11 +96,11 @@ def wetting_angle(value: object) -> float:
 
 def contact_angle(value: object) -> float | str:
     """An angle between 0 and 180 degrees, or the name of the closure that works one out."""
-    return ORIGINAL_CLOSURE if value == ORIGINAL_CLOSURE else wetting_angle(value)
+    return ORIGINAL_CLOSURE if isinstance(value, str) and value == ORIGINAL_CLOSURE else wetting_angle(value)
 
 
 WettingAngle = Annotated[Angle, PlainValidator(wetting_angle)]
-ContactAngle = Annotated[float | str, PlainValidator(contact_angle)]
+ContactAngle = Annotated[float | str, PlainValidator(contact_angle), Measured("rad")]
 
 
 COLORS = {
@@ -145,14 +155,14 @@ def vector(symbol: str, most: float) -> Callable[[object], tuple[float, ...]]:
     return read
 
 
-Place = Annotated[tuple[float, ...], PlainValidator(vector("m", 1e3))]
-Motion = Annotated[tuple[float, ...], PlainValidator(vector("m/s", 1e3))]
-Pull = Annotated[tuple[float, ...], PlainValidator(vector("m/s^2", 1e6))]
+Place = Annotated[tuple[float, ...], PlainValidator(vector("m", 1e3)), Measured("m")]
+Motion = Annotated[tuple[float, ...], PlainValidator(vector("m/s", 1e3)), Measured("m/s")]
+Pull = Annotated[tuple[float, ...], PlainValidator(vector("m/s^2", 1e6)), Measured("m/s^2")]
 
 
 def gravity(value: object) -> tuple[float, ...]:
     """A magnitude, which is one number, or a vector."""
-    if isinstance(value, (list, tuple)) and len(value) != 1:
+    if isinstance(value, (list, tuple)) and len(value) != 1 and quantity_of(value) is None:
         return vector("m/s^2", 1e6)(value)
     magnitude = Unit("m/s^2").number(value[0] if isinstance(value, (list, tuple)) else value)
     if not 0.0 <= magnitude <= 1e6:
@@ -169,25 +179,16 @@ def downwards(given: tuple[float, ...], dimensions: int) -> tuple[float, ...]:
     return given if len(given) != 1 else (0.0, -given[0], 0.0)[:dimensions]
 
 
-GravityVector = Annotated[tuple[float, ...], PlainValidator(gravity)]
+GravityVector = Annotated[tuple[float, ...], PlainValidator(gravity), Measured("m/s^2")]
 """Gravity as a vector; a scene may give its magnitude."""
-
-
-ICE_POINT = 273.15
 
 
 def absolute_temperature(value: object) -> float:
     """A temperature in kelvin; text may be in degrees Celsius."""
-    text = value.strip() if isinstance(value, str) else ""
-    for ending in ("degC", "°C"):
-        if text.endswith(ending):
-            kelvin = ICE_POINT + Unit("1").number(float(text.removesuffix(ending)))
-            break
-    else:
-        kelvin = Unit("K").number(value)
+    kelvin = Unit("K").number(value)
     if not 0.0 <= kelvin <= 1e4:
         raise ValueError("expected a temperature from 0 to 10,000 K; write '20 degC' or kelvin")
     return kelvin
 
 
-AbsoluteTemperature = Annotated[float, PlainValidator(absolute_temperature)]
+AbsoluteTemperature = Annotated[float, PlainValidator(absolute_temperature), Measured("K")]

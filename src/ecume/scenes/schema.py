@@ -23,6 +23,7 @@ from ecume.errors import SceneError
 from ecume.scenes.common import Common
 from ecume.scenes.faults import Path, as_faults, echo, faults_of, suggestion
 from ecume.scenes.floating import FloatingScene
+from ecume.scenes.quantities import Measured
 from ecume.scenes.soft import SoftScene
 from ecume.scenes.sph import SphScene
 from ecume.scenes.tracers import TracersScene
@@ -101,20 +102,6 @@ def _listed(value: Any) -> Any:
     return [_listed(item) for item in value] if isinstance(value, (list, tuple)) else value
 
 
-def to_toml(scene: Scene) -> str:
-    """The scene as the text of a scene file, every default filled in."""
-    import tomli_w
-
-    return tomli_w.dumps(_without_gaps(to_plain(scene)))
-
-
-def _without_gaps(value: Any) -> Any:
-    """Plain data without None and empty lists: TOML has no word for the first, and the second says nothing."""
-    if isinstance(value, dict):
-        return {key: _without_gaps(item) for key, item in value.items() if item is not None and item != []}
-    return [_without_gaps(item) for item in value] if isinstance(value, list) else value
-
-
 def scene_hash(scene: Scene) -> str:
     """64 hexadecimal digits, the same for equal scenes only."""
     return hashlib.sha256(json.dumps(to_plain(scene), sort_keys=True).encode()).hexdigest()
@@ -125,20 +112,42 @@ ANGLE = "contact_angle"
 
 def unit_of(plain: Mapping[str, Any], path: Path) -> str:
     """The SI unit that the schema knows for a place in a scene."""
-    if path[-1] == ANGLE:
-        return "rad"
-    kind: Any = SCENES[plain["model"]]
+    kind, unit = SCENES[plain["model"]], ""
     for key in path:
-        kind = _below(kind, key)
-    return next((mark.symbol for mark in _marks(kind) if isinstance(mark, Unit)), "1")
+        kind = below(kind, key)
+        unit = item_unit(kind) or (unit if isinstance(key, int) else "")
+    return unit or "1"
 
 
-def _below(kind: Any, key: str | int) -> Any:
+def item_unit(kind: Any) -> str:
+    """The SI unit in an annotation; empty without one."""
+    return next((mark.symbol for mark in _marks(kind) if isinstance(mark, (Unit, Measured))), "")
+
+
+def below(kind: Any, key: str | int) -> Any:
     """The annotation one key further down."""
     if isinstance(key, int):
-        return next(part for part in typing.get_args(kind) if part is not ...)
-    piece = next((part for part in (kind, *typing.get_args(kind)) if hasattr(part, "__dataclass_fields__")), None)
-    return typing.get_type_hints(piece, include_extras=True).get(key) if piece is not None else None
+        return next((inner for part in _parts(kind) if (inner := _items(part)) is not None), None)
+    piece = next((part for part in _parts(kind) if dataclasses.is_dataclass(part)), None)
+    return _hints(piece).get(key) if isinstance(piece, type) else None
+
+
+def _items(kind: Any) -> Any:
+    """The annotation of a tuple's items; None of what is no tuple."""
+    return typing.get_args(kind)[0] if typing.get_origin(kind) is tuple else None
+
+
+def _parts(kind: Any) -> Iterator[Any]:
+    """An annotation, and those that it is a choice of."""
+    yield kind
+    if typing.get_origin(kind) is not tuple:
+        for part in typing.get_args(kind):
+            yield from _parts(part)
+
+
+@cache
+def _hints(piece: type) -> dict[str, Any]:
+    return typing.get_type_hints(piece, include_extras=True)
 
 
 def _marks(kind: Any) -> Iterator[Any]:

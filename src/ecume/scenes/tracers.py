@@ -6,7 +6,6 @@ import dataclasses
 from typing import Annotated, Any, Self
 
 from pydantic import Field, model_validator
-from pydantic.dataclasses import dataclass
 
 from ecume.scenes.common import Common, Kind
 from ecume.scenes.faults import Inconsistent, Path
@@ -28,6 +27,7 @@ from ecume.scenes.quantities import (
     Switch,
     Velocity,
 )
+from ecume.scenes.validated import dataclass
 from ecume.units import ROOM, Acceleration, Unit
 
 Point = Annotated[tuple[Coordinate, ...], Field(min_length=2, max_length=3)]

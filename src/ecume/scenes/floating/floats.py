@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
-from pydantic.dataclasses import dataclass
 
 from ecume.scenes.faults import Complaints, Inconsistent
 from ecume.scenes.quantities import (
@@ -27,6 +26,7 @@ from ecume.scenes.quantities import (
     Undulation,
     Velocity,
 )
+from ecume.scenes.validated import dataclass
 from ecume.units import Length
 
 Rise = Annotated[Length, Field(ge=-1e-2, le=1e-2)]

@@ -6,7 +6,6 @@ import dataclasses
 from typing import Any, Literal, Self
 
 from pydantic import model_validator
-from pydantic.dataclasses import dataclass
 
 from ecume.scenes.common import Common, Kind
 from ecume.scenes.faults import Complaints, Inconsistent
@@ -21,6 +20,7 @@ from ecume.scenes.floating.surroundings import (
     LiquidSpec,
 )
 from ecume.scenes.quantities import MOST_PARTICLES, MOST_STEPS, STRICT, Gravity
+from ecume.scenes.validated import dataclass
 
 THEORIES: dict[str, dict[str, dict[str, Any]]] = {
     "nonlinear": {

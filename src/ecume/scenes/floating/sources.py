@@ -10,7 +10,6 @@ from pathlib import Path as Folder
 from typing import Any, NamedTuple
 
 from pydantic import TypeAdapter, ValidationError
-from pydantic.dataclasses import dataclass
 
 from ecume.errors import EcumeError
 from ecume.scenes.faults import Path, echo, faults_of, written
@@ -18,6 +17,7 @@ from ecume.scenes.files import beside, require_there, text_of
 from ecume.scenes.floating import SurfaceEnergies
 from ecume.scenes.quantities import STRICT, Color, ContactAngle, Name, PositiveDensity, Radius, Velocity
 from ecume.scenes.tables import MOST_BYTES, TableFaults, lines_of
+from ecume.scenes.validated import dataclass
 from ecume.trajectories.frame import Frame, omitted_from
 
 TABLE, RUN = "particles_from", "start_from"

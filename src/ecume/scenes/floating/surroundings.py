@@ -7,7 +7,6 @@ from pathlib import Path as Folder
 from typing import Annotated, Any, Self
 
 from pydantic import Field, model_validator
-from pydantic.dataclasses import dataclass
 
 from ecume.scenes.faults import Complaints, Inconsistent
 from ecume.scenes.files import beside, require_there, text_of
@@ -35,6 +34,7 @@ from ecume.scenes.quantities import (
     WettingAngle,
 )
 from ecume.scenes.tables import MOST_BYTES, followed, lines_of
+from ecume.scenes.validated import dataclass
 from ecume.units import ROOM, Number
 
 TABLE = "velocity_from"

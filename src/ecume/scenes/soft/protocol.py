@@ -7,11 +7,11 @@ from collections.abc import Sequence
 from typing import Annotated, Self
 
 from pydantic import Field, PlainValidator, model_validator
-from pydantic.dataclasses import dataclass
 
 from ecume.scenes.faults import Complaints, Inconsistent, Path
 from ecume.scenes.quantities import STRICT
-from ecume.units import Number, Rate, Time, Unit
+from ecume.scenes.validated import dataclass
+from ecume.units import Number, Rate, Time, Unit, quantity_of
 
 Instant = Annotated[Time, Field(ge=0.0, le=1e10)]
 Factor = Annotated[Number, Field(ge=-1e9, le=1e9)]
@@ -36,7 +36,7 @@ class StressInSpace(float):
 
 def stress(value: object) -> float:
     """A stress in Pa, or in N/m for a layer. Which of them is wanted the scene knows; a plain number says neither."""
-    if not isinstance(value, str):
+    if not isinstance(value, str) and quantity_of(value) is None:
         number = Unit("Pa").number(value) if not isinstance(value, (StressOfLayer, StressInSpace)) else value
     else:
         try:

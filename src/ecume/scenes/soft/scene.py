@@ -6,7 +6,6 @@ import math
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
-from pydantic.dataclasses import dataclass
 
 from ecume.scenes.common import Common, Kind
 from ecume.scenes.faults import Complaints, Inconsistent, Path
@@ -27,6 +26,7 @@ from ecume.scenes.quantities import (
 )
 from ecume.scenes.soft.protocol import StageSpec, protocol_faults
 from ecume.scenes.soft.walls import WallSpec, wall_faults
+from ecume.scenes.validated import dataclass
 from ecume.units import ROOM, Energy, Force, Number, Pressure, SurfaceTension, Unit, Viscosity
 
 MOST_SPHERES = 1_000_000

@@ -6,11 +6,11 @@ from collections.abc import Sequence
 from typing import Annotated, Literal
 
 from pydantic import Field
-from pydantic.dataclasses import dataclass
 
 from ecume.scenes.faults import Complaints
 from ecume.scenes.quantities import STRICT, Coordinate, Motion
 from ecume.scenes.soft.protocol import STRESS_UNITS, Stress, StressInSpace, StressOfLayer
+from ecume.scenes.validated import dataclass
 from ecume.units import Pressure
 
 Modulus = Annotated[Pressure, Field(ge=1e-9, le=1e15)]

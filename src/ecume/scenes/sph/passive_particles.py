@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import Annotated, Any, Self
 
 from pydantic import Field, model_validator
-from pydantic.dataclasses import dataclass
 
 from ecume.scenes.faults import Inconsistent, Path
 from ecume.scenes.quantities import STRICT, Color, Count, Place, PositiveDensity, Switch
+from ecume.scenes.validated import dataclass
 from ecume.units import Length, Number
 
 Radius = Annotated[Length, Field(ge=0.0, le=1e3)]

@@ -12,13 +12,13 @@ from pathlib import Path as Folder
 from typing import Annotated, Any, Self
 
 from pydantic import Field, model_validator
-from pydantic.dataclasses import dataclass
 
 from ecume._extras import install
 from ecume.scenes.faults import Complaints, Inconsistent, echo
 from ecume.scenes.files import beside, require_there, text_of
 from ecume.scenes.quantities import FARTHEST, STRICT, Motion, Place, PositiveDensity
 from ecume.scenes.tables import MOST_BYTES, followed, lines_of
+from ecume.scenes.validated import dataclass
 from ecume.units import Mass
 
 

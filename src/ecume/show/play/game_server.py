@@ -12,7 +12,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from ecume.errors import BadInput
-from ecume.scenes.schema import to_toml
+from ecume.scenes.writing import to_toml
 from ecume.show.serving import HTML, JSON, Answer, Query
 from ecume.show.view.page import Parts, data_of, filled, json_of, policy_of
 
