@@ -18,6 +18,7 @@ from ecume import _hooks
 if TYPE_CHECKING:
     from ecume.errors import BadInput, Diverged, EcumeError, FloaterSinks, RunExists, SceneError, Stopped, StorageError
     from ecume.fitting import fit
+    from ecume.models.actions import every
     from ecume.run import resume
     from ecume.scenes.floating import (
         ContactSpec,
@@ -64,6 +65,7 @@ __all__ = [
     "StorageError",
     "SurfaceEnergies",
     "__version__",
+    "every",
     "fit",
     "from_plain",
     "load_scene",
@@ -81,6 +83,7 @@ __all__ = [
 _HOMES = {
     "ecume.errors": "BadInput Diverged EcumeError FloaterSinks RunExists SceneError Stopped StorageError",
     "ecume.fitting": "fit",
+    "ecume.models.actions": "every",
     "ecume.run": "resume",
     "ecume.scenes.floating": "ContactSpec DishSpec FloatRow FloatSpec FloatingScene HydrodynamicsSpec"
     " IntegrationSpec InteractionSpec LiquidSpec SurfaceEnergies",

@@ -7,8 +7,11 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import numpy as np
+
 from ecume.errors import BadInput, Diverged
 from ecume.models import MODELS
+from ecume.models.actions import Action, View, energy_of, perform, place, with_injected_work, write
 from ecume.models.last_frame import last_step
 from ecume.models.model import CROWDED, DIVERGED, EXCHANGE, Model
 from ecume.trajectories.frame import Frame
@@ -47,9 +50,14 @@ class Moment(NamedTuple):
         return self.step / self.steps if self.steps else 1.0
 
 
-def simulate(scene: Scene, *, extra_laws: Sequence[Callable[..., float]] = ()) -> Iterator[Frame]:
-    """The frames of a scene, the first at t = 0. Raises Diverged with the time, the particle and the cure."""
-    for moment in moments(scene, extra_laws=extra_laws):
+def simulate(
+    scene: Scene, *, extra_laws: Sequence[Callable[..., float]] = (), actions: Sequence[Action] = ()
+) -> Iterator[Frame]:
+    """The frames of a scene, the first at t = 0. Raises Diverged with the time, the particle and the cure.
+
+    `actions` are functions decorated with `ecume.every`.
+    """
+    for moment in moments(scene, extra_laws=extra_laws, actions=actions):
         if moment.frame is not None:
             yield moment.frame
 
@@ -59,6 +67,7 @@ def moments(
     *,
     state: Any = None,
     extra_laws: Sequence[Callable[..., float]] = (),
+    actions: Sequence[Action] = (),
     patience: float = 0.25,
     engine: Callable[[Model], Model] | None = None,
     constants: Callable[[Any], Any] | None = None,
@@ -72,8 +81,8 @@ def moments(
     """
     model = MODELS[scene.model]
     if engine is not None:
-        if extra_laws:
-            raise BadInput("extra_laws go with the usual engine only")
+        if extra_laws or actions:
+            raise BadInput("--engine mpi: got user-defined laws or actions; expected none, or --engine local")
         model = engine(model)
     parameters = model.parameters(scene)
     if constants is not None:
@@ -83,6 +92,7 @@ def moments(
     if extra_laws:
         model = model.extended(extra_laws)
     integration = Integration(model, parameters, state, patience)
+    schedule = Schedule(actions, scene, integration)
     per_frame = parameters.steps_per_frame
     # Adaptive steps before the end need a place of their own on the clock.
     total = last_step(scene, per_frame, least=2 if model.adaptive else 1)
@@ -92,11 +102,12 @@ def moments(
         due = step % per_frame == 0 or step >= total
         taken = model.steps_taken(state)
         planned = None if model.adaptive and step < total else taken if model.adaptive else total
-        frame = _on_time(scene, integration.observe(), step / per_frame) if due else None
+        frame = _on_time(scene, schedule.observe(), step / per_frame) if due else None
         yield Moment(state, frame, step, total, parameters, taken, planned)
         if step >= total:
             return
-        integration.go(min(per_frame - step % per_frame, total - step))
+        integration.go(min(per_frame - step % per_frame, total - step, schedule.ahead()))
+        schedule.perform_due()
 
 
 def _on_time(scene: Common, frame: Frame, number: float) -> Frame:
@@ -118,6 +129,10 @@ class Integration:
         """The frame of this instant."""
         return self.model.observe(self.parameters, self.state, self.workspace)
 
+    def renew(self) -> None:
+        """Make a new workspace, after a change of the state."""
+        self.workspace = self.model.workspace(self.parameters, self.state, self.room)
+
     def go(self, most: int) -> None:
         """Advance by `most` steps, or by as many as the patience allows."""
         steps = min(most, self.batch)
@@ -127,11 +142,69 @@ class Integration:
             raise Diverged(self.model.diagnosis(self.parameters, self.state))
         if status == CROWDED:
             self.room *= ROOMIER
-            self.workspace = self.model.workspace(self.parameters, self.state, self.room)
+            self.renew()
         if status == EXCHANGE:
             self.state = self.model.exchange(self.parameters, self.state)
-            self.workspace = self.model.workspace(self.parameters, self.state, self.room)
+            self.renew()
         took = time.perf_counter() - began
         done = int(self.state.step[0]) - before
         if done == steps:
             self.batch = max(1, min(4 * self.batch, int(steps * self.patience / max(took, 1e-9))))
+
+
+FAR = 1 << 62
+
+
+class Schedule:
+    """The actions of a simulation. They are due at fixed steps, so that a resumed run performs the same ones."""
+
+    def __init__(self, actions: Sequence[Action], scene: Scene, integration: Integration) -> None:
+        for action in actions:
+            if not isinstance(action, Action):
+                raise BadInput(f"actions: got {action!r}; expected a function decorated with ecume.every(steps=...)")
+        self._actions, self._scene, self._at = tuple(actions), scene, integration
+        self._counts = self._due()
+
+    def observe(self) -> Frame:
+        """The frame of this instant, with the injected work of actions."""
+        frame = self._at.observe()
+        return with_injected_work(frame, self._at.model.access, self._at.state) if self._actions else frame
+
+    def ahead(self) -> int:
+        """The most steps that may be taken before an action is due; 0, a single one, where steps adapt."""
+        model, step = self._at.model, int(self._at.state.step[0])
+        if model.adaptive and self._actions:
+            return 0
+        return min((action.ahead(step, self._at.parameters.time_step) for action in self._actions), default=FAR)
+
+    def perform_due(self) -> None:
+        """Perform the actions that have become due, in their order."""
+        counts = self._due()
+        for action, before, now in zip(self._actions, self._counts, counts, strict=True):
+            if now > before:
+                self._perform(action)
+        self._counts = counts
+
+    def _due(self) -> list[int]:
+        state, time_step = self._at.state, self._at.parameters.time_step
+        taken, clock = self._at.model.steps_taken(state), float(state.step[0])
+        return [action.count(taken, clock, time_step) for action in self._actions]
+
+    def _perform(self, action: Action) -> None:
+        state, model, parameters = self._at.state, self._at.model, self._at.parameters
+        access, moment = model.access, (float(state.step[0]) * parameters.time_step, model.steps_taken(state))
+        ids = access.ids(state)
+        view = View(self._scene, moment, self._at.observe, np.sort(ids[ids >= 0]), list(access.arrays(state)))
+        changes = perform(action, view, access)
+        if not changes:
+            return
+        before = energy_of(view.frame)
+        write(action, view, access, state, changes)
+        moved = "position" in changes
+        if moved and (faults := access.faults(self._scene, parameters, state)):
+            more = f" (and {len(faults) - 1} more)" if len(faults) > 1 else ""
+            raise BadInput(f"{place(action, view)}: {faults[0]}{more}")
+        access.changed(state, moved)
+        if moved:
+            self._at.renew()
+        access.work(state)[:1] += energy_of(self._at.observe()) - before

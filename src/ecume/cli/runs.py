@@ -17,7 +17,7 @@ from ecume.cli.exit_codes import say
 from ecume.cli.mpi_launcher import Engine, Ranks, integrating
 from ecume.cli.output import Json, print_json
 from ecume.cli.progress import ahead, lasting, shown
-from ecume.cli.scenes import Laws, Overrides, SceneFile, placed
+from ecume.cli.scenes import Actions, Laws, Overrides, SceneFile, placed
 
 if TYPE_CHECKING:
     from ecume.run import Info, RunResult
@@ -67,6 +67,7 @@ def run(
     ] = None,
     overrides: Overrides = None,
     laws: Laws = None,
+    actions: Actions = None,
     threads: Threads = None,
     force: Annotated[bool, typer.Option("--force", help="Replace a run that is there.")] = False,
     view: Annotated[bool, typer.Option("--view", help="Watch it in the browser while it runs.")] = False,
@@ -82,7 +83,7 @@ def run(
     use_at_most(threads)
     from ecume.run import RunOptions
     from ecume.run import run as simulate
-    from ecume.run.user_laws import laws_from
+    from ecume.run.user_code import actions_from, laws_from
     from ecume.scenes.load import load_scene
 
     changes = overrides or []
@@ -96,6 +97,7 @@ def run(
                 asked,
                 directory,
                 extra_laws=laws_from(laws or []),
+                actions=actions_from(actions or []),
                 force=force,
                 options=RunOptions(
                     threads=threads, progress=reporter, source=source, on_violation=on_violation, engine=led
@@ -107,6 +109,7 @@ def run(
 def resume(
     directory: RunFolder = HERE,
     laws: Laws = None,
+    actions: Actions = None,
     threads: Threads = None,
     on_violation: Violation = None,
     strict: Annotated[
@@ -120,18 +123,19 @@ def resume(
     """Continue a run that was stopped or killed.
 
     On the same processor and versions the result is the same, bit for bit, as without the stop. Elsewhere the last
-    digits may differ: a warning then says by how much. A run with laws of your own needs their file again.
+    digits may differ: a warning then says by how much. A run with laws or actions of your own needs their files again.
 
     Examples: `ecume resume runs/bowl` · `ecume resume runs/bowl --threads 2 --quiet`
     """
     use_at_most(threads)
     from ecume.run import RunOptions
     from ecume.run import resume as go_on
-    from ecume.run.user_laws import laws_from
+    from ecume.run.user_code import actions_from, laws_from
 
     with integrating(engine, ranks) as led, shown(quiet=quiet) as reporter:
         options = RunOptions(threads=threads, progress=reporter, on_violation=on_violation, engine=led, strict=strict)
-        _end(go_on(directory, extra_laws=laws_from(laws or []), options=options), quiet=quiet)
+        own, acting = laws_from(laws or []), actions_from(actions or [])
+        _end(go_on(directory, extra_laws=own, actions=acting, options=options), quiet=quiet)
 
 
 def _end(done: RunResult, *, quiet: bool) -> None:
@@ -239,6 +243,7 @@ def described(run: Info) -> list[tuple[str, str]]:
         ("run", str(run.directory)),
         ("model", str(run.manifest.get("model", ""))),
         ("own laws", ", ".join(law["name"] for law in run.manifest.get("extra_laws", []))),
+        ("own actions", ", ".join(action["name"] for action in run.manifest.get("actions", []))),
         ("state", f"{run.state}, {ahead(run.remaining)}" if run.remaining is not None else run.state),
         ("simulated", f"{run.time:.6g} s of {run.duration:.6g} s"),
         ("steps", str(run.step) if run.steps is None else f"{run.step} of {run.steps}"),

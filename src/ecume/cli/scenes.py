@@ -34,6 +34,15 @@ Laws = Annotated[
         show_default=False,
     ),
 ]
+Actions = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--actions",
+        metavar="FILE.py[:NAME]",
+        help="Add actions of your own during the run: decorated functions of a Python file. Can be repeated.",
+        show_default=False,
+    ),
+]
 
 
 def _names(incomplete: str) -> list[str]:
@@ -93,7 +102,7 @@ def check(scene: SceneFile, overrides: Overrides = None, laws: Laws = None, json
     if not laws and not names_quantities(asked):
         without_compiler(asked)
     from ecume.models import MODELS
-    from ecume.run.user_laws import laws_from, named
+    from ecume.run.user_code import laws_from, named
 
     own = laws_from(laws or [])
     with placed(scene, changes):

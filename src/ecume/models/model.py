@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from ecume.errors import BadInput
+from ecume.models.actions import Access
 from ecume.models.invariants import Invariant, nothing
 from ecume.trajectories.frame import Frame
 
@@ -64,7 +65,7 @@ class Model:
     """workspace(parameters, state, room): scratch; `room` >= 1 multiplies every capacity."""
     advance: Callable[[Any, Any, Any, int], int]
     """advance(parameters, state, workspace, steps): moves the state in place by that many steps; DONE, CROWDED,
-    DIVERGED or EXCHANGE.
+    DIVERGED or EXCHANGE. Where steps adapt, 0 takes a single one.
 
     A state that comes back CROWDED is whole: make a roomier workspace and go on with the steps that are left. One that
     comes back as EXCHANGE has particles that come or go: go on with what `exchange` makes of it, and a new workspace.
@@ -87,6 +88,8 @@ class Model:
     """The arrays of frames that never change while no particle is added or removed."""
     exchange: Callable[[Any, Any], Any] = field(kw_only=True, default=_same)
     """exchange(parameters, state): the state with who came and without who went; for crowds that change."""
+    access: Access = field(kw_only=True, default=Access())
+    """What actions may change: see `ecume.models.actions`."""
     invariants: Callable[[Any, Any], list[Invariant]] = field(kw_only=True, default=nothing)
     """invariants(scene, parameters): what must hold from frame to frame, by the numbers that `observe` tells."""
     laws: Callable[[Any], list[Source]] = field(kw_only=True, default=no_laws)

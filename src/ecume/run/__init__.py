@@ -6,8 +6,8 @@ ecume.run.info("runs/bowl").frames
 
 Start with `runner`. `directory` names the files; `recording`, `checkpoints`, `constants`, `manifest` and `progress`
 write them; `lock` and `stop_requests` deal with other processes and signals; `invariant_monitor` checks each frame;
-`reports` and `recovery` look at runs from outside, `catalog` and `comparison` at several of them; `user_laws`
-identifies a user's laws; `ranks` is MPI.
+`reports` and `recovery` look at runs from outside, `catalog` and `comparison` at several of them; `user_code`
+identifies a user's laws and actions; `ranks` is MPI.
 """
 
 from ecume.run.catalog import RunSummary, list_runs

@@ -26,18 +26,22 @@ from ecume.run.recording import Recording
 from ecume.run.recovery import plain_scene
 from ecume.run.selection import require_known, selection_of
 from ecume.run.stop_requests import PATIENT, StopRequest, stop_requests
-from ecume.run.user_laws import Law, entries, require_same
+from ecume.run.user_code import NO_CODE, Law, UserCode, require_same
 from ecume.trajectories.durable_files import storing, write_whole
 from ecume.trajectories.reader import Trajectory
 from ecume.trajectories.repair import repair
 
 if TYPE_CHECKING:
+    from ecume.models.actions import Action
     from ecume.models.model import Model
     from ecume.scenes.schema import Scene
     from ecume.simulation import Moment
     from ecume.trajectories.frame import Frame
 
 
+CHANGED_BY_ACTIONS = ("momentum",)
+"""Invariants that do not hold where actions change velocities: their work is in the energy budget, their impulse is in
+none."""
 OUTCOMES = {Stopped: "stopped", Diverged: "failed"}
 """How a run is said to have ended that is not done; whatever else happened interrupted it."""
 
@@ -96,18 +100,20 @@ def run(
     directory: str | os.PathLike[str],
     *,
     extra_laws: Sequence[Law] = (),
+    actions: Sequence[Action] = (),
     force: bool = False,
     options: RunOptions = USUAL,
 ) -> RunResult:
-    """Simulate a scene into a new directory, with the user's own pair laws if there are any, as `simulate` takes them.
+    """Simulate a scene into a new directory, with the user's laws and actions if there are any, as `simulate` does.
 
     Raises RunExists where something is in the way (`force` replaces a run, and nothing but a run), Diverged,
     StorageError, and Stopped after a signal: then a checkpoint is there, and `resume` goes on.
     """
     home = RunDirectory(Path(directory))
     refuse_existing(home, force=force)
+    code = UserCode(extra_laws, actions)
     with stop_requests(PATIENT) as request:
-        moments = _moments(scene, None, extra_laws, options, None)
+        moments = _moments(scene, None, code, options, None)
         first = next(moments)  # a scene that cannot be run is refused before anything is written
         if first.frame is not None:
             require_known(scene, first.frame)
@@ -116,19 +122,24 @@ def run(
         with held(home):
             refuse_existing(home, force=force)
             clear(home)
-            _found(home, scene, first.parameters, extra_laws, options)
-            return _drive(_Session(home, scene, options, 0), itertools.chain([first], moments), request)
+            _found(home, scene, first.parameters, code, options)
+            return _drive(_Session(home, scene, options, 0, code), itertools.chain([first], moments), request)
 
 
 def resume(
-    directory: str | os.PathLike[str], *, extra_laws: Sequence[Law] = (), options: RunOptions = USUAL
+    directory: str | os.PathLike[str],
+    *,
+    extra_laws: Sequence[Law] = (),
+    actions: Sequence[Action] = (),
+    options: RunOptions = USUAL,
 ) -> RunResult:
     """Go on with a run that was stopped, killed, or ran out of disk; a finished run is done, and says so.
 
     On the same kind of processor and with the same versions the result is the same, bit for bit, as without the stop.
     Elsewhere the last digits may differ; frames that were already written after the last checkpoint are then replaced,
-    with a warning that says by how much they differ (`RunOptions.strict` refuses that). A run with a user's own laws
-    needs the same `extra_laws` again: their text and the numbers they use are compared with those it was begun with.
+    with a warning that says by how much they differ (`RunOptions.strict` refuses that). A run with a user's laws
+    or actions needs the same `extra_laws` and `actions` again: their text and the numbers they use are compared with
+    those it was begun with.
     """
     from ecume.scenes.schema import from_plain
 
@@ -137,7 +148,8 @@ def resume(
         if home.done.exists():
             done = json_of(home.done)
             return RunResult(home.path, done["frames"], done["step"], done["time"], 0.0)
-        require_same(home, extra_laws)
+        code = UserCode(extra_laws, actions)
+        require_same(home, code)
         sweep(home)
         scene = from_plain(plain_scene(home))
         constants.require_sound(home)
@@ -145,19 +157,26 @@ def resume(
         with storing(home.failed):
             home.failed.unlink(missing_ok=True)
         restore = functools.partial(_constants, home, strict=options.strict)
-        moments = _moments(scene, checkpoint.state, extra_laws, options, restore)
-        return _drive(_Session(home, scene, options, checkpoint.frames), moments, request)
+        moments = _moments(scene, checkpoint.state, code, options, restore)
+        return _drive(_Session(home, scene, options, checkpoint.frames, code), moments, request)
 
 
 def _moments(
-    scene: Scene, state: Any, extra_laws: Sequence[Law], options: RunOptions, constants: Callable[[Any], Any] | None
+    scene: Scene, state: Any, code: UserCode, options: RunOptions, constants: Callable[[Any], Any] | None
 ) -> Iterator[Moment]:
     from ecume._jit import use_threads  # only who simulates waits for Numba: `ecume info` does not
     from ecume.simulation import moments
 
     watch.attach()
     use_threads(options.threads)
-    return moments(scene, state=state, extra_laws=extra_laws, engine=options.engine, constants=constants)
+    return moments(
+        scene,
+        state=state,
+        extra_laws=code.laws,
+        actions=code.actions,
+        engine=options.engine,
+        constants=constants,
+    )
 
 
 def _constants(home: RunDirectory, derived: Any, *, strict: bool) -> Any:
@@ -178,7 +197,7 @@ def _model(scene: Scene) -> Model:
     return MODELS[scene.model]
 
 
-def _found(home: RunDirectory, scene: Scene, parameters: Any, extra_laws: Sequence[Law], options: RunOptions) -> None:
+def _found(home: RunDirectory, scene: Scene, parameters: Any, code: UserCode, options: RunOptions) -> None:
     """Write what a run has before it begins; the manifest is last, and makes it one."""
     from ecume.scenes.schema import to_plain
     from ecume.scenes.writing import to_toml
@@ -190,7 +209,8 @@ def _found(home: RunDirectory, scene: Scene, parameters: Any, extra_laws: Sequen
         home.manifest,
         manifest.first_manifest(scene, plain)
         | {"constants_sha256": constants.save(home, parameters)}
-        | {"extra_laws": entries(extra_laws), "on_violation": options.on_violation or scene.on_violation},
+        | code.entries()
+        | {"on_violation": options.on_violation or scene.on_violation},
     )
 
 
@@ -233,8 +253,10 @@ def _drive(session: _Session, moments: Iterable[Moment], request: StopRequest) -
 class _Session:
     """The open files of one process that works on a run."""
 
-    def __init__(self, home: RunDirectory, scene: Scene, options: RunOptions, frames: int) -> None:
-        self._home, self._options = home, options
+    def __init__(
+        self, home: RunDirectory, scene: Scene, options: RunOptions, frames: int, code: UserCode = NO_CODE
+    ) -> None:
+        self._home, self._options, self._code = home, options, code
         selection = selection_of(scene, _model(scene))
         self._recording = Recording(home, frames, kinds=scene.kinds, strict=options.strict, selection=selection)
         self._scene, self._watch = scene, Watch(home, [], POLICIES[0])
@@ -299,6 +321,8 @@ class _Session:
 
         policy = self._options.on_violation or json_of(self._home.manifest).get("on_violation", POLICIES[0])
         invariants = _model(self._scene).invariants(self._scene, moment.parameters)
+        if self._code.actions:
+            invariants = [row for row in invariants if row.name not in CHANGED_BY_ACTIONS]
         self._watch = Watch(self._home, invariants, policy)
         self._opened = True
         manifest.open_session(self._home, use_threads(self._options.threads), moment.taken, self._recording.on_disk)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from typing import Annotated, Literal
 
 from pydantic import Field
-from pydantic.dataclasses import dataclass
 
 from ecume.scenes.quantities import STRICT
+from ecume.scenes.validated import dataclass
 
 QuantityName = Annotated[str, Field(min_length=1, max_length=100, pattern=r"^[A-Za-z0-9_]+$")]
 """The name of an array or of a number of a frame. Which names exist depends on the model and the scene."""

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from ecume.errors import BadInput
-from ecume.run.user_laws import entries
+from ecume.run.user_code import entries
 from ecume.scenes.faults import read_path, suggestion
 from ecume.scenes.schema import from_plain, unit_of
 from ecume.sweep.directory import Job, Sweeping, existing_sweep, json_at

@@ -10,6 +10,7 @@ import numpy as np
 
 from ecume.laws import brownian, capillarity, drag, ellipsoids, flotation, images, meniscus, pair_laws
 from ecume.models.diagnosis import DEEP, first_broken, when
+from ecume.models.floating.access import FLOATS
 from ecume.models.floating.parameters import Parameters
 from ecume.models.floating.report.check_report import summary
 from ecume.models.floating.report.frames import observe
@@ -92,6 +93,7 @@ FLOATING = Model(
     constant=frozenset(["radius", "mass", "charge", "density", "contact_angle", "species", "magnetic_moment"]),
     diagnosis=diagnosis,
     extended=extended,
+    access=FLOATS,
     invariants=invariants,
     laws=laws_of,
     summary=summary,

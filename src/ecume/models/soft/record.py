@@ -8,6 +8,7 @@ import numpy as np
 
 from ecume._portable import exp
 from ecume.laws import elasticity, friction, interfaces, long_range, lubrication, surfaces
+from ecume.models.actions import Access
 from ecume.models.check_report import Row
 from ecume.models.diagnosis import DEEP, first_broken
 from ecume.models.invariants import DISSIPATED, ENERGY, INJECTED, Invariant, Seen, part_of
@@ -147,6 +148,7 @@ SOFT = Model(
     start=start,
     workspace=workspace,
     advance=advance,
+    access=Access(refusal="positions of soft spheres follow from the balance of forces; use [[protocol]] and walls"),
     observe=observe,
     constant=frozenset(["radius", "species"]),
     diagnosis=diagnosis,

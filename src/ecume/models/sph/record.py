@@ -10,6 +10,7 @@ from ecume.models.check_report import Row
 from ecume.models.diagnosis import first_broken, when
 from ecume.models.limits import within_steps
 from ecume.models.model import Model
+from ecume.models.sph.access import TANKS
 from ecume.models.sph.boundaries.open_boundaries import exchange, with_buffers
 from ecume.models.sph.boundaries.prescribed_motion import at_reference
 from ecume.models.sph.fields import FIELDS, RATES
@@ -115,4 +116,5 @@ SPH = Model(
     laws=laws_of,
     summary=summary,
     exchange=exchange,
+    access=TANKS,
 )

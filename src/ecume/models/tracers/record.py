@@ -15,6 +15,7 @@ from ecume.models.last_frame import last_step
 from ecume.models.limits import require_memory, within_steps
 from ecume.models.liquids import correlations_of
 from ecume.models.model import Model, Source
+from ecume.models.tracers.access import TRACERS as ACCESS
 from ecume.models.tracers.energy_budget import brings, exchange, lent
 from ecume.models.tracers.initial_state import start
 from ecume.models.tracers.openings import species_of
@@ -203,6 +204,7 @@ TRACERS = Model(
     constant=frozenset(["radius", "density", "species"]),
     diagnosis=diagnosis,
     exchange=exchange,
+    access=ACCESS,
     invariants=invariants,
     laws=laws_of,
     summary=summary,

@@ -120,11 +120,18 @@ def region_of(parameters: Parameters) -> Region:
 
 def _check(scene: FloatingScene, parameters: Parameters, position: Array, which: Integers) -> None:
     """Raise SceneError for floats with given positions that overlap or are outside the dish."""
-    names = float_names(scene)
-    faults = [*_outside(parameters, position, which, names), *_overlapping(parameters.floats, position, which, names)]
+    faults = position_faults(parameters, position, which, float_names(scene))
     if faults:
         more = [Fault("", f"and {len(faults) - MOST_FAULTS} more of these")] if len(faults) > MOST_FAULTS else []
         raise SceneError(faults[:MOST_FAULTS] + more)
+
+
+def position_faults(
+    parameters: Parameters, position: Array, which: Integers, names: list[str], tolerance: float = TOUCHING
+) -> list[Fault]:
+    """A fault for each of these floats that overlaps another by more than a fraction of its radius, or is outside."""
+    outside = _outside(parameters, position, which, names, tolerance)
+    return [*outside, *_overlapping(parameters.floats, position, which, names, tolerance)]
 
 
 def _check_shapes(scene: FloatingScene, parameters: Parameters, position: Array, which: Any) -> None:
@@ -148,11 +155,13 @@ def float_names(scene: FloatingScene) -> list[str]:
     return names + [f"rows[{k}]" for k in range(len(scene.rows))]
 
 
-def _outside(parameters: Parameters, position: Array, which: Integers, names: list[str]) -> list[Fault]:
+def _outside(
+    parameters: Parameters, position: Array, which: Integers, names: list[str], tolerance: float
+) -> list[Fault]:
     faults = []
     for i in which:
         sunk_in = _into_walls(parameters.walls, position[i], parameters.floats.radius[i])
-        if sunk_in > TOUCHING * parameters.floats.radius[i]:
+        if sunk_in > tolerance * parameters.floats.radius[i]:
             x, y = position[i]
             faults.append(
                 Fault(
@@ -166,7 +175,7 @@ def _into_walls(walls: Walls, place: Array, radius: float) -> float:
     return radius - min(enclosures.clearances(walls, place), default=math.inf)
 
 
-def _overlapping(floats: Floats, position: Array, which: Integers, names: list[str]) -> list[Fault]:
+def _overlapping(floats: Floats, position: Array, which: Integers, names: list[str], tolerance: float) -> list[Fault]:
     if len(which) < 2:
         return []
     places, radius = np.ascontiguousarray(position[which]), floats.radius[which]
@@ -179,6 +188,6 @@ def _overlapping(floats: Floats, position: Array, which: Integers, names: list[s
     for i in range(len(which)):
         for j in candidates.partner[candidates.first[i] : candidates.first[i + 1]]:
             overlap = radius[i] + radius[j] - math.dist(places[i], places[j])
-            if overlap > TOUCHING * min(radius[i], radius[j]):
+            if overlap > tolerance * min(radius[i], radius[j]):
                 faults.append(Fault(names[which[i]], f"overlaps {names[which[j]]} by {overlap:.3g} m"))
     return faults

@@ -48,11 +48,13 @@ NEARLY = 1e-9
 
 
 def advance(parameters: Parameters, state: State, scratch: Workspace, steps: int) -> int:
-    """Integrate over at least that many ticks, but not past a frame; `CROWDED` if contacts opened or closed."""
+    """Integrate over at least that many ticks, but not past a frame; one step for 0 ticks. `CROWDED` if contacts opened
+    or closed.
+    """
     if scratch.generation != state.generation[0]:
         return CROWDED
     until = int(state.step[0]) + steps
-    while state.step[0] < until:
+    while True:
         met = one_step(parameters, state, scratch)
         if met is None or not jump(parameters, state, scratch):
             return DIVERGED
@@ -60,9 +62,8 @@ def advance(parameters: Parameters, state: State, scratch: Workspace, steps: int
             state.books[FILMS] += released(parameters.contacts, scratch.step)
         if renew_contacts(parameters, state, None if jumps_now(parameters, state) else met):
             return CROWDED
-        if state.step[0] % parameters.steps_per_frame == 0:
+        if state.step[0] >= until or state.step[0] % parameters.steps_per_frame == 0:
             return DONE
-    return DONE
 
 
 def one_step(parameters: Parameters, state: State, scratch: Workspace) -> Found | None:

@@ -11,7 +11,7 @@ import pytest
 import toy
 
 from ecume.errors import BadInput, StorageError
-from ecume.run import Progress, RunOptions, resume, run, user_laws
+from ecume.run import Progress, RunOptions, resume, run, user_code
 
 Scenes = Callable[..., toy.ToyScene]
 STIFFNESS = 3.0
@@ -52,7 +52,7 @@ def test_the_manifest_names_the_laws_and_the_same_laws_go_on(broken_off: Path) -
 @pytest.mark.parametrize(
     ("laws", "says"),
     [
-        ([], r"started with laws of your own, springy; .*\n?ecume resume .* --laws FILE\.py:springy\n"),
+        ([], r"started with the user-defined laws springy; .*\n?ecume resume .* --laws FILE\.py:springy\n"),
         ([slack], "got the laws slack; expected springy"),
         ([springy, slack], "got the laws springy, slack; expected springy"),
     ],
@@ -67,7 +67,7 @@ def test_other_laws_are_refused_and_the_run_stays_as_it_is(laws: Any, says: str,
 def test_a_run_without_laws_of_the_users_own_takes_none_later(tmp_path: Path, scene: Scenes) -> None:
     run(scene(), tmp_path / "run")
     (tmp_path / "run" / "DONE.json").unlink()
-    with pytest.raises(BadInput, match="got the laws springy; expected no laws of your own"):
+    with pytest.raises(BadInput, match="got the laws springy; expected no user-defined laws"):
         resume(tmp_path / "run", extra_laws=[springy])
 
 
@@ -87,7 +87,7 @@ def test_a_law_without_a_file_is_known_by_its_instructions() -> None:
     for name, text in (("one", "distance"), ("same", "distance"), ("other", "2 * distance")):
         exec(f"def law(distance, parameters): return {text}", typed)
         typed[name] = typed.pop("law")
-    one, same, other = (user_laws.entries([typed[name]])[0] for name in ("one", "same", "other"))
+    one, same, other = (user_code.entries([typed[name]])[0] for name in ("one", "same", "other"))
     assert one == same != other
 
 
@@ -116,18 +116,18 @@ def with_one_argument(distance):
 
 def test_a_file_gives_its_public_functions_of_two_arguments(tmp_path: Path) -> None:
     (tmp_path / "mine.py").write_text(FILE)
-    assert [law.__name__ for law in user_laws.laws_from([str(tmp_path / "mine.py")])] == ["pull", "push"]
-    (one,) = user_laws.laws_from([f"{tmp_path / 'mine.py'}:pull"])
+    assert [law.__name__ for law in user_code.laws_from([str(tmp_path / "mine.py")])] == ["pull", "push"]
+    (one,) = user_code.laws_from([f"{tmp_path / 'mine.py'}:pull"])
     assert one(3.0, None) == -3.0
 
 
 def test_a_file_of_the_same_text_gives_the_same_digest_wherever_it_is(tmp_path: Path) -> None:
     for name in ("one", "other"):
         (tmp_path / f"{name}.py").write_text(FILE)
-    one, other = (user_laws.entries(user_laws.laws_from([str(tmp_path / f"{name}.py")])) for name in ("one", "other"))
+    one, other = (user_code.entries(user_code.laws_from([str(tmp_path / f"{name}.py")])) for name in ("one", "other"))
     assert one == other
     (tmp_path / "other.py").write_text(FILE.replace("distance / 2.0", "distance / 2.5"))
-    changed = user_laws.entries(user_laws.laws_from([str(tmp_path / "other.py")]))
+    changed = user_code.entries(user_code.laws_from([str(tmp_path / "other.py")]))
     assert changed[0] != one[0]
     assert changed[1] == one[1]
 
@@ -146,4 +146,4 @@ def test_a_file_of_the_same_text_gives_the_same_digest_wherever_it_is(tmp_path: 
 def test_a_file_that_gives_no_law_is_refused(text: str, word: str, says: str, tmp_path: Path) -> None:
     (tmp_path / "mine.py").write_text(text)
     with pytest.raises(BadInput, match=says):
-        user_laws.laws_from([str(tmp_path / word)])
+        user_code.laws_from([str(tmp_path / word)])
