@@ -5,10 +5,15 @@ from pathlib import Path
 
 import coverage
 import pytest
+from hypothesis import settings
 
 TESTS = Path(__file__).parent
 PLAIN = ("laws", "contracts", "engine", "models")
 """Folders whose tests can run as plain Python, without the compiler."""
+
+# A busy machine is no fault.
+settings.register_profile("ecume", deadline=None)
+settings.load_profile("ecume")
 
 # Where scripts/test asks for it. Begins before anything of the package is imported: lines that run at import count.
 MEASURED = coverage.Coverage() if "ECUME_TESTS_MEASURED" in os.environ else None

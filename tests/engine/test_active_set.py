@@ -15,7 +15,6 @@ from ecume.engine.contact.projected_gauss_seidel import Goal
 sizes = st.tuples(st.integers(1, 12), st.integers(1, 12), st.integers(0, 2**32 - 1))
 
 
-@settings(deadline=None)
 @given(size=sizes)
 def test_the_least_squares_are_those_of_scipy(size):
     rows, columns, seed = size
@@ -61,7 +60,7 @@ def optimality(contacts, start, velocity, mobility):
     return max(-excess.min(), np.minimum(excess, impulse).max(), -impulse.min()), np.abs(expected - velocity).max()
 
 
-@settings(deadline=None, max_examples=10)
+@settings(max_examples=10)
 @given(rings=st.integers(1, 2), seed=st.integers(0, 2**32 - 1), swept=st.integers(0, 3))
 def test_the_velocities_of_a_braced_raft_are_the_nearest_ones_allowed(rings, seed, swept):
     contacts, start, mobility = raft(rings, seed)
@@ -77,7 +76,7 @@ def test_the_velocities_of_a_braced_raft_are_the_nearest_ones_allowed(rings, see
 
 
 @pytest.mark.compiled
-@settings(deadline=None, max_examples=25)
+@settings(max_examples=25)
 @given(rings=st.integers(1, 3), seed=st.integers(0, 2**32 - 1))
 def test_any_braced_raft_converges(rings, seed):
     contacts, start, mobility = raft(rings, seed)

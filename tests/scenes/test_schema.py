@@ -74,7 +74,7 @@ def bowl() -> dict[str, object]:
     return {"model": "floating", "duration": 1, "frame_every": 0.1, "particles": [species]}
 
 
-@settings(max_examples=80, deadline=None)
+@settings(max_examples=80)
 @given(scenes)
 def test_a_scene_survives_json_and_toml_to_the_last_bit(plain: dict[str, object]) -> None:
     scene = from_plain(plain)
@@ -88,7 +88,7 @@ def keys_of(kind: type) -> list[str]:
     return [field.name for field in dataclasses.fields(kind)]
 
 
-@settings(max_examples=150, deadline=None)
+@settings(max_examples=150)
 @given(st.sampled_from([*keys_of(FloatingScene), "other"]), st.sampled_from([*keys_of(FloatSpec), "other"]), anything)
 def test_whatever_stands_at_a_key_gives_a_scene_or_faults(key: str, inner: str, value: object) -> None:
     plain = bowl()

@@ -55,7 +55,7 @@ def numbers(plain: object, path: tuple[object, ...] = ()) -> list[tuple[object, 
 PLAIN = [to_plain(ecume.load_scene(file)) for file in FILES if "raft-from-table" not in file.name]
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=30)
 @given(st.sampled_from(range(len(PLAIN))), st.data())
 def test_a_random_scene_of_any_model_is_read_again(number: int, data: st.DataObject) -> None:
     plain = from_plain(PLAIN[number])

@@ -183,7 +183,9 @@ def spelled(value: float, unit: str) -> float | str:
     if unit in PLAIN or not unit:
         return value
     if unit == "rad":
-        texts = [f"{math.degrees(value):.12g} deg", f"{value!r} rad"]
+        degrees = math.degrees(value)
+        texts = [f"{degrees:.12g} deg"] if math.isfinite(degrees) else []
+        texts.append(f"{value!r} rad")
     elif unit == "K":
         texts = [f"{_digits(Decimal(repr(value)) - Decimal('273.15'))} degC", f"{value!r} K"]
     else:

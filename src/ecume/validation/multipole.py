@@ -15,6 +15,8 @@ from ecume.validation.runner import read_table
 
 # A liquid whose capillary length is one meter and whose surface tension is one: all comes out in gamma and L.
 LIQUID = flotation.Liquid(density=1000.0, surface_tension=1.0, viscosity=1e-3, gravity=1e-3)
+LIGHT = 400.0
+"""Density (kg/m^3) of spheres that float at any size, where a ratio of forces is compared, which does not depend on it."""
 FINE = 1e-3
 """Step of the finite differences, in L."""
 
@@ -82,7 +84,8 @@ def _pair(apart: float) -> Array:
 def _body(case: dict[str, str]) -> Any:
     size = float(case["size"])
     if case["body"].startswith("sphere"):
-        return flotation.Sphere(size, 1500.0, math.radians(float(case["body"].split("-")[1])))
+        density = 1500.0 if case["table"] in ("force", "trio") else LIGHT
+        return flotation.Sphere(size, density, math.radians(float(case["body"].split("-")[1])))
     if case["body"] == "cylinder":
         return flotation.VerticalCylinder(size, 9.0, 500.0, 1.5)
     return flotation.Disc(size, float(case["load"]), tilting=case["body"] == "disc")
@@ -91,10 +94,12 @@ def _body(case: dict[str, str]) -> Any:
 def _charge(body: Any) -> float:
     """The linear charge, heave and filling kept."""
     if isinstance(body, flotation.Sphere):
-        return body.radius * flotation.closed_form_charge(body.radius**2, 1.5, body.contact_angle)
+        return body.radius * flotation.closed_form_charge(
+            body.radius**2, body.density / LIQUID.density, body.contact_angle
+        )
     a = body.radius
     if isinstance(body, flotation.VerticalCylinder):
-        return (body.contact_angle - 0.5 * math.pi) / bessel_k1(a)
+        return -math.cos(body.contact_angle) / bessel_k1(a)
     return float(body.load / (math.pi * a * a * bessel_k0(a) + 2.0 * math.pi * a * bessel_k1(a)))
 
 
