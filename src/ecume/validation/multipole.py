@@ -16,7 +16,7 @@ from ecume.validation.runner import read_table
 # A liquid whose capillary length is one meter and whose surface tension is one: all comes out in gamma and L.
 LIQUID = flotation.Liquid(density=1000.0, surface_tension=1.0, viscosity=1e-3, gravity=1e-3)
 LIGHT = 400.0
-"""Density (kg/m^3) of spheres that float at any size, where a ratio of forces is compared, which does not depend on it."""
+"""Density (kg/m^3) of spheres that float at any size, for ratios of forces, which do not depend on it."""
 FINE = 1e-3
 """Step of the finite differences, in L."""
 
