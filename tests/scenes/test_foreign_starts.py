@@ -12,6 +12,7 @@ import pytest
 import ecume
 from ecume.errors import SceneError
 from ecume.scenes.schema import from_plain, to_plain
+from ecume.trajectories.foreign import gsd as gsd_files
 from ecume.trajectories.foreign import lammps, xyz
 from ecume.trajectories.foreign.particles import MOST_PARTICLES
 
@@ -356,3 +357,18 @@ def test_more_particles_than_can_be_read_are_refused_before_memory_is_allocated(
         xyz.read("9" * 18 + "\n\nA 0 0 0\n")
     with pytest.raises(ValueError, match="at most"):
         lammps.read("t\n\n999999999999 atoms\n\nAtoms # atomic\n\n1 1 0 0 0\n")
+
+
+def test_a_chunk_that_is_too_large_is_not_read(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(gsd_files, "MOST_NUMBERS", 8)
+    (fault,) = faults(folder, FLOATS.format(file="start.gsd", more=""))
+    assert "has 9 numbers in the chunk particles/position of frame 1; expected fewer" in fault
+
+
+def test_the_command_line_names_the_line_of_a_start(folder: Path) -> None:
+    (folder / "start.data").write_text(LAMMPS.replace("9.5", "inf"))
+    with pytest.raises(SceneError) as caught:
+        loaded(folder, FLOATS.format(file="start.data", more=""))
+    assert f"{folder / 'scene.toml'}: line 5, column 1: start_from.file: start.data, line 19: got 'inf'" in str(
+        caught.value
+    )

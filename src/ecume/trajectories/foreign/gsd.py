@@ -14,6 +14,8 @@ from ecume.trajectories.gsd_layout import TYPES, Index, read_whole_index
 
 Chunk = NDArray[np.generic]
 MOST_TYPES = 1000
+MOST_NUMBERS = 4 * MOST_PARTICLES
+"""In a chunk."""
 
 
 def read(path: Path, index: int = -1) -> Particles:
@@ -87,6 +89,8 @@ def _chunk(file: FileIO, index: Index, frame: int, name: str) -> Chunk | None:
         for entry in mine[mine["frame"] == number]:
             kind = TYPES[int(entry["type"])]
             rows, columns = int(entry["rows"]), int(entry["columns"])
+            if rows * columns > MOST_NUMBERS:
+                raise ValueError(f"has {rows * columns} numbers in the chunk {name} of frame {number}; expected fewer")
             file.seek(int(entry["location"]))
             data = file.read(rows * columns * kind.itemsize)
             if len(data) < rows * columns * kind.itemsize:
