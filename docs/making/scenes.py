@@ -18,8 +18,8 @@ from typing import Any, NamedTuple
 import writing
 from writing import cell, docstrings, toctree
 
-from ecume.scenes.floating.sources import SOURCES
 from ecume.scenes.schema import SCENES
+from ecume.scenes.starts import StartSpec
 from ecume.scenes.templates import templates
 from ecume.units import example
 
@@ -35,6 +35,11 @@ The [scene vocabulary](../../vocabulary.md) compares the keys of the four models
 
 Any key can be changed on the command line: `ecume run bowl.toml --set "liquid.viscosity=5 mPa*s"`.
 """
+START = """
+`start_from = "runs/bowl@-1"` is a frame of another run. A table is a file of another program; see
+[starts from other programs](../../how-to/start-from-other-programs.md).
+"""
+HEAD = "| key | unit | default | range | example | meaning | effect |\n|---|---|---|---|---|---|---|"
 
 
 class Table(NamedTuple):
@@ -66,18 +71,25 @@ def page(model: str) -> str:
                     "",
                     says,
                     "",
-                    "| key | unit | default | range | example | meaning | effect |",
-                    "|---|---|---|---|---|---|---|",
+                    HEAD,
                     *rows,
                     "",
                 ]
             )
         )
-    starts = [f"`{source}`" for source in SOURCES] if model == "floating" else []
-    if starts:
-        parts.append(f"A file may say {', '.join(starts)} as well: reading turns it into floats one by one.\n")
+    if model == "floating":
+        parts.append("A file may contain `particles_from`: reading converts the table into floats one by one.\n")
+    parts.append(starts(model))
     own = [f"- `ecume new {name}`: {says}" for name, says in templates().items() if model_of(name) == model]
     return "\n".join([*parts, "## Templates\n", *own, ""])
+
+
+def starts(model: str) -> str:
+    """The keys of a start from a file of another program."""
+    table = Table("[start_from]", StartSpec)
+    rows = [row(field, example_of(model, table, field)) for field in fields_of(StartSpec)]
+    text = [f"## {concept(table)}", "", START, "", prose(StartSpec), "", HEAD, *rows, ""]
+    return "\n".join(text)
 
 
 def model_of(template: str) -> str:

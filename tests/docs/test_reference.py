@@ -11,6 +11,7 @@ import pytest
 from pydantic import TypeAdapter, ValidationError
 
 from ecume.scenes.schema import SCENES
+from ecume.scenes.starts import StartSpec
 from ecume.units import Unit
 
 MAKING = Path(__file__).parents[2] / "docs" / "making"
@@ -40,7 +41,7 @@ def is_unit(word):
 
 def keys(model):
     """Each key of a model, with its table."""
-    for table in scenes.tables(SCENES[model]):
+    for table in [*scenes.tables(SCENES[model]), scenes.Table("[start_from]", StartSpec)]:
         yield from ((table, field) for field in scenes.fields_of(table.kind))
 
 

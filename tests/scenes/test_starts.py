@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from ecume.errors import SceneError
 from ecume.scenes.load import load_scene
-from ecume.scenes.schema import from_plain, to_plain
+from ecume.scenes.objects import scene as made
+from ecume.scenes.schema import Scene, from_plain, to_plain
+from ecume.simulation import simulate
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.recorder import Recorder
 
@@ -70,7 +73,9 @@ def test_a_scene_starts_from_a_frame_of_another_run(folder: Path, at: str, x: fl
         ("@", "", "'' is no number of a frame"),
         ("@1.5", "", "'1.5' is no number of a frame"),
         ("2", "", "is not there; it is looked for from the scene's folder, /"),
-        ("@0", "[[particles]]\nradius = 1\ndensity = 1\ncontact_angle = 1", "brings all the floats"),
+        ("@0", "[[particles]]\nradius = 1\n", "particles[0].name: is missing; expected one of 'light', 'heavy'"),
+        ("@0", "[[particles]]\nname = 'lihgt'", "got 'lihgt'; runs/bowl@0 has no such species; did you mean light?"),
+        ("@0", "[[particles]]\nname = 'light'\ncount = 3", "particles[0].count: has no meaning beside start_from"),
     ],
 )
 def test_a_start_that_cannot_be_is_refused(folder: Path, at: str, more: str, says: str) -> None:
@@ -135,3 +140,63 @@ def test_discs_and_shapes_start_as_they_were_left(tmp_path: Path) -> None:
     assert again.shaped  # type: ignore[attr-defined]
     # What was read stands alone, and starts a run in turn.
     assert from_plain(to_plain(again)) == again
+
+
+def test_species_of_the_scene_replace_those_of_the_run_by_name(folder: Path) -> None:
+    more = "[[particles]]\nname = 'light'\ndensity = 300\nradius = '1.5 mm'\ncolor = 'blue'\n"
+    heavy, light = read(folder, "@0", more).rows  # type: ignore[attr-defined]
+    assert (light.density, light.radius, light.color, light.contact_angle) == (300.0, 0.0015, "#1f77b4", 2.0)
+    assert (light.x, light.vy, heavy.density, heavy.radius) == (0.2, 0.1, 600.0, 1e-3)
+    energies = "[[particles]]\nname = 'heavy'\nsurface_energies = { solid_gas = 0.03, solid_liquid = 0.02 }\n"
+    heavy, light = read(folder, "@0", energies).rows  # type: ignore[attr-defined]
+    assert (heavy.contact_angle, heavy.surface_energies.solid_gas, light.contact_angle) == (None, 0.03, 2.0)
+
+
+def test_changed_species_that_overlap_are_refused_with_the_overlap(tmp_path: Path) -> None:
+    species = {"name": "corks", "radius": 2e-3, "density": 600, "contact_angle": 1.0, "count": 2}
+    scene = from_plain({"model": "floating", "duration": 1, "frame_every": 0.1, "particles": [species]})
+    columns = {"radius": 2e-3, "density": 600.0, "contact_angle": 1.0}
+    arrays = {name: np.full(2, value) for name, value in columns.items()} | {"species": np.zeros(2, np.int64)}
+    arrays |= {"position": np.array([[0.0, 0.0], [5e-3, 0.0]]), "velocity": np.zeros((2, 2))}
+    run_of(scene, arrays, {}, tmp_path / "runs" / "bowl")
+    larger = read(tmp_path, "", "[[particles]]\nname = 'corks'\nradius = '3 mm'\n")
+    with pytest.raises(SceneError, match=r"rows\[0\]: overlaps rows\[1\] by 0\.001 m"):
+        next(simulate(larger))  # type: ignore[arg-type]
+
+
+def scene_of(model: str, keys: dict[str, Any], folder: Path) -> Scene:
+    return made(model, folder=folder, **keys)
+
+
+def run_of(scene: Scene, arrays: dict[str, np.ndarray], numbers: dict[str, float], run: Path) -> None:
+    with Recorder(run / "traj") as recorder:
+        recorder.write(Frame(0.0, arrays, numbers, {}), 0)
+    (run / "resolved.json").write_text(json.dumps(to_plain(scene)))
+
+
+def test_soft_spheres_and_tracers_start_from_runs_of_any_model(tmp_path: Path) -> None:
+    species = [
+        {"name": "small", "radius": 1e-3, "modulus": 1e4, "count": 1},
+        {"name": "large", "radius": 2e-3, "count": 1},
+    ]
+    plain = {"duration": 1, "frame_every": 0.1, "liquid": {"viscosity": 1.0}, "cell": {"size": [0.02, 0.01]}}
+    scene = from_plain({"model": "soft", **plain, "particles": species})
+    position = np.array([[0.015, 0.001], [0.002, 0.003]])
+    arrays = {"position": position, "radius": np.array([2e-3, 1e-3]), "species": np.array([1, 0])}
+    box = {"box_width": 0.02, "box_height": 0.01, "box_tilt": 0.0}
+    run_of(scene, arrays, box, tmp_path / "run")
+    again = scene_of("soft", {**plain, "start_from": "run", "particles": [{"name": "large", "modulus": 5.0}]}, tmp_path)
+    large, small = again.particles  # type: ignore[union-attr]
+    assert (large.name, large.modulus, large.radius, large.positions) == ("large", 5.0, 2e-3, ((0.015, 0.001),))
+    assert (small.name, small.modulus, small.radius, small.positions) == ("small", 1e4, 1e-3, ((0.002, 0.003),))
+    tracers = [{"name": name, "density": 2000.0} for name in ("small", "large")]
+    keys = {"duration": 1, "frame_every": 0.1, "start_from": "run@0", "tank": {"high": [0.02, 0.01]}}
+    first, second = scene_of("tracers", {**keys, "particles": tracers}, tmp_path).particles  # type: ignore[union-attr]
+    assert (first.radius, first.positions, second.radius) == (1e-3, ((0.002, 0.003),), 2e-3)
+    run_of(scene, arrays, {**box, "box_tilt": 0.023}, tmp_path / "sheared")
+    with pytest.raises(
+        SceneError, match=r"start_from: sheared has a box tilted by 0.003 m; expected a rectangular one"
+    ):
+        scene_of("soft", {**plain, "start_from": "sheared"}, tmp_path)
+    with pytest.raises(SceneError, match=r"got 0.03 m, 0.01 m; the periodic box of run is 0.02 m, 0.01 m"):
+        scene_of("soft", {**plain, "cell": {"size": [0.03, 0.01]}, "start_from": "run"}, tmp_path)

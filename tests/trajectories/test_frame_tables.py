@@ -90,6 +90,8 @@ def test_libraries_take_the_tables_of_a_trajectory(recorded: Recorded, library: 
 def test_a_frame_and_a_trajectory_print_in_a_line(recorded: Recorded) -> None:
     text = repr(frames()[1])
     assert text == "Frame(time=0.25 s, 3 particles; arrays: position, species, moment; numbers: energy, clusters)"
+    many = frames()[1]._replace(numbers={f"number_{k}": 1.0 for k in range(9)})
+    assert repr(many).endswith("numbers: number_0, number_1, number_2, number_3, number_4, 4 more)")
     folder = recorded(5)
     with open_trajectory(folder.parent) as trajectory:
         assert repr(trajectory) == f"Trajectory({str(folder.parent)!r}, 5 frames, 0 s to 0.4 s)"

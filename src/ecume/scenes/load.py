@@ -9,8 +9,9 @@ from pathlib import Path as File
 from typing import Any, NamedTuple
 
 from ecume.errors import Fault, SceneError
-from ecume.scenes.faults import Path, read_path, written
+from ecume.scenes.faults import Inconsistent, Path, echo, read_path, written
 from ecume.scenes.files import NotText, text_of
+from ecume.scenes.floating.sources import RUN as START
 from ecume.scenes.floating.sources import SOURCES, rows_from
 from ecume.scenes.overrides import overridden
 from ecume.scenes.places import place_of, places
@@ -24,6 +25,8 @@ OVERRIDDEN = " (from --set)"
 """Behind a fault that the command line brought in."""
 OF_SWEEPS = {"axes", "sampling", "process", "template"}
 """Keys that only a sweep's file has."""
+FROM_ELSEWHERE = {"particles", "rows", "fluid", "cell"}
+"""Tables that a start fills in: without it they have no faults of their own."""
 LONGEST_NAME = 200
 """Of a file: about a longer one the system would rather not be asked."""
 
@@ -57,11 +60,14 @@ def load_scene(path_or_text: str | File, overrides: Sequence[str] = ()) -> Scene
 def assembled(raw: dict[str, Any], folder: File) -> tuple[Scene | None, list[tuple[Path, str]]]:
     """The scene of plain data with what the files hold that it names, and all that is wrong."""
     name_liquid(raw)
+    started = START in raw
     dry = sources_followed(raw, folder)
     rows = rows_from(raw, folder)
     if rows.plain and not rows.faults:
         raw["rows"] = rows.plain
     scene, found = examined(raw, also=SOURCES)
+    if started and (dry or rows.faults):
+        found = [fault for fault in found if fault[0] and fault[0][0] not in FROM_ELSEWHERE]
     # Without its rows a scene has nothing afloat, without its file a region has no shape: no faults of their own.
     excused = {path[:-1] or ("fluid",) for path, _ in dry} | ({("particles",)} if rows.faults else set())
     faults = dry + rows.faults + rows.with_origins([fault for fault in found if fault[0] not in excused])
@@ -94,11 +100,31 @@ def sources_followed(raw: dict[str, Any], folder: File) -> list[tuple[Path, str]
         from ecume.scenes.floating.surroundings import follow_current
 
         return follow_current(raw, folder)
+    if raw.get("model") in ("soft", "tracers"):
+        return _started(raw, folder)
     if raw.get("model") != "sph":
         return []
     from ecume.scenes.sph.sources import follow_sources
 
     return follow_sources(raw, folder)
+
+
+def _started(raw: dict[str, Any], folder: File) -> list[tuple[Path, str]]:
+    """Put the particles of another run or program into the species of a scene of soft spheres or tracers."""
+    if START not in raw:
+        return []
+    from ecume.scenes.starts import filled, is_run, of_run, opened
+
+    given = raw.pop(START)
+    try:
+        start, faults = (of_run(folder, given, raw["model"]), []) if is_run(given) else opened(given, folder)
+        if start is not None:
+            filled(raw, start)
+    except Inconsistent as fault:
+        return list(fault.complaints)
+    except ValueError as fault:
+        return [((START,), f"{echo(given)} {fault}")]
+    return faults
 
 
 def source_of(path_or_text: str | File) -> Source:

@@ -94,6 +94,9 @@ class ParticleSpec:
     velocity: Speeds | None = None
     """The initial velocity of all particles of the species (m/s); by default zero. Effect: drag damps it within the
     relaxation time."""
+    velocities: tuple[Speeds, ...] = ()
+    """Individual initial velocities, one per position (m/s); take precedence over `velocity`. Effect: drag damps
+    them within the relaxation time."""
     color: Color | None = None
     """The color in pictures: `#rrggbb`, or an English name. Effect: none on the motion."""
 
@@ -101,6 +104,9 @@ class ParticleSpec:
     def _consistent(self) -> Self:
         if self.positions and self.count not in (0, len(self.positions)):
             raise Inconsistent([(("count",), f"got {self.count}; there are {len(self.positions)} positions")])
+        if len(self.velocities) not in (0, len(self.positions)):
+            message = f"got {len(self.velocities)}; there are {len(self.positions)} positions"
+            raise Inconsistent([(("velocities",), message)])
         if not self.count:
             object.__setattr__(self, "count", len(self.positions) or 1)
         return self
@@ -315,7 +321,8 @@ def _coordinates(scene: TracersScene) -> Complaints:
     points: list[tuple[Path, Any]] = [(("flow", "velocity"), scene.flow.velocity)]
     for index, species in enumerate(scene.particles):
         points += [(("particles", index, key), getattr(species, key)) for key in ("low", "high", "velocity")]
-        points += [(("particles", index, "positions", place), point) for place, point in enumerate(species.positions)]
+        for key in ("positions", "velocities"):
+            points += [(("particles", index, key, place), point) for place, point in enumerate(getattr(species, key))]
     for index, body in enumerate(scene.obstacles):
         points += [(("obstacles", index, key), getattr(body, key)) for key in ("low", "high", "center")]
     for index, hole in enumerate(scene.openings):

@@ -47,7 +47,7 @@ class Frame(NamedTuple):
     def __repr__(self) -> str:
         """`Frame(time=0.5 s, 60 particles; arrays: position, velocity; numbers: clusters, kinetic_energy)`."""
         count = len(next(iter(self.arrays.values()), ()))
-        arrays, numbers = ", ".join(self.arrays), ", ".join(self.numbers)
+        arrays, numbers = _few(list(self.arrays)), _few(list(self.numbers))
         return f"Frame(time={self.time:.6g} s, {count} particles; arrays: {arrays}; numbers: {numbers})"
 
     def with_arrays(self, arrays: Mapping[str, NDArray[Any]]) -> Frame:
@@ -58,3 +58,13 @@ class Frame(NamedTuple):
     def _repr_html_(self) -> str | None:
         """The notebook view: the particles, to turn and to click."""
         return html_of(self)
+
+
+SHOWN = 5
+"""Names in a `repr`."""
+
+
+def _few(names: list[str]) -> str:
+    """The first names, and how many more there are."""
+    more = [f"{len(names) - SHOWN} more"] if len(names) > SHOWN else []
+    return ", ".join([*names[:SHOWN], *more])

@@ -255,3 +255,16 @@ def test_what_makes_no_sense_is_refused_with_its_place():
 @pytest.mark.parametrize(("text", "kelvin"), [("20 degC", 293.15), ("300 K", 300.0), (280.0, 280.0), ("-5 °C", 268.15)])
 def test_a_temperature_may_be_in_degrees(text, kelvin):
     assert FluidSpec(temperature=text).temperature == pytest.approx(kelvin)
+
+
+def test_each_tracer_may_start_with_a_velocity_of_its_own():
+    places = ((0.0, 0.0), (0.5, 0.0))
+    grains = ParticleSpec(radius=1e-3, density=2500.0, positions=places, velocities=((0.1, 0.0), (0.0, -0.2)))
+    slow = ParticleSpec(radius=1e-3, density=2500.0, positions=((1.0, 0.0),), velocity=(0.0, 0.3))
+    first = next(ecume.simulate(TracersScene(particles=(grains, slow), **STILL)))
+    assert first.arrays["velocity"].tolist() == [[0.1, 0.0], [0.0, -0.2], [0.0, 0.3]]
+    with pytest.raises(SceneError, match="velocities: got 1; there are 2 positions"):
+        ParticleSpec(radius=1e-3, density=2500.0, positions=places, velocities=((0.1, 0.0),))
+    wide = ParticleSpec(radius=1e-3, density=2500.0, positions=places, velocities=((0.1, 0.0, 0.0),) * 2)
+    with pytest.raises(SceneError, match=r"particles\[0\]\.velocities\[0\]: got 3 coordinates; expected 2"):
+        TracersScene(particles=(wide,), **STILL)

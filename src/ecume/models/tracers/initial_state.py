@@ -31,10 +31,15 @@ def start(scene: TracersScene, parameters: Parameters) -> State:
         places.append(placed)
     if faults:
         raise SceneError(faults)
-    velocity = np.concatenate(
-        [np.tile(species.velocity or (0.0,) * scene.dimensions, (species.count, 1)) for species in scene.particles]
-    )
+    velocity = np.concatenate([velocities(species, scene.dimensions) for species in scene.particles])
     return make_state(np.concatenate(places), velocity.astype(np.float64), len(surfaces.kind))
+
+
+def velocities(species: ParticleSpec, dimensions: int) -> Array:
+    """The initial velocities of a species."""
+    if species.velocities:
+        return np.array(species.velocities, np.float64)
+    return np.tile(species.velocity or (0.0,) * dimensions, (species.count, 1))
 
 
 def outside(placed: Array, species: ParticleSpec, surfaces: Surfaces, index: int) -> list[Fault]:

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 from pydantic import TypeAdapter, ValidationError
 
 from ecume.errors import EcumeError
-from ecume.scenes.faults import Path, echo, faults_of, written
+from ecume.scenes.faults import Inconsistent, Path, echo, faults_of, written
 from ecume.scenes.files import beside, require_there, text_of
 from ecume.scenes.floating import SurfaceEnergies
 from ecume.scenes.quantities import STRICT, Color, ContactAngle, Name, PositiveDensity, Radius, Velocity
@@ -80,6 +80,8 @@ def rows_from(raw: dict[str, Any], folder: Folder) -> Rows:
     if len(given) > 1 or "rows" in raw:
         return failed(next(iter(given)), ["of particles_from, start_from and rows only one can stand in a scene"])
     ((key, name),) = given.items()
+    if key == RUN and not isinstance(name, str):
+        return _from_file(raw, folder, name)
     if not isinstance(name, str):
         return failed(key, [f"got {echo(name)}; expected text"])
     try:
@@ -146,10 +148,42 @@ LAYOUT = ("count", "placement", "positions", "spacing", "ring_radius", "center")
 
 
 def _from_run(raw: dict[str, Any], folder: Folder, name: str) -> Rows:
-    if raw.get("particles"):
-        return failed(RUN, ["start_from brings all the floats; leave [[particles]] out"], ("particles",))
+    """The floats of a run; species of the scene replace keys of those of the run with the same name."""
+    from ecume.scenes.starts import matched, of_run, refuse_a_file, tables_of
+
+    refuse_a_file(name)
     plain = _rows_of_frame(*frame_of_run(folder, name))
+    try:
+        tables = tables_of(raw)
+        if tables:
+            matched(of_run(folder, name, "floating"), tables)
+    except Inconsistent as fault:
+        return Rows(RUN, [], [], list(fault.complaints))
+    changes = {str(one["name"]): one for one in tables}
+    plain = [_changed(row, changes.get(row["species_name"], {})) for row in plain]
+    raw.pop("particles", None)
     return Rows(RUN, plain, [f"{name}, float {number}" for number in range(1, len(plain) + 1)], [])
+
+
+def _changed(row: dict[str, Any], now: Mapping[str, Any]) -> dict[str, Any]:
+    """A float with other properties; a shape or a wetting of the scene takes the place of that of the run."""
+    wetting = {"contact_angle", "surface_energies", "disc", "shape"}
+    kept = {key: value for key, value in row.items() if key not in wetting or not wetting & now.keys()}
+    return {**kept, **{key: value for key, value in now.items() if key != "name"}}
+
+
+def _from_file(raw: dict[str, Any], folder: Folder, value: object) -> Rows:
+    """The floats of a file of another program."""
+    from ecume.scenes.starts import float_rows, opened
+
+    start, faults = opened(value, folder)
+    if start is None:
+        return Rows(RUN, [], [], faults)
+    try:
+        plain, origins = float_rows(raw, start)
+    except Inconsistent as fault:
+        return Rows(RUN, [], [], list(fault.complaints))
+    return Rows(RUN, plain, origins, [])
 
 
 def _run_and_frame(folder: Folder, name: str) -> tuple[Folder, int]:

@@ -83,7 +83,9 @@ def follow_sources(raw: dict[str, Any], folder: Folder) -> Complaints:
     """Put what the scene's sources say into `raw`; what is wrong with them comes back."""
     faults: Complaints = []
     if RUN in raw:
-        faults += followed((RUN,), _start_from, raw, raw.pop(RUN), folder)
+        given = raw.pop(RUN)
+        follow = _from_file(raw, given, folder) if not isinstance(given, str) else None
+        faults += followed((RUN,), _start_from, raw, given, folder) if follow is None else follow
     regions = raw.get("fluid")
     for index, region in enumerate(regions if isinstance(regions, list) else []):
         if not isinstance(region, dict):
@@ -127,7 +129,9 @@ def particles_of(columns: Mapping[str, list[float]]) -> dict[str, Any]:
 def _start_from(raw: dict[str, Any], name: str, folder: Folder) -> None:
     """One region for each of the run's."""
     from ecume.scenes.floating.sources import frame_of_run
+    from ecume.scenes.starts import refuse_a_file
 
+    refuse_a_file(name)
     if raw.get("fluid"):
         raise ValueError("brings all the liquid; leave [[fluid]] out")
     frame, scene = frame_of_run(folder, name)
@@ -138,6 +142,22 @@ def _start_from(raw: dict[str, Any], name: str, folder: Folder) -> None:
     species = frame.arrays["species"]
     regions = [(species == number, region) for number, region in enumerate(scene.fluid) if (species == number).any()]
     raw["fluid"] = [_region(frame.arrays, mine, region) for mine, region in regions]
+
+
+def _from_file(raw: dict[str, Any], given: object, folder: Folder) -> Complaints:
+    """One region for each type of a file of another program."""
+    from ecume.scenes.starts import opened, regions
+
+    if raw.get("fluid"):
+        return [(("fluid",), "has no meaning beside start_from, which contains all the liquid")]
+    start, faults = opened(given, folder)
+    if start is None:
+        return faults
+    try:
+        raw["fluid"] = regions(raw, start)
+    except Inconsistent as fault:
+        return list(fault.complaints)
+    return []
 
 
 def _length(said: object) -> object:

@@ -51,10 +51,12 @@ def require_no_torque(parameters: Parameters, state: State) -> None:
 def require_gaps(parameters: Parameters, position: Array, box: Box) -> None:
     """Undeformed spheres that overlap have no film between them."""
     touching = parameters._replace(contacts=parameters.contacts._replace(fade_from=0.0))
-    pair, _, _ = neighbors(touching, position, box)
+    pair, _, between = neighbors(touching, position, box)
     if len(pair):
         first, second = pair[0]
-        told = f"spheres {first} and {second} overlap before they are deformed; expected a gap for the film"
+        overlap = parameters.radius[pair[0]].sum() - np.linalg.norm(between[0])
+        told = f"spheres {first} and {second} overlap by {overlap:.3g} m before they are deformed"
+        told = f"{told}; expected a gap for the film"
         raise SceneError([Fault("particles", told)])
     gap = wall_gaps(parameters, position, parameters.walls.place)
     if not (gap > 0.0).all():

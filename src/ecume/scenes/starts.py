@@ -1,0 +1,437 @@
+"""Starts from particles elsewhere: a frame of another run, or a file of another program.
+
+`start_from = "runs/bowl@-1"` is a frame of a run; a table is a file of another program:
+
+    start_from = { file = "packing.gsd", length_unit = "1 mm", time_unit = "1 ms" }
+
+The particles are matched with the species of the scene, `[[particles]]`, by the names of their types. What a species
+states, its radius for example, takes precedence over what the file contains.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+from collections.abc import Mapping, Sequence
+from pathlib import Path as Folder
+from typing import Annotated, Any, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import Field, TypeAdapter, ValidationError
+
+from ecume.scenes.faults import Complaints, Inconsistent, Path, echo, faults_of, suggestion
+from ecume.scenes.files import beside, require_there, text_of
+from ecume.scenes.quantities import STRICT, Duration, Name, Size
+from ecume.scenes.tables import MOST_BYTES
+from ecume.scenes.validated import dataclass
+from ecume.trajectories.foreign import gsd, lammps, xyz
+from ecume.trajectories.foreign.particles import FileFault, Particles
+from ecume.units import Mass, Unit
+
+RUN = "start_from"
+LAYOUT = ("count", "placement", "positions", "velocities", "spacing", "ring_radius", "center", "low", "high")
+"""Keys of a species that state where its particles are."""
+FORMATS = {
+    ".gsd": "gsd", ".xyz": "xyz", ".extxyz": "xyz", ".data": "lammps", ".lmp": "lammps", ".lammps": "lammps",
+}  # fmt: skip
+"""The format of a file, by the end of its name."""
+ANOTHER_FRAME = re.compile(r"(.+)@(-?[0-9]{1,9})")
+ALIKE = 1e-5
+"""The relative difference of sides that are equal: files hold them in single precision."""
+FLAT = 1e-6
+"""The range of z over that of x and y in a file with two dimensions."""
+NO_MEANING = "has no meaning beside start_from, which contains the positions"
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class StartSpec:
+    """A file of another program from which a scene starts, and the units of its numbers."""
+
+    file: Annotated[str, Field(min_length=1, max_length=1000)]
+    """The file, beside the scene's: GSD (`.gsd`), XYZ or extended XYZ (`.xyz`, `.extxyz`), LAMMPS data (`.data`,
+    `.lmp`). `NAME@FRAME` is a frame, by default the last one. Example: `"packing.gsd@-1"`. Effect: sets the start."""
+    length_unit: Size
+    """The unit of length of the file, such as 1 mm where one sigma means a millimeter (m). Effect: scales positions
+    and diameters."""
+    time_unit: Duration | None = None
+    """The unit of time of the file (s); without it velocities are ignored. Effect: velocities are proportional to
+    the unit of length divided by it."""
+    mass_unit: Annotated[Mass, Field(gt=0.0, le=1e15)] | None = None
+    """The unit of mass of the file (kg); without it masses and densities are ignored. Effect: scales masses and
+    densities."""
+    species: dict[Name, Name] = dataclasses.field(default_factory=dict)
+    """The species of the scene for each type of the file; by default the one of the same name, or, of types that are
+    numbers, the one at this place. Example: `{ A = "small", B = "large" }`. Effect: determines the species of each
+    particle."""
+    format: Literal["", "gsd", "xyz", "lammps"] = ""
+    """The format of the file; by default it follows from the end of its name. Effect: selects the reader."""
+
+
+class Start(NamedTuple):
+    """Particles in SI units, and the species of the scene that their types mean."""
+
+    particles: Particles
+    name: str
+    """The file or run, as the scene names it."""
+    species: Mapping[str, str]
+    """The species of each type, where it differs."""
+    known: Mapping[str, Mapping[str, Any]]
+    """The species of the former run with their keys; empty for a file."""
+
+
+def is_run(value: object) -> bool:
+    """Whether `start_from` names a frame of a run."""
+    return isinstance(value, str)
+
+
+def opened(value: object, folder: Folder) -> tuple[Start | None, Complaints]:
+    """The particles of a file of another program, or what is wrong. `value` is what `start_from` holds."""
+    if not isinstance(value, Mapping):
+        return None, [((RUN,), f"got {echo(value)}; expected the text RUN@FRAME or a table with file and length_unit")]
+    try:
+        spec = TypeAdapter(StartSpec).validate_python(dict(value))
+    except ValidationError as error:
+        return None, [((RUN, *path), message) for path, message in faults_of(error, StartSpec, value)]
+    try:
+        return Start(_in_si(_read(spec, folder), spec), spec.file, spec.species, {}), []
+    except FileFault as fault:
+        return None, [((RUN, "file"), f"{spec.file}, {fault}")]
+    except ValueError as fault:
+        return None, [((RUN, "file"), f"{echo(spec.file)} {fault}")]
+
+
+def refuse_a_file(name: str) -> None:
+    """Raise ValueError where the text of `start_from` names a file of another program."""
+    match = ANOTHER_FRAME.fullmatch(name)
+    if Folder(match[1] if match else name).suffix.lower() in FORMATS:
+        table = f'start_from = {{ file = "{name}", length_unit = "1 mm" }}'
+        raise ValueError(f"is a file without units; expected a table such as {table}")
+
+
+def _read(spec: StartSpec, folder: Folder) -> Particles:
+    """The particles in the units of the file. Raises ValueError."""
+    path, frame = beside(folder, spec.file), -1
+    match = ANOTHER_FRAME.fullmatch(spec.file)
+    if match and not path.is_file():
+        path, frame = beside(folder, match[1]), int(match[2])
+    require_there(path, folder)
+    kind = spec.format or FORMATS.get(path.suffix.lower(), "")
+    if not path.is_file():
+        raise ValueError('is no plain file; a run is named by text, as in start_from = "runs/bowl@-1"')
+    if kind == "gsd":
+        return gsd.read(path, frame)
+    if kind == "xyz":
+        return xyz.read(text_of(path, MOST_BYTES), frame)
+    if kind == "lammps":
+        return lammps.read(text_of(path, MOST_BYTES))
+    raise ValueError(f"has an unknown ending; expected one of {', '.join(FORMATS)}, or format in start_from")
+
+
+def _in_si(found: Particles, spec: StartSpec) -> Particles:
+    """The particles in SI units; what has no unit is dropped."""
+    length, mass = spec.length_unit, spec.mass_unit
+    x, y, z = found.sides or (0.0, 0.0, 0.0)
+    return found._replace(
+        position=length * found.position,
+        velocity=_times(found.velocity, length / spec.time_unit if spec.time_unit else None),
+        diameter=_times(found.diameter, length),
+        mass=_times(found.mass, mass),
+        density=_times(found.density, mass / length**3 if mass else None),
+        sides=None if found.sides is None else (x * length, y * length, z * length),
+        tilt=length * found.tilt,
+    )
+
+
+def _times(values: NDArray[np.float64] | None, unit: float | None) -> NDArray[np.float64] | None:
+    return None if values is None or unit is None else unit * values
+
+
+def of_run(folder: Folder, name: str, model: str) -> Start:
+    """The particles of a frame of another run, with its species if it is of the same model. Raises ValueError."""
+    from ecume.scenes.floating.sources import frame_of_run
+
+    refuse_a_file(name)
+    frame, scene = frame_of_run(folder, name)
+    arrays, numbers = frame.arrays, frame.numbers
+    if "species" not in arrays or not len(arrays["species"]):
+        raise ValueError(f"is a run of the model {scene.model!r}, whose frames have no species")
+    position = np.zeros((len(arrays["position"]), 3))
+    position[:, : arrays["position"].shape[1]] = arrays["position"]
+    velocity = np.zeros_like(position)
+    if "velocity" in arrays:
+        velocity[:, : arrays["velocity"].shape[1]] = arrays["velocity"]
+    sides = [float(numbers.get(key, 0.0)) for key in ("box_width", "box_height", "box_depth")]
+    tilt = float(numbers.get("box_tilt", 0.0))
+    particles = Particles(
+        tuple(kind.name for kind in scene.kinds),
+        arrays["species"],
+        position,
+        velocity if "velocity" in arrays else None,
+        2.0 * arrays["radius"] if "radius" in arrays else None,
+        sides=(sides[0], sides[1], sides[2]) if sides[0] > 0.0 else None,
+        tilt=abs(tilt - sides[0] * round(tilt / sides[0])) if sides[0] > 0.0 else 0.0,
+    )
+    return Start(particles, name, {}, _keys_of(scene) if scene.model == model else {})
+
+
+def _keys_of(scene: Any) -> dict[str, dict[str, Any]]:
+    """The keys of each species of a run, without those of positions; rows have none."""
+    found: dict[str, dict[str, Any]] = {kind.name: {} for kind in scene.kinds}
+    for kind, one in zip(scene.kinds, getattr(scene, "particles", ()), strict=False):
+        found[kind.name] = {key: value for key, value in table_of(one).items() if key not in LAYOUT}
+    return found
+
+
+def table_of(entry: Any) -> dict[str, Any]:
+    """A species as a table: a dictionary, or the values of a dataclass that differ from its defaults."""
+    if isinstance(entry, Mapping):
+        return dict(entry)
+    values = {field.name: (getattr(entry, field.name), field.default) for field in dataclasses.fields(entry)}
+    return {name: value for name, (value, default) in values.items() if value != default}
+
+
+def tables_of(raw: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """The species of a scene's plain data. Raises Inconsistent for positions beside them."""
+    given = raw.get("particles", [])
+    tables = given if isinstance(given, (list, tuple)) else [given]
+    if not all(isinstance(one, Mapping) or dataclasses.is_dataclass(one) for one in tables):
+        raise Inconsistent([(("particles",), f"got {echo(given)}; expected [[particles]] tables")])
+    found = [table_of(one) for one in tables]
+    wrong: Complaints = [
+        (("particles", index, key), NO_MEANING) for index, one in enumerate(found) for key in LAYOUT if key in one
+    ]
+    if wrong:
+        raise Inconsistent(wrong)
+    return found
+
+
+class Species(NamedTuple):
+    """A species of the scene with its particles."""
+
+    place: int | None
+    """Of its table among those of the scene; None where the former run alone describes it."""
+    keys: dict[str, Any]
+    which: NDArray[np.int64]
+    """The numbers of its particles in the file."""
+
+
+def matched(start: Start, tables: Sequence[Mapping[str, Any]]) -> list[Species]:
+    """The species with their particles, those of the scene first. Raises Inconsistent."""
+    names = [str(one.get("name", "")) for one in tables]
+    types = [start.particles.names[kind] for kind in sorted(set(start.particles.kind.tolist()))]
+    if start.known:
+        unknown = [(index, name) for index, name in enumerate(names) if name not in start.known]
+        if unknown:
+            raise Inconsistent([_unknown(index, name, start) for index, name in unknown])
+    places = {each: _place(each, start, names, len(types)) for each in types}
+    lost: Complaints = [
+        (
+            ("particles", index, "name"),
+            f"got {name!r}; {start.name} has no particle of it: its types are {_listed(types)}",
+        )
+        for index, name in enumerate(names)
+        if index not in places.values()
+    ]
+    if lost:
+        raise Inconsistent(lost)
+    found: list[Species] = []
+    for place in sorted(set(places.values()), key=lambda one: (one is None, one)):
+        mine = [each for each in types if places[each] == place]
+        groups = [[each] for each in mine] if place is None else [mine]
+        for group in groups:
+            kinds = [number for number, name in enumerate(start.particles.names) if name in group]
+            former = dict(start.known.get(group[0], {}))
+            keys = {**_overruled(former, tables[place] if place is not None else {})}
+            keys.setdefault("name", group[0])
+            found.append(Species(place, keys, np.flatnonzero(np.isin(start.particles.kind, kinds))))
+    return found
+
+
+def _overruled(former: dict[str, Any], now: Mapping[str, Any]) -> dict[str, Any]:
+    """The keys of a species with those of the scene; a new wetting or shape replaces the former one."""
+    wetting = {"contact_angle", "surface_energies", "disc", "shape"}
+    if wetting & now.keys():
+        former = {key: value for key, value in former.items() if key not in wetting}
+    return {**former, **now}
+
+
+def _unknown(index: int, name: str, start: Start) -> tuple[Path, str]:
+    if not name:
+        return ("particles", index, "name"), f"is missing; expected one of {_listed(start.known)} as in {start.name}"
+    return (
+        "particles",
+        index,
+        "name",
+    ), f"got {name!r}; {start.name} has no such species; {suggestion(name, start.known)}"
+
+
+def _place(each: str, start: Start, names: Sequence[str], types: int) -> int | None:
+    """The place of the species that a type means; None where the former run describes it. Raises Inconsistent."""
+    target = start.species.get(each, each)
+    if target in names:
+        return names.index(target)
+    if start.known:
+        return None
+    if each not in start.species and each.isascii() and each.isdigit() and 1 <= int(each) <= len(names):
+        return int(each) - 1
+    if each not in start.species and len(names) == types == 1:
+        return 0
+    species = f"the species are {_listed(names)}" if names else "the scene has no [[particles]]"
+    hint = f"expected a species named {target!r}, or species = {{ {each} = NAME }} in start_from"
+    raise Inconsistent([((RUN,), f"{start.name} has particles of type {each!r}, and {species}; {hint}")])
+
+
+def _listed(names: Sequence[str] | Mapping[str, Any]) -> str:
+    return ", ".join(map(repr, names))
+
+
+def dimensions_of(raw: Mapping[str, Any], particles: Particles) -> int:
+    """The dimensions of a scene, from its container or, without one, from the file."""
+    tank, cell = raw.get("tank"), raw.get("cell")
+    lists = [tank.get("high"), tank.get("low"), *(tank.get("vertices") or ())] if isinstance(tank, Mapping) else []
+    lists += [cell.get("size")] if isinstance(cell, Mapping) else []
+    for one in lists:
+        if isinstance(one, (list, tuple)) and len(one) in (2, 3):
+            return len(one)
+    if isinstance(tank, Mapping):
+        return 3 if tank.get("dimensions") == 3 else 2
+    return 2 if raw.get("model") == "floating" or _is_flat(particles) else 3
+
+
+def _is_flat(particles: Particles) -> bool:
+    spans = np.ptp(particles.position, axis=0)
+    return bool(spans[2] <= FLAT * max(spans[0], spans[1]))
+
+
+def require_dimensions(start: Start, dimensions: int) -> None:
+    """Raise Inconsistent where a file has three dimensions and the scene two."""
+    if dimensions == 2 and not _is_flat(start.particles):
+        low, high = start.particles.position[:, 2].min(), start.particles.position[:, 2].max()
+        message = f"{start.name} is 3D: z is from {low:.4g} m to {high:.4g} m; the scene has 2 dimensions"
+        raise Inconsistent([((RUN,), message)])
+
+
+def require_box(raw: dict[str, Any], start: Start, dimensions: int) -> None:
+    """Fill in the periodic cell, or raise Inconsistent where that of the scene differs from the box of the file."""
+    cell, sides = raw.get("cell"), start.particles.sides
+    if not isinstance(cell, dict) or raw.get("walls"):
+        return
+    if cell.get("volume_fraction") is not None:
+        raise Inconsistent([(("cell", "volume_fraction"), NO_MEANING)])
+    if sides is None:
+        return
+    if start.particles.tilt > ALIKE * max(sides):
+        message = f"{start.name} has a box tilted by {start.particles.tilt:.4g} m; expected a rectangular one"
+        raise Inconsistent([((RUN,), message)])
+    size = cell.setdefault("size", list(sides[:dimensions]))
+    own = [_length(side) for side in size] if isinstance(size, (list, tuple)) else []
+    if len(own) == dimensions and all(own):
+        _compare(own, sides, ("cell", "size"), start)
+
+
+def require_periods(raw: Mapping[str, Any], start: Start) -> None:
+    """Raise Inconsistent where the sides of a tank are periodic and the box of the file is of another size."""
+    tank, sides = raw.get("tank"), start.particles.sides
+    if not isinstance(tank, Mapping) or sides is None or not isinstance(tank.get("high"), (list, tuple)):
+        return
+    high = [_length(each) for each in tank["high"]]
+    low = [_length(each) for each in tank.get("low") or [0.0] * len(high)]
+    for axis, side in enumerate(("left", "bottom", "back" if len(high) == 3 else "")[: len(high)]):
+        wall = tank.get(side)
+        if isinstance(wall, Mapping) and wall.get("kind") == "periodic" and len(low) == len(high):
+            ends = low[axis], high[axis]
+            if ends[0] is not None and ends[1] is not None:
+                _compare([ends[1] - ends[0]], sides[axis : axis + 1], ("tank", "high"), start)
+
+
+def _compare(own: Sequence[float | None], sides: Sequence[float], path: Path, start: Start) -> None:
+    if any(one is None or abs(one - side) > ALIKE * side for one, side in zip(own, sides, strict=False)):
+        there = ", ".join(f"{side:.6g} m" for side in sides[: len(own)])
+        here = ", ".join(f"{one:.6g} m" for one in own)
+        raise Inconsistent([(path, f"got {here}; the periodic box of {start.name} is {there}; check length_unit")])
+
+
+def _length(value: object) -> float | None:
+    try:
+        return Unit("m").number(value)
+    except ValueError:
+        return None
+
+
+def filled(raw: dict[str, Any], start: Start) -> None:
+    """Put positions into the species of a scene of soft spheres or tracers. Raises Inconsistent."""
+    dimensions = dimensions_of(raw, start.particles)
+    require_dimensions(start, dimensions)
+    require_box(raw, start, dimensions)
+    species, faults = [], []
+    for one in matched(start, tables_of(raw)):
+        particles = start.particles
+        if "radius" not in one.keys:
+            faults += _take_radius(one, start)
+        moving = raw["model"] == "tracers" and particles.velocity is not None
+        velocities = {"velocities": particles.velocity[one.which, :dimensions].tolist()} if moving else {}  # type: ignore[index]
+        species.append({**one.keys, "positions": particles.position[one.which, :dimensions].tolist(), **velocities})
+    if faults:
+        raise Inconsistent(faults)
+    raw["particles"] = species
+
+
+def _take_radius(one: Species, start: Start) -> Complaints:
+    """The radius of a species from the diameters of the file, which must be equal."""
+    path: Path = ("particles", one.place or 0, "radius")
+    if start.particles.diameter is None:
+        return [(path, f"is missing; {start.name} has no diameters")]
+    mine = start.particles.diameter[one.which]
+    if np.ptp(mine) > ALIKE * mine.max():
+        spread = f"{mine.min():.4g} m to {mine.max():.4g} m"
+        return [(path, f"is missing; {start.name} has diameters from {spread} in this species: expected equal ones")]
+    one.keys["radius"] = 0.5 * float(mine[0])
+    return []
+
+
+def float_rows(raw: dict[str, Any], start: Start) -> tuple[list[dict[str, Any]], list[str]]:
+    """The rows of a scene of floats, and the origin of each. Raises Inconsistent."""
+    require_dimensions(start, 2)
+    require_box(raw, start, 2)
+    found = matched(start, tables_of(raw))
+    faults: Complaints = []
+    for one in found:
+        if "density" not in one.keys:
+            faults.append((("particles", one.place or 0, "density"), "is missing; expected for example '1030 kg/m^3'"))
+        if "radius" not in one.keys and start.particles.diameter is None:
+            faults.append((("particles", one.place or 0, "radius"), f"is missing; {start.name} has no diameters"))
+    if faults:
+        raise Inconsistent(faults)
+    rows = {int(index): _row(one, start.particles, int(index)) for one in found for index in one.which}
+    origins = [f"{start.name}, particle {index + 1}" for index in sorted(rows)]
+    raw.pop("particles", None)
+    return [rows[index] for index in sorted(rows)], origins
+
+
+def _row(one: Species, particles: Particles, index: int) -> dict[str, Any]:
+    keys = {key: value for key, value in one.keys.items() if key not in ("name", "velocity")}
+    if "radius" not in keys and particles.diameter is not None:
+        keys["radius"] = 0.5 * float(particles.diameter[index])
+    x, y = particles.position[index, :2].tolist()
+    given = one.keys.get("velocity", (0.0, 0.0))
+    vx, vy = given if particles.velocity is None else particles.velocity[index, :2].tolist()
+    return {"x": x, "y": y, "vx": vx, "vy": vy, **keys, "species_name": one.keys["name"]}
+
+
+def regions(raw: dict[str, Any], start: Start) -> list[dict[str, Any]]:
+    """The regions of a tank, one per type of the file. Raises Inconsistent."""
+    dimensions = dimensions_of(raw, start.particles)
+    require_dimensions(start, dimensions)
+    require_periods(raw, start)
+    particles, found = start.particles, []
+    for kind in sorted(set(particles.kind.tolist())):
+        which = particles.kind == kind
+        lists = {"positions": particles.position[which, :dimensions].tolist()}
+        if particles.velocity is not None:
+            lists["velocities"] = particles.velocity[which, :dimensions].tolist()
+        for key, values in (("masses", particles.mass), ("densities", particles.density)):
+            if values is not None:
+                lists[key] = values[which].tolist()
+        found.append({"particles": lists})
+    return found

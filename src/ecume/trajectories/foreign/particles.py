@@ -1,0 +1,81 @@
+"""The particles of a file of another program, and how its faults are reported."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+MOST_PARTICLES = 1_000_000
+LONGEST_WORD = 40
+
+
+class Particles(NamedTuple):
+    """Particles in the units of their file; `None` for what the file does not contain."""
+
+    names: tuple[str, ...]
+    """The types, in the order of their numbers."""
+    kind: NDArray[np.int64]
+    """(N,) the number of each particle's type"""
+    position: NDArray[np.float64]
+    """(N, 3)"""
+    velocity: NDArray[np.float64] | None = None
+    """(N, 3)"""
+    diameter: NDArray[np.float64] | None = None
+    mass: NDArray[np.float64] | None = None
+    density: NDArray[np.float64] | None = None
+    sides: tuple[float, float, float] | None = None
+    """The periodic box."""
+    tilt: float = 0.0
+    """The largest of the tilts of the box; 0 for a rectangular one."""
+
+
+class FileFault(ValueError):
+    """A fault of a file, with its line."""
+
+    def __init__(self, message: str, line: int | None = None) -> None:
+        self.line = line
+        super().__init__(f"line {line}: {message}" if line is not None else message)
+
+
+def number(word: str, line: int) -> float:
+    """A finite number. Raises FileFault."""
+    try:
+        value = float(word) if word.isascii() and "_" not in word else math.nan
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise FileFault(f"got {word[:LONGEST_WORD]!r}; expected a number", line)
+    return value
+
+
+def whole(word: str, line: int, least: int = 0) -> int:
+    """A whole number. Raises FileFault."""
+    if not (word.isascii() and word.isdigit() and len(word) < 19 and int(word) >= least):
+        raise FileFault(f"got {word[:LONGEST_WORD]!r}; expected a whole number of {least} or more", line)
+    return int(word)
+
+
+def require_count(count: int, lines: int, line: int) -> None:
+    """Raise FileFault where a file announces more particles than it can have."""
+    if count > MOST_PARTICLES:
+        raise FileFault(f"announces {count} particles; at most {MOST_PARTICLES} can be read", line)
+    if count > lines:
+        raise FileFault(f"announces {count} particles, and {lines} lines follow", line)
+
+
+def frame_number(index: int, frames: int) -> int:
+    """The number of a frame, from the end where it is negative. Raises ValueError."""
+    if not -frames <= index < frames:
+        raise ValueError(f"has no frame {index}; there are 0 to {frames - 1}, and -1 for the last")
+    return index % frames
+
+
+def numbered(words: Sequence[str]) -> tuple[tuple[str, ...], NDArray[np.int64]]:
+    """The different words in the order of their first use, and the number of each."""
+    names = tuple(dict.fromkeys(words))
+    place = {name: number for number, name in enumerate(names)}
+    return names, np.array([place[word] for word in words], np.int64)

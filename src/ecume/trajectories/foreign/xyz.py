@@ -1,0 +1,125 @@
+"""XYZ and extended XYZ: a number of particles, a comment, and a line per particle; frame after frame.
+
+The comment of an extended file names the columns (`Properties=species:S:1:pos:R:3:velo:R:3:radius:R:1`) and the box
+(`Lattice="10 0 0 0 10 0 0 0 10"`).
+"""
+
+from __future__ import annotations
+
+import itertools
+import re
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ecume.trajectories.foreign.particles import (
+    FileFault,
+    Particles,
+    frame_number,
+    number,
+    numbered,
+    require_count,
+    whole,
+)
+
+PLAIN = "species:S:1:pos:R:3"
+PAIR = re.compile(r'([A-Za-z_][\w-]*)\s*=\s*(?:"([^"]*)"|(\S+))')
+MOST_COLUMNS = 200
+MEANINGS = {
+    "position": ("pos", "position", "positions"),
+    "velocity": ("velo", "vel", "velocity", "velocities"),
+    "radius": ("radius", "radii"),
+    "diameter": ("diameter", "diameters"),
+    "mass": ("mass", "masses"),
+    "density": ("density", "densities"),
+    "species": ("species", "type", "element"),
+}
+"""The names of columns that are read, in lower case."""
+VECTORS = {"position", "velocity"}
+
+
+class Column(NamedTuple):
+    """Columns of one property."""
+
+    first: int
+    width: int
+
+
+def read(text: str, index: int = -1) -> Particles:
+    """The particles of a frame. Raises FileFault, or ValueError without a line."""
+    lines = text.splitlines()
+    starts = _starts(lines)
+    start = starts[frame_number(index, len(starts))]
+    comment = {key.lower(): quoted or bare for key, quoted, bare in PAIR.findall(lines[start + 1])}
+    columns, width = _columns(comment.get("properties", PLAIN), start + 2)
+    exact = "properties" in comment
+    rows = [line.split() for line in lines[start + 2 : start + 2 + int(lines[start])]]
+    for place, row in enumerate(rows, start + 3):
+        if len(row) < width or (exact and len(row) != width):
+            raise FileFault(f"got {len(row)} columns; expected {width}", place)
+    species = columns.get("species")
+    words = [row[species.first] for row in rows] if species else ["1"] * len(rows)
+    values = {name: _values(rows, one, start + 3) for name, one in columns.items() if name != "species"}
+    single = {name: array[:, 0] for name, array in values.items() if name not in VECTORS}
+    diameter = single.get("diameter", 2.0 * single["radius"] if "radius" in single else None)
+    names, kind = numbered(words)
+    sides, tilt = _box(comment, start + 2)
+    mass, density = single.get("mass"), single.get("density")
+    return Particles(names, kind, values["position"], values.get("velocity"), diameter, mass, density, sides, tilt)
+
+
+def _starts(lines: Sequence[str]) -> list[int]:
+    """The lines at which frames begin."""
+    found, place = [], 0
+    while place < len(lines):
+        if not lines[place].strip():
+            place += 1
+            continue
+        count = whole(lines[place].strip(), place + 1, least=1)
+        require_count(count, len(lines) - place - 2, place + 1)
+        found.append(place)
+        place += count + 2
+    if not found:
+        raise ValueError("is empty")
+    return found
+
+
+def _columns(properties: str, line: int) -> tuple[dict[str, Column], int]:
+    """The columns of each property that is read, and the number of all columns."""
+    parts = properties.split(":")
+    if len(parts) % 3 or len(parts) > 3 * MOST_COLUMNS:
+        raise FileFault(f"got Properties={properties[:60]}; expected name:type:columns, repeated", line)
+    found: dict[str, Column] = {}
+    width = 0
+    for name, _, count in zip(parts[::3], parts[1::3], parts[2::3], strict=True):
+        columns = whole(count, line, least=1)
+        if columns > MOST_COLUMNS:
+            raise FileFault(f"got {columns} columns of {name[:40]}; expected at most {MOST_COLUMNS}", line)
+        meaning = next((key for key, names in MEANINGS.items() if name.lower() in names), None)
+        if meaning is not None:
+            if columns != (3 if meaning in VECTORS else 1):
+                raise FileFault(f"got {columns} columns of {name}; expected {3 if meaning in VECTORS else 1}", line)
+            found.setdefault(meaning, Column(width, columns))
+        width += columns
+    if "position" not in found:
+        raise FileFault("got no column pos; expected pos:R:3 in Properties", line)
+    return found, width
+
+
+def _values(rows: Sequence[Sequence[str]], column: Column, line: int) -> NDArray[np.float64]:
+    cells = (number(row[column.first + k], line + place) for place, row in enumerate(rows) for k in range(column.width))
+    return np.fromiter(cells, np.float64).reshape(len(rows), column.width)
+
+
+def _box(comment: dict[str, str], line: int) -> tuple[tuple[float, float, float] | None, float]:
+    """The sides of the box and its tilt; none where it is not periodic."""
+    if "lattice" not in comment or "t" not in comment.get("pbc", "T").lower():
+        return None, 0.0
+    words = comment["lattice"].split()
+    if len(words) != 9:
+        raise FileFault(f"got a Lattice of {len(words)} numbers; expected 9", line)
+    matrix = np.array([number(word, line) for word in words]).reshape(3, 3)
+    off = max(abs(float(matrix[i, j])) for i, j in itertools.permutations(range(3), 2))
+    return (float(matrix[0, 0]), float(matrix[1, 1]), float(matrix[2, 2])), off
