@@ -149,6 +149,7 @@ SOFT = Model(
     advance=advance,
     observe=observe,
     constant=frozenset(["radius", "species"]),
+    main_numbers=("total_energy", "smallest_gap", "contacts", "imbalance", "strain", "shear_stress", "pressure"),
     diagnosis=diagnosis,
     invariants=invariants,
     laws=laws_of,
