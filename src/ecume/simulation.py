@@ -14,6 +14,7 @@ from ecume.models import MODELS
 from ecume.models.actions import Action, View, energy_of, perform, place, with_injected_work, write
 from ecume.models.last_frame import last_step
 from ecume.models.model import CROWDED, DIVERGED, EXCHANGE, Model
+from ecume.models.sample_clock import BEFORE, sample_clock
 from ecume.trajectories.frame import Frame
 
 if TYPE_CHECKING:
@@ -38,6 +39,8 @@ class Moment(NamedTuple):
     """Time steps since time 0."""
     planned: int | None
     """Time steps of the whole run; None while that is unknown."""
+    sample: Frame | None = None
+    """The frame of a sample, if one is due."""
 
     @property
     def ended(self) -> bool:
@@ -71,13 +74,15 @@ def moments(
     patience: float = 0.25,
     engine: Callable[[Model], Model] | None = None,
     constants: Callable[[Any], Any] | None = None,
+    sampled: int | None = None,
 ) -> Iterator[Moment]:
     """Integrate a scene and pause at every frame, and at least about every `patience` seconds of wall time.
 
     With `state` (of a checkpoint) the integration goes on from there. Where it pauses changes no bit of the result.
     The state of a moment is moved on by the next one: copy it to keep it. `engine` makes of the scene's model one that
     integrates in another way to the same bits. `constants` gets the parameters that follow from the scene and returns
-    those to use: a resumed run keeps the constants that it was begun with.
+    those to use: a resumed run keeps the constants that it was begun with. `sampled` is the position of the last
+    sample, `BEFORE` at the beginning; by default there are no samples.
     """
     model = MODELS[scene.model]
     if engine is not None:
@@ -96,6 +101,8 @@ def moments(
     per_frame = parameters.steps_per_frame
     # Adaptive steps before the end need a place of their own on the clock.
     total = last_step(scene, per_frame, least=2 if model.adaptive else 1)
+    clock = None if sampled is None else sample_clock(scene, model, per_frame)
+    last = BEFORE if sampled is None else sampled
     while True:
         state = integration.state
         step = int(state.step[0])
@@ -103,10 +110,14 @@ def moments(
         taken = model.steps_taken(state)
         planned = None if model.adaptive and step < total else taken if model.adaptive else total
         frame = _on_time(scene, schedule.observe(), step / per_frame) if due else None
-        yield Moment(state, frame, step, total, parameters, taken, planned)
+        sample = None
+        if clock is not None and clock.is_due(step, last):
+            sample, last = frame or schedule.observe(), step
+        yield Moment(state, frame, step, total, parameters, taken, planned, sample)
         if step >= total:
             return
-        integration.go(min(per_frame - step % per_frame, total - step, schedule.ahead()))
+        ahead = min(per_frame - step % per_frame, total - step, schedule.ahead())
+        integration.go(ahead if clock is None else min(ahead, clock.next_after(step) - step))
         schedule.perform_due()
 
 

@@ -21,7 +21,7 @@ def test_a_frame_of_many_particles_is_larger():
 
 def test_nothing_is_left_of_the_probes(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    frame_cost(Common(model="floating", duration=1.0, frame_every=0.1), Content(10, {"position": 2}, 5))
+    frame_cost(Common(model="floating", duration=1.0, frame_every=0.1), Content(10, {"position": 2}, 5), 10)
     assert list(tmp_path.iterdir()) == []
 
 

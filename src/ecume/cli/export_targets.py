@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ecume.errors import BadInput
 
-TEXT = ("csv", "numbers", "xyz")
+TEXT = ("csv", "numbers", "samples", "xyz")
 """Formats that can be read on a terminal and piped."""
 
 

@@ -44,6 +44,7 @@ class Format(StrEnum):
 
     CSV = "csv"
     NUMBERS = "numbers"
+    SAMPLES = "samples"
     XYZ = "xyz"
     VTK = "vtk"
     PVD = "pvd"
@@ -55,6 +56,7 @@ class Format(StrEnum):
 ENDINGS = {
     Format.CSV: ".csv",
     Format.NUMBERS: "-numbers.csv",
+    Format.SAMPLES: "-samples.csv",
     Format.XYZ: ".xyz",
     Format.VTK: ".vtkhdf",
     Format.PVD: ".pvd",
@@ -247,7 +249,8 @@ def export(
         Format,
         typer.Option(
             "--to",
-            help="csv, xyz: text; numbers: CSV of energies, gauges ...; vtk: ParaView (pvd: before 5.12); npz: NumPy; "
+            help="csv, xyz: text; numbers: CSV of energies, gauges ...; samples: those sampled between frames; "
+            "vtk: ParaView (pvd: before 5.12); npz: NumPy; "
             "heights, heights-vtk: the surface around floats on a grid, for NumPy (.npz, or -o FILE.npy) and ParaView.",
             show_default=False,
         ),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import tempfile
 import time
@@ -16,6 +17,7 @@ from ecume.models.check_report import Row, told_duration
 from ecume.scenes.common import Common
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.recorder import Recorder
+from ecume.trajectories.samples import STATISTICS
 
 PROBES = 4
 """Frames that are written, besides a first one that opens the file."""
@@ -25,6 +27,8 @@ particles of a liquid.
 """
 INDEX, LINE, FILE = 32.0, 32.0, 17e3
 """Bytes of each quantity in a file's index, and of each number in `scalars.jsonl`; bytes of a file without frames."""
+CELL = 19.0
+"""Bytes of a number in `samples.csv`."""
 NOTHING_WRITTEN = 5e-3
 """Seconds of a frame where nothing can be written."""
 MANY = 60.0
@@ -42,27 +46,54 @@ class Content(NamedTuple):
     numbers: int
 
 
+class SampleCost(NamedTuple):
+    """The cost of all samples between frames."""
+
+    samples: float = 0.0
+    rows: float = 0.0
+    bytes: float = 0.0
+    seconds: float = 0.0
+
+    def lines(self) -> list[Row]:
+        """The number of samples, and the size of their table."""
+        if not self.samples:
+            return []
+        count = f"{self.samples:.0f} in {self.rows:.0f} rows"
+        large = "; larger blocks take less" if self.bytes > LARGE else ""
+        return [("samples", count, f"{told_size(self.bytes)} and {told_duration(self.seconds)} in all{large}")]
+
+
 class FrameCost(NamedTuple):
-    """Of all frames of a scene."""
+    """The cost of all frames of a scene, and of samples between them."""
 
     frames: int
-    seconds: float
+    writing: float
     bytes: float
+    sampling: SampleCost = SampleCost()
+
+    @property
+    def seconds(self) -> float:
+        """Wall time of frames and samples."""
+        return self.writing + self.sampling.seconds
 
     def rows(self) -> list[Row]:
-        """The number of frames, what each costs, and the size of all on the disk."""
-        each = f"{told_duration(self.seconds / self.frames)} and {told_size(self.bytes / self.frames)} each"
+        """The number of frames, what each costs, the samples between them, and the size of all on the disk."""
+        each = f"{told_duration(self.writing / self.frames)} and {told_size(self.bytes / self.frames)} each"
         large = "; a larger frame_every takes less" if self.bytes > LARGE else ""
-        return [("frames", str(self.frames), each), ("disk", told_size(self.bytes), f"roughly, of frames{large}")]
+        frames, samples = ("frames", str(self.frames), each), self.sampling.lines()
+        of = "frames and samples" if samples else "frames"
+        return [frames, *samples, ("disk", told_size(self.bytes + self.sampling.bytes), f"roughly, of {of}{large}")]
 
     def remark(self, stepping: float) -> str:
         """What to do where frames take longer than time steps do, and long; otherwise empty."""
-        dominate = self.seconds > max(stepping, MANY)
+        if self.sampling.seconds > max(stepping, self.writing, MANY):
+            return "; samples take most of it: a larger output.samples.every takes less"
+        dominate = self.writing > max(stepping, MANY)
         return "; frames take most of it: a larger frame_every takes less" if dominate else ""
 
 
-def frame_cost(scene: Common, content: Content) -> FrameCost:
-    """What the frames of a scene cost on the disk of the current folder."""
+def frame_cost(scene: Common, content: Content, steps: float) -> FrameCost:
+    """The cost of the frames of a scene on the disk of the current folder, and of samples in so many time steps."""
     frames, asked = scene.frames + 1, scene.output.quantities
     written = {name: width for name, width in content.arrays.items() if name in (*asked, "position") or not asked}
     content = content._replace(arrays=written)
@@ -70,7 +101,20 @@ def frame_cost(scene: Common, content: Content) -> FrameCost:
     making = OBSERVING + PER_PARTICLE * content.particles
     quantities = len(content.arrays) + content.numbers
     size += INDEX * quantities + LINE * content.numbers
-    return FrameCost(frames, frames * (seconds + making), FILE + frames * size)
+    return FrameCost(frames, frames * (seconds + making), FILE + frames * size, sample_cost(scene, content, steps))
+
+
+def sample_cost(scene: Common, content: Content, steps: float) -> SampleCost:
+    """The cost of the samples between frames, in so many time steps."""
+    asked = scene.output.samples
+    if asked is None:
+        return SampleCost()
+    intervals = steps / asked.every_steps if asked.every_steps else min(scene.duration / (asked.every or 1.0), steps)
+    samples = math.floor(intervals * (1.0 + 1e-9)) + 1
+    rows = math.ceil(samples / asked.block)
+    columns = (len(asked.numbers) or content.numbers) * (len(STATISTICS) if asked.block > 1 else 1)
+    seconds = samples * (OBSERVING + PER_PARTICLE * content.particles)
+    return SampleCost(samples, rows, CELL * rows * (columns + 2), seconds)
 
 
 def probed(content: Content, *, single: bool = False) -> tuple[float, float]:

@@ -86,6 +86,8 @@ class Model:
     """The type of its scenes, for a model that has no row in `ecume.scenes.schema.SCENES`."""
     constant: frozenset[str] = field(kw_only=True, default=frozenset())
     """The arrays of frames that never change while no particle is added or removed."""
+    main_numbers: tuple[str, ...] = field(kw_only=True, default=("kinetic_energy", "total_energy"))
+    """The numbers of frames that summarize a run, as far as a scene has them."""
     exchange: Callable[[Any, Any], Any] = field(kw_only=True, default=_same)
     """exchange(parameters, state): the state with who came and without who went; for crowds that change."""
     access: Access = field(kw_only=True, default=Access())

@@ -10,12 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ecume.run.directory import RunDirectory
+from ecume.run.sampling import NOTHING, Kept, missing_rows
 from ecume.trajectories.durable_files import replacing, settle, storing
 from ecume.trajectories.gsd_schema import checksum
 
 KEPT = 2
 """How many checkpoints stay: if the newest is damaged, there is another."""
-FIELD = "state."
+FIELD, SAMPLES = "state.", "samples."
 
 
 class Checkpoint(NamedTuple):
@@ -24,12 +25,15 @@ class Checkpoint(NamedTuple):
     state: Any
     frames: int
     step: int = 0
+    samples: Kept = NOTHING
+    """The position of the sampling, see `ecume.run.sampling`; empty without samples."""
 
 
 def save(home: RunDirectory, checkpoint: Checkpoint) -> Path:
     """Write a checkpoint, and remove those that are too old."""
     arrays: dict[str, NDArray[Any]] = {"frames": np.array([checkpoint.frames])}
     arrays |= {FIELD + name: np.asarray(array) for name, array in checkpoint.state._asdict().items()}
+    arrays |= {SAMPLES + name: array for name, array in checkpoint.samples.items()}
     path = home.checkpoints / f"{checkpoint.step:012d}.npz"
     with storing(path):
         home.checkpoints.mkdir(exist_ok=True)
@@ -56,6 +60,8 @@ def newest(home: RunDirectory, kind: type, frames: int, note: Callable[[Path, st
         if checkpoint is not None and checkpoint.frames > frames:
             fault = f"{checkpoint.frames - frames} frames before it are missing"
         if checkpoint is not None and not fault:
+            fault = missing_rows(home.samples, checkpoint.samples)
+        if checkpoint is not None and not fault:
             return checkpoint
         with storing(path):
             path.replace(path.with_suffix(".npz.damaged"))
@@ -78,8 +84,9 @@ def _loaded(path: Path, kind: type) -> Checkpoint:
     if int(arrays.pop("crc32")[0]) != checksum(arrays):
         raise ValueError("its checksum does not fit its data")
     frames = int(arrays.pop("frames")[0])
-    kept = {name.removeprefix(FIELD): array for name, array in arrays.items()}
-    return Checkpoint(kind(**{**_unknown_then(kind), **kept}), frames)
+    kept = {name.removeprefix(FIELD): array for name, array in arrays.items() if name.startswith(FIELD)}
+    samples = {name.removeprefix(SAMPLES): array for name, array in arrays.items() if name.startswith(SAMPLES)}
+    return Checkpoint(kind(**{**_unknown_then(kind), **kept}), frames, samples=samples)
 
 
 def _unknown_then(kind: type) -> dict[str, NDArray[Any]]:

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from ecume.errors import BadInput, RunExists, StorageError
+from ecume.trajectories import samples
 from ecume.trajectories.durable_files import storing, write_whole
 
 MOST_NAMED = 5
@@ -63,6 +64,11 @@ class RunDirectory:
         return self.path / "scalars.jsonl"
 
     @property
+    def samples(self) -> Path:
+        """The numbers sampled between frames, a line per block; only if the scene has samples."""
+        return self.path / samples.FILE
+
+    @property
     def log(self) -> Path:
         """The log: a line for each event."""
         return self.path / "log.jsonl"
@@ -89,8 +95,8 @@ class RunDirectory:
 
     def parts(self) -> list[Path]:
         """All files of a run but the lock, in the order in which they are removed: the manifest last."""
-        contents = [self.trajectory, self.checkpoints, self.scalars, self.log, self.status, self.watch, self.done]
-        return [*contents, self.failed, self.scene, self.resolved, self.constants, self.manifest]
+        contents = [self.trajectory, self.checkpoints, self.scalars, self.samples, self.log, self.status, self.watch]
+        return [*contents, self.done, self.failed, self.scene, self.resolved, self.constants, self.manifest]
 
 
 def existing(path: str | os.PathLike[str]) -> RunDirectory:

@@ -117,6 +117,7 @@ def digests(home: RunDirectory) -> dict[str, str]:
         home.resolved,
         home.constants,
         home.scalars,
+        home.samples,
         *(path for folder in folders for path in folder.glob("*")),
     ]
     return {path.relative_to(home.path).as_posix(): _digest(path) for path in sorted(files) if path.is_file()}

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from ecume._compiler_events import watch
 from ecume._hooks import html_of
 from ecume.errors import BadInput, Diverged, Stopped, StorageError
+from ecume.models.sample_clock import BEFORE
 from ecume.run import checkpoints, constants, manifest
 from ecume.run.checkpoints import Checkpoint
 from ecume.run.directory import RunDirectory, as_json, clear, existing, json_of, refuse_existing, sweep, write_json
@@ -24,6 +25,7 @@ from ecume.run.lock import held
 from ecume.run.progress import Pace, Progress, StatusFile, note
 from ecume.run.recording import Recording
 from ecume.run.recovery import plain_scene
+from ecume.run.sampling import NOTHING, Kept, SampleFile
 from ecume.run.selection import require_known, selection_of
 from ecume.run.stop_requests import PATIENT, StopRequest, stop_requests
 from ecume.run.user_code import NO_CODE, Law, UserCode, require_same
@@ -113,7 +115,7 @@ def run(
     refuse_existing(home, force=force)
     code = UserCode(extra_laws, actions)
     with stop_requests(PATIENT) as request:
-        moments = _moments(scene, None, code, options, None)
+        moments = _moments(scene, Checkpoint(None, 0), code, options, None)
         first = next(moments)  # a scene that cannot be run is refused before anything is written
         if first.frame is not None:
             require_known(scene, first.frame)
@@ -123,7 +125,8 @@ def run(
             refuse_existing(home, force=force)
             clear(home)
             _found(home, scene, first.parameters, code, options)
-            return _drive(_Session(home, scene, options, 0, code), itertools.chain([first], moments), request)
+            session = _Session(home, scene, options, Checkpoint(None, 0), code)
+            return _drive(session, itertools.chain([first], moments), request)
 
 
 def resume(
@@ -157,25 +160,31 @@ def resume(
         with storing(home.failed):
             home.failed.unlink(missing_ok=True)
         restore = functools.partial(_constants, home, strict=options.strict)
-        moments = _moments(scene, checkpoint.state, code, options, restore)
-        return _drive(_Session(home, scene, options, checkpoint.frames, code), moments, request)
+        moments = _moments(scene, checkpoint, code, options, restore)
+        return _drive(_Session(home, scene, options, checkpoint, code), moments, request)
 
 
 def _moments(
-    scene: Scene, state: Any, code: UserCode, options: RunOptions, constants: Callable[[Any], Any] | None
+    scene: Scene,
+    checkpoint: Checkpoint,
+    code: UserCode,
+    options: RunOptions,
+    constants: Callable[[Any], Any] | None,
 ) -> Iterator[Moment]:
     from ecume._jit import use_threads  # only who simulates waits for Numba: `ecume info` does not
     from ecume.simulation import moments
 
     watch.attach()
     use_threads(options.threads)
+    sampled = int(checkpoint.samples["last"][0]) if checkpoint.samples else BEFORE
     return moments(
         scene,
-        state=state,
+        state=checkpoint.state,
         extra_laws=code.laws,
         actions=code.actions,
         engine=options.engine,
         constants=constants,
+        sampled=sampled if scene.output.samples else None,
     )
 
 
@@ -254,11 +263,14 @@ class _Session:
     """The open files of one process that works on a run."""
 
     def __init__(
-        self, home: RunDirectory, scene: Scene, options: RunOptions, frames: int, code: UserCode = NO_CODE
+        self, home: RunDirectory, scene: Scene, options: RunOptions, checkpoint: Checkpoint, code: UserCode = NO_CODE
     ) -> None:
+        frames = checkpoint.frames
         self._home, self._options, self._code = home, options, code
         selection = selection_of(scene, _model(scene))
         self._recording = Recording(home, frames, kinds=scene.kinds, strict=options.strict, selection=selection)
+        asked = scene.output.samples
+        self._samples = None if asked is None else SampleFile(home.samples, asked, checkpoint.samples)
         self._scene, self._watch = scene, Watch(home, [], POLICIES[0])
         self._pace, self._status = Pace(scene.duration), StatusFile(home)
         self._began = self._saved = time.monotonic()
@@ -315,6 +327,8 @@ class _Session:
     def close(self) -> None:
         """Close the files."""
         self._recording.close()
+        if self._samples is not None:
+            self._samples.close()
 
     def _begin(self, moment: Moment) -> None:
         from ecume._jit import use_threads
@@ -333,16 +347,34 @@ class _Session:
         if moment.frame is not None:
             self._recording.take(moment.frame, moment.taken)
             self._judge(moment.frame, moment.taken)
+        if self._samples is not None:
+            self._sample(self._samples, moment)
         self.at = self._pace.progress(moment, self._recording.frames)
         self._status.write("running", self.at)
         if self._options.progress is not None:
             self._options.progress(self.at)
 
+    def _sample(self, samples: SampleFile, moment: Moment) -> None:
+        """Include a sample that is due; rows are visible to readers at each frame."""
+        if moment.sample is not None:
+            samples.take(moment.sample, moment.taken, moment.step)
+        if moment.ended:
+            samples.end_block(moment.taken)
+        if moment.frame is not None:
+            samples.flush()
+
+    def _sampled(self) -> Kept:
+        """The position of the sampling, with all its rows on the disk."""
+        if self._samples is None:
+            return NOTHING
+        self._samples.settle()
+        return self._samples.kept()
+
     def _save(self, moment: Moment, before: int) -> None:
         """A checkpoint of this moment, before which there were so many frames."""
         self._recording.settle()
         self._watch.keep()
-        path = checkpoints.save(self._home, Checkpoint(moment.state, before, moment.taken))
+        path = checkpoints.save(self._home, Checkpoint(moment.state, before, moment.taken, self._sampled()))
         self._saved, self._status.last_checkpoint = time.monotonic(), moment.taken
         note(self._home, "checkpoint", name=path.name)
 

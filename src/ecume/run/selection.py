@@ -54,12 +54,15 @@ def _rounded(array: NDArray[Any]) -> NDArray[Any]:
 
 def names_quantities(scene: Common) -> bool:
     """Whether a scene names quantities, which can only be checked in a frame."""
-    return bool(scene.output.quantities)
+    asked = scene.output
+    return bool(asked.quantities or (asked.samples and asked.samples.numbers))
 
 
 def require_known(scene: Common, frame: Frame) -> None:
     """Raise SceneError for names of quantities that the frames of a scene do not have."""
+    samples = scene.output.samples
     faults = list(_unknown("output.quantities", scene.output.quantities, frame.arrays))
+    faults += _unknown("output.samples.numbers", samples.numbers if samples else (), frame.numbers)
     if faults:
         raise SceneError(faults)
 

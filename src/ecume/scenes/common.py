@@ -130,6 +130,8 @@ class Common:
         frames = self.duration / self.frame_every
         if frames > MOST_FRAMES * (1 + 1e-9):
             raise Inconsistent([(("frame_every",), f"gives {frames:.3g} frames, more than {MOST_FRAMES:.0e}")])
+        if self.output.samples is not None and (found := self.output.samples.faults(self.duration)):
+            raise Inconsistent([(("output", "samples", *path), message) for path, message in found])
         if frames < 1 - 1e-9:
             told = f"got {self.frame_every:.9g} s, longer than the duration, {self.duration:.9g} s"
             raise Inconsistent([(("frame_every",), told)])

@@ -18,6 +18,7 @@ FIGURE_NAMES = {
         "displacement",
         "approach",
         "shapes",
+        "samples",
     ),
     "sph": (
         "energies",
@@ -29,8 +30,9 @@ FIGURE_NAMES = {
         "velocity",
         "surface",
         "gauges",
+        "samples",
     ),
-    "tracers": ("energies", "heights", "profile", "hits"),
+    "tracers": ("energies", "heights", "profile", "hits", "samples"),
     "soft": (
         "gaps",
         "forces",
@@ -44,6 +46,7 @@ FIGURE_NAMES = {
         "flow-curve",
         "moduli",
         "packing",
+        "samples",
     ),
 }
 """By model, what `ecume plot --what` takes."""

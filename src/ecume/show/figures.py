@@ -13,6 +13,7 @@ from ecume.errors import BadInput
 from ecume.scenes.faults import suggestion
 from ecume.show.curves import Frames, energies, kinetic_energy
 from ecume.show.floating.figures import FLOATING_FIGURES
+from ecume.show.samples import samples
 from ecume.show.soft.figures import SOFT_FIGURES
 from ecume.show.sph.figures import SPH_FIGURES
 from ecume.show.style import save
@@ -23,10 +24,10 @@ if TYPE_CHECKING:
     from ecume.scenes.schema import Scene
 
 FIGURES: dict[str, Mapping[str, Callable[[Frames, Any], Figure]]] = {
-    "floating": FLOATING_FIGURES,
-    "sph": SPH_FIGURES,
-    "tracers": TRACER_FIGURES,
-    "soft": SOFT_FIGURES,
+    "floating": {**FLOATING_FIGURES, "samples": samples},
+    "sph": {**SPH_FIGURES, "samples": samples},
+    "tracers": {**TRACER_FIGURES, "samples": samples},
+    "soft": {**SOFT_FIGURES, "samples": samples},
 }
 """By model, then by the name that `ecume plot --what` takes."""
 COMMON_FIGURES = {"energies": energies, "kinetic-energy": kinetic_energy}

@@ -100,9 +100,16 @@ def write_npz(trajectory: Trajectory, file: BinaryIO) -> None:
             _put(archive, name, _stacked(trajectory, name, array.shape))
 
 
+def write_samples(trajectory: Trajectory, file: BinaryIO) -> None:
+    """The table of numbers sampled between frames, without a row that is being written."""
+    whole = trajectory.samples.path.read_bytes()
+    file.write(whole[: whole.rfind(b"\n") + 1])
+
+
 EXPORTS: dict[str, Callable[[Trajectory, BinaryIO], None]] = {
     "csv": write_csv,
     "numbers": write_numbers,
+    "samples": write_samples,
     "xyz": write_xyz,
     "vtk": write_vtk,
     "npz": write_npz,

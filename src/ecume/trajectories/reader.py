@@ -19,6 +19,7 @@ from ecume.trajectories import gsd_schema, tables
 from ecume.trajectories.durable_files import storing
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.recorder import segment_files
+from ecume.trajectories.samples import FILE, Samples
 from ecume.trajectories.segments import Segment
 
 
@@ -101,6 +102,11 @@ class Trajectory(Sequence[Frame]):
         if name not in known:
             raise BadInput(f"{self.directory}: no number is called {name}; there are {', '.join(sorted(known))}")
         return self._column(f"log/{name}")
+
+    @property
+    def samples(self) -> Samples:
+        """The numbers sampled between frames, as they are on the disk now. Raises BadInput for a run without any."""
+        return Samples(self.directory / FILE)
 
     def __len__(self) -> int:
         """The number of frames."""

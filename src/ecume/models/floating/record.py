@@ -91,6 +91,7 @@ FLOATING = Model(
     advance=advance,
     observe=observe,
     constant=frozenset(["radius", "mass", "charge", "density", "contact_angle", "species", "magnetic_moment"]),
+    main_numbers=("kinetic_energy", "total_energy", "largest_speed", "clusters", "contacts"),
     diagnosis=diagnosis,
     extended=extended,
     access=FLOATS,

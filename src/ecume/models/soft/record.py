@@ -151,6 +151,7 @@ SOFT = Model(
     access=Access(refusal="positions of soft spheres follow from the balance of forces; use [[protocol]] and walls"),
     observe=observe,
     constant=frozenset(["radius", "species"]),
+    main_numbers=("total_energy", "smallest_gap", "contacts", "imbalance", "strain", "shear_stress", "pressure"),
     diagnosis=diagnosis,
     invariants=invariants,
     laws=laws_of,

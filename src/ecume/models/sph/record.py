@@ -111,6 +111,7 @@ SPH = Model(
     advance=advance,
     observe=observe,
     constant=frozenset(["mass", "species"]),
+    main_numbers=("kinetic_energy", "total_energy", "largest_speed", "largest_pressure", "density_change"),
     diagnosis=diagnosis,
     invariants=invariants,
     laws=laws_of,

@@ -113,7 +113,7 @@ def summary(scene: TracersScene) -> list[tuple[str, str, str]]:
     steps, count = last_step(scene, parameters.steps_per_frame), len(parameters.bodies.radius)
     stepping = steps * (SECONDS_PER_STEP + SECONDS_PER_PARTICLE * count)
     vectors = dict.fromkeys(("position", "velocity"), scene.dimensions)
-    cost = frame_cost(scene, Content(count, {**vectors, "speed": 1, "left": 1}, NUMBERS))
+    cost = frame_cost(scene, Content(count, {**vectors, "speed": 1, "left": 1}, NUMBERS), steps)
     return [
         ("liquid", f"{fluid.density:.4g} kg/m^3, {with_prefix(fluid.viscosity, 'Pa s')}", scene.liquid.name),
         *(row for index in range(len(scene.particles)) for row in summary_of(scene, parameters, index)),
@@ -202,6 +202,7 @@ TRACERS = Model(
     advance=advance,
     observe=observe,
     constant=frozenset(["radius", "density", "species"]),
+    main_numbers=("kinetic_energy", "mean_height", "particles_inside", "hits"),
     diagnosis=diagnosis,
     exchange=exchange,
     access=ACCESS,

@@ -17,6 +17,7 @@ from ecume.errors import BadInput
 from ecume.laws.column import column_height, column_pressure
 from ecume.scenes.sph import SIDES
 from ecume.show.curves import Frames, energies, evolution, kinetic_energy, over_time, titled
+from ecume.show.samples import samples_of
 from ecume.show.sph.picture import liquid_picture, rectangle
 from ecume.show.spikes import cut_spikes, limits_without_spikes
 from ecume.show.style import INK, PALETTE, RIM, Scale, figure, legend_outside, plain, scale_for, style
@@ -188,7 +189,9 @@ def _lines(axes: Axes, lines: Sequence[Array], scale: Scale, color: str, label: 
 
 
 def gauges(frames: Frames, scene: SphScene) -> Figure:
-    """The readings of the scene's gauges over time: pressures, levels and velocities, one panel each."""
+    """The readings of the scene's gauges over time: pressures, levels and velocities, one panel each. They are the
+    samples between frames where the run has any of them.
+    """
     shown = evolution(frames)
     panels = {kind: [name for name in shown[0].numbers if name in _readings(scene, kind)] for kind in GAUGE_UNITS}
     panels = {kind: names for kind, names in panels.items() if names}
@@ -199,18 +202,26 @@ def gauges(frames: Frames, scene: SphScene) -> Figure:
         for axes, (kind, names) in zip(
             drawn.subplots(len(panels), 1, squeeze=False)[:, 0], panels.items(), strict=True
         ):
-            curves = series(shown, *map(number, names))
+            instants, curves = _over_time(frames, shown, names)
             low, high = limits_without_spikes(curves)
             scale = scale_for(max(abs(low), abs(high)), GAUGE_UNITS[kind])
             for values, name, color in zip(curves, names, itertools.cycle(PALETTE), strict=False):
-                axes.plot(times(shown), scale.factor * values, color=color, label=plain(name.replace("_" + kind, "")))
+                axes.plot(instants, scale.factor * values, color=color, label=plain(name.replace("_" + kind, "")))
             axes.margins(x=0)
-            cut_spikes(axes, times(shown), scale.factor * np.array(curves), scale.unit)
+            cut_spikes(axes, instants, scale.factor * np.array(curves), scale.unit)
             axes.set_ylabel(f"{kind} ({scale.unit})")
             legend_outside(axes)
         drawn.axes[0].set_title(titled("Gauges", scene))
         drawn.axes[-1].set_xlabel("time (s)")
     return drawn
+
+
+def _over_time(frames: Frames, shown: Sequence[Frame], names: Sequence[str]) -> tuple[Array, list[Array]]:
+    """Instants, and the numbers then: those sampled between frames where all of them were, otherwise of frames."""
+    sampled = samples_of(frames)
+    if sampled is not None and set(names) <= set(sampled.names):
+        return sampled.times, [sampled.mean(name) for name in names]
+    return times(shown), list(series(shown, *map(number, names)))
 
 
 GAUGE_UNITS = {"pressure": "Pa", "level": "m", "velocity": "m/s"}

@@ -99,11 +99,8 @@ def _summary_of_chance(parameters: Parameters) -> list[Row]:
 
 
 def _summary_of_steps(parameters: Parameters, scene: FloatingScene) -> list[Row]:
-    good, cost = (
-        good_step(parameters, scene),
-        frame_cost(scene, Content(len(parameters.floats.radius), ARRAYS, NUMBERS)),
-    )
-    steps = last_step(scene, parameters.steps_per_frame)
+    good, steps = good_step(parameters, scene), last_step(scene, parameters.steps_per_frame)
+    cost = frame_cost(scene, Content(len(parameters.floats.radius), ARRAYS, NUMBERS), steps)
     summing = PER_PAIR * sum(row.pairs_worth(part) for part, row in interactions_of(parameters))
     drifting, gathering = ((cost + summing) * steps for cost in seconds_per_step(len(parameters.floats.radius)))
     return [

@@ -161,7 +161,7 @@ def _cost(scene: SoftScene, parameters: Parameters, state: State) -> list[Row]:
     arrays = {"position": dimensions, "velocity": dimensions}
     arrays |= dict.fromkeys(("neighbor", "gap", "tension", "shear"), slots)
     content = Content(len(parameters.radius), arrays, NUMBERS)
-    cost = frame_cost(scene, content)
+    cost = frame_cost(scene, content, steps)
     sheared = "stresses decide how far it is sheared; " if (parameters.protocol.rules != 0).any() else ""
     total = steps * seconds + cost.seconds
     long = "; more tolerance takes less" if steps * seconds > LONG else ""

@@ -149,7 +149,7 @@ def _cost(scene: SphScene, parameters: Parameters, count: int, bytes_each: float
     steps = last_step(scene, parameters.steps_per_frame)
     stepping = steps * seconds_a_step(scene, parameters, count)
     vectors = dict.fromkeys(("position", "velocity"), parameters.dimension)
-    cost = frame_cost(scene, Content(count, {**vectors, "density": 1, "pressure": 1}, NUMBERS))
+    cost = frame_cost(scene, Content(count, {**vectors, "density": 1, "pressure": 1}, NUMBERS), steps)
     seconds = stepping + cost.seconds
     saves = 2 ** (parameters.dimension + 1)
     long = f"; a spacing twice as wide takes 1/{saves}" if seconds > LONG else ""

@@ -1,0 +1,48 @@
+"""The time steps at which numbers are sampled between frames."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from typing import TYPE_CHECKING, NamedTuple
+
+from ecume.errors import Fault, SceneError
+
+if TYPE_CHECKING:
+    from ecume.models.model import Model
+    from ecume.scenes.common import Common
+
+BEFORE = -1
+"""The position of the last sample before there is any."""
+
+
+class SampleClock(NamedTuple):
+    """Samples are due at the first step at or after each multiple of an interval, on the model's clock.
+
+    >>> clock = SampleClock(Fraction(5, 2))
+    >>> [step for step in range(11) if clock.is_due(step, step - 1)], clock.next_after(3), clock.next_after(5)
+    ([0, 3, 5, 8, 10], 5, 8)
+    """
+
+    interval: Fraction
+
+    def is_due(self, step: int, last: int) -> bool:
+        """Whether a multiple lies after the last sample, up to this step."""
+        return step // self.interval > last // self.interval
+
+    def next_after(self, step: int) -> int:
+        """The first step after this one at which a sample is due."""
+        return math.ceil((step // self.interval + 1) * self.interval)
+
+
+def sample_clock(scene: Common, model: Model, per_frame: int) -> SampleClock | None:
+    """The clock of a scene; None if it has no samples. Raises SceneError for steps that cannot be counted."""
+    asked = scene.output.samples
+    if asked is None:
+        return None
+    if asked.every is not None:
+        return SampleClock(Fraction(repr(asked.every)) / Fraction(repr(scene.frame_every)) * per_frame)
+    if model.adaptive:
+        message = "the time steps of this model adapt, so their number is no measure of time; use output.samples.every"
+        raise SceneError([Fault("output.samples.every_steps", message)])
+    return SampleClock(Fraction(asked.every_steps or 1))
