@@ -14,6 +14,7 @@ from pydantic.dataclasses import dataclass
 
 from ecume.scenes.faults import Inconsistent
 from ecume.scenes.quantities import MOST_FRAMES, STRICT, Duration, Seed, Text
+from ecume.scenes.user_laws import UserLawSpec
 
 
 class Kind(NamedTuple):
@@ -52,6 +53,9 @@ class Common:
     on_violation: Literal["warn", "stop"] = "warn"
     """The action when an invariant is violated: `warn`, or `stop` with exit code 3. The option `--on-violation`
     takes precedence. Effect: `stop` ends the run at the first violation."""
+    user_laws: tuple[UserLawSpec, ...] = ()
+    """User-defined laws by name, each for some species. A law that is given but not listed acts on all. Effect: adds
+    forces."""
 
     @property
     def whole_frames(self) -> int:
