@@ -102,6 +102,16 @@ def frames():
     return list(simulate(three_kinds(), extra_laws=[pushing]))
 
 
+def test_two_sets_of_laws_in_one_process_are_two(extended, frames):
+    """Compiled code is chosen by the name of a type."""
+    parameters = [
+        model.parameters(two_floats(6e-3))
+        for model in (extended, MODELS["floating"].extended(bind(two_floats(6e-3), [])))
+    ]
+    one, other = (type(each.parts.interactions[-1]).__name__ for each in parameters)
+    assert one != other
+
+
 def test_a_law_acts_between_the_species_that_the_scene_names(frames):
     one, other = frames[0].arrays, frames[1].arrays
     assert (one["velocity"] == 0.0).all()

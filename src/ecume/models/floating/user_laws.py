@@ -64,6 +64,9 @@ OTHER = PairParameters(2e-3, 1e-3, -3e-5, 1e-4, 2.7e-3, 0.07)
 FIELDS = ("mask", "species", "radius", "charge", "cutoff", "length", "tension")
 """Of a part: (S, S) laws of each pair of species; (N,) properties of floats; lengths (m), surface tension (N/m)."""
 
+NUMBERS = itertools.count()
+"""Compiled code tells types apart by their names: laws that are not the same need types that are not."""
+
 
 def interaction_of(laws: Sequence[BoundLaw]) -> Interaction:
     """Return the interaction of these laws, whose compilation takes seconds per process. Raises BadInput for what is no
@@ -76,7 +79,7 @@ def interaction_of(laws: Sequence[BoundLaw]) -> Interaction:
         require_force(law, DISTANCES, FloatPair(*ONE, law.constants), FloatPair(*OTHER, law.constants))
     total = sum_of_pair_laws(laws, joined)
     potential = _sum_of_energies(energy_between(total))
-    constants = of_this_process("UserLaws", FIELDS)
+    constants = of_this_process(f"UserLaws{next(NUMBERS)}", FIELDS)
 
     def make(parameters: Parameters, scene: FloatingScene) -> Built:
         if parameters.single:
