@@ -89,13 +89,12 @@ def moments(
         if extra_laws or actions:
             raise BadInput("--engine mpi: got user-defined laws or actions; expected none, or --engine local")
         model = engine(model)
+    model = extended(model, scene, extra_laws)
     parameters = model.parameters(scene)
     if constants is not None:
         parameters = constants(parameters)
     if state is None:
         state = model.start(scene, parameters)
-    if extra_laws:
-        model = model.extended(extra_laws)
     integration = Integration(model, parameters, state, patience)
     schedule = Schedule(actions, scene, integration)
     per_frame = parameters.steps_per_frame
@@ -119,6 +118,15 @@ def moments(
         ahead = min(per_frame - step % per_frame, total - step, schedule.ahead())
         integration.go(ahead if clock is None else min(ahead, clock.next_after(step) - step))
         schedule.perform_due()
+
+
+def extended(model: Model, scene: Scene, extra_laws: Sequence[Callable[..., float]]) -> Model:
+    """The model with the user-defined laws of a scene. Raises SceneError for laws that are not given."""
+    if not (extra_laws or scene.user_laws):
+        return model
+    from ecume.models.user_laws import bind
+
+    return model.extended(bind(scene, extra_laws))
 
 
 def _on_time(scene: Common, frame: Frame, number: float) -> Frame:

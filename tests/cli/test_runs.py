@@ -76,7 +76,7 @@ def test_the_options_of_a_run_reach_it(asked: list[Any]) -> None:
     ((scene, directory, options),) = asked
     assert done.output == ""
     assert (scene.duration, scene.seed, directory) == (1.0, 3, Path("here"))
-    assert options == {"extra_laws": [], "force": True, "options": RunOptions(threads=2)}
+    assert options == {"extra_laws": [], "actions": [], "force": True, "options": RunOptions(threads=2)}
 
 
 @pytest.mark.parametrize(

@@ -114,7 +114,7 @@ def with_one_argument(distance):
 """
 
 
-def test_a_file_gives_its_public_functions_of_two_arguments(tmp_path: Path) -> None:
+def test_a_file_gives_its_public_functions_of_two_or_four_arguments(tmp_path: Path) -> None:
     (tmp_path / "mine.py").write_text(FILE)
     assert [law.__name__ for law in user_code.laws_from([str(tmp_path / "mine.py")])] == ["pull", "push"]
     (one,) = user_code.laws_from([f"{tmp_path / 'mine.py'}:pull"])
@@ -138,7 +138,7 @@ def test_a_file_of_the_same_text_gives_the_same_digest_wherever_it_is(tmp_path: 
         (FILE, "mine.txt", "expected FILE.py or FILE.py:NAME"),
         (FILE, "yours.py", "no such file"),
         (FILE, "mine.py:pul", "has no function 'pul'; it has pull, push"),
-        ("x = 1", "mine.py", "defines no function of two arguments"),
+        ("x = 1", "mine.py", "defines no function of two or four arguments"),
         ("def law(:", "mine.py", r"mine\.py, line 1: SyntaxError"),
         ("\n1 / 0", "mine.py", r"mine\.py, line 2: ZeroDivisionError"),
     ],

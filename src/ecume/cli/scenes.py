@@ -30,7 +30,7 @@ Laws = Annotated[
     typer.Option(
         "--laws",
         metavar="FILE.py[:NAME]",
-        help="Add pair laws of your own: the functions of a Python file. Can be repeated.",
+        help="Add laws of your own: the functions of a Python file. Can be repeated.",
         show_default=False,
     ),
 ]
@@ -103,14 +103,20 @@ def check(scene: SceneFile, overrides: Overrides = None, laws: Laws = None, json
         without_compiler(asked)
     from ecume.models import MODELS
     from ecume.run.user_code import laws_from, named
+    from ecume.simulation import extended
 
     own = laws_from(laws or [])
     with placed(scene, changes):
         model = MODELS[asked.model]
-        rows = list((model.extended(own) if own else model).summary(asked))
+        if own:
+            model = extended(model, asked, own)
+            model.start(asked, model.parameters(asked))
+        rows = list(model.summary(asked))
         _require_known(asked)
-    if own:
-        rows.append(("own laws", ", ".join(named(law) for law in own), "up to the cutoff; not in the energy"))
+    listed = [law.law for law in asked.user_laws]
+    if own or listed:
+        remark = "added to those of the scene" if own else "not checked: give their file with --laws"
+        rows.append(("own laws", ", ".join(map(named, own)) or ", ".join(listed), remark))
     if json:
         print_json([dict(zip(CHECK_COLUMNS, row, strict=True)) for row in rows])
         return

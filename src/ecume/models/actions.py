@@ -29,7 +29,7 @@ ROUNDING = 1e-6
 
 @dataclass(frozen=True, kw_only=True)
 class Access:
-    """The part of a model's state that actions may change. By default there is none."""
+    """The part of a model's state that actions may change. By default nothing."""
 
     arrays: Callable[[Any], Mapping[str, Array]] = lambda state: {}
     """arrays(state): views of the state's own arrays, (N, d), by their names in frames"""
@@ -172,7 +172,7 @@ class View:
 
 
 def perform(action: Action, view: View, access: Access) -> dict[str, NDArray[Any]]:
-    """Call an action. Returns the arrays that it changed. Raises BadInput for a fault of its own, with the line."""
+    """Call an action. Returns the arrays that it changed. Raises BadInput with the line of its fault."""
     try:
         action.function(view)
         changes = view.changes()
@@ -203,7 +203,7 @@ def place(action: Action, view: View) -> str:
 
 
 def write(action: Action, view: View, access: Access, state: Any, changes: Mapping[str, NDArray[Any]]) -> None:
-    """Copy changed arrays to the state. Raises BadInput for particles that do not belong to the model's own."""
+    """Copy changed arrays to the state. Raises BadInput for passive tracers."""
     ids, views = access.ids(state), access.arrays(state)
     order = np.argsort(ids, kind="stable")[np.count_nonzero(ids < 0) :]
     for name, array in changes.items():
@@ -218,7 +218,7 @@ def energy_of(frame: Frame) -> float:
 
 
 def with_injected_work(frame: Frame, access: Access, state: Any) -> Frame:
-    """The frame with the injected work, also where a scene without actions has none."""
+    """The frame with the injected work, also where the model reports it for driven scenes only."""
     work = access.work(state)
     if INJECTED in frame.numbers or not len(work):
         return frame

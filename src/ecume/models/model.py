@@ -23,9 +23,9 @@ def no_laws(scene: Any) -> list[Source]:
     return []
 
 
-def _no_extra_laws(extra_laws: Any) -> Model:
-    """Most models have no pair laws that a user's own could be added to."""
-    raise BadInput("extra_laws: this model takes none; the floating model does")
+def _no_extra_laws(laws: Any) -> Model:
+    """A model without user-defined laws."""
+    raise BadInput("extra_laws: this model has no user-defined laws")
 
 
 def no_summary(scene: Any) -> list[tuple[str, str, str]]:
@@ -79,9 +79,7 @@ class Model:
     adaptive: bool = field(kw_only=True, default=False)
     """Whether time steps adapt, so that their total number is unknown before the end."""
     extended: Callable[[Any], Model] = field(kw_only=True, default=_no_extra_laws)
-    """extended(extra_laws): the same model with the user's own pair laws compiled into it. Raises BadInput if
-    a model takes none.
-    """
+    """extended(laws): the same model with the user's laws, `user_laws.BoundLaw`, compiled into it. Raises BadInput."""
     scene: Any = field(kw_only=True, default=None)
     """The type of its scenes, for a model that has no row in `ecume.scenes.schema.SCENES`."""
     constant: frozenset[str] = field(kw_only=True, default=frozenset())

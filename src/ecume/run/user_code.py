@@ -21,8 +21,8 @@ from ecume.models.actions import Action
 from ecume.run.directory import RunDirectory, json_of
 
 Law = Callable[..., float]
-ARGUMENTS = 2
-"""of a pair law: the distance, and the parameters of the pair"""
+ARGUMENTS = (2, 4)
+"""of a pair law (distance, parameters), and of an external law (position, velocity, time, parameters)"""
 
 
 class UserCode(NamedTuple):
@@ -45,16 +45,19 @@ KINDS = {"extra_laws": "laws", "actions": "actions"}
 
 
 def laws_from(words: Sequence[str]) -> list[Law]:
-    """The pair laws in a user's files: `FILE.py` gives its public functions of two arguments, `FILE.py:NAME` that one.
+    """The laws in a user's files: `FILE.py` gives its public functions of two or four arguments, `FILE.py:NAME` one.
 
     Raises BadInput where a file cannot be read or run, or has no such function.
     """
 
     def is_law(module: ModuleType, found: object) -> bool:
         own = inspect.isfunction(found) and found.__module__ == module.__name__
-        return own and len(inspect.signature(found).parameters) == ARGUMENTS  # type: ignore[arg-type]
+        return own and len(inspect.signature(found).parameters) in ARGUMENTS  # type: ignore[arg-type]
 
-    missing = "function of two arguments; expected (distance, parameters) -> force"
+    missing = (
+        "function of two or four arguments; expected (distance, parameters) -> force, or "
+        "(position, velocity, time, parameters) -> acceleration"
+    )
     return [law for word in words for law in _found("--laws", word, is_law, missing)]
 
 

@@ -15,6 +15,7 @@ from pydantic import model_validator
 from ecume.scenes.faults import Inconsistent
 from ecume.scenes.output import OutputSpec
 from ecume.scenes.quantities import MOST_FRAMES, STRICT, Duration, Seed, Text
+from ecume.scenes.user_laws import UserLawSpec
 from ecume.scenes.validated import dataclass
 from ecume.units import Array, Quantity
 
@@ -67,6 +68,9 @@ class Common:
     takes precedence. Effect: `stop` ends the run at the first violation."""
     output: OutputSpec = OutputSpec()
     """The quantities that are written. Effect: changes files only, never the simulation."""
+    user_laws: tuple[UserLawSpec, ...] = ()
+    """User-defined laws by name, each for some species. A law that is given but not listed acts on all. Effect: adds
+    forces."""
 
     @property
     def whole_frames(self) -> int:

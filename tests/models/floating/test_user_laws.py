@@ -1,14 +1,17 @@
 import dataclasses
 import math
+from typing import Any
 
 import numpy as np
 import pytest
 
-from ecume.errors import BadInput
+from ecume.errors import BadInput, SceneError
 from ecume.models import MODELS
 from ecume.models.floating import PairParameters
+from ecume.models.user_laws import bind
+from ecume.scenes.user_laws import UserLawSpec
 from ecume.simulation import simulate
-from tests.models.floating.bowls import bowl, two_floats
+from tests.models.floating.bowls import WATER, bowl, scene_of, two_floats
 
 pytestmark = pytest.mark.compiled
 
@@ -30,7 +33,7 @@ def small_falling(distance: float, parameters: PairParameters) -> float:
 @pytest.fixture(scope="module")
 def extended():
     """Compiling a march takes seconds: one for all tests, with both laws."""
-    return MODELS["floating"].extended([small_magnets, small_falling])
+    return MODELS["floating"].extended(bind(two_floats(6e-3), [small_magnets, small_falling]))
 
 
 def first_kick(model):
@@ -48,12 +51,17 @@ def test_users_forces_are_added_to_our_own(extended):
 
 
 def test_multipoles_refuse_laws_that_they_would_leave_out(extended):
-    model, scene = MODELS["floating"], two_floats(6e-3, duration=0.2)
+    scene = two_floats(6e-3, duration=0.2)
     asked = dataclasses.replace(scene, interaction=dataclasses.replace(scene.interaction, method="multipole", order=2))
-    parameters = model.parameters(asked)
-    state = model.start(asked, parameters)
-    with pytest.raises(BadInput, match=r"extra_laws: .* got 'multipole' \(interaction.method\)"):
-        extended.advance(parameters, state, model.workspace(parameters, state, 1.0), 1)
+    with pytest.raises(SceneError, match=r"extra_laws: .* got 'multipole' \(interaction.method\)"):
+        extended.parameters(asked)
+
+
+def test_single_precision_refuses_laws(extended):
+    scene = two_floats(6e-3, duration=0.2)
+    asked = dataclasses.replace(scene, interaction=dataclasses.replace(scene.interaction, precision="single"))
+    with pytest.raises(SceneError, match="expected 'double' with user-defined laws"):
+        extended.parameters(asked)
 
 
 def test_laws_that_add_nothing_change_no_bit(extended, monkeypatch):
@@ -64,23 +72,109 @@ def test_laws_that_add_nothing_change_no_bit(extended, monkeypatch):
         MODELS, "floating", dataclasses.replace(extended, extended=lambda given: asked.append(given) or extended)
     )
     with_nothing = list(simulate(scene, extra_laws=laws))[-1].arrays["position"]
-    assert asked == [laws]
+    assert [law.function for law in asked[0]] == laws
     assert np.array_equal(plain, with_nothing)
+
+
+STRONG = 3e-11
+
+
+def pushing(distance: float, parameters: Any) -> float:
+    """A repulsion along a logarithm, whose strength stands in the scene."""
+    return parameters.constants[0] / distance
+
+
+def three_kinds(**changes):
+    """Floats of two species, far apart on a line: a b a."""
+    floats = "".join(
+        f'[[particles]]\nname = "{name}"\nradius = 1e-3\ndensity = 1300.0\ncontact_angle = 1.5707963\n'
+        f"positions = {places}\n"
+        for name, places in (("a", "[[-0.006, 0.0], [0.006, 0.0]]"), ("b", "[[0.0, 0.001]]"))
+    )
+    law = f'[[user_laws]]\nlaw = "pushing"\nspecies = ["a", "b"]\nconstants = [{STRONG}]\n'
+    rest = '[hydrodynamics]\ndrag = "none"\n[interaction]\nlaw = "none"\n'
+    scene = scene_of(WATER + floats + rest + law, duration=0.2, frame_every=0.02)
+    return dataclasses.replace(scene, **changes)
+
+
+@pytest.fixture(scope="module")
+def frames():
+    return list(simulate(three_kinds(), extra_laws=[pushing]))
+
+
+def test_two_sets_of_laws_in_one_process_are_two(extended, frames):
+    """Compiled code is chosen by the name of a type."""
+    parameters = [
+        model.parameters(two_floats(6e-3))
+        for model in (extended, MODELS["floating"].extended(bind(two_floats(6e-3), [])))
+    ]
+    one, other = (type(each.parts.interactions[-1]).__name__ for each in parameters)
+    assert one != other
+
+
+def test_a_law_acts_between_the_species_that_the_scene_names(frames):
+    one, other = frames[0].arrays, frames[1].arrays
+    assert (one["velocity"] == 0.0).all()
+    # b is pushed up, both a outward and down; a and a do not feel one another beyond that.
+    momentum = other["mass"][:, None] * other["velocity"]
+    np.testing.assert_allclose(momentum.sum(axis=0), 0.0, atol=1e-20)
+    between = one["position"][1] - one["position"][2]
+    push = STRONG / np.hypot(*between)
+    np.testing.assert_allclose(momentum[1], 0.02 * push * between / np.hypot(*between), rtol=2e-2)
+
+
+def test_the_energy_of_a_law_is_the_integral_of_its_force(frames):
+    energy = [frame.numbers["total_energy"] for frame in frames]
+    kinetic = [frame.numbers["kinetic_energy"] for frame in frames]
+    assert kinetic[-1] > 1e-3 * STRONG
+    np.testing.assert_allclose(energy, energy[0], rtol=1e-4)
+    parameters = MODELS["floating"].parameters(three_kinds(user_laws=()))
+    apart = np.hypot(0.006, 0.001)
+    assert energy[0] == pytest.approx(2.0 * STRONG * math.log(parameters.cutoff / apart), rel=1e-12)
+
+
+def test_a_stiff_law_shortens_the_time_step():
+    def bound(strength):
+        (law,) = bind(three_kinds(), [pushing])
+        return MODELS["floating"].extended([law._replace(constants=(strength,))])
+
+    plain, weak, strong = (
+        model.parameters(three_kinds()).time_step for model in (MODELS["floating"], bound(1e-12), bound(1e-4))
+    )
+    assert plain == weak > 2.0 * strong
+
+
+@pytest.mark.parametrize(
+    ("laws", "given", "says"),
+    [
+        (
+            {"law": "pushing"},
+            [],
+            r"user_laws\[0\].law: got 'pushing', a function that is not given; .*--laws FILE.py:pushing",
+        ),
+        ({"law": "pushing", "species": ("a", "c")}, [pushing], r"user_laws\[0\].species: got 'c'; known: a, b"),
+        ({"law": "pushing", "species": ("a",)}, [pushing], "got 1 names; expected 2"),
+    ],
+)
+def test_what_a_scene_names_must_be_there(laws, given, says):
+    scene = three_kinds(user_laws=(UserLawSpec(**laws),))
+    with pytest.raises(SceneError, match=says):
+        next(simulate(scene, extra_laws=given))
 
 
 @pytest.mark.parametrize(
     ("law", "says"),
     [
-        (lambda distance: 1.0, "expected 1, got 2"),
+        (lambda distance: 1.0, "got 1 arguments; the model floating expects pair laws"),
         (lambda distance, parameters: parameters.color, "Unknown attribute 'color'"),
         (lambda distance, parameters: None, "got None at 0.0032 m; expected a force in N"),
         (lambda distance, parameters: math.nan, "got nan"),
         (lambda distance, parameters: parameters.radius_i / distance, "would create momentum"),
         (lambda distance, parameters: parameters.charge_i - parameters.charge_j, "would create momentum"),
-        (3, "extra_laws: 3: cannot be used"),
+        (3, "extra_laws: got 3; expected a function"),
     ],
 )
 def test_a_law_that_is_none_is_refused_in_a_line(law, says):
     with pytest.raises(BadInput, match=says) as caught:
-        MODELS["floating"].extended([law])
+        MODELS["floating"].extended(bind(two_floats(6e-3), [law]))
     assert "\n" not in str(caught.value)

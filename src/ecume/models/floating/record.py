@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -19,8 +19,9 @@ from ecume.models.floating.setup.initial_state import start
 from ecume.models.floating.setup.scene_parameters import ROOMIER, checked_parameters, chosen_by
 from ecume.models.floating.state import DEEPEST, State, Workspace, make_workspace
 from ecume.models.floating.time_integration.integration import advance, fill_lists, make_scratch
-from ecume.models.floating.user_laws import advance_extended
+from ecume.models.floating.user_laws import interaction_of
 from ecume.models.model import Model, Source
+from ecume.models.user_laws import BoundLaw
 
 
 def laws_of(scene: Any) -> list[Source]:
@@ -77,9 +78,10 @@ def _who_and_what(parameters: Parameters, state: State) -> str:
     return f"float {fastest} goes {speed[fastest]:.3g} m/s (at {x:.4g} m, {y:.4g} m)"
 
 
-def extended(extra_laws: Sequence[Callable[..., float]]) -> Model:
+def extended(laws: Sequence[BoundLaw]) -> Model:
     """The floating model with pair laws of the user."""
-    return dataclasses.replace(FLOATING, advance=advance_extended(extra_laws))
+    further = (interaction_of(laws),)
+    return dataclasses.replace(FLOATING, parameters=lambda scene: checked_parameters(scene, further))
 
 
 FLOATING = Model(

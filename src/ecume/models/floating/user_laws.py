@@ -1,134 +1,183 @@
-"""Pair laws of the user, compiled into the simulation together with the pair law of the scene."""
+"""Pair laws of the user: one more interaction, compiled for the functions of a run.
+
+Its forces are added to those of the scene, up to the scene's cutoff; its energy is the integral of the force.
+"""
 
 from __future__ import annotations
 
+import itertools
 import math
-from collections.abc import Callable, Sequence
-from typing import Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
 
 from ecume._jit import compiled_once, of_this_process
-from ecume.errors import BadInput
-from ecume.laws.pair_laws import add_row, row_of
-from ecume.models.floating.forces.pair_forces import LEAST_DISTANCE, Superposed, pull_by_force
-from ecume.models.floating.options import Option
-from ecume.models.floating.parameters import PairParameters, Parameters
-from ecume.models.floating.setup.scene_parameters import faults_with
+from ecume.engine.cells import Integers
+from ecume.engine.neighbors import NeighborLists
+from ecume.models.floating.forces.interactions import BY_CONSTANTS, ROUND, Interaction
+from ecume.models.floating.options import Built, scene_error
+from ecume.models.floating.parameters import CAPILLARY_LENGTH, SURFACE_TENSION, PairParameters, Parameters
 from ecume.models.floating.state import State, Workspace
-from ecume.models.floating.time_integration.integration import advance_with
+from ecume.models.floating.time_integration.step_size import FINE, RAFT_NEIGHBORS
+from ecume.models.user_laws import (
+    PAIR,
+    BoundLaw,
+    energy_between,
+    masks_of,
+    require_force,
+    require_kinds,
+    sum_of_pair_laws,
+)
+from ecume.units import Array
 
-ROUNDING = 1e-12
-"""Tolerated relative change of a force when i and j are exchanged: rounding only."""
+if TYPE_CHECKING:
+    from ecume.scenes.floating import FloatingScene
 
 
-def advance_extended(extra_laws: Sequence[Callable[..., float]]) -> Callable[..., int]:
-    """Return `advance` with pair laws of the user, whose compilation takes seconds per process.
+class FloatPair(NamedTuple):
+    """The two floats of a pair, as user-defined laws see them beside the distance of their centers."""
 
-    A law is a function (distance, parameters) -> force (N, positive repels) of a `PairParameters`, the same when i and
-    j are swapped. It acts up to the scene's cutoff. Raises BadInput for what is no such law.
-    """
-    for law in extra_laws:
-        _require_force(law)
-    return _advance_with_extra(tuple(extra_laws))
+    radius_i: float
+    radius_j: float
+    charge_i: float
+    charge_j: float
+    capillary_length: float
+    surface_tension: float
+    constants: tuple[float, ...]
+
+
+@compiled_once
+def joined(own: PairParameters, constants: Any) -> FloatPair:
+    """The parameters of a law."""
+    return FloatPair(
+        own.radius_i, own.radius_j, own.charge_i, own.charge_j, own.capillary_length, own.surface_tension, constants
+    )
 
 
 DISTANCES = (3.2e-3, 5e-3, 2e-2)
 """m: distances at which user laws are tested."""
+ONE = PairParameters(1e-3, 2e-3, 1e-4, -3e-5, 2.7e-3, 0.07)
+OTHER = PairParameters(2e-3, 1e-3, -3e-5, 1e-4, 2.7e-3, 0.07)
+"""Two typical spheres, and the same exchanged."""
+
+FIELDS = ("mask", "species", "radius", "charge", "cutoff", "length", "tension")
+"""Of a part: (S, S) laws of each pair of species; (N,) properties of floats; lengths (m), surface tension (N/m)."""
+
+NUMBERS = itertools.count()
+"""Compiled code tells types apart by their names: laws that are not the same need types that are not."""
 
 
-def _require_force(law: Callable[..., float]) -> None:
-    """Test a user law with two typical spheres, so that faults are reported before the time step is compiled."""
-    own = PairParameters(1e-3, 2e-3, 1e-4, -3e-5, 2.7e-3, 0.07)
-    seen_from_j = PairParameters(2e-3, 1e-3, -3e-5, 1e-4, 2.7e-3, 0.07)
-    try:
-        compiled: Callable[..., object] = compiled_once(law)
-        forces = [(compiled(distance, own), compiled(distance, seen_from_j)) for distance in DISTANCES]
-    except Exception as error:  # a user's function may raise anything, and so may its compilation
-        said = [line for line in str(error).splitlines() if line.strip() and not line.startswith("Failed in nopython")]
-        why = said[0].strip() if said else type(error).__name__
-        raise BadInput(
-            f"extra_laws: {_named(law)}: cannot be used: {why}; expected a plain function (distance, parameters) -> "
-            "force, of numbers and the functions of math"
-        ) from error
-    for distance, (one, other) in zip(DISTANCES, forces, strict=True):
-        _require_action_and_reaction(_named(law), distance, one, other)
+def interaction_of(laws: Sequence[BoundLaw]) -> Interaction:
+    """Return the interaction of these laws, whose compilation takes seconds per process. Raises BadInput for what is no
+    such law.
 
-
-def _require_action_and_reaction(name: str, distance: float, one: object, other: object) -> None:
-    """Require that the force is a number, and the same if i and j are exchanged."""
-    for force in (one, other):
-        if isinstance(force, bool) or not isinstance(force, (int, float)) or not math.isfinite(force):
-            raise BadInput(f"extra_laws: {name}: got {force!r} at {distance:g} m; expected a force in N")
-    assert isinstance(one, (int, float))  # noqa: S101  # for the type checker: the loop has seen to it
-    assert isinstance(other, (int, float))  # noqa: S101
-    if abs(one - other) > ROUNDING * max(abs(one), abs(other)):
-        raise BadInput(
-            f"extra_laws: {name}: at {distance:g} m, got forces of {one:.4g} N and "
-            f"{other:.4g} N on two unequal floats, which would create momentum; expected a force that is "
-            "the same if i and j are exchanged, such as one of radius_i * radius_j"
-        )
-
-
-def _named(law: object) -> str:
-    return str(getattr(law, "__name__", repr(law)))
-
-
-def _advance_with_extra(laws: tuple[Callable[..., float], ...]) -> Callable[..., int]:
-    """Return `advance` with the sum of the laws added to the pair law of the scene."""
-    extra = _no_law
+    A law is the same when i and j are exchanged. Faults are reported before the time step is compiled.
+    """
+    require_kinds("floating", laws, [PAIR])
     for law in laws:
-        extra = _sum_of(compiled_once(law), extra)
-    known: dict[type, type] = {}
+        require_force(law, DISTANCES, FloatPair(*ONE, law.constants), FloatPair(*OTHER, law.constants))
+    total = sum_of_pair_laws(laws, joined)
+    potential = _sum_of_energies(energy_between(total))
+    constants = of_this_process(f"UserLaws{next(NUMBERS)}", FIELDS)
 
-    def advance(parameters: Parameters, state: State, scratch: Workspace, steps: int) -> int:
-        _require_pair_sums(parameters)
-        base, *others = parameters.parts.interactions
-        constants = known.setdefault(type(base.law), _extended(type(base.law), extra))
-        parts = parameters.parts._replace(interactions=(Superposed(constants(*base.law)), *others))
-        return advance_with(parts, parameters, state, scratch, steps)
+    def make(parameters: Parameters, scene: FloatingScene) -> Built:
+        if parameters.single:
+            raise scene_error("interaction.precision", "got 'single'; expected 'double' with user-defined laws")
+        floats = parameters.floats
+        part = constants(
+            masks_of(laws, len(scene.kinds)), floats.species, floats.radius, floats.charge, parameters.cutoff,
+            float(parameters.pair[CAPILLARY_LENGTH]), float(parameters.pair[SURFACE_TENSION]),
+        )  # fmt: skip
+        return Built(part, shortest_time(total, part, parameters), reach=parameters.cutoff)
 
-    return advance
+    def energy(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> tuple[float, float]:
+        return float(potential(part, workspace.lists)), 0.0
 
-
-def _extended(constants: type, extra: Callable[..., float]) -> Any:
-    """Return the type of constants that selects a pair law plus the user laws in compiled code."""
-    row = row_of(constants)
-    alone = compiled_once(row.pull or pull_by_force)
-
-    def pull(square: float, own: PairParameters, law: Any) -> float:
-        distance = max(math.sqrt(square), LEAST_DISTANCE)
-        return alone(square, own, law) - extra(distance, own) / distance
-
-    both = of_this_process(constants.__name__, constants._fields)  # type: ignore[attr-defined]  # a NamedTuple's
-    # Without threads, since compiling the parallel loop takes several seconds longer.
-    add_row(row._replace(constants=both, pull=pull, needs_radii=True, threaded=False))
-    return both
-
-
-EXTRA_LAWS = Option(
-    slot="extra laws", path="extra_laws", name="a user law",
-    needs={
-        "reciprocal": "its sum counts each pair once",
-        "pair sum": "it is added to the pair law, as far as lists of neighbors reach",
-    },
-)  # fmt: skip
+    row = Interaction(
+        path="extra_laws", name="a user law", constants=constants, make=make, add_forces=_adding(total), energy=energy,
+        gives=ROUND | {"pair sum", "undulations", "grid", "superposed"},
+        needs={
+            "reciprocal": "its sum counts each pair once",
+            "pair sum": "it is added to the pair law, as far as lists of neighbors reach",
+        },
+    )  # fmt: skip
+    BY_CONSTANTS[constants] = row
+    return row
 
 
-def _require_pair_sums(parameters: Parameters) -> None:
-    """Raise BadInput for scenes whose forces are not a sum over pairs of floats."""
-    if faults := faults_with(EXTRA_LAWS, parameters):
-        raise BadInput("; ".join(str(fault) for fault in faults))
-    if parameters.single:
-        raise BadInput("extra_laws: got interaction.precision = 'single'; expected 'double'")
+def _adding(total: Any) -> Any:
+    """Return the loop over pairs of neighbors, each once."""
 
-
-@compiled_once
-def _no_law(distance: float, own: PairParameters) -> float:
-    return 0.0
-
-
-def _sum_of(one: Callable[..., float], other: Callable[..., float]) -> Callable[..., float]:
     @compiled_once
-    def both(distance: float, own: PairParameters) -> float:
-        return one(distance, own) + other(distance, own)
+    def add_forces(
+        part: Any, own: Any, parameters: Parameters, position: Array, lists: NeighborLists, force: Array
+    ) -> None:
+        order, rows = lists.cells.order, lists.rows
+        x, y = rows.sorted_position[0], rows.sorted_position[1]
+        for slot in range(len(order)):
+            i = order[slot]
+            for place in range(rows.later[slot], rows.first[slot + 1]):
+                other = rows.neighbor[place]
+                j = order[other]
+                mask = part.mask[part.species[i], part.species[j]]
+                along, across = x[other] - x[slot], y[other] - y[slot]
+                distance = math.sqrt(along * along + across * across)
+                if mask and 0.0 < distance < part.cutoff:
+                    pair = PairParameters(
+                        part.radius[i], part.radius[j], part.charge[i], part.charge[j], part.length, part.tension
+                    )
+                    over = total(distance, pair, mask) / distance
+                    force[i, 0] -= over * along
+                    force[i, 1] -= over * across
+                    force[j, 0] += over * along
+                    force[j, 1] += over * across
 
-    return both
+    return add_forces
+
+
+def _sum_of_energies(energy: Any) -> Any:
+    """Return the sum of the energies of all pairs (J), zero at the cutoff."""
+
+    @compiled_once
+    def sum_of_energies(part: Any, lists: NeighborLists) -> float:
+        order, rows, sum_of_pairs = lists.cells.order, lists.rows, 0.0
+        x, y = rows.sorted_position[0], rows.sorted_position[1]
+        for slot in range(len(order)):
+            i = order[slot]
+            for place in range(rows.later[slot], rows.first[slot + 1]):
+                other = rows.neighbor[place]
+                j = order[other]
+                mask = part.mask[part.species[i], part.species[j]]
+                along, across = x[other] - x[slot], y[other] - y[slot]
+                distance = math.sqrt(along * along + across * across)
+                if mask and 0.0 < distance < part.cutoff:
+                    pair = PairParameters(
+                        part.radius[i], part.radius[j], part.charge[i], part.charge[j], part.length, part.tension
+                    )
+                    sum_of_pairs += energy(distance, part.cutoff, pair, mask)
+        return sum_of_pairs
+
+    return sum_of_energies
+
+
+def shortest_time(total: Any, part: Any, parameters: Parameters) -> float:
+    """The shortest time scale of the laws (s): each is a spring of stiffness |dF/dl| at contact, with six neighbors."""
+    floats, shortest = parameters.floats, math.inf
+    kinds: Integers = np.unique(floats.species, return_index=True)[1]
+    for i, j in itertools.combinations_with_replacement(kinds.tolist(), 2):
+        mask = int(part.mask[floats.species[i], floats.species[j]])
+        if mask:
+            touching = float(floats.radius[i] + floats.radius[j])
+            pair = PairParameters(
+                float(floats.radius[i]), float(floats.radius[j]), float(floats.charge[i]), float(floats.charge[j]),
+                part.length, part.tension,
+            )  # fmt: skip
+            near, far = (float(total((1.0 + change) * touching, pair, mask)) for change in (-FINE, FINE))
+            spring = 2.0 * RAFT_NEIGHBORS * abs(far - near) / (2.0 * FINE * touching)
+            if spring > 0.0:
+                lighter = i if floats.mass[i] < floats.mass[j] else j
+                inertial = math.sqrt(float(floats.mass[lighter]) / spring)
+                drag = float(floats.mass[lighter] / floats.relaxation_time[lighter])
+                shortest = min(shortest, inertial if parameters.scheme.inertia else drag / spring)
+    return shortest

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from ecume.engine.boundary_images import Sides
 from ecume.engine.cells import Integers
@@ -11,6 +11,9 @@ from ecume.engine.walls import Sheet
 from ecume.models.sph.fields import Constants, Numbers, Precision, Tait
 from ecume.models.sph.rates.methods import DensityDiffusion, Friction, PressureForce
 from ecume.units import Array
+
+if TYPE_CHECKING:
+    from ecume.models.sph.user_laws import UserForces
 
 
 class Guard(NamedTuple):
@@ -238,6 +241,8 @@ class Parameters(NamedTuple):
     """of what the sums over neighbors read and write; the state is always in double precision"""
     origin: Array
     """(d,) m: positions that sums read are relative to this"""
+    user_forces: UserForces | None = None
+    """laws of the user"""
 
     @property
     def numbers(self) -> Numbers:

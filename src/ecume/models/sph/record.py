@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
 import numpy as np
 import psutil
 
@@ -25,6 +28,9 @@ from ecume.models.sph.setup.initial_particles import liquid_of
 from ecume.models.sph.setup.shapes import part_of
 from ecume.models.sph.state import State, Workspace, likely_neighbors, make_state, workspace_at
 from ecume.scenes.sph import SphScene
+
+if TYPE_CHECKING:
+    from ecume.models.user_laws import BoundLaw
 
 
 def start(scene: SphScene, parameters: Parameters) -> State:
@@ -102,6 +108,13 @@ def summary(scene: SphScene) -> list[Row]:
     return advice(scene, parameters, state.position.shape[1], bytes_per_particle(scene))
 
 
+def extended(laws: Sequence[BoundLaw]) -> Model:
+    """The tank with laws of the user."""
+    from ecume.models.sph import user_laws
+
+    return user_laws.extended(SPH, laws)
+
+
 SPH = Model(
     name="sph",
     state=State,
@@ -118,4 +131,5 @@ SPH = Model(
     summary=summary,
     exchange=exchange,
     access=TANKS,
+    extended=extended,
 )

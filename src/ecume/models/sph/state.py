@@ -115,6 +115,8 @@ class Workspace:
     """for the interpolation at passive particles; None without them"""
     share: Share | None = None
     """of MPI ranks"""
+    user_acceleration: Array | None = None
+    """(d, N) m/s^2 by laws of the user, at the last evaluation"""
 
     def take(self, other: Workspace) -> None:
         """Become the other."""

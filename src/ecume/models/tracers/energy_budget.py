@@ -73,6 +73,7 @@ def carry_of_flight(parameters: Parameters, state: State, scratch: Workspace, i:
     height = scratch.origin[i, last] + 0.5 * h * scratch.travel[i, last]
     for axis in range(last + 1):
         impulse = h * scratch.push[i, axis] - 2.0 * scratch.shift[i, axis] / h + scratch.kick[i, axis]
+        impulse -= h * scratch.external[i, axis]
         if axis == last:
             impulse += h * parameters.bodies.push[i]
         by_flow += impulse * flow_at(parameters, height, axis)

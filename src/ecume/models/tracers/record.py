@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -25,6 +26,9 @@ from ecume.models.tracers.time_stepping import NOWHERE, advance
 from ecume.scenes.tracers import TracersScene
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
+
+if TYPE_CHECKING:
+    from ecume.models.user_laws import BoundLaw
 
 ARRAY_UNITS = {
     "position": "m",
@@ -193,6 +197,13 @@ def laws_of(scene: Any) -> list[Source]:
     return [*DRAGS[scene.hydrodynamics.drag].papers, *heat, *correlations_of(scene.liquid.name)]
 
 
+def extended(laws: Sequence[BoundLaw]) -> Model:
+    """The tracers with external laws of the user."""
+    from ecume.models.tracers import user_laws
+
+    return user_laws.extended(TRACERS, laws)
+
+
 TRACERS = Model(
     name="tracers",
     state=State,
@@ -206,6 +217,7 @@ TRACERS = Model(
     diagnosis=diagnosis,
     exchange=exchange,
     access=ACCESS,
+    extended=extended,
     invariants=invariants,
     laws=laws_of,
     summary=summary,

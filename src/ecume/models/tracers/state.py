@@ -48,6 +48,8 @@ class Workspace(NamedTuple):
     """(N, d) the part of that which is chance, and stays"""
     shift: Array
     """(N, d) the part of the way that is chance"""
+    external: Array
+    """(N, d) m/s^2: the acceleration by laws of the user"""
     radius: Array
     hits: Integers
     """(N,)"""
@@ -77,6 +79,6 @@ def came(parameters: Parameters, state: State) -> int:
 def workspace(parameters: Parameters, state: State, room: float) -> Workspace:
     """The workspace, which cannot overflow."""
     count, shape = len(state.position), state.position.shape
-    a, b, c, d, e, f = (np.zeros(shape) for _ in range(6))
+    a, b, c, d, e, f, g = (np.zeros(shape) for _ in range(7))
     radius = np.ascontiguousarray(parameters.bodies.radius[:count])
-    return Workspace(a, b, c, d, e, f, radius, np.zeros(count, np.int64), np.zeros(count, np.int64))
+    return Workspace(a, b, c, d, e, f, g, radius, np.zeros(count, np.int64), np.zeros(count, np.int64))

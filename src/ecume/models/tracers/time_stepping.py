@@ -98,7 +98,7 @@ def fly(parameters: Parameters, state: State, scratch: Workspace) -> bool:
     )  # fmt: skip
     plan_flights(
         state.position, state.velocity, bodies.mass, bodies.push, bodies.friction, bodies.radius, scratch.fate,
-        scratch.push, scratch.kick, scratch.noise, scratch.shift, numbers,
+        scratch.push, scratch.kick, scratch.noise, scratch.shift, scratch.external, numbers,
     )  # fmt: skip
     copy(scratch.origin, state.position)
     copy(scratch.travel, state.velocity)
@@ -119,6 +119,7 @@ def creep(parameters: Parameters, state: State, scratch: Workspace) -> bool:
     bodies, fluid, h = parameters.bodies, parameters.fluid, parameters.time_step
     flow = (fluid.flow[0], fluid.flow[1], fluid.flow[2], fluid.shear_rate)
     plan_drifts(state.position, bodies.settling, scratch.fate, 0.5 * h, flow, scratch.travel)
+    add_drifts(bodies.mass, bodies.friction, scratch.fate, scratch.external, scratch.travel)
     well, books = passed(parameters, state, scratch, 0.5 * h, parameters.stopping), booked(parameters)
     if books:
         state.work[0] += work_of_drifts(parameters, state, scratch, 0.5 * h)
@@ -130,6 +131,7 @@ def creep(parameters: Parameters, state: State, scratch: Workspace) -> bool:
         state.work[0] += work_of_steps(parameters, state, scratch)
     choose(scratch.fate, state.left, bodies.overdamped, 1)
     plan_drifts(state.position, bodies.settling, scratch.fate, 0.5 * h, flow, scratch.travel)
+    add_drifts(bodies.mass, bodies.friction, scratch.fate, scratch.external, scratch.travel)
     well = passed(parameters, state, scratch, 0.5 * h, parameters.stopping) and well
     if books:
         state.work[0] += work_of_drifts(parameters, state, scratch, 0.5 * h)
@@ -228,6 +230,7 @@ def plan_flights(
     kick: Array,
     noise: Array,
     shift: Array,
+    external: Array,
     numbers: tuple[float, int, int, DragChoice, float, float, float, float, float, float, float],
 ) -> None:
     """The parabola of each particle with inertia: it ends where the exact motion ends.
@@ -252,7 +255,7 @@ def plan_flights(
             far = thermal * mass[i] / (friction * friction) * brownian.displacement_variance(ratio) - both * both
             far = math.sqrt(max(far, 0.0))
         for axis in range(last + 1):
-            start = (flow[axis] - velocity[i, axis]) * friction / mass[i]
+            start = (flow[axis] - velocity[i, axis]) * friction / mass[i] + external[i, axis]
             if axis == last:
                 start -= weight[i]
             push[i, axis] = start * way
@@ -314,6 +317,15 @@ def plan_drifts(
                 velocity[i, axis] = flow[axis]
             velocity[i, 0] += flow[3] * height
             velocity[i, last] -= settling[i]
+
+
+@compiled
+def add_drifts(mass: Array, friction: Array, fate: Integers, external: Array, velocity: Array) -> None:
+    """Add the velocity of what has no inertia by an acceleration: the force over Stokes's friction."""
+    for i in range(velocity.shape[0]):
+        if fate[i] == 0:
+            for axis in range(velocity.shape[1]):
+                velocity[i, axis] += mass[i] / friction[i] * external[i, axis]
 
 
 @compiled

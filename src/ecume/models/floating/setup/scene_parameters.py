@@ -47,10 +47,12 @@ SLOP = 1e-4
 """Tolerated overlap, over the smallest radius."""
 
 
-def parameters_of(scene: FloatingScene) -> Parameters:
-    """Return the parameters of a scene. Raises SceneError."""
+def parameters_of(scene: FloatingScene, further: tuple[Interaction, ...] = ()) -> Parameters:
+    """Return the parameters of a scene, with further interactions. Raises SceneError."""
     _check_names(scene)
     chosen = chosen_by(scene)
+    if further:
+        chosen = chosen._replace(interactions=(*chosen.interactions, *further), grid_allowed=False)
     require_compatible(options_of(scene, chosen), TABLES)
     parameters, requested = _parameters_with(scene, chosen, 1.0), scene.integration.time_step
     longer = 1.0 if requested is None else requested / good_step(parameters, scene)
@@ -339,12 +341,12 @@ BYTES_PER_POINT = 60
 """Bytes per grid point: charges, their transform, waves, and two fields."""
 
 
-def checked_parameters(scene: FloatingScene) -> Parameters:
-    """Return the parameters of a scene that fits into memory."""
+def checked_parameters(scene: FloatingScene, further: tuple[Interaction, ...] = ()) -> Parameters:
+    """Return the parameters of a scene that fits into memory, with further interactions."""
     count = len(scene.rows) + sum(species.count for species in scene.particles)
     # Tested before any allocation: a hundred million floats are typed as quickly as a hundred.
     _require_memory(count, BYTES_PER_FLOAT * count)
-    parameters = parameters_of(scene)
+    parameters = parameters_of(scene, further)
     _require_memory(count, memory_estimate(parameters))
     return within_steps(scene, parameters)
 

@@ -93,7 +93,7 @@ def _store_thickening(parameters: Parameters, state: State, workspace: Workspace
 
 
 def _store_acceleration(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
-    """Store the acceleration: pressure, gravity, friction, repulsion, bodies and surface tension."""
+    """Store the acceleration: pressure, gravity, friction, repulsion, bodies, surface tension, laws of the user."""
     per_volume, rates = parameters.pressure_force.per_volume, workspace.rates
     store_acceleration(state.acceleration, rates.table, state.density, parameters.gravity, per_volume)
     if parameters.pull_rate > 0.0:
@@ -109,6 +109,9 @@ def _store_acceleration(parameters: Parameters, state: State, workspace: Workspa
     _push_bodies(parameters, state, workspace)
     if parameters.tension != "none":
         add_surface_tension(parameters, state, workspace)
+    if parameters.user_forces is not None:
+        workspace.user_acceleration = parameters.user_forces.acceleration(parameters, state, workspace)
+        state.acceleration[...] += workspace.user_acceleration
     if parameters.transports:
         shift(parameters, state, workspace, time)
     if parameters.gates:

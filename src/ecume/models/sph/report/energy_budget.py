@@ -97,9 +97,9 @@ def has_external_work(parameters: Parameters) -> bool:
 
 
 def forces_work(parameters: Parameters) -> bool:
-    """Whether there are moving walls or buffers."""
+    """Whether there are moving walls, buffers, or laws of the user."""
     sliding = len(moving_sides(parameters)) or parameters.boundary.dummies.velocity.any()
-    return bool(parameters.drives or parameters.gates or sliding)
+    return bool(parameters.drives or parameters.gates or sliding or parameters.user_forces is not None)
 
 
 def may_lose_liquid(parameters: Parameters) -> bool:
@@ -139,8 +139,11 @@ def power_of_shake(parameters: Parameters, state: State) -> float:
 
 
 def power_of_forces(now: Parameters, state: State, workspace: Workspace) -> float:
-    """Power of moving sides and of buffers (W), from a filled workspace."""
+    """Power of moving sides, of buffers and of laws of the user (W), from a filled workspace."""
     power = 0.0
+    if workspace.user_acceleration is not None:
+        inside = state.zone == 0
+        power += float(np.sum((state.mass * (workspace.user_acceleration * state.velocity).sum(axis=0))[inside]))
     for row in moving_sides(now):
         power += power_of_side(now, state, workspace, int(row))
     if len(moving_dummies(now)):
