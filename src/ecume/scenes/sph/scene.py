@@ -74,7 +74,8 @@ class FluidSpec:
     """The exponent gamma of Tait's equation of state; 1 is linear. Effect: larger values stiffen the liquid under
     compression."""
     atmospheric_pressure: Annotated[Number, Field(ge=0.0, le=1e9)] = 0.0
-    """The pressure that is added to absolute pressures (Pa). Effect: none on the motion."""
+    """The pressure above the liquid, which is part of absolute pressures (Pa). Example: `101325`. Effect: shifts
+    absolute pressures in gauges, figures, pages and exports; none on the motion."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
