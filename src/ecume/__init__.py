@@ -119,11 +119,17 @@ def _scene_of(plain: dict[str, Any]) -> Any:
     return importlib.import_module("ecume.scenes.schema").from_plain(plain)
 
 
+def _derived_arrays(scene: Any) -> Any:
+    """The arrays that follow from the recorded ones: the other pressures of a tank."""
+    return importlib.import_module("ecume.analysis.pressures").with_pressures(scene)
+
+
 def _scenes_of_models(_: None) -> Any:
     """The scenes of models that have no row in `SCENES`."""
     return importlib.import_module("ecume.models").SCENES_OF_MODELS
 
 
+_hooks.derived_arrays.register(_derived_arrays)
 _hooks.html_of.register(_html_of)
 _hooks.scene_of.register(_scene_of)
 _hooks.scenes_of_models.register(_scenes_of_models)

@@ -89,7 +89,10 @@ gauges = [{ name = "P", position = [0.5, 0.1], quantities = MEASURES }]
 
 @pytest.mark.parametrize(
     ("measures", "says"),
-    [('["temp"]', "got 'temp'; expected one of pressure, velocity, level"), ("[]", "expected a list of 1 or more")],
+    [
+        ('["temp"]', "got 'temp'; expected one of pressure, hydrostatic_pressure"),
+        ("[]", "expected a list of 1 or more"),
+    ],
 )
 def test_a_list_whose_items_are_wrong_is_not_short_of_items_besides(measures: str, says: str) -> None:
     (fault,) = faults_of(TANK.replace("MEASURES", measures))

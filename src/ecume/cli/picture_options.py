@@ -63,7 +63,10 @@ End = Annotated[Any, typer.Option("--to", parser=seconds, metavar="TIME", help="
 Color = Annotated[
     str | None,
     typer.Option(
-        "--color", metavar="WHAT", help="Color a liquid by pressure, speed, density or region.", show_default=False
+        "--color",
+        metavar="WHAT",
+        help="Color a liquid by pressure, dynamic-pressure, absolute-pressure, speed, density or region.",
+        show_default=False,
     ),
 ]
 Particles = Annotated[

@@ -93,9 +93,13 @@ def standing_wave_velocity(
     >>> standing_wave_velocity(0.0, 2.0, wavenumber=math.pi, depth=2.0, speed=0.1)
     (-0.0, 0.1)
     """
-    k, whole = wavenumber, math.sinh(wavenumber * depth)
-    along = -speed * math.sin(k * x) * math.cosh(k * height) / whole
-    return along, speed * math.cos(k * x) * math.sinh(k * height) / whole
+    require_positive("wavenumber", wavenumber)
+    require_positive("depth", depth)
+    k, below, above = wavenumber, -2.0 * wavenumber * depth, -2.0 * wavenumber * height
+    # sinh and cosh as e^(k y - k H) times factors near one: in deep water they overflow.
+    scale = speed * math.exp(k * height - k * depth) / math.expm1(below)
+    along = scale * math.sin(k * x) * (1.0 + math.exp(above))
+    return along, scale * math.cos(k * x) * math.expm1(above)
 
 
 def ritter_depth(

@@ -24,6 +24,7 @@ FIGURE_NAMES = {
         "energies",
         "kinetic-energy",
         "pressure",
+        "dynamic-pressure",
         "front",
         "center",
         "snapshot",

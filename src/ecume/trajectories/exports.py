@@ -20,8 +20,9 @@ from numpy.typing import NDArray
 
 from ecume.errors import BadInput
 from ecume.trajectories.durable_files import replacing, storing
+from ecume.trajectories.exported_frames import ExportedFrames
 from ecume.trajectories.frame import Frame
-from ecume.trajectories.reader import Trajectory, open_trajectory
+from ecume.trajectories.reader import open_trajectory
 from ecume.trajectories.vtk import write_pvd, write_vtk
 
 AXES = "xyz"
@@ -35,7 +36,8 @@ def export(directory: str | os.PathLike[str], kind: str, out: str | os.PathLike[
 
     csv is one long table, a row a particle and frame, the unit in each heading; xyz is extended XYZ, for OVITO and ASE;
     vtk is VTKHDF, which ParaView opens as a series in time, pvd the same for its older versions, with a folder of
-    frames beside it; npz holds one array a quantity, for `numpy.load`.
+    frames beside it; npz holds one array a quantity, for `numpy.load`. Frames of tanks have all pressures: see
+    `ecume.analysis.pressures`.
     """
     if kind not in (*EXPORTS, "pvd"):
         raise BadInput(f"a trajectory cannot be written as {kind}; expected one of {', '.join((*EXPORTS, 'pvd'))}")
@@ -45,15 +47,16 @@ def export(directory: str | os.PathLike[str], kind: str, out: str | os.PathLike[
             raise BadInput(f"{directory}: the run has no frames yet")
         with storing(path.parent):
             path.parent.mkdir(parents=True, exist_ok=True)
+        frames = ExportedFrames(trajectory)
         if kind == "pvd":
-            write_pvd(trajectory, path)
+            write_pvd(frames, path)
             return path
         with replacing(path) as file:
-            EXPORTS[kind](trajectory, file)
+            EXPORTS[kind](frames, file)
     return path
 
 
-def write_csv(trajectory: Trajectory, file: BinaryIO) -> None:
+def write_csv(trajectory: ExportedFrames, file: BinaryIO) -> None:
     """One long table: frame, time, particle, then each component of each array, with its unit."""
     names, units = list(trajectory[0].arrays), trajectory[0].units
     table = csv.writer(_Text(file), lineterminator="\n")
@@ -64,7 +67,7 @@ def write_csv(trajectory: Trajectory, file: BinaryIO) -> None:
         table.writerows([number, frame.time, particle, *row] for particle, row in enumerate(particles))
 
 
-def write_numbers(trajectory: Trajectory, file: BinaryIO) -> None:
+def write_numbers(trajectory: ExportedFrames, file: BinaryIO) -> None:
     """A table of what is known of each frame as a whole: frame, time, then each of its numbers, with its unit."""
     first = trajectory[0]
     heads = [f"{name} [{first.units[name]}]" if first.units.get(name, "1") != "1" else name for name in first.numbers]
@@ -74,7 +77,7 @@ def write_numbers(trajectory: Trajectory, file: BinaryIO) -> None:
         table.writerow([number, frame.time, *(frame.numbers[name] for name in first.numbers)])
 
 
-def write_xyz(trajectory: Trajectory, file: BinaryIO) -> None:
+def write_xyz(trajectory: ExportedFrames, file: BinaryIO) -> None:
     """Extended XYZ: SI numbers; positions and velocities with three components; the particles' species as elements,
     and in the comment what each element stands for: `Species="H: cereal, He: bead"`.
     """
@@ -88,7 +91,7 @@ def write_xyz(trajectory: Trajectory, file: BinaryIO) -> None:
         file.write((head + rows).encode())
 
 
-def write_npz(trajectory: Trajectory, file: BinaryIO) -> None:
+def write_npz(trajectory: ExportedFrames, file: BinaryIO) -> None:
     """NumPy's own: `time`, every array with the frames as its first axis, every number as a curve, `units` as JSON."""
     first = trajectory[0]
     with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
@@ -100,13 +103,13 @@ def write_npz(trajectory: Trajectory, file: BinaryIO) -> None:
             _put(archive, name, _stacked(trajectory, name, array.shape))
 
 
-def write_samples(trajectory: Trajectory, file: BinaryIO) -> None:
+def write_samples(trajectory: ExportedFrames, file: BinaryIO) -> None:
     """The table of numbers sampled between frames, without a row that is being written."""
     whole = trajectory.samples.path.read_bytes()
     file.write(whole[: whole.rfind(b"\n") + 1])
 
 
-EXPORTS: dict[str, Callable[[Trajectory, BinaryIO], None]] = {
+EXPORTS: dict[str, Callable[[ExportedFrames, BinaryIO], None]] = {
     "csv": write_csv,
     "numbers": write_numbers,
     "samples": write_samples,
@@ -164,7 +167,7 @@ def _plain(value: Any) -> str:
     return value if isinstance(value, str) else repr(value)
 
 
-def _stacked(trajectory: Trajectory, name: str, shape: tuple[int, ...]) -> NDArray[Any]:
+def _stacked(trajectory: ExportedFrames, name: str, shape: tuple[int, ...]) -> NDArray[Any]:
     stacked = np.empty((len(trajectory), *shape), trajectory[0].arrays[name].dtype)
     for number, frame in enumerate(trajectory):
         if frame.arrays[name].shape != shape:

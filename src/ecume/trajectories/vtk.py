@@ -24,8 +24,8 @@ from numpy.typing import NDArray
 
 from ecume.errors import StorageError
 from ecume.trajectories.durable_files import replacing, storing
+from ecume.trajectories.exported_frames import ExportedFrames
 from ecume.trajectories.frame import Frame
-from ecume.trajectories.reader import Trajectory
 
 if TYPE_CHECKING:
     import h5py
@@ -35,7 +35,7 @@ Answer = TypeVar("Answer")
 CELLS = ("Vertices", "Lines", "Polygons", "Strips")
 
 
-def write_vtk(trajectory: Trajectory, file: BinaryIO) -> None:
+def write_vtk(trajectory: ExportedFrames, file: BinaryIO) -> None:
     """Points with all arrays, and the numbers as field data; positions with three components."""
     import h5py  # heavy, and needed here alone
 
@@ -50,7 +50,7 @@ def write_vtk(trajectory: Trajectory, file: BinaryIO) -> None:
         raise sink.refusal
 
 
-def _write(trajectory: Trajectory, document: h5py.File) -> None:
+def _write(trajectory: ExportedFrames, document: h5py.File) -> None:
     root = document.create_group("VTKHDF")
     root.attrs["Version"] = np.array([2, 0])
     root.attrs.create("Type", np.bytes_("PolyData"))
@@ -65,7 +65,7 @@ def _write(trajectory: Trajectory, document: h5py.File) -> None:
     _write_numbers(trajectory, root, steps)
 
 
-def _write_points(trajectory: Trajectory, root: h5py.Group, steps: h5py.Group) -> NDArray[np.int64]:
+def _write_points(trajectory: ExportedFrames, root: h5py.Group, steps: h5py.Group) -> NDArray[np.int64]:
     """The points of all frames and their arrays, each in one long table; how many points each frame has."""
     data, starts = root.create_group("PointData"), steps.create_group("PointDataOffsets")
     names = list(trajectory[0].arrays)
@@ -93,7 +93,7 @@ def _write_cells(root: h5py.Group, steps: h5py.Group, counts: NDArray[np.int64])
     steps["CellOffsets"] = steps["ConnectivityIdOffsets"] = np.zeros((len(counts), len(CELLS)), np.int64)
 
 
-def _write_numbers(trajectory: Trajectory, root: h5py.Group, steps: h5py.Group) -> None:
+def _write_numbers(trajectory: ExportedFrames, root: h5py.Group, steps: h5py.Group) -> None:
     data, count = root.create_group("FieldData"), len(trajectory)
     starts, sizes = steps.create_group("FieldDataOffsets"), steps.create_group("FieldDataSizes")
     for name in trajectory[0].numbers:
@@ -170,7 +170,7 @@ KINDS = {"<f8": "Float64", "<i8": "Int64"}
 HEAD = '<?xml version="1.0"?>\n<VTKFile type="{}" version="1.0" byte_order="LittleEndian" header_type="UInt64">\n'
 
 
-def write_pvd(trajectory: Trajectory, path: Path) -> None:
+def write_pvd(trajectory: ExportedFrames, path: Path) -> None:
     """The list at `path`, the frames in the folder beside it that is called as it is, but for the ending."""
     write_series(path, ".vtp", trajectory.times.tolist(), map(vtp_of, trajectory))
 

@@ -31,7 +31,7 @@ def read(scene):
     state = start(scene, parameters)
     pressure = 1.0 - state.position[1]
     state.velocity[0] = 3.0 * state.position[1]
-    return readings(parameters.gauges, state, pressure, parameters.support)
+    return readings(parameters.gauges, state, pressure, parameters.support, parameters.pressure_reference)
 
 
 def test_a_probe_at_a_wall_reads_the_pressure_of_its_depth():
@@ -70,8 +70,10 @@ def test_readings_are_those_of_the_analysis_and_do_not_depend_on_the_order_of_pa
         for name in ("position", "velocity", "density", "mass", "identity")
     }
     pressure = state.density - 1.0
-    one = readings(parameters.gauges, state, pressure, parameters.support)
-    assert one == readings(parameters.gauges, state._replace(**mixed), pressure[order], parameters.support)
+    one = readings(parameters.gauges, state, pressure, parameters.support, parameters.pressure_reference)
+    assert one == readings(
+        parameters.gauges, state._replace(**mixed), pressure[order], parameters.support, parameters.pressure_reference
+    )
     frame = SPH.observe(parameters, state, SPH.workspace(parameters, state, 1.0))
     there = readers.linear_values_at(frame, "velocity", np.array([[0.5, 0.5]]), parameters.support)
     assert frame.numbers["V_velocity_x"] == pytest.approx(there[0, 0], rel=1e-12)

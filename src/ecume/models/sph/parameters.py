@@ -37,7 +37,6 @@ class Material(NamedTuple):
     exponent: float
     viscosity: float
     surface_tension: float
-    atmospheric_pressure: float
     fastest: float
     """m/s, the fastest speed expected"""
 
@@ -160,6 +159,19 @@ class Gauge(NamedTuple):
     """how much of its surroundings, as seen from above, is in the tank: less than 1 near a wall"""
 
 
+class PressureReference(NamedTuple):
+    """The state from which hydrostatic and absolute pressures are measured."""
+
+    density: float
+    """kg/m^3"""
+    gravity: Array
+    """(d,) m/s^2: what pressure balances at rest"""
+    level: float
+    """m: the largest height of the liquid at the start, against gravity"""
+    atmospheric: float
+    """Pa"""
+
+
 class CarriedGroup(NamedTuple):
     """Passive particles that are alike."""
 
@@ -212,6 +224,7 @@ class Parameters(NamedTuple):
     """the sides that move, by number"""
     shake: Drive | None
     gauges: tuple[Gauge, ...]
+    pressure_reference: PressureReference
     pull_rate: float
     """1/s, of the pull towards a point; zero without"""
     pull_center: Array

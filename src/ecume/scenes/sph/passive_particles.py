@@ -46,6 +46,10 @@ class PassiveTracerSpec:
         box = self.low is not None and self.high is not None and self.count is not None
         if box == bool(self.positions):
             complaints.append(((), "expected either positions, or count with low and high"))
+        if any(b < a for a, b in zip(self.low or (), self.high or (), strict=False)):
+            complaints.append((("high",), "expected a corner above low in each direction"))
+        if len(self.low or ()) != len(self.high or ()):
+            complaints.append((("high",), "expected as many numbers as low has"))
         if (self.radius > 0.0) != (self.density is not None):
             complaints.append((("density",), "expected with a radius, and only then"))
         if complaints:

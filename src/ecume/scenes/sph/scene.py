@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
@@ -27,7 +28,7 @@ from ecume.scenes.quantities import (
     downwards,
 )
 from ecume.scenes.sph.passive_particles import PassiveTracerSpec, carried_faults
-from ecume.scenes.sph.solids import BodySpec, ObstacleSpec, ShapeSpec
+from ecume.scenes.sph.solids import BodySpec, ObstacleSpec, ShapeSpec, extent
 from ecume.scenes.sph.sources import ParticlesSpec, particle_faults
 from ecume.scenes.sph.tank import BaseExcitationSpec, GaugeSpec, TankSpec, gauge_faults
 from ecume.scenes.validated import dataclass
@@ -74,7 +75,8 @@ class FluidSpec:
     """The exponent gamma of Tait's equation of state; 1 is linear. Effect: larger values stiffen the liquid under
     compression."""
     atmospheric_pressure: Annotated[Number, Field(ge=0.0, le=1e9)] = 0.0
-    """The pressure that is added to absolute pressures (Pa). Effect: none on the motion."""
+    """The pressure above the liquid, which is part of absolute pressures (Pa). Example: `101325`. Effect: shifts
+    absolute pressures in gauges, figures, pages and exports; none on the motion."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -256,11 +258,42 @@ def _dimensions(scene: SphScene, dimension: int) -> Complaints:
     for row in rows:
         if row and len(row) != dimension:
             found.append((("base_excitation",), f"got {len(row)} numbers; the tank has {dimension} dimensions"))
+    found += _too_thin(scene)
     pieces = (("fluid", scene.fluid), ("obstacles", scene.obstacles), ("bodies", scene.bodies))
     for table, specs in pieces:
         for index, spec in enumerate(specs):
             found += [((table, index, *path), message) for path, message in _of_shape(spec, dimension)]
     return found
+
+
+LEAST_SIDE, LEAST_BODY = 0.5, 0.1
+"""In spacings: of a tank, and of a body."""
+
+
+def _too_thin(scene: SphScene) -> Complaints:
+    """Tanks and bodies that are far smaller than the distance of particles."""
+    found: Complaints = []
+    for axis, (low, high) in zip("xyz", zip(scene.tank.low, scene.tank.high, strict=True), strict=False):
+        if high - low < LEAST_SIDE * scene.spacing:
+            limit = LEAST_SIDE * scene.spacing
+            found.append(
+                (("tank", "high"), f"the tank is {high - low:g} m wide along {axis}; expected {limit:g} m or more")
+            )
+    for index, body in enumerate(scene.bodies):
+        thickness, limit = _smallest_extent(body), LEAST_BODY * scene.spacing
+        if thickness < limit:
+            message = f"is {thickness:.3g} m thick; expected at least a tenth of the spacing, {limit:.3g} m"
+            found.append((("bodies", index), message))
+    return found
+
+
+def _smallest_extent(spec: ShapeSpec) -> float:
+    """Of the box around a shape (m)."""
+    if spec.radius is not None:
+        return 2.0 * spec.radius
+    if spec.vertices:
+        return min(extent(values) for values in zip(*spec.vertices, strict=True))
+    return min((b - a for a, b in zip(spec.low or (), spec.high or (), strict=False)), default=math.inf)
 
 
 def _of_shape(spec: ShapeSpec, dimension: int) -> Complaints:
@@ -269,6 +302,9 @@ def _of_shape(spec: ShapeSpec, dimension: int) -> Complaints:
         value = getattr(spec, key, None)
         if value and len(value) != dimension:
             found.append(((key,), f"got {len(value)} numbers; the tank has {dimension} dimensions"))
+    if isinstance(spec, RegionSpec) and any(len(row) != dimension for row in spec.velocity_gradient):
+        counts = ", ".join(str(len(row)) for row in spec.velocity_gradient)
+        found.append((("velocity_gradient",), f"got rows of {counts} numbers; expected {dimension} in each"))
     if isinstance(spec, RegionSpec) and spec.particles is not None:
         found += particle_faults(spec.particles, dimension)
     if isinstance(spec, RegionSpec) and spec.triangles and dimension == 2:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
@@ -13,6 +14,33 @@ from ecume.units import Number, Rate
 
 Slip = Literal["free", "no-slip"]
 Turning = Annotated[Rate, Field(ge=-1e6, le=1e6)]
+
+
+THINNEST = 1e-9
+"""Of the area of the square around a polygon: less is none."""
+
+
+def above_fault(low: Sequence[float] | None, high: Sequence[float] | None) -> str:
+    """The fault of a corner that is not above `low` in each direction; empty where there is none."""
+    for axis, (a, b) in zip("xyz", zip(low or (), high or (), strict=False), strict=False):
+        if not a < b:
+            return f"got {b:g} m along {axis}; expected more than {a:g} m, that of low"
+    return ""
+
+
+def area_of(vertices: Sequence[tuple[float, float]]) -> float:
+    """The area of a polygon (m^2), negative where it is clockwise.
+
+    >>> area_of([(0.0, 0.0), (2.0, 0.0), (0.0, 1.0)])
+    1.0
+    """
+    following = (*vertices[1:], vertices[0])
+    return 0.5 * sum(a * d - b * c for (a, b), (c, d) in zip(vertices, following, strict=True))
+
+
+def extent(values: Sequence[float]) -> float:
+    """From the smallest to the largest."""
+    return max(values) - min(values)
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -43,10 +71,18 @@ class ShapeSpec:
             raise Inconsistent([((), f"expected exactly one shape: {', or '.join(known)}")])
         if shapes[0] and (self.low is None or self.high is None or len(self.low) != len(self.high)):
             raise Inconsistent([((), "a box needs low and high, of the same dimension")])
+        flat = above_fault(self.low, self.high)
+        if flat:
+            raise Inconsistent([(("high",), flat)])
         if shapes[2] and self.center is None:
             raise Inconsistent([((), "a disc needs its center as well")])
         if shapes[1] and len(self.vertices) < 3:
             raise Inconsistent([(("vertices",), f"got {len(self.vertices)}; a polygon has at least 3")])
+        if (
+            self.vertices
+            and abs(area_of(self.vertices)) <= THINNEST * max(map(extent, zip(*self.vertices, strict=True))) ** 2
+        ):
+            raise Inconsistent([(("vertices",), "enclose no area; expected the corners of a polygon, in order")])
         return self
 
 

@@ -82,7 +82,7 @@ def _require_one(spec: Any, values: str) -> None:
 TAKEN = re.compile(r"largest|(body|obstacle)[0-9]+|left|right|bottom|top|front|back")
 """What frames already have numbers of."""
 GaugeName = Annotated[str, Field(max_length=40, pattern=r"^[A-Za-z][A-Za-z0-9_]*$")]
-Measure = Literal["pressure", "velocity", "level"]
+Measure = Literal["pressure", "hydrostatic_pressure", "dynamic_pressure", "absolute_pressure", "velocity", "level"]
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
@@ -99,8 +99,9 @@ class GaugeSpec:
     count: Annotated[int, Field(strict=True, ge=2, le=1000)] | None = None
     """The number of gauges in a row, both ends included. Example: `8`. Effect: more gauges resolve a profile better."""
     quantities: Annotated[tuple[Measure, ...], Field(min_length=1)] = ("pressure",)
-    """The recorded quantities: any of `pressure`, `velocity` and `level`, the depth of the liquid above the floor.
-    Effect: each adds numbers to the frames."""
+    """The recorded quantities: any of `pressure` (gauge pressure), `hydrostatic_pressure` (of liquid at rest up to the
+    initial level), `dynamic_pressure` (the difference of both), `absolute_pressure`, `velocity`, and `level`, the depth
+    of the liquid above the floor. Effect: each adds numbers to the frames."""
 
     @model_validator(mode="after")
     def _row(self) -> Self:

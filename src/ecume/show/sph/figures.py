@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ecume.analysis.free_surface import free_surface, walls_of
+from ecume.analysis.pressures import with_pressures
 from ecume.analysis.profiles import Profile, velocity_profile
 from ecume.analysis.series import number, series, times
 from ecume.errors import BadInput
@@ -18,7 +19,7 @@ from ecume.laws.column import column_height, column_pressure
 from ecume.scenes.sph import SIDES
 from ecume.show.curves import Frames, energies, evolution, kinetic_energy, over_time, titled
 from ecume.show.samples import samples_of
-from ecume.show.sph.picture import liquid_picture, rectangle
+from ecume.show.sph.picture import DERIVED, liquid_picture, rectangle
 from ecume.show.spikes import cut_spikes, limits_without_spikes
 from ecume.show.style import INK, PALETTE, RIM, Scale, figure, legend_outside, plain, scale_for, style
 from ecume.trajectories.frame import Frame
@@ -49,7 +50,45 @@ def pressure(frames: Frames, scene: SphScene) -> Figure:
         column = lengths.factor * (bottom + depth[-1] - depth)
         axes.plot(pressures.factor * exact, column, color=INK, label="exact column at rest")
         axes.set(xlabel=f"gauge pressure ({pressures.unit})", ylabel=f"height ({lengths.unit})")
+        _absolute_axis(axes, scene, pressures.factor)
         legend_outside(axes)
+    return drawn
+
+
+def _absolute_axis(axes: Axes, scene: SphScene, factor: float) -> None:
+    """A second axis with absolute pressures, where the scene gives an atmospheric pressure; `factor` is that of the
+    first.
+    """
+    atmospheric = scene.liquid.atmospheric_pressure
+    if not atmospheric:
+        return
+    scale = scale_for(atmospheric, "Pa")
+    ratio, shift = scale.factor / factor, scale.factor * atmospheric
+
+    def absolute(gauge: Any) -> Any:
+        return ratio * gauge + shift
+
+    def gauge(absolute: Any) -> Any:
+        return (absolute - shift) / ratio
+
+    above: Any = axes.secondary_xaxis("top", functions=(absolute, gauge))
+    above.set_xlabel(f"absolute pressure ({scale.unit})")
+    above.ticklabel_format(useOffset=False)
+
+
+def dynamic_pressure(frames: Frames, scene: SphScene) -> Figure:
+    """The dynamic pressure of each particle against its height at the end: the gauge pressure without the hydrostatic
+    one, zero at rest.
+    """
+    height, _ = _heights(frames[-1], scene)
+    values = with_pressures(scene)(frames[-1]).arrays["dynamic_pressure"]
+    lengths, pressures = scale_for(float(np.abs(height).max()), "m"), scale_for(float(np.abs(values).max()), "Pa")
+    with style():
+        drawn = figure()
+        axes = drawn.add_subplot(title=titled(f"Dynamic pressure at {frames[-1].time:.4g} s", scene))
+        axes.plot(pressures.factor * values, lengths.factor * height, "o", color=PALETTE[5], markersize=2.0, mew=0.0)
+        axes.axvline(0.0, color=INK, linewidth=0.8)
+        axes.set(xlabel=f"dynamic pressure ({pressures.unit})", ylabel=f"height ({lengths.unit})")
     return drawn
 
 
@@ -209,7 +248,7 @@ def gauges(frames: Frames, scene: SphScene) -> Figure:
                 axes.plot(instants, scale.factor * values, color=color, label=plain(name.replace("_" + kind, "")))
             axes.margins(x=0)
             cut_spikes(axes, instants, scale.factor * np.array(curves), scale.unit)
-            axes.set_ylabel(f"{kind} ({scale.unit})")
+            axes.set_ylabel(f"{kind.replace('_', ' ')} ({scale.unit})")
             legend_outside(axes)
         drawn.axes[0].set_title(titled("Gauges", scene))
         drawn.axes[-1].set_xlabel("time (s)")
@@ -224,7 +263,7 @@ def _over_time(frames: Frames, shown: Sequence[Frame], names: Sequence[str]) -> 
     return times(shown), list(series(shown, *map(number, names)))
 
 
-GAUGE_UNITS = {"pressure": "Pa", "level": "m", "velocity": "m/s"}
+GAUGE_UNITS = {"pressure": "Pa", **dict.fromkeys(DERIVED, "Pa"), "level": "m", "velocity": "m/s"}
 
 
 def _readings(scene: SphScene, kind: str) -> set[str]:
@@ -244,6 +283,7 @@ SPH_FIGURES: Mapping[str, Any] = {
     "energies": energies,
     "kinetic-energy": kinetic_energy,
     "pressure": pressure,
+    "dynamic-pressure": dynamic_pressure,
     "front": front,
     "center": center,
     "snapshot": snapshot,

@@ -11,6 +11,7 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgba_array
 
+from ecume.analysis.pressures import with_pressures
 from ecume.engine.shapes import Flags
 from ecume.errors import BadInput
 from ecume.scenes.faults import suggestion
@@ -54,6 +55,19 @@ COLORINGS: Mapping[str, Coloring | None] = {
     "region": None,
 }
 """By the name that `ecume movie --color` takes; `region` colors by which [[fluid]] table a particle came from."""
+DERIVED = ("hydrostatic_pressure", "dynamic_pressure", "absolute_pressure")
+"""Pressures that follow from the gauge pressure, see `ecume.analysis.pressures`."""
+
+
+def colorings_of(scene: SphScene) -> dict[str, Coloring | None]:
+    """All colorings of a tank, with those of derived pressures (`dynamic-pressure` and so on)."""
+    completed = with_pressures(scene)
+
+    def derived(name: str) -> Callable[[Frame], Array]:
+        return lambda frame: completed(frame).arrays[name]
+
+    more = {name.replace("_", "-"): Coloring(derived(name), name.replace("_", " "), "Pa") for name in DERIVED}
+    return {**COLORINGS, **more}
 
 
 def liquid_picture(
@@ -69,19 +83,19 @@ def liquid_picture(
     In 2D the liquid is a continuous region, in 3D translucent water unless there is a `color`; with `particles` each
     particle is a disc or a ball as large as the spacing.
     """
-    name = color or usual_color(scene)
-    if name not in COLORINGS:
-        raise BadInput(f"no color is called {name!r}; {suggestion(name, COLORINGS)}")
+    name, colorings = color or usual_color(scene), colorings_of(scene)
+    if name not in colorings:
+        raise BadInput(f"no color is called {name!r}; {suggestion(name, colorings)}")
     if len(scene.tank.low) == 2 and eye is not None:
         raise BadInput("azimuth and elevation are for liquids in 3D; this one is in 2D")
     if len(scene.tank.low) == 3:
         setting = setting_in_space(scene, eye or Eye())
         if particles:
-            return Tank(setting, sample, size, COLORINGS[name])
-        return WaterTank(scene, setting, sample, size, None if color is None else COLORINGS[name], color == "region")
+            return Tank(setting, sample, size, colorings[name])
+        return WaterTank(scene, setting, sample, size, None if color is None else colorings[name], color == "region")
     if particles:
-        return Tank(setting_of(scene), sample, size, COLORINGS[name])
-    return LiquidTank(scene, sample, size, COLORINGS[name])
+        return Tank(setting_of(scene), sample, size, colorings[name])
+    return LiquidTank(scene, sample, size, colorings[name])
 
 
 class WaterTank(Tank):

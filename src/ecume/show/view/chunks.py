@@ -92,7 +92,7 @@ class _Packing:
 
 def pack(frames: Sequence[Frame], stage: Stage) -> Chunk:
     """These frames as one chunk."""
-    frames = [_with_inner_discs(frame, stage) for frame in frames]
+    frames = [shown(frame, stage) for frame in frames]
     counts = [len(frame.arrays["position"]) for frame in frames]
     packing = _Packing(len(frames) if len(set(counts)) == 1 else 1)
     packing.quantized("position", np.concatenate([frame.arrays["position"].ravel() for frame in frames]))
@@ -127,8 +127,11 @@ def moves(steps: Numbers) -> bytes:
     return np.ascontiguousarray(folded.ravel().view(np.uint8).reshape(-1, 2).T).tobytes()
 
 
-def _with_inner_discs(frame: Frame, stage: Stage) -> Frame:
-    """Floats with a shape are drawn as outlines around discs, whose radius stands for that of the circle around."""
+def shown(frame: Frame, stage: Stage) -> Frame:
+    """A frame with derived arrays. Floats with a shape are drawn as outlines around discs, whose radius stands for that
+    of the circle around.
+    """
+    frame = frame if stage.derived is None else stage.derived(frame)
     if stage.inner is None:
         return frame
     return frame.with_arrays({**frame.arrays, "radius": stage.inner})

@@ -20,7 +20,7 @@ import numpy as np
 from ecume.citing import in_words, papers_of
 from ecume.errors import BadInput
 from ecume.show.style import DARK_CANVAS, HEIGHT_COLORS, seen_part
-from ecume.show.view.chunks import Chunk, pack, quantities
+from ecume.show.view.chunks import Chunk, pack, quantities, shown
 from ecume.show.view.scenery import STAGES
 from ecume.show.view.stage import Line, Stage
 from ecume.trajectories.durable_files import storing
@@ -129,17 +129,17 @@ def save_page(
         header = run_header(trajectory, stage)
         every = spacing(trajectory, stage, len(page(header, []).encode()), max_size)
         while True:
-            shown = trajectory[::every]
-            content = page(header, [pack(list(shown), stage)]).encode()
+            taken = trajectory[::every]
+            content = page(header, [pack(list(taken), stage)]).encode()
             if len(content) <= MEGABYTE * max_size:
                 break
-            if len(shown) < 2:
+            if len(taken) < 2:
                 raise BadInput(f"the page takes {len(content) / MEGABYTE:.1f} MB; give a --max-size above that")
             every += 1
     with storing(target):
         target.parent.mkdir(parents=True, exist_ok=True)
         target.write_bytes(content)
-    return Page(target, len(content), len(shown), every)
+    return Page(target, len(content), len(taken), every)
 
 
 def stage_of(trajectory: Trajectory) -> Stage:
@@ -186,6 +186,7 @@ def run_header(trajectory: Trajectory, stage: Stage, *, live: bool = False) -> d
 
 def looks(first: Frame, last: Frame, stage: Stage) -> dict[str, Any]:
     """The visible quantities between two frames, and how they are drawn."""
+    first, last = shown(first, stage), shown(last, stage)
     names = [name for name in _with_numbers(first, last) if name != "species"]
     colorings = [_coloring(name, first) for name in names]
     maps = sorted({*(one["map"] for one in colorings), "height", "viridis"})

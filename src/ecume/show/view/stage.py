@@ -99,6 +99,8 @@ class Stage(NamedTuple):
     """(rows, columns) of the surface, as parts of its scale from 0 to 1"""
     surface: Surface | None = None
     liquid: Filled | None = None
+    derived: Callable[[Frame], Frame] | None = None
+    """adds the arrays that are shown and not recorded"""
     curves: Sequence[str] = ()
     """numbers whose curves are shown at first"""
     apart: int | None = None

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
+from ecume.analysis.pressures import with_pressures
 from ecume.scenes.sph import SIDES
 from ecume.show.camera import edges_of
 from ecume.show.picture import species
@@ -40,7 +41,23 @@ def sph_stage(scene: Any, sample: Sequence[Frame]) -> Stage:
         movers if scene.bodies or (driven and flat) else None, _mover_colors(scene, low),
         liquid=_filled(scene, low - margin, high + margin) if flat else None,
         curves=("kinetic_energy", "largest_pressure"), apart=len(scene.fluid) if scene.passive_tracers else None,
+        derived=_pressures(scene),
     )  # fmt: skip
+
+
+def _pressures(scene: Any) -> Callable[[Frame], Frame] | None:
+    """Adds the pressures that differ from the gauge pressure: the dynamic one under gravity, the absolute one."""
+    names = ["dynamic_pressure"] * any(scene.gravity) + ["absolute_pressure"] * (scene.liquid.atmospheric_pressure > 0)
+    if not names:
+        return None
+    completed = with_pressures(scene)
+
+    def added(frame: Frame) -> Frame:
+        full = completed(frame)
+        more = {name: full.arrays[name] for name in names}
+        return frame._replace(arrays={**frame.arrays, **more}, units=full.units)
+
+    return added
 
 
 def _filled(scene: Any, low: Array, high: Array) -> Filled:

@@ -8,7 +8,8 @@ import numpy as np
 
 from ecume.engine.interpolation import added, dry, near, planes
 from ecume.laws.kernels import kernel
-from ecume.models.sph.parameters import Gauge
+from ecume.models.sph.parameters import Gauge, PressureReference
+from ecume.models.sph.report.pressures import PRESSURES
 from ecume.models.sph.state import State
 from ecume.scenes.sph import SphScene
 from ecume.units import Array
@@ -46,7 +47,9 @@ def _ground(scene: SphScene, place: Array, reach: float) -> float:
     return float(weight[inside].sum() / weight.sum())
 
 
-def readings(gauges: tuple[Gauge, ...], state: State, pressure: Array, reach: float) -> Readings:
+def readings(
+    gauges: tuple[Gauge, ...], state: State, pressure: Array, reach: float, reference: PressureReference
+) -> Readings:
     """The values of all gauges; summed in the initial order of particles, so that they do not depend on sorting."""
     numbers, units = dict[str, float](), dict[str, str]()
     if gauges:
@@ -54,18 +57,21 @@ def readings(gauges: tuple[Gauge, ...], state: State, pressure: Array, reach: fl
         position, velocity = state.position[:, order].T, state.velocity[:, order].T
         table = np.column_stack([velocity, pressure[order], (state.mass / state.density)[order]])
         for gauge in gauges:
-            for name, value, unit in _read(gauge, position, table, reach):
+            for name, value, unit in _read(gauge, position, table, reach, reference):
                 numbers[f"{gauge.name}_{name}"], units[f"{gauge.name}_{name}"] = value, unit
     return numbers, units
 
 
-def _read(gauge: Gauge, position: Array, table: Array, reach: float) -> Iterator[tuple[str, float, str]]:
+def _read(
+    gauge: Gauge, position: Array, table: Array, reach: float, reference: PressureReference
+) -> Iterator[tuple[str, float, str]]:
     """Name, value and unit of each number; `table` holds velocity, pressure and volume of the particles."""
     dimension = position.shape[1]
-    if "pressure" in gauge.measures or "velocity" in gauge.measures:
+    kinds = [name for name in PRESSURES if name in gauge.measures]
+    if kinds or "velocity" in gauge.measures:
         *velocity, pressure = _at_place(gauge.place, position, table, reach)
-        if "pressure" in gauge.measures:
-            yield "pressure", pressure, "Pa"
+        for name in kinds:
+            yield name, float(PRESSURES[name](reference, np.array([pressure]), gauge.place[None])[0]), "Pa"
         if "velocity" in gauge.measures:
             yield from ((f"velocity_{axis}", value, "m/s") for axis, value in zip("xyz", velocity, strict=False))
     if "level" in gauge.measures:

@@ -100,7 +100,8 @@ def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame
     energy = energies(parameters._replace(gravity=still), state, propped, surface)
     numbers = {**energy, **motion(state), **extremes(parameters, state)}
     numbers["leaning"] = float(sum(len(each.who) for each in leaning))
-    read, read_units = readings(parameters.gauges, state, gauge_pressure(parameters, state), parameters.support)
+    pressure = gauge_pressure(parameters, state)
+    read, read_units = readings(parameters.gauges, state, pressure, parameters.support, parameters.pressure_reference)
     time = int(state.step[0]) * parameters.time_step
     listed = {name: float(numbers[name]) for name in NUMBER_UNITS}
     if parameters.bodies.shapes:

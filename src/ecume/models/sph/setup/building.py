@@ -26,6 +26,7 @@ from ecume.models.sph.parameters import Carried, CarriedGroup, Material, Paramet
 from ecume.models.sph.rates.methods import DIFFUSIONS
 from ecume.models.sph.rates.surface_tension import TENSIONS
 from ecume.models.sph.report.gauges import gauges_of
+from ecume.models.sph.report.pressures import reference_of
 from ecume.models.sph.setup.choices import (
     PRECISIONS,
     WATER,
@@ -78,7 +79,6 @@ def material_of(scene: SphScene) -> Material:
         exponent=given.tait_exponent,
         viscosity=given.viscosity or 0.0,
         surface_tension=given.surface_tension or 0.0,
-        atmospheric_pressure=given.atmospheric_pressure,
         fastest=fastest,
     )
 
@@ -162,6 +162,7 @@ def parameters_of(scene: SphScene) -> Parameters:
         bounds=bounds_of(scene),
         shake=shake,
         gauges=gauges_of(scene, support),
+        pressure_reference=reference_of(scene),
         pull_rate=rate,
         pull_center=center,
         moves=bool(bodies.shapes or drives or shake),

@@ -90,6 +90,10 @@ def _wave_velocity(region: RegionSpec, scene: SphScene, points: Array) -> Array:
     """(N, 2) along x and upwards: half a wave fits into the tank, and the region says how deep the liquid is."""
     low, high = scene.tank.low, scene.tank.high
     depth = float(part_of(region, scene.spacing).bounds()[1][1]) - low[1]
+    lowest = float(points[:, 1].min(initial=math.inf))
+    if depth <= 0.0 or lowest < low[1]:
+        got = f"the liquid is at {min(depth + low[1], lowest):g} m; expected a region above the floor, {low[1]:g} m"
+        raise SceneError([Fault("fluid.flow", f"got {STANDING_WAVE!r}; {got}")])
     wave = {"wavenumber": math.pi / (high[0] - low[0]), "depth": depth, "speed": region.flow_speed}
     return np.array([standing_wave_velocity(point[0] - low[0], point[1] - low[1], **wave) for point in points])
 

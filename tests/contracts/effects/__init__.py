@@ -1,0 +1,41 @@
+"""For each key of each model: a scene in which it matters, and a value that changes what the run or a picture shows.
+
+A key without an entry fails `tests/contracts/test_no_dead_keys.py`. An entry is a new value of the key, and the changes
+to the model's base scene beside which it matters.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+RUN, PICTURE, EXPORT, REFUSED, STOPS = "run", "picture", "export", "refused", "stops"
+
+
+class Effect(NamedTuple):
+    """A change of one key."""
+
+    value: Any
+    """None removes the key"""
+    beside: dict[str, Any]
+    """changes to the base scene, before"""
+    shows: str
+    """`run`: in the recorded frames; `picture`: in titles, colors and legends; `export`: in exported files; `refused`:
+    the scene is refused with or without the change; `stops`: the run ends earlier"""
+
+
+def of(value: Any, shows: str = RUN, **beside: Any) -> Effect:
+    """An effect, with tables of the scene beside it."""
+    return Effect(value, beside, shows)
+
+
+def merged(one: Any, other: Any) -> Any:
+    """Two plain trees; of one key that both set, the second's, and none where it is None. Lists of tables are merged
+    table by table.
+    """
+    if isinstance(one, dict) and isinstance(other, dict):
+        both = {key: merged(one.get(key), other[key]) if key in other else one[key] for key in {**one, **other}}
+        return {key: value for key, value in both.items() if value is not None}
+    if isinstance(one, list) and isinstance(other, list) and other and all(isinstance(part, dict) for part in other):
+        rest = one[len(other) :]
+        return [merged(one[index] if index < len(one) else {}, part) for index, part in enumerate(other)] + rest
+    return merged({}, other) if isinstance(other, dict) else other

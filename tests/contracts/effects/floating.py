@@ -1,0 +1,151 @@
+"""Effects of the keys of floats."""
+
+from . import PICTURE, REFUSED, STOPS, of
+
+BASE = {
+    "model": "floating", "duration": 5e-4, "frame_every": 5e-4,
+    "particles": [{"radius": 1e-3, "density": 600.0, "contact_angle": 1.2,
+                   "positions": [[0.0, 0.0], [2.6e-3, 2e-4], [-4e-4, 2.7e-3]]}],
+    "integration": {"time_step": 5e-5},
+}  # fmt: skip
+WATER = {"liquid": {"name": "water"}}
+WARM = {"liquid": {"name": "water"}}
+NODES = {
+    "low": [-0.01, -0.01],
+    "high": [0.01, 0.01],
+    "vx": [[0.0, 0.0], [0.01, 0.01]],
+    "vy": [[0.0, 0.01], [0.0, 0.01]],
+}
+NOISE = {"hydrodynamics": {"brownian": True}, "integration": {"integrator": "overdamped", "time_step": 5e-5}}
+SCATTERED = {"particles": [{"positions": None, "count": 4}], "dish": {"radius": 0.02}}
+DISC = {"particles": [{"contact_angle": None, "disc": {"thickness": 1e-3}}]}
+MULTIPOLE = {"interaction": {"method": "multipole", "order": 2}}
+UNDULATED = {
+    "particles": [{"contact_angle": None, "disc": {"thickness": 1e-3, "undulation": 1e-5, "angle": 0.3}}],
+    **MULTIPOLE,
+}
+STAR = {
+    "particles": [{"contact_angle": None, "shape": {"kind": "star", "width": 4e-4, "thickness": 3e-4, "angle": 0.2}}]
+}
+SQUARE = {"particles": [{"contact_angle": None, "shape": {"kind": "square", "angle": 0.2}}]}
+ELLIPSOID = {"particles": [{"shape": {"kind": "ellipsoid", "width": 1.2e-3, "angle": 0.3}}]}
+ENERGIES = {"particles": [{"contact_angle": None, "surface_energies": {"solid_gas": 0.03, "solid_liquid": 0.02}}]}
+ROW = {"rows": [{"x": 6e-3, "y": 0.0, "radius": 1e-3, "density": 600.0, "contact_angle": 1.2}]}
+TURNING_ROW = {"rows": [{"x": 6e-3, "y": 0.0, "radius": 1e-3, "density": 600.0, "contact_angle": 1.2,
+                         "shape": {"kind": "ellipsoid", "width": 1.2e-3}}]}  # fmt: skip
+DISH = {"dish": {"radius": 0.01, "contact_angle": 1.0}}
+IMPACT = {"particles": [{"velocities": [[0.0, 0.0], [-20.0, 0.5], [0.0, 0.0]]}]}
+WALL_IMPACT = {"particles": [{"velocity": [20.0, 2.0]}], **DISH}
+MOVED = {"dish": {"radius": 0.01, "contact_angle": 1.0, "motion": {"amplitude": 1e-3, "frequency": 2.0}}}
+FILMS = {
+    "hydrodynamics": {"lubrication": {"roughness": 1e-6}},
+    "integration": {"integrator": "overdamped", "time_step": 5e-5},
+}
+SPRINGS = {"contacts": {"law": "spring-dashpot", "stiffness": 1.0}, "integration": {"time_step": None}, **IMPACT}
+RING = {"particles": [{"positions": None, "count": 3, "placement": "ring", "ring_radius": 5e-3}]}
+LATTICE = {"particles": [{"positions": None, "count": 3, "placement": "lattice", "spacing": 3e-3}]}
+
+EFFECTS = {
+    "model": of("tracers", REFUSED),
+    "title": of("another", PICTURE),
+    "duration": of(1e-3),
+    "frame_every": of(2.5e-4),
+    "seed": of(1, **SCATTERED),
+    "on_violation": of("stop", STOPS),
+    "theory": of("linear"),
+    "gravity": of(5.0),
+    "liquid.name": of("glycerol", **WATER),
+    "liquid.temperature": of(350.0, **WARM),
+    "liquid.density": of(1100.0),
+    "liquid.viscosity": of(0.01),
+    "liquid.surface_tension": of(0.05),
+    "liquid.gas_density": of(1.2),
+    "flow.velocity": of([0.01, 0.0], flow={"shear_rate": 0.1}),
+    "flow.shear_rate": of(1.0, flow={"velocity": [0.01, 0.0]}),
+    "flow.rotation_rate": of(1.0, flow={"velocity": [0.01, 0.0]}),
+    "flow.extension_rate": of(1.0, flow={"velocity": [0.01, 0.0]}),
+    "flow.nodes.low": of([-0.02, -0.01], flow={"nodes": NODES}),
+    "flow.nodes.high": of([0.02, 0.01], flow={"nodes": NODES}),
+    "flow.nodes.vx": of([[0.0, 0.0], [0.02, 0.02]], flow={"nodes": NODES}),
+    "flow.nodes.vy": of([[0.0, 0.02], [0.0, 0.02]], flow={"nodes": NODES}),
+    "particles.name": of("cereal", PICTURE),
+    "particles.count": of(5, **SCATTERED),
+    "particles.radius": of(9e-4),
+    "particles.density": of(500.0),
+    "particles.contact_angle": of(1.0),
+    "particles.placement": of("lattice", REFUSED, **RING),
+    "particles.positions": of([[0.0, 0.0], [2.7e-3, 2e-4], [-4e-4, 2.7e-3]]),
+    "particles.velocity": of([0.01, 0.0]),
+    "particles.velocities": of([[0.0, 0.0], [0.01, 0.0], [0.0, 0.0]]),
+    "particles.spacing": of(4e-3, **LATTICE),
+    "particles.ring_radius": of(6e-3, **RING),
+    "particles.center": of([1e-3, 0.0], **RING),
+    "particles.magnetic_moment": of(1e-6),
+    "particles.color": of("orange", PICTURE),
+    "particles.surface_energies.solid_gas": of(0.04, **ENERGIES),
+    "particles.surface_energies.solid_liquid": of(0.01, **ENERGIES),
+    "particles.disc.thickness": of(1.2e-3, **DISC),
+    "particles.disc.rim": of(
+        "top", particles=[{"contact_angle": None, "density": 1500.0, "disc": {"thickness": 3e-4}}]
+    ),
+    "particles.disc.tilting": of(False, **{**DISC, **MULTIPOLE}),
+    "particles.disc.undulation": of(2e-5, **UNDULATED),
+    "particles.disc.mode": of(3, **{**UNDULATED, "interaction": {"method": "multipole", "order": 3}}),
+    "particles.disc.angle": of(0.5, **UNDULATED),
+    "particles.shape.kind": of("needle", **ELLIPSOID),
+    "particles.shape.width": of(1.0e-3, **ELLIPSOID),
+    "particles.shape.thickness": of(4e-4, **STAR),
+    "particles.shape.arms": of(6, **STAR),
+    "particles.shape.corner": of(0.5, **SQUARE),
+    "particles.shape.rim": of("top", **STAR),
+    "particles.shape.undulation": of(1e-5, **STAR),
+    "particles.shape.mode": of(
+        3, particles=[{"shape": {"kind": "ellipsoid", "width": 1.2e-3, "angle": 0.3, "undulation": 1e-5}}]
+    ),
+    "particles.shape.angle": of(0.5, **ELLIPSOID),
+    "rows.x": of(7e-3, **ROW),
+    "rows.y": of(1e-3, **ROW),
+    "rows.vx": of(0.01, **ROW),
+    "rows.vy": of(0.01, **ROW),
+    "rows.radius": of(9e-4, **ROW),
+    "rows.density": of(500.0, **ROW),
+    "rows.contact_angle": of(1.0, **ROW),
+    "rows.magnetic_moment": of(1e-6, particles=[{"magnetic_moment": 1e-6}], **ROW),
+    "rows.angle": of(0.5, **TURNING_ROW),
+    "rows.spin": of(5.0, **TURNING_ROW),
+    "rows.species_name": of("pearl", PICTURE, **ROW),
+    "rows.color": of("orange", PICTURE, rows=[{**ROW["rows"][0], "species_name": "pearl"}]),
+    "dish.shape": of("round", REFUSED, dish={"size": [0.02, 0.02]}),
+    "dish.radius": of(0.012, **DISH),
+    "dish.size": of([0.02, 0.03], dish={"size": [0.02, 0.02], "contact_angle": 1.0}),
+    "dish.contact_angle": of(1.3, **DISH),
+    "dish.law": of("linear", **DISH),
+    "dish.image": of("pinned", **DISH),
+    "dish.density": of(2000.0, dish={"radius": 0.01, "law": "two-point-legacy"}),
+    "dish.restitution": of(0.9, **WALL_IMPACT),
+    "dish.friction": of(0.5, **WALL_IMPACT),
+    "dish.motion.velocity": of([0.01, 0.0], **MOVED),
+    "dish.motion.amplitude": of(2e-3, **MOVED),
+    "dish.motion.direction": of(0.5, **MOVED),
+    "dish.motion.frequency": of(3.0, **MOVED),
+    "dish.motion.entrainment": of(0.5, **MOVED),
+    "integration.integrator": of("rk4"),
+    "integration.time_step": of(2.5e-5),
+    "hydrodynamics.drag": of("none"),
+    "hydrodynamics.added_mass": of(True),
+    "hydrodynamics.brownian": of(True, integration=NOISE["integration"]),
+    "hydrodynamics.lubrication.roughness": of(1e-5, **FILMS),
+    "hydrodynamics.lubrication.cutoff": of(2.5, **FILMS),
+    "contacts.restitution": of(0.9, **IMPACT),
+    "contacts.friction": of(0.5, **IMPACT),
+    "contacts.legacy_coefficient": of(0.8, **IMPACT),
+    "contacts.law": of("none", **IMPACT),
+    "contacts.stiffness": of(2.0, **SPRINGS),
+    "interaction.law": of("none"),
+    "interaction.charge": of("linear"),
+    "interaction.method": of("multipole", interaction={"order": 2}),
+    "interaction.order": of(3, **MULTIPOLE),
+    "interaction.accuracy": of(1e-2),
+    "interaction.summation": of("grid"),
+    "interaction.precision": of("single"),
+}

@@ -1,0 +1,70 @@
+"""Effects of the keys of tracers."""
+
+from . import PICTURE, REFUSED, STOPS, of
+
+BASE = {
+    "model": "tracers", "duration": 0.02, "frame_every": 0.02, "gravity": 9.81,
+    "particles": [{"radius": 2e-4, "density": 2500.0, "count": 3}],
+    "tank": {"high": [0.02, 0.016]}, "integration": {"time_step": 2e-3},
+}  # fmt: skip
+PLACED = {"particles": [{"count": None, "positions": [[0.005, 0.004], [0.008, 0.006]]}]}
+FAST = {"particles": [{"velocity": [2.0, 0.5]}], "hydrodynamics": {"drag": "none"}}
+OBSTACLE = {"obstacles": [{"low": [0.009, 0.0], "high": [0.011, 0.016]}], **FAST}
+DISC = {"obstacles": [{"center": [0.01, 0.008], "radius": 0.004}], **FAST}
+TRIANGLE = [[0.008, 0.0], [0.014, 0.002], [0.01, 0.016]]
+OPENING = {"openings": [{"wall": 0, "low": [0.0, 0.0], "high": [0.0, 0.016]}]}
+COMING = {"openings": [{**OPENING["openings"][0], "rate": 500.0, "velocity": [0.05, 0.0]}]}
+CARRIED = {"openings": [{**OPENING["openings"][0], "concentration": 1e6}], "flow": {"velocity": [0.05, 0.0]}}
+WATER = {"liquid": {"name": "water"}}
+
+EFFECTS = {
+    "model": of("sph", REFUSED),
+    "title": of("another", PICTURE),
+    "duration": of(0.04),
+    "frame_every": of(0.01),
+    "seed": of(1),
+    "on_violation": of("stop", STOPS),
+    "gravity": of(5.0),
+    "liquid.name": of("glycerol", **WATER),
+    "liquid.temperature": of(350.0, **WATER),
+    "liquid.density": of(800.0),
+    "liquid.viscosity": of(0.01),
+    "flow.velocity": of([0.01, 0.0]),
+    "flow.shear_rate": of(1.0),
+    "particles.name": of("sand", PICTURE),
+    "particles.count": of(4),
+    "particles.radius": of(3e-4),
+    "particles.density": of(3000.0),
+    "particles.positions": of([[0.005, 0.005], [0.008, 0.006]], **PLACED),
+    "particles.low": of([0.01, 0.008], particles=[{"low": [0.005, 0.004], "high": [0.018, 0.014]}]),
+    "particles.high": of([0.01, 0.014], particles=[{"low": [0.005, 0.004], "high": [0.018, 0.014]}]),
+    "particles.velocity": of([0.01, 0.0]),
+    "particles.color": of("orange", PICTURE),
+    "tank.low": of([-0.005, 0.0]),
+    "tank.high": of([0.03, 0.016]),
+    "tank.radius": of(0.02, tank={"high": None, "radius": 0.01}),
+    "tank.dimensions": of(3, tank={"high": None, "radius": 0.01}),
+    "tank.vertices": of(
+        [[0.0, 0.0], [0.02, 0.0], [0.01, 0.012]],
+        tank={"high": None, "vertices": [[0.0, 0.0], [0.02, 0.0], [0.01, 0.01]]},
+    ),
+    "tank.restitution": of(0.5, **FAST),
+    "tank.tangential_restitution": of(0.5, **FAST),
+    "obstacles.low": of([0.008, 0.0], **OBSTACLE),
+    "obstacles.high": of([0.012, 0.016], **OBSTACLE),
+    "obstacles.center": of([0.012, 0.008], **DISC),
+    "obstacles.radius": of(0.003, **DISC),
+    "obstacles.vertices": of([[0.007, 0.0], [0.014, 0.002], [0.01, 0.016]], obstacles=[{"vertices": TRIANGLE}], **FAST),
+    "openings.wall": of(1, openings=[{**OPENING["openings"][0], "high": [0.02, 0.016]}], **FAST),
+    "openings.low": of([0.0, 0.015], **OPENING, **FAST),
+    "openings.high": of([0.0, 0.001], **OPENING, **FAST),
+    "openings.rate": of(1000.0, **COMING),
+    "openings.concentration": of(2e6, **CARRIED),
+    "openings.species": of("b", particles=[{"name": "a"}, {"name": "b", "radius": 1e-4, "density": 2000.0}], **COMING),
+    "openings.velocity": of([0.1, 0.0], **COMING),
+    "hydrodynamics.drag": of("stokes"),
+    "hydrodynamics.added_mass": of(False),
+    "hydrodynamics.brownian": of(True),
+    "integration.integrator": of("overdamped", integration={"time_step": 2e-3, "integrator": "inertial"}),
+    "integration.time_step": of(1e-3),
+}

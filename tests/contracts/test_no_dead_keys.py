@@ -1,0 +1,153 @@
+"""No key of any scene is dead: in a scene where it applies, changing it alone changes the run, a picture or an exported
+file, or the scene is refused.
+
+`tests.contracts.effects` has an entry for each key; a key without one fails here.
+"""
+
+import dataclasses
+import importlib
+import os
+import sys
+from functools import cache
+from pathlib import Path
+
+import pytest
+from tests.contracts.effects import EXPORT, PICTURE, REFUSED, RUN, STOPS, floating, merged, soft, sph, tracers
+
+from ecume.analysis.pressures import with_pressures
+from ecume.errors import Diverged, SceneError
+from ecume.models import MODELS
+from ecume.models.invariants import Invariant
+from ecume.run import run
+from ecume.scenes.schema import SCENES, from_plain
+from ecume.show.curves import titled
+from ecume.show.view.page import looks
+from ecume.show.view.scenery import STAGES
+from ecume.simulation import simulate
+
+PLAIN = os.environ.get("NUMBA_DISABLE_JIT") == "1"
+FITS = {"floating": True, "soft": False, "sph": True, "tracers": True}
+"""Whether the steps of a model are quick as plain Python; all variants of the others are compiled for other tests."""
+pytestmark = [
+    pytest.mark.filterwarnings("ignore:overflow encountered"),  # philox, by design
+    pytest.mark.filterwarnings("ignore::ecume.models.floating.time_integration.step_size.StepWarning"),
+]
+
+EFFECTS = {"floating": floating, "soft": soft, "sph": sph, "tracers": tracers}
+MAKING = Path(__file__).parents[2] / "docs" / "making"
+sys.path.insert(0, str(MAKING))
+reference = importlib.import_module("scenes")
+sys.path.pop(0)
+
+
+def keys_of(model):
+    """The path of each key that is no table itself, `fluid.low`."""
+    for table in reference.tables(SCENES[model]):
+        start = table.path.strip("[]")
+        for field in reference.fields_of(table.kind):
+            if not any(reference.parts_of(field.hint)):
+                yield f"{start}.{field.name}" if start else field.name
+
+
+def lists_of(model):
+    """The paths of tables of which a scene has several."""
+    return {table.path.strip("[]") for table in reference.tables(SCENES[model]) if table.path.startswith("[[")}
+
+
+def change(model, path, value):
+    """A plain scene of this key alone."""
+    parts = path.split(".")
+    found = value
+    for depth in range(len(parts), 0, -1):
+        found = {parts[depth - 1]: found}
+        if ".".join(parts[: depth - 1]) in lists_of(model):
+            found = [found]
+    return found
+
+
+def both(model, path):
+    """The scene, and the same with another value of one key."""
+    effect = EFFECTS[model].EFFECTS[path]
+    scene = merged(EFFECTS[model].BASE, effect.beside)
+    return scene, merged(scene, change(model, path, effect.value))
+
+
+@cache
+def ran(text):
+    """The frames of a scene."""
+    return list(simulate(from_plain(eval(text))))  # the text is that of a tuple of ours
+
+
+def frames_of(plain):
+    """The frames of a scene; of one base only one run is made."""
+    return ran(repr(plain))
+
+
+def recorded(plain):
+    """Everything that frames hold, as bytes."""
+    found = []
+    for frame in frames_of(plain):
+        found.append((frame.time, tuple(frame.numbers.items()), tuple(frame.units.items())))
+        found.append(tuple((name, array.tobytes()) for name, array in frame.arrays.items()))
+    return repr(found)
+
+
+def exported(plain):
+    """The arrays of exported frames."""
+    scene = from_plain(plain)
+    arrays = with_pressures(scene)(frames_of(plain)[-1]).arrays
+    return {name: array.tobytes() for name, array in arrays.items()}
+
+
+def pictured(plain):
+    """The title, the legend and the colors of figures and pages."""
+    scene, frames = from_plain(plain), frames_of(plain)
+    return titled("", scene), looks(frames[0], frames[-1], STAGES[scene.model](scene, frames))
+
+
+def refusal(plain):
+    """Why a scene is refused; empty if it runs."""
+    try:
+        frames_of(plain)
+    except SceneError as fault:
+        return str(fault)
+    return ""
+
+
+@pytest.mark.parametrize("model", SCENES)
+def test_every_key_has_an_entry(model):
+    missing = sorted({*keys_of(model)} - {*EFFECTS[model].EFFECTS})
+    unknown = sorted({*EFFECTS[model].EFFECTS} - {*keys_of(model)})
+    where = f"tests.contracts.effects/{model}.py"
+    assert missing == [], f"{where}: add a scene in which each of these keys matters, and a value that shows it"
+    assert unknown == [], f"{where}: no such keys"
+
+
+@pytest.mark.parametrize(("model", "path"), [(model, path) for model in EFFECTS for path in EFFECTS[model].EFFECTS])
+def test_changing_a_key_alone_shows(model, path, monkeypatch, tmp_path):
+    if FITS[model] != PLAIN:
+        pytest.skip("runs plain" if FITS[model] else "runs compiled")
+    scene, changed = both(model, path)
+    shows = EFFECTS[model].EFFECTS[path].shows
+    if shows == STOPS:
+        assert stops(changed, monkeypatch, tmp_path / "changed")
+        assert not stops(scene, monkeypatch, tmp_path / "scene")
+        return
+    if shows == REFUSED:
+        assert refusal(scene) != refusal(changed)
+        return
+    assert (refusal(scene), refusal(changed)) == ("", "")
+    of = {RUN: recorded, PICTURE: pictured, EXPORT: exported}[shows]
+    assert of(scene) != of(changed)
+
+
+def stops(plain, monkeypatch, folder):
+    """Whether a run ends where an invariant is violated."""
+    scene = from_plain(plain)
+    broken = Invariant("broken", "a number", 0.0, lambda seen: 1.0)
+    monkeypatch.setitem(MODELS, scene.model, dataclasses.replace(MODELS[scene.model], invariants=lambda *_: [broken]))
+    try:
+        run(scene, folder)
+    except Diverged:
+        return True
+    return False
