@@ -18,16 +18,16 @@ from ecume._hooks import html_of
 from ecume.errors import BadInput, Diverged, Stopped, StorageError
 from ecume.run import checkpoints, constants, manifest
 from ecume.run.checkpoints import Checkpoint
-from ecume.run.directory import RunDirectory, as_json, clear, existing, json_of, refuse_existing, sweep, write_json
+from ecume.run.directory import RunDirectory, clear, existing, manifest_of, read, refuse_existing, sweep, write
 from ecume.run.invariant_monitor import POLICIES, Watch, sentence
 from ecume.run.lock import held
 from ecume.run.progress import Pace, Progress, StatusFile, note
 from ecume.run.recording import Recording
-from ecume.run.recovery import plain_scene
 from ecume.run.stop_requests import PATIENT, StopRequest, stop_requests
 from ecume.run.user_laws import Law, entries, require_same
 from ecume.trajectories.durable_files import storing, write_whole
 from ecume.trajectories.reader import Trajectory
+from ecume.trajectories.records import DONE, as_json, scene_at
 from ecume.trajectories.repair import repair
 
 if TYPE_CHECKING:
@@ -132,11 +132,11 @@ def resume(
     home = existing(directory)
     with stop_requests(PATIENT) as request, held(home):
         if home.done.exists():
-            done = json_of(home.done)
+            done = read(home, home.done, DONE)
             return RunResult(home.path, done["frames"], done["step"], done["time"], 0.0)
         require_same(home, extra_laws)
         sweep(home)
-        scene = from_plain(plain_scene(home))
+        scene = from_plain(scene_at(home.path, manifest_of(home)))
         constants.require_sound(home)
         checkpoint = _checkpoint(home, scene)
         with storing(home.failed):
@@ -174,11 +174,13 @@ def _found(home: RunDirectory, scene: Scene, parameters: Any, extra_laws: Sequen
     from ecume.scenes.schema import to_plain, to_toml
 
     plain = as_json(to_plain(scene))
-    write_whole(home.scene, to_toml(scene) if options.source is None else options.source)
-    write_whole(home.resolved, plain)
-    write_json(
+    source = to_toml(scene).encode() if options.source is None else options.source
+    write_whole(home.scene, source, home.path)
+    write_whole(home.resolved, plain, home.path)
+    write(
+        home,
         home.manifest,
-        manifest.first_manifest(scene, plain)
+        manifest.first_manifest(scene, source, plain)
         | {"constants_sha256": constants.save(home, parameters)}
         | {"extra_laws": entries(extra_laws), "on_violation": options.on_violation or scene.on_violation},
     )
@@ -268,7 +270,7 @@ class _Session:
         """The run is done."""
         self._close_books("done")
         report = {"reason": "done", "exit_code": 0, **self._reached(), "sha256": manifest.digests(self._home)}
-        write_json(self._home.done, report)
+        write(self._home, self._home.done, report)
         self._status.write("done", self.at, last=True)
 
     def fail(self, error: BaseException) -> None:
@@ -278,7 +280,7 @@ class _Session:
         self._close_books(outcome, f"{type(error).__name__}: {error}")
         if isinstance(error, Diverged):
             report = {"reason": "diverged", "exit_code": error.exit_code, "message": str(error), **self._reached()}
-            write_json(self._home.failed, report | {"sha256": manifest.digests(self._home)})
+            write(self._home, self._home.failed, report | {"sha256": manifest.digests(self._home)})
 
     def close(self) -> None:
         """Close the files."""
@@ -288,12 +290,12 @@ class _Session:
         from ecume._jit import use_threads
         from ecume.models import MODELS
 
-        policy = self._options.on_violation or json_of(self._home.manifest).get("on_violation", POLICIES[0])
+        policy = self._options.on_violation or manifest_of(self._home).get("on_violation", POLICIES[0])
         invariants = MODELS[self._scene.model].invariants(self._scene, moment.parameters)
         self._watch = Watch(self._home, invariants, policy)
         self._opened = True
         manifest.open_session(self._home, use_threads(self._options.threads), moment.taken, self._recording.on_disk)
-        differences = manifest.changed(json_of(self._home.manifest))
+        differences = manifest.changed(manifest_of(self._home))
         note(self._home, "begun" if moment.step == 0 else "resumed", step=moment.taken, changed=differences)
 
     def _take(self, moment: Moment) -> None:

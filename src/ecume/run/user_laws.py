@@ -17,7 +17,7 @@ from types import FunctionType, ModuleType
 from typing import Any
 
 from ecume.errors import BadInput
-from ecume.run.directory import RunDirectory, json_of
+from ecume.run.directory import RunDirectory, manifest_of
 
 Law = Callable[..., float]
 ARGUMENTS = 2
@@ -86,7 +86,7 @@ def named(law: Law) -> str:
 
 def require_same(home: RunDirectory, extra_laws: Sequence[Law]) -> None:
     """Raise BadInput unless these are the laws that the run was begun with, in their order."""
-    former, now = json_of(home.manifest).get("extra_laws", []), entries(extra_laws)
+    former, now = manifest_of(home).get("extra_laws", []), entries(extra_laws)
     before, given = [law["name"] for law in former], [law["name"] for law in now]
     if before and not given:
         raise BadInput(

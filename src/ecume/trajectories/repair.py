@@ -6,6 +6,7 @@ import contextlib
 from pathlib import Path
 from typing import NamedTuple
 
+from ecume._plain_files import place_of
 from ecume.errors import StorageError
 from ecume.trajectories import segments
 from ecume.trajectories.durable_files import storing
@@ -44,8 +45,8 @@ def repair(folder: Path) -> Repaired:
 
 def _set_aside(path: Path) -> Path:
     aside = path.with_suffix(".gsd.damaged")
-    with storing(path):
-        path.replace(aside)
+    with storing(path), place_of(path, segments.root_of(path)) as place:
+        place.beside(aside.name).take(place)
     return aside
 
 
@@ -54,7 +55,7 @@ def damages(segment: Segment) -> list[str]:
     found = []
     for frame in range(segment.frames):
         try:
-            segment.chunks(frame)
+            segment.frame(frame)
         except StorageError as error:
             found.append(str(error))
     return found

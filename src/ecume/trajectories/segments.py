@@ -8,14 +8,16 @@ import zlib
 from collections.abc import Sequence
 from io import FileIO
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ecume._plain_files import opened, place_of, require_memory
 from ecume.errors import StorageError
 from ecume.trajectories import gsd_layout, gsd_schema
-from ecume.trajectories.durable_files import replacing, settle, storing
+from ecume.trajectories.durable_files import replacing, storing
+from ecume.trajectories.frame import Frame
 from ecume.trajectories.gsd_layout import CHECKSUM, CODES, ENTRY, NAME_UNIT, TYPES
 from ecume.trajectories.gsd_schema import Chunks
 
@@ -29,11 +31,13 @@ class Segment:
     def __init__(self, path: Path) -> None:
         self.path = path
         with storing(path):
-            self._file: FileIO = path.open("rb", buffering=0)  # a buffer would not see what a run writes meanwhile
+            self._file = opened(path, "r", root_of(path))  # without a buffer, which would not see what a run writes
         try:
+            self._base = 0
             self.refresh()
             self.first = self._at(0)
             self.header = gsd_schema.read(self.first, path)
+            self._base = self.header.first
         except BaseException:
             self._file.close()
             raise
@@ -47,19 +51,28 @@ class Segment:
     def chunks(self, frame: int) -> Chunks:
         """The chunks of a frame, those that never change from the first. Raises StorageError where it is damaged."""
         chunks = {**self.first, **self._at(frame)}
+        if CHECKSUM not in chunks or chunks[CHECKSUM].shape != (2, 1):
+            raise StorageError(self.damage(frame, "its checksum is missing"))
         if int(chunks[CHECKSUM][0, 0]) != gsd_schema.checksum(chunks):
             raise StorageError(self.damage(frame))
         return chunks
 
-    def damage(self, frame: int) -> str:
+    def frame(self, number: int) -> Frame:
+        """A frame. Raises StorageError where it is damaged."""
+        try:
+            return gsd_schema.frame_of(self.chunks(number), self.header)
+        except (KeyError, ValueError, IndexError) as error:
+            raise StorageError(self.damage(number, f"its data do not fit its header: {error}")) from error
+
+    def damage(self, frame: int, why: str = "its checksum does not fit its data") -> str:
         """The message about a frame whose bytes are not those that were written."""
-        return f"{self.path}: frame {self.header.first + frame} is damaged: its checksum does not fit its data"
+        return f"{self.path}: frame {self._base + frame} is damaged: {why}"
 
     def numbers(self) -> NDArray[np.void]:
         """The numbers of all frames, a row a frame: the step as uint64, the time and the named numbers as float64."""
         names = gsd_schema.number_names(self.header)
         size = self._file.seek(0, os.SEEK_END)
-        data = np.memmap(self.path, np.uint8, "r", shape=(size,))
+        data = np.memmap(cast(Any, self._file), np.uint8, "r", shape=(size,))
         raw = np.concatenate([data[self._places(name)[:, None] + np.arange(8)] for name in names], axis=1)
         sums = data[self._places(CHECKSUM)[:, None] + np.arange(4, 8)].view("<u4")[:, 0]
         for frame, (row, wanted) in enumerate(zip(raw, sums, strict=True)):
@@ -80,7 +93,10 @@ class Segment:
 
     def _at(self, frame: int) -> Chunks:
         entries = self.index.entries[self._starts[frame] : self._starts[frame + 1]]
+        if gsd_layout.overlap(entries):
+            raise StorageError(self.damage(frame, "its data overlap"))
         with storing(self.path):
+            require_memory(gsd_layout.size_of(entries), self.path)
             return {self.index.names[entry["name"]]: self._chunk(entry) for entry in entries}
 
     def _chunk(self, entry: Any) -> NDArray[Any]:
@@ -112,7 +128,7 @@ class GrowingSegment:
             index = segment.index
         self.frames, self._names, self._location, self._room = frames, index.names, index.location, index.room
         with storing(path):
-            self._file: FileIO = path.open("r+b", buffering=0)
+            self._file = opened(path, "r+", root_of(path))
         self._mend(index.entries[index.entries["frame"] < frames], index.names_end)
 
     def takes(self, chunks: Chunks) -> bool:
@@ -190,7 +206,7 @@ def create(path: Path, chunks: Chunks) -> None:
     header["index_location"], header["index_room"] = gsd_layout.HEADER.itemsize, FIRST_ROOM
     header["names_location"], header["names_room"] = names_location, len(listed) // NAME_UNIT
     block = entries.tobytes().ljust(FIRST_ROOM * ENTRY.itemsize, b"\0")
-    with replacing(path) as file:
+    with replacing(path, root_of(path)) as file:
         file.write(header.tobytes() + block + listed + data)
 
 
@@ -199,9 +215,15 @@ def cut(path: Path, frames: int) -> None:
     if frames:
         GrowingSegment(path, frames).close()
         return
-    with storing(path):
-        path.unlink()
-        settle(path.parent)
+    with storing(path), place_of(path, root_of(path)) as place:
+        place.unlink()
+        place.settle()
+
+
+def root_of(path: Path) -> Path:
+    """The folder below which no link is followed to a segment: the run directory, or the folder of a trajectory."""
+    folder = path.parent
+    return folder.parent if folder.name == "traj" else folder
 
 
 def _packed(chunks: Chunks, names: Sequence[str], frame: int, start: int) -> tuple[NDArray[Any], bytes]:
@@ -225,9 +247,7 @@ def _header(location: int, room: int, file: FileIO) -> bytes:
 
 
 def _data_end(entries: NDArray[Any]) -> int:
-    sizes = np.array([TYPES[int(kind)].itemsize for kind in entries["type"]], np.int64)
-    cells = entries["rows"].astype(np.int64) * entries["columns"].astype(np.int64)
-    return int((entries["location"] + cells * sizes).max(initial=0))
+    return int((entries["location"] + gsd_layout.sizes(entries)).max(initial=0))
 
 
 def _same(one: NDArray[Any], other: NDArray[Any]) -> bool:
