@@ -52,6 +52,13 @@ def sound_arrays(home: RunDirectory, path: Path) -> dict[str, NDArray[Any]]:
         return arrays_of(file, path)
 
 
+def require_sound(home: RunDirectory, path: Path) -> None:
+    """Raise ValueError where a checkpoint is damaged."""
+    arrays = sound_arrays(home, path)
+    if int(arrays.pop("crc32")[0]) != checksum(arrays):
+        raise ValueError("its checksum does not fit its data")
+
+
 def set_aside(home: RunDirectory, path: Path) -> None:
     """Rename a damaged file of a run, so that it is not read again."""
     with storing(path), place_of(path, home.path) as place:

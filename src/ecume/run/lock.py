@@ -71,6 +71,17 @@ def read_owner(home: RunDirectory) -> dict[str, Any] | None:
     return line_of(content.rstrip(b" "), OWNER, checked=True)
 
 
+def require_free(home: RunDirectory) -> None:
+    """Raise RunExists while a process writes the run; nothing is written."""
+    if not home.lock.exists():
+        return
+    with storing(home.lock), opened(home.lock, "r", home.path) as file:
+        try:
+            portalocker.lock(file, portalocker.LockFlags.SHARED | portalocker.LockFlags.NON_BLOCKING)
+        except portalocker.exceptions.LockException as error:
+            raise RunExists(f"{home.path}: is being written by {_named(owner(home))}; wait, or stop it") from error
+
+
 def stop(home: RunDirectory) -> bool:
     """Ask the process that writes the run to leave a checkpoint and end; False where no process does.
 

@@ -7,6 +7,7 @@ import math
 import os
 from collections.abc import Iterator, Mapping
 from io import FileIO
+from pathlib import Path
 from typing import Any
 
 from ecume._plain_files import opened
@@ -35,17 +36,16 @@ def lines_of(home: RunDirectory) -> Iterator[dict[str, Any]]:
     if not home.scalars.exists():
         return
     checked = has_checksums(home)
-    with storing(home.scalars):
-        for number, content in enumerate(_split(home), start=1):
-            try:
-                yield line_of(content, LINE, checked=checked)
-            except ValueError as error:
-                raise StorageError(f"{home.scalars}: damaged: line {number}: {error}") from error
+    for number, content in enumerate(split(home, home.scalars), start=1):
+        try:
+            yield line_of(content, LINE, checked=checked)
+        except ValueError as error:
+            raise StorageError(f"{home.scalars}: damaged: line {number}: {error}") from error
 
 
-def _split(home: RunDirectory) -> Iterator[bytes]:
-    """The lines of the file with their line breaks."""
-    with io.BufferedReader(opened(home.scalars, "r", home.path)) as file:
+def split(home: RunDirectory, path: Path) -> Iterator[bytes]:
+    """The lines of a file of a run with their line breaks."""
+    with storing(path), io.BufferedReader(opened(path, "r", home.path)) as file:
         while line := file.readline(LONGEST):
             yield line
 
@@ -54,12 +54,12 @@ def good_lines(home: RunDirectory, most: int) -> tuple[int, int]:
     """How many of the first lines are as they were written, at most so many, and how many bytes they have."""
     count = size = 0
     try:
-        for content in _split(home):
+        for content in split(home, home.scalars):
             if count == most:
                 break
             line_of(content, LINE, checked=True)
             count, size = count + 1, size + len(content)
-    except (OSError, ValueError):
+    except (StorageError, ValueError):
         pass
     return count, size
 

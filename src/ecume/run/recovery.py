@@ -9,15 +9,16 @@ from ecume.errors import EcumeError, StorageError
 from ecume.run.checkpoints import set_aside
 from ecume.run.constants import is_sound
 from ecume.run.directory import RunDirectory, manifest_of, read, write
+from ecume.run.verification import require_source
 from ecume.trajectories.durable_files import write_whole
-from ecume.trajectories.records import DONE, FAILED, STATUS, WATCH, as_json, resolved_at
+from ecume.trajectories.records import DONE, FAILED, STATUS, WATCH, as_json, resolved_at, scene_at
 from ecume.trajectories.repair import Repaired
 from ecume.trajectories.repair import repair as repair_trajectory
 
 
 def mended(home: RunDirectory) -> Repaired:
     """Whole frames stay, each damaged one is named; what is damaged beside them is made again or set aside."""
-    beside = [*_resolved(home), *_constants(home), *_told_again(home)]
+    beside = [*_resolved(home), *_scene_file(home), *_constants(home), *_told_again(home)]
     frames = repair_trajectory(home.trajectory)
     return frames._replace(faults=(*beside, *frames.faults))
 
@@ -34,6 +35,26 @@ def _resolved(home: RunDirectory) -> Iterator[str]:
             return
         write_whole(home.resolved, text, home.path)
         yield f"{home.resolved}: was damaged; made again from scene.toml"
+
+
+def _scene_file(home: RunDirectory) -> Iterator[str]:
+    """Write a damaged scene file again from the resolved scene; yields what was done."""
+    from ecume.scenes.schema import from_plain, to_toml
+
+    try:
+        require_source(home)
+        return
+    except StorageError:
+        manifest = manifest_of(home)
+    try:
+        content = to_toml(from_plain(scene_at(home.path, manifest))).encode()
+    except EcumeError:  # damaged, too; that is named
+        return
+    if home.scene.exists():
+        set_aside(home, home.scene)
+    write_whole(home.scene, content, home.path)
+    write(home, home.manifest, {**manifest, "source_sha256": hashlib.sha256(content).hexdigest()})
+    yield f"{home.scene}: was damaged; written again from resolved.json, without its comments"
 
 
 def _constants(home: RunDirectory) -> Iterator[str]:

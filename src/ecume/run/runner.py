@@ -25,10 +25,11 @@ from ecume.run.progress import Pace, Progress, StatusFile, note
 from ecume.run.recording import Recording
 from ecume.run.stop_requests import PATIENT, StopRequest, stop_requests
 from ecume.run.user_laws import Law, entries, require_same
+from ecume.run.verification import require_source
 from ecume.trajectories.durable_files import storing, write_whole
-from ecume.trajectories.reader import Trajectory
 from ecume.trajectories.records import DONE, as_json, scene_at
 from ecume.trajectories.repair import repair
+from ecume.trajectories.verification import good_frames
 
 if TYPE_CHECKING:
     from ecume.models.model import Model
@@ -131,10 +132,10 @@ def resume(
 
     home = existing(directory)
     with stop_requests(PATIENT) as request, held(home):
-        if home.done.exists():
-            done = read(home, home.done, DONE)
-            return RunResult(home.path, done["frames"], done["step"], done["time"], 0.0)
+        if (done := _completed(home)) is not None:
+            return done
         require_same(home, extra_laws)
+        require_source(home)
         sweep(home)
         scene = from_plain(scene_at(home.path, manifest_of(home)))
         constants.require_sound(home)
@@ -144,6 +145,24 @@ def resume(
         restore = functools.partial(_constants, home, strict=options.strict)
         moments = _moments(scene, checkpoint.state, extra_laws, options, restore)
         return _drive(_Session(home, scene, options, checkpoint.frames), moments, request)
+
+
+def _completed(home: RunDirectory) -> RunResult | None:
+    """The result of a run that was completed and is not damaged. A damaged one is resumed: what is damaged is computed
+    again from what is not.
+    """
+    if not home.done.exists():
+        return None
+    done = read(home, home.done, DONE)
+    expected, found = done.get("sha256", {}), manifest.digests(home)
+    damaged = [name for name, digest in expected.items() if found.get(name) != digest]
+    if not damaged:
+        return RunResult(home.path, done["frames"], done["step"], done["time"], 0.0)
+    note(home, "damaged after it was done", files=damaged)
+    warnings.warn(f"{home.path}: {', '.join(damaged)}: damaged after the run was done; computed again", stacklevel=1)
+    with storing(home.done):
+        home.done.unlink()
+    return None
 
 
 def _moments(
@@ -198,15 +217,15 @@ def _checkpoint(home: RunDirectory, scene: Scene) -> Checkpoint:
 
 
 def _frames_on_disk(home: RunDirectory) -> int:
-    """The number of frames without a gap; a damaged trajectory is repaired first."""
+    """The number of frames before the first that is missing or damaged, each of which was read; a trajectory that
+    cannot be opened is repaired first.
+    """
     try:
-        with Trajectory(home.trajectory) as trajectory:
-            return trajectory.intact
+        return good_frames(home.trajectory)
     except StorageError:
         for fault in repair(home.trajectory).faults:
             note(home, "trajectory repaired", why=fault)
-    with Trajectory(home.trajectory) as trajectory:
-        return trajectory.intact
+    return good_frames(home.trajectory)
 
 
 def _drive(session: _Session, moments: Iterable[Moment], request: StopRequest) -> RunResult:

@@ -12,6 +12,7 @@ from ecume.trajectories import segments
 from ecume.trajectories.durable_files import storing
 from ecume.trajectories.recorder import segment_files
 from ecume.trajectories.segments import Segment
+from ecume.trajectories.verification import damages
 
 
 class Repaired(NamedTuple):
@@ -36,7 +37,7 @@ def repair(folder: Path) -> Repaired:
             unusable.append(_set_aside(path))
             continue
         with contextlib.closing(segment):
-            found = damages(segment)
+            found = [fault for _, fault in damages(segment)]
         segments.cut(path, segment.frames)
         good += segment.frames - len(found)
         faults += found
@@ -48,14 +49,3 @@ def _set_aside(path: Path) -> Path:
     with storing(path), place_of(path, segments.root_of(path)) as place:
         place.beside(aside.name).take(place)
     return aside
-
-
-def damages(segment: Segment) -> list[str]:
-    """The faults of the frames of a segment, a line each."""
-    found = []
-    for frame in range(segment.frames):
-        try:
-            segment.frame(frame)
-        except StorageError as error:
-            found.append(str(error))
-    return found

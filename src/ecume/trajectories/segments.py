@@ -6,7 +6,6 @@ import contextlib
 import os
 import zlib
 from collections.abc import Sequence
-from io import FileIO
 from pathlib import Path
 from typing import Any, cast
 
@@ -23,6 +22,8 @@ from ecume.trajectories.gsd_schema import Chunks
 
 FIRST_ROOM = 512
 """Entries in the first block of an index."""
+NAMES_LOCATION = gsd_layout.HEADER.itemsize + FIRST_ROOM * ENTRY.itemsize
+"""The place of the list of names."""
 
 
 class Segment:
@@ -53,7 +54,10 @@ class Segment:
         chunks = {**self.first, **self._at(frame)}
         if CHECKSUM not in chunks or chunks[CHECKSUM].shape != (2, 1):
             raise StorageError(self.damage(frame, "its checksum is missing"))
-        if int(chunks[CHECKSUM][0, 0]) != gsd_schema.checksum(chunks):
+        if any(name not in chunks for name in gsd_schema.number_names(self.header)):
+            raise StorageError(self.damage(frame, "a number is missing"))
+        expected = [gsd_schema.checksum(chunks), gsd_schema.numbers_checksum(chunks, self.header)]
+        if chunks[CHECKSUM][:, 0].tolist() != expected:
             raise StorageError(self.damage(frame))
         return chunks
 
@@ -107,6 +111,17 @@ class Segment:
             raise OSError(f"{self.path}: ends too early")
         return raw.view(kind).reshape(int(entry["rows"]), int(entry["columns"]))
 
+    def bytes_at(self, start: int, count: int) -> bytes:
+        """The bytes of the file there; fewer where it ends."""
+        with storing(self.path):
+            require_memory(count, self.path)
+            self._file.seek(start)
+            return self._file.read(count)
+
+    def size(self) -> int:
+        """The size of the file."""
+        return self._file.seek(0, os.SEEK_END)
+
     def close(self) -> None:
         """Close the file."""
         self._file.close()
@@ -158,7 +173,7 @@ class GrowingSegment:
         self._file.seek(self._location)
         block = self._file.read(self._used * ENTRY.itemsize).ljust(room * ENTRY.itemsize, b"\0")
         self._put(block, self.size)
-        self._put(_header(self.size, room, self._file), 0)
+        self._put(header_of(self.size, room, self._names), 0)
         self._location, self._room = self.size, room
         self.size += len(block)
 
@@ -167,8 +182,10 @@ class GrowingSegment:
         block = entries.tobytes().ljust(self._room * ENTRY.itemsize, b"\0")
         self._used = len(entries)
         self.size = max(names_end, self._location + len(block), _data_end(entries))
-        self._put(_header(self._location, self._room, self._file), 0)
+        self._put(header_of(self._location, self._room, self._names), 0)
         self._put(block, self._location)
+        if (gap := self._location - max(names_end, _data_end(entries))) > 0:  # of frames that were cut away
+            self._put(bytes(gap), self._location - gap)
         with storing(self.path):
             self._file.truncate(self.size)
             os.fsync(self._file.fileno())
@@ -196,18 +213,28 @@ class GrowingSegment:
 def create(path: Path, chunks: Chunks) -> None:
     """A new file with its first frame: it comes into being whole."""
     names = tuple(chunks)
-    listed = b"".join(name.encode() + b"\0" for name in names) + b"\0"
-    listed += b"\0" * (-len(listed) % NAME_UNIT)
-    names_location = gsd_layout.HEADER.itemsize + FIRST_ROOM * ENTRY.itemsize
-    entries, data = _packed(chunks, names, 0, names_location + len(listed))
+    names_after = listed(names)
+    entries, data = _packed(chunks, names, 0, NAMES_LOCATION + len(names_after))
+    header = header_of(gsd_layout.HEADER.itemsize, FIRST_ROOM, names)
+    block = entries.tobytes().ljust(FIRST_ROOM * ENTRY.itemsize, b"\0")
+    with replacing(path, root_of(path)) as file:
+        file.write(header + block + names_after + data)
+
+
+def listed(names: Sequence[str]) -> bytes:
+    """The list of names as it is in a file."""
+    content = b"".join(name.encode() + b"\0" for name in names) + b"\0"
+    return content + b"\0" * (-len(content) % NAME_UNIT)
+
+
+def header_of(location: int, room: int, names: Sequence[str]) -> bytes:
+    """The header of a file with these names and this block of entries."""
     header = np.zeros(1, gsd_layout.HEADER)
     header["magic"], header["schema"], header["application"] = gsd_layout.MAGIC, b"hoomd", b"ecume"
     header["schema_version"], header["gsd_version"] = 1 << 16 | 4, 2 << 16
-    header["index_location"], header["index_room"] = gsd_layout.HEADER.itemsize, FIRST_ROOM
-    header["names_location"], header["names_room"] = names_location, len(listed) // NAME_UNIT
-    block = entries.tobytes().ljust(FIRST_ROOM * ENTRY.itemsize, b"\0")
-    with replacing(path, root_of(path)) as file:
-        file.write(header.tobytes() + block + listed + data)
+    header["index_location"], header["index_room"] = location, room
+    header["names_location"], header["names_room"] = NAMES_LOCATION, len(listed(names)) // NAME_UNIT
+    return header.tobytes()
 
 
 def cut(path: Path, frames: int) -> None:
@@ -236,14 +263,6 @@ def _packed(chunks: Chunks, names: Sequence[str], frame: int, start: int) -> tup
         entry["rows"], entry["columns"], entry["type"] = *chunk.shape, CODES[chunk.dtype]
         start += chunk.nbytes
     return entries, b"".join(chunks[names[entry["name"]]].tobytes() for entry in entries)
-
-
-def _header(location: int, room: int, file: FileIO) -> bytes:
-    """The header that the file has, with this block of entries."""
-    file.seek(0)
-    header = np.frombuffer(file.read(gsd_layout.HEADER.itemsize), gsd_layout.HEADER).copy()
-    header["index_location"], header["index_room"] = location, room
-    return header.tobytes()
 
 
 def _data_end(entries: NDArray[Any]) -> int:
