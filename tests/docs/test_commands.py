@@ -17,7 +17,7 @@ PAGES = [
 BLOCK = re.compile(r"^```(\w*)[^\n]*\n(.*?)^```", re.MULTILINE | re.DOTALL)
 NAMED = re.compile(r"`([\w./-]+\.(?:toml|csv|py|stl|dxf))`")
 """A file of the reader's own, which the text introduces."""
-RUN_VERBS = {"movie", "plot", "view", "export", "resume", "info", "repair"}
+RUN_VERBS = {"movie", "plot", "view", "export", "resume", "info", "verify", "repair"}
 
 
 def created(block: str) -> set[str]:

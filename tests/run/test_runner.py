@@ -17,6 +17,7 @@ import toy
 from ecume.errors import Diverged, RunExists, SceneError, StorageError
 from ecume.models import MODELS
 from ecume.run import Progress, RunDirectory, RunOptions, checkpoints, info, resume, run
+from ecume.run.directory import manifest_of, write
 from ecume.simulation import simulate
 from ecume.trajectories.reader import open_trajectory
 
@@ -155,7 +156,7 @@ def test_a_changed_program_is_found_out_when_it_computes_a_frame_again(tmp_path:
     other = re.sub(r'"seed": 7', '"seed": 8', home.resolved.read_text())  # stands for a program that computes otherwise
     home.resolved.write_text(other)
     digest = hashlib.sha256(other.encode()).hexdigest()
-    home.manifest.write_text(json.dumps(json.loads(home.manifest.read_text()) | {"scene_sha256": digest}))
+    write(home, home.manifest, manifest_of(home) | {"scene_sha256": digest})
     with pytest.raises(StorageError, match=r"frame 0 .* differs .* in position by 2\.0.* fault in memory"):
         resume(tmp_path / "run")
     assert len(open_trajectory(tmp_path / "run")) == 51

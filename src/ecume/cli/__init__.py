@@ -38,6 +38,7 @@ ALONE = (
     runs.resume,
     runs.info,
     run_lists.list_runs,
+    runs.verify,
     runs.repair,
     pictures.movie,
     pictures.plot,

@@ -66,16 +66,12 @@ def _nth(number: int) -> str:
 
 def _follow(directory: Path) -> None:
     """Serve a run until it ends, or Ctrl-C."""
-    from ecume.run import RunDirectory
+    from ecume.run import RunDirectory, lock
     from ecume.run import info as look
-    from ecume.run.lock import owner
-    from ecume.run.stop_requests import ask_to_stop
     from ecume.show.view.live import Source, serving
 
     def stop() -> None:
-        process = owner(RunDirectory(directory))
-        if process is not None and state() == "running":
-            ask_to_stop(process["pid"])
+        lock.stop(RunDirectory(directory))
 
     def state() -> str:
         return look(directory).state

@@ -124,11 +124,11 @@ def _cells(one: Estimate) -> tuple[str, str, str, str]:
 
 def keep(found: Fit, directory: Path) -> None:
     """Write what a fit came to: `fitted.toml`, `fit.json` and `residuals.png`."""
-    from ecume.run.directory import as_json
     from ecume.scenes.writing import to_toml
     from ecume.show.fit_figures import fit_figure
     from ecume.show.style import save
     from ecume.trajectories.durable_files import storing, write_whole
+    from ecume.trajectories.records import as_json
 
     with storing(directory):
         directory.mkdir(parents=True, exist_ok=True)

@@ -43,8 +43,8 @@ Record = Annotated[
 
 def keep(path: Path, name: str, entry: dict[str, Any]) -> None:
     """Put an entry into a file, in place of an earlier one of its name; the others stay."""
-    from ecume.run.directory import json_of, write_json
     from ecume.run.manifest import circumstances
+    from ecume.trajectories.records import json_of, write_json
 
     known = json_of(path) if path.exists() else {}
     machine = {key: circumstances()[key] for key in ("ecume", "processor")}

@@ -182,11 +182,11 @@ def _draw_sweep(directory: Path, names: list[str], out: Path | None, *, quiet: b
 
 def _draw(directory: Path, names: list[str], out: Path | None, *, quiet: bool) -> None:
     """The figures that were asked for."""
-    from ecume.run.directory import existing, json_of
+    from ecume.run.directory import existing, manifest_of
     from ecume.show.figure_names import require_figure
 
     home = existing(directory)
-    model = str(json_of(home.manifest).get("model", ""))
+    model = str(manifest_of(home).get("model", ""))
     for name in names:  # refused before anything that draws is imported
         require_figure(model, name)
     from ecume.show.figures import plot as draw

@@ -4,10 +4,10 @@ ecume.run.run(scene, "runs/bowl")
 ecume.run.resume("runs/bowl")
 ecume.run.info("runs/bowl").frames
 
-Start with `runner`. `directory` names the files; `recording`, `checkpoints`, `constants`, `manifest` and `progress`
-write them; `lock` and `stop_requests` deal with other processes and signals; `invariant_monitor` checks each frame;
-`reports` and `recovery` look at runs from outside, `catalog` and `comparison` at several of them; `user_code`
-identifies a user's laws and actions; `ranks` is MPI.
+Start with `runner`. `directory` names the files; `recording`, `numbers`, `checkpoints`, `archives`, `constants`,
+`manifest` and `progress` write and read them; `lock` and `stop_requests` deal with other processes and signals;
+`invariant_monitor` checks each frame; `reports`, `verification` and `recovery` look at runs from outside, `catalog` and
+`comparison` at several of them; `user_code` identifies a user's laws and actions; `ranks` is MPI.
 """
 
 from ecume.run.catalog import RunSummary, list_runs
@@ -16,6 +16,7 @@ from ecume.run.directory import RunDirectory
 from ecume.run.progress import Progress
 from ecume.run.reports import Info, info, repair
 from ecume.run.runner import RunOptions, RunResult, resume, run
+from ecume.run.verification import Verification, verify
 
 __all__ = [
     "Comparison",
@@ -25,10 +26,12 @@ __all__ = [
     "RunOptions",
     "RunResult",
     "RunSummary",
+    "Verification",
     "compare",
     "info",
     "list_runs",
     "repair",
     "resume",
     "run",
+    "verify",
 ]

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import NamedTuple
 
-from ecume.errors import BadInput, EcumeError
-from ecume.run.directory import RunDirectory
+from ecume.errors import BadInput, EcumeError, StorageError
 from ecume.run.reports import info
+from ecume.trajectories.records import manifest_at, scene_at
 
 
 class RunSummary(NamedTuple):
@@ -59,7 +58,6 @@ def _summary(path: Path) -> RunSummary:
 def _title(path: Path) -> str:
     """The title in a run's scene; nothing where the scene cannot be read."""
     try:
-        plain = json.loads(RunDirectory(path).resolved.read_bytes())
-    except (OSError, ValueError):
+        return str(scene_at(path, manifest_at(path)).get("title", ""))
+    except StorageError:
         return ""
-    return str(plain.get("title", "")) if isinstance(plain, dict) else ""

@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-import json
 import math
 import os
 from collections.abc import Iterator, Mapping
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ecume.run.directory import existing, json_of
+from ecume.run.directory import existing, manifest_of
 from ecume.run.manifest import circumstances
-from ecume.trajectories.durable_files import storing
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import open_trajectory
+from ecume.trajectories.records import scene_at
 
 SAME_TIME = 1e-9
 """Frames belong together whose times differ by less than this fraction of the longer run."""
@@ -63,7 +61,7 @@ class Comparison(NamedTuple):
 def compare(first: str | os.PathLike[str], second: str | os.PathLike[str]) -> Comparison:
     """Compare two runs: keys of their scenes, versions, and each quantity in all frames of the same time."""
     homes = existing(first), existing(second)
-    manifests = [json_of(home.manifest) for home in homes]
+    manifests = [manifest_of(home) for home in homes]
     names = circumstances()
     programs = [{name: manifest.get(name) for name in names} for manifest in manifests]
     with open_trajectory(homes[0].path) as one, open_trajectory(homes[1].path) as other:
@@ -71,17 +69,12 @@ def compare(first: str | os.PathLike[str], second: str | os.PathLike[str]) -> Co
         quantities = _differences((one[i], other[j]) for i, j in pairs)
         frames = len(one), len(other)
     return Comparison(
-        scene=_changes(*(dict(_flat(_scene(home.resolved))) for home in homes)),
+        scene=_changes(*(dict(_flat(scene_at(home.path, one))) for home, one in zip(homes, manifests, strict=True))),
         programs=_changes(*programs),
         frames=frames,
         common=len(pairs),
         quantities=quantities,
     )
-
-
-def _scene(path: Path) -> object:
-    with storing(path):
-        return json.loads(path.read_bytes())
 
 
 def _flat(value: object, path: str = "") -> Iterator[tuple[str, object]]:

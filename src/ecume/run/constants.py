@@ -12,15 +12,16 @@ the scene gives, or nothing is read back at all, and the run warns. So this file
 from __future__ import annotations
 
 import hashlib
-import zipfile
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ecume._plain_files import opened
 from ecume.errors import StorageError
-from ecume.run.directory import RunDirectory, json_of
+from ecume.run.archives import arrays_of
+from ecume.run.directory import RunDirectory, manifest_of
 from ecume.trajectories.durable_files import replacing, storing
 
 STEPS = "steps_per_frame"
@@ -40,20 +41,20 @@ class Restored(NamedTuple):
 
 def save(home: RunDirectory, parameters: Any) -> str:
     """Write the constants of a run; their digest."""
-    with replacing(home.constants) as file:
+    with replacing(home.constants, home.path) as file:
         np.savez(file, allow_pickle=False, **_numbers(parameters))
     return digest(home)
 
 
 def digest(home: RunDirectory) -> str:
     """The SHA-256 of the file."""
-    with storing(home.constants), home.constants.open("rb") as file:
+    with storing(home.constants), opened(home.constants, "r", home.path) as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def is_sound(home: RunDirectory) -> bool:
     """Whether the file is as it was written. A run of a former version has none, and that is sound, too."""
-    expected = json_of(home.manifest).get("constants_sha256")
+    expected = manifest_of(home).get("constants_sha256")
     if expected is None:
         return True
     return home.constants.is_file() and digest(home) == expected
@@ -72,7 +73,7 @@ def restored(home: RunDirectory, parameters: Any) -> Restored:
     """The parameters of a run that is resumed, given those derived from its scene just now. Raises StorageError where
     the file is damaged.
     """
-    if json_of(home.manifest).get("constants_sha256") is None:
+    if manifest_of(home).get("constants_sha256") is None:
         return Restored(parameters, "derived again, since none are stored with the run", False)
     require_sound(home)
     stored = _load(home)
@@ -83,9 +84,9 @@ def restored(home: RunDirectory, parameters: Any) -> Restored:
 
 def _load(home: RunDirectory) -> Stored:
     try:
-        with home.constants.open("rb") as file, np.load(file, allow_pickle=False) as archive:
-            return {name: archive[name] for name in archive.files}
-    except (OSError, ValueError, zipfile.BadZipFile, KeyError) as error:
+        with opened(home.constants, "r", home.path) as file:
+            return arrays_of(file, home.constants)
+    except (OSError, ValueError) as error:
         raise StorageError(f"{home.constants}: damaged: {error}") from error
 
 

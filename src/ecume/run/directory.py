@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-import json
 import os
 import shutil
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from ecume._plain_files import content_of, require_plain
 from ecume.errors import BadInput, RunExists, StorageError
 from ecume.trajectories import samples
-from ecume.trajectories.durable_files import storing, write_whole
+from ecume.trajectories.durable_files import storing
+from ecume.trajectories.records import MOST_BYTES, Check, manifest_at, record_at, write_record
 
 MOST_NAMED = 5
 """Runs that are offered to whoever named none."""
@@ -100,8 +101,13 @@ class RunDirectory:
 
 
 def existing(path: str | os.PathLike[str]) -> RunDirectory:
-    """The directory of a run that was begun. Raises BadInput where there is none."""
+    """The directory of a run that was begun. Raises BadInput where there is none, and StorageError where it contains
+    anything but plain files and folders.
+    """
     home = RunDirectory(Path(path))
+    if home.path.is_dir():
+        with storing(home.path):
+            require_plain(home.path)
     if not home.manifest.is_file():
         where = "the current directory holds no run" if home.path == Path() else f"{path}: no run is there"
         raise BadInput(f"{where}; {_way_out(home)}")
@@ -126,7 +132,8 @@ def _way_out(home: RunDirectory) -> str:
 def is_run_directory(home: RunDirectory) -> bool:
     """Whether `ecume run` made this directory: it has a manifest, or nothing but what comes before one, with a lock."""
     if home.manifest.is_file():
-        return b'"ecume"' in home.manifest.read_bytes()
+        with storing(home.manifest):
+            return b'"ecume"' in content_of(home.manifest, MOST_BYTES, home.path)
     found = {entry.name.removesuffix(".part") for entry in home.path.iterdir()}
     return _is_locked_once(home) and found <= {part.name for part in (*home.parts(), home.lock)}
 
@@ -134,7 +141,7 @@ def is_run_directory(home: RunDirectory) -> bool:
 def _is_locked_once(home: RunDirectory) -> bool:
     """Whether the lock there is one of ours: a process of ecume wrote its number into it, or died before it could."""
     try:
-        return home.lock.read_bytes()[:6] in (b"", b'{"pid"')
+        return content_of(home.lock, MOST_BYTES, home.path)[:6] in (b"", b'{"pid"')
     except PermissionError:  # Windows, while it is held
         return True
     except OSError:
@@ -148,6 +155,8 @@ def refuse_existing(home: RunDirectory, *, force: bool) -> None:
         return
     if not path.is_dir() or not is_run_directory(home):
         raise RunExists(f"{path}: exists and is no run directory; it is left alone: choose another name")
+    with storing(path):
+        require_plain(path)
     if not force:
         hint = f"go on with it (`ecume resume {path}`), choose another name, or replace it with --force"
         raise RunExists(f"{path}: holds a run already; {hint}")
@@ -177,24 +186,24 @@ def sweep(home: RunDirectory) -> None:
                 part.unlink()
 
 
-def as_json(plain: Any) -> str:
-    """Plain data as text for people and machines; floats come back to the bit."""
-    return json.dumps(plain, indent=2) + "\n"
+def manifest_of(home: RunDirectory) -> dict[str, Any]:
+    """The manifest of a run. Raises StorageError where it is damaged."""
+    return manifest_at(home.path)
 
 
-def write_json(path: Path, plain: Any) -> None:
-    """Replace a file by plain data."""
-    write_whole(path, as_json(plain))
-
-
-def json_of(path: Path) -> dict[str, Any]:
-    """The plain data of a file. Raises StorageError where it is none."""
-    with storing(path):
-        text = path.read_bytes()
+def has_checksums(home: RunDirectory) -> bool:
+    """Whether the records of this run have checksums: those of earlier versions have none."""
     try:
-        plain = json.loads(text)
-    except ValueError as error:
-        raise StorageError(f"{path}: damaged: {error}") from error
-    if not isinstance(plain, dict):
-        raise StorageError(f"{path}: damaged: expected a table")
-    return plain
+        return "format" in manifest_of(home)
+    except StorageError:  # damaged, or not written yet
+        return home.manifest.exists()
+
+
+def read(home: RunDirectory, path: Path, check: Check) -> dict[str, Any]:
+    """One of the records of a run. Raises StorageError where it is damaged, or no record of this kind."""
+    return record_at(path, check, home.path, checked=has_checksums(home))
+
+
+def write(home: RunDirectory, path: Path, plain: dict[str, Any], *, settled: bool = True) -> None:
+    """Replace one of the records of a run."""
+    write_record(path, plain, home.path, settled=settled)

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
-from ecume.errors import Diverged, StorageError
+from ecume.errors import Diverged
 from ecume.models.invariants import DISSIPATED, ENERGY, INJECTED, Invariant, Numbers, Seen, with_own
-from ecume.run.directory import RunDirectory, json_of, write_json
-from ecume.trajectories.durable_files import storing
+from ecume.run.directory import RunDirectory, read, write
+from ecume.run.numbers import lines_of
+from ecume.trajectories.records import WATCH
 
 POLICIES = ("warn", "stop")
 """What becomes of a run that breaks an invariant."""
@@ -42,7 +42,7 @@ class Watch:
         self._time = 0.0
         self._unit = "J"
         self._worst = {one.name: (-math.inf, 0.0) for one in invariants}
-        for line in _lines(home):
+        for line in lines_of(home):
             self._take(line["time"], line)
 
     def take(
@@ -82,7 +82,7 @@ class Watch:
         if self._seen is not None and "total_energy" in self._seen.now:
             report["energy_unit"] = self._unit
             report["energy"] = budget(self._seen.first, self._seen.now, closed=ENERGY in self._worst)
-        write_json(self._home.watch, report)
+        write(self._home, self._home.watch, report)
 
 
 def budget(first: Numbers, now: Numbers, *, closed: bool) -> dict[str, float | None]:
@@ -108,7 +108,7 @@ def summary_line(home: RunDirectory) -> str:
     """A line that says whether all invariants held and what work was done; empty for a run that records none."""
     if not home.watch.exists():
         return ""
-    kept = json_of(home.watch)
+    kept = read(home, home.watch, WATCH)
     rows, work = kept.get("invariants", []), _work(kept.get("energy", {}), kept.get("energy_unit", "J"))
     broken = [f"{row['name']} ({_shown(row['worst'])}, limit {row['limit']:g})" for row in rows if not row["held"]]
     if broken:
@@ -129,15 +129,3 @@ def _shown(worst: float | None) -> str:
 
 def _number(value: float) -> float | None:
     return value if math.isfinite(value) else None
-
-
-def _lines(home: RunDirectory) -> list[dict[str, Any]]:
-    """The numbers of the frames that are on disk."""
-    if not home.scalars.exists():
-        return []
-    with storing(home.scalars):
-        text = home.scalars.read_bytes()
-    try:
-        return [json.loads(line) for line in text.splitlines()]
-    except ValueError as error:
-        raise StorageError(f"{home.scalars}: damaged: {error}") from error

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import json
 import os
 import socket
 from collections.abc import Iterator
@@ -13,48 +12,97 @@ from typing import Any
 import portalocker
 import psutil
 
+from ecume._plain_files import content_of, opened
 from ecume.errors import RunExists
-from ecume.run.directory import RunDirectory
+from ecume.run.directory import RunDirectory, has_checksums
+from ecume.run.stop_requests import ask_to_stop
 from ecume.trajectories.durable_files import storing
+from ecume.trajectories.records import OWNER, clean, line_of, sealed_line
 
 WIDTH = 512
 """Bytes of the lock: more than any process needs to say who it is."""
+MOST_BYTES = 2**16
 
 
 @contextlib.contextmanager
-def held(home: RunDirectory) -> Iterator[None]:
-    """Hold a run directory; RunExists when another process does. The system lets go of it however the process ends."""
+def held(home: RunDirectory, *, quietly: bool = False) -> Iterator[None]:
+    """Hold a run directory; RunExists when another process does. The system lets go of it however the process ends.
+
+    `quietly` does not write the name of this process into the lock.
+    """
     with storing(home.lock):
-        home.lock.touch()
-        file = home.lock.open("r+b", buffering=0)
+        file = opened(home.lock, "a+", home.path)
     with file:
-        _take(home, file)
+        _take(home, file, quietly=quietly)
         yield
 
 
-def _take(home: RunDirectory, file: FileIO) -> None:
+def _take(home: RunDirectory, file: FileIO, *, quietly: bool) -> None:
     try:
         portalocker.lock(file, portalocker.LockFlags.EXCLUSIVE | portalocker.LockFlags.NON_BLOCKING)
     except portalocker.exceptions.LockException as error:
         raise RunExists(f"{home.path}: is being written by {_named(owner(home))}; wait, or stop it") from error
+    if quietly:
+        return
     with storing(home.lock):
-        file.write(json.dumps(_self()).encode().ljust(WIDTH))  # over the former owner in one go: never half a name
+        # Over the former owner in one go: never half a name.
+        file.write(sealed_line(_self()).encode().ljust(WIDTH))
 
 
 def owner(home: RunDirectory) -> dict[str, Any] | None:
     """The process that locked the directory last, whether or not it still lives."""
     try:
-        plain = json.loads(home.lock.read_bytes())
-    except (OSError, ValueError):  # Windows lets nobody read what is locked; a process may have died while it wrote
+        return read_owner(home)
+    except (OSError, ValueError):  # Windows does not let others read what is locked; a process may have died writing
         return None
-    return plain if isinstance(plain, dict) and {"pid", "host", "began"} <= plain.keys() else None
+
+
+def read_owner(home: RunDirectory) -> dict[str, Any] | None:
+    """The same; None where no process has written its name yet. Raises ValueError where the file is damaged, and
+    OSError where it cannot be read.
+    """
+    content = content_of(home.lock, MOST_BYTES, home.path)
+    if not content:
+        return None
+    if not has_checksums(home):
+        return line_of(content.rstrip() + b"\n", OWNER, checked=False)
+    if len(content) != WIDTH:
+        raise ValueError(f"has {len(content)} bytes; expected {WIDTH}")
+    return line_of(content.rstrip(b" "), OWNER, checked=True)
+
+
+def require_free(home: RunDirectory) -> None:
+    """Raise RunExists while a process writes the run; nothing is written."""
+    if not home.lock.exists():
+        return
+    with storing(home.lock), opened(home.lock, "r", home.path) as file:
+        try:
+            portalocker.lock(file, portalocker.LockFlags.SHARED | portalocker.LockFlags.NON_BLOCKING)
+        except portalocker.exceptions.LockException as error:
+            raise RunExists(f"{home.path}: is being written by {_named(owner(home))}; wait, or stop it") from error
+
+
+def stop(home: RunDirectory) -> bool:
+    """Ask the process that writes the run to leave a checkpoint and end; False where no process does.
+
+    The lock may name any process. Only one that holds the lock gets a signal.
+    """
+    process = owner(home)
+    if process is None or process["host"] != clean(socket.gethostname()) or not _is_alive(process):
+        return False
+    try:
+        with held(home, quietly=True):
+            return False
+    except RunExists:
+        ask_to_stop(process["pid"])
+        return True
 
 
 def is_held(home: RunDirectory) -> bool:
     """Whether the process that locked the directory last still runs; one on another machine is believed to."""
     if (process := owner(home)) is None:
         return os.name == "nt" and home.lock.exists()
-    return process["host"] != socket.gethostname() or _is_alive(process)
+    return process["host"] != clean(socket.gethostname()) or _is_alive(process)
 
 
 def _is_alive(process: dict[str, Any]) -> bool:
@@ -70,7 +118,7 @@ def _is_alive(process: dict[str, Any]) -> bool:
 
 def _self() -> dict[str, Any]:
     began = psutil.Process().create_time()
-    return {"pid": os.getpid(), "host": socket.gethostname(), "began": began}
+    return {"pid": os.getpid(), "host": clean(socket.gethostname()), "began": began}
 
 
 def _named(process: dict[str, Any] | None) -> str:

@@ -13,13 +13,17 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import ecume
-from ecume.run.directory import RunDirectory, json_of, write_json
+from ecume._plain_files import opened
+from ecume.run.directory import RunDirectory, manifest_of, write
 from ecume.trajectories.durable_files import storing
+from ecume.trajectories.records import clean
 
 if TYPE_CHECKING:
     from ecume.scenes.schema import Scene
 
 PROGRAMS = ("numpy", "numba", "llvmlite", "scipy", "pydantic")
+FORMAT = 2
+"""Of a run: since format 2, records and lines of numbers have checksums."""
 SETTINGS = ("OPENBLAS_CORETYPE", "NUMBA_CPU_NAME", "NUMBA_CPU_FEATURES", "GLIBC_TUNABLES")
 """Environment variables that make libraries compute as on another processor."""
 
@@ -35,19 +39,21 @@ def circumstances() -> dict[str, Any]:
         "ecume": ecume.__version__,
         "python": platform.python_version(),
         **{name: _version(name) for name in PROGRAMS},
-        "platform": " ".join((platform.system(), platform.machine(), *platform.libc_ver())).strip(),
-        "processor": _processor(),
+        "platform": clean(" ".join((platform.system(), platform.machine(), *platform.libc_ver())).strip()),
+        "processor": clean(_processor()),
         "vector instructions": _vector_instructions(),
-        **{name: os.environ[name] for name in SETTINGS if name in os.environ},
+        **{name: clean(os.environ[name]) for name in SETTINGS if name in os.environ},
     }
 
 
-def first_manifest(scene: Scene, plain: str) -> dict[str, Any]:
-    """The manifest of a run before it begins."""
+def first_manifest(scene: Scene, source: bytes, plain: str) -> dict[str, Any]:
+    """The manifest of a run before it begins; `source` is its scene file, and `plain` its resolved scene."""
     return {
+        "format": FORMAT,
         **circumstances(),
         "model": scene.model,
         "seed": getattr(scene, "seed", None),
+        "source_sha256": hashlib.sha256(source).hexdigest(),
         "scene_sha256": hashlib.sha256(plain.encode()).hexdigest(),
         "cores": os.cpu_count(),
         "sessions": [],
@@ -65,10 +71,10 @@ def changed(former: Mapping[str, Any]) -> list[str]:
 
 def open_session(home: RunDirectory, threads: int, step: int, frames: int) -> None:
     """Record that a process starts to work on the run, which has so many frames on disk."""
-    manifest = json_of(home.manifest)
+    manifest = manifest_of(home)
     session = {
         "pid": os.getpid(),
-        "host": socket.gethostname(),
+        "host": clean(socket.gethostname()),
         "threads": threads,
         "began": now(),
         "from_step": step,
@@ -76,7 +82,7 @@ def open_session(home: RunDirectory, threads: int, step: int, frames: int) -> No
         "circumstances": circumstances(),
     }
     manifest["sessions"] = [*manifest.get("sessions", []), session]
-    write_json(home.manifest, manifest)
+    write(home, home.manifest, manifest)
 
 
 def circumstances_of_frame(home: RunDirectory, frame: int) -> dict[str, Any]:
@@ -85,7 +91,7 @@ def circumstances_of_frame(home: RunDirectory, frame: int) -> dict[str, Any]:
     Each session states the first frame that it wrote itself; the last session that starts at or before a frame is the
     one that wrote it. The present session has written none of the frames that it finds on disk.
     """
-    manifest = json_of(home.manifest)
+    manifest = manifest_of(home)
     for session in reversed(manifest.get("sessions", [])[:-1]):
         if "circumstances" not in session:
             break
@@ -96,17 +102,17 @@ def circumstances_of_frame(home: RunDirectory, frame: int) -> dict[str, Any]:
 
 def record(home: RunDirectory, **facts: Any) -> None:
     """Record facts about the present session: the `first_frame` that it writes itself, which frames it `replaced`."""
-    manifest = json_of(home.manifest)
+    manifest = manifest_of(home)
     manifest["sessions"][-1] |= facts
-    write_json(home.manifest, manifest)
+    write(home, home.manifest, manifest)
 
 
 def close_session(home: RunDirectory, outcome: str, step: int, seconds: float) -> None:
     """Note how the work ended."""
-    manifest = json_of(home.manifest)
+    manifest = manifest_of(home)
     ending = {"ended": now(), "to_step": step, "seconds": round(seconds, 3), "outcome": outcome}
     manifest["sessions"][-1] |= ending
-    write_json(home.manifest, manifest)
+    write(home, home.manifest, manifest)
 
 
 def digests(home: RunDirectory) -> dict[str, str]:
@@ -120,11 +126,12 @@ def digests(home: RunDirectory) -> dict[str, str]:
         home.samples,
         *(path for folder in folders for path in folder.glob("*")),
     ]
-    return {path.relative_to(home.path).as_posix(): _digest(path) for path in sorted(files) if path.is_file()}
+    return {path.relative_to(home.path).as_posix(): digest(home, path) for path in sorted(files) if path.is_file()}
 
 
-def _digest(path: Path) -> str:
-    with storing(path), path.open("rb") as file:
+def digest(home: RunDirectory, path: Path) -> str:
+    """The SHA-256 of a file of a run."""
+    with storing(path), opened(path, "r", home.path) as file:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 

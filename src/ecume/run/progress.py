@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-import json
+import os
 import time
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from ecume.run.directory import RunDirectory, as_json
+from ecume._plain_files import append, opened
+from ecume.errors import StorageError
+from ecume.run.directory import RunDirectory, write
 from ecume.run.manifest import now
 from ecume.trajectories.durable_files import storing
+from ecume.trajectories.records import clean, sealed_line
 
 if TYPE_CHECKING:
     from ecume.simulation import Moment
@@ -90,17 +93,22 @@ class StatusFile:
             return
         self._written = clock
         report = {"state": state, **progress._asdict(), "last_checkpoint": self.last_checkpoint, "at": now()}
-        part = self._home.status.with_name("status.json.part")
-        with storing(self._home.status):
-            part.write_text(as_json(report))
-            try:
-                part.replace(self._home.status)
-            except PermissionError:  # Windows, while somebody reads it: the next second is soon enough
-                part.unlink(missing_ok=True)
+        try:
+            write(self._home, self._home.status, report, settled=False)
+        except StorageError as error:  # Windows, while somebody reads it: the next second is soon enough
+            if os.name != "nt" or not isinstance(error.__cause__, PermissionError):
+                raise
 
 
 def note(home: RunDirectory, event: str, **details: Any) -> None:
     """Add an event to the log."""
-    line = json.dumps({"at": now(), "event": event, **details}) + "\n"
-    with storing(home.log), home.log.open("a") as file:
-        file.write(line)
+    line = sealed_line({"at": now(), "event": event, **{name: _cleaned(value) for name, value in details.items()}})
+    with storing(home.log), opened(home.log, "a", home.path) as file:
+        append(file, line.encode())
+
+
+def _cleaned(value: Any) -> Any:
+    """Details of an event may quote what was read from a damaged file: text without anything that could act."""
+    if isinstance(value, list | tuple):
+        return [_cleaned(each) for each in value]
+    return clean(value) if isinstance(value, str) else value

@@ -7,23 +7,24 @@ may differ; then the old frames are replaced, and the run says by how much they 
 
 from __future__ import annotations
 
-import json
 import math
 import os
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ecume._plain_files import append
 from ecume.errors import StorageError
 from ecume.run.directory import RunDirectory
 from ecume.run.manifest import changed, circumstances_of_frame, record
+from ecume.run.numbers import continued, scalars_line
 from ecume.run.progress import note
 from ecume.run.selection import Selection
 from ecume.scenes.common import Kind, colors_of
-from ecume.trajectories.durable_files import storing, write_whole
+from ecume.trajectories.durable_files import storing
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import Trajectory
 from ecume.trajectories.recorder import LARGEST, Recorder
@@ -54,9 +55,12 @@ class Recording:
             home.trajectory, species=names, colors=colors_of(kinds), largest=largest, single=selection.single
         )
         self._former = Trajectory(home.trajectory)
-        with storing(home.scalars):
-            _cut_scalars(home, self._former, frames)
-            self._scalars = home.scalars.open("a", newline="\n")
+        try:
+            self._scalars = continued(home, self._former, frames)
+        except BaseException:
+            self._former.close()
+            self._recorder.close()
+            raise
 
     @property
     def on_disk(self) -> int:
@@ -73,8 +77,7 @@ class Recording:
         if self.frames >= self._recorder.frames:
             self._recorder.write(frame, step)
         with storing(self._home.scalars):
-            self._scalars.write(scalars_line(step, frame))
-            self._scalars.flush()
+            append(self._scalars, scalars_line(step, frame).encode())
         self.frames += 1
 
     def settle(self) -> None:
@@ -175,24 +178,3 @@ def _distance(one: NDArray[Any], other: NDArray[Any]) -> tuple[float, float]:
         apart = np.abs(np.subtract(one, other, dtype=np.result_type(one, np.float64)))
         largest, scale = float(np.nanmax(apart, initial=0.0)), float(np.nanmax(np.abs(one), initial=0.0))
     return largest, largest / scale if 0.0 < scale < math.inf else largest
-
-
-def scalars_line(step: int, frame: Frame) -> str:
-    """One line of `scalars.jsonl`; what is no finite number is null."""
-    return json.dumps({"step": step, "time": frame.time, **_finite(frame.numbers)}) + "\n"
-
-
-def _finite(numbers: Mapping[str, float]) -> dict[str, float | None]:
-    return {name: float(value) if math.isfinite(value) else None for name, value in numbers.items()}
-
-
-def _cut_scalars(home: RunDirectory, former: Trajectory, frames: int) -> None:
-    """Leave a line for each of so many frames; where lines are missing, all are taken from the trajectory."""
-    whole = home.scalars.read_bytes() if home.scalars.exists() else b""
-    lines = whole.splitlines(keepends=True)[:frames]
-    if len(lines) == frames and all(line.startswith(b"{") and line.endswith(b"}\n") for line in lines):
-        if home.scalars.exists():
-            os.truncate(home.scalars, sum(map(len, lines)))
-        return
-    steps = former.steps
-    write_whole(home.scalars, "".join(scalars_line(int(steps[number]), former[number]) for number in range(frames)))

@@ -4,51 +4,58 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Iterator
-from pathlib import Path
-from typing import Any
 
 from ecume.errors import EcumeError, StorageError
+from ecume.run.checkpoints import set_aside
 from ecume.run.constants import is_sound
-from ecume.run.directory import RunDirectory, as_json, json_of, write_json
-from ecume.trajectories.durable_files import storing, write_whole
+from ecume.run.directory import RunDirectory, manifest_of, read, write
+from ecume.run.verification import require_source
+from ecume.trajectories.durable_files import write_whole
+from ecume.trajectories.records import DONE, FAILED, STATUS, WATCH, as_json, resolved_at, scene_at
 from ecume.trajectories.repair import Repaired
 from ecume.trajectories.repair import repair as repair_trajectory
 
 
-def plain_scene(home: RunDirectory) -> dict[str, Any]:
-    """What is simulated, as it was when the run began. Raises StorageError where that is damaged: another scene would
-    be gone on with, and nobody would know.
-    """
-    with storing(home.resolved):
-        text = home.resolved.read_bytes()
-    if not _is_the_first(home, text):
-        way_out = f"`ecume repair {home.path}` makes it again from scene.toml"
-        raise StorageError(f"{home.resolved}: damaged: it is not what the run began with; {way_out}")
-    return json_of(home.resolved)
-
-
 def mended(home: RunDirectory) -> Repaired:
     """Whole frames stay, each damaged one is named; what is damaged beside them is made again or set aside."""
-    beside = [*_resolved(home), *_constants(home), *_told_again(home)]
+    beside = [*_resolved(home), *_scene_file(home), *_constants(home), *_told_again(home)]
     frames = repair_trajectory(home.trajectory)
     return frames._replace(faults=(*beside, *frames.faults))
 
 
-def _is_the_first(home: RunDirectory, text: bytes) -> bool:
-    """Whether a run began with this; the manifest has its digest, if anything."""
-    return json_of(home.manifest).get("scene_sha256") in (None, hashlib.sha256(text).hexdigest())
-
-
 def _resolved(home: RunDirectory) -> Iterator[str]:
     """Restore `resolved.json` from the scene file; yields what was done."""
-    if home.resolved.is_file() and _is_the_first(home, home.resolved.read_bytes()):
+    manifest = manifest_of(home)
+    try:
+        resolved_at(home.path, manifest)
+    except StorageError:
+        text = _from_the_scene(home)
+        if manifest.get("scene_sha256") not in (None, hashlib.sha256(text).hexdigest()):
+            yield f"{home.resolved}: damaged, and scene.toml does not give it again; put it back from a copy to resume"
+            return
+        write_whole(home.resolved, text, home.path)
+        yield f"{home.resolved}: was damaged; made again from scene.toml"
+
+
+def _scene_file(home: RunDirectory) -> Iterator[str]:
+    """Write a damaged scene file again from the resolved scene; yields what was done."""
+    from ecume.scenes.schema import from_plain
+    from ecume.scenes.writing import to_toml
+
+    try:
+        require_source(home)
         return
-    text = _from_the_scene(home)
-    if not _is_the_first(home, text):
-        yield f"{home.resolved}: damaged, and scene.toml does not tell it again; put it back from a copy to go on"
+    except StorageError:
+        manifest = manifest_of(home)
+    try:
+        content = to_toml(from_plain(scene_at(home.path, manifest))).encode()
+    except EcumeError:  # damaged, too; that is named
         return
-    write_whole(home.resolved, text)
-    yield f"{home.resolved}: was damaged; made again from scene.toml"
+    if home.scene.exists():
+        set_aside(home, home.scene)
+    write_whole(home.scene, content, home.path)
+    write(home, home.manifest, {**manifest, "source_sha256": hashlib.sha256(content).hexdigest()})
+    yield f"{home.scene}: was damaged; written again from resolved.json, without its comments"
 
 
 def _constants(home: RunDirectory) -> Iterator[str]:
@@ -56,9 +63,9 @@ def _constants(home: RunDirectory) -> Iterator[str]:
     if is_sound(home):
         return
     if home.constants.exists():
-        _set_aside(home.constants)
-    manifest = json_of(home.manifest)
-    write_json(home.manifest, {name: value for name, value in manifest.items() if name != "constants_sha256"})
+        set_aside(home, home.constants)
+    manifest = manifest_of(home)
+    write(home, home.manifest, {name: value for name, value in manifest.items() if name != "constants_sha256"})
     yield f"{home.constants}: damaged or missing; set aside, and the constants are derived again on resume"
 
 
@@ -75,15 +82,10 @@ def _from_the_scene(home: RunDirectory) -> bytes:
 
 def _told_again(home: RunDirectory) -> Iterator[str]:
     """Set aside damaged files that the run writes again when it is resumed; yields what was done."""
-    for path in (home.status, home.watch, home.done, home.failed):
+    for path, check in ((home.status, STATUS), (home.watch, WATCH), (home.done, DONE), (home.failed, FAILED)):
         try:
-            if path.is_file():
-                json_of(path)
+            if path.exists():
+                read(home, path, check)
         except StorageError as error:
-            _set_aside(path)
+            set_aside(home, path)
             yield f"{error}; set aside"
-
-
-def _set_aside(path: Path) -> None:
-    with storing(path):
-        path.replace(path.with_name(f"{path.name}.damaged"))

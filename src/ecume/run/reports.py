@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 from collections.abc import Callable
 from pathlib import Path
@@ -9,12 +10,13 @@ from typing import Any, NamedTuple, TypeVar
 
 from ecume._hooks import html_of
 from ecume.errors import StorageError
-from ecume.run.directory import RunDirectory, existing, json_of
+from ecume.run.directory import RunDirectory, existing, manifest_of, read
 from ecume.run.invariant_monitor import summary_line as watched
 from ecume.run.lock import held, is_held
 from ecume.run.recovery import mended
 from ecume.trajectories.durable_files import storing
 from ecume.trajectories.reader import Trajectory
+from ecume.trajectories.records import FAILED, STATUS
 from ecume.trajectories.repair import Repaired
 
 T = TypeVar("T")
@@ -69,9 +71,9 @@ def info(directory: str | os.PathLike[str]) -> Info:
         duration=float(status.get("duration", 0.0)),
         frames=frames,
         checkpoint=_newest_step(home),
-        size=sum(path.stat().st_size for path in home.path.rglob("*") if path.is_file()),
+        size=_size(home),
         remaining=status.get("remaining") if state == "running" else None,
-        manifest=json_of(home.manifest),
+        manifest=manifest_of(home),
         watch=watch,
     )
 
@@ -98,16 +100,23 @@ def _state(home: RunDirectory, status: dict[str, Any]) -> tuple[str, str]:
     if home.done.exists():
         return "done", ""
     if home.failed.exists():
-        return "failed", str(json_of(home.failed).get("message", ""))
+        return "failed", _why_failed(home)
     state = str(status.get("state", "running"))
     if state == "running":
         state = "running" if is_held(home) else "killed"
     return state, "" if state == "running" else f"to continue: ecume resume {home.path}"
 
 
+def _why_failed(home: RunDirectory) -> str:
+    try:
+        return str(read(home, home.failed, FAILED).get("message", ""))
+    except StorageError as error:
+        return f"{error}; `ecume repair {home.path}` sets it aside"
+
+
 def _status(home: RunDirectory) -> dict[str, Any]:
     """The contents of the status file; empty for a run that was killed before it wrote one."""
-    return json_of(home.status) if home.status.exists() else {}
+    return read(home, home.status, STATUS) if home.status.exists() else {}
 
 
 def _frames(home: RunDirectory) -> tuple[int, str]:
@@ -116,6 +125,15 @@ def _frames(home: RunDirectory) -> tuple[int, str]:
             return len(trajectory), ""
     except StorageError as error:
         return 0, f"{error}; `ecume repair {home.path}` keeps what is whole"
+
+
+def _size(home: RunDirectory) -> int:
+    """The size of all files; those that a process removes meanwhile have none."""
+    size = 0
+    for path in home.path.rglob("*"):
+        with contextlib.suppress(FileNotFoundError):
+            size += path.lstat().st_size if path.is_file() else 0
+    return size
 
 
 def _newest_step(home: RunDirectory) -> int | None:

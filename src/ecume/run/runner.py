@@ -19,19 +19,20 @@ from ecume.errors import BadInput, Diverged, Stopped, StorageError
 from ecume.models.sample_clock import BEFORE
 from ecume.run import checkpoints, constants, manifest
 from ecume.run.checkpoints import Checkpoint
-from ecume.run.directory import RunDirectory, as_json, clear, existing, json_of, refuse_existing, sweep, write_json
+from ecume.run.directory import RunDirectory, clear, existing, manifest_of, read, refuse_existing, sweep, write
 from ecume.run.invariant_monitor import POLICIES, Watch, sentence
 from ecume.run.lock import held
 from ecume.run.progress import Pace, Progress, StatusFile, note
 from ecume.run.recording import Recording
-from ecume.run.recovery import plain_scene
 from ecume.run.sampling import NOTHING, Kept, SampleFile
 from ecume.run.selection import require_known, selection_of
 from ecume.run.stop_requests import PATIENT, StopRequest, stop_requests
 from ecume.run.user_code import NO_CODE, Law, UserCode, require_same
+from ecume.run.verification import require_source
 from ecume.trajectories.durable_files import storing, write_whole
-from ecume.trajectories.reader import Trajectory
+from ecume.trajectories.records import DONE, as_json, scene_at
 from ecume.trajectories.repair import repair
+from ecume.trajectories.verification import good_frames
 
 if TYPE_CHECKING:
     from ecume.models.actions import Action
@@ -148,13 +149,13 @@ def resume(
 
     home = existing(directory)
     with stop_requests(PATIENT) as request, held(home):
-        if home.done.exists():
-            done = json_of(home.done)
-            return RunResult(home.path, done["frames"], done["step"], done["time"], 0.0)
+        if (done := _completed(home)) is not None:
+            return done
         code = UserCode(extra_laws, actions)
         require_same(home, code)
+        require_source(home)
         sweep(home)
-        scene = from_plain(plain_scene(home))
+        scene = from_plain(scene_at(home.path, manifest_of(home)))
         constants.require_sound(home)
         checkpoint = _checkpoint(home, scene)
         with storing(home.failed):
@@ -162,6 +163,24 @@ def resume(
         restore = functools.partial(_constants, home, strict=options.strict)
         moments = _moments(scene, checkpoint, code, options, restore)
         return _drive(_Session(home, scene, options, checkpoint, code), moments, request)
+
+
+def _completed(home: RunDirectory) -> RunResult | None:
+    """The result of a run that was completed and is not damaged. A damaged one is resumed: what is damaged is computed
+    again from what is not.
+    """
+    if not home.done.exists():
+        return None
+    done = read(home, home.done, DONE)
+    expected, found = done.get("sha256", {}), manifest.digests(home)
+    damaged = [name for name, digest in expected.items() if found.get(name) != digest]
+    if not damaged:
+        return RunResult(home.path, done["frames"], done["step"], done["time"], 0.0)
+    note(home, "damaged after it was done", files=damaged)
+    warnings.warn(f"{home.path}: {', '.join(damaged)}: damaged after the run was done; computed again", stacklevel=1)
+    with storing(home.done):
+        home.done.unlink()
+    return None
 
 
 def _moments(
@@ -212,11 +231,13 @@ def _found(home: RunDirectory, scene: Scene, parameters: Any, code: UserCode, op
     from ecume.scenes.writing import to_toml
 
     plain = as_json(to_plain(scene))
-    write_whole(home.scene, to_toml(scene) if options.source is None else options.source)
-    write_whole(home.resolved, plain)
-    write_json(
+    source = to_toml(scene).encode() if options.source is None else options.source
+    write_whole(home.scene, source, home.path)
+    write_whole(home.resolved, plain, home.path)
+    write(
+        home,
         home.manifest,
-        manifest.first_manifest(scene, plain)
+        manifest.first_manifest(scene, source, plain)
         | {"constants_sha256": constants.save(home, parameters)}
         | code.entries()
         | {"on_violation": options.on_violation or scene.on_violation},
@@ -234,15 +255,15 @@ def _checkpoint(home: RunDirectory, scene: Scene) -> Checkpoint:
 
 
 def _frames_on_disk(home: RunDirectory) -> int:
-    """The number of frames without a gap; a damaged trajectory is repaired first."""
+    """The number of frames before the first that is missing or damaged, each of which was read; a trajectory that
+    cannot be opened is repaired first.
+    """
     try:
-        with Trajectory(home.trajectory) as trajectory:
-            return trajectory.intact
+        return good_frames(home.trajectory)
     except StorageError:
         for fault in repair(home.trajectory).faults:
             note(home, "trajectory repaired", why=fault)
-    with Trajectory(home.trajectory) as trajectory:
-        return trajectory.intact
+    return good_frames(home.trajectory)
 
 
 def _drive(session: _Session, moments: Iterable[Moment], request: StopRequest) -> RunResult:
@@ -312,7 +333,7 @@ class _Session:
         """The run is done."""
         self._close_books("done")
         report = {"reason": "done", "exit_code": 0, **self._reached(), "sha256": manifest.digests(self._home)}
-        write_json(self._home.done, report)
+        write(self._home, self._home.done, report)
         self._status.write("done", self.at, last=True)
 
     def fail(self, error: BaseException) -> None:
@@ -322,7 +343,7 @@ class _Session:
         self._close_books(outcome, f"{type(error).__name__}: {error}")
         if isinstance(error, Diverged):
             report = {"reason": "diverged", "exit_code": error.exit_code, "message": str(error), **self._reached()}
-            write_json(self._home.failed, report | {"sha256": manifest.digests(self._home)})
+            write(self._home, self._home.failed, report | {"sha256": manifest.digests(self._home)})
 
     def close(self) -> None:
         """Close the files."""
@@ -333,14 +354,14 @@ class _Session:
     def _begin(self, moment: Moment) -> None:
         from ecume._jit import use_threads
 
-        policy = self._options.on_violation or json_of(self._home.manifest).get("on_violation", POLICIES[0])
+        policy = self._options.on_violation or manifest_of(self._home).get("on_violation", POLICIES[0])
         invariants = _model(self._scene).invariants(self._scene, moment.parameters)
         if self._code.actions:
             invariants = [row for row in invariants if row.name not in CHANGED_BY_ACTIONS]
         self._watch = Watch(self._home, invariants, policy)
         self._opened = True
         manifest.open_session(self._home, use_threads(self._options.threads), moment.taken, self._recording.on_disk)
-        differences = manifest.changed(json_of(self._home.manifest))
+        differences = manifest.changed(manifest_of(self._home))
         note(self._home, "begun" if moment.step == 0 else "resumed", step=moment.taken, changed=differences)
 
     def _take(self, moment: Moment) -> None:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ecume._plain_files import opened
 from ecume.models.sample_clock import BEFORE
 from ecume.trajectories.durable_files import storing
 from ecume.trajectories.samples import heading, read_heading
@@ -86,7 +87,7 @@ class SampleFile:
         self._names: list[str] = []
         self._pending: list[str] = []
         with storing(path):
-            self._file = path.open("r+b" if path.exists() else "w+b", buffering=0)
+            self._file = opened(path, "a+", path.parent)
             self._file.truncate(self._size)
             if self._size:
                 self._names = read_heading(self._file.readline().decode())[0]

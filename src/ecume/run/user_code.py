@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 
 from ecume.errors import BadInput
 from ecume.models.actions import Action
-from ecume.run.directory import RunDirectory, json_of
+from ecume.run.directory import RunDirectory, manifest_of
 
 Law = Callable[..., float]
 ARGUMENTS = (2, 4)
@@ -123,7 +123,7 @@ def named(function: object) -> str:
 
 def require_same(home: RunDirectory, code: UserCode) -> None:
     """Raise BadInput unless this is the code that the run was begun with, in its order."""
-    manifest, given = json_of(home.manifest), code.entries()
+    manifest, given = manifest_of(home), code.entries()
     former = {key: manifest.get(key, []) for key in given}
     if any(former[key] and not given[key] for key in given):
         raise BadInput(_command(home, {key: [one["name"] for one in former[key]] for key in given}))

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import codecs
 import os
-import stat
 from pathlib import Path
+
+from ecume._plain_files import NotPlain, TooLarge, content_of
 
 TRUSTED = "ECUME_SCENE_FOLDERS"
 """The variable of the environment that names folders, parted as in PATH, which scenes from elsewhere may read."""
@@ -42,18 +43,21 @@ def require_there(path: Path, folder: Path) -> None:
 
 def text_of(path: Path, most_bytes: int) -> str:
     """The text of a plain file in UTF-8, at most so many bytes. Raises ValueError."""
+    return decoded(bytes_of(path, most_bytes))
+
+
+def bytes_of(path: Path, most_bytes: int) -> bytes:
+    """The content of a plain file, at most so many bytes. Raises ValueError."""
     try:
         if path.is_dir():
             raise ValueError("is a folder; expected a file")
-        if not stat.S_ISREG(path.stat().st_mode):
-            raise ValueError("is no plain file")
-        with path.open("rb") as file:
-            data = file.read(most_bytes + 1)
+        return content_of(path, most_bytes)
+    except TooLarge:
+        raise ValueError(f"is larger than {most_bytes / 2**20:g} MiB") from None
+    except NotPlain:
+        raise ValueError("is no plain file") from None
     except OSError as error:
         raise ValueError(f"cannot be read: {error.strerror or error}") from None
-    if len(data) > most_bytes:
-        raise ValueError(f"is larger than {most_bytes / 2**20:g} MiB")
-    return decoded(data)
 
 
 class NotText(ValueError):

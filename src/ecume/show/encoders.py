@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ecume.errors import BadInput, StorageError
-from ecume.trajectories.durable_files import replaceable
+from ecume.trajectories.durable_files import partial_of, remove_abandoned, replaceable
 
 Pixels = NDArray[np.uint8]
 CODECS = {
@@ -70,10 +70,11 @@ def encode(pictures: Iterable[Pixels], out: Path, fps: int) -> Path:
         written = [_still(picture, out, number) for number, picture in enumerate(pictures)]
         return written[0]
     there = replaceable(out)
-    partial = there.with_name(f".{there.stem}.partial{out.suffix}")
+    partial = partial_of(there)
     try:
         there.parent.mkdir(parents=True, exist_ok=True)
-        partial.touch()  # what cannot be written is told before anything is drawn
+        remove_abandoned(there)
+        partial.touch(exist_ok=False)  # what cannot be written is refused before anything is drawn
         ENCODERS[out.suffix.lower()](iter(pictures), partial, fps)
         partial.replace(there)
     except OSError as error:
@@ -89,7 +90,7 @@ def _still(picture: Pixels, out: Path, number: int) -> Path:
     from PIL import Image
 
     there = out.with_name(f"{out.stem}-{number:04d}{out.suffix}")
-    partial = there.with_name(f".{there.name}.partial")
+    partial = partial_of(there)
     try:
         there.parent.mkdir(parents=True, exist_ok=True)
         Image.fromarray(picture[:, :, :3].copy()).save(partial, format="png")

@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 
 from ecume.errors import BadInput, StorageError
 from ecume.scenes.common import PALETTE as PALETTE
+from ecume.trajectories.durable_files import replacing
 
 INK, MUTED, RIM = "#1d2733", "#6b7785", "#39444f"
 HEIGHT_COLORS = LinearSegmentedColormap.from_list(
@@ -147,12 +148,14 @@ def save(drawn: Figure, out: Path) -> Path:
         )
     # A date would make two equal figures unequal files.
     undated: dict[str, dict[str, None]] = {".pdf": {"CreationDate": None}, ".svg": {"Date": None}}
+    kind = out.suffix[1:].lower()
     try:
         out.parent.mkdir(parents=True, exist_ok=True)
-        with style():
-            drawn.savefig(out, metadata=undated.get(out.suffix.lower()))
-    except OSError as error:
-        raise StorageError(f"{out}: cannot be written ({error.strerror or error})") from error
+        with style(), replacing(out, settled=False) as file:
+            drawn.savefig(file, format=kind, metadata=undated.get(f".{kind}"))
+    except (OSError, StorageError) as error:
+        why = getattr(error.__cause__ or error, "strerror", None)
+        raise StorageError(f"{out}: cannot be written ({why or error})") from error
     return out
 
 

@@ -14,6 +14,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from ecume._plain_files import content_of, require_plain
 from ecume.errors import BadInput, Fault, SceneError, StorageError
 from ecume.scenes.faults import echo, read_path, value_at
 from ecume.scenes.files import beside, require_there
@@ -24,8 +25,14 @@ from ecume.sweep.points import Asked, Point, load_sweep, points_of, varied
 from ecume.sweep.processes import require_arguments, require_settings
 from ecume.sweep.spec import SweepSpec
 from ecume.trajectories.durable_files import storing, write_whole
+from ecume.trajectories.records import anything, key, listed, named, plain_of, table, whole
 
 KEY_LENGTH = 16
+MOST_BYTES = 2**30
+"""Of a file of a sweep, which may contain a scene with tables."""
+MADE_AGAIN = "delete it, and sweep again: that makes it again"
+POINTS = listed(table({"settings": named(anything), "repeat": whole, "folder": key, "values": named(anything)}))
+"""The content of `points.json`."""
 
 
 class Job(NamedTuple):
@@ -94,12 +101,14 @@ def laid_out(asked: Asked, directory: Path) -> Sweeping:
     jobs = [Job(point, directory / "points" / _digest(plan), _values(plan, keys)) for point, plan in plans]
     with storing(directory):
         directory.mkdir(parents=True, exist_ok=True)
+        require_plain(directory)
         for job, (_, plan) in zip(jobs, plans, strict=True):
             job.folder.mkdir(parents=True, exist_ok=True)
-            if not job.asked.exists() or job.asked.read_bytes() != _json(plan).encode():
-                write_whole(job.asked, _json(plan).encode())
-        write_whole(directory / "points.json", _json([_plain(job) for job in jobs]).encode())
-        write_whole(directory / "sweep.toml", asked.text.encode())
+            text = _json(plan).encode()
+            if not job.asked.exists() or content_of(job.asked, MOST_BYTES, job.folder) != text:
+                write_whole(job.asked, text, directory)
+        write_whole(directory / "points.json", _json([_plain(job) for job in jobs]), directory)
+        write_whole(directory / "sweep.toml", asked.text, directory)
     return Sweeping(directory, spec, jobs)
 
 
@@ -116,7 +125,13 @@ def existing_sweep(directory: Path) -> Sweeping:
     path = directory / "points.json"
     if not path.is_file():
         raise BadInput(f"{directory}: no sweep is there; expected a directory that `ecume sweep` made")
+    with storing(directory):
+        require_plain(directory)
     rows = json_at(path, list)
+    try:
+        POINTS(rows, "points")
+    except ValueError as error:
+        raise StorageError(f"{path}: damaged: {error}; {MADE_AGAIN}") from error
     jobs = [
         Job(Point(one["settings"], one["repeat"]), directory / "points" / one["folder"], one["values"]) for one in rows
     ]
@@ -126,13 +141,13 @@ def existing_sweep(directory: Path) -> Sweeping:
 def json_at(path: Path, kind: type) -> Any:
     """The contents of a file of a sweep. Raises StorageError where it is damaged."""
     with storing(path):
-        text = path.read_bytes()
+        text = content_of(path, MOST_BYTES, path.parent)
     try:
-        found = json.loads(text)
+        found = plain_of(text)
     except ValueError as error:
-        raise StorageError(f"{path}: damaged: {error}; delete it, and sweep again: that makes it again") from error
+        raise StorageError(f"{path}: damaged: {error}; {MADE_AGAIN}") from error
     if not isinstance(found, kind):
-        raise StorageError(f"{path}: damaged; delete it, and sweep again: that makes it again")
+        raise StorageError(f"{path}: damaged; {MADE_AGAIN}")
     return found
 
 

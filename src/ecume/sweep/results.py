@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from ecume.errors import BadInput
+from ecume.errors import BadInput, StorageError
 from ecume.run.user_code import entries
 from ecume.scenes.faults import read_path, suggestion
 from ecume.scenes.schema import from_plain, unit_of
@@ -131,7 +131,7 @@ def _is_nan(value: Any) -> bool:
 
 def units_of_keys(sweeping: Sweeping) -> dict[str, str]:
     """The units of what varies in a scene, by column."""
-    plain = json.loads(sweeping.jobs[0].asked.read_bytes())["scene"]
+    plain = json_at(sweeping.jobs[0].asked, dict)["scene"]
     return {sweeping.spec.named(key): unit_of(plain, read_path(key)) for key in sweeping.keys}
 
 
@@ -160,7 +160,7 @@ def require_numbers(sweeping: Sweeping) -> None:
     wanted = {text: read_measure(text).number for text in sweeping.spec.measures}
     if not wanted:
         return
-    plan = json.loads(sweeping.jobs[0].asked.read_bytes())
+    plan = json_at(sweeping.jobs[0].asked, dict)
     numbers = next(simulate(from_plain(plan["scene"]))).numbers
     for text, name in wanted.items():
         if name not in numbers:
@@ -180,7 +180,7 @@ def measured(job: Job, measures: Mapping[str, str | Measure] | None) -> Row:
             for name, measure in missing.items():
                 call: Callable[[Any], float] = measure_of(measure) if isinstance(measure, str) else measure
                 cache[texts[name]] = float(call(run))
-        write_whole(job.folder / CACHE, json.dumps(cache).encode())
+        write_whole(job.folder / CACHE, json.dumps(cache), job.folder)
     return {name: cache[texts[name]] for name in measures}
 
 
@@ -189,10 +189,10 @@ def _cached(job: Job) -> dict[str, float]:
     if not path.is_file():
         return {}
     try:
-        found = json.loads(path.read_bytes())
-    except ValueError:
+        found: dict[str, float] = json_at(path, dict)
+    except StorageError:
         return {}
-    return found if isinstance(found, dict) else {}
+    return {name: value for name, value in found.items() if isinstance(value, float)}
 
 
 def _digest(measure: str | Measure) -> str:
@@ -210,7 +210,7 @@ def write_table(sweeping: Sweeping) -> Path:
     path = sweeping.path / TABLE
     rows = Sweep(sweeping).table()
     with storing(path):
-        write_whole(path, as_csv(rows))
+        write_whole(path, as_csv(rows), sweeping.path)
     return path
 
 

@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 
 from ecume.errors import EcumeError, RunExists, Stopped
-from ecume.sweep.directory import Job
+from ecume.sweep.directory import Job, json_at
 from ecume.sweep.points import Point
 from ecume.trajectories.durable_files import storing, write_whole
 
@@ -19,8 +19,8 @@ def work(folder: str) -> str:
     job = Job(Point({}, 0), Path(folder), {})
     if job.state == "done":
         return "done"
-    with storing(job.asked):
-        plan = json.loads(job.asked.read_bytes())
+    plan = json_at(job.asked, dict)
+    with storing(job.failure):
         job.failure.unlink(missing_ok=True)
     try:
         if "process" in plan:
@@ -41,7 +41,7 @@ def _record_failure(job: Job, error: Exception) -> None:
     """Keep in a line why a point failed; what is no answer to a user is named by its kind."""
     kind, why = type(error).__name__, " ".join(str(error).split())
     result = {"why": why if isinstance(error, EcumeError) else f"{kind}: {why}", "kind": kind}
-    write_whole(job.failure, json.dumps(result).encode())
+    write_whole(job.failure, json.dumps(result), job.folder)
 
 
 def _process(job: Job, plan: dict[str, object]) -> None:
@@ -49,7 +49,7 @@ def _process(job: Job, plan: dict[str, object]) -> None:
 
     result = results_of(str(plan["process"]), dict(plan["settings"]))  # type: ignore[call-overload]
     with storing(job.result):
-        write_whole(job.result, json.dumps(result).encode())
+        write_whole(job.result, json.dumps(result), job.folder)
 
 
 def _scene(job: Job, plan: dict[str, object]) -> None:

@@ -18,11 +18,13 @@ from typing import Any, BinaryIO
 import numpy as np
 from numpy.typing import NDArray
 
+from ecume._plain_files import content_of
 from ecume.errors import BadInput
 from ecume.trajectories.durable_files import replacing, storing
 from ecume.trajectories.exported_frames import ExportedFrames
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import open_trajectory
+from ecume.trajectories.samples import LARGEST
 from ecume.trajectories.vtk import write_pvd, write_vtk
 
 AXES = "xyz"
@@ -105,7 +107,8 @@ def write_npz(trajectory: ExportedFrames, file: BinaryIO) -> None:
 
 def write_samples(trajectory: ExportedFrames, file: BinaryIO) -> None:
     """The table of numbers sampled between frames, without a row that is being written."""
-    whole = trajectory.samples.path.read_bytes()
+    path = trajectory.samples.path
+    whole = content_of(path, LARGEST, path.parent)
     file.write(whole[: whole.rfind(b"\n") + 1])
 
 

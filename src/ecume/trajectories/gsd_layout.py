@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ecume._plain_files import require_memory
 from ecume.errors import StorageError
 
 MAGIC = 0x65DF65DF65DF65DF
@@ -51,6 +52,8 @@ NAME_UNIT = 64
 """The room of the list of names is counted in these."""
 CHECKSUM = "ecume/crc32"
 """The chunk that makes a frame whole."""
+
+UNKNOWN = Path("a file of frames")
 
 _SIZES = np.array([TYPES[code].itemsize if code in TYPES else 0 for code in range(256)], dtype=np.int64)
 
@@ -120,6 +123,27 @@ def _credible(entries: NDArray[Any], names: int, size: int) -> NDArray[np.bool_]
     return credible & (entries["frame"] <= np.uint64(len(entries)))
 
 
+def sizes(entries: NDArray[Any]) -> NDArray[np.int64]:
+    """The bytes of the data of each of these entries, all of which are credible."""
+    cells = entries["rows"].astype(np.int64) * entries["columns"].astype(np.int64)
+    found: NDArray[np.int64] = cells * _SIZES[entries["type"]]
+    return found
+
+
+def size_of(entries: NDArray[Any]) -> int:
+    """The bytes of the data of all of these entries."""
+    return sum(sizes(entries).tolist())
+
+
+def overlap(entries: NDArray[Any]) -> bool:
+    """Whether some of these entries refer to the same bytes: no writer does that, and a small file could fill the
+    memory.
+    """
+    order = np.argsort(entries["location"], kind="stable")
+    starts, ends = entries["location"][order], (entries["location"] + sizes(entries))[order]
+    return bool(np.any(starts[1:] < np.maximum.accumulate(ends)[:-1])) if len(entries) > 1 else False
+
+
 def _older(file: FileIO, names: tuple[str, ...], names_end: int) -> list[Index]:
     """Earlier blocks of the index, that growing left behind: all begin with the same entry."""
     size = _size(file)
@@ -144,11 +168,12 @@ def _size(file: FileIO) -> int:
     return file.seek(0, 2)
 
 
-def _bytes(file: FileIO, start: int, count: int) -> bytes:
+def _bytes(file: FileIO, start: int, count: int, path: Path = UNKNOWN) -> bytes:
     """The bytes of the file there; fewer where it ends, however many a damaged header asks for."""
     size = _size(file)
     if start >= size:
         return b""
+    require_memory(min(count, size - start), path)
     file.seek(start)
     return file.read(min(count, size - start))
 

@@ -23,6 +23,10 @@ from ecume.trajectories.gsd_layout import CHECKSUM
 
 HEADER = "ecume/header"
 FORMAT = 1
+MOST_FRAMES = 2**40
+"""Of a trajectory."""
+WIDEST, DEEPEST = 1000, 4
+"""Components of an array, and axes of them."""
 Chunks = dict[str, NDArray[Any]]
 """What stands in a file under each name: two-dimensional arrays."""
 
@@ -69,15 +73,29 @@ def read(chunks: Chunks, source: object) -> Header:
     try:
         plain = json.loads(chunks[HEADER].tobytes())
         found = plain["format"]
-        arrays = {name: (str(kind), tuple(shape)) for name, (kind, shape) in plain["arrays"].items()}
-        header = Header(int(plain["first"]), arrays, tuple(plain["numbers"]), plain["units"])
+        arrays = {str(name): (str(kind), tuple(shape)) for name, (kind, shape) in plain["arrays"].items()}
+        units = {str(name): str(unit) for name, unit in plain["units"].items()}
+        header = Header(int(plain["first"]), arrays, tuple(map(str, plain["numbers"])), units)
         species, omitted = (tuple(map(str, plain.get(name, ()))) for name in ("species", "omitted"))
         header = header._replace(species=species, omitted=omitted)
-    except (KeyError, ValueError, TypeError, AttributeError) as error:
+        _require_possible(header)
+    except (KeyError, ValueError, TypeError, AttributeError, RecursionError, OverflowError) as error:
         raise StorageError(f"{source}: not written by ecume, or its header is damaged") from error
     if found != FORMAT:
         raise StorageError(f"{source}: a trajectory of format {found}; this version of ecume reads format {FORMAT}")
     return header
+
+
+def _require_possible(header: Header) -> None:
+    """Raise ValueError for a header that no run writes."""
+    if not 0 <= header.first < MOST_FRAMES or "position" not in header.arrays:
+        raise ValueError("no such frames")
+    for kind, shape in header.arrays.values():
+        wide = all(type(side) is int and 0 < side <= WIDEST for side in shape)
+        if kind not in ("<f8", "<i8") or len(shape) > DEEPEST or not wide:
+            raise ValueError("no such array")
+    if header.arrays["position"][0] != "<f8" or header.arrays["position"][1] not in ((1,), (2,), (3,)):
+        raise ValueError("no such positions")
 
 
 def chunks_of(frame: Frame, step: int, header: Header, colors: Sequence[str] = ()) -> Chunks:
@@ -103,6 +121,8 @@ def frame_of(chunks: Chunks, header: Header) -> Frame:
         .astype("<f8" if kind == SINGLE else kind, copy=True)
         for name, (kind, shape) in header.arrays.items()
     }
+    if len({len(array) for array in arrays.values()}) > 1:
+        raise ValueError("arrays of several lengths")
     if header.omitted:
         arrays = RecordedArrays(arrays, header.omitted)
     numbers = {name: float(chunks[f"log/{name}"][0, 0]) for name in header.numbers}

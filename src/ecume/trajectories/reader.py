@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import bisect
 import contextlib
-import json
 import os
 from collections.abc import Sequence
 from pathlib import Path
@@ -14,13 +13,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ecume._hooks import html_of, scene_of
+from ecume._plain_files import require_plain
 from ecume.errors import BadInput, StorageError
-from ecume.trajectories import gsd_schema, tables
+from ecume.trajectories import tables
 from ecume.trajectories.durable_files import storing
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.recorder import segment_files
+from ecume.trajectories.records import manifest_at, scene_at
 from ecume.trajectories.samples import FILE, Samples
 from ecume.trajectories.segments import Segment
+
+OF_A_RUN = ("manifest.json", "resolved.json")
+"""Files beside the folder of frames of a run."""
 
 
 def open_trajectory(path: str | os.PathLike[str]) -> Trajectory:
@@ -47,6 +51,10 @@ class Trajectory(Sequence[Frame]):
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self.directory = folder.parent if folder.name == "traj" else folder
+        of_a_run = any((self.directory / name).exists() for name in OF_A_RUN)
+        if (whole := self.directory if of_a_run else folder).is_dir():
+            with storing(whole):
+                require_plain(whole)
         self._segments: list[Segment] = []
         self.refresh()
 
@@ -61,10 +69,12 @@ class Trajectory(Sequence[Frame]):
     @property
     def scene(self) -> Any:
         """The scene of the run, every default filled in."""
-        path = self.directory / "resolved.json"
-        with storing(path):
-            plain = json.loads(path.read_bytes())
-        return scene_of(plain)
+        return scene_of(scene_at(self.directory, self.manifest))
+
+    @property
+    def manifest(self) -> dict[str, Any]:
+        """The programs, the machine and the sessions of the run; empty where its manifest is missing."""
+        return manifest_at(self.directory) if (self.directory / "manifest.json").exists() else {}
 
     @property
     def intact(self) -> int:
@@ -125,7 +135,7 @@ class Trajectory(Sequence[Frame]):
         if not -len(self) <= index < len(self):
             raise IndexError(f"{self.directory}: there is no frame {index}; the run has {len(self)}")
         segment, local = self._located(index % len(self))
-        return gsd_schema.frame_of(segment.chunks(local), segment.header)
+        return segment.frame(local)
 
     def close(self) -> None:
         """Close the files."""

@@ -6,11 +6,13 @@ import contextlib
 from pathlib import Path
 from typing import NamedTuple
 
+from ecume._plain_files import place_of
 from ecume.errors import StorageError
 from ecume.trajectories import segments
 from ecume.trajectories.durable_files import storing
 from ecume.trajectories.recorder import segment_files
 from ecume.trajectories.segments import Segment
+from ecume.trajectories.verification import damages
 
 
 class Repaired(NamedTuple):
@@ -35,7 +37,7 @@ def repair(folder: Path) -> Repaired:
             unusable.append(_set_aside(path))
             continue
         with contextlib.closing(segment):
-            found = damages(segment)
+            found = [fault for _, fault in damages(segment)]
         segments.cut(path, segment.frames)
         good += segment.frames - len(found)
         faults += found
@@ -44,17 +46,6 @@ def repair(folder: Path) -> Repaired:
 
 def _set_aside(path: Path) -> Path:
     aside = path.with_suffix(".gsd.damaged")
-    with storing(path):
-        path.replace(aside)
+    with storing(path), place_of(path, segments.root_of(path)) as place:
+        place.beside(aside.name).take(place)
     return aside
-
-
-def damages(segment: Segment) -> list[str]:
-    """The faults of the frames of a segment, a line each."""
-    found = []
-    for frame in range(segment.frames):
-        try:
-            segment.chunks(frame)
-        except StorageError as error:
-            found.append(str(error))
-    return found

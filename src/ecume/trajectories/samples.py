@@ -15,11 +15,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ecume._plain_files import content_of
 from ecume.errors import BadInput, StorageError
 from ecume.trajectories import tables
 from ecume.trajectories.durable_files import storing
 
 FILE = "samples.csv"
+LARGEST = 2**34
+"""Bytes of a table."""
 STATISTICS = ("", "_min", "_max", "_error")
 """The columns of a number in a table of blocks: mean, minimum, maximum, standard error of the mean."""
 LEAD = ("step", "time [s]", "samples")
@@ -67,7 +70,7 @@ class Samples:
         if not path.is_file():
             raise BadInput(f"{path.parent}: the run has no samples; its scene has no table [output.samples]")
         with storing(path):
-            lines = path.read_bytes().splitlines(keepends=True)
+            lines = content_of(path, LARGEST, path.parent).splitlines(keepends=True)
         if lines and not lines[-1].endswith(b"\n"):  # a run is writing just now
             lines.pop()
         try:

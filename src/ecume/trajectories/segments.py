@@ -6,21 +6,24 @@ import contextlib
 import os
 import zlib
 from collections.abc import Sequence
-from io import FileIO
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ecume._plain_files import opened, place_of, require_memory
 from ecume.errors import StorageError
 from ecume.trajectories import gsd_layout, gsd_schema
-from ecume.trajectories.durable_files import replacing, settle, storing
+from ecume.trajectories.durable_files import replacing, storing
+from ecume.trajectories.frame import Frame
 from ecume.trajectories.gsd_layout import CHECKSUM, CODES, ENTRY, NAME_UNIT, TYPES
 from ecume.trajectories.gsd_schema import Chunks
 
 FIRST_ROOM = 512
 """Entries in the first block of an index."""
+NAMES_LOCATION = gsd_layout.HEADER.itemsize + FIRST_ROOM * ENTRY.itemsize
+"""The place of the list of names."""
 
 
 class Segment:
@@ -29,11 +32,13 @@ class Segment:
     def __init__(self, path: Path) -> None:
         self.path = path
         with storing(path):
-            self._file: FileIO = path.open("rb", buffering=0)  # a buffer would not see what a run writes meanwhile
+            self._file = opened(path, "r", root_of(path))  # without a buffer, which would not see what a run writes
         try:
+            self._base = 0
             self.refresh()
             self.first = self._at(0)
             self.header = gsd_schema.read(self.first, path)
+            self._base = self.header.first
         except BaseException:
             self._file.close()
             raise
@@ -47,19 +52,31 @@ class Segment:
     def chunks(self, frame: int) -> Chunks:
         """The chunks of a frame, those that never change from the first. Raises StorageError where it is damaged."""
         chunks = {**self.first, **self._at(frame)}
-        if int(chunks[CHECKSUM][0, 0]) != gsd_schema.checksum(chunks):
+        if CHECKSUM not in chunks or chunks[CHECKSUM].shape != (2, 1):
+            raise StorageError(self.damage(frame, "its checksum is missing"))
+        if any(name not in chunks for name in gsd_schema.number_names(self.header)):
+            raise StorageError(self.damage(frame, "a number is missing"))
+        expected = [gsd_schema.checksum(chunks), gsd_schema.numbers_checksum(chunks, self.header)]
+        if chunks[CHECKSUM][:, 0].tolist() != expected:
             raise StorageError(self.damage(frame))
         return chunks
 
-    def damage(self, frame: int) -> str:
+    def frame(self, number: int) -> Frame:
+        """A frame. Raises StorageError where it is damaged."""
+        try:
+            return gsd_schema.frame_of(self.chunks(number), self.header)
+        except (KeyError, ValueError, IndexError) as error:
+            raise StorageError(self.damage(number, f"its data do not fit its header: {error}")) from error
+
+    def damage(self, frame: int, why: str = "its checksum does not fit its data") -> str:
         """The message about a frame whose bytes are not those that were written."""
-        return f"{self.path}: frame {self.header.first + frame} is damaged: its checksum does not fit its data"
+        return f"{self.path}: frame {self._base + frame} is damaged: {why}"
 
     def numbers(self) -> NDArray[np.void]:
         """The numbers of all frames, a row a frame: the step as uint64, the time and the named numbers as float64."""
         names = gsd_schema.number_names(self.header)
         size = self._file.seek(0, os.SEEK_END)
-        data = np.memmap(self.path, np.uint8, "r", shape=(size,))
+        data = np.memmap(cast(Any, self._file), np.uint8, "r", shape=(size,))
         raw = np.concatenate([data[self._places(name)[:, None] + np.arange(8)] for name in names], axis=1)
         sums = data[self._places(CHECKSUM)[:, None] + np.arange(4, 8)].view("<u4")[:, 0]
         for frame, (row, wanted) in enumerate(zip(raw, sums, strict=True)):
@@ -80,7 +97,10 @@ class Segment:
 
     def _at(self, frame: int) -> Chunks:
         entries = self.index.entries[self._starts[frame] : self._starts[frame + 1]]
+        if gsd_layout.overlap(entries):
+            raise StorageError(self.damage(frame, "its data overlap"))
         with storing(self.path):
+            require_memory(gsd_layout.size_of(entries), self.path)
             return {self.index.names[entry["name"]]: self._chunk(entry) for entry in entries}
 
     def _chunk(self, entry: Any) -> NDArray[Any]:
@@ -90,6 +110,17 @@ class Segment:
         if self._file.readinto(raw.data) != len(raw):
             raise OSError(f"{self.path}: ends too early")
         return raw.view(kind).reshape(int(entry["rows"]), int(entry["columns"]))
+
+    def bytes_at(self, start: int, count: int) -> bytes:
+        """The bytes of the file there; fewer where it ends."""
+        with storing(self.path):
+            require_memory(count, self.path)
+            self._file.seek(start)
+            return self._file.read(count)
+
+    def size(self) -> int:
+        """The size of the file."""
+        return self._file.seek(0, os.SEEK_END)
 
     def close(self) -> None:
         """Close the file."""
@@ -112,7 +143,7 @@ class GrowingSegment:
             index = segment.index
         self.frames, self._names, self._location, self._room = frames, index.names, index.location, index.room
         with storing(path):
-            self._file: FileIO = path.open("r+b", buffering=0)
+            self._file = opened(path, "r+", root_of(path))
         self._mend(index.entries[index.entries["frame"] < frames], index.names_end)
 
     def takes(self, chunks: Chunks) -> bool:
@@ -142,7 +173,7 @@ class GrowingSegment:
         self._file.seek(self._location)
         block = self._file.read(self._used * ENTRY.itemsize).ljust(room * ENTRY.itemsize, b"\0")
         self._put(block, self.size)
-        self._put(_header(self.size, room, self._file), 0)
+        self._put(header_of(self.size, room, self._names), 0)
         self._location, self._room = self.size, room
         self.size += len(block)
 
@@ -151,8 +182,10 @@ class GrowingSegment:
         block = entries.tobytes().ljust(self._room * ENTRY.itemsize, b"\0")
         self._used = len(entries)
         self.size = max(names_end, self._location + len(block), _data_end(entries))
-        self._put(_header(self._location, self._room, self._file), 0)
+        self._put(header_of(self._location, self._room, self._names), 0)
         self._put(block, self._location)
+        if (gap := self._location - max(names_end, _data_end(entries))) > 0:  # of frames that were cut away
+            self._put(bytes(gap), self._location - gap)
         with storing(self.path):
             self._file.truncate(self.size)
             os.fsync(self._file.fileno())
@@ -180,18 +213,28 @@ class GrowingSegment:
 def create(path: Path, chunks: Chunks) -> None:
     """A new file with its first frame: it comes into being whole."""
     names = tuple(chunks)
-    listed = b"".join(name.encode() + b"\0" for name in names) + b"\0"
-    listed += b"\0" * (-len(listed) % NAME_UNIT)
-    names_location = gsd_layout.HEADER.itemsize + FIRST_ROOM * ENTRY.itemsize
-    entries, data = _packed(chunks, names, 0, names_location + len(listed))
+    names_after = listed(names)
+    entries, data = _packed(chunks, names, 0, NAMES_LOCATION + len(names_after))
+    header = header_of(gsd_layout.HEADER.itemsize, FIRST_ROOM, names)
+    block = entries.tobytes().ljust(FIRST_ROOM * ENTRY.itemsize, b"\0")
+    with replacing(path, root_of(path)) as file:
+        file.write(header + block + names_after + data)
+
+
+def listed(names: Sequence[str]) -> bytes:
+    """The list of names as it is in a file."""
+    content = b"".join(name.encode() + b"\0" for name in names) + b"\0"
+    return content + b"\0" * (-len(content) % NAME_UNIT)
+
+
+def header_of(location: int, room: int, names: Sequence[str]) -> bytes:
+    """The header of a file with these names and this block of entries."""
     header = np.zeros(1, gsd_layout.HEADER)
     header["magic"], header["schema"], header["application"] = gsd_layout.MAGIC, b"hoomd", b"ecume"
     header["schema_version"], header["gsd_version"] = 1 << 16 | 4, 2 << 16
-    header["index_location"], header["index_room"] = gsd_layout.HEADER.itemsize, FIRST_ROOM
-    header["names_location"], header["names_room"] = names_location, len(listed) // NAME_UNIT
-    block = entries.tobytes().ljust(FIRST_ROOM * ENTRY.itemsize, b"\0")
-    with replacing(path) as file:
-        file.write(header.tobytes() + block + listed + data)
+    header["index_location"], header["index_room"] = location, room
+    header["names_location"], header["names_room"] = NAMES_LOCATION, len(listed(names)) // NAME_UNIT
+    return header.tobytes()
 
 
 def cut(path: Path, frames: int) -> None:
@@ -199,9 +242,15 @@ def cut(path: Path, frames: int) -> None:
     if frames:
         GrowingSegment(path, frames).close()
         return
-    with storing(path):
-        path.unlink()
-        settle(path.parent)
+    with storing(path), place_of(path, root_of(path)) as place:
+        place.unlink()
+        place.settle()
+
+
+def root_of(path: Path) -> Path:
+    """The folder below which no link is followed to a segment: the run directory, or the folder of a trajectory."""
+    folder = path.parent
+    return folder.parent if folder.name == "traj" else folder
 
 
 def _packed(chunks: Chunks, names: Sequence[str], frame: int, start: int) -> tuple[NDArray[Any], bytes]:
@@ -216,18 +265,8 @@ def _packed(chunks: Chunks, names: Sequence[str], frame: int, start: int) -> tup
     return entries, b"".join(chunks[names[entry["name"]]].tobytes() for entry in entries)
 
 
-def _header(location: int, room: int, file: FileIO) -> bytes:
-    """The header that the file has, with this block of entries."""
-    file.seek(0)
-    header = np.frombuffer(file.read(gsd_layout.HEADER.itemsize), gsd_layout.HEADER).copy()
-    header["index_location"], header["index_room"] = location, room
-    return header.tobytes()
-
-
 def _data_end(entries: NDArray[Any]) -> int:
-    sizes = np.array([TYPES[int(kind)].itemsize for kind in entries["type"]], np.int64)
-    cells = entries["rows"].astype(np.int64) * entries["columns"].astype(np.int64)
-    return int((entries["location"] + cells * sizes).max(initial=0))
+    return int((entries["location"] + gsd_layout.sizes(entries)).max(initial=0))
 
 
 def _same(one: NDArray[Any], other: NDArray[Any]) -> bool:

@@ -5,8 +5,10 @@ Reading a scene's file turns these keys into particles, vertices or triangles, s
 
 from __future__ import annotations
 
+import io
 import itertools
 import math
+import tempfile
 from collections.abc import Iterable, Mapping
 from pathlib import Path as Folder
 from typing import Annotated, Any, Self
@@ -15,7 +17,7 @@ from pydantic import Field, model_validator
 
 from ecume._extras import install
 from ecume.scenes.faults import Complaints, Inconsistent, echo
-from ecume.scenes.files import beside, require_there, text_of
+from ecume.scenes.files import beside, bytes_of, require_there, text_of
 from ecume.scenes.quantities import FARTHEST, STRICT, Motion, Place, PositiveDensity
 from ecume.scenes.tables import MOST_BYTES, followed, lines_of
 from ecume.scenes.validated import dataclass
@@ -182,10 +184,8 @@ def _outline_from(region: dict[str, Any], name: str, folder: Folder) -> None:
     kinds = {".stl": ("triangles", _triangles), ".dxf": ("vertices", _vertices)}
     if path.suffix.lower() not in kinds:
         raise ValueError("is neither a .stl nor a .dxf file: of others no outline is read")
-    if path.stat().st_size > MOST_MESH_BYTES:
-        raise ValueError(f"is larger than {MOST_MESH_BYTES / 2**20:g} MiB")
     key, read = kinds[path.suffix.lower()]
-    found = read(path, unit)
+    found = read(bytes_of(path, MOST_MESH_BYTES), unit)
     farthest = max(map(abs, _coordinates(found)))
     if not farthest <= FARTHEST:
         raise ValueError(f"reaches to {farthest:.4g} m, beyond {FARTHEST:g} m; is outline_unit missing?")
@@ -205,11 +205,11 @@ def _meters(unit: object) -> float:
     return factor(unit, "m")
 
 
-def _triangles(path: Folder, unit: object) -> list[Any]:
+def _triangles(content: bytes, unit: object) -> list[Any]:
     """The surface of an STL file; such files know no units."""
     trimesh = _library("trimesh")
     try:
-        mesh = trimesh.load_mesh(str(path), file_type="stl")
+        mesh = trimesh.load_mesh(io.BytesIO(content), file_type="stl")
         closed, triangles = bool(mesh.is_watertight), mesh.triangles
     except Exception as fault:  # whatever the library says, the file is no surface
         raise ValueError(f"cannot be read as STL: {fault}") from None
@@ -219,11 +219,11 @@ def _triangles(path: Folder, unit: object) -> list[Any]:
     return scaled
 
 
-def _vertices(path: Folder, unit: object) -> list[list[float]]:
+def _vertices(content: bytes, unit: object) -> list[list[float]]:
     """The one closed outline of a DXF drawing, arcs as lines."""
     ezdxf = _library("ezdxf")
     try:
-        drawing = ezdxf.readfile(str(path))
+        drawing = _drawing(ezdxf, content)
         paths = [_library("ezdxf.path").make_path(entity) for entity in drawing.modelspace().query(DRAWN)]
         lines = [[(point.x, point.y) for point in each.flattening(_fine(each))] for each in paths if each.is_closed]
         meters = _library("ezdxf.units").conversion_factor(drawing.units, METERS) if drawing.units else 1.0
@@ -234,6 +234,14 @@ def _vertices(path: Folder, unit: object) -> list[list[float]]:
     scale = meters if unit is None else _meters(unit)
     corners = lines[0][:-1] if math.dist(lines[0][0], lines[0][-1]) < 1e-9 * _size(lines[0]) else lines[0]
     return [[scale * x, scale * y] for x, y in corners]
+
+
+def _drawing(ezdxf: Any, content: bytes) -> Any:
+    """The drawing in the bytes of a DXF file, text or binary."""
+    with tempfile.TemporaryDirectory() as folder:  # the library finds the encoding of a file only
+        copy = Folder(folder) / "outline.dxf"
+        copy.write_bytes(content)
+        return ezdxf.readfile(str(copy))
 
 
 DRAWN = "LWPOLYLINE POLYLINE CIRCLE ELLIPSE SPLINE"

@@ -17,13 +17,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import matplotlib as mpl
 import numpy as np
 
+from ecume._plain_files import content_of
 from ecume.citing import in_words, papers_of
 from ecume.errors import BadInput
 from ecume.show.style import DARK_CANVAS, HEIGHT_COLORS, seen_part
 from ecume.show.view.chunks import Chunk, pack, quantities, shown
 from ecume.show.view.scenery import STAGES
 from ecume.show.view.stage import Line, Stage
-from ecume.trajectories.durable_files import storing
+from ecume.trajectories.durable_files import storing, write_whole
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.reader import Trajectory, open_trajectory
 
@@ -68,6 +69,10 @@ def policy_of(parts: Parts, *, live: bool) -> str:
         f"default-src 'none'; script-src {script}; style-src {style}; img-src data: blob:; connect-src {connect}; "
         "base-uri 'none'; form-action 'none'"
     )
+
+
+MOST_TEXT = 2**24
+"""Bytes of a scene's file on a page."""
 
 
 def json_of(value: Any) -> str:
@@ -138,7 +143,7 @@ def save_page(
             every += 1
     with storing(target):
         target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_bytes(content)
+    write_whole(target, content)
     return Page(target, len(content), len(taken), every)
 
 
@@ -248,9 +253,7 @@ def color_map(name: str, *, dark: bool = False) -> str:
 
 def _facts(trajectory: Trajectory) -> list[tuple[str, str]]:
     """The facts of the run's manifest that say where it comes from."""
-    path = trajectory.directory / "manifest.json"
-    with storing(path):
-        manifest = json.loads(path.read_bytes()) if path.is_file() else {}
+    manifest = trajectory.manifest
     facts = [(name, str(manifest[name])) for name in FACTS if manifest.get(name) is not None]
     facts += [(name, str(manifest[name])[:16]) for name in ("scene_sha256",) if name in manifest]
     return [("frames", str(len(trajectory))), *facts]
@@ -259,7 +262,7 @@ def _facts(trajectory: Trajectory) -> list[tuple[str, str]]:
 def _scene_text(directory: Path) -> str:
     path = directory / "scene.toml"
     with storing(path):
-        return path.read_text(encoding="utf-8", errors="replace") if path.is_file() else ""
+        return content_of(path, MOST_TEXT, directory).decode(errors="replace") if path.exists() else ""
 
 
 def page(header: dict[str, Any], chunks: Sequence[Chunk], *, live: bool = False) -> str:

@@ -1,0 +1,213 @@
+"""Plain files, also below a folder that comes from anyone.
+
+A run directory may contain symbolic links, hard links, named pipes and devices. `require_plain` refuses all but plain
+files and folders. `opened` and `Place` open one component of a path after the other, each relative to the descriptor of
+its folder, and follow no link; a file with a second name is not opened for writing. Where the system has no such calls
+(Windows), each component is examined before it is opened, and the file is compared with the one examined.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import os
+import stat
+from collections.abc import Iterator
+from io import FileIO
+from pathlib import Path
+from typing import NamedTuple, cast
+
+RELATIVE = {os.open, os.stat, os.unlink, os.rename} <= os.supports_dir_fd and hasattr(os, "O_NOFOLLOW")
+"""Whether the system opens files relative to the descriptor of a folder."""
+QUIET = getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
+"""Flags of every file: a named pipe does not block."""
+BARE = getattr(os, "O_NOFOLLOW", 0)
+FLAGS = {
+    "r": os.O_RDONLY,
+    "r+": os.O_RDWR,
+    "w+": os.O_RDWR | os.O_CREAT | os.O_EXCL,
+    "a": os.O_WRONLY | os.O_CREAT | os.O_APPEND,
+    "a+": os.O_RDWR | os.O_CREAT,
+}
+"""Flags of each mode: `w+` makes a new file, `a+` opens a file for reading and writing, or makes it."""
+AT_ONCE = 2**20
+"""Bytes that are read at once."""
+ENOUGH = 2**30
+"""Bytes that any machine may allocate; above it, the memory of this one decides."""
+
+
+class NotPlain(OSError):
+    """Something other than a plain file or folder, or a link on the way to it."""
+
+    def __init__(self, path: Path, what: str) -> None:
+        super().__init__(errno.ELOOP, what, str(path))
+        self.path = path
+
+
+class TooLarge(NotPlain):
+    """A file larger than expected, or than the memory of the machine."""
+
+
+def require_plain(root: Path) -> None:
+    """Raise NotPlain unless everything below a folder is a plain file or a folder. The folder itself may be a link."""
+    left = [root]
+    while left:
+        with os.scandir(left.pop()) as entries:
+            for entry in entries:
+                if _is_folder(entry):
+                    left.append(Path(entry.path))
+                elif not entry.is_file(follow_symlinks=False) and os.path.lexists(entry.path):
+                    raise NotPlain(Path(entry.path), _kind(os.lstat(entry.path)))
+
+
+def _is_folder(entry: os.DirEntry[str]) -> bool:
+    """Whether it is a folder, and not a junction of Windows."""
+    return entry.is_dir(follow_symlinks=False) and not getattr(entry.stat(follow_symlinks=False), "st_reparse_tag", 0)
+
+
+def _kind(found: os.stat_result) -> str:
+    """What is wrong with something that is no plain file, and the way out."""
+    kinds = {stat.S_ISLNK: "a link", stat.S_ISFIFO: "a named pipe", stat.S_ISSOCK: "a socket", stat.S_ISDIR: "a folder"}
+    name = next((name for is_kind, name in kinds.items() if is_kind(found.st_mode)), "a device")
+    return f"is {name}; expected a plain file. Remove it, or do not use what contains it"
+
+
+class Place(NamedTuple):
+    """A file in a folder that is open: what is done here is done in this folder, whatever its path means meanwhile."""
+
+    folder: Path
+    name: str
+    descriptor: int | None
+    bare: bool
+    """Whether the file itself must not be a link."""
+
+    @property
+    def path(self) -> Path:
+        """The path of the file."""
+        return self.folder / self.name
+
+    def beside(self, name: str) -> Place:
+        """Another file in the same folder."""
+        return self._replace(name=name)
+
+    def found(self) -> os.stat_result | None:
+        """What is there; None if nothing is."""
+        try:
+            return os.stat(self._named, dir_fd=self.descriptor, follow_symlinks=not self.bare)
+        except FileNotFoundError:
+            return None
+
+    def open(self, mode: str) -> FileIO:
+        """Open the file without a buffer. Raises NotPlain for anything but a plain file."""
+        before = self.found()
+        if before is not None and not stat.S_ISREG(before.st_mode):
+            raise NotPlain(self.path, _kind(before))
+        if before is not None and mode != "r" and before.st_nlink > 1:
+            raise NotPlain(self.path, "has a second name (a hard link), and is not written; use a copy of the folder")
+        handle = os.open(self._named, FLAGS[mode] | QUIET | BARE * self.bare, 0o666, dir_fd=self.descriptor)
+        after = os.fstat(handle)
+        if not stat.S_ISREG(after.st_mode) or (before is not None and not os.path.samestat(before, after)):
+            os.close(handle)
+            raise NotPlain(self.path, "was replaced while it was opened")
+        return cast(FileIO, os.fdopen(handle, f"{mode.replace('a+', 'r+')}b", buffering=0))
+
+    def unlink(self) -> None:
+        """Remove the file, if there is one."""
+        with contextlib.suppress(FileNotFoundError):
+            os.unlink(self._named, dir_fd=self.descriptor)  # relative to a folder
+
+    def take(self, other: Place) -> None:
+        """Put another file of the same folder in the place of this one."""
+        if self.descriptor is None:
+            os.replace(other.path, self.path)  # noqa: PTH105  # Windows renames over nothing otherwise
+        else:
+            os.rename(other.name, self.name, src_dir_fd=self.descriptor, dst_dir_fd=self.descriptor)
+
+    def settle(self) -> None:
+        """Let the names in the folder survive a loss of power. Windows opens no folders, and needs none of this."""
+        if self.descriptor is not None:
+            os.fsync(self.descriptor)
+
+    @property
+    def _named(self) -> str | Path:
+        return self.path if self.descriptor is None else self.name
+
+
+@contextlib.contextmanager
+def place_of(path: Path, root: Path | None = None) -> Iterator[Place]:
+    """The place of a file. Below `root` no component may be a link; without it, links are followed."""
+    parts = path.parts[-1:] if root is None else path.relative_to(root).parts
+    folder = path.parent if root is None else root
+    if ".." in parts or not parts:
+        raise NotPlain(path, "leads out of its folder")
+    if not RELATIVE:
+        for part in parts[:-1]:
+            folder = folder / part
+            if not stat.S_ISDIR((found := os.lstat(folder)).st_mode):
+                raise NotPlain(folder, _kind(found))
+        yield Place(folder, parts[-1], None, root is not None)
+        return
+    handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY | QUIET)
+    try:
+        for part in parts[:-1]:
+            folder = folder / part
+            handle = _entered(handle, part, folder)
+        yield Place(folder, parts[-1], handle, root is not None)
+    finally:
+        os.close(handle)
+
+
+def _entered(handle: int, part: str, folder: Path) -> int:
+    """The descriptor of a folder in a folder, whose own is closed."""
+    found = os.stat(part, dir_fd=handle, follow_symlinks=False)
+    if not stat.S_ISDIR(found.st_mode):
+        raise NotPlain(folder, "is no folder; expected one. Remove it, or do not use what contains it")
+    below = os.open(part, os.O_RDONLY | os.O_DIRECTORY | QUIET | BARE, dir_fd=handle)
+    os.close(handle)
+    return below
+
+
+def opened(path: Path, mode: str, root: Path | None = None) -> FileIO:
+    """A plain file, open without a buffer; modes as in `FLAGS`. Below `root` no link is followed."""
+    with place_of(path, root) as place:
+        return place.open(mode)
+
+
+def append(file: FileIO, content: bytes) -> None:
+    """Write all of it at the end of a file; what a refused attempt took of the disk is given back."""
+    before = os.fstat(file.fileno()).st_size
+    left = memoryview(content)
+    try:
+        while left:
+            left = left[file.write(left) :]
+    except OSError:
+        with contextlib.suppress(OSError):  # the refusal is what matters
+            os.ftruncate(file.fileno(), before)
+        raise
+
+
+def content_of(path: Path, most: int, root: Path | None = None) -> bytes:
+    """The content of a plain file of at most so many bytes."""
+    with opened(path, "r", root) as file:
+        size = os.fstat(file.fileno()).st_size
+        if size > most:
+            raise TooLarge(path, f"has {size / 2**20:.6g} MiB; expected at most {most / 2**20:g}")
+        require_memory(size, path)
+        parts, left = [], most + 1
+        while left > 0 and (part := file.read(min(left, AT_ONCE))):
+            parts.append(part)
+            left -= len(part)
+        if left <= 0:
+            raise TooLarge(path, f"is larger than {most / 2**20:g} MiB")
+        return b"".join(parts)
+
+
+def require_memory(size: int, path: Path) -> None:
+    """Raise NotPlain where a file says that so many bytes are to be read, and the machine has no memory for them."""
+    if size <= ENOUGH:
+        return
+    import psutil
+
+    total = psutil.virtual_memory().total
+    if size > total // 2:
+        raise TooLarge(path, f"needs {size / 2**30:.3g} GiB; this machine has {total / 2**30:.3g} GiB")

@@ -1,0 +1,223 @@
+"""Verification of a run: each byte of its files is what was written, or the fault is named.
+
+A completed run is compared with the digests in `DONE.json`. Of any other run, records, lines, checkpoints and frames
+are compared with their own checksums. `deep` computes all frames again and compares bits.
+"""
+
+from __future__ import annotations
+
+import functools
+import os
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from ecume.errors import EcumeError, StorageError
+from ecume.run import checkpoints, constants, lock
+from ecume.run.directory import RunDirectory, existing, has_checksums, manifest_of, read
+from ecume.run.manifest import changed, digest, digests
+from ecume.run.numbers import lines_of, split
+from ecume.run.recording import difference
+from ecume.run.selection import selection_of
+from ecume.run.user_code import Law, UserCode, require_same
+from ecume.trajectories.durable_files import storing
+from ecume.trajectories.reader import Trajectory
+from ecume.trajectories.records import DONE, FAILED, STATUS, WATCH, anything, line_of, resolved_at, scene_at
+from ecume.trajectories.verification import check as check_trajectory
+
+if TYPE_CHECKING:
+    from ecume.models.actions import Action
+
+
+class Verification(NamedTuple):
+    """The result of verifying a run."""
+
+    directory: Path
+    frames: int
+    """On disk."""
+    size: int
+    """Bytes read, at least once."""
+    recomputed: int | None
+    """Frames that were computed again, with `deep`."""
+    faults: tuple[str, ...]
+    remarks: tuple[str, ...]
+
+    @property
+    def sound(self) -> bool:
+        """Whether nothing is damaged."""
+        return not self.faults
+
+
+def verify(
+    directory: str | os.PathLike[str],
+    *,
+    deep: bool = False,
+    extra_laws: Sequence[Law] = (),
+    actions: Sequence[Action] = (),
+    progress: Callable[[int, int], None] | None = None,
+) -> Verification:
+    """Check all digests and checksums of a run; nothing is written.
+
+    `deep` also computes all frames again from the beginning and compares them bit for bit; a run with user
+    laws or actions then needs the same `extra_laws` and `actions`, and `progress` gets how many frames of how many have
+    been compared. Raises RunExists while a process writes the run.
+    """
+    home = existing(directory)
+    lock.require_free(home)
+    size = sum(path.lstat().st_size for path in home.path.rglob("*") if path.is_file())
+    trusted, faults = _compared(home)
+    faults += _beside(home)
+    frames = check_trajectory(home.trajectory, trusted=trusted)
+    faults += [*frames.faults, *_numbers(home, frames.good, frames.frames)]
+    recomputed = None
+    if deep and not faults:
+        recomputed, found = _recomputed(home, UserCode(extra_laws, actions), progress)
+        faults += found
+    remarks = (*frames.remarks, *_remarks(home))
+    return Verification(home.path, frames.frames, size, recomputed, tuple(dict.fromkeys(faults)), remarks)
+
+
+def _compared(home: RunDirectory) -> tuple[frozenset[str], list[str]]:
+    """The files of frames that are what a completed run wrote, and the files that are not."""
+    record = next((path for path in (home.done, home.failed) if path.exists()), None)
+    if record is None:
+        return frozenset(), []
+    try:
+        expected = read(home, record, DONE if record == home.done else FAILED).get("sha256", {})
+        found = digests(home)
+    except StorageError as error:
+        return frozenset(), [str(error)]
+    wrong = [f"{home.path / name}: missing; {record.name} has its digest" for name in expected if name not in found]
+    wrong += [
+        f"{home.path / name}: damaged: its digest is not that in {record.name}"
+        for name in found
+        if name in expected and found[name] != expected[name]
+    ]
+    same = (name for name in found if found[name] == expected.get(name))
+    return frozenset(Path(name).name for name in same if name.startswith("traj/")), wrong
+
+
+def _beside(home: RunDirectory) -> list[str]:
+    """What is wrong with the files beside the frames."""
+    checks: list[Callable[[], object]] = [
+        lambda: resolved_at(home.path, manifest_of(home)),
+        lambda: constants.require_sound(home),
+        lambda: require_source(home),
+        lambda: lock_of(home),
+        lambda: _log(home),
+        *(
+            functools.partial(read, home, path, kind)
+            for path, kind in ((home.status, STATUS), (home.watch, WATCH), (home.done, DONE), (home.failed, FAILED))
+            if path.exists()
+        ),
+        *(functools.partial(_checkpoint, home, path) for path in checkpoints.newest_first(home)),
+    ]
+    return [fault for one in checks if (fault := _fault(one))]
+
+
+def _fault(check: Callable[[], object]) -> str:
+    try:
+        check()
+    except EcumeError as error:
+        return str(error)
+    return ""
+
+
+def require_source(home: RunDirectory) -> None:
+    """Raise StorageError where the scene's file is not the one that the run began with."""
+    expected = manifest_of(home).get("source_sha256")
+    if expected is not None and (not home.scene.exists() or digest(home, home.scene) != expected):
+        raise StorageError(
+            f"{home.scene}: damaged: it is not what the run began with; put it back from a copy, or `ecume repair "
+            f"{home.path}` writes it again from resolved.json"
+        )
+
+
+def lock_of(home: RunDirectory) -> None:
+    """Raise StorageError where the lock is damaged."""
+    if home.lock.exists():
+        with storing(home.lock):
+            try:
+                lock.read_owner(home)
+            except ValueError as error:
+                raise StorageError(f"{home.lock}: damaged: {error}; it may be removed") from error
+
+
+def _log(home: RunDirectory) -> None:
+    """Raise StorageError for a line of the log that is damaged."""
+    if not home.log.exists():
+        return
+    checked = has_checksums(home)
+    for number, content in enumerate(split(home, home.log), start=1):
+        try:
+            line_of(content, anything, checked=checked)
+        except ValueError as error:
+            raise StorageError(f"{home.log}: damaged: line {number}: {error}") from error
+
+
+def _checkpoint(home: RunDirectory, path: Path) -> None:
+    try:
+        checkpoints.require_sound(home, path)
+    except (OSError, ValueError, KeyError) as error:
+        raise StorageError(f"{path}: damaged: {error}") from error
+
+
+def _numbers(home: RunDirectory, good: int, frames: int) -> list[str]:
+    """What is wrong with the table of numbers: its own checksums, and the numbers of frames that are good."""
+    try:
+        rows = list(lines_of(home))
+    except StorageError as error:
+        return [str(error)]
+    if len(rows) > frames:
+        return [f"{home.trajectory}: {len(rows) - frames} frames are missing; {home.scalars.name} has their numbers"]
+    if good < frames or not rows:
+        return []
+    try:
+        with Trajectory(home.trajectory) as trajectory:
+            times, steps = trajectory.times.tolist(), trajectory.steps.tolist()
+    except StorageError as error:
+        return [str(error)]
+    wrong = [k for k, row in enumerate(rows) if row["time"] != times[k] or row["step"] != steps[k]]
+    return [f"{home.scalars}: damaged: line {k + 1} is not that of its frame" for k in wrong[:1]]
+
+
+def _remarks(home: RunDirectory) -> Iterator[str]:
+    """What is not checked."""
+    if not has_checksums(home):
+        yield f"{home.path}: written by an earlier version, whose records and lines of numbers have no checksums"
+    if aside := sorted(path.name for path in home.path.rglob("*.damaged")):
+        yield f"{home.path}: set aside before: {', '.join(aside)}"
+
+
+def _recomputed(
+    home: RunDirectory, code: UserCode, progress: Callable[[int, int], None] | None
+) -> tuple[int, list[str]]:
+    """How many frames were computed again, and the first that differs."""
+    from ecume.models import MODELS
+    from ecume.scenes.schema import from_plain
+    from ecume.simulation import moments
+
+    require_same(home, code)
+    manifest = manifest_of(home)
+    scene = from_plain(scene_at(home.path, manifest))
+    selection, count = selection_of(scene, MODELS[scene.model]), 0
+    with Trajectory(home.trajectory) as trajectory:
+        restore = functools.partial(_constants, home)
+        if not len(trajectory):
+            return 0, []
+        for moment in moments(scene, extra_laws=code.laws, actions=code.actions, constants=restore):
+            if moment.frame is None:
+                continue
+            if (found := difference(trajectory[count], selection.of(moment.frame))) is not None:
+                why = f" ({'; '.join(changes)})" if (changes := changed(manifest)) else ""
+                return count, [f"{home.trajectory}: frame {count}, computed again, differs in {found}{why}"]
+            count += 1
+            if progress is not None:
+                progress(count, len(trajectory))
+            if count == len(trajectory):
+                break
+    return count, []
+
+
+def _constants(home: RunDirectory, derived: Any) -> Any:
+    return constants.restored(home, derived).parameters

@@ -1,0 +1,294 @@
+"""Small JSON files: written with a checksum, and read as validated data or an error.
+
+The last key of a record, `crc32`, is the CRC-32 of the text without it. A record is valid only if its text is the text
+that `write_record` would write for its content, so that a change of any byte is noticed. Runs whose manifest has no
+`format` were written by earlier versions; their records have no checksum.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+import re
+import zlib
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from ecume._plain_files import content_of
+from ecume.errors import StorageError
+from ecume.trajectories.durable_files import storing, write_whole
+
+CRC = "crc32"
+MOST_BYTES = 16 * 2**20
+"""Of a record."""
+MOST_SCENE_BYTES = 2**31
+"""Of a resolved scene, which may contain tables and meshes."""
+MOST_CHARACTERS = 10_000
+"""Of a text in a record."""
+WORDS = re.compile(r"[^\x00-\x1f\x7f-\x9f$`\"\\]*")
+"""Text that may be copied into another file: no command in it can take effect, wherever it stands."""
+
+Check = Callable[[object, str], None]
+"""From a value and its path in the file; raises ValueError unless the value is of this kind."""
+
+
+def _check(expected: str, holds: Callable[[Any], bool]) -> Check:
+    def check(value: object, path: str) -> None:
+        if not holds(value):
+            raise ValueError(f"{path}: got {_echo(value)}; expected {expected}")
+
+    return check
+
+
+def _echo(value: object) -> str:
+    text = ascii(value) if isinstance(value, str | float | bool | None) else type(value).__name__
+    return text if len(text) <= 60 else f"{text[:57]}..."
+
+
+def _is_whole(value: object) -> bool:
+    return isinstance(value, int) and not isinstance(value, bool) and 0 <= value < 2**63
+
+
+def _is_number(value: object) -> bool:
+    if isinstance(value, int):
+        return not isinstance(value, bool) and abs(value) < 2**63
+    return isinstance(value, float) and math.isfinite(value)
+
+
+def _is_text(value: object) -> bool:
+    return isinstance(value, str) and len(value) <= MOST_CHARACTERS
+
+
+anything = _check("anything", lambda value: True)
+whole = _check("a whole number", _is_whole)
+process = _check("the number of a process", lambda value: _is_whole(value) and 0 < value < 2**31)
+number = _check("a finite number", _is_number)
+text = _check("text", _is_text)
+words = _check(
+    'text without control characters, ", \\, $ and `', lambda value: _is_text(value) and bool(WORDS.fullmatch(value))
+)
+digest = _check("a SHA-256", lambda value: isinstance(value, str) and bool(re.fullmatch("[0-9a-f]{64}", value)))
+key = _check("a digest", lambda value: isinstance(value, str) and bool(re.fullmatch("[0-9a-f]{1,64}", value)))
+switch = _check("true or false", lambda value: isinstance(value, bool))
+
+
+def optional(check: Check) -> Check:
+    """The same, or null."""
+
+    def either(value: object, path: str) -> None:
+        if value is not None:
+            check(value, path)
+
+    return either
+
+
+def listed(check: Check) -> Check:
+    """A list of them."""
+
+    def each(value: object, path: str) -> None:
+        if not isinstance(value, list):
+            raise ValueError(f"{path}: got {_echo(value)}; expected a list")
+        for place, item in enumerate(value):
+            check(item, f"{path}[{place}]")
+
+    return each
+
+
+def named(check: Check) -> Check:
+    """A table of them, by any names."""
+
+    def each(value: object, path: str) -> None:
+        if not isinstance(value, dict):
+            raise ValueError(f"{path}: got {_echo(value)}; expected a table")
+        for name, item in value.items():
+            words(name, path)
+            check(item, f"{path}.{name}")
+
+    return each
+
+
+def table(required: Mapping[str, Check], others: Mapping[str, Check] | None = None, rest: Check = anything) -> Check:
+    """A table with these keys, those of `others` if they are there, and `rest` for any further key."""
+    known = {**required, **(others or {})}
+
+    def check(value: object, path: str) -> None:
+        if not isinstance(value, dict):
+            raise ValueError(f"{path}: got {_echo(value)}; expected a table")
+        if missing := [name for name in required if name not in value]:
+            raise ValueError(f"{path}: {missing[0]} is missing")
+        for name, item in value.items():
+            known.get(name, rest)(item, f"{path}.{name}" if path else name)
+
+    return check
+
+
+CIRCUMSTANCES = named(optional(words))
+SESSION = table(
+    {},
+    {
+        "pid": whole, "host": words, "threads": whole, "began": words, "from_step": whole, "first_frame": whole,
+        "circumstances": CIRCUMSTANCES, "ended": words, "to_step": whole, "seconds": number, "outcome": words,
+        "replaced": table(
+            {"frame": whole, "time": number, "difference": words, "changed": listed(words)},
+        ),
+    },
+)  # fmt: skip
+MANIFEST = table(
+    {},
+    {
+        "format": whole, "model": words, "scene_sha256": digest, "source_sha256": digest, "constants_sha256": digest,
+        "sessions": listed(SESSION), "extra_laws": listed(table({"name": words, "sha256": digest})),
+        "on_violation": words, "cores": optional(whole), "seed": optional(number),
+    },
+    rest=optional(words),
+)  # fmt: skip
+STATUS = table(
+    {},
+    {
+        "state": words, "step": whole, "steps": optional(whole), "time": number, "duration": number, "frames": whole,
+        "remaining": optional(number), "last_checkpoint": optional(whole), "at": words,
+    },
+)  # fmt: skip
+WATCH = table(
+    {},
+    {
+        "until": number, "policy": words, "energy_unit": words, "energy": named(optional(number)),
+        "invariants": listed(
+            table({"name": words, "limit": number, "worst": optional(number), "held": switch}, {"says": text}),
+        ),
+    },
+)  # fmt: skip
+DONE = table({"step": whole, "time": number, "frames": whole}, {"sha256": named(digest), "steps": optional(whole)})
+FAILED = table({}, {"message": text, "sha256": named(digest)})
+OWNER = table({"pid": process, "host": text, "began": number}, rest=text)
+LINE = table({"step": whole, "time": number}, rest=optional(number))
+"""Of `scalars.jsonl`."""
+
+
+def as_json(plain: Any) -> str:
+    """Plain data as text for people and machines; floats come back to the bit."""
+    return json.dumps(plain, indent=2) + "\n"
+
+
+def plain_of(content: bytes) -> object:
+    """The data that a JSON text describes. Raises ValueError, also for what Python's reader raises otherwise."""
+    try:
+        return json.loads(content)
+    except RecursionError:
+        raise ValueError("is nested too deeply") from None
+
+
+def write_json(path: Path, plain: Any) -> None:
+    """Replace a file of the user's by plain data."""
+    write_whole(path, as_json(plain))
+
+
+def json_of(path: Path, root: Path | None = None) -> dict[str, Any]:
+    """The plain data of a file. Raises StorageError where it is none. Below `root` no link is followed."""
+    with storing(path):
+        content = content_of(path, MOST_BYTES, root)
+    return _table_of(content, path)
+
+
+def _table_of(content: bytes, path: Path) -> dict[str, Any]:
+    try:
+        plain = plain_of(content)
+    except ValueError as error:
+        raise StorageError(f"{path}: damaged: {error}") from error
+    if not isinstance(plain, dict):
+        raise StorageError(f"{path}: damaged: expected a table")
+    return plain
+
+
+def sealed(plain: Mapping[str, Any]) -> str:
+    """The text of a record: its data, then their checksum."""
+    return as_json({**plain, CRC: _crc(as_json(plain))})
+
+
+def sealed_line(plain: Mapping[str, Any]) -> str:
+    """The same as one line."""
+    return json.dumps({**plain, CRC: _crc(json.dumps(plain))}) + "\n"
+
+
+def _crc(content: str) -> str:
+    return f"{zlib.crc32(content.encode()):08x}"
+
+
+def write_record(path: Path, plain: Mapping[str, Any], root: Path, *, settled: bool = True) -> None:
+    """Replace a record of a run."""
+    write_whole(path, sealed(plain), root, settled=settled)
+
+
+def record_at(path: Path, check: Check, root: Path, *, checked: bool | None) -> dict[str, Any]:
+    """The data of a record of a run. Raises StorageError unless they are as they were written and of this kind.
+
+    `checked` is whether a checksum is required; None if the record itself contains the format of the run.
+    """
+    with storing(path):
+        content = content_of(path, MOST_BYTES, root)
+    plain = _table_of(content, path)
+    try:
+        if CRC in plain or checked or (checked is None and "format" in plain):
+            plain = _unsealed(plain, content, sealed)
+        check(plain, "")
+    except ValueError as error:
+        raise StorageError(f"{path}: damaged: {error}") from error
+    return plain
+
+
+def line_of(content: bytes, check: Check, *, checked: bool) -> dict[str, Any]:
+    """The data of a line with its line break. Raises ValueError unless they are as they were written."""
+    plain = plain_of(content)
+    if not isinstance(plain, dict) or not content.endswith(b"\n"):
+        raise ValueError("expected a table in a line")
+    if CRC in plain or checked:
+        plain = _unsealed(plain, content, sealed_line)
+    check(plain, "")
+    return plain
+
+
+def _unsealed(plain: dict[str, Any], content: bytes, seal: Callable[[Mapping[str, Any]], str]) -> dict[str, Any]:
+    """The data without their checksum. Raises ValueError where that does not fit them."""
+    bare = {name: value for name, value in plain.items() if name != CRC}
+    try:
+        written = seal(bare).encode()
+    except RecursionError:
+        raise ValueError("is nested too deeply") from None
+    if written != content:
+        raise ValueError("its checksum does not fit its data")
+    return bare
+
+
+def clean(content: object) -> str:
+    """Text as it may stand in a record: everything that `words` refuses becomes a question mark.
+
+    >>> clean('a $(b) "c"')
+    'a ?(b) ?c?'
+    """
+    kept = str(content)[: MOST_CHARACTERS - 3]
+    return "".join(each if WORDS.fullmatch(each) else "?" for each in kept)
+
+
+def manifest_at(root: Path) -> dict[str, Any]:
+    """The manifest of a run."""
+    return record_at(root / "manifest.json", MANIFEST, root, checked=None)
+
+
+def resolved_at(root: Path, manifest: Mapping[str, Any]) -> bytes:
+    """The resolved scene of a run. Raises StorageError unless it is the one that the run began with: with another one
+    a run would continue, and every picture of it would be wrong.
+    """
+    path = root / "resolved.json"
+    with storing(path):
+        content = content_of(path, MOST_SCENE_BYTES, root)
+    if manifest.get("scene_sha256") not in (None, hashlib.sha256(content).hexdigest()):
+        way_out = f"`ecume repair {root}` makes it again from scene.toml"
+        raise StorageError(f"{path}: damaged: it is not what the run began with; {way_out}")
+    return content
+
+
+def scene_at(root: Path, manifest: Mapping[str, Any]) -> dict[str, Any]:
+    """The plain data of that scene."""
+    return _table_of(resolved_at(root, manifest), root / "resolved.json")
