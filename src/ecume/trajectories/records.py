@@ -140,6 +140,7 @@ MANIFEST = table(
     {
         "format": whole, "model": words, "scene_sha256": digest, "source_sha256": digest, "constants_sha256": digest,
         "sessions": listed(SESSION), "extra_laws": listed(table({"name": words, "sha256": digest})),
+        "actions": listed(table({"name": words, "sha256": digest, "every": named(number)})),
         "on_violation": words, "cores": optional(whole), "seed": optional(number),
     },
     rest=optional(words),
