@@ -43,7 +43,7 @@ OPTIONS: dict[str, tuple[str, dict[str, str]]] = {
     "rk4": ("integrator", {"integration": 'integrator = "rk4"\n'}),
     "overdamped": ("integrator", {"integration": 'integrator = "overdamped"\n'}),
     "round dish": ("dish", {"dish": "radius = 1e-3\nrestitution = 0.5\n"}),
-    "square dish": ("dish", {"dish": "size = [2e-3, 2e-3]\nrestitution = 0.5\n"}),
+    "square dish": ("dish", {"dish": "size = [8e-3, 8e-3]\nrestitution = 0.5\n"}),
     "wall profile": ("dish", {"dish": 'radius = 1e-3\nrestitution = 0.5\nlaw = "profile"\n'}),
     "dish in motion": ("dish", {"dish": "radius = 1e-3\nrestitution = 0.5\n"
                        "motion = { amplitude = 1e-5, frequency = 2.0 }\n"}),

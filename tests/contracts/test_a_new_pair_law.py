@@ -54,6 +54,7 @@ def test_two_floats_repel_by_a_new_law_with_friction_and_without(copy):
     assert ("data loaded" in again) == (os.environ.get("NUMBA_DISABLE_JIT") != "1")
 
 
+@pytest.mark.compiled  # as plain Python in a process of its own, whatever this one does: once is enough
 def test_a_new_law_holds_what_all_others_hold(copy):
     chosen = "yukawa and not documentation"
     page = "tests/contracts/test_pair_laws.py"
@@ -95,6 +96,7 @@ print(force_law([next(ecume.simulate(scene))], scene).axes[0].get_legend_handles
 '''
 
 
+@pytest.mark.compiled
 def test_check_cite_and_the_figure_know_a_new_law(copy):
     papers, summary, drawn = copy.printed(KNOWING, NUMBA_DISABLE_JIT="1")
     assert "israelachvili2011" in papers

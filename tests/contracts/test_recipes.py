@@ -6,6 +6,9 @@ import re
 import pytest
 from tests.contracts.recipes import Copy, block
 
+# As plain Python in processes of their own, whatever this one does: once is enough.
+pytestmark = pytest.mark.compiled
+
 EDITS = {
     "integrator": [
         ("models/sph/integration/time_stepping.py", "before", "INTEGRATORS = {", block("semi-implicit") + "\n\n"),

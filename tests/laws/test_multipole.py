@@ -69,7 +69,13 @@ def test_leaning_is_towards_the_neighbor_and_weighs_in_the_energy():
 
 
 @pytest.mark.parametrize(
-    "walls", [None, multipole.Basin(24.0, 23.0, 0.8), multipole.Dish(3.0, 0.8), multipole.Dish(3.0, pinned=True)]
+    "walls",
+    [
+        None,
+        pytest.param(multipole.Basin(24.0, 23.0, 0.8), marks=pytest.mark.compiled),
+        pytest.param(multipole.Dish(3.0, 0.8), marks=pytest.mark.compiled),
+        multipole.Dish(3.0, pinned=True),
+    ],
 )
 def test_forces_are_what_the_energy_falls_by(walls):
     found = multipole.solve(PLACES, CROWD, LIQUID, 6, walls=walls)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +18,10 @@ class ExportedFrames:
 
     def __init__(self, trajectory: Trajectory) -> None:
         self._trajectory = trajectory
-        self._completed = derived_arrays(trajectory.scene)
+        described = (trajectory.directory / "resolved.json").exists()  # a folder of frames may have no scene
+        self._completed: Callable[[Frame], Frame] = (
+            derived_arrays(trajectory.scene) if described else lambda frame: frame
+        )
 
     @property
     def times(self) -> NDArray[np.float64]:
@@ -43,8 +46,7 @@ class ExportedFrames:
         return len(self._trajectory)
 
     def __getitem__(self, index: int) -> Frame:
-        frame: Frame = self._completed(self._trajectory[index])
-        return frame
+        return self._completed(self._trajectory[index])
 
     def __iter__(self) -> Iterator[Frame]:
         return (self[index] for index in range(len(self)))

@@ -51,7 +51,7 @@ def header_of(frame: Frame, first: int, species: Sequence[str] = (), *, single: 
     """The header of a segment that begins with this frame; `single` is the precision of its arrays."""
     arrays = {name: (array.dtype.str, array.shape[1:]) for name, array in frame.arrays.items()}
     for name, (kind, shape) in arrays.items():
-        if kind not in ("<f8", "<i8", SINGLE) or 0 in shape:
+        if kind not in ("<f8", "<i8") or 0 in shape:
             raise BadInput(f"the array {name} of a frame is {np.dtype(kind)} {shape}; expected float64 or int64")
     if "time" in frame.numbers:
         raise BadInput("a number of a frame is called time; the time is what a frame has besides")

@@ -46,7 +46,7 @@ def direct(parameters, position):
     return np.einsum("ij,ijk->ik", pull, apart), -0.5 * np.sum(product * k0(distance))
 
 
-@pytest.mark.parametrize("accuracy", [1e-2, 1e-4, pytest.param(1e-6, marks=pytest.mark.long)])
+@pytest.mark.parametrize("accuracy", [1e-2, 1e-4, pytest.param(1e-6, marks=[pytest.mark.long, pytest.mark.compiled])])
 @pytest.mark.parametrize("side", ["0.006", "0.06"])
 def test_forces_are_the_direct_sum_to_the_accuracy_asked_for(accuracy, side):
     """In a dish of two capillary lengths copies are kept away by a cut, in one of twenty by distance."""
@@ -74,6 +74,7 @@ def test_a_pair_pulls_alike_on_both_and_nobody_on_itself():
     assert np.abs(grid_forces(alone, state, FLOATING.workspace(alone, state, 1.0))).max() < 1e-13 * np.abs(found).max()
 
 
+@pytest.mark.compiled
 def test_the_recorded_energy_is_the_direct_sum_and_forces_are_its_slope():
     scene = scene_of_beads(60, interaction='summation = "grid"\naccuracy = 1e-6')
     parameters, state, workspace = set_up(scene)
@@ -141,6 +142,7 @@ def test_bits_do_not_depend_on_threads_or_pauses():
     assert np.abs(once.position - FLOATING.start(scene, FLOATING.parameters(scene)).position).max() > 0.0
 
 
+@pytest.mark.compiled
 def test_a_march_with_a_grid_is_that_of_cells():
     """Two that fall together, with inertia: the same scheme around other sums."""
     ends = []

@@ -30,12 +30,12 @@ density = 1000.0
 viscosity = "1 mPa*s"
 surface_tension = "72.8 mN/m"
 [[particles]]
-count = 40
+count = 20
 radius = "1 mm"
 density = 1200.0
 contact_angle = "90 deg"
 [dish]
-radius = "1.8 cm"
+radius = "1.2 cm"
 contact_angle = "60 deg"
 """
 STEPS = 40
@@ -101,7 +101,7 @@ PLAIN_ONLY = pytest.mark.skipif(os.environ.get("NUMBA_DISABLE_JIT") != "1", reas
     ("ranks", "changes"),
     [
         (2, ()),
-        (3, ()),
+        pytest.param(3, (), marks=PLAIN_ONLY),
         *(pytest.param(each, GRID, marks=PLAIN_ONLY) for each in (2, 3)),
         *(pytest.param(2, (f"integration.integrator={each}",), marks=PLAIN_ONLY) for each in ("rk4", "stormer-verlet")),
     ],

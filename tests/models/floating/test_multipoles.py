@@ -78,6 +78,7 @@ def test_two_discs_feel_the_same_by_corrected_pairs_as_by_multipoles():
         assert forces(discs(places, "superposition", SMALL))[0, 0] < 0.95 * exact
 
 
+@pytest.mark.compiled
 def test_a_raft_of_seven_small_discs_is_held_six_times_as_hard_as_superposition_says():
     places = hexagon(SMALL, 0.02)
     pull = {

@@ -28,7 +28,7 @@ low = ["0 m", "0 m"]
 high = ["1 m", "80 cm"]
 [[fluid]]
 low = ["0 m", "0 m"]
-high = ["40 cm", "50 cm"]
+high = ["30 cm", "40 cm"]
 """
 STEPS = 25
 

@@ -78,9 +78,9 @@ def test_eddies_scatter_the_same_way_on_resume():
     scene = cup(spec, turbulence="smagorinsky", jitter=0.2)
     parameters = SPH.parameters(scene)
     whole, half = SPH.start(scene, parameters), SPH.start(scene, parameters)
-    SPH.advance(parameters, whole, SPH.workspace(parameters, whole, 1.0), 20)
-    SPH.advance(parameters, half, SPH.workspace(parameters, half, 1.0), 10)
-    SPH.advance(parameters, half, SPH.workspace(parameters, half, 1.0), 10)
+    SPH.advance(parameters, whole, SPH.workspace(parameters, whole, 1.0), 6)
+    SPH.advance(parameters, half, SPH.workspace(parameters, half, 1.0), 3)
+    SPH.advance(parameters, half, SPH.workspace(parameters, half, 1.0), 3)
     assert np.array_equal(whole.carried_position, half.carried_position)
     assert np.abs(whole.carried_position - parameters.carried.position).max() > 0.0
 
