@@ -284,7 +284,14 @@ def test_a_damaged_gsd_file_gives_faults_and_no_crash(folder: Path) -> None:
             "start_from: start.gsd has particles of type 'B', and the species are 'A', 'C'; expected",
         ),
         ("density = 700", "density = 700\ncount = 3", "particles[1].count: has no meaning beside start_from"),
-        ("density = 700\n", "", "particles[1].density: is missing"),
+        ("density = 700\n", "", "particles[1].density: is missing; expected for example '1030 kg/m^3'"),
+        ("density = 700", "density = -1", "particles[1].density: got -1; expected 0.001 or more"),
+        ("density = 600", "density = 600\ncolr = 3", "particles[0].colr: no such key; did you mean color?"),
+        (
+            'contact_angle = "80 deg"',
+            "",
+            "particles[1]: expected either contact_angle or surface_energies; got neither",
+        ),
         ('length_unit = "1 mm"', "", "start_from.length_unit: is missing"),
         ('length_unit = "1 mm"', 'length_unit = "1 s"', "start_from.length_unit: got '1 s'; 's' measures time"),
         ('length_unit = "1 mm"', 'length_unit = "1 mm"\nunit = 3', "start_from.unit: no such key"),
@@ -332,13 +339,6 @@ def test_text_names_a_run_only(folder: Path) -> None:
         assert fault.startswith(
             f"{key}: 'start.gsd@0' is a file without units; expected a table such as start_from = {{ file"
         )
-
-
-def test_two_rows_that_overlap_are_refused_with_the_overlap(folder: Path) -> None:
-    (folder / "start.xyz").write_text(XYZ.replace("B 5 2", "B 3 2"))
-    scene = loaded(folder, FLOATS.format(file="start.xyz", more=""))
-    with pytest.raises(SceneError, match=r"rows\[0\]: overlaps rows\[1\] by 0.0005 m"):
-        next(ecume.simulate(scene))
 
 
 def test_labels_and_styles_of_lammps_are_read() -> None:

@@ -241,19 +241,10 @@ def matched(start: Start, tables: Sequence[Mapping[str, Any]]) -> list[Species]:
         groups = [[each] for each in mine] if place is None else [mine]
         for group in groups:
             kinds = [number for number, name in enumerate(start.particles.names) if name in group]
-            former = dict(start.known.get(group[0], {}))
-            keys = {**_overruled(former, tables[place] if place is not None else {})}
+            keys = {**start.known.get(group[0], {}), **(tables[place] if place is not None else {})}
             keys.setdefault("name", group[0])
             found.append(Species(place, keys, np.flatnonzero(np.isin(start.particles.kind, kinds))))
     return found
-
-
-def _overruled(former: dict[str, Any], now: Mapping[str, Any]) -> dict[str, Any]:
-    """The keys of a species with those of the scene; a new wetting or shape replaces the former one."""
-    wetting = {"contact_angle", "surface_energies", "disc", "shape"}
-    if wetting & now.keys():
-        former = {key: value for key, value in former.items() if key not in wetting}
-    return {**former, **now}
 
 
 def _unknown(index: int, name: str, start: Start) -> tuple[Path, str]:
@@ -397,16 +388,30 @@ def float_rows(raw: dict[str, Any], start: Start) -> tuple[list[dict[str, Any]],
     found = matched(start, tables_of(raw))
     faults: Complaints = []
     for one in found:
-        if "density" not in one.keys:
-            faults.append((("particles", one.place or 0, "density"), "is missing; expected for example '1030 kg/m^3'"))
         if "radius" not in one.keys and start.particles.diameter is None:
             faults.append((("particles", one.place or 0, "radius"), f"is missing; {start.name} has no diameters"))
+        else:
+            faults += _faults_of_species(one, start.particles)
     if faults:
         raise Inconsistent(faults)
     rows = {int(index): _row(one, start.particles, int(index)) for one in found for index in one.which}
     origins = [f"{start.name}, particle {index + 1}" for index in sorted(rows)]
     raw.pop("particles", None)
     return [rows[index] for index in sorted(rows)], origins
+
+
+def _faults_of_species(one: Species, particles: Particles) -> Complaints:
+    """The faults of a species of floats, without those of the numbers in the file."""
+    from ecume.scenes.floating import FloatRow
+
+    row = _row(one, particles, int(one.which[0]))
+    try:
+        TypeAdapter(FloatRow).validate_python(row)
+    except ValidationError as error:
+        found = faults_of(error, FloatRow, row)
+        mine = [each for each in found if not each[0] or each[0][0] in one.keys or each[0][0] not in row]
+        return [(("particles", one.place or 0, *path), message) for path, message in mine]
+    return []
 
 
 def _row(one: Species, particles: Particles, index: int) -> dict[str, Any]:
