@@ -109,3 +109,16 @@ def test_unknown_names_are_refused_with_the_known_ones(tmp_path: Path, scene: Sc
     assert first.endswith("did you mean velocity?")
     assert second.startswith("output.quantities[2]: got 'x'; expected one of position,")
     assert not (tmp_path / "run").exists()
+
+
+def test_frames_are_passed_on_as_they_are_computed(tmp_path: Path, scene: Scenes) -> None:
+    seen: list[tuple[str, float, int]] = []
+    options = RunOptions(on_frame=lambda model, frame, step: seen.append((model, frame.time, step)))
+    run(scene(duration=0.05, output={"quantities": ["radius"]}), tmp_path / "run", options=options)
+    assert seen == [("toy", pytest.approx(0.01 * number), 10 * number) for number in range(6)]
+
+
+def test_unknown_numbers_are_refused_before_a_run_begins(tmp_path: Path, scene: Scenes) -> None:
+    with pytest.raises(BadInput, match=r"got 'energy'; expected one of kinetic_energy, pairs"):
+        run(scene(), tmp_path / "run", options=RunOptions(numbers=("pairs", "energy")))
+    assert not (tmp_path / "run").exists()

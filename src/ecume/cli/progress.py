@@ -47,7 +47,9 @@ def _bar() -> Iterator[Reporter]:
             return Text(task.description or waiting())
 
     # The time that is left is the run's own: Rich would count the wait for the compiler as slow integration.
-    with Bars(BarColumn(), Doing(), console=Console(stderr=True), transient=True) as bars:
+    columns, console = (BarColumn(), Doing()), Console(stderr=True)
+    # Lines for the same terminal appear above the bar; lines for a file or a pipe go there.
+    with Bars(*columns, console=console, transient=True, redirect_stdout=sys.stdout.isatty()) as bars:
         bar = bars.add_task("", total=None)
         yield lambda progress: bars.update(
             bar,

@@ -18,6 +18,7 @@ from ecume.cli.mpi_launcher import Engine, Ranks, integrating
 from ecume.cli.output import Json, print_json
 from ecume.cli.progress import ahead, counted, lasting, shown
 from ecume.cli.scenes import Actions, Laws, Overrides, SceneFile, placed
+from ecume.cli.thermo import Columns, Thermo, ThermoEvery, thermo_table
 from ecume.errors import StorageError
 
 if TYPE_CHECKING:
@@ -73,6 +74,9 @@ def run(
     force: Annotated[bool, typer.Option("--force", help="Replace a run that is there.")] = False,
     view: Annotated[bool, typer.Option("--view", help="Watch it in the browser while it runs.")] = False,
     on_violation: Violation = None,
+    thermo: Thermo = False,
+    thermo_columns: Columns = None,
+    thermo_every: ThermoEvery = None,
     quiet: Quiet = False,
     engine: Engine = "local",
     ranks: Ranks = None,
@@ -80,6 +84,7 @@ def run(
     """Simulate a scene into a directory. Ctrl-C stops with a checkpoint.
 
     Examples: `ecume run bowl.toml` · `ecume run bowl.toml -o runs/syrup --set "liquid.viscosity=1 Pa*s" --threads 2`
+    · `ecume run bowl.toml --thermo` · `ecume run bowl.toml --thermo-columns kinetic_energy,clusters --thermo-every 10`
     """
     use_at_most(threads)
     from ecume.run import RunOptions
@@ -87,7 +92,7 @@ def run(
     from ecume.run.user_code import actions_from, laws_from
     from ecume.scenes.load import load_scene
 
-    changes = overrides or []
+    changes, table = overrides or [], thermo_table(thermo, thermo_columns, thermo_every)
     directory = out or RUNS / scene.stem
     with integrating(engine, ranks) as led:
         asked = load_scene(scene, changes)
@@ -101,7 +106,13 @@ def run(
                 actions=actions_from(actions or []),
                 force=force,
                 options=RunOptions(
-                    threads=threads, progress=reporter, source=source, on_violation=on_violation, engine=led
+                    threads=threads,
+                    progress=reporter,
+                    source=source,
+                    on_violation=on_violation,
+                    engine=led,
+                    on_frame=table,
+                    numbers=table.names if table else (),
                 ),
             )
         _end(done, quiet=quiet)
@@ -117,6 +128,9 @@ def resume(
         bool,
         typer.Option("--strict", help="Stop if a frame computed again differs in any bit, even on another processor."),
     ] = False,
+    thermo: Thermo = False,
+    thermo_columns: Columns = None,
+    thermo_every: ThermoEvery = None,
     quiet: Quiet = False,
     engine: Engine = "local",
     ranks: Ranks = None,
@@ -133,8 +147,17 @@ def resume(
     from ecume.run import resume as go_on
     from ecume.run.user_code import actions_from, laws_from
 
+    table = thermo_table(thermo, thermo_columns, thermo_every)
     with integrating(engine, ranks) as led, shown(quiet=quiet) as reporter:
-        options = RunOptions(threads=threads, progress=reporter, on_violation=on_violation, engine=led, strict=strict)
+        options = RunOptions(
+            threads=threads,
+            progress=reporter,
+            on_violation=on_violation,
+            engine=led,
+            strict=strict,
+            on_frame=table,
+            numbers=table.names if table else (),
+        )
         own, acting = laws_from(laws or []), actions_from(actions or [])
         _end(go_on(directory, extra_laws=own, actions=acting, options=options), quiet=quiet)
 

@@ -25,7 +25,7 @@ from ecume.run.lock import held
 from ecume.run.progress import Pace, Progress, StatusFile, note
 from ecume.run.recording import Recording
 from ecume.run.sampling import NOTHING, Kept, SampleFile
-from ecume.run.selection import require_known, selection_of
+from ecume.run.selection import require_known, require_numbers, selection_of
 from ecume.run.stop_requests import PATIENT, StopRequest, stop_requests
 from ecume.run.user_code import NO_CODE, Law, UserCode, require_same
 from ecume.run.verification import require_source
@@ -85,6 +85,10 @@ class RunOptions:
     on_violation: str | None = None
     """The response to an invariant that is broken, see `invariant_monitor.POLICIES`; by default that with which the run
     began, or else that of its scene."""
+    on_frame: Callable[[str, Frame, int], None] | None = None
+    """Is called with the name of the model, each frame that is computed, and its number of time steps."""
+    numbers: Sequence[str] = ()
+    """Numbers of frames that `on_frame` needs: unknown ones are refused before the run begins or continues."""
     strict: bool = False
     """Resuming fails where a frame that is computed again differs in any bit from the one on disk, also on another
     processor or with other versions; otherwise such frames are replaced, with a warning."""
@@ -120,6 +124,7 @@ def run(
         first = next(moments)  # a scene that cannot be run is refused before anything is written
         if first.frame is not None:
             require_known(scene, first.frame)
+            require_numbers(options.numbers, first.frame)
         with storing(home.path):
             home.path.mkdir(parents=True, exist_ok=True)
         with held(home):
@@ -162,7 +167,10 @@ def resume(
             home.failed.unlink(missing_ok=True)
         restore = functools.partial(_constants, home, strict=options.strict)
         moments = _moments(scene, checkpoint, code, options, restore)
-        return _drive(_Session(home, scene, options, checkpoint, code), moments, request)
+        first = next(moments)
+        if first.frame is not None:
+            require_numbers(options.numbers, first.frame)
+        return _drive(_Session(home, scene, options, checkpoint, code), itertools.chain([first], moments), request)
 
 
 def _completed(home: RunDirectory) -> RunResult | None:
@@ -368,6 +376,8 @@ class _Session:
         if moment.frame is not None:
             self._recording.take(moment.frame, moment.taken)
             self._judge(moment.frame, moment.taken)
+            if self._options.on_frame is not None:
+                self._options.on_frame(self._scene.model, moment.frame, moment.taken)
         if self._samples is not None:
             self._sample(self._samples, moment)
         self.at = self._pace.progress(moment, self._recording.frames)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ecume.errors import Fault, SceneError, nearest
+from ecume.errors import BadInput, Fault, SceneError, nearest
 from ecume.trajectories.frame import Frame, RecordedArrays
 
 if TYPE_CHECKING:
@@ -65,6 +65,12 @@ def require_known(scene: Common, frame: Frame) -> None:
     faults += _unknown("output.samples.numbers", samples.numbers if samples else (), frame.numbers)
     if faults:
         raise SceneError(faults)
+
+
+def require_numbers(names: Sequence[str], frame: Frame) -> None:
+    """Raise BadInput for names of numbers that a frame does not have."""
+    if faults := [fault.message for fault in _unknown("", names, frame.numbers)]:
+        raise BadInput(f"numbers of frames: {'; '.join(faults)}")
 
 
 def _unknown(path: str, names: Sequence[str], known: Iterable[str]) -> Iterator[Fault]:
