@@ -6,6 +6,8 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
+import numpy as np
+
 from ecume._jit import compiled_once, of_this_process
 from ecume.errors import BadInput
 from ecume.laws.pair_laws import add_row, row_of
@@ -117,6 +119,12 @@ def _require_pair_sums(parameters: Parameters) -> None:
     """Raise BadInput for scenes whose forces are not a sum over pairs of floats."""
     if faults := faults_with(EXTRA_LAWS, parameters):
         raise BadInput("; ".join(str(fault) for fault in faults))
+    periods = parameters.periods[0]
+    if np.any(periods) and 2.0 * parameters.cutoff > periods.min():
+        raise BadInput(
+            f"extra_laws: a user law acts up to the cutoff, {parameters.cutoff:.4g} m, beyond the nearest images in "
+            f"the cell; expected sides of at least {2.0 * parameters.cutoff:.4g} m, or a larger interaction.accuracy"
+        )
     if parameters.single:
         raise BadInput("extra_laws: got interaction.precision = 'single'; expected 'double'")
 
