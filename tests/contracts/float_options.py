@@ -47,6 +47,7 @@ OPTIONS: dict[str, tuple[str, dict[str, str]]] = {
     "wall profile": ("dish", {"dish": 'radius = 1e-3\nrestitution = 0.5\nlaw = "profile"\n'}),
     "dish in motion": ("dish", {"dish": "radius = 1e-3\nrestitution = 0.5\n"
                        "motion = { amplitude = 1e-5, frequency = 2.0 }\n"}),
+    "periodic cell": ("dish", {"cell": "size = [0.1, 0.1]\n", "interaction": "accuracy = 1e-2\n"}),
     "flow": ("flow", {"flow": "rotation_rate = 1.0\n"}),
     "noise": ("noise", {"hydrodynamics": "brownian = true\n", "liquid": "temperature = 300.0\n"}),
     "fast drag": ("drag", {"hydrodynamics": 'drag = "schiller-naumann"\n'}),
@@ -82,7 +83,7 @@ def shorten_tables(replace: Callable[[Any, str, Any], None]) -> None:
     replace(multipoles, "ORDER", 2)
 
 
-TABLES = ("liquid", "flow", "dish", "integration", "hydrodynamics", "contacts", "interaction")
+TABLES = ("liquid", "flow", "dish", "cell", "integration", "hydrodynamics", "contacts", "interaction")
 
 
 def scene_with(*names: str) -> Any:
@@ -99,7 +100,7 @@ def scene_with(*names: str) -> Any:
         for place, radius, density in zip(PLACES, (3e-5, 3e-5, 2.7e-5), (2000.0, 200.0, 1500.0), strict=True)
     )
     dish = f"[dish]\n{tables['dish']}" if tables["dish"] else ""
-    dish += f"[flow]\n{tables['flow']}" if tables["flow"] else ""
+    dish += "".join(f"[{table}]\n{tables[table]}" for table in ("cell", "flow") if tables[table])
     rest = "".join(
         f"[{table}]\n{tables[table]}" for table in ("integration", "hydrodynamics", "contacts", "interaction")
     )

@@ -41,6 +41,7 @@ SECTIONS = {
     "[[rows]]": floating.FloatRow,
     "[dish]": floating.DishSpec,
     "[dish.motion]": floating.DishMotionSpec,
+    "[cell]": floating.CellSpec,
     "[integration]": floating.IntegrationSpec,
     "[hydrodynamics]": floating.HydrodynamicsSpec,
     "[hydrodynamics.lubrication]": floating.LubricationSpec,

@@ -6,6 +6,7 @@ from ecume.engine.contact import projected_gauss_seidel, warm_start
 from ecume.engine.contact.contacts import Bodies
 from ecume.engine.contact.projected_gauss_seidel import Goal
 from ecume.engine.contact.warm_start import Memory
+from ecume.engine.periodic import no_periods
 from ecume.engine.placement import place_on_lattice
 from ecume.engine.walls import disc, enclosed_by, no_walls
 
@@ -25,7 +26,8 @@ def all_candidates(position):
 
 def gathered(position, radius, walls, mobility, reach=1e-6):
     contacts = touching.make_contacts(8 * len(position) + 16)
-    assert touching.gather(contacts, all_candidates(position), position, Bodies(radius, walls, mobility), reach)
+    bodies = Bodies(radius, walls, mobility, no_periods(2))
+    assert touching.gather(contacts, all_candidates(position), position, bodies, reach)
     touching.set_effective_masses(contacts, mobility)
     return contacts
 
@@ -125,7 +127,7 @@ def test_overlaps_are_undone_without_moving_the_center_of_mass():
     mobility = np.random.default_rng(4).uniform(0.5, 2.0, 19)
     before = position.T @ (1.0 / mobility)
     contacts = gathered(position, np.ones(19), no_walls(), mobility, reach=0.5)
-    touching.separate(contacts, position, Bodies(np.ones(19), no_walls(), mobility), 1e-6)
+    touching.separate(contacts, position, Bodies(np.ones(19), no_walls(), mobility, no_periods(2)), 1e-6)
     apart = gathered(position, np.ones(19), no_walls(), mobility, reach=0.5)
     assert np.min(apart.gap[: apart.total[0]]) > -1e-6
     assert position.T @ (1.0 / mobility) == pytest.approx(before, abs=1e-12)
@@ -141,7 +143,7 @@ def test_undone_overlaps_move_angular_momentum_by_no_more_than_distances_change(
 
     before = turning()
     contacts = gathered(position, np.ones(2), no_walls(), mobility)
-    touching.separate(contacts, position, Bodies(np.ones(2), no_walls(), mobility), 1e-6)
+    touching.separate(contacts, position, Bodies(np.ones(2), no_walls(), mobility, no_periods(2)), 1e-6)
     # What the two have about their center of mass is the reduced mass, 0.4, times 1.98 times how fast they slide.
     assert turning() - before == pytest.approx(0.02 / 1.98 * 0.4 * 1.98 * 1.1, rel=1e-3)
 
@@ -149,14 +151,14 @@ def test_undone_overlaps_move_angular_momentum_by_no_more_than_distances_change(
 def test_two_centers_in_one_place_are_moved_apart_all_the_same():
     position = np.zeros((2, 2))
     contacts = gathered(position, np.ones(2), no_walls(), np.ones(2))
-    touching.separate(contacts, position, Bodies(np.ones(2), no_walls(), np.ones(2)), 1e-6)
+    touching.separate(contacts, position, Bodies(np.ones(2), no_walls(), np.ones(2), no_periods(2)), 1e-6)
     assert np.hypot(*(position[1] - position[0])) == pytest.approx(2.0, abs=1e-6)
 
 
 def test_contacts_without_room_say_so():
     position, _ = a_raft()
     contacts = touching.make_contacts(3)
-    bodies = Bodies(np.ones(len(position)), no_walls(), np.ones(len(position)))
+    bodies = Bodies(np.ones(len(position)), no_walls(), np.ones(len(position)), no_periods(2))
     assert not touching.gather(contacts, all_candidates(position), position, bodies, 1e-6)
 
 

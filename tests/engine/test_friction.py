@@ -11,6 +11,7 @@ from ecume.engine.contact.contacts import Bodies
 from ecume.engine.contact.friction import Motion
 from ecume.engine.contact.projected_gauss_seidel import Goal
 from ecume.engine.contact.warm_start import Memory
+from ecume.engine.periodic import no_periods
 from ecume.engine.walls import box, enclosed_by, no_walls
 
 DISC = 0.5
@@ -20,7 +21,8 @@ DISC = 0.5
 def pressed(position, motion, radius, friction, walls, reach=1e-6):
     """The contacts there are, ready to be solved."""
     contacts = touching.make_contacts(8 * len(position) + 16)
-    assert touching.gather(contacts, all_candidates(position), position, Bodies(radius, walls, motion.mobility), reach)
+    bodies = Bodies(radius, walls, motion.mobility, no_periods(2))
+    assert touching.gather(contacts, all_candidates(position), position, bodies, reach)
     touching.set_effective_masses(contacts, motion.mobility)
     rubbing = rough.make_friction_rows(len(contacts.gap))
     rough.prepare(contacts, rubbing, radius, (friction, friction), motion)

@@ -4,6 +4,7 @@ from scipy.spatial import cKDTree
 
 from ecume._jit import numba
 from ecume.engine.neighbors import THREADS_FROM, build, farthest_move, make_lists
+from ecume.engine.periodic import periods_of
 
 
 def listed_pairs(lists, count):
@@ -19,6 +20,34 @@ def test_lists_hold_exactly_the_pairs_within_reach_both_ways(dimension, count):
     assert build(lists, position, 0.3)
     pairs = cKDTree(position).query_pairs(0.3)
     assert listed_pairs(lists, count) == pairs | {(j, i) for i, j in pairs}
+
+
+def nearest_distances(position, periods):
+    """The distance of each particle to the nearest image of each other, by brute force."""
+    apart = position[:, None] - position
+    apart -= periods[0] * np.round(apart * periods[1])
+    return np.linalg.norm(apart, axis=2)
+
+
+SIDES = [(3.0, 1.0, 2.0), (0.5, 0.7, 0.4), (0.65, 0.95, 1.3), (1.0, 0.0, 0.5), (0.0, 1.0, 0.0)]
+
+
+@pytest.mark.parametrize("dimension", [2, 3])
+@pytest.mark.parametrize("sides", SIDES)
+def test_lists_in_a_periodic_box_hold_each_pair_of_nearest_images_once(dimension, sides):
+    periods = periods_of(sides[:dimension])
+    position = 4.0 * np.random.default_rng(7).random((60, dimension)) - 2.0
+    lists = make_lists(60, dimension, 6000, periods)
+    assert build(lists, position, 0.3)
+    near = nearest_distances(position, periods) < 0.3
+    np.fill_diagonal(near, False)
+    assert listed_pairs(lists, 60) == set(zip(*np.nonzero(near), strict=True))
+    first, neighbor = lists.rows.first, lists.rows.neighbor
+    assert first[60] == near.sum()
+    for slot in range(60):
+        row = neighbor[first[slot] : first[slot + 1]].astype(int)
+        assert np.all(np.diff(row) > 0)
+        assert lists.rows.later[slot] == first[slot] + np.sum(row < slot)
 
 
 @pytest.mark.compiled

@@ -102,3 +102,18 @@ def test_a_ring_has_equal_steps():
     assert np.hypot(*(ring - [1.0, 2.0]).T) == pytest.approx(np.full(5, 3.0))
     steps = np.hypot(*(ring - np.roll(ring, 1, axis=0)).T)
     assert steps == pytest.approx(np.full(5, 6.0 * math.sin(math.pi / 5)))
+
+
+def test_discs_in_a_periodic_region_keep_apart_across_its_borders():
+    region = Region((0.0, 0.0), (2.0, 1.3), no_walls(), periodic=True)
+    radius = np.repeat([0.05, 0.08], [60, 40])
+    place = place_at_random(radius, region, NONE, seed=3)
+    apart = place[:, None] - place
+    apart -= np.array([2.0, 1.3]) * np.round(apart / [2.0, 1.3])
+    gap = np.linalg.norm(apart, axis=2) - radius[:, None] - radius
+    np.fill_diagonal(gap, 1.0)
+    assert gap.min() > 0.0
+    # Without the walls of a dish, centers come as near to the borders as elsewhere.
+    assert place.min() < 0.05
+    with pytest.raises(BadInput, match=r"or a cell [0-9.]+ times as wide"):
+        place_at_random(np.full(9, 0.3), region, NONE, seed=3)

@@ -1,5 +1,5 @@
 """Particles sorted into square (cubic) cells, by counting: linear in their number, and stable, so that the order is
-always the same.
+always the same. Along a periodic axis a whole number of cells fills the period.
 """
 
 from __future__ import annotations
@@ -9,6 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ecume._jit import compiled
+from ecume.engine.periodic import no_periods
 from ecume.units import Array
 
 Integers = np.ndarray[tuple[int, ...], np.dtype[np.int64]]
@@ -18,9 +19,9 @@ class Cells(NamedTuple):
     """The cell of each particle, and the particles sorted by cell."""
 
     low: Array
-    """(d,) the lowest coordinate of all particles"""
+    """(d,) the lowest coordinate of all particles; zero along periodic axes"""
     size: Array
-    """(1,) edge of a cell, at least the requested reach"""
+    """(1,) edge of a cell, at least the requested reach; along a periodic axis cells are somewhat wider"""
     shape: Integers
     """(d,) cells along each axis"""
     cell: Integers
@@ -29,9 +30,11 @@ class Cells(NamedTuple):
     """(cells + 1,) where a cell begins in `order`"""
     order: Integers
     """(N,) particles cell by cell, ascending inside a cell"""
+    periods: Array
+    """(2, d): see `ecume.engine.periodic`"""
 
 
-def make_cells(count: int, dimension: int) -> Cells:
+def make_cells(count: int, dimension: int, periods: Array | None = None) -> Cells:
     """Arrays for `count` particles. Cells are larger in sparse systems, so that there are never many more than
     particles.
     """
@@ -42,6 +45,7 @@ def make_cells(count: int, dimension: int) -> Cells:
         cell=np.zeros(count, np.int64),
         start=np.zeros(_most_cells(count) + 1, np.int64),
         order=np.zeros(count, np.int64),
+        periods=no_periods(dimension) if periods is None else periods,
     )
 
 
@@ -63,6 +67,9 @@ def _lay_out(cells: Cells, position: Array, reach: float) -> int:
                 low, high = min(low, position[i, axis]), max(high, position[i, axis])
             cells.low[axis] = low
             along = np.floor((high - low) / size) + 1.0
+            if cells.periods[0, axis] > 0.0:
+                cells.low[axis] = 0.0
+                along = max(np.floor(cells.periods[0, axis] / size), 1.0)
             total *= along
             cells.shape[axis] = np.int64(min(along, float(most)))
         if total <= most:
@@ -82,7 +89,11 @@ def sort_into_cells(cells: Cells, position: Array, reach: float) -> None:
     for i in range(count):
         cell = 0
         for axis in range(dimension):
-            along = np.int64((position[i, axis] - cells.low[axis]) / cells.size[0])
+            if cells.periods[0, axis] > 0.0:
+                part = position[i, axis] * cells.periods[1, axis]
+                along = np.int64((part - np.floor(part)) * cells.shape[axis])
+            else:
+                along = np.int64((position[i, axis] - cells.low[axis]) / cells.size[0])
             cell = cell * cells.shape[axis] + min(along, cells.shape[axis] - 1)
         cells.cell[i] = cell
         cells.start[cell + 1] += 1

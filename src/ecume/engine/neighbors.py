@@ -13,6 +13,7 @@ import numpy as np
 
 from ecume._jit import compiled, compiled_inside, prange, threaded
 from ecume.engine.cells import Cells, Integers, make_cells, sort_into_cells
+from ecume.engine.periodic import nearest
 from ecume.units import Array
 
 Slots = np.ndarray[tuple[int, ...], np.dtype[np.uint32]]
@@ -44,6 +45,8 @@ class Rows(NamedTuple):
     """(STRETCHES + 1,) the first slot of each stretch (see `part_pairs`), and the end"""
     place: Integers
     """(STRETCHES + 1,) where in a scratch a stretch's window lies"""
+    periods: Array
+    """(2, d): see `ecume.engine.periodic`"""
 
 
 class NeighborLists(NamedTuple):
@@ -55,10 +58,11 @@ class NeighborLists(NamedTuple):
     """(1,) whether the lists hold; a new workspace has none"""
 
 
-def make_lists(count: int, dimension: int, capacity: int) -> NeighborLists:
-    """Room for `capacity` neighbors in all."""
+def make_lists(count: int, dimension: int, capacity: int, periods: Array | None = None) -> NeighborLists:
+    """Room for `capacity` neighbors in all. Distances are those of nearest images in a periodic box."""
+    cells = make_cells(count, dimension, periods)
     return NeighborLists(
-        cells=make_cells(count, dimension),
+        cells=cells,
         rows=Rows(
             first=np.zeros(count + 1, np.int64),
             later=np.zeros(count, np.int64),
@@ -66,6 +70,7 @@ def make_lists(count: int, dimension: int, capacity: int) -> NeighborLists:
             sorted_position=np.zeros((dimension, count)),
             edge=np.zeros(STRETCHES + 1, np.int64),
             place=np.zeros(STRETCHES + 1, np.int64),
+            periods=cells.periods,
         ),
         valid=np.zeros(1, np.int64),
     )
@@ -82,23 +87,61 @@ def sort_positions(lists: NeighborLists, position: Array) -> None:
 
 
 @compiled_inside
+def _beside(place: int, number: int, cells: int, periodic: bool) -> int:
+    """The `number`-th of the three cells around a place along an axis, in ascending order; -1 outside the grid, and for
+    a cell that would come twice in a short period.
+    """
+    if not periodic:
+        other = place + number - 1
+        return other if other < cells else -1
+    if cells <= 3:
+        return number if number < cells else -1
+    if place == 0:
+        return number if number < 2 else cells - 1
+    if place == cells - 1:
+        return place + number - 2 if number > 0 else 0
+    return place + number - 1
+
+
+@compiled_inside
+def _runs(cells: Cells) -> int:
+    """The number of runs of slots around a cell, some of which may be empty."""
+    last = len(cells.shape) - 1
+    return int(3**last * (2 if cells.periods[0, last] > 0.0 else 1))
+
+
+@compiled_inside
 def _run_beside(cells: Cells, cell: int, number: int) -> tuple[int, int]:
-    """The slots, from the first and up to the last, in the `number`-th of the 3^(d - 1) rows of three cells around
-    `cell`; none outside the grid.
+    """The slots, from the first and up to the last, of a run of neighboring cells, in ascending order; none outside
+    the grid. There is one run in each of the 3^(d - 1) rows around `cell`, and two if the last axis is periodic:
+    the cells across its border are separate.
     """
     shape, last = cells.shape, len(cells.shape) - 1
-    along, stride, other, inside = cell % shape[last], shape[last], 0, True
+    along, stride, row, inside = cell % shape[last], shape[last], 0, True
+    wraps, second = cells.periods[0, last] > 0.0, False
+    if wraps:
+        second = number % 2 == 1
+        number //= 2
     cell //= shape[last]
     for axis in range(last - 1, -1, -1):
-        place = cell % shape[axis] + number % 3 - 1
+        place = _beside(cell % shape[axis], number % 3, shape[axis], cells.periods[0, axis] > 0.0)
         cell //= shape[axis]
         number //= 3
-        inside = inside and 0 <= place < shape[axis]
-        other += place * stride
+        inside = inside and place >= 0
+        row += place * stride
         stride *= shape[axis]
+    low, high = max(along - 1, 0), min(along + 1, shape[last] - 1)
+    if wraps and shape[last] <= 3:
+        low, high, inside = 0, shape[last] - 1, inside and not second
+    elif wraps and along == 0:
+        low, high = (shape[last] - 1, shape[last] - 1) if second else (0, 1)
+    elif wraps and along == shape[last] - 1:
+        low, high = (along - 1, along) if second else (0, 0)
+    elif second:
+        inside = False
     if not inside:
         return 0, 0
-    return cells.start[other + max(along - 1, 0)], cells.start[other + min(along + 1, shape[last] - 1) + 1]
+    return cells.start[row + low], cells.start[row + high + 1]
 
 
 @compiled
@@ -118,9 +161,9 @@ def _count(cells: Cells, x: Array, slots: Span, reach: float, first: Integers, l
     square, distance = reach * reach, np.empty(slots[2], np.float64)
     for slot in range(slots[0], slots[1]):
         cell, found, earlier = cells.cell[cells.order[slot]], 0, 0
-        for number in range(3 ** (x.shape[0] - 1)):
+        for number in range(_runs(cells)):
             begin, end = _run_beside(cells, cell, number)
-            _squares_of(x, slot, begin, distance[: end - begin])
+            _squares_of(cells.periods, x, slot, begin, distance[: end - begin])
             if begin <= slot < end:
                 distance[slot - begin] = math.inf
             split = max(min(end, slot) - begin, 0)
@@ -146,13 +189,13 @@ def _write(cells: Cells, x: Array, slots: Span, reach: float, first: Integers, n
     Distances of a run first, then its slots, each written over the last one that was too far: loops without a branch.
     """
     square, distance = reach * reach, np.empty(slots[2], np.float64)
-    found = np.empty(3 ** (x.shape[0] - 1) * slots[2] + 1, np.uint32)
+    found = np.empty(_runs(cells) * slots[2] + 1, np.uint32)
     for slot in range(slots[0], slots[1]):
         cell, at = cells.cell[cells.order[slot]], np.uint64(0)
-        for number in range(3 ** (x.shape[0] - 1)):
+        for number in range(_runs(cells)):
             begin, end = _run_beside(cells, cell, number)
             start = np.uint64(begin)
-            _squares_of(x, slot, begin, distance[: end - begin])
+            _squares_of(cells.periods, x, slot, begin, distance[: end - begin])
             if begin <= slot < end:
                 distance[slot - begin] = math.inf
             for n in range(np.uint64(end - begin)):
@@ -163,17 +206,20 @@ def _write(cells: Cells, x: Array, slots: Span, reach: float, first: Integers, n
 
 
 @compiled_inside
-def _squares_of(x: Array, slot: int, start: int, distance: Array) -> None:
+def _squares_of(periods: Array, x: Array, slot: int, start: int, distance: Array) -> None:
     """The squared distances of a slot from a run of others."""
-    place, own, others = np.uint64(start), x[0, slot], x[0]
-    for n in range(np.uint64(len(distance))):
-        apart = others[place + n] - own
-        distance[n] = apart * apart
-    for axis in range(1, x.shape[0]):
-        own, others = x[axis, slot], x[axis]
-        for n in range(np.uint64(len(distance))):
-            apart = others[place + n] - own
-            distance[n] += apart * apart
+    place = np.uint64(start)
+    distance[:] = 0.0
+    for axis in range(x.shape[0]):
+        own, others, period, inverse = x[axis, slot], x[axis], periods[0, axis], periods[1, axis]
+        if period > 0.0:
+            for n in range(np.uint64(len(distance))):
+                apart = nearest(others[place + n] - own, period, inverse)
+                distance[n] += apart * apart
+        else:
+            for n in range(np.uint64(len(distance))):
+                apart = others[place + n] - own
+                distance[n] += apart * apart
 
 
 # Inside a prange Numba writes to a copy of an array that is reached through a tuple: hence the bare arrays. Slots are

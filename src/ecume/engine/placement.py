@@ -10,6 +10,7 @@ import numpy as np
 
 from ecume._jit import compiled
 from ecume.engine.cells import Integers
+from ecume.engine.periodic import nearest, no_periods, periods_of
 from ecume.engine.walls import Walls, enclosures, wall_count, wall_distance
 from ecume.errors import BadInput
 from ecume.units import Array
@@ -26,11 +27,20 @@ SURE = 0.95
 
 
 class Region(NamedTuple):
-    """A rectangle to place discs in, cut by walls."""
+    """A rectangle to place discs in, cut by walls or periodic."""
 
     low: tuple[float, float]
     high: tuple[float, float]
     walls: Walls
+    periodic: bool = False
+    """whether discs at opposite borders are neighbors"""
+
+    @property
+    def periods(self) -> Array:
+        """See `ecume.engine.periodic`."""
+        if not self.periodic:
+            return no_periods(2)
+        return periods_of([high - low for low, high in zip(self.low, self.high, strict=True)])
 
 
 class _Grid(NamedTuple):
@@ -38,11 +48,13 @@ class _Grid(NamedTuple):
 
     low: Array
     size: Array
+    """(2,) m, of a cell"""
     shape: Integers
     head: Integers
     """(cells,) the last disc of a cell, -1 if none"""
     below: Integers
     """(N,) the next one in the same cell"""
+    periods: Array
 
 
 def place_at_random(radius: Array, region: Region, taken: tuple[Array, Array], seed: int) -> Array:
@@ -78,13 +90,13 @@ def _jammed(radii: Array, start: int, placed: int, region: Region) -> str:
     area = min(area, enclosures.area(region.walls))
     squares = np.cumsum(radii**2)
     covered = math.pi * float(squares[-1]) / area
-    advice = []
+    advice, container = [], "cell" if region.periodic else "dish"
     if placed > start:
         smaller = math.floor(SURE * 100.0 * math.sqrt(squares[placed - 1] / squares[-1])) / 100.0
-        advice.append(f"radii up to {smaller:g} times these; or a dish {1.0 / smaller:.3g} times as wide")
-    if start == 0 and radii.min() == radii.max():
+        advice.append(f"radii up to {smaller:g} times these; or a {container} {1.0 / smaller:.3g} times as wide")
+    if start == 0 and radii.min() == radii.max() and not region.periodic:
         advice += _advice_on_equal_discs(len(radii), float(radii[0]), placed, region)
-    advised = f". What fits: {'; or '.join(advice)}" if advice else "; a larger dish would do"
+    advised = f". What fits: {'; or '.join(advice)}" if advice else f"; a larger {container} would do"
     return (
         f"only {placed - start} of {len(radii) - start} floats found a free place at random; together they would cover "
         f"{covered:.0%} of the surface{advised}"
@@ -123,16 +135,19 @@ def lattice_room(count: int, spacing: float, radius: float, region: Region) -> i
 def _make_grid(region: Region, radii: Array) -> _Grid:
     span = np.array(region.high) - np.array(region.low)
     size = max(2.0 * float(radii.max()), math.sqrt(float(np.prod(span)) / (4 * len(radii) + 64)))
-    shape = np.maximum(np.ceil(span / size), 1.0).astype(np.int64)
+    counts = np.floor(span / size) if region.periodic else np.ceil(span / size)
+    shape = np.maximum(counts, 1.0).astype(np.int64)
+    edge = span / shape if region.periodic else np.full(2, size)
     cells = int(np.prod(shape))
     return _Grid(
-        np.array(region.low), np.array([size]), shape, np.full(cells, -1, np.int64), np.full(len(radii), -1, np.int64)
-    )
+        np.array(region.low), edge, shape, np.full(cells, -1, np.int64), np.full(len(radii), -1, np.int64),
+        region.periods,
+    )  # fmt: skip
 
 
 @compiled
 def _cell_along(grid: _Grid, axis: int, coordinate: float) -> int:
-    along = int((coordinate - grid.low[axis]) / grid.size[0])
+    along = int((coordinate - grid.low[axis]) / grid.size[axis])
     return min(max(along, 0), int(grid.shape[axis]) - 1)
 
 
@@ -151,12 +166,17 @@ def _fits(grid: _Grid, centers: Array, radii: Array, disc: int, walls: Walls) ->
         if wall_distance(walls, number, x, y)[0] < radius:
             return False
     column, row = _cell_along(grid, 0, x), _cell_along(grid, 1, y)
-    for beside in range(max(column - 1, 0), min(column + 2, grid.shape[0])):
-        for above in range(max(row - 1, 0), min(row + 2, grid.shape[1])):
-            other = grid.head[beside * grid.shape[1] + above]
+    periods, columns, rows = grid.periods, grid.shape[0], grid.shape[1]
+    periodic = periods[0, 0] > 0.0
+    for beside in range(column - 1, column + 2):
+        for above in range(row - 1, row + 2):
+            if not periodic and not (0 <= beside < columns and 0 <= above < rows):
+                continue
+            other = grid.head[beside % columns * rows + above % rows]
             while other >= 0:
-                apart = math.sqrt((centers[other, 0] - x) ** 2 + (centers[other, 1] - y) ** 2)
-                if apart < radius + radii[other]:
+                along = nearest(centers[other, 0] - x, periods[0, 0], periods[1, 0])
+                across = nearest(centers[other, 1] - y, periods[0, 1], periods[1, 1])
+                if math.sqrt(along**2 + across**2) < radius + radii[other]:
                     return False
                 other = grid.below[other]
     return True

@@ -60,6 +60,7 @@ MagneticMoment = Annotated[float, Unit("A*m^2"), Field(ge=-1e3, le=1e3)]
 TurningRate = Annotated[Rate, Field(ge=-1e6, le=1e6)]
 Frequency = Annotated[Rate, Field(gt=0.0, le=1e6)]
 Proportion = Annotated[Number, Field(ge=0.0, le=1.0)]
+Filling = Annotated[Number, Field(gt=0.0, lt=1.0)]
 Roughness = Annotated[Number, Field(ge=0.0, le=10.0)]
 Springiness = Annotated[float, Unit("N/m"), Field(gt=0.0, le=1e9)]
 

@@ -13,6 +13,7 @@ import numpy as np
 from ecume._jit import compiled, compiled_inside
 from ecume.engine.cells import Integers
 from ecume.engine.contact.warm_start import ContactKeys
+from ecume.engine.periodic import nearest
 from ecume.engine.walls import Walls, wall_count, wall_distance
 from ecume.units import Array
 
@@ -26,6 +27,8 @@ class Bodies(NamedTuple):
     walls: Walls
     mobility: Array
     """(N + walls,) velocity per impulse: the inverse mass, reduced by drag during the step; zero for fixed bodies"""
+    periods: Array
+    """(2, 2): see `ecume.engine.periodic`"""
 
 
 class Candidates(NamedTuple):
@@ -74,6 +77,13 @@ def make_contacts(capacity: int) -> Contacts:
 
 
 @compiled_inside
+def apart(position: Array, i: int, j: int, periods: Array) -> tuple[float, float]:
+    """The vector from the center of disc i to that of the nearest image of disc j."""
+    x = nearest(position[j, 0] - position[i, 0], periods[0, 0], periods[1, 0])
+    return x, nearest(position[j, 1] - position[i, 1], periods[0, 1], periods[1, 1])
+
+
+@compiled_inside
 def pair_gap(apart_x: float, apart_y: float, touching: float) -> tuple[float, float, float]:
     """The gap of two discs whose centers are displaced by (apart_x, apart_y), and the unit vector between them.
 
@@ -90,14 +100,15 @@ def gather(contacts: Contacts, candidates: Candidates, position: Array, bodies: 
     """Find all contacts with a gap below `reach`, by i, then j, walls last. False if the capacity is too small."""
     radius, walls, starts, partner = bodies.radius, bodies.walls, candidates.first, candidates.partner
     first, second, normal, gaps = contacts.first, contacts.second, contacts.normal, contacts.gap
-    count, walls_here, found = position.shape[0], wall_count(walls), 0
+    count, walls_here, found, periods = position.shape[0], wall_count(walls), 0, bodies.periods
     for i in range(count):
         x, y = position[i, 0], position[i, 1]
         pairs = starts[i + 1] - starts[i]
         for place in range(pairs + walls_here):
             if place < pairs:
                 j = partner[starts[i] + place]
-                gap, to_x, to_y = pair_gap(position[j, 0] - x, position[j, 1] - y, radius[i] + radius[j])
+                along, across = apart(position, i, j, periods)
+                gap, to_x, to_y = pair_gap(along, across, radius[i] + radius[j])
             else:
                 j = count + place - pairs
                 distance, in_x, in_y = wall_distance(walls, place - pairs, x, y)
@@ -162,14 +173,14 @@ def separate(contacts: Contacts, position: Array, bodies: Bodies, slop: float) -
     Returns the number of sweeps. Gaps and normals in `contacts` are not updated.
     """
     first, second, weight = contacts.first, contacts.second, contacts.weight
-    radius, mobility, count = bodies.radius, bodies.mobility, position.shape[0]
+    radius, mobility, count, periods = bodies.radius, bodies.mobility, position.shape[0], bodies.periods
     for rounds in range(MOST_ROUNDS):
         deepest = 0.0
         for row in range(contacts.total[0]):
             i, j = first[row], second[row]
             if j < count:
-                apart_x, apart_y = position[j, 0] - position[i, 0], position[j, 1] - position[i, 1]
-                gap, to_x, to_y = pair_gap(apart_x, apart_y, radius[i] + radius[j])
+                along, across = apart(position, i, j, periods)
+                gap, to_x, to_y = pair_gap(along, across, radius[i] + radius[j])
             else:
                 distance, in_x, in_y = wall_distance(bodies.walls, j - count, position[i, 0], position[i, 1])
                 gap, to_x, to_y = distance - radius[i], -in_x, -in_y

@@ -65,6 +65,7 @@ CAPABILITIES: dict[str, tuple[str, str]] = {
     "drag": ("drag", "drag: hydrodynamics.drag = 'stokes' and a liquid.viscosity above zero"),
     "point charges": ("wall", "a wall that acts on a charge by a formula"),
     "multipoles": ("wall", "a wall whose meniscus is that of the surface"),
+    "open": ("boundary", "a dish or an infinite surface"),
 }
 """The slot that has a capability, and the capability in words."""
 

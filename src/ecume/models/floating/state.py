@@ -99,7 +99,7 @@ def make_workspace(parameters: Parameters, state: State, room: float) -> Workspa
     walls = len(parameters.kick.mobility) - count
     pairs = int(room * (24 * count + 64))
     return Workspace(
-        lists=neighbors.make_lists(count, 2, int(room * count * min(count, FIRST_GUESS))),
+        lists=neighbors.make_lists(count, 2, int(room * count * min(count, FIRST_GUESS)), parameters.periods),
         candidates=contacts.make_candidates(count, pairs),
         contacts=contacts.make_contacts(pairs + count * walls),
         force=np.zeros((count, 2)),

@@ -15,6 +15,7 @@ import numpy as np
 from ecume._jit import compiled_once, of_this_process
 from ecume.engine.cells import Integers
 from ecume.engine.neighbors import NeighborLists
+from ecume.engine.periodic import nearest
 from ecume.models.floating.forces.interactions import BY_CONSTANTS, ROUND, Interaction
 from ecume.models.floating.options import Built, scene_error
 from ecume.models.floating.parameters import CAPILLARY_LENGTH, SURFACE_TENSION, PairParameters, Parameters
@@ -84,6 +85,13 @@ def interaction_of(laws: Sequence[BoundLaw]) -> Interaction:
     def make(parameters: Parameters, scene: FloatingScene) -> Built:
         if parameters.single:
             raise scene_error("interaction.precision", "got 'single'; expected 'double' with user-defined laws")
+        periods = parameters.periods[0]
+        if np.any(periods) and 2.0 * parameters.cutoff > periods[periods > 0.0].min():
+            raise scene_error(
+                "cell",
+                f"a user law acts up to the cutoff, {parameters.cutoff:.4g} m, beyond the nearest images; expected "
+                f"sides of at least {2.0 * parameters.cutoff:.4g} m, or a larger interaction.accuracy",
+            )
         floats = parameters.floats
         part = constants(
             masks_of(laws, len(scene.kinds)), floats.species, floats.radius, floats.charge, parameters.cutoff,
@@ -121,7 +129,8 @@ def _adding(total: Any) -> Any:
                 other = rows.neighbor[place]
                 j = order[other]
                 mask = part.mask[part.species[i], part.species[j]]
-                along, across = x[other] - x[slot], y[other] - y[slot]
+                along = nearest(x[other] - x[slot], rows.periods[0, 0], rows.periods[1, 0])
+                across = nearest(y[other] - y[slot], rows.periods[0, 1], rows.periods[1, 1])
                 distance = math.sqrt(along * along + across * across)
                 if mask and 0.0 < distance < part.cutoff:
                     pair = PairParameters(
@@ -149,7 +158,8 @@ def _sum_of_energies(energy: Any) -> Any:
                 other = rows.neighbor[place]
                 j = order[other]
                 mask = part.mask[part.species[i], part.species[j]]
-                along, across = x[other] - x[slot], y[other] - y[slot]
+                along = nearest(x[other] - x[slot], rows.periods[0, 0], rows.periods[1, 0])
+                across = nearest(y[other] - y[slot], rows.periods[0, 1], rows.periods[1, 1])
                 distance = math.sqrt(along * along + across * across)
                 if mask and 0.0 < distance < part.cutoff:
                     pair = PairParameters(

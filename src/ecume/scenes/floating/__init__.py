@@ -5,8 +5,9 @@ dish, currents, contacts and interactions, and `sources` reads floats from table
 """
 
 from ecume.scenes.floating.floats import DiscSpec, FloatRow, FloatSpec, ShapeSpec, SurfaceEnergies
-from ecume.scenes.floating.scene import FloatingScene, species_of
+from ecume.scenes.floating.scene import FloatingScene, sides_of, species_of
 from ecume.scenes.floating.surroundings import (
+    CellSpec,
     ContactSpec,
     DishMotionSpec,
     DishSpec,
@@ -20,6 +21,7 @@ from ecume.scenes.floating.surroundings import (
 )
 
 __all__ = [
+    "CellSpec",
     "ContactSpec",
     "DiscSpec",
     "DishMotionSpec",
@@ -36,5 +38,6 @@ __all__ = [
     "NodesSpec",
     "ShapeSpec",
     "SurfaceEnergies",
+    "sides_of",
     "species_of",
 ]

@@ -179,8 +179,9 @@ class FloatSpec:
     longer to collapse into rafts."""
     ring_radius: Size | None = None
     """The radius of the ring (m). Effect: larger rings have larger initial distances."""
-    center: tuple[Coordinate, Coordinate] = (0.0, 0.0)
-    """The center of the lattice or the ring (m). Effect: shifts the arrangement."""
+    center: tuple[Coordinate, Coordinate] | None = None
+    """The center of the lattice or the ring (m); by default the origin, in a periodic cell its center. Effect: shifts
+    the arrangement."""
     magnetic_moment: MagneticMoment = 0.0
     """The moment of a vertical magnet in each float (A m^2), positive upward. Effect: parallel magnets repel each
     other with a force proportional to the product of their moments."""

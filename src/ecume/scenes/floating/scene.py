@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from typing import Any, Literal, Self
 
 from pydantic import model_validator
@@ -11,6 +12,7 @@ from ecume.scenes.common import Common, Kind
 from ecume.scenes.faults import Complaints, Inconsistent
 from ecume.scenes.floating.floats import FloatRow, FloatSpec
 from ecume.scenes.floating.surroundings import (
+    CellSpec,
     ContactSpec,
     DishSpec,
     FlowSpec,
@@ -70,8 +72,11 @@ class FloatingScene(Common):
     """Individual floats, in addition to those of `particles`; tables and restarts are read into them. Effect: each
     row adds one float."""
     dish: DishSpec | None = None
-    """The wall around the floats; without it the surface is infinite. Effect: its meniscus attracts or repels
-    floats, and they bounce off it."""
+    """The wall around the floats; without it and without a `cell` the surface is infinite. Effect: its meniscus
+    attracts or repels floats, and they bounce off it."""
+    cell: CellSpec | None = None
+    """The periodic cell, instead of a dish. Effect: the floats are a part of an infinite layer, without walls and
+    their menisci."""
     integration: IntegrationSpec = IntegrationSpec()
     """The time stepping. Effect: determines the error per step and the cost."""
     hydrodynamics: HydrodynamicsSpec = HydrodynamicsSpec()
@@ -113,7 +118,7 @@ class FloatingScene(Common):
             left_out = {key: law for key, law in laws.items() if given is not None and getattr(given, key) is None}
             if left_out:
                 object.__setattr__(self, part, dataclasses.replace(given, **left_out))
-        complaints = [*_population(self), *_steps(self), *_doubles(self)]
+        complaints = [*_population(self), *_boundary(self), *_steps(self), *_doubles(self)]
         if complaints:
             raise Inconsistent(complaints)
         return self
@@ -139,6 +144,24 @@ def _population(scene: FloatingScene) -> Complaints:
     if total > MOST_PARTICLES:
         return [(("particles",), f"{total} floats are more than {MOST_PARTICLES:.0e}")]
     return []
+
+
+def sides_of(scene: FloatingScene) -> tuple[float, float]:
+    """The sides of the periodic cell (m), as large as its area fraction requires; zero without a cell."""
+    if scene.cell is None:
+        return 0.0, 0.0
+    (width, height), wanted = scene.cell.size, scene.cell.area_fraction
+    if wanted is None:
+        return width, height
+    covered = math.pi * sum(one.radius**2 * getattr(one, "count", 1) for one in scene.given)
+    factor = math.sqrt(covered / wanted / (width * height))
+    return factor * width, factor * height
+
+
+def _boundary(scene: FloatingScene) -> Complaints:
+    if scene.cell is None or scene.dish is None:
+        return []
+    return [(("cell",), "is periodic along both axes, and there is a [dish] with walls; expected one of the two")]
 
 
 def _steps(scene: FloatingScene) -> Complaints:

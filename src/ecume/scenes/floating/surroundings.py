@@ -17,6 +17,7 @@ from ecume.scenes.quantities import (
     Coordinate,
     Direction,
     Duration,
+    Filling,
     Frequency,
     GasDensity,
     LawName,
@@ -187,6 +188,18 @@ class DishMotionSpec:
     entrainment: Proportion = 0.0
     """The fraction of the motion of the dish that the liquid follows: 0 in an open frame, 1 in a closed dish that
     moves more slowly than its liquid sloshes. Effect: at 1 the floats stay at rest relative to the dish."""
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
+class CellSpec:
+    """A periodic rectangle from the origin on: what leaves it on one side enters it on the other."""
+
+    size: tuple[Size, Size]
+    """The width and height of the periodic cell (m); with `area_fraction` their proportions only. Example:
+    `["6 cm", "6 cm"]`. Effect: a larger cell dilutes the floats and lengthens the times until they meet."""
+    area_fraction: Filling | None = None
+    """The fraction of the cell that the floats cover; by default it follows from `size`. Example: `0.3`. Effect: sets
+    the area of the cell."""
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)

@@ -15,6 +15,7 @@ from ecume.scenes.quantities import (
     Color,
     Coordinate,
     Count,
+    Filling,
     GravityVector,
     LawName,
     Name,
@@ -47,7 +48,6 @@ Position = Annotated[tuple[Coordinate, ...], Field(min_length=2, max_length=3)]
 ForceVector = Annotated[tuple[Load, ...], Field(min_length=2, max_length=3)]
 Twist = Annotated[float, Unit("N*m"), Field(ge=-1e9, le=1e9)]
 TorqueVector = Annotated[tuple[Twist, ...], Field(min_length=1, max_length=3)]
-Filling = Annotated[Number, Field(gt=0.0, lt=1.0)]
 Sides = Annotated[tuple[Size, ...], Field(min_length=2, max_length=3)]
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from ecume._jit import admit, compiled
 from ecume.engine.cells import Integers
+from ecume.engine.contact.contacts import apart
 from ecume.engine.neighbors import NeighborLists, Slots
 from ecume.laws import dipoles
 from ecume.laws.dipoles import dipole_energy, dipole_force, dipole_strength
@@ -81,20 +82,22 @@ def dipole_energies(
 ) -> tuple[float, float]:
     """The energy of all pairs of dipoles (J)."""
     rows = workspace.lists.rows
-    listed = rows.first, rows.neighbor, workspace.lists.cells.order
+    listed = rows.first, rows.neighbor, workspace.lists.cells.order, rows.periods
     return float(sum_of_dipole_energies(state.position, part, listed)), 0.0
 
 
 @compiled
-def sum_of_dipole_energies(position: Array, part: DipoleMoments, listed: tuple[Integers, Slots, Integers]) -> float:
+def sum_of_dipole_energies(
+    position: Array, part: DipoleMoments, listed: tuple[Integers, Slots, Integers, Array]
+) -> float:
     """The energies (J) of all pairs within the cutoff, each minus its value at the cutoff."""
-    first, neighbor, order = listed
+    first, neighbor, order, periods = listed
     moment, cutoff, total = part.moment, part.pair[CUTOFF], 0.0
     for slot in range(len(order)):
         i, own = order[slot], 0.0
         for place in range(first[slot], first[slot + 1]):
             j = order[neighbor[place]]
-            x, y = position[j, 0] - position[i, 0], position[j, 1] - position[i, 1]
+            x, y = apart(position, i, j, periods)
             distance = math.sqrt(x * x + y * y)
             if i < j and 0.0 < distance < cutoff:
                 strength = dipole_strength(moment[i], moment[j])

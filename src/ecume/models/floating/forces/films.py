@@ -15,6 +15,7 @@ import numpy as np
 
 from ecume._jit import compiled
 from ecume.engine.cells import Integers
+from ecume.engine.contact.contacts import apart
 from ecume.engine.neighbors import NeighborLists
 from ecume.laws.drag import pair_factor
 from ecume.models.floating.options import Built
@@ -80,6 +81,7 @@ def film_excess(films: Films, gap: float) -> float:
 def find_films(films: Films, parameters: Parameters, position: Array, lists: NeighborLists) -> Pairs:
     """All pairs with a film, ordered by the slot of i. Unequal floats count as two of twice the reduced radius."""
     order, first, neighbor, floats = lists.cells.order, lists.rows.first, lists.rows.neighbor, parameters.floats
+    periods = lists.rows.periods
     found, pairs = 0, Pairs(np.empty(0, np.int64), np.empty(0, np.int64), np.empty((0, 2)), np.empty(0))
     for writing in range(2):
         if writing == 1:
@@ -89,7 +91,7 @@ def find_films(films: Films, parameters: Parameters, position: Array, lists: Nei
             i = order[slot]
             for place in range(first[slot], first[slot + 1]):
                 j = order[neighbor[place]]
-                x, y = position[j, 0] - position[i, 0], position[j, 1] - position[i, 1]
+                x, y = apart(position, i, j, periods)
                 distance = math.sqrt(x * x + y * y)
                 radius = 2.0 * floats.radius[i] * floats.radius[j] / (floats.radius[i] + floats.radius[j])
                 gap = (distance - floats.radius[i] - floats.radius[j]) / radius

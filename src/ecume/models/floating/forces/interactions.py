@@ -141,6 +141,7 @@ INTERACTIONS = {
             "superposed": "its charges are superposed",
             "charges": "its contact line is a set of charges",
             "point charges": "the wall acts on each of its charges by a formula",
+            "open": "its charges and its outline meet those of other bodies, not of their images",
         },
     ),
     "multipole": Interaction(
@@ -151,6 +152,7 @@ INTERACTIONS = {
         needs={
             "menisci": "multipoles are the shape of the liquid's surface",
             "multipoles": "the surface between floats and wall is solved as a whole",
+            "open": "the surface is solved as a whole, and far from all floats it is flat",
         },
     ),
     "pair-corrected": Interaction(
@@ -177,6 +179,7 @@ INTERACTIONS = {
         needs={
             "menisci": "its waves are those of the liquid's surface",
             "grid": "pairs are listed only as far as the short-range part reaches",
+            "open": "its waves decay toward borders without floats behind them",
         },
     ),
 }  # fmt: skip

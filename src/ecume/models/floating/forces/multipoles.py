@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from ecume._jit import compiled
 from ecume._portable import phase_factor
 from ecume.engine.cells import Integers
+from ecume.engine.contact.contacts import apart
 from ecume.engine.neighbors import NeighborLists
 from ecume.errors import BadInput
 from ecume.laws import drag, flotation
@@ -357,12 +358,12 @@ def correction(tables: PairTables, i: int, j: int, distance: float) -> tuple[flo
 def add_corrections(tables: PairTables, position: Array, lists: NeighborLists, force: Array) -> float:
     """Add the corrections of all listed pairs to the forces; return their energy (J)."""
     order, first, neighbor = lists.cells.order, lists.rows.first, lists.rows.neighbor
-    total = 0.0
+    total, periods = 0.0, lists.rows.periods
     for slot in range(len(order)):
         i = order[slot]
         for place in range(first[slot], first[slot + 1]):
             j = order[neighbor[place]]
-            x, y = position[j, 0] - position[i, 0], position[j, 1] - position[i, 1]
+            x, y = apart(position, i, j, periods)
             distance = math.sqrt(x * x + y * y)
             energy, repelled = correction(tables, i, j, distance)
             force[i, 0] -= repelled * x / distance

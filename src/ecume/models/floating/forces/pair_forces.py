@@ -17,7 +17,9 @@ import numpy as np
 from ecume._fused import lane_sum
 from ecume._jit import admit, by_type, compiled, compiled_inside, prange, threaded
 from ecume.engine.cells import Integers
+from ecume.engine.contact.contacts import apart
 from ecume.engine.neighbors import STRETCHES, THREADS_FROM, NeighborLists, Rows, Slots
+from ecume.engine.periodic import nearest
 from ecume.engine.walls import wall_count
 from ecume.laws import capillarity, dipoles, ewald, pair_laws, screened, special
 from ecume.laws.pair_laws import CAPABILITIES, PAIR_LAWS, PairLaw
@@ -100,7 +102,7 @@ LEAST_DISTANCE = 1e-300
 def pairs_of(rows: Rows) -> Any:
     """The parts of the neighbor lists that sums over pairs require, in 2D."""
     x, y = rows.sorted_position[0], rows.sorted_position[1]
-    return rows.first, rows.later, rows.neighbor, x, y, rows.edge, rows.place
+    return rows.first, rows.later, rows.neighbor, x, y, rows.edge, rows.place, rows.periods
 
 
 @compiled
@@ -169,7 +171,7 @@ def sum_stretch(
     the law and of the charges; distances are computed and forces added up in double. Radii are gathered only for laws
     that depend on them.
     """
-    first, later, neighbor, x, y, _, _ = rows
+    first, later, neighbor, x, y, _, _, periods = rows
     charge, radius = floats[0], seen_radii(floats[1], law)
     cutoff, length, tension = pair[CUTOFF], pair[CAPILLARY_LENGTH], pair[SURFACE_TENSION]
     nothing = cutoff - cutoff
@@ -179,12 +181,18 @@ def sum_stretch(
     room, kind = longest + PADDED, charge.dtype
     apart_x, apart_y, charges, radii = np.empty(room, kind), np.empty(room, kind), np.zeros(room, kind), np.ones(room)
     force_x, force_y = window
+    periodic = periods[0, 0] > 0.0 or periods[0, 1] > 0.0
     for slot in range(stretch[0], stretch[1]):
         begin, found = np.uint64(later[slot]), np.uint64(first[slot + 1] - later[slot])
         own_x, own_y, own_charge, own_radius = x[slot], y[slot], charge[slot], 0.0
         for k in range(found):
             j = np.uint64(neighbor[begin + k])
             apart_x[k], apart_y[k], charges[k] = x[j] - own_x, y[j] - own_y, charge[j]
+        if periodic:
+            for k in range(found):
+                j = np.uint64(neighbor[begin + k])
+                apart_x[k] = nearest(x[j] - own_x, periods[0, 0], periods[1, 0])
+                apart_y[k] = nearest(y[j] - own_y, periods[0, 1], periods[1, 1])
         if len(radius) > 0:
             own_radius = radius[slot]
             for k in range(found):
@@ -239,14 +247,15 @@ def sum_in_parallel(law: Any, rows: Any, floats: tuple[Array, Array], pair: Arra
 @compiled
 def sum_one_sided(law: Any, rows: Any, floats: tuple[Array, Array], pair: Array, force: Array) -> None:
     """The forces of all pairs on all slots for a law that is not reciprocal: each slot sums over all its neighbors."""
-    first, _, neighbor, x, y, _, _ = rows
+    first, _, neighbor, x, y, _, _, periods = rows
     charge, radius = floats
     length, tension, cutoff = pair[CAPILLARY_LENGTH], pair[SURFACE_TENSION], pair[CUTOFF]
     for slot in range(force.shape[1]):
         total_x, total_y = 0.0, 0.0
         for place in range(first[slot], first[slot + 1]):
             j = neighbor[place]
-            apart_x, apart_y = x[j] - x[slot], y[j] - y[slot]
+            apart_x = nearest(x[j] - x[slot], periods[0, 0], periods[1, 0])
+            apart_y = nearest(y[j] - y[slot], periods[0, 1], periods[1, 1])
             square = apart_x * apart_x + apart_y * apart_y
             if math.sqrt(square) < cutoff:
                 own = PairParameters(radius[slot], radius[j], charge[slot], charge[j], length, tension)
@@ -336,7 +345,8 @@ def superposed_energy(
     part: Superposed, own: Sorted, parameters: Parameters, state: State, workspace: Workspace
 ) -> tuple[float, float]:
     """Energies (J) of all pairs and of all walls."""
-    rows, pairs = (workspace.lists.rows.first, workspace.lists.rows.neighbor, workspace.lists.cells.order), 0.0
+    lists, pairs = workspace.lists, 0.0
+    rows = lists.rows.first, lists.rows.neighbor, lists.cells.order, lists.rows.periods
     if row_of_law(part.law).energy is not None:
         law = in_double(part.law, parameters)
         pairs = float(sum_of_pair_energies(law, state.position, parameters.floats, parameters.pair, rows))
@@ -345,12 +355,12 @@ def superposed_energy(
 
 @compiled
 def sum_of_pair_energies(
-    law: Any, position: Array, floats: Floats, pair: Array, rows: tuple[Integers, Slots, Integers]
+    law: Any, position: Array, floats: Floats, pair: Array, rows: tuple[Integers, Slots, Integers, Array]
 ) -> float:
     """The energies of all pairs within the cutoff, each minus its value at the cutoff, so that the energy is
     continuous.
     """
-    first, neighbor, order = rows
+    first, neighbor, order, periods = rows
     length, tension, cutoff = pair[CAPILLARY_LENGTH], pair[SURFACE_TENSION], pair[CUTOFF]
     radius, charge, total = floats.radius, floats.charge, 0.0
     for slot in range(len(order)):
@@ -358,7 +368,7 @@ def sum_of_pair_energies(
         own = 0.0
         for place in range(first[slot], first[slot + 1]):
             j = order[neighbor[place]]
-            x, y = position[j, 0] - position[i, 0], position[j, 1] - position[i, 1]
+            x, y = apart(position, i, j, periods)
             distance = math.sqrt(x * x + y * y)
             if i < j and 0.0 < distance < cutoff:
                 two = PairParameters(radius[i], radius[j], charge[i], charge[j], length, tension)

@@ -8,7 +8,8 @@ import numpy as np
 
 from ecume._jit import compiled
 from ecume.engine.cells import Integers
-from ecume.engine.contact.contacts import Candidates
+from ecume.engine.contact.contacts import Candidates, apart
+from ecume.engine.periodic import into_box
 from ecume.engine.walls import Walls, wall_count, wall_distance
 from ecume.laws.dish_motion import sway_place
 from ecume.models.floating.contacts.contact_models import contacts_of, gaps_between
@@ -51,12 +52,17 @@ NUMBER_UNITS = {
     "unconverged_steps": "1",
 }
 
+SIDES = ("box_width", "box_height")
+"""The sides of a periodic cell, in frames."""
+
 CONTACT_GAP = 1e-3
 """Floats whose gap is below this fraction of the smaller radius count as touching."""
 
 
 @compiled
-def touching_pairs(position: Array, radius: Array, candidates: Candidates, label: Integers) -> tuple[int, float]:
+def touching_pairs(
+    position: Array, radius: Array, candidates: Candidates, label: Integers, periods: Array
+) -> tuple[int, float]:
     """Label clusters by their lowest member; return the number of touching pairs and the deepest overlap."""
     first, partner = candidates.first, candidates.partner
     contacts, deepest = 0, 0.0
@@ -65,7 +71,7 @@ def touching_pairs(position: Array, radius: Array, candidates: Candidates, label
     for i in range(position.shape[0]):
         for place in range(first[i], first[i + 1]):
             j = partner[place]
-            x, y = position[j, 0] - position[i, 0], position[j, 1] - position[i, 1]
+            x, y = apart(position, i, j, periods)
             gap = math.sqrt(x * x + y * y) - radius[i] - radius[j]
             if gap < CONTACT_GAP * min(radius[i], radius[j]):
                 contacts += 1
@@ -118,7 +124,7 @@ def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame
     """Return the frame of this state."""
     floats = parameters.floats
     arrays = {
-        "position": state.position.copy(),
+        "position": into_box(state.position, parameters.periods),
         "velocity": state.velocity.copy(),
         **{name: getattr(floats, name).copy() for name in ARRAY_UNITS if hasattr(floats, name)},
     }
@@ -135,13 +141,19 @@ def observe(parameters: Parameters, state: State, workspace: Workspace) -> Frame
         **contact_numbers(parameters, state, workspace),
     }
     numbers = {name: float(numbers[name]) for name in NUMBER_UNITS}
+    units |= NUMBER_UNITS
+    if np.any(parameters.periods):
+        # Images at different borders have different angular momenta: their sum is not defined.
+        del numbers["angular_momentum"], units["angular_momentum"]
+        numbers |= dict(zip(SIDES, parameters.periods[0].tolist(), strict=True))
+        units |= dict.fromkeys(SIDES, "m")
     time = int(state.step[0]) * parameters.time_step
     if is_driven(parameters) and len(state.tally) > WORK:
         numbers[INJECTED], units[INJECTED] = float(state.tally[WORK]), "J"
     if parameters.drift.sway.moves:
         numbers |= dish_position(parameters, time)
         units |= {"dish_x": "m", "dish_y": "m"}
-    return Frame(time, arrays, numbers, {**units, **NUMBER_UNITS})
+    return Frame(time, arrays, numbers, units)
 
 
 def dish_position(parameters: Parameters, time: float) -> dict[str, float]:
@@ -194,7 +206,7 @@ def contact_numbers(parameters: Parameters, state: State, workspace: Workspace) 
     if contacts_of(parameters).gaps is not None:
         contacts, deepest = touching_shapes(parameters, state, label)
     else:
-        contacts, deepest = touching_pairs(state.position, radius, workspace.candidates, label)
+        contacts, deepest = touching_pairs(state.position, radius, workspace.candidates, label, parameters.periods)
         deepest = max(deepest, deepest_in_walls(parameters.walls, state.position, radius))
     clusters = len(np.unique(label))
     return {

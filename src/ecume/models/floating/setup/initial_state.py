@@ -10,14 +10,16 @@ import numpy as np
 from ecume.engine.cells import Integers
 from ecume.engine.contact import contacts
 from ecume.engine.neighbors import build, make_lists
+from ecume.engine.periodic import into_box
 from ecume.engine.placement import Region, place_at_random, place_on_lattice, place_on_ring
 from ecume.engine.walls import Walls, enclosures
 from ecume.errors import BadInput, Fault, SceneError
 from ecume.models.floating.contacts.contact_models import contacts_of, gaps_between
 from ecume.models.floating.forces.interactions import interactions_of
-from ecume.models.floating.parameters import Floats, Parameters
+from ecume.models.floating.parameters import Parameters
 from ecume.models.floating.state import State, make_state
 from ecume.models.floating.time_integration.integration import inertia_of, list_candidates
+from ecume.scenes.floating import sides_of
 from ecume.units import Array
 
 if TYPE_CHECKING:
@@ -47,6 +49,7 @@ class Places(NamedTuple):
 def start(scene: FloatingScene, parameters: Parameters) -> State:
     """Return the state at time 0. Raises SceneError if floats overlap, are outside, or do not fit."""
     places = given_places(scene)
+    places.position[:] = into_box(places.position, parameters.periods)
     free = np.isnan(places.position[:, 0])
     if contacts_of(parameters).gaps is not None:
         _check_shapes(scene, parameters, places.position, np.flatnonzero(~free))
@@ -87,7 +90,7 @@ def initial_angles(scene: FloatingScene) -> Array:
 
 def given_places(scene: FloatingScene) -> Places:
     """The positions and velocities in the scene: first the tables of floats, then the rows."""
-    positions = [_places_of(species) for species in scene.particles]
+    positions = [_places_of(species, middle_of(scene)) for species in scene.particles]
     velocities = [_velocities_of(species) for species in scene.particles]
     if scene.rows:
         positions.append(np.array([(row.x, row.y) for row in scene.rows]))
@@ -99,13 +102,19 @@ def _velocities_of(species: FloatSpec) -> Array:
     return np.array(species.velocities) if species.velocities else np.tile(species.velocity, (species.count, 1))
 
 
-def _places_of(species: FloatSpec) -> Array:
+def middle_of(scene: FloatingScene) -> tuple[float, float]:
+    """The center of the cell (m); without a cell the origin, the center of dishes."""
+    width, height = sides_of(scene)
+    return 0.5 * width, 0.5 * height
+
+
+def _places_of(species: FloatSpec, middle: tuple[float, float]) -> Array:
     if species.positions:
         return np.array(species.positions)
     if species.placement == "lattice" and species.spacing is not None:
-        return place_on_lattice(species.count, species.spacing, species.center)
+        return place_on_lattice(species.count, species.spacing, species.center or middle)
     if species.placement == "ring" and species.ring_radius is not None:
-        return place_on_ring(species.count, species.ring_radius, species.center)
+        return place_on_ring(species.count, species.ring_radius, species.center or middle)
     return np.full((species.count, 2), np.nan)
 
 
@@ -113,6 +122,9 @@ def region_of(parameters: Parameters) -> Region:
     """The region in which floats can be placed at random."""
     low, high = enclosures.bounds(parameters.walls)
     side = 0.5 * math.sqrt(math.pi * float(np.sum(parameters.floats.radius**2)) / OPEN_COVERAGE)
+    if np.all(parameters.periods[0] > 0.0):
+        width, height = parameters.periods[0].tolist()
+        return Region((0.0, 0.0), (width, height), parameters.walls, periodic=True)
     if math.inf in high:
         low, high = (-side, -side), (side, side)
     return Region(low, high, parameters.walls)
@@ -131,7 +143,7 @@ def position_faults(
 ) -> list[Fault]:
     """A fault for each of these floats that overlaps another by more than a fraction of its radius, or is outside."""
     outside = _outside(parameters, position, which, names, tolerance)
-    return [*outside, *_overlapping(parameters.floats, position, which, names, tolerance)]
+    return [*outside, *_overlapping(parameters, position, which, names, tolerance)]
 
 
 def _check_shapes(scene: FloatingScene, parameters: Parameters, position: Array, which: Any) -> None:
@@ -175,19 +187,22 @@ def _into_walls(walls: Walls, place: Array, radius: float) -> float:
     return radius - min(enclosures.clearances(walls, place), default=math.inf)
 
 
-def _overlapping(floats: Floats, position: Array, which: Integers, names: list[str], tolerance: float) -> list[Fault]:
+def _overlapping(
+    parameters: Parameters, position: Array, which: Integers, names: list[str], tolerance: float
+) -> list[Fault]:
     if len(which) < 2:
         return []
-    places, radius = np.ascontiguousarray(position[which]), floats.radius[which]
+    places, radius = np.ascontiguousarray(position[which]), parameters.floats.radius[which]
+    periods = parameters.periods
     capacity = 64 * len(which)
-    lists, candidates = make_lists(len(which), 2, capacity), contacts.make_candidates(len(which), capacity)
+    lists, candidates = make_lists(len(which), 2, capacity, periods), contacts.make_candidates(len(which), capacity)
     reach = 2.0 * float(radius.max())
     if not (build(lists, places, reach) and list_candidates(candidates, lists, radius, 0.0)):
         return [Fault("particles", f"more than {capacity} pairs of floats overlap")]
     faults = []
     for i in range(len(which)):
         for j in candidates.partner[candidates.first[i] : candidates.first[i + 1]]:
-            overlap = radius[i] + radius[j] - math.dist(places[i], places[j])
+            overlap = radius[i] + radius[j] - math.hypot(*contacts.apart(places, i, j, periods))
             if overlap > tolerance * min(radius[i], radius[j]):
                 faults.append(Fault(names[which[i]], f"overlaps {names[which[j]]} by {overlap:.3g} m"))
     return faults

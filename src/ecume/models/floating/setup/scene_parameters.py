@@ -32,6 +32,7 @@ from ecume.models.floating.forces.pair_forces import NAMES, Superposed, law_in_p
 from ecume.models.floating.options import Built, Option, faults_of, require_compatible, scene_error
 from ecume.models.floating.parameters import DRAG_LAWS, Parameters, Parts, pack_pair
 from ecume.models.floating.setup.kinds import floats_of, moments_of
+from ecume.models.floating.setup.periodic_cell import boundary_of, periods_in, require_room
 from ecume.models.floating.shaped.bodies import RigidKicks
 from ecume.models.floating.time_integration.integration import EveryRow
 from ecume.models.floating.time_integration.integrators import INTEGRATORS, SCHEMES, Integrator
@@ -63,7 +64,7 @@ def parameters_of(scene: FloatingScene, further: tuple[Interaction, ...] = ()) -
 def _parameters_with(scene: FloatingScene, chosen: Chosen, longer: float) -> Parameters:
     """Return parameters with neighbor lists for time steps that are longer by this factor than the default."""
     plain = _without_parts(scene, chosen, longer)
-    eligible = chosen.grid_allowed and row_of(plain).menisci
+    eligible = chosen.grid_allowed and row_of(plain).menisci and scene.cell is None
     split = split_of(plain, scene, eligible=eligible) if chosen.sums_menisci else None
     if split is not None:
         plain = cut_off(plain, split[1])
@@ -75,6 +76,7 @@ def _parameters_with(scene: FloatingScene, chosen: Chosen, longer: float) -> Par
     slowing = [row.make(plain, scene) for row in chosen.resistances]
     touching = chosen.contacts.make(plain, scene, parts)
     every = [*built, *slowing, touching]
+    require_room(plain, scene, zip((*chosen.interactions, *chosen.resistances), (*built, *slowing), strict=False))
     limited = plain._replace(
         quickest=min(plain.quickest, *(each.quickest for each in every)),
         stiffer=max(each.stiffer for each in every),
@@ -134,6 +136,7 @@ def _without_parts(scene: FloatingScene, chosen: Chosen, longer: float) -> Param
         drift=drift,
         quickest=1.0 / swings if swings > 0.0 else math.inf,
         single=scene.interaction.precision == "single",
+        periods=periods_in(scene),
     )
 
 
@@ -251,7 +254,7 @@ def options_of(scene: FloatingScene, chosen: Chosen) -> list[Option]:
         (any(one.disc is not None and one.disc.undulation > 0.0 for one in scene.given), UNDULATION),
         (_turned_by_menisci(scene), TURNING),
     ]
-    return [*rows, *surroundings, *(option for there, option in active if there)]
+    return [*rows, *surroundings, *boundary_of(scene), *(option for there, option in active if there)]
 
 
 NOISE = Option(

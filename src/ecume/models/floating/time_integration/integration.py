@@ -21,6 +21,7 @@ from ecume._jit import compiled, compiled_inside, composed, plainly, selected
 from ecume.engine.cells import Integers
 from ecume.engine.contact.contacts import Candidates
 from ecume.engine.neighbors import NeighborLists, build, farthest_move
+from ecume.engine.periodic import nearest
 from ecume.models.floating.contacts.contact_models import (
     contacts_after_drift,
     contacts_at_end,
@@ -54,14 +55,15 @@ def find_pairs(
     """
     order, rows, widest, found = lists.cells.order, lists.rows, radius.max(), 0
     x, y = rows.sorted_position[0], rows.sorted_position[1]
-    first, later, neighbor = rows.first, rows.later, rows.neighbor
+    first, later, neighbor, periods = rows.first, rows.later, rows.neighbor, rows.periods
     lower, higher = np.empty(room + 1, np.int64), np.empty(room + 1, np.int64)
     for slot in range(slots[0], slots[1]):
         i, own_x, own_y = order[slot], x[slot], y[slot]
         farthest = (radius[i] + widest + skin) ** 2
         for place in range(later[slot], first[slot + 1]):
             other = np.uint64(neighbor[place])
-            along, across = x[other] - own_x, y[other] - own_y
+            along = nearest(x[other] - own_x, periods[0, 0], periods[1, 0])
+            across = nearest(y[other] - own_y, periods[0, 1], periods[1, 1])
             square = along * along + across * across
             if square <= farthest:
                 j = order[other]
