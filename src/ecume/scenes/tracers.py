@@ -35,6 +35,7 @@ Speeds = Annotated[tuple[Velocity, ...], Field(min_length=2, max_length=3)]
 Pull = Annotated[Acceleration, Field(ge=0.0, le=1e6)]
 ComingRate = Annotated[float, Unit("1/s"), Field(gt=0.0, le=1e12)]
 Concentration = Annotated[float, Field(gt=0.0, le=1e30)]
+WallNumber = Annotated[int, Field(strict=True, ge=0, le=10_000)]
 ShearRate = Annotated[float, Unit("1/s"), Field(ge=-1e6, le=1e6)]
 Complaints = list[tuple[Path, str]]
 
@@ -113,6 +114,21 @@ class ParticleSpec:
 
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
+class WallSpec:
+    """The coefficients of one wall of the tank, where they differ from those of the others."""
+
+    wall: WallNumber
+    """The number of the wall. Walls of a box are numbered left, bottom, right, top; in 3D low x, y, z, then high x, y,
+    z; those of a polygon like its sides. Example: `1`. Effect: selects another wall."""
+    restitution: Proportion | None = None
+    """The ratio C_R of normal velocities after and before a collision with this wall; by default that of the tank.
+    Effect: 1 conserves the kinetic energy, 0 stops the normal motion."""
+    tangential_restitution: Proportion | None = None
+    """The ratio C_T of tangential velocities after and before a collision with this wall; by default that of the tank.
+    Effect: below 1 the wall slows down the motion along it."""
+
+
+@dataclass(frozen=True, kw_only=True, config=STRICT)
 class TankSpec:
     """The walls: a box, or a disc or sphere around the origin, or a convex polygon."""
 
@@ -134,6 +150,8 @@ class TankSpec:
     tangential_restitution: Proportion = 1.0
     """The ratio C_T of tangential velocities after and before a collision with a wall. Effect: below 1 walls slow
     down the motion along them."""
+    walls: tuple[WallSpec, ...] = ()
+    """The coefficients of single walls, one table each. Effect: these walls reflect in another way than the others."""
 
     @model_validator(mode="after")
     def _one_shape(self) -> Self:
@@ -163,6 +181,12 @@ class ObstacleSpec:
     """The radius of a disc or sphere (m), together with `center`. Effect: larger obstacles reflect more particles."""
     vertices: tuple[Point, ...] = ()
     """The corners of a convex polygon or polyhedron (m). Effect: determines the shape of the obstacle."""
+    restitution: Proportion | None = None
+    """The ratio C_R of normal velocities after and before a collision with the obstacle; by default that of the tank.
+    Effect: 1 conserves the kinetic energy, 0 stops the normal motion."""
+    tangential_restitution: Proportion | None = None
+    """The ratio C_T of tangential velocities after and before a collision with the obstacle; by default that of the
+    tank. Effect: below 1 the obstacle slows down the motion along it."""
 
     @model_validator(mode="after")
     def _one_shape(self) -> Self:
@@ -177,7 +201,7 @@ class ObstacleSpec:
 class OpeningSpec:
     """A part of a wall through which particles leave; with a rate or a concentration, others come in through it."""
 
-    wall: Annotated[int, Field(strict=True, ge=0, le=10_000)]
+    wall: WallNumber
     """The number of the wall with the opening. Walls of a box are numbered left, bottom, right, top; in 3D low x, y,
     z, then high x, y, z. Example: `1`. Effect: moves the opening to another wall."""
     low: Point

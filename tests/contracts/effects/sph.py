@@ -86,6 +86,9 @@ EFFECTS = {
     "tank.high": of([1.25, 1.0]),
     "tank.walls": of("dummy"),
     "tank.restitution": of(0.9, **FAST),
+    "tank.tangential_restitution": of(0.5, tank={"walls": "reflect"}, fluid=[{"velocity": [3.0, -8.0]}]),
+    "tank.left.restitution": of(0.9, tank={"walls": "reflect"}, fluid=[{"velocity": [-8.0, 0.0]}]),
+    "tank.left.tangential_restitution": of(0.5, tank={"walls": "reflect"}, fluid=[{"velocity": [-8.0, 1.0]}]),
     "tank.left.kind": of("open"),
     "tank.left.slip": of("no-slip", liquid={"viscosity": 0.05}, tank={"left": {"slip": "free"}}),
     "tank.left.velocity": of([0.0, 0.5], **VISCOUS),
@@ -111,6 +114,9 @@ EFFECTS = {
         "no-slip", **{**OBSTACLE, "obstacles": [{**OBSTACLE["obstacles"][0], "slip": "free"}]}, **VISCOUS
     ),
     "obstacles.restitution": of(0.9, tank={"walls": "reflect"}, fluid=[{"velocity": [8.0, 0.0]}], **OBSTACLE),
+    "obstacles.tangential_restitution": of(
+        0.5, tank={"walls": "reflect"}, fluid=[{"velocity": [8.0, 1.0]}], **OBSTACLE
+    ),
     "obstacles.color": of("orange", PICTURE, **OBSTACLE),
     "bodies.low": of([0.2, 0.4], **BODY),
     "bodies.high": of([0.8, 0.8], **BODY),

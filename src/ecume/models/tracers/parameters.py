@@ -17,7 +17,7 @@ from ecume.models.last_frame import ending_on_a_step
 from ecume.models.liquids import named_liquid
 from ecume.models.tables import code_of
 from ecume.models.tracers.openings import Arrivals, Stream, arrivals_of, newcomers_of
-from ecume.models.tracers.tank import surfaces_of
+from ecume.models.tracers.tank import coefficients_of, surfaces_of
 from ecume.scenes.faults import suggestion
 from ecume.scenes.tracers import TracersScene
 from ecume.units import Array
@@ -124,7 +124,7 @@ class Parameters(NamedTuple):
     """of the particles at the start, then of those that enter"""
     arrivals: Arrivals
     bouncing: Sheet
-    """the walls with the tank's coefficients"""
+    """the walls and obstacles with their coefficients"""
     stopping: Sheet
     """the same without restitution: an overdamped particle that is pulled against a wall stays there"""
     mirroring: Sheet
@@ -151,8 +151,6 @@ def parameters_of(scene: TracersScene) -> Parameters:
         cause = f"{step:g} s is longer than half a relaxation time"
         cure = 'shorten it, or set integration.integrator = "auto"'
         raise SceneError([Fault("integration.time_step", f"{cause}; {cure}")])
-    tank = scene.tank
-    coefficients = (tank.restitution, tank.tangential_restitution) if tank is not None else (1.0, 1.0)
     return Parameters(
         step,
         round(scene.frame_every / step),
@@ -162,7 +160,7 @@ def parameters_of(scene: TracersScene) -> Parameters:
         fluid,
         bodies._replace(overdamped=overdamped.astype(np.int64)),
         arrivals_of(newcomers, surfaces, bodies.radius[len(bodies.radius) - len(newcomers.time) :], step),
-        sheet(surfaces, *coefficients),
+        sheet(surfaces, *coefficients_of(scene)),
         sheet(surfaces, 0.0, 1.0),
         sheet(surfaces),
     )

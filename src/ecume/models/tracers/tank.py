@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
+import numpy as np
+
 from ecume.engine import walls
 from ecume.engine.walls import Surfaces
 from ecume.errors import BadInput, Fault, SceneError
-from ecume.scenes.tracers import ObstacleSpec, TankSpec, TracersScene
+from ecume.scenes.tracers import ObstacleSpec, TankSpec, TracersScene, WallSpec
+from ecume.units import Array
 
 
 def surfaces_of(scene: TracersScene) -> Surfaces:
@@ -27,6 +32,36 @@ def surfaces_of(scene: TracersScene) -> Surfaces:
     if faults:
         raise SceneError(faults)
     return made
+
+
+class Coefficients(NamedTuple):
+    """Restitution and tangential restitution of each surface, (K,)."""
+
+    normal: Array
+    tangential: Array
+
+
+def coefficients_of(scene: TracersScene) -> Coefficients:
+    """Those of walls, then of obstacles. Raises SceneError for a wall that the tank does not have."""
+    usual = (1.0, 1.0) if scene.tank is None else (scene.tank.restitution, scene.tank.tangential_restitution)
+    rows = np.zeros((0, 2))
+    if scene.tank is not None:
+        rows = np.tile(usual, (len(inside_of(scene.tank).kind), 1))
+        for index, wall in enumerate(scene.tank.walls):
+            if wall.wall >= len(rows):
+                message = f"got {wall.wall}; the tank has {len(rows)} walls, numbered from 0"
+                raise SceneError([Fault(f"tank.walls[{index}].wall", message)])
+            rows[wall.wall] = own_or(wall, usual)
+    parts = [rows, *(np.tile(own_or(body, usual), (len(body_of(body).kind), 1)) for body in scene.obstacles)]
+    found = np.concatenate(parts)
+    return Coefficients(found[:, 0], found[:, 1])
+
+
+def own_or(given: WallSpec | ObstacleSpec, usual: tuple[float, float]) -> tuple[float, float]:
+    """The coefficients of a wall or an obstacle, and the usual ones where it has none of its own."""
+    own = given.restitution, given.tangential_restitution
+    normal, tangential = (other if one is None else one for one, other in zip(own, usual, strict=True))
+    return normal, tangential
 
 
 def inside_of(tank: TankSpec) -> Surfaces:

@@ -97,6 +97,9 @@ class ObstacleSpec(ShapeSpec):
     restitution: Proportion | None = None
     """The ratio of normal velocities after and before a reflection at the surface; by default that of the tank.
     Effect: none unless particles penetrate."""
+    tangential_restitution: Proportion | None = None
+    """The ratio of tangential velocities after and before a reflection at the surface; by default that of the tank.
+    Effect: none unless particles penetrate."""
     color: Color | None = None
     """The color in pictures: `#rrggbb`, or an English name. Example: `"orange"`. Effect: none on the motion."""
 

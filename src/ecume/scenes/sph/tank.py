@@ -152,6 +152,12 @@ class SideSpec:
     slip: Slip | None = None
     """The slip at a wall: `free` or `no-slip`; by default `no-slip` where `liquid.viscosity` is given. Effect:
     `no-slip` slows down the liquid along the wall."""
+    restitution: Proportion | None = None
+    """The ratio of normal velocities after and before a reflection at this wall; by default that of the tank. Effect:
+    none unless particles penetrate."""
+    tangential_restitution: Proportion | None = None
+    """The ratio of tangential velocities after and before a reflection at this wall; by default that of the tank.
+    Effect: none unless particles penetrate."""
     velocity: Motion | None = None
     """The velocity of a wall along itself (m/s), such as a moving lid. Effect: drags the liquid along."""
     motion: MotionSpec | None = None
@@ -173,6 +179,10 @@ class SideSpec:
         complaints: list[tuple[Path, str]] = []
         if (self.kind == "inflow") != (self.speed is not None):
             complaints.append((("speed",), "expected for an inflow, and for nothing else"))
+        given = [key for key in ("restitution", "tangential_restitution") if getattr(self, key) is not None]
+        complaints += [
+            ((key,), f'is of a wall; this side is of kind = "{self.kind}"') for key in given if self.kind != "wall"
+        ]
         if self.kind != "outflow" and self.pressure != 0.0:
             complaints.append((("pressure",), f'is of an outflow; this side is of kind = "{self.kind}"'))
         if self.kind not in ("inflow", "outflow") and self.level is not None:
@@ -208,6 +218,9 @@ class TankSpec:
     the liquid collapses. Effect: `mirror` walls can move; `dummy` walls repel only."""
     restitution: Proportion = 0.5
     """The ratio of normal velocities after and before a reflection of particles that penetrate a wall. Effect: none
+    unless particles penetrate."""
+    tangential_restitution: Proportion = 1.0
+    """The ratio of tangential velocities after and before a reflection of particles that penetrate a wall. Effect: none
     unless particles penetrate."""
     left: SideSpec = SideSpec()
     """The side at low x. Effect: determines the boundary there."""

@@ -30,7 +30,13 @@ from ecume.models.sph.integration.particle_loops import (
 from ecume.models.sph.integration.passive_particles import move_passive_particles
 from ecume.models.sph.parameters import Parameters
 from ecume.models.sph.rates.right_hand_side import take_both, take_forces, take_thickening
-from ecume.models.sph.report.energy_budget import add_work, periodic_work, power_of_shake, reflection_work
+from ecume.models.sph.report.energy_budget import (
+    add_diffusion_work,
+    add_work,
+    periodic_work,
+    power_of_shake,
+    reflection_work,
+)
 from ecume.models.sph.state import (
     GUARD_HITS,
     MOST_SUBSTEPS,
@@ -100,6 +106,7 @@ def symplectic_step(parameters: Parameters, state: State, workspace: Workspace, 
     kick_all(state, 0.5 * time)
     move(parameters, state, workspace, 0.5 * time)
     take_thickening(parameters, state, workspace)
+    add_diffusion_work(parameters, state, workspace, time)
     thicken(state.density, state.thickening, time)
     move(parameters, state, workspace, 0.5 * time)
     take_forces(parameters, state, workspace, time)
@@ -121,6 +128,7 @@ def verlet_step(parameters: Parameters, state: State, workspace: Workspace, time
     predict(*moved, workspace.before, time)
     state.motion[...] += 0.5 * time * bodies_before
     take_both(parameters, state, workspace, time)
+    add_diffusion_work(parameters, state, workspace, time)
     correct(*moved, workspace.before, time)
     state.motion[...] += 0.5 * time * (state.push - bodies_before)
     state.ready[0] = 1

@@ -8,6 +8,8 @@ rest, F_ib.(v_i - v_b)/2, is dissipated if the force is viscous, and compresses 
 (P_i - P_b)(v_i - v_b)/2, of second order. Particles that cross a border carry their energy, and particles that cross a
 periodic side are lifted, in gravity, by the length of the tank.
 
+Density diffusion changes the elastic energy; this is work, too, of the numerical method: see `add_diffusion_work`.
+
 Rates are integrated by the trapezoidal rule, which is exact for kicks: each force acts half before and half after the
 velocity by which it is multiplied.
 """
@@ -93,7 +95,9 @@ def subset(state: State, who: Any) -> State:
 def has_external_work(parameters: Parameters) -> bool:
     """Whether any process may add or remove energy."""
     around = product(parameters.boundary.sides.shift, parameters.gravity)
-    return bool(parameters.shake is not None or forces_work(parameters) or around.any() or may_lose_liquid(parameters))
+    diffuses = parameters.density_diffusion.excess is not None
+    outside = parameters.shake is not None or forces_work(parameters) or around.any()
+    return bool(diffuses or outside or may_lose_liquid(parameters))
 
 
 def forces_work(parameters: Parameters) -> bool:
@@ -111,6 +115,37 @@ def may_lose_liquid(parameters: Parameters) -> bool:
 def has_unbudgeted_work(parameters: Parameters) -> bool:
     """Whether surface tension does work outside the energy budget: it acts on moving parts, but not in the loads."""
     return parameters.tension != "none" and bool(parameters.drives or parameters.gates or parameters.bodies.shapes)
+
+
+def add_diffusion_work(parameters: Parameters, state: State, workspace: Workspace, time: float) -> None:
+    """Add the work of density diffusion in a step, before its densities change: it changes the elastic energy without
+    moving anything, and the pressure that results may lift the liquid.
+    """
+    if parameters.density_diffusion.excess is None:
+        return
+    fields, rates, count = workspace.fields, workspace.rates, len(state.density)
+    rows = state.mass, state.density, fields.pressure[:count], rates.diffusion[:count], state.thickening
+    state.books[WORK] += diffusion_work(*rows, state.zone, parameters.material.sound_speed, time)
+
+
+@compiled
+def diffusion_work(
+    mass: Array,
+    density: Array,
+    pressure: NDArray[np.floating[Any]],
+    diffusion: NDArray[np.floating[Any]],
+    thickening: Array,
+    zone: Integers,
+    sound_speed: float,
+    time: float,
+) -> float:
+    """sum_i m_i p/rho^2 (drho/dt of diffusion) dt (J), with the pressure in the middle of the change of density."""
+    total = 0.0
+    for i in range(len(mass)):
+        if zone[i] == 0:
+            middle = pressure[i] + 0.5 * sound_speed * sound_speed * thickening[i] * time
+            total += mass[i] / (density[i] * density[i]) * middle * diffusion[i] * time
+    return total
 
 
 def add_work(

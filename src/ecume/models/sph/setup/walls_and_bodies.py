@@ -164,23 +164,32 @@ break.
 
 def guard_of(scene: SphScene) -> Guard:
     """All sides that are walls, and all obstacles."""
-    pieces, owner, restitution = [], list[int](), list[float]()
+    pieces, owner, own = [], list[int](), list[Any]()
     low, high = np.array(scene.tank.low), np.array(scene.tank.high)
     for number, name in enumerate(SIDES[: 2 * len(low)]):
         if getattr(scene.tank, name).kind == "wall":
             normal = (1.0 - 2.0 * (number % 2)) * np.eye(len(low))[number // 2]
             pieces.append(planes([high if number % 2 else low], [normal]))
             owner.append(number)
-            restitution.append(scene.tank.restitution)
+            own.append(getattr(scene.tank, name))
     for index, spec in enumerate(scene.obstacles):
         pieces.append(_obstacle(shape_of(spec), f"obstacles[{index}]"))
         owner += [2 * len(low) + index] * len(pieces[-1].kind)
-        own = scene.tank.restitution if spec.restitution is None else spec.restitution
-        restitution += [own] * len(pieces[-1].kind)
+        own += [spec] * len(pieces[-1].kind)
     walls = together(*pieces) if pieces else box(low.tolist(), high.tolist())._replace(**_nothing(len(low)))
-    packed = sheet(walls, np.array(restitution))
+    normal, tangential = (np.array([_own(scene, spec, key) for spec in own]) for key in COEFFICIENTS)
+    packed = sheet(walls, normal, tangential)
     reach = STANDOFF * scene.spacing * (scene.tank.walls != "reflect")
     return Guard(packed, np.array(owner, np.int64), OFF * scene.spacing, reach)
+
+
+COEFFICIENTS = ("restitution", "tangential_restitution")
+
+
+def _own(scene: SphScene, spec: Any, key: str) -> float:
+    """A coefficient of a side or an obstacle; by default that of the tank."""
+    given = getattr(spec, key)
+    return float(getattr(scene.tank, key) if given is None else given)
 
 
 def _nothing(dimension: int) -> dict[str, Any]:
