@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 RUNS = Path("runs")
 """Where runs go by default: `runs/bowl` for `bowl.toml`."""
 
+DAY = 86400.0
+"""s"""
 HERE = Path()
 RunFolder = Annotated[
     Path,
@@ -51,6 +53,12 @@ Violation = Annotated[
         show_default=False,
     ),
 ]
+MaxDays = Annotated[
+    float,
+    typer.Option(
+        "--max-days", min=0.0, metavar="DAYS", help="Refuse a run that is expected to take longer, by its first steps."
+    ),
+]
 Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Say nothing but errors.")]
 
 
@@ -72,6 +80,7 @@ def run(
     force: Annotated[bool, typer.Option("--force", help="Replace a run that is there.")] = False,
     view: Annotated[bool, typer.Option("--view", help="Watch it in the browser while it runs.")] = False,
     on_violation: Violation = None,
+    max_days: MaxDays = 30.0,
     quiet: Quiet = False,
     engine: Engine = "local",
     ranks: Ranks = None,
@@ -99,7 +108,12 @@ def run(
                 extra_laws=laws_from(laws or []),
                 force=force,
                 options=RunOptions(
-                    threads=threads, progress=reporter, source=source, on_violation=on_violation, engine=led
+                    threads=threads,
+                    progress=reporter,
+                    source=source,
+                    on_violation=on_violation,
+                    engine=led,
+                    longest=max_days * DAY,
                 ),
             )
         _end(done, quiet=quiet)
@@ -114,6 +128,7 @@ def resume(
         bool,
         typer.Option("--strict", help="Stop if a frame computed again differs in any bit, even on another processor."),
     ] = False,
+    max_days: MaxDays = 30.0,
     quiet: Quiet = False,
     engine: Engine = "local",
     ranks: Ranks = None,
@@ -131,7 +146,14 @@ def resume(
     from ecume.run.user_laws import laws_from
 
     with integrating(engine, ranks) as led, shown(quiet=quiet) as reporter:
-        options = RunOptions(threads=threads, progress=reporter, on_violation=on_violation, engine=led, strict=strict)
+        options = RunOptions(
+            threads=threads,
+            progress=reporter,
+            on_violation=on_violation,
+            engine=led,
+            strict=strict,
+            longest=max_days * DAY,
+        )
         _end(go_on(directory, extra_laws=laws_from(laws or []), options=options), quiet=quiet)
 
 
@@ -222,8 +244,7 @@ def watched(directory: Path, *, wanted: bool) -> Iterator[None]:
 
     ended: list[str] = []
     source = Source(directory, lambda: ended[0] if ended else "running", lambda: ask_to_stop(os.getpid()))
-    with serving(source) as address:
-        offer(address)
+    with serving(source) as address, offered(address):
         try:
             yield
             ended.append("done")
@@ -231,12 +252,17 @@ def watched(directory: Path, *, wanted: bool) -> Iterator[None]:
             ended.append("stopped")
 
 
-def offer(address: str) -> None:
-    """Open an address in the browser, and say it."""
+@contextlib.contextmanager
+def offered(address: str) -> Iterator[None]:
+    """Print an address, and open it in the browser, in a block that lasts as long as the address is served."""
     import webbrowser
 
+    from ecume.show.serving import redirect_file
+
     typer.echo(f"watch it at {address}")
-    webbrowser.open(address)
+    with redirect_file(address) as file:
+        webbrowser.open(file)
+        yield
 
 
 def use_at_most(threads: int | None) -> None:

@@ -38,6 +38,8 @@ if TYPE_CHECKING:
     from ecume.trajectories.frame import Frame
 
 
+LONGEST = 30.0 * 86400.0
+"""Seconds of wall time: 30 days."""
 OUTCOMES = {Stopped: "stopped", Diverged: "failed"}
 """How a run is said to have ended that is not done; whatever else happened interrupted it."""
 
@@ -78,6 +80,8 @@ class RunOptions:
     on_violation: str | None = None
     """The response to an invariant that is broken, see `invariant_monitor.POLICIES`; by default that with which the run
     began, or else that of its scene."""
+    longest: float = LONGEST
+    """Seconds of wall time: a run that is expected to take longer, by the speed of its first steps, is refused."""
     strict: bool = False
     """Resuming fails where a frame that is computed again differs in any bit from the one on disk, also on another
     processor or with other versions; otherwise such frames are replaced, with a warning."""
@@ -325,6 +329,17 @@ class _Session:
         self._status.write("running", self.at)
         if self._options.progress is not None:
             self._options.progress(self.at)
+        if self.at.remaining is not None and self.at.remaining > self._options.longest:
+            self._refuse_to_wait(self.at.remaining)
+
+    def _refuse_to_wait(self, remaining: float) -> None:
+        """Raise BadInput: the run would not end in the time that its user allows."""
+        steps = f"{self.at.steps} steps" if self.at.steps else "its steps"
+        raise BadInput(
+            f"{self._home.path}: {steps} would take about {remaining / 86400.0:.3g} days at the speed of the first ones, "
+            f"more than {self._options.longest / 86400.0:g} days; `ecume check` states what determines the time step. "
+            "Shorten the run, or allow more with --max-days"
+        )
 
     def _save(self, moment: Moment, before: int) -> None:
         """A checkpoint of this moment, before which there were so many frames."""
