@@ -336,7 +336,7 @@ class _Session:
         """Raise BadInput: the run would not end in the time that its user allows."""
         steps = f"{self.at.steps} steps" if self.at.steps else "its steps"
         raise BadInput(
-            f"{self._home.path}: {steps} would take about {remaining / 86400.0:.3g} days at the speed of the first ones, "
+            f"{self._home.path}: {steps} would take about {remaining / 86400.0:.3g} days by the speed of the first, "
             f"more than {self._options.longest / 86400.0:g} days; `ecume check` states what determines the time step. "
             "Shorten the run, or allow more with --max-days"
         )
