@@ -30,6 +30,8 @@ FLAGS = {
     "a+": os.O_RDWR | os.O_CREAT,
 }
 """Flags of each mode: `w+` makes a new file, `a+` opens a file for reading and writing, or makes it."""
+SPARSE = 100
+"""Times its data: a large file of this size or more consists of holes."""
 AT_ONCE = 2**20
 """Bytes that are read at once."""
 ENOUGH = 2**30
@@ -56,8 +58,20 @@ def require_plain(root: Path) -> None:
             for entry in entries:
                 if _is_folder(entry):
                     left.append(Path(entry.path))
-                elif not entry.is_file(follow_symlinks=False) and os.path.lexists(entry.path):
-                    raise NotPlain(Path(entry.path), _kind(os.lstat(entry.path)))
+                else:
+                    _require_plain_file(Path(entry.path))
+
+
+def _require_plain_file(path: Path) -> None:
+    try:
+        found = os.lstat(path)
+    except FileNotFoundError:  # removed meanwhile by the process that writes the run
+        return
+    if not stat.S_ISREG(found.st_mode):
+        raise NotPlain(path, _kind(found))
+    held = 512 * getattr(found, "st_blocks", found.st_size)
+    if found.st_size > ENOUGH and SPARSE * held < found.st_size:
+        raise TooLarge(path, f"is sparse: it holds {held} bytes of {found.st_size}, and would be read without end")
 
 
 def _is_folder(entry: os.DirEntry[str]) -> bool:

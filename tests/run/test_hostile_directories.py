@@ -240,6 +240,14 @@ def test_a_size_beyond_the_memory_is_refused(tmp_path):
         _plain_files.content_of(path, 2**20)
 
 
+def test_a_file_of_holes_is_not_read_to_its_end(killed):
+    with killed.scene.open("wb") as file:
+        file.truncate(2**40)
+    for asked in VERBS.values():
+        with pytest.raises(StorageError, match="is sparse"):
+            asked(killed.path)
+
+
 def test_without_relative_calls_links_are_refused_all_the_same(killed, tmp_path, monkeypatch, results):
     """As on Windows."""
     monkeypatch.setattr(_plain_files, "RELATIVE", False)

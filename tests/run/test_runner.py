@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 import toy
 
-from ecume.errors import Diverged, RunExists, SceneError, StorageError
+from ecume.errors import BadInput, Diverged, RunExists, SceneError, StorageError
 from ecume.models import MODELS
 from ecume.run import Progress, RunDirectory, RunOptions, checkpoints, info, resume, run
 from ecume.run.directory import manifest_of, write
@@ -176,3 +176,13 @@ def test_what_is_not_finite_is_null_in_the_lines_and_exact_in_the_frames(
     with open_trajectory(tmp_path / "run") as trajectory:
         assert np.isnan(trajectory.numbers("mean_size")).all()
         assert np.isposinf(trajectory.numbers("most")).all()
+
+
+def test_a_run_that_would_take_longer_than_allowed_is_refused_by_its_first_steps(tmp_path, scene, monkeypatch):
+    monkeypatch.setattr("ecume.run.progress.SETTLED", 0.0)
+    with pytest.raises(
+        BadInput, match=r"200[01] steps would take about .* days .* more than 1e-07 days; .* --max-days"
+    ):
+        run(scene(duration=2.0, rest=0.02), tmp_path / "run", options=RunOptions(longest=1e-7 * 86400.0))
+    assert info(tmp_path / "run").state == "interrupted"
+    resume(tmp_path / "run")

@@ -6,6 +6,7 @@ import os
 import random
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -358,3 +359,26 @@ def test_a_table_given_as_its_kind_alone_is_explained():
     told = {fault.path: fault.message for fault in error.value.faults}
     assert told["tank.right"].endswith('expected a table of keys and values; write right = { kind = "outflow" }')
     assert told["tank.left"].endswith("expected a table of keys and values")
+
+
+DEEP = {
+    "2,000 parts": "a" + ".a" * 2_000 + " = 1\n",
+    "100,000 parts": "a" + ".a" * 100_000 + " = 1\n",
+    "in quotes": "x = { " + '",".' * 50_000 + "a = 1 }\n",
+    "a table": "[" + "a." * 50_000 + "a]\n",
+    "tables in tables": "a = " + "{ a = " * 80 + "1" + " }" * 80 + "\n",
+}
+
+
+@pytest.mark.parametrize("name", DEEP)
+def test_keys_of_many_parts_are_refused_at_once(name):
+    began = time.perf_counter()
+    with pytest.raises(SceneError, match="is nested too deeply"):
+        load_scene(DEEP[name])
+    assert time.perf_counter() - began < 2.0
+
+
+def test_dots_elsewhere_are_no_keys():
+    text = "# " + "." * 200 + "\ntitle = '" + "a." * 40 + "'\npositions = [" + "1.0, " * 200 + "]\n"
+    with pytest.raises(SceneError, match="model: is missing"):
+        load_scene(text)

@@ -1,6 +1,7 @@
 """A tank that is played with is the simulated one, whatever hands do to it, and can be saved as a scene."""
 
 import base64
+import contextlib
 import json
 import math
 
@@ -321,7 +322,7 @@ def test_where_there_is_no_wall_nothing_is_pushed():
 def test_the_command_line_plays_with_a_tank_of_its_own_or_with_a_scene_but_not_with_both(monkeypatch):
     played = []
     monkeypatch.setattr("ecume.show.play.game_server.Game.run", lambda game: played.append(game.toy.moving))
-    monkeypatch.setattr("ecume.cli.browser.offer", lambda address: None)
+    monkeypatch.setattr("ecume.cli.browser.offered", contextlib.nullcontext)
     both = CliRunner().invoke(app, ["play", "--tank", "mine.toml"])
     assert both.exit_code == 2
     assert "leave it out, or SCENE" in both.output

@@ -19,10 +19,23 @@ from pathlib import Path
 
 from ecume.run.manifest import circumstances
 
-from . import compiled, damage, inputs, killing, regression, states, strangers, sweeping
+from . import (
+    compiled,
+    damage,
+    hostile,
+    inputs,
+    killing,
+    outputs,
+    regression,
+    states,
+    strangers,
+    sweeping,
+    trials,
+    values,
+)
 from .trials import Outcome, Trial, leave_nobody
 
-MODULES = killing, damage, inputs, states, strangers, sweeping, compiled, regression
+MODULES = killing, damage, inputs, states, strangers, sweeping, compiled, regression, hostile, values, outputs
 TRIALS: tuple[Trial, ...] = tuple(
     sorted(
         (one for module in MODULES for one in module.TRIALS),
@@ -34,6 +47,7 @@ TRIALS: tuple[Trial, ...] = tuple(
 def main(words: Sequence[str]) -> int:
     """Run those trials whose names contain one of the words, or all; 1 where anything was not survived."""
     given = asked(words)
+    trials.COUNT = given.count
     chosen = [one for one in TRIALS if not given.names or any(named(one, name) for name in given.names)]
     rows, failed = [], 0
     for trial in chosen:
@@ -60,6 +74,7 @@ def asked(words: Sequence[str]) -> argparse.Namespace:
     parser.add_argument(
         "--scale", type=_scale, default=1.0, help="what part of each is tried: 0.1 takes a minute or two"
     )
+    parser.add_argument("--count", type=int, metavar="N", help="try so many of each, whatever the scale")
     parser.add_argument("--record", type=Path, metavar="FILE", help="keep the table there; rows of other trials stay")
     given = parser.parse_args(words)
     for name in given.names:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import json
 import os
 import random
 import signal
@@ -37,9 +38,17 @@ def killed(model: str) -> Callable[[float, Path], Outcome]:
             tried += ended(child) == -signal.SIGKILL
         go_on(scene, folder / "killed")
         same = results(folder / "killed") == results(folder / "alone")
-        return Outcome(tried, tried if same else 0, "same bytes at the end" if same else "other bytes at the end")
+        resumed = from_checkpoints(folder / "killed")
+        words = f"{'same' if same else 'other'} bytes at the end; {resumed} times from a checkpoint"
+        return Outcome(tried, tried if same and (resumed or tried < 5) else 0, words)
 
     return trial
+
+
+def from_checkpoints(folder: Path) -> int:
+    """How often a run was resumed from a checkpoint, and not from its beginning."""
+    sessions = json.loads(RunDirectory(folder).manifest.read_bytes())["sessions"]
+    return sum(one["from_step"] > 0 for one in sessions)
 
 
 def killed_writing(scale: float, folder: Path) -> Outcome:

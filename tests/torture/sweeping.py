@@ -13,6 +13,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from ecume.errors import Stopped
+from ecume.run import verify
 from ecume.sweep import open_sweep, sweep
 from ecume.sweep.executors import ExecutorOptions
 
@@ -48,6 +49,30 @@ def swept(scale: float, folder: Path) -> Outcome:
     same = (folder / "killed" / "table.csv").read_bytes() == (folder / "quiet" / "table.csv").read_bytes()
     states = open_sweep(folder / "killed").states()
     return Outcome(points, states.count("done") if same and not done.failed else 0, "table of an undisturbed sweep")
+
+
+def killed_between(scale: float, folder: Path) -> Outcome:
+    """A sweep that is killed as soon as a point is done, each time: the next one is not begun, or just so."""
+    points = times(scale, 20)
+    file, home = folder / "bowls.toml", folder / "killed"
+    file.write_text(SWEEP.format(seeds=list(range(1, points + 1))))
+    warmed("floating")
+    alone, kills = ExecutorOptions(workers=1), 0
+    while (before := done_in(home)) < points:
+        child = forked(lambda: sweep(file, home, alone))
+        until(lambda before=before: done_in(home) > before)
+        os.kill(child, signal.SIGKILL)
+        kills += ended(child) == -signal.SIGKILL
+    done = sweep(file, home, alone)
+    sweep(file, folder / "quiet", alone)
+    same = (home / "table.csv").read_bytes() == (folder / "quiet" / "table.csv").read_bytes()
+    sound = all(verify(run).sound for run in open_sweep(home).runs)
+    return Outcome(points, points if same and sound and not done.failed else 0, f"{kills} kills, each after a point")
+
+
+def done_in(directory: Path) -> int:
+    """How many points of a sweep of scenes are done."""
+    return len(list(directory.glob("points/*/run/DONE.json")))
 
 
 T1 = """
@@ -140,5 +165,6 @@ def started(module: str, *words: object) -> subprocess.Popen[bytes]:
 
 TRIALS = (
     Trial("R15 sweeps", "a sweep killed repeatedly", swept),
+    Trial("R15 sweeps, between points", "a sweep killed after each point", killed_between),
     Trial("R15 sweeps, Dask", "a worker, the scheduler, then everything killed", swept_by_dask),
 )

@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 from ecume.errors import EcumeError
 from ecume.run import RunDirectory, RunOptions, checkpoints, resume, run
 from ecume.scenes.load import load_scene
+from ecume.scenes.templates import folder as templates
 
 DEFECT, SURPRISED = 70, 71
 """How a process ends in which something went wrong that is no answer to a user."""
@@ -105,11 +106,13 @@ high = [0.2, 0.2]
 [hydrodynamics]
 drag = "none"
 """
+T1 = (Path(str(templates())) / "t1.toml").read_text(encoding="utf-8").replace('"60 s"', '"{duration}"')
 SCENES = {
+    "t1": (T1, "60 s"),
     "floating": (FLOATING, "30 s"),
     "sph": (SPH, "0.5 s"),
     "soft": (SOFT, "8 s"),
-    "tracers": (TRACERS, "1 s"),
+    "tracers": (TRACERS, "4 s"),
 }
 """Of each model a scene, and how long it lasts in the whole."""
 ONE_THREAD = RunOptions(threads=1, checkpoint_every=0.05)
@@ -191,6 +194,10 @@ def results(folder: Path) -> dict[str, bytes]:
     return {path.name: path.read_bytes() for path in files}
 
 
+COUNT: int | None = None
+"""How many of each are tried, if the command line says so."""
+
+
 def times(scale: float, whole: int) -> int:
     """So many of a whole, one at least."""
-    return max(1, round(scale * whole))
+    return max(1, COUNT if COUNT is not None else round(scale * whole))

@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from ecume.cli.pictures import wrote
-from ecume.cli.runs import HERE, Quiet, RunFolder, offer
+from ecume.cli.runs import HERE, Quiet, RunFolder, offered
 from ecume.cli.scenes import Overrides
 from ecume.errors import BadInput
 
@@ -76,8 +76,7 @@ def _follow(directory: Path) -> None:
     def state() -> str:
         return look(directory).state
 
-    with serving(Source(directory, state, stop)) as address:
-        offer(address)
+    with serving(Source(directory, state, stop)) as address, offered(address):
         while state() == "running":
             time.sleep(LOOK_EVERY)
     typer.echo(f"{directory}: {state()}")
@@ -118,8 +117,7 @@ def play(
     game = game_of(asked)
     typer.echo("compiling, unless that was done before ...")
     game.toy.moving.play(0.0)
-    with served(game) as address:
-        offer(address)
+    with served(game) as address, offered(address):
         try:
             game.run()
         except KeyboardInterrupt:

@@ -28,9 +28,29 @@ def shown(*, quiet: bool) -> Iterator[Reporter | None]:
         yield None
     elif sys.stderr.isatty():
         with _bar() as reporter:
-            yield reporter
+            yield WithExpectation(reporter)
     else:
-        yield Lines()
+        yield WithExpectation(Lines())
+
+
+class WithExpectation:
+    """A reporter whose first line is how long the run is expected to take, as soon as its steps have been timed."""
+
+    def __init__(self, report: Reporter) -> None:
+        self._report, self._said = report, False
+
+    def __call__(self, progress: Progress) -> None:
+        """Report, after the expectation."""
+        if not self._said and progress.remaining:
+            self._said = True
+            typer.echo(expectation(progress), err=True)
+        self._report(progress)
+
+
+def expectation(progress: Progress) -> str:
+    """`30000 steps, about 4 min`."""
+    steps = f"{progress.steps} steps" if progress.steps else "adaptive steps"
+    return f"{steps}, about {lasting(progress.remaining or 0.0)}"
 
 
 @contextmanager

@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 RUNS = Path("runs")
 """Where runs go by default: `runs/bowl` for `bowl.toml`."""
 
+DAY = 86400.0
+"""s"""
 HERE = Path()
 RunFolder = Annotated[
     Path,
@@ -50,6 +52,12 @@ Violation = Annotated[
         metavar="warn|stop",
         help="When energy, mass, overlaps ... leave their limits; by default what the scene says, or warn.",
         show_default=False,
+    ),
+]
+MaxDays = Annotated[
+    float,
+    typer.Option(
+        "--max-days", min=0.0, metavar="DAYS", help="Refuse a run that is expected to take longer, by its first steps."
     ),
 ]
 Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Say nothing but errors.")]
@@ -77,6 +85,7 @@ def run(
     thermo: Thermo = False,
     thermo_columns: Columns = None,
     thermo_every: ThermoEvery = None,
+    max_days: MaxDays = 30.0,
     quiet: Quiet = False,
     engine: Engine = "local",
     ranks: Ranks = None,
@@ -113,6 +122,7 @@ def run(
                     engine=led,
                     on_frame=table,
                     numbers=table.names if table else (),
+                    longest=max_days * DAY,
                 ),
             )
         _end(done, quiet=quiet)
@@ -131,6 +141,7 @@ def resume(
     thermo: Thermo = False,
     thermo_columns: Columns = None,
     thermo_every: ThermoEvery = None,
+    max_days: MaxDays = 30.0,
     quiet: Quiet = False,
     engine: Engine = "local",
     ranks: Ranks = None,
@@ -157,6 +168,7 @@ def resume(
             strict=strict,
             on_frame=table,
             numbers=table.names if table else (),
+            longest=max_days * DAY,
         )
         own, acting = laws_from(laws or []), actions_from(actions or [])
         _end(go_on(directory, extra_laws=own, actions=acting, options=options), quiet=quiet)
@@ -252,8 +264,7 @@ def watched(directory: Path, *, wanted: bool) -> Iterator[None]:
 
     ended: list[str] = []
     source = Source(directory, lambda: ended[0] if ended else "running", lambda: ask_to_stop(os.getpid()))
-    with serving(source) as address:
-        offer(address)
+    with serving(source) as address, offered(address):
         try:
             yield
             ended.append("done")
@@ -261,12 +272,17 @@ def watched(directory: Path, *, wanted: bool) -> Iterator[None]:
             ended.append("stopped")
 
 
-def offer(address: str) -> None:
-    """Open an address in the browser, and say it."""
+@contextlib.contextmanager
+def offered(address: str) -> Iterator[None]:
+    """Print an address, and open it in the browser, in a block that lasts as long as the address is served."""
     import webbrowser
 
+    from ecume.show.serving import redirect_file
+
     typer.echo(f"watch it at {address}")
-    webbrowser.open(address)
+    with redirect_file(address) as file:
+        webbrowser.open(file)
+        yield
 
 
 def use_at_most(threads: int | None) -> None:

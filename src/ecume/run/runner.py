@@ -45,6 +45,8 @@ if TYPE_CHECKING:
 CHANGED_BY_ACTIONS = ("momentum",)
 """Invariants that do not hold where actions change velocities: their work is in the energy budget, their impulse is in
 none."""
+LONGEST = 30.0 * 86400.0
+"""Seconds of wall time: 30 days."""
 OUTCOMES = {Stopped: "stopped", Diverged: "failed"}
 """How a run is said to have ended that is not done; whatever else happened interrupted it."""
 
@@ -89,6 +91,8 @@ class RunOptions:
     """Is called with the name of the model, each frame that is computed, and its number of time steps."""
     numbers: Sequence[str] = ()
     """Numbers of frames that `on_frame` needs: unknown ones are refused before the run begins or continues."""
+    longest: float = LONGEST
+    """Seconds of wall time: a run that is expected to take longer, by the speed of its first steps, is refused."""
     strict: bool = False
     """Resuming fails where a frame that is computed again differs in any bit from the one on disk, also on another
     processor or with other versions; otherwise such frames are replaced, with a warning."""
@@ -384,6 +388,17 @@ class _Session:
         self._status.write("running", self.at)
         if self._options.progress is not None:
             self._options.progress(self.at)
+        if self.at.remaining is not None and self.at.remaining > self._options.longest:
+            self._refuse_to_wait(self.at.remaining)
+
+    def _refuse_to_wait(self, remaining: float) -> None:
+        """Raise BadInput: the run would not end in the time that its user allows."""
+        steps = f"{self.at.steps} steps" if self.at.steps else "its steps"
+        raise BadInput(
+            f"{self._home.path}: {steps} would take about {remaining / 86400.0:.3g} days by the speed of the first, "
+            f"more than {self._options.longest / 86400.0:g} days; `ecume check` states what determines the time step. "
+            "Shorten the run, or allow more with --max-days"
+        )
 
     def _sample(self, samples: SampleFile, moment: Moment) -> None:
         """Include a sample that is due; rows are visible to readers at each frame."""

@@ -21,6 +21,8 @@ from ecume.scenes.templates import templates
 BARE = re.compile(r"[^=#]*=\s*([\w.+-][^\"'\[\]{}#=]*[^\W\d_][^\"'\[\]{}#=]*?)\s*(?:#.*)?$")
 """A line with words that stand without quotes."""
 MOST_BYTES = 2**20
+DEEPEST = 64
+"""Tables in tables, and parts of a key."""
 OVERRIDDEN = " (from --set)"
 """Behind a fault that the command line brought in."""
 OF_SWEEPS = {"axes", "sampling", "process", "template"}
@@ -166,7 +168,8 @@ def _bounded(text: str) -> str:
 def parsed(source: Source) -> dict[str, Any]:
     """The tables of a TOML text. Python's reader leaks two more exceptions than its own."""
     try:
-        return tomllib.loads(source.text)
+        require_shallow_keys(source.text)
+        return _shallow(tomllib.loads(source.text))
     except tomllib.TOMLDecodeError as error:
         fault = _syntax_fault(str(error), source.text)
     except RecursionError:
@@ -174,6 +177,38 @@ def parsed(source: Source) -> dict[str, Any]:
     except ValueError as error:
         fault = Fault("", f"is not TOML: {error}")
     raise SceneError([fault], source.name)
+
+
+def require_shallow_keys(text: str) -> None:
+    """Raise RecursionError for a key of too many parts, `a.a.a ...`: Python's reader needs quadratic time for them."""
+    for line in text.split("\n"):
+        if line.count(".") <= DEEPEST:
+            continue
+        parts, quote = 0, ""
+        for letter in line:
+            if quote:
+                quote = "" if letter == quote else quote
+            elif letter in "\"'":
+                quote = letter
+            elif letter == "#":
+                break
+            elif letter in ",={}[]":
+                parts = 0
+            elif letter == ".":
+                parts += 1
+                if parts > DEEPEST:
+                    raise RecursionError
+
+
+def _shallow(raw: dict[str, Any]) -> dict[str, Any]:
+    """The same tables. Raises RecursionError where they are nested too deeply for what reads them next."""
+    level: list[Any] = [raw]
+    for _ in range(DEEPEST):
+        level = [item for each in level for item in (each.values() if isinstance(each, dict) else each)]
+        level = [item for item in level if isinstance(item, dict | list)]
+        if not level:
+            return raw
+    raise RecursionError
 
 
 def _syntax_fault(given: str, text: str) -> Fault:

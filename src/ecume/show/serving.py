@@ -7,16 +7,26 @@ origin, or under a name of ours that is not the address: both are refused.
 from __future__ import annotations
 
 import contextlib
+import html
+import os
 import secrets
+import shutil
+import sys
+import tempfile
 import threading
 from collections.abc import Iterator, Mapping
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
 from typing import Any, NamedTuple, Protocol, cast
-from urllib.parse import parse_qs, urlsplit
+from urllib.parse import SplitResult, parse_qs, urlsplit
+
+from ecume.errors import EcumeError
 
 HOST = "127.0.0.1"
 HTML = "text/html; charset=utf-8"
 JSON = "application/json"
+SILENCE = 30.0
+"""Seconds after which a connection that sends nothing, or takes nothing, is closed."""
 MOST = 100_000
 """Bytes that a page may send at once."""
 
@@ -53,6 +63,7 @@ class _Requests(BaseHTTPRequestHandler):
     """One request."""
 
     server_version, sys_version = "ecume", ""
+    timeout = SILENCE
 
     @property
     def site(self) -> Site:
@@ -61,19 +72,36 @@ class _Requests(BaseHTTPRequestHandler):
 
     def do_GET(self) -> None:
         """A page has its token in its address, whoever asks for data in a header."""
-        asked = urlsplit(self.path)
+        if (asked := self._asked()) is None:
+            return
         query = parse_qs(asked.query)
         token = query.get("token", [""])[0] if asked.path == "/" else self.headers.get("X-Token", "")
-        self._answer(self.site.get(asked.path, query) if self._trusted(token) else None)
+        if not self._trusted(token):
+            self._answer(None)
+            return
+        try:
+            self._answer(self.site.get(asked.path, query))
+        except EcumeError as error:  # damaged files
+            self.send_error(503, "the run cannot be read", html.escape(str(error)))
 
     def do_POST(self) -> None:
         """Only with the token in a header."""
+        if (asked := self._asked()) is None:
+            return
         length = self.headers.get("Content-Length", "0")
         size = int(length) if length.isdecimal() and len(length) < 10 else MOST + 1
         if size > MOST or not self._trusted(self.headers.get("X-Token", "")):
             self._answer(None)
             return
-        self._answer(self.site.post(urlsplit(self.path).path, self.rfile.read(size)))
+        self._answer(self.site.post(asked.path, self.rfile.read(size)))
+
+    def _asked(self) -> SplitResult | None:
+        """The address that is asked for; None, after an answer, where it is none."""
+        try:
+            return urlsplit(self.path)
+        except ValueError:
+            self.send_error(400, "no such address")
+            return None
 
     def _trusted(self, token: str) -> bool:
         """Whether it comes from the page that we gave out: by its address, its origin, and the token."""
@@ -107,11 +135,41 @@ class _Requests(BaseHTTPRequestHandler):
         """Say nothing: the terminal belongs to the run."""
 
 
+class _Server(ThreadingHTTPServer):
+    """A thread for each connection."""
+
+    daemon_threads = True
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """Connections that break are no news; a defect of ours is."""
+        if not isinstance(sys.exception(), OSError):
+            super().handle_error(request, client_address)
+
+
+@contextlib.contextmanager
+def redirect_file(address: str) -> Iterator[str]:
+    """The address of a file that sends a browser to `address`.
+
+    A browser that is started gets its address as an argument, which all users of the machine can read. The file is
+    readable for its owner alone, so the token in the address stays private. It is removed when the block ends.
+    """
+    folder = Path(tempfile.mkdtemp(prefix="ecume-"))  # mode 0700
+    file = folder / "open.html"
+    try:
+        target = html.escape(address)
+        with os.fdopen(os.open(file, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w", encoding="utf-8") as page:
+            page.write(
+                f'<!doctype html><meta http-equiv="refresh" content="0; url={target}"><a href="{target}">ecume</a>'
+            )
+        yield file.as_uri()
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+
+
 @contextlib.contextmanager
 def served(site: Site) -> Iterator[str]:
     """Serve while the block lasts; the page's address."""
-    server = ThreadingHTTPServer((HOST, 0), _Requests)
-    server.daemon_threads = True
+    server = _Server((HOST, 0), _Requests)
     server.site = site  # type: ignore[attr-defined]
     threading.Thread(target=server.serve_forever, daemon=True).start()
     try:

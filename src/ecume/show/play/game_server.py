@@ -107,7 +107,7 @@ class Game:
                 said = ""
             except BadInput as refusal:
                 said = str(refusal)
-            except (ValueError, TypeError, KeyError) as fault:
+            except (ValueError, TypeError, KeyError, OverflowError, RecursionError) as fault:
                 said = f"that is nothing to do here ({fault})"
         return Answer(json.dumps({"said": said}).encode(), JSON)
 

@@ -1,0 +1,150 @@
+"""Templates whose values are changed, through `check` and ten steps: an answer within ten seconds, and no traceback."""
+
+from __future__ import annotations
+
+import contextlib
+import copy
+import json
+import math
+import random
+import resource
+import signal
+import tomllib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from ecume.errors import EcumeError
+from ecume.models import MODELS
+from ecume.scenes.salvage import load_and_examine
+from ecume.scenes.templates import folder as templates
+from ecume.simulation import Integration
+
+from .trials import Outcome, Trial, ended, forked, times
+
+STEPS = 10
+LIMIT = 10
+"""Seconds of processor time for a scene."""
+FACTORS = (0.0, -1.0, 1e-12, 1e-6, 1e-3, 0.1, 0.5, 2.0, 10.0, 1e3, 1e6, 1e12, 1e300, math.inf, math.nan)
+LARGEST = 300
+"""Particles of the scenes that are integrated: larger templates are checked alone."""
+
+
+def mutated_values(scale: float, folder: Path) -> Outcome:
+    """One to three numbers of a template multiplied by something."""
+    chance, tried, survived, missed = random.Random(24), times(scale, 10_000), 0, []
+    known = {
+        path.stem: tomllib.loads(path.read_text(encoding="utf-8"))
+        for path in sorted(Path(str(templates())).glob("*.toml"))
+    }
+    for plain in known.values():
+        stepped(plain)  # what is compiled is compiled once, and forked
+    for _ in range(tried):
+        name = chance.choice(list(known))
+        changed = mutated(known[name], chance)
+        code = ended(forked(lambda changed=changed: bounded(changed)))
+        survived += code == 0
+        if code:
+            missed.append(f"{name}: {code}: {differences(known[name], changed)}")
+    return Outcome(tried, survived, "; ".join(missed[:5]) or "each ended with an answer")
+
+
+def numbers_of(plain: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[tuple[Any, ...], Any]]:
+    """The numbers of a scene, also those with a unit, and their paths."""
+    items = plain.items() if isinstance(plain, dict) else enumerate(plain) if isinstance(plain, list) else ()
+    for key, value in items:
+        if isinstance(value, dict | list):
+            yield from numbers_of(value, (*path, key))
+        elif is_quantity(value):
+            yield (*path, key), value
+
+
+def is_quantity(value: Any) -> bool:
+    """Whether it is a number, or a text of one with a unit."""
+    return parts_of(value) is not None if isinstance(value, str) else type(value) in (int, float)
+
+
+def parts_of(text: str) -> tuple[float, str] | None:
+    """The number and the unit of a text, if it is a quantity."""
+    number, _, unit = text.partition(" ")
+    try:
+        return float(number), unit
+    except ValueError:
+        return None
+
+
+def mutated(plain: dict[str, Any], chance: random.Random) -> dict[str, Any]:
+    """A scene with one to three other numbers."""
+    changed = copy.deepcopy(plain)
+    for path, value in chance.sample(known := list(numbers_of(plain)), min(len(known), chance.randint(1, 3))):
+        at = changed
+        for key in path[:-1]:
+            at = at[key]
+        at[path[-1]] = multiplied(value, chance.choice(FACTORS))
+    return changed
+
+
+def multiplied(value: Any, factor: float) -> Any:
+    """A number, or a quantity, times a factor."""
+    if isinstance(value, str):
+        number, unit = parts_of(value) or (1.0, "")
+        return f"{number * factor!r} {unit}"
+    if isinstance(value, int) and math.isfinite(factor):
+        return int(value * factor)
+    return value * factor
+
+
+def differences(one: Any, other: Any) -> str:
+    """The numbers that differ."""
+    there = dict(numbers_of(other))
+    changed = [path for path, value in numbers_of(one) if there.get(path) != value]
+    return ", ".join(f"{'.'.join(map(str, path))} = {there.get(path)}" for path in changed)
+
+
+def bounded(plain: dict[str, Any]) -> None:
+    """A scene in this process, with bounded time."""
+    resource.setrlimit(resource.RLIMIT_CPU, (spent() + LIMIT, spent() + LIMIT))
+    signal.alarm(6 * LIMIT)
+    stepped(plain)
+
+
+def spent() -> int:
+    """The processor time of this process, s."""
+    used = resource.getrusage(resource.RUSAGE_SELF)
+    return math.ceil(used.ru_utime + used.ru_stime)
+
+
+def stepped(plain: dict[str, Any]) -> None:
+    """What `check` reports of a scene, then its first steps."""
+    try:
+        with contextlib.chdir(str(templates())):
+            scene = load_and_examine(toml_of(plain), [], lambda scene: MODELS[scene.model].summary(scene))
+        model = MODELS[scene.model]
+        parameters = model.parameters(scene)
+        state = model.start(scene, parameters)
+        if len(state.position) <= LARGEST:
+            integration = Integration(model, parameters, state, 0.25)
+            for _ in range(STEPS):
+                integration.go(1)
+            integration.observe()
+    except EcumeError:  # an answer
+        return
+
+
+def toml_of(plain: dict[str, Any]) -> str:
+    """Plain tables as TOML."""
+    return "\n".join(f"{key} = {value_of(value)}" for key, value in plain.items()) + "\n"
+
+
+def value_of(value: Any) -> str:
+    """A value as TOML writes it."""
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f"{json.dumps(key)} = {value_of(item)}" for key, item in value.items()) + " }"
+    if isinstance(value, list):
+        return "[" + ", ".join(map(value_of, value)) + "]"
+    if isinstance(value, float):
+        return "nan" if math.isnan(value) else ("inf" if value > 0 else "-inf") if math.isinf(value) else repr(value)
+    return json.dumps(value)
+
+
+TRIALS = (Trial("R24 mutated values", "numbers of templates changed, check and ten steps", mutated_values),)
