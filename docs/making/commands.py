@@ -38,7 +38,7 @@ def _row(one: Any) -> str:
     )
     value = f" `{one.metavar}`" if one.param_type_name == "option" and one.metavar else ""
     usual = (
-        f" Left out: {one.default}."
+        f" Default: {one.default}."
         if one.show_default
         and one.default not in (None, False, (), [], ...)
         and isinstance(one.default, (int, float, str))

@@ -59,9 +59,9 @@ def test_every_law_and_its_units_are_there(makers):
 def test_every_command_is_there(makers):
     (text,) = makers("commands").pages().values()
     assert all(f"## ecume {verb}\n" in text for verb in ("new", "run", "movie", "bench", "validate"))
-    assert "`--max-size` `MB` | Of the page; above it frames are left out. Left out: 50.0. |" in text
+    assert "`--max-size` `MB` | Largest page; long runs show fewer frames. Default: 50.0. |" in text
     rows = [line for line in text.splitlines() if line.startswith("|")]
-    assert r"| `--engine` `local\|mpi` | What integrates" in text
+    assert r"| `--engine` `local\|mpi` | Integrate" in text
     assert all(len(re.findall(r"(?<!\\)\|", row)) == 3 for row in rows), "a sign of its own makes no cell"
 
 

@@ -69,7 +69,7 @@ def test_a_scene_starts_from_a_frame_of_another_run(folder: Path, at: str, x: fl
         ("@x", "", "'runs/bowl@x' 'x' is no number of a frame; expected RUN@FRAME"),
         ("@", "", "'' is no number of a frame"),
         ("@1.5", "", "'1.5' is no number of a frame"),
-        ("2", "", "is not there; it is looked for from the scene's folder, /"),
+        ("2", "", "does not exist; paths are relative to the scene's folder, /"),
         ("@0", "[[particles]]\nradius = 1\ndensity = 1\ncontact_angle = 1", "brings all the floats"),
     ],
 )

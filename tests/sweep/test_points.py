@@ -114,7 +114,7 @@ SPAN = 'template = "t1"\n[[axes]]\nkey = "a"\nspan = {{{}}}'
         ('template = "dam-brake"\nrepeats = 2', "did you mean dam-break?"),
         ('template = "t1"\nrepeats = ', "line 2, column 11: is not TOML: Invalid value"),
         ("a = " + "[" * 3000, "nested too deeply"),
-        ('process = "t1"\nmeasures = ["final x"]\n[[axes]]\nkey = "gap"\nvalues = [1]', "tells its own numbers"),
+        ('process = "t1"\nmeasures = ["final x"]\n[[axes]]\nkey = "gap"\nvalues = [1]', "fixed list of numbers"),
         ('template = "t1"\nrepeats = 2\nmeasures = ["finl top"]', "line 3, column 13: measures[0]: got 'finl top'"),
         ('template = "t1"\nrepeats = 2\nmeasures = ["first top > 1.2.3"]', "or 'first top > 0.3'"),
         (TWICE.format("a", "", "a", ""), "axes[1].key: a stands elsewhere, too"),

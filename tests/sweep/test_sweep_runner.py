@@ -221,7 +221,7 @@ def test_a_signal_stops_a_sweep_that_the_same_command_goes_on_with(file, tmp_pat
         told = sweeping.communicate(timeout=60)[1]
     assert sweeping.returncode == Stopped.exit_code
     assert told.startswith(f"ecume: stopped by {name}; ")
-    assert "of 4 points are done, and the same command goes on" in told
+    assert "of 4 points are done; the same command continues" in told
     assert "Traceback" not in told
 
 

@@ -11,10 +11,11 @@ from typing import NamedTuple
 import numpy as np
 
 from ecume.errors import StorageError
-from ecume.models.check_report import Row, told_duration
+from ecume.models.check_report import Row
 from ecume.scenes.common import Common
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.recorder import Recorder
+from ecume.value_texts import duration_text, size_text
 
 PROBES = 4
 """Frames that are written, besides a first one that opens the file."""
@@ -50,9 +51,9 @@ class FrameCost(NamedTuple):
 
     def rows(self) -> list[Row]:
         """The number of frames, what each costs, and the size of all on the disk."""
-        each = f"{told_duration(self.seconds / self.frames)} and {told_size(self.bytes / self.frames)} each"
+        each = f"{duration_text(self.seconds / self.frames)} and {size_text(self.bytes / self.frames)} each"
         large = "; a larger frame_every takes less" if self.bytes > LARGE else ""
-        return [("frames", str(self.frames), each), ("disk", told_size(self.bytes), f"roughly, of frames{large}")]
+        return [("frames", str(self.frames), each), ("disk", size_text(self.bytes), f"roughly, of frames{large}")]
 
     def remark(self, stepping: float) -> str:
         """What to do where frames take longer than time steps do, and long; otherwise empty."""
@@ -98,15 +99,3 @@ def probed(content: Content) -> tuple[float, float]:
 
 def _size(folder: Path) -> int:
     return sum(path.stat().st_size for path in folder.iterdir())
-
-
-def told_size(size: float) -> str:
-    """A size in the unit that fits.
-
-    >>> told_size(950.0), told_size(2.35e5), told_size(3.2e9), told_size(4e13)
-    ('950 B', '235 kB', '3.2 GB', '40 TB')
-    """
-    for unit, power in (("B", 0), ("kB", 3), ("MB", 6), ("GB", 9)):
-        if size < 0.9995 * 10.0 ** (power + 3):
-            return f"{size / 10.0**power:.3g} {unit}"
-    return f"{size / 1e12:.3g} TB"

@@ -95,7 +95,7 @@ class StatusFile:
             part.write_text(as_json(report))
             try:
                 part.replace(self._home.status)
-            except PermissionError:  # Windows, while somebody reads it: the next second is soon enough
+            except PermissionError:  # Windows, while another process reads it: the next second is soon enough
                 part.unlink(missing_ok=True)
 
 

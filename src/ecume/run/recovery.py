@@ -16,8 +16,8 @@ from ecume.trajectories.repair import repair as repair_trajectory
 
 
 def plain_scene(home: RunDirectory) -> dict[str, Any]:
-    """What is simulated, as it was when the run began. Raises StorageError where that is damaged: another scene would
-    be gone on with, and nobody would know.
+    """The scene as it was at the start of the run. Raises StorageError if it is damaged: otherwise another scene would
+    be continued unnoticed.
     """
     with storing(home.resolved):
         text = home.resolved.read_bytes()

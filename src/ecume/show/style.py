@@ -116,13 +116,13 @@ def scale_for(largest: float, unit: str) -> Scale:
 
 
 def plain(text: str) -> str:
-    """A person's own words as they are: no formula between dollars, no label left out because of its underscore."""
+    """A user's text unchanged: no formula between dollars, no label omitted because of its underscore."""
     shown = text.replace("$", r"\$")
     return " " + shown if shown.startswith("_") else shown
 
 
 def figure(width: float = 6.4, height: float = 4.0) -> Figure:
-    """An empty figure of that size (inches), bound to no screen and known to nobody else."""
+    """An empty figure of that size (inches), bound to no screen and not registered in pyplot."""
     made = Figure(figsize=(width, height), layout="constrained")
     FigureCanvasAgg(made)
     return made
@@ -138,7 +138,7 @@ def style() -> Iterator[None]:
 
 
 def save(drawn: Figure, out: Path) -> Path:
-    """Write a figure in the format that its file name asks for."""
+    """Write a figure in the format of its file name."""
     out = Path(out)
     known = drawn.canvas.get_supported_filetypes()
     if out.suffix[1:].lower() not in known:

@@ -24,14 +24,14 @@ def segment_files(folder: Path) -> list[Path]:
 class Recorder:
     """An open trajectory that frames are added to: a folder with `0000.gsd`, `0001.gsd` and so on.
 
-    A folder that holds frames is gone on with. When `write` returns, the frame is on the disk, whole.
+    A folder that holds frames is continued. When `write` returns, the frame is on the disk, whole.
     """
 
     def __init__(
         self, folder: Path, *, species: Sequence[str] = (), colors: Sequence[str] = (), largest: int = LARGEST
     ) -> None:
-        """`species` are their names, in the order of their numbers, and `colors` theirs, `#rrggbb`: whoever opens the
-        files sees them.
+        """`species` are their names, in the order of their numbers, and `colors` theirs, `#rrggbb`, for viewers of the
+        files.
         """
         self.folder, self._species, self._colors, self._largest = folder, tuple(species), tuple(colors), largest
         with storing(folder):

@@ -20,6 +20,7 @@ from ecume.models.floating.state import DEEPEST, State, Workspace, make_workspac
 from ecume.models.floating.time_integration.integration import advance, fill_lists, make_scratch
 from ecume.models.floating.user_laws import advance_extended
 from ecume.models.model import Model, Source
+from ecume.value_texts import with_prefix
 
 
 def laws_of(scene: Any) -> list[Source]:
@@ -68,12 +69,12 @@ def _who_and_what(parameters: Parameters, state: State) -> str:
     if state.tally[DEEPEST] > DEEP * parameters.floats.radius.min():
         # Contacts have separated them by more than any float moves in a step.
         one, other = np.argsort(-np.linalg.norm(state.position - state.reference, axis=1))[:2]
-        return f"floats {one} and {other} were separated from an overlap of {state.tally[DEEPEST]:.3g} m"
+        return f"floats {one} and {other} were separated from an overlap of {with_prefix(state.tally[DEEPEST], 'm', 3)}"
     with np.errstate(over="ignore"):
         speed = np.hypot(state.velocity[:, 0], state.velocity[:, 1])
     fastest = int(np.argmax(speed))
-    x, y = state.position[fastest]
-    return f"float {fastest} goes {speed[fastest]:.3g} m/s (at {x:.4g} m, {y:.4g} m)"
+    x, y = (with_prefix(place, "m") for place in state.position[fastest])
+    return f"float {fastest} moves at {with_prefix(speed[fastest], 'm/s', 3)} (at {x}, {y})"
 
 
 def extended(extra_laws: Sequence[Callable[..., float]]) -> Model:

@@ -171,7 +171,7 @@ class LiquidSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class DishMotionSpec:
-    """A dish that is drawn along, or swings to and fro; floats are where and as fast as they are seen from it."""
+    """A dish that moves uniformly or oscillates; positions and velocities of floats are relative to it."""
 
     velocity: tuple[Velocity, Velocity] = (0.0, 0.0)
     """A constant velocity of the dish (m/s); floats are described in the frame of the dish. Effect: the liquid drags

@@ -215,10 +215,9 @@ TOYS: dict[str, Callable[[Any], Toy]] = {
 
 
 def game_of(scene: Scene) -> Game:
-    """A game with this scene. Raises BadInput for one that nobody can play with."""
+    """A game with this scene. Raises BadInput for scenes without a game."""
     if scene.model not in TOYS:
         raise BadInput(
-            f"one plays with floats in a dish, and with a tank of liquid in the plane; "
-            f"this is a scene of model {scene.model!r}"
+            f"play supports floats in a dish and 2D tanks of liquid; this is a scene of model {scene.model!r}"
         )
     return Game(TOYS[scene.model](scene))

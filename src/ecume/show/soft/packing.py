@@ -62,7 +62,7 @@ CIRCLE = np.stack([wave(np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False)) for w
 
 
 class Links(NamedTuple):
-    """The contacts of a frame, as numbers in the plane of the picture."""
+    """The contacts of a frame, as numbers in the picture's coordinates."""
 
     first: Array
     """(C, 2) m: the center of one sphere"""
@@ -77,7 +77,7 @@ class Links(NamedTuple):
 
 
 def links_of(frame: Frame) -> Links:
-    """The contacts that a frame tells of; across a periodic border to the nearest copy."""
+    """The contacts in a frame; across a periodic border to the nearest copy."""
     position, radius = frame.arrays["position"], frame.arrays["radius"]
     found = films(frame)
     first, second = found.pairs.T
@@ -199,7 +199,7 @@ class Packing(Picture):
 
 
 def marks_of(frame: Frame) -> NDArray[np.float64]:
-    """A spoke of each sphere, (N, 2, 2), that turns as it does; in space, as seen from above. None without spins."""
+    """A spoke of each sphere, (N, 2, 2), that rotates with it; in 3D, as seen from above. None without spins."""
     arrays = frame.arrays
     if "angle" in arrays:
         spoke = np.stack([np.cos(arrays["angle"]), np.sin(arrays["angle"])], axis=1)

@@ -45,7 +45,7 @@ TANK = Parts("tank.html", "play.css", "tank.js")
 
 
 def filled(parts: Parts, title: str, data: str, *, live: bool) -> str:
-    """The page as text: its script, its style and its data inside. `live` pages may ask the server they came from."""
+    """The page as text: its script, its style and its data inside. `live` pages may send requests to their server."""
     marks = {
         "@POLICY@": policy_of(parts, live=live),
         "@TITLE@": html.escape(title),
@@ -54,14 +54,14 @@ def filled(parts: Parts, title: str, data: str, *, live: bool) -> str:
         "@DATA@": data,
     }
     text = _bundled(parts.page)
-    # Split and joined, not replaced one after the other: what stands in a scene is never taken for a mark of ours.
+    # Split and joined, not replaced one after the other: the text of a scene is never taken for a placeholder.
     for mark in marks:
         text = text.replace(mark, f"\0{mark}\0")
     return "".join(marks.get(piece, piece) for piece in text.split("\0"))
 
 
 def policy_of(parts: Parts, *, live: bool) -> str:
-    """The content security policy: run its own script and style, and ask nobody but our own server."""
+    """The content security policy: run only its script and style, and send requests only to its server."""
     script, style = (_hash(_bundled(name)) for name in (parts.script, parts.style))
     connect = "'self'" if live else "'none'"
     return (

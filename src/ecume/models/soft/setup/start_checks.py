@@ -10,6 +10,7 @@ from ecume.models.soft.loading.cell import Box
 from ecume.models.soft.parameters import Parameters
 from ecume.models.soft.state import State
 from ecume.units import Array
+from ecume.value_texts import with_prefix
 
 UNBALANCED = 1e-9
 """Of the largest force: what the sum of all forces may be where nothing holds the spheres."""
@@ -26,7 +27,7 @@ def require_balance(parameters: Parameters) -> None:
             [
                 Fault(
                     "particles",
-                    f"the forces on all spheres sum to {total:.3g} N, and nothing holds them; "
+                    f"the forces on all spheres sum to {with_prefix(total, 'N', 3)}, and nothing holds them; "
                     "expected a sum of zero, walls, or hydrodynamics.drag = 'stokes'",
                 )
             ]
@@ -44,8 +45,8 @@ def require_no_torque(parameters: Parameters, state: State) -> None:
     total, largest = np.abs(moment.sum(axis=0)).max(), np.abs(moment).max()
     size = np.abs(parameters.force).max() * parameters.radius.max()
     if total > UNBALANCED * max(largest, size) * len(moment):
-        told = f"forces and torques turn the spheres all together, with {total:.3g} N m, and nothing holds them"
-        raise SceneError([Fault("particles", f"{told}; expected no torque in sum, or hydrodynamics.drag = 'stokes'")])
+        cause = f"the total torque on all spheres is {with_prefix(total, 'N m', 3)}, and nothing balances it"
+        raise SceneError([Fault("particles", f"{cause}; expected 0, or hydrodynamics.drag = 'stokes'")])
 
 
 def require_gaps(parameters: Parameters, position: Array, box: Box) -> None:

@@ -221,7 +221,7 @@ def substance_of(given: FluidSpec) -> LiquidProperties | None:
     if not given.name:
         told = [key for key in ("temperature", "salinity") if getattr(given, key) is not None]
         if told:
-            raise SceneError([Fault(f"liquid.{told[0]}", 'says nothing without a name; write name = "water"')])
+            raise SceneError([Fault(f"liquid.{told[0]}", 'has no effect without a name; write name = "water"')])
     return named_liquid(given)
 
 
