@@ -137,8 +137,8 @@ def test_what_stands_beside_a_table_must_fit(tmp_path: Path, more: str, says: st
         ("x\\u0000y", "expected the path of a file"),
         ("nowhere.csv", "does not exist; paths are relative to the scene's folder"),
         ("/nowhere/bowl.csv", "leads out of the scene.s folder"),
-        ("loop", "is not there"),
-        ("x" * 900, "is not there"),
+        ("loop", "does not exist"),
+        ("x" * 900, "does not exist"),
     ],
 )
 def test_a_table_that_cannot_be_read_is_told_by_its_key(tmp_path: Path, name: str, says: str) -> None:

@@ -121,7 +121,10 @@ SPAN = 'template = "t1"\n[[axes]]\nkey = "a"\nspan = {{{}}}'
         (TWICE.format("a", 'name = "x"', "b", 'name = "x"'), "axes[0].name: another column of the table is called x"),
         (TWICE.format("a", 'name = "state"', "b", ""), "axes[0].name: another column of the table is called state"),
         (TWICE.format("a", "", "b", "") + "[fixed]\nb = 1", "axes[1].key: b stands elsewhere, too"),
-        ('template = "t1"\nrepeats = 2\n[[axes]]\nkey = "seed"\nvalues = [1]', "repeats: each has a seed of its own"),
+        (
+            'template = "t1"\nrepeats = 2\n[[axes]]\nkey = "seed"\nvalues = [1]',
+            "repeats: repeats have consecutive seeds",
+        ),
         (SPAN.format('start = "1 mm", stop = "2 m"'), "or two with one unit"),
         (SPAN.format('start = "1 mm", stop = 2'), "or two with one unit"),
         (SPAN.format('start = "1 mm", stop = "2 mm", unit = "mm"'), "or two with one unit"),

@@ -15,6 +15,7 @@ from ecume.scenes.quantities import (
     STRICT,
     AbsoluteTemperature,
     Amplitude,
+    Color,
     Coordinate,
     Direction,
     Duration,
@@ -156,6 +157,9 @@ class LiquidSpec:
     gas_density: GasDensity = 0.0
     """The density of the gas above the liquid (kg/m^3), smaller than that of the liquid. Effect: reduces weight and
     buoyancy; of air the effect is 0.1 %."""
+    color: Color | None = None
+    """The color of the level surface in pictures, such as `white` or `#fbf8f0`; by default that of the named liquid.
+    Effect: higher and lower parts have tints of it."""
 
     @model_validator(mode="after")
     def _gas_above_liquid(self) -> Self:

@@ -22,6 +22,7 @@ from ecume.show.play.tank import PUSHED, STEEPEST, Tank
 from ecume.show.play.tank_scene import movable
 from ecume.show.scenery import Round
 from ecume.show.sph.picture import outline
+from ecume.show.style import liquid_color
 from ecume.show.view.page import PLAY, TANK, color_map
 from ecume.units import Array
 
@@ -63,7 +64,7 @@ class BowlPage:
             "grid": GRID,
             "shelf": [{"name": name, **SHELF[name]} for name in SHELF],
             "steepest": STEEPEST_DISH,
-            "map": color_map("height"),
+            "map": color_map(f"height {liquid_color(scene.liquid) or ''}".strip()),
         }
 
     def now(self) -> dict[str, Any]:

@@ -19,7 +19,7 @@ import numpy as np
 
 from ecume.citing import in_words, papers_of
 from ecume.errors import BadInput
-from ecume.show.style import DARK_CANVAS, HEIGHT_COLORS, seen_part
+from ecume.show.style import DARK_CANVAS, height_colormap, seen_part
 from ecume.show.view.chunks import Chunk, pack, quantities
 from ecume.show.view.scenery import STAGES
 from ecume.show.view.stage import Line, Stage
@@ -188,7 +188,9 @@ def looks(first: Frame, last: Frame, stage: Stage) -> dict[str, Any]:
     """The visible quantities between two frames, and how they are drawn."""
     names = [name for name in _with_numbers(first, last) if name != "species"]
     colorings = [_coloring(name, first) for name in names]
-    maps = sorted({*(one["map"] for one in colorings), "height", "viridis"})
+    maps = sorted(
+        {*(one["map"] for one in colorings), "height" if stage.surface is None else stage.surface.map, "viridis"}
+    )
     return {
         "dimension": int(first.arrays["position"].shape[1]),
         "low": [float(value) for value in stage.low],
@@ -207,7 +209,7 @@ def looks(first: Frame, last: Frame, stage: Stage) -> dict[str, Any]:
         "linked": stage.links is not None,
         "widest": stage.widest,
         "maps": {name: color_map(name) for name in maps},
-        "dark": {name: color_map(name, dark=True) for name in maps if name != "height"},
+        "dark": {name: color_map(name, dark=True) for name in maps if not name.startswith("height")},
     }
 
 
@@ -238,8 +240,10 @@ def hexadecimal(color: str) -> str:
 
 
 def color_map(name: str, *, dark: bool = False) -> str:
-    """256 colors as base64; on a dark page without those of its ends that would not be seen."""
-    colors = HEIGHT_COLORS if name == "height" else mpl.colormaps[name]
+    """256 colors as base64; on a dark page without those of its ends that would not be seen. `height` may be followed
+    by the color of the liquid.
+    """
+    colors = height_colormap(name[7:] or None) if name.startswith("height") else mpl.colormaps[name]
     low, high = seen_part(colors, DARK_CANVAS) if dark else (0.0, 1.0)
     rgb = colors(np.linspace(low, high, 256), bytes=True)[:, :3]
     return base64.b64encode(np.ascontiguousarray(rgb).tobytes()).decode()
