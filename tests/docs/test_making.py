@@ -104,3 +104,20 @@ def test_what_is_recorded_belongs_to_cases_and_benchmarks_of_today(makers):
     assert set(records.recorded("recorded-validation.json")) <= set(CASES)
     assert set(records.recorded("recorded-benchmarks.json")) <= set(BENCHES)
     assert all(f"`{name}`" in records.validation() for name in CASES)
+
+
+def test_pages_on_modules_are_titled_by_concepts(makers):
+    functions, titles = makers("functions"), makers("titles")
+    modules = [
+        module
+        for chapter in functions.CHAPTERS.values()
+        for root in chapter.roots
+        for module in functions.modules_of(root)
+    ]
+    names = {module.__name__.removeprefix("ecume.") for module in modules}
+    assert set(titles.TITLES) <= names, "titles of modules that do not exist"
+    for module in modules:
+        title = titles.title_of(module)
+        assert not re.search(r"[_.`]", title), module.__name__
+        assert not titles.CLAUSE.match(title), module.__name__
+        assert len(title.split()) <= titles.LONGEST, module.__name__
