@@ -17,7 +17,7 @@ def pages() -> dict[str, str]:
     group = typer.main.get_command(app)
     listed = {name: command for name, command in group.commands.items() if not command.hidden}
     epilog = inspect.cleandoc(str(app.info.epilog))
-    head = f"# Commands\n\n{epilog}\n\n`ecume --help` and `ecume VERB --help` say the same in the terminal."
+    head = f"# Commands\n\n{epilog}\n\n`ecume --help` and `ecume VERB --help` print the same in the terminal."
     return {
         "reference/commands.md": "\n\n".join([head, *(_verb(name, command) for name, command in listed.items())]) + "\n"
     }

@@ -49,7 +49,7 @@ class Table(NamedTuple):
 def pages() -> dict[str, str]:
     """A page for each model, and one that leads to them."""
     rows = [f"| [`{model}`]({model}.md) | {first_line(kind)} |" for model, kind in SCENES.items()]
-    index = ["# Scenes, key by key", INTRODUCTION, "| model | its scene |", "|---|---|", *rows, "", toctree(SCENES)]
+    index = ["# Scene keys", INTRODUCTION, "| model | scene |", "|---|---|", *rows, "", toctree(SCENES)]
     found = {f"reference/scenes/{model}.md": page(model) for model in SCENES}
     return {"reference/scenes/index.md": "\n".join(index), **found}
 
@@ -76,7 +76,7 @@ def page(model: str) -> str:
         )
     starts = [f"`{source}`" for source in SOURCES] if model == "floating" else []
     if starts:
-        parts.append(f"A file may say {', '.join(starts)} as well: reading turns it into floats one by one.\n")
+        parts.append(f"A file may also contain {', '.join(starts)}, which reading converts into floats.\n")
     own = [f"- `ecume new {name}`: {says}" for name, says in templates().items() if model_of(name) == model]
     return "\n".join([*parts, "## Templates\n", *own, ""])
 

@@ -29,7 +29,7 @@ def plain_scene(home: RunDirectory) -> dict[str, Any]:
 
 def mended(home: RunDirectory) -> Repaired:
     """Whole frames stay, each damaged one is named; what is damaged beside them is made again or set aside."""
-    beside = [*_resolved(home), *_constants(home), *_told_again(home)]
+    beside = [*_resolved(home), *_constants(home), *_repeated_files(home)]
     frames = repair_trajectory(home.trajectory)
     return frames._replace(faults=(*beside, *frames.faults))
 
@@ -73,7 +73,7 @@ def _from_the_scene(home: RunDirectory) -> bytes:
         return b""
 
 
-def _told_again(home: RunDirectory) -> Iterator[str]:
+def _repeated_files(home: RunDirectory) -> Iterator[str]:
     """Set aside damaged files that the run writes again when it is resumed; yields what was done."""
     for path in (home.status, home.watch, home.done, home.failed):
         try:

@@ -92,6 +92,6 @@ class Common:
         if frames > MOST_FRAMES * (1 + 1e-9):
             raise Inconsistent([(("frame_every",), f"gives {frames:.3g} frames, more than {MOST_FRAMES:.0e}")])
         if frames < 1 - 1e-9:
-            told = f"got {self.frame_every:.9g} s, longer than the duration, {self.duration:.9g} s"
-            raise Inconsistent([(("frame_every",), told)])
+            message = f"got {self.frame_every:.9g} s, longer than the duration, {self.duration:.9g} s"
+            raise Inconsistent([(("frame_every",), message)])
         return self

@@ -85,8 +85,8 @@ def links_of(frame: Frame) -> Links:
     slots = np.nonzero(frame.arrays["neighbor"] >= 0)
     here = np.linalg.norm(along, axis=1) < FARTHEST * (radius[found.pairs].sum(axis=1) + found.gap)
     seen = position[first, :2], along[:, :2], radius[found.pairs], found.gap
-    told = (*seen, frame.arrays["tension"][slots], found.pairs)
-    return Links(*(column[here] for column in told))
+    columns = (*seen, frame.arrays["tension"][slots], found.pairs)
+    return Links(*(column[here] for column in columns))
 
 
 def links_around(frame: Frame) -> Links:
@@ -250,10 +250,10 @@ def _gap_bar(axes: Axes, films: LineCollection) -> None:
 def _force_legend(axes: Axes, largest: float) -> None:
     """How wide the largest force is, and which color pulls."""
     scale = scale_for(largest, "N")
-    told = f"{largest * scale.factor:.3g} {scale.unit}"
+    widest = f"{largest * scale.factor:.3g} {scale.unit}"
     handles = [
         Line2D([], [], color=PULL, linewidth=0.6 * WIDEST, label="tension"),
-        Line2D([], [], color=PUSH, linewidth=0.6 * WIDEST, label=f"compression\n(widest: {told})"),
+        Line2D([], [], color=PUSH, linewidth=0.6 * WIDEST, label=f"compression\n(widest: {widest})"),
     ]
     kept = axes.get_legend()
     second = axes.legend(

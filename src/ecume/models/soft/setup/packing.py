@@ -72,6 +72,6 @@ def pushed_apart(parameters: Parameters, position: Array, box: Box, least: float
         found = np.asarray(flat.reshape(position.shape) * unit)
         if not len(neighbors(tight, found, box)[0]) and (wall_gaps(parameters, found, planes.place) >= least).all():
             return found
-    told = f"no places were found with gaps of {with_prefix(least, 'm', 3)} everywhere"
+    message = f"no places were found with gaps of {with_prefix(least, 'm', 3)} everywhere"
     way_out = "expected a larger cell.size, a smaller cell.volume_fraction or a smaller cell.minimum_gap"
-    raise SceneError([Fault("cell.size", f"{told}; {way_out}")])
+    raise SceneError([Fault("cell.size", f"{message}; {way_out}")])

@@ -55,13 +55,13 @@ def require_gaps(parameters: Parameters, position: Array, box: Box) -> None:
     pair, _, _ = neighbors(touching, position, box)
     if len(pair):
         first, second = pair[0]
-        told = f"spheres {first} and {second} overlap before they are deformed; expected a gap for the film"
-        raise SceneError([Fault("particles", told)])
+        message = f"spheres {first} and {second} overlap before they are deformed; expected a gap for the film"
+        raise SceneError([Fault("particles", message)])
     gap = wall_gaps(parameters, position, parameters.walls.place)
     if not (gap > 0.0).all():
         sphere, wall = (int(index[0]) for index in np.nonzero(~(gap > 0.0)))
-        told = f"sphere {sphere} is in wall {wall} or beyond it; expected a gap for the film"
-        raise SceneError([Fault("particles", told)])
+        message = f"sphere {sphere} is in wall {wall} or beyond it; expected a gap for the film"
+        raise SceneError([Fault("particles", message)])
 
 
 def require_one_piece(state: State) -> None:
@@ -70,5 +70,5 @@ def require_one_piece(state: State) -> None:
     if piece.max() > 0:
         walled = state.touching.shape[1] > 0
         alone = int(np.flatnonzero(piece != piece[-1 if walled else 0])[0])
-        told = f"sphere {alone} is tied to {'any wall' if walled else 'sphere 0'} by no film, and nothing else holds it"
-        raise SceneError([Fault("particles", f"{told}; set films.cutoff higher, or hydrodynamics.drag = 'stokes'")])
+        message = f"sphere {alone} has no film to {'any wall' if walled else 'sphere 0'}, and nothing else holds it"
+        raise SceneError([Fault("particles", f"{message}; set films.cutoff higher, or hydrodynamics.drag = 'stokes'")])
