@@ -17,7 +17,7 @@ def pages() -> dict[str, str]:
     group = typer.main.get_command(app)
     listed = {name: command for name, command in group.commands.items() if not command.hidden}
     epilog = inspect.cleandoc(str(app.info.epilog))
-    head = f"# Commands\n\n{epilog}\n\n`ecume --help` and `ecume VERB --help` say the same in the terminal."
+    head = f"# Commands\n\n{epilog}\n\n`ecume --help` and `ecume VERB --help` print the same in the terminal."
     return {
         "reference/commands.md": "\n\n".join([head, *(_verb(name, command) for name, command in listed.items())]) + "\n"
     }
@@ -38,7 +38,7 @@ def _row(one: Any) -> str:
     )
     value = f" `{one.metavar}`" if one.param_type_name == "option" and one.metavar else ""
     usual = (
-        f" Left out: {one.default}."
+        f" Default: {one.default}."
         if one.show_default
         and one.default not in (None, False, (), [], ...)
         and isinstance(one.default, (int, float, str))

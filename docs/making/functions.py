@@ -12,6 +12,7 @@ import typing
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
+from titles import title_of
 from writing import cell, docstrings, plain, toctree, unit_of
 
 
@@ -24,18 +25,18 @@ class Chapter(NamedTuple):
 
 
 CHAPTERS = {
-    "scenes": Chapter("Scenes, runs, trajectories", "From a file to frames, and what is kept of them.", (
+    "scenes": Chapter("Scenes, runs, trajectories", "Scene files, simulations, run directories and stored frames.", (
         "ecume.scenes.load", "ecume.scenes.schema", "ecume.simulation", "ecume.run", "ecume.trajectories.frame",
         "ecume.trajectories.reader", "ecume.trajectories.exports", "ecume.sweep", "ecume.fitting", "ecume.citing",
         "ecume.errors", "ecume.units",
     )),
-    "laws": Chapter("Laws", "The physics: each formula stands here, once, with its paper.", ("ecume.laws",)),
-    "analysis": Chapter("Analysis", "From frames to numbers.", ("ecume.analysis",)),
-    "walls": Chapter("Walls", "Surfaces that reflect.", ("ecume.engine.walls",)),
-    "models": Chapter("Models", "What a model is, and what stands in for a scene where one is not enough.", (
+    "laws": Chapter("Laws", "The formulas of the physics with their references.", ("ecume.laws",)),
+    "analysis": Chapter("Analysis", "Quantities computed from frames.", ("ecume.analysis",)),
+    "walls": Chapter("Walls", "Reflecting walls and event-driven motion.", ("ecume.engine.walls",)),
+    "models": Chapter("Models", "The interface of models, and the functions of the soft model.", (
         "ecume.models.model", "ecume.models.soft",
     )),
-    "show": Chapter("Pictures", "Figures, movies and the page.", (
+    "show": Chapter("Pictures", "Figures, movies and the interactive page.", (
         "ecume.show.figures", "ecume.show.movies", "ecume.show.view.page", "ecume.show.style",
     )),
 }  # fmt: skip
@@ -47,18 +48,18 @@ def pages() -> dict[str, str]:
     for name, chapter in CHAPTERS.items():
         modules = {module.__name__: module for root in chapter.roots for module in modules_of(root)}
         texts = {module: text for module in modules if (text := page(modules[module]))}
-        listed = [f"- [`{module}`]({module}.md): {first_line(modules[module])}" for module in texts]
+        listed = [f"- [{title_of(modules[one])}]({one}.md) (`{one}`): {first_line(modules[one])}" for one in texts]
         text = "\n".join([f"# {chapter.title}", "", chapter.says, "", *listed, "", toctree(texts)])
         found |= {f"reference/python/{module}.md": text for module, text in {**texts, name: text}.items()}
     rows = [f"- [{chapter.title}]({name}.md): {chapter.says}" for name, chapter in CHAPTERS.items()]
-    index = "\n".join(["# Python, name by name", INTRODUCTION, *rows, "", toctree(CHAPTERS)])
+    index = "\n".join(["# Python reference", INTRODUCTION, *rows, "", toctree(CHAPTERS)])
     return {"reference/python/index.md": index, **found}
 
 
 INTRODUCTION = """
-`import ecume` gives the names of daily use: `load_scene`, `simulate`, `open_trajectory`, `open_sweep`, `resume`, the
-parts of scenes, and the errors. Everything else is imported from where it stands. Arguments are in SI; the unit of
-each is part of its annotation, and is printed here. A positive force repels.
+`import ecume` provides the most common names: `load_scene`, `simulate`, `open_trajectory`, `open_sweep`, `resume`, the
+parts of scenes, and the errors. Import everything else from its module. Arguments are in SI units; each entry lists
+the units of its arguments. A positive force is repulsive.
 """
 
 
@@ -76,7 +77,7 @@ def page(module: types.ModuleType) -> str:
     names = [name for name, value in vars(module).items() if own(module, name, value)]
     if not names:
         return ""
-    parts = [f"# {module.__name__.removeprefix('ecume.')}\n", text_of(module), ""]
+    parts = [f"# {title_of(module)}\n", f"Module `{module.__name__}`\n", text_of(module), ""]
     for name in names:
         parts += [entry(name, vars(module)[name]), ""]
     return "\n".join(parts)

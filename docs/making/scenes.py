@@ -53,7 +53,7 @@ class Table(NamedTuple):
 def pages() -> dict[str, str]:
     """A page for each model, and one that leads to them."""
     rows = [f"| [`{model}`]({model}.md) | {first_line(kind)} |" for model, kind in SCENES.items()]
-    index = ["# Scenes, key by key", INTRODUCTION, "| model | its scene |", "|---|---|", *rows, "", toctree(SCENES)]
+    index = ["# Scene keys", INTRODUCTION, "| model | scene |", "|---|---|", *rows, "", toctree(SCENES)]
     found = {f"reference/scenes/{model}.md": page(model) for model in SCENES}
     return {"reference/scenes/index.md": "\n".join(index), **found}
 

@@ -5,7 +5,7 @@
     for frame in ecume.simulate(scene):
         print(frame.time, frame.numbers["kinetic_energy"])
 
-Each name is imported when it is first asked for, so that `import ecume` costs nothing.
+Each name is imported at its first use, so that `import ecume` costs nothing.
 """
 
 from __future__ import annotations
@@ -115,7 +115,7 @@ def _html_of(subject: Any) -> str | None:
 
 
 def _scene_of(plain: dict[str, Any]) -> Any:
-    """A scene out of plain data: scenes are imported when somebody asks for one."""
+    """A scene from plain data; the scene modules are imported at the first call."""
     return importlib.import_module("ecume.scenes.schema").from_plain(plain)
 
 

@@ -42,7 +42,7 @@ def root() -> Path:
     asked = os.environ.get("ECUME_CACHE_DIR")
     place = (Path(asked) if asked else Path(platformdirs.user_cache_dir("ecume"))) / "compiled"
     try:
-        # Private to the user, since whoever writes there can make us run anything.
+        # Private to the user, since code that is written there will be run.
         place.mkdir(parents=True, exist_ok=True, mode=0o700)
         if fault := open_to_others(place):
             _warn_of(place, fault)
@@ -56,7 +56,7 @@ def root() -> Path:
 
 
 def open_to_others(place: Path) -> str:
-    """Who else can write into a folder; nothing where nobody can but its owner, who must be this user, or the
+    """Other users who can write into a folder; empty if only its owner can, which must be this user, or the
     machine's administrator. Windows keeps a user's folders by other means than modes.
     """
     if not hasattr(os, "getuid"):
@@ -70,7 +70,7 @@ def open_to_others(place: Path) -> str:
 def _warn_of(place: Path, fault: str) -> None:
     warnings.warn(
         f"compiled code in {place} is not used: the folder {fault}, which lets them make you run anything. Delete it, "
-        "or name one of your own by ECUME_CACHE_DIR; until then everything is compiled anew in each process",
+        "or set ECUME_CACHE_DIR to your folder; until then everything is compiled in each process",
         stacklevel=2,
     )
 
@@ -88,7 +88,7 @@ def folder(path: Path, compiler: str) -> Path:
     try:
         if time.time() - found.stat().st_mtime > DAY:
             os.utime(found)
-    except OSError:  # not there yet, or not ours
+    except OSError:  # does not exist yet, or belongs to another user
         pass
     return found
 
@@ -142,7 +142,7 @@ def _statements(text: str) -> Iterable[ast.AST]:
     if HIDDEN.search(text) is None:
         try:
             return ast.parse("\n".join(IMPORT.findall(text))).body
-        except SyntaxError:  # prose that looks like an import, or one that goes on in the next line
+        except SyntaxError:  # prose that looks like an import, or one that continues in the next line
             pass
     return ast.walk(ast.parse(text))
 
@@ -155,7 +155,7 @@ def _above(path: Path, level: int) -> Sequence[str]:
 
 
 def _files(*names: str) -> Iterable[Path]:
-    """The first of these dotted names that is a module of ours; the whole package where only the package itself is."""
+    """The first of these dotted names that is a module of ecume; the whole package if only the package itself is."""
     for name in names:
         first, *rest = name.split(".")
         if first != PACKAGE.name:
@@ -170,7 +170,7 @@ def _files(*names: str) -> Iterable[Path]:
 
 
 def _prune(place: Path) -> None:
-    """Throw away folders that nobody used for long; looks about once a day."""
+    """Delete folders that have not been used for long; checked about once a day."""
     stamp, now = place / "pruned", time.time()
     try:
         if now - stamp.stat().st_mtime < DAY:
@@ -182,5 +182,5 @@ def _prune(place: Path) -> None:
         for old in place.iterdir():
             if re.fullmatch(r".+-[0-9a-f]{16}", old.name) and now - old.stat().st_mtime > UNUSED:
                 shutil.rmtree(old, ignore_errors=True)
-    except OSError:  # somebody else prunes, or may not
+    except OSError:  # another process prunes, or permission is missing
         pass

@@ -28,7 +28,7 @@ class CompilerWatch:
 
         watch = self
 
-        class Listener(event.Listener):  # type: ignore[misc]  # Numba's types are left out: they are half there
+        class Listener(event.Listener):  # type: ignore[misc]  # Numba's types are skipped: they are incomplete
             def on_start(self, event: Any) -> None:
                 watch.count += 1
                 watch.depth += 1

@@ -30,7 +30,7 @@ class Hook(Generic[Given, Found]):
         self._function = function
 
     def __call__(self, given: Given) -> Found:
-        """Call the registered function. Raises LookupError where there is none."""
+        """Call the registered function. Raises LookupError if it is missing."""
         if self._function is None:
             raise LookupError("nothing is registered here")
         return self._function(given)

@@ -21,7 +21,7 @@ from numba.core.imputils import lower_builtin
 from ecume._fused import LANES, fused, lane_sum
 from ecume._parts import PART, UNKEPT, AloneCache, Dispatcher, Part, TogetherCache
 
-# Threads that wait for their next loop by spinning keep whoever else computes here from going on, and are kept from it
+# Threads that wait for their next loop by spinning slow down other processes on this machine, and are slowed by them
 # themselves: on a busy machine loops over a few thousand particles took five times as long. Read when they start.
 os.environ.setdefault("OMP_WAIT_POLICY", "PASSIVE")
 
@@ -48,7 +48,7 @@ def compiled_inside(function: Function) -> Function:
 
 
 def summed_inside(function: Function) -> Function:
-    """The same for loops that are `summing`, with their arithmetic, whoever calls it."""
+    """The same for loops that are `summing`, with their arithmetic, for any caller."""
     return _dispatcher(function, cache=True, forceinline=True, fastmath=ANY_ORDER)
 
 
@@ -62,9 +62,9 @@ FEW = 4000
 
 
 class Spread:
-    """A loop that Python calls, compiled twice: for threads, and for crowds too small for them.
+    """A loop that Python calls, compiled twice: for threads, and for systems too small for them.
 
-    The last axis of the first argument says how large the crowd is, so that the choice, and with it the order of sums,
+    The last axis of the first argument is the size of the system, so that the choice, and with it the order of sums,
     does not depend on how many threads there are.
     """
 
@@ -75,9 +75,9 @@ class Spread:
         self.together = _dispatcher(function, cache=True, parallel=True, **options)
         self.__doc__, self.__name__ = function.__doc__, function.__name__
 
-    def __call__(self, crowd: Any, *arguments: Any) -> Any:
+    def __call__(self, array: Any, *arguments: Any) -> Any:
         """Run the one or the other."""
-        return (self.alone if crowd.shape[-1] < FEW else self.together)(crowd, *arguments)
+        return (self.alone if array.shape[-1] < FEW else self.together)(array, *arguments)
 
 
 def spread(function: Function) -> Function:
@@ -100,27 +100,27 @@ PLAIN_LOOPS = dict.fromkeys(OTHERS, False)
 
 
 class Shared(Dispatcher):
-    """A pass with `prange` that compiled code calls without threads, and Python with them where the crowd is large."""
+    """A pass with `prange` that compiled code calls without threads, and Python with threads if the system is large."""
 
-    def __init__(self, function: FunctionType, crowd: Callable[..., int]) -> None:
+    def __init__(self, function: FunctionType, size: Callable[..., int]) -> None:
         super().__init__(function, {}, cache=True)
-        self.crowd, self.together = crowd, Dispatcher(function, {"parallel": PLAIN_LOOPS}, cache=True)
+        self.size, self.together = size, Dispatcher(function, {"parallel": PLAIN_LOOPS}, cache=True)
         self.together._cache = TogetherCache(function)
 
     def __call__(self, *arguments: Any) -> Any:
         """Run the one or the other."""
-        if self.crowd(*arguments) < FEW:
+        if self.size(*arguments) < FEW:
             return super().__call__(*arguments)
         return self.together(*arguments)
 
 
-def shared(crowd: Callable[..., int]) -> Callable[[Function], Function]:
-    """Compile a pass for compiled code, for Python, and for threads; `crowd` tells its size from its arguments."""
+def shared(size: Callable[..., int]) -> Callable[[Function], Function]:
+    """Compile a pass for compiled code, for Python, and for threads; `size` derives the size from the arguments."""
 
     def decorate(function: Function) -> Function:
         if not isinstance(function, FunctionType) or numba.config.DISABLE_JIT:
             return function
-        made: Any = Shared(function, crowd)
+        made: Any = Shared(function, size)
         kept: Function = made
         return kept
 
@@ -268,7 +268,7 @@ def of_this_process(name: str, fields: Iterable[str]) -> Any:
 
 
 def compiled_once(function: Function) -> Function:
-    """Compile for this process alone: for what a user hands over, which no file of ours can name."""
+    """Compile for this process alone: for functions from the user, which no file of ecume can name."""
     return _dispatcher(function, cache=False)
 
 

@@ -2,9 +2,9 @@
 
 Numba's disk cache has five traps, all closed here. It hashes only the file of the function itself, so that an edited
 law in another file silently gives the old result: folders are named by all text that goes into a module's code (see
-`_cache`). A truncated cache file raises from inside the unpickler: it is thrown away and compiled anew. A folder that
+`_cache`). A truncated cache file raises from inside the unpickler: it is deleted and compiled again. A folder that
 cannot be written is an error at import: a temporary folder stands in. A function loaded from it may call threads that
-nobody started: they are started before anything is loaded.
+have not been started: they are started before anything is loaded.
 
 Code is compiled for one of two levels of the x86-64 instruction set instead of for the processor at hand: version 4
 (with AVX-512) where there is one, else version 3 (AVX2 and fused multiply-adds). All processors of a level then run the
@@ -96,7 +96,7 @@ class Place:
         return str(self._line)
 
 
-class WholeFiles(CompileResultCacheImpl):  # type: ignore[misc]  # Numba's types are left out: they are half there
+class WholeFiles(CompileResultCacheImpl):  # type: ignore[misc]  # Numba's types are skipped: they are incomplete
     """Files in our folders."""
 
     _locator_classes = [Place]  # noqa: RUF012  # Numba's name
@@ -116,7 +116,7 @@ class HealingCache(FunctionCache):  # type: ignore[misc]
         try:
             return super().load_overload(signature, *arguments)
         except Exception as error:  # a damaged pickle raises nearly anything
-            log.warning("the compilation cache of %s was damaged (%s) and is made anew", self._name, error)
+            log.warning("the compilation cache of %s was damaged (%s) and is built again", self._name, error)
             self.flush()
             return None
 
@@ -158,7 +158,7 @@ class PartLibrary(JITCodeLibrary):  # type: ignore[misc]
 
     @property
     def codegen(self) -> Any:
-        """Is told where the environment lies, and a part's lies in the wholes."""
+        """Receives the address of the environment, and that of a part's in the wholes."""
         return Nowhere
 
     def serialize_using_object_code(self) -> Any:
@@ -223,14 +223,14 @@ class PartFiles(WholeFiles):
 
     def rebuild(self, target: Any, payload: Any) -> Any:
         """As code to be linked. Numba would make it ready to run as it stands, and what is compiled later in the same
-        process would find this first: a march from parts of the disk was fourteen times slower than one read whole.
+        process would find this first: a time step from parts of the disk was fourteen times slower than one read whole.
         """
         with libraries_are_parts(target.codegen()):
             return super().rebuild(target, payload)
 
 
 class PartCache(HealingCache):
-    """The disk cache of parts: a whole made later, such as a march with a user's laws, finds them there."""
+    """The disk cache of parts: a whole made later, such as time steps with a user's laws, finds them there."""
 
     _impl_class = PartFiles
 
@@ -279,8 +279,8 @@ class Dispatcher(CPUDispatcher):  # type: ignore[misc]
             self._cache, self.part._cache = HealingCache(function), PartCache(function)
 
     def get_call_template(self, arguments: Any, keywords: Any) -> Any:
-        """How compiled code calls it. A 0 that stands in the caller is a number like any other, not a type of its own
-        with a compilation of its own.
+        """How compiled code calls it. A literal 0 in the caller is a number like any other, not a separate type
+        with a separate compilation.
         """
         plain = tuple(types.unliteral(argument) for argument in arguments)
         return self.part.get_call_template(plain, {name: types.unliteral(kind) for name, kind in keywords.items()})

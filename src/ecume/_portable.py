@@ -33,7 +33,7 @@ def _elementwise(function: Callable[[float], float]) -> Callable[[ArrayLike], An
 
 
 def _exponential(value: float) -> float:
-    """As NumPy has it: infinite where the result is too large, not a number where the argument is none."""
+    """As NumPy has it: infinite if the result is too large, NaN if the argument is NaN."""
     return math.exp(value) if value < 709.0 else float(np.exp(value))
 
 
@@ -159,7 +159,7 @@ def solve_definite(matrices: ArrayLike, right: ArrayLike) -> NDArray[np.float64]
 def solve(matrix: ArrayLike, right: ArrayLike) -> NDArray[np.float64]:
     """The solution of a few linear equations, by Gaussian elimination with partial pivoting.
 
-    Raises LinAlgError where there is none; not a number where a coefficient is none.
+    Raises LinAlgError if there is no solution; NaN if a coefficient is NaN.
 
     >>> solve([[0.0, 2.0], [4.0, 0.0]], [2.0, 8.0]).tolist()
     [2.0, 1.0]

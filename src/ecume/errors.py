@@ -1,4 +1,4 @@
-"""The tree of errors. Each says where, what came, what was wanted, and the way out; each knows its exit code.
+"""The classes of errors, each with its exit code. Messages give the place, the value, what is expected, and the cure.
 
 EcumeError
 ├── BadInput            exit 2   a scene, a table or an argument cannot be used
@@ -24,7 +24,7 @@ class EcumeError(Exception):
 
 
 class BadInput(EcumeError, ValueError):
-    """Something asked for cannot be done as asked."""
+    """A request that cannot be fulfilled."""
 
     exit_code = 2
 

@@ -78,7 +78,7 @@ def moments(
 ) -> Iterator[Moment]:
     """Integrate a scene and pause at every frame, and at least about every `patience` seconds of wall time.
 
-    With `state` (of a checkpoint) the integration goes on from there. Where it pauses changes no bit of the result.
+    With `state` (of a checkpoint) the integration continues from there. Pauses change no bit of the result.
     The state of a moment is moved on by the next one: copy it to keep it. `engine` makes of the scene's model one that
     integrates in another way to the same bits. `constants` gets the parameters that follow from the scene and returns
     those to use: a resumed run keeps the constants that it was begun with. `sampled` is the position of the last

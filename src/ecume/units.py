@@ -71,7 +71,7 @@ class Unit:
 
 
 def parse(text: str, symbol: str) -> float:
-    """The value of `text` in SI, rounded once; `symbol` says which dimension is wanted.
+    """The value of `text` in SI, rounded once; `symbol` gives the expected dimension.
 
     >>> parse("1.7 mm", "m")
     0.0017

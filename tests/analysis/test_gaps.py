@@ -56,7 +56,7 @@ def test_between_walls_neighbors_are_found_across_the_borders_that_there_are(hon
     assert (found[:, 1:5] == 6.0).all()
     assert (found[:, [0, 5]] == 4.0).all()  # nothing lies below the lowest row, nor above the highest
     assert np.linalg.norm(branches(rows, near_pairs(rows, 0.2).pairs), axis=1) == pytest.approx(1.0)
-    with pytest.raises(BadInput, match="no volume"):
+    with pytest.raises(BadInput, match="has a volume"):
         volume_fraction(rows)
     columns = honeycomb._replace(numbers={"box_height": 6 * ROW})
     assert coordination(columns, gap=0.11).reshape(6, 6)[1:5].tolist() == [[6.0] * 6] * 4
@@ -88,7 +88,7 @@ def test_what_has_no_answer_is_refused(honeycomb, soft):
         coordination(honeycomb, force=1.0)
     with pytest.raises(BadInput, match="no gaps"):
         gap_distribution(np.array([-1.0]))
-    with pytest.raises(BadInput, match="part of a box"):
+    with pytest.raises(BadInput, match="needs a box"):
         volume_fraction(soft)
     for left_out in ("box_width", "box_height"):
         with pytest.raises(BadInput, match=f"sheared, but no number '{left_out}'"):

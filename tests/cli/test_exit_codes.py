@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 
 import ecume.run
 from ecume.cli import app
-from ecume.cli.exit_codes import INTERRUPTED, warned
+from ecume.cli.exit_codes import INTERRUPTED, say, warned
 from ecume.errors import Diverged, EcumeError, RunExists, Stopped, StorageError
 
 cli = CliRunner()
@@ -75,9 +75,32 @@ def test_a_process_ends_with_the_code_too(tmp_path: Path) -> None:
     assert done.returncode == 2
     assert done.stdout == ""
     assert done.stderr.splitlines() == [
-        "bad.toml: line 2, column 1: duration: got '3 kg'; 'kg' measures mass, expected time as in '20 s'",
-        "bad.toml: line 4, column 1: titel: no such key; did you mean title?",
+        "ecume: bad.toml: line 2, column 1: duration: got '3 kg'; 'kg' measures mass, expected time as in '20 s'",
+        "ecume: bad.toml: line 4, column 1: titel: no such key; did you mean title?",
     ]
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--nosuch"], "--nosuch: no such option; see ecume --help"),
+        (["nosuch"], "nosuch: no such command; see ecume --help"),
+        (["movie", "x", "--fps", "a"], "--fps: expected an integer; see ecume movie --help"),
+        (["run", "a.toml", "--threads", "0"], "--threads: expected 1 or more; see ecume run --help"),
+        (["run", "a", "b"], "got too many arguments: b; see ecume run --help"),
+        (["fit", "a.csv"], "--scene: is missing; see ecume fit --help"),
+        (["movie", "x", "--zoom"], "--zoom: expected a value; see ecume --help"),
+    ],
+)
+def test_faults_of_the_command_line_have_the_form_of_all_messages(words: list[str], message: str) -> None:
+    done = cli.invoke(app, words)
+    assert (done.exit_code, done.stdout) == (2, "")
+    assert done.stderr.replace("ecume root", "ecume") == f"ecume: {message}\n"
+
+
+def test_each_line_of_a_message_has_the_prefix(capsys: pytest.CaptureFixture[str]) -> None:
+    say("bad.toml: one\nbad.toml: two")
+    assert capsys.readouterr().err == "ecume: bad.toml: one\necume: bad.toml: two\n"
 
 
 def test_a_reader_that_leaves_early_sees_no_traceback(tmp_path: Path) -> None:

@@ -139,15 +139,15 @@ def test_a_directory_without_a_run_is_refused(verb: str, tmp_path: Path) -> None
     for directory in ("empty", "nowhere"):
         done = cli.invoke(app, [verb, directory])
         assert done.exit_code == 2, done
-        assert f"{directory}: no run is there" in done.stderr
+        assert f"{directory}: contains no run" in done.stderr
 
 
 def test_whoever_names_the_scene_or_the_folder_around_is_told_where_runs_are() -> None:
-    assert "beads.toml: no run is there; that is a scene" in cli.invoke(app, ["info", "beads.toml"]).stderr
+    assert "beads.toml: contains no run; that is a scene" in cli.invoke(app, ["info", "beads.toml"]).stderr
     for name in ("bowl", "beads"):
         Path("runs", name).mkdir(parents=True)
         Path("runs", name, "manifest.json").touch()
-    for words, says in ((["info"], "the current directory holds no run"), (["info", "runs"], "runs: no run is there")):
+    for words, says in ((["info"], "the current directory holds no run"), (["info", "runs"], "runs: contains no run")):
         told = cli.invoke(app, words).stderr
         assert told == f"ecume: {says}; there is {Path('runs/beads')}, {Path('runs/bowl')}\n"
 
@@ -279,7 +279,7 @@ def test_a_run_with_laws_is_resumed_with_their_file_and_says_so_without(tmp_path
 def test_check_names_the_users_laws_and_refuses_one_that_is_not_reciprocal(tmp_path: Path) -> None:
     (tmp_path / "mine.py").write_text(LAW)
     done = cli.invoke(app, ["check", "beads.toml", "--laws", "mine.py"])
-    assert "own laws" in done.stdout
+    assert "user laws" in done.stdout
     assert "push" in done.stdout
     (tmp_path / "mine.py").write_text(LAW.replace("1e-9", "parameters.radius_i"))
     refused = cli.invoke(app, ["check", "beads.toml", "--laws", "mine.py"])

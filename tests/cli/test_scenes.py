@@ -69,9 +69,9 @@ def test_check_tells_all_faults_and_ends_with_two() -> None:
     done = cli.invoke(app, ["check", "bad.toml", "--set", "seed=x"])
     assert done.exit_code == 2
     assert done.stderr.splitlines() == [
-        "bad.toml: line 3, column 1: frame_every: got -1; expected more than 0",
-        "bad.toml: line 4, column 1: liqid: no such key; did you mean liquid?",
-        "bad.toml: seed: got 'x'; expected a whole number (from --set)",
+        "ecume: bad.toml: line 3, column 1: frame_every: got -1; expected more than 0",
+        "ecume: bad.toml: line 4, column 1: liqid: no such key; did you mean liquid?",
+        "ecume: bad.toml: seed: got 'x'; expected a whole number (from --set)",
     ]
 
 
@@ -103,7 +103,7 @@ def test_what_a_model_refuses_is_told_with_its_line() -> None:
 @pytest.mark.parametrize(
     ("change", "says"),
     [
-        ("positions=[[0, 0], [0.001, 0]]", "particles[0].positions[0]: overlaps particles[0].positions[1] by 0.001 m"),
+        ("positions=[[0, 0], [0.001, 0]]", "particles[0].positions[0]: overlaps particles[0].positions[1] by 1 mm"),
         ("positions=[[0, 0], [1, 0]]", "particles[0].positions[1]: (1 m, 0 m) is not inside the dish"),
         ("count=5000", "particles: only "),
     ],
@@ -152,6 +152,6 @@ def test_a_check_reports_the_same_in_plain_python(tmp_path: Path) -> None:
         cwd=tmp_path, capture_output=True, text=True, timeout=120,
     )  # fmt: skip
     here = json.loads(cli.invoke(app, ["check", "cereal-bowl.toml", "--json"]).stdout)
-    measured = ("frames", "time to run it")
+    measured = ("frames", "time on this machine")
     rows = [[row for row in found if row["quantity"] not in measured] for found in (json.loads(told.stdout), here)]
     assert rows[0] == rows[1]

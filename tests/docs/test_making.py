@@ -59,9 +59,9 @@ def test_every_law_and_its_units_are_there(makers):
 def test_every_command_is_there(makers):
     (text,) = makers("commands").pages().values()
     assert all(f"## ecume {verb}\n" in text for verb in ("new", "run", "movie", "bench", "validate"))
-    assert "`--max-size` `MB` | Of the page; above it frames are left out. Left out: 50.0. |" in text
+    assert "`--max-size` `MB` | Largest page; long runs show fewer frames. Default: 50.0. |" in text
     rows = [line for line in text.splitlines() if line.startswith("|")]
-    assert r"| `--engine` `local\|mpi` | What integrates" in text
+    assert r"| `--engine` `local\|mpi` | Integrate" in text
     assert all(len(re.findall(r"(?<!\\)\|", row)) == 3 for row in rows), "a sign of its own makes no cell"
 
 
@@ -104,3 +104,20 @@ def test_what_is_recorded_belongs_to_cases_and_benchmarks_of_today(makers):
     assert set(records.recorded("recorded-validation.json")) <= set(CASES)
     assert set(records.recorded("recorded-benchmarks.json")) <= set(BENCHES)
     assert all(f"`{name}`" in records.validation() for name in CASES)
+
+
+def test_pages_on_modules_are_titled_by_concepts(makers):
+    functions, titles = makers("functions"), makers("titles")
+    modules = [
+        module
+        for chapter in functions.CHAPTERS.values()
+        for root in chapter.roots
+        for module in functions.modules_of(root)
+    ]
+    names = {module.__name__.removeprefix("ecume.") for module in modules}
+    assert set(titles.TITLES) <= names, "titles of modules that do not exist"
+    for module in modules:
+        title = titles.title_of(module)
+        assert not re.search(r"[_.`]", title), module.__name__
+        assert not titles.CLAUSE.match(title), module.__name__
+        assert len(title.split()) <= titles.LONGEST, module.__name__

@@ -125,7 +125,7 @@ def test_particles_of_each_model_start_where_they_were_seen():
     [
         (settling(), "moving", r"start with one velocity; write \[\[particles\]\] for each"),
         (pressed(), "moving", "soft spheres have no inertia"),
-        (settling(more="[hydrodynamics]\nbrownian = true"), "scene", "the liquid's heat kicks the particles"),
+        (settling(more="[hydrodynamics]\nbrownian = true"), "scene", "the scene has Brownian motion"),
     ],
 )
 def test_what_cannot_be_fitted_along_is_told(scene, start, why):
@@ -148,7 +148,7 @@ def test_names_that_are_exchanged_are_found_and_paths_that_cross_are_not():
     mixed = tracks.position.copy()
     mixed[7:] = mixed[7:, ::-1]
     told = swapped(tracks._replace(position=mixed))
-    assert told == ["objects a, b seem to exchange their names at t = 0.7 s; mend the tracks"]
+    assert told == ["objects a, b seem to swap names at t = 0.7 s; correct the tracks"]
     mixed[3] = np.nan
     assert swapped(tracks._replace(position=mixed)) == told
 
@@ -160,7 +160,7 @@ def test_a_measurement_far_from_all_others_is_named():
     left = np.random.default_rng(1).normal(0.0, 1e-6, tracks.position.shape)
     assert astray(problem, left) == []
     left[4, 1] = 2e-3, 0.0
-    assert astray(problem, left) == ["object b is 0.002 m off at t = 0.4 s: no noise; leave such lines out"]
+    assert astray(problem, left) == ["object b is 2 mm off at t = 0.4 s: more than noise; delete such lines"]
     left[:5, 1] += 1e-3  # a quarter of all: it is the scene that is wrong
     assert astray(problem, left) == []
 

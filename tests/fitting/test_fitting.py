@@ -106,9 +106,9 @@ def test_the_origin_is_in_the_units_of_the_table(tmp_path):
     [
         ("", Camera(), "is empty"),
         ("x,y,t\n1,2,3\n", Camera(), "no column object"),
-        (TRACKPY, Camera(pixel=1e-5), "say how many there are in a second"),
-        (TRACKPY, Camera(rate=25.0), "say how large one is"),
-        (TRACKMATE.replace("(micron)", "").replace("(sec)", ""), Camera(), "positions have no unit; say what one is"),
+        (TRACKPY, Camera(pixel=1e-5), "give the frame rate"),
+        (TRACKPY, Camera(rate=25.0), "give the size of a pixel"),
+        (TRACKMATE.replace("(micron)", "").replace("(sec)", ""), Camera(), "positions have no unit; give it"),
         (CSV.replace(",", ";").replace("0.0015", "1.000,5"), Camera(), "line 3, x: got '1.000,5'"),
         (CSV.replace("0.0015", "near"), Camera(), "line 3, x: got 'near'; expected a number"),
         (CSV.replace("0.0015", "inf"), Camera(), "line 3, x: got 'inf'"),

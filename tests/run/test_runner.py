@@ -91,7 +91,7 @@ def test_a_run_never_overwrites_another_unless_forced(tmp_path: Path, scene: Sce
 @pytest.mark.parametrize("name", ["scene.toml", "thesis.tex", "lock"])
 def test_force_leaves_alone_what_is_no_run_directory(tmp_path: Path, scene: Scenes, name: str) -> None:
     (tmp_path / name).write_text("precious")
-    with pytest.raises(RunExists, match="no run directory"):
+    with pytest.raises(RunExists, match="not a run directory"):
         run(scene(), tmp_path, force=True)
     assert [(path.name, path.read_text()) for path in tmp_path.iterdir()] == [(name, "precious")]
 

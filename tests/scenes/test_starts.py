@@ -72,7 +72,7 @@ def test_a_scene_starts_from_a_frame_of_another_run(folder: Path, at: str, x: fl
         ("@x", "", "'runs/bowl@x' 'x' is no number of a frame; expected RUN@FRAME"),
         ("@", "", "'' is no number of a frame"),
         ("@1.5", "", "'1.5' is no number of a frame"),
-        ("2", "", "is not there; it is looked for from the scene's folder, /"),
+        ("2", "", "does not exist; paths are relative to the scene's folder, /"),
         ("@0", "[[particles]]\nradius = 1\n", "particles[0].name: is missing; expected one of 'light', 'heavy'"),
         ("@0", "[[particles]]\nname = 'lihgt'", "got 'lihgt'; runs/bowl@0 has no such species; did you mean light?"),
         ("@0", "[[particles]]\nname = 'light'\ncount = 3", "particles[0].count: has no meaning beside start_from"),

@@ -135,10 +135,10 @@ def test_what_stands_beside_a_table_must_fit(tmp_path: Path, more: str, says: st
         (".", "is a folder; expected a file"),
         ("", "expected the path of a file"),
         ("x\\u0000y", "expected the path of a file"),
-        ("nowhere.csv", "is not there; it is looked for from the scene's folder"),
+        ("nowhere.csv", "does not exist; paths are relative to the scene's folder"),
         ("/nowhere/bowl.csv", "leads out of the scene.s folder"),
-        ("loop", "is not there"),
-        ("x" * 900, "is not there"),
+        ("loop", "does not exist"),
+        ("x" * 900, "does not exist"),
     ],
 )
 def test_a_table_that_cannot_be_read_is_told_by_its_key(tmp_path: Path, name: str, says: str) -> None:

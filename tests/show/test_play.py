@@ -87,7 +87,7 @@ def test_who_is_taken_out_is_gone_and_the_others_go_on(bowl):
     bowl.take(2)
     assert [kind.name for kind in bowl.scene.kinds] == ["cereal"]
     bowl.take(0)
-    with pytest.raises(BadInput, match="the last float stays"):
+    with pytest.raises(BadInput, match="the last float cannot be removed"):
         bowl.take(0)
     with pytest.raises(BadInput, match="there is no float 5"):
         bowl.take(5)

@@ -142,7 +142,7 @@ def test_where_there_is_no_room_nothing_is_poured(tank, place):
 
 def test_a_full_tank_is_not_poured_into(tank, monkeypatch):
     monkeypatch.setattr(playing, "MOST", tank.count + 5)
-    with pytest.raises(BadInput, match="scoop some out"):
+    with pytest.raises(BadInput, match="scoop out some liquid"):
         tank.pour(2.0, 0.9)
 
 
@@ -172,7 +172,7 @@ def test_a_gate_holds_the_column_until_it_is_opened(tank):
 
 
 def test_a_gate_that_closes_pushes_aside_who_stands_there_and_holds_again(tank):
-    with pytest.raises(BadInput, match="no gate that could be closed"):
+    with pytest.raises(BadInput, match="no gate to close"):
         tank.close_gate()
     tank.open_gate()
     tank.lean(-STEEPEST)
@@ -205,7 +205,7 @@ def test_a_gate_stays_open_where_there_is_no_room_for_what_stands_there(tank, mo
     play(tank, 0.3)
     before = places_of(tank)
     monkeypatch.setattr(tank_scene, "ROOM", 99.0)
-    with pytest.raises(BadInput, match="no room for the liquid that stands where the gate closes"):
+    with pytest.raises(BadInput, match="the liquid at the gate has no room"):
         tank.close_gate()
     assert np.array_equal(places_of(tank), before)
     assert tank.opened == 1
@@ -275,7 +275,7 @@ def test_liquid_that_diverges_is_brought_to_rest_and_then_begins_anew(tank):
 @pytest.mark.parametrize(
     ("name", "changes", "says"),
     [
-        ("dam-break-3d", [], "in two dimensions"),
+        ("dam-break-3d", [], "expected a 2D scene"),
         ("bouncing-particles", [], "scene of model 'tracers'"),
         ("floating-bodies", [], "this one has bodies"),
         ("channel", [], "in- or outflows"),
@@ -325,7 +325,7 @@ def test_the_command_line_plays_with_a_tank_of_its_own_or_with_a_scene_but_not_w
     monkeypatch.setattr("ecume.cli.browser.offered", contextlib.nullcontext)
     both = CliRunner().invoke(app, ["play", "--tank", "mine.toml"])
     assert both.exit_code == 2
-    assert "leave it out, or SCENE" in both.output
+    assert "expected one of them" in both.output
     made = CliRunner().invoke(app, ["play", "--tank", *(word for change in COARSE for word in ("--set", change))])
     assert made.exit_code == 0, made.output
     assert played[0].scene.spacing == 0.08

@@ -152,7 +152,7 @@ def test_too_many_curves_are_refused():
                 for force in np.arange(1.0, 40.0)
             ]
 
-    with pytest.raises(BadInput, match="39 curves cannot be told apart"):
+    with pytest.raises(BadInput, match="39 curves are too many"):
         sweep_figure(Many(), "curves")
 
 

@@ -130,7 +130,7 @@ class Answer:
 def test_a_scheduler_that_is_gone_is_told_in_a_line_with_code_75():
     ended = iter([Answer("done"), Answer(error=RuntimeError("its worker died")), Answer(broken=OSError("closed"))])
     assert [next_word(ended)[1], next_word(ended)[1]] == ["done", "lost"]
-    with pytest.raises(Stopped, match="the scheduler is gone; what is done stays done"):
+    with pytest.raises(Stopped, match="lost the scheduler; finished points are kept"):
         next_word(ended)
     assert next_word(ended) is None
 
@@ -220,8 +220,8 @@ def test_a_signal_stops_a_sweep_that_the_same_command_goes_on_with(file, tmp_pat
         os.killpg(sweeping.pid, signal.SIGINT) if name == "SIGINT" else sweeping.terminate()
         told = sweeping.communicate(timeout=60)[1]
     assert sweeping.returncode == Stopped.exit_code
-    assert told.startswith(f"ecume: stopped by {name}; ")
-    assert "of 4 points are done, and the same command goes on" in told
+    assert f"ecume: stopped by {name}; " in told
+    assert "of 4 points are done; the same command continues" in told
     assert "Traceback" not in told
 
 

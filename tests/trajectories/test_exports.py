@@ -69,7 +69,7 @@ def test_npz_refuses_particles_that_come_and_go(tmp_path: Path, frames: Frames) 
     with Recorder(tmp_path / "traj") as recorder:
         recorder.write(frames(1, particles=3)[0], 0)
         recorder.write(frames(2, particles=4)[1], 1)
-    with pytest.raises(BadInput, match="frame 1 has others; take csv"):
+    with pytest.raises(BadInput, match="changes at frame 1"):
         export(tmp_path, "npz", tmp_path / "bowl.npz")
     assert not (tmp_path / "bowl.npz").exists()
 
@@ -200,7 +200,7 @@ def test_a_pipe_or_a_device_is_left_alone(recorded: Recorded, tmp_path: Path) ->
     os.mkfifo(tmp_path / "pipe.csv")
     (tmp_path / "link.csv").symlink_to(tmp_path / "pipe.csv")
     for name in ("pipe.csv", "link.csv"):
-        with pytest.raises(StorageError, match="is no plain file, and is left alone"):
+        with pytest.raises(StorageError, match="is not a plain file"):
             export(run, "csv", tmp_path / name)
     assert (tmp_path / "pipe.csv").is_fifo()
     assert (tmp_path / "link.csv").is_symlink()

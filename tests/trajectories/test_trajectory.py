@@ -65,7 +65,7 @@ def test_numbers_that_no_run_has_are_refused_with_those_it_has(recorded: Recorde
 
 
 def test_a_path_without_a_run_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(BadInput, match="no run is there"):
+    with pytest.raises(BadInput, match="contains no run"):
         open_trajectory(tmp_path / "nothing")
 
 

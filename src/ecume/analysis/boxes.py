@@ -34,7 +34,7 @@ class Box(NamedTuple):
     def volume(self) -> float:
         """m^d. Raises BadInput where an axis is open."""
         if not self.closed:
-            raise BadInput("a box that is not periodic along each axis has no volume of its own")
+            raise BadInput("only a box that is periodic along each axis has a volume")
         return float(np.prod(self.sides))
 
     @property
@@ -55,7 +55,7 @@ class Copies(NamedTuple):
 
 
 def box_of(frame: Frame) -> Box | None:
-    """The box that a frame tells of, periodic along the axes whose sides it tells; None where it tells none."""
+    """The box of a frame, periodic along the axes whose sides the frame contains; None without sides."""
     sides = np.array([frame.numbers.get(name, 0.0) for name in SIDES[: frame.arrays["position"].shape[1]]])
     if not sides.any():
         return None

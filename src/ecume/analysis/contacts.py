@@ -41,7 +41,7 @@ class Distribution(NamedTuple):
 def near_pairs(frame: Frame, reach: Length, box: Box | None = None) -> Near:
     """The pairs whose undeformed surfaces are less than `reach` apart, in frames of any model with radii.
 
-    The box is that of the frame, if it tells of one. Overlapping surfaces have negative gaps.
+    The box is that of the frame, if it has one. Overlapping surfaces have negative gaps.
     """
     position, radius = frame.arrays["position"], frame.arrays["radius"]
     box = box or box_of(frame)
@@ -70,7 +70,7 @@ def _once(pairs: Integers, gap: Array) -> Near:
 def films(frame: Frame) -> Near:
     """The films between soft spheres in a frame: their gaps are those of deflected surfaces."""
     if "neighbor" not in (*frame.arrays, *omitted_from(frame)):
-        raise BadInput("the frames contain no films; near_pairs finds particles that are close")
+        raise BadInput("the frames contain no films; near_pairs finds close pairs")
     first, slot = np.nonzero(frame.arrays["neighbor"] >= 0)
     pairs = np.stack([first, frame.arrays["neighbor"][first, slot]], axis=1)
     return Near(pairs, frame.arrays["gap"][first, slot])
@@ -101,7 +101,7 @@ def coordination(
 ) -> Array:
     """The number of neighbors of each particle, (N,).
 
-    `gap`: with a gap narrower than this, by the films of a frame where it tells of them. `force`: whose film presses
+    `gap`: with a gap narrower than this, by the films of a frame if it contains them. `force`: whose film presses
     with more than this force; for frames of soft spheres.
     """
     if (gap is None) == (force is None):
@@ -117,10 +117,10 @@ def coordination(
 
 
 def volume_fraction(frame: Frame, box: Box | None = None) -> float:
-    """The part of the box that undeformed spheres take up, or discs in the plane; overlaps count twice."""
+    """The fraction of the box that undeformed spheres (3D) or discs (2D) occupy; overlaps count twice."""
     box = box or box_of(frame)
     if box is None:
-        raise BadInput("a volume fraction is a part of a box; there is none")
+        raise BadInput("a volume fraction needs a box; these frames have no box")
     radius = frame.arrays["radius"]
     flat = frame.arrays["position"].shape[1] == 2
     each = np.pi * radius**2 if flat else 4.0 / 3.0 * np.pi * radius**3

@@ -46,7 +46,7 @@ def largest_piece(position: Array, spacing: Length) -> Flags:
 def level_by_column(frame: Frame, edges: Array) -> Array:
     """The depth of the liquid in each column, were it at rest (m): its volume over the column's ground.
 
-    `edges` are those of the columns along x, one more than columns, in the plane.
+    `edges` are those of the columns along x, one more than columns, in 2D.
     """
     if np.any(np.diff(edges) <= 0.0):
         raise BadInput("edges of columns must grow from one to the next")
@@ -57,7 +57,7 @@ def level_by_column(frame: Frame, edges: Array) -> Array:
 
 
 def top_by_column(frame: Frame, edges: Array, spacing: Length) -> Array:
-    """The height that the liquid reaches in each column (m), spray included; NaN where there is none."""
+    """The height that the liquid reaches in each column (m), spray included; NaN in empty columns."""
     position = frame.arrays["position"]
     column = np.digitize(position[:, 0], edges) - 1
     tops = np.full(len(edges) - 1, -np.inf)
@@ -90,13 +90,13 @@ def walls_of(tank: TankSpec) -> Walls:
 
 
 def free_surface(frame: Frame, spacing: Length, walls: Walls | None = None) -> list[Array]:
-    """The outline of a liquid in the plane as lines, (K, 2) each, in m; a closed one ends where it begins.
+    """The outline of a liquid in 2D as lines, (K, 2) each, in m; a closed one ends where it begins.
 
     A contour of the kernel's sum, at one half. The liquid is mirrored at walls, so that no line runs along them.
     """
     position = frame.arrays["position"]
     if position.shape[1] != 2:
-        raise BadInput(f"an outline is a line in the plane; these frames have {position.shape[1]} dimensions")
+        raise BadInput(f"an outline needs frames in 2D; these frames have {position.shape[1]} dimensions")
     if not len(position):
         return []
     reach, room = REACH * spacing, 1.5 * REACH * spacing

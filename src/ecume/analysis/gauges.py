@@ -1,7 +1,7 @@
 """Gauges: what a probe at a place, a sensor on a wall or a gauge of the water level would read in a frame of particles.
 
 A value at a point is the mean of the particles near it, weighed by kernel and volume. `reach` (m) is how far a particle
-may be, the kernel's support: four spacings is usual in a plane, three to four in space.
+may be, the kernel's support: four spacings is usual in 2D, three to four in 3D.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ def wall_pressure(frame: Frame, sensor: Array, reach: Length) -> float:
 def water_level(frame: Frame, places: Array, reach: Length) -> Array:
     """Depth of the water above each place of the floor (m): the liquid there is, over the area it stands on.
 
-    Places are (n,) along x in a plane, (n, 2) along x and z in space (y points up). Air bubbles do not count as water.
+    Places are (n,) along x in 2D, (n, 2) along x and z in 3D (y points up). Air bubbles do not count as water.
     Nearer to a wall than `reach`, water is missed that the wall cuts off.
     """
     position = frame.arrays["position"]
@@ -74,7 +74,7 @@ def water_level(frame: Frame, places: Array, reach: Length) -> Array:
 def wave_amplitude(frame: Frame, wavenumber: float, length: Length) -> float:
     """The amplitude of the wave cos(k x) in a tank of this length (m), from the liquid's distribution along x.
 
-    (2/L) sum_j V_j cos(k x_j), which is (2/L) times the integral of the level times cos(k x); in a plane.
+    (2/L) sum_j V_j cos(k x_j), which is (2/L) times the integral of the level times cos(k x); in 2D.
     """
     volume = frame.arrays["mass"] / frame.arrays["density"]
     return float(2.0 / length * (volume @ np.cos(wavenumber * frame.arrays["position"][:, 0])))

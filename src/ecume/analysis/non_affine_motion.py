@@ -64,7 +64,7 @@ def _fitted(count: int, first: Integers, old: Array, new: Array) -> LocalDeforma
 def nonaffine_displacement(before: Frame, after: Frame, boxes: tuple[Box, Box] | None = None) -> Array:
     """The displacement of each particle beyond the deformation of the box, (N, d) m, with a mean of zero.
 
-    For a periodic box, sheared or squeezed; nobody may have gone further than half of it against that.
+    For a periodic box, sheared or squeezed; no particle may have moved further than half of it relative to that motion.
     """
     start, end = _boxes(before, after, boxes)
     if start is None or end is None or not (start.closed and end.closed):
@@ -86,5 +86,5 @@ def nonaffine_velocity(before: Frame, after: Frame, boxes: tuple[Box, Box] | Non
 
 def _boxes(before: Frame, after: Frame, boxes: tuple[Box, Box] | None) -> tuple[Box | None, Box | None]:
     if before.arrays["position"].shape != after.arrays["position"].shape:
-        raise BadInput("particles came or went between these frames; expected the same ones in both")
+        raise BadInput("the frames contain different particles; expected the same ones in both")
     return boxes or (box_of(before), box_of(after))

@@ -43,7 +43,7 @@ ENERGIES = ("J", "J/m")
 
 
 def energy_budget(frames: Iterable[Frame]) -> Mapping[str, Array]:
-    """Each kind of energy over time (J; J/m in the plane), and what was lost since the first frame.
+    """Each kind of energy over time (J; J/m in 2D), and the energy lost since the first frame.
 
     Keys: `time` (s), every energy of the frames, `lost`, and `dissipated`: that, and what work was injected.
     """

@@ -1,6 +1,6 @@
 """T1 events: two neighbors part, and two others, that both had for neighbors, meet between them.
 
-In the plane every particle's region borders on others, and the number of borders is fixed: neighbors change by swaps.
+In 2D every particle's region borders on others, and the number of borders is fixed: neighbors change by swaps.
 Where four regions nearly meet in a point the borders flicker; so a pair counts as parted only when the pair that takes
 its place has a border that is not short, and as long as no border is, nothing has happened.
 """
@@ -91,11 +91,11 @@ _Found = dict[Pair, tuple[float, bool]]
 
 
 def neighbor_swaps(frames: Iterable[Frame], *, firm: float = FIRM, box: Box | None = None) -> Swaps:
-    """The T1 events in frames of any model in the plane, by the radical triangulation.
+    """The T1 events in 2D frames of any model, by the radical triangulation.
 
     `firm` is the border that counts, over the median distance of neighbors: fluctuations that leave all borders of a
     meeting of four below it are no events. Times of loss and gain are those of frames; the time of the event is
-    interpolated. Between two frames fewer than one swap in a neighborhood should happen: `unpaired` tells.
+    interpolated. Between two frames expect at most one swap per neighborhood; `unpaired` counts the exceptions.
     """
     linked: dict[Pair, _Seen] = {}
     events: list[Swap] = []
@@ -103,7 +103,7 @@ def neighbor_swaps(frames: Iterable[Frame], *, firm: float = FIRM, box: Box | No
     for number, frame in enumerate(frames):
         found = _found(frame, firm, box)
         if number == 0:
-            # Of four that meet in a point nobody can say who was a neighbor before: they make no event.
+            # Four that meet in a point have no defined neighbors: they make no event.
             linked = {pair: _Seen(frame.time, w, frame.time if sure else math.nan) for pair, (w, sure) in found.items()}
             continue
         place = _place_of(frame, box)
@@ -142,7 +142,7 @@ def _swapped(place: _Place, found: _Found, linked: dict[Pair, _Seen]) -> tuple[d
 
 
 def _flickers(pair: Pair, around: Around, found: _Found, linked: dict[Pair, _Seen]) -> bool:
-    """Whether a pair is parted by no more than a short border of two others that are both beside it."""
+    """Whether a pair is separated only by a short border of two others that are both neighbors of it."""
     beside = sorted(around.get(pair[0], set()) & around.get(pair[1], set()))
     others = itertools.combinations(beside, 2)
     return any(other in found and not found[other][1] and other not in linked for other in others)
@@ -231,7 +231,7 @@ def contact_swaps(frames: Iterable[Frame], *, touch: float, apart: float, box: B
 
     Two meet when their gap falls below `touch` and part when it rises above `apart` (m): what lies between leaves
     contacts as they are, so that they do not flicker. The gap is that of undeformed surfaces. Moments are interpolated
-    between frames. For films and in space, where borders do not say who is a neighbor.
+    between frames. For films and in 3D, where borders do not define neighbors.
     """
     if not touch <= apart:
         raise BadInput(f"two meet below a gap of {touch:g} m and part above {apart:g} m; expected touch <= apart")

@@ -31,7 +31,7 @@ def stress_tensor(frame: Frame, part: str = "total") -> Array:
     tensor = np.zeros((dimensions, dimensions))
     parts = (part,) if part != "total" else tuple(one for one in PARTS if f"stress_{one}_xx" in frame.numbers)
     if not parts or any(f"stress_{one}_xx" not in frame.numbers for one in parts):
-        raise BadInput(f"the frames tell of no stress called {part!r}; expected total, or one of {', '.join(PARTS)}")
+        raise BadInput(f"the frames contain no stress {part!r}; expected total, or one of {', '.join(PARTS)}")
     for one in parts:
         for i, j in np.ndindex(dimensions, dimensions):
             tensor[i, j] += frame.numbers[f"stress_{one}_{AXES[i]}{AXES[j]}"]
@@ -174,7 +174,7 @@ def _over_periods(values: Array, own: float) -> Mean:
 
 
 YIELDED = 0.1
-"""Of strain since the step: well beyond what surfaces give way, well before steady flow."""
+"""Strain since the step: well beyond the deformation of surfaces, well before steady flow."""
 
 
 def yield_delay(frames: Sequence[Frame], step: Time, strain: Number = YIELDED) -> Time:

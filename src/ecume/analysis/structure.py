@@ -37,8 +37,8 @@ def neighbor_pairs(frame: Frame, reach: Number = FIRST_SHELL) -> Integers:
 def hexatic_order(frame: Frame, reach: Number = FIRST_SHELL) -> Complexes:
     """psi_6 of each float, the mean of exp(6 i phi) over its neighbors' directions; 0 for who has none.
 
-    Its size is 1 inside a triangular lattice, its phase six times the lattice's angle. The size of the mean of all
-    says how far one lattice reaches, the mean of the sizes how good lattices are, wherever they point.
+    Its magnitude is 1 inside a triangular lattice, its phase six times the lattice's angle. The magnitude of the mean
+    measures the global order, the mean magnitude the local order, whatever the orientation of the lattices.
     """
     position = frame.arrays["position"]
     pairs = neighbor_pairs(frame, reach)
@@ -117,9 +117,9 @@ def region_in(walls: Walls) -> Region:
 
 
 def pair_distribution(frames: Sequence[Frame], edges: Array, region: Region) -> Array:
-    """g(r) between the edges (m), the mean of the frames: pairs there are, over those of as many points by chance.
+    """g(r) between the edges (m), the mean over the frames: the number of pairs over that of as many random points.
 
-    Chance is taken inside the region, whose border keeps far pairs rare: with points strewn at random g is 1 up to its
+    The random points are inside the region, whose border keeps far pairs rare: for random points g is 1 up to its
     width.
     """
     widest = region.widest
@@ -134,7 +134,7 @@ def pair_distribution(frames: Sequence[Frame], edges: Array, region: Region) -> 
     for frame in frames:
         position = frame.arrays["position"]
         tree, count = cKDTree(position), len(position)
-        # Everyone is at no distance of itself, at the first edge already, and drops out of the difference.
+        # Each particle is at distance 0 of itself, at the first edge already, and cancels in the difference.
         counts += np.diff(tree.count_neighbors(tree, np.asarray(edges)))
         pairs += count * (count - 1.0)
     return np.asarray(counts / (pairs * by_chance))

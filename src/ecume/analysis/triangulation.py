@@ -33,14 +33,14 @@ class Neighbors(NamedTuple):
 
 
 def neighbors_of(frame: Frame, box: Box | None = None) -> Neighbors:
-    """The neighbors in a frame of any model in the plane; without radii all are taken for equal.
+    """The neighbors in a 2D frame of any model; without radii all particles count as equal.
 
-    The box is that of the frame, if it tells of one. Two particles that meet in several copies count once, with their
+    The box is that of the frame, if it has one. Two particles that meet in several copies count once, with their
     longest border: the box should be more than four spacings wide.
     """
     position = frame.arrays["position"]
     if position.shape[1] != 2:
-        raise BadInput(f"neighbors are found in the plane; these frames have {position.shape[1]} dimensions")
+        raise BadInput(f"neighbors are found in 2D; these frames have {position.shape[1]} dimensions")
     radius = np.asarray(frame.arrays.get("radius", np.zeros(len(position))), dtype=float)
     return radical_neighbors(position, radius, box or box_of(frame))
 
@@ -85,7 +85,7 @@ def _edges(place: Array, radius: Array) -> tuple[Integers, Array]:
 
 
 def _once(pairs: Integers, border: Array) -> Neighbors:
-    """Each pair once, with its longest border; nobody is a neighbor of its own copy."""
+    """Each pair once, with its longest border; no particle is a neighbor of its copy."""
     apart = pairs[:, 0] != pairs[:, 1]
     pairs, border = pairs[apart], border[apart]
     order = np.lexsort((-border, pairs[:, 1], pairs[:, 0]))

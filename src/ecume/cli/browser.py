@@ -21,12 +21,14 @@ def view(
     directory: RunFolder = HERE,
     save: Annotated[
         Path | None,
-        typer.Option("--save", metavar="FILE", help="Only write the page there; open nothing.", show_default=False),
+        typer.Option(
+            "--save", metavar="FILE", help="Write the page to a file instead of opening it.", show_default=False
+        ),
     ] = None,
     max_size: Annotated[
         float,
         typer.Option(
-            "--max-size", min=0.5, max=2000.0, metavar="MB", help="Of the page; above it frames are left out."
+            "--max-size", min=0.5, max=2000.0, metavar="MB", help="Largest page; long runs show fewer frames."
         ),
     ] = 50.0,
     live: Annotated[bool, typer.Option("--live", help="Follow a run in progress.")] = False,
@@ -34,7 +36,7 @@ def view(
 ) -> None:
     """Play a run in the browser.
 
-    The page is one HTML file that needs no server and no network, and can be sent to others.
+    The page is a single HTML file that needs neither a server nor a network.
 
     Examples: `ecume view runs/bowl` · `ecume view runs/bowl --save bowl.html --max-size 8`
     · `ecume view runs/bowl --live`
@@ -87,19 +89,18 @@ def play(
         Path | None,
         typer.Argument(
             metavar="SCENE",
-            help="Floats in a dish, or a tank of liquid in the plane; by default a small bowl.",
+            help="Scene of floats in a dish, or of a tank in 2D; default: a small bowl.",
             show_default=False,
         ),
     ] = None,
-    tank: Annotated[bool, typer.Option("--tank", help="Play with a small tank of water.")] = False,
+    tank: Annotated[bool, typer.Option("--tank", help="Use a small tank of water instead of a scene.")] = False,
     overrides: Overrides = None,
 ) -> None:
     """Play with a simulation in the browser while it runs.
 
-    With a bowl (drop floats, drag them, tilt the dish, change the liquid), or with a tank (pour, open a gate, push a
-    wall, tilt).
+    A bowl: drop and drag floats, tilt the dish, change the liquid. A tank: pour liquid, open a gate, push a wall, tilt.
 
-    Ends with Ctrl-C. `save as scene` on the page writes the TOML that goes on from there.
+    Ends with Ctrl-C. `save as scene` on the page writes the present state as a scene in TOML.
 
     Examples: `ecume play` · `ecume play --tank` · `ecume play bowl.toml --set dish.contact_angle='"110 deg"'`
     """
@@ -109,19 +110,19 @@ def play(
     from ecume.show.serving import served
 
     if tank and scene is not None:
-        raise BadInput("--tank plays with a tank of its own; leave it out, or SCENE")
+        raise BadInput("got SCENE and --tank, which has a built-in tank; expected one of them")
     name = "small-tank" if tank else "cereal-bowl"
     usual = [] if tank or scene else ["particles[0].count=12"]
     given = scene or (folder() / f"{name}.toml").read_text(encoding="utf-8")
     asked = load_scene(given, [*usual, *(overrides or [])])
     game = game_of(asked)
-    typer.echo("compiling, unless that was done before ...")
+    typer.echo("starting; the first start compiles, which can take minutes ...")
     game.toy.moving.play(0.0)
     with served(game) as address, offered(address):
         try:
             game.run()
         except KeyboardInterrupt:
-            typer.echo("played enough")
+            typer.echo("stopped: the time limit of a game is reached")
 
 
 VERBS = (view, play)

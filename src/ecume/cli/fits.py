@@ -12,6 +12,7 @@ from ecume.cli.exit_codes import say
 from ecume.cli.output import print_table
 from ecume.cli.runs import Quiet
 from ecume.errors import BadInput
+from ecume.value_texts import with_prefix
 
 if TYPE_CHECKING:
     from ecume.fitting import Estimate, Fit
@@ -34,41 +35,48 @@ def in_unit(text: str, unit: str, option: str) -> float:
 
 
 TrackFile = Annotated[
-    Path, typer.Argument(metavar="TRACKS", help="A table: x, y, t, id, or of trackpy or TrackMate.", show_default=False)
-]
-SceneFile = Annotated[
-    Path, typer.Option("--scene", metavar="SCENE", help="What is fitted to them.", show_default=False)
-]
-FreeKeys = Annotated[
-    str,
-    typer.Option(
-        "--free", metavar="KEY,KEY", help="Its numbers that are not known, such as viscosity.", show_default=False
+    Path,
+    typer.Argument(
+        metavar="TRACKS",
+        help="Table of tracks: columns x, y, t, id, or the format of trackpy or TrackMate.",
+        show_default=False,
     ),
 ]
+SceneFile = Annotated[Path, typer.Option("--scene", metavar="SCENE", help="Scene to fit.", show_default=False)]
+FreeKeys = Annotated[
+    str,
+    typer.Option("--free", metavar="KEY,KEY", help="Parameters to estimate, such as viscosity.", show_default=False),
+]
 Pixel = Annotated[
-    str | None, typer.Option("--pixel", metavar="SIZE", help="Of one pixel: '20 um'.", show_default=False)
+    str | None, typer.Option("--pixel", metavar="SIZE", help="Size of a pixel: '20 um'.", show_default=False)
 ]
 Rate = Annotated[
-    float | None, typer.Option("--rate", min=1e-6, max=1e9, metavar="N", help="Frames a second.", show_default=False)
+    float | None, typer.Option("--rate", min=1e-6, max=1e9, metavar="N", help="Frames per second.", show_default=False)
 ]
 Origin = Annotated[
     tuple[float, float],
-    typer.Option("--origin", metavar="X Y", help="Where the scene's origin is, in the table's units."),
+    typer.Option("--origin", metavar="X Y", help="Position of the scene's origin, in the units of the table."),
 ]
 Only = Annotated[
-    str | None, typer.Option("--only", metavar="ID,ID", help="The objects that count.", show_default=False)
+    str | None, typer.Option("--only", metavar="ID,ID", help="Objects to use; default: all.", show_default=False)
 ]
 StartOf = Annotated[
     str,
-    typer.Option("--start", metavar="WHAT", help="What is fitted along: positions, moving (velocities too), scene."),
+    typer.Option(
+        "--start",
+        metavar="WHAT",
+        help="Initial state: fit positions, fit positions and velocities (moving), or keep that of the scene (scene).",
+    ),
 ]
 Until = Annotated[
     float | None,
-    typer.Option("--until", min=0.0, metavar="S", help="Leave out what was seen later.", show_default=False),
+    typer.Option("--until", min=0.0, metavar="S", help="Ignore observations after this time (s).", show_default=False),
 ]
 FitFolder = Annotated[
     Path | None,
-    typer.Option("-o", "--out", metavar="DIR", help="Left out, fits/NAME for NAME.csv.", show_default=False),
+    typer.Option(
+        "-o", "--out", metavar="DIR", help="Directory of the results; default: fits/NAME.", show_default=False
+    ),
 ]
 
 
@@ -85,7 +93,7 @@ def fit(
     out: FitFolder = None,
     quiet: Quiet = False,
 ) -> None:
-    """Fit a scene's parameters to measured tracks.
+    """Estimate parameters of a scene from measured tracks.
 
     Reports 95 % intervals, and what the tracks do not determine. Writes the fitted scene, the numbers and a figure of
     the residuals.
@@ -105,7 +113,7 @@ def fit(
     keep(found, directory)
     if not quiet:
         print_table(("", "value", "95 % interval", "unit"), map(_cells, [*found.estimates, *found.derived]))
-        typer.echo(f"noise: {found.noise * 1e6:.3g} um; {directory} has the fitted scene, and a figure")
+        typer.echo(f"noise: {with_prefix(found.noise, 'm', 3)}; {directory} contains the fitted scene and a figure")
     for remark in found.remarks:
         say(remark)
 
@@ -123,7 +131,7 @@ def _cells(one: Estimate) -> tuple[str, str, str, str]:
 
 
 def keep(found: Fit, directory: Path) -> None:
-    """Write what a fit came to: `fitted.toml`, `fit.json` and `residuals.png`."""
+    """Write the result of a fit: `fitted.toml`, `fit.json` and `residuals.png`."""
     from ecume.scenes.writing import to_toml
     from ecume.show.fit_figures import fit_figure
     from ecume.show.style import save

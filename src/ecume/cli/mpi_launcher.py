@@ -23,14 +23,14 @@ if TYPE_CHECKING:
 
 ENGINES = ("local", "mpi")
 LAUNCHED = ("PMI_SIZE", "PMIX_RANK", "OMPI_COMM_WORLD_SIZE")
-"""What launchers, ours and those of clusters, set for their ranks."""
+"""Environment variables that launchers, ecume's and those of clusters, set for their ranks."""
 QUIET = {"MPIR_CVAR_CH4_NETMOD": "ucx", "UCX_TLS": "self,posix,sysv"}
 """Ranks of one machine speak through its memory, and listen on no network."""
 
 Engine = Annotated[
     str,
     typer.Option(
-        "--engine", metavar="local|mpi", help="What integrates: this process, or many ranks (the extra `mpi`)."
+        "--engine", metavar="local|mpi", help="Integrate in this process, or on several MPI ranks (extra `mpi`)."
     ),
 ]
 Ranks = Annotated[
@@ -40,7 +40,7 @@ Ranks = Annotated[
         min=1,
         max=256,
         metavar="N",
-        help="With --engine mpi: how many, on this machine; by default 2. Changes no bit of the result.",
+        help="Number of MPI ranks on this machine; default: 2. The result does not depend on it.",
         show_default=False,
     ),
 ]
@@ -48,7 +48,7 @@ Ranks = Annotated[
 
 @contextlib.contextmanager
 def integrating(engine: str, ranks: int | None) -> Iterator[Callable[[Model], Model] | None]:
-    """The function that makes a model integrate as asked.
+    """The function that integrates a model with the selected engine.
 
     Does not return in a process that only starts ranks, nor in a rank beside the first.
     """
@@ -79,7 +79,7 @@ def launched(ranks: int) -> int:
     threads = str(max(1, (os.cpu_count() or 1) // ranks))
     environment = {"NUMBA_NUM_THREADS": threads, **os.environ, **QUIET}
     # A session of their own: Ctrl-C reaches them through us, once, and the launcher not at all.
-    started = subprocess.Popen(command, env=environment, start_new_session=True)  # noqa: S603  # our own command
+    started = subprocess.Popen(command, env=environment, start_new_session=True)  # noqa: S603  # a command of ecume
     with started, handing_on(started):
         return started.wait()
 

@@ -37,7 +37,7 @@ def print_table(columns: Sequence[str], rows: Iterable[Sequence[str | Text]], *,
 
 Record = Annotated[
     Path | None,
-    typer.Option("--record", metavar="FILE", help="Keep the result in this JSON file as well.", show_default=False),
+    typer.Option("--record", metavar="FILE", help="Also write the result to this JSON file.", show_default=False),
 ]
 
 

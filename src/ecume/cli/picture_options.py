@@ -40,26 +40,26 @@ def pixels(text: str) -> tuple[int, int]:
 Out = Annotated[
     Path | None,
     typer.Option(
-        "-o", "--out", metavar="FILE", help="Where to write it; by default in DIR/results.", show_default=False
+        "-o", "--out", metavar="FILE", help="Output file or folder; default: in DIR/results.", show_default=False
     ),
 ]
-Fps = Annotated[int, typer.Option("--fps", metavar="N", help="Pictures a second.")]
-Every = Annotated[int, typer.Option("--every", metavar="N", help="Show each N-th frame only.")]
+Fps = Annotated[int, typer.Option("--fps", metavar="N", help="Frames per second.")]
+Every = Annotated[int, typer.Option("--every", metavar="N", help="Use every N-th frame of the run.")]
 PictureSize = Annotated[
     Any,
     typer.Option(
         "--size",
         parser=pixels,
         metavar="WxH",
-        help="Of the picture, in pixels; by default 960x720, and 640x480 for a GIF.",
+        help="Size of the picture in pixels; default: 960x720, 640x480 for a GIF.",
         show_default=False,
     ),
 ]
 Begin = Annotated[
     Any,
-    typer.Option("--from", parser=seconds, metavar="TIME", help="Where to begin: 2.5 or '2.5 s'.", show_default=False),
+    typer.Option("--from", parser=seconds, metavar="TIME", help="Start time: 2.5 or '2.5 s'.", show_default=False),
 ]
-End = Annotated[Any, typer.Option("--to", parser=seconds, metavar="TIME", help="Where to end.", show_default=False)]
+End = Annotated[Any, typer.Option("--to", parser=seconds, metavar="TIME", help="End time.", show_default=False)]
 Color = Annotated[
     str | None,
     typer.Option(
@@ -70,21 +70,24 @@ Color = Annotated[
     ),
 ]
 Particles = Annotated[
-    bool, typer.Option("--particles", help="Draw the particles of a liquid instead of its continuous region.")
+    bool, typer.Option("--particles", help="Draw the particles of a liquid instead of a continuous surface.")
 ]
-Zoom = Annotated[float, typer.Option("--zoom", metavar="Z", help="Show all so many times larger.")]
+Zoom = Annotated[float, typer.Option("--zoom", metavar="Z", help="Zoom factor.")]
 Follow = Annotated[
     int | None,
-    typer.Option("--follow", metavar="N", help="Keep particle N in the middle, from 0 on.", show_default=False),
+    typer.Option(
+        "--follow", metavar="N", help="Center the picture on particle N (the first is 0).", show_default=False
+    ),
 ]
 Azimuth = Annotated[
     float | None,
-    typer.Option("--azimuth", metavar="DEGREES", help="Go around what is in space.", show_default=False),
+    typer.Option("--azimuth", metavar="DEGREES", help="Azimuth of the camera (3D).", show_default=False),
 ]
 Elevation = Annotated[
-    float | None, typer.Option("--elevation", metavar="DEGREES", help="Look from above.", show_default=False)
+    float | None,
+    typer.Option("--elevation", metavar="DEGREES", help="Elevation of the camera (3D).", show_default=False),
 ]
-Workers = Annotated[int, typer.Option("--workers", metavar="N", help="Draw with N processes.")]
+Workers = Annotated[int, typer.Option("--workers", metavar="N", help="Number of drawing processes.")]
 What = Annotated[
     list[str] | None,
     typer.Option(
@@ -96,9 +99,9 @@ What = Annotated[
     ),
 ]
 Listed = Annotated[bool, typer.Option("--list", help="List the figures of this run and draw none.")]
-Verbose = Annotated[bool, typer.Option("--verbose", help="Report figures that are omitted, and why.")]
+Verbose = Annotated[bool, typer.Option("--verbose", help="Report omitted figures and the reasons.")]
 Integrators = Annotated[
-    bool, typer.Option("--integrators", help="Compare the integrators instead, into integrators.png; needs no run.")
+    bool, typer.Option("--integrators", help="Compare the integrators; writes integrators.png and needs no run.")
 ]
 ForceLaw = Annotated[
     Path | None,

@@ -94,7 +94,7 @@ def movie(
 ) -> None:
     """Make a movie of a run.
 
-    The name of the file says the format: .mp4, .webm, .webp or .gif, or .png for numbered pictures.
+    The file name selects the format: .mp4, .webm, .webp or .gif, or .png for numbered pictures.
 
     Examples: `ecume movie runs/bowl` · `ecume movie runs/bowl -o bowl.gif --every 2 --fps 20 --size 480x360`
     · `ecume movie runs/bowl --from "1 s" --to "3 s"` · `ecume movie runs/bowl --follow 3 --zoom 4`
@@ -127,11 +127,11 @@ def plot(
     verbose: Verbose = False,
     quiet: Quiet = False,
 ) -> None:
-    """Draw figures of a run, all of them by default.
+    """Draw figures of a run or a sweep; default: all.
 
-    Such as energies, clusters, paths, the force law. The name of the file says the format: .png, .pdf, .svg.
+    For example energies, clusters, paths. The file name selects the format: .png, .pdf, .svg.
 
-    Of a sweep: `curves`, `map` or `scatter`, as in `map:duration` for a measure that is not the table's first.
+    Figures of a sweep: `curves`, `map` or `scatter` of the first measure; `map:duration` uses the measure `duration`.
 
     Examples: `ecume plot runs/bowl` · `ecume plot runs/bowl --list` · `ecume plot runs/bowl --what paths -o paths.pdf`
     · `ecume plot sweeps/durations --what curves:duration` · `ecume plot --integrators`
@@ -155,7 +155,7 @@ def _require_alone(force_law: Path | None, *, integrators: bool, of_a_run: bool)
     if force_law is not None and (integrators or of_a_run):
         raise BadInput("--force-law needs no run, no --what and no --integrators; it draws a scene's pairs")
     if integrators and of_a_run:
-        raise BadInput("--integrators needs no run and no --what; it draws two spheres of its own")
+        raise BadInput("--integrators needs no run and no --what; it draws a built-in case of two spheres")
 
 
 def _without_a_run(force_law: Path | None, out: Path | None) -> Path:
@@ -181,7 +181,7 @@ def _draw_sweep(directory: Path, names: list[str], out: Path | None, *, quiet: b
 
 
 def _draw(directory: Path, names: list[str], out: Path | None, *, quiet: bool) -> None:
-    """The figures that were asked for."""
+    """The requested figures."""
     from ecume.run.directory import existing, manifest_of
     from ecume.show.figure_names import require_figure
 
@@ -258,7 +258,7 @@ def export(
     out: Out = None,
     quiet: Quiet = False,
 ) -> None:
-    """Write the frames of a run in another format. GSD, for OVITO and HOOMD, are the files in DIR/traj as they are.
+    """Write the frames of a run in another format. OVITO and HOOMD read the GSD files in DIR/traj directly.
 
     Examples: `ecume export runs/bowl --to csv` · `ecume export runs/bowl --to vtk -o bowl.vtkhdf` ·
     `ecume export runs/bowl --to numbers -o - | head` (text formats only)

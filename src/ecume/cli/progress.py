@@ -82,7 +82,7 @@ def _bar() -> Iterator[Reporter]:
 @contextmanager
 def counted(what: str, *, quiet: bool, lines: bool = False) -> Iterator[Callable[[int, int], None] | None]:
     """What counts things that are done, `12 of 300 points, 4 min left`: a bar on a terminal; elsewhere `lines`, or
-    nothing where it is soon enough to be told the end.
+    nothing if the end is near.
     """
     if quiet or not (lines or sys.stderr.isatty()):
         yield None
@@ -99,7 +99,7 @@ def _counting_bar(pace: Pace) -> Iterator[Callable[[int, int], None]]:
     from rich.progress import BarColumn, TextColumn
     from rich.progress import Progress as Bars
 
-    # The time that is left is ours: Rich forgets what came more than half a minute ago.
+    # ecume estimates the remaining time: Rich only uses the last half minute.
     with Bars(BarColumn(), TextColumn("{task.description}"), console=Console(stderr=True), transient=True) as bars:
         bar = bars.add_task(pace.what, total=None)
         yield lambda done, of: bars.update(bar, total=of, completed=done, description=pace(done, of))

@@ -14,13 +14,13 @@ if TYPE_CHECKING:
 
 DIFFERENT = 1
 """The exit code of `compare` when two runs are not equal."""
-Folder = Annotated[Path, typer.Argument(metavar="[DIR]", help="A folder; default: the current one.")]
-FirstRun = Annotated[Path, typer.Argument(metavar="RUN", help="The directory of a run.", show_default=False)]
-SecondRun = Annotated[Path, typer.Argument(metavar="RUN", help="The directory of another run.", show_default=False)]
+Folder = Annotated[Path, typer.Argument(metavar="[DIR]", help="Folder to search; default: the current one.")]
+FirstRun = Annotated[Path, typer.Argument(metavar="RUN", help="Directory of a run.", show_default=False)]
+SecondRun = Annotated[Path, typer.Argument(metavar="RUN", help="Directory of another run.", show_default=False)]
 
 
 def list_runs(folder: Folder = Path(), json: Json = False) -> None:
-    """List the runs in a folder and its subfolders, with their models and states.
+    """List the runs in a folder and its subfolders.
 
     Examples: `ecume list` · `ecume list sweeps/durations --json`
     """
@@ -42,7 +42,9 @@ def _row(run: RunSummary) -> tuple[str, ...]:
 
 
 def compare(first: FirstRun, second: SecondRun, json: Json = False) -> None:
-    """Compare two runs: their scenes, versions, and all quantities in frames of equal time.
+    """Compare two runs.
+
+    Prints differences of their scenes, versions, and all quantities in frames of equal time.
 
     The exit code is 0 if all frames are equal bit for bit, else 1.
 

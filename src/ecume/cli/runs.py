@@ -32,7 +32,7 @@ DAY = 86400.0
 HERE = Path()
 RunFolder = Annotated[
     Path,
-    typer.Argument(metavar="DIR", help="The directory of a run; by default the current one.", show_default=False),
+    typer.Argument(metavar="DIR", help="Directory of a run; default: the current one.", show_default=False),
 ]
 Threads = Annotated[
     int | None,
@@ -41,7 +41,7 @@ Threads = Annotated[
         min=1,
         max=1024,
         metavar="N",
-        help="How many threads; changes no bit of the result.",
+        help="Number of threads; the result does not depend on it.",
         show_default=False,
     ),
 ]
@@ -50,7 +50,7 @@ Violation = Annotated[
     typer.Option(
         "--on-violation",
         metavar="warn|stop",
-        help="When energy, mass, overlaps ... leave their limits; by default what the scene says, or warn.",
+        help="Reaction to a violated invariant (energy, mass, overlap ...); default: that of the scene, or warn.",
         show_default=False,
     ),
 ]
@@ -60,7 +60,7 @@ MaxDays = Annotated[
         "--max-days", min=0.0, metavar="DAYS", help="Refuse a run that is expected to take longer, by its first steps."
     ),
 ]
-Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Say nothing but errors.")]
+Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="Print only errors.")]
 
 
 def run(
@@ -71,7 +71,7 @@ def run(
             "-o",
             "--out",
             metavar="DIR",
-            help="The run's directory; by default runs/NAME for NAME.toml.",
+            help="Directory of the run; default: runs/NAME for NAME.toml.",
             show_default=False,
         ),
     ] = None,
@@ -79,8 +79,8 @@ def run(
     laws: Laws = None,
     actions: Actions = None,
     threads: Threads = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace a run that is there.")] = False,
-    view: Annotated[bool, typer.Option("--view", help="Watch it in the browser while it runs.")] = False,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing run.")] = False,
+    view: Annotated[bool, typer.Option("--view", help="Show the run in the browser while it is computed.")] = False,
     on_violation: Violation = None,
     thermo: Thermo = False,
     thermo_columns: Columns = None,
@@ -105,7 +105,7 @@ def run(
     directory = out or RUNS / scene.stem
     with integrating(engine, ranks) as led:
         asked = load_scene(scene, changes)
-        # With changes from the command line the file is no longer what was asked; the resolved scene is.
+        # With changes from the command line the file is not the simulated scene; the resolved scene is.
         source = None if changes else scene.read_bytes()
         with placed(scene, changes), watched(directory, wanted=view), shown(quiet=quiet) as reporter:
             done = simulate(
@@ -136,7 +136,7 @@ def resume(
     on_violation: Violation = None,
     strict: Annotated[
         bool,
-        typer.Option("--strict", help="Stop if a frame computed again differs in any bit, even on another processor."),
+        typer.Option("--strict", help="Stop if a recomputed frame differs in any bit, even on another processor."),
     ] = False,
     thermo: Thermo = False,
     thermo_columns: Columns = None,
@@ -148,8 +148,9 @@ def resume(
 ) -> None:
     """Continue a run that was stopped or killed.
 
-    On the same processor and versions the result is the same, bit for bit, as without the stop. Elsewhere the last
-    digits may differ: a warning then says by how much. A run with laws or actions of your own needs their files again.
+    With the same processor and versions the result is bit-for-bit that of an uninterrupted run. Otherwise the last
+    digits may differ; a warning states by how much. A run with user laws or actions needs their files again (--laws,
+    --actions).
 
     Examples: `ecume resume runs/bowl` · `ecume resume runs/bowl --threads 2 --quiet`
     """
@@ -175,7 +176,7 @@ def resume(
 
 
 def _end(done: RunResult, *, quiet: bool) -> None:
-    """Say what a run came to, and what it broke."""
+    """Print the result of a run, and the invariants that it violated."""
     from ecume.run.directory import RunDirectory
     from ecume.run.invariant_monitor import BROKEN, summary_line
 
@@ -186,9 +187,9 @@ def _end(done: RunResult, *, quiet: bool) -> None:
 
 
 def info(directory: RunFolder = HERE, json: Json = False) -> None:
-    """Report what a run is and how far it came.
+    """Report the content and the progress of a run.
 
-    Also while it is written, and after it was killed.
+    Works during the run and after it was killed, too.
 
     Example: `ecume info runs/bowl`
     """
@@ -237,11 +238,11 @@ def verify(
 
 
 def repair(directory: RunFolder = HERE) -> None:
-    """Repair a damaged run: whole frames are kept.
+    """Repair a damaged run: complete frames are kept.
 
-    Each damaged frame is named.
+    Prints each damaged frame.
 
-    A damaged `resolved.json` is made again from `scene.toml`; what a run says again when it goes on is set aside.
+    Recreates a damaged `resolved.json` from `scene.toml`. Damaged files that a resumed run writes again are renamed.
 
     Example: `ecume repair runs/bowl`
     """
@@ -279,7 +280,7 @@ def offered(address: str) -> Iterator[None]:
 
     from ecume.show.serving import redirect_file
 
-    typer.echo(f"watch it at {address}")
+    typer.echo(f"open {address} to follow the run")
     with redirect_file(address) as file:
         webbrowser.open(file)
         yield
@@ -314,14 +315,14 @@ def described(run: Info) -> list[tuple[str, str]]:
     rows = [
         ("run", str(run.directory)),
         ("model", str(run.manifest.get("model", ""))),
-        ("own laws", ", ".join(law["name"] for law in run.manifest.get("extra_laws", []))),
-        ("own actions", ", ".join(action["name"] for action in run.manifest.get("actions", []))),
+        ("user laws", ", ".join(law["name"] for law in run.manifest.get("extra_laws", []))),
+        ("actions", ", ".join(action["name"] for action in run.manifest.get("actions", []))),
         ("state", f"{run.state}, {ahead(run.remaining)}" if run.remaining is not None else run.state),
         ("simulated", f"{run.time:.6g} s of {run.duration:.6g} s"),
         ("steps", str(run.step) if run.steps is None else f"{run.step} of {run.steps}"),
         ("frames", str(run.frames)),
         ("checkpoint", "none" if run.checkpoint is None else f"at step {run.checkpoint}"),
-        ("worked on", _worked(run.manifest.get("sessions", []))),
+        ("wall time", _wall_time(run.manifest.get("sessions", []))),
         ("replaced", "; ".join(replacements(run.manifest))),
         ("size", f"{run.size / 1e6:.3g} MB"),
         ("invariants", run.watch),
@@ -331,10 +332,10 @@ def described(run: Info) -> list[tuple[str, str]]:
     return [(name, value) for name, value in rows if value]
 
 
-def _worked(sessions: Sequence[dict[str, Any]]) -> str:
+def _wall_time(sessions: Sequence[dict[str, Any]]) -> str:
     """The wall time and the number of sessions; a killed session did not record its time."""
     seconds = sum(session.get("seconds", 0.0) for session in sessions)
-    worked = f"for {lasting(seconds)}"
+    worked = lasting(seconds)
     return f"{worked}, in {len(sessions)} sessions" if len(sessions) > 1 else worked if seconds else ""
 
 

@@ -17,11 +17,11 @@ if TYPE_CHECKING:
 
 CHECK_COLUMNS = ("quantity", "value", "remark")
 
-SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="A scene file.", show_default=False)]
+SceneFile = Annotated[Path, typer.Argument(metavar="SCENE", help="Scene file.", show_default=False)]
 Overrides = Annotated[
     list[str] | None,
     typer.Option(
-        "--set", metavar="KEY=VALUE", help="Change a value of the scene; may stand many times.", show_default=False
+        "--set", metavar="KEY=VALUE", help="Change a value of the scene; can be repeated.", show_default=False
     ),
 ]
 
@@ -56,17 +56,15 @@ def new(
     name: Annotated[
         str | None,
         typer.Argument(
-            metavar="[NAME]", help="A template; by default all are listed.", autocompletion=_names, show_default=False
+            metavar="[NAME]", help="Name of a template; default: list all.", autocompletion=_names, show_default=False
         ),
     ] = None,
     out: Annotated[
         Path | None,
-        typer.Option(
-            "-o", "--out", metavar="FILE", help="Where to write it; by default NAME.toml.", show_default=False
-        ),
+        typer.Option("-o", "--out", metavar="FILE", help="Output file; default: NAME.toml.", show_default=False),
     ] = None,
 ) -> None:
-    """Write a scene to start from, or list what there is.
+    """Write a template scene, or list the templates.
 
     Examples: `ecume new` · `ecume new cereal-bowl` · `ecume new two-spheres -o mine.toml`
     """
@@ -87,9 +85,9 @@ def _listed(names: dict[str, str], width: int) -> Iterator[str]:
 
 
 def check(scene: SceneFile, overrides: Overrides = None, laws: Laws = None, json: Json = False) -> None:
-    """Check a scene, and report what follows from it.
+    """Check a scene and print derived quantities.
 
-    All faults of the scene at once, or its lengths, charges, time step, memory and time.
+    Prints all faults of the scene at once, or its lengths, charges, time step, memory, disk space and run time.
 
     Examples: `ecume check bowl.toml` · `ecume check bowl.toml --set "dish.radius=4 cm" --set particles[0].count=60`
     """
@@ -116,7 +114,7 @@ def check(scene: SceneFile, overrides: Overrides = None, laws: Laws = None, json
     listed = [law.law for law in asked.user_laws]
     if own or listed:
         remark = "added to those of the scene" if own else "not checked: give their file with --laws"
-        rows.append(("own laws", ", ".join(map(named, own)) or ", ".join(listed), remark))
+        rows.append(("user laws", ", ".join(map(named, own)) or ", ".join(listed), remark))
     if json:
         print_json([dict(zip(CHECK_COLUMNS, row, strict=True)) for row in rows])
         return
@@ -154,7 +152,7 @@ def placed(file: Path, changes: Sequence[str]) -> Iterator[None]:
 
 
 def cite(scene: SceneFile, overrides: Overrides = None) -> None:
-    """Print the papers behind the laws that a scene uses, as BibTeX.
+    """Print references for the laws that a scene uses, as BibTeX.
 
     Example: `ecume cite bowl.toml > bowl.bib`
     """

@@ -30,42 +30,45 @@ def task_of(text: str) -> tuple[int, int]:
 
 
 def sweep(
-    file: Annotated[
-        Path, typer.Argument(metavar="SWEEP", help="A sweep's file, or its directory.", show_default=False)
-    ],
+    file: Annotated[Path, typer.Argument(metavar="SWEEP", help="File or directory of a sweep.", show_default=False)],
     out: Annotated[
         Path | None,
         typer.Option(
             "-o",
             "--out",
             metavar="DIR",
-            help="The sweep's directory; by default sweeps/NAME for NAME.toml.",
+            help="Directory of the sweep; default: sweeps/NAME for NAME.toml.",
             show_default=False,
         ),
     ] = None,
     workers: Annotated[
         int | None,
         typer.Option(
-            "--workers", min=1, max=4096, metavar="N", help="Left out, one a core; 1 needs no Dask.", show_default=False
+            "--workers",
+            min=1,
+            max=4096,
+            metavar="N",
+            help="Number of workers; default: one per core.",
+            show_default=False,
         ),
     ] = None,
     scheduler: Annotated[
         str | None,
-        typer.Option("--scheduler", metavar="ADDRESS", help="Of a Dask scheduler that runs.", show_default=False),
+        typer.Option("--scheduler", metavar="ADDRESS", help="Address of a running Dask scheduler.", show_default=False),
     ] = None,
     retries: Annotated[
-        int, typer.Option("--retries", min=0, max=100, metavar="N", help="Of a point whose worker died.")
+        int, typer.Option("--retries", min=0, max=100, metavar="N", help="Number of retries after a worker died.")
     ] = 2,
-    slurm: Annotated[bool, typer.Option("--slurm", help="Workers are jobs of SLURM.")] = False,
-    array: Annotated[bool, typer.Option("--array", help="Only write a job array for sbatch.")] = False,
+    slurm: Annotated[bool, typer.Option("--slurm", help="Run the workers as SLURM jobs.")] = False,
+    array: Annotated[bool, typer.Option("--array", help="Write a job array for sbatch, and run nothing.")] = False,
     task: Annotated[Any, typer.Option("--task", parser=task_of, hidden=True)] = None,
-    status: Annotated[bool, typer.Option("--status", help="Only say how far it is.")] = False,
+    status: Annotated[bool, typer.Option("--status", help="Print the progress, and run nothing.")] = False,
     json: Json = False,
     quiet: Quiet = False,
 ) -> None:
-    """Run a scene many times, each point in its own directory.
+    """Run a scene many times, each point in a separate directory.
 
-    Only what is missing is run.
+    Finished points are not repeated.
 
     Examples: `ecume sweep durations.toml` · `ecume sweep durations.toml --workers 8` · `ecume sweep sweeps/durations
     --status` · `ecume sweep durations.toml --array && sbatch sweeps/durations/array.sh`
@@ -92,7 +95,7 @@ def _write_array(source: Path, directory: Path) -> None:
     from ecume.sweep.directory import begun_or_laid_out
     from ecume.sweep.executors import write_array
 
-    typer.echo(f"wrote {write_array(begun_or_laid_out(source, directory))}; hand it to sbatch")
+    typer.echo(f"wrote {write_array(begun_or_laid_out(source, directory))}; submit it with sbatch")
 
 
 def _run_all(source: Path, directory: Path, hands: dict[str, Any], *, quiet: bool) -> None:
@@ -100,7 +103,7 @@ def _run_all(source: Path, directory: Path, hands: dict[str, Any], *, quiet: boo
     from ecume.sweep import ExecutorOptions, runner
 
     def failed(folder: Path, why: str) -> None:
-        say(f"{folder}: {why}", named=False)
+        say(f"{folder}: {why}")
 
     with counted("points", quiet=quiet, lines=True) as reporter:
         done = runner.sweep(source, directory, ExecutorOptions(**hands, progress=reporter, failed=failed))
@@ -117,7 +120,7 @@ def _end(done: Outcome, *, quiet: bool) -> None:
     if done.lost:
         raise Stopped(
             f"{done.lost} of the points are missing: their workers died again and again, of too little memory perhaps; "
-            "what is done stays done, and the same command goes on"
+            "finished points are kept; the same command continues the sweep"
         )
     if done.failed:
         raise typer.Exit(1)
@@ -135,7 +138,7 @@ def _print_status(directory: Path, *, json: bool) -> None:
         f"{directory}: {now.done} done, {len(now.failed)} failed, {now.running} running, {now.missing} missing{left}"
     )
     for folder, why in now.failed:
-        say(f"{folder}: {why}", named=False)
+        say(f"{folder}: {why}")
 
 
 def _work(directory: Path, number: int, of: int) -> None:

@@ -37,17 +37,17 @@ def validate(
     names: Annotated[
         list[str] | None,
         typer.Argument(
-            metavar="[NAME]...", help="Cases; by default all are listed.", autocompletion=_names, show_default=False
+            metavar="[NAME]...", help="Names of cases; default: list all.", autocompletion=_names, show_default=False
         ),
     ] = None,
-    everything: Annotated[bool, typer.Option("--all", help="Every case.")] = False,
-    quick: Annotated[bool, typer.Option("--quick", help="Leave out those that take minutes.")] = False,
+    everything: Annotated[bool, typer.Option("--all", help="Run all cases.")] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="Skip the cases that take minutes.")] = False,
     record: Record = None,
     json: Json = False,
 ) -> None:
     """Compare what ecume computes with published numbers.
 
-    Also with other methods and with bounds that must hold. Ends with 1 when a row is not met.
+    Also compares with other methods and with bounds. The exit code is 1 if a row is not met.
 
     Examples: `ecume validate` · `ecume validate floating walls` · `ecume validate --all --quick`
     """
@@ -68,7 +68,7 @@ def validate(
 
 
 def _chosen(names: Sequence[str], *, everything: bool) -> list[Case]:
-    """The cases of these names, each once; all of them when there are none."""
+    """The cases of these names, each once; by default, all of them."""
     from ecume.scenes.faults import suggestion
     from ecume.validation import CASES
 

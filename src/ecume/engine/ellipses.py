@@ -1,4 +1,4 @@
-"""Ellipses in a plane: how far apart two are, where they are nearest, and how far one reaches.
+"""Ellipses: distance and nearest points of two, and extent of one.
 
 Two ellipses are as far apart as the widest strip between them; its direction is what is looked for.
 """

@@ -222,7 +222,7 @@ def _squares_of(periods: Array, x: Array, slot: int, start: int, distance: Array
                 distance[n] += apart * apart
 
 
-# Inside a prange Numba writes to a copy of an array that is reached through a tuple: hence the bare arrays. Slots are
+# Inside a prange Numba writes to a copy of an array that is reached through a tuple; so it gets bare arrays. Slots are
 # signed as outside of threads, so that one compilation serves both.
 
 

@@ -1,4 +1,4 @@
-"""Outlines of bodies that turn in a plane: how far apart two are, where they are nearest, and along which line.
+"""Outlines of bodies that rotate in 2D: distance, nearest points and normal of two.
 
 An outline is an ellipse (a disc is one), or corners and edges with a disc that runs along them: a needle is one edge,
 a square four, a star as many as it has arms. So all but ellipses meet as discs and straight edges do, whether they are

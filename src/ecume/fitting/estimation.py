@@ -88,15 +88,15 @@ def fit(
 ) -> Fit:
     """The parameters of a scene with which its simulation is nearest to tracks, by least squares.
 
-    `free` are keys such as `contact_angle`, or paths such as `particles[0].radius`; the scene says where they begin,
-    and all else. `start` is what is fitted along: `positions` of everyone at the first instant, `moving` for velocities
-    as well, `scene` for nothing. What was seen later than `until` (s) is left out: contacts, say.
-    Noise is taken to be the same for all measured numbers, and independent.
+    `free` are keys such as `contact_angle`, or paths such as `particles[0].radius`; the scene has their initial values
+    and everything else. `start` selects what is fitted together with them: `positions` of all particles at the first
+    instant, `moving` for velocities as well, `scene` for nothing. Observations later than `until` (s) are ignored, for
+    example contacts. Noise is assumed to be the same for all measured numbers, and independent.
     """
     measured = tracks if isinstance(tracks, Tracks) else read_tracks(tracks, camera)
     asked = load_scene(scene) if isinstance(scene, (str, Path)) else scene
     problem = posed(cut(measured, until), to_plain(asked), free, start)
-    simulated(scene_at(problem, origin(problem)), measured.times)  # what is wrong with the beginning is told as it is
+    simulated(scene_at(problem, origin(problem)), measured.times)  # faults of the initial state are reported unchanged
     solution = solved(lambda at: residuals(problem, at), origin(problem))
     return concluded(problem, solution)
 
@@ -104,7 +104,7 @@ def fit(
 def posed(measured: Tracks, plain: dict[str, Any], names: Sequence[str], start: str) -> Problem:
     """The problem that a fit solves. Raises BadInput where the tracks do not fit the scene."""
     if start not in STARTS:
-        raise BadInput(f"start: no such choice as {start!r}; {suggestion(start, STARTS)}")
+        raise BadInput(f"start: got {start!r}; {suggestion(start, STARTS)}")
     free = free_parameters(plain, names)
     require_no_chance(plain)
     if start != "scene":
@@ -145,7 +145,7 @@ def concluded(problem: Problem, solution: Solution) -> Fit:
 
 
 def _estimate(free: Free, at: float, sure: Certainty, number: int) -> Estimate:
-    """A parameter; its interval is worked out on the scale on which it moves."""
+    """A parameter; its interval is computed on the scale on which it varies."""
     unit = np.zeros(sure.directions.shape[1])
     unit[number] = 1.0
     off = sure.quantile * sure.error_of(unit)

@@ -25,7 +25,7 @@ def first_frame(scene: Scene) -> Frame:
     """The scene's own start."""
     frame = next(simulate(scene))
     if frame.arrays["position"].shape[1] != 2:
-        raise BadInput("tracks are of particles in a plane; the scene's move in space")
+        raise BadInput("tracks are 2D; the particles of the scene move in 3D")
     return frame
 
 
@@ -117,7 +117,7 @@ def _spheres_start(plain: dict[str, Any], position: Array, velocity: Array | Non
 
 
 STARTED = {"floating": _floats_start, "tracers": _tracers_start, "soft": _spheres_start}
-"""By model: lets particles start where they are told."""
+"""By model: sets the initial positions of particles."""
 KINDS = ("particles", "rows")
 """What kinds of particles are called in scenes."""
 
@@ -128,6 +128,6 @@ def keeps_kinds(plain: Mapping[str, Any]) -> bool:
 
 
 def require_no_chance(plain: Mapping[str, Any]) -> None:
-    """Raise BadInput where chance moves the particles: a simulation does not go where they went."""
+    """Raise BadInput if the motion is stochastic: a simulation does not reproduce the tracks."""
     if plain.get("hydrodynamics", {}).get("brownian"):
-        raise BadInput("the liquid's heat kicks the particles of the scene, at random; a fit wants a scene without it")
+        raise BadInput("the scene has Brownian motion, which is random; a fit needs a scene without it")

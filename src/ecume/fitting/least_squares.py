@@ -23,7 +23,7 @@ from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
 STARTS = ("positions", "moving", "scene")
-"""What of the start is fitted along: where everyone is, also how fast, or nothing."""
+"""The part of the initial state that is fitted: positions, positions and velocities, or nothing."""
 LEAST_FRAMES = 50
 """Of a simulation: between them positions are those of cubics that have the right velocities at their ends."""
 FAR = 1e3
@@ -83,7 +83,7 @@ def values_at(problem: Problem, coordinates: Array) -> list[float]:
 
 
 def scene_at(problem: Problem, coordinates: Array) -> Scene:
-    """The scene at these coordinates. Raises BadInput where there is none."""
+    """The scene at these coordinates. Raises BadInput if no scene has them."""
     plain = with_values(copy.deepcopy(problem.plain), problem.free, values_at(problem, coordinates))
     if problem.start != "scene":
         shift = coordinates[len(problem.free) :].reshape(-1, *problem.first.shape) * problem.reach
@@ -94,7 +94,7 @@ def scene_at(problem: Problem, coordinates: Array) -> Scene:
 
 
 def simulated(scene: Scene, times: Array) -> Array:
-    """(T, N, 2) m: where everyone is at these times."""
+    """(T, N, 2) m: the positions at these times."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # what is said of the steps of a trial is no news: they were chosen here
         frames = list(simulate(scene))

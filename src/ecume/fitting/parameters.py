@@ -65,7 +65,7 @@ class Free(NamedTuple):
 
 
 def free_parameters(plain: Mapping[str, Any], names: Sequence[str]) -> list[Free]:
-    """The parameters of these names, or paths such as `particles[0].radius`. Raises BadInput where there is none."""
+    """The parameters of these names, or paths such as `particles[0].radius`. Raises BadInput for unknown ones."""
     count = len(names) if any(names) else 0
     if not 1 <= count <= MOST:
         raise BadInput(f"free: got {count} parameters; expected 1 to {MOST}, such as contact_angle,viscosity")
@@ -86,7 +86,7 @@ def _free(plain: Mapping[str, Any], name: str) -> Free:
     if all(map(_is_vector, values)):
         return _sized(plain, name, paths)
     if len(set(map(str, values))) > 1:
-        raise BadInput(f"free: {name} is not the same everywhere; say which: {', '.join(map(written, paths))}")
+        raise BadInput(f"free: {name} has several values; choose one: {', '.join(map(written, paths))}")
     value = values[0]
     if not isinstance(value, float):
         raise BadInput(f"free: {name} got {echo(value)}; expected a parameter that is a number, and no whole one")
@@ -196,7 +196,7 @@ QUANTITIES: dict[str, Callable[[Any], list[Quantity]]] = {"floating": of_floats,
 
 
 def quantities_of(scene: Scene) -> list[Quantity]:
-    """The quantities of a scene; none where nobody wrote them down for its model. Zeros have no logarithm: left out."""
+    """The quantities of a scene; empty if its model does not list any. Zeros have no logarithm and are omitted."""
     if scene.model not in QUANTITIES:
         return []
     return [quantity for quantity in QUANTITIES[scene.model](scene) if quantity.value > 0.0]

@@ -11,6 +11,7 @@ from ecume.fitting.initial_conditions import first_frame
 from ecume.fitting.least_squares import Certainty, Problem, values_at
 from ecume.fitting.tracks import Tracks
 from ecume.units import Array
+from ecume.value_texts import with_prefix
 
 if TYPE_CHECKING:
     from ecume.scenes.schema import Scene
@@ -22,7 +23,7 @@ TOUCHING = 0.005
 MOST_PAIRED = 1000
 """Particles whose pairs are looked at one by one."""
 SHOWN = 0.1
-"""The least power that is told of a parameter in a combination."""
+"""The least power of a parameter in a combination that is printed."""
 SHORTER = 0.3
 """The part of their way, in squares, that is left where two objects exchange names: then they had been exchanged."""
 MOST_ASTRAY = 0.1
@@ -34,7 +35,7 @@ ASTRAY = 6.0
 def swapped(tracks: Tracks) -> list[str]:
     """A remark where objects seem to exchange names, as when a tracking program mixes them up.
 
-    From instant to instant everyone goes the shortest way, all together, or a name is wrong.
+    From instant to instant the sum of all displacements is the smallest possible, or a name is wrong.
     """
     if len(tracks.names) > MOST_PAIRED:
         return []
@@ -45,7 +46,7 @@ def swapped(tracks: Tracks) -> list[str]:
         order = linear_sum_assignment(ways)[1]
         if ways[range(len(both)), order].sum() < SHORTER * np.trace(ways):
             names = ", ".join(tracks.names[both[place]] for place in range(len(both)) if order[place] != place)
-            return [f"objects {names} seem to exchange their names at t = {tracks.times[after]:.4g} s; mend the tracks"]
+            return [f"objects {names} seem to swap names at t = {tracks.times[after]:.4g} s; correct the tracks"]
     return []
 
 
@@ -59,8 +60,8 @@ def astray(problem: Problem, left: Array) -> list[str]:
     worst = int(np.argmax(off[instants, objects]))
     who, when = problem.tracks.names[objects[worst]], problem.tracks.times[instants[worst]]
     more = f", and {len(far) - 1} more" if len(far) > 1 else ""
-    size = f"{off[instants[worst], objects[worst]]:.2g} m"
-    return [f"object {who} is {size} off at t = {when:.4g} s{more}: no noise; leave such lines out"]
+    size = f"{with_prefix(off[instants[worst], objects[worst]], 'm', 2)}"
+    return [f"object {who} is {size} off at t = {when:.4g} s{more}: more than noise; delete such lines"]
 
 
 def unsure(problem: Problem, at: Array, sure: Certainty) -> list[str]:
@@ -106,15 +107,15 @@ def met(scene: Scene, times: Array, there: Array) -> list[str]:
     if not touching.any():
         return []
     when = float(times[np.argmax(touching)])
-    return [f"particles touch at t = {when:.4g} s; tracks from there on say little, and make a fit rough: --until"]
+    return [f"particles touch at t = {when:.4g} s; later data say little and make the fit rough; use --until"]
 
 
 def no_noise(problem: Problem, left: Array) -> list[str]:
-    """A remark where residuals hang together in time: then the scene misses something, and intervals are too narrow."""
+    """A remark if residuals are correlated in time: then the scene lacks an effect, and intervals are too narrow."""
     seen = problem.seen
     both = seen[1:] & seen[:-1]
     one, other = left[:-1][both].ravel(), left[1:][both].ravel()
     size = float(np.sqrt(np.sum(one**2) * np.sum(other**2)))
     if len(one) < 20 or size == 0.0 or float(np.sum(one * other)) / size < MEMORY:
         return []
-    return ["what is left is no noise, it hangs together in time: the scene misses something; intervals are too narrow"]
+    return ["the residuals are not noise but correlated in time: the scene lacks an effect; intervals are too narrow"]

@@ -38,13 +38,13 @@ NAMES = {
 """What a column may be called, in small letters; the first that is there is taken."""
 HEAD = re.compile(r"\s*([^\[\](),;]*?)\s*(?:[\[(]\s*([^\[\]()]*?)\s*[\])])?\s*")
 UNITS = {"micron": "um", "microns": "um", "µm": "um", "sec": "s", "msec": "ms"}
-"""Words of TrackMate and ImageJ that are no units of ours."""
+"""Words of TrackMate and ImageJ that are not units of ecume."""
 PIXELS = ("pixel", "pixels", "px")
 FRAMES = ("frame", "frames")
 DECIMAL_COMMA = re.compile(r"([+-]?[0-9]*),([0-9]+(?:[eE][+-]?[0-9]+)?)")
-"""A number of programs that speak German or French, in a table parted by semicolons or tabs, or in quotes."""
+"""A number with a decimal comma, in a table separated by semicolons or tabs, or in quotes."""
 NOBODY = ("", "none", "nan")
-"""What stands in place of a track's number where a spot belongs to none, and of a place where nobody was seen."""
+"""Entries for the track of a spot that belongs to no track, and for the position of an object that was not seen."""
 
 
 class Camera(NamedTuple):
@@ -182,17 +182,17 @@ def _unit(units: Sequence[str], place: int) -> str:
 def _time_scale(unit: str, camera: Camera) -> float:
     if unit.lower() in FRAMES or (not unit and camera.rate is not None):
         if camera.rate is None:
-            raise ValueError("times are counted in frames; say how many there are in a second: --rate 25")
+            raise ValueError("times are counted in frames; give the frame rate: --rate 25")
         return 1.0 / camera.rate
     return factor(unit, "s") if unit else 1.0
 
 
 def _length_scale(unit: str, camera: Camera) -> float:
     if not unit and camera.pixel is None:
-        raise ValueError("positions have no unit; say what one is: --pixel '1 um'")
+        raise ValueError("positions have no unit; give it: --pixel '1 um'")
     if unit.lower() in PIXELS:
         if camera.pixel is None:
-            raise ValueError("positions are in pixels; say how large one is: --pixel '20 um'")
+            raise ValueError("positions are in pixels; give the size of a pixel: --pixel '20 um'")
         return camera.pixel
     return factor(unit, "m")
 

@@ -248,7 +248,7 @@ def _dish_profile(dish_radius: float, contact_angle: float) -> tuple[float, floa
     def miss(logarithm: float) -> float:
         return float(_shot(core, math.exp(logarithm), contact_angle).y[0, -1]) - dish_radius
 
-    # The higher the middle, the sooner the surface is as steep as the wall wants it.
+    # The higher the middle, the sooner the surface has the slope at the wall.
     guess = math.log(float(_amplitude_field(np.array(core), dish_radius, contact_angle)))
     low, high = guess - 0.5, guess + 0.5
     while miss(low) < 0.0:
@@ -274,7 +274,7 @@ def _shot(core: float, height: float, contact_angle: float) -> Any:
     def steep(_: float, surface: Array) -> float:
         return float(surface[2]) - (0.5 * math.pi - contact_angle)
 
-    steep.terminal = True  # type: ignore[attr-defined]  # how SciPy is told to stop there
+    steep.terminal = True  # type: ignore[attr-defined]  # SciPy's way to stop there
     start = core, height, math.asin(height * float(i1e(core) / i0e(core)))
     end = 10.0 * SHALLOW + 4.0 * core
     least = 1e-3 * TOLERANCE * height

@@ -1,4 +1,4 @@
-"""The table of elastic laws: how the surfaces of a contact yield, one of which a scene chooses (`films.surface`).
+"""The table of elastic laws: how the surfaces of a contact deform. A scene chooses one of them (`films.surface`).
 
 A row holds everything that depends on the choice. Its formulas are compiled into the contacts. Their arguments are the
 contact (`body`), its `gap`, its normal deflection (`stretch`, positive in tension), the `prefactors`, and constants of
@@ -16,6 +16,7 @@ from ecume.laws import bubbles, elasticity
 from ecume.laws.elasticity import Prefactors, Stiffness
 from ecume.laws.soft_pair import SoftPair, crossover_gap, passage_time, viscous_time
 from ecume.units import Energy, Force, Length, Number, Pressure, SurfaceTension
+from ecume.value_texts import with_prefix
 
 LARGE, FAINT = 0.1, 1e-7
 """Deflection over radius above which Hertz's law means little; reduced force that is lost in rounding."""
@@ -154,25 +155,29 @@ def bubble_stored_gap_energy(
 def hertz_check_lines(expected: Expected) -> list[tuple[str, str, str]]:
     """Deflections, times and the regime of the expected force."""
     pair, force, source, gap, _ = expected
-    surface = ("surfaces relax in", f"{pair.viscosity / pair.modulus:.3g} s", "viscosity over modulus")
+    surface = ("relaxation time", with_prefix(pair.viscosity / pair.modulus, "s", 3), "viscosity over modulus")
     if not force > 0.0:
         return [surface]
     kappa, crossover = force / (pair.modulus * pair.radius**2), crossover_gap(pair, force)
     regime = (
-        "Poiseuille's: films are wider than the deformation of surfaces"
+        "Poiseuille regime: gaps are larger than deflections"
         if gap > crossover
-        else "Hertz's: flattened contacts"
+        else "Hertz regime: deflections are larger than gaps"
     )
     rows = [
-        ("force", f"{force:.3g} N", f"expected between two spheres: {source}"),
-        ("reduced force", f"{kappa:.3g}", "over modulus times radius squared"),
-        ("deflection", f"{crossover:.3g} m", f"by that force; gaps of {gap:.3g} m are in the regime of {regime}"),
+        ("force", with_prefix(force, "N", 3), f"expected on a pair: {source}"),
+        ("reduced force", f"{kappa:.3g}", "force / (modulus x radius^2)"),
+        (
+            "deflection",
+            with_prefix(crossover, "m", 3),
+            f"by that force; at gaps of {with_prefix(gap, 'm', 3)}: {regime}",
+        ),
         surface,
-        ("viscous time", f"{viscous_time(pair, force):.3g} s", "in which that force opens a wide gap by a factor of e"),
+        ("viscous time", with_prefix(viscous_time(pair, force), "s", 3), "growth of a large gap by a factor e"),
     ]
     if gap < pair.radius:
-        told = f"in which that force parts two spheres from {gap:.3g} m to a radius"
-        rows.append(("separation time", f"{passage_time(pair, force, gap, pair.radius):.3g} s", told))
+        duration = with_prefix(passage_time(pair, force, gap, pair.radius), "s", 3)
+        rows.append(("separation time", duration, f"from a gap of {with_prefix(gap, 'm', 3)} to one radius"))
     return rows
 
 
@@ -180,8 +185,8 @@ def hertz_doubts(expected: Expected) -> list[str]:
     """Forces for which the law, or the arithmetic, means little."""
     kappa = expected.force / (expected.pair.modulus * expected.pair.radius**2)
     found = {
-        "the force is large: Hertz's law is for deflections well below a radius": kappa ** (2 / 3) > LARGE,
-        "the force is so small that it is lost in rounding, and steps get short": 0.0 < kappa < FAINT,
+        "the force is large: Hertz's law holds for deflections well below a radius": kappa ** (2 / 3) > LARGE,
+        "the force is so small that it is lost in rounding, and time steps become short": 0.0 < kappa < FAINT,
     }
     return [said for said, wrong in found.items() if wrong]
 
@@ -191,8 +196,11 @@ def bubble_check_lines(expected: Expected) -> list[tuple[str, str, str]]:
     if not expected.force > 0.0:
         return []
     reduced = expected.force / (expected.surface_tension * expected.pair.radius)
-    said = f"{expected.source}, over surface tension times radius: facets are smaller than bubbles well below 1"
-    return [("reduced force", f"{reduced:.3g}", said)]
+    remark = "force / (surface tension x radius); facets are small compared with bubbles well below 1"
+    return [
+        ("force", with_prefix(expected.force, "N", 3), f"expected on a pair: {expected.source}"),
+        ("reduced force", f"{reduced:.3g}", remark),
+    ]
 
 
 SURFACES = {

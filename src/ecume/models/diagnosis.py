@@ -10,7 +10,7 @@ import numpy as np
 from ecume.units import Array
 
 DEEP = 0.1
-"""Of a radius: an overlap that is told; nothing comes to that by itself."""
+"""Fraction of a radius: larger overlaps are reported; they do not occur in a correct run."""
 
 
 def when(parameters: Any, state: Any) -> str:
@@ -20,14 +20,14 @@ def when(parameters: Any, state: Any) -> str:
 
 
 class Broken(NamedTuple):
-    """A number that is none."""
+    """A number that is NaN or infinite."""
 
     particle: int
     term: str
 
 
 def first_broken(terms: Mapping[str, Array]) -> Broken | None:
-    """Whose number is none, of the first of these terms that has such numbers; their rows are particles.
+    """The particle with NaN or infinity in the first of these terms that contains one; rows are particles.
 
     >>> first_broken({"position": np.zeros((3, 2)), "velocity": np.array([0.0, 1.0, np.nan])})
     Broken(particle=2, term='velocity')

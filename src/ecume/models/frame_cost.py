@@ -13,11 +13,12 @@ from typing import NamedTuple
 import numpy as np
 
 from ecume.errors import StorageError
-from ecume.models.check_report import Row, told_duration
+from ecume.models.check_report import Row
 from ecume.scenes.common import Common
 from ecume.trajectories.frame import Frame
 from ecume.trajectories.recorder import Recorder
 from ecume.trajectories.samples import STATISTICS
+from ecume.value_texts import duration_text, size_text
 
 PROBES = 4
 """Frames that are written, besides a first one that opens the file."""
@@ -60,7 +61,7 @@ class SampleCost(NamedTuple):
             return []
         count = f"{self.samples:.0f} in {self.rows:.0f} rows"
         large = "; larger blocks take less" if self.bytes > LARGE else ""
-        return [("samples", count, f"{told_size(self.bytes)} and {told_duration(self.seconds)} in all{large}")]
+        return [("samples", count, f"{size_text(self.bytes)} and {duration_text(self.seconds)} in all{large}")]
 
 
 class FrameCost(NamedTuple):
@@ -78,11 +79,11 @@ class FrameCost(NamedTuple):
 
     def rows(self) -> list[Row]:
         """The number of frames, what each costs, the samples between them, and the size of all on the disk."""
-        each = f"{told_duration(self.writing / self.frames)} and {told_size(self.bytes / self.frames)} each"
+        each = f"{duration_text(self.writing / self.frames)} and {size_text(self.bytes / self.frames)} each"
         large = "; a larger frame_every takes less" if self.bytes > LARGE else ""
         frames, samples = ("frames", str(self.frames), each), self.sampling.lines()
         of = "frames and samples" if samples else "frames"
-        return [frames, *samples, ("disk", told_size(self.bytes + self.sampling.bytes), f"roughly, of {of}{large}")]
+        return [frames, *samples, ("disk", size_text(self.bytes + self.sampling.bytes), f"roughly, of {of}{large}")]
 
     def remark(self, stepping: float) -> str:
         """What to do where frames take longer than time steps do, and long; otherwise empty."""
@@ -147,15 +148,3 @@ def probed(content: Content, *, single: bool = False) -> tuple[float, float]:
 
 def _size(folder: Path) -> int:
     return sum(path.stat().st_size for path in folder.iterdir())
-
-
-def told_size(size: float) -> str:
-    """A size in the unit that fits.
-
-    >>> told_size(950.0), told_size(2.35e5), told_size(3.2e9), told_size(4e13)
-    ('950 B', '235 kB', '3.2 GB', '40 TB')
-    """
-    for unit, power in (("B", 0), ("kB", 3), ("MB", 6), ("GB", 9)):
-        if size < 0.9995 * 10.0 ** (power + 3):
-            return f"{size / 10.0**power:.3g} {unit}"
-    return f"{size / 1e12:.3g} TB"

@@ -1,4 +1,4 @@
-"""What a run must not lose while it goes on, said by each model as rows of names, limits and measures.
+"""The invariants of a run, given by each model as rows of names, limits and measures.
 
 A measure looks at the numbers of frames alone: at those of the first and of this one, and at the least and the largest
 so far. So a run that is resumed judges as one that was never stopped, from the lines that it has on disk.
@@ -14,9 +14,9 @@ Numbers = Mapping[str, float]
 
 ENERGY = "energy"
 INJECTED = "injected_work"
-"""The number of a frame that tells what was done to the system from outside (J), where a model books it."""
+"""The number of a frame with the injected work (J), in models that have an energy budget."""
 DISSIPATED = "dissipated_work"
-"""And what was lost (J), where a model books that, too."""
+"""And the dissipated energy (J), in models that compute it."""
 OWN = "energy_less_work"
 """What is judged: the total energy less that work."""
 
@@ -43,7 +43,7 @@ class Invariant(NamedTuple):
 def energy_never_rises(
     limit: float, floor: Callable[[Seen], float] = lambda seen: 0.0, motion: Sequence[str] = ("kinetic_energy",)
 ) -> Invariant:
-    """Where no work is done on the system but what is booked: rises of the energy less that work, over what there was
+    """If all work on the system is in the energy budget: rises of the energy less that work, over what there was
     of motion, loss and work; what is as small as `floor` (J) is nothing. `motion` names the energy of motion, if any.
     """
 

@@ -17,8 +17,8 @@ def within_steps(scene: Common, parameters: Parameters) -> Parameters:
     """The same parameters, if a run with their time step comes to an end. Raises SceneError."""
     step: float = parameters.time_step  # type: ignore[attr-defined]  # every model's have one
     if scene.duration / step > MOST_STEPS:
-        told = f"is {scene.duration / step:.3g} steps of {step:.3g} s, more than {MOST_STEPS:.0e}; make it shorter"
-        raise SceneError([Fault("duration", told)])
+        message = f"is {scene.duration / step:.3g} steps of {step:.3g} s, more than {MOST_STEPS:.0e}; make it shorter"
+        raise SceneError([Fault("duration", message)])
     return parameters
 
 
@@ -26,5 +26,5 @@ def require_memory(path: str, what: str, wanted: float, way_out: str = "use fewe
     """Raise SceneError if this machine has less memory (bytes) than something needs."""
     there = psutil.virtual_memory().total
     if wanted > there:
-        told = f"{what} need about {wanted / 1e9:.3g} GB, this machine has {there / 1e9:.3g} GB; {way_out}"
-        raise SceneError([Fault(path, told)])
+        message = f"{what} need about {wanted / 1e9:.3g} GB, this machine has {there / 1e9:.3g} GB; {way_out}"
+        raise SceneError([Fault(path, message)])

@@ -34,7 +34,7 @@ def no_summary(scene: Any) -> list[tuple[str, str, str]]:
 
 
 def _same(parameters: Any, state: Any) -> Any:
-    """The crowd of most models never changes."""
+    """The particles of most models never change."""
     return state
 
 
@@ -64,16 +64,16 @@ class Model:
     workspace: Callable[[Any, Any, float], Any]
     """workspace(parameters, state, room): scratch; `room` >= 1 multiplies every capacity."""
     advance: Callable[[Any, Any, Any, int], int]
-    """advance(parameters, state, workspace, steps): moves the state in place by that many steps; DONE, CROWDED,
+    """advance(parameters, state, workspace, steps): moves the state in place by that many steps; DONE, `CROWDED`,
     DIVERGED or EXCHANGE. Where steps adapt, 0 takes a single one.
 
-    A state that comes back CROWDED is whole: make a roomier workspace and go on with the steps that are left. One that
-    comes back as EXCHANGE has particles that come or go: go on with what `exchange` makes of it, and a new workspace.
+    A state that is returned `CROWDED` is intact: make a larger workspace and do the remaining steps. One that
+    is returned EXCHANGE has particles that enter or leave: continue with `exchange` of it, and a new workspace.
     """
     observe: Callable[[Any, Any, Any], Frame]
     """observe(parameters, state, workspace): the frame of this instant."""
     diagnosis: Callable[[Any, Any], str]
-    """diagnosis(parameters, state): which particle, when, why, and what to do; for a state that came back DIVERGED."""
+    """diagnosis(parameters, state): particle, time, cause and cure, for a state that is returned DIVERGED."""
     steps_taken: Callable[[Any], int] = field(kw_only=True, default=clock_of)
     """steps_taken(state): the time steps since time 0. Where steps adapt, `step` only counts fractions of frames."""
     adaptive: bool = field(kw_only=True, default=False)
@@ -87,11 +87,11 @@ class Model:
     main_numbers: tuple[str, ...] = field(kw_only=True, default=("kinetic_energy", "total_energy"))
     """The numbers of frames that summarize a run, as far as a scene has them."""
     exchange: Callable[[Any, Any], Any] = field(kw_only=True, default=_same)
-    """exchange(parameters, state): the state with who came and without who went; for crowds that change."""
+    """exchange(parameters, state): the state with new particles and without those that left."""
     access: Access = field(kw_only=True, default=Access())
     """What actions may change: see `ecume.models.actions`."""
     invariants: Callable[[Any, Any], list[Invariant]] = field(kw_only=True, default=nothing)
-    """invariants(scene, parameters): what must hold from frame to frame, by the numbers that `observe` tells."""
+    """invariants(scene, parameters): the conditions from frame to frame, on the numbers of `observe`."""
     laws: Callable[[Any], list[Source]] = field(kw_only=True, default=no_laws)
     """laws(scene): the laws that a scene uses, for `ecume cite`."""
     summary: Callable[[Any], list[tuple[str, str, str]]] = field(kw_only=True, default=no_summary)

@@ -128,7 +128,7 @@ def _may_differ(path: str, stored: NDArray[Any]) -> bool:
 
 
 def _with(tree: Any, stored: Stored, path: str) -> Any:
-    """The tree with stored numbers in the place of its own."""
+    """The tree with its numbers replaced by the stored ones."""
     if isinstance(tree, tuple):
         parts = [_with(part, stored, f"{path}.{name}" if path else name) for name, part in _parts(tree)]
         return type(tree)(*parts) if hasattr(tree, "_fields") else tuple(parts)
@@ -149,7 +149,7 @@ def _laid_out_as(model: NDArray[Any], values: NDArray[Any]) -> NDArray[Any]:
 
 
 def _drift(stored: Stored, derived: Stored) -> str:
-    """The difference between constants derived here and those of the run, in words; empty if there is none."""
+    """The difference between constants derived here and those of the run, in words; empty without a difference."""
     differing = [path for path in stored if stored[path].tobytes() != derived[path].tobytes()]
     if not differing:
         return ""

@@ -15,7 +15,7 @@ from ecume.trajectories.durable_files import storing
 from ecume.trajectories.records import MOST_BYTES, Check, manifest_at, record_at, write_record
 
 MOST_NAMED = 5
-"""Runs that are offered to whoever named none."""
+"""Runs that a message lists if the user named no run."""
 
 
 @dataclass(frozen=True)
@@ -101,7 +101,7 @@ class RunDirectory:
 
 
 def existing(path: str | os.PathLike[str]) -> RunDirectory:
-    """The directory of a run that was begun. Raises BadInput where there is none, and StorageError where it contains
+    """The directory of a run that was started. Raises BadInput if it does not exist, and StorageError if it contains
     anything but plain files and folders.
     """
     home = RunDirectory(Path(path))
@@ -109,7 +109,7 @@ def existing(path: str | os.PathLike[str]) -> RunDirectory:
         with storing(home.path):
             require_plain(home.path)
     if not home.manifest.is_file():
-        where = "the current directory holds no run" if home.path == Path() else f"{path}: no run is there"
+        where = "the current directory holds no run" if home.path == Path() else f"{path}: contains no run"
         raise BadInput(f"{where}; {_way_out(home)}")
     return home
 
@@ -118,7 +118,9 @@ def _way_out(home: RunDirectory) -> str:
     """A hint at what a user who looked for a run here may have meant."""
     if not home.path.is_dir():
         scene = home.path.suffix == ".toml" and home.path.is_file()
-        return "that is a scene: name the directory of its run" if scene else "`ecume run` makes them"
+        return (
+            "that is a scene; expected the directory of its run" if scene else "expected a directory from `ecume run`"
+        )
     if is_run_directory(home):
         if any(home.trajectory.glob("*")):
             return "its manifest.json is gone: put it back from a copy; ecume.open_trajectory still reads its frames"
@@ -139,7 +141,7 @@ def is_run_directory(home: RunDirectory) -> bool:
 
 
 def _is_locked_once(home: RunDirectory) -> bool:
-    """Whether the lock there is one of ours: a process of ecume wrote its number into it, or died before it could."""
+    """Whether the lock there is ecume's: a process of ecume wrote its number into it, or died before it could."""
     try:
         return content_of(home.lock, MOST_BYTES, home.path)[:6] in (b"", b'{"pid"')
     except PermissionError:  # Windows, while it is held
@@ -154,7 +156,7 @@ def refuse_existing(home: RunDirectory, *, force: bool) -> None:
     if not path.exists() or _is_vacant(home):
         return
     if not path.is_dir() or not is_run_directory(home):
-        raise RunExists(f"{path}: exists and is no run directory; it is left alone: choose another name")
+        raise RunExists(f"{path}: exists and is not a run directory; choose another name")
     with storing(path):
         require_plain(path)
     if not force:
@@ -163,7 +165,7 @@ def refuse_existing(home: RunDirectory, *, force: bool) -> None:
 
 
 def _is_vacant(home: RunDirectory) -> bool:
-    """Whether nothing is there, or nothing but a lock of ours."""
+    """Whether the directory is missing, or empty but for a lock of ecume."""
     found = {entry.name for entry in home.path.iterdir()} if home.path.is_dir() else {"a file"}
     return not found or (found == {home.lock.name} and _is_locked_once(home))
 

@@ -87,9 +87,9 @@ class Watch:
 
 def budget(first: Numbers, now: Numbers, *, closed: bool) -> dict[str, float | None]:
     """Where the energy went (J; in 2D tanks J/m). What was injected, or there before, and is not there any more was
-    dissipated, unless that is booked, too.
+    dissipated, unless the energy budget includes that, too.
 
-    Where something drives a system and is not booked, injected less dissipated is known, and neither alone.
+    If a driven system has no energy budget, injected less dissipated is known, and neither alone.
     """
     change = now["total_energy"] - first["total_energy"]
     injected = now.get(INJECTED, 0.0) - first.get(INJECTED, 0.0)

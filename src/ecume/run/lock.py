@@ -53,7 +53,7 @@ def owner(home: RunDirectory) -> dict[str, Any] | None:
     """The process that locked the directory last, whether or not it still lives."""
     try:
         return read_owner(home)
-    except (OSError, ValueError):  # Windows does not let others read what is locked; a process may have died writing
+    except (OSError, ValueError):  # Windows does not let others read a locked file; or the writer died
         return None
 
 
@@ -112,7 +112,7 @@ def _is_alive(process: dict[str, Any]) -> bool:
         return bool(same and found.status() != psutil.STATUS_ZOMBIE)
     except psutil.NoSuchProcess:
         return False
-    except psutil.AccessDenied:  # it lives, and is somebody else's
+    except psutil.AccessDenied:  # it runs, and belongs to another user
         return True
 
 

@@ -1,8 +1,8 @@
-"""One run on many ranks: the first drives it, as any run is driven, and tells the others what to do.
+"""One run on many ranks: the first controls it like any run, and sends commands to the others.
 
 Rank 0 has the run directory, its frames, checkpoints and signals. The others hold a copy of the state, and follow:
-each is told to make a workspace, or to march by so many steps, and all do so together. What MPI is, is known here
-only; it is an extra, and imported when a run asks for it.
+each command makes a workspace or advances by a number of steps, on all ranks together. Only this module depends on
+MPI; it is an extra, and imported when a run uses it.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from ecume.models.model import Model
 
 MARCH, WORKSPACE, END = range(3)
-"""What followers are told."""
+"""Commands to the other ranks."""
 SPREAD = ("floating", "sph")
 """Models that are."""
 
@@ -80,17 +80,17 @@ class Crew:
         bits = zlib.crc32(state.velocity.tobytes(), zlib.crc32(state.position.tobytes()))
         if len(set(self.ranks.allgather((status, bits)))) > 1:
             raise EcumeError(
-                f"before step {int(state.step[0])} the ranks came to different bits, so their machines are not of one "
+                f"before step {int(state.step[0])} the ranks computed different bits, so their machines are not of one "
                 "kind; take machines of one kind, and go on with ecume resume"
             )
         return status
 
 
 class Lead(Crew):
-    """The first rank: each thing that all do together is told to the others first."""
+    """The first rank: it sends each common command to the others first."""
 
     def engine(self, model: Model) -> Model:
-        """The model whose march is done by all ranks. Raises BadInput for one that is not spread."""
+        """The model that all ranks integrate together. Raises BadInput for a model without MPI."""
         spread = spread_of(model.name)
 
         def observe(parameters: Any, state: Any, workspace: Any) -> Any:
@@ -166,5 +166,5 @@ def _follow(ranks: Any) -> None:
             made = crew.workspace(name, parameters, state, room)
             march = functools.partial(crew.advance, name, parameters, state, made)
         elif march is not None:
-            with contextlib.suppress(EcumeError):  # the first rank has the same one, and tells it
+            with contextlib.suppress(EcumeError):  # the first rank has the same one, and reports it
                 march(what[0])

@@ -64,13 +64,13 @@ class Recording:
 
     @property
     def on_disk(self) -> int:
-        """How many frames the trajectory holds: more than `frames` where a killed run had gone on after its last
+        """How many frames the trajectory holds: more than `frames` if a killed run had continued after its last
         checkpoint.
         """
         return self._recorder.frames
 
     def take(self, frame: Frame, step: int) -> None:
-        """Record a frame: compare it with that on disk where there is one, write it where there is none."""
+        """Record a frame: compare it with that on disk if it exists, write it otherwise."""
         frame = self._selection.of(frame)
         if self.frames < self._recorder.frames:
             self._compare(frame)

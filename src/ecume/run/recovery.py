@@ -18,7 +18,7 @@ from ecume.trajectories.repair import repair as repair_trajectory
 
 def mended(home: RunDirectory) -> Repaired:
     """Whole frames stay, each damaged one is named; what is damaged beside them is made again or set aside."""
-    beside = [*_resolved(home), *_scene_file(home), *_constants(home), *_told_again(home)]
+    beside = [*_resolved(home), *_scene_file(home), *_constants(home), *_repeated_files(home)]
     frames = repair_trajectory(home.trajectory)
     return frames._replace(faults=(*beside, *frames.faults))
 
@@ -80,7 +80,7 @@ def _from_the_scene(home: RunDirectory) -> bytes:
         return b""
 
 
-def _told_again(home: RunDirectory) -> Iterator[str]:
+def _repeated_files(home: RunDirectory) -> Iterator[str]:
     """Set aside damaged files that the run writes again when it is resumed; yields what was done."""
     for path, check in ((home.status, STATUS), (home.watch, WATCH), (home.done, DONE), (home.failed, FAILED)):
         try:

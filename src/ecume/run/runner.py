@@ -75,9 +75,9 @@ class RunOptions:
     """Options of running that change no bit of the result."""
 
     threads: int | None = None
-    """Left out, as many as the machine has cores."""
+    """Default: the number of cores."""
     progress: Callable[[Progress], None] | None = None
-    """Is told several times a second how far the run is."""
+    """Receives the progress of the run several times per second."""
     checkpoint_every: float = 60.0
     """Seconds of wall time."""
     source: bytes | None = None
@@ -118,7 +118,7 @@ def run(
     """Simulate a scene into a new directory, with the user's laws and actions if there are any, as `simulate` does.
 
     Raises RunExists where something is in the way (`force` replaces a run, and nothing but a run), Diverged,
-    StorageError, and Stopped after a signal: then a checkpoint is there, and `resume` goes on.
+    StorageError, and Stopped after a signal: then a checkpoint exists, and `resume` continues.
     """
     home = RunDirectory(Path(directory))
     refuse_existing(home, force=force)
@@ -257,7 +257,7 @@ def _found(home: RunDirectory, scene: Scene, parameters: Any, code: UserCode, op
 
 
 def _checkpoint(home: RunDirectory, scene: Scene) -> Checkpoint:
-    """The state from which the run goes on: the newest good checkpoint, or the scene's own beginning."""
+    """The state from which the run continues: the newest good checkpoint, or the initial state of the scene."""
 
     def refused(path: Path, fault: str) -> None:
         note(home, "checkpoint set aside", name=path.name, why=fault)

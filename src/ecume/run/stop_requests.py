@@ -1,4 +1,4 @@
-"""Signals: a run that is asked to stop finishes its moment and leaves a checkpoint."""
+"""Signals: a run that receives one finishes its current steps and writes a checkpoint."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def ask_to_stop(process: int) -> None:
 
 
 class StopRequest:
-    """The signal that asked for a stop, if any."""
+    """The signal that requested a stop, if any."""
 
     def __init__(self) -> None:
         self.signal: signal.Signals | None = None

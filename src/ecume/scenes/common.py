@@ -137,6 +137,6 @@ class Common:
         if self.output.samples is not None and (found := self.output.samples.faults(self.duration)):
             raise Inconsistent([(("output", "samples", *path), message) for path, message in found])
         if frames < 1 - 1e-9:
-            told = f"got {self.frame_every:.9g} s, longer than the duration, {self.duration:.9g} s"
-            raise Inconsistent([(("frame_every",), told)])
+            message = f"got {self.frame_every:.9g} s, longer than the duration, {self.duration:.9g} s"
+            raise Inconsistent([(("frame_every",), message)])
         return self

@@ -127,7 +127,7 @@ MISSING = "is missing"
 
 
 def _emptied(detail: ErrorDetails, details: Sequence[ErrorDetails]) -> bool:
-    """Whether a list is too short for the items that are wrong, which is no fault of its own."""
+    """Whether a list is too short only because of wrong items, which is no separate fault."""
     path = detail["loc"]
     below = (other["loc"] for other in details if len(other["loc"]) > len(path))
     return detail["type"] == "too_short" and any(other[: len(path)] == path for other in below)
@@ -164,7 +164,7 @@ def _described(detail: ErrorDetails, kind: type, raw: object, also: Sequence[str
 
 
 def _as_table(detail: ErrorDetails, kind: type, path: Path) -> str:
-    """How to write a table whose kind was given as a word: `left = { kind = "outflow" }`."""
+    """How to write a table whose kind was given as text: `left = { kind = "outflow" }`."""
     word = detail["input"]
     if detail["type"] != "dataclass_type" or not isinstance(word, str):
         return ""

@@ -38,7 +38,7 @@ def require_there(path: Path, folder: Path) -> None:
     """Raise ValueError, with where it was looked for, unless something is there."""
     # Unlike Path.exists, this takes no offence at names that cannot be.
     if not os.path.exists(path):  # noqa: PTH110
-        raise ValueError(f"is not there; it is looked for from the scene's folder, {folder.resolve()}")
+        raise ValueError(f"does not exist; paths are relative to the scene's folder, {folder.resolve()}")
 
 
 def text_of(path: Path, most_bytes: int) -> str:

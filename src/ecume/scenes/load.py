@@ -139,7 +139,7 @@ def source_of(path_or_text: str | File) -> Source:
 
 
 def source_in(path: File, most_bytes: int = MOST_BYTES) -> Source:
-    """The text of a file. Raises SceneError where there is none."""
+    """The text of a file. Raises SceneError if it cannot be read."""
     try:
         return Source(text_of(path, most_bytes), str(path), path.parent)
     except NotText as fault:

@@ -52,7 +52,7 @@ def value_of(text: str) -> Any:
 
 
 def put(raw: Any, path: Path, value: Any) -> None:
-    """Set the value at `path`; tables on the way are made where there are none."""
+    """Set the value at `path`; missing tables on the way are created."""
     for depth, (key, following) in enumerate(itertools.pairwise(path)):
         if isinstance(key, str) and isinstance(raw, dict) and isinstance(following, str):
             raw.setdefault(key, {})

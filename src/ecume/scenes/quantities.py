@@ -130,7 +130,7 @@ HEXADECIMAL = re.compile(r"#[0-9a-f]{6}")
 
 
 def color(value: object) -> str:
-    """A color as `#rrggbb`, whether it came so or by one of the names in `COLORS`."""
+    """A color as `#rrggbb`, from that form or one of the names in `COLORS`."""
     text = value.lower() if isinstance(value, str) else ""
     if text in COLORS:
         return COLORS[text]

@@ -83,7 +83,7 @@ def lines_of(text: str, known: Mapping[str, str] = COLUMNS) -> list[Line]:
 
 
 def _cells(text: str) -> Iterator[tuple[int, list[str]]]:
-    """Each line's number and cells; empty lines and those that begin with `#` are left out."""
+    """Each line's number and cells; empty lines and those that begin with `#` are skipped."""
     first = next((line for line in text.splitlines() if line.strip() and not line.startswith("#")), "")
     delimiter = max(",;\t", key=first.count)
     reader = csv.reader(io.StringIO(text, newline=""), delimiter=delimiter, strict=True)
@@ -126,7 +126,7 @@ def _column(cell: str, known: Mapping[str, str]) -> Column:
 
 
 def _line(number: int, row: Sequence[str], columns: Sequence[Column], faults: list[str]) -> Line:
-    """One line in SI; what cannot be read is told to `faults`."""
+    """One line in SI; unreadable cells are added to `faults`."""
     if len(row) != len(columns):
         faults.append(f"line {number}: {len(row)} cells, expected {len(columns)} as in the head")
     values: dict[str, Any] = {}

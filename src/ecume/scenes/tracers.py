@@ -228,7 +228,7 @@ class OpeningSpec:
             raise Inconsistent([(("concentration",), "given with rate; expected one of them")])
         if not comes and (self.species or self.velocity is not None):
             key = "species" if self.species else "velocity"
-            raise Inconsistent([((key,), "nobody comes in here; expected rate or concentration with it")])
+            raise Inconsistent([((key,), "no particles enter here; expected rate or concentration with it")])
         return self
 
 
@@ -315,7 +315,7 @@ class TracersScene(Common):
 def _population(scene: TracersScene) -> Complaints:
     total = sum(species.count for species in scene.particles)
     if total == 0:
-        return [(("particles",), "there are none; write a [[particles]] table with radius and density")]
+        return [(("particles",), "got no species; add a [[particles]] table with radius and density")]
     if total > MOST_PARTICLES:
         return [(("particles",), f"{total} particles are more than {MOST_PARTICLES:.0e}")]
     complaints: Complaints = []

@@ -32,7 +32,7 @@ Frames = Sequence[Frame]
 
 
 def energies(frames: Frames, scene: Scene) -> Figure:
-    """Kinetic and potential energies, their sum, the work that came from outside, and what the run has lost."""
+    """Kinetic and potential energies, their sum, the injected work, and the dissipated energy."""
     shown = evolution(frames)
     names = [name for name, unit in shown[0].units.items() if unit in ENERGIES and name != "total_energy"]
     *parts, total = series(shown, *map(number, [*names, "total_energy"]))
@@ -67,7 +67,7 @@ def kinetic_energy(frames: Frames, scene: Scene) -> Figure:
     with style():
         drawn = figure()
         axes = over_time(drawn, scene, "Kinetic energy")
-        # A bowl at rest goes on losing decades that nobody could see.
+        # A bowl at rest loses invisible decades for ever.
         seen = np.where(kinetic > LEAST * kinetic.max(), kinetic, np.nan)
         axes.plot(times(shown), scale.factor * seen, color=PALETTE[1])
         axes.set_xlim(span(times(shown)))

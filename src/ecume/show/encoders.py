@@ -74,7 +74,7 @@ def encode(pictures: Iterable[Pixels], out: Path, fps: int) -> Path:
     try:
         there.parent.mkdir(parents=True, exist_ok=True)
         remove_abandoned(there)
-        partial.touch(exist_ok=False)  # what cannot be written is refused before anything is drawn
+        partial.touch(exist_ok=False)  # fail before drawing if the file cannot be written
         ENCODERS[out.suffix.lower()](iter(pictures), partial, fps)
         partial.replace(there)
     except OSError as error:
@@ -86,7 +86,7 @@ def encode(pictures: Iterable[Pixels], out: Path, fps: int) -> Path:
 
 
 def _still(picture: Pixels, out: Path, number: int) -> Path:
-    """One picture as a file of its own: `name-0000.png`, and so on."""
+    """Each picture as a separate file: `name-0000.png`, and so on."""
     from PIL import Image
 
     there = out.with_name(f"{out.stem}-{number:04d}{out.suffix}")
@@ -113,7 +113,7 @@ def _video(pictures: Iterator[Pixels], out: Path, fps: int) -> None:
     box = ("-movflags", "+faststart", "-f", "mp4") if kind == ".mp4" else ("-f", "webm")
     wanted = ("-an", "-c:v", codec, *CODECS[kind][codec], "-pix_fmt", "yuv420p", *box, str(out))
     command = [program, "-hide_banner", "-loglevel", "error", "-y", *given, *wanted]
-    with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE) as process:  # noqa: S603 - no shell; the names are ours
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.PIPE) as process:  # noqa: S603 - no shell; ecume makes the names
         complaint = _feed(process, (picture[:height, :width] for picture in itertools.chain([first], pictures)))
     if process.returncode != 0:
         raise StorageError(f"{out}: ffmpeg gave up ({complaint or f'exit {process.returncode}'})")

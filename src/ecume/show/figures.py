@@ -31,7 +31,7 @@ FIGURES: dict[str, Mapping[str, Callable[[Frames, Any], Figure]]] = {
 }
 """By model, then by the name that `ecume plot --what` takes."""
 COMMON_FIGURES = {"energies": energies, "kinetic-energy": kinetic_energy}
-"""Of a model that has none of its own; they need the numbers `kinetic_energy` and `total_energy`."""
+"""For models without specific figures; they need the numbers `kinetic_energy` and `total_energy`."""
 
 
 def plot(directory: str | os.PathLike[str], what: str, out: str | os.PathLike[str] | None = None) -> Path:

@@ -17,7 +17,7 @@ MOST_COLORED = 8
 
 
 def fit_figure(found: Fit) -> Figure:
-    """Tracks and simulation in the plane; residuals over time, with what noise would leave 95 percent of."""
+    """Tracks and simulation in 2D; residuals over time, with the 95 percent band of the noise."""
     with style():
         drawn = figure(9.0, 4.2)
         left, right = drawn.subplots(1, 2, width_ratios=[1.0, 1.3])

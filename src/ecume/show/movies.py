@@ -54,7 +54,7 @@ SAMPLES = 25
 """How many frames of a run decide what there is to be seen, and the range of the colors."""
 
 Reporter = Callable[[int, int], None]
-"""Is told how many pictures of how many are done."""
+"""Receives the number of finished pictures and their total."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,7 +76,7 @@ class MovieOptions:
     aim: Aim = WIDE
     """What is looked at, and how closely."""
     eye: Eye | None = None
-    """From where what is in space is seen; by default as is usual for the model."""
+    """The viewpoint in 3D; by default that of the model."""
     particles: bool = False
     """Draw the particles of a liquid one by one, instead of the region that they fill."""
 
@@ -181,7 +181,7 @@ def _time(frame: Frame) -> float:
 
 
 def _rounding(time: float) -> float:
-    """The time of a frame is a number of steps, and may miss the decimal that was asked for by a bit."""
+    """The time of a frame is a number of steps, and may differ from the given decimal by a bit."""
     return 1e-9 * abs(time) if time < math.inf else 0.0
 
 
@@ -217,7 +217,7 @@ def _set_up(directory: Path, options: MovieOptions, target: Path) -> None:
 
 
 def _draw(number: int) -> Any:
-    """The picture of that number; None where there is none any more."""
+    """The picture of that number; None after the last one."""
     if number >= len(desk["shown"]):
         return None
     return np.ascontiguousarray(desk["picture"].pixels(desk["shown"][number])[..., :3])

@@ -50,7 +50,7 @@ class Setting(NamedTuple):
     dotted: Sequence[Array] = ()
     """sides through which one side is left and the other entered: (2, 2), both ends of each"""
     wires: Sequence[Array] = ()
-    """edges of a tank and of solids in space as they are seen, before all particles: (n, 2) points of each"""
+    """edges of a tank and of solids in 3D as projected, in front of all particles: (n, 2) points of each"""
     behind: Sequence[Array] = ()
     """those behind all particles"""
     camera: Array | None = None
@@ -60,7 +60,7 @@ class Setting(NamedTuple):
     apart: int | None = None
     """the species from which on particles keep their own colors when others are colored by a quantity"""
     movers: Callable[[Frame], list[Array]] | None = None
-    """outlines of what moves beside the particles, (n, 2) each, as many in every frame; in space their edges"""
+    """outlines of moving solids, (n, 2) each, as many in every frame; in 3D their edges"""
     body_colors: Sequence[str] = ()
     wire_colors: Sequence[str] = ()
     mover_colors: Sequence[str] = ()
@@ -112,7 +112,7 @@ def draw_bodies(axes: Axes, setting: Setting) -> list[Circle | Polygon]:
 
 
 def draw_movers(axes: Axes, setting: Setting, frame: Frame) -> list[Polygon]:
-    """Filled in the plane, wires in space."""
+    """Filled in 2D, wire frames in 3D."""
     flat = setting.camera is None
     outlines = setting.movers(frame) if setting.movers else []
     colors = each_color(setting.mover_colors, BODY if flat else RIM)

@@ -1,7 +1,7 @@
-"""Pages from this machine to this machine: a server for who has the address with its token, and for nobody else.
+"""A server of pages on the local machine: it answers only requests with its token.
 
-Everything asked needs the token; a page of somebody else's has none, and what it makes a browser ask comes with its own
-origin, or under a name of ours that is not the address: both are refused.
+Each request needs the token, which foreign pages do not have. A request that such a page causes comes with a foreign
+origin, or with a host name that is not the address: both are refused.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ class Site(Protocol):
         ...
 
     def post(self, path: str, body: bytes) -> Answer | None:
-        """Do what is asked; None for what nobody does."""
+        """Answer a request; None for unknown paths."""
         ...
 
 
@@ -71,7 +71,7 @@ class _Requests(BaseHTTPRequestHandler):
         return cast(Site, self.server.site)  # type: ignore[attr-defined]
 
     def do_GET(self) -> None:
-        """A page has its token in its address, whoever asks for data in a header."""
+        """Pages have the token in their address, requests for data in a header."""
         if (asked := self._asked()) is None:
             return
         query = parse_qs(asked.query)

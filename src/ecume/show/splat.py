@@ -1,6 +1,6 @@
 """Very many particles: discs painted into pixels, as no collection of patches could do as fast.
 
-In space they are balls, lit from the eye's side; who is nearer hides who is farther.
+In 3D they are balls, lit from the viewer's side; nearer ones hide farther ones.
 """
 
 from __future__ import annotations

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple, cast
 import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.colors import Colormap, LinearSegmentedColormap, to_rgb
+from matplotlib.colors import Colormap, LinearSegmentedColormap, to_hex, to_rgb
 from matplotlib.figure import Figure
 
 from ecume.errors import BadInput, StorageError
@@ -116,14 +116,48 @@ def scale_for(largest: float, unit: str) -> Scale:
     return Scale(1.0, unit)
 
 
+WARM, COOL, BLACK, WHITE = "#5a4630", "#34506e", "#0b1722", "#ffffff"
+"""Tints of the lowest and the highest parts of bright and of dark liquids."""
+TINTS = (0.75, 0.5, 0.25)
+
+
+def liquid_color(liquid: Any) -> str | None:
+    """The color of a scene's liquid: `liquid.color`, or that of its name; None for a liquid without both."""
+    given: str | None = getattr(liquid, "color", None) or LIQUID_COLORS.get(liquid.name)
+    return given
+
+
+def height_colormap(liquid: str | None = None) -> Colormap:
+    """Colors of the height of a surface: the liquid's where it is level, neutral ones by default. Of a bright liquid
+    low parts are warmer and high parts cooler, of a dark one darker and brighter.
+    """
+    if liquid is None:
+        return HEIGHT_COLORS
+    low, high = (WARM, COOL) if luminance(liquid) > 0.5 else (BLACK, WHITE)
+    lower, higher = ([mixed(liquid, end, part) for part in TINTS] for end in (low, high))
+    colors = [*lower, liquid, *reversed(higher)]
+    return LinearSegmentedColormap.from_list("height", colors)
+
+
+def mixed(one: str, other: str, part: float) -> str:
+    """A color with a part of another.
+
+    >>> mixed("#000000", "#ffffff", 0.2)
+    '#333333'
+    """
+    both = zip(to_rgb(one), to_rgb(other), strict=True)
+    red, green, blue = ((1.0 - part) * first + part * second for first, second in both)
+    return str(to_hex((red, green, blue)))
+
+
 def plain(text: str) -> str:
-    """A person's own words as they are: no formula between dollars, no label left out because of its underscore."""
+    """A user's text unchanged: no formula between dollars, no label omitted because of its underscore."""
     shown = text.replace("$", r"\$")
     return " " + shown if shown.startswith("_") else shown
 
 
 def figure(width: float = 6.4, height: float = 4.0) -> Figure:
-    """An empty figure of that size (inches), bound to no screen and known to nobody else."""
+    """An empty figure of that size (inches), bound to no screen and not registered in pyplot."""
     made = Figure(figsize=(width, height), layout="constrained")
     FigureCanvasAgg(made)
     return made
@@ -139,7 +173,7 @@ def style() -> Iterator[None]:
 
 
 def save(drawn: Figure, out: Path) -> Path:
-    """Write a figure in the format that its file name asks for."""
+    """Write a figure in the format of its file name."""
     out = Path(out)
     known = drawn.canvas.get_supported_filetypes()
     if out.suffix[1:].lower() not in known:

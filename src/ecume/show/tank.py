@@ -1,6 +1,6 @@
 """Tanks as seen from the side: walls, obstacles, and particles to scale, colored by species or by a quantity.
 
-Any model with a tank can have its pictures here. Of one in space the first and the last axis are seen, or what a camera
+Any model with a tank can have its pictures here. In 3D they show the first and the last axis, or what a camera
 of the setting sees.
 """
 
@@ -215,6 +215,6 @@ def color_bar(axes: Axes, coloring: Coloring, sample: Sequence[Frame]) -> Scalar
 
 
 def particles_picture(scene: Any, sample: Sequence[Frame], size: Size = USUAL) -> Tank:
-    """Particles and nothing around them: the picture of a model that has none of its own."""
+    """Particles without surroundings: the picture of a model without a specific one."""
     kinds = species(scene) or [Species("", PALETTE[0])]
     return Tank(Setting(scene.title, None, kinds=kinds), sample, size)

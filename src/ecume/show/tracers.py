@@ -30,7 +30,7 @@ SLICES = 30
 
 
 def setting_of(scene: TracersScene) -> Setting:
-    """The tank, obstacles and openings of a scene; of one in space what is seen from the side."""
+    """The tank, obstacles and openings of a scene; in 3D a side view."""
     bodies = [outline_of(body) for body in scene.obstacles]
     gaps = [seen(np.array([hole.low, hole.high])) for hole in scene.openings]
     outline = outline_of(scene.tank) if scene.tank is not None else None
@@ -53,11 +53,11 @@ def _rectangle(low: Array, high: Array) -> Array:
 
 
 def tracers_picture(scene: TracersScene, sample: Sequence[Frame], size: Size = USUAL, eye: Eye | None = None) -> Tank:
-    """The tank from the side, or what is in space from where an eye stands; each species in its color."""
+    """The tank from the side, or in 3D from a camera; each species in its color."""
     if eye is None:
         return Tank(setting_of(scene), sample, size)
     if sample[0].arrays["position"].shape[1] != 3:
-        raise BadInput("these particles are in the plane, and seen from before it; leave azimuth and elevation out")
+        raise BadInput("got azimuth or elevation for a 2D scene; expected a 3D scene, or neither of them")
     return Tank(setting_in_space(scene, eye), sample, size)
 
 
@@ -72,7 +72,7 @@ def setting_in_space(scene: TracersScene, eye: Eye) -> Setting:
 
 
 def _box_around(shape: Any) -> tuple[Array, Array]:
-    """The lowest and the highest corner of what is in space."""
+    """The lowest and the highest corner of a 3D tank."""
     if (low := getattr(shape, "low", None)) is not None:
         return np.array(low), np.array(shape.high)
     if shape.vertices:

@@ -121,10 +121,10 @@ def begun_or_laid_out(file: Path, directory: Path) -> Sweeping:
 
 
 def existing_sweep(directory: Path) -> Sweeping:
-    """A sweep that was begun. Raises BadInput where there is none."""
+    """A sweep that was started. Raises BadInput if it does not exist."""
     path = directory / "points.json"
     if not path.is_file():
-        raise BadInput(f"{directory}: no sweep is there; expected a directory that `ecume sweep` made")
+        raise BadInput(f"{directory}: got no sweep; expected a directory from `ecume sweep`")
     with storing(directory):
         require_plain(directory)
     rows = json_at(path, list)

@@ -34,7 +34,7 @@ BEFORE_THE_END = 300
 WAIT = "10 s"
 """For a scheduler's first answer."""
 UNWATCHED = {"distributed.worker.profile.enabled": False}
-"""Dask looks a hundred times a second what its threads do, for pages that nobody opens here; workers inherit it."""
+"""Turns off the profiler of Dask's threads, whose dashboard is not used here; workers inherit the setting."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,9 +50,9 @@ class ExecutorOptions:
     retries: int = 2
     """of a point whose worker died"""
     progress: Callable[[int, int], None] | None = None
-    """is told how many points of how many are done"""
+    """receives the number of finished points and their total"""
     failed: Callable[[Path, str], None] | None = None
-    """is told of each point that fails, and why, while the others go on"""
+    """receives each failed point and its cause, while the others continue"""
 
 
 Results = Callable[[Sequence[Job]], Iterator[tuple[Job, str]]]
@@ -73,7 +73,7 @@ def hands(options: ExecutorOptions, sweeping: Sweeping, missing: int) -> Iterato
 
 
 def _spread(client: Any, jobs: Sequence[Job], retries: int) -> Iterator[tuple[Job, str]]:
-    """The jobs on the workers of a Dask client: each is told a folder's name, and answers a word."""
+    """The jobs on the workers of a Dask client: each receives the name of a folder and returns a short answer."""
     import distributed
 
     library: Any = distributed  # leaves its functions without types
@@ -90,7 +90,7 @@ def next_word(ended: Iterator[Any]) -> tuple[Any, str] | None:
     not answer any more.
 
     What breaks in there is Dask's connection to its scheduler, by one of half a dozen exceptions: whatever a job raises
-    is told as its answer.
+    is reported as its answer.
     """
     try:
         future = next(ended, None)
@@ -101,7 +101,7 @@ def next_word(ended: Iterator[Any]) -> tuple[Any, str] | None:
     except Stopped:  # by a signal
         raise
     except (Exception, CancelledError) as error:
-        raise Stopped("the scheduler is gone; what is done stays done, and the same command goes on") from error
+        raise Stopped("lost the scheduler; finished points are kept; the same command continues the sweep") from error
 
 
 @contextlib.contextmanager
@@ -112,7 +112,7 @@ def _client(options: ExecutorOptions, sweeping: Sweeping, workers: int) -> Itera
     except ImportError as error:
         raise BadInput(f"many workers need Dask, which is not installed: {install('sweep')}, or --workers 1") from error
     library: Any = distributed  # leaves its functions without types
-    for name in ("distributed", "distributed.client"):  # what breaks is told by us, in a line
+    for name in ("distributed", "distributed.client"):  # ecume reports failures in one line
         logging.getLogger(name).setLevel(logging.CRITICAL)
     if options.scheduler is not None:
         require_safe(options.scheduler)
@@ -122,7 +122,7 @@ def _client(options: ExecutorOptions, sweeping: Sweeping, workers: int) -> Itera
         with slurm_cluster(sweeping.spec.cluster, sweeping.path) as found, library.Client(found) as client:
             yield client
     else:
-        # The scheduler always has a page of its own: at any free port, so that sweeps at the same time do not compete.
+        # The scheduler always has a dashboard: at any free port, so that sweeps at the same time do not compete.
         page = {"dashboard": False, "dashboard_address": "127.0.0.1:0"}
         local = {"threads_per_worker": 1, "scheduler_kwargs": page, "env": ONE_THREAD, "silence_logs": 50}
         with dask.config.set(UNWATCHED):
@@ -148,7 +148,7 @@ def _leaving_interrupts_to_us() -> Iterator[None]:
 
 
 def connected(library: Any, address: str) -> Any:
-    """A client of a scheduler that runs. Raises BadInput where none answers, which Dask tells by four exceptions."""
+    """A client of a running scheduler. Raises BadInput if it does not answer, for which Dask has four exceptions."""
     try:
         return library.Client(address, timeout=WAIT)
     except (OSError, TypeError, ValueError, RuntimeError) as error:
@@ -161,8 +161,8 @@ def connected(library: Any, address: str) -> Any:
 
 
 def require_safe(address: str) -> None:
-    """Raise BadInput for a scheduler that is reached without encryption over a network: whoever can talk to it can run
-    code here and there.
+    """Raise BadInput for a scheduler that is reached without encryption over a network: anyone with access can run code
+    here and there.
     """
     kind, _, place = address.rpartition("://")
     host = place.rpartition(":")[0].strip("[]")
@@ -212,7 +212,7 @@ MOST_TASKS = 1000
 
 
 def write_array(sweeping: Sweeping) -> Path:
-    """Write `array.sh`, for `sbatch`; a task that runs out of time leaves a checkpoint and is put in line again."""
+    """Write `array.sh`, for `sbatch`; a task that reaches its time limit writes a checkpoint and is queued again."""
     cluster, path = sweeping.spec.cluster, sweeping.path / "array.sh"
     tasks = min(len(sweeping.jobs), MOST_TASKS)
     options = [

@@ -121,7 +121,7 @@ def curves(on: Axes, axes: Sequence[Column], measure: Column) -> None:
     names = short_names(others)
     groups = sorted(set(zip(*(column.values for column in others), strict=True))) if others else [()]
     if len(groups) > MOST_CURVES:
-        raise BadInput(f"{len(groups)} curves cannot be told apart; --what map or scatter draws them")
+        raise BadInput(f"{len(groups)} curves are too many to distinguish; use --what map or --what scatter")
     for group, (dash, color) in zip(groups, itertools.product(DASHES, PALETTE), strict=False):
         mine = np.logical_and.reduce(
             [np.isfinite(x.values), *(c.values == v for c, v in zip(others, group, strict=True))]
@@ -175,7 +175,7 @@ MOST_FIELDS = 4
 
 
 def _averaged(x: Column, y: Column, z: Column) -> Array:
-    """The mean at each pair of values; NaN where there is none."""
+    """The mean at each pair of values; NaN for pairs without points."""
     columns, lines = np.unique(x.values), np.unique(y.values)
     table = np.full((len(lines), len(columns)), np.nan)
     for line, column in np.ndindex(table.shape):

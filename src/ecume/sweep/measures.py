@@ -81,7 +81,7 @@ def first_crossing(times: Array, values: Array, above: bool, bound: float) -> fl
 
 
 def read_measure(text: str) -> Words:
-    """The measure of a text. Raises ValueError where it is none.
+    """The measure of a text. Raises ValueError for other texts.
 
     >>> read_measure("first top > 0.3")
     Words(way='first', number='top', above=True, bound=0.3)

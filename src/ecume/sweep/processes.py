@@ -37,7 +37,7 @@ PROCESSES: Mapping[str, Callable[[], Process]] = {"t1": _t1}
 
 
 def process_of(name: str) -> Process:
-    """The process of that name. Raises BadInput where there is none."""
+    """The process of that name. Raises BadInput for an unknown name."""
     if name not in PROCESSES:
         raise BadInput(f"process: no such process as {name!r}; {suggestion(name, PROCESSES)}")
     return PROCESSES[name]()
@@ -85,7 +85,7 @@ def _kind(annotation: Any) -> str:
 
 
 def results_of(name: str, settings: Mapping[str, Any]) -> dict[str, Any]:
-    """Run a process, and what is told of it."""
+    """Run a process and return its result."""
     process = process_of(name)
     arguments = {key: tuple(value) if isinstance(value, list) else value for key, value in settings.items()}
     result = process.run(**arguments)

@@ -58,7 +58,7 @@ class Sweep:
 
     @property
     def drawn(self) -> bool:
-        """Whether points were drawn in several directions, so that hardly two have a value in common."""
+        """Whether points were sampled in several parameters, so that few share a value."""
         sampling = self._sweeping.spec.sampling
         return sampling is not None and len(sampling.axes) > 1
 
@@ -84,7 +84,7 @@ class Sweep:
         """A row a point: what varies, its state, and measures of what is done, NaN elsewhere.
 
         `measures` are texts such as `final kinetic_energy`, or functions of a trajectory, by the name of their column;
-        left out, those that the sweep's file names.
+        default: those in the sweep's file.
         """
         asked = measures if measures is not None else self._asked()
         rows = [self._row(job, asked) for job in self._sweeping.jobs]

@@ -36,9 +36,9 @@ USUAL = ExecutorOptions()
 
 
 def sweep(file: str | os.PathLike[str], directory: str | os.PathLike[str], options: ExecutorOptions = USUAL) -> Outcome:
-    """Run what is missing of a sweep, and write its table. Again after whatever happened, it goes on.
+    """Run the missing points of a sweep and write its table. After any interruption the same call continues.
 
-    Raises Stopped when a signal asks for it: the same call goes on.
+    Raises Stopped after a signal: the same call continues.
     """
     sweeping = begun_or_laid_out(Path(file), Path(directory))
     jobs = distinct(sweeping.jobs)
@@ -51,7 +51,7 @@ def sweep(file: str | os.PathLike[str], directory: str | os.PathLike[str], optio
     except Stopped as stopped:
         done = sum(job.state == "done" for job in jobs)
         why = str(stopped).partition(" at step ")[0].partition(";")[0]
-        raise Stopped(f"{why}; {done} of {len(jobs)} points are done, and the same command goes on") from stopped
+        raise Stopped(f"{why}; {done} of {len(jobs)} points are done; the same command continues") from stopped
     write_table(sweeping)
     return outcome_of(sweeping)._replace(busy=words["busy"], lost=words["lost"])
 

@@ -18,12 +18,12 @@ from ecume.sweep.measures import read_measure
 
 MOST_POINTS = 1_000_000
 OWN_COLUMNS = ("state", "repeat")
-"""Of the table, whatever is asked."""
+"""Columns that the table always has."""
 QUANTITY = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s+(\S.*)")
 
 
 def like(pattern: str, words: str) -> Callable[[str], str]:
-    """Takes text of this form, and says what was wanted otherwise."""
+    """Accepts text of this form, and raises a message with the expected form otherwise."""
     form = re.compile(pattern)
 
     def fitting(text: str) -> str:
@@ -180,10 +180,10 @@ class SweepSpec:
     sampling: Sampling | None = None
     """with axes as well, each combination of their values has all points that are drawn"""
     repeats: Annotated[int, Field(strict=True, ge=1, le=100_000)] = 1
-    """of each point, with a seed of its own: the scene's, and on from there"""
+    """of each point, with consecutive seeds that start from the scene's"""
     measures: tuple[Annotated[Text, AfterValidator(measure)], ...] = ()
-    """what the table has of each run: `final kinetic_energy`, `mean pressure`, `max top`, `first top > 0.3` ...; left
-    out, the last value of every number"""
+    """columns of the table: `final kinetic_energy`, `mean pressure`, `max top`, `first top > 0.3` ...; default: the
+    last value of every number"""
     cluster: Cluster = Cluster()
 
     @model_validator(mode="before")
@@ -208,7 +208,7 @@ class SweepSpec:
         if self.process and self.repeats > 1:
             yield ("repeats",), "a process has no seed; its repeats would be equal"
         if self.process and self.measures:
-            yield ("measures",), f"are of scenes; the process {self.process} tells its own numbers"
+            yield ("measures",), f"apply to scenes; the process {self.process} has a fixed list of numbers"
 
     def _twice(self) -> Iterator[tuple[tuple[str | int, ...], str]]:
         """The faults of keys or names that are given in two places."""
@@ -216,7 +216,7 @@ class SweepSpec:
         times = Counter([*keys.values(), *self.fixed])
         yield from ((place, f"{key} stands elsewhere, too") for place, key in keys.items() if times[key] > 1)
         if self.repeats > 1 and "seed" in keys.values():
-            yield ("repeats",), "each has a seed of its own; they cannot be repeats of seeds that vary"
+            yield ("repeats",), "repeats have consecutive seeds; they cannot be combined with seeds that vary"
         names = Counter([*OWN_COLUMNS, *self.measures, *(self.named(key) for key in dict.fromkeys(keys.values()))])
         for place, axis in enumerate(self.axes):
             if axis.name and names[axis.name] > 1:

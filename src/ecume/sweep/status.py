@@ -12,9 +12,9 @@ from ecume.run.lock import is_held
 from ecume.sweep.directory import Job, distinct, existing_sweep
 
 RECENT = 50
-"""The points whose pace is told."""
+"""The number of last points whose rate is reported."""
 SILENT = 10.0
-"""So many times the usual time between two points, and seconds, without one: then nobody is at work."""
+"""Factor over the usual time between two points, and seconds: without a new point for longer, no worker is active."""
 
 
 class Standing(NamedTuple):
@@ -31,7 +31,7 @@ class Standing(NamedTuple):
 
 
 def standing(directory: Path) -> Standing:
-    """The status of a sweep. Raises BadInput where there is none."""
+    """The status of a sweep. Raises BadInput if it does not exist."""
     jobs = distinct(existing_sweep(directory).jobs)
     states = [job.state for job in jobs]
     failed = [(job.folder, job.why) for job, state in zip(jobs, states, strict=True) if state == "failed"]

@@ -1,4 +1,4 @@
-"""One point in whatever process: a worker gets the name of a folder, and answers with a word."""
+"""One point in any process: a worker gets the name of a folder, and returns a short answer."""
 
 from __future__ import annotations
 

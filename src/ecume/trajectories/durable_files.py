@@ -48,7 +48,7 @@ def replaceable(path: Path) -> Path:
     """
     there = Path(os.path.realpath(path))
     if there.exists() and not there.is_file() and not there.is_dir():
-        raise StorageError(f"{path}: is no plain file, and is left alone")
+        raise StorageError(f"{path}: is not a plain file, and is not changed")
     return there
 
 

@@ -174,7 +174,7 @@ def _stacked(trajectory: ExportedFrames, name: str, shape: tuple[int, ...]) -> N
     stacked = np.empty((len(trajectory), *shape), trajectory[0].arrays[name].dtype)
     for number, frame in enumerate(trajectory):
         if frame.arrays[name].shape != shape:
-            raise BadInput(f"npz wants as many particles in each frame, and frame {number} has others; take csv")
+            raise BadInput(f"the number of particles changes at frame {number}, which npz cannot store; use csv")
         stacked[number] = frame.arrays[name]
     return stacked
 

@@ -84,7 +84,7 @@ def read_index(file: FileIO, path: Path) -> Index:
 
 
 def _steady_header(file: FileIO, path: Path) -> Any:
-    """A run may be replacing the header just now: read until twice the same came."""
+    """A run may be replacing the header: read until two readings agree."""
     before, now = b"", _bytes(file, 0, HEADER.itemsize)
     while now != before:
         before, now = now, _bytes(file, 0, HEADER.itemsize)
@@ -169,7 +169,7 @@ def _size(file: FileIO) -> int:
 
 
 def _bytes(file: FileIO, start: int, count: int, path: Path = UNKNOWN) -> bytes:
-    """The bytes of the file there; fewer where it ends, however many a damaged header asks for."""
+    """The bytes of the file there; fewer at the end of the file, whatever a damaged header requests."""
     size = _size(file)
     if start >= size:
         return b""

@@ -1,9 +1,9 @@
 """A frame as the chunks of a GSD file.
 
 HOOMD's own chunks let OVITO and every other reader of GSD show the particles: positions and velocities in single
-precision and always three components, diameter, type. Beside them stand ours, exact: `log/time`, `log/<number>`,
-`log/particles/<array>`, and `ecume/header`, which says once what the arrays are and which unit each has. A trajectory
-in single precision has its arrays as `<f4`, and no second copy of what HOOMD's chunks hold; it is read as float64.
+precision and always three components, diameter, type. ecume's chunks are exact: `log/time`, `log/<number>`,
+`log/particles/<array>`, and `ecume/header`, which states once what the arrays are and which unit each has. A
+trajectory in single precision has its arrays as `<f4`, and no second copy of HOOMD's chunks; it is read as float64.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ def written(header: Header) -> NDArray[Any]:
 
 
 def read(chunks: Chunks, source: object) -> Header:
-    """The header among the chunks of a segment's first frame. Raises StorageError where it is none that we can read."""
+    """The header among the chunks of a segment's first frame. Raises StorageError if it is not readable."""
     try:
         plain = json.loads(chunks[HEADER].tobytes())
         found = plain["format"]

@@ -28,20 +28,20 @@ OF_A_RUN = ("manifest.json", "resolved.json")
 
 
 def open_trajectory(path: str | os.PathLike[str]) -> Trajectory:
-    """The frames of a run: a sequence, read from disk one by one as they are asked for, exact to the bit.
+    """The frames of a run: a sequence, read from disk one by one on access, exact to the bit.
 
         with ecume.open_trajectory("runs/bowl") as trajectory:
             trajectory[-1].arrays["position"]
 
     `path` is the run's directory, or the folder `traj` in it. A run that is being written can be read; `refresh` sees
-    what came since.
+    newer frames.
     """
     given = Path(path)
     # A run that has just begun has its scene, and no folder of frames yet.
     begun = (given / "traj").is_dir() or (given / "resolved.json").is_file()
     folder = given / "traj" if begun else given
     if not segment_files(folder) and folder == given:
-        raise BadInput(f"{given}: no run is there; expected a directory that `ecume run` made")
+        raise BadInput(f"{given}: contains no run; expected a directory from `ecume run`")
     return Trajectory(folder)
 
 
@@ -129,7 +129,7 @@ class Trajectory(Sequence[Frame]):
     def __getitem__(self, index: slice) -> Sequence[Frame]: ...
 
     def __getitem__(self, index: int | slice) -> Frame | Sequence[Frame]:
-        """A frame, counted from the end when negative; or some of them, which are read when they are asked for."""
+        """A frame, counted from the end if negative; or a slice of frames, which are read on access."""
         if isinstance(index, slice):
             return _Some(self, range(len(self))[index])
         if not -len(self) <= index < len(self):
@@ -176,7 +176,7 @@ class Trajectory(Sequence[Frame]):
         self.close()
 
     def __del__(self) -> None:
-        """Close the files that nobody closed."""
+        """Close the files that are still open."""
         with contextlib.suppress(AttributeError):  # where the construction failed half-way
             self.close()
 

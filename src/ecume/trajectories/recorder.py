@@ -24,7 +24,7 @@ def segment_files(folder: Path) -> list[Path]:
 class Recorder:
     """An open trajectory that frames are added to: a folder with `0000.gsd`, `0001.gsd` and so on.
 
-    A folder that holds frames is gone on with. When `write` returns, the frame is on the disk, whole.
+    A folder that holds frames is continued. When `write` returns, the frame is on the disk, whole.
     """
 
     def __init__(
@@ -36,8 +36,8 @@ class Recorder:
         largest: int = LARGEST,
         single: bool = False,
     ) -> None:
-        """`species` are their names, in the order of their numbers, and `colors` theirs, `#rrggbb`: programs that open
-        the files show them. `single` is the precision of arrays.
+        """`species` are their names, in the order of their numbers, and `colors` theirs, `#rrggbb`, for viewers of the
+        files. `single` is the precision of arrays.
         """
         self.folder, self._species, self._colors, self._largest = folder, tuple(species), tuple(colors), largest
         self._single = single

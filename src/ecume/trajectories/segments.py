@@ -132,7 +132,7 @@ class GrowingSegment:
 
     `size` (bytes) is the same for the same frames, however often the run was interrupted.
 
-    The GSD library is not used for writing: on a full disk it can lose frames that were committed, since it goes on
+    The GSD library is not used for writing: on a full disk it can lose frames that were committed, since it continues
     after an index that could not grow.
     """
 
@@ -157,7 +157,7 @@ class GrowingSegment:
             self._grow()
         entries, data = _packed(own, self._names, self.frames, self.size)
         self._write(data, self.size)
-        # one wait for the disk is enough for both: should power fail between them, the checksum tells
+        # one wait for the disk is enough for both: after a power failure between them, the checksum differs
         self._put(entries.tobytes(), self._location + self._used * ENTRY.itemsize)
         self.size += len(data)
         self._used += len(entries)

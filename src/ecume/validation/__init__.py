@@ -26,7 +26,7 @@ class Case(NamedTuple):
 
 def _case(name: str, summary: str, *, long: bool = False) -> Case:
     def rows() -> list[Row]:
-        # Imported when asked for: the table is read by `ecume --help`, which must not wait for a compiler.
+        # Imported on use: the table is read by `ecume --help`, which must not wait for a compiler.
         found: list[Row] = importlib.import_module(f"ecume.validation.{name.replace('-', '_')}").rows()
         return found
 
@@ -42,10 +42,8 @@ CASES: dict[str, Case] = {
         _case("multipole", "Discs and spheres beyond superposition, against an independent computation"),
         _case("shapes", "Ellipsoids, needles, squares, stars: forces, torques, docking, collisions"),
         _case("kernels", "Smoothing kernels: what a kernel must be, an independent computation, published numbers"),
-        _case(
-            "reflection", "Walls that reflect: billiards, bouncing balls, wedges, circles, nobody outside", long=True
-        ),
-        _case("surface-tension", "Drops in a plane: rounding off, swinging, fading, pressure inside"),
+        _case("reflection", "Walls that reflect: billiards, bouncing balls, wedges, circles, no escapes", long=True),
+        _case("surface-tension", "Drops in 2D: rounding, oscillation, damping, pressure inside"),
         _case("drops-in-space", "Balls of liquid: swinging, fading, pressure inside", long=True),
         _case("settling", "Grains in water: terminal speeds, diffusion, and the equilibrium of both"),
         _case("meeting", "When two floats released at rest meet, against SciPy's DOP853"),
@@ -67,6 +65,6 @@ CASES: dict[str, Case] = {
         _case(
             "fitting", "Parameters from noisy tracks: how often 95 % intervals hold the truth, in 100 fits", long=True
         ),
-        _case("rest", "Sixty cereals rest after ten minutes, in milk and in syrup", long=True),
+        _case("rest", "Sixty pieces of cereal come to rest within ten minutes, in milk and in syrup", long=True),
     )
 }

@@ -58,7 +58,7 @@ def rows() -> list[Row]:
 
 
 def fits(truth: FloatingScene, count: int) -> list[Trial]:
-    """So many fits to tracks of this scene, each with noise of its own."""
+    """Several fits to tracks of this scene, each with independent noise."""
     clean = simulated(truth, TIMES)
     return [_fitted(clean, np.random.default_rng(seed)) for seed in range(count)]
 

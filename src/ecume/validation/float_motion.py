@@ -61,7 +61,7 @@ def meeting_time(bodies: Sequence[Body], distance: float, liquid: flotation.Liqu
     def gap(_: float, y: Array) -> float:
         return float(y[1] - y[0]) - one.radius - other.radius
 
-    gap.terminal = True  # type: ignore[attr-defined]  # how SciPy is told to stop there
+    gap.terminal = True  # type: ignore[attr-defined]  # SciPy's way to stop there
     start = [0.0, distance, 0.0, 0.0]
     found: Any = solve_ivp(rate, (0.0, LONGEST), start, "DOP853", events=gap, rtol=ACCURACY, atol=1e-14)
     return float(found.t_events[0][0])
@@ -86,7 +86,7 @@ def time_in_bowl(body: Body, start: float, way: float, bowl: Bowl) -> float:
     def gone(_: float, y: Array) -> float:
         return abs(float(y[0]) - start) - way
 
-    gone.terminal = True  # type: ignore[attr-defined]  # how SciPy is told to stop there
+    gone.terminal = True  # type: ignore[attr-defined]  # SciPy's way to stop there
     return float(_way_in_bowl(body, start, LONGEST, bowl, gone).t_events[0][0])
 
 

@@ -21,7 +21,7 @@ STEP = 1e-3
 def rows() -> list[Row]:
     """Every property of every kernel, then every number of the tables."""
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # liu-quartic tells that it turns negative: here that is known
+        warnings.simplefilter("ignore")  # liu-quartic warns that it becomes negative: here that is known
         every = [kernel(name, dim) for name in KERNELS for dim in (1, 2, 3)]
         properties = [row for one in every for row in (_integral(one), _moment(one), _slope(one))]
         return [*properties, *_reference(), *_published()]

@@ -37,7 +37,7 @@ def course(spacing: float, *changes: str) -> list[Frame]:
 
 
 def off_the_table() -> float:
-    """The largest difference of our own series from the table."""
+    """The largest difference of ecume's series from the table."""
     table = [[float(value) for value in case.values()] for case in read_table("patch", "independent")]
     return max(abs(patch_pressure(x, y, 1.0, -2.0, 1.0) - pressure) for x, y, pressure in table)
 

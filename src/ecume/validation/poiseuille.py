@@ -26,7 +26,7 @@ def rows() -> list[Row]:
 
 
 def series() -> list[Row]:
-    """The largest difference of our own series from the table, one row a flow."""
+    """The largest difference of ecume's series from the table, one row per flow."""
     worst = dict.fromkeys(DRIVEN, 0.0)
     for case in read_table("poiseuille", "independent"):
         found = exact(case["flow"], float(case["height"]), float(case["tau"]) / VISCOSITY)

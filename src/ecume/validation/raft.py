@@ -1,4 +1,4 @@
-"""Nineteen floats gather to a raft: nothing sinks into anything, and the books are in order at any good step."""
+"""Nineteen floats form a raft: no overlaps, and the energy budget is closed at any good step."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def unit_of_time() -> float:
 
 
 def rows() -> list[Row]:
-    """The raft at the trial's two steps and at four times our own, without friction and with it."""
+    """The raft at the trial's two steps and at four times the default step, without friction and with it."""
     return [
         row
         for friction in (0.0, 0.3)

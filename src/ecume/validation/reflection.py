@@ -15,7 +15,7 @@ WEDGES = (90, 60, 45, 30, 10, 7)
 RESTITUTIONS = (0.5, 0.8, 0.9)
 CROWD = 100_000
 ROUNDS = 17
-"""Steps of each crowd; with six crowds some ten million particle-steps."""
+"""Steps of each system; with six systems some ten million particle-steps."""
 FALL = (0.0, -9.81)
 
 
@@ -112,12 +112,12 @@ def reversal() -> list[Row]:
 
 
 def nobody_outside() -> list[Row]:
-    """Crowds in three tanks, with and without restitution."""
+    """Many particles in three tanks, with and without restitution."""
     heptagon = walls.polygon([(math.cos(a), math.sin(a)) for a in 2.0 * math.pi * np.arange(7) / 7])
     obstacle = walls.outside(walls.polygon([(-0.3, -0.3), (0.4, -0.2), (0.0, 0.3)]))
     tanks = {
         "cluttered heptagon": walls.together(heptagon, obstacle),
-        "box in space": walls.box((-0.7, -0.7, -0.7), (0.7, 0.7, 0.7)),
+        "box in 3D": walls.box((-0.7, -0.7, -0.7), (0.7, 0.7, 0.7)),
         "circle": walls.disc((0.0, 0.0), 1.0),
     }
     found = []
@@ -129,7 +129,7 @@ def nobody_outside() -> list[Row]:
 
 
 def crowded(tank: Surfaces, restitution: float) -> float:
-    """The least clearance of a crowd that is stirred and falls."""
+    """The least clearance of many particles that are stirred and fall."""
     dice, d = np.random.default_rng(11), tank.dimension
     thrown = dice.uniform(-0.69, 0.69, (2 * CROWD, d))
     position = thrown[walls.clearance(thrown, tank)[0] > 0.0][:CROWD]

@@ -1,4 +1,4 @@
-"""Ten minutes of a bowl of cereals: nothing sinks into anything, no energy appears, and in the end all is at rest."""
+"""Ten minutes of a bowl of cereal: no overlaps, no gain of energy, and rest in the end."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def bowl(name: str, changes: Sequence[str]) -> list[Row]:
     energy = np.array([frame.numbers["total_energy"] for frame in frames])
     rises = float(np.sum(np.maximum(np.diff(energy), 0.0)))
     last = frames[-1].numbers
-    # The model tells the deepest overlap that its contacts met in any step; the frames are looked at without them.
+    # The model reports the deepest overlap in any step; this function evaluates frames without it.
     overlap = max(last["deepest_overlap"], *(frame.numbers["largest_overlap"] for frame in frames))
     lost = sum(not np.isfinite(frame.arrays["position"]).all() for frame in frames)
     return [

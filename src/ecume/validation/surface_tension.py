@@ -1,4 +1,4 @@
-"""Drops in a plane: a square that rounds off, discs that swing, fade and rest, by both models of surface tension."""
+"""Drops in 2D: a square that becomes round, oscillating and resting discs, with both models of surface tension."""
 
 from __future__ import annotations
 

@@ -39,7 +39,7 @@ FAILING: dict[str, Sequence[str]] = {
 def rows() -> list[Row]:
     """Compare each scheme that holds the liquid, and each that does not."""
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # liu-quartic tells that it turns negative: here that is known
+        warnings.simplefilter("ignore")  # liu-quartic warns that it becomes negative: here that is known
         held = [row for name, changes in HOLDING.items() for row in holding(name, changes)]
         return [*held, *(failing(name, changes) for name, changes in FAILING.items())]
 

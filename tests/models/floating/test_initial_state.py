@@ -126,7 +126,7 @@ def test_the_two_point_wall_draws_a_heavy_float_to_the_wall():
 
 def test_the_summary_names_every_number_a_user_needs():
     rows = {name: (value, remark) for name, value, remark in FLOATING.summary(bowl(40))}
-    for name in ("capillary length", "float-1: Bond number", "time step", "steps", "memory", "time to run it"):
+    for name in ("capillary length", "float-1: Bond number", "time step", "steps", "memory", "time on this machine"):
         assert name in rows
     assert rows["capillary length"][0].endswith("mm")
 

@@ -240,7 +240,7 @@ def test_a_run_that_leaves_its_range_says_when_who_and_what_to_do():
     state.velocity[1, 0] = 50.0
     workspace = FLOATING.workspace(parameters, state, 1.0)
     assert FLOATING.advance(parameters, state, workspace, 10) == 2
-    assert "float 1 goes 50 m/s" in FLOATING.diagnosis(parameters, state)
+    assert "float 1 moves at 50 m/s" in FLOATING.diagnosis(parameters, state)
     state.position[0, 1] = np.nan
     assert FLOATING.advance(parameters, state, workspace, 10) == 2
     assert "float 0 has a position that is not finite" in FLOATING.diagnosis(parameters, state)

@@ -76,7 +76,7 @@ def test_a_load_that_grows_and_waves_and_walls_count():
 def test_spheres_filled_in_closer_than_they_fit_press_as_they_then_do():
     squeezed = packing(filled=0.8, protocol=[{"time": 0.0}, {"time": 4.0, "scale": math.sqrt(0.8 / 0.9)}])
     found = expected(squeezed)
-    assert found.source.startswith("spheres filled in closer")
+    assert found.source.startswith("compression")
     assert found.force == pytest.approx(pressed_force(found.pair, 0.9, 2))
     last = list(simulate(squeezed))[-1].numbers
     assert last["volume_fraction"] == pytest.approx(0.9)
@@ -89,7 +89,7 @@ def test_a_sheared_film_resists_with_no_more_than_moves_it_fastest():
     slow, fast = sheared_force(pair, 0.01, 1e-6), sheared_force(pair, 0.01, 1e3)
     assert slow == pytest.approx(1.5 * math.pi * 1e-3 / 0.01 * 2e-6)
     assert fast == pytest.approx(2.0 * math.sqrt(3.0) * 1e-3)
-    assert "sheared" in expected(packing(protocol=[{"time": 0.0, "shear_rate": 1.0}])).source
+    assert "shear" in expected(packing(protocol=[{"time": 0.0, "shear_rate": 1.0}])).source
 
 
 def test_nothing_is_foreseen_where_nothing_is_done():
@@ -102,7 +102,7 @@ def test_nothing_is_foreseen_where_nothing_is_done():
 @pytest.mark.parametrize(
     ("scene", "says"),
     [
-        (lambda: packing(radii=(1.0,), count=36, filled=0.75), "crystals"),
+        (lambda: packing(radii=(1.0,), count=36, filled=0.75), "crystallize"),
         (lambda: two(0.1), "Hertz's law"),
         (lambda: two(1e-8), "rounding"),
         (lambda: two(1e-3, films={"friction": "coulomb", "roughness": 1e-3}), "no contact friction"),

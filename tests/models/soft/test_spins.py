@@ -275,7 +275,7 @@ def test_unlike_spheres_that_nothing_holds_lie_where_their_loads_have_no_moment(
     [
         ([1.0], False, "do not spin"),
         ([1.0, 2.0, 3.0], True, "expected 1"),
-        ([1.0], True, "turn the spheres all together"),
+        ([1.0], True, "the total torque on all spheres"),
     ],
 )
 def test_torques_without_sense_are_refused(torque, rotation, says):

@@ -267,7 +267,7 @@ REFUSED = [
     ({"walls": [{"side": "bottom"}]}, "position", "no [cell]"),
     ({"walls": [{"side": "back", "position": 0.0}]}, "side", "a layer has no back"),
     ({"walls": [FLOOR, FLOOR]}, "side", "stands twice"),
-    ({"walls": [FLOOR | {"pressure": 1.0}]}, "pressure", "there is none"),
+    ({"walls": [FLOOR | {"pressure": 1.0}]}, "pressure", "add that table"),
     ({"walls": [FLOOR | {"velocity": [0.0, 0.0, 0.0]}]}, "velocity", "got 3 components"),
     ({"gravity": [0.0, -9.8]}, "density", "gravity needs it"),
     ({"protocol": [{"time": 0.0, "wall_shear": 1.0}]}, "wall_shear", "multiplies the shear_stress of walls"),

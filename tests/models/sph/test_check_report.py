@@ -53,7 +53,7 @@ def test_where_each_number_comes_from_is_told():
         ({"name": "water", "temperature": "120 degC"}, "liquid.temperature: .*0 to 99.97 degrees"),
         ({"name": "water", "temperature": "120 m"}, "measures length, expected temperature"),
         ({"name": "water", "salinity": 0.03}, "liquid.salinity: water has no salinity"),
-        ({"temperature": 300.0}, "says nothing without a name"),
+        ({"temperature": 300.0}, "has no effect without a name"),
     ],
 )
 def test_a_liquid_that_nobody_knows_is_refused_at_its_key(table, says):

@@ -68,8 +68,8 @@ def test_a_tank_on_ranks_is_that_of_one(ranks: int, changes: tuple[str, ...]) ->
     [
         ("tank.walls=dummy", "mirrors or periodic"),
         ("tank.bottom.velocity=[0.1, 0.0]", "stand still"),
-        ("method.density_diffusion=antuono", "without transport velocity"),
-        ("method.turbulence=smagorinsky", "without surface tension"),
+        ("method.density_diffusion=antuono", "does not support transport velocity"),
+        ("method.turbulence=smagorinsky", "does not support surface tension"),
     ],
 )
 def test_tanks_that_are_not_spread_are_refused(change: str, told: str) -> None:

@@ -160,7 +160,7 @@ def test_an_stl_file_is_filled_with_liquid_in_its_unit(tmp_path):
     with pytest.raises(SceneError, match=r"fluid\[0\].outline_from: 'cube.stl' has holes"):
         liquid(written(tmp_path, 'outline_from = "cube.stl"', SPACE))
     (tmp_path / "cube.obj").write_text("")
-    with pytest.raises(SceneError, match=r"neither a \.stl nor a \.dxf"):
+    with pytest.raises(SceneError, match=r"expected a \.stl or \.dxf file"):
         liquid(written(tmp_path, 'outline_from = "cube.obj"', SPACE))
 
 

@@ -184,7 +184,7 @@ def test_in_a_curved_wall_nobody_comes_in():
 
 def test_check_says_how_many_will_come():
     rows = dict(row[:2] for row in MODELS["tracers"].summary(channel()))
-    assert rows["opening 0"] == "800 come in"
+    assert rows["opening 0"] == "800 enter"
     assert "opening 1" not in rows
 
 

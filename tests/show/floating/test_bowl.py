@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from matplotlib.colors import to_rgba
 
-from ecume.scenes.floating import DishSpec
+from ecume.scenes.floating import DishSpec, LiquidSpec
 from ecume.show.floating.bowl import Bowl, rises, view_of
 from ecume.show.picture import Size, species
-from ecume.show.style import PALETTE
+from ecume.show.style import PALETTE, contrast, height_colormap, liquid_color
 
 SIZE = Size(800, 600)
 
@@ -153,3 +153,21 @@ def test_no_words_run_out_of_the_picture(scene, frames):
         assert box.y1 <= SIZE.height
     times, titles = bowl.time.get_window_extent(), surface.texts[-1].get_window_extent()
     assert not times.overlaps(titles)
+
+
+@pytest.mark.parametrize(
+    ("liquid", "level"), [({"color": "#fbf8f0"}, "#fbf8f0"), ({"name": "water"}, "#4f9fd8"), ({}, "#f6f7f5")]
+)
+def test_the_level_surface_has_the_color_of_the_liquid(liquid, level):
+    colors = height_colormap(liquid_color(LiquidSpec(**liquid)))
+    assert contrast(colors(0.5)[:3], level) < 1.05
+
+
+@pytest.mark.parametrize("liquid", ["#fbf8f0", "#4f9fd8"])
+def test_high_and_low_surfaces_differ_from_the_level_one(liquid):
+    colors = height_colormap(liquid)
+    assert min(contrast(colors(end)[:3], liquid) for end in (0, 255)) > 1.8
+
+
+def test_high_surfaces_of_a_dark_liquid_are_bright():
+    assert contrast(height_colormap("#14305c")(255)[:3], "#14305c") > 5.0

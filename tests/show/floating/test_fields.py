@@ -92,5 +92,5 @@ def test_what_has_no_surface_or_no_such_ending_is_refused(run, scene, frames, tm
         export_heights(run, tmp_path / "h.txt")
     with pytest.raises(BadInput, match="model 'floating'"):
         height_field(None, frames[0])
-    with pytest.raises(BadInput, match="at least 1"):
+    with pytest.raises(BadInput, match="expected 1 or more"):
         height_field(scene, frames[0], cells=0)

@@ -111,6 +111,7 @@ def test_the_page_may_run_its_own_script_and_ask_nobody():
 
 def test_color_maps_are_256_colors():
     assert len(color_map("viridis")) == len(color_map("height")) == 4 * 256
+    assert color_map("height") != color_map("height #fbf8f0")
 
 
 def test_the_bundle_was_made_of_these_sources():

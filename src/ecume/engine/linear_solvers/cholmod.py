@@ -43,8 +43,8 @@ def library() -> Any:
         import cvxopt
         import cvxopt.cholmod
     except ImportError:
-        told = f"the solver cholmod needs cvxopt, which is under the GNU GPL: {install('cholmod')}"
-        raise BadInput(f"{told}, or choose auto, direct or iterative") from None
+        message = f"the solver cholmod needs cvxopt, which is under the GNU GPL: {install('cholmod')}"
+        raise BadInput(f"{message}, or choose auto, direct or iterative") from None
     return cvxopt
 
 

@@ -228,7 +228,7 @@ def met(state: State, moment: Moment, kind: Integers, number: Array, k: int) -> 
             edge = cross(on[0], on[1])
             along = scaled(dot(along, edge) / max(dot(edge, edge), 1e-24), edge)
         return plus(w, 1.0, eased(along, on[0], on[1], on[2])), held, real
-    # Rounding must not leave it going on through the wall, or it would meet it for ever at once.
+    # Rounding must not leave it moving through the wall, or it would collide endlessly at one instant.
     return plus(plus(w, 1.0, along), max(back, ULPS * length(relative)), n), NOBODY, real
 
 

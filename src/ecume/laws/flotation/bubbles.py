@@ -140,6 +140,6 @@ def _shot(pressure: float, depth: float) -> Any:
     def film_begins(_: float, at: Array) -> float:
         return float(4.0 / pressure * math.sin(at[2]) - at[0]) if at[2] > 0.5 * math.pi else 1.0
 
-    film_begins.terminal = True  # type: ignore[attr-defined]  # how SciPy is told to stop there
+    film_begins.terminal = True  # type: ignore[attr-defined]  # SciPy's way to stop there
     start = step, -depth + 0.5 * curvature * step**2, curvature * step, 0.0, 0.0
     return solve_ivp(growth, (0.0, 8.0 / curvature), start, "DOP853", events=film_begins, rtol=TOLERANCE, atol=1e-16)

@@ -90,7 +90,7 @@ def stable_load(
             break
         found = load(psi)
         rising = found.change > 0.0
-        # Where the load no longer rises the bracket is halved, and no step is asked for.
+        # Where the load no longer rises, the bracket is halved without a Newton step.
         step = (found.carried - wanted) / found.change if rising else 0.0
         enough = EXACT * abs(psi) + ROUNDING * (1.0 + abs(wanted)) / found.change if rising else 0.0
         if rising and (abs(step) <= enough or last <= abs(step) <= STALLED * abs(psi)):

@@ -11,6 +11,7 @@ from ecume.laws.flotation.shapes import VerticalCylinder
 from ecume.laws.flotation.young_laplace import STEEPEST, outer_meniscus
 from ecume.laws.special import bessel_k0, bessel_k1
 from ecume.units import Angle, Force, Length, Number
+from ecume.value_texts import with_prefix
 
 UPRIGHT = 0.5 * math.pi
 """The filling angle of a line at a rim or on an upright side."""
@@ -107,11 +108,12 @@ def greatest_rim_load(radius: Length, liquid: Liquid, steepest: Angle = STEEPEST
 
 
 def _disc_sinks(disc: Disc, liquid: Liquid) -> FloaterSinks:
-    most = greatest_rim_load(disc.radius, liquid)
+    most = with_prefix(greatest_rim_load(disc.radius, liquid), "N", 5)
+    radius, load = with_prefix(disc.radius, "m"), with_prefix(disc.load, "N")
     verb, way = ("sinks", "lighter") if disc.load > 0.0 else ("leaves the liquid", "heavier")
     return FloaterSinks(
-        f"a disc of radius {disc.radius:.4g} m with a load of {disc.load:.4g} N {verb}: its rim carries "
-        f"{most:.5g} N at most, up or down; take a {way} or a wider one"
+        f"a disc of radius {radius} with a load of {load} {verb}: its rim carries {most} at most, up or down; "
+        f"take a {way} or a wider one"
     )
 
 
@@ -120,8 +122,8 @@ def _cylinder_sinks(cylinder: VerticalCylinder, liquid: Liquid) -> FloaterSinks:
     excess = (cylinder.density - liquid.density) * liquid.gravity * volume
     if excess < 0.0:
         return FloaterSinks("this cylinder is so light that the surface lets go of its lower rim; take a denser one")
-    most = greatest_rim_load(cylinder.radius, liquid, cylinder.contact_angle)
+    most = with_prefix(greatest_rim_load(cylinder.radius, liquid, cylinder.contact_angle), "N", 5)
     return FloaterSinks(
-        f"a cylinder of density {cylinder.density:.5g} kg/m^3 sinks: it weighs {excess:.4g} N more than it displaces, "
-        f"its upper rim carries {most:.5g} N at most; take a flatter or lighter one, or a larger contact angle"
+        f"a cylinder of density {cylinder.density:.5g} kg/m^3 sinks: weight less buoyancy: {with_prefix(excess, 'N')}; "
+        f"the upper rim carries {most} at most; take a flatter or lighter one, or a larger contact angle"
     )

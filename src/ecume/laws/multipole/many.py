@@ -15,6 +15,7 @@ from ecume.laws.flotation.bodies import Liquid, Sphere
 from ecume.laws.multipole.closures import Closure, closure_of
 from ecume.laws.multipole.walls import REACH, Basin, Dish, echoes_of, outer_height, outer_waves
 from ecume.units import Array
+from ecume.value_texts import with_prefix
 
 if TYPE_CHECKING:
     from ecume.laws.multipole.echoes import Echoes
@@ -231,4 +232,5 @@ def _require_apart(at: Array, radius: Array, length: float) -> None:
         gaps = np.hypot(*(at[i + 1 :] - at[i]).T) - radius[i] - radius[i + 1 :]
         worst = int(np.argmin(gaps))
         if gaps[worst] < -ROUNDING * radius[i]:
-            raise BadInput(f"bodies {i} and {i + 1 + worst} overlap by {-gaps[worst] * length:.3g} m; move them apart")
+            overlap = with_prefix(-gaps[worst] * length, "m", 3)
+            raise BadInput(f"bodies {i} and {i + 1 + worst} overlap by {overlap}; move them apart")

@@ -14,6 +14,7 @@ from ecume.laws.arguments import require_angle, require_positive
 from ecume.laws.flotation.bodies import Liquid
 from ecume.laws.meniscus import dish_height, facing_amplitude, plane_amplitude
 from ecume.units import Angle, Array, Length
+from ecume.value_texts import with_prefix
 
 if TYPE_CHECKING:
     from ecume.laws.multipole.echoes import Echoes
@@ -68,9 +69,8 @@ def echoes_of(walls: Walls, liquid: Liquid, rims: Rims, at: Array) -> Echoes:
     room = _room(walls, liquid, at) - rims.radius
     if room.min() <= 0.0:
         worst = int(np.argmin(room))
-        raise BadInput(
-            f"the contact line of body {worst} reaches {-room[worst] * liquid.capillary_length:.3g} m into a wall"
-        )
+        depth = with_prefix(-room[worst] * liquid.capillary_length, "m", 3)
+        raise BadInput(f"the contact line of body {worst} reaches {depth} into a wall")
     if isinstance(walls, Dish):
         brim = walls.radius / liquid.capillary_length
         waves = math.ceil(math.log(EXACT) / math.log(1.0 - room.min() / brim)) + 2 * orders

@@ -170,5 +170,5 @@ STRENGTH, CAPILLARY_LENGTH, CUTOFF, SURFACE_TENSION, INVERSE_SQUARE, OWN = range
 
 def pack_pair(strength: float, capillary_length: float, cutoff: float, surface_tension: float, own: Any) -> Array:
     """The constants of pairs as one array: those that do not depend on the pair law, then the constants of the law."""
-    # The inverse square of the length stands here since a loop in single precision has no literal of its own.
+    # The inverse square of the length stands here since a literal in the loop would be in double precision.
     return np.array([strength, capillary_length, cutoff, surface_tension, capillary_length**-2, *own])

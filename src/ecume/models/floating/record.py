@@ -22,6 +22,7 @@ from ecume.models.floating.time_integration.integration import advance, fill_lis
 from ecume.models.floating.user_laws import interaction_of
 from ecume.models.model import Model, Source
 from ecume.models.user_laws import BoundLaw
+from ecume.value_texts import with_prefix
 
 
 def laws_of(scene: Any) -> list[Source]:
@@ -70,12 +71,12 @@ def _who_and_what(parameters: Parameters, state: State) -> str:
     if state.tally[DEEPEST] > DEEP * parameters.floats.radius.min():
         # Contacts have separated them by more than any float moves in a step.
         one, other = np.argsort(-np.linalg.norm(state.position - state.reference, axis=1))[:2]
-        return f"floats {one} and {other} were separated from an overlap of {state.tally[DEEPEST]:.3g} m"
+        return f"floats {one} and {other} were separated from an overlap of {with_prefix(state.tally[DEEPEST], 'm', 3)}"
     with np.errstate(over="ignore"):
         speed = np.hypot(state.velocity[:, 0], state.velocity[:, 1])
     fastest = int(np.argmax(speed))
-    x, y = state.position[fastest]
-    return f"float {fastest} goes {speed[fastest]:.3g} m/s (at {x:.4g} m, {y:.4g} m)"
+    x, y = (with_prefix(place, "m") for place in state.position[fastest])
+    return f"float {fastest} moves at {with_prefix(speed[fastest], 'm/s', 3)} (at {x}, {y})"
 
 
 def extended(laws: Sequence[BoundLaw]) -> Model:

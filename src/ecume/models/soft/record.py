@@ -24,6 +24,7 @@ from ecume.models.soft.report.observation import SIZE_WORK, STAKE, observe
 from ecume.models.soft.setup.building import parameters_of, start
 from ecume.models.soft.state import ACCEPTED, CLOCK, LENGTH, State, workspace
 from ecume.scenes.soft import SoftScene
+from ecume.value_texts import with_prefix
 
 
 def checked_parameters(scene: SoftScene) -> Parameters:
@@ -59,9 +60,11 @@ def _closest(parameters: Parameters, state: State) -> str:
     depth = parameters.radius[pair].sum(axis=1) - np.linalg.norm(between, axis=1)
     none, deepest = first_broken({"gap": gap}), int(np.argmax(depth))
     if none is None and depth[deepest] > DEEP * parameters.radius.min():
-        return f"spheres {pair[deepest, 0]} and {pair[deepest, 1]} overlap by {depth[deepest]:.3g} m"
+        return f"spheres {pair[deepest, 0]} and {pair[deepest, 1]} overlap by {with_prefix(depth[deepest], 'm', 3)}"
     at = int(np.argmin(gap)) if none is None else none.particle
-    what = f"the narrowest gap, {gap[at]:.3g} m, is" if none is None else "there is no finite gap any more"
+    what = (
+        f"the narrowest gap, {with_prefix(gap[at], 'm', 3)}, is" if none is None else "there is no finite gap any more"
+    )
     return f"{what} between spheres {pair[at, 0]} and {pair[at, 1]}"
 
 

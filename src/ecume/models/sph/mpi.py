@@ -25,9 +25,11 @@ def require_spreadable(parameters: Parameters) -> None:
             "in- and outflows"
         )
     if parameters.pressure_force.transported or parameters.density_diffusion.gradients or parameters.transports:
-        raise BadInput("--engine mpi: goes without transport velocity, shifting, and diffusion by gradients of density")
+        raise BadInput(
+            "--engine mpi: does not support transport velocity, shifting, and density diffusion with gradients"
+        )
     if parameters.tension != "none" or parameters.turbulence or parameters.carried.start[-1]:
-        raise BadInput("--engine mpi: goes without surface tension, turbulence, and what liquids carry along")
+        raise BadInput("--engine mpi: does not support surface tension, turbulence, and passive tracers")
 
 
 def own_part(share: Share, parameters: Parameters, state: State) -> Parameters:

@@ -28,6 +28,7 @@ from ecume.models.sph.setup.initial_particles import liquid_of
 from ecume.models.sph.setup.shapes import part_of
 from ecume.models.sph.state import State, Workspace, likely_neighbors, make_state, workspace_at
 from ecume.scenes.sph import SphScene
+from ecume.value_texts import with_prefix
 
 if TYPE_CHECKING:
     from ecume.models.user_laws import BoundLaw
@@ -86,16 +87,21 @@ def bytes_per_particle(scene: SphScene) -> float:
 
 def diagnosis(parameters: Parameters, state: State) -> str:
     """The particle that failed first, the time, and the remedy."""
-    with np.errstate(over="ignore"):  # whoever broke may be faster than any number
+    with np.errstate(over="ignore"):  # a diverged particle may have an infinite speed
         speed = np.sqrt((state.velocity**2).sum(axis=0))
     terms = {"position": state.position.T, "density": state.density, "velocity": state.velocity.T, "speed": speed}
     broken = first_broken({**terms, "acceleration": state.acceleration.T})
     worst = int(np.argmax(speed)) if broken is None else broken.particle
-    what = f"goes {speed[worst]:.3g} m/s" if broken is None else f"has no finite {broken.term} any more"
+    what = (
+        f"moves at {with_prefix(speed[worst], 'm/s', 3)}"
+        if broken is None
+        else f"has a {broken.term} that is not finite"
+    )
     where = ", ".join(f"{x:.4g}" for x in state.position[:, worst])
+    expected = with_prefix(parameters.material.fastest, "m/s", 3)
     return (
-        f"{when(parameters, state)} particle {int(state.identity[worst])} {what} (at {where} m); the scene "
-        f"expects {parameters.material.fastest:.3g} m/s. Set liquid.maximum_speed to what the flow reaches, or "
+        f"{when(parameters, state)} particle {int(state.identity[worst])} {what} (at {where} m); the maximum "
+        f"speed is {expected}. Set liquid.maximum_speed to a speed that the flow reaches, or "
         f"integration.courant_number to {0.5 * parameters.courant:.2g}, or look for liquid that starts inside of "
         "other liquid or of a wall"
     )

@@ -11,6 +11,7 @@ from ecume.models.tracers.state import State, make_state
 from ecume.models.tracers.tank import surfaces_of
 from ecume.scenes.tracers import ParticleSpec, TracersScene
 from ecume.units import Array
+from ecume.value_texts import with_prefix
 
 TRIES = 2000
 """Rounds of dice after which there is no room."""
@@ -48,7 +49,7 @@ def outside(placed: Array, species: ParticleSpec, surfaces: Surfaces, index: int
     return [
         Fault(
             f"particles[{index}].positions[{i}]",
-            f"{tuple(placed[i].tolist())} is {species.radius - clear[i]:.3g} m beyond "
+            f"{tuple(placed[i].tolist())} is {with_prefix(species.radius - clear[i], 'm', 3)} beyond "
             f"{described(surfaces, int(which[i]))}; expected a position inside, its radius included",
         )
         for i in np.flatnonzero(clear < species.radius * (1.0 - 1e-9))[:20]

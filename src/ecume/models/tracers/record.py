@@ -8,9 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ecume.laws import brownian, drag
-from ecume.models.check_report import told_duration, with_prefix
 from ecume.models.diagnosis import first_broken, when
-from ecume.models.frame_cost import Content, frame_cost, told_size
+from ecume.models.frame_cost import Content, frame_cost
 from ecume.models.invariants import INJECTED, Invariant, Numbers, Seen, energy_never_rises
 from ecume.models.last_frame import last_step
 from ecume.models.limits import require_memory, within_steps
@@ -26,6 +25,7 @@ from ecume.models.tracers.time_stepping import NOWHERE, advance
 from ecume.scenes.tracers import TracersScene
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
+from ecume.value_texts import duration_text, size_text, with_prefix
 
 if TYPE_CHECKING:
     from ecume.models.user_laws import BoundLaw
@@ -126,8 +126,8 @@ def summary(scene: TracersScene) -> list[tuple[str, str, str]]:
         ("time step", with_prefix(parameters.time_step, "s"), "exact between walls for linear drag"),
         ("steps", str(steps), f"{parameters.steps_per_frame} per frame"),
         *cost.rows(),
-        ("memory", told_size(count * BYTES_PER_PARTICLE), f"{count} particles"),
-        ("time on this machine", told_duration(stepping + cost.seconds), f"roughly{cost.remark(stepping)}"),
+        ("memory", size_text(count * BYTES_PER_PARTICLE), f"{count} particles"),
+        ("time on this machine", duration_text(stepping + cost.seconds), f"roughly{cost.remark(stepping)}"),
     ]
 
 
@@ -138,7 +138,7 @@ def coming(scene: TracersScene, parameters: Parameters, index: int) -> list[tupl
     if hole.rate is None and hole.concentration is None:
         return []
     species = scene.particles[species_of(scene, hole)].name
-    return [(f"opening {index}", f"{count} come in", f"of {species}, {count / scene.duration:.4g} a second")]
+    return [(f"opening {index}", f"{count} enter", f"of {species}, {count / scene.duration:.4g} per second")]
 
 
 def summary_of(scene: TracersScene, parameters: Parameters, index: int) -> list[tuple[str, str, str]]:
@@ -149,7 +149,7 @@ def summary_of(scene: TracersScene, parameters: Parameters, index: int) -> list[
     name, rows = species.name, []
     if friction > 0.0:
         reynolds = drag.particle_reynolds(abs(speed), species.radius, fluid.density, fluid.viscosity)
-        way = "sinks" if speed > 0.0 else "rises" if speed < 0.0 else "floats about"
+        way = "sinks" if speed > 0.0 else "rises" if speed < 0.0 else "neutrally buoyant"
         regime = "overdamped: without inertia" if bodies.overdamped[first] else "inertial"
         rows += [
             (f"{name}: terminal speed", with_prefix(abs(speed), "m/s"), f"{way}; Reynolds number {reynolds:.3g}"),
@@ -157,14 +157,16 @@ def summary_of(scene: TracersScene, parameters: Parameters, index: int) -> list[
         ]
     if fluid.thermal > 0.0 and friction > 0.0:
         spread, weight = brownian.diffusivity(fluid.thermal, friction), abs(mass * float(bodies.push[first]))
-        rows.append((f"{name}: diffusion coefficient", f"{1e12 * spread:.4g} um^2/s", "along each axis <x^2> = 2 D t"))
+        rows.append((f"{name}: diffusion coefficient", with_prefix(spread, "m^2/s"), "along each axis <x^2> = 2 D t"))
         if weight > 0.0:
-            layer = 1e6 * brownian.sedimentation_length(fluid.thermal, weight)
-            rows.append((f"{name}: sedimentation length", f"{layer:.4g} um", "the layer's height in equilibrium"))
+            layer = brownian.sedimentation_length(fluid.thermal, weight)
+            rows.append(
+                (f"{name}: sedimentation length", with_prefix(layer, "m"), "height of the layer in equilibrium")
+            )
     return rows
 
 
-# --- What tracers must not lose: anybody, and energy that nobody brings
+# --- Invariants of tracers: their number and their energy
 
 
 RISE = 1e-6

@@ -77,7 +77,7 @@ class ShapeSpec:
         if self.kind == "square" and self.width is not None:
             complaints.append((("width",), "a square has none: its radius, that of the circle around it, says all"))
         if self.kind != "square" and self.width is None:
-            complaints.append((("width",), f"left out; expected how wide the {self.kind} is"))
+            complaints.append((("width",), f"is missing; expected the width of the {self.kind}"))
         if self.kind == "needle" and self.thickness is not None:
             complaints.append((("thickness",), "a needle is round: it has a width only"))
         if self.kind == "star" and self.mode not in (None, self.arms):
@@ -274,7 +274,7 @@ def _figure(species: FloatSpec | FloatRow) -> Complaints:
     """A float is a disc or another shape, which fits into its circle."""
     if species.shape is None:
         return []
-    twice = [(("shape",), "a disc is a shape of its own: leave shape or disc out")] if species.disc is not None else []
+    twice = [(("shape",), "got shape and disc; expected only one of them")] if species.disc is not None else []
     return [*twice, *fitting(species.shape, species.radius)]
 
 

@@ -44,7 +44,7 @@ Faults = list[tuple[Path, str]]
 
 
 class Rows(NamedTuple):
-    """Rows as plain data, where each came from, and what is wrong; `key` is the source they came through."""
+    """Rows as plain data, their origins, and the faults; `key` names the source."""
 
     key: str
     plain: list[dict[str, Any]]
@@ -116,7 +116,7 @@ def _has(row: Mapping[str, Any], key: str) -> bool:
 
 
 def _row(values: Mapping[str, Any], defaults: Mapping[str, Any]) -> dict[str, Any]:
-    """A line with its gaps filled; an angle of its own overrules the surface energies of the defaults."""
+    """A line with its gaps filled; its contact angle overrides the surface energies of the defaults."""
     row = {**defaults, **values}
     if "contact_angle" in values:
         row.pop("surface_energies", None)
@@ -260,7 +260,7 @@ ARRAYS = ("position", "velocity", "radius", "density", "contact_angle", "species
 
 
 def _row_of_float(values: Sequence[Any], name: str, color: str | None) -> dict[str, Any]:
-    """One float of a frame as a row; a contact angle that was worked out is an angle from here on."""
+    """One float of a frame as a row; a computed contact angle is stored as an angle."""
     (x, y), (vx, vy), radius, density, angle = values
     row = {"x": x, "y": y, "vx": vx, "vy": vy, "radius": radius, "density": density, "contact_angle": angle}
     return {**row, "species_name": name, "color": color}

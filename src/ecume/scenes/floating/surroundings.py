@@ -14,6 +14,7 @@ from ecume.scenes.quantities import (
     STRICT,
     AbsoluteTemperature,
     Amplitude,
+    Color,
     Coordinate,
     Direction,
     Duration,
@@ -157,6 +158,9 @@ class LiquidSpec:
     gas_density: GasDensity = 0.0
     """The density of the gas above the liquid (kg/m^3), smaller than that of the liquid. Effect: reduces weight and
     buoyancy; of air the effect is 0.1 %."""
+    color: Color | None = None
+    """The color of the level surface in pictures, such as `white` or `#fbf8f0`; by default that of the named liquid.
+    Effect: higher and lower parts have tints of it."""
 
     @model_validator(mode="after")
     def _gas_above_liquid(self) -> Self:
@@ -172,7 +176,7 @@ class LiquidSpec:
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class DishMotionSpec:
-    """A dish that is drawn along, or swings to and fro; floats are where and as fast as they are seen from it."""
+    """A dish that moves uniformly or oscillates; positions and velocities of floats are relative to it."""
 
     velocity: tuple[Velocity, Velocity] = (0.0, 0.0)
     """A constant velocity of the dish (m/s); floats are described in the frame of the dish. Effect: the liquid drags

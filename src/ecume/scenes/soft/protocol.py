@@ -27,15 +27,15 @@ WHOLE = 1e-9
 
 
 class StressOfLayer(float):
-    """A stress that came as text in N/m."""
+    """A stress from text in N/m."""
 
 
 class StressInSpace(float):
-    """A stress that came as text in Pa."""
+    """A stress from text in Pa."""
 
 
 def stress(value: object) -> float:
-    """A stress in Pa, or in N/m for a layer. Which of them is wanted the scene knows; a plain number says neither."""
+    """A stress in Pa, or in N/m for a layer. The dimension of the scene decides which; a plain number has no unit."""
     if not isinstance(value, str) and quantity_of(value) is None:
         number = Unit("Pa").number(value) if not isinstance(value, (StressOfLayer, StressInSpace)) else value
     else:
@@ -74,7 +74,7 @@ class OscillationSpec:
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class StageSpec:
     """A moment of the protocol. Load, wall shear, strain and scale are reached at it, evenly from the moment before;
-    rates and stresses rule from it on. What is left out goes on as it was. A time that stands twice is a jump.
+    rates and stresses apply from it on. Omitted quantities stay as they were. A repeated time is a jump.
     """
 
     time: Instant
@@ -139,9 +139,7 @@ def protocol_faults(stages: Sequence[StageSpec], dimensions: int, boxed: bool) -
     for index, stage in enumerate(stages):
         given = [name for name in OF_BOX if getattr(stage, name) is not None]
         if given and not boxed:
-            cause = (
-                "is that of a [cell] without walls; there is none. Walls have a pressure, a shear_stress and a velocity"
-            )
+            cause = "is that of a [cell] without walls; walls have a pressure, a shear_stress and a velocity"
             found += [((index, name), cause) for name in given]
         found += [((index, *path), cause) for path, cause in _wrong_units(stage, dimensions)]
     return found if found else [*_unreachable(stages), *_broken_waves(stages)]

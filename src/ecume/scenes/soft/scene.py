@@ -44,7 +44,7 @@ Prefactor = Annotated[Number, Field(gt=1e-6, le=1e6)]
 Weight = Annotated[Number, Field(ge=1e-6, le=1e6)]
 Tolerance = Annotated[Number, Field(ge=1e-11, le=1e-2)]
 Position = Annotated[tuple[Coordinate, ...], Field(min_length=2, max_length=3)]
-"""Two coordinates in a layer, three in space."""
+"""Two coordinates in 2D, three in 3D."""
 ForceVector = Annotated[tuple[Load, ...], Field(min_length=2, max_length=3)]
 Twist = Annotated[float, Unit("N*m"), Field(ge=-1e9, le=1e9)]
 TorqueVector = Annotated[tuple[Twist, ...], Field(min_length=1, max_length=3)]
@@ -275,7 +275,7 @@ class SoftScene(Common):
 
 
 def sides_of(scene: SoftScene) -> tuple[float, ...]:
-    """The sides of the box at scale 1 (m), as large as its volume fraction wants it; none without a box."""
+    """The sides of the box at scale 1 (m), derived from the volume fraction; empty without a box."""
     if scene.cell is None:
         return ()
     size, wanted = scene.cell.size, scene.cell.volume_fraction
@@ -288,7 +288,7 @@ def sides_of(scene: SoftScene) -> tuple[float, ...]:
 
 
 def dimensions_of(scene: SoftScene) -> int:
-    """2 for a layer, 3 for a packing in space: as many as the box, or the first position, has."""
+    """2 for a layer, 3 for a packing in 3D: as many as the box, or the first position, has."""
     if scene.cell is not None:
         return len(scene.cell.size)
     return next((len(position) for species in scene.particles for position in species.positions), 2)
@@ -310,7 +310,7 @@ def _dimensions(scene: SoftScene) -> Complaints:
         if species.torque is not None:
             found += _torque((*path, "torque"), len(species.torque), scene)
         if species.count is not None and scene.cell is None:
-            found.append(((*path, "count"), "spheres are placed at random in a [cell]; there is none"))
+            found.append(((*path, "count"), "spheres are placed at random in a [cell]; add that table"))
     return found
 
 
@@ -352,7 +352,7 @@ def _protocol(scene: SoftScene) -> Complaints:
     found = protocol_faults(scene.protocol, dimensions_of(scene), boxed)
     if all(wall.shear_stress is None for wall in scene.walls):
         given = [index for index, stage in enumerate(scene.protocol) if stage.wall_shear is not None]
-        found += [((index, "wall_shear"), "multiplies the shear_stress of walls; there is none") for index in given]
+        found += [((index, "wall_shear"), "multiplies the shear_stress of walls; no wall has one") for index in given]
     return [(("protocol", *path), message) for path, message in found]
 
 

@@ -23,8 +23,8 @@ SIDES: dict[str, tuple[int, float]] = {
 
 @dataclass(frozen=True, kw_only=True, config=STRICT)
 class WallSpec:
-    """A plane across an axis: it stands, moves as it is told, or yields to a force. A box is not periodic along the
-    axes that walls stand across.
+    """A plane across an axis: it is fixed, moves with a given velocity, or follows a force. A box is not periodic along
+    the normals of walls.
     """
 
     side: Side
@@ -79,7 +79,7 @@ def _driven(wall: WallSpec, dimensions: int, sides: Sequence[float] | None) -> C
     for name in ("pressure", "shear_stress"):
         value = getattr(wall, name)
         if value is not None and sides is None:
-            found.append(((name,), "acts on the wall's area, that of the [cell]; there is none"))
+            found.append(((name,), "acts on the wall's area, that of the [cell]; add that table"))
         if isinstance(value, wrong):
             found.append(((name,), f"stresses here are in {STRESS_UNITS[dimensions]}"))
     return found

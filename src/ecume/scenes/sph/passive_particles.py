@@ -58,7 +58,7 @@ class PassiveTracerSpec:
 
 
 def carried_faults(tracers: tuple[PassiveTracerSpec, ...], tank: Any, turbulence: str) -> list[tuple[Path, str]]:
-    """Places outside of the tank, and eddies where there are none."""
+    """Positions outside of the tank, and eddies in a scene without turbulence."""
     found: list[tuple[Path, str]] = []
     for index, spec in enumerate(tracers):
         for place in (*spec.positions, *(corner for corner in (spec.low, spec.high) if corner is not None)):

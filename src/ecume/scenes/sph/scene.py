@@ -83,7 +83,7 @@ class FluidSpec:
 class RegionSpec(ShapeSpec):
     """A part of space that is full of liquid at the start. Exactly one shape.
 
-    In a file it may also be `particles_from = "TABLE.csv"` or `outline_from = "FILE"` (STL in space, DXF in the plane).
+    In a file it may also be `particles_from = "TABLE.csv"` or `outline_from = "FILE"` (STL in 3D, DXF in 2D).
     """
 
     particles: ParticlesSpec | None = None

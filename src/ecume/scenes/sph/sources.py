@@ -48,7 +48,7 @@ class ParticlesSpec:
             if values and len(values) != count
         ]
         if not count:
-            wrong.append((("positions",), "there are none"))
+            wrong.append((("positions",), "got no rows; expected one or more"))
         if wrong:
             raise Inconsistent(wrong)
         return self
@@ -183,7 +183,7 @@ def _outline_from(region: dict[str, Any], name: str, folder: Folder) -> None:
     path, unit = _there(folder, name), region.pop(UNIT, None)
     kinds = {".stl": ("triangles", _triangles), ".dxf": ("vertices", _vertices)}
     if path.suffix.lower() not in kinds:
-        raise ValueError("is neither a .stl nor a .dxf file: of others no outline is read")
+        raise ValueError("expected a .stl or .dxf file")
     key, read = kinds[path.suffix.lower()]
     found = read(bytes_of(path, MOST_MESH_BYTES), unit)
     farthest = max(map(abs, _coordinates(found)))
@@ -230,7 +230,7 @@ def _vertices(content: bytes, unit: object) -> list[list[float]]:
     except (OSError, ezdxf.DXFError, TypeError, ValueError) as fault:
         raise ValueError(f"cannot be read as DXF: {fault}") from None
     if len(lines) != 1:
-        raise ValueError(f"has {len(lines)} closed outlines; expected one: draw each in a file of its own")
+        raise ValueError(f"has {len(lines)} closed outlines; expected one per file")
     scale = meters if unit is None else _meters(unit)
     corners = lines[0][:-1] if math.dist(lines[0][0], lines[0][-1]) < 1e-9 * _size(lines[0]) else lines[0]
     return [[scale * x, scale * y] for x, y in corners]

@@ -193,7 +193,7 @@ class SideSpec:
 
 
 def _velocity_fault(side: SideSpec, axis: int, dimension: int) -> str:
-    """The fault of the velocity of a side that is normal to an axis; empty where there is none."""
+    """The fault of the velocity of a side that is normal to an axis; empty without a fault."""
     if side.velocity is None:
         return ""
     if side.kind != "wall":

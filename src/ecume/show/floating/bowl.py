@@ -36,7 +36,7 @@ from ecume.show.picture import (
     species,
     view_around,
 )
-from ecume.show.style import HEIGHT_COLORS, INK, RIM, Scale, scale_for, style
+from ecume.show.style import INK, RIM, Scale, height_colormap, liquid_color, scale_for, style
 from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
@@ -82,7 +82,9 @@ class Bowl(Picture):
         with style():
             axes = axes_for(self.figure, self.view)
             largest, typical = float(np.abs(heights).max()), typical_meniscus(sample[0], self.sheet)
-            self.colors = height_colors(largest * self.scale.factor, typical * self.scale.factor)
+            self.colors = height_colors(
+                largest * self.scale.factor, typical * self.scale.factor, liquid_color(scene.liquid)
+            )
             self.height = _height_image(axes, self.view, self._painted(heights[0]))
             self.floats: Any = (
                 discs(axes, sample[0], kinds) if self.shapes is None else polygons(axes, sample[0], self.shapes, kinds)
@@ -130,11 +132,13 @@ def _height_image(axes: Axes, view: View, painted: Pixels) -> AxesImage:
     return axes.imshow(painted, extent=view, origin="lower", interpolation="bilinear", aspect="auto")
 
 
-def height_colors(largest: float, typical: float) -> ScalarMappable:
-    """Colors that follow the height for what floats do to the surface, and its logarithm for the steep rim."""
+def height_colors(largest: float, typical: float, liquid: str | None = None) -> ScalarMappable:
+    """Colors that follow the height of menisci around floats linearly, and of the steep rim logarithmically; `liquid`
+    is the color of the level surface.
+    """
     largest = max(largest, 1e-12)
     linear = min(max(typical, largest / 300), largest)
-    return ScalarMappable(AsinhNorm(linear_width=linear, vmin=-largest, vmax=largest), HEIGHT_COLORS)
+    return ScalarMappable(AsinhNorm(linear_width=linear, vmin=-largest, vmax=largest), height_colormap(liquid))
 
 
 def _dish(axes: Axes, dish: Any, height: AxesImage) -> list[Artist]:

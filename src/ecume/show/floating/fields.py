@@ -3,7 +3,7 @@
     field = height_field(scene, frame)
     plt.pcolormesh(field.x, field.y, field.height)
 
-What films paint comes from tables in single precision; here menisci are worked out one by one.
+What films paint comes from tables in single precision; here menisci are computed one by one.
 """
 
 from __future__ import annotations
@@ -49,14 +49,14 @@ class HeightField(NamedTuple):
 def height_field(scene: Any, frame: Frame, *, cells: int = CELLS, view: View | None = None) -> HeightField:
     """The surface in one frame, on squares of which `cells` make the longer side; of the whole dish, or around floats.
 
-    Menisci and walls are added up as in the run, or by multipoles where the scene asks for them.
+    Menisci and walls are added up as in the run, or by multipoles if the scene uses them.
     """
     from ecume.show.floating.bowl import view_of
 
     if getattr(scene, "model", "") != "floating":
         raise BadInput("only scenes of the model 'floating' have a surface with heights")
     if cells < 1:
-        raise BadInput(f"came cells = {cells}; wanted at least 1")
+        raise BadInput(f"cells: got {cells}; expected 1 or more")
     shown = view or view_of(scene, [frame])
     cell = max(shown.width, shown.height) / cells
     x, y = (_places(low, side, cell) for low, side in _sides(shown))
@@ -99,7 +99,7 @@ def export_heights(directory: str | os.PathLike[str], out: str | os.PathLike[str
 
     path = Path(out)
     if path.suffix not in KINDS:
-        raise BadInput(f"heights cannot be written as {path.name}; wanted a name that ends in {', '.join(KINDS)}")
+        raise BadInput(f"got {path.name} for heights; expected a name that ends in {', '.join(KINDS)}")
     with open_trajectory(directory) as trajectory:
         if not len(trajectory):
             raise BadInput(f"{directory}: the run has no frames yet")

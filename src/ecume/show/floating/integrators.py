@@ -146,7 +146,7 @@ def _travel(integrator: str, orbit: Orbit, steps: int, looks: int) -> list[Frame
     every = steps // LOOKS * step
     scene = dataclasses.replace(scene, frame_every=every, duration=looks * every)
     with warnings.catch_warnings():
-        # That a step is coarse is what the comparison wants to see.
+        # The comparison needs coarse steps.
         warnings.simplefilter("ignore", UserWarning)
         return list(simulate(scene))
 

@@ -66,7 +66,7 @@ def multipoles_in(scene: Any) -> Any:
     from ecume.models import MODELS
 
     with warnings.catch_warnings():
-        # The run has already told of its time step.
+        # The run has already reported its time step.
         warnings.simplefilter("ignore")
         return MODELS["floating"].parameters(scene)
 

@@ -114,7 +114,7 @@ class Bowl:
 
     def __init__(self, scene: FloatingScene) -> None:
         if scene.model != "floating" or scene.dish is None:
-            raise BadInput("one plays with a dish of floats; expected a scene of model 'floating' with a [dish]")
+            raise BadInput("expected a scene of model 'floating' with a [dish]")
         self.hand: Hand | None = None
         self.slosh, self.tilt = Slosh(), (0.0, 0.0)
         self.time, self.calmed, self.news = 0.0, -math.inf, list[str]()
@@ -147,7 +147,7 @@ class Bowl:
             self._calm(kept)
 
     def grasp(self, one: int, x: float, y: float) -> None:
-        """Drag a float towards a place. Raises BadInput where there is none of that number."""
+        """Drag a float toward a place. Raises BadInput if no float has that number."""
         if not 0 <= one < len(self.integration.state.position):
             raise BadInput(f"there is no float {one}")
         self.hand = Hand(one, x, y)
@@ -181,7 +181,7 @@ class Bowl:
         if not 0 <= one < len(frame.arrays["species"]):
             raise BadInput(f"there is no float {one}")
         if len(frame.arrays["species"]) == 1:
-            raise BadInput("the last float stays")
+            raise BadInput("the last float cannot be removed")
         kind = int(frame.arrays["species"][one])
         within = int(np.count_nonzero(frame.arrays["species"][:one] == kind))
         old = scene.particles[kind]
@@ -226,7 +226,7 @@ class Bowl:
         """Go on with another scene, at once and where it stands."""
         model = MODELS["floating"]
         with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # superposition's errors are told by `ecume check`, once
+            warnings.simplefilter("ignore")  # superposition's errors are reported by `ecume check`, once
             parameters = model.parameters(_hurried(scene))
             state = model.start(_hurried(scene), parameters)
         self._flow, self._own = parameters.drift.flow.copy(), parameters.drift.flow[:2].copy()
@@ -254,7 +254,7 @@ class Bowl:
         state.velocity[self.hand.one] = way * min(1.0, FASTEST / max(float(np.hypot(*way)), 1e-300))
 
     def _room_near(self, x: float, y: float, radius: float) -> tuple[float, float]:
-        """The nearest of some places on a spiral where a float of this radius touches nobody and no wall."""
+        """The nearest of some places on a spiral where a float of this radius touches no float and no wall."""
         arrays = self.frame.arrays
         for number in range(TRIES):
             away, angle = 0.5 * radius * math.sqrt(number), 2.4 * number
@@ -302,7 +302,7 @@ def _like(scene: FloatingScene, name: str) -> FloatSpec:
     row = next(row for row in scene.rows if row.species_name == name)
     others = [other for other in scene.rows if other.species_name == name]
     if any((other.radius, other.density) != (row.radius, row.density) for other in others):
-        raise BadInput(f"floats of {name} differ among themselves; give each kind a name of its own to play with them")
+        raise BadInput(f"floats of {name} differ among themselves; give each kind a different name")
     kept = ("radius", "density", "contact_angle", "surface_energies", "disc", "shape")
     what: dict[str, Any] = {key: getattr(row, key) for key in kept}
     return FloatSpec(name=name, **what)

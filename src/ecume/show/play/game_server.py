@@ -19,9 +19,9 @@ from ecume.show.view.page import Parts, data_of, filled, json_of, policy_of
 TICK = 1.0 / 60.0
 """Seconds between two looks at the clock, where there is time."""
 BREATH = 0.002
-"""Seconds between two, in which who asks is heard, where there is none."""
+"""Seconds between two checks for requests if none is waiting."""
 STEADY = 0.1
-"""What the last tick counts in the pace that is told: single ones come late now and then."""
+"""The weight of the last tick in the displayed rate: single ticks are sometimes late."""
 SPEEDS = (0.0, 0.25, 1.0, 4.0)
 """Of the toy's time over the clock's."""
 
@@ -66,7 +66,7 @@ class Toy(Protocol):
         ...
 
     def now(self) -> dict[str, Any]:
-        """The data that the page draws, asked for again and again."""
+        """The data that the page draws, requested repeatedly."""
         ...
 
     def paint(self, now: float) -> None:
@@ -74,7 +74,7 @@ class Toy(Protocol):
 
 
 class Game:
-    """A toy, and everybody who looks at it. Requests come in threads of their own; the toy is one's at a time."""
+    """A game and its viewers. Each request has its thread; a lock gives access to one at a time."""
 
     def __init__(self, toy: Toy) -> None:
         self.token = secrets.token_urlsafe(24)
@@ -128,7 +128,7 @@ class Game:
         self.pace += STEADY * ((moving.time - before) / seconds - self.pace)
 
     def now(self) -> dict[str, Any]:
-        """The data that the page draws, asked for again and again."""
+        """The data that the page draws, requested repeatedly."""
         return {"time": self.toy.moving.time, "speed": self.speed, "pace": self.pace, **self.toy.now()}
 
     def _page(self) -> str:
@@ -146,8 +146,8 @@ class Game:
 
 
 def number(value: Any) -> float:
-    """A number that came from a page. Raises BadInput for one without end."""
+    """A number from a page. Raises BadInput for NaN and infinity."""
     found = float(value)
     if not np.isfinite(found):
-        raise BadInput("numbers that are none, or have no end, do nothing here")
+        raise BadInput("got NaN or infinity; expected a finite number")
     return found

@@ -22,6 +22,7 @@ from ecume.show.play.tank import PUSHED, STEEPEST, Tank
 from ecume.show.play.tank_scene import movable
 from ecume.show.scenery import Round
 from ecume.show.sph.picture import outline
+from ecume.show.style import liquid_color
 from ecume.show.view.page import PLAY, TANK, color_map
 from ecume.units import Array
 
@@ -63,7 +64,7 @@ class BowlPage:
             "grid": GRID,
             "shelf": [{"name": name, **SHELF[name]} for name in SHELF],
             "steepest": STEEPEST_DISH,
-            "map": color_map("height"),
+            "map": color_map(f"height {liquid_color(scene.liquid) or ''}".strip()),
         }
 
     def now(self) -> dict[str, Any]:
@@ -215,10 +216,9 @@ TOYS: dict[str, Callable[[Any], Toy]] = {
 
 
 def game_of(scene: Scene) -> Game:
-    """A game with this scene. Raises BadInput for one that nobody can play with."""
+    """A game with this scene. Raises BadInput for scenes without a game."""
     if scene.model not in TOYS:
         raise BadInput(
-            f"one plays with floats in a dish, and with a tank of liquid in the plane; "
-            f"this is a scene of model {scene.model!r}"
+            f"play supports floats in a dish and 2D tanks of liquid; this is a scene of model {scene.model!r}"
         )
     return Game(TOYS[scene.model](scene))

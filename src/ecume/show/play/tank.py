@@ -38,7 +38,7 @@ from ecume.simulation import Integration
 LONGEST = 0.05
 """s of simulated time at once: a machine that is too slow plays in slow motion, and is not hurried."""
 BUDGET = 0.04
-"""s of the clock at once: whoever looks must hear of it many times a second."""
+"""Seconds of wall time per batch: pages need several updates per second."""
 JET = 2.5
 """What is poured at once reaches so many spacings around the hand."""
 LADLE = 4.0
@@ -95,17 +95,17 @@ class Tank:
             self._calm(kept)
 
     def pour(self, x: float, y: float) -> None:
-        """Pour some liquid at a place (m), as much as there is room for. Raises BadInput where there is none."""
+        """Pour some liquid at a place (m), as much as there is room for. Raises BadInput without room."""
         liquid = self.liquid()
         points = room_around(self.scene, (x, y), JET, self.pushed, liquid.position.T)
         if not len(points):
             raise BadInput("there is no room for liquid here")
         if self.count + len(points) > MOST:
-            raise BadInput(f"there are {self.count} particles, and at most {MOST} are played with; scoop some out")
+            raise BadInput(f"the tank has {self.count} particles; expected at most {MOST}; scoop out some liquid")
         self._go_on(joined(liquid, poured(self.scene, self.integration.parameters.material, points)))
 
     def scoop(self, x: float, y: float) -> None:
-        """Take out the liquid around a place (m). Raises BadInput where there is none, or no other."""
+        """Remove the liquid around a place (m). Raises BadInput if there is no liquid, or no other liquid."""
         liquid = self.liquid()
         stays = np.hypot(*(liquid.position - np.array([[x], [y]]))) > LADLE * self.scene.spacing
         if stays.all():
@@ -115,9 +115,9 @@ class Tank:
         self._go_on(those(liquid, stays))
 
     def open_gate(self) -> None:
-        """Take out the first obstacle. Raises BadInput where there is none."""
+        """Remove the first obstacle. Raises BadInput without obstacles."""
         if not self.scene.obstacles:
-            raise BadInput("there is no gate that could be opened")
+            raise BadInput("there is no gate to open")
         opened = dataclasses.replace(self.scene, obstacles=self.scene.obstacles[1:])
         self._begin(opened, Push(places=(self.pushed,)), self.liquid())
 
@@ -131,7 +131,7 @@ class Tank:
         where no gate is open, and where there is no room for that liquid.
         """
         if not self.opened:
-            raise BadInput("there is no gate that could be closed")
+            raise BadInput("there is no gate to close")
         closed = dataclasses.replace(self.scene, obstacles=self.first.obstacles[self.opened - 1 :])
         rest = self.integration.parameters.material.density
         self._begin(closed, Push(places=(self.pushed,)), pushed_aside(closed, self.liquid(), self.pushed, rest))
@@ -143,7 +143,7 @@ class Tank:
         self.wave_since = -math.inf
 
     def wave(self) -> None:
-        """Push the left wall to and fro once, in the time in which the liquid swings."""
+        """Push the left wall back and forth once, in one sloshing period of the liquid."""
         self._require_movable()
         self.aim, self.wave_since = 0.0, self.time
 

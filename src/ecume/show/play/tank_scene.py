@@ -18,7 +18,7 @@ from ecume.scenes.sph import BaseExcitationSpec, MotionSpec, ParticlesSpec, Regi
 from ecume.units import Array
 
 MOST = 3000
-"""Particles: with more nobody would see it move."""
+"""Largest number of particles: with more the motion is too slow to watch."""
 ROOM = 0.8
 """How near to the liquid that is there new liquid may begin, in spacings."""
 PIECES = 8
@@ -39,8 +39,8 @@ class Push(NamedTuple):
         return float(np.interp(now, self.times, self.places))
 
     def then(self, now: float, seconds: float, speed: float, since: float) -> Push:
-        """On from now for so long, steadily to another speed; what was before `since` is forgotten. The last line goes
-        on behind the end: there the wall still moves.
+        """Append a constant acceleration to another speed; rows before `since` are dropped. The last row extends beyond
+        the end: there the wall still moves.
         """
         kept = [pair for pair in zip(self.times, self.places, strict=True) if since < pair[0] < now]
         passed = seconds * np.arange(PIECES + 1) / PIECES
@@ -58,7 +58,7 @@ class Push(NamedTuple):
 def require_playable(scene: SphScene) -> None:
     """Raises BadInput for what is no tank to play with."""
     if scene.model != "sph" or len(scene.tank.low) != 2:
-        raise BadInput("one plays with a tank in the plane; expected a scene of model 'sph' in two dimensions")
+        raise BadInput("play supports tanks in 2D; expected a 2D scene of model 'sph'")
     sides = [getattr(scene.tank, name) for name in ("left", "right", "bottom", "top")]
     present = {
         "bodies": bool(scene.bodies),
@@ -70,7 +70,7 @@ def require_playable(scene: SphScene) -> None:
     }
     there = [name for name, is_there in present.items() if is_there]
     if there:
-        raise BadInput(f"one plays with a tank of liquid alone; this one has {' and '.join(there)}")
+        raise BadInput(f"play supports tanks of liquid only; this one has {' and '.join(there)}")
 
 
 def fixed(scene: SphScene) -> SphScene:
@@ -102,7 +102,7 @@ def tilting(scene: SphScene, angle: float) -> tuple[float, float]:
 
 
 def poured(scene: SphScene, material: Material, points: Array) -> Liquid:
-    """Liquid at rest at some points (n, 2), of a region of its own."""
+    """Liquid at rest at some points (n, 2), as a separate region."""
     count = len(points)
     mass = np.full(count, material.density * scene.spacing**2)
     region = np.full(count, len(scene.fluid), np.int64)
@@ -122,7 +122,7 @@ def those(liquid: Liquid, which: Flags) -> Liquid:
 
 
 def room_around(scene: SphScene, place: tuple[float, float], reach: float, pushed: float, taken: Array) -> Array:
-    """(n, 2) places for liquid on a lattice around a place (m), where there is none and nothing solid."""
+    """(n, 2) places for liquid on a lattice around a place (m), where there is neither liquid nor a solid."""
     steps = int(reach)
     across = np.arange(-steps, steps + 1) * scene.spacing
     points = np.array([(place[0] + dx, place[1] + dy) for dx in across for dy in across])
@@ -151,7 +151,7 @@ def pushed_aside(scene: SphScene, liquid: Liquid, pushed: float, rest: float) ->
     axes = [np.arange(a + 0.5 * scene.spacing, b, scene.spacing) for a, b in zip(low, high, strict=True)]
     places = with_room(scene, np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2), pushed, outside.T)
     if len(places) < len(within):
-        raise BadInput("there is no room for the liquid that stands where the gate closes; scoop some out")
+        raise BadInput("the liquid at the gate has no room; scoop out some liquid")
     position, velocity, density = liquid.position.copy(), liquid.velocity.copy(), liquid.density.copy()
     velocity[:, within], density[within] = 0.0, rest
     for one in within:

@@ -304,7 +304,7 @@ def storage_and_loss(frames: Frames, scene: SoftScene) -> Figure:
 
 
 def require_box(scene: SoftScene, what: str) -> None:
-    """A box between walls has no strain and no stress of its own: frames tell none."""
+    """A box between walls has no strain and no stress: frames contain neither."""
     if scene.cell is None or scene.walls:
         raise BadInput(f"there is no box{' without walls' if scene.walls else ''} whose {what} could be drawn")
 

@@ -62,7 +62,7 @@ CIRCLE = np.stack([wave(np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False)) for w
 
 
 class Links(NamedTuple):
-    """The contacts of a frame, as numbers in the plane of the picture."""
+    """The contacts of a frame, as numbers in the picture's coordinates."""
 
     first: Array
     """(C, 2) m: the center of one sphere"""
@@ -77,7 +77,7 @@ class Links(NamedTuple):
 
 
 def links_of(frame: Frame) -> Links:
-    """The contacts that a frame tells of; across a periodic border to the nearest copy."""
+    """The contacts in a frame; across a periodic border to the nearest copy."""
     position, radius = frame.arrays["position"], frame.arrays["radius"]
     found = films(frame)
     first, second = found.pairs.T
@@ -85,8 +85,8 @@ def links_of(frame: Frame) -> Links:
     slots = np.nonzero(frame.arrays["neighbor"] >= 0)
     here = np.linalg.norm(along, axis=1) < FARTHEST * (radius[found.pairs].sum(axis=1) + found.gap)
     seen = position[first, :2], along[:, :2], radius[found.pairs], found.gap
-    told = (*seen, frame.arrays["tension"][slots], found.pairs)
-    return Links(*(column[here] for column in told))
+    columns = (*seen, frame.arrays["tension"][slots], found.pairs)
+    return Links(*(column[here] for column in columns))
 
 
 def links_around(frame: Frame) -> Links:
@@ -199,7 +199,7 @@ class Packing(Picture):
 
 
 def marks_of(frame: Frame) -> NDArray[np.float64]:
-    """A spoke of each sphere, (N, 2, 2), that turns as it does; in space, as seen from above. None without spins."""
+    """A spoke of each sphere, (N, 2, 2), that rotates with it; in 3D, as seen from above. None without spins."""
     arrays = frame.arrays
     if "angle" in arrays:
         spoke = np.stack([np.cos(arrays["angle"]), np.sin(arrays["angle"])], axis=1)
@@ -250,10 +250,10 @@ def _gap_bar(axes: Axes, films: LineCollection) -> None:
 def _force_legend(axes: Axes, largest: float) -> None:
     """How wide the largest force is, and which color pulls."""
     scale = scale_for(largest, "N")
-    told = f"{largest * scale.factor:.3g} {scale.unit}"
+    widest = f"{largest * scale.factor:.3g} {scale.unit}"
     handles = [
         Line2D([], [], color=PULL, linewidth=0.6 * WIDEST, label="tension"),
-        Line2D([], [], color=PUSH, linewidth=0.6 * WIDEST, label=f"compression\n(widest: {told})"),
+        Line2D([], [], color=PUSH, linewidth=0.6 * WIDEST, label=f"compression\n(widest: {widest})"),
     ]
     kept = axes.get_legend()
     second = axes.legend(

@@ -1,4 +1,4 @@
-"""Soft spheres: a layer with its films and forces, or what is in space as lit balls."""
+"""Soft spheres: a layer with its films and forces, or 3D packings as shaded balls."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ if TYPE_CHECKING:
     from ecume.scenes.soft import SoftScene
 
 MANY = 60
-"""So many spheres in space hide one another's films: they are seen as balls."""
+"""More spheres than this in 3D hide one another's films: they are drawn as balls."""
 
 
 def soft_picture(
     scene: SoftScene, sample: Sequence[Frame], size: Size = USUAL, eye: Eye | None = None
 ) -> Packing | Tank:
-    """Few spheres from above, with what acts between them; many in space as balls, or any as an eye sees them."""
+    """Few spheres from above, with the forces between them; many in 3D as balls, or any in perspective."""
     count, dimensions = sample[0].arrays["position"].shape
     if dimensions == 2 and eye is not None:
-        raise BadInput("these spheres are a layer, and seen from above; leave azimuth and elevation out")
+        raise BadInput("got azimuth or elevation for a 2D scene; expected a 3D scene, or neither of them")
     if eye is None and (dimensions == 2 or count < MANY):
         return Packing(scene, sample, size)
     return Tank(setting_in_space(scene, sample, eye or Eye()), sample, size)

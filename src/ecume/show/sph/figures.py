@@ -1,4 +1,4 @@
-"""Figures of a run of liquid: its pressure against depth, how far it came, how it flows, where it ends."""
+"""Figures of a run of liquid: pressure over depth, front, velocity, free surface."""
 
 from __future__ import annotations
 

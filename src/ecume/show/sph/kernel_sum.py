@@ -3,7 +3,7 @@
 Each particle is spread over a Gaussian of standard deviation `SMOOTHING` spacings. The sum of volume times kernel is
 1 inside the liquid, 0 outside, and 1/2 at its edge: a lattice with a flat edge ends half a spacing beyond its last row.
 At walls the sum is mirrored, at periodic sides continued, and beside solids divided by the part that is not solid, so
-that the liquid ends at them without a gap. A particle far from all others is a disc (a ball) of its own volume.
+that the liquid ends at them without a gap. A particle far from all others is a disc (a ball) of the particle's volume.
 """
 
 from __future__ import annotations

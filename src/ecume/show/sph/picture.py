@@ -1,4 +1,4 @@
-"""A liquid of particles in its tank: from the side in a plane, from a corner in space."""
+"""A liquid of particles in its tank: a side view in 2D, a perspective view in 3D."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ COLORINGS: Mapping[str, Coloring | None] = {
     "density": Coloring(array("density"), "density", "kg/m³", "cividis"),
     "region": None,
 }
-"""By the name that `ecume movie --color` takes; `region` colors by which [[fluid]] table a particle came from."""
+"""By the name that `ecume movie --color` takes; `region` colors by the [[fluid]] table of a particle."""
 DERIVED = ("hydrostatic_pressure", "dynamic_pressure", "absolute_pressure")
 """Pressures that follow from the gauge pressure, see `ecume.analysis.pressures`."""
 
@@ -183,7 +183,7 @@ def usual_color(scene: SphScene) -> str:
 
 
 def setting_of(scene: SphScene) -> Setting:
-    """A tank in the plane: nothing stands where a side is open, periodic ones are dotted, ones that move are movers."""
+    """A tank in 2D: open sides are not drawn, periodic sides are dotted, moving sides are movers."""
     corners = rectangle(scene.tank.low, scene.tank.high)
     sides = [(getattr(scene.tank, side), corners[[first, last]]) for side, first, last in EDGES]
     walls = [ends for side, ends in sides if side.kind == "wall" and side.motion is None]
@@ -209,7 +209,7 @@ OPENINGS = ("open", "inflow", "outflow")
 
 
 def setting_in_space(scene: SphScene, eye: Eye) -> Setting:
-    """The edges of a tank as they are seen from a corner; where all is open there are none."""
+    """The edges of a tank in perspective; empty if all sides are open."""
     camera = eye.camera()
     around = any(getattr(scene.tank, side).kind != "open" for side in SIDES)
     tank = wires_of(scene.tank.low, scene.tank.high, camera) if around else Wires([], [])
@@ -231,14 +231,14 @@ def setting_in_space(scene: SphScene, eye: Eye) -> Setting:
 
 
 def solid_lines(solid: Any, camera: Array) -> list[Array]:
-    """An obstacle in space as it is seen: the edges of a box, the outline of a ball."""
+    """An obstacle in 3D as projected: the edges of a box, the outline of a ball."""
     if solid.radius is not None:
         return [ball_outline(np.array(solid.center), solid.radius, camera)]
     return [edge for part in wires_of(solid.low, solid.high, camera) for edge in part]
 
 
 def rectangle(low: Any, high: Any) -> Array:
-    """The corners of a box in the plane, from the lowest around to the left."""
+    """The corners of a box in 2D, counterclockwise from the lowest."""
     return np.array([(low[0], low[1]), (high[0], low[1]), (high[0], high[1]), (low[0], high[1])])
 
 

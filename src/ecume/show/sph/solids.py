@@ -47,7 +47,7 @@ def lines_of(body: Any, flat: bool) -> int:
 
 
 def body_lines(body: Any, number: int, frame: Frame, camera: Array | None) -> list[Array]:
-    """A body where it is: its outline in the plane; in space a circle, or the edges of a box."""
+    """A body at its position: its outline in 2D; in 3D a circle, or the edges of a box."""
     shape, at = shape_of(body), {key: value for key, value in frame.numbers.items() if key.startswith(f"body{number}_")}
     name = f"body{number}"
     middle = np.array([at[f"{name}_{axis}"] for axis in "xyz"[: len(shape.middle())]])

@@ -198,7 +198,7 @@ def _movers(packing: _Packing, frames: Sequence[Frame], stage: Stage) -> list[in
 def _links(packing: _Packing, frames: Sequence[Frame], stage: Stage) -> list[int]:
     """Contacts; how many each frame has.
 
-    They are told by the numbers of their particles, whose places are there: of frame after frame these are nearly the
+    They are stored as pairs of particle numbers, whose positions are known: from frame to frame these are nearly the
     same, which gzip takes for little. What leads from a particle to its copy across a border is one of few ways.
     """
     if stage.links is None:

@@ -29,7 +29,7 @@ EDGE = 0.05
 
 
 def player(trajectory: Trajectory, max_size: float = MOST) -> str:
-    """The page of a run as a piece of HTML of at most so many MB: it is a document of its own, with scripts, without
+    """The page of a run as a piece of HTML of at most so many MB: it is a separate document, with scripts, without
     the notebook's origin and without network. Where not all frames fit, each second, third ... is shown.
     """
     if not len(trajectory):

@@ -20,7 +20,7 @@ import numpy as np
 from ecume._plain_files import content_of
 from ecume.citing import in_words, papers_of
 from ecume.errors import BadInput
-from ecume.show.style import DARK_CANVAS, HEIGHT_COLORS, seen_part
+from ecume.show.style import DARK_CANVAS, height_colormap, seen_part
 from ecume.show.view.chunks import Chunk, pack, quantities, shown
 from ecume.show.view.scenery import STAGES
 from ecume.show.view.stage import Line, Stage
@@ -46,7 +46,7 @@ TANK = Parts("tank.html", "play.css", "tank.js")
 
 
 def filled(parts: Parts, title: str, data: str, *, live: bool) -> str:
-    """The page as text: its script, its style and its data inside. `live` pages may ask the server they came from."""
+    """The page as text: its script, its style and its data inside. `live` pages may send requests to their server."""
     marks = {
         "@POLICY@": policy_of(parts, live=live),
         "@TITLE@": html.escape(title),
@@ -55,14 +55,14 @@ def filled(parts: Parts, title: str, data: str, *, live: bool) -> str:
         "@DATA@": data,
     }
     text = _bundled(parts.page)
-    # Split and joined, not replaced one after the other: what stands in a scene is never taken for a mark of ours.
+    # Split and joined, not replaced one after the other: the text of a scene is never taken for a placeholder.
     for mark in marks:
         text = text.replace(mark, f"\0{mark}\0")
     return "".join(marks.get(piece, piece) for piece in text.split("\0"))
 
 
 def policy_of(parts: Parts, *, live: bool) -> str:
-    """The content security policy: run its own script and style, and ask nobody but our own server."""
+    """The content security policy: run only its script and style, and send requests only to its server."""
     script, style = (_hash(_bundled(name)) for name in (parts.script, parts.style))
     connect = "'self'" if live else "'none'"
     return (
@@ -194,7 +194,9 @@ def looks(first: Frame, last: Frame, stage: Stage) -> dict[str, Any]:
     first, last = shown(first, stage), shown(last, stage)
     names = [name for name in _with_numbers(first, last) if name != "species"]
     colorings = [_coloring(name, first) for name in names]
-    maps = sorted({*(one["map"] for one in colorings), "height", "viridis"})
+    maps = sorted(
+        {*(one["map"] for one in colorings), "height" if stage.surface is None else stage.surface.map, "viridis"}
+    )
     return {
         "dimension": int(first.arrays["position"].shape[1]),
         "low": [float(value) for value in stage.low],
@@ -213,7 +215,7 @@ def looks(first: Frame, last: Frame, stage: Stage) -> dict[str, Any]:
         "linked": stage.links is not None,
         "widest": stage.widest,
         "maps": {name: color_map(name) for name in maps},
-        "dark": {name: color_map(name, dark=True) for name in maps if name != "height"},
+        "dark": {name: color_map(name, dark=True) for name in maps if not name.startswith("height")},
     }
 
 
@@ -244,8 +246,10 @@ def hexadecimal(color: str) -> str:
 
 
 def color_map(name: str, *, dark: bool = False) -> str:
-    """256 colors as base64; on a dark page without those of its ends that would not be seen."""
-    colors = HEIGHT_COLORS if name == "height" else mpl.colormaps[name]
+    """256 colors as base64; on a dark page without those of its ends that would not be seen. `height` may be followed
+    by the color of the liquid.
+    """
+    colors = height_colormap(name[7:] or None) if name.startswith("height") else mpl.colormaps[name]
     low, high = seen_part(colors, DARK_CANVAS) if dark else (0.0, 1.0)
     rgb = colors(np.linspace(low, high, 256), bytes=True)[:, :3]
     return base64.b64encode(np.ascontiguousarray(rgb).tobytes()).decode()

@@ -19,7 +19,7 @@ from ecume.show.floating.surface import sheet, surface, typical_meniscus
 from ecume.show.picture import species
 from ecume.show.soft.packing import WIDE, links_of, reached
 from ecume.show.sph.picture import rectangle
-from ecume.show.style import scale_for
+from ecume.show.style import liquid_color, scale_for
 from ecume.show.view.stage import Line, Stage, Surface
 from ecume.show.view.tanks import sph_stage, tracers_stage
 from ecume.trajectories.frame import Frame
@@ -37,14 +37,15 @@ def floating_stage(scene: Any, sample: Sequence[Frame]) -> Stage:
     heights = np.array([surface(frame, on) for frame in sample])
     largest = float(np.abs(heights).max())
     scale = scale_for(largest, "m")
-    colors = height_colors(largest * scale.factor, typical_meniscus(sample[0], on) * scale.factor)
+    tint = liquid_color(scene.liquid)
+    colors = height_colors(largest * scale.factor, typical_meniscus(sample[0], on) * scale.factor, tint)
     shown, ticks = _marks(colors.norm, scale.factor * float(heights.min()), scale.factor * float(heights.max()))
     shapes, walls = on.shapes, walls_of(scene.dish)
     drawn = Surface(
         len(on.x), len(on.y), (view.left, view.right, view.bottom, view.top),
         np.column_stack([walls.normal, walls.offset]).tolist(),
         walls.disc_radius if math.isfinite(walls.disc_radius) else 0.0,
-        "height", f"height of the liquid ({scale.unit})", shown, ticks,
+        f"height {tint or ''}".strip(), f"height of the liquid ({scale.unit})", shown, ticks,
     )  # fmt: skip
     return Stage(
         np.array([view.left, view.bottom]), np.array([view.right, view.top]), species(scene),

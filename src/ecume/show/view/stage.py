@@ -42,7 +42,7 @@ class Line(NamedTuple):
     closed: bool = False
     dashed: bool = False
     color: str | None = None
-    """of a solid that has one of its own"""
+    """of a solid with a color"""
 
 
 class Surface(NamedTuple):

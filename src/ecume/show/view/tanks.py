@@ -21,7 +21,7 @@ from ecume.trajectories.frame import Frame
 from ecume.units import Array
 
 BALL_LINES, BOX_LINES = 3, 12
-"""With how many lines a solid is drawn in space."""
+"""The number of lines of a solid in 3D."""
 
 
 def sph_stage(scene: Any, sample: Sequence[Frame]) -> Stage:
@@ -101,7 +101,7 @@ def _tank_lines(scene: Any, low: Array, high: Array) -> list[Line | list[Line]]:
 
 
 def _solid(solid: Any) -> list[Line]:
-    """An obstacle; of a ball in space three circles."""
+    """An obstacle; three circles for a ball in 3D."""
     if solid.radius is not None:
         return _ball(np.array(solid.center), solid.radius)
     if solid.vertices:

@@ -33,6 +33,7 @@ from ecume.models.floating.parameters import CAPILLARY_LENGTH, CUTOFF, INVERSE_S
 from ecume.models.floating.state import State, Workspace
 from ecume.models.floating.time_integration.step_size import PACKED
 from ecume.units import Array
+from ecume.value_texts import with_prefix
 
 if TYPE_CHECKING:
     from ecume.scenes.floating import FloatingScene
@@ -246,10 +247,10 @@ def split_lines(split: Split, parameters: Parameters) -> list[tuple[str, str, st
     """The lines of `ecume check` about a grid."""
     cells, work = split.work
     remark = (
-        f"splines of order {split.order}; neighbor lists up to {parameters.cutoff * 1e6:.3g} um; "
+        f"splines of order {split.order}; neighbor lists up to {with_prefix(parameters.cutoff, 'm', 3)}; "
         f"{work / cells:.2g} of the work with cells alone"
     )
-    return [("pair forces", f"a grid of {split.spacing * 1e6:.3g} um", remark)]
+    return [("pair forces", f"a grid of {with_prefix(split.spacing, 'm', 3)}", remark)]
 
 
 WORKERS = 4

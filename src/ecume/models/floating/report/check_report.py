@@ -9,7 +9,6 @@ import numpy as np
 
 from ecume.laws import capillarity, flotation
 from ecume.laws.flotation.rims import greatest_rim_load
-from ecume.models.check_report import with_prefix
 from ecume.models.floating.forces.ewald_grid import Split
 from ecume.models.floating.forces.interactions import interactions_of
 from ecume.models.floating.forces.pair_forces import law_of, row_of, two_floats
@@ -18,10 +17,11 @@ from ecume.models.floating.setup.initial_state import start
 from ecume.models.floating.setup.kinds import FloatKind, float_kinds
 from ecume.models.floating.setup.scene_parameters import checked_parameters, memory_estimate
 from ecume.models.floating.time_integration.step_size import COARSE_OVER_GOOD, UNSTABLE_OVER_GOOD, good_step
-from ecume.models.frame_cost import Content, frame_cost, told_size
+from ecume.models.frame_cost import Content, frame_cost
 from ecume.models.last_frame import last_step
 from ecume.models.liquids import liquid_of
 from ecume.scenes.floating import FloatingScene
+from ecume.value_texts import duration_text, range_with_prefix, size_text, with_prefix
 
 STEEP = 0.3
 """Slopes (rad) above which superposition of menisci is inaccurate."""
@@ -63,7 +63,7 @@ def summary(scene: FloatingScene) -> list[Row]:
         *_summary_of_sums(parameters, length),
         ("floats", str(count), f"{len(scene.kinds)} species"),
         *_summary_of_steps(parameters, scene),
-        ("memory", told_size(memory_estimate(parameters)), "estimate for floats in rafts"),
+        ("memory", size_text(memory_estimate(parameters)), "estimate for floats in rafts"),
     ]
 
 
@@ -108,8 +108,8 @@ def _summary_of_steps(parameters: Parameters, scene: FloatingScene) -> list[Row]
         ("steps", str(steps), f"{parameters.steps_per_frame} per frame"),
         *cost.rows(),
         (
-            "time to run it",
-            _span((_duration(drifting + cost.seconds), _duration(gathering + cost.seconds))),
+            "time on this machine",
+            _span((duration_text(drifting + cost.seconds), duration_text(gathering + cost.seconds))),
             f"roughly, from separated floats to growing rafts; without compilation{cost.remark(gathering)}",
         ),
     ]
@@ -162,8 +162,8 @@ def _summary_of(name: str, members: dict[FloatKind, int], scene: FloatingScene) 
         _charges(members),
     ]
     if len(members) > 1:
-        radii = _numbers(1e3 * sphere.radius for sphere in spheres)
-        rows.insert(0, ("radius", f"{radii} mm", f"{sum(members.values())} floats of {len(members)} kinds"))
+        radii = range_with_prefix((sphere.radius for sphere in spheres), "m")
+        rows.insert(0, ("radius", radii, f"{sum(members.values())} floats of {len(members)} kinds"))
     return [(f"{name}: {what}", value, remark) for what, value, remark in rows]
 
 
@@ -173,9 +173,9 @@ def _filling(members: dict[FloatKind, int]) -> Row:
 
 
 def _heights(members: dict[FloatKind, int]) -> Row:
-    lines = _numbers((1e3 * kind.equilibrium.contact_height for kind in members), 3)
-    centers = _numbers((1e3 * kind.equilibrium.center_height for kind in members), 3)
-    return ("height of the contact line", f"{lines} mm", f"over the flat surface; of the center: {centers} mm")
+    lines = range_with_prefix((kind.equilibrium.contact_height for kind in members), "m", 3)
+    centers = range_with_prefix((kind.equilibrium.center_height for kind in members), "m", 3)
+    return ("height of the contact line", lines, f"over the flat surface; of the center: {centers}")
 
 
 def _charges(members: Iterable[FloatKind]) -> Row:
@@ -183,7 +183,7 @@ def _charges(members: Iterable[FloatKind]) -> Row:
     remark = (
         _by_sign(charges, "heavy: attracts heavy floats", "light: attracts light floats") if any(charges) else "none"
     )
-    return ("capillary charge", f"{_numbers(1e6 * charge for charge in charges)} um", remark)
+    return ("capillary charge", range_with_prefix(charges, "m"), remark)
 
 
 def _closeness(members: Iterable[FloatKind], scene: FloatingScene) -> list[Row]:
@@ -208,9 +208,10 @@ def _summary_of_disc(name: str, kind: FloatKind, scene: FloatingScene) -> list[R
     """A disc: size, load, lean, slope, heights and charge."""
     disc, slope, liquid = kind.body, kind.equilibrium.slope_angle, liquid_of(scene)
     assert isinstance(disc, flotation.Disc)  # noqa: S101  # a species is of one kind
+    heaviest = greatest_rim_load(disc.radius, liquid)
     rows = [
         ("radius", f"{disc.radius / liquid.capillary_length:.4g}", "over the capillary length"),
-        ("load", f"{1e6 * disc.load:.4g} uN", f"sinks above {1e6 * greatest_rim_load(disc.radius, liquid):.4g} uN"),
+        ("load", with_prefix(disc.load, "N"), f"sinks above {with_prefix(heaviest, 'N')}"),
         ("stability", f"{disc.stability:.3g}", "leans with its neighbors" if disc.tilting else "does not lean"),
         ("slope at the contact line", f"{math.degrees(slope):.3g} deg", _slope_remark([slope])),
         _heights({kind: 1}),
@@ -236,7 +237,7 @@ def _summary_of_shape(name: str, kind: FloatKind) -> list[Row]:
         ("slope at the contact line", f"{math.degrees(slope):.3g} deg", _slope_remark([slope])),
         _filling({kind: 1}),
         _heights({kind: 1}),
-        ("rise of the contact line", f"{1e6 * line.rise:.4g} um", f"{rise} {line.mode} times around"),
+        ("rise of the contact line", with_prefix(line.rise, "m"), f"{rise} {line.mode} times around"),
         _charges([kind]),
         ("friction across over along", f"{across / along:.3g}", "ratio of the friction across and along the float"),
     ]
@@ -280,10 +281,3 @@ def seconds_per_step(count: int) -> tuple[float, float]:
     """Estimated seconds per time step on one core: for separated floats, and for floats that form rafts."""
     drifting = PER_STEP + PER_FLOAT * count
     return drifting, drifting + PER_CONTACT * count * min(count, MOST_CONTACTS)
-
-
-def _duration(seconds: float) -> str:
-    for unit, size, below in (("s", 1.0, 100.0), ("min", 60.0, 100.0), ("h", 3600.0, 48.0)):
-        if seconds < size * below:
-            return f"{seconds / size:.2g} {unit}"
-    return f"{seconds / 86400.0:.2g} days"

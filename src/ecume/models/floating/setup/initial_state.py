@@ -21,6 +21,7 @@ from ecume.models.floating.state import State, make_state
 from ecume.models.floating.time_integration.integration import inertia_of, list_candidates
 from ecume.scenes.floating import sides_of
 from ecume.units import Array
+from ecume.value_texts import with_prefix
 
 if TYPE_CHECKING:
     from ecume.scenes.floating import FloatingScene, FloatSpec
@@ -155,7 +156,7 @@ def _check_shapes(scene: FloatingScene, parameters: Parameters, position: Array,
     for i, j, gap in gaps_between(parameters, there, initial_angles(scene), 0.0):
         if i in which and (j in which or j >= len(radius)) and -gap > TOUCHING * radius[i]:
             other = f"{names[j]}" if j < len(radius) else "the dish's wall"
-            faults.append(Fault(names[i], f"overlaps {other} by {-gap:.3g} m"))
+            faults.append(Fault(names[i], f"overlaps {other} by {with_prefix(-gap, 'm', 3)}"))
     if faults:
         raise SceneError(faults[:MOST_FAULTS])
 
@@ -174,11 +175,9 @@ def _outside(
     for i in which:
         sunk_in = _into_walls(parameters.walls, position[i], parameters.floats.radius[i])
         if sunk_in > tolerance * parameters.floats.radius[i]:
-            x, y = position[i]
+            (x, y), depth = position[i], with_prefix(sunk_in, "m", 3)
             faults.append(
-                Fault(
-                    names[i], f"({x:g} m, {y:g} m) is not inside the dish: {sunk_in:.3g} m of the float are in the wall"
-                )
+                Fault(names[i], f"({x:g} m, {y:g} m) is not inside the dish: it overlaps the wall by {depth}")
             )
     return faults
 
@@ -204,5 +203,5 @@ def _overlapping(
         for j in candidates.partner[candidates.first[i] : candidates.first[i + 1]]:
             overlap = radius[i] + radius[j] - math.hypot(*contacts.apart(places, i, j, periods))
             if overlap > tolerance * min(radius[i], radius[j]):
-                faults.append(Fault(names[which[i]], f"overlaps {names[which[j]]} by {overlap:.3g} m"))
+                faults.append(Fault(names[which[i]], f"overlaps {names[which[j]]} by {with_prefix(overlap, 'm', 3)}"))
     return faults

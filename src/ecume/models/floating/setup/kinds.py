@@ -51,7 +51,7 @@ def contact_angle_of(given: FloatSpec | FloatRow, liquid: flotation.Liquid) -> f
         return flotation.closure_contact_angle(
             bond_number=flotation.bond_number(bare, liquid), density_ratio=flotation.density_ratio(bare, liquid)
         )
-    assert given.contact_angle is not None  # noqa: S101  # the schema asks for exactly one of the two
+    assert given.contact_angle is not None  # noqa: S101  # the schema requires exactly one of the two
     return given.contact_angle
 
 

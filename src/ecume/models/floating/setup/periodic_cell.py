@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ecume.engine.periodic import no_periods, periods_of
 from ecume.laws import capillarity
-from ecume.models.check_report import with_prefix
 from ecume.models.floating.forces.pair_forces import row_of
 from ecume.models.floating.options import Built, Option, scene_error
 from ecume.models.floating.parameters import CAPILLARY_LENGTH, Parameters
 from ecume.scenes.floating import sides_of
 from ecume.units import Array
+from ecume.value_texts import with_prefix
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

@@ -71,7 +71,7 @@ def _round_tabled_amplitudes(dish: DishSpec, liquid: flotation.Liquid, theory: s
 
 
 def _radius(dish: DishSpec) -> float:
-    assert dish.radius is not None  # noqa: S101  # the shape asks for it
+    assert dish.radius is not None  # noqa: S101  # the shape requires it
     return dish.radius
 
 
@@ -118,7 +118,7 @@ ROUND = Meniscus(
 
 
 def _sides(dish: DishSpec) -> tuple[float, float]:
-    assert dish.size is not None  # noqa: S101  # the shape asks for it
+    assert dish.size is not None  # noqa: S101  # the shape requires it
     return dish.size
 
 
@@ -178,7 +178,7 @@ FACING = Meniscus(
 )
 
 
-# --- what a scene asks for --------------------------------------------------------------------------------------------
+# --- choices of a scene -----------------------------------------------------------------------------------------------
 
 
 def law_of(dish: DishSpec, found: Meniscus) -> int:

@@ -1,5 +1,5 @@
-"""What `ecume check` says of soft spheres before they move: how they lie, what forces to expect and what these do to
-films and surfaces, what is doubtful, and what it costs.
+"""The rows of `ecume check` for soft spheres: initial state, expected forces and their effect on films and surfaces,
+warnings, and cost.
 """
 
 from __future__ import annotations
@@ -10,8 +10,8 @@ import numpy as np
 
 from ecume.laws.soft_pair import SoftPair, optimal_force
 from ecume.laws.surfaces import Expected
-from ecume.models.check_report import LONG, Row, told_duration, with_prefix
-from ecume.models.frame_cost import Content, frame_cost, told_size
+from ecume.models.check_report import LONG, Row
+from ecume.models.frame_cost import Content, frame_cost
 from ecume.models.liquids import material_of
 from ecume.models.soft.integration.dirk_schemes import SCHEMES
 from ecume.models.soft.integration.linear_solvers import FEW
@@ -21,20 +21,21 @@ from ecume.models.soft.report.observation import SLOTS
 from ecume.models.soft.setup.building import prefactors_of
 from ecume.models.soft.state import State
 from ecume.scenes.soft import SoftScene, sides_of
+from ecume.value_texts import duration_text, size_text, with_prefix
 
 JAMMED = {2: 0.84, 3: 0.64}
-"""The volume fraction at which unlike spheres at random begin to press each other, in each dimension."""
+"""The volume fraction at which random packings of unequal spheres jam, in each dimension."""
 ALIKE, MANY = 0.1, 30
-"""Spread of radii over their mean, and number of spheres: more alike than that, and so many, they order as crystals."""
+"""Spread of radii over their mean, and number of spheres: with a smaller spread and more spheres they crystallize."""
 DENSE = {2: 0.70, 3: 0.50}
-"""Of equal discs and spheres: where they begin to."""
+"""The volume fraction at which equal discs and spheres begin to crystallize."""
 
 
 def advice(scene: SoftScene, parameters: Parameters, state: State) -> list[Row]:
-    """Everything there is to say."""
+    """All rows."""
     typical = typical_pair(scene, parameters, state)
     return [
-        *_crowd(scene, parameters, state),
+        *_initial_state(scene, parameters, state),
         *parameters.laws.surface.check_lines(typical),
         *doubts(scene, parameters, typical),
         *_cost(scene, parameters, state),
@@ -64,12 +65,12 @@ def forces(scene: SoftScene, parameters: Parameters, pair: SoftPair, gap: float)
     weight, sides = np.abs(parameters.weight.sum(axis=0)).max(), sides_of(scene)
     base = math.prod(sides) / max(sides) if sides else across
     found = {
-        "the largest pull": load * float(np.abs(parameters.force).max()),
-        "the largest stress, on a diameter": float(courses[:, [SHEAR, NORMAL]].max() + waves) * across,
-        "the walls' largest stress, on a diameter": load * max(walls, default=0.0) * across,
-        "the weight of all, on a diameter": float(weight) * min(across / base, 1.0),
-        "spheres filled in closer than they fit": pressed_force(pair, fillings(parameters), dimensions),
-        "films as they are sheared": sheared_force(pair, gap, rate_of(scene, parameters)),
+        "largest external force": load * float(np.abs(parameters.force).max()),
+        "largest stress x cross-section": float(courses[:, [SHEAR, NORMAL]].max() + waves) * across,
+        "largest wall stress x cross-section": load * max(walls, default=0.0) * across,
+        "total weight per cross-section": float(weight) * min(across / base, 1.0),
+        "compression beyond random packing": pressed_force(pair, fillings(parameters), dimensions),
+        "shear of the films": sheared_force(pair, gap, rate_of(scene, parameters)),
     }
     return {name: value for name, value in found.items() if value > 0.0}
 
@@ -112,16 +113,16 @@ def sheared_force(pair: SoftPair, gap: float, rate: float) -> float:
     return min(friction * 2.0 * pair.radius * rate, optimal_force(pair, gap))
 
 
-def _crowd(scene: SoftScene, parameters: Parameters, state: State) -> list[Row]:
+def _initial_state(scene: SoftScene, parameters: Parameters, state: State) -> list[Row]:
     count, contacts = len(parameters.radius), int(state.contacts[0])
-    where = "a layer" if parameters.dimensions == 2 else "3D"
+    where = "2D (a layer)" if parameters.dimensions == 2 else "3D"
     rows = [
-        ("spheres", str(count), f"{len(scene.particles)} species, in {where}"),
+        ("spheres", str(count), f"{len(scene.particles)} species, {where}"),
         ("films", str(contacts), f"at the start, {2.0 * contacts / count:.2g} per sphere"),
     ]  # fmt: skip
     if (filled := fillings(parameters)) > 0.0:
         jammed = JAMMED[parameters.dimensions]
-        remark = f"at most; spheres at random begin to press each other at {jammed:g}"
+        remark = f"at most; random packings jam at {jammed:g}"
         rows.append(("volume fraction", f"{filled:.4g}", remark))
     narrowest = math.exp(state.log_gap[:contacts].min(initial=math.inf)) if contacts else math.inf
     return [
@@ -140,10 +141,10 @@ def doubts(scene: SoftScene, parameters: Parameters, typical: Expected) -> list[
     random = sum(species.count or 0 for species in scene.particles)
     alike = random >= MANY and float(radius.std() / radius.mean()) < ALIKE
     found = {
-        "spheres are alike, and order as crystals: take two sizes, such as 1 to 1.4": (
+        "spheres of similar size crystallize: use two sizes, for example 1 and 1.4": (
             alike and fillings(parameters) > DENSE[parameters.dimensions]
         ),
-        "no films at the start: nothing but drag holds the spheres": math.isnan(gap) and not len(parameters.walls.axis),
+        "no films at the start: only drag acts on the spheres": math.isnan(gap) and not len(parameters.walls.axis),
     }
     said = [one for one, wrong in found.items() if wrong]
     said += laws.surface.doubts(typical) if laws.surface.doubts else []
@@ -162,23 +163,27 @@ def _cost(scene: SoftScene, parameters: Parameters, state: State) -> list[Row]:
     arrays |= dict.fromkeys(("neighbor", "gap", "tension", "shear"), slots)
     content = Content(len(parameters.radius), arrays, NUMBERS)
     cost = frame_cost(scene, content, steps)
-    sheared = "stresses decide how far it is sheared; " if (parameters.protocol.rules != 0).any() else ""
+    sheared = "the strain depends on the stresses; " if (parameters.protocol.rules != 0).any() else ""
     total = steps * seconds + cost.seconds
-    long = "; more tolerance takes less" if steps * seconds > LONG else ""
+    long = "; a larger tolerance takes less" if steps * seconds > LONG else ""
     return [
-        ("accuracy", f"{parameters.tolerance:.1g}", "of each gap, relative, in a step"),
-        ("steps", f"about {float(f'{steps:.2g}'):.0f}", f"{sheared}within a factor of three where little rearranges"),
-        ("memory", told_size(bytes_of(contacts)), f"{BYTES:.0f} bytes per film, and the compiler"),
+        ("accuracy", f"{parameters.tolerance:.1g}", "relative error of each gap per step"),
+        (
+            "steps",
+            f"about {float(f'{steps:.2g}'):.0f}",
+            f"{sheared}within a factor of three without many rearrangements",
+        ),
+        ("memory", size_text(bytes_of(contacts)), f"{BYTES:.0f} bytes per film, and the compiler"),
         *cost.rows(),
         (
             "time on this machine",
-            told_duration(total),
-            f"{told_duration(seconds)} per step, after compilation{long}{cost.remark(steps * seconds)}",
+            duration_text(total),
+            f"{duration_text(seconds)} per step, after compilation{long}{cost.remark(steps * seconds)}",
         ),
     ]
 
 
-# --- What steps of soft spheres cost, and how many there will be: numbers that were measured, all in this place
+# --- Cost and number of steps of soft spheres: measured constants
 
 
 NUMBERS = 30

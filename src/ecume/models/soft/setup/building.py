@@ -135,8 +135,8 @@ def _balance(parameters: Parameters, state: State) -> None:
     scratch = workspace(parameters, state, 1.0)
     span = AT_ONCE * float(state.pace[LENGTH]) if parameters.drag.any() else 0.0
     if not balance(parameters, scratch, (drive, drive, rules), state.effort, span):
-        told = "these forces or stresses are more than the surfaces can balance; make them smaller"
-        raise SceneError([Fault("protocol" if any(rules) else "particles", told)])
+        message = "the surfaces cannot balance these forces or stresses; reduce them"
+        raise SceneError([Fault("protocol" if any(rules) else "particles", message)])
     accept(scratch.step)
     store(parameters, state, scratch.step)
 

@@ -12,6 +12,7 @@ from ecume.models.soft.loading.protocol import drive_at
 from ecume.models.soft.parameters import Parameters
 from ecume.scenes.soft import SoftScene, sides_of
 from ecume.units import Array
+from ecume.value_texts import with_prefix
 
 GAP = 1e-2
 """Of the smallest radius."""
@@ -71,6 +72,6 @@ def pushed_apart(parameters: Parameters, position: Array, box: Box, least: float
         found = np.asarray(flat.reshape(position.shape) * unit)
         if not len(neighbors(tight, found, box)[0]) and (wall_gaps(parameters, found, planes.place) >= least).all():
             return found
-    told = f"no places were found with gaps of {least:.3g} m everywhere"
+    message = f"no places were found with gaps of {with_prefix(least, 'm', 3)} everywhere"
     way_out = "expected a larger cell.size, a smaller cell.volume_fraction or a smaller cell.minimum_gap"
-    raise SceneError([Fault("cell.size", f"{told}; {way_out}")])
+    raise SceneError([Fault("cell.size", f"{message}; {way_out}")])

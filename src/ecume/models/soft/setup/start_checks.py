@@ -10,6 +10,7 @@ from ecume.models.soft.loading.cell import Box
 from ecume.models.soft.parameters import Parameters
 from ecume.models.soft.state import State
 from ecume.units import Array
+from ecume.value_texts import with_prefix
 
 UNBALANCED = 1e-9
 """Of the largest force: what the sum of all forces may be where nothing holds the spheres."""
@@ -26,7 +27,7 @@ def require_balance(parameters: Parameters) -> None:
             [
                 Fault(
                     "particles",
-                    f"the forces on all spheres sum to {total:.3g} N, and nothing holds them; "
+                    f"the forces on all spheres sum to {with_prefix(total, 'N', 3)}, and nothing holds them; "
                     "expected a sum of zero, walls, or hydrodynamics.drag = 'stokes'",
                 )
             ]
@@ -44,8 +45,8 @@ def require_no_torque(parameters: Parameters, state: State) -> None:
     total, largest = np.abs(moment.sum(axis=0)).max(), np.abs(moment).max()
     size = np.abs(parameters.force).max() * parameters.radius.max()
     if total > UNBALANCED * max(largest, size) * len(moment):
-        told = f"forces and torques turn the spheres all together, with {total:.3g} N m, and nothing holds them"
-        raise SceneError([Fault("particles", f"{told}; expected no torque in sum, or hydrodynamics.drag = 'stokes'")])
+        cause = f"the total torque on all spheres is {with_prefix(total, 'N m', 3)}, and nothing balances it"
+        raise SceneError([Fault("particles", f"{cause}; expected 0, or hydrodynamics.drag = 'stokes'")])
 
 
 def require_gaps(parameters: Parameters, position: Array, box: Box) -> None:
@@ -54,15 +55,14 @@ def require_gaps(parameters: Parameters, position: Array, box: Box) -> None:
     pair, _, between = neighbors(touching, position, box)
     if len(pair):
         first, second = pair[0]
-        overlap = parameters.radius[pair[0]].sum() - np.linalg.norm(between[0])
-        told = f"spheres {first} and {second} overlap by {overlap:.3g} m before they are deformed"
-        told = f"{told}; expected a gap for the film"
-        raise SceneError([Fault("particles", told)])
+        overlap = with_prefix(parameters.radius[pair[0]].sum() - np.linalg.norm(between[0]), "m", 3)
+        message = f"spheres {first} and {second} overlap by {overlap} before they are deformed"
+        raise SceneError([Fault("particles", f"{message}; expected a gap for the film")])
     gap = wall_gaps(parameters, position, parameters.walls.place)
     if not (gap > 0.0).all():
         sphere, wall = (int(index[0]) for index in np.nonzero(~(gap > 0.0)))
-        told = f"sphere {sphere} is in wall {wall} or beyond it; expected a gap for the film"
-        raise SceneError([Fault("particles", told)])
+        message = f"sphere {sphere} is in wall {wall} or beyond it; expected a gap for the film"
+        raise SceneError([Fault("particles", message)])
 
 
 def require_one_piece(state: State) -> None:
@@ -71,5 +71,5 @@ def require_one_piece(state: State) -> None:
     if piece.max() > 0:
         walled = state.touching.shape[1] > 0
         alone = int(np.flatnonzero(piece != piece[-1 if walled else 0])[0])
-        told = f"sphere {alone} is tied to {'any wall' if walled else 'sphere 0'} by no film, and nothing else holds it"
-        raise SceneError([Fault("particles", f"{told}; set films.cutoff higher, or hydrodynamics.drag = 'stokes'")])
+        message = f"sphere {alone} has no film to {'any wall' if walled else 'sphere 0'}, and nothing else holds it"
+        raise SceneError([Fault("particles", f"{message}; set films.cutoff higher, or hydrodynamics.drag = 'stokes'")])

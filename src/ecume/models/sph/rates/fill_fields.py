@@ -95,7 +95,7 @@ def _mirror(fields: Floats, i: int, image: int, side: Array, holds: bool, pull: 
         fields[FIELD.transport + axis, image] = fields[FIELD.transport + axis, i] - 2.0 * drift * normal
         turned = 2.0 * side[2 * dimension + axis] - fields[FIELD.friction_velocity + axis, i]
         fields[FIELD.friction_velocity + axis, image] = turned if holds else fields[FIELD.velocity + axis, image]
-        # The hydrostatic part goes on through the wall, the rest is mirrored.
+        # The hydrostatic part continues through the wall, the rest is mirrored.
         fields[FIELD.density_gradient + axis, image] = (
             fields[FIELD.density_gradient + axis, i] - 2.0 * (steep - rho0 / (c0 * c0) * pull_through) * normal
         )

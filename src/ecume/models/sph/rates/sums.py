@@ -247,7 +247,7 @@ def sum_radial_friction(fields: Floats, lists: Lists, constants: Constants, rate
                 dz = fields[FIELD.position + 2, j] - z
                 square, radial = square + dz * dz, radial + (w - fields[FIELD.friction_velocity + 2, j]) * dz
             drag = slope_of(math.sqrt(square) * inverse, kernel) * volume * other / (own + other)
-            # Nobody is so near to another, but a particle may be to its own image.
+            # No two particles are so near, but a particle may be to its image.
             drag *= radial / max(square, soft)
             ax += drag * dx
             ay += drag * dy

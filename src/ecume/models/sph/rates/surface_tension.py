@@ -158,7 +158,7 @@ def give_back(parameters: Parameters, workspace: Workspace, force: Array) -> Non
         if sides.mirrors[side]:
             axis = sides.normal[side]
             share -= 2.0 * axis[:, None] * (axis @ share)
-        # Nobody has two images behind one side.
+        # No particle has two images behind one side.
         force[: parameters.dimension, images.source[here]] += share
 
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from ecume.laws.enthalpy import density_at_enthalpy
 from ecume.laws.kernels import KERNELS
-from ecume.models.check_report import LONG, Row, told_duration, with_prefix
-from ecume.models.frame_cost import Content, frame_cost, told_size
+from ecume.models.check_report import LONG, Row
+from ecume.models.frame_cost import Content, frame_cost
 from ecume.models.last_frame import last_step
 from ecume.models.sph.parameters import Material, Parameters
 from ecume.models.sph.rates.surface_tension import NODES, TENSIONS
@@ -20,6 +20,7 @@ from ecume.models.sph.setup.choices import material_rows, sides_of, smallest_ext
 from ecume.models.sph.setup.initial_particles import cells_of
 from ecume.models.sph.setup.shapes import solids_of
 from ecume.scenes.sph import SphScene
+from ecume.value_texts import duration_text, size_text, with_prefix
 
 PAIRS_PER_SECOND = 1.5e8
 """Of the sums, on one core: a rough figure."""
@@ -161,8 +162,8 @@ def _cost(scene: SphScene, parameters: Parameters, count: int, bytes_each: float
         ),
         ("steps", str(steps), f"{parameters.steps_per_frame} per frame"),
         *cost.rows(),
-        ("memory", told_size(count * bytes_each), f"{bytes_each:.0f} bytes per particle"),
-        ("time on this machine", told_duration(seconds), f"roughly, after compilation{long}{cost.remark(stepping)}"),
+        ("memory", size_text(count * bytes_each), f"{bytes_each:.0f} bytes per particle"),
+        ("time on this machine", duration_text(seconds), f"roughly, after compilation{long}{cost.remark(stepping)}"),
     ]
 
 

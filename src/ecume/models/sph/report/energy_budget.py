@@ -154,7 +154,7 @@ def add_work(
     """Add the work of a completed step; `began` is the power (W) before it, and whether the forces were known then."""
     if parameters.shake is None and not forces_work(parameters):
         return
-    with np.errstate(over="ignore", invalid="ignore"):  # the march says so where somebody is nowhere
+    with np.errstate(over="ignore", invalid="ignore"):  # the integration reports particles without a finite position
         rate = power_of_forces(instant(parameters, state), state, workspace)
     before, known = began
     after = rate + power_of_shake(parameters, state)

@@ -18,6 +18,7 @@ from ecume.models.sph.setup.choices import (
 )
 from ecume.models.sph.setup.walls_and_bodies import holds
 from ecume.scenes.sph import SphScene
+from ecume.value_texts import with_prefix
 
 IRRELEVANT, RELEVANT = 1000.0, 100.0
 """Bond and Weber numbers above which surface tension has no visible effect, and below which it has."""
@@ -74,6 +75,6 @@ def _viscosity_remark(scene: SphScene, parameters: Parameters, number: float, ex
     layer = extent / math.sqrt(number)
     no_slip = any(side.kind == "wall" and holds(side, scene) for side in sides_of(scene))
     if no_slip and layer < scene.spacing:
-        told = f"boundary layers of {layer:.2g} m are thinner than the spacing"
-        return f'{told}; slip = "free" suits such walls better'
+        cause = f"boundary layers of {with_prefix(layer, 'm', 2)} are thinner than the spacing"
+        return f'{cause}; slip = "free" suits such walls better'
     return ""

@@ -103,7 +103,7 @@ def fastest_of(scene: SphScene) -> float:
     fastest = max(speeds)
     if fastest == 0.0:
         raise SceneError(
-            [Fault("liquid.maximum_speed", "nothing moves and nothing pulls: say which speed is to be expected")]
+            [Fault("liquid.maximum_speed", "no motion, gravity or force sets a speed; give the expected maximum speed")]
         )
     return fastest
 

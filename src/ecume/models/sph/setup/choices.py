@@ -219,9 +219,9 @@ FILLED = ("density", "viscosity", "surface_tension")
 def substance_of(given: FluidSpec) -> LiquidProperties | None:
     """The named liquid at its temperature. Raises SceneError."""
     if not given.name:
-        told = [key for key in ("temperature", "salinity") if getattr(given, key) is not None]
-        if told:
-            raise SceneError([Fault(f"liquid.{told[0]}", 'says nothing without a name; write name = "water"')])
+        given_keys = [key for key in ("temperature", "salinity") if getattr(given, key) is not None]
+        if given_keys:
+            raise SceneError([Fault(f"liquid.{given_keys[0]}", 'has no effect without a name; write name = "water"')])
     return named_liquid(given)
 
 

@@ -19,6 +19,7 @@ from ecume.models.sph.setup.choices import color_reach_of
 from ecume.models.sph.setup.shapes import dummies_of, obstacle_dummies, shape_of, solids_of
 from ecume.scenes.sph import SIDES, BaseExcitationSpec, BodySpec, MotionSpec, SphScene
 from ecume.units import Array
+from ecume.value_texts import with_prefix
 
 LAYERED = ("wall", "inflow", "outflow")
 LEAST_PERIOD = 1.2
@@ -47,8 +48,10 @@ def require_long_periods(scene: SphScene, support: float) -> None:
     for axis in range(len(size)):
         if _side(scene, 2 * axis).kind == "periodic" and size[axis] < LEAST_PERIOD * support:
             least = LEAST_PERIOD * support
-            came = f"{size[axis]:.4g} m along {'xyz'[axis]}, where the tank is periodic"
-            raise SceneError([Fault("tank.high", f"got {came}; expected {least:.4g} m, or a smaller spacing")])
+            came = f"{with_prefix(size[axis], 'm', 4)} along {'xyz'[axis]}, where the tank is periodic"
+            raise SceneError(
+                [Fault("tank.high", f"got {came}; expected {with_prefix(least, 'm', 4)}, or a smaller spacing")]
+            )
 
 
 def joined(pieces: list[Dummies]) -> Dummies:
@@ -331,7 +334,11 @@ def _overlaps(scene: SphScene) -> list[Fault]:
         for name, other in solids:
             deep = _overlap(mine, other, 0.5 * scene.spacing)
             if deep > slack:
-                faults.append(Fault(f"bodies[{index}]", f"starts {deep:.3g} m inside {name}; leave room between them"))
+                faults.append(
+                    Fault(
+                        f"bodies[{index}]", f"starts {with_prefix(deep, 'm', 3)} inside {name}; leave room between them"
+                    )
+                )
         solids.append((f"bodies[{index}]", mine))
     return faults
 

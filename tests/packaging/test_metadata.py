@@ -1,0 +1,84 @@
+"""The metadata of the distributions agree: of the package, its conda recipe, its citation and its Zenodo record."""
+
+import email
+import json
+import os
+import re
+import subprocess
+import sys
+import time
+import tomllib
+import zipfile
+from pathlib import Path
+
+import pytest
+import yaml
+from packaging.metadata import Metadata
+
+ROOT = Path(__file__).parents[2]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+RECIPE = yaml.safe_load((ROOT / "packaging" / "conda" / "recipe.yaml").read_text(encoding="utf-8"))
+CITATION = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+ZENODO = json.loads((ROOT / ".zenodo.json").read_text(encoding="utf-8"))
+ON_CONDA = {"matplotlib": "matplotlib-base"}
+"""Packages with another name on conda-forge."""
+
+
+def filled(text: str) -> str:
+    """A text of the recipe with the values of its context."""
+    return re.sub(r"\$\{\{ (\w+) \}\}", lambda found: RECIPE["context"][found[1]], text)
+
+
+def test_the_recipe_needs_what_the_package_needs():
+    needed = [re.fullmatch(r"([\w-]+)(.*)", one).groups() for one in PROJECT["dependencies"]]
+    expected = [
+        f"python {PROJECT['requires-python']}",
+        *(f"{ON_CONDA.get(name, name)} {least}" for name, least in needed),
+    ]
+    assert [filled(one) for one in RECIPE["requirements"]["run"]] == expected
+
+
+def test_the_recipe_builds_as_the_package_does():
+    build = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["build-system"]["requires"]
+    host = RECIPE["requirements"]["host"]
+    assert {one.replace(">=", " >=") for one in build} == set(host) - {"python ${{ python_min }}.*", "pip"}
+    scripts = [f"{name} = {place}" for name, place in PROJECT["scripts"].items()]
+    assert RECIPE["build"]["python"]["entry_points"] == scripts
+
+
+def test_the_recipe_has_all_sections_that_conda_forge_requires():
+    assert set(RECIPE) == {"context", "package", "source", "build", "requirements", "tests", "about"}
+    assert RECIPE["build"]["noarch"] == "python"
+    assert (ROOT / RECIPE["about"]["license_file"]).is_file()
+    assert RECIPE["about"]["license"] == PROJECT["license"]
+    assert RECIPE["about"]["summary"] == PROJECT["description"]
+
+
+@pytest.mark.parametrize("version", [RECIPE["context"]["version"], CITATION["version"], ZENODO["version"]])
+def test_all_have_the_version_of_the_package(version):
+    assert version == PROJECT["version"]
+
+
+def test_zenodo_and_the_citation_agree():
+    assert ZENODO["title"] == CITATION["title"]
+    assert ZENODO["description"] == CITATION["abstract"]
+    assert ZENODO["license"] == CITATION["license"] == PROJECT["license"]
+    assert ZENODO["keywords"] == CITATION["keywords"] == PROJECT["keywords"]
+    assert [one["name"] for one in ZENODO["creators"]] == [one["name"] for one in CITATION["authors"]]
+    assert ZENODO["upload_type"] == CITATION["type"] == "software"
+
+
+@pytest.mark.long
+def test_two_wheels_of_one_commit_are_equal_and_have_valid_metadata(tmp_path):
+    wheels = []
+    for folder in (tmp_path / "one", tmp_path / "two"):
+        command = [sys.executable, "-m", "hatchling", "build", "-d", str(folder), "-t", "wheel"]
+        subprocess.run(command, cwd=ROOT, env=os.environ | {"SOURCE_DATE_EPOCH": "1700000000"}, check=True)
+        wheels += folder.iterdir()
+        time.sleep(2.0)  # the resolution of times in a ZIP file
+    assert wheels[0].read_bytes() == wheels[1].read_bytes()
+    with zipfile.ZipFile(wheels[0]) as archive:
+        (name,) = (name for name in archive.namelist() if name.endswith("/METADATA"))
+        written = archive.read(name)
+    assert Metadata.from_email(written, validate=True).license_expression == "BSD-3-Clause"
+    assert email.message_from_bytes(written)["Description-Content-Type"] == "text/markdown"
