@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pint
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import ecume
@@ -55,6 +55,7 @@ def test_products_and_quotients_have_combined_units(quantity: Quantity, written:
     assert repr(quantity) == written
 
 
+@settings(deadline=None)
 @given(st.floats(-1e300, 1e300))
 def test_a_quantity_is_the_same_bits_as_its_text(value: float) -> None:
     assert Unit("m").number(value * mm) == parse(f"{value!r} mm", "m")

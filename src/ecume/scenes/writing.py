@@ -44,6 +44,8 @@ LONGEST_LINE = 110
 MOST_WITH_UNITS = 12
 """Numbers in a list; longer lists hold plain numbers in SI units."""
 LONGEST_NUMBER = 20
+LARGEST_WITH_UNIT = 1e100
+"""Larger numbers could overflow in another unit."""
 
 
 class Scale(NamedTuple):
@@ -180,7 +182,7 @@ def spelled(value: float, unit: str) -> float | str:
     >>> spelled(0.0018, "m"), spelled(1.2217304763960306, "rad"), spelled(293.15, "K"), spelled(1030.0, "kg/m^3")
     ('1.8 mm', '70 deg', '20 degC', 1030.0)
     """
-    if unit in PLAIN or not unit:
+    if unit in PLAIN or not unit or abs(value) > LARGEST_WITH_UNIT:
         return value
     if unit == "rad":
         degrees = math.degrees(value)
