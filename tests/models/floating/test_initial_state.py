@@ -52,7 +52,7 @@ def test_overlapping_floats_are_all_told_with_their_overlap():
     with pytest.raises(SceneError) as caught:
         started(scene_of(WATER + text))
     assert [fault.path for fault in caught.value.faults] == ["particles[0].positions[0]", "particles[0].positions[0]"]
-    assert "overlaps particles[0].positions[1] by 0.0005 m" in str(caught.value)
+    assert "overlaps particles[0].positions[1] by 500 µm" in str(caught.value)
 
 
 def test_floats_outside_the_dish_are_told():

@@ -283,6 +283,6 @@ def test_starts_overlap_by_outline_and_not_by_circle():
     inside = species("needle", [(0.0, 0.0), (0.0, 0.15e-3)], 0.0)
     scene = scene_of(LIQUID.format(viscosity=1.0) + inside)
     with pytest.raises(
-        SceneError, match=r"particles\[0\]\.positions\[0\]: overlaps particles\[0\]\.positions\[1\] by 5e-05 m"
+        SceneError, match=r"particles\[0\]\.positions\[0\]: overlaps particles\[0\]\.positions\[1\] by 50 µm"
     ):
         FLOATING.start(scene, FLOATING.parameters(scene))

@@ -110,8 +110,8 @@ def test_the_template_opens_its_gap_as_the_closed_form_says(tmp_path):
     ("change", "path", "says"),
     [
         ({"particles": [LEFT]}, "particles", "single sphere"),
-        ({"particles": [LEFT, RIGHT | {"positions": [[0.9, 0.0]]}]}, "particles", "overlap by 0.095 m"),
-        ({"particles": [LEFT, RIGHT | {"force": [0.0, 0.0]}]}, "particles", "sum to 0.001 N"),
+        ({"particles": [LEFT, RIGHT | {"positions": [[0.9, 0.0]]}]}, "particles", "overlap by 95 mm"),
+        ({"particles": [LEFT, RIGHT | {"force": [0.0, 0.0]}]}, "particles", "sum to 1 mN"),
         ({"films": {"cutoff": 0.001}}, "particles", "tied to sphere 0 by no film"),
         ({"films": {"prefactors": "papr"}}, "films.prefactors", "there are paper, physical"),
         ({"long_range_forces": {"law": "magic"}}, "long_range_forces.law", "none, steric, dlvo"),
