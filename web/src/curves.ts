@@ -3,6 +3,7 @@
 import uPlot from "uplot";
 import type { Player } from "./player";
 import type { Run } from "./run";
+import { limits } from "./spikes";
 import { prefixed, round } from "./told";
 
 const MOST = 2; // curves beside one another
@@ -37,14 +38,15 @@ class Curve {
     this.plot?.destroy();
     const values = this.run.numbers(this.select.value);
     const given = this.run.header.numbers.find((number) => number.name === this.select.value)?.unit ?? "";
-    const unit = prefixed(Math.max(...values.map(Math.abs).filter(Number.isFinite), 0), given);
+    const [low, high] = limits(values);
+    const unit = prefixed(Math.max(Math.abs(low), Math.abs(high)), given);
     const axis = { stroke: style("--muted"), grid: { stroke: style("--line"), width: 1 }, ticks: { show: false } };
     const options: uPlot.Options = {
       width: Math.max(this.room.clientWidth, 120),
       height: 130,
       legend: { show: false },
       cursor: { drag: { x: false, y: false }, points: { show: false } },
-      scales: { x: { time: false } },
+      scales: { x: { time: false }, y: { range: (): [number, number] => [low / unit.factor, high / unit.factor] } },
       axes: [
         { ...axis, size: 28, font: "11px system-ui" },
         { ...axis, size: 54, font: "11px system-ui", values: (_, splits): string[] => splits.map(round) },

@@ -57,6 +57,8 @@ class Setting(NamedTuple):
     """(3, 3) its right, up, and towards it; by default it looks along the second axis"""
     radius: float | None = None
     """of all particles (m), where frames say none"""
+    room: tuple[Array, Array] | None = None
+    """corners beyond which no particle is drawn (m): those of walls, infinite elsewhere"""
     apart: int | None = None
     """the species from which on particles keep their own colors when others are colored by a quantity"""
     movers: Callable[[Frame], list[Array]] | None = None

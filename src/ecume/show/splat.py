@@ -5,12 +5,14 @@ In 3D they are balls, lit from the viewer's side; nearer ones hide farther ones.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
+from numpy.typing import NDArray
 
 from ecume.show.style import INK
 from ecume.units import Array
@@ -25,12 +27,15 @@ POINT = 1.0 / 72.0
 
 class Splat(Artist):
     """Particles in axes, painted with as many pixels as the figure has there when it is drawn. `radius` is (N,) or
-    one for all (m); `rim` is how wide the line around each is (points).
+    one for all (m); `rim` is how wide the line around each is (points). `room` are the corners beyond which nothing is
+    painted (m); infinite where there is no wall.
     """
 
-    def __init__(self, radius: Array | float, *, balls: bool = False, rim: float = 0.0) -> None:
+    def __init__(
+        self, radius: Array | float, *, balls: bool = False, rim: float = 0.0, room: tuple[Array, Array] | None = None
+    ) -> None:
         super().__init__()
-        self.radius, self.balls, self.rim = radius, balls, rim
+        self.radius, self.balls, self.rim, self.room = radius, balls, rim, room
         self.places, self.shades = np.zeros((0, 2)), np.zeros((0, 3))
         self.order: Any = slice(None)
 
@@ -45,6 +50,12 @@ class Splat(Artist):
     def set_offsets(self, places: Array) -> None:
         """Move them."""
         self.places = places
+
+    def _pixel(self, corner: Array) -> Array:
+        """A corner in pixels of the figure; infinite where it is."""
+        axes: Any = self.axes
+        shown: Array = axes.transData.transform(np.where(np.isfinite(corner), corner, 0.0))
+        return np.where(np.isfinite(corner), shown, corner)
 
     def draw(self, renderer: Any) -> None:
         """Paint them, and lay that over what is there."""
@@ -63,9 +74,22 @@ class Splat(Artist):
         dots = Dots(*(np.ascontiguousarray(column[self.order]) for column in (*columns, self.shades)))
         rim = self.rim * POINT * axes.figure.dpi
         splat(pixels, dots, Look(self.balls, rim, 255.0 * np.array(to_rgb(INK))))
+        if self.room is not None:
+            cut(pixels, [self._pixel(corner) - (left, bottom) for corner in self.room])
         context = renderer.new_gc()
         renderer.draw_image(context, left, bottom, pixels[::-1])
         context.restore()
+
+
+def cut(pixels: NDArray[np.uint8], corners: Sequence[Array]) -> None:
+    """Clear the pixels (rows from the top) that are left of or below the first corner, or right of or above the second
+    one, counted in pixels from the lower left.
+    """
+    rows, columns = pixels.shape[:2]
+    (left, bottom), (right, top) = corners
+    across, up = np.arange(columns) + 0.5, rows - np.arange(rows) - 0.5
+    pixels[:, (across < left) | (across > right)] = 0
+    pixels[(up < bottom) | (up > top)] = 0
 
 
 def splat_in(axes: Axes, splat: Splat, zorder: float) -> Splat:

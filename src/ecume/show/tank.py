@@ -105,7 +105,9 @@ class Tank(Picture):
             return splat_in(axes, Splat(frame.arrays["radius"], balls=True), 3)
         if self.setting.radius is None:
             return circles(axes, self.view, frame)
-        return splat_in(axes, Splat(self.setting.radius, balls=self.setting.camera is not None), 3)
+        return splat_in(
+            axes, Splat(self.setting.radius, balls=self.setting.camera is not None, room=self.setting.room), 3
+        )
 
     def _colors(self, frame: Frame) -> Any:
         own = to_rgba_array([kind.color for kind in self.setting.kinds])

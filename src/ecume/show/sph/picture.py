@@ -201,7 +201,18 @@ def setting_of(scene: SphScene) -> Setting:
         movers=movers_of(scene),
         mover_colors=mover_colors(scene, BODY, flat=True),
         apart=len(scene.fluid),
+        room=walled(scene),
     )
+
+
+def walled(scene: SphScene) -> tuple[Array, Array]:
+    """The corners of a tank in the plane (m), infinite at sides that are no walls or that move."""
+    corners = np.array([scene.tank.low, scene.tank.high], dtype=float)
+    for number, name in enumerate(SIDES[:4]):
+        side = getattr(scene.tank, name)
+        if side.kind != "wall" or side.motion is not None:
+            corners[number % 2, number // 2] = np.inf if number % 2 else -np.inf
+    return corners[0], corners[1]
 
 
 EDGES = (("bottom", 0, 1), ("right", 1, 2), ("top", 2, 3), ("left", 3, 0))
