@@ -55,7 +55,7 @@ class Common:
     takes precedence. Effect: `stop` ends the run at the first violation."""
     user_laws: tuple[UserLawSpec, ...] = ()
     """User-defined laws by name, each for some species. A law that is given but not listed acts on all. Effect: adds
-    forces."""
+    their forces to those of the scene."""
 
     @property
     def whole_frames(self) -> int:
