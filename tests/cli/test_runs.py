@@ -341,4 +341,4 @@ def test_a_run_with_a_named_law_and_an_action_is_resumed_with_their_files(tmp_pa
     kept = b"".join(path.read_bytes() for path in home.rglob("*") if path.suffix in (".json", ".jsonl", ".toml"))
     assert b'"stop"' in kept
     assert b"mine.py" not in kept
-    assert b"0.25" not in kept
+    assert b"view.velocity" not in kept
