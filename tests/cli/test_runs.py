@@ -285,3 +285,60 @@ def test_check_names_the_users_laws_and_refuses_one_that_is_not_reciprocal(tmp_p
     refused = cli.invoke(app, ["check", "beads.toml", "--laws", "mine.py"])
     assert refused.exit_code == 2
     assert "would create momentum" in refused.stderr
+
+
+GRAINS = """
+model = "tracers"
+duration = "0.1 s"
+frame_every = "0.05 s"
+
+[[particles]]
+name = "sand"
+radius = "1 mm"
+density = 2500
+positions = [["0 mm", "0 mm"]]
+
+[[user_laws]]
+law = "lift"
+species = ["sand"]
+constants = [12.5]
+"""
+CODE = """
+import ecume
+
+
+def lift(position, velocity, time, parameters):
+    return 0.0, parameters.constants[0]
+
+
+@ecume.every(steps=5)
+def stop(view):
+    view.velocity *= 0.25
+"""
+
+
+@pytest.mark.compiled
+def test_a_run_with_a_named_law_and_an_action_is_resumed_with_their_files(tmp_path: Path) -> None:
+    (tmp_path / "grains.toml").write_text(GRAINS)
+    (tmp_path / "mine.py").write_text(CODE)
+    without = cli.invoke(app, ["run", "grains.toml"])
+    assert without.exit_code == 2
+    assert (
+        "user_laws[0].law: got 'lift', a function that is not given; give its file: --laws FILE.py:lift"
+        in without.stderr
+    )
+    own = ["--laws", "mine.py", "--actions", "mine.py"]
+    checked = cli.invoke(app, ["check", "grains.toml"])
+    assert "give their file with --laws" in checked.stdout
+    assert cli.invoke(app, ["run", "grains.toml", "-q", *own]).exit_code == 0
+    home = tmp_path / "runs" / "grains"
+    (home / "DONE.json").unlink()
+    without = cli.invoke(app, ["resume", "runs/grains"])
+    assert without.exit_code == 2
+    assert "ecume resume runs/grains --laws FILE.py:lift --actions FILE.py:stop" in without.stderr
+    assert cli.invoke(app, ["resume", "runs/grains", "-q", *own]).exit_code == 0
+    assert "own actions" in cli.invoke(app, ["info", "runs/grains"]).stdout
+    kept = b"".join(path.read_bytes() for path in home.rglob("*") if path.suffix in (".json", ".jsonl", ".toml"))
+    assert b'"stop"' in kept
+    assert b"mine.py" not in kept
+    assert b"view.velocity" not in kept

@@ -54,7 +54,7 @@ def named(function: object) -> str:
 
 
 def arguments_of(function: Function) -> int:
-    """The number of arguments of a function. Raises BadInput for what is none."""
+    """The number of arguments of a function. Raises BadInput for anything else."""
     try:
         return len(inspect.signature(getattr(function, "py_func", function)).parameters)
     except TypeError:

@@ -70,7 +70,7 @@ class Common:
     """The quantities that are written. Effect: changes files only, never the simulation."""
     user_laws: tuple[UserLawSpec, ...] = ()
     """User-defined laws by name, each for some species. A law that is given but not listed acts on all. Effect: adds
-    forces."""
+    their forces to those of the scene."""
 
     @property
     def whole_frames(self) -> int:

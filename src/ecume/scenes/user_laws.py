@@ -18,10 +18,11 @@ class UserLawSpec:
     """A user-defined law, by the name of its function."""
 
     law: LawName
-    """The name of the function, which `--laws FILE.py` or `extra_laws` provides. Effect: adds its force to the scene;
-    without the file the scene is refused."""
+    """The name of the function, which `--laws FILE.py` or `extra_laws` provides. Example: `"yukawa"`. Effect: adds its
+    force to the scene; without the file the scene is refused."""
     species: tuple[Text, ...] = ()
     """The species that it acts on: two names for the force of a pair, one for an external force; by default all.
-    Effect: other species do not feel the law."""
+    Example: `["oats", "nuts"]`. Effect: other species do not feel the law."""
     constants: tuple[Constant, ...] = ()
-    """The numbers that the function reads as `parameters.constants`, in SI units. Effect: that of the law."""
+    """The numbers that the function reads as `parameters.constants`, in SI units. Example: `[1e-8, 4e-3]`.
+    Effect: they set strength and range, as the function defines."""

@@ -133,6 +133,18 @@ def test_the_energy_of_a_law_is_the_integral_of_its_force(frames):
     assert energy[0] == pytest.approx(2.0 * STRONG * math.log(parameters.cutoff / apart), rel=1e-12)
 
 
+def test_the_energy_is_that_of_the_positions_of_a_frame():
+    """Not of the positions at which neighbors were listed, or forces evaluated last."""
+    scene = three_kinds()
+    model = MODELS["floating"].extended(bind(scene, [pushing]))
+    parameters = model.parameters(scene)
+    state = model.start(scene, parameters)
+    workspace = model.workspace(parameters, state, 1.0)
+    state.position[2, 1] = 0.0
+    energy = model.observe(parameters, state, workspace).numbers["pair_energy"]
+    assert energy == pytest.approx(2.0 * STRONG * math.log(parameters.cutoff / 0.006), rel=1e-12)
+
+
 def test_a_stiff_law_shortens_the_time_step():
     def bound(strength):
         (law,) = bind(three_kinds(), [pushing])

@@ -14,6 +14,7 @@ import numpy as np
 
 from ecume._jit import compiled_once, of_this_process
 from ecume.engine.cells import Integers
+from ecume.engine.contact.contacts import apart
 from ecume.engine.neighbors import NeighborLists
 from ecume.engine.periodic import nearest
 from ecume.models.floating.forces.interactions import BY_CONSTANTS, ROUND, Interaction
@@ -66,7 +67,7 @@ FIELDS = ("mask", "species", "radius", "charge", "cutoff", "length", "tension")
 """Of a part: (S, S) laws of each pair of species; (N,) properties of floats; lengths (m), surface tension (N/m)."""
 
 NUMBERS = itertools.count()
-"""Compiled code tells types apart by their names: laws that are not the same need types that are not."""
+"""Compiled code identifies a type by its name: other laws need another name."""
 
 
 def interaction_of(laws: Sequence[BoundLaw]) -> Interaction:
@@ -100,7 +101,7 @@ def interaction_of(laws: Sequence[BoundLaw]) -> Interaction:
         return Built(part, shortest_time(total, part, parameters), reach=parameters.cutoff)
 
     def energy(part: Any, own: Any, parameters: Parameters, state: State, workspace: Workspace) -> tuple[float, float]:
-        return float(potential(part, workspace.lists)), 0.0
+        return float(potential(part, state.position, workspace.lists)), 0.0
 
     row = Interaction(
         path="extra_laws", name="a user law", constants=constants, make=make, add_forces=_adding(total), energy=energy,
@@ -149,17 +150,15 @@ def _sum_of_energies(energy: Any) -> Any:
     """Return the sum of the energies of all pairs (J), zero at the cutoff."""
 
     @compiled_once
-    def sum_of_energies(part: Any, lists: NeighborLists) -> float:
+    def sum_of_energies(part: Any, position: Array, lists: NeighborLists) -> float:
+        # The sorted positions of the lists are those of the last forces.
         order, rows, sum_of_pairs = lists.cells.order, lists.rows, 0.0
-        x, y = rows.sorted_position[0], rows.sorted_position[1]
         for slot in range(len(order)):
             i = order[slot]
             for place in range(rows.later[slot], rows.first[slot + 1]):
-                other = rows.neighbor[place]
-                j = order[other]
+                j = order[rows.neighbor[place]]
                 mask = part.mask[part.species[i], part.species[j]]
-                along = nearest(x[other] - x[slot], rows.periods[0, 0], rows.periods[1, 0])
-                across = nearest(y[other] - y[slot], rows.periods[0, 1], rows.periods[1, 1])
+                along, across = apart(position, i, j, rows.periods)
                 distance = math.sqrt(along * along + across * across)
                 if mask and 0.0 < distance < part.cutoff:
                     pair = PairParameters(
