@@ -6,8 +6,9 @@ ecume.run.info("runs/bowl").frames
 
 Start with `runner`. `directory` names the files; `recording`, `checkpoints`, `constants`, `manifest` and `progress`
 write them; `lock` and `stop_requests` deal with other processes and signals; `invariant_monitor` checks each frame;
-`reports` and `recovery` look at runs from outside, `catalog` and `comparison` at several of them; `user_laws`
-identifies a user's laws; `ranks` is MPI.
+`selection` and
+`sampling` determine what is written; `reports` and `recovery` look at runs from outside, `catalog` and `comparison` at
+several of them; `user_laws` identifies a user's laws; `crate` describes a run as a research object; `ranks` is MPI.
 """
 
 from ecume.run.catalog import RunSummary, list_runs
